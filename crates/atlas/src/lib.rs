@@ -1,0 +1,4 @@
+//! (placeholder)
+#![forbid(unsafe_code)]
+mod types;
+pub use types::*;

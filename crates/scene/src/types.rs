@@ -1,0 +1,201 @@
+//! The plain data of a scene: what `load` returns and every later stage reads.
+//!
+//! Nothing here is derived: positions are as the file gave them (in mesh space), transforms are composed node
+//! transforms, materials are mapped to the Phong model's parameters. Invariants that [`crate::load`] guarantees:
+//! every index is in range, every number is finite, every triangle has a non-zero area in mesh space, images are decoded.
+
+use glam::{DAffine3, Vec2, Vec3};
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// A whole scene, validated.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// The file that was loaded.
+    pub path: PathBuf,
+    /// What kind of file it was.
+    pub format: Format,
+    /// Distinct triangle meshes, each with one material.
+    pub meshes: Vec<Mesh>,
+    /// Placements of meshes in the world: the *objects* of a bake. Order is the file's order.
+    pub instances: Vec<Instance>,
+    /// Materials; [`Mesh::material`] indexes here. Never empty: a file without any gets one default.
+    pub materials: Vec<Material>,
+    /// Decoded images; [`TextureRef::image`] indexes here.
+    pub images: Vec<Image>,
+    /// Everything that was repaired or ignored while loading, counted.
+    pub warnings: Vec<Warning>,
+    /// Blake3 hash, in hex, of all the bytes read for this scene (the file, its buffers, images and material files).
+    pub content_hash: String,
+}
+
+/// The input's file format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Format {
+    /// Wavefront OBJ with MTL.
+    Obj,
+    /// glTF 2.0 as JSON.
+    Gltf,
+    /// glTF 2.0 binary container.
+    Glb,
+}
+
+/// Triangles that share one vertex array and one material: a glTF primitive, or an OBJ group's part with one material.
+#[derive(Debug, Clone)]
+pub struct Mesh {
+    /// Name for messages: the file's, else `mesh 3 primitive 0`.
+    pub name: String,
+    /// Vertex positions in mesh space.
+    pub positions: Vec<Vec3>,
+    /// Unit shading normals, one a vertex; empty where the file has none (shade with the geometric normal).
+    pub normals: Vec<Vec3>,
+    /// UV sets in the file's order (TEXCOORD_0, TEXCOORD_1, …), glTF orientation (v grows down), one a vertex each.
+    /// OBJ's v is flipped on load.
+    pub uv_sets: Vec<Vec<Vec2>>,
+    /// Vertex indices; counter-clockwise seen from the front.
+    pub triangles: Vec<[u32; 3]>,
+    /// For each triangle, its number in the file's primitive (before zero-area triangles were dropped); empty where
+    /// nothing was dropped, so the numbers are equal.
+    pub source_triangles: Vec<u32>,
+    /// Index into [`Scene::materials`].
+    pub material: u32,
+    /// Where it stands in a glTF file.
+    pub origin: MeshOrigin,
+}
+
+/// The place of a mesh in its file. For OBJ `mesh` counts the loaded parts and `primitive` is 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct MeshOrigin {
+    /// glTF mesh index.
+    pub mesh: u32,
+    /// glTF primitive index within the mesh.
+    pub primitive: u32,
+}
+
+/// One mesh placed in the world: an object.
+#[derive(Debug, Clone)]
+pub struct Instance {
+    /// Node name and mesh name, for messages.
+    pub name: String,
+    /// Index into [`Scene::meshes`].
+    pub mesh: u32,
+    /// Mesh space to world space, composed in f64 over the node hierarchy; invertible.
+    pub transform: DAffine3,
+    /// glTF node index; 0 for OBJ.
+    pub node: u32,
+    /// Which copy of the node's mesh this is under `EXT_mesh_gpu_instancing`; `None` without it.
+    pub copy: Option<u32>,
+}
+
+/// Parameters of the Phong model, from MTL directly or mapped from metallic-roughness (see `material.rs`).
+#[derive(Debug, Clone)]
+pub struct Material {
+    /// The file's name, else `material 3`.
+    pub name: String,
+    /// Surface colour model.
+    pub surface: Surface,
+    /// How alpha lets rays pass.
+    pub alpha: Alpha,
+    /// Both sides are visible surfaces (glTF `doubleSided`; OBJ is always double sided). Occluders always are.
+    pub double_sided: bool,
+}
+
+/// Where albedo, specular and exponent come from.
+#[derive(Debug, Clone)]
+pub enum Surface {
+    /// The Phong model itself (OBJ: Kd, Ks, Ns, map_Kd, map_Ks).
+    Phong {
+        /// Diffuse reflectance, linear, 0..=1 a channel.
+        albedo: Vec3,
+        /// Colour texture that multiplies `albedo` (sRGB in the file, linear in [`Image`]).
+        albedo_map: Option<TextureRef>,
+        /// Specular reflectance, linear.
+        specular: Vec3,
+        /// Lobe exponent n, finite and >= 0.
+        exponent: f64,
+    },
+    /// glTF metallic-roughness, mapped per texel by [`crate::phong_from_metallic_roughness`].
+    MetallicRoughness {
+        /// `baseColorFactor`, linear RGB.
+        base: Vec3,
+        /// `baseColorTexture`.
+        base_map: Option<TextureRef>,
+        /// `metallicFactor`.
+        metallic: f64,
+        /// `roughnessFactor`.
+        roughness: f64,
+        /// Metallic in blue, roughness in green, linear.
+        metallic_roughness_map: Option<TextureRef>,
+        /// Reflectance of a dielectric at normal view (0.04, or from KHR_materials_ior and KHR_materials_specular).
+        dielectric: Vec3,
+    },
+}
+
+/// How alpha lets rays pass.
+#[derive(Debug, Clone)]
+pub enum Alpha {
+    /// Blocks every ray.
+    Opaque,
+    /// Blocks a ray where `factor * alpha(map) >= cutoff` (glTF MASK; BLEND and OBJ `d`/`map_d` with cutoff 0.5).
+    Mask {
+        /// The threshold.
+        cutoff: f32,
+        /// Constant alpha.
+        factor: f32,
+        /// Alpha channel of this texture multiplies `factor`.
+        map: Option<TextureRef>,
+    },
+}
+
+/// A use of an image.
+#[derive(Debug, Clone)]
+pub struct TextureRef {
+    /// Index into [`Scene::images`].
+    pub image: u32,
+    /// Which of [`Mesh::uv_sets`] it reads.
+    pub uv_set: u32,
+    /// Wrap rule in u and v.
+    pub wrap: [Wrap; 2],
+    /// Bilinear (true) or nearest (false) look-up.
+    pub linear: bool,
+    /// KHR_texture_transform as a matrix: `uv' = transform * (u, v, 1)`, rows first.
+    pub transform: [[f32; 3]; 2],
+}
+
+/// Texture wrap rule.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wrap {
+    /// Repeat.
+    Repeat,
+    /// Clamp to the edge.
+    Clamp,
+    /// Repeat, mirrored.
+    Mirror,
+}
+
+/// A decoded 8-bit image, RGBA, row 0 on top, as stored in the file (colour still in its own transfer function).
+#[derive(Debug, Clone)]
+pub struct Image {
+    /// Name for messages.
+    pub name: String,
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// `width * height` RGBA pixels.
+    pub pixels: Vec<[u8; 4]>,
+}
+
+/// Something that was repaired or ignored on load.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Warning {
+    /// A stable word, such as `zero-area-triangles`.
+    pub kind: String,
+    /// Mesh, primitive or material it is about.
+    pub place: String,
+    /// How many times.
+    pub count: u64,
+    /// One sentence.
+    pub message: String,
+}
