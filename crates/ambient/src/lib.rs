@@ -1,1 +1,11 @@
-//! (placeholder)
+//! Pure mathematics of ambient reflection: models, closed forms, sampling.
+//!
+//! No rays, files, threads or printing. Everything is `f64`; callers convert to `f32` in one place of their own.
+//! Directions are unit vectors that point away from the surface; angles are radians.
+
+#![forbid(unsafe_code)]
+
+pub mod frame;
+pub mod sampling;
+
+pub use frame::Frame;
