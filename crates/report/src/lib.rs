@@ -1,1 +1,21 @@
-//! (placeholder)
+//! Writes every output file of a bake: OpenEXR pages, PNG previews, glTF, `bake.json` and difference pictures.
+//!
+//! The crate takes plain data (a [`Page`], a `Scene`, an `Atlas`, a [`BakeReport`]) and never the baker. Files are made
+//! in memory or under a temporary name; [`Output`] gives them their final names only when the whole set is complete.
+#![forbid(unsafe_code)]
+
+mod bake_json;
+mod error;
+mod exr_read;
+mod exr_write;
+mod output;
+mod page;
+mod preview;
+
+pub use bake_json::*;
+pub use error::Error;
+pub use exr_read::{MAX_EDGE, PageFile, read_page_exr};
+pub use exr_write::{PageHeader, write_page_exr};
+pub use output::Output;
+pub use page::{Channel, Layer, Page};
+pub use preview::{Encoding, occlusion_png, preview_png};

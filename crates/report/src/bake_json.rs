@@ -1,0 +1,307 @@
+//! `bake.json`: what was asked, what was modelled and why, what came out and what it cost.
+
+use crate::Error;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// The layout of [`BakeReport`] that this version writes and reads. It grows when a field changes its meaning or goes.
+pub const BAKE_SCHEMA_VERSION: u32 = 1;
+
+/// The content of `bake.json`. Plain fields; the command line fills them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BakeReport {
+    /// [`BAKE_SCHEMA_VERSION`].
+    pub schema_version: u32,
+    /// Who baked with what.
+    pub versions: Versions,
+    /// The scene that was baked.
+    pub scene: SceneReport,
+    /// Every option after defaults were applied, under the name of its flag.
+    pub options: serde_json::Map<String, serde_json::Value>,
+    /// Seed of the sample stream.
+    pub seed: u64,
+    /// The rule by which the specular term is viewed, such as `normal` or `eye 1,2,3`.
+    pub view: String,
+    /// What the stored numbers mean, in words and formulas.
+    pub convention: String,
+    /// What was modelled and why.
+    pub plan: Vec<DecisionReport>,
+    /// The layout.
+    pub atlas: AtlasReport,
+    /// One entry for each page, in order.
+    pub pages: Vec<PageReport>,
+    /// One entry for each object; the `object` layer holds its index.
+    pub objects: Vec<ObjectReport>,
+    /// Wall time by phase, in the order they ran.
+    pub timings: Vec<PhaseReport>,
+    /// Wall time of the whole bake in seconds.
+    pub seconds: f64,
+    /// Rays cast in all.
+    pub rays: u64,
+    /// Largest resident memory in bytes, where the system tells it.
+    pub peak_memory_bytes: Option<u64>,
+    /// Everything that was repaired, ignored or doubtful.
+    pub warnings: Vec<WarningReport>,
+    /// Every file written beside this one, by name.
+    pub files: Vec<String>,
+}
+
+/// Versions of the program and of what it relied on.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Versions {
+    /// ambake's version.
+    pub ambake: String,
+    /// Revision of the source, where the build knew it.
+    pub git_revision: Option<String>,
+    /// `embree` or `obvhs`.
+    pub backend: String,
+    /// Version of the library that was really loaded.
+    pub backend_version: String,
+}
+
+/// The scene that was baked.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct SceneReport {
+    /// Path as given.
+    pub path: String,
+    /// `obj`, `gltf` or `glb`.
+    pub format: String,
+    /// Blake3 over all bytes read.
+    pub content_hash: String,
+    /// Distinct meshes.
+    pub meshes: u64,
+    /// Placements of meshes.
+    pub instances: u64,
+    /// Triangles of the distinct meshes.
+    pub triangles: u64,
+    /// Triangles of all placements.
+    pub instanced_triangles: u64,
+    /// Materials.
+    pub materials: u64,
+    /// Images.
+    pub images: u64,
+}
+
+/// One decision of the planner.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DecisionReport {
+    /// A stable word for the decision.
+    pub decision: String,
+    /// Why it was taken, as a sentence.
+    pub reason: String,
+}
+
+/// The layout.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct AtlasReport {
+    /// `unwrapped` or `kept`.
+    pub source: String,
+    /// The file's UV set that was kept.
+    pub kept_set: Option<u32>,
+    /// Page edge in texels.
+    pub page_size: u32,
+    /// Number of pages.
+    pub pages: u32,
+    /// Number of charts.
+    pub charts: u32,
+    /// Texels per scene unit reached, area-weighted mean.
+    pub density: f64,
+    /// Sample points inside more than one triangle.
+    pub overlaps: u64,
+    /// Triangles without area in the layout.
+    pub missing: u64,
+    /// Vertices outside 0..1.
+    pub outside: u64,
+    /// Texels that at least one chart touches.
+    pub texels: u64,
+}
+
+/// What happened on one page.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct PageReport {
+    /// Page number from 0.
+    pub page: u32,
+    /// Texels with coverage above 0.
+    pub texels: u64,
+    /// Sum of the coverage over all texels divided by their number, 0..=1.
+    pub coverage_used: f64,
+    /// Mean standard error of `diffuse` over covered texels.
+    pub mean_error: f64,
+    /// Largest standard error of `diffuse`.
+    pub max_error: f64,
+    /// Rays cast for the page.
+    pub rays: u64,
+    /// Seconds spent integrating the page.
+    pub seconds: f64,
+    /// `rays / seconds`; 0 where no ray was cast.
+    pub rays_per_second: f64,
+}
+
+/// An object: one placement of a mesh.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct ObjectReport {
+    /// Name of node and mesh.
+    pub name: String,
+    /// Triangles.
+    pub triangles: u64,
+    /// First page it lies on.
+    pub page: u32,
+}
+
+/// Wall time of one phase.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct PhaseReport {
+    /// Phase, such as `load`, `layout`, `build`, `integrate`, `finish`, `write`.
+    pub phase: String,
+    /// Seconds.
+    pub seconds: f64,
+}
+
+/// Something that was repaired, ignored or is doubtful.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct WarningReport {
+    /// A stable word.
+    pub kind: String,
+    /// What it is about.
+    pub place: String,
+    /// How many times.
+    pub count: u64,
+    /// One sentence.
+    pub message: String,
+}
+
+impl SceneReport {
+    /// The facts of a loaded scene.
+    pub fn of(scene: &scene::Scene) -> SceneReport {
+        let triangles = |mesh: &scene::Mesh| mesh.triangles.len() as u64;
+        SceneReport {
+            path: scene.path.display().to_string(),
+            format: match scene.format {
+                scene::Format::Obj => "obj",
+                scene::Format::Gltf => "gltf",
+                scene::Format::Glb => "glb",
+            }
+            .into(),
+            content_hash: scene.content_hash.clone(),
+            meshes: scene.meshes.len() as u64,
+            instances: scene.instances.len() as u64,
+            triangles: scene.meshes.iter().map(triangles).sum(),
+            instanced_triangles: scene
+                .instances
+                .iter()
+                .map(|i| triangles(&scene.meshes[i.mesh as usize]))
+                .sum(),
+            materials: scene.materials.len() as u64,
+            images: scene.images.len() as u64,
+        }
+    }
+}
+
+impl AtlasReport {
+    /// The facts of a layout.
+    pub fn of(atlas: &atlas::Atlas) -> AtlasReport {
+        let (source, kept_set) = match atlas.source {
+            atlas::UvSource::Kept { set } => ("kept", Some(set)),
+            atlas::UvSource::Unwrapped => ("unwrapped", None),
+        };
+        AtlasReport {
+            source: source.into(),
+            kept_set,
+            page_size: atlas.page_size,
+            pages: atlas.page_count,
+            charts: atlas.chart_count,
+            density: atlas.density,
+            overlaps: atlas.audit.overlaps,
+            missing: atlas.audit.missing,
+            outside: atlas.audit.outside,
+            texels: atlas.audit.texels,
+        }
+    }
+}
+
+/// The objects of a scene in the order of the `object` layer.
+pub fn object_reports(scene: &scene::Scene, atlas: &atlas::Atlas) -> Vec<ObjectReport> {
+    let objects = scene.instances.iter().zip(&atlas.placements);
+    let report = |(instance, placement): (&scene::Instance, &atlas::Placement)| ObjectReport {
+        name: instance.name.clone(),
+        triangles: scene.meshes[instance.mesh as usize].triangles.len() as u64,
+        page: placement.page,
+    };
+    objects.map(report).collect()
+}
+
+impl From<&scene::Warning> for WarningReport {
+    fn from(warning: &scene::Warning) -> WarningReport {
+        WarningReport {
+            kind: warning.kind.clone(),
+            place: warning.place.clone(),
+            count: warning.count,
+            message: warning.message.clone(),
+        }
+    }
+}
+
+impl PageReport {
+    /// The statistics of page number `page`, from its layers `coverage`, `error` and `rays` where they are present.
+    pub fn of(page: u32, layers: &crate::Page, seconds: f64) -> PageReport {
+        let layer = |name| layers.values(name).unwrap_or(&[]);
+        let coverage = layer("coverage");
+        let texels = coverage.iter().filter(|&&c| c > 0.0).count() as u64;
+        let errors = || {
+            layer("error")
+                .iter()
+                .zip(coverage)
+                .filter(|&(_, &c)| c > 0.0)
+                .map(|(&e, _)| f64::from(e))
+        };
+        let rays: f64 = layer("rays").iter().map(|&r| f64::from(r)).sum();
+        PageReport {
+            page,
+            texels,
+            coverage_used: coverage.iter().map(|&c| f64::from(c)).sum::<f64>()
+                / coverage.len().max(1) as f64,
+            mean_error: errors().sum::<f64>() / texels.max(1) as f64,
+            max_error: errors().fold(0.0, f64::max),
+            rays: rays as u64,
+            seconds,
+            rays_per_second: if rays > 0.0 && seconds > 0.0 {
+                rays / seconds
+            } else {
+                0.0
+            },
+        }
+    }
+}
+
+impl BakeReport {
+    /// The file's text: indented JSON that ends with a line feed.
+    pub fn to_json(&self) -> String {
+        let text =
+            serde_json::to_string_pretty(self).expect("plain structs with text keys become JSON");
+        text + "\n"
+    }
+}
+
+/// The report of a finished bake, from its `bake.json`.
+///
+/// # Errors
+/// [`Error::Read`] for an absent file, other JSON, or another schema version.
+pub fn read_bake_report(path: &Path) -> Result<BakeReport, Error> {
+    #[derive(Deserialize)]
+    struct Head {
+        schema_version: u32,
+    }
+    let text = std::fs::read_to_string(path)
+        .map_err(|e| Error::read(path, format!("{e}; name the directory of a finished bake")))?;
+    let broken =
+        |e: serde_json::Error| Error::read(path, format!("{e}; the file is damaged, bake again"));
+    let head: Head = serde_json::from_str(&text).map_err(broken)?;
+    if head.schema_version != BAKE_SCHEMA_VERSION {
+        let found = head.schema_version;
+        let reason = format!(
+            "it has schema version {found}, this ambake reads {BAKE_SCHEMA_VERSION}; bake again"
+        );
+        return Err(Error::read(path, reason));
+    }
+    serde_json::from_str(&text).map_err(broken)
+}

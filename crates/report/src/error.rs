@@ -1,0 +1,91 @@
+//! What can go wrong while output is written or a finished bake is read back.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// A failure with one line that names the file, the place and the cure.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The output directory cannot be made or is not a directory.
+    #[error("cannot use {} as output directory: {reason}; choose another with -o", path.display())]
+    Directory {
+        /// The directory asked for.
+        path: PathBuf,
+        /// What the system said.
+        reason: String,
+    },
+    /// A file cannot be written.
+    #[error("cannot write {}: {source}; {}", path.display(), advice(source))]
+    Write {
+        /// The final name of the file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A file cannot be read, or is not what it should be.
+    #[error("cannot read {}: {reason}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it and what to do.
+        reason: String,
+    },
+    /// A value to be written is NaN or infinite. This is a bug of the baker, caught before it reaches a file.
+    #[error(
+        "layer {layer} holds {value} at texel ({x}, {y}); nothing was written, please report this scene"
+    )]
+    NonFinite {
+        /// Channel name.
+        layer: String,
+        /// Texel column.
+        x: u32,
+        /// Texel row.
+        y: u32,
+        /// The value.
+        value: f32,
+    },
+    /// A page lacks a layer that the job needs.
+    #[error("the page has no layer {layer}; bake again with --layers {layer}")]
+    MissingLayer {
+        /// Layer name.
+        layer: String,
+    },
+    /// Two pages that are to be compared do not fit.
+    #[error("pages differ: {reason}; compare pages of the same layout")]
+    Mismatch {
+        /// How they differ.
+        reason: String,
+    },
+}
+
+impl Error {
+    /// A write error for the final name `path`.
+    pub(crate) fn write(path: &Path, source: io::Error) -> Error {
+        Error::Write {
+            path: path.to_owned(),
+            source,
+        }
+    }
+
+    /// A read error for `path`.
+    pub(crate) fn read(path: &Path, reason: impl Into<String>) -> Error {
+        Error::Read {
+            path: path.to_owned(),
+            reason: reason.into(),
+        }
+    }
+}
+
+/// What to do about a failed write.
+fn advice(error: &io::Error) -> &'static str {
+    match error.kind() {
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+            "free some space and run again"
+        }
+        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+            "make the directory writable or choose another with -o"
+        }
+        io::ErrorKind::IsADirectory => "move the directory of that name away",
+        _ => "check the disk and run again",
+    }
+}

@@ -1,0 +1,210 @@
+//! One OpenEXR file per page: single part, flat, float32, ZIP, channels in the order of their names.
+//!
+//! The bytes are a function of the page and the header alone. The `exr` crate keeps attributes in a hash map and so
+//! writes them in a random order; [`sort_attributes`] puts them in the order of their names, as OpenEXR's own library
+//! does. See vendor-notes/exr.md.
+
+use crate::{Error, Page};
+use exr::block::lines::LineRefMut;
+use exr::image::write::WritableImage;
+use exr::image::write::samples::{SamplesWriter, WritableSamples};
+use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, Image, Layer};
+use exr::math::{RoundingMode, Vec2};
+use exr::meta::attribute::{AttributeValue, LevelMode, LineOrder, SampleType, Text};
+use exr::meta::header::{Header, LayerAttributes};
+use std::fs::File;
+use std::io::{BufWriter, Read, Seek, SeekFrom, Write};
+use std::path::Path;
+
+/// What the header of a page says about its origin. Everything is a string attribute in the file.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PageHeader {
+    /// ambake's version: `ambakeVersion`, and `software` as `ambake VERSION`.
+    pub version: String,
+    /// The options of the bake, as JSON: `ambakeOptions`.
+    pub options: String,
+    /// Seed of the sample stream: `ambakeSeed`.
+    pub seed: u64,
+    /// What the stored numbers mean: `ambakeConvention`.
+    pub convention: String,
+    /// The rule by which the specular term is viewed: `ambakeView`.
+    pub view: String,
+    /// `Scene::content_hash`: `ambakeSceneHash`.
+    pub scene_hash: String,
+    /// Page number from 0: `ambakePage`.
+    pub page: u32,
+}
+
+impl PageHeader {
+    fn attributes(&self) -> [(&'static str, String); 7] {
+        [
+            ("ambakeVersion", self.version.clone()),
+            ("ambakeOptions", self.options.clone()),
+            ("ambakeSeed", self.seed.to_string()),
+            ("ambakeConvention", self.convention.clone()),
+            ("ambakeView", self.view.clone()),
+            ("ambakeSceneHash", self.scene_hash.clone()),
+            ("ambakePage", self.page.to_string()),
+        ]
+    }
+}
+
+/// Writes `page` to `file`, which is empty and open for reading and writing (as [`crate::Output::stage`] hands it out).
+///
+/// Values are not copied. The bytes do not depend on the number of threads.
+///
+/// # Errors
+/// [`Error::NonFinite`] for the first NaN or infinity, before a byte is written; [`Error::Write`] with an empty path,
+/// which [`crate::Output::stage`] fills in.
+///
+/// # Panics
+/// Where a channel has another length than the page, or two channels have one name: bugs of the caller.
+pub fn write_page_exr(file: &mut File, page: &Page, header: &PageHeader) -> Result<(), Error> {
+    let named = page.named_channels();
+    let edge = page.size as usize;
+    for (name, values) in &named {
+        assert_eq!(
+            values.len(),
+            edge * edge,
+            "channel {name} of a page of {edge} texels"
+        );
+        if let Some(at) = values.iter().position(|value| !value.is_finite()) {
+            let (x, y) = ((at % edge) as u32, (at / edge) as u32);
+            return Err(Error::NonFinite {
+                layer: name.clone(),
+                x,
+                y,
+                value: values[at],
+            });
+        }
+    }
+    let channels = named.iter().map(|(name, values)| AnyChannel {
+        name: Text::from(name.as_str()),
+        sample_data: Plane {
+            width: edge,
+            values,
+        },
+        quantize_linearly: false,
+        sampling: Vec2(1, 1),
+    });
+    let channels = AnyChannels::sort(channels.collect());
+    if let Some(twin) = channels
+        .list
+        .windows(2)
+        .find(|pair| pair[0].name == pair[1].name)
+    {
+        panic!("two channels are called {}", twin[0].name);
+    }
+    // Bytes, not characters: the file format stores them as they are, and a path may hold any UTF-8.
+    let text = |s: &str| Text::from_slice_unchecked(s.as_bytes());
+    let mut attributes = LayerAttributes {
+        software_name: Some(text(&format!("ambake {}", header.version))),
+        ..LayerAttributes::default()
+    };
+    for (name, value) in header.attributes() {
+        attributes
+            .other
+            .insert(Text::from(name), AttributeValue::Text(text(&value)));
+    }
+    let encoding = Encoding {
+        compression: exr::compression::Compression::ZIP16,
+        blocks: Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
+    };
+    let image = Image::from_layer(Layer::new((edge, edge), attributes, encoding, channels));
+    image
+        .write()
+        .to_unbuffered(BufWriter::new(&mut *file))
+        .map_err(|error| {
+            let source = match error {
+                exr::error::Error::Io(io) => io,
+                other => std::io::Error::other(other.to_string()),
+            };
+            Error::write(Path::new(""), source)
+        })?;
+    sort_attributes(file).map_err(|e| Error::write(Path::new(""), e))
+}
+
+/// Puts the attributes of a single-part file's header in the order of their names. The header keeps its length, so the
+/// offset table after it stays true.
+fn sort_attributes(file: &mut File) -> std::io::Result<()> {
+    const PREFIX: usize = 8; // magic number and version
+    let mut bytes = Vec::new();
+    file.seek(SeekFrom::Start(0))?;
+    let mut chunk = [0; 1 << 16];
+    let records = loop {
+        let count = file.read(&mut chunk)?;
+        assert!(
+            count > 0,
+            "the header just written has an end within its {} bytes",
+            bytes.len()
+        );
+        bytes.extend_from_slice(&chunk[..count]);
+        if let Some(records) = attribute_records(&bytes[PREFIX..]) {
+            break records;
+        }
+    };
+    let length: usize = records.iter().map(|record| record.len()).sum();
+    let mut sorted = records;
+    sorted.sort(); // a record begins with its name and a zero byte, so this is the order of the names
+    let sorted = sorted.concat();
+    assert_eq!(sorted.len(), length);
+    file.seek(SeekFrom::Start(PREFIX as u64))?;
+    file.write_all(&sorted)?;
+    file.seek(SeekFrom::End(0))?;
+    Ok(())
+}
+
+/// Each attribute (name, zero, type, zero, length, value) up to the header's closing zero; `None` if `bytes` end before.
+fn attribute_records(bytes: &[u8]) -> Option<Vec<&[u8]>> {
+    let mut records = Vec::new();
+    let mut at = 0;
+    while *bytes.get(at)? != 0 {
+        let name = bytes[at..].iter().position(|&b| b == 0)? + 1;
+        let kind = bytes[at + name..].iter().position(|&b| b == 0)? + 1;
+        let value = at + name + kind + 4;
+        let length = u32::from_le_bytes(bytes.get(value - 4..value)?.try_into().ok()?) as usize;
+        records.push(bytes.get(at..value + length)?);
+        at = value + length;
+    }
+    Some(records)
+}
+
+/// A borrowed channel.
+struct Plane<'a> {
+    width: usize,
+    values: &'a [f32],
+}
+
+impl<'a> WritableSamples<'a> for Plane<'_> {
+    type Writer = PlaneWriter<'a>;
+
+    fn sample_type(&self) -> SampleType {
+        SampleType::F32
+    }
+
+    fn infer_level_modes(&self) -> (LevelMode, RoundingMode) {
+        (LevelMode::Singular, RoundingMode::Down)
+    }
+
+    fn create_samples_writer(&'a self, _: &Header) -> PlaneWriter<'a> {
+        PlaneWriter {
+            width: self.width,
+            values: self.values,
+        }
+    }
+}
+
+struct PlaneWriter<'a> {
+    width: usize,
+    values: &'a [f32],
+}
+
+impl SamplesWriter for PlaneWriter<'_> {
+    fn extract_line(&self, line: LineRefMut<'_>) {
+        let start = line.location.position.y() * self.width + line.location.position.x();
+        let samples = &self.values[start..start + line.location.sample_count];
+        line.write_samples_from_slice(samples)
+            .expect("a buffer in memory takes its line");
+    }
+}
