@@ -702,7 +702,7 @@ def arch_wall(obj, xs, spring, radius, top, front, back):
 def courtyard():
     obj = Obj(
         "Courtyard with an arcade, steps, a bronze sphere on a marble plinth, crates, urns and a bench (y-up, metres).",
-        "No lightmap UVs: ambake unwraps it. A view: eye 6.5,4.2,9.5 look 0,1.2,-2.",
+        "No lightmap UVs: ambake unwraps it. A view: eye 5.5,3.8,9.5 look -0.6,1.2,-2.",
     )
     obj.lines.append("mtllib courtyard.mtl")
     obj.object("ground", "paving")
