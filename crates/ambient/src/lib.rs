@@ -5,7 +5,9 @@
 
 #![forbid(unsafe_code)]
 
+pub mod closed_form;
 pub mod frame;
+mod quadrature;
 pub mod sampling;
 
 pub use frame::Frame;

@@ -1,0 +1,10 @@
+//! Exact ambient terms of points above which nothing stands.
+//!
+//! [`phong_open`] replaces the sums of equations (15) and (16): they are finite only for integer exponents, their
+//! factorials overflow, and beyond 90 degrees they cancel.
+
+mod open;
+mod tilted;
+
+pub use open::{phong_open, phong_open_angle, phong_open_cosine};
+pub use tilted::{tilted_diffuse, tilted_specular, tilted_visibility};
