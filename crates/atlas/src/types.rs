@@ -20,8 +20,10 @@ pub struct Atlas {
     pub audit: Audit,
     /// Texels per scene unit that the layout reached (area-weighted mean over the surface).
     pub density: f64,
-    /// Number of charts over all meshes.
+    /// Number of charts over all meshes; 0 where the file's own were kept and nobody counted.
     pub chart_count: u32,
+    /// Why the file's UV sets were not kept as they stand, one sentence each with its count; empty where one was.
+    pub notes: Vec<String>,
 }
 
 /// Lightmap coordinates of one mesh. Triangles keep the order of `Mesh::triangles`.
@@ -57,6 +59,11 @@ pub enum UvSource {
         /// TEXCOORD number.
         set: u32,
     },
+    /// The file's UV set was kept, and each object was given a rectangle of its own.
+    Repacked {
+        /// TEXCOORD number.
+        set: u32,
+    },
     /// Charts were made and packed by ambake.
     Unwrapped,
 }
@@ -72,6 +79,9 @@ pub struct Audit {
     pub outside: u64,
     /// Texels that at least one chart touches, over all pages.
     pub texels: u64,
+    /// Triangles too thin or too small for an area of their own in 32-bit coordinates: each holds a speck of a few
+    /// units in the last place at its neighbour's corner, so that it is not missing. Its own texels show none of it.
+    pub specks: u64,
 }
 
 /// What was asked of the layout.

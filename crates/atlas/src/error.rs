@@ -1,0 +1,132 @@
+//! What can go wrong while laying out an atlas.
+
+use thiserror::Error;
+
+/// Why there is no atlas.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum Error {
+    /// The page edge is out of range.
+    #[error("page size {0} is out of range: choose 1 to 16384 texels")]
+    PageSize(u32),
+    /// The density is not a positive number.
+    #[error("density {0} is out of range: give texels per scene unit above 0")]
+    Density(f64),
+    /// The scene places no triangles.
+    #[error("the scene places no triangles: there is nothing to lay out")]
+    Empty,
+    /// `--uv keep` on a mesh without a UV set.
+    #[error("mesh `{mesh}` has no TEXCOORD_{set} to keep: use `--uv unwrap`")]
+    NoSet {
+        /// Mesh name.
+        mesh: String,
+        /// TEXCOORD number.
+        set: u32,
+    },
+    /// Coordinates that are not finite or not within 0..1.
+    #[error(
+        "mesh `{mesh}`: {count} coordinates of TEXCOORD_{set} lie outside 0..1, so it is no lightmap set: \
+         use `--uv unwrap`"
+    )]
+    Outside {
+        /// Mesh name.
+        mesh: String,
+        /// TEXCOORD number.
+        set: u32,
+        /// How many vertices.
+        count: u64,
+    },
+    /// Triangles that have no area in the set.
+    #[error("mesh `{mesh}`: {count} triangles have no area in TEXCOORD_{set}: use `--uv unwrap`")]
+    NoArea {
+        /// First mesh with such a triangle.
+        mesh: String,
+        /// TEXCOORD number.
+        set: u32,
+        /// How many triangles over all objects.
+        count: u64,
+    },
+    /// Triangles lie over each other so much that their area exceeds the page's.
+    #[error(
+        "mesh `{mesh}`: TEXCOORD_{set} covers {pages:.2} times its page, so triangles overlap: use `--uv unwrap`"
+    )]
+    Crowded {
+        /// First mesh concerned.
+        mesh: String,
+        /// TEXCOORD number.
+        set: u32,
+        /// Area of all triangles in pages.
+        pages: f64,
+    },
+    /// Triangles lie over each other.
+    #[error(
+        "mesh `{mesh}`: TEXCOORD_{set} overlaps at {count} of 16 sample points a texel on {size}x{size} texels: \
+         use `--uv unwrap`"
+    )]
+    Overlap {
+        /// First mesh concerned.
+        mesh: String,
+        /// TEXCOORD number.
+        set: u32,
+        /// Sample points inside more than one triangle, over all objects.
+        count: u64,
+        /// Page edge in texels.
+        size: u32,
+    },
+    /// The charts do not fit on one page at any density.
+    #[error("{charts} charts with their gutters do not fit on one page of {size}x{size} texels: {}", advice(.fits))]
+    PageFull {
+        /// Number of charts, or of objects where their own charts are kept.
+        charts: u32,
+        /// Page edge in texels.
+        size: u32,
+        /// A page edge that holds them, if any does.
+        fits: Option<u32>,
+    },
+    /// At the density asked for, one chart is larger than a page.
+    #[error(
+        "a chart takes {width}x{height} texels with its gutter and the page has {size}x{size}: \
+         raise `--size` to {} or lower `--density`", width.max(height)
+    )]
+    ChartTooLarge {
+        /// Chart width in texels with gutter.
+        width: u32,
+        /// Chart height in texels with gutter.
+        height: u32,
+        /// Page edge in texels.
+        size: u32,
+    },
+    /// The density asks for more texels than can be laid out.
+    #[error("the density asks for {0} texels or more: lower `--density`")]
+    TooManyTexels(u64),
+    /// An object's transform or size cannot be measured in 32-bit numbers.
+    #[error("object `{0}` is too large or too small to unwrap: scale the scene")]
+    Extent(String),
+    /// The unwrapper refused its input.
+    #[error("unwrapping failed: {0}: please report this scene")]
+    Unwrap(String),
+    /// The audit of the unwrapper's result failed.
+    #[error(
+        "the unwrapped layout of `{mesh}` failed its audit ({overlaps} overlapping sample points, {missing} triangles \
+         missing, {outside} vertices outside): please report this scene"
+    )]
+    Audit {
+        /// First mesh concerned.
+        mesh: String,
+        /// Sample points inside more than one triangle.
+        overlaps: u64,
+        /// Triangles without area.
+        missing: u64,
+        /// Vertices outside the page.
+        outside: u64,
+    },
+    /// The caller asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+fn advice(fits: &Option<u32>) -> String {
+    match fits {
+        Some(size) => format!("use `--size {size}`, or `--density` for several pages"),
+        None => "use `--density` for several pages".into(),
+    }
+}

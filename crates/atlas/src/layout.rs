@@ -1,0 +1,65 @@
+//! The layout of a scene: which coordinates are kept, which are made.
+
+use crate::keep::keep;
+use crate::unwrap::unwrap;
+use crate::{Atlas, Error, Options, UvMode};
+use scene::Scene;
+
+/// A place on a page for every triangle of every object, audited: nothing overlaps, nothing is missing or outside.
+///
+/// Under [`UvMode::Auto`] TEXCOORD_1 is kept where it is a usable lightmap set on all meshes, else TEXCOORD_0, else
+/// everything is unwrapped; [`Atlas::notes`] says why. A set whose objects are fine by themselves but share the square
+/// is kept with a rectangle for each object. `cancel` is asked now and then, from any thread.
+///
+/// # Errors
+///
+/// Options out of range, an unusable set under [`UvMode::Keep`], charts that do not fit, a cancelled job.
+pub fn layout(
+    scene: &Scene,
+    options: &Options,
+    cancel: &(dyn Fn() -> bool + Sync),
+) -> Result<Atlas, Error> {
+    if !(1..=16384).contains(&options.page_size) {
+        return Err(Error::PageSize(options.page_size));
+    }
+    if let Some(density) = options.density
+        && !(density.is_finite() && density > 0.0)
+    {
+        return Err(Error::Density(density));
+    }
+    let placed = |mesh: u32| !scene.meshes[mesh as usize].triangles.is_empty();
+    if !scene.instances.iter().any(|i| placed(i.mesh)) {
+        return Err(Error::Empty);
+    }
+    let mut notes = Vec::new();
+    if options.uv != UvMode::Unwrap {
+        let mut refusal = None;
+        for set in [1, 0] {
+            if cancel() {
+                return Err(Error::Cancelled);
+            }
+            match keep(scene, options, set) {
+                Ok(mut atlas) => {
+                    notes.append(&mut atlas.notes);
+                    atlas.notes = notes;
+                    return Ok(atlas);
+                }
+                // That the file has no second set is no news when the first is at fault.
+                Err(Error::NoSet { .. }) if set == 1 => {}
+                Err(why) => {
+                    notes.push(why.to_string());
+                    refusal.get_or_insert(why);
+                }
+            }
+        }
+        if let (UvMode::Keep, Some(why)) = (options.uv, refusal) {
+            return Err(why);
+        }
+    }
+    if cancel() {
+        return Err(Error::Cancelled);
+    }
+    let mut atlas = unwrap(scene, options, cancel)?;
+    atlas.notes = notes;
+    Ok(atlas)
+}

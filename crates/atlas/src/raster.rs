@@ -1,0 +1,158 @@
+//! An index of a page's triangles by tile. Footprints are cut out on demand, a tile at a time.
+
+use crate::footprint::{Collector, TILE, Tile};
+use crate::uv::{corners, page, twice_area};
+use crate::{Atlas, MeshLayout, Placement};
+use glam::DVec2;
+use scene::Scene;
+
+/// The triangles of one page, by tile. Shared by reference between threads.
+pub struct PageRaster<'a> {
+    layouts: &'a [MeshLayout],
+    placements: &'a [Placement],
+    /// Mesh of each instance.
+    meshes: Vec<u32>,
+    page_size: u32,
+    /// Tile numbers with at least one triangle, ascending.
+    tiles: Vec<u32>,
+    /// Where each tile's entries begin, one more than `tiles`.
+    starts: Vec<usize>,
+    /// Instance and triangle.
+    entries: Vec<[u32; 2]>,
+}
+
+/// Tiles are binned this much larger, in texels, than they are: far above the rounding of the test, so none is missed.
+const SLACK: f64 = 1e-6;
+
+impl<'a> PageRaster<'a> {
+    /// The index of page `page`. Triangles without area are left out.
+    pub fn new(scene: &Scene, atlas: &'a Atlas, page: u32) -> PageRaster<'a> {
+        let meshes: Vec<u32> = scene.instances.iter().map(|i| i.mesh).collect();
+        let across = atlas.page_size.div_ceil(TILE);
+        let mut counts = vec![0u32; (across * across) as usize];
+        visit(&meshes, atlas, page, |tile, _| counts[tile] += 1);
+        let (mut tiles, mut starts) = (Vec::new(), vec![0]);
+        // From here `counts` holds where the next entry of a tile goes, counted from the tile's place.
+        let mut slots = vec![0usize; counts.len()];
+        for (tile, &count) in counts.iter().enumerate() {
+            if count > 0 {
+                slots[tile] = starts[tiles.len()];
+                tiles.push(tile as u32);
+                starts.push(slots[tile] + count as usize);
+            }
+        }
+        let mut entries = vec![[0; 2]; starts[tiles.len()]];
+        visit(&meshes, atlas, page, |tile, entry| {
+            entries[slots[tile]] = entry;
+            slots[tile] += 1;
+        });
+        PageRaster {
+            layouts: &atlas.meshes,
+            placements: &atlas.placements,
+            meshes,
+            page_size: atlas.page_size,
+            tiles,
+            starts,
+            entries,
+        }
+    }
+
+    /// Numbers (row-major over the page) of the tiles that triangles meet, ascending.
+    pub fn tiles(&self) -> &[u32] {
+        &self.tiles
+    }
+
+    /// The footprints of the tile `self.tiles()[index]`, cut out anew on each call.
+    ///
+    /// # Panics
+    ///
+    /// If `index` is not below the number of tiles.
+    pub fn tile(&self, index: usize) -> Tile {
+        let [x0, y0] = self.tile_origin(index);
+        let mut collector = Collector::new(x0, y0, self.page_size);
+        for (entry, corners) in self.triangles(index) {
+            collector.add(entry[0], entry[1], corners);
+        }
+        collector.finish()
+    }
+
+    /// First column and row of a tile.
+    pub(crate) fn tile_origin(&self, index: usize) -> [u32; 2] {
+        let (number, across) = (self.tiles[index], self.page_size.div_ceil(TILE));
+        [number % across * TILE, number / across * TILE]
+    }
+
+    /// Instance and triangle, and the corners in texels, of all that meets a tile.
+    pub(crate) fn triangles(
+        &self,
+        index: usize,
+    ) -> impl Iterator<Item = ([u32; 2], [DVec2; 3])> + '_ {
+        let size = f64::from(self.page_size);
+        self.entries[self.starts[index]..self.starts[index + 1]]
+            .iter()
+            .map(move |&entry| {
+                let [instance, triangle] = entry.map(|i| i as usize);
+                let layout = &self.layouts[self.meshes[instance] as usize];
+                (
+                    entry,
+                    corners(layout, &self.placements[instance], triangle, size),
+                )
+            })
+    }
+}
+
+/// Calls `visit(tile, [instance, triangle])` for every pair that meets on the page, in order of instance and triangle.
+fn visit(meshes: &[u32], atlas: &Atlas, wanted: u32, mut visit: impl FnMut(usize, [u32; 2])) {
+    let across = atlas.page_size.div_ceil(TILE);
+    for (instance, (&mesh, placement)) in meshes.iter().zip(&atlas.placements).enumerate() {
+        let layout = &atlas.meshes[mesh as usize];
+        if placement.page > wanted || (layout.triangle_pages.is_empty() && placement.page != wanted)
+        {
+            continue;
+        }
+        for triangle in 0..layout.triangles.len() {
+            if page(layout, placement, triangle) != wanted {
+                continue;
+            }
+            let corners = corners(layout, placement, triangle, f64::from(atlas.page_size));
+            if twice_area(corners) == 0.0 {
+                continue;
+            }
+            let entry = [instance as u32, triangle as u32];
+            tiles_of(corners, across, |tile| visit(tile as usize, entry));
+        }
+    }
+}
+
+/// Every tile that a triangle meets, and perhaps a few that it only touches.
+fn tiles_of(p: [DVec2; 3], across: u32, mut found: impl FnMut(u32)) {
+    let edge = f64::from(TILE);
+    let low = p[0].min(p[1]).min(p[2]);
+    let high = p[0].max(p[1]).max(p[2]);
+    let first = |v: f64| ((v - SLACK) / edge).floor().clamp(0.0, f64::from(across)) as u32;
+    let last = |v: f64| ((v + SLACK) / edge).ceil().clamp(0.0, f64::from(across)) as u32;
+    let (columns, rows) = (first(low.x)..last(high.x), first(low.y)..last(high.y));
+    let few = columns.len() <= 1 || rows.len() <= 1;
+    let turn = twice_area(p).signum();
+    // Inward normals: the tile is off when even its innermost corner is outside an edge.
+    let edges = [(p[0], p[1]), (p[1], p[2]), (p[2], p[0])].map(|(a, b)| {
+        let n = (b - a).perp() * turn;
+        (a, n, n.abs().element_sum() * SLACK)
+    });
+    for ty in rows {
+        for tx in columns.clone() {
+            let corner = DVec2::new(f64::from(tx), f64::from(ty)) * edge;
+            let meets = |&(a, n, slack): &(DVec2, DVec2, f64)| {
+                let far = corner
+                    + DVec2::new(
+                        if n.x > 0.0 { edge } else { 0.0 },
+                        if n.y > 0.0 { edge } else { 0.0 },
+                    );
+                (far - a).dot(n) >= -slack
+            };
+            if few || edges.iter().all(meets) {
+                found(ty * across + tx);
+            }
+        }
+    }
+}

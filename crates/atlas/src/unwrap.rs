@@ -1,0 +1,255 @@
+//! Charts made and packed by `uvunwrap`, which nothing outside this file names. See vendor-notes/uvunwrap.md.
+
+use crate::audit::audit;
+use crate::keep::GUTTER;
+use crate::measure::{AS_IT_STANDS, density, mesh_area, world_area};
+use crate::uv::twice_area;
+use crate::{Atlas, Audit, Error, MeshLayout, Options, Placement, UvSource};
+use glam::Vec2;
+use scene::{Mesh, Scene};
+use uvunwrap::{Density, MeshInput, OutputMesh, Packing};
+
+/// Up to this many charts are packed by shape: denser, and time grows with the square.
+const SHAPED: u32 = 2000;
+/// Edge of a speck: two units in the last place of a coordinate in 0.5..1.
+const SPECK: f32 = 1.0 / (1 << 23) as f32;
+/// The largest page edge that a bake offers.
+const LARGEST: u32 = 16384;
+
+/// Unwraps every mesh that is placed and packs all objects together.
+///
+/// A mesh placed once is unwrapped in its world shape, so its texels are square there, and its charts go wherever
+/// there is room. A mesh placed several times is unwrapped once in its own shape; each object gets a rectangle, scaled
+/// by the square root of its mean area scale.
+pub(crate) fn unwrap(
+    scene: &Scene,
+    options: &Options,
+    cancel: &(dyn Fn() -> bool + Sync),
+) -> Result<Atlas, Error> {
+    let sources = sources(scene)?;
+    let size = options.page_size;
+    let generate = |size: u32, packing: Packing| {
+        let inputs: Vec<MeshInput> = sources.iter().map(Source::input).collect();
+        let density = match options.density {
+            None => Density::Auto { page_size: size },
+            Some(density) => Density::Fixed {
+                texels_per_unit: density as f32,
+                page_size: Some(size),
+            },
+        };
+        let settings = uvunwrap::Options {
+            density,
+            padding: GUTTER,
+            packing,
+            ..uvunwrap::Options::default()
+        };
+        uvunwrap::generate_with_progress(&inputs, &settings, |_| !cancel())
+            .map_err(|error| explain(error, size))
+    };
+    if size <= 2 * GUTTER {
+        let fits = Some(2 * GUTTER + 1);
+        let charts = sources.len() as u32;
+        return Err(Error::PageFull { charts, size, fits });
+    }
+    let mut made = generate(size, Packing::Fast)?;
+    if made.chart_count <= SHAPED {
+        made = generate(size, Packing::Shape)?;
+    }
+    if options.density.is_none() && made.page_count > 1 {
+        let charts = made.chart_count;
+        let mut larger = (size + 1).next_power_of_two();
+        while larger <= LARGEST && generate(larger, Packing::Fast)?.page_count > 1 {
+            larger *= 2;
+        }
+        let fits = (larger <= LARGEST).then_some(larger);
+        return Err(Error::PageFull { charts, size, fits });
+    }
+    // A page that was cropped to the rows in use is square again.
+    let crop = Vec2::new(1.0, made.height as f32 / size as f32);
+    let mut atlas = Atlas {
+        page_size: size,
+        page_count: made.page_count.max(1),
+        meshes: vec![MeshLayout::default(); scene.meshes.len()],
+        placements: vec![AS_IT_STANDS; scene.instances.len()],
+        source: UvSource::Unwrapped,
+        audit: Audit::default(),
+        density: 0.0,
+        chart_count: made.chart_count,
+        notes: Vec::new(),
+    };
+    let mut specks = 0;
+    for (source, out) in sources.iter().zip(made.meshes) {
+        for (&instance, rect) in source.instances.iter().zip(&out.instances) {
+            let (low, high) = (Vec2::from(rect.min) * crop, Vec2::from(rect.max) * crop);
+            atlas.placements[instance] = Placement {
+                page: rect.page,
+                scale: (high - low).to_array(),
+                offset: low.to_array(),
+            };
+        }
+        let crop = if out.instances.is_empty() {
+            crop
+        } else {
+            Vec2::ONE
+        };
+        let mut layout = own_layout(&scene.meshes[source.mesh], out, crop)?;
+        specks += add_specks(&mut layout) * source.instances.len() as u64;
+        atlas.meshes[source.mesh] = layout;
+    }
+    if cancel() {
+        return Err(Error::Cancelled);
+    }
+    let findings = audit(scene, &atlas);
+    if let Some(mesh) = findings.mesh().filter(|_| !findings.clean()) {
+        return Err(Error::Audit {
+            mesh: scene.meshes[mesh as usize].name.clone(),
+            overlaps: findings.audit.overlaps,
+            missing: findings.audit.missing,
+            outside: findings.audit.outside,
+        });
+    }
+    atlas.audit = Audit {
+        specks,
+        ..findings.audit
+    };
+    atlas.density = density(scene, &atlas.meshes, &atlas.placements, size);
+    Ok(atlas)
+}
+
+/// A mesh as the unwrapper sees it.
+struct Source {
+    mesh: usize,
+    instances: Vec<usize>,
+    positions: Vec<[f32; 3]>,
+    indices: Vec<u32>,
+    /// Empty for a mesh placed once: its positions are in world units.
+    scales: Vec<f32>,
+}
+
+impl Source {
+    fn input(&self) -> MeshInput<'_> {
+        MeshInput {
+            instance_scales: &self.scales,
+            ..MeshInput::new(&self.positions, &self.indices)
+        }
+    }
+}
+
+/// Every mesh with triangles that is placed, in the order of meshes.
+fn sources(scene: &Scene) -> Result<Vec<Source>, Error> {
+    let mut instances = vec![Vec::new(); scene.meshes.len()];
+    for (i, instance) in scene.instances.iter().enumerate() {
+        instances[instance.mesh as usize].push(i);
+    }
+    let mut sources = Vec::new();
+    for (mesh, instances) in instances.into_iter().enumerate() {
+        let data = &scene.meshes[mesh];
+        if instances.is_empty() || data.triangles.is_empty() {
+            continue;
+        }
+        let extent = |i: usize| Error::Extent(scene.instances[i].name.clone());
+        let (mut shape, mut scales) = (glam::DMat3::IDENTITY, Vec::new());
+        if let [only] = instances[..] {
+            shape = scene.instances[only].transform.matrix3;
+        } else {
+            let own = mesh_area(scene, mesh);
+            for &i in &instances {
+                let scale = (world_area(scene, i) / own).sqrt() as f32;
+                if !(scale.is_finite() && scale > 0.0) {
+                    return Err(extent(i));
+                }
+                scales.push(scale);
+            }
+        }
+        let positions: Vec<[f32; 3]> = data
+            .positions
+            .iter()
+            .map(|p| (shape * p.as_dvec3()).as_vec3().to_array())
+            .collect();
+        if positions.iter().flatten().any(|x| !x.is_finite()) {
+            return Err(extent(instances[0]));
+        }
+        sources.push(Source {
+            mesh,
+            instances,
+            positions,
+            indices: data.triangles.iter().flatten().copied().collect(),
+            scales,
+        });
+    }
+    Ok(sources)
+}
+
+/// The layout of one mesh. Vertices without a chart go to the page's first corner, which the gutter keeps free.
+fn own_layout(mesh: &Mesh, out: OutputMesh, crop: Vec2) -> Result<MeshLayout, Error> {
+    assert_eq!(
+        out.indices.len(),
+        3 * mesh.triangles.len(),
+        "indices of `{}`",
+        mesh.name
+    );
+    let page = |t: &[u32]| out.vertices[t[0] as usize].page.unwrap_or(0);
+    let pages: Vec<u32> = out.indices.chunks_exact(3).map(page).collect();
+    let triangle_pages = if pages.iter().all(|&p| p == 0) {
+        Vec::new()
+    } else {
+        let narrow = |&p: &u32| u16::try_from(p).map_err(|_| Error::TooManyTexels(1 << 30));
+        pages.iter().map(narrow).collect::<Result<_, _>>()?
+    };
+    Ok(MeshLayout {
+        source_vertices: out.vertices.iter().map(|v| v.xref).collect(),
+        uvs: out
+            .vertices
+            .iter()
+            .map(|v| Vec2::from(v.uv) * crop)
+            .collect(),
+        triangles: out
+            .indices
+            .chunks_exact(3)
+            .map(|t| [t[0], t[1], t[2]])
+            .collect(),
+        triangle_pages,
+    })
+}
+
+/// Gives every triangle without area a speck at its first corner, with vertices of its own, and counts them.
+///
+/// These are triangles that the unwrapper found too thin (under a millionth of the mesh's diagonal) and collapsed onto
+/// a neighbour's corner, and those that rounding to 32 bits flattened. A speck is smaller than what 32-bit coordinates
+/// can tell apart on a page, so it takes nothing from its neighbour.
+fn add_specks(layout: &mut MeshLayout) -> u64 {
+    let mut specks = 0;
+    for t in 0..layout.triangles.len() {
+        let corners = layout.triangles[t];
+        let uvs = corners.map(|v| layout.uvs[v as usize]);
+        if twice_area(uvs.map(Vec2::as_dvec2)) != 0.0 {
+            continue;
+        }
+        specks += 1;
+        // Toward the middle of the square, so that the speck stays inside.
+        let inward = |x: f32| if x < 0.5 { SPECK } else { -SPECK };
+        let at = uvs[0];
+        let (u, v) = (Vec2::new(inward(at.x), 0.0), Vec2::new(0.0, inward(at.y)));
+        let (first, second) = if u.x * v.y > 0.0 { (u, v) } else { (v, u) };
+        let next = layout.uvs.len() as u32;
+        layout.uvs.extend([at, at + first, at + second]);
+        let sources = corners.map(|c| layout.source_vertices[c as usize]);
+        layout.source_vertices.extend(sources);
+        layout.triangles[t] = [next, next + 1, next + 2];
+    }
+    specks
+}
+
+/// The unwrapper's errors in our words.
+fn explain(error: uvunwrap::Error, size: u32) -> Error {
+    match error {
+        uvunwrap::Error::Cancelled => Error::Cancelled,
+        uvunwrap::Error::AtlasTooLarge { texels } => Error::TooManyTexels(texels),
+        uvunwrap::Error::ChartTooLarge { width, height, .. } => Error::ChartTooLarge {
+            width,
+            height,
+            size,
+        },
+        other => Error::Unwrap(other.to_string()),
+    }
+}

@@ -1,0 +1,340 @@
+//! Layouts: kept, repacked, unwrapped.
+
+use crate::scenes::{ball, cube, mesh, moved, scaled, scene};
+use atlas::{Atlas, Error, Options, PageRaster, UvMode, UvSource, layout};
+use glam::{DAffine3, Vec2, Vec3};
+use scene::Scene;
+
+fn options(uv: UvMode, page_size: u32, density: Option<f64>) -> Options {
+    Options {
+        uv,
+        page_size,
+        density,
+    }
+}
+
+fn auto(scene: &Scene, page_size: u32) -> Atlas {
+    layout(scene, &options(UvMode::Auto, page_size, None), &|| false).unwrap()
+}
+
+/// Nothing overlaps, is missing or lies outside.
+fn assert_clean(atlas: &Atlas) {
+    let a = atlas.audit;
+    assert_eq!((a.overlaps, a.missing, a.outside), (0, 0, 0), "{a:?}");
+    assert!(a.texels > 0);
+}
+
+/// Smallest Chebyshev distance, in texels, between texels of different objects.
+fn apart(scene: &Scene, atlas: &Atlas) -> i64 {
+    let size = atlas.page_size as usize;
+    let mut least = i64::MAX;
+    for page in 0..atlas.page_count {
+        let raster = PageRaster::new(scene, atlas, page);
+        let mut owner = vec![u32::MAX; size * size];
+        for i in 0..raster.tiles().len() {
+            let tile = raster.tile(i);
+            for f in &tile.footprints {
+                owner[f.y as usize * size + f.x as usize] =
+                    tile.pieces[f.pieces.start as usize].instance;
+            }
+        }
+        for y in 0..size as i64 {
+            for x in 0..size as i64 {
+                let mine = owner[(y * size as i64 + x) as usize];
+                for dy in -6..=6i64 {
+                    for dx in -6..=6i64 {
+                        let (u, v) = (x + dx, y + dy);
+                        let on = 0..size as i64;
+                        if mine == u32::MAX || !on.contains(&u) || !on.contains(&v) {
+                            continue;
+                        }
+                        let other = owner[(v * size as i64 + u) as usize];
+                        if other != u32::MAX && other != mine {
+                            least = least.min(dx.abs().max(dy.abs()));
+                        }
+                    }
+                }
+            }
+        }
+    }
+    least
+}
+
+#[test]
+fn a_usable_set_is_kept_as_it_stands() {
+    let cube = cube();
+    let uvs = cube.uv_sets[0].clone();
+    let scene = scene(vec![cube], &[(0, 0, DAffine3::IDENTITY)]);
+    let atlas = auto(&scene, 128);
+    assert_eq!(atlas.source, UvSource::Kept { set: 0 });
+    assert_eq!(atlas.meshes[0].uvs, uvs);
+    assert!(atlas.notes.is_empty());
+    assert_clean(&atlas);
+    // Every face of area 1 takes 0.3 by 0.45 of 128 texels.
+    let expected = (0.3f64 * 0.45).sqrt() * 128.0;
+    assert!(
+        (atlas.density / expected - 1.0).abs() < 1e-6,
+        "{}",
+        atlas.density
+    );
+}
+
+#[test]
+fn the_second_set_goes_before_the_first() {
+    let mut cube = cube();
+    cube.uv_sets.insert(0, vec![Vec2::splat(7.0); 24]);
+    let scene = scene(vec![cube], &[(0, 0, DAffine3::IDENTITY)]);
+    assert_eq!(auto(&scene, 128).source, UvSource::Kept { set: 1 });
+}
+
+#[test]
+fn objects_that_share_the_square_get_rectangles_of_their_own() {
+    let scene = scene(
+        vec![cube()],
+        &[
+            (0, 0, DAffine3::IDENTITY),
+            (0, 1, moved(3.0, 0.0, 0.0)),
+            (0, 2, scaled(2.0, -2.0, 2.0)),
+        ],
+    );
+    for mode in [UvMode::Auto, UvMode::Keep] {
+        let atlas = layout(&scene, &options(mode, 256, None), &|| false).unwrap();
+        assert_eq!(atlas.source, UvSource::Repacked { set: 0 });
+        assert_clean(&atlas);
+        assert!(apart(&scene, &atlas) > 4, "{}", apart(&scene, &atlas));
+        let edge = |i: usize| atlas.placements[i].scale[0];
+        assert!(
+            (edge(2) / edge(0) - 2.0).abs() < 1e-6,
+            "{:?}",
+            atlas.placements
+        );
+        assert_eq!(atlas.notes.len(), 1);
+    }
+}
+
+#[test]
+fn a_density_is_met_on_as_many_pages_as_needed() {
+    let copies: Vec<_> = (0..10)
+        .map(|i| (0, i, moved(f64::from(i), 0.0, 0.0)))
+        .collect();
+    let scene = scene(vec![cube()], &copies);
+    for mode in [UvMode::Keep, UvMode::Unwrap] {
+        let atlas = layout(&scene, &options(mode, 128, Some(32.0)), &|| false).unwrap();
+        assert!(atlas.page_count > 1, "{mode:?}: {}", atlas.page_count);
+        assert!(
+            (atlas.density / 32.0 - 1.0).abs() < 1e-5,
+            "{mode:?}: {}",
+            atlas.density
+        );
+        assert_clean(&atlas);
+    }
+}
+
+#[test]
+fn keep_names_the_mesh_the_set_and_the_count() {
+    let fails =
+        |scene: &Scene| layout(scene, &options(UvMode::Keep, 128, None), &|| false).unwrap_err();
+    let one = |mesh| scene(vec![mesh], &[(0, 0, DAffine3::IDENTITY)]);
+    let mut none = cube();
+    none.uv_sets.clear();
+    let (name, set) = ("cube".to_string(), 0);
+    let mesh = name.clone();
+    assert_eq!(fails(&one(none)), Error::NoSet { mesh, set });
+
+    let mut outside = cube();
+    outside.uv_sets[0][3].x = 1.5;
+    outside.uv_sets[0][4].y = f32::NAN;
+    let (mesh, count) = (name.clone(), 2);
+    assert_eq!(fails(&one(outside)), Error::Outside { mesh, set, count });
+
+    let mut flat = cube();
+    flat.uv_sets[0][1] = flat.uv_sets[0][0];
+    let (mesh, count) = (name.clone(), 1);
+    assert_eq!(fails(&one(flat)), Error::NoArea { mesh, set, count });
+
+    let mut stacked = cube();
+    for v in 0..4 {
+        stacked.uv_sets[0][v] = stacked.uv_sets[0][v + 4];
+    }
+    match fails(&one(stacked)) {
+        Error::Overlap {
+            mesh,
+            set: 0,
+            count,
+            ..
+        } => {
+            assert_eq!(mesh, name);
+            // The face's 38.4 x 57.6 texels with 16 points each, less those on borders and the diagonal.
+            let area = 0.3 * 0.45 * 128.0 * 128.0 * 16.0;
+            assert!(
+                (count as f64 / area - 1.0).abs() < 0.03,
+                "{count} of {area}"
+            );
+        }
+        other => panic!("{other}"),
+    }
+
+    let mut crowded = cube();
+    for uv in &mut crowded.uv_sets[0] {
+        *uv = (*uv * Vec2::new(3.0, 2.0)).fract();
+    }
+    assert!(matches!(
+        fails(&one(crowded)),
+        Error::Crowded { .. } | Error::Overlap { .. }
+    ));
+}
+
+#[test]
+fn a_ball_is_unwrapped_with_clear_gutters() {
+    let scene = scene(
+        vec![ball(24), cube()],
+        &[(0, 0, DAffine3::IDENTITY), (1, 1, scaled(1.0, 0.1, 5.0))],
+    );
+    let atlas = layout(&scene, &options(UvMode::Unwrap, 256, None), &|| false).unwrap();
+    assert_eq!(atlas.source, UvSource::Unwrapped);
+    assert_eq!((atlas.page_count, atlas.page_size), (1, 256));
+    assert_clean(&atlas);
+    assert!(apart(&scene, &atlas) > 4, "{}", apart(&scene, &atlas));
+    let layout = &atlas.meshes[0];
+    for (made, given) in layout.triangles.iter().zip(&scene.meshes[0].triangles) {
+        assert_eq!(made.map(|v| layout.source_vertices[v as usize]), *given);
+    }
+}
+
+#[test]
+fn instances_share_charts_and_own_their_rectangles() {
+    let mut copies: Vec<_> = (0..30)
+        .map(|i| (0, i, moved(f64::from(i) * 3.0, 0.0, 0.0)))
+        .collect();
+    copies.push((0, 30, scaled(-2.0, 2.0, 2.0)));
+    copies.push((0, 31, scaled(1.0, 1.0, 0.1)));
+    let scene = scene(vec![ball(8)], &copies);
+    let atlas = auto(&scene, 256);
+    assert_eq!(atlas.source, UvSource::Unwrapped);
+    assert_eq!(atlas.meshes.len(), 1);
+    assert_eq!(atlas.placements.len(), 32);
+    assert_clean(&atlas);
+    assert!(apart(&scene, &atlas) > 4, "{}", apart(&scene, &atlas));
+    let edge = |i: usize| atlas.placements[i].scale[0];
+    assert!(
+        (edge(30) / edge(0) - 2.0).abs() < 1e-3,
+        "{} {}",
+        edge(30),
+        edge(0)
+    );
+}
+
+#[test]
+fn triangles_too_thin_to_unwrap_are_not_missing() {
+    let mut ball = ball(12);
+    let n = ball.positions.len() as u32;
+    // A sliver with a neighbour, and one that stands alone.
+    ball.positions
+        .push(ball.positions[2] + Vec3::new(1e-7, 1e-7, 0.0));
+    ball.positions.extend([
+        Vec3::new(3.0, 0.0, 0.0),
+        Vec3::new(3.0, 1.0, 0.0),
+        Vec3::new(3.0, 0.5, 1e-7),
+    ]);
+    ball.triangles.extend([[2, 3, n], [n + 1, n + 2, n + 3]]);
+    // A cube so small beside a ground so large that 32 bits flatten it.
+    let ground = mesh(
+        "ground",
+        [
+            [-5e3, 0.0, -5e3],
+            [5e3, 0.0, -5e3],
+            [5e3, 0.0, 5e3],
+            [-5e3, 0.0, 5e3],
+        ]
+        .map(Vec3::from)
+        .to_vec(),
+        vec![[0, 2, 1], [0, 3, 2]],
+    );
+    let thin = scene(vec![ball], &[(0, 0, DAffine3::IDENTITY)]);
+    let small = scene(
+        vec![ground, cube()],
+        &[(0, 0, DAffine3::IDENTITY), (1, 1, scaled(1e-4, 1e-4, 1e-4))],
+    );
+    for (scene, least) in [(thin, 2), (small, 1)] {
+        let atlas = layout(&scene, &options(UvMode::Unwrap, 256, None), &|| false).unwrap();
+        assert_clean(&atlas);
+        assert!(atlas.audit.specks >= least, "{:?}", atlas.audit);
+        // Each triangle has a piece somewhere.
+        let mut seen: Vec<Vec<bool>> = scene
+            .meshes
+            .iter()
+            .map(|m| vec![false; m.triangles.len()])
+            .collect();
+        let raster = PageRaster::new(&scene, &atlas, 0);
+        for i in 0..raster.tiles().len() {
+            for piece in raster.tile(i).pieces {
+                seen[scene.instances[piece.instance as usize].mesh as usize]
+                    [piece.triangle as usize] = true;
+            }
+        }
+        assert!(seen.iter().flatten().all(|&s| s));
+    }
+}
+
+#[test]
+fn a_page_too_small_says_what_size_would_do() {
+    let copies: Vec<_> = (0..40)
+        .map(|i| (0, i, moved(f64::from(i), 0.0, 0.0)))
+        .collect();
+    let scene = scene(vec![cube()], &copies);
+    for mode in [UvMode::Keep, UvMode::Unwrap] {
+        match layout(&scene, &options(mode, 16, None), &|| false).unwrap_err() {
+            Error::PageFull {
+                size: 16,
+                fits: Some(fits),
+                ..
+            } => {
+                layout(&scene, &options(mode, fits, None), &|| false)
+                    .map(|a| assert_clean(&a))
+                    .unwrap();
+            }
+            other => panic!("{mode:?}: {other}"),
+        }
+    }
+    let error = layout(&scene, &options(UvMode::Unwrap, 16, Some(100.0)), &|| false).unwrap_err();
+    assert!(
+        matches!(error, Error::ChartTooLarge { size: 16, .. }),
+        "{error}"
+    );
+}
+
+#[test]
+fn bad_options_and_cancelling_are_errors() {
+    let scene = scene(vec![cube()], &[(0, 0, DAffine3::IDENTITY)]);
+    let run = |size, density, stop: bool| {
+        layout(&scene, &options(UvMode::Unwrap, size, density), &|| stop).unwrap_err()
+    };
+    assert_eq!(run(0, None, false), Error::PageSize(0));
+    assert_eq!(run(20_000, None, false), Error::PageSize(20_000));
+    assert_eq!(run(64, Some(0.0), false), Error::Density(0.0));
+    assert_eq!(run(64, None, true), Error::Cancelled);
+    let empty = crate::scenes::scene(vec![cube()], &[]);
+    let error = layout(&empty, &options(UvMode::Auto, 64, None), &|| false).unwrap_err();
+    assert_eq!(error, Error::Empty);
+}
+
+#[test]
+fn a_layout_is_the_same_at_any_thread_count() {
+    let scene = scene(
+        vec![ball(32), cube()],
+        &[(0, 0, DAffine3::IDENTITY), (1, 1, DAffine3::IDENTITY)],
+    );
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| layout(&scene, &options(UvMode::Unwrap, 256, None), &|| false).unwrap())
+    };
+    let (one, three) = (with(1), with(3));
+    assert_eq!(one.audit, three.audit);
+    for (a, b) in one.meshes.iter().zip(&three.meshes) {
+        assert_eq!(a.uvs, b.uvs);
+        assert_eq!(a.triangles, b.triangles);
+    }
+}

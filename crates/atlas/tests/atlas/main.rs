@@ -1,0 +1,6 @@
+//! The atlas from outside: layouts, footprints, gutters.
+
+mod footprints;
+mod gutters;
+mod layouts;
+mod scenes;
