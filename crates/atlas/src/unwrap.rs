@@ -6,7 +6,7 @@ use crate::measure::{AS_IT_STANDS, density, mesh_area, world_area};
 use crate::uv::twice_area;
 use crate::{Atlas, Audit, Error, MeshLayout, Options, Placement, UvSource};
 use glam::Vec2;
-use scene::{Mesh, Scene};
+use scene::Scene;
 use uvunwrap::{Density, MeshInput, OutputMesh, Packing};
 
 /// Up to this many charts are packed by shape: denser, and time grows with the square.
@@ -26,9 +26,9 @@ pub(crate) fn unwrap(
     options: &Options,
     cancel: &(dyn Fn() -> bool + Sync),
 ) -> Result<Atlas, Error> {
-    let sources = sources(scene)?;
+    let mut sources = sources(scene)?;
     let size = options.page_size;
-    let generate = |size: u32, packing: Packing| {
+    let generate = |sources: &[Source], size: u32, packing: Packing| {
         let inputs: Vec<MeshInput> = sources.iter().map(Source::input).collect();
         let density = match options.density {
             None => Density::Auto { page_size: size },
@@ -51,14 +51,18 @@ pub(crate) fn unwrap(
         let charts = sources.len() as u32;
         return Err(Error::PageFull { charts, size, fits });
     }
-    let mut made = generate(size, Packing::Fast)?;
+    let mut made = generate(&sources, size, Packing::Fast)?;
     if made.chart_count <= SHAPED {
-        made = generate(size, Packing::Shape)?;
+        // The charts are made; only the packing is done again.
+        for (source, out) in sources.iter_mut().zip(&made.meshes) {
+            source.take(out, [made.width, made.height]);
+        }
+        made = generate(&sources, size, Packing::Shape)?;
     }
     if options.density.is_none() && made.page_count > 1 {
         let charts = made.chart_count;
         let mut larger = (size + 1).next_power_of_two();
-        while larger <= LARGEST && generate(larger, Packing::Fast)?.page_count > 1 {
+        while larger <= LARGEST && generate(&sources, larger, Packing::Fast)?.page_count > 1 {
             larger *= 2;
         }
         let fits = (larger <= LARGEST).then_some(larger);
@@ -92,7 +96,7 @@ pub(crate) fn unwrap(
         } else {
             Vec2::ONE
         };
-        let mut layout = own_layout(&scene.meshes[source.mesh], out, crop)?;
+        let mut layout = own_layout(source, out, crop)?;
         specks += add_specks(&mut layout) * source.instances.len() as u64;
         atlas.meshes[source.mesh] = layout;
     }
@@ -120,8 +124,12 @@ pub(crate) fn unwrap(
 struct Source {
     mesh: usize,
     instances: Vec<usize>,
+    /// The mesh's vertex behind each vertex.
+    vertices: Vec<u32>,
     positions: Vec<[f32; 3]>,
     indices: Vec<u32>,
+    /// Charts that are made already, in texels; empty before.
+    uvs: Vec<[f32; 2]>,
     /// Empty for a mesh placed once: its positions are in world units.
     scales: Vec<f32>,
 }
@@ -130,8 +138,34 @@ impl Source {
     fn input(&self) -> MeshInput<'_> {
         MeshInput {
             instance_scales: &self.scales,
+            existing_uvs: (!self.uvs.is_empty()).then_some(&self.uvs),
             ..MeshInput::new(&self.positions, &self.indices)
         }
+    }
+
+    /// Takes over the charts of a first packing, made on a page of so many texels.
+    fn take(&mut self, out: &OutputMesh, page: [u32; 2]) {
+        let page = Vec2::new(page[0] as f32, page[1] as f32);
+        // Charts in a rectangle of their own are shaped as in any of its instances.
+        let texels = out.instances.first().map_or(page, |rect| {
+            (Vec2::from(rect.max) - Vec2::from(rect.min)) * page
+        });
+        self.vertices = out
+            .vertices
+            .iter()
+            .map(|v| self.vertices[v.xref as usize])
+            .collect();
+        self.positions = out
+            .vertices
+            .iter()
+            .map(|v| self.positions[v.xref as usize])
+            .collect();
+        self.indices.clone_from(&out.indices);
+        self.uvs = out
+            .vertices
+            .iter()
+            .map(|v| (Vec2::from(v.uv) * texels).to_array())
+            .collect();
     }
 }
 
@@ -172,7 +206,9 @@ fn sources(scene: &Scene) -> Result<Vec<Source>, Error> {
         sources.push(Source {
             mesh,
             instances,
+            vertices: (0..data.positions.len() as u32).collect(),
             positions,
+            uvs: Vec::new(),
             indices: data.triangles.iter().flatten().copied().collect(),
             scales,
         });
@@ -181,13 +217,10 @@ fn sources(scene: &Scene) -> Result<Vec<Source>, Error> {
 }
 
 /// The layout of one mesh. Vertices without a chart go to the page's first corner, which the gutter keeps free.
-fn own_layout(mesh: &Mesh, out: OutputMesh, crop: Vec2) -> Result<MeshLayout, Error> {
-    assert_eq!(
-        out.indices.len(),
-        3 * mesh.triangles.len(),
-        "indices of `{}`",
-        mesh.name
-    );
+fn own_layout(source: &Source, out: OutputMesh, crop: Vec2) -> Result<MeshLayout, Error> {
+    let (given, made) = (source.indices.len(), out.indices.len());
+    assert_eq!(made, given, "indices of mesh {}", source.mesh);
+    let behind = |xref: u32| source.vertices[xref as usize];
     let page = |t: &[u32]| out.vertices[t[0] as usize].page.unwrap_or(0);
     let pages: Vec<u32> = out.indices.chunks_exact(3).map(page).collect();
     let triangle_pages = if pages.iter().all(|&p| p == 0) {
@@ -197,7 +230,7 @@ fn own_layout(mesh: &Mesh, out: OutputMesh, crop: Vec2) -> Result<MeshLayout, Er
         pages.iter().map(narrow).collect::<Result<_, _>>()?
     };
     Ok(MeshLayout {
-        source_vertices: out.vertices.iter().map(|v| v.xref).collect(),
+        source_vertices: out.vertices.iter().map(|v| behind(v.xref)).collect(),
         uvs: out
             .vertices
             .iter()
