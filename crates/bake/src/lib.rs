@@ -1,1 +1,22 @@
-//! (placeholder)
+//! Rays meet mathematics: backends, planner, integrator.
+#![forbid(unsafe_code)]
+
+mod alpha;
+mod backend;
+mod embree_backend;
+mod error;
+#[cfg(test)]
+mod fixture;
+mod obvhs_backend;
+#[cfg(test)]
+mod obvhs_tests;
+mod tree;
+mod triangle;
+mod world;
+
+pub use alpha::AlphaTest;
+pub use backend::{BackendKind, Coherence, Layout, Ray, RayBackend, RayPacket, SurfaceHit, build};
+pub use embree_backend::EmbreeBackend;
+pub use error::Error;
+pub use obvhs_backend::ObvhsBackend;
+pub use world::{Bounds, Geometry, Part, Positions, World, WorldOptions};

@@ -1,0 +1,83 @@
+//! The one trait in the ray path, and how a backend is chosen.
+
+use crate::embree_backend::EmbreeBackend;
+use crate::error::Error;
+use crate::obvhs_backend::ObvhsBackend;
+use crate::world::World;
+pub use embree::{Coherence, Ray, RayPacket};
+
+/// Answers ray queries on a [`World`].
+///
+/// A ray meets surfaces at `t_min < t <= t_max`, in lengths of its direction, which may have any length but 0;
+/// a negative `t_min` means 0. Both sides of a surface are met. A hit on a masked surface counts where its alpha test keeps it. A ray
+/// that is not finite meets nothing.
+pub trait RayBackend: Send + Sync {
+    /// The lanes of `active` (bit i is lane i) whose rays meet a surface.
+    fn occluded16(&self, packet: &RayPacket<16>, active: u32, coherence: Coherence) -> u32;
+
+    /// True where the ray meets a surface.
+    fn occluded(&self, ray: &Ray) -> bool;
+
+    /// The first surface on the ray.
+    fn closest(&self, ray: &Ray) -> Option<SurfaceHit>;
+
+    /// The word for it on the command line.
+    fn name(&self) -> &'static str;
+
+    /// Library, version and layout, for reports.
+    fn describe(&self) -> String;
+
+    /// Bytes that the structure holds beside the world.
+    fn memory_bytes(&self) -> u64;
+}
+
+/// A point where a ray meets a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceHit {
+    /// Distance in lengths of the ray's direction.
+    pub t: f32,
+    /// Index of the scene's instance.
+    pub instance: u32,
+    /// Index into the triangles of the instance's mesh.
+    pub triangle: u32,
+    /// Weights of the triangle's second and third corners.
+    pub barycentric: [f32; 2],
+    /// The ray comes from the side from which the mesh's triangle turns counter-clockwise; a mirroring placement
+    /// changes nothing about it.
+    pub front: bool,
+}
+
+/// Which library answers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BackendKind {
+    /// Debian's Embree.
+    Embree,
+    /// obvhs, in Rust throughout.
+    Obvhs(Layout),
+}
+
+/// Tree layout of obvhs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Layout {
+    /// Eight quantised children a node.
+    #[default]
+    Cwbvh,
+    /// Two children a node.
+    Bvh2,
+}
+
+/// A backend over the world. `threads` bounds the threads of the build, 0 for all; obvhs builds in the current rayon
+/// pool.
+///
+/// # Errors
+/// Embree is absent or refuses the scene. obvhs has no errors.
+pub fn build(
+    kind: BackendKind,
+    world: &World,
+    threads: usize,
+) -> Result<Box<dyn RayBackend>, Error> {
+    Ok(match kind {
+        BackendKind::Embree => Box::new(EmbreeBackend::build(world, threads)?),
+        BackendKind::Obvhs(layout) => Box::new(ObvhsBackend::build(world, layout)),
+    })
+}
