@@ -1,0 +1,65 @@
+//! What can stop a load. Every message is one line: the file, the place in it, what is wrong and what to do.
+
+use std::path::PathBuf;
+
+/// Why a scene cannot be loaded.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The operating system refuses to read a file.
+    #[error("cannot read {}: {cause}; check its name and permissions", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        #[source]
+        cause: std::io::Error,
+    },
+    /// A directory, a device or a pipe stands where a file is expected.
+    #[error("{} is not a regular file; give the path of an .obj, .gltf or .glb file", path.display())]
+    NotAFile {
+        /// The path as given.
+        path: PathBuf,
+    },
+    /// The file holds no byte.
+    #[error("{} is empty; export the scene again", path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Neither the content nor the ending tells what the file is.
+    #[error("{} is no scene file that is known by its ending; rename it to .obj, .gltf or .glb", path.display())]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file contradicts its format or itself.
+    #[error("{}: {place}: {problem}", path.display())]
+    Invalid {
+        /// The file.
+        path: PathBuf,
+        /// Line, mesh and primitive, accessor, or other place in the file.
+        place: String,
+        /// What is wrong there, and what to do.
+        problem: String,
+    },
+    /// A glTF file requires an extension that is not implemented.
+    #[error("{}: the required extension {extension} is not supported; {advice}", path.display())]
+    Extension {
+        /// The file.
+        path: PathBuf,
+        /// Name of the extension.
+        extension: String,
+        /// How to get a file without it.
+        advice: &'static str,
+    },
+    /// Nothing is left to bake.
+    #[error(
+        "{} has no triangle with an area in its scene; check that meshes were exported{hint}", path.display()
+    )]
+    NoTriangles {
+        /// The file.
+        path: PathBuf,
+        /// What was ignored on the way, as `; ignored: …`, or nothing.
+        hint: String,
+    },
+}

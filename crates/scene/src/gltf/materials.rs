@@ -1,0 +1,285 @@
+//! glTF materials and the images they read.
+
+use super::accessor::Data;
+use crate::image::{Failure, Pixels, decode};
+use crate::source::{Input, Uri, beside, short, uri};
+use crate::validate::{Parts, clamped};
+use crate::{Alpha, Error, Image, Material, Surface, TextureRef, Wrap};
+use glam::Vec3;
+use gltf::json::material::{AlphaMode, Material as Json};
+use gltf::json::texture::{Info, MagFilter, Sampler, WrappingMode};
+use gltf::json::validation::Checked;
+use rayon::prelude::*;
+use std::borrow::Cow;
+use std::collections::HashMap;
+
+/// Material extensions without influence on ambient reflection, or read here; the others are counted.
+const SILENT: [&str; 3] = [
+    "KHR_materials_emissive_strength",
+    "KHR_materials_unlit",
+    "KHR_materials_dispersion",
+];
+
+/// Converts all materials, in file order, and decodes the images that they read.
+pub(super) fn load(input: &mut Input, data: &Data, parts: &mut Parts) -> Result<(), Error> {
+    let numbers = images(input, data, parts)?;
+    for (i, json) in data.root.materials.iter().enumerate() {
+        let name = json.name.clone().unwrap_or_else(|| format!("material {i}"));
+        parts
+            .materials
+            .push(material(input, data, json, name, &numbers));
+    }
+    Ok(())
+}
+
+fn material(
+    input: &mut Input,
+    data: &Data,
+    json: &Json,
+    name: String,
+    images: &HashMap<usize, u32>,
+) -> Material {
+    let place = format!("material `{name}`");
+    let pbr = &json.pbr_metallic_roughness;
+    let mut changed = 0;
+    let mut unit = |value: f32| clamped(value, 0.0, 1.0, 1.0, &mut changed);
+    let [r, g, b, opacity] = pbr.base_color_factor.0.map(&mut unit);
+    let metallic = unit(pbr.metallic_factor.0) as f64;
+    let roughness = unit(pbr.roughness_factor.0) as f64;
+
+    let extensions = json.extensions.as_ref();
+    let ior = extensions
+        .and_then(|e| e.ior.as_ref())
+        .map_or(1.5, |e| e.ior.0);
+    let specular = extensions.and_then(|e| e.specular.as_ref());
+    let factor = specular.map_or(1.0, |s| unit(s.specular_factor.0));
+    let tint = specular.map_or([1.0; 3], |s| s.specular_color_factor.0);
+    let tint = Vec3::from_array(tint.map(|t| clamped(t, 0.0, f32::MAX, 1.0, &mut changed)));
+    let ior = clamped(ior, 0.0, f32::MAX, 1.5, &mut changed) as f64;
+    // Fresnel at normal view, then KHR_materials_specular: the tint is clamped before the factor weakens it.
+    let normal_view = ((ior - 1.0) / (ior + 1.0)).powi(2) as f32;
+    let dielectric = (normal_view * tint).min(Vec3::ONE) * factor;
+    input.warn(
+        "clamped-factors",
+        place.as_str(),
+        changed,
+        "factors out of range are clamped",
+    );
+
+    let maps = specular.map_or(0, |s| {
+        s.specular_texture.is_some() as u64 + s.specular_color_texture.is_some() as u64
+    });
+    input.warn(
+        "unread-textures",
+        place.as_str(),
+        maps,
+        "textures of KHR_materials_specular are not read",
+    );
+    for other in extensions
+        .into_iter()
+        .flat_map(|e| e.others.keys())
+        .filter(|o| !SILENT.contains(&o.as_str()))
+    {
+        input.warn(
+            "ignored-extensions",
+            place.as_str(),
+            1,
+            format!("{} is not modelled", short(other)),
+        );
+    }
+
+    let base_map = pbr
+        .base_color_texture
+        .as_ref()
+        .and_then(|info| texture(data, info, images));
+    let mask = |cutoff| Alpha::Mask {
+        cutoff,
+        factor: opacity,
+        map: base_map.clone(),
+    };
+    let alpha = match json.alpha_mode {
+        Checked::Valid(AlphaMode::Mask) => mask(json.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0)),
+        Checked::Valid(AlphaMode::Blend) => {
+            let message = "BLEND becomes a mask: a ray is blocked where alpha is at least 0.5";
+            input.warn("alpha-as-mask", place, 1, message);
+            mask(0.5)
+        }
+        _ => Alpha::Opaque,
+    };
+    let metallic_roughness_map = pbr
+        .metallic_roughness_texture
+        .as_ref()
+        .and_then(|info| texture(data, info, images));
+    let base = Vec3::new(r, g, b);
+    let surface = Surface::MetallicRoughness {
+        base,
+        base_map,
+        metallic,
+        roughness,
+        metallic_roughness_map,
+        dielectric,
+    };
+    Material {
+        name,
+        surface,
+        alpha,
+        double_sided: json.double_sided,
+    }
+}
+
+/// A texture use; `None` where its image was not loaded.
+fn texture(data: &Data, info: &Info, images: &HashMap<usize, u32>) -> Option<TextureRef> {
+    let texture = data.root.get(info.index)?;
+    let image = *images.get(&texture.source.value())?;
+    let sampler = texture.sampler.and_then(|sampler| data.root.get(sampler));
+    let wrap = |mode: Option<Checked<WrappingMode>>| match mode {
+        Some(Checked::Valid(WrappingMode::ClampToEdge)) => Wrap::Clamp,
+        Some(Checked::Valid(WrappingMode::MirroredRepeat)) => Wrap::Mirror,
+        _ => Wrap::Repeat,
+    };
+    let nearest = |s: &Sampler| matches!(s.mag_filter, Some(Checked::Valid(MagFilter::Nearest)));
+    let moved = info
+        .extensions
+        .as_ref()
+        .and_then(|e| e.texture_transform.as_ref());
+    let transform = moved.map_or([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], |t| {
+        // Counter-clockwise as the picture is seen, where v grows down: the matrix printed in the extension's text has
+        // the other sign, its sample model and the engines have this one (KhronosGroup/glTF issue 1563).
+        let (sin, cos) = (t.rotation.0 as f64).sin_cos();
+        let ([sx, sy], [ox, oy]) = (t.scale.0.map(f64::from), t.offset.0);
+        [
+            [(cos * sx) as f32, (sin * sy) as f32, ox],
+            [(-sin * sx) as f32, (cos * sy) as f32, oy],
+        ]
+    });
+    let finite = transform.iter().flatten().all(|x| x.is_finite());
+    Some(TextureRef {
+        image,
+        uv_set: moved.and_then(|t| t.tex_coord).unwrap_or(info.tex_coord),
+        wrap: [
+            wrap(sampler.map(|s| s.wrap_s)),
+            wrap(sampler.map(|s| s.wrap_t)),
+        ],
+        linear: !sampler.is_some_and(nearest),
+        transform: if finite {
+            transform
+        } else {
+            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
+        },
+    })
+}
+
+/// Decodes the images that base colours and metallic-roughness read; returns glTF image number to scene image number.
+fn images(input: &mut Input, data: &Data, parts: &mut Parts) -> Result<HashMap<usize, u32>, Error> {
+    let mut wanted: Vec<(usize, String, Cow<[u8]>)> = Vec::new();
+    let mut seen = vec![false; data.root.images.len()];
+    for (m, material) in data.root.materials.iter().enumerate() {
+        let pbr = &material.pbr_metallic_roughness;
+        for info in [&pbr.base_color_texture, &pbr.metallic_roughness_texture]
+            .into_iter()
+            .flatten()
+        {
+            // A texture without a source has it in an extension: KTX2, WebP or the like.
+            let source = data
+                .root
+                .get(info.index)
+                .map_or(usize::MAX, |texture| texture.source.value());
+            let Some(seen) = seen.get_mut(source) else {
+                let message = format!(
+                    "texture {} is in a format that is not read; convert it to PNG",
+                    info.index
+                );
+                input.warn("unread-textures", format!("material {m}"), 1, message);
+                continue;
+            };
+            if !std::mem::replace(seen, true)
+                && let Some((name, bytes)) = encoded(input, data, source)?
+            {
+                wanted.push((source, name, bytes));
+            }
+        }
+    }
+    let decoded: Vec<Result<Pixels, Failure>> = wanted
+        .par_iter()
+        .map(|(_, name, bytes)| decode(bytes, name))
+        .collect();
+    let mut numbers = HashMap::new();
+    for ((source, name, _), decoded) in wanted.into_iter().zip(decoded) {
+        let place = format!("image {source} `{}`", short(&name));
+        match decoded {
+            Ok(Pixels {
+                width,
+                height,
+                pixels,
+                ..
+            }) => {
+                numbers.insert(source, parts.images.len() as u32);
+                parts.images.push(Image {
+                    name,
+                    width,
+                    height,
+                    pixels,
+                });
+            }
+            Err(Failure::Unsupported(format)) => {
+                input.warn(
+                    "unread-textures",
+                    place,
+                    1,
+                    format!("{format} is not read; convert the image to PNG"),
+                );
+            }
+            Err(Failure::Broken(problem)) => {
+                return Err(input.invalid(
+                    place,
+                    format!("{}; repair or remove the image", short(&problem)),
+                ));
+            }
+        }
+    }
+    Ok(numbers)
+}
+
+/// Name and file bytes of an image; `None`, with a warning, where its file is absent.
+fn encoded<'a>(
+    input: &mut Input,
+    data: &'a Data,
+    number: usize,
+) -> Result<Option<(String, Cow<'a, [u8]>)>, Error> {
+    let place = format!("image {number}");
+    let Some(json) = data.root.images.get(number) else {
+        return Ok(None);
+    };
+    let name = json.name.clone().unwrap_or_else(|| place.clone());
+    if let Some(view) = json.buffer_view {
+        let bytes = data
+            .view(view)
+            .map_err(|problem| input.invalid(place, problem))?
+            .0;
+        return Ok(Some((name, Cow::Borrowed(bytes))));
+    }
+    let Some(text) = &json.uri else {
+        return Err(input.invalid(
+            place,
+            "it has neither a uri nor a bufferView; export the file again",
+        ));
+    };
+    match uri(text).map_err(|problem| input.invalid(place.as_str(), problem))? {
+        Uri::Data(bytes) => Ok(Some((name, Cow::Owned(bytes)))),
+        Uri::File(file) => {
+            let path = beside(&input.path, &file);
+            if !path.is_file() {
+                let message = format!(
+                    "texture {} is absent; the factor stands alone",
+                    path.display()
+                );
+                input.warn("missing-textures", place, 1, message);
+                return Ok(None);
+            }
+            Ok(Some((
+                json.name.clone().unwrap_or(file),
+                Cow::Owned(input.read(&path)?),
+            )))
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! The node hierarchy: which mesh stands where.
+
+use super::accessor::Data;
+use crate::source::Input;
+use crate::validate::Parts;
+use crate::{Error, Instance};
+use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4};
+use gltf::json::accessor::Type;
+use gltf::json::scene::Node;
+use gltf::json::{Index, Root};
+use std::collections::BTreeMap;
+
+/// A glTF mesh placed in the world.
+pub(super) struct Placement {
+    pub mesh: usize,
+    node: usize,
+    copy: Option<u32>,
+    transform: DAffine3,
+}
+
+/// All placements of the default scene (`scene`, else the first, else every root node), parents before children.
+pub(super) fn placements(input: &mut Input, data: &Data) -> Result<Vec<Placement>, Error> {
+    let root = data.root;
+    let mut out = Vec::new();
+    let mut seen = vec![false; root.nodes.len()];
+    // A stack of our own: a chain of nodes may be deeper than the call stack.
+    let mut open: Vec<(usize, DAffine3)> = roots(root)
+        .into_iter()
+        .rev()
+        .map(|n| (n, DAffine3::IDENTITY))
+        .collect();
+    while let Some((n, parent)) = open.pop() {
+        let (Some(node), Some(seen)) = (root.nodes.get(n), seen.get_mut(n)) else {
+            continue;
+        };
+        let place = format!("node {n}");
+        if std::mem::replace(seen, true) {
+            let problem = "it is reached twice, but glTF nodes form trees; export the file again";
+            return Err(input.invalid(place, problem));
+        }
+        let world =
+            parent * local(node).map_err(|problem| input.invalid(place.as_str(), problem))?;
+        let children = node.children.iter().flatten().rev();
+        open.extend(children.map(|child| (child.value(), world)));
+        let Some(mesh) = node.mesh.map(|mesh| mesh.value()) else {
+            continue;
+        };
+        let skin = node.skin.is_some() as u64;
+        input.warn(
+            "skins",
+            place.as_str(),
+            skin,
+            "the skin is left out: the mesh is baked where its node stands",
+        );
+        match copies(data, node).map_err(|problem| input.invalid(place, problem))? {
+            Some(copies) => out.extend(copies.into_iter().enumerate().map(|(i, copy)| Placement {
+                mesh,
+                node: n,
+                copy: Some(i as u32),
+                transform: world * copy,
+            })),
+            None => out.push(Placement {
+                mesh,
+                node: n,
+                copy: None,
+                transform: world,
+            }),
+        }
+    }
+    Ok(out)
+}
+
+/// One instance for each placement of each of its mesh's loaded primitives.
+pub(super) fn instances(
+    root: &Root,
+    placements: Vec<Placement>,
+    primitives: &mut BTreeMap<usize, Vec<u32>>,
+    parts: &mut Parts,
+) {
+    for placement in placements {
+        let name = root
+            .nodes
+            .get(placement.node)
+            .and_then(|node| node.name.as_deref());
+        for &mesh in primitives.get(&placement.mesh).into_iter().flatten() {
+            let of = &parts.meshes[mesh as usize].name;
+            let name = match name {
+                Some(name) => format!("{name} / {of}"),
+                None => format!("node {} / {of}", placement.node),
+            };
+            let (node, copy) = (placement.node as u32, placement.copy);
+            parts.instances.push(Instance {
+                name,
+                mesh,
+                transform: placement.transform,
+                node,
+                copy,
+            });
+        }
+    }
+}
+
+fn roots(root: &Root) -> Vec<usize> {
+    let scene = match root.scene {
+        Some(scene) => root.scenes.get(scene.value()),
+        None => root.scenes.first(),
+    };
+    if let Some(scene) = scene {
+        return scene.nodes.iter().map(Index::value).collect();
+    }
+    let mut is_child = vec![false; root.nodes.len()];
+    for child in root
+        .nodes
+        .iter()
+        .flat_map(|node| node.children.iter().flatten())
+    {
+        if let Some(slot) = is_child.get_mut(child.value()) {
+            *slot = true;
+        }
+    }
+    (0..root.nodes.len()).filter(|&n| !is_child[n]).collect()
+}
+
+/// A node's own transform, in f64.
+fn local(node: &Node) -> Result<DAffine3, String> {
+    if let Some(m) = node.matrix {
+        let column =
+            |i: usize| DVec3::new(m[4 * i] as f64, m[4 * i + 1] as f64, m[4 * i + 2] as f64);
+        if [m[3], m[7], m[11], m[15]] != [0.0, 0.0, 0.0, 1.0] {
+            return Err(
+                "its matrix is not affine (the last row is not 0 0 0 1); export the file again"
+                    .into(),
+            );
+        }
+        let matrix = DMat3::from_cols(column(0), column(1), column(2));
+        return Ok(DAffine3::from_mat3_translation(matrix, column(3)));
+    }
+    let vector =
+        |v: Option<[f32; 3]>, or: DVec3| v.map_or(or, |v| DVec3::from_array(v.map(f64::from)));
+    let rotation = node.rotation.unwrap_or_default().0;
+    placed(
+        vector(node.translation, DVec3::ZERO),
+        rotation,
+        vector(node.scale, DVec3::ONE),
+    )
+}
+
+/// Translation times rotation times scale. Writers round quaternions, so it is brought to unit length.
+fn placed(translation: DVec3, rotation: [f32; 4], scale: DVec3) -> Result<DAffine3, String> {
+    let unit = DVec4::from_array(rotation.map(f64::from)).try_normalize();
+    let unit = unit.ok_or("its rotation is a quaternion without length; export the file again")?;
+    Ok(DAffine3::from_scale_rotation_translation(
+        scale,
+        DQuat::from_vec4(unit),
+        translation,
+    ))
+}
+
+/// The transforms of `EXT_mesh_gpu_instancing` relative to the node; `None` without the extension.
+fn copies(data: &Data, node: &Node) -> Result<Option<Vec<DAffine3>>, String> {
+    let extension = node
+        .extensions
+        .as_ref()
+        .and_then(|e| e.others.get("EXT_mesh_gpu_instancing"));
+    let Some(extension) = extension else {
+        return Ok(None);
+    };
+    let attribute = |name: &str, kind: Type| {
+        let Some(value) = extension.get("attributes").and_then(|a| a.get(name)) else {
+            return Ok(None);
+        };
+        let index = value.as_u64().and_then(|index| u32::try_from(index).ok());
+        let index = index
+            .ok_or_else(|| format!("instancing {name} is no accessor; export the file again"))?;
+        data.open(Index::new(index), &[kind]).map(Some)
+    };
+    let translation = attribute("TRANSLATION", Type::Vec3)?;
+    let rotation = attribute("ROTATION", Type::Vec4)?;
+    let scale = attribute("SCALE", Type::Vec3)?;
+    let counts: Vec<usize> = [&translation, &rotation, &scale]
+        .into_iter()
+        .flatten()
+        .map(|e| e.count)
+        .collect();
+    let Some(&count) = counts.first() else {
+        return Err(
+            "its instancing has neither TRANSLATION, ROTATION nor SCALE; export the file again"
+                .into(),
+        );
+    };
+    if counts.iter().any(|&other| other != count) {
+        return Err(format!(
+            "its instancing has attributes of different counts {counts:?}; the file is corrupt"
+        ));
+    }
+    let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+    let copy = |i: usize| {
+        placed(
+            translation
+                .as_ref()
+                .map_or(DVec3::ZERO, |t| vector(t.floats(i))),
+            rotation
+                .as_ref()
+                .map_or([0.0, 0.0, 0.0, 1.0], |r| r.floats(i)),
+            scale.as_ref().map_or(DVec3::ONE, |s| vector(s.floats(i))),
+        )
+        .map_err(|problem| format!("instancing copy {i}: {problem}"))
+    };
+    (0..count).map(copy).collect::<Result<_, _>>().map(Some)
+}

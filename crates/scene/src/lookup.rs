@@ -1,0 +1,233 @@
+//! Looks textures up: transform, wrap, filter and transfer function.
+
+use crate::{Image, Scene, TextureRef, Wrap};
+use glam::{Vec2, Vec3, Vec4};
+use std::sync::LazyLock;
+
+/// The sRGB transfer function of IEC 61966-2-1 for each 8-bit code, to linear.
+static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
+    std::array::from_fn(|code| {
+        let c = code as f64 / 255.0;
+        (if c <= 0.04045 {
+            c / 12.92
+        } else {
+            ((c + 0.055) / 1.055).powf(2.4)
+        }) as f32
+    })
+});
+
+impl Scene {
+    /// Linear RGB of a colour texture at a mesh's UV; texels are decoded from sRGB before they are filtered.
+    ///
+    /// Any `uv` is allowed: far outside 0..1 the wrap rule holds, and a non-finite coordinate counts as 0.
+    ///
+    /// # Panics
+    /// If `texture` is not of this scene.
+    pub fn color(&self, texture: &TextureRef, uv: Vec2) -> Vec3 {
+        let decode = |p: [u8; 4]| {
+            Vec4::new(
+                LINEAR[p[0] as usize],
+                LINEAR[p[1] as usize],
+                LINEAR[p[2] as usize],
+                0.0,
+            )
+        };
+        self.texel(texture, uv, decode).truncate()
+    }
+
+    /// The red, green and blue of a texture that holds data, each code over 255, such as roughness in green and
+    /// metallic in blue; `uv` as for [`Scene::color`].
+    ///
+    /// # Panics
+    /// If `texture` is not of this scene.
+    pub fn linear_texel(&self, texture: &TextureRef, uv: Vec2) -> Vec3 {
+        self.texel(texture, uv, codes).truncate()
+    }
+
+    /// The alpha of a texture, 0..=1; `uv` as for [`Scene::color`].
+    ///
+    /// # Panics
+    /// If `texture` is not of this scene.
+    pub fn alpha(&self, texture: &TextureRef, uv: Vec2) -> f32 {
+        self.texel(texture, uv, codes).w
+    }
+
+    fn texel(&self, texture: &TextureRef, uv: Vec2, decode: impl Fn([u8; 4]) -> Vec4) -> Vec4 {
+        let image = &self.images[texture.image as usize];
+        let [u, v] = texture.transform.map(|[a, b, c]| {
+            let t = a as f64 * uv.x as f64 + b as f64 * uv.y as f64 + c as f64;
+            if t.is_finite() { t } else { 0.0 }
+        });
+        let [wrap_u, wrap_v] = texture.wrap;
+        if !texture.linear {
+            let (x, y) = (
+                nearest(u, image.width, wrap_u),
+                nearest(v, image.height, wrap_v),
+            );
+            return decode(pixel(image, x, y));
+        }
+        let (x0, x1, fx) = pair(u, image.width, wrap_u);
+        let (y0, y1, fy) = pair(v, image.height, wrap_v);
+        let row = |y| decode(pixel(image, x0, y)).lerp(decode(pixel(image, x1, y)), fx);
+        row(y0).lerp(row(y1), fy)
+    }
+}
+
+fn codes(p: [u8; 4]) -> Vec4 {
+    Vec4::new(p[0] as f32, p[1] as f32, p[2] as f32, p[3] as f32) / 255.0
+}
+
+fn pixel(image: &Image, x: u32, y: u32) -> [u8; 4] {
+    image.pixels[y as usize * image.width as usize + x as usize]
+}
+
+/// The coordinate brought near the image: 0..=1 for repeat and clamp, 0..=2 for mirror.
+fn reduce(t: f64, wrap: Wrap) -> f64 {
+    match wrap {
+        Wrap::Repeat => t - t.floor(),
+        Wrap::Clamp => t.clamp(0.0, 1.0),
+        Wrap::Mirror => t - 2.0 * (t / 2.0).floor(),
+    }
+}
+
+/// Index of a texel that may lie beside the image, -1 the first to the left.
+fn wrapped(i: i64, size: u32, wrap: Wrap) -> u32 {
+    let n = size as i64;
+    let inside = match wrap {
+        Wrap::Repeat => i.rem_euclid(n),
+        Wrap::Clamp => i.clamp(0, n - 1),
+        Wrap::Mirror => {
+            let j = i.rem_euclid(2 * n);
+            if j < n { j } else { 2 * n - 1 - j }
+        }
+    };
+    inside as u32
+}
+
+fn nearest(t: f64, size: u32, wrap: Wrap) -> u32 {
+    wrapped((reduce(t, wrap) * size as f64).floor() as i64, size, wrap)
+}
+
+/// The two texels whose centres (at half-integers) enclose a coordinate, and the weight of the second.
+fn pair(t: f64, size: u32, wrap: Wrap) -> (u32, u32, f32) {
+    let x = reduce(t, wrap) * size as f64 - 0.5;
+    let i = x.floor();
+    (
+        wrapped(i as i64, size, wrap),
+        wrapped(i as i64 + 1, size, wrap),
+        (x - i) as f32,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Format, Scene};
+
+    /// Two by one texels: black with alpha 0 on the left, sRGB 188 with alpha 255 on the right.
+    fn scene() -> Scene {
+        let pixels = vec![[0, 0, 0, 0], [188, 188, 188, 255]];
+        Scene {
+            path: "x".into(),
+            format: Format::Obj,
+            meshes: vec![],
+            instances: vec![],
+            materials: vec![],
+            images: vec![Image {
+                name: "two".into(),
+                width: 2,
+                height: 1,
+                pixels,
+            }],
+            warnings: vec![],
+            content_hash: String::new(),
+        }
+    }
+
+    fn texture(wrap: Wrap, linear: bool) -> TextureRef {
+        let transform = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        TextureRef {
+            image: 0,
+            uv_set: 0,
+            wrap: [wrap; 2],
+            linear,
+            transform,
+        }
+    }
+
+    #[test]
+    fn texel_centres_lie_at_half_integers_and_filtering_is_linear_between_them() {
+        let (scene, t) = (scene(), texture(Wrap::Clamp, true));
+        let alphas = [0.0, 0.25, 0.375, 0.5, 0.75, 1.0].map(|u| scene.alpha(&t, Vec2::new(u, 0.5)));
+        assert_eq!(alphas, [0.0, 0.0, 0.25, 0.5, 1.0, 1.0]);
+        // At u = 0 a repeated image is half way between its last and its first texel, a mirrored one is not.
+        assert_eq!(scene.alpha(&texture(Wrap::Repeat, true), Vec2::ZERO), 0.5);
+        assert_eq!(scene.alpha(&texture(Wrap::Mirror, true), Vec2::ZERO), 0.0);
+    }
+
+    #[test]
+    fn wrap_rules_hold_far_outside() {
+        let scene = scene();
+        let at = |wrap, u: f32| scene.alpha(&texture(wrap, false), Vec2::new(u, 0.0));
+        assert_eq!(
+            [
+                at(Wrap::Repeat, 7.75),
+                at(Wrap::Repeat, -0.25),
+                at(Wrap::Repeat, -7.75)
+            ],
+            [1.0, 1.0, 0.0]
+        );
+        assert_eq!(
+            [
+                at(Wrap::Mirror, 1.25),
+                at(Wrap::Mirror, -0.25),
+                at(Wrap::Mirror, 2.25)
+            ],
+            [1.0, 0.0, 0.0]
+        );
+        assert_eq!([at(Wrap::Clamp, 9.0), at(Wrap::Clamp, -9.0)], [1.0, 0.0]);
+    }
+
+    #[test]
+    fn no_coordinate_panics() {
+        let mut scene = scene();
+        for (width, height) in [(2, 1), (1, 2)] {
+            (scene.images[0].width, scene.images[0].height) = (width, height);
+            for wrap in [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror] {
+                for linear in [false, true] {
+                    let mut t = texture(wrap, linear);
+                    t.transform[0][0] = 3e38;
+                    for u in [
+                        0.0,
+                        -0.0,
+                        1.0,
+                        -1e-30,
+                        1e30,
+                        -1e30,
+                        f32::MAX,
+                        f32::MIN,
+                        f32::NAN,
+                        f32::INFINITY,
+                    ] {
+                        for v in [0.99999994, u] {
+                            let alpha = scene.alpha(&t, Vec2::new(u, v));
+                            assert!(
+                                (0.0..=1.0).contains(&alpha),
+                                "{wrap:?} {linear} {u} {v}: {alpha}"
+                            );
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn colour_is_decoded_from_srgb_and_data_is_not() {
+        let (scene, t) = (scene(), texture(Wrap::Clamp, false));
+        let uv = Vec2::new(0.9, 0.0);
+        let exact = ((188.0f64 / 255.0 + 0.055) / 1.055).powf(2.4) as f32;
+        assert_eq!(scene.color(&t, uv), Vec3::splat(exact));
+        assert_eq!(scene.linear_texel(&t, uv), Vec3::splat(188.0 / 255.0));
+    }
+}

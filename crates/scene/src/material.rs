@@ -1,0 +1,95 @@
+//! The materials of a file as parameters of the Phong model.
+//!
+//! # Metallic-roughness to Phong
+//!
+//! glTF describes a GGX lobe; the model that is integrated here is Phong's, about the mirror direction. Colours follow
+//! the metallic-roughness model of the glTF 2.0 specification, appendix B: a metal has no diffuse part and reflects
+//! its base colour, a dielectric reflects its normal-view reflectance, and `metallic` mixes the two.
+//!
+//! The exponent comes in two steps.
+//!
+//! 1. Roughness to half-vector exponent: `alpha = roughness²`, and the Blinn lobe of a microfacet surface with that
+//!    width is `n_h = 2/alpha² - 2` (Walter, Marschner, Li and Torrance, *Microfacet Models for Refraction through
+//!    Rough Surfaces*, EGSR 2007, their match of the Phong to the Beckmann distribution).
+//! 2. Half vector to mirror direction: with the light in the plane of view and normal, turning the light by an angle
+//!    turns the mirror direction by the same angle and the half vector by half of it. Near the peak
+//!    `cosⁿ x ≈ exp(-n x²/2)`, so `n_h (x/2)² = n x²` and `n = n_h/4` (Fisher and Woo, *R·E versus N·H Specular
+//!    Highlights*, Graphics Gems IV, 1994, who show how close the match is away from the peak).
+//!
+//! Together `n = (1/alpha² - 1)/2`: 0 for roughness 1, 7.5 for roughness 0.5, and clamped to [`MAX_EXPONENT`] for a
+//! mirror.
+
+use crate::{Alpha, Material, Surface};
+use glam::Vec3;
+
+/// Largest lobe exponent that a scene holds.
+pub const MAX_EXPONENT: f64 = 1e6;
+
+/// Albedo, specular reflectance and lobe exponent of a metallic-roughness surface; see the head of this module's file
+/// for the formula and its sources.
+///
+/// * `base`: base colour, linear, 0..=1 a channel.
+/// * `metallic`, `roughness`: 0..=1; values outside (and NaN) are clamped into the range.
+/// * `dielectric`: reflectance of the non-metal at normal view, linear; 0.04 for glass of index 1.5.
+///
+/// ```
+/// # use glam::Vec3;
+/// let (albedo, specular, n) = scene::phong_from_metallic_roughness(Vec3::ONE, 0.0, 0.5, Vec3::splat(0.04));
+/// assert_eq!((albedo, specular, n), (Vec3::ONE, Vec3::splat(0.04), 7.5));
+/// ```
+pub fn phong_from_metallic_roughness(
+    base: Vec3,
+    metallic: f64,
+    roughness: f64,
+    dielectric: Vec3,
+) -> (Vec3, Vec3, f64) {
+    // `max` first: it turns NaN into 0.
+    let metal = metallic.max(0.0).min(1.0) as f32;
+    let alpha = roughness.max(0.0).min(1.0).powi(2);
+    let exponent = (0.5 / (alpha * alpha) - 0.5).clamp(0.0, MAX_EXPONENT);
+    (
+        base * (1.0 - metal),
+        dielectric * (1.0 - metal) + base * metal,
+        exponent,
+    )
+}
+
+/// The material of a mesh that has none: a white Lambertian surface, so that the baked terms carry no tint.
+///
+/// glTF's own default (white, metallic 1, roughness 1) would make every unassigned mesh a rough metal with a black
+/// albedo: of no use for a lightmap, whose geometry is what the file is about. OBJ defines no default.
+pub(crate) fn untinted(name: &str) -> Material {
+    Material {
+        name: name.into(),
+        surface: Surface::Phong {
+            albedo: Vec3::ONE,
+            albedo_map: None,
+            specular: Vec3::ZERO,
+            exponent: 0.0,
+        },
+        alpha: Alpha::Opaque,
+        double_sided: true,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_metal_has_no_albedo_and_a_mirror_has_the_largest_exponent() {
+        let base = Vec3::new(0.9, 0.5, 0.1);
+        assert_eq!(
+            phong_from_metallic_roughness(base, 1.0, 0.0, Vec3::splat(0.04)),
+            (Vec3::ZERO, base, MAX_EXPONENT)
+        );
+        assert_eq!(
+            phong_from_metallic_roughness(base, 0.0, 1.0, Vec3::splat(0.04)).2,
+            0.0
+        );
+        assert_eq!(
+            phong_from_metallic_roughness(base, f64::NAN, f64::NAN, Vec3::ZERO).2,
+            MAX_EXPONENT
+        );
+    }
+}

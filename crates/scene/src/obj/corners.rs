@@ -1,0 +1,81 @@
+//! Corners of OBJ faces, made unique: OBJ numbers positions, UVs and normals apart, a [`crate::Mesh`] together.
+
+/// Stands for an absent UV or normal.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// How far the chain of one position is searched. Beyond it a vertex is stored twice, which costs memory only where a
+/// position carries more than this many different UVs or normals, and keeps the search linear in the file.
+const LONGEST_SEARCH: usize = 64;
+
+/// A vertex of a part: what its position, UV and normal are numbered in the file.
+#[derive(Clone, Copy)]
+pub(super) struct Corner {
+    pub part: u32,
+    pub position: u32,
+    pub uv: u32,
+    pub normal: u32,
+    /// While reading: the next corner with the same position, or [`NONE`]. Afterwards: the vertex number in its part.
+    link: u32,
+}
+
+/// All corners so far, chained by position, and the triangles of each part between them.
+#[derive(Default)]
+pub(super) struct Corners {
+    newest: Vec<u32>,
+    all: Vec<Corner>,
+    triangles: Vec<Vec<[u32; 3]>>,
+}
+
+impl Corners {
+    /// Number of the corner, an earlier one if it was met before; `None` when the numbers are used up.
+    pub fn insert(&mut self, part: u32, [position, uv, normal]: [u32; 3]) -> Option<u32> {
+        let slot = position as usize;
+        if slot >= self.newest.len() {
+            self.newest.resize(slot + 1, NONE);
+        }
+        let mut at = self.newest[slot];
+        for _ in 0..LONGEST_SEARCH {
+            let Some(corner) = self.all.get(at as usize) else {
+                break;
+            };
+            if (corner.part, corner.uv, corner.normal) == (part, uv, normal) {
+                return Some(at);
+            }
+            at = corner.link;
+        }
+        let number = u32::try_from(self.all.len()).ok().filter(|&n| n != NONE)?;
+        self.all.push(Corner {
+            part,
+            position,
+            uv,
+            normal,
+            link: self.newest[slot],
+        });
+        self.newest[slot] = number;
+        Some(number)
+    }
+
+    /// Adds a triangle to a part; its corners were inserted for the same part.
+    pub fn add(&mut self, part: u32, triangle: [u32; 3]) {
+        let part = part as usize;
+        if part >= self.triangles.len() {
+            self.triangles.resize_with(part + 1, Vec::new);
+        }
+        self.triangles[part].push(triangle);
+    }
+
+    /// The corners in the order of their vertices within each of `parts` parts, and each part's triangles.
+    pub fn into_vertices(mut self, parts: usize) -> (Vec<Corner>, Vec<Vec<[u32; 3]>>) {
+        self.newest = Vec::new();
+        let mut counts = vec![0; parts];
+        for corner in &mut self.all {
+            corner.link = counts[corner.part as usize];
+            counts[corner.part as usize] += 1;
+        }
+        self.triangles.resize_with(parts, Vec::new);
+        for index in self.triangles.iter_mut().flatten().flatten() {
+            *index = self.all[*index as usize].link;
+        }
+        (self.all, self.triangles)
+    }
+}

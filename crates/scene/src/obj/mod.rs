@@ -1,0 +1,163 @@
+//! Wavefront OBJ: one [`Mesh`] and one identity [`Instance`] for each (object or group, material) of the file.
+//!
+//! The file is read as a stream by a reader of our own, for reasons measured in `vendor-notes/obj.md`: a line costs no
+//! allocation, a face is turned into corners at once, and memory stays near twice the raw data. `tobj` reads the
+//! material libraries and is the referee of the tests.
+//!
+//! What is junk rather than corruption is counted as a warning: `ignored-lines-and-points` (elements without an area),
+//! `ignored-uv-references` and `ignored-normal-references` (no `vt` or `vn` in the file so far), `missing-uvs`
+//! (corners without `vt` in a mesh that has some), `missing-material-libraries`, `unknown-materials`,
+//! `ignored-mtl-lines`, `unread-textures`, `missing-textures`, `clamped-factors`, `alpha-as-mask`.
+
+mod corners;
+mod lines;
+mod mtl;
+mod polygon;
+
+use crate::material::untinted;
+use crate::source::Input;
+use crate::validate::{self, Parts};
+use crate::{Error, Instance, Mesh, MeshOrigin};
+use corners::{Corners, NONE};
+use glam::{DAffine3, Vec2, Vec3};
+use std::collections::HashMap;
+
+/// What the lines of the file say, before corners become vertices.
+#[derive(Default)]
+struct File {
+    positions: Vec<Vec3>,
+    uvs: Vec<Vec2>,
+    normals: Vec<Vec3>,
+    corners: Corners,
+    /// Names of the parts, and the number of the material name of each.
+    parts: Vec<(String, u32)>,
+    /// Material names in the order of their first use; the first is the empty name for none.
+    materials: Vec<String>,
+    libraries: Vec<String>,
+}
+
+/// Reads the OBJ file of `input`, its material libraries and textures.
+pub(crate) fn load(input: &mut Input) -> Result<Parts, Error> {
+    let mut file = lines::read(input)?;
+    let mut parts = Parts::default();
+    // The same material for every part that names none or an unknown one; dropped again if there is no such part.
+    let library = mtl::load(input, &file.libraries, &mut parts)?;
+    let mut untinted_index = None;
+    let mut index_of = |input: &mut Input, parts: &mut Parts, name: &str| {
+        if let Some(&known) = library.get(name) {
+            return known;
+        }
+        let message = "the material is in no library that was read; its parts stay untinted";
+        input.warn(
+            "unknown-materials",
+            format!("material `{name}`"),
+            !name.is_empty() as u64,
+            message,
+        );
+        *untinted_index.get_or_insert_with(|| {
+            parts.materials.push(untinted("none"));
+            parts.materials.len() as u32 - 1
+        })
+    };
+    let mut materials = HashMap::new();
+    for (mesh, part) in meshes(input, &mut file).into_iter().zip(&file.parts) {
+        let name = &file.materials[part.1 as usize];
+        let material = match materials.get(name) {
+            Some(&known) => known,
+            None => *materials
+                .entry(name)
+                .or_insert(index_of(input, &mut parts, name)),
+        };
+        add(input, &mut parts, Mesh { material, ..mesh })?;
+    }
+    if parts.materials.is_empty() {
+        parts.materials.push(untinted("none"));
+    }
+    Ok(parts)
+}
+
+fn add(input: &mut Input, parts: &mut Parts, mut mesh: Mesh) -> Result<(), Error> {
+    let place = format!("part {} `{}`", mesh.origin.mesh, mesh.name);
+    if validate::mesh(input, &mut mesh, &place)? {
+        parts.instances.push(Instance {
+            name: mesh.name.clone(),
+            mesh: parts.meshes.len() as u32,
+            transform: DAffine3::IDENTITY,
+            node: 0,
+            copy: None,
+        });
+        parts.meshes.push(mesh);
+    }
+    Ok(())
+}
+
+/// One mesh a part, material not yet set. Takes the corners and the vertex data out of `file`.
+fn meshes(input: &mut Input, file: &mut File) -> Vec<Mesh> {
+    let mut meshes: Vec<Mesh> = Vec::with_capacity(file.parts.len());
+    let (corners, mut triangles) =
+        std::mem::take(&mut file.corners).into_vertices(file.parts.len());
+    for (i, (name, _)) in file.parts.iter().enumerate() {
+        let mut kept = std::mem::take(&mut triangles[i]);
+        kept.shrink_to_fit();
+        meshes.push(Mesh {
+            name: name.clone(),
+            positions: Vec::new(),
+            normals: Vec::new(),
+            uv_sets: Vec::new(),
+            triangles: kept,
+            source_triangles: Vec::new(),
+            material: 0,
+            origin: MeshOrigin {
+                mesh: i as u32,
+                primitive: 0,
+            },
+        });
+    }
+    // A part has normals or UVs if one of its corners has; the others get a zero, which validation repairs or keeps.
+    let mut counts = vec![[0usize; 3]; meshes.len()];
+    for corner in &corners {
+        let count = &mut counts[corner.part as usize];
+        count[0] += 1;
+        count[1] += (corner.uv != NONE) as usize;
+        count[2] += (corner.normal != NONE) as usize;
+    }
+    for (mesh, &[vertices, uvs, normals]) in meshes.iter_mut().zip(&counts) {
+        mesh.positions.reserve_exact(vertices);
+        if uvs > 0 {
+            mesh.uv_sets.push(Vec::with_capacity(vertices));
+            let message = "corners without a vt in a mesh that has some get the UV (0, 0)";
+            input.warn(
+                "missing-uvs",
+                format!("part `{}`", mesh.name),
+                (vertices - uvs) as u64,
+                message,
+            );
+        }
+        if normals > 0 {
+            mesh.normals.reserve_exact(vertices);
+        }
+    }
+    for corner in &corners {
+        let mesh = &mut meshes[corner.part as usize];
+        mesh.positions
+            .push(file.positions[corner.position as usize]);
+        if let Some(set) = mesh.uv_sets.first_mut() {
+            // OBJ counts v upward from the bottom of the picture, glTF downward from its top.
+            let uv = file
+                .uvs
+                .get(corner.uv as usize)
+                .map_or(Vec2::ZERO, |uv| Vec2::new(uv.x, 1.0 - uv.y));
+            set.push(uv);
+        }
+        if counts[corner.part as usize][2] > 0 {
+            mesh.normals.push(
+                file.normals
+                    .get(corner.normal as usize)
+                    .copied()
+                    .unwrap_or(Vec3::ZERO),
+            );
+        }
+    }
+    (file.positions, file.uvs, file.normals) = Default::default();
+    meshes
+}

@@ -1,0 +1,355 @@
+//! Material libraries: the parameters of the Phong model as OBJ files give them.
+//!
+//! Read: `Kd`, `Ks`, `Ns`, `d`, `Tr`, `map_Kd`, `map_d`; missing ones are white, black, 0 and opaque. `Ka` is not
+//! used: the ambient term that is baked reflects with `Kd`. `map_Ks` is noted and left out. `illum` is not used either:
+//! which model is shown is chosen by layer.
+
+use crate::image::{Failure, decode};
+use crate::material::MAX_EXPONENT;
+use crate::source::{Input, beside, short};
+use crate::validate::{Parts, clamped};
+use crate::{Alpha, Error, Image, Material, Surface, TextureRef, Wrap};
+use glam::Vec3;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+/// What a texture is used for; the same file as colour and as alpha gives two images.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum Role {
+    Color,
+    Alpha,
+}
+
+/// Reads the libraries into `parts`, in their order; the first definition of a name counts.
+pub(super) fn load(
+    input: &mut Input,
+    names: &[String],
+    parts: &mut Parts,
+) -> Result<HashMap<String, u32>, Error> {
+    let mut known = HashMap::new();
+    let mut images = HashMap::new();
+    let mut seen = Vec::new();
+    let main = input.path.clone();
+    for path in names.iter().flat_map(|name| libraries(&main, name)) {
+        if seen.contains(&path) {
+            continue;
+        }
+        seen.push(path.clone());
+        if !path.is_file() {
+            let message = "the material library is absent; materials from it are not known";
+            input.warn(
+                "missing-material-libraries",
+                path.display().to_string(),
+                1,
+                message,
+            );
+            continue;
+        }
+        let bytes = input.read(&path)?;
+        for raw in parsed(input, &path, &bytes)? {
+            if !known.contains_key(&raw.name) {
+                let material = material(input, &path, &raw, parts, &mut images)?;
+                known.insert(raw.name, parts.materials.len() as u32);
+                parts.materials.push(material);
+            }
+        }
+    }
+    Ok(known)
+}
+
+/// The files of a `mtllib` line: one name with spaces, or several names.
+fn libraries(main: &Path, line: &str) -> Vec<PathBuf> {
+    let whole = located(main, line);
+    if whole.is_file() || line.split_whitespace().count() < 2 {
+        return vec![whole];
+    }
+    line.split_whitespace()
+        .map(|name| located(main, name))
+        .collect()
+}
+
+/// A named file beside another one; backslashes are tried as slashes.
+fn located(file: &Path, name: &str) -> PathBuf {
+    let plain = beside(file, name);
+    if name.contains('\\') && !plain.exists() {
+        beside(file, &name.replace('\\', "/"))
+    } else {
+        plain
+    }
+}
+
+/// The materials of a library. `tobj` panics on `Kd 0.5` and gives up at the first line that it does not like, so it
+/// is handed only lines that it reads well; the others are counted.
+fn parsed(input: &mut Input, path: &Path, bytes: &[u8]) -> Result<Vec<tobj::Material>, Error> {
+    let source = String::from_utf8_lossy(bytes);
+    let mut clean = String::new();
+    let mut ignored = 0;
+    for line in source.trim_start_matches('\u{feff}').lines() {
+        let (keyword, rest) = line
+            .trim()
+            .split_once(char::is_whitespace)
+            .unwrap_or((line.trim(), ""));
+        let numbers: Vec<&str> = rest
+            .split_whitespace()
+            .take_while(|word| word.parse::<f32>().is_ok())
+            .collect();
+        let rest = rest.trim();
+        let line = match (keyword.to_ascii_lowercase().as_str(), numbers.as_slice()) {
+            ("kd", [r, g, b, ..]) => format!("Kd {r} {g} {b}"),
+            ("kd", [grey]) => format!("Kd {grey} {grey} {grey}"),
+            ("ks", [r, g, b, ..]) => format!("Ks {r} {g} {b}"),
+            ("ks", [grey]) => format!("Ks {grey} {grey} {grey}"),
+            ("ns", [n, ..]) => format!("Ns {n}"),
+            ("d", [d, ..]) => format!("d {d}"),
+            ("d", []) if rest.starts_with("-halo") => {
+                format!("d {}", rest[5..].trim().parse::<f32>().unwrap_or(1.0))
+            }
+            ("tr", [t, ..]) => format!("Tr {t}"),
+            ("newmtl", _) if !rest.is_empty() => format!("newmtl {rest}"),
+            ("map_kd", _) if !rest.is_empty() => format!("map_Kd {rest}"),
+            ("map_ks", _) if !rest.is_empty() => format!("map_Ks {rest}"),
+            ("map_d", _) if !rest.is_empty() => format!("map_d {rest}"),
+            ("kd" | "ks" | "ns" | "d" | "tr" | "newmtl" | "map_kd" | "map_ks" | "map_d", _) => {
+                ignored += 1;
+                continue;
+            }
+            _ => continue,
+        };
+        clean.push_str(&line);
+        clean.push('\n');
+    }
+    input.warn(
+        "ignored-mtl-lines",
+        path.display().to_string(),
+        ignored,
+        "lines without the number or name they need",
+    );
+    let (materials, _) = tobj::load_mtl_buf(&mut clean.as_bytes()).map_err(|e| Error::Invalid {
+        path: path.into(),
+        place: "material library".into(),
+        problem: format!("{e}; export it again"),
+    })?;
+    Ok(materials)
+}
+
+fn material(
+    input: &mut Input,
+    library: &Path,
+    raw: &tobj::Material,
+    parts: &mut Parts,
+    images: &mut HashMap<(PathBuf, Role), Option<u32>>,
+) -> Result<Material, Error> {
+    let place = format!("material `{}`", raw.name);
+    let mut changed = 0;
+    let mut color = |c: Option<[f32; 3]>, or: f32| match c {
+        Some(c) => Vec3::from_array(c.map(|v| clamped(v, 0.0, 1.0, or, &mut changed))),
+        None => Vec3::splat(or),
+    };
+    let albedo = color(raw.diffuse, 1.0);
+    let specular = color(raw.specular, 0.0);
+    let exponent = clamped(
+        raw.shininess.unwrap_or(0.0),
+        0.0,
+        MAX_EXPONENT as f32,
+        0.0,
+        &mut changed,
+    ) as f64;
+    let see_through = raw
+        .unknown_param
+        .get("Tr")
+        .and_then(|t| t.parse::<f32>().ok())
+        .map(|t| 1.0 - t);
+    let opacity = clamped(
+        raw.dissolve.or(see_through).unwrap_or(1.0),
+        0.0,
+        1.0,
+        1.0,
+        &mut changed,
+    );
+    input.warn(
+        "clamped-factors",
+        place.as_str(),
+        changed,
+        "factors out of range are clamped",
+    );
+    let specular_map = raw.specular_texture.is_some() as u64;
+    input.warn(
+        "unread-textures",
+        place.as_str(),
+        specular_map,
+        "map_Ks is not read; Ks stands alone",
+    );
+
+    let mut map = |name: &Option<String>, role| match name {
+        Some(name) => texture(input, library, &place, name, role, parts, images),
+        None => Ok(None),
+    };
+    let albedo_map = map(&raw.diffuse_texture, Role::Color)?;
+    let alpha_map = map(&raw.dissolve_texture, Role::Alpha)?;
+    let alpha = if opacity < 1.0 || alpha_map.is_some() {
+        let message =
+            "partial transparency becomes a mask: a ray is blocked where alpha is at least 0.5";
+        input.warn(
+            "alpha-as-mask",
+            place,
+            (opacity > 0.0 && opacity < 1.0) as u64,
+            message,
+        );
+        Alpha::Mask {
+            cutoff: 0.5,
+            factor: opacity,
+            map: alpha_map,
+        }
+    } else {
+        Alpha::Opaque
+    };
+    let surface = Surface::Phong {
+        albedo,
+        albedo_map,
+        specular,
+        exponent,
+    };
+    Ok(Material {
+        name: raw.name.clone(),
+        surface,
+        alpha,
+        double_sided: true,
+    })
+}
+
+/// A texture statement: options, then a file name.
+fn texture(
+    input: &mut Input,
+    library: &Path,
+    place: &str,
+    statement: &str,
+    role: Role,
+    parts: &mut Parts,
+    images: &mut HashMap<(PathBuf, Role), Option<u32>>,
+) -> Result<Option<TextureRef>, Error> {
+    let options = Options::of(statement);
+    let path = located(library, options.file);
+    let image = match images.get(&(path.clone(), role)) {
+        Some(&known) => known,
+        None => {
+            let image = image(input, place, &path, role)?;
+            let number = image.is_some().then_some(parts.images.len() as u32);
+            parts.images.extend(image);
+            *images.entry((path, role)).or_insert(number)
+        }
+    };
+    let ([su, sv], [ou, ov]) = (options.scale, options.offset);
+    Ok(image.map(|image| TextureRef {
+        image,
+        uv_set: 0,
+        wrap: [if options.clamp {
+            Wrap::Clamp
+        } else {
+            Wrap::Repeat
+        }; 2],
+        linear: true,
+        // OBJ scales and shifts with v upward: 1 - ((1 - v) sv + ov).
+        transform: [[su, 0.0, ou], [0.0, sv, 1.0 - sv - ov]],
+    }))
+}
+
+fn image(input: &mut Input, place: &str, path: &Path, role: Role) -> Result<Option<Image>, Error> {
+    let name = path.display().to_string();
+    if !path.is_file() {
+        let message = format!("texture {name} is absent; the factor stands alone");
+        input.warn("missing-textures", place, 1, message);
+        return Ok(None);
+    }
+    let bytes = input.read(path)?;
+    match decode(&bytes, &name) {
+        Ok(mut decoded) => {
+            if role == Role::Alpha && !decoded.has_alpha {
+                decoded.pixels.iter_mut().for_each(|p| p[3] = p[0]);
+            }
+            Ok(Some(Image {
+                name,
+                width: decoded.width,
+                height: decoded.height,
+                pixels: decoded.pixels,
+            }))
+        }
+        Err(Failure::Unsupported(format)) => {
+            let message =
+                format!("texture {name} is {format}, which is not read; convert it to PNG");
+            input.warn("unread-textures", place, 1, message);
+            Ok(None)
+        }
+        Err(Failure::Broken(problem)) => Err(Error::Invalid {
+            path: path.into(),
+            place: place.into(),
+            problem: format!("{}; repair the image or remove it", short(&problem)),
+        }),
+    }
+}
+
+/// The options of a texture statement that change where it is read; the others are skipped with their arguments.
+struct Options<'a> {
+    file: &'a str,
+    clamp: bool,
+    scale: [f32; 2],
+    offset: [f32; 2],
+}
+
+impl Options<'_> {
+    fn of(statement: &str) -> Options<'_> {
+        let mut options = Options {
+            file: statement.trim(),
+            clamp: false,
+            scale: [1.0; 2],
+            offset: [0.0; 2],
+        };
+        while options.file.starts_with('-') {
+            let (name, mut rest) = word(options.file);
+            // At most so many arguments follow; of -o, -s and -t as many as are numbers.
+            let most = match name {
+                "-o" | "-s" | "-t" => 3,
+                "-mm" => 2,
+                "-blendu" | "-blendv" | "-bm" | "-boost" | "-cc" | "-clamp" | "-imfchan"
+                | "-texres" | "-type" => 1,
+                _ => break,
+            };
+            for i in 0..most {
+                let (argument, after) = word(rest);
+                let number = argument.parse::<f32>().ok().filter(|n| n.is_finite());
+                match (name, number) {
+                    ("-o", Some(n)) if i < 2 => options.offset[i] = n,
+                    ("-s", Some(n)) if i < 2 => options.scale[i] = n,
+                    ("-o" | "-s" | "-t", None) => break,
+                    ("-clamp", _) => options.clamp = argument == "on",
+                    _ => {}
+                }
+                rest = after;
+            }
+            options.file = rest;
+        }
+        options
+    }
+}
+
+/// The first word and what follows it.
+fn word(text: &str) -> (&str, &str) {
+    let text = text.trim_start();
+    text.split_once(char::is_whitespace)
+        .map_or((text, ""), |(first, rest)| (first, rest.trim_start()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texture_options_are_told_from_the_file_name() {
+        let options = Options::of("-s 2 3 1 -blendu off -o 0.5 -clamp on -bm 0.2 my wall -1.png");
+        assert_eq!(options.file, "my wall -1.png");
+        assert_eq!(
+            (options.scale, options.offset, options.clamp),
+            ([2.0, 3.0], [0.5, 0.0], true)
+        );
+        assert_eq!(Options::of("-strange.png").file, "-strange.png");
+    }
+}

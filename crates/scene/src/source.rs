@@ -1,0 +1,195 @@
+//! Reads the bytes of a scene: the main file and the files it names, all of them hashed in the order they are read.
+
+use crate::{Error, Format, Warning};
+use base64::Engine;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// The state of one load: which file, the hash of what was read, and the warnings so far.
+pub(crate) struct Input {
+    pub path: PathBuf,
+    pub hasher: blake3::Hasher,
+    pub warnings: Vec<Warning>,
+}
+
+impl Input {
+    pub fn new(path: &Path) -> Input {
+        Input {
+            path: path.to_path_buf(),
+            hasher: blake3::Hasher::new(),
+            warnings: Vec::new(),
+        }
+    }
+
+    /// Error about a place in the main file.
+    pub fn invalid(&self, place: impl Into<String>, problem: impl Into<String>) -> Error {
+        Error::Invalid {
+            path: self.path.clone(),
+            place: place.into(),
+            problem: problem.into(),
+        }
+    }
+
+    /// Notes that something was repaired or ignored `count` times; nothing for a count of 0.
+    pub fn warn(
+        &mut self,
+        kind: &str,
+        place: impl Into<String>,
+        count: u64,
+        message: impl Into<String>,
+    ) {
+        if count > 0 {
+            let (place, message) = (place.into(), message.into());
+            self.warnings.push(Warning {
+                kind: kind.into(),
+                place,
+                count,
+                message,
+            });
+        }
+    }
+
+    /// All bytes of a file, hashed.
+    pub fn read(&mut self, path: &Path) -> Result<Vec<u8>, Error> {
+        let mut file = open(path)?;
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes).map_err(|cause| Error::Read {
+            path: path.into(),
+            cause,
+        })?;
+        self.hasher.update(&bytes);
+        Ok(bytes)
+    }
+}
+
+/// The file that a relative name inside another file stands for.
+pub(crate) fn beside(file: &Path, name: &str) -> PathBuf {
+    file.parent().unwrap_or(Path::new("")).join(name)
+}
+
+/// An open regular file. A directory opens too on some systems and a pipe blocks for ever, so both are refused first.
+pub(crate) fn open(path: &Path) -> Result<File, Error> {
+    let read = |cause| Error::Read {
+        path: path.into(),
+        cause,
+    };
+    if !std::fs::metadata(path).map_err(read)?.is_file() {
+        return Err(Error::NotAFile { path: path.into() });
+    }
+    File::open(path).map_err(read)
+}
+
+/// What a file is: GLB by its first bytes, the rest by the ending.
+pub(crate) fn format_of(path: &Path) -> Result<Format, Error> {
+    let mut start = Vec::new();
+    let read = open(path)?.take(4).read_to_end(&mut start);
+    read.map_err(|cause| Error::Read {
+        path: path.into(),
+        cause,
+    })?;
+    if start.is_empty() {
+        return Err(Error::Empty { path: path.into() });
+    }
+    if start == b"glTF" {
+        return Ok(Format::Glb);
+    }
+    let ending = path
+        .extension()
+        .and_then(|e| e.to_str())
+        .unwrap_or("")
+        .to_ascii_lowercase();
+    match ending.as_str() {
+        "obj" => Ok(Format::Obj),
+        "gltf" => Ok(Format::Gltf),
+        "glb" => Err(Error::Invalid {
+            path: path.into(),
+            place: "byte 0".into(),
+            problem: "a GLB file starts with `glTF`, this one does not; check what wrote it".into(),
+        }),
+        _ => Err(Error::UnknownFormat { path: path.into() }),
+    }
+}
+
+/// What a glTF URI points at.
+pub(crate) enum Uri {
+    /// The bytes of a `data:` URI.
+    Data(Vec<u8>),
+    /// A path relative to the file, percent-decoded.
+    File(String),
+}
+
+/// Decodes a URI.
+///
+/// # Errors
+/// A sentence, for a scheme other than `data` and `file` and for base64 that is none.
+pub(crate) fn uri(text: &str) -> Result<Uri, String> {
+    if let Some(rest) = text.strip_prefix("data:") {
+        let (head, body) = rest
+            .split_once(',')
+            .ok_or("data URI without a comma; export the file again")?;
+        if !head.ends_with(";base64") {
+            return Ok(Uri::Data(percent_decoded(body)));
+        }
+        // Writers disagree about the padding, so none, some and full are read.
+        let config =
+            GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
+        let engine = GeneralPurpose::new(&base64::alphabet::STANDARD, config);
+        let bytes = engine
+            .decode(body)
+            .map_err(|e| format!("data URI is not base64 ({e}); export the file again"))?;
+        return Ok(Uri::Data(bytes));
+    }
+    let local = text
+        .strip_prefix("file://")
+        .or_else(|| text.strip_prefix("file:"))
+        .unwrap_or(text);
+    if local.len() == text.len() && text.contains("://") {
+        return Err(format!(
+            "`{}` is not a local file; download it and name it relative to the scene",
+            short(text)
+        ));
+    }
+    let name = String::from_utf8(percent_decoded(local))
+        .map_err(|_| "file name is not UTF-8; rename the file")?;
+    if name.is_empty() || name.contains('\0') {
+        return Err("empty or broken file name; export the file again".into());
+    }
+    Ok(Uri::File(name))
+}
+
+/// Bytes of a percent-encoded text; a `%` without two hex digits stands for itself.
+fn percent_decoded(text: &str) -> Vec<u8> {
+    let bytes = text.as_bytes();
+    let mut out = Vec::with_capacity(bytes.len());
+    let mut i = 0;
+    while i < bytes.len() {
+        let hex = |k: usize| bytes.get(i + k).and_then(|b| (*b as char).to_digit(16));
+        match (bytes[i], hex(1), hex(2)) {
+            (b'%', Some(high), Some(low)) => {
+                out.push((high * 16 + low) as u8);
+                i += 3;
+            }
+            (byte, ..) => {
+                out.push(byte);
+                i += 1;
+            }
+        }
+    }
+    out
+}
+
+/// The start of a text without control characters, for a message on one line.
+pub(crate) fn short(text: &str) -> String {
+    let clean: String = text
+        .chars()
+        .take(80)
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .collect();
+    if clean.len() < text.len() {
+        format!("{clean}…")
+    } else {
+        clean
+    }
+}

@@ -1,0 +1,360 @@
+//! What is accepted, what is repaired and what is refused, decided in one place.
+//!
+//! Data that is corrupt stops the load: a bake of it would be a lie. Junk that has no influence on the picture is
+//! repaired or left out, and counted in [`Scene::warnings`] with mesh and primitive.
+//!
+//! | finding | verdict |
+//! |---|---|
+//! | absent, empty or unreadable scene file, buffer; directory for a file; wrong magic; truncated file or buffer | error |
+//! | broken JSON, broken OBJ number, index 0 in OBJ, reference out of range, cycle of nodes | error |
+//! | required extension that is not implemented | error `Extension` |
+//! | vertex index out of range | error |
+//! | position that is not finite, or beyond [`REACH`], used by a triangle | error |
+//! | the same, in a vertex that no triangle uses | `unused-bad-vertices`: moved onto a used vertex |
+//! | instance that reaches beyond [`REACH`] in the world, or whose matrix is not finite or not affine | error |
+//! | singular transform, such as a scale of 0 | `singular-transforms`: instance left out |
+//! | triangle of zero area (exactly, in f64) | `zero-area-triangles`: dropped, `source_triangles` filled |
+//! | mesh left without triangles | `empty-meshes`: left out with its instances |
+//! | no triangle in the whole scene | error `NoTriangles` |
+//! | normal that is zero or not finite | `bad-normals`: area-weighted mean of the geometric normals around the vertex |
+//! | every normal of a mesh bad | `bad-normals`: the mesh has none, so it is shaded with its geometric normals |
+//! | UV that is not finite | `bad-uvs`: set to (0, 0) |
+//! | texture on a mesh without the UV set it reads | `textures-without-uvs`: the mesh gets the material without it |
+//! | image file that is absent, or in a format that is not read (KTX2, WebP) | `missing-textures`, `unread-textures`: factor alone |
+//! | image file that is there and broken | error |
+//! | OBJ: absent material library, unknown material, broken MTL line, corner without vt or vn | warning, see `obj.rs` |
+//! | glTF: points and lines, skins, morph targets, BLEND, extensions beyond those read | warning, see `gltf.rs` |
+//! | unit length of normals, finite factors inside 0..=1 | brought about silently; out of range `clamped-factors` |
+
+use crate::source::Input;
+use crate::{
+    Alpha, Error, Format, Image, Instance, Material, Mesh, Scene, Surface, TextureRef, Warning,
+};
+use glam::{DVec3, Vec2, Vec3};
+use std::collections::HashMap;
+
+/// Largest coordinate that the ray tracers take: Embree ignores vertices from about 1.8e18 on, so that squares of
+/// coordinates stay finite in f32.
+pub(crate) const REACH: f32 = 1e18;
+
+/// What a reader hands over; [`scene`] makes a [`Scene`] of it.
+#[derive(Default)]
+pub(crate) struct Parts {
+    pub meshes: Vec<Mesh>,
+    pub instances: Vec<Instance>,
+    pub materials: Vec<Material>,
+    pub images: Vec<Image>,
+}
+
+/// The scene, once what the reader found is judged as a whole.
+pub(crate) fn scene(mut input: Input, format: Format, mut parts: Parts) -> Result<Scene, Error> {
+    instances(&mut input, &mut parts)?;
+    if parts.instances.is_empty() {
+        let ignored: Vec<&str> = input
+            .warnings
+            .iter()
+            .map(|w| w.kind.as_str())
+            .take(5)
+            .collect();
+        let hint = if ignored.is_empty() {
+            String::new()
+        } else {
+            format!("; ignored: {}", ignored.join(", "))
+        };
+        return Err(Error::NoTriangles {
+            path: input.path,
+            hint,
+        });
+    }
+    textures_without_uvs(&mut input, &mut parts);
+    let Parts {
+        mut meshes,
+        mut instances,
+        mut materials,
+        mut images,
+    } = parts;
+    meshes.shrink_to_fit();
+    instances.shrink_to_fit();
+    materials.shrink_to_fit();
+    images.shrink_to_fit();
+    let content_hash = input.hasher.finalize().to_hex().to_string();
+    Ok(Scene {
+        path: input.path,
+        format,
+        meshes,
+        instances,
+        materials,
+        images,
+        warnings: input.warnings,
+        content_hash,
+    })
+}
+
+/// Judges and repairs one mesh as read; false if no triangle is left.
+///
+/// `place` names mesh and primitive. Positions, normals and UVs have the same length, or normals are empty.
+pub(crate) fn mesh(input: &mut Input, mesh: &mut Mesh, place: &str) -> Result<bool, Error> {
+    let vertices = mesh.positions.len();
+    if let Some(t) = mesh
+        .triangles
+        .iter()
+        .position(|t| t.iter().any(|&i| i as usize >= vertices))
+    {
+        let problem = format!(
+            "triangle {t} uses vertices {:?} but there are {vertices}; the file is corrupt, export it again",
+            mesh.triangles[t]
+        );
+        return Err(input.invalid(place, problem));
+    }
+    bad_positions(input, mesh, place)?;
+    zero_areas(input, mesh, place);
+    if mesh.triangles.is_empty() {
+        input.warn(
+            "empty-meshes",
+            place,
+            1,
+            "the mesh has no triangle with an area and is left out",
+        );
+        return Ok(false);
+    }
+    bad_normals(input, mesh, place);
+    for set in &mut mesh.uv_sets {
+        let mut count = 0;
+        for uv in set.iter_mut().filter(|uv| !uv.is_finite()) {
+            *uv = Vec2::ZERO;
+            count += 1;
+        }
+        input.warn(
+            "bad-uvs",
+            place,
+            count,
+            "UVs that are not finite are set to (0, 0)",
+        );
+    }
+    Ok(true)
+}
+
+fn bad_positions(input: &mut Input, mesh: &mut Mesh, place: &str) -> Result<(), Error> {
+    // False for NaN too.
+    let good = |p: &Vec3| p.abs().max_element() <= REACH && p.is_finite();
+    let Some(first) = mesh.positions.iter().position(|p| !good(p)) else {
+        return Ok(());
+    };
+    for (t, triangle) in mesh.triangles.iter().enumerate() {
+        if let Some(&v) = triangle
+            .iter()
+            .find(|&&v| v as usize >= first && !good(&mesh.positions[v as usize]))
+        {
+            let p = mesh.positions[v as usize];
+            let problem = format!(
+                "vertex {v} of triangle {t} lies at ({}, {}, {}), which is not finite or beyond {REACH:e}; repair the mesh",
+                p.x, p.y, p.z
+            );
+            return Err(input.invalid(place, problem));
+        }
+    }
+    let home = mesh
+        .triangles
+        .first()
+        .map_or(Vec3::ZERO, |t| mesh.positions[t[0] as usize]);
+    let mut count = 0;
+    for p in mesh.positions.iter_mut().filter(|p| !good(p)) {
+        *p = home;
+        count += 1;
+    }
+    let message =
+        "vertices that are not finite and that no triangle uses are moved onto a used vertex";
+    input.warn("unused-bad-vertices", place, count, message);
+    Ok(())
+}
+
+/// Twice the area times the geometric normal. Differences of f32 and their products are exact enough in f64 that the
+/// result is zero for triangles with a repeated corner or three corners in line on representable multiples.
+fn area_vector(positions: &[Vec3], triangle: [u32; 3]) -> DVec3 {
+    let [a, b, c] = triangle.map(|i| positions[i as usize].as_dvec3());
+    (b - a).cross(c - a)
+}
+
+fn zero_areas(input: &mut Input, mesh: &mut Mesh, place: &str) {
+    let positions = &mesh.positions;
+    let flat = |t: &[u32; 3]| area_vector(positions, *t) == DVec3::ZERO;
+    let count = mesh.triangles.iter().filter(|t| flat(t)).count();
+    if count == 0 {
+        return;
+    }
+    let mut source = Vec::with_capacity(mesh.triangles.len() - count);
+    let mut number = 0..mesh.triangles.len() as u32;
+    mesh.triangles.retain(|triangle| {
+        let keep = !flat(triangle);
+        source.extend(number.next().filter(|_| keep));
+        keep
+    });
+    mesh.triangles.shrink_to_fit();
+    mesh.source_triangles = source;
+    input.warn(
+        "zero-area-triangles",
+        place,
+        count as u64,
+        "triangles without an area are dropped",
+    );
+}
+
+fn bad_normals(input: &mut Input, mesh: &mut Mesh, place: &str) {
+    let mut bad: HashMap<u32, DVec3> = HashMap::new();
+    for (i, normal) in mesh.normals.iter_mut().enumerate() {
+        match normal.as_dvec3().try_normalize() {
+            Some(unit) => *normal = unit.as_vec3(),
+            None => {
+                bad.insert(i as u32, DVec3::ZERO);
+            }
+        }
+    }
+    if bad.is_empty() {
+        return;
+    }
+    let count = bad.len() as u64;
+    if bad.len() == mesh.normals.len() {
+        mesh.normals = Vec::new();
+        let message =
+            "every normal is zero or not finite: the mesh is shaded with its geometric normals";
+        input.warn("bad-normals", place, count, message);
+        return;
+    }
+    let mut last = HashMap::new();
+    for triangle in &mesh.triangles {
+        for corner in triangle {
+            if let Some(sum) = bad.get_mut(corner) {
+                let area = area_vector(&mesh.positions, *triangle);
+                *sum += area;
+                last.insert(*corner, area);
+            }
+        }
+    }
+    for (vertex, sum) in bad {
+        // Opposite faces cancel: then one of them stands for all. A vertex without triangles gets any unit vector.
+        let one = last.get(&vertex).copied().unwrap_or(DVec3::Z);
+        let unit = scaled_unit(sum).or(scaled_unit(one)).unwrap_or(DVec3::Z);
+        mesh.normals[vertex as usize] = unit.as_vec3();
+    }
+    let message = "normals that are zero or not finite are replaced by the mean geometric normal around the vertex";
+    input.warn("bad-normals", place, count, message);
+}
+
+/// Unit vector, also where the squared length would overflow or underflow.
+fn scaled_unit(v: DVec3) -> Option<DVec3> {
+    (v / v.abs().max_element()).try_normalize()
+}
+
+fn instances(input: &mut Input, parts: &mut Parts) -> Result<(), Error> {
+    let bounds: Vec<(DVec3, DVec3)> = parts
+        .meshes
+        .iter()
+        .map(|mesh| box_of(&mesh.positions))
+        .collect();
+    let mut kept = Vec::with_capacity(parts.instances.len());
+    for instance in std::mem::take(&mut parts.instances) {
+        let (low, high) = bounds[instance.mesh as usize];
+        let transform = instance.transform;
+        let mut corners = (0..8).map(|k| {
+            DVec3::new(
+                [low.x, high.x][k & 1],
+                [low.y, high.y][k >> 1 & 1],
+                [low.z, high.z][k >> 2],
+            )
+        });
+        let reach = |corner| transform.transform_point3(corner).abs().max_element() <= REACH as f64;
+        if !transform.is_finite() || !corners.all(reach) {
+            let problem = format!(
+                "the node's transform puts the mesh beyond {REACH:e}; scale the scene down"
+            );
+            return Err(input.invalid(instance.name, problem));
+        }
+        if transform.matrix3.determinant() == 0.0 || !transform.inverse().is_finite() {
+            let message =
+                "the transform has no inverse (a scale of 0?), so the instance is left out";
+            input.warn("singular-transforms", instance.name, 1, message);
+            continue;
+        }
+        kept.push(instance);
+    }
+    parts.instances = kept;
+    Ok(())
+}
+
+fn box_of(positions: &[Vec3]) -> (DVec3, DVec3) {
+    let start = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    let (low, high) = positions
+        .iter()
+        .fold(start, |(low, high), &p| (low.min(p), high.max(p)));
+    (low.as_dvec3(), high.as_dvec3())
+}
+
+/// Gives each mesh a material whose textures read only UV sets that the mesh has.
+fn textures_without_uvs(input: &mut Input, parts: &mut Parts) {
+    let mut reduced: HashMap<(u32, usize), u32> = HashMap::new();
+    for mesh in &mut parts.meshes {
+        let sets = mesh.uv_sets.len();
+        let mut material = parts.materials[mesh.material as usize].clone();
+        let mut dropped = 0;
+        for slot in slots(&mut material) {
+            if slot
+                .as_ref()
+                .is_some_and(|texture| texture.uv_set as usize >= sets)
+            {
+                *slot = None;
+                dropped += 1;
+            }
+        }
+        if dropped == 0 {
+            continue;
+        }
+        let message = format!(
+            "material `{}` reads UV sets that the mesh has not; its factors stand alone",
+            material.name
+        );
+        input.warn("textures-without-uvs", mesh.name.as_str(), dropped, message);
+        mesh.material = *reduced.entry((mesh.material, sets)).or_insert_with(|| {
+            parts.materials.push(material);
+            parts.materials.len() as u32 - 1
+        });
+    }
+}
+
+/// The places of a material where a texture can stand.
+fn slots(material: &mut Material) -> impl Iterator<Item = &mut Option<TextureRef>> {
+    let surface = match &mut material.surface {
+        Surface::Phong { albedo_map, .. } => [Some(albedo_map), None],
+        Surface::MetallicRoughness {
+            base_map,
+            metallic_roughness_map,
+            ..
+        } => [Some(base_map), Some(metallic_roughness_map)],
+    };
+    let alpha = match &mut material.alpha {
+        Alpha::Opaque => None,
+        Alpha::Mask { map, .. } => Some(map),
+    };
+    surface.into_iter().chain([alpha]).flatten()
+}
+
+/// A factor brought into `low..=high`; `fallback` for NaN. Counts what it changes.
+pub(crate) fn clamped(value: f32, low: f32, high: f32, fallback: f32, changed: &mut u64) -> f32 {
+    let good = if value.is_nan() {
+        fallback
+    } else {
+        value.clamp(low, high)
+    };
+    *changed += (good != value) as u64;
+    good
+}
+
+impl Scene {
+    /// How often a kind of warning was counted, over all places.
+    pub fn warned(&self, kind: &str) -> u64 {
+        self.warnings
+            .iter()
+            .filter(|w: &&Warning| w.kind == kind)
+            .map(|w| w.count)
+            .sum()
+    }
+}
