@@ -14,63 +14,15 @@ pub enum Error {
     /// The scene places no triangles.
     #[error("the scene places no triangles: there is nothing to lay out")]
     Empty,
-    /// `--uv keep` on a mesh without a UV set.
-    #[error("mesh `{mesh}` has no TEXCOORD_{set} to keep: use `--uv unwrap`")]
-    NoSet {
-        /// Mesh name.
-        mesh: String,
-        /// TEXCOORD number.
-        set: u32,
-    },
-    /// Coordinates that are not finite or not within 0..1.
-    #[error(
-        "mesh `{mesh}`: {count} coordinates of TEXCOORD_{set} lie outside 0..1, so it is no lightmap set: \
-         use `--uv unwrap`"
-    )]
-    Outside {
-        /// Mesh name.
-        mesh: String,
-        /// TEXCOORD number.
-        set: u32,
-        /// How many vertices.
-        count: u64,
-    },
-    /// Triangles that have no area in the set.
-    #[error("mesh `{mesh}`: {count} triangles have no area in TEXCOORD_{set}: use `--uv unwrap`")]
-    NoArea {
-        /// First mesh with such a triangle.
-        mesh: String,
-        /// TEXCOORD number.
-        set: u32,
-        /// How many triangles over all objects.
-        count: u64,
-    },
-    /// Triangles lie over each other so much that their area exceeds the page's.
-    #[error(
-        "mesh `{mesh}`: TEXCOORD_{set} covers {pages:.2} times its page, so triangles overlap: use `--uv unwrap`"
-    )]
-    Crowded {
+    /// `--uv keep` on a set that is no lightmap set.
+    #[error("mesh `{mesh}`: TEXCOORD_{set} {why}: use `--uv auto` or `--uv unwrap`")]
+    Unusable {
         /// First mesh concerned.
         mesh: String,
         /// TEXCOORD number.
         set: u32,
-        /// Area of all triangles in pages.
-        pages: f64,
-    },
-    /// Triangles lie over each other.
-    #[error(
-        "mesh `{mesh}`: TEXCOORD_{set} overlaps at {count} of 16 sample points a texel on {size}x{size} texels: \
-         use `--uv unwrap`"
-    )]
-    Overlap {
-        /// First mesh concerned.
-        mesh: String,
-        /// TEXCOORD number.
-        set: u32,
-        /// Sample points inside more than one triangle, over all objects.
-        count: u64,
-        /// Page edge in texels.
-        size: u32,
+        /// What is wrong with it.
+        why: Why,
     },
     /// The charts do not fit on one page at any density.
     #[error("{charts} charts with their gutters do not fit on one page of {size}x{size} texels: {}", advice(.fits))]
@@ -122,6 +74,31 @@ pub enum Error {
     /// The caller asked to stop.
     #[error("cancelled")]
     Cancelled,
+}
+
+/// Why a UV set is no lightmap set. Counts are over all objects that were checked together.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum Why {
+    /// The mesh does not have the set.
+    #[error("is absent")]
+    Absent,
+    /// Coordinates that are not finite or not within 0..1.
+    #[error("has {0} coordinates outside 0..1")]
+    Outside(u64),
+    /// Triangles that have no area in the set.
+    #[error("gives {0} triangles no area")]
+    NoArea(u64),
+    /// The area of all triangles in pages: more than one, so they lie over each other.
+    #[error("covers its page {0:.2} times")]
+    Crowded(f64),
+    /// Sample points, 16 a texel, strictly inside more than one triangle.
+    #[error("overlaps at {points} sample points (16 a texel, {size}x{size} texels)")]
+    Overlap {
+        /// How many points.
+        points: u64,
+        /// Page edge in texels.
+        size: u32,
+    },
 }
 
 fn advice(fits: &Option<u32>) -> String {

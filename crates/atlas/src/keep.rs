@@ -1,9 +1,9 @@
 //! Layouts from a UV set of the file: as it stands, or with a rectangle for each object.
 
 use crate::audit::audit;
-use crate::measure::{AS_IT_STANDS, density, uv_area, uv_bounds, world_area};
+use crate::measure::{AS_IT_STANDS, charts, density, uv_area, uv_bounds, world_area};
 use crate::rectangles::shelves;
-use crate::{Atlas, Audit, Error, MeshLayout, Options, Placement, UvSource};
+use crate::{Atlas, Audit, Error, MeshLayout, Options, Placement, UvSource, Why};
 use glam::{DVec2, Vec2};
 use scene::{Mesh, Scene};
 
@@ -21,15 +21,16 @@ const FULL: f64 = 1.0 + 1e-6;
 pub(crate) fn keep(scene: &Scene, options: &Options, set: u32) -> Result<Atlas, Error> {
     let meshes = layouts(scene, set)?;
     let areas: Vec<f64> = meshes.iter().map(uv_area).collect();
+    let chart_count = meshes.iter().map(charts).sum();
     let objects = objects(scene);
     let name = |mesh: u32| scene.meshes[mesh as usize].name.clone();
     let crowded = |instances: &[u32]| {
         let mesh_of = |&i: &u32| scene.instances[i as usize].mesh;
         let pages: f64 = instances.iter().map(|i| areas[mesh_of(i) as usize]).sum();
-        (pages > FULL).then(|| Error::Crowded {
+        (pages > FULL).then(|| Error::Unusable {
             mesh: name(mesh_of(&instances[0])),
             set,
-            pages,
+            why: Why::Crowded(pages),
         })
     };
     for object in &objects {
@@ -45,7 +46,7 @@ pub(crate) fn keep(scene: &Scene, options: &Options, set: u32) -> Result<Atlas, 
         source: UvSource::Kept { set },
         audit: Audit::default(),
         density: 0.0,
-        chart_count: 0,
+        chart_count,
         notes: Vec::new(),
     };
     if refusal.is_none() && options.density.is_none() {
@@ -60,14 +61,22 @@ pub(crate) fn keep(scene: &Scene, options: &Options, set: u32) -> Result<Atlas, 
             return Err(why);
         }
         atlas.notes.push(format!(
-            "each object has its own rectangle, for together {why}"
+            "each object has a rectangle of its own, for over all objects together {}",
+            note(&why)
         ));
     }
     atlas.source = UvSource::Repacked { set };
-    atlas.chart_count = objects.len() as u32;
     repack(scene, &mut atlas, &objects, &areas, options.density)?;
     checked(scene, &mut atlas, set)?;
     Ok(atlas)
+}
+
+/// The refusal of a set without the advice.
+pub(crate) fn note(error: &Error) -> String {
+    match error {
+        Error::Unusable { mesh, set, why } => format!("TEXCOORD_{set} of mesh `{mesh}` {why}"),
+        other => other.to_string(),
+    }
 }
 
 /// Audits the atlas and fills in what it measures.
@@ -77,23 +86,18 @@ fn checked(scene: &Scene, atlas: &mut Atlas, set: u32) -> Result<(), Error> {
     if let Some(mesh) = findings.mesh() {
         let mesh = scene.meshes[mesh as usize].name.clone();
         let Audit {
-            overlaps, missing, ..
+            overlaps: points,
+            missing,
+            outside,
+            ..
         } = findings.audit;
-        return Err(if overlaps > 0 {
-            let (count, size) = (overlaps, atlas.page_size);
-            Error::Overlap {
-                mesh,
-                set,
-                count,
-                size,
-            }
-        } else if missing > 0 {
-            let count = missing;
-            Error::NoArea { mesh, set, count }
-        } else {
-            let count = findings.audit.outside;
-            Error::Outside { mesh, set, count }
-        });
+        let size = atlas.page_size;
+        let why = match (points, missing) {
+            (0, 0) => Why::Outside(outside),
+            (0, missing) => Why::NoArea(missing),
+            _ => Why::Overlap { points, size },
+        };
+        return Err(Error::Unusable { mesh, set, why });
     }
     atlas.density = density(scene, &atlas.meshes, &atlas.placements, atlas.page_size);
     Ok(())
@@ -116,9 +120,13 @@ fn layouts(scene: &Scene, set: u32) -> Result<Vec<MeshLayout>, Error> {
 }
 
 fn own_layout(mesh: &Mesh, set: u32) -> Result<MeshLayout, Error> {
+    let unusable = |why| Error::Unusable {
+        mesh: mesh.name.clone(),
+        set,
+        why,
+    };
     let Some(uvs) = mesh.uv_sets.get(set as usize) else {
-        let mesh = mesh.name.clone();
-        return Err(Error::NoSet { mesh, set });
+        return Err(unusable(Why::Absent));
     };
     let usable = |v: Vec2| v.min_element() >= -ROUNDING && v.max_element() <= 1.0 + ROUNDING;
     let mut outside = vec![false; uvs.len()];
@@ -127,8 +135,7 @@ fn own_layout(mesh: &Mesh, set: u32) -> Result<MeshLayout, Error> {
     }
     let count = outside.iter().filter(|&&o| o).count() as u64;
     if count > 0 {
-        let mesh = mesh.name.clone();
-        return Err(Error::Outside { mesh, set, count });
+        return Err(unusable(Why::Outside(count)));
     }
     // Vertices that no triangle uses may hold anything.
     let clamped = |&v: &Vec2| {

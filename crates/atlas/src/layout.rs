@@ -1,8 +1,8 @@
 //! The layout of a scene: which coordinates are kept, which are made.
 
-use crate::keep::keep;
+use crate::keep::{keep, note};
 use crate::unwrap::unwrap;
-use crate::{Atlas, Error, Options, UvMode};
+use crate::{Atlas, Error, Options, UvMode, Why};
 use scene::Scene;
 
 /// A place on a page for every triangle of every object, audited: nothing overlaps, nothing is missing or outside.
@@ -45,9 +45,11 @@ pub fn layout(
                     return Ok(atlas);
                 }
                 // That the file has no second set is no news when the first is at fault.
-                Err(Error::NoSet { .. }) if set == 1 => {}
+                Err(Error::Unusable {
+                    why: Why::Absent, ..
+                }) if set == 1 => {}
                 Err(why) => {
-                    notes.push(why.to_string());
+                    notes.push(note(&why));
                     refusal.get_or_insert(why);
                 }
             }

@@ -19,7 +19,7 @@ mod unwrap;
 mod uv;
 
 pub use dilate::{Dilation, RINGS};
-pub use error::Error;
+pub use error::{Error, Why};
 pub use footprint::{Footprint, Piece, TILE, Tile};
 pub use layout::layout;
 pub use raster::PageRaster;

@@ -54,6 +54,42 @@ pub(crate) fn uv_bounds(layout: &MeshLayout) -> Option<(DVec2, DVec2)> {
         .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
+/// Number of charts of a layout: sets of triangles that hang together by corners at one coordinate.
+pub(crate) fn charts(layout: &MeshLayout) -> u32 {
+    let mut known = std::collections::HashMap::new();
+    let mut parents: Vec<usize> = Vec::new();
+    let mut count = 0;
+    let root = |parents: &mut Vec<usize>, mut p: usize| {
+        while parents[p] != p {
+            parents[p] = parents[parents[p]];
+            p = parents[p];
+        }
+        p
+    };
+    for triangle in &layout.triangles {
+        let corners = triangle.map(|v| {
+            // Adding 0 makes -0 equal to it.
+            let at = (layout.uvs[v as usize] + 0.0).to_array().map(f32::to_bits);
+            *known.entry(at).or_insert_with(|| {
+                parents.push(parents.len());
+                count += 1;
+                parents.len() - 1
+            })
+        });
+        for k in 0..2 {
+            let (a, b) = (
+                root(&mut parents, corners[k]),
+                root(&mut parents, corners[k + 1]),
+            );
+            if a != b {
+                parents[a] = b;
+                count -= 1;
+            }
+        }
+    }
+    count
+}
+
 /// Texels per scene unit that a layout reaches: the mean over the surface of the square root of texel area by area.
 pub(crate) fn density(
     scene: &Scene,

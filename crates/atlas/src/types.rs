@@ -20,7 +20,7 @@ pub struct Atlas {
     pub audit: Audit,
     /// Texels per scene unit that the layout reached (area-weighted mean over the surface).
     pub density: f64,
-    /// Number of charts over all meshes; 0 where the file's own were kept and nobody counted.
+    /// Number of charts over all meshes.
     pub chart_count: u32,
     /// Why the file's UV sets were not kept as they stand, one sentence each with its count; empty where one was.
     pub notes: Vec<String>,

@@ -1,7 +1,7 @@
 //! Layouts: kept, repacked, unwrapped.
 
 use crate::scenes::{ball, cube, mesh, moved, scaled, scene};
-use atlas::{Atlas, Error, Options, PageRaster, UvMode, UvSource, layout};
+use atlas::{Atlas, Error, Options, PageRaster, UvMode, UvSource, Why, layout};
 use glam::{DAffine3, Vec2, Vec3};
 use scene::Scene;
 
@@ -69,6 +69,7 @@ fn a_usable_set_is_kept_as_it_stands() {
     assert_eq!(atlas.source, UvSource::Kept { set: 0 });
     assert_eq!(atlas.meshes[0].uvs, uvs);
     assert!(atlas.notes.is_empty());
+    assert_eq!(atlas.chart_count, 6);
     assert_clean(&atlas);
     // Every face of area 1 takes 0.3 by 0.45 of 128 texels.
     let expected = (0.3f64 * 0.45).sqrt() * 128.0;
@@ -133,55 +134,50 @@ fn a_density_is_met_on_as_many_pages_as_needed() {
 #[test]
 fn keep_names_the_mesh_the_set_and_the_count() {
     let fails =
-        |scene: &Scene| layout(scene, &options(UvMode::Keep, 128, None), &|| false).unwrap_err();
+        |scene: &Scene| layout(scene, &options(UvMode::Keep, 144, None), &|| false).unwrap_err();
     let one = |mesh| scene(vec![mesh], &[(0, 0, DAffine3::IDENTITY)]);
+    let unusable = |why| {
+        let mesh = "cube".into();
+        Error::Unusable { mesh, set: 0, why }
+    };
     let mut none = cube();
     none.uv_sets.clear();
-    let (name, set) = ("cube".to_string(), 0);
-    let mesh = name.clone();
-    assert_eq!(fails(&one(none)), Error::NoSet { mesh, set });
+    assert_eq!(fails(&one(none)), unusable(Why::Absent));
 
     let mut outside = cube();
     outside.uv_sets[0][3].x = 1.5;
     outside.uv_sets[0][4].y = f32::NAN;
-    let (mesh, count) = (name.clone(), 2);
-    assert_eq!(fails(&one(outside)), Error::Outside { mesh, set, count });
+    assert_eq!(fails(&one(outside)), unusable(Why::Outside(2)));
 
     let mut flat = cube();
     flat.uv_sets[0][1] = flat.uv_sets[0][0];
-    let (mesh, count) = (name.clone(), 1);
-    assert_eq!(fails(&one(flat)), Error::NoArea { mesh, set, count });
+    assert_eq!(fails(&one(flat)), unusable(Why::NoArea(1)));
 
+    // One face on another; the page has 144 texels, so that a face has 43.2 x 64.8 and no border meets a sample point.
     let mut stacked = cube();
     for v in 0..4 {
         stacked.uv_sets[0][v] = stacked.uv_sets[0][v + 4];
     }
-    match fails(&one(stacked)) {
-        Error::Overlap {
-            mesh,
-            set: 0,
-            count,
+    let points = match fails(&one(stacked)) {
+        Error::Unusable {
+            why: Why::Overlap { points, size: 144 },
             ..
-        } => {
-            assert_eq!(mesh, name);
-            // The face's 38.4 x 57.6 texels with 16 points each, less those on borders and the diagonal.
-            let area = 0.3 * 0.45 * 128.0 * 128.0 * 16.0;
-            assert!(
-                (count as f64 / area - 1.0).abs() < 0.03,
-                "{count} of {area}"
-            );
-        }
+        } => points,
         other => panic!("{other}"),
-    }
+    };
+    // 172 or 173 columns and 259 rows of points, less those on the diagonal.
+    assert!((172 * 258..=173 * 260).contains(&points), "{points}");
 
     let mut crowded = cube();
-    for uv in &mut crowded.uv_sets[0] {
-        *uv = (*uv * Vec2::new(3.0, 2.0)).fract();
+    for face in crowded.uv_sets[0].chunks_mut(4) {
+        face.copy_from_slice(&[Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y]);
     }
-    assert!(matches!(
-        fails(&one(crowded)),
-        Error::Crowded { .. } | Error::Overlap { .. }
-    ));
+    let error = fails(&one(crowded));
+    assert_eq!(error, unusable(Why::Crowded(6.0)));
+    assert_eq!(
+        error.to_string(),
+        "mesh `cube`: TEXCOORD_0 covers its page 6.00 times: use `--uv auto` or `--uv unwrap`"
+    );
 }
 
 #[test]
