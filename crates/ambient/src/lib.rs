@@ -6,7 +6,10 @@
 #![forbid(unsafe_code)]
 
 pub mod closed_form;
+pub mod convention;
 pub mod frame;
+pub mod models;
+pub mod occluders;
 mod quadrature;
 pub mod sampling;
 

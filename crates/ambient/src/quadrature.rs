@@ -22,31 +22,39 @@ const GAUSS_32: [(f64, f64); 16] = [
 
 /// Integral of `f` over `a..b` by the 32-point rule: exact for polynomials up to degree 63.
 pub(crate) fn gauss(f: &impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
-    let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
-    let sum: f64 = GAUSS_32
-        .iter()
-        .map(|&(x, w)| w * (f(middle - half * x) + f(middle + half * x)))
-        .sum();
-    half * sum
+    sums(f, a, b)[0]
 }
 
 /// Integral of `f` over `a..b`, halving the interval until the rule agrees with itself to rounding.
 ///
-/// Place known peaks and kinks at `a` or `b`, where the nodes are dense.
+/// Place known peaks and kinks at `a` or `b`, where the nodes are dense. The error is absolute, relative to ∫|f|.
 pub(crate) fn adaptive(f: &impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
-    let whole = gauss(f, a, b);
-    halve(f, a, b, whole, 4.0 * f64::EPSILON * whole.abs(), 24)
+    let whole = sums(f, a, b);
+    halve(f, [a, b], whole[0], whole[1], 24)
 }
 
-fn halve(f: &impl Fn(f64) -> f64, a: f64, b: f64, whole: f64, rounding: f64, depth: u32) -> f64 {
+fn halve(f: &impl Fn(f64) -> f64, [a, b]: [f64; 2], whole: f64, scale: f64, depth: u32) -> f64 {
     let middle = 0.5 * (a + b);
-    let parts = [gauss(f, a, middle), gauss(f, middle, b)];
-    let sum = parts[0] + parts[1];
-    if depth == 0 || (sum - whole).abs() <= rounding.max(4.0 * f64::EPSILON * sum.abs()) {
+    let (left, right) = (sums(f, a, middle), sums(f, middle, b));
+    let sum = left[0] + right[0];
+    let scale = scale.max(left[1] + right[1]);
+    if depth == 0 || (sum - whole).abs() <= 8.0 * f64::EPSILON * scale {
         return sum;
     }
-    halve(f, a, middle, parts[0], rounding, depth - 1)
-        + halve(f, middle, b, parts[1], rounding, depth - 1)
+    halve(f, [a, middle], left[0], scale, depth - 1)
+        + halve(f, [middle, b], right[0], scale, depth - 1)
+}
+
+/// The rule applied to `f` and to its magnitude.
+fn sums(f: &impl Fn(f64) -> f64, a: f64, b: f64) -> [f64; 2] {
+    let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
+    let (mut sum, mut size) = (0.0, 0.0);
+    for (x, w) in GAUSS_32 {
+        let pair = [f(middle - half * x), f(middle + half * x)];
+        sum += w * (pair[0] + pair[1]);
+        size += w * (pair[0].abs() + pair[1].abs());
+    }
+    [half * sum, half.abs() * size]
 }
 
 #[cfg(test)]
