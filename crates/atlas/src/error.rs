@@ -25,7 +25,7 @@ pub enum Error {
         why: Why,
     },
     /// The charts do not fit on one page at any density.
-    #[error("{charts} charts with their gutters do not fit on one page of {size}x{size} texels: {}", advice(.fits))]
+    #[error("the charts ({charts}) with their gutters do not fit on one page of {size}x{size} texels: {}", advice(.fits))]
     PageFull {
         /// Number of charts, or of objects where their own charts are kept.
         charts: u32,

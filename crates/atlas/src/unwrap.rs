@@ -13,6 +13,9 @@ use uvunwrap::{Density, MeshInput, OutputMesh, Packing};
 const SHAPED: u32 = 2000;
 /// Edge of a speck: two units in the last place of a coordinate in 0.5..1.
 const SPECK: f32 = 1.0 / (1 << 23) as f32;
+/// Instances of one mesh differ at most so much in their texels: smaller ones are laid out larger than asked, for all
+/// share one layout, whose gutter is wide enough for the smallest and this much wider in the largest.
+const SPREAD: f32 = 16.0;
 /// The largest page edge that a bake offers.
 const LARGEST: u32 = 16384;
 
@@ -46,27 +49,44 @@ pub(crate) fn unwrap(
         uvunwrap::generate_with_progress(&inputs, &settings, |_| !cancel())
             .map_err(|error| explain(error, size))
     };
-    if size <= 2 * GUTTER {
-        let fits = Some(2 * GUTTER + 1);
-        let charts = sources.len() as u32;
-        return Err(Error::PageFull { charts, size, fits });
+    // Without a density everything has to go on one page.
+    let holds = |made: &Result<uvunwrap::Atlas, Error>| match made {
+        Ok(made) => options.density.is_some() || made.page_count <= 1,
+        Err(Error::ChartTooLarge { .. }) => options.density.is_some(),
+        Err(_) => true,
+    };
+    let mut made = Err(Error::PageSize(size));
+    let mut edge = size.max(2 * GUTTER + 1);
+    while edge <= LARGEST {
+        made = generate(&sources, edge, Packing::Fast);
+        if holds(&made) {
+            break;
+        }
+        edge = (edge + 1).next_power_of_two();
     }
-    let mut made = generate(&sources, size, Packing::Fast)?;
+    let mut made = match made {
+        Ok(made) if edge == size => made,
+        Ok(_) | Err(Error::ChartTooLarge { .. }) if options.density.is_none() => {
+            let charts = made.map_or(0, |made| made.chart_count);
+            let fits = (edge <= LARGEST).then_some(edge);
+            return Err(Error::PageFull { charts, size, fits });
+        }
+        Ok(_) => {
+            let (width, height) = (edge, edge);
+            return Err(Error::ChartTooLarge {
+                width,
+                height,
+                size,
+            });
+        }
+        Err(error) => return Err(error),
+    };
     if made.chart_count <= SHAPED {
         // The charts are made; only the packing is done again.
         for (source, out) in sources.iter_mut().zip(&made.meshes) {
             source.take(out, [made.width, made.height]);
         }
         made = generate(&sources, size, Packing::Shape)?;
-    }
-    if options.density.is_none() && made.page_count > 1 {
-        let charts = made.chart_count;
-        let mut larger = (size + 1).next_power_of_two();
-        while larger <= LARGEST && generate(&sources, larger, Packing::Fast)?.page_count > 1 {
-            larger *= 2;
-        }
-        let fits = (larger <= LARGEST).then_some(larger);
-        return Err(Error::PageFull { charts, size, fits });
     }
     // A page that was cropped to the rows in use is square again.
     let crop = Vec2::new(1.0, made.height as f32 / size as f32);
@@ -193,6 +213,11 @@ fn sources(scene: &Scene) -> Result<Vec<Source>, Error> {
                     return Err(extent(i));
                 }
                 scales.push(scale);
+            }
+            // The gutter of the smallest instance grows with the instance.
+            let largest = scales.iter().copied().fold(0.0, f32::max);
+            for scale in &mut scales {
+                *scale = scale.max(largest / SPREAD);
             }
         }
         let positions: Vec<[f32; 3]> = data

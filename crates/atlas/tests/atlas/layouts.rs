@@ -221,6 +221,24 @@ fn instances_share_charts_and_own_their_rectangles() {
 }
 
 #[test]
+fn instances_of_very_different_size_share_a_page() {
+    let grown = |i: i32| 10f64.powf(f64::from(i) / 10.0 - 1.0);
+    let copies: Vec<_> = (0..20u32)
+        .map(|i| {
+            (
+                0,
+                i,
+                scaled(grown(i as i32), grown(i as i32), grown(i as i32)),
+            )
+        })
+        .collect();
+    let scene = scene(vec![ball(12)], &copies);
+    let atlas = auto(&scene, 256);
+    assert_clean(&atlas);
+    assert!(apart(&scene, &atlas) > 4, "{}", apart(&scene, &atlas));
+}
+
+#[test]
 fn triangles_too_thin_to_unwrap_are_not_missing() {
     let mut ball = ball(12);
     let n = ball.positions.len() as u32;

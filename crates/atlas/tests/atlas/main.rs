@@ -3,4 +3,5 @@
 mod footprints;
 mod gutters;
 mod layouts;
+mod models;
 mod scenes;
