@@ -5,7 +5,7 @@ use crate::keep::GUTTER;
 use crate::measure::{AS_IT_STANDS, density, mesh_area, world_area};
 use crate::uv::twice_area;
 use crate::{Atlas, Audit, Error, MeshLayout, Options, Placement, UvSource};
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use scene::Scene;
 use uvunwrap::{Density, MeshInput, OutputMesh, Packing};
 
@@ -16,6 +16,8 @@ const SPECK: f32 = 1.0 / (1 << 23) as f32;
 /// Instances of one mesh differ at most so much in their texels: smaller ones are laid out larger than asked, for all
 /// share one layout, whose gutter is wide enough for the smallest and this much wider in the largest.
 const SPREAD: f32 = 16.0;
+/// Charts of curved surfaces stay below this many triangles on average: flattening takes more than linear time.
+const SOLVABLE: f64 = 200_000.0;
 /// The largest page edge that a bake offers.
 const LARGEST: u32 = 16384;
 
@@ -31,6 +33,7 @@ pub(crate) fn unwrap(
 ) -> Result<Atlas, Error> {
     let mut sources = sources(scene)?;
     let size = options.page_size;
+    let max_chart_area = largest_chart(&sources);
     let generate = |sources: &[Source], size: u32, packing: Packing| {
         let inputs: Vec<MeshInput> = sources.iter().map(Source::input).collect();
         let density = match options.density {
@@ -44,6 +47,7 @@ pub(crate) fn unwrap(
             density,
             padding: GUTTER,
             packing,
+            max_chart_area,
             ..uvunwrap::Options::default()
         };
         uvunwrap::generate_with_progress(&inputs, &settings, |_| !cancel())
@@ -140,6 +144,16 @@ pub(crate) fn unwrap(
     Ok(atlas)
 }
 
+/// The area of [`SOLVABLE`] triangles of mean size; 0, which is no limit, where all sources have fewer.
+fn largest_chart(sources: &[Source]) -> f32 {
+    let triangles: usize = sources.iter().map(|s| s.indices.len() / 3).sum();
+    if triangles as f64 <= SOLVABLE {
+        return 0.0;
+    }
+    let area: f64 = sources.iter().map(Source::area).sum();
+    ((area * SOLVABLE / triangles as f64) as f32).min(f32::MAX)
+}
+
 /// A mesh as the unwrapper sees it.
 struct Source {
     mesh: usize,
@@ -161,6 +175,16 @@ impl Source {
             existing_uvs: (!self.uvs.is_empty()).then_some(&self.uvs),
             ..MeshInput::new(&self.positions, &self.indices)
         }
+    }
+
+    /// Surface area of the positions.
+    fn area(&self) -> f64 {
+        let corner = |v: u32| Vec3::from(self.positions[v as usize]).as_dvec3();
+        let area = |t: &[u32]| {
+            let [a, b, c] = [corner(t[0]), corner(t[1]), corner(t[2])];
+            0.5 * (b - a).cross(c - a).length()
+        };
+        self.indices.chunks_exact(3).map(area).sum()
     }
 
     /// Takes over the charts of a first packing, made on a page of so many texels.
