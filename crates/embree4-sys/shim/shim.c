@@ -186,7 +186,8 @@ int ambake_occluded1(RTCScene scene, const struct ambake_ray *ray, uint32_t quer
 }
 
 /* The valid mask is as aligned as the packet: vector loads read it. A hit sets tfar to -inf; an active lane starts
- * with tfar > 0, so its sign tells. A lane that is off holds a harmless ray: kernels that split a packet look at it. */
+ * with tfar > 0, so its sign tells. A lane that is off holds a harmless ray: kernels that split a packet look at it.
+ * A packet with every lane off is not traced: some kernels never return from it. */
 #define DEFINE_OCCLUDED(N)                                                                                       \
     void ambake_occluded##N(RTCScene scene, const struct ambake_packet##N *packets, const uint32_t *active,      \
                             uint32_t *blocked, size_t count, uint32_t query, float reach)                        \
@@ -198,11 +199,13 @@ int ambake_occluded1(RTCScene scene, const struct ambake_ray *ray, uint32_t quer
         for (size_t p = 0; p < count; p++) {                                                                     \
             const struct ambake_packet##N *in = &packets[p];                                                     \
             const uint32_t lanes = active[p];                                                                    \
+            int any = 0;                                                                                         \
             for (int i = 0; i < N; i++) {                                                                        \
                 int on = (int)(lanes >> i) & is_open(in->t_min[i], in->t_max[i]);                                \
                 for (int axis = 0; axis < 3; axis++)                                                             \
                     on &= is_within(in->origin[axis][i], reach) & is_within(in->direction[axis][i], reach);      \
                 valid[i] = -on;                                                                                  \
+                any |= on;                                                                                       \
                 r.org_x[i] = on ? in->origin[0][i] : 0.0f;                                                       \
                 r.org_y[i] = on ? in->origin[1][i] : 0.0f;                                                       \
                 r.org_z[i] = on ? in->origin[2][i] : 0.0f;                                                       \
@@ -216,7 +219,8 @@ int ambake_occluded1(RTCScene scene, const struct ambake_ray *ray, uint32_t quer
                 r.id[i] = 0;                                                                                     \
                 r.flags[i] = 0;                                                                                  \
             }                                                                                                    \
-            TRACE(rtcOccluded##N, valid, scene, &r);                                                             \
+            if (any)                                                                                             \
+                TRACE(rtcOccluded##N, valid, scene, &r);                                                         \
             uint32_t bits = 0;                                                                                   \
             for (int i = 0; i < N; i++)                                                                          \
                 bits |= (uint32_t)(valid[i] & (r.tfar[i] < 0.0f)) << i;                                          \

@@ -1,0 +1,549 @@
+//! What scenes are made of: instances, filters, errors, memory, threads.
+
+mod common;
+
+use common::{Random, ask, config, device, ray, scene, soup};
+use embree::{
+    Coherence, Device, DeviceConfig, Error, Isa, Keep, Ray, RayPacket, Scene, SceneBuilder,
+};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+const IDENTITY: [[f32; 3]; 4] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
+const FLAT: [[f32; 3]; 3] = [[-1.0, -1.0, 0.0], [3.0, -1.0, 0.0], [-1.0, 3.0, 0.0]];
+
+/// A ray along -z that meets the plane of `FLAT` at (x, y), at t = 1.
+fn down(x: f32, y: f32) -> Ray {
+    Ray {
+        origin: [x, y, 1.0],
+        direction: [0.0, 0.0, -1.0],
+        t_min: 0.0,
+        t_max: f32::INFINITY,
+    }
+}
+
+/// The image of a point; exact where every product and sum is a float.
+fn place(t: &[[f32; 3]; 4], p: [f32; 3]) -> [f32; 3] {
+    std::array::from_fn(|row| t[0][row] * p[0] + t[1][row] * p[1] + t[2][row] * p[2] + t[3][row])
+}
+
+#[test]
+fn handles_are_send_and_sync() {
+    fn shared<T: Send + Sync + Clone>() {}
+    fn moved<T: Send>() {}
+    shared::<Device>();
+    shared::<Scene>();
+    moved::<SceneBuilder>();
+}
+
+#[test]
+fn instances_equal_the_flattened_mesh() {
+    let Some(device) = device() else { return };
+    let mut random = Random(3);
+    // Vertices on a grid of 1/1024 and transforms of powers of two: flattening is exact.
+    let (mut positions, triangles) = soup(&mut random, 1000);
+    for x in positions.iter_mut().flatten() {
+        *x = (*x * 1024.0).round() / 1024.0;
+    }
+    let turned = [
+        [0.0, 1.0, 0.0],
+        [-1.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [0.5, 0.25, -2.0],
+    ];
+    let mirrored = [
+        [-1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [2.0, 0.0, 0.0],
+    ];
+    let stretched = [
+        [0.0, 0.0, 0.5],
+        [0.0, -4.0, 0.0],
+        [2.0, 0.0, 0.0],
+        [0.0, 8.0, 0.125],
+    ];
+    let sheared = [
+        [1.0, 0.0, 0.0],
+        [0.5, 1.0, 0.0],
+        [0.25, -0.5, 2.0],
+        [-4.0, 0.0, 0.0],
+    ];
+    let transforms = [IDENTITY, turned, mirrored, stretched, sheared];
+    for robust in [false, true] {
+        let part = scene(&device, robust, &(positions.clone(), triangles.clone()));
+        let mut instanced = SceneBuilder::new(&device).robust(robust);
+        let mut flattened = SceneBuilder::new(&device).robust(robust);
+        instanced.triangles(&FLAT, &[[0, 1, 2]]).expect("a mesh");
+        flattened.triangles(&FLAT, &[[0, 1, 2]]).expect("a mesh");
+        for t in &transforms {
+            let placed: Vec<_> = positions.iter().map(|&p| place(t, p)).collect();
+            let id = instanced.instance(&part, *t).expect("an instance");
+            assert_eq!(Ok(id), flattened.triangles(&placed, &triangles));
+        }
+        let instanced = instanced.commit().expect("a scene");
+        let flattened = flattened.commit().expect("a scene");
+        let (mut inside, mut fronts) = (0, 0);
+        for _ in 0..100_000 {
+            let mut ray = ray(&mut random);
+            ray.origin = ray.origin.map(|x| 4.0 * x);
+            let (a, b) = (instanced.closest(&ray), flattened.closest(&ray));
+            assert_eq!(
+                instanced.occluded(&ray),
+                flattened.occluded(&ray),
+                "{ray:?}"
+            );
+            assert_eq!(a.is_some(), b.is_some(), "{ray:?} {a:?} {b:?}");
+            let (Some(a), Some(b)) = (a, b) else { continue };
+            assert_eq!(a.instance.unwrap_or(0), b.geometry, "{ray:?} {a:?} {b:?}");
+            assert_eq!(a.primitive, b.primitive, "{ray:?} {a:?} {b:?}");
+            assert_eq!(b.instance, None);
+            let Some(id) = a.instance else { continue };
+            assert_eq!(a.geometry, 0, "geometry of the instanced scene");
+            // A mirror turns the winding over, so the flattened triangle shows its other side.
+            let turns_over = id == 3;
+            assert_eq!(a.front, b.front != turns_over, "{ray:?} {a:?} {b:?}");
+            inside += 1;
+            fronts += u32::from(a.front);
+        }
+        println!("robust {robust}: {inside} hits in instances, {fronts} on the front");
+        assert!(
+            inside > 2_000 && fronts > 1_000,
+            "{inside} hits test nothing"
+        );
+        assert_eq!(instanced.bounds(), flattened.bounds());
+    }
+}
+
+#[test]
+fn instances_keep_t_the_interval_and_the_normal_of_the_geometry() {
+    let Some(device) = device() else { return };
+    for robust in [false, true] {
+        let part = scene(&device, robust, &(FLAT.to_vec(), vec![[0, 1, 2]]));
+        let mut builder = SceneBuilder::new(&device).robust(robust);
+        // Upside down and four times as large, at z = 2: the normal still is +z in the geometry's space.
+        let flip = [
+            [4.0, 0.0, 0.0],
+            [0.0, 4.0, 0.0],
+            [0.0, 0.0, -4.0],
+            [0.0, 0.0, 2.0],
+        ];
+        builder.instance(&part, flip).expect("an instance");
+        let scene = builder.commit().expect("a scene");
+        let mut ray = down(0.5, 0.5);
+        ray.origin[2] = 10.0;
+        let hit = ask(&scene, &ray).expect("the plane is below");
+        assert_eq!((hit.instance, hit.geometry, hit.primitive), (Some(0), 0, 0));
+        assert!(hit.t == 8.0 || hit.t == 8.0_f32.next_down(), "{}", hit.t);
+        assert!(
+            hit.normal[2] > 0.0 && hit.normal[0] == 0.0 && hit.normal[1] == 0.0,
+            "{hit:?}"
+        );
+        assert!(
+            !hit.front,
+            "seen from the geometry the ray comes from below"
+        );
+        let t = if robust { hit.t } else { 8.0 };
+        for (t_min, t_max, meets) in [
+            (0.0, t, true),
+            (0.0, t.next_down(), false),
+            (t, 9.0, false),
+            (t.next_down(), 9.0, true),
+        ] {
+            let hit = ask(
+                &scene,
+                &Ray {
+                    t_min,
+                    t_max,
+                    ..ray
+                },
+            );
+            assert_eq!(hit.is_some(), meets, "robust {robust}, ({t_min}, {t_max}]");
+        }
+        ray.origin[2] = 2.0;
+        assert_eq!(ask(&scene, &ray), None, "a ray that starts on the instance");
+    }
+}
+
+#[test]
+fn only_kept_hits_count() {
+    let Some(device) = device() else { return };
+    for robust in [false, true] {
+        let mut builder = SceneBuilder::new(&device).robust(robust);
+        // The corner weights of FLAT at (x, y) are ((x + 1) / 4, (y + 1) / 4).
+        let keep: Keep = Arc::new(|primitive, [u, v]| primitive == 1 || (u < 0.5 && v < 0.25));
+        let lower = FLAT.map(|[x, y, _]| [x, y, -1.0]);
+        let positions = [FLAT, lower].concat();
+        builder
+            .masked_triangles(&positions, &[[0, 1, 2], [3, 4, 5]], keep)
+            .expect("a mesh");
+        let masked = builder.commit().expect("a scene");
+        let mut builder = SceneBuilder::new(&device).robust(robust);
+        builder.instance(&masked, IDENTITY).expect("an instance");
+        let instanced = builder.commit().expect("a scene");
+        for scene in [&masked, &instanced] {
+            for (x, y, primitive) in [
+                (0.0, -0.5, 0),
+                (0.5, -0.25, 0),
+                (1.5, -0.5, 1),
+                (0.0, 0.5, 1),
+            ] {
+                let ray = down(x, y);
+                let hit = ask(scene, &ray).expect("two planes are below");
+                assert_eq!(
+                    hit.primitive, primitive,
+                    "robust {robust}, ({x}, {y}): {hit:?}"
+                );
+                let short = ask(scene, &Ray { t_max: 1.5, ..ray });
+                assert_eq!(
+                    short.is_some(),
+                    primitive == 0,
+                    "robust {robust}, ({x}, {y})"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_filter_runs_only_for_its_own_geometry_and_active_lanes() {
+    let Some(device) = device() else { return };
+    let calls = Arc::new(AtomicU32::new(0));
+    let counted = Arc::clone(&calls);
+    let mut builder = SceneBuilder::new(&device);
+    let keep: Keep = Arc::new(move |_, _| {
+        counted.fetch_add(1, Ordering::Relaxed);
+        false
+    });
+    let far = FLAT.map(|[x, y, z]| [x + 100.0, y, z]);
+    builder
+        .masked_triangles(&far, &[[0, 1, 2]], keep)
+        .expect("a mesh");
+    builder.triangles(&FLAT, &[[0, 1, 2]]).expect("a mesh");
+    let scene = builder.commit().expect("a scene");
+    let mut packet = RayPacket::<16>::new();
+    for lane in 0..16 {
+        packet.set(lane, &down(if lane % 2 == 0 { 0.0 } else { 100.0 }, 0.0));
+    }
+    let blocked = scene.occluded_packet(&packet, 0x00ff, Coherence::Incoherent);
+    assert_eq!(blocked, 0x0055);
+    assert_eq!(calls.load(Ordering::Relaxed), 4);
+}
+
+#[test]
+fn a_panic_in_a_filter_reaches_the_caller_of_the_query() {
+    let Some(device) = device() else { return };
+    let mut builder = SceneBuilder::new(&device);
+    let keep: Keep = Arc::new(|_, _| std::panic::resume_unwind(Box::new("from the filter")));
+    builder
+        .masked_triangles(&FLAT, &[[0, 1, 2]], keep)
+        .expect("a mesh");
+    let scene = builder.commit().expect("a scene");
+    let mut packet = RayPacket::<8>::new();
+    (0..8).for_each(|lane| packet.set(lane, &down(0.0, 0.0)));
+    let queries: [&dyn Fn(); 3] = [
+        &|| assert!(scene.occluded(&down(0.0, 0.0))),
+        &|| assert!(scene.closest(&down(0.0, 0.0)).is_some()),
+        &|| {
+            assert_ne!(
+                scene.occluded_packet(&packet, u32::MAX, Coherence::Coherent),
+                0
+            )
+        },
+    ];
+    for query in queries {
+        let panic = catch_unwind(AssertUnwindSafe(query)).expect_err("the panic");
+        assert_eq!(panic.downcast_ref::<&str>(), Some(&"from the filter"));
+    }
+    assert!(!scene.occluded(&down(100.0, 0.0)), "no panic is left over");
+}
+
+#[test]
+fn bad_meshes_are_errors_that_name_the_place() {
+    let Some(device) = device() else { return };
+    let mut builder = SceneBuilder::new(&device);
+    assert_eq!(builder.triangles(&FLAT, &[]), Err(Error::EmptyMesh));
+    assert_eq!(builder.triangles(&[], &[]), Err(Error::EmptyMesh));
+    let error = builder.triangles(&FLAT, &[[0, 1, 2], [0, 3, 1]]);
+    let expected = Error::IndexOutOfRange {
+        triangle: 1,
+        vertex: 3,
+        vertices: 3,
+    };
+    assert_eq!(error, Err(expected));
+    for bad in [
+        f32::NAN,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        1.9e18,
+        -f32::MAX,
+    ] {
+        let positions = [FLAT[0], FLAT[1], [0.0, bad, 0.0]];
+        let error = builder
+            .triangles(&positions, &[[0, 1, 2]])
+            .expect_err("a bad vertex");
+        assert!(
+            matches!(error, Error::VertexOutOfRange { vertex: 2, .. }),
+            "{error}"
+        );
+        let keep: Keep = Arc::new(|_, _| true);
+        let masked = builder.masked_triangles(&positions, &[[0, 1, 2]], keep);
+        assert!(masked.is_err(), "{masked:?}");
+    }
+    assert_eq!(
+        builder.triangles(&FLAT, &[[0, 1, 2]]),
+        Ok(0),
+        "failed calls use up no id"
+    );
+    assert!(builder.commit().expect("a scene").occluded(&down(0.0, 0.0)));
+}
+
+#[test]
+fn bad_instances_are_errors() {
+    let Some(device) = device() else { return };
+    let part = scene(&device, false, &(FLAT.to_vec(), vec![[0, 1, 2]]));
+    let scaled = |s: f32| [[s, 0.0, 0.0], [0.0, s, 0.0], [0.0, 0.0, s], [0.0; 3]];
+    let mut builder = SceneBuilder::new(&device);
+    let error = builder.instance(&part, scaled(0.0)).expect_err("flat");
+    assert_eq!(error, Error::SingularTransform { determinant: 0.0 });
+    let error = builder
+        .instance(&part, scaled(f32::NAN))
+        .expect_err("a NaN");
+    assert!(matches!(error, Error::TransformNotFinite(_)), "{error}");
+    let mut far = IDENTITY;
+    far[3][1] = 3e18;
+    let error = builder.instance(&part, far).expect_err("too far");
+    assert!(matches!(error, Error::InstanceOutOfRange(_)), "{error}");
+    builder.instance(&part, IDENTITY).expect("an instance");
+    let placed = builder.commit().expect("a scene");
+    let mut builder = SceneBuilder::new(&device);
+    assert_eq!(
+        builder.instance(&placed, IDENTITY),
+        Err(Error::NestedInstance)
+    );
+    let other = Device::new(&config()).expect("a device");
+    let mut builder = SceneBuilder::new(&other);
+    assert_eq!(builder.instance(&part, IDENTITY), Err(Error::OtherDevice));
+    let mut builder = SceneBuilder::new(&device);
+    builder.triangles(&FLAT, &[[0, 1, 2]]).expect("a mesh");
+    builder.instance(&part, IDENTITY).expect("an instance");
+    let error = builder
+        .robust(true)
+        .commit()
+        .expect_err("two kinds of interval");
+    assert_eq!(error, Error::RobustMismatch { instance: 1 });
+}
+
+#[test]
+fn an_empty_scene_is_hit_by_nothing_and_has_no_bounds() {
+    let Some(device) = device() else { return };
+    let empty = SceneBuilder::new(&device).commit().expect("a scene");
+    assert_eq!(ask(&empty, &down(0.0, 0.0)), None);
+    assert_eq!(empty.bounds(), None);
+    let mut builder = SceneBuilder::new(&device);
+    builder.instance(&empty, IDENTITY).expect("an instance");
+    let scene = builder.commit().expect("a scene");
+    assert_eq!(ask(&scene, &down(0.0, 0.0)), None);
+    assert_eq!(scene.bounds(), None);
+}
+
+#[test]
+fn bounds_are_those_of_the_vertices() {
+    let Some(device) = device() else { return };
+    let scene = scene(&device, false, &(FLAT.to_vec(), vec![[0, 1, 2]]));
+    assert_eq!(scene.bounds(), Some([[-1.0, -1.0, 0.0], [3.0, 3.0, 0.0]]));
+}
+
+#[test]
+fn a_memory_limit_turns_into_an_error_and_leaves_the_device_usable() {
+    if device().is_none() {
+        return;
+    }
+    let (positions, triangles) = soup(&mut Random(4), 100_000);
+    let build = |memory_limit| {
+        let device = Device::new(&DeviceConfig {
+            memory_limit,
+            ..config()
+        })?;
+        let mut builder = SceneBuilder::new(&device);
+        builder.triangles(&positions, &triangles)?;
+        let scene = builder.commit()?;
+        Ok((device.memory(), scene))
+    };
+    let (memory, _) = build(None).expect("a scene without a limit");
+    println!("{memory:?} for 100000 triangles");
+    assert!(
+        memory.peak >= memory.current && memory.current > 4_000_000,
+        "{memory:?}"
+    );
+    for part in [1, 4, 16, 64] {
+        let limit = memory.peak / 64 * part - 1;
+        match build(Some(limit)) {
+            Ok((memory, _)) => assert!(
+                memory.peak <= limit + limit / 4,
+                "{memory:?} against {limit}"
+            ),
+            Err(error) => assert!(matches!(error, Error::OutOfMemory { .. }), "{error}"),
+        }
+    }
+    assert!(matches!(
+        build(Some(100_000)),
+        Err(Error::OutOfMemory { .. })
+    ));
+    let device = Device::new(&DeviceConfig {
+        memory_limit: Some(memory.peak / 2),
+        ..config()
+    });
+    let device = device.expect("a device");
+    for _ in 0..3 {
+        let mut builder = SceneBuilder::new(&device);
+        let made = builder.triangles(&positions, &triangles);
+        let failed = made
+            .and_then(|_| builder.commit().map(drop))
+            .expect_err("half is too little");
+        assert!(matches!(failed, Error::OutOfMemory { .. }), "{failed}");
+        let small = scene(&device, false, &(FLAT.to_vec(), vec![[0, 1, 2]]));
+        assert!(small.occluded(&down(0.0, 0.0)));
+    }
+}
+
+#[test]
+fn memory_returns_when_scenes_go() {
+    let Some(device) = device() else { return };
+    let mesh = soup(&mut Random(6), 20_000);
+    let first = scene(&device, false, &mesh);
+    let with_one = device.memory().current;
+    let second = scene(&device, false, &mesh);
+    assert!(device.memory().current > with_one);
+    drop((first, second));
+    let left = device.memory().current;
+    assert_eq!(left, 0, "{left} bytes are left of {with_one}");
+}
+
+#[test]
+fn a_scene_outlives_the_handles_it_was_made_from() {
+    let Some(device) = device() else { return };
+    let keep: Keep = Arc::new(|primitive, _| primitive == 0);
+    let mut builder = SceneBuilder::new(&device);
+    builder
+        .masked_triangles(&FLAT, &[[0, 1, 2]], keep)
+        .expect("a mesh");
+    let part = builder.commit().expect("a scene");
+    let mut builder = SceneBuilder::new(&device);
+    builder.instance(&part, IDENTITY).expect("an instance");
+    drop((part, device));
+    let scene = builder.commit().expect("a scene");
+    assert!(scene.occluded(&down(0.0, 0.0)));
+}
+
+#[test]
+fn many_threads_build_and_trace_at_once() {
+    let Some(device) = device() else { return };
+    let mesh = soup(&mut Random(7), 5_000);
+    let shared = scene(&device, true, &mesh);
+    let count = |scene: &Scene| {
+        let mut random = Random(8);
+        (0..20_000)
+            .filter(|_| scene.occluded(&ray(&mut random)))
+            .count()
+    };
+    let expected = count(&shared);
+    std::thread::scope(|scope| {
+        for _ in 0..8 {
+            scope.spawn(|| {
+                let own = scene(&device, true, &mesh);
+                assert_eq!(count(&own), expected);
+                assert_eq!(count(&shared), expected);
+            });
+        }
+    });
+}
+
+#[test]
+fn errors_belong_to_the_thread_that_caused_them() {
+    let Some(device) = device() else { return };
+    std::thread::scope(|scope| {
+        for k in 0..4 {
+            let device = &device;
+            scope.spawn(move || {
+                for _ in 0..100 {
+                    let mut builder = SceneBuilder::new(device);
+                    let index = if k % 2 == 0 { 2 } else { 9 };
+                    let made = builder.triangles(&FLAT, &[[0, 1, index]]);
+                    assert_eq!(made.is_ok(), k % 2 == 0);
+                    assert!(builder.commit().is_ok());
+                }
+            });
+        }
+    });
+}
+
+#[test]
+fn building_leaves_the_callers_float_rules_alone() {
+    let Some(device) = device() else { return };
+    let scene = scene(&device, false, &soup(&mut Random(10), 10_000));
+    scene.occluded(&down(0.0, 0.0));
+    let half = std::hint::black_box(f32::MIN_POSITIVE) / 2.0;
+    assert_ne!(half, 0.0, "denormal results are flushed to zero");
+    assert_ne!(
+        half * std::hint::black_box(2.0),
+        0.0,
+        "denormal operands count as zero"
+    );
+}
+
+#[test]
+fn a_device_tells_what_was_loaded() {
+    let Some(device) = device() else {
+        assert_eq!(embree::header_version(), None);
+        return;
+    };
+    let info = device.info();
+    println!("{info:?}");
+    assert_eq!(Some(info.headers), embree::header_version());
+    assert_eq!(info.library.major, info.headers.major);
+    assert!(info.filter && !info.backface_culling);
+    let low = Device::new(&DeviceConfig {
+        isa: Some(Isa::Sse2),
+        ..config()
+    });
+    let low = low.expect("every x86-64 has SSE2").info();
+    assert_eq!(low.isa, Isa::Sse2);
+    assert!(!low.native_packet_8 && !low.native_packet_16);
+}
+
+#[test]
+fn a_cpu_without_the_instruction_set_is_an_error() {
+    let Some(device) = device() else { return };
+    if config().isa.is_none() && device.info().isa == Isa::Avx512 {
+        println!("skipped: this CPU has every instruction set");
+        return;
+    }
+    let best = Device::new(&DeviceConfig::default())
+        .expect("a device")
+        .info()
+        .isa;
+    if best < Isa::Avx512 {
+        let error = Device::new(&DeviceConfig {
+            isa: Some(Isa::Avx512),
+            ..config()
+        });
+        let expected = Error::UnsupportedCpu {
+            isa: Some(Isa::Avx512),
+        };
+        assert_eq!(error.map(drop), Err(expected));
+    }
+}
+
+#[test]
+fn packets_of_other_lengths_than_their_masks_are_a_bug_that_is_told() {
+    let Some(device) = device() else { return };
+    let scene = scene(&device, false, &(FLAT.to_vec(), vec![[0, 1, 2]]));
+    let packets = [RayPacket::<8>::new(); 2];
+    let mut blocked = [0; 2];
+    let query = AssertUnwindSafe(|| {
+        scene.occluded_packets(&packets, &[1], &mut blocked, Coherence::Coherent)
+    });
+    assert!(catch_unwind(query).is_err());
+}
