@@ -1,5 +1,6 @@
 //! Small scenes for unit tests.
 
+use crate::mix::Mix;
 use glam::{DAffine3, Vec2, Vec3};
 use scene::{
     Alpha, Format, Image, Instance, Material, Mesh, MeshOrigin, Scene, Surface, TextureRef, Wrap,
@@ -150,15 +151,11 @@ pub(crate) fn sphere(levels: u32) -> Mesh {
 }
 
 /// A deterministic stream of numbers in 0..1.
-pub(crate) struct Dice(pub u64);
+pub(crate) struct Dice(pub Mix);
 
 impl Dice {
     pub fn roll(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1u32 << 24) as f32
+        self.0.unit() as f32
     }
 
     /// A point of the cube -1..1.

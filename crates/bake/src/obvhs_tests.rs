@@ -4,6 +4,7 @@ use crate::backend::{Coherence, Layout, Ray, RayBackend, RayPacket, SurfaceHit};
 use crate::fixture::{
     Dice, mask_left_half, mesh, placed_scene, scene, soup, sphere, square, world,
 };
+use crate::mix::Mix;
 use crate::obvhs_backend::ObvhsBackend;
 use crate::triangle::Sight;
 use crate::world::World;
@@ -88,7 +89,7 @@ fn triangles(dice: &mut Dice, count: usize, size: f32, scale: f32) -> Vec<[Vec3;
 #[test]
 fn trees_find_what_trying_all_triangles_finds_at_every_scale() {
     for scale in [1e-30, 1e-4, 1.0, 1e5, 1e30] {
-        let mut dice = Dice(1);
+        let mut dice = Dice(Mix(1));
         let world = world(scene(vec![soup(&triangles(&mut dice, 300, 0.2, scale))]));
         let rays = (0..3000).map(|_| {
             let limit = if dice.roll() < 0.5 {
@@ -108,7 +109,7 @@ fn trees_find_what_trying_all_triangles_finds_at_every_scale() {
 
 #[test]
 fn the_length_of_a_direction_only_scales_t() {
-    let mut dice = Dice(2);
+    let mut dice = Dice(Mix(2));
     let world = world(scene(vec![soup(&triangles(&mut dice, 100, 0.3, 1.0))]));
     for length in [1e-30, 1e-12, 1e12, 1e30] {
         let rays = (0..500).map(|_| endless(dice.point(), dice.point() * length));
@@ -118,7 +119,7 @@ fn the_length_of_a_direction_only_scales_t() {
 
 #[test]
 fn far_origins_reach_small_scenes() {
-    let mut dice = Dice(3);
+    let mut dice = Dice(Mix(3));
     let world = world(scene(vec![soup(&triangles(&mut dice, 200, 0.3, 1.0))]));
     for distance in [1e2, 1e4, 1e6] {
         let rays = (0..500).map(|_| {
@@ -141,7 +142,7 @@ fn rays_in_lattice_planes_along_axes_agree_with_trying_all() {
         }
     }
     let world = world(scene(vec![soup(&corners)]));
-    let mut dice = Dice(4);
+    let mut dice = Dice(Mix(4));
     let signs = [0.0, -0.0, 1.0, -1.0];
     let rays = (0..4000).map(|_| {
         let mut pick = |values: &[f32]| values[(dice.roll() * values.len() as f32) as usize];
@@ -208,7 +209,7 @@ fn rays_aimed_at_edges_and_vertices_do_not_leak() {
     let world = world(scene(vec![sphere.clone()]));
     for layout in LAYOUTS {
         let backend = ObvhsBackend::build(&world, layout);
-        let mut dice = Dice(5);
+        let mut dice = Dice(Mix(5));
         for round in 0..20_000 {
             let [a, b, _] = sphere.triangles[round % sphere.triangles.len()]
                 .map(|v| sphere.positions[v as usize]);
@@ -236,7 +237,7 @@ fn thousands_of_equal_triangles_and_ever_smaller_ones_are_found() {
         ]
     }));
     let world = world(scene(vec![soup(&corners)]));
-    let mut dice = Dice(6);
+    let mut dice = Dice(Mix(6));
     let rays = (0..300).map(|i| {
         let size = 0.5f32.powi(i % 120);
         let target = Vec3::new(0.2 * size, 0.3 * size, size);
@@ -248,7 +249,7 @@ fn thousands_of_equal_triangles_and_ever_smaller_ones_are_found() {
 
 #[test]
 fn instances_are_met_where_they_are_placed() {
-    let mut dice = Dice(7);
+    let mut dice = Dice(Mix(7));
     let places: Vec<(u32, DAffine3)> = (0..12)
         .map(|i| {
             let size = [0.01, 1.0, 30.0][i % 3];

@@ -8,6 +8,7 @@
 //! than 32 u times the radius, which is 2 units: less than the pad. A box is left at least 2 units after its content
 //! is met, so the near cut never shows. Triangles are tested outside of the tree, in the world's units, by the caller.
 
+use crate::mix::Mix;
 use crate::triangle::Sight;
 use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb;
@@ -201,15 +202,8 @@ fn away_from_zero(x: f64) -> f64 {
 /// Pads of one box, each in `PAD..2 PAD`. They differ from box to box, for obvhs pairs equal boxes one a pass, in
 /// quadratic time and with linear depth.
 fn pads(index: u64) -> [DVec3; 2] {
-    let mut state = index;
-    let mut next = || {
-        // SplitMix64: Steele, Lea and Flood, Fast splittable pseudorandom number generators, 2014.
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        PAD * (1.0 + ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64)
-    };
+    let mut mix = Mix(index);
+    let mut next = || PAD * (1.0 + mix.unit());
     [
         DVec3::new(next(), next(), next()),
         DVec3::new(next(), next(), next()),
