@@ -1,1 +1,9 @@
-//! (placeholder)
+//! The integration tests: the built program against answers known on paper, real models and broken input.
+
+#![forbid(unsafe_code)]
+
+mod broken;
+mod cli;
+mod exact;
+mod models;
+mod support;

@@ -1,0 +1,92 @@
+//! Judging errors by the estimator's own standard errors.
+//!
+//! A stored standard error comes from four independent randomisations, so error / standard error follows Student's t
+//! with 3 degrees of freedom. Texels are independent.
+
+/// One texel's signed error and its stored standard error.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    pub error: f64,
+    pub standard_error: f64,
+}
+
+/// What the errors of one term over all texels say.
+#[derive(Clone, Copy, Debug)]
+pub struct Verdict {
+    pub texels: usize,
+    pub rmse: f64,
+    pub mean: f64,
+    /// Mean over its standard error.
+    pub mean_z: f64,
+    pub max: f64,
+    /// Smallest two-sided probability of a texel's t, times the number of texels.
+    pub worst: f64,
+    /// Squared errors over squared standard errors, summed over texels; 1 is expected.
+    pub ratio: f64,
+    /// Standard deviation of `ratio` for normal errors.
+    pub ratio_deviation: f64,
+}
+
+/// Judges `samples` of an estimator with `rays` rays a texel.
+///
+/// An estimate is a sum of `rays` equal shares, so below 1 / rays the spread of four means says nothing: that much is
+/// added to the standard error of single texels.
+pub fn judge(samples: &[Sample], rays: f64) -> Verdict {
+    let count = samples.len() as f64;
+    let sum = |f: &dyn Fn(&Sample) -> f64| samples.iter().map(f).sum::<f64>();
+    let squares = sum(&|s| s.error * s.error);
+    let variance = sum(&|s| s.standard_error * s.standard_error);
+    let mean = sum(&|s| s.error) / count;
+    let worst = samples
+        .iter()
+        .map(|s| student_3_tail(s.error / s.standard_error.hypot(1.0 / rays)));
+    let fourth = sum(&|s| s.standard_error.powi(4));
+    // Squared errors have the relative variance 2, squared standard errors 2/3; unequal texels weigh as fewer.
+    let effective = if fourth > 0.0 {
+        variance * variance / fourth
+    } else {
+        count
+    };
+    Verdict {
+        texels: samples.len(),
+        rmse: (squares / count).sqrt(),
+        mean,
+        mean_z: if variance > 0.0 {
+            mean * count / variance.sqrt()
+        } else {
+            0.0
+        },
+        max: samples.iter().map(|s| s.error.abs()).fold(0.0, f64::max),
+        worst: worst.fold(1.0, f64::min) * count,
+        ratio: if variance > 0.0 {
+            squares / variance
+        } else {
+            1.0
+        },
+        ratio_deviation: ((2.0 + 2.0 / 3.0) / effective).sqrt(),
+    }
+}
+
+/// Probability that |t| is larger than that of a Student variable with 3 degrees of freedom.
+pub fn student_3_tail(t: f64) -> f64 {
+    let x = t.abs() / 3.0_f64.sqrt();
+    // 1 - (2/pi) (x/(1+x^2) + atan x), from the far side so that small tails keep their digits.
+    (2.0 / std::f64::consts::PI) * (x.recip().atan() - x / (1.0 + x * x))
+}
+
+#[test]
+fn tail_of_student_3_agrees_with_its_table() {
+    for (t, two_sided) in [
+        (2.353_363, 0.1),
+        (3.182_446, 0.05),
+        (5.840_909, 0.01),
+        (12.923_979, 0.001),
+    ] {
+        assert!(
+            (student_3_tail(t) / two_sided - 1.0).abs() < 1e-6,
+            "t = {t}: {}",
+            student_3_tail(t)
+        );
+    }
+    assert!((student_3_tail(0.0) - 1.0).abs() < 1e-15);
+}

@@ -1,0 +1,181 @@
+//! What every integration test needs: running the program, and reading what it wrote.
+
+use exr::prelude::{ReadChannels, ReadLayers, read};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+/// A command that starts the program, through the same loader prefix as the tests themselves where one is set.
+pub fn ambake() -> Command {
+    let program = env!("CARGO_BIN_EXE_ambake");
+    let runner = std::env::var("CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER").unwrap_or_default();
+    let mut words = runner.split_whitespace();
+    let mut command = match words.next() {
+        Some(first) => {
+            let mut command = Command::new(first);
+            command.args(words).arg(program);
+            command
+        }
+        None => Command::new(program),
+    };
+    command.stdin(Stdio::null());
+    command
+}
+
+/// Runs the program to its end.
+pub fn run<A: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = A>) -> Output {
+    ambake()
+        .args(arguments)
+        .output()
+        .expect("the program starts")
+}
+
+/// Runs the program, which must succeed; returns its standard output.
+pub fn run_well<A: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = A>) -> String {
+    let mut command = ambake();
+    command.args(arguments);
+    let output = command.output().expect("the program starts");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        output.status.success(),
+        "{command:?} ended with {}\n{errors}",
+        output.status
+    );
+    String::from_utf8(output.stdout).expect("standard output is UTF-8")
+}
+
+/// An authored scene.
+pub fn scene(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("scenes")
+        .join(name)
+}
+
+/// A real model that is shared with the project, or `None` with a printed line where it is absent.
+pub fn model(name: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../shared/models")
+        .join(name);
+    if path.exists() {
+        return Some(path);
+    }
+    println!("skipped: shared/models/{name} is not here");
+    None
+}
+
+/// True where the program was built with Embree; prints a skip line where it was not.
+pub fn has_embree() -> bool {
+    let found = embree::header_version().is_some();
+    if !found {
+        println!("skipped for embree: this build has none");
+    }
+    found
+}
+
+/// The ray backends of this build.
+pub fn backends() -> Vec<&'static str> {
+    if has_embree() {
+        vec!["embree", "obvhs"]
+    } else {
+        vec!["obvhs"]
+    }
+}
+
+/// One page read back: every channel by its full name.
+pub struct Page {
+    /// Page edge in texels.
+    pub size: usize,
+    channels: BTreeMap<String, Vec<f32>>,
+}
+
+impl Page {
+    /// The page in the file at `path`.
+    pub fn read(path: &Path) -> Self {
+        let image = read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .all_channels()
+            .first_valid_layer()
+            .all_attributes()
+            .from_file(path)
+            .unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        let size = image.layer_data.size;
+        assert_eq!(size.0, size.1, "{} is square", path.display());
+        let channels = image.layer_data.channel_data.list;
+        let channels = channels
+            .into_iter()
+            .map(|c| (c.name.to_string(), c.sample_data.values_as_f32().collect()));
+        Self {
+            size: size.0,
+            channels: channels.collect(),
+        }
+    }
+
+    /// The names of the channels, in order.
+    pub fn names(&self) -> Vec<&str> {
+        self.channels.keys().map(String::as_str).collect()
+    }
+
+    /// The values of a channel, row 0 on top.
+    pub fn plane(&self, name: &str) -> &[f32] {
+        self.channels
+            .get(name)
+            .unwrap_or_else(|| panic!("no channel {name} in {:?}", self.names()))
+    }
+
+    /// Every value of every channel.
+    pub fn values(&self) -> impl Iterator<Item = (&str, f32)> {
+        self.channels
+            .iter()
+            .flat_map(|(name, values)| values.iter().map(move |v| (name.as_str(), *v)))
+    }
+}
+
+/// Bakes `scene` into a fresh directory; returns it and the first page.
+pub fn bake(scene: &Path, arguments: &[&str]) -> (tempfile::TempDir, Page) {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let mut all = vec![
+        "bake".as_ref(),
+        scene.as_os_str(),
+        "-o".as_ref(),
+        folder.path().as_os_str(),
+        "--quiet".as_ref(),
+    ];
+    all.extend(arguments.iter().map(std::ffi::OsStr::new));
+    run_well(all);
+    let page = Page::read(&page_path(folder.path(), scene, 0));
+    (folder, page)
+}
+
+/// Where page `number` of a bake of `scene` lies.
+pub fn page_path(folder: &Path, scene: &Path, number: u32) -> PathBuf {
+    let stem = scene
+        .file_stem()
+        .expect("a scene file has a stem")
+        .to_string_lossy();
+    folder.join(format!("{stem}.{number}.exr"))
+}
+
+/// The `bake.json` of a finished bake.
+pub fn report(folder: &Path) -> Value {
+    let text = std::fs::read_to_string(folder.join("bake.json")).expect("bake.json is there");
+    serde_json::from_str(&text).expect("bake.json is JSON")
+}
+
+/// The names of all files in a directory, sorted; empty where there is no directory.
+pub fn files(folder: &Path) -> Vec<String> {
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return Vec::new();
+    };
+    let mut names: Vec<_> = entries
+        .map(|e| {
+            e.expect("an entry")
+                .file_name()
+                .to_string_lossy()
+                .into_owned()
+        })
+        .collect();
+    names.sort();
+    names
+}
