@@ -1,0 +1,185 @@
+//! A glTF document for a scene that came from an OBJ file: vertices in the order of the layout, materials mapped.
+//!
+//! Base colour is Kd, metallic 0, and roughness the inverse of [`scene::phong_from_metallic_roughness`]:
+//! `roughness = (2n + 1)^(-1/4)`. Ks is not carried over; a dielectric reflects 0.04 in glTF.
+
+use super::document::{Document, Target};
+use super::{Origins, Reason};
+use crate::preview::encode;
+use atlas::Atlas;
+use scene::{Alpha, GltfSource, Image, Material, Scene, Surface, TextureRef, Wrap};
+use serde_json::{Value, json};
+use std::collections::HashMap;
+
+/// The document and where it holds the scene: mesh and instance numbers are those of the scene.
+pub fn document(scene: &Scene, atlas: &Atlas) -> Result<(Document, Origins), Reason> {
+    let json = json!({
+        "asset": { "version": "2.0", "generator": format!("ambake {}", env!("CARGO_PKG_VERSION")) },
+        "scene": 0,
+        "scenes": [{ "nodes": (0..scene.instances.len()).collect::<Vec<_>>() }],
+    });
+    let mut document = Document::new(GltfSource {
+        json,
+        buffers: Vec::new(),
+        images: Vec::new(),
+    })?;
+    let mut textures = HashMap::new();
+    for material in &scene.materials {
+        let value = material_value(&mut document, &mut textures, scene, material)?;
+        document.push("materials", value)?;
+    }
+    for (mesh, layout) in scene.meshes.iter().zip(&atlas.meshes) {
+        let mut attributes = json!({});
+        let gathered: Vec<[f32; 3]> = layout
+            .source_vertices
+            .iter()
+            .map(|&v| mesh.positions[v as usize].into())
+            .collect();
+        attributes["POSITION"] = document.push_floats(&gathered, true)?.into();
+        if !mesh.normals.is_empty() {
+            let gathered: Vec<[f32; 3]> = layout
+                .source_vertices
+                .iter()
+                .map(|&v| mesh.normals[v as usize].into())
+                .collect();
+            attributes["NORMAL"] = document.push_floats(&gathered, false)?.into();
+        }
+        for (set, uvs) in mesh.uv_sets.iter().enumerate() {
+            let gathered: Vec<[f32; 2]> = layout
+                .source_vertices
+                .iter()
+                .map(|&v| uvs[v as usize].into())
+                .collect();
+            attributes[format!("TEXCOORD_{set}")] = document.push_floats(&gathered, false)?.into();
+        }
+        let indices = document.push_indices(&layout.triangles, layout.uvs.len())?;
+        let primitive =
+            json!({ "attributes": attributes, "indices": indices, "material": mesh.material });
+        document.push(
+            "meshes",
+            json!({ "name": mesh.name, "primitives": [primitive] }),
+        )?;
+    }
+    for instance in &scene.instances {
+        let columns = instance.transform.to_cols_array();
+        let [x, y, z, w] = [0, 3, 6, 9].map(|c| &columns[c..c + 3]);
+        let mut node = json!({ "name": instance.name, "mesh": instance.mesh });
+        if instance.transform != glam::DAffine3::IDENTITY {
+            node["matrix"] = [x, &[0.0], y, &[0.0], z, &[0.0], w, &[1.0]].concat().into();
+        }
+        document.push("nodes", node)?;
+    }
+    let origins = Origins {
+        meshes: (0..scene.meshes.len()).map(|mesh| (mesh, 0)).collect(),
+        instances: (0..scene.instances.len())
+            .map(|node| (node, None))
+            .collect(),
+        laid_out: true,
+    };
+    Ok((document, origins))
+}
+
+/// Textures made so far, by colour image, alpha image and wrap rules.
+type Textures = HashMap<(Option<u32>, Option<u32>, [u32; 2]), usize>;
+
+fn material_value(
+    document: &mut Document,
+    textures: &mut Textures,
+    scene: &Scene,
+    material: &Material,
+) -> Result<Value, Reason> {
+    let (albedo, albedo_map, exponent) = match &material.surface {
+        Surface::Phong {
+            albedo,
+            albedo_map,
+            exponent,
+            ..
+        } => (*albedo, albedo_map.as_ref(), *exponent),
+        Surface::MetallicRoughness { base, .. } => {
+            unreachable!("an OBJ material with base colour {base}")
+        }
+    };
+    let albedo = albedo.clamp(glam::Vec3::ZERO, glam::Vec3::ONE);
+    let (factor, alpha_map) = match &material.alpha {
+        Alpha::Opaque => (1.0, None),
+        Alpha::Mask { factor, map, .. } => (factor.clamp(0.0, 1.0), map.as_ref()),
+    };
+    let roughness = (2.0 * exponent + 1.0).powf(-0.25);
+    let mut value = json!({
+        "name": material.name,
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [albedo.x, albedo.y, albedo.z, factor],
+            "metallicFactor": 0.0,
+            "roughnessFactor": roughness,
+        },
+    });
+    if let Some(any) = albedo_map.or(alpha_map) {
+        let texture = base_color(document, textures, scene, any, albedo_map, alpha_map)?;
+        value["pbrMetallicRoughness"]["baseColorTexture"] =
+            json!({ "index": texture, "texCoord": any.uv_set });
+    }
+    if let Alpha::Mask { cutoff, .. } = material.alpha {
+        value["alphaMode"] = "MASK".into();
+        value["alphaCutoff"] = cutoff.into();
+    }
+    if material.double_sided {
+        value["doubleSided"] = true.into();
+    }
+    Ok(value)
+}
+
+/// The texture that holds colour and alpha together, as glTF wants them.
+fn base_color(
+    document: &mut Document,
+    textures: &mut Textures,
+    scene: &Scene,
+    any: &TextureRef,
+    color: Option<&TextureRef>,
+    alpha: Option<&TextureRef>,
+) -> Result<usize, Reason> {
+    let wrap = any.wrap.map(|wrap| match wrap {
+        Wrap::Repeat => 10497,
+        Wrap::Clamp => 33071,
+        Wrap::Mirror => 33648,
+    });
+    let key = (color.map(|t| t.image), alpha.map(|t| t.image), wrap);
+    if let Some(&texture) = textures.get(&key) {
+        return Ok(texture);
+    }
+    let image = |map: Option<&TextureRef>| map.map(|t| &scene.images[t.image as usize]);
+    let (color, alpha) = (image(color), image(alpha));
+    let size = color
+        .or(alpha)
+        .map_or([1, 1], |image| [image.width, image.height]);
+    let sample = |image: &Image, x: u32, y: u32| {
+        let scale =
+            |at: u32, from: u32, to: u32| (u64::from(at) * u64::from(to) / u64::from(from)) as u32;
+        let (x, y) = (
+            scale(x, size[0], image.width),
+            scale(y, size[1], image.height),
+        );
+        image.pixels[(y * image.width + x) as usize]
+    };
+    let mut pixels = Vec::with_capacity(size[0] as usize * size[1] as usize * 4);
+    for y in 0..size[1] {
+        for x in 0..size[0] {
+            let [r, g, b, _] = color.map_or([255; 4], |image| sample(image, x, y));
+            let a = alpha.map_or(255, |image| sample(image, x, y)[3]);
+            pixels.extend([r, g, b, a]);
+        }
+    }
+    let png = encode(size, png::ColorType::Rgba, &pixels, None);
+    let view = document.push_view(&png, Target::None)?;
+    let name = color.or(alpha).map_or("", |image| &image.name);
+    let image = document.push(
+        "images",
+        json!({ "name": name, "mimeType": "image/png", "bufferView": view }),
+    )?;
+    let filter = if any.linear { 9729 } else { 9728 };
+    let sampler =
+        json!({ "magFilter": filter, "minFilter": filter, "wrapS": wrap[0], "wrapT": wrap[1] });
+    let sampler = document.push("samplers", sampler)?;
+    let texture = document.push("textures", json!({ "sampler": sampler, "source": image }))?;
+    textures.insert(key, texture);
+    Ok(texture)
+}

@@ -1,0 +1,182 @@
+//! `STEM.glb`: the input scene with the lightmap UV set as `TEXCOORD_1` and the diffuse term as `occlusionTexture`.
+//!
+//! A glTF input is patched, not rewritten: its JSON is read again as plain values, so extensions, extras, animations,
+//! skins, cameras, morph targets and every attribute survive whether ambake knows them or not. What changes is listed
+//! in vendor-notes/gltf-writing.md. An OBJ input becomes a small glTF document first and takes the same road.
+
+mod accessor;
+mod document;
+mod from_obj;
+mod geometry;
+mod material;
+mod node;
+
+use crate::Error;
+use atlas::Atlas;
+use document::Document;
+use geometry::Geometry;
+use material::Materials;
+use scene::{Format, Scene};
+use serde_json::Value;
+use std::collections::HashMap;
+use std::path::Path;
+
+/// A reason, without the file: the caller adds it.
+type Reason = String;
+
+/// Where the meshes and objects of a scene stand in the document, and how much of it the layout leaves as it is.
+struct Origins {
+    /// glTF mesh and primitive of each scene mesh.
+    meshes: Vec<(usize, usize)>,
+    /// glTF node of each instance, and which copy of its mesh under `EXT_mesh_gpu_instancing`.
+    instances: Vec<(usize, Option<usize>)>,
+    /// The document's vertices and indices are those of the layout already.
+    laid_out: bool,
+}
+
+/// The GLB of a baked scene: self-contained, lightmap coordinates baked into the vertices.
+///
+/// * `occlusion`: one PNG file a page, as [`crate::occlusion_png`] makes it; embedded and named by every material whose
+///   triangles lie on that page.
+///
+/// # Errors
+/// [`Error::Read`] where the input has changed since it was loaded or cannot be read again; [`Error::Write`] with an
+/// empty path where the file would pass the format's 4 GiB.
+///
+/// # Panics
+/// Where scene, atlas and pages do not fit each other: a bug of the caller.
+pub fn write_gltf(scene: &Scene, atlas: &Atlas, occlusion: &[Vec<u8>]) -> Result<Vec<u8>, Error> {
+    assert_eq!(
+        scene.meshes.len(),
+        atlas.meshes.len(),
+        "a layout for each mesh"
+    );
+    assert_eq!(
+        scene.instances.len(),
+        atlas.placements.len(),
+        "a placement for each instance"
+    );
+    assert_eq!(
+        atlas.page_count as usize,
+        occlusion.len(),
+        "a picture for each page"
+    );
+    let read = |reason: Reason| {
+        Error::read(
+            &scene.path,
+            format!("{reason}; has the file changed since it was loaded? bake again"),
+        )
+    };
+    let (mut document, origins) = match scene.format {
+        Format::Obj => from_obj::document(scene, atlas).map_err(read)?,
+        Format::Gltf | Format::Glb => {
+            let source =
+                scene::gltf_source(&scene.path).map_err(|e| Error::read(&scene.path, e.reason))?;
+            let origins = Origins {
+                meshes: scene
+                    .meshes
+                    .iter()
+                    .map(|m| (m.origin.mesh as usize, m.origin.primitive as usize))
+                    .collect(),
+                instances: scene
+                    .instances
+                    .iter()
+                    .map(|i| (i.node as usize, i.copy.map(|c| c as usize)))
+                    .collect(),
+                laid_out: false,
+            };
+            (Document::new(source).map_err(read)?, origins)
+        }
+    };
+    patch(&mut document, scene, atlas, occlusion, &origins).map_err(read)?;
+    document
+        .into_glb()
+        .map_err(|e| Error::write(Path::new(""), e))
+}
+
+/// A mesh user: a node, or one copy of an instanced node.
+type User = (usize, Option<usize>);
+
+fn patch(
+    document: &mut Document,
+    scene: &Scene,
+    atlas: &Atlas,
+    occlusion: &[Vec<u8>],
+    origins: &Origins,
+) -> Result<(), Reason> {
+    // The objects of each user, by primitive.
+    let mut users: Vec<(User, HashMap<usize, usize>)> = Vec::new();
+    let mut at: HashMap<User, usize> = HashMap::new();
+    for (i, instance) in scene.instances.iter().enumerate() {
+        let user = origins.instances[i];
+        let slot = *at.entry(user).or_insert_with(|| {
+            users.push((user, HashMap::new()));
+            users.len() - 1
+        });
+        users[slot]
+            .1
+            .insert(origins.meshes[instance.mesh as usize].1, i);
+    }
+    let plan = node::MeshPlan::of(document, users.iter().map(|(user, _)| *user))?;
+    let originals = document.list("meshes")?.clone();
+    let mut materials = Materials::new(document, scene, occlusion, |mesh, primitive| {
+        plan.stays(mesh) || !origins.meshes.contains(&(mesh, primitive))
+    })?;
+    let mut geometries: HashMap<u32, Geometry> = HashMap::new();
+    let mut placed = Vec::with_capacity(users.len());
+    for (user, objects) in &users {
+        let original = plan.mesh_of(document, user.0)?;
+        let mut mesh = originals
+            .get(original)
+            .ok_or_else(|| format!("mesh {original} is absent"))?
+            .clone();
+        let mut primitives = Vec::new();
+        let old = mesh
+            .get("primitives")
+            .and_then(Value::as_array)
+            .ok_or("a mesh has no primitives")?;
+        for (p, primitive) in old.iter().enumerate() {
+            let Some(&object) = objects.get(&p) else {
+                primitives.push(primitive.clone());
+                continue;
+            };
+            let instance = &scene.instances[object];
+            let geometry = match geometries.entry(instance.mesh) {
+                std::collections::hash_map::Entry::Occupied(entry) => entry.into_mut(),
+                std::collections::hash_map::Entry::Vacant(entry) => {
+                    let (mesh, layout) = (
+                        &scene.meshes[instance.mesh as usize],
+                        &atlas.meshes[instance.mesh as usize],
+                    );
+                    entry.insert(Geometry::build(
+                        document,
+                        primitive,
+                        mesh,
+                        layout,
+                        origins.laid_out,
+                    )?)
+                }
+            };
+            let layout = &atlas.meshes[instance.mesh as usize];
+            let placement = &atlas.placements[object];
+            let lightmap = geometry::push_lightmap(document, layout, placement)?;
+            for part in &geometry.parts {
+                let page = placement.page + u32::from(part.page);
+                primitives.push(geometry.primitive(primitive, part, lightmap, |uses| {
+                    materials.get(document, uses, page)
+                })?);
+            }
+        }
+        mesh["primitives"] = Value::Array(primitives);
+        placed.push((*user, plan.place(document, original, *user, mesh)?));
+    }
+    node::assign(document, &plan, &placed)?;
+    for removed in [
+        "EXT_mesh_gpu_instancing",
+        "KHR_draco_mesh_compression",
+        "KHR_texture_transform",
+    ] {
+        document.drop_unused_extension(removed);
+    }
+    Ok(())
+}
