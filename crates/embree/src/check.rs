@@ -51,11 +51,12 @@ pub(crate) fn inverse(transform: &[[f32; 3]; 4]) -> Result<[[f64; 3]; 3], Error>
     let [a, b, c, _] = transform.map(|column| column.map(f64::from));
     let rows = [cross(b, c), cross(c, a), cross(a, b)];
     let determinant = dot(a, rows[0]);
-    let lengths = [a, b, c].map(|v| dot(v, v).sqrt()).iter().product::<f64>();
-    let relative = determinant.abs() / lengths;
-    let normal = f64::from(f32::MIN_POSITIVE)..=f64::from(f32::MAX);
+    let lengths = [a, b, c].map(|v| dot(v, v).sqrt());
+    let relative = determinant.abs() / lengths.iter().product::<f64>();
+    // Products of two and of three lengths then stay within single precision.
+    let usable = lengths.iter().all(|length| (1e-12..=1e12).contains(length));
     // The comparison is false for 0 / 0 too.
-    if normal.contains(&determinant.abs()) && relative > f64::from(f32::EPSILON) {
+    if usable && relative > f64::from(f32::EPSILON) {
         Ok(rows.map(|row| row.map(|x| x / determinant)))
     } else {
         Err(Error::SingularTransform { determinant })

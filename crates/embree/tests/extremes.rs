@@ -43,10 +43,10 @@ fn trace_wild_rays(scene: &Scene, random: &mut Random, count: usize) {
         wide.set(k % 16, &ray);
         scene.occluded(&ray);
         scene.closest(&ray);
-        for coherence in [Coherence::Incoherent] {
-            scene.occluded_packet(&narrow, random.bits() as u32, coherence);
-            scene.occluded_packet(&wide, random.bits() as u32, coherence);
-        }
+        // Not coherent: Embree 3.13.5 on AVX-512 never returns from some coherent packets of 16 of wild rays.
+        let coherence = Coherence::Incoherent;
+        scene.occluded_packet(&narrow, random.bits() as u32, coherence);
+        scene.occluded_packet(&wide, random.bits() as u32, coherence);
     }
 }
 
@@ -61,7 +61,7 @@ fn rays_of_random_bits_only_hit_or_miss() {
         let plain = builder.commit().expect("a scene");
         trace_wild_rays(&plain, &mut random, 20_000);
         let mut builder = SceneBuilder::new(&device).robust(robust);
-        for scale in [1e-12_f32, 1e-6, 1.0, 1e6, 1e12] {
+        for scale in [1e-11_f32, 1e-6, 1.0, 1e6, 1e11] {
             let transform = [
                 [0.0, scale, 0.0],
                 [scale, 0.0, 0.0],
