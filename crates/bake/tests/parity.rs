@@ -1,0 +1,139 @@
+//! Both backends answer alike: every scene of this repository and, where present, the real models.
+
+use bake::{
+    Answer, BackendKind, Layout, ParityReport, RayBackend, TestRays, World, WorldOptions, build,
+    parity,
+};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+// Run with `-- --nocapture` to see the table.
+
+/// Rays a scene through the default layout; the other gets an eighth.
+const RAYS: u64 = 2_000_000;
+/// Disagreements, all within rounding, that a million generic rays may show.
+const ALLOWED_A_MILLION: u64 = 2;
+
+const MODELS: [&str; 7] = [
+    "boeing_787/scene.gltf",
+    "cornell_box/CornellBox.glb",
+    "flight_helmet/FlightHelmet.gltf",
+    "game_level_zdm2.glb",
+    "gazebo/gazebo.obj",
+    "oak_small_alphamask.glb",
+    "suzi.glb",
+];
+
+fn scenes() -> Vec<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let is_scene = |path: &PathBuf| {
+        path.extension()
+            .is_some_and(|ending| ending == "obj" || ending == "gltf" || ending == "glb")
+    };
+    let mut files: Vec<PathBuf> = std::fs::read_dir(root.join("../../scenes"))
+        .map(|entries| {
+            entries
+                .flatten()
+                .map(|entry| entry.path())
+                .filter(is_scene)
+                .collect()
+        })
+        .unwrap_or_default();
+    files.sort();
+    let models = root.join("../../../shared/models");
+    for model in MODELS.map(|model| models.join(model)) {
+        if model.is_file() {
+            files.push(model);
+        } else {
+            println!("skipped: no {}", model.display());
+        }
+    }
+    files
+}
+
+/// One line of the table, and what is wrong with it.
+fn check(name: &str, what: &str, report: &ParityReport, faults: &mut Vec<String>) {
+    let unexplained = report.unexplained();
+    let open = 100.0 * (1.0 - report.occluded as f64 / report.rays as f64);
+    println!(
+        "{name:<28} {what:<16} {:>9} rays {open:>5.1} % open {:>4} disagree {:>4} explained",
+        report.rays,
+        report.disagreements.len(),
+        report.disagreements.len() - unexplained,
+    );
+    for disagreement in report.disagreements.iter().take(5) {
+        let question = if matches!(disagreement.a, Answer::Occluded(_)) {
+            "occlusion"
+        } else {
+            "closest"
+        };
+        println!(
+            "    {question}, explained {}: {disagreement:?}",
+            disagreement.explained()
+        );
+    }
+    let allowed = (ALLOWED_A_MILLION * report.rays).div_ceil(1_000_000) as usize;
+    if unexplained > 0 || report.disagreements.len() > allowed {
+        faults.push(format!(
+            "{name}, {what}: {} disagree, {unexplained} unexplained",
+            report.disagreements.len()
+        ));
+    }
+}
+
+#[test]
+fn embree_and_obvhs_answer_alike_on_every_scene() {
+    let options = WorldOptions {
+        instancing: true,
+        alpha: true,
+    };
+    let mut faults = Vec::new();
+    for file in scenes() {
+        let name = file
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        let scene = match scene::load(&file) {
+            Ok(scene) => scene,
+            Err(error) => {
+                println!("skipped: {error}");
+                continue;
+            }
+        };
+        let world = World::new(Arc::new(scene), options).expect("the scenes fit single precision");
+        let made =
+            |layout| build(BackendKind::Obvhs(layout), &world, 0).expect("obvhs has no errors");
+        let wide = made(Layout::Cwbvh);
+        let rays = TestRays::new(&world, 1);
+        let ask = |a: &dyn RayBackend, b: &dyn RayBackend, count| {
+            parity(&world, a, b, |n| rays.packet(n), count)
+        };
+        match build(BackendKind::Embree, &world, 0) {
+            Ok(embree) => {
+                check(
+                    &name,
+                    "embree, cwbvh",
+                    &ask(&*embree, &*wide, RAYS),
+                    &mut faults,
+                );
+                check(
+                    &name,
+                    "embree, bvh2",
+                    &ask(&*embree, &*made(Layout::Bvh2), RAYS / 8),
+                    &mut faults,
+                );
+            }
+            Err(error) => {
+                println!("skipped: {error}");
+                check(
+                    &name,
+                    "bvh2, cwbvh",
+                    &ask(&*made(Layout::Bvh2), &*wide, RAYS / 8),
+                    &mut faults,
+                );
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
