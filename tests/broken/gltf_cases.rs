@@ -354,3 +354,73 @@ fn required_extensions_that_are_unknown_are_named() {
         ),
     ]);
 }
+
+/// The sound file with a material whose texture is this PNG.
+fn textured(png: &[u8]) -> Vec<u8> {
+    let mut json = sound();
+    let mut bytes = binary();
+    let view = json!({"buffer": 0, "byteOffset": bytes.len(), "byteLength": png.len()});
+    bytes.extend(png);
+    bytes.resize(bytes.len().next_multiple_of(4), 0);
+    json["buffers"][0]["byteLength"] = json!(bytes.len());
+    json["bufferViews"]
+        .as_array_mut()
+        .expect("views")
+        .push(view);
+    json["images"] = json!([{"bufferView": 2, "mimeType": "image/png"}]);
+    json["textures"] = json!([{"source": 0}]);
+    json["materials"] =
+        json!([{"alphaMode": "MASK", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]);
+    json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    glb(&json, &bytes)
+}
+
+/// The CRC-32 of a PNG chunk.
+fn check_sum(bytes: &[u8]) -> u32 {
+    let mut sum = u32::MAX;
+    for byte in bytes {
+        sum ^= u32::from(*byte);
+        for _ in 0..8 {
+            sum = (sum >> 1) ^ if sum & 1 == 1 { 0xedb8_8320 } else { 0 };
+        }
+    }
+    !sum
+}
+
+#[test]
+fn broken_images_are_refused() {
+    let sound = std::fs::read(crate::support::scene("masked_card.png")).expect("the PNG is there");
+    // The size stands at byte 16 of the file, in the header chunk, whose check sum covers bytes 12 to 29.
+    let sized = |width: u32, height: u32| {
+        let mut copy = sound.clone();
+        copy[16..20].copy_from_slice(&width.to_be_bytes());
+        copy[20..24].copy_from_slice(&height.to_be_bytes());
+        let sum = check_sum(&copy[12..29]);
+        copy[29..33].copy_from_slice(&sum.to_be_bytes());
+        copy
+    };
+    assert_eq!(sized(2, 2), sound);
+    refuse_all(&[
+        Case::scene(
+            "an image of no width",
+            "no_width.glb",
+            textured(&sized(0, 2)),
+        ),
+        Case::scene(
+            "an image of a million edges",
+            "wide.glb",
+            textured(&sized(1 << 20, 1 << 20)),
+        ),
+        Case::scene(
+            "an image that ends early",
+            "early_png.glb",
+            textured(&sound[..50]),
+        ),
+        Case::scene("an image without a byte", "no_png.glb", textured(&[])),
+        Case::scene(
+            "an image of something else",
+            "other.glb",
+            textured(b"this is no picture at all"),
+        ),
+    ]);
+}
