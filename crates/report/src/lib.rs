@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 mod bake_json;
+mod compare;
 mod error;
 mod exr_read;
 mod exr_write;
@@ -14,6 +15,7 @@ mod page;
 mod preview;
 
 pub use bake_json::*;
+pub use compare::{Comparison, Difference, Worst, compare_layers};
 pub use error::Error;
 pub use exr_read::{MAX_EDGE, PageFile, read_page_exr};
 pub use exr_write::{PageHeader, write_page_exr};
