@@ -117,6 +117,10 @@ pub(crate) struct Collector {
     found: Vec<Found>,
 }
 
+/// A part below this share of its triangle is the rounding of a clip along a texel's border, not a part: without it an
+/// edge that runs on the border would leave texels beyond it that see only the edge. The rest of the triangle stands.
+const SLIVER: f64 = 1e-14;
+
 /// A piece not yet sorted to its texel.
 struct Found {
     /// Texel of the tile, row-major.
@@ -178,8 +182,9 @@ impl Collector {
                 let c = cell.corners();
                 for k in 2..c.len() {
                     piece.corners = [c[0].w, c[k - 1].w, c[k].w];
-                    piece.cumulative = area * share(c[0].w, c[k - 1].w, c[k].w);
-                    if piece.cumulative > 0.0 {
+                    let part = share(c[0].w, c[k - 1].w, c[k].w);
+                    piece.cumulative = area * part;
+                    if part > SLIVER && piece.cumulative > 0.0 {
                         let centre = (c[0].p.x + c[k - 1].p.x + c[k].p.x) / 3.0;
                         self.found.push(Found {
                             texel,
