@@ -3,25 +3,42 @@
 
 mod alpha;
 mod backend;
+mod compose;
 mod embree_backend;
 mod error;
 #[cfg(test)]
 mod fixture;
+mod integrate;
+mod layer;
 mod mix;
 mod obvhs_backend;
 #[cfg(test)]
 mod obvhs_tests;
+mod open;
+mod options;
+mod page;
 mod parity;
+mod plan;
 mod referee;
+mod surface;
+mod texel;
 mod tree;
 mod triangle;
 mod world;
 
 pub use alpha::AlphaTest;
 pub use backend::{BackendKind, Coherence, Layout, Ray, RayBackend, RayPacket, SurfaceHit, build};
+pub use compose::BakedTexel;
 pub use embree_backend::EmbreeBackend;
 pub use error::Error;
+pub use integrate::{REPLICATES, Terms};
+pub use layer::Layer;
 pub use obvhs_backend::ObvhsBackend;
+pub use open::OpenTriangles;
+pub use options::{Options, Overrides, View};
+pub use page::{Bake, BakedPage, PageStats, Plane, Progress};
 pub use parity::{Answer, Disagreement, ParityReport, TestRays, parity};
+pub use plan::{Choice, Decision, Plan};
 pub use referee::{Margin, Ruling, judge, judge_triangle, t_rounding};
+pub use texel::TexelMaterial;
 pub use world::{Bounds, Geometry, Part, Positions, World, WorldOptions};

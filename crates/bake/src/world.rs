@@ -171,6 +171,26 @@ impl World {
         })
     }
 
+    /// True where both sides of an instance's surface are drawn, so that it has no back.
+    pub fn is_double_sided(&self, instance: u32) -> bool {
+        let mesh = self.part(instance).1.mesh();
+        self.scene.materials[mesh.material as usize].double_sided
+    }
+
+    /// Points whose convex hull holds every triangle: all vertices of flattened parts, the corners of the transformed
+    /// mesh box of instanced ones.
+    pub(crate) fn hull_points(&self) -> Vec<DVec3> {
+        let mut points = Vec::new();
+        for part in &self.parts {
+            let geometry = &self.geometries[part.geometry as usize];
+            match part.transform {
+                None => points.extend(geometry.positions.iter().map(|p| p.as_dvec3())),
+                Some(_) => points.extend(part.outline(geometry)),
+            }
+        }
+        points
+    }
+
     /// The smallest known box around all triangles: exact for flattened parts, the box of the transformed mesh box for
     /// instanced ones.
     pub fn bounds(&self) -> Bounds {

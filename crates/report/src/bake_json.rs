@@ -87,6 +87,8 @@ pub struct SceneReport {
 pub struct DecisionReport {
     /// A stable word for the decision.
     pub decision: String,
+    /// True where it is modelled, false where it is left out.
+    pub modelled: bool,
     /// Why it was taken, as a sentence.
     pub reason: String,
 }

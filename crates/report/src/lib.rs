@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 mod bake_json;
+mod checkpoint;
 mod compare;
 mod error;
 mod exr_read;
@@ -15,6 +16,7 @@ mod page;
 mod preview;
 
 pub use bake_json::*;
+pub use checkpoint::{Checkpoint, checkpoint_path, read_checkpoint, remove_checkpoint, write_checkpoint};
 pub use compare::{Comparison, Difference, Worst, compare_layers};
 pub use error::Error;
 pub use exr_read::{MAX_EDGE, PageFile, read_page_exr};

@@ -1,0 +1,75 @@
+//! Terms to layers: the three models with albedo, specular reflectance and sky, written into the planes of a page.
+
+use crate::integrate::Terms;
+use crate::layer::Layer;
+use crate::texel::TexelMaterial;
+use ambient::models;
+use glam::DVec3;
+
+/// Everything known about one baked texel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BakedTexel {
+    /// `y * size + x` on its page.
+    pub index: u32,
+    /// Fraction of its square inside charts.
+    pub coverage: f32,
+    /// Object with the largest share.
+    pub object: u32,
+    /// Integrated terms.
+    pub terms: Terms,
+    /// Mean material.
+    pub material: TexelMaterial,
+    /// Mean world position.
+    pub position: DVec3,
+    /// Mean shading normal.
+    pub normal: DVec3,
+    /// Mean geometric normal.
+    pub geometric: DVec3,
+    /// Share of the footprint that does not see back faces first.
+    pub validity: f64,
+}
+
+impl BakedTexel {
+    /// The values of a layer under a uniform sky, as many as the layer has channels.
+    pub fn values(&self, layer: Layer, sky: DVec3) -> [f32; 3] {
+        let TexelMaterial {
+            albedo,
+            specular,
+            exponent,
+        } = self.material;
+        let Terms {
+            visibility,
+            diffuse,
+            specular: lobe,
+            bent,
+            errors,
+            rays,
+        } = self.terms;
+        let one = |value: f64| [value as f32, 0.0, 0.0];
+        let traditional = || models::traditional(sky, albedo, visibility);
+        let lambert = || models::lambert(sky, albedo, diffuse);
+        let phong = || models::phong(sky, albedo, specular, diffuse, lobe);
+        match layer {
+            Layer::Coverage => [self.coverage, 0.0, 0.0],
+            Layer::Visibility => one(visibility),
+            Layer::Diffuse => one(diffuse),
+            Layer::Specular => one(lobe),
+            Layer::Traditional => traditional().as_vec3().to_array(),
+            Layer::Lambert => lambert().as_vec3().to_array(),
+            Layer::Phong => phong().as_vec3().to_array(),
+            Layer::Error => one(errors[0]),
+            Layer::ErrorVisibility => one(errors[1]),
+            Layer::ErrorSpecular => one(errors[2]),
+            Layer::Rays => one(rays as f64),
+            Layer::Position => self.position.as_vec3().to_array(),
+            Layer::Normal => self.normal.as_vec3().to_array(),
+            Layer::Geometric => self.geometric.as_vec3().to_array(),
+            Layer::Bent => bent.normalize_or_zero().as_vec3().to_array(),
+            Layer::Exponent => one(exponent),
+            Layer::Object => one(f64::from(self.object)),
+            Layer::Validity => one(self.validity),
+            Layer::DifferenceLambert => (traditional() - lambert()).as_vec3().to_array(),
+            Layer::DifferencePhong => (traditional() - phong()).as_vec3().to_array(),
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! The layers that a bake can write: their names in files, their channels, and how gutters treat them.
+
+use serde::Serialize;
+
+/// One term or quantity over the atlas. Names and meanings are fixed by the file contract.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(into = "&'static str")]
+pub enum Layer {
+    /// Fraction of the texel's square inside its charts, 0..=1.
+    Coverage,
+    /// Open solid angle / 2 pi, 0..=1.
+    Visibility,
+    /// (1/pi) times the integral of V cos, 0..=1.
+    Diffuse,
+    /// ((n+1)/2pi) times the integral of V (R.V)^n, 0..=1.
+    Specular,
+    /// Sky x albedo x visibility: the baseline.
+    Traditional,
+    /// Sky x albedo x diffuse.
+    Lambert,
+    /// Lambert plus sky x specular reflectance x specular.
+    Phong,
+    /// Standard error of the diffuse term.
+    Error,
+    /// Rays spent.
+    Rays,
+    /// Mean world position over the footprint.
+    Position,
+    /// Mean shading normal, unit.
+    Normal,
+    /// Mean geometric normal, unit.
+    Geometric,
+    /// Mean open direction, cosine-weighted, unit; zero where nothing is open.
+    Bent,
+    /// Lobe exponent.
+    Exponent,
+    /// Index of the object with the largest share of the footprint; -1 where there is none.
+    Object,
+    /// Share of the footprint whose upper hemisphere does not see back faces first, 0..=1.
+    Validity,
+    /// Traditional minus Lambert.
+    DifferenceLambert,
+    /// Traditional minus Phong.
+    DifferencePhong,
+    /// Standard error of the visibility.
+    ErrorVisibility,
+    /// Standard error of the specular term.
+    ErrorSpecular,
+}
+
+use Layer::*;
+
+const RGB: &[&str] = &["R", "G", "B"];
+const XYZ: &[&str] = &["X", "Y", "Z"];
+const ONE: &[&str] = &[""];
+
+impl Layer {
+    /// Every layer.
+    pub const ALL: [Self; 20] = [
+        Coverage,
+        Visibility,
+        Diffuse,
+        Specular,
+        Traditional,
+        Lambert,
+        Phong,
+        Error,
+        Rays,
+        Position,
+        Normal,
+        Geometric,
+        Bent,
+        Exponent,
+        Object,
+        Validity,
+        DifferenceLambert,
+        DifferencePhong,
+        ErrorVisibility,
+        ErrorSpecular,
+    ];
+
+    /// The layers of a plain bake.
+    pub const STANDARD: [Self; 9] = [
+        Coverage,
+        Visibility,
+        Diffuse,
+        Specular,
+        Traditional,
+        Lambert,
+        Phong,
+        Error,
+        Rays,
+    ];
+
+    /// The name in files and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Coverage => "coverage",
+            Visibility => "visibility",
+            Diffuse => "diffuse",
+            Specular => "specular",
+            Traditional => "traditional",
+            Lambert => "lambert",
+            Phong => "phong",
+            Error => "error",
+            Rays => "rays",
+            Position => "position",
+            Normal => "normal",
+            Geometric => "geometric",
+            Bent => "bent",
+            Exponent => "exponent",
+            Object => "object",
+            Validity => "validity",
+            DifferenceLambert => "difference.lambert",
+            DifferencePhong => "difference.phong",
+            ErrorVisibility => "error.visibility",
+            ErrorSpecular => "error.specular",
+        }
+    }
+
+    /// The layer of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|layer| layer.name() == name)
+    }
+
+    /// Channel suffixes in order: none, `R G B` or `X Y Z`.
+    pub const fn channels(self) -> &'static [&'static str] {
+        match self {
+            Traditional | Lambert | Phong | DifferenceLambert | DifferencePhong => RGB,
+            Position | Normal | Geometric | Bent => XYZ,
+            _ => ONE,
+        }
+    }
+
+    /// True where gutter texels take the mean of their neighbours; counts and indices keep their void value.
+    pub const fn dilates(self) -> bool {
+        !matches!(self, Coverage | Rays | Object)
+    }
+
+    /// The value of a texel that no chart touches.
+    pub const fn void(self) -> f32 {
+        match self {
+            Object => -1.0,
+            _ => 0.0,
+        }
+    }
+}
+
+impl From<Layer> for &'static str {
+    fn from(layer: Layer) -> Self {
+        layer.name()
+    }
+}

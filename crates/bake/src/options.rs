@@ -1,0 +1,58 @@
+//! What a bake was asked to do, typed and validated by the caller.
+
+use crate::layer::Layer;
+use crate::plan::Choice;
+use glam::DVec3;
+
+/// Options of one bake. The command line's words are turned into this once; nothing below reads flags.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Options {
+    /// Rays per texel over the hemisphere, at least 1; the specular lobe takes as many again where it is needed.
+    pub rays: u32,
+    /// Seed of every sample stream.
+    pub seed: u64,
+    /// Uniform sky radiance, linear RGB, each finite and `>= 0`.
+    pub sky: [f32; 3],
+    /// View rule of the specular term.
+    pub view: View,
+    /// Occluders farther than this do not count, in scene units; `None` for no limit.
+    pub max_distance: Option<f32>,
+    /// Layers to produce, without repeats.
+    pub layers: Vec<Layer>,
+    /// Values that replace the materials' own.
+    pub overrides: Overrides,
+    /// Planner choices that are switched off: what they would leave out is modelled all the same.
+    pub switched_off: Vec<Choice>,
+}
+
+/// Where the eye of the specular term stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum View {
+    /// V = N at every point: the view that a lightmap without a camera can state.
+    Normal,
+    /// The eye is a point in world space.
+    Eye(DVec3),
+}
+
+/// Material values given on the command line.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Overrides {
+    /// `--albedo`, linear RGB.
+    pub albedo: Option<[f32; 3]>,
+    /// `--specular`, linear RGB.
+    pub specular: Option<[f32; 3]>,
+    /// `--exponent`, 0..=1e6.
+    pub exponent: Option<f64>,
+}
+
+impl Options {
+    /// True where a planner choice may be taken.
+    pub(crate) fn allows(&self, choice: Choice) -> bool {
+        !self.switched_off.contains(&choice)
+    }
+
+    /// True where any of `layers` was asked for.
+    pub(crate) fn wants_any(&self, layers: &[Layer]) -> bool {
+        layers.iter().any(|layer| self.layers.contains(layer))
+    }
+}

@@ -1,0 +1,318 @@
+//! The planner: decides what this scene needs, and says why. Printed by `ambake plan`, stored in `bake.json`.
+
+use crate::error::Error;
+use crate::layer::Layer;
+use crate::open::OpenTriangles;
+use crate::options::{Options, View};
+use crate::surface::PlaneErrors;
+use crate::world::{World, WorldOptions};
+use ambient::sampling::Mixture;
+use scene::{Alpha, Scene, Surface};
+use serde::Serialize;
+use std::sync::Arc;
+
+/// Something the planner may leave out. Each can be switched off by name; then it is modelled whatever the scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Choice {
+    /// Closed forms and no rays on triangles that nothing stands above.
+    Open,
+    /// No lobe rays where nothing reflects specularly or no asked layer shows it.
+    Specular,
+    /// No share of uniform directions where no asked layer needs the visibility.
+    Visibility,
+    /// No instance level in the ray scene where nothing is instanced.
+    Instances,
+    /// No filter callback where no material is alpha-masked.
+    Filter,
+    /// No map look-up where the sky is uniform.
+    Sky,
+}
+
+impl Choice {
+    /// Every choice, in the order in which the planner reports them.
+    pub const ALL: [Self; 6] = [
+        Self::Sky,
+        Self::Visibility,
+        Self::Specular,
+        Self::Open,
+        Self::Instances,
+        Self::Filter,
+    ];
+
+    /// The name on the command line and in `bake.json`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Open => "open",
+            Self::Specular => "specular",
+            Self::Visibility => "visibility",
+            Self::Instances => "instances",
+            Self::Filter => "filter",
+            Self::Sky => "sky",
+        }
+    }
+
+    /// The choice of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|choice| choice.name() == name)
+    }
+}
+
+/// One decision with its reason.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Decision {
+    /// What was decided about.
+    pub choice: Choice,
+    /// True where it is modelled, false where it is left out.
+    pub modelled: bool,
+    /// Why, in one sentence.
+    pub reason: String,
+}
+
+/// What a bake models.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// All decisions, one for each of [`Choice::ALL`].
+    pub decisions: Vec<Decision>,
+    /// Triangles that need no rays.
+    pub open: OpenTriangles,
+    /// How hemisphere directions are drawn: cosine-weighted alone where no visibility is needed.
+    pub mixture: Mixture,
+}
+
+impl Plan {
+    /// Decides, and builds the world that the rays of this plan see.
+    ///
+    /// # Errors
+    /// See [`World::new`].
+    pub fn of(scene: &Arc<Scene>, options: &Options) -> Result<(Self, World), Error> {
+        let instances = instances(scene, options);
+        let filter = filter(scene, options);
+        let world = World::new(
+            Arc::clone(scene),
+            WorldOptions {
+                instancing: instances.modelled,
+                alpha: filter.modelled,
+            },
+        )?;
+        let visibility = visibility(options);
+        let specular = specular(scene, options);
+        let open_triangles = if options.allows(Choice::Open) {
+            OpenTriangles::of(&world, &PlaneErrors::of(&world))
+        } else {
+            OpenTriangles::default()
+        };
+        let open = open(&open_triangles, options);
+        let plan = Self {
+            open: open_triangles,
+            mixture: if visibility.modelled {
+                Mixture::BALANCED
+            } else {
+                Mixture::COSINE
+            },
+            decisions: vec![sky(), visibility, specular, open, instances, filter],
+        };
+        Ok((plan, world))
+    }
+
+    /// True where `choice` is modelled.
+    pub fn models(&self, choice: Choice) -> bool {
+        self.decisions
+            .iter()
+            .any(|decision| decision.choice == choice && decision.modelled)
+    }
+}
+
+fn decision(choice: Choice, modelled: bool, reason: impl Into<String>) -> Decision {
+    Decision {
+        choice,
+        modelled,
+        reason: reason.into(),
+    }
+}
+
+fn off(choice: Choice) -> Decision {
+    decision(choice, true, "the planner's choice was switched off")
+}
+
+fn sky() -> Decision {
+    decision(
+        Choice::Sky,
+        false,
+        "the sky is uniform: its radiance is a factor, no map is looked up",
+    )
+}
+
+fn visibility(options: &Options) -> Decision {
+    let users = [
+        Layer::Visibility,
+        Layer::Traditional,
+        Layer::DifferenceLambert,
+        Layer::DifferencePhong,
+        Layer::ErrorVisibility,
+    ];
+    if !options.allows(Choice::Visibility) {
+        off(Choice::Visibility)
+    } else if options.wants_any(&users) {
+        decision(
+            Choice::Visibility,
+            true,
+            "an asked layer needs the open solid angle: half of the hemisphere directions are drawn uniformly",
+        )
+    } else {
+        decision(
+            Choice::Visibility,
+            false,
+            "no asked layer needs the open solid angle: all directions are cosine-weighted",
+        )
+    }
+}
+
+fn specular(scene: &Scene, options: &Options) -> Decision {
+    let users = [
+        Layer::Specular,
+        Layer::Phong,
+        Layer::DifferencePhong,
+        Layer::ErrorSpecular,
+    ];
+    let choice = Choice::Specular;
+    if !options.allows(choice) {
+        return off(choice);
+    }
+    if !options.wants_any(&users) {
+        return decision(choice, false, "no asked layer shows the specular term");
+    }
+    if options.overrides.exponent.is_some() {
+        return decision(choice, true, "an exponent was given on the command line");
+    }
+    if let Some(specular) = options.overrides.specular {
+        let any = specular.iter().any(|&s| s > 0.0);
+        let word = if any { "not zero" } else { "zero" };
+        return decision(
+            choice,
+            any,
+            format!("the specular reflectance given on the command line is {word}"),
+        );
+    }
+    let used: Vec<_> = scene
+        .materials
+        .iter()
+        .enumerate()
+        .filter(|(index, _)| {
+            scene
+                .meshes
+                .iter()
+                .any(|mesh| mesh.material as usize == *index)
+        })
+        .collect();
+    let shiny = used
+        .iter()
+        .filter(|(_, material)| reflects(&material.surface))
+        .count();
+    if shiny > 0 {
+        decision(
+            choice,
+            true,
+            format!(
+                "{shiny} of {} materials have a specular reflectance",
+                used.len()
+            ),
+        )
+    } else {
+        decision(choice, false, "no material has a specular reflectance")
+    }
+}
+
+fn reflects(surface: &Surface) -> bool {
+    match surface {
+        Surface::Phong { specular, .. } => specular.max_element() > 0.0,
+        Surface::MetallicRoughness {
+            dielectric,
+            metallic,
+            ..
+        } => dielectric.max_element() > 0.0 || *metallic > 0.0,
+    }
+}
+
+fn open(triangles: &OpenTriangles, options: &Options) -> Decision {
+    if !options.allows(Choice::Open) {
+        return decision(
+            Choice::Open,
+            true,
+            "the planner's choice was switched off: every texel is sampled by rays",
+        );
+    }
+    let OpenTriangles { open, total, .. } = *triangles;
+    let view = match options.view {
+        View::Normal => "",
+        View::Eye(_) => ", the specular lobe by its lune",
+    };
+    if open == total {
+        let reason = format!(
+            "nothing stands above any triangle (a convex body alone): closed form{view}, no rays"
+        );
+        decision(Choice::Open, false, reason)
+    } else if open > 0 {
+        let reason = format!(
+            "{open} of {total} triangles have nothing above them: closed form{view}, no rays there"
+        );
+        decision(Choice::Open, true, reason)
+    } else {
+        decision(
+            Choice::Open,
+            true,
+            "something stands above every triangle: rays everywhere",
+        )
+    }
+}
+
+fn instances(scene: &Scene, options: &Options) -> Decision {
+    let mut uses = vec![0u32; scene.meshes.len()];
+    for instance in &scene.instances {
+        uses[instance.mesh as usize] += 1;
+    }
+    let shared = uses.iter().filter(|&&n| n > 1).count();
+    if !options.allows(Choice::Instances) {
+        off(Choice::Instances)
+    } else if shared > 0 {
+        decision(
+            Choice::Instances,
+            true,
+            format!("{shared} meshes stand in several places: one instance level"),
+        )
+    } else {
+        decision(
+            Choice::Instances,
+            false,
+            "no mesh stands in several places: one flat ray scene",
+        )
+    }
+}
+
+fn filter(scene: &Scene, options: &Options) -> Decision {
+    let masked = scene
+        .meshes
+        .iter()
+        .filter(|mesh| {
+            matches!(
+                scene.materials[mesh.material as usize].alpha,
+                Alpha::Mask { .. }
+            )
+        })
+        .count();
+    if masked > 0 {
+        decision(
+            Choice::Filter,
+            true,
+            format!("{masked} meshes are alpha-masked: hits on them are filtered"),
+        )
+    } else if !options.allows(Choice::Filter) {
+        off(Choice::Filter)
+    } else {
+        decision(
+            Choice::Filter,
+            false,
+            "no material is alpha-masked: no filter callback",
+        )
+    }
+}

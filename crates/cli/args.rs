@@ -1,0 +1,216 @@
+//! What was typed: the command line as clap sees it. `options.rs` says what it means.
+
+use ::bake::{Choice, Layer};
+use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Ambient-reflection lightmap baker that states its error.
+#[derive(Parser)]
+#[command(name = "ambake", version = crate::host::VERSION, max_term_width = 100)]
+pub struct Args {
+    #[command(subcommand)]
+    pub verb: Verb,
+}
+
+#[derive(Subcommand)]
+pub enum Verb {
+    /// Bakes a scene: lightmap atlas, previews, glTF and bake.json
+    Bake(Bake),
+    /// Says what a bake of this scene would model and why, and what it would cost
+    Plan(Plan),
+    /// Traditional against Lambert against Phong from a finished bake, or any two EXR pages
+    Compare(Compare),
+    /// Tells which ray libraries were really loaded and what they can do; exit 1 if one is unusable
+    Doctor(Doctor),
+}
+
+#[derive(ClapArgs)]
+pub struct Bake {
+    #[command(flatten)]
+    pub job: Job,
+    /// Directory for the results; it is made if needed
+    #[arg(short = 'o', long = "output", value_name = "DIR")]
+    pub output: PathBuf,
+    /// Continue an interrupted bake of the same scene and options in DIR
+    #[arg(long)]
+    pub resume: bool,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+#[derive(ClapArgs)]
+pub struct Plan {
+    #[command(flatten)]
+    pub job: Job,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// What decides the values of a bake.
+#[derive(ClapArgs)]
+pub struct Job {
+    /// Scene file: .obj, .gltf or .glb
+    pub scene: PathBuf,
+    /// Page edge in texels
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=16384))]
+    pub size: u32,
+    /// Texels per scene unit; pages are added as needed [default: the highest that fits one page]
+    #[arg(long, value_name = "D", value_parser = positive)]
+    pub density: Option<f64>,
+    /// Rays per texel over the hemisphere; the specular lobe takes as many again where a material needs it
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=16_777_216))]
+    pub rays: u32,
+    /// Uniform sky radiance, linear, as R,G,B
+    #[arg(long, value_name = "R,G,B", default_value = "1,1,1", value_parser = color)]
+    pub sky: [f32; 3],
+    /// View of the specular term: `normal` (V = N everywhere) or an eye point X,Y,Z in scene units
+    #[arg(long, value_name = "normal|X,Y,Z", default_value = "normal", allow_hyphen_values = true, value_parser = view)]
+    pub view: ::bake::View,
+    /// Occluders farther than this many scene units do not count [default: no limit]
+    #[arg(long, value_name = "D", value_parser = positive)]
+    pub max_distance: Option<f64>,
+    /// Ray library [default: embree where it is built in, else obvhs]
+    #[arg(long, value_enum)]
+    pub backend: Option<Backend>,
+    /// Lightmap coordinates: keep the file's, unwrap, or keep them where they are usable
+    #[arg(long, value_enum, default_value_t = Uv::Auto)]
+    pub uv: Uv,
+    /// Further layers, separated by commas
+    #[arg(long, value_name = "A,B,C", value_delimiter = ',', value_parser = layer)]
+    pub layers: Vec<Layer>,
+    /// Exactly these layers (coverage is always written); terms that none of them needs are not computed
+    #[arg(long, value_name = "A,B,C", value_delimiter = ',', value_parser = layer, conflicts_with = "layers")]
+    pub only: Vec<Layer>,
+    /// Lobe exponent of every material, 0 to 1e6
+    #[arg(long, value_name = "N", value_parser = exponent)]
+    pub exponent: Option<f64>,
+    /// Diffuse reflectance of every material, linear, as R,G,B
+    #[arg(long, value_name = "R,G,B", value_parser = color)]
+    pub albedo: Option<[f32; 3]>,
+    /// Specular reflectance of every material, linear, as R,G,B
+    #[arg(long, value_name = "R,G,B", value_parser = color)]
+    pub specular: Option<[f32; 3]>,
+    /// Planner choices to switch off: what they would leave out is modelled all the same
+    #[arg(long, value_name = "NAME,..", value_delimiter = ',', value_parser = choice)]
+    pub plan_off: Vec<Choice>,
+}
+
+#[derive(ClapArgs)]
+pub struct Compare {
+    /// A finished bake's directory, or two EXR pages
+    #[arg(num_args = 1..=2, required = true, value_name = "DIR | A.exr B.exr")]
+    pub paths: Vec<PathBuf>,
+    /// Directory for the difference pictures [default: the bake's directory; with two pages, none are written]
+    #[arg(short = 'o', long = "output", value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Print a machine-readable summary on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+#[derive(ClapArgs)]
+pub struct Doctor {
+    /// Print a machine-readable summary on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(ClapArgs)]
+pub struct Common {
+    /// Worker threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub threads: Option<u32>,
+    /// Seed of the sample points
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    pub seed: u64,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print a machine-readable summary on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// Also print the plan and the time of each phase
+    #[arg(short = 'v', long)]
+    pub verbose: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Backend {
+    /// Debian's Embree
+    Embree,
+    /// Pure Rust: obvhs, 8-wide compressed BVH
+    Obvhs,
+    /// Pure Rust: obvhs, binary BVH
+    ObvhsBvh2,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Uv {
+    Auto,
+    Keep,
+    Unwrap,
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(format!("`{text}` is not a finite number")),
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        value if value > 0.0 && (value as f32).is_finite() && value as f32 > 0.0 => Ok(value),
+        _ => Err("must be above 0".into()),
+    }
+}
+
+fn exponent(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        value if (0.0..=1e6).contains(&value) => Ok(value),
+        _ => Err("must be between 0 and 1e6".into()),
+    }
+}
+
+fn triple(text: &str) -> Result<[f64; 3], String> {
+    let parts: Vec<&str> = text.split(',').collect();
+    match parts.as_slice() {
+        [a, b, c] => Ok([number(a)?, number(b)?, number(c)?]),
+        _ => Err("expected three numbers separated by commas".into()),
+    }
+}
+
+fn color(text: &str) -> Result<[f32; 3], String> {
+    let values = triple(text)?.map(|v| v as f32);
+    if values.iter().all(|v| v.is_finite() && *v >= 0.0) {
+        Ok(values)
+    } else {
+        Err("each must be 0 or above".into())
+    }
+}
+
+fn view(text: &str) -> Result<::bake::View, String> {
+    if text == "normal" {
+        return Ok(::bake::View::Normal);
+    }
+    triple(text)
+        .map(|eye| ::bake::View::Eye(eye.into()))
+        .map_err(|e| format!("expected `normal` or X,Y,Z: {e}"))
+}
+
+fn layer(text: &str) -> Result<Layer, String> {
+    Layer::from_name(text).ok_or_else(|| {
+        let names: Vec<_> = Layer::ALL.iter().map(|layer| layer.name()).collect();
+        format!("unknown layer; there are {}", names.join(", "))
+    })
+}
+
+fn choice(text: &str) -> Result<Choice, String> {
+    Choice::from_name(text).ok_or_else(|| {
+        let names: Vec<_> = Choice::ALL.iter().map(|choice| choice.name()).collect();
+        format!("unknown choice; there are {}", names.join(", "))
+    })
+}

@@ -1,0 +1,96 @@
+//! `ambake doctor`: what was really loaded, and what it can do.
+
+use crate::args::Doctor as Args;
+use crate::{Outcome, host};
+use serde_json::{Value, json};
+
+/// Runs the verb.
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let embree = embree();
+    let usable = embree["usable"] != json!(false);
+    let report = json!({
+        "schema_version": 1,
+        "ambake": { "version": host::VERSION, "target_features": host::TARGET_FEATURES },
+        "threads": std::thread::available_parallelism().map_or(1, |n| n.get()),
+        "backends": { "embree": embree, "obvhs": { "usable": true, "layouts": ["cwbvh", "bvh2"] } },
+        "default_backend": if report_has_embree(&embree) { "embree" } else { "obvhs" },
+    });
+    if args.json {
+        println!("{}", serde_json::to_string_pretty(&report)?);
+    } else {
+        print(&report);
+    }
+    Ok(if usable {
+        Outcome::Done
+    } else {
+        Outcome::Unusable
+    })
+}
+
+fn report_has_embree(embree: &Value) -> bool {
+    embree["usable"] == json!(true)
+}
+
+/// What the Embree library says of itself; `usable` is null where none was built in.
+fn embree() -> Value {
+    let Some(headers) = embree::header_version() else {
+        return json!({
+            "usable": null,
+            "reason": "not built in: libembree-dev and libclang-dev were not found at build time; \
+                       install both and build again, or bake with obvhs",
+        });
+    };
+    match embree::Device::new(&embree::DeviceConfig::default()) {
+        Err(error) => {
+            json!({ "usable": false, "headers": headers.to_string(), "reason": error.to_string() })
+        }
+        Ok(device) => {
+            let info = device.info();
+            json!({
+                "usable": true,
+                "library": info.library.to_string(),
+                "headers": info.headers.to_string(),
+                "isa": info.isa.name(),
+                "tasking": info.tasking.to_string(),
+                "native_packets": { "4": info.native_packet_4, "8": info.native_packet_8, "16": info.native_packet_16 },
+                "filter_functions": info.filter,
+                "ray_masks": info.ray_mask,
+                "backface_culling": info.backface_culling,
+            })
+        }
+    }
+}
+
+fn print(report: &Value) {
+    println!("ambake {} ({} threads)", host::VERSION, report["threads"]);
+    println!("default backend: {}", text(&report["default_backend"]));
+    let embree = &report["backends"]["embree"];
+    match embree["usable"].as_bool() {
+        Some(true) => println!("embree: usable"),
+        Some(false) => println!("embree: UNUSABLE"),
+        None => println!("embree: absent"),
+    }
+    for (key, value) in embree
+        .as_object()
+        .into_iter()
+        .flatten()
+        .filter(|(key, _)| *key != "usable")
+    {
+        println!("  {key}: {}", text(value));
+    }
+    println!("obvhs: usable\n  layouts: cwbvh, bvh2");
+}
+
+fn text(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Object(map) => map
+            .iter()
+            .map(|(k, v)| format!("{k} {}", text(v)))
+            .collect::<Vec<_>>()
+            .join(", "),
+        Value::Bool(true) => "yes".into(),
+        Value::Bool(false) => "no".into(),
+        other => other.to_string(),
+    }
+}

@@ -1,0 +1,90 @@
+//! What the command line means: typed options of the stages.
+
+use crate::args::{Backend, Common, Job, Uv};
+use ::bake::{BackendKind, Layer, Layout, Options, Overrides};
+use serde_json::{Value, json};
+
+/// The bake's options.
+pub fn bake_options(job: &Job, common: &Common) -> Options {
+    let mut layers = if job.only.is_empty() {
+        Layer::STANDARD.to_vec()
+    } else {
+        vec![Layer::Coverage]
+    };
+    for &layer in job.only.iter().chain(&job.layers) {
+        if !layers.contains(&layer) {
+            layers.push(layer);
+        }
+    }
+    Options {
+        rays: job.rays,
+        seed: common.seed,
+        sky: job.sky,
+        view: job.view,
+        max_distance: job.max_distance.map(|d| d as f32),
+        layers,
+        overrides: Overrides {
+            albedo: job.albedo,
+            specular: job.specular,
+            exponent: job.exponent,
+        },
+        switched_off: job.plan_off.clone(),
+    }
+}
+
+/// The atlas's options.
+pub fn atlas_options(job: &Job) -> atlas::Options {
+    let uv = match job.uv {
+        Uv::Auto => atlas::UvMode::Auto,
+        Uv::Keep => atlas::UvMode::Keep,
+        Uv::Unwrap => atlas::UvMode::Unwrap,
+    };
+    atlas::Options {
+        uv,
+        page_size: job.size,
+        density: job.density,
+    }
+}
+
+/// The asked backend, or the best one that is built in.
+pub fn backend(job: &Job) -> BackendKind {
+    match job.backend {
+        Some(Backend::Embree) => BackendKind::Embree,
+        Some(Backend::Obvhs) => BackendKind::Obvhs(Layout::Cwbvh),
+        Some(Backend::ObvhsBvh2) => BackendKind::Obvhs(Layout::Bvh2),
+        None if embree::header_version().is_some() => BackendKind::Embree,
+        None => BackendKind::Obvhs(Layout::Cwbvh),
+    }
+}
+
+/// Everything that decides the values of a bake, for headers, `bake.json` and the resume key.
+pub fn describe(job: &Job, options: &Options) -> Value {
+    let uv = match job.uv {
+        Uv::Auto => "auto",
+        Uv::Keep => "keep",
+        Uv::Unwrap => "unwrap",
+    };
+    json!({
+        "size": job.size,
+        "density": job.density,
+        "uv": uv,
+        "rays": options.rays,
+        "seed": options.seed,
+        "sky": options.sky,
+        "view": view_rule(options),
+        "max_distance": options.max_distance,
+        "layers": options.layers,
+        "albedo": options.overrides.albedo,
+        "specular": options.overrides.specular,
+        "exponent": options.overrides.exponent,
+        "plan_off": options.switched_off,
+    })
+}
+
+/// The view rule as outputs state it.
+pub fn view_rule(options: &Options) -> String {
+    match options.view {
+        ::bake::View::Normal => "normal".into(),
+        ::bake::View::Eye(eye) => format!("{},{},{}", eye.x, eye.y, eye.z),
+    }
+}

@@ -1,0 +1,84 @@
+//! `ambake plan`: what would be modelled and why, and what it would cost.
+
+use crate::args::Plan as Args;
+use crate::bake::{Phases, decisions, prepare, warnings};
+use crate::{Outcome, host, options};
+use ::bake::{Bake, Choice};
+use serde_json::json;
+
+/// Tiles baked to estimate the rate of the rest.
+const PILOT_TILES: usize = 24;
+
+/// Runs the verb.
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let mut phases = Phases::default();
+    let prepared = prepare(&args.job, &args.common, &mut phases)?;
+    let crate::bake::Prepared {
+        scene,
+        atlas,
+        plan,
+        world,
+        backend,
+        options,
+        ..
+    } = &prepared;
+    let bake = Bake::new(world, plan, backend.as_ref(), atlas, options);
+    let (pilot_texels, pilot_rays, pilot_seconds) = bake.pilot(PILOT_TILES);
+    let texels = atlas.audit.texels;
+    let share = texels as f64 / pilot_texels.max(1) as f64;
+    let rays = (pilot_rays as f64 * share).round() as u64;
+    let seconds = pilot_seconds * share;
+    let page_texels = u64::from(atlas.page_size).pow(2);
+    let channels: u64 = options
+        .layers
+        .iter()
+        .map(|layer| layer.channels().len() as u64)
+        .sum();
+    let memory = host::peak_memory().unwrap_or(0) + page_texels * channels * 4 * 2;
+    if args.common.json {
+        let plan = json!({
+            "schema_version": 1,
+            "scene": report::SceneReport::of(scene),
+            "options": options::describe(&args.job, options),
+            "plan": decisions(plan),
+            "atlas": report::AtlasReport::of(atlas),
+            "estimate": { "texels": texels, "rays": rays, "memory_bytes": memory, "seconds": seconds },
+            "backend": backend.describe(),
+            "warnings": warnings(scene),
+        });
+        println!("{}", serde_json::to_string_pretty(&plan)?);
+        return Ok(Outcome::Done);
+    }
+    for decision in &plan.decisions {
+        let word = if decision.modelled {
+            "modelled"
+        } else {
+            "left out"
+        };
+        println!(
+            "{:<10} {word:<9} {}",
+            decision.choice.name(),
+            decision.reason
+        );
+    }
+    let lobe = if plan.models(Choice::Specular) {
+        " and as many lobe rays"
+    } else {
+        ""
+    };
+    println!(
+        "\n{texels} texels on {} page(s) of {}², {} rays each over the hemisphere{lobe}\nabout {rays} rays, {:.1} GiB, {seconds:.1} s with {}",
+        atlas.page_count,
+        atlas.page_size,
+        options.rays,
+        memory as f64 / f64::from(1u32 << 30),
+        backend.describe(),
+    );
+    for warning in warnings(scene) {
+        println!(
+            "warning: {} ({} times, {})",
+            warning.message, warning.count, warning.place
+        );
+    }
+    Ok(Outcome::Done)
+}
