@@ -164,14 +164,16 @@ def groove(degrees):
         f"diffuse sin^2({degrees}/2 deg) = {math.sin(b / 2) ** 2:.7f}, everywhere (here within 4e-4).",
     )
     floor(obj, 0, -2, 4)
-    cells = shelf(4)
+    cells = shelf(5)
     obj.object("sheet_same_face")
     obj.quad((0, 0, -FAR), (0, 0, FAR - 2), (4, 0, 0), cells[0])
     obj.quad((0, 0, 2), (0, 0, FAR - 2), (4, 0, 0), cells[1])
     obj.quad((4, 0, -FAR), (0, 0, 2 * FAR), (FAR - 4, 0, 0), cells[2])
+    # A strip of its own along the crease: f32 cannot place a huge slanted triangle well enough for points beside it.
     obj.object("sheet_other_face")
-    up = (FAR * math.cos(b), FAR * math.sin(b), 0)
-    obj.quad((*up[:2], FAR), mul(up, -1), (0, 0, -2 * FAR), cells[3])
+    near, far = (4 * math.cos(b), 4 * math.sin(b), FAR), (FAR * math.cos(b), FAR * math.sin(b), FAR)
+    obj.quad(near, sub((0, 0, FAR), near), (0, 0, -2 * FAR), cells[3])
+    obj.quad(far, sub(near, far), (0, 0, -2 * FAR), cells[4])
     return obj
 
 

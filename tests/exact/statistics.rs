@@ -3,6 +3,8 @@
 //! A stored standard error comes from four independent randomisations, so error / standard error follows Student's t
 //! with 3 degrees of freedom. Texels are independent.
 
+use std::fmt;
+
 /// One texel's signed error and its stored standard error.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
@@ -25,6 +27,39 @@ pub struct Verdict {
     pub ratio: f64,
     /// Standard deviation of `ratio` for normal errors.
     pub ratio_deviation: f64,
+}
+
+impl Verdict {
+    /// True where the error is at most `limit`, the mean shows no bias, and the standard errors are honest. Errors
+    /// below `grain`, the share of one ray, are too few steps to have a spread.
+    pub fn passes(&self, limit: f64, grain: f64) -> bool {
+        let unbiased = self.mean_z.abs() <= 3.0 || self.mean.abs() < 1e-6;
+        let honest = (self.ratio - 1.0).abs() <= 4.0 * self.ratio_deviation || self.rmse < grain;
+        self.rmse <= limit && unbiased && honest && self.worst >= 1e-3
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            texels,
+            rmse,
+            mean,
+            mean_z,
+            max,
+            worst,
+            ratio,
+            ratio_deviation,
+        } = self;
+        write!(
+            f,
+            "texels {texels:4} rmse {rmse:.6} mean {mean:+.7} z {mean_z:+.2} max {max:.6} "
+        )?;
+        write!(
+            f,
+            "worst t {worst:.3} ratio {ratio:.2} +- {ratio_deviation:.2}"
+        )
+    }
 }
 
 /// Judges `samples` of an estimator with `rays` rays a texel.
