@@ -12,16 +12,14 @@ pub struct AlphaTest {
 }
 
 impl AlphaTest {
-    /// The test of a mesh of the scene; `None` where its material is opaque.
-    pub fn of(scene: &Arc<Scene>, mesh: u32) -> Option<Self> {
+    /// The test of a mesh of the scene; `None` where its material is opaque, unless `always`: then one that keeps all.
+    pub fn of(scene: &Arc<Scene>, mesh: u32, always: bool) -> Option<Self> {
         let material = scene.meshes[mesh as usize].material;
-        match scene.materials[material as usize].alpha {
-            Alpha::Opaque => None,
-            Alpha::Mask { .. } => Some(Self {
-                scene: Arc::clone(scene),
-                mesh,
-            }),
-        }
+        let masked = matches!(scene.materials[material as usize].alpha, Alpha::Mask { .. });
+        (masked || always).then(|| Self {
+            scene: Arc::clone(scene),
+            mesh,
+        })
     }
 
     /// True where the surface is there: `factor * alpha >= cutoff` at the point with the weights `barycentric` of the

@@ -168,7 +168,7 @@ impl Dice {
 pub(crate) fn world(scene: Scene) -> crate::world::World {
     let options = crate::world::WorldOptions {
         instancing: true,
-        alpha: true,
+        filter_all: false,
     };
     crate::world::World::new(Arc::new(scene), options).expect("fixtures fit single precision")
 }

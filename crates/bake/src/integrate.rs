@@ -50,6 +50,8 @@ pub(crate) struct Task<'a> {
     /// How hemisphere directions are drawn.
     pub mixture: Mixture,
     pub specular: bool,
+    /// The bent normal is asked for.
+    pub bent: bool,
     /// Nothing stands above the texel: no ray is cast.
     pub open: bool,
 }
@@ -77,7 +79,9 @@ pub(crate) fn integrate(
     survey: &Survey<'_>,
     stream: impl Fn(u32, u32) -> Stream,
 ) -> Terms {
-    if task.open && survey.patches().iter().all(|p| p.is_flat()) {
+    let tilted = || !survey.patches().iter().all(|p| p.is_flat());
+    let sampled = matches!(task.view, View::Eye(_)) || task.bent;
+    if task.open && !(sampled && tilted()) {
         return open_terms(task, survey, stream);
     }
     let mut hemisphere = Replicates::default();
@@ -245,32 +249,51 @@ fn mirrored_view(view: View, sample: &Sample) -> DVec3 {
     }
 }
 
-/// Closed forms at points of the footprint, for texels that nothing stands above and whose shading is flat.
+/// Closed forms at points of the footprint, for texels that nothing stands above. The horizon is the geometric plane; a
+/// shading normal may be tilted against it where V = N, so that the lobe axis is the shading normal itself.
 fn open_terms(task: &Task<'_>, survey: &Survey<'_>, stream: impl Fn(u32, u32) -> Stream) -> Terms {
-    let mut terms = Terms {
-        visibility: 1.0,
-        diffuse: 1.0,
-        ..Terms::default()
-    };
-    let mut specular = Vec::new();
+    let mut means = [[0.0; REPLICATES as usize]; 3];
+    let mut bent = DVec3::ZERO;
     for (replicate, points) in shares(CLOSED_FORM_POINTS) {
         let stream = stream(term::HEMISPHERE, replicate);
-        let mut sum = 0.0;
         for index in 0..points {
             let [_, _, p0, p1] = stream.point(index);
             let sample = survey.sample([p0, p1]);
-            terms.bent += sample.normal;
+            let tilt = sample
+                .geometric
+                .cross(sample.normal)
+                .length()
+                .atan2(sample.geometric.dot(sample.normal));
             let axis = mirrored_view(task.view, &sample);
-            let (cos, sin) = (sample.normal.dot(axis), sample.normal.cross(axis).length());
-            sum += closed_form::phong_open(survey.material.exponent, cos, sin);
+            let (cos, sin) = (
+                sample.geometric.dot(axis),
+                sample.geometric.cross(axis).length(),
+            );
+            let values = [
+                closed_form::tilted_diffuse(tilt),
+                closed_form::tilted_visibility(tilt),
+                closed_form::phong_open(survey.material.exponent, cos, sin),
+            ];
+            for (mean, value) in means.iter_mut().zip(values) {
+                mean[replicate as usize] += value / f64::from(points);
+            }
+            bent += sample.normal;
         }
-        specular.push(sum / f64::from(points));
     }
-    if task.specular {
-        terms.specular = specular.iter().sum::<f64>() / specular.len() as f64;
-        terms.errors[2] = standard_error(&specular);
+    let [diffuse, visibility, specular] = means.map(|m| m.iter().sum::<f64>() / m.len() as f64);
+    let errors = means.map(|m| standard_error(&m));
+    Terms {
+        diffuse,
+        visibility,
+        specular: if task.specular { specular } else { 0.0 },
+        bent,
+        errors: if task.specular {
+            errors
+        } else {
+            [errors[0], errors[1], 0.0]
+        },
+        rays: 0,
     }
-    terms
 }
 
 /// Gathers up to 16 rays of a texel and casts them as one packet.

@@ -230,6 +230,7 @@ impl<'a> Bake<'a> {
             t_max: max_distance.unwrap_or(f32::INFINITY),
             mixture: self.plan.mixture,
             specular: self.plan.models(Choice::Specular),
+            bent: self.options.layers.contains(&Layer::Bent),
             open: survey
                 .patches()
                 .iter()

@@ -92,7 +92,7 @@ impl Plan {
             Arc::clone(scene),
             WorldOptions {
                 instancing: instances.modelled,
-                alpha: filter.modelled,
+                filter_all: !options.allows(Choice::Filter),
             },
         )?;
         let visibility = visibility(options);
@@ -273,7 +273,8 @@ fn instances(scene: &Scene, options: &Options) -> Decision {
     }
     let shared = uses.iter().filter(|&&n| n > 1).count();
     if !options.allows(Choice::Instances) {
-        off(Choice::Instances)
+        let reason = "the planner's choice was switched off: every object is flattened";
+        decision(Choice::Instances, false, reason)
     } else if shared > 0 {
         decision(
             Choice::Instances,
@@ -307,7 +308,11 @@ fn filter(scene: &Scene, options: &Options) -> Decision {
             format!("{masked} meshes are alpha-masked: hits on them are filtered"),
         )
     } else if !options.allows(Choice::Filter) {
-        off(Choice::Filter)
+        decision(
+            Choice::Filter,
+            true,
+            "the planner's choice was switched off: hits on every mesh are filtered",
+        )
     } else {
         decision(
             Choice::Filter,

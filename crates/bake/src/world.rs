@@ -18,8 +18,8 @@ const UNIT_ROUNDOFF: f64 = 1.0 / 16_777_216.0;
 pub struct WorldOptions {
     /// A mesh with several instances is held once with a transform for each; otherwise every instance is flattened.
     pub instancing: bool,
-    /// Masked materials let rays pass; otherwise every surface is opaque.
-    pub alpha: bool,
+    /// Opaque meshes get an alpha test too, one that keeps every hit: shows that leaving it out changes nothing.
+    pub filter_all: bool,
 }
 
 /// The placed scene.
@@ -103,7 +103,7 @@ impl World {
                     } else {
                         Positions::Placed(place(&scene.meshes[mesh as usize], &instance.transform))
                     };
-                    let alpha = options.alpha.then(|| AlphaTest::of(&scene, mesh)).flatten();
+                    let alpha = AlphaTest::of(&scene, mesh, options.filter_all);
                     let extent = extent(&positions);
                     geometries.push(Geometry {
                         scene: Arc::clone(&scene),
@@ -393,7 +393,7 @@ mod tests {
             Arc::new(placed_scene(vec![square], &placed)),
             WorldOptions {
                 instancing,
-                alpha: true,
+                filter_all: false,
             },
         )
     }
