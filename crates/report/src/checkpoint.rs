@@ -68,7 +68,12 @@ pub fn write_checkpoint(path: &Path, checkpoint: &Checkpoint) -> Result<(), Erro
 /// # Errors
 /// [`Error::Read`] for a file that is damaged.
 pub fn read_checkpoint(path: &Path, key: &Value) -> Result<Option<Checkpoint>, Error> {
-    let damaged = |reason: String| Error::read(path, format!("{reason}; delete it, or bake without --resume"));
+    let damaged = |reason: String| {
+        Error::read(
+            path,
+            format!("{reason}; delete it, or bake without --resume"),
+        )
+    };
     let file = match File::open(path) {
         Ok(file) => file,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
@@ -78,7 +83,11 @@ pub fn read_checkpoint(path: &Path, key: &Value) -> Result<Option<Checkpoint>, E
     let mut reader = BufReader::new(file);
     let mut line = || {
         let mut text = String::new();
-        (&mut reader).take(1 << 20).read_line(&mut text).map(|_| text).map_err(|e| damaged(e.to_string()))
+        (&mut reader)
+            .take(1 << 20)
+            .read_line(&mut text)
+            .map(|_| text)
+            .map_err(|e| damaged(e.to_string()))
     };
     if line()?.trim_end() != MAGIC {
         return Err(damaged("not the state of an interrupted bake".into()));
@@ -87,17 +96,31 @@ pub fn read_checkpoint(path: &Path, key: &Value) -> Result<Option<Checkpoint>, E
     if header.key != *key {
         return Ok(None);
     }
-    let wanted = (header.planes as u64).saturating_mul(header.length as u64).saturating_mul(4);
+    let wanted = (header.planes as u64)
+        .saturating_mul(header.length as u64)
+        .saturating_mul(4);
     if wanted > bytes {
         return Err(damaged("the file is truncated".into()));
     }
     let mut planes = Vec::with_capacity(header.planes);
     for _ in 0..header.planes {
         let mut raw = vec![0u8; header.length * 4];
-        reader.read_exact(&mut raw).map_err(|_| damaged("the file is truncated".into()))?;
-        planes.push(raw.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect());
+        reader
+            .read_exact(&mut raw)
+            .map_err(|_| damaged("the file is truncated".into()))?;
+        planes.push(
+            raw.as_chunks::<4>()
+                .0
+                .iter()
+                .map(|b| f32::from_le_bytes(*b))
+                .collect(),
+        );
     }
-    Ok(Some(Checkpoint { key: header.key, state: header.state, planes }))
+    Ok(Some(Checkpoint {
+        key: header.key,
+        state: header.state,
+        planes,
+    }))
 }
 
 /// Removes a page's state where there is one.
@@ -115,10 +138,17 @@ mod tests {
     fn state_returns_for_its_own_key_only() {
         let dir = tempfile::tempdir().unwrap();
         let path = checkpoint_path(dir.path(), "room", 0);
-        let state = Checkpoint { key: json!({"seed": 1}), state: json!(7), planes: vec![vec![0.5, -1.0], vec![2.0, 3.0]] };
+        let state = Checkpoint {
+            key: json!({"seed": 1}),
+            state: json!(7),
+            planes: vec![vec![0.5, -1.0], vec![2.0, 3.0]],
+        };
         assert_eq!(read_checkpoint(&path, &state.key).unwrap(), None);
         write_checkpoint(&path, &state).unwrap();
-        assert_eq!(read_checkpoint(&path, &state.key).unwrap(), Some(state.clone()));
+        assert_eq!(
+            read_checkpoint(&path, &state.key).unwrap(),
+            Some(state.clone())
+        );
         assert_eq!(read_checkpoint(&path, &json!({"seed": 2})).unwrap(), None);
         let bytes = std::fs::read(&path).unwrap();
         for cut in [0, 5, 20, bytes.len() - 1] {

@@ -16,7 +16,9 @@ mod page;
 mod preview;
 
 pub use bake_json::*;
-pub use checkpoint::{Checkpoint, checkpoint_path, read_checkpoint, remove_checkpoint, write_checkpoint};
+pub use checkpoint::{
+    Checkpoint, checkpoint_path, read_checkpoint, remove_checkpoint, write_checkpoint,
+};
 pub use compare::{Comparison, Difference, Worst, compare_layers};
 pub use error::Error;
 pub use exr_read::{MAX_EDGE, PageFile, read_page_exr};

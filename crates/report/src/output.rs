@@ -83,7 +83,10 @@ impl Output {
     /// Names of the staged files, in the order of staging.
     pub fn names(&self) -> Vec<String> {
         let name = |path: &PathBuf| path.file_name().map(|n| n.to_string_lossy().into_owned());
-        self.staged.iter().filter_map(|(_, path)| name(path)).collect()
+        self.staged
+            .iter()
+            .filter_map(|(_, path)| name(path))
+            .collect()
     }
 
     /// Renames every staged file to its final name, in the order of staging (stage `bake.json` last), and returns the names.
