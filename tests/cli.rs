@@ -50,8 +50,6 @@ fn help_names_every_verb_and_the_unit_of_every_quantity() {
         ("--size", "texels"),
         ("--density", "texels per scene unit"),
         ("--rays", "rays per texel"),
-        ("--target-error", "standard error"),
-        ("--max-rays", "rays"),
         ("--sky", "radiance"),
         ("--view", "scene units"),
         ("--max-distance", "scene units"),

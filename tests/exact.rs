@@ -6,6 +6,7 @@
 
 mod footprint;
 mod glb;
+mod hard;
 mod mesh;
 mod polygon;
 mod scenes;

@@ -2,6 +2,7 @@
 
 #![forbid(unsafe_code)]
 
+mod authored;
 mod broken;
 mod cli;
 mod exact;
