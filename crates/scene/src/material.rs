@@ -29,7 +29,7 @@ pub const MAX_EXPONENT: f64 = 1e6;
 /// for the formula and its sources.
 ///
 /// * `base`: base colour, linear, 0..=1 a channel.
-/// * `metallic`, `roughness`: 0..=1; values outside (and NaN) are clamped into the range.
+/// * `metallic`, `roughness`: 0..=1; values outside are clamped into the range, NaN counts as 0.
 /// * `dielectric`: reflectance of the non-metal at normal view, linear; 0.04 for glass of index 1.5.
 ///
 /// ```
@@ -43,9 +43,9 @@ pub fn phong_from_metallic_roughness(
     roughness: f64,
     dielectric: Vec3,
 ) -> (Vec3, Vec3, f64) {
-    // `max` first: it turns NaN into 0.
-    let metal = metallic.max(0.0).min(1.0) as f32;
-    let alpha = roughness.max(0.0).min(1.0).powi(2);
+    let unit = |x: f64| if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) };
+    let metal = unit(metallic) as f32;
+    let alpha = unit(roughness).powi(2);
     let exponent = (0.5 / (alpha * alpha) - 0.5).clamp(0.0, MAX_EXPONENT);
     (
         base * (1.0 - metal),

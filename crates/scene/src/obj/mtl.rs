@@ -47,11 +47,12 @@ pub(super) fn load(
         }
         let bytes = input.read(&path)?;
         for raw in parsed(input, &path, &bytes)? {
-            if !known.contains_key(&raw.name) {
-                let material = material(input, &path, &raw, parts, &mut images)?;
-                known.insert(raw.name, parts.materials.len() as u32);
-                parts.materials.push(material);
+            if known.contains_key(&raw.name) {
+                continue;
             }
+            let material = material(input, &path, &raw, parts, &mut images)?;
+            known.insert(raw.name, parts.materials.len() as u32);
+            parts.materials.push(material);
         }
     }
     Ok(known)

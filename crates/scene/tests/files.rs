@@ -1,0 +1,14 @@
+//! Small files built on the spot: what is read, what is repaired and what is refused.
+
+#[path = "files/broken.rs"]
+mod broken;
+#[path = "files/fuzz.rs"]
+mod fuzz;
+#[path = "files/gltf.rs"]
+mod gltf;
+#[path = "files/memory.rs"]
+mod memory;
+#[path = "files/obj.rs"]
+mod obj;
+#[path = "files/support.rs"]
+mod support;

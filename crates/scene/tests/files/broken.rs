@@ -1,0 +1,214 @@
+//! Broken files: each gives one line that names the file, the place and the trouble.
+
+use super::support::{Document, Folder, U8};
+use serde_json::json;
+
+/// The message, checked for its form.
+fn refused(result: Result<scene::Scene, scene::Error>, needle: &str) {
+    let message = result.expect_err(needle).to_string();
+    assert!(message.contains(needle), "`{needle}` is not in: {message}");
+    assert!(!message.contains('\n') && message.len() < 600, "{message}");
+}
+
+fn edited(needle: &str, edit: impl FnOnce(&mut Document)) {
+    let mut document = Document::triangle();
+    edit(&mut document);
+    refused(document.load(), needle);
+}
+
+#[test]
+fn files_that_are_none() {
+    let folder = Folder::new();
+    let path = folder.write("a.obj", "");
+    refused(scene::load(path.parent().unwrap()), "is not a regular file");
+    refused(scene::load(&path), "is empty");
+    refused(scene::load(&path.with_file_name("gone.obj")), "cannot read");
+    refused(
+        folder.load("a.txt", "v 0 0 0"),
+        "rename it to .obj, .gltf or .glb",
+    );
+    refused(folder.load("a.glb", "v 0 0 0"), "starts with `glTF`");
+    refused(folder.load("a.gltf", "{}"), "asset");
+    refused(
+        folder.load("a.gltf", r#"{"asset":{"version":"1.0"},"meshes":{}}"#),
+        "version 1.0",
+    );
+    refused(
+        folder.load("a.obj", [0u8, 1, 2, 3].repeat(99)),
+        "binary data",
+    );
+    refused(folder.load("a.obj", "# nothing\n"), "no triangle");
+    refused(
+        folder.load("a.obj", "v 1 1 1\nv 1 1 1\nf 1 2 1\n"),
+        "zero-area-triangles",
+    );
+}
+
+#[test]
+fn truncated_glbs() {
+    let glb = Document::triangle().glb();
+    for length in [5, 11, 13, 19, 40, glb.len() - 1] {
+        refused(Folder::new().load("a.glb", &glb[..length]), "truncated");
+    }
+    let mut old = glb.clone();
+    old[4] = 1;
+    refused(Folder::new().load("a.glb", old), "GLB version 1");
+}
+
+#[test]
+fn references_and_ranges() {
+    edited("accessor 9", |d| {
+        d.primitive()["attributes"]["POSITION"] = json!(9)
+    });
+    edited("vertices [0, 1, 3]", |d| {
+        let indices = d.accessor(U8, "SCALAR", 3, &[0, 1, 3]);
+        d.primitive()["indices"] = json!(indices);
+    });
+    edited("do not fit", |d| {
+        d.json["accessors"][0]["count"] = json!(4_000_000_000u64)
+    });
+    edited("do not fit", |d| {
+        d.json["accessors"][0]["count"] = json!(u64::MAX)
+    });
+    edited("do not fit", |d| {
+        d.json["accessors"][0]["byteOffset"] = json!(u64::MAX)
+    });
+    edited("reaches beyond", |d| {
+        d.json["bufferViews"][0]["byteLength"] = json!(1u64 << 40)
+    });
+    edited("reaches beyond", |d| {
+        d.json["bufferViews"][0]["byteOffset"] = json!(u64::MAX)
+    });
+    edited("elements without data", |d| {
+        let (indices, values) = (d.view(&[0]), d.view(&[0; 12]));
+        let sparse = json!({ "count": 1, "indices": { "bufferView": indices, "componentType": U8 },
+                             "values": { "bufferView": values } });
+        d.json["accessors"][0] = json!({ "componentType": 5126, "type": "VEC3", "count": 4_000_000_000u64,
+                                         "sparse": sparse });
+    });
+    edited("it has no data", |d| {
+        d.json["accessors"][0] = json!({ "componentType": 5126, "type": "VEC3", "count": 3 });
+    });
+    edited("index out of bounds", |d| {
+        d.json["nodes"][0]["mesh"] = json!(7)
+    });
+    edited("index out of bounds", |d| {
+        d.primitive()["material"] = json!(0)
+    });
+    edited("Scalar where", |d| {
+        d.json["accessors"][0]["type"] = json!("SCALAR")
+    });
+    edited("not unsigned integers", |d| {
+        let indices = d.floats("SCALAR", &[0., 1., 2.]);
+        d.primitive()["indices"] = json!(indices);
+    });
+    edited("NORMAL", |d| {
+        let normals = d.floats("VEC3", &[0., 0., 1.]);
+        d.primitive()["attributes"]["NORMAL"] = json!(normals);
+    });
+}
+
+#[test]
+fn nodes_and_values() {
+    edited("reached twice", |d| {
+        d.json["nodes"] = json!([{ "mesh": 0, "children": [0] }])
+    });
+    edited("reached twice", |d| {
+        d.json["nodes"] = json!([{ "children": [1, 1] }, { "mesh": 0 }]);
+    });
+    edited("not affine", |d| {
+        d.json["nodes"][0]["matrix"] = json!([1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1])
+    });
+    edited("without length", |d| {
+        d.json["nodes"][0]["rotation"] = json!([0, 0, 0, 0])
+    });
+    edited("puts the mesh beyond", |d| {
+        d.json["nodes"][0]["scale"] = json!([1e30, 1, 1])
+    });
+    edited("not finite", |d| {
+        d.bin[0..4].copy_from_slice(&f32::NAN.to_le_bytes())
+    });
+    edited("not finite", |d| {
+        d.bin[0..4].copy_from_slice(&1e30f32.to_le_bytes())
+    });
+    edited("no triangle", |d| d.json["nodes"] = json!([{}]));
+    edited("no triangle", |d| {
+        d.json["accessors"][0]["count"] = json!(2)
+    });
+}
+
+#[test]
+fn required_extensions_are_named_with_the_cure() {
+    for (name, cure) in [
+        ("KHR_draco_mesh_compression", "npx @gltf-transform/cli copy"),
+        ("EXT_meshopt_compression", "npx @gltf-transform/cli copy"),
+        ("KHR_texture_basisu", "ktxdecompress"),
+        ("ACME_unheard_of", "export the file without it"),
+    ] {
+        edited(name, |d| d.json["extensionsRequired"] = json!([name]));
+        edited(cure, |d| d.json["extensionsRequired"] = json!([name]));
+    }
+}
+
+#[test]
+fn buffers_and_images() {
+    let (document, folder) = (Document::triangle(), Folder::new());
+    refused(folder.load("a.gltf", document.gltf("gone.bin")), "gone.bin");
+    refused(
+        folder.load("a.gltf", document.gltf("data:,abc")),
+        "36 bytes are announced, 3 are there",
+    );
+    refused(
+        folder.load("a.gltf", document.gltf("data:;base64,?")),
+        "not base64",
+    );
+    refused(
+        folder.load("a.gltf", document.gltf("https://a.example/b.bin")),
+        "not a local file",
+    );
+    refused(
+        folder.load("a.gltf", document.gltf(".")),
+        "not a regular file",
+    );
+    for (image, needle) in [
+        ("data:image/png;base64,", "image is empty"),
+        ("data:image/png,nonsense", "neither PNG"),
+    ] {
+        edited(needle, |d| {
+            d.json["images"] = json!([{ "uri": image }]);
+            d.json["textures"] = json!([{ "source": 0 }]);
+            d.json["materials"] =
+                json!([{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }]);
+        });
+    }
+}
+
+#[test]
+fn obj_lines_are_named() {
+    let folder = Folder::new();
+    let bad = |line: &str, needle: &str| {
+        let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{line}\nf 1 2 3\n");
+        refused(folder.load("a.obj", &text), needle);
+        refused(folder.load("a.obj", &text), "line 4");
+    };
+    bad("f 1 2 4", "v 4, but 3 stand before it");
+    bad("f 0 1 2", "v 0");
+    bad("f 1 2 -4", "v -4");
+    bad("f 1 2 99999999999999999999", "is not an index");
+    bad("f 1 2 9223372036854775807", "stand before it");
+    bad("f 1 2 3/1/1/1", "more than three");
+    bad("f 1 2 /1", "names no vertex");
+    bad("v 1 2", "3 numbers are needed");
+    bad("v 1 2 three", "`three` is not a number");
+    refused(
+        folder.load("b.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+        "not finite",
+    );
+    refused(
+        folder.load(
+            "b.obj",
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/2 2/1 3/1\n",
+        ),
+        "vt 2, but 1 stand",
+    );
+}

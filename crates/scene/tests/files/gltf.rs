@@ -1,0 +1,315 @@
+//! glTF and GLB.
+
+use super::support::{Document, F32, Folder, U8, U16, U32, png, push};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use glam::{DVec3, Vec2, Vec3};
+use scene::{Alpha, Surface};
+use serde_json::json;
+
+#[test]
+fn all_index_types_and_none_give_the_same_triangles() {
+    let expected = [[0, 1, 2], [0, 2, 3]];
+    let order = [0u32, 1, 2, 0, 2, 3];
+    for component in [U8, U16, U32] {
+        let mut document = Document::square();
+        let width = [1, 2, 4][(component as usize - U8 as usize) / 2];
+        let bytes: Vec<u8> = order
+            .iter()
+            .flat_map(|i| i.to_le_bytes()[..width].to_vec())
+            .collect();
+        let indices = document.accessor(component, "SCALAR", 6, &bytes);
+        document.primitive()["indices"] = json!(indices);
+        assert_eq!(
+            document.load().unwrap().meshes[0].triangles,
+            expected,
+            "component type {component}"
+        );
+    }
+    assert_eq!(
+        Document::triangle().load().unwrap().meshes[0].triangles,
+        [[0, 1, 2]]
+    );
+}
+
+#[test]
+fn strips_and_fans_keep_their_orientation() {
+    for (mode, expected) in [(5, [[0, 1, 2], [1, 3, 2]]), (6, [[1, 2, 0], [2, 3, 0]])] {
+        let mut document = Document::square();
+        document.primitive()["mode"] = json!(mode);
+        assert_eq!(
+            document.load().unwrap().meshes[0].triangles,
+            expected,
+            "mode {mode}"
+        );
+    }
+    let mut document = Document::square();
+    document.primitive()["mode"] = json!(1);
+    let error = document.load().unwrap_err().to_string();
+    assert!(
+        error.contains("no triangle") && error.contains("points-and-lines"),
+        "{error}"
+    );
+}
+
+#[test]
+fn sparse_normalised_and_interleaved_accessors_are_decoded() {
+    let mut document = Document::triangle();
+    // Sparse over nothing: zeros but for vertices 1 and 2.
+    let indices = document.view(&[1, 2]);
+    let values: Vec<u8> = [2.0f32, 0., 0., 0., 2., 0.]
+        .iter()
+        .flat_map(|v| v.to_le_bytes())
+        .collect();
+    let values = document.view(&values);
+    let sparse = json!({ "count": 2, "indices": { "bufferView": indices, "componentType": U8 },
+                         "values": { "bufferView": values } });
+    let accessor = json!({ "componentType": F32, "type": "VEC3", "count": 3, "sparse": sparse });
+    let positions = push(&mut document.json["accessors"], accessor);
+    document.primitive()["attributes"]["POSITION"] = json!(positions);
+    // Normals as signed bytes and UVs as unsigned shorts, normalised, in one interleaved view of stride 8.
+    let vertex = [0u8, 0, 127, 0, 0xff, 0xff, 0, 0];
+    let view = document.view(&vertex.repeat(3));
+    document.json["bufferViews"][view]["byteStride"] = json!(8);
+    let normal = json!({ "bufferView": view, "componentType": 5120, "normalized": true, "type": "VEC3", "count": 3 });
+    let uv = json!({ "bufferView": view, "byteOffset": 4, "componentType": U16, "normalized": true, "type": "VEC2",
+                     "count": 3 });
+    let normal = push(&mut document.json["accessors"], normal);
+    let uv = push(&mut document.json["accessors"], uv);
+    document.primitive()["attributes"]["NORMAL"] = json!(normal);
+    document.primitive()["attributes"]["TEXCOORD_0"] = json!(uv);
+    document.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+    let mesh = document.load().unwrap().meshes.remove(0);
+    assert_eq!(mesh.positions, [Vec3::ZERO, Vec3::X * 2.0, Vec3::Y * 2.0]);
+    assert_eq!(mesh.normals, [Vec3::Z; 3]);
+    assert_eq!(mesh.uv_sets, [[Vec2::X; 3]]);
+}
+
+#[test]
+fn transforms_compose_down_the_tree_with_negative_scale_and_matrices() {
+    let mut document = Document::triangle();
+    let matrix = [
+        0., 1., 0., 0., -1., 0., 0., 0., 0., 0., 1., 0., 5., 0., 0., 1.,
+    ];
+    document.json["nodes"] = json!([
+        { "name": "root", "scale": [-1, 2, 3], "translation": [10, 0, 0], "children": [1, 2] },
+        { "name": "leaf", "mesh": 0, "matrix": matrix },
+        { "mesh": 0, "scale": [1, 0, 1] },
+    ]);
+    let scene = document.load().unwrap();
+    assert_eq!((scene.meshes.len(), scene.instances.len()), (1, 1));
+    let leaf = &scene.instances[0];
+    assert_eq!(
+        (leaf.name.as_str(), leaf.node),
+        ("leaf / mesh 0 primitive 0", 1)
+    );
+    // (1, 0, 0) turns to (0, 1, 0), moves to (5, 1, 0), is scaled to (-5, 2, 0) and moves to (5, 2, 0).
+    assert_eq!(
+        leaf.transform.transform_point3(DVec3::X),
+        DVec3::new(5.0, 2.0, 0.0)
+    );
+    assert_eq!(scene.warned("singular-transforms"), 1);
+}
+
+#[test]
+fn several_nodes_share_one_mesh_and_gpu_instancing_multiplies_it() {
+    let mut document = Document::triangle();
+    let places = document.floats("VEC3", &[0., 0., 1., 0., 0., 2.]);
+    let turns = document.accessor(5120, "VEC4", 2, &[0, 0, 0, 127, 127, 0, 0, 0]);
+    document.json["accessors"][turns]["normalized"] = json!(true);
+    let attributes = json!({ "TRANSLATION": places, "ROTATION": turns });
+    let instancing = json!({ "EXT_mesh_gpu_instancing": { "attributes": attributes } });
+    document.json["nodes"] =
+        json!([{ "mesh": 0, "scale": [2, 2, 2], "extensions": instancing }, { "mesh": 0 }]);
+    document.json["scenes"] = json!([{ "nodes": [0, 1] }]);
+    document.json["extensionsRequired"] = json!(["EXT_mesh_gpu_instancing"]);
+    let scene = document.load().unwrap();
+    let copies: Vec<_> = scene
+        .instances
+        .iter()
+        .map(|i| (i.mesh, i.node, i.copy))
+        .collect();
+    assert_eq!(copies, [(0, 0, Some(0)), (0, 0, Some(1)), (0, 1, None)]);
+    // The second copy is turned by half a turn about x.
+    assert_eq!(
+        scene.instances[1].transform.transform_point3(DVec3::Y),
+        DVec3::new(0.0, -2.0, 4.0)
+    );
+}
+
+#[test]
+fn the_scene_is_the_default_one_else_the_first_else_every_root() {
+    let mut document = Document::triangle();
+    document.json["nodes"] = json!([{ "mesh": 0, "children": [1] }, { "mesh": 0 }, { "mesh": 0 }]);
+    document.json["scenes"] = json!([{ "nodes": [1] }, { "nodes": [0] }]);
+    let instances = |document: &Document| document.load().unwrap().instances.len();
+    assert_eq!(instances(&document), 1);
+    document.json["scene"] = json!(1);
+    assert_eq!(instances(&document), 2);
+    document
+        .json
+        .as_object_mut()
+        .unwrap()
+        .retain(|key, _| !key.starts_with("scene"));
+    assert_eq!(instances(&document), 3);
+}
+
+#[test]
+fn buffers_come_from_data_uris_and_percent_encoded_files() {
+    let (document, folder) = (Document::triangle(), Folder::new());
+    let data = format!(
+        "data:application/octet-stream;base64,{}",
+        STANDARD.encode(&document.bin)
+    );
+    assert_eq!(
+        folder.load("a.gltf", document.gltf(&data)).unwrap().meshes[0]
+            .triangles
+            .len(),
+        1
+    );
+    folder.write("my buffer.bin", &document.bin);
+    let text = document.gltf("my%20buffer.bin");
+    let scene = folder.load("b.gltf", format!("\u{feff}{text}")).unwrap();
+    let read = [format!("\u{feff}{text}").as_bytes(), &document.bin].concat();
+    assert_eq!(scene.content_hash, blake3::hash(&read).to_hex().to_string());
+}
+
+#[test]
+fn materials_follow_the_file_and_a_primitive_without_one_is_untinted() {
+    let mut document = Document::triangle();
+    let uvs = document.floats("VEC2", &[0.; 6]);
+    let image = document.view(&png(&[[255, 255, 255, 0], [255, 255, 255, 255]]));
+    document.json["images"] = json!([{ "bufferView": image, "mimeType": "image/png" }]);
+    document.json["samplers"] = json!([{ "magFilter": 9728, "wrapS": 33071, "wrapT": 33648 }]);
+    document.json["textures"] =
+        json!([{ "source": 0, "sampler": 0 }, { "extensions": { "KHR_texture_basisu": {} } }]);
+    let turned = json!({ "KHR_texture_transform": { "rotation": std::f32::consts::FRAC_PI_2, "scale": [2, 3],
+                         "offset": [0.5, 1], "texCoord": 1 } });
+    document.json["materials"] = json!([
+        {},
+        { "alphaMode": "BLEND", "pbrMetallicRoughness": { "baseColorFactor": [0.5, 1, 3, 0.75], "baseColorTexture":
+            { "index": 0, "extensions": turned } }, "extensions": { "KHR_materials_ior": { "ior": 2 },
+            "KHR_materials_specular": { "specularFactor": 0.5 }, "KHR_materials_sheen": {} } },
+        { "pbrMetallicRoughness": { "baseColorTexture": { "index": 1 } } },
+    ]);
+    let positions = document.primitive()["attributes"]["POSITION"].clone();
+    let primitive = |material: Option<u32>, sets: usize| {
+        let mut primitive = json!({ "attributes": { "POSITION": positions } });
+        (0..sets).for_each(|n| primitive["attributes"][format!("TEXCOORD_{n}")] = json!(uvs));
+        material
+            .into_iter()
+            .for_each(|m| primitive["material"] = json!(m));
+        primitive
+    };
+    let primitives = [
+        primitive(Some(1), 2),
+        primitive(None, 0),
+        primitive(Some(0), 0),
+        primitive(Some(1), 1),
+    ];
+    document.json["meshes"] = json!([{ "name": "m", "primitives": primitives }]);
+    let scene = document.load().unwrap();
+
+    let Surface::MetallicRoughness {
+        metallic,
+        roughness,
+        base,
+        ..
+    } = scene.materials[0].surface
+    else {
+        panic!()
+    };
+    assert_eq!((metallic, roughness, base), (1.0, 1.0, Vec3::ONE));
+    let tinted = &scene.materials[scene.meshes[0].material as usize];
+    let Surface::MetallicRoughness {
+        base,
+        base_map: Some(map),
+        dielectric,
+        ..
+    } = &tinted.surface
+    else {
+        panic!()
+    };
+    assert_eq!(*base, Vec3::new(0.5, 1.0, 1.0));
+    assert_eq!(*dielectric, Vec3::splat((1.0f64 / 9.0) as f32 * 0.5));
+    assert_eq!(
+        (map.uv_set, map.linear, map.wrap),
+        (1, false, [scene::Wrap::Clamp, scene::Wrap::Mirror])
+    );
+    // A quarter turn counter-clockwise in a picture whose v grows down: u goes to -v, v to u.
+    let expected = [[0.0, 3.0, 0.5], [-2.0, 0.0, 1.0]];
+    let close = map
+        .transform
+        .iter()
+        .flatten()
+        .zip(expected.iter().flatten())
+        .all(|(a, b)| (a - b).abs() < 1e-6);
+    assert!(close, "{:?}", map.transform);
+    assert!(matches!(
+        tinted.alpha,
+        Alpha::Mask {
+            cutoff: 0.5,
+            factor: 0.75,
+            map: Some(_)
+        }
+    ));
+
+    let untinted = &scene.materials[scene.meshes[1].material as usize];
+    assert!(matches!(
+        untinted.surface,
+        Surface::Phong {
+            albedo: Vec3::ONE,
+            specular: Vec3::ZERO,
+            ..
+        }
+    ));
+    // The fourth primitive has one UV set, its texture reads the second: it gets the material without texture.
+    let reduced = &scene.materials[scene.meshes[3].material as usize];
+    assert!(matches!(
+        reduced.surface,
+        Surface::MetallicRoughness { base_map: None, .. }
+    ));
+    let kinds = [
+        "alpha-as-mask",
+        "unread-textures",
+        "ignored-extensions",
+        "clamped-factors",
+        "textures-without-uvs",
+    ];
+    assert_eq!(kinds.map(|kind| scene.warned(kind)), [1, 1, 1, 1, 2]);
+}
+
+#[test]
+fn a_large_shared_vertex_array_is_loaded_only_where_it_is_used() {
+    let mut document = Document::triangle();
+    let positions: Vec<f32> = (0..30_000).map(|i| ((i * i) % 97) as f32).collect();
+    let positions = document.floats("VEC3", &positions);
+    let bytes: Vec<u8> = [9000u16, 17, 4000]
+        .iter()
+        .flat_map(|i| i.to_le_bytes())
+        .collect();
+    let indices = document.accessor(U16, "SCALAR", 3, &bytes);
+    document.primitive()["attributes"]["POSITION"] = json!(positions);
+    document.primitive()["indices"] = json!(indices);
+    let mesh = document.load().unwrap().meshes.remove(0);
+    assert_eq!((mesh.positions.len(), mesh.triangles[0]), (3, [2, 0, 1]));
+    let vertex =
+        |v: u64| Vec3::from_array([0, 1, 2].map(|k| (((3 * v + k) * (3 * v + k)) % 97) as f32));
+    assert_eq!(mesh.positions, [vertex(17), vertex(4000), vertex(9000)]);
+}
+
+#[test]
+fn bad_normals_fall_back_to_the_geometry_and_bad_uvs_to_the_origin() {
+    let mut document = Document::triangle();
+    let normals = document.floats("VEC3", &[0., 0., 0., f32::NAN, 0., 0., 0., 5., 0.]);
+    let uvs = document.floats("VEC2", &[f32::INFINITY, 0., 1., 1., 0.5, 0.5]);
+    document.primitive()["attributes"]["NORMAL"] = json!(normals);
+    document.primitive()["attributes"]["TEXCOORD_0"] = json!(uvs);
+    let scene = document.load().unwrap();
+    assert_eq!(scene.meshes[0].normals, [Vec3::Z, Vec3::Z, Vec3::Y]);
+    assert_eq!(scene.meshes[0].uv_sets[0][0], Vec2::ZERO);
+    assert_eq!(
+        (scene.warned("bad-normals"), scene.warned("bad-uvs")),
+        (2, 1)
+    );
+}

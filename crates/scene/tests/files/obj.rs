@@ -1,0 +1,197 @@
+//! OBJ and MTL.
+
+use super::support::{Folder, png};
+use glam::{Vec2, Vec3};
+use scene::{Alpha, Scene, Surface, Wrap};
+
+fn load(text: &str) -> Scene {
+    Folder::new()
+        .load("a.obj", text)
+        .unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn negative_indices_crlf_continuations_and_a_missing_newline_give_the_plain_triangle() {
+    let plain = load("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let odd = load("v 0 0 0\r\nv 1 0 \\\r\n 0\r\nv 0 1 0 0.5 0.5 0.5\r\nf -3 -2 3 # corner");
+    assert_eq!(plain.meshes[0].positions, odd.meshes[0].positions);
+    assert_eq!(plain.meshes[0].triangles, odd.meshes[0].triangles);
+    assert!(plain.meshes[0].normals.is_empty() && plain.meshes[0].uv_sets.is_empty());
+}
+
+#[test]
+fn a_concave_polygon_covers_its_area_once() {
+    let scene = load("v 0 0 0\nv 4 0 0\nv 1 1 0\nv 0 4 0\nf 2 3 4 1\n");
+    let mesh = &scene.meshes[0];
+    let area = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
+        (b - a).cross(c - a).z / 2.0
+    };
+    assert_eq!(
+        mesh.triangles
+            .iter()
+            .map(area)
+            .collect::<Vec<_>>()
+            .iter()
+            .sum::<f32>(),
+        4.0
+    );
+    assert!(mesh.triangles.iter().all(|t| area(t) > 0.0));
+}
+
+#[test]
+fn corners_without_vt_or_vn_do_not_shift_the_others() {
+    let scene = load(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0.25 0.75\nvn 0 3 4\nf 1 2 3\nf 2/1/1 4/1/1 3/1/1\nf 1//1 2//1 4/1\n",
+    );
+    let mesh = &scene.meshes[0];
+    let corner = |t: usize, k: usize| mesh.triangles[t][k] as usize;
+    assert_eq!(mesh.uv_sets[0][corner(1, 0)], Vec2::new(0.25, 0.25));
+    assert_eq!(mesh.normals[corner(1, 0)], Vec3::new(0.0, 0.6, 0.8));
+    // No vn: the geometric normal; no vt: the origin, counted.
+    assert_eq!(mesh.normals[corner(0, 0)], Vec3::Z);
+    assert_eq!(mesh.uv_sets[0][corner(0, 0)], Vec2::ZERO);
+    assert_eq!(
+        (scene.warned("missing-uvs"), scene.warned("bad-normals")),
+        (5, 4)
+    );
+}
+
+#[test]
+fn groups_and_materials_make_parts_and_a_part_may_be_resumed() {
+    let folder = Folder::new();
+    folder.write(
+        "a.mtl",
+        "newmtl red\nKd 1 0 0\nKs 0.5\nNs 20\nnewmtl thin\nKd 2 nan 0.5\nTr 0.75\n",
+    );
+    let text = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\no box\nusemtl red\nf 1 2 3\nusemtl thin\nf 1 2 3\n\
+                usemtl red\nf 1 3 2\ng lid\nf 1 2 3\no ball\nusemtl gone\nf 1 2 3\n";
+    let scene = folder.load("a.obj", text).unwrap();
+    let parts: Vec<_> = scene
+        .meshes
+        .iter()
+        .map(|m| (m.name.as_str(), m.material, m.triangles.len()))
+        .collect();
+    assert_eq!(
+        parts,
+        [
+            ("box", 0, 2),
+            ("box", 1, 1),
+            ("box/lid", 0, 1),
+            ("ball", 2, 1)
+        ]
+    );
+    let Surface::Phong {
+        albedo,
+        specular,
+        exponent,
+        ..
+    } = scene.materials[0].surface
+    else {
+        panic!()
+    };
+    assert_eq!(
+        (albedo, specular, exponent),
+        (Vec3::X, Vec3::splat(0.5), 20.0)
+    );
+    let Surface::Phong { albedo, .. } = scene.materials[1].surface else {
+        panic!()
+    };
+    assert_eq!(albedo, Vec3::new(1.0, 1.0, 0.5));
+    assert!(matches!(scene.materials[1].alpha, Alpha::Mask { factor, .. } if factor == 0.25));
+    assert!(scene.materials.iter().all(|m| m.double_sided));
+    assert_eq!(
+        (
+            scene.warned("unknown-materials"),
+            scene.warned("clamped-factors")
+        ),
+        (1, 2)
+    );
+}
+
+#[test]
+fn absent_libraries_and_textures_are_counted_and_broken_lines_too() {
+    let folder = Folder::new();
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n";
+    let scene = folder
+        .load("a.obj", format!("mtllib no.mtl\n{triangle}"))
+        .unwrap();
+    assert_eq!(
+        (
+            scene.warned("missing-material-libraries"),
+            scene.warned("unknown-materials")
+        ),
+        (1, 1)
+    );
+    folder.write("b.mtl", "newmtl m\nmap_Kd no.png\nKd\nNs x\nnewmtl\n");
+    let scene = folder
+        .load("b.obj", format!("mtllib b.mtl\n{triangle}"))
+        .unwrap();
+    assert_eq!(
+        (
+            scene.warned("missing-textures"),
+            scene.warned("ignored-mtl-lines")
+        ),
+        (1, 3)
+    );
+}
+
+#[test]
+fn textures_are_read_with_their_options() {
+    let folder = Folder::new();
+    folder.write("my wall.png", png(&[[255, 0, 0, 255], [0, 0, 255, 255]]));
+    folder.write(
+        "b.mtl",
+        "newmtl m\nmap_Kd -clamp on -o 0.5 0 my wall.png\nmap_d my wall.png\n",
+    );
+    let text =
+        "mtllib b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 1\nvt 0.25 0\nusemtl m\nf 1/1 2/2 3/1\n";
+    let scene = folder.load("b.obj", text).unwrap();
+    let Surface::Phong {
+        albedo_map: Some(map),
+        ..
+    } = &scene.materials[0].surface
+    else {
+        panic!()
+    };
+    assert_eq!(map.wrap, [Wrap::Clamp; 2]);
+    let uv = scene.meshes[0].uv_sets[0][1];
+    assert_eq!(scene.color(map, uv), Vec3::Z);
+    // A mask without an alpha channel would give its grey; this one is opaque.
+    let Alpha::Mask { map: Some(map), .. } = &scene.materials[0].alpha else {
+        panic!()
+    };
+    assert_eq!(scene.alpha(map, uv), 1.0);
+    assert_eq!(scene.images.len(), 2);
+}
+
+#[test]
+fn junk_is_dropped_with_the_numbers_of_what_is_left() {
+    let scene = load(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nv nan 0 0\nf 1 1 2\nf 1 2 3\nf 1 2 4\nf 3 2 4\nl 1 2\np 1\n",
+    );
+    let mesh = &scene.meshes[0];
+    assert_eq!(mesh.source_triangles, [1, 3]);
+    assert_eq!(
+        (
+            scene.warned("zero-area-triangles"),
+            scene.warned("ignored-lines-and-points")
+        ),
+        (2, 2)
+    );
+}
+
+#[test]
+fn the_hash_covers_every_file_read() {
+    let folder = Folder::new();
+    let text = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3";
+    folder.write("a.mtl", "newmtl m\n");
+    let first = folder.load("a.obj", text).unwrap().content_hash;
+    assert_eq!(first, blake3_of(&[text, "newmtl m\n"].concat()));
+    folder.write("a.mtl", "newmtl n\n");
+    assert_ne!(first, folder.load("a.obj", text).unwrap().content_hash);
+}
+
+fn blake3_of(text: &str) -> String {
+    blake3::hash(text.as_bytes()).to_hex().to_string()
+}
