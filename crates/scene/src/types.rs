@@ -46,7 +46,8 @@ pub enum Format {
 pub struct Mesh {
     /// Name for messages: the file's, else `mesh 3 primitive 0`.
     pub name: String,
-    /// Vertex positions in mesh space.
+    /// Vertex positions in mesh space. For glTF the vertex numbers are the file's, unless the primitive uses a small part
+    /// of a large shared array (see `vendor-notes/gltf.md`): then they are ranks among the numbers it uses.
     pub positions: Vec<Vec3>,
     /// Unit shading normals, one a vertex; empty where the file has none (shade with the geometric normal).
     pub normals: Vec<Vec3>,

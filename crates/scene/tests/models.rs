@@ -74,8 +74,8 @@ fn boeing_787_has_its_triangles_and_tinted_reflectance() {
     else {
         panic!()
     };
-    assert_eq!(dielectric.x, 0.04 * 0.3459058160939157f32);
-    assert_eq!(metallic, 0.13257183259987076f32 as f64);
+    assert_eq!(dielectric.x, 0.04 * 0.345_905_8_f32);
+    assert_eq!(metallic, 0.132_571_83_f32 as f64);
 }
 
 #[test]

@@ -171,7 +171,7 @@ fn texture(data: &Data, info: &Info, images: &HashMap<usize, u32>) -> Option<Tex
 
 /// Decodes the images that base colours and metallic-roughness read; returns glTF image number to scene image number.
 fn images(input: &mut Input, data: &Data, parts: &mut Parts) -> Result<HashMap<usize, u32>, Error> {
-    let mut wanted: Vec<(usize, String, Cow<[u8]>)> = Vec::new();
+    let mut wanted: Vec<(usize, Encoded)> = Vec::new();
     let mut seen = vec![false; data.root.images.len()];
     for (m, material) in data.root.materials.iter().enumerate() {
         let pbr = &material.pbr_metallic_roughness;
@@ -193,18 +193,18 @@ fn images(input: &mut Input, data: &Data, parts: &mut Parts) -> Result<HashMap<u
                 continue;
             };
             if !std::mem::replace(seen, true)
-                && let Some((name, bytes)) = encoded(input, data, source)?
+                && let Some(image) = encoded(input, data, source)?
             {
-                wanted.push((source, name, bytes));
+                wanted.push((source, image));
             }
         }
     }
     let decoded: Vec<Result<Pixels, Failure>> = wanted
         .par_iter()
-        .map(|(_, name, bytes)| decode(bytes, name))
+        .map(|(_, (name, bytes))| decode(bytes, name))
         .collect();
     let mut numbers = HashMap::new();
-    for ((source, name, _), decoded) in wanted.into_iter().zip(decoded) {
+    for ((source, (name, _)), decoded) in wanted.into_iter().zip(decoded) {
         let place = format!("image {source} `{}`", short(&name));
         match decoded {
             Ok(Pixels {
@@ -240,12 +240,15 @@ fn images(input: &mut Input, data: &Data, parts: &mut Parts) -> Result<HashMap<u
     Ok(numbers)
 }
 
-/// Name and file bytes of an image; `None`, with a warning, where its file is absent.
+/// Name and file bytes of an image.
+type Encoded<'a> = (String, Cow<'a, [u8]>);
+
+/// The file of an image; `None`, with a warning, where its file is absent.
 fn encoded<'a>(
     input: &mut Input,
     data: &'a Data,
     number: usize,
-) -> Result<Option<(String, Cow<'a, [u8]>)>, Error> {
+) -> Result<Option<Encoded<'a>>, Error> {
     let place = format!("image {number}");
     let Some(json) = data.root.images.get(number) else {
         return Ok(None);
