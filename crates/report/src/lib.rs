@@ -7,10 +7,12 @@
 mod bake_json;
 mod checkpoint;
 mod compare;
+mod difference;
 mod error;
 mod exr_read;
 mod exr_write;
 mod gltf;
+mod glyphs;
 mod output;
 mod page;
 mod preview;
@@ -19,7 +21,8 @@ pub use bake_json::*;
 pub use checkpoint::{
     Checkpoint, checkpoint_path, read_checkpoint, remove_checkpoint, write_checkpoint,
 };
-pub use compare::{Comparison, Difference, Worst, compare_layers};
+pub use compare::{Comparison, Difference, PageComparison, Worst, compare_layers, compare_pages};
+pub use difference::{difference_picture, difference_png, nice_limit};
 pub use error::Error;
 pub use exr_read::{MAX_EDGE, PageFile, read_page_exr};
 pub use exr_write::{PageHeader, write_page_exr};
