@@ -46,6 +46,9 @@ fn help_names_every_verb_and_the_unit_of_every_quantity() {
         assert!(help.contains(verb), "{help}");
     }
     let help = run_well(["bake", "--help"]).to_lowercase();
+    let words: Vec<&str> = help.split_whitespace().collect();
+    // One entry a flag, with line breaks undone.
+    let entries = words.join(" ");
     for (flag, unit) in [
         ("--size", "texels"),
         ("--density", "texels per scene unit"),
@@ -57,19 +60,11 @@ fn help_names_every_verb_and_the_unit_of_every_quantity() {
         ("--exponent", "exponent"),
         ("--threads", "threads"),
     ] {
-        let place = help
-            .find(flag)
-            .unwrap_or_else(|| panic!("no {flag} in\n{help}"));
-        let end = help[place..]
-            .find("\n\n")
-            .map_or(help.len(), |n| place + n)
-            .max(place + 200)
-            .min(help.len());
-        assert!(
-            help[place..end].contains(unit),
-            "{flag} does not say {unit}:\n{}",
-            &help[place..end]
-        );
+        let entry = entries
+            .split(" --")
+            .find(|entry| entry.starts_with(&flag[2..]));
+        let entry = entry.unwrap_or_else(|| panic!("no {flag} in\n{help}"));
+        assert!(entry.contains(unit), "{flag} does not say {unit}: {entry}");
     }
     assert!(run_well(["--version"]).starts_with("ambake "));
 }
