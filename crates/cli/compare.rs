@@ -1,6 +1,289 @@
-//! `ambake compare` (being written).
+//! `ambake compare`: the traditional model against the two integrated ones, or any two pages.
+
+use crate::Outcome;
+use crate::args::Compare as Args;
+use anyhow::{Context, bail};
+use report::{BakeReport, Comparison, Difference, Error, Output, Page, PageFile};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// What is compared within a bake: traditional minus an integrated model.
+const PAIRS: [(&str, &str); 2] = [("traditional", "lambert"), ("traditional", "phong")];
 
 /// Runs the verb.
-pub fn run(_: &crate::args::Compare) -> anyhow::Result<crate::Outcome> {
-    anyhow::bail!("not there yet")
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    match args.paths.as_slice() {
+        [dir] => compare_bake(args, dir)?,
+        [a, b] => compare_files(args, a, b)?,
+        other => bail!(
+            "{} paths; name a bake's directory or two EXR pages",
+            other.len()
+        ),
+    }
+    Ok(Outcome::Done)
+}
+
+/// The models of a finished bake.
+fn compare_bake(args: &Args, dir: &Path) -> anyhow::Result<()> {
+    if dir.is_file() {
+        bail!(
+            "{} is a file; name a bake's directory or two EXR pages",
+            dir.display()
+        );
+    }
+    let bake = report::read_bake_report(&dir.join("bake.json"))?;
+    let files = page_files(dir, &bake)?;
+    // Pages are read twice, one at a time: the pictures share a scale, which is known after the last page.
+    let pages = || {
+        files.iter().map(|file| {
+            let page = report::read_page_exr(&dir.join(&file.name))?.page;
+            Ok((file, page))
+        })
+    };
+    let numbered = pages().map(|page| page.map(|(file, page)| (file.page, page)));
+    let comparisons = report::compare_layers(numbered, bake.objects.len(), &PAIRS)
+        .map_err(|error| in_bake(dir, error))?;
+
+    let mut output = Output::create(args.output.as_deref().unwrap_or(dir))?;
+    let limits: Vec<f64> = comparisons
+        .iter()
+        .map(|comparison| report::nice_limit(comparison.all.maximum))
+        .collect();
+    for page in pages() {
+        let (file, page): (&Named, Page) = page?;
+        for (&(a, b), &limit) in PAIRS.iter().zip(&limits) {
+            let name = format!("{}.{}.difference.{b}.png", file.stem, file.page);
+            output.stage_bytes(&name, &report::difference_png(&page, (a, b), limit)?)?;
+        }
+    }
+    let written = output.publish()?;
+    if args.json {
+        let json = bake_json(&bake, &comparisons, &limits, &written);
+        println!("{}", serde_json::to_string_pretty(&json)?);
+    } else if !args.quiet {
+        for (&(a, b), comparison) in PAIRS.iter().zip(&comparisons) {
+            print_objects(&format!("{a} - {b}"), comparison, &bake);
+        }
+        if comparisons.iter().any(|c| c.objects.is_empty()) {
+            println!("for numbers by object and positions bake with --layers object,position");
+        }
+        print_written(&written);
+    }
+    Ok(())
+}
+
+/// An error with the bake it came up in; those about a file name it themselves.
+fn in_bake(dir: &Path, error: Error) -> anyhow::Error {
+    match error {
+        Error::Read { .. } => error.into(),
+        other => anyhow::Error::new(other).context(dir.display().to_string()),
+    }
+}
+
+/// One EXR page of a bake.
+struct Named {
+    name: String,
+    stem: String,
+    page: u32,
+}
+
+/// The pages that a bake names, `STEM.P.exr`, in order.
+fn page_files(dir: &Path, bake: &BakeReport) -> Result<Vec<Named>, Error> {
+    let broken = |reason: String| Error::Read {
+        path: dir.join("bake.json"),
+        reason,
+    };
+    let named = |page: u32| {
+        let ending = format!(".{page}.exr");
+        // A file beside bake.json: a name with a directory in it is not ours.
+        let plain = |name: &&String| Path::new(name).file_name() == Some(name.as_ref());
+        let mut names = bake.files.iter().filter(plain);
+        let found = names.find_map(|name| {
+            name.strip_suffix(&ending).map(|stem| Named {
+                name: name.clone(),
+                stem: stem.into(),
+                page,
+            })
+        });
+        found.ok_or_else(|| broken(format!("it names no file of page {page}; bake again")))
+    };
+    if bake.pages.is_empty() {
+        return Err(broken("it has no pages; bake again".into()));
+    }
+    bake.pages.iter().map(|page| named(page.page)).collect()
+}
+
+/// Any two pages.
+fn compare_files(args: &Args, a: &Path, b: &Path) -> anyhow::Result<()> {
+    let names = [a, b].map(|path| path.display().to_string());
+    let [first, second] = [report::read_page_exr(a)?, report::read_page_exr(b)?];
+    let comparison = report::compare_pages(&first.page, &second.page)
+        .with_context(|| format!("{} against {}", names[0], names[1]))?;
+    let mut written = Vec::new();
+    if let Some(dir) = &args.output {
+        let mut output = Output::create(dir)?;
+        stage_channels(&mut output, a, [&first, &second], &comparison.channels)?;
+        written = output.publish()?;
+    }
+    if args.json {
+        let channels: Vec<Value> = comparison
+            .channels
+            .iter()
+            .map(|(name, difference)| with_name(name, difference))
+            .collect();
+        let json = json!({
+            "schema_version": 1, "a": names[0], "b": names[1], "size": first.page.size, "channels": channels,
+            "only_a": comparison.only_a, "only_b": comparison.only_b, "files": written,
+        });
+        println!("{}", serde_json::to_string_pretty(&json)?);
+        return Ok(());
+    }
+    if args.quiet {
+        return Ok(());
+    }
+    let rows: Vec<_> = comparison
+        .channels
+        .iter()
+        .map(|(name, difference)| (name.as_str(), difference))
+        .collect();
+    print_table(&format!("{} - {}", names[0], names[1]), &rows, None);
+    for (name, only) in names.iter().zip([&comparison.only_a, &comparison.only_b]) {
+        if !only.is_empty() {
+            println!("only in {name}: {}", only.join(", "));
+        }
+    }
+    print_written(&written);
+    Ok(())
+}
+
+/// A picture of each channel that two pages share, named after the first.
+fn stage_channels(
+    output: &mut Output,
+    a: &Path,
+    files: [&PageFile; 2],
+    channels: &[(String, Difference)],
+) -> anyhow::Result<()> {
+    let stem = a
+        .file_stem()
+        .map_or_else(|| "page".into(), |s| s.to_string_lossy());
+    let [first, second] = files.map(|file| file.page.named_channels());
+    let coverage = files.map(|file| file.page.values("coverage"));
+    for (name, difference) in channels {
+        let find = |named: &[(String, &[f32])]| {
+            let found = named.iter().position(|(other, _)| other == name);
+            found.with_context(|| format!("channel {name} is gone"))
+        };
+        let (a, b) = (first[find(&first)?].1, second[find(&second)?].1);
+        let value = |i: usize| {
+            let counts = match coverage {
+                [Some(a), Some(b)] => a[i] > 0.0 || b[i] > 0.0,
+                _ => true,
+            };
+            let value = f64::from(a[i]) - f64::from(b[i]);
+            (counts && value.is_finite()).then_some(value)
+        };
+        let limit = report::nice_limit(difference.maximum);
+        let title = format!("{name}: first - second");
+        let png = report::difference_picture(files[0].page.size, &title, limit, value);
+        output.stage_bytes(&format!("{stem}.difference.{name}.png"), &png)?;
+    }
+    Ok(())
+}
+
+/// A difference as JSON with a name in front.
+fn with_name(name: &str, difference: &Difference) -> Value {
+    let mut value = json!({ "name": name });
+    if let (Some(map), Value::Object(fields)) = (value.as_object_mut(), json!(difference)) {
+        map.extend(fields);
+    }
+    value
+}
+
+fn bake_json(
+    bake: &BakeReport,
+    comparisons: &[Comparison],
+    limits: &[f64],
+    written: &[PathBuf],
+) -> Value {
+    let models = PAIRS.iter().zip(comparisons).zip(limits);
+    let models: Vec<Value> = models
+        .map(|((&(a, b), comparison), limit)| {
+            let objects = comparison.objects.iter().zip(&bake.objects);
+            let objects: Vec<Value> = objects
+                .map(|(difference, object)| with_name(&object.name, difference))
+                .collect();
+            json!({ "a": a, "b": b, "picture_limit": limit, "all": comparison.all, "objects": objects })
+        })
+        .collect();
+    json!({ "schema_version": 1, "scene": bake.scene.path, "comparisons": models, "files": written })
+}
+
+fn print_objects(title: &str, comparison: &Comparison, bake: &BakeReport) {
+    let names: Vec<&str> = bake.objects.iter().map(|o| o.name.as_str()).collect();
+    let objects = comparison.objects.iter().zip(&names);
+    let mut rows: Vec<_> = objects
+        .map(|(difference, &name)| (name, difference))
+        .collect();
+    rows.push(("in all", &comparison.all));
+    print_table(title, &rows, Some(&names));
+}
+
+/// Rows of numbers with aligned columns. `objects`: within a bake, the names that object indices point to.
+fn print_table(title: &str, rows: &[(&str, &Difference)], objects: Option<&[&str]>) {
+    let longest = rows.iter().map(|(name, _)| name.chars().count()).max();
+    let wide = longest.unwrap_or(0).clamp(6, 48);
+    println!("{title}");
+    println!(
+        "  {:<wide$} {:>9} {:>11} {:>11} {:>11}  worst texel",
+        "", "texels", "RMSE", "mean", "maximum"
+    );
+    for (name, difference) in rows {
+        let worst = match &difference.worst {
+            Some(worst) => place(worst, objects),
+            None if difference.texels > 0 => "no difference".into(),
+            None => "no texels".into(),
+        };
+        let left_out = match difference.non_finite {
+            0 => String::new(),
+            count => format!("; {count} texels left out, NaN or infinite"),
+        };
+        println!(
+            "  {name:<wide$} {:>9} {:>11} {:>11} {:>11}  {worst}{left_out}",
+            difference.texels,
+            number(difference.rmse),
+            number(difference.mean_signed),
+            number(difference.maximum),
+        );
+    }
+}
+
+/// Where a worst texel lies.
+fn place(worst: &report::Worst, objects: Option<&[&str]>) -> String {
+    let mut text = format!("({}, {})", worst.x, worst.y);
+    if objects.is_some() {
+        text = format!("page {} {text}", worst.page);
+    }
+    let object = objects.zip(worst.object);
+    if let Some(name) = object.and_then(|(names, o)| names.get(o as usize)) {
+        text += &format!(" on {name}");
+    }
+    if let Some([x, y, z]) = worst.position {
+        text += &format!(" at {x}, {y}, {z}");
+    }
+    text
+}
+
+/// Six decimals where they tell something, else an exponent.
+fn number(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e4).contains(&value.abs()) {
+        format!("{value:.6}")
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+fn print_written(written: &[PathBuf]) {
+    for path in written {
+        println!("wrote {}", path.display());
+    }
 }
