@@ -1,6 +1,7 @@
 //! The command line as scripts rely on it: verbs, machine-readable output, determinism, interruption, comparison, and
 //! the planner's choices.
 
+mod compare;
 mod interrupt;
 mod planner;
 
@@ -275,60 +276,5 @@ fn bytes_do_not_depend_on_threads_but_on_the_seed() {
                 "{backend}: another seed leaves {file} as it was"
             );
         }
-    }
-}
-
-#[test]
-fn compare_tells_numbers_and_places() {
-    let (folder, _page) = bake(&scene("courtyard.obj"), &SMALL);
-    let text = run_well(["compare".as_ref(), folder.path().as_os_str()]);
-    for word in ["lambert", "phong", "courtyard"] {
-        assert!(
-            text.to_lowercase().contains(word) || word == "courtyard",
-            "no {word} in\n{text}"
-        );
-    }
-    let json = run_well([
-        "compare".as_ref(),
-        folder.path().as_os_str(),
-        "--json".as_ref(),
-    ]);
-    serde_json::from_str::<Value>(&json).expect("compare --json is JSON");
-    let pictures = files(folder.path())
-        .into_iter()
-        .filter(|name| name.contains("difference") && name.ends_with(".png"));
-    assert!(pictures.count() >= 2, "{:?}", files(folder.path()));
-}
-
-#[test]
-fn compare_of_a_page_with_itself_is_nought() {
-    let (folder, _page) = bake(&scene("wall_long.obj"), &["--size", "16", "--rays", "16"]);
-    let path = page_path(folder.path(), &scene("wall_long.obj"), 0);
-    let json = run_well([
-        "compare".as_ref(),
-        path.as_os_str(),
-        path.as_os_str(),
-        "--json".as_ref(),
-    ]);
-    let json: Value = serde_json::from_str(&json).expect("compare --json is JSON");
-    let mut seen = 0;
-    each_number(&json, &mut |key, number| {
-        if ["rmse", "maximum", "max", "mean"].contains(&key) {
-            seen += 1;
-            assert_eq!(number, 0.0, "{key} in {json}");
-        }
-    });
-    assert!(seen > 0, "{json}");
-}
-
-/// Calls `found` with every number of a document and the key it stands under.
-fn each_number(value: &Value, found: &mut dyn FnMut(&str, f64)) {
-    match value {
-        Value::Array(items) => items.iter().for_each(|item| each_number(item, found)),
-        Value::Object(fields) => fields.iter().for_each(|(key, item)| match item.as_f64() {
-            Some(number) => found(key, number),
-            None => each_number(item, found),
-        }),
-        _ => {}
     }
 }
