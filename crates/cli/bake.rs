@@ -324,6 +324,7 @@ fn report_of(
         seconds: started.elapsed().as_secs_f64(),
         peak_memory_bytes: host::peak_memory(),
         warnings: warnings(scene),
+        notes: atlas.notes.clone(),
         files,
     }
 }
