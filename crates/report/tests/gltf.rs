@@ -1,4 +1,4 @@
-//! The written GLB: validated by Khronos' validator, read back by the `gltf` crate, compared with the input.
+//! The written GLB: validated by Khronos' validator, loaded again, compared with the input.
 
 use atlas::{Atlas, Audit, MeshLayout, Placement, UvSource};
 use glam::Vec2;

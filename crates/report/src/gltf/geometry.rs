@@ -1,7 +1,7 @@
 //! The vertices of a primitive in the order of the layout: seams split vertices, dropped triangles are left out.
 
 use super::Reason;
-use super::accessor::{count, gather};
+use super::accessor::{count, floats, gather};
 use super::document::{Document, index};
 use super::material::{self, Uses};
 use atlas::{MeshLayout, Placement};
@@ -15,6 +15,8 @@ pub struct Geometry {
     targets: Option<Value>,
     /// Where the file's own `TEXCOORD_1` went.
     moved: Option<u64>,
+    /// The file's own `TEXCOORD_1` where it is the lightmap set already.
+    own_lightmap: Option<usize>,
     /// One for each page the triangles lie on.
     pub parts: Vec<Part>,
 }
@@ -34,12 +36,14 @@ enum Indices {
 
 impl Geometry {
     /// The geometry of `primitive`, which `mesh` was loaded from. `laid_out`: its vertices are the layout's already.
+    /// `as_placed`: its layout coordinates are those on the page.
     pub fn build(
         document: &mut Document,
         primitive: &Value,
         mesh: &Mesh,
         layout: &MeshLayout,
         laid_out: bool,
+        as_placed: bool,
     ) -> Result<Geometry, Reason> {
         let name = &mesh.name;
         assert_eq!(
@@ -77,7 +81,14 @@ impl Geometry {
                 gather_all(document, target, vertices, &layout.source_vertices, name)?;
             }
         }
-        let moved = move_texcoord_1(&mut attributes);
+        let own_lightmap = match as_placed {
+            true => own_lightmap(document, &attributes, layout)?,
+            false => None,
+        };
+        let moved = match own_lightmap {
+            Some(_) => None,
+            None => move_texcoord_1(&mut attributes),
+        };
 
         let list = primitive.get("mode").and_then(Value::as_u64).unwrap_or(4) == 4;
         let same = laid_out
@@ -108,6 +119,7 @@ impl Geometry {
             attributes,
             targets,
             moved,
+            own_lightmap,
             parts,
         })
     }
@@ -164,12 +176,16 @@ impl Geometry {
     }
 }
 
-/// Appends the layout coordinates of one object, carried onto its page, and returns the accessor.
-pub fn push_lightmap(
+/// The accessor of one object's lightmap coordinates: the file's own, or the layout's, carried onto its page.
+pub fn lightmap(
     document: &mut Document,
+    geometry: &Geometry,
     layout: &MeshLayout,
     placement: &Placement,
 ) -> Result<usize, Reason> {
+    if let Some(own) = geometry.own_lightmap {
+        return Ok(own);
+    }
     let ([su, sv], [ou, ov]) = (placement.scale, placement.offset);
     let uvs: Vec<[f32; 2]> = layout
         .uvs
@@ -198,6 +214,22 @@ fn gather_all(
         *accessor = gather(document, source, vertices, semantic == "POSITION")?.into();
     }
     Ok(())
+}
+
+/// The accessor of `TEXCOORD_1` where it holds the layout's coordinates, value by value.
+fn own_lightmap(
+    document: &Document,
+    attributes: &Map<String, Value>,
+    layout: &MeshLayout,
+) -> Result<Option<usize>, Reason> {
+    let Some(accessor) = attributes.get("TEXCOORD_1").and_then(Value::as_u64) else {
+        return Ok(None);
+    };
+    let own = floats(document, accessor as usize, 2)?;
+    let laid = layout.uvs.iter().flat_map(|uv| [uv.x, uv.y]);
+    Ok(laid
+        .eq(own.iter().map(|&v| v as f32))
+        .then_some(accessor as usize))
 }
 
 /// Moves `TEXCOORD_1` behind the last UV set and returns its new number.
@@ -237,5 +269,27 @@ mod tests {
             json!({ "TEXCOORD_0": 3, "TEXCOORD_2": 9, "TEXCOORD_3": 7 })
         );
         assert_eq!(move_texcoord_1(attributes), None);
+    }
+
+    #[test]
+    fn a_kept_second_uv_set_is_found_by_its_values() {
+        let kept = [[0.25, 0.5], [1.0, 0.0], [0.1, 0.7]];
+        let mut document = Document {
+            json: json!({}),
+            buffers: vec![Vec::new()],
+        };
+        let accessor = document.push_floats(&kept, false).unwrap();
+        let attributes = json!({ "TEXCOORD_1": accessor });
+        let attributes = attributes.as_object().unwrap();
+        let mut layout = MeshLayout {
+            uvs: kept.map(glam::Vec2::from).to_vec(),
+            ..MeshLayout::default()
+        };
+        let found = |layout: &MeshLayout| own_lightmap(&document, attributes, layout).unwrap();
+        assert_eq!(found(&layout), Some(accessor));
+        layout.uvs[1].y = f32::MIN_POSITIVE;
+        assert_eq!(found(&layout), None);
+        layout.uvs.pop();
+        assert_eq!(found(&layout), None);
     }
 }

@@ -122,6 +122,10 @@ fn patch(
     let mut materials = Materials::new(document, scene, occlusion, |mesh, primitive| {
         plan.stays(mesh) || !origins.meshes.contains(&(mesh, primitive))
     })?;
+    let as_placed = atlas
+        .placements
+        .iter()
+        .all(|p| p.scale == [1.0; 2] && p.offset == [0.0; 2]);
     let mut geometries: HashMap<u32, Geometry> = HashMap::new();
     let mut placed = Vec::with_capacity(users.len());
     for (user, objects) in &users {
@@ -154,12 +158,13 @@ fn patch(
                         mesh,
                         layout,
                         origins.laid_out,
+                        as_placed,
                     )?)
                 }
             };
             let layout = &atlas.meshes[instance.mesh as usize];
             let placement = &atlas.placements[object];
-            let lightmap = geometry::push_lightmap(document, layout, placement)?;
+            let lightmap = geometry::lightmap(document, geometry, layout, placement)?;
             for part in &geometry.parts {
                 let page = placement.page + u32::from(part.page);
                 primitives.push(geometry.primitive(primitive, part, lightmap, |uses| {
