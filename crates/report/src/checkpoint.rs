@@ -59,6 +59,7 @@ pub fn write_checkpoint(path: &Path, checkpoint: &Checkpoint) -> Result<(), Erro
         let bytes: Vec<u8> = plane.iter().flat_map(|v| v.to_le_bytes()).collect();
         file.write_all(&bytes).map_err(fail)?;
     }
+    file.as_file().sync_all().map_err(fail)?;
     file.persist(path).map_err(|e| fail(e.error))?;
     Ok(())
 }
@@ -101,6 +102,9 @@ pub fn read_checkpoint(path: &Path, key: &Value) -> Result<Option<Checkpoint>, E
         .saturating_mul(4);
     if wanted > bytes {
         return Err(damaged("the file is truncated".into()));
+    }
+    if header.length == 0 && header.planes > 0 {
+        return Err(damaged("its planes are empty".into()));
     }
     let mut planes = Vec::with_capacity(header.planes);
     for _ in 0..header.planes {
@@ -156,5 +160,32 @@ mod tests {
             let error = read_checkpoint(&path, &state.key).unwrap_err().to_string();
             assert!(error.contains("delete it"), "{error}");
         }
+    }
+
+    #[test]
+    fn numbers_of_key_and_state_return_bit_for_bit() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = checkpoint_path(dir.path(), "room", 0);
+        let numbers: Vec<f64> = (1..20_000u64)
+            .map(|i| f64::from_bits(i.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 2))
+            .filter(|v| v.is_finite())
+            .collect();
+        let state = Checkpoint {
+            key: json!(numbers),
+            state: json!(numbers),
+            planes: vec![vec![f32::MIN_POSITIVE]],
+        };
+        write_checkpoint(&path, &state).unwrap();
+        assert!(read_checkpoint(&path, &state.key).unwrap() == Some(state));
+    }
+
+    #[test]
+    fn a_header_that_promises_planes_of_nothing_is_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = checkpoint_path(dir.path(), "room", 0);
+        let header = r#"{"key":1,"state":2,"planes":4611686018427387904,"length":0}"#;
+        std::fs::write(&path, format!("{MAGIC}\n{header}\n")).unwrap();
+        let error = read_checkpoint(&path, &json!(1)).unwrap_err().to_string();
+        assert!(error.contains("planes are empty"), "{error}");
     }
 }
