@@ -176,7 +176,12 @@ impl Patch {
         let lifted = position + geometric * offset;
         let mut origin = [0.0f32; 3];
         for axis in 0..3 {
-            origin[axis] = round_toward(lifted[axis], position[axis], geometric[axis], offset);
+            let rounded = round_toward(lifted[axis], position[axis], geometric[axis], offset);
+            origin[axis] = if lifted[axis] == position[axis] {
+                keep_inside(rounded, self.low[axis], self.high[axis])
+            } else {
+                rounded
+            };
         }
         Sample {
             position,
@@ -184,6 +189,19 @@ impl Patch {
             geometric,
             origin,
         }
+    }
+}
+
+/// `value`, or its neighbour inside `low..high` where it was rounded onto a limit: there a wall may stand whose plane
+/// would then hold the origin, and the open end of the ray interval would let rays through it.
+fn keep_inside(value: f32, low: f64, high: f64) -> f32 {
+    let (up, down) = (value.next_up(), value.next_down());
+    if f64::from(value) >= high && f64::from(down) > low {
+        down
+    } else if f64::from(value) <= low && f64::from(up) < high {
+        up
+    } else {
+        value
     }
 }
 
