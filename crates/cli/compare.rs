@@ -5,6 +5,7 @@ use crate::args::Compare as Args;
 use anyhow::{Context, bail};
 use report::{BakeReport, Comparison, Difference, Error, Output, Page, PageFile};
 use serde_json::{Value, json};
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// What is compared within a bake: traditional minus an integrated model.
@@ -59,17 +60,19 @@ fn compare_bake(args: &Args, dir: &Path) -> anyhow::Result<()> {
     let written = output.publish()?;
     if args.json {
         let json = bake_json(&bake, &comparisons, &limits, &written);
-        println!("{}", serde_json::to_string_pretty(&json)?);
-    } else if !args.quiet {
-        for (&(a, b), comparison) in PAIRS.iter().zip(&comparisons) {
-            print_objects(&format!("{a} - {b}"), comparison, &bake);
-        }
-        if comparisons.iter().any(|c| c.objects.is_empty()) {
-            println!("for numbers by object and positions bake with --layers object,position");
-        }
-        print_written(&written);
+        return say(&format!("{}\n", serde_json::to_string_pretty(&json)?));
     }
-    Ok(())
+    if args.quiet {
+        return Ok(());
+    }
+    let mut text = String::new();
+    for (&(a, b), comparison) in PAIRS.iter().zip(&comparisons) {
+        text += &object_table(&format!("{a} - {b}"), comparison, &bake);
+    }
+    if comparisons.iter().any(|c| c.objects.is_empty()) {
+        text += "for numbers by object and positions bake with --layers object,position\n";
+    }
+    say(&(text + &written_lines(&written)))
 }
 
 /// An error with the bake it came up in; those about a file name it themselves.
@@ -135,8 +138,7 @@ fn compare_files(args: &Args, a: &Path, b: &Path) -> anyhow::Result<()> {
             "schema_version": 1, "a": names[0], "b": names[1], "size": first.page.size, "channels": channels,
             "only_a": comparison.only_a, "only_b": comparison.only_b, "files": written,
         });
-        println!("{}", serde_json::to_string_pretty(&json)?);
-        return Ok(());
+        return say(&format!("{}\n", serde_json::to_string_pretty(&json)?));
     }
     if args.quiet {
         return Ok(());
@@ -146,14 +148,13 @@ fn compare_files(args: &Args, a: &Path, b: &Path) -> anyhow::Result<()> {
         .iter()
         .map(|(name, difference)| (name.as_str(), difference))
         .collect();
-    print_table(&format!("{} - {}", names[0], names[1]), &rows, None);
+    let mut text = table(&format!("{} - {}", names[0], names[1]), &rows, None);
     for (name, only) in names.iter().zip([&comparison.only_a, &comparison.only_b]) {
         if !only.is_empty() {
-            println!("only in {name}: {}", only.join(", "));
+            text += &format!("only in {name}: {}\n", only.join(", "));
         }
     }
-    print_written(&written);
-    Ok(())
+    say(&(text + &written_lines(&written)))
 }
 
 /// A picture of each channel that two pages share, named after the first.
@@ -185,6 +186,9 @@ fn stage_channels(
         let limit = report::nice_limit(difference.maximum);
         let title = format!("{name}: first - second");
         let png = report::difference_picture(files[0].page.size, &title, limit, value);
+        // A foreign channel may be called anything; a file name takes letters, digits and a few signs.
+        let plain = |c: char| c.is_alphanumeric() || ".-_".contains(c);
+        let name = name.replace(|c| !plain(c), "_");
         output.stage_bytes(&format!("{stem}.difference.{name}.png"), &png)?;
     }
     Ok(())
@@ -218,23 +222,22 @@ fn bake_json(
     json!({ "schema_version": 1, "scene": bake.scene.path, "comparisons": models, "files": written })
 }
 
-fn print_objects(title: &str, comparison: &Comparison, bake: &BakeReport) {
+fn object_table(title: &str, comparison: &Comparison, bake: &BakeReport) -> String {
     let names: Vec<&str> = bake.objects.iter().map(|o| o.name.as_str()).collect();
     let objects = comparison.objects.iter().zip(&names);
     let mut rows: Vec<_> = objects
         .map(|(difference, &name)| (name, difference))
         .collect();
     rows.push(("in all", &comparison.all));
-    print_table(title, &rows, Some(&names));
+    table(title, &rows, Some(&names))
 }
 
 /// Rows of numbers with aligned columns. `objects`: within a bake, the names that object indices point to.
-fn print_table(title: &str, rows: &[(&str, &Difference)], objects: Option<&[&str]>) {
+fn table(title: &str, rows: &[(&str, &Difference)], objects: Option<&[&str]>) -> String {
     let longest = rows.iter().map(|(name, _)| name.chars().count()).max();
     let wide = longest.unwrap_or(0).clamp(6, 48);
-    println!("{title}");
-    println!(
-        "  {:<wide$} {:>9} {:>11} {:>11} {:>11}  worst texel",
+    let mut text = format!(
+        "{title}\n  {:<wide$} {:>9} {:>11} {:>11} {:>11}  worst texel\n",
         "", "texels", "RMSE", "mean", "maximum"
     );
     for (name, difference) in rows {
@@ -247,14 +250,15 @@ fn print_table(title: &str, rows: &[(&str, &Difference)], objects: Option<&[&str
             0 => String::new(),
             count => format!("; {count} texels left out, NaN or infinite"),
         };
-        println!(
-            "  {name:<wide$} {:>9} {:>11} {:>11} {:>11}  {worst}{left_out}",
+        text += &format!(
+            "  {name:<wide$} {:>9} {:>11} {:>11} {:>11}  {worst}{left_out}\n",
             difference.texels,
             number(difference.rmse),
             number(difference.mean_signed),
             number(difference.maximum),
         );
     }
+    text
 }
 
 /// Where a worst texel lies.
@@ -282,8 +286,17 @@ fn number(value: f64) -> String {
     }
 }
 
-fn print_written(written: &[PathBuf]) {
-    for path in written {
-        println!("wrote {}", path.display());
+fn written_lines(written: &[PathBuf]) -> String {
+    let line = |path: &PathBuf| format!("wrote {}\n", path.display());
+    written.iter().map(line).collect()
+}
+
+/// Prints to standard output. A reader that has seen enough, such as `head`, is no failure.
+fn say(text: &str) -> anyhow::Result<()> {
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(error).context("cannot write to standard output")
+        }
+        _ => Ok(()),
     }
 }

@@ -43,6 +43,7 @@ pub struct BakeReport {
     /// Everything that was repaired, ignored or doubtful.
     pub warnings: Vec<WarningReport>,
     /// Why the file's own UV sets were not kept, a sentence each.
+    #[serde(default)]
     pub notes: Vec<String>,
     /// Every file written beside this one, by name.
     pub files: Vec<String>,
