@@ -7,4 +7,5 @@ mod broken;
 mod cli;
 mod exact;
 mod models;
+mod parity;
 mod support;

@@ -3,6 +3,7 @@
 
 mod alpha;
 mod backend;
+mod both;
 mod compose;
 mod embree_backend;
 mod error;
@@ -28,6 +29,7 @@ mod world;
 
 pub use alpha::AlphaTest;
 pub use backend::{BackendKind, Coherence, Layout, Ray, RayBackend, RayPacket, SurfaceHit, build};
+pub use both::Both;
 pub use compose::BakedTexel;
 pub use embree_backend::EmbreeBackend;
 pub use error::Error;

@@ -157,7 +157,7 @@ fn agree(world: &World, ray: &Ray, a: Option<SurfaceHit>, b: Option<SurfaceHit>)
     (f64::from(a.t) - f64::from(b.t)).abs() <= rounding(a) + rounding(b)
 }
 
-fn rule(world: &World, disagreement: &mut Disagreement) {
+pub(crate) fn rule(world: &World, disagreement: &mut Disagreement) {
     let ray = &disagreement.ray;
     let (a, b) = match (disagreement.a, disagreement.b) {
         (Answer::Closest(a), Answer::Closest(b)) => (a, b),

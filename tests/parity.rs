@@ -1,9 +1,10 @@
 //! Both backends answer alike: every scene of this repository and, where present, the real models.
 
 use bake::{
-    Answer, BackendKind, Layout, ParityReport, RayBackend, TestRays, World, WorldOptions, build,
-    parity,
+    Answer, BackendKind, Bake, BakedPage, Both, Layer, Layout, Options, Overrides, ParityReport,
+    Plan, Progress, RayBackend, TestRays, View, World, WorldOptions, build, parity,
 };
+use glam::Vec3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -30,7 +31,7 @@ fn scenes() -> Vec<PathBuf> {
         path.extension()
             .is_some_and(|ending| ending == "obj" || ending == "gltf" || ending == "glb")
     };
-    let mut files: Vec<PathBuf> = std::fs::read_dir(root.join("../../scenes"))
+    let mut files: Vec<PathBuf> = std::fs::read_dir(root.join("scenes"))
         .map(|entries| {
             entries
                 .flatten()
@@ -40,7 +41,7 @@ fn scenes() -> Vec<PathBuf> {
         })
         .unwrap_or_default();
     files.sort();
-    let models = root.join("../../../shared/models");
+    let models = root.join("../shared/models");
     for model in MODELS.map(|model| models.join(model)) {
         if model.is_file() {
             files.push(model);
@@ -133,6 +134,126 @@ fn embree_and_obvhs_answer_alike_on_every_scene() {
                     &mut faults,
                 );
             }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// Every layer that rays decide, and where the texel lies.
+const LAYERS: [Layer; 9] = [
+    Layer::Coverage,
+    Layer::Visibility,
+    Layer::Diffuse,
+    Layer::Specular,
+    Layer::Phong,
+    Layer::Error,
+    Layer::Rays,
+    Layer::Bent,
+    Layer::Position,
+];
+
+fn bake_page(
+    world: &World,
+    plan: &Plan,
+    atlas: &atlas::Atlas,
+    options: &Options,
+    backend: &dyn RayBackend,
+) -> BakedPage {
+    let bake = Bake::new(world, plan, backend, atlas, options);
+    let mut page = bake.start(0);
+    bake.run(&mut page, &Progress::default());
+    page
+}
+
+/// Texels with coverage whose values differ, with their positions.
+fn differing(a: &BakedPage, b: &BakedPage) -> Vec<Vec3> {
+    let position = |i: usize| {
+        let axis = |c| {
+            let found = a
+                .planes
+                .iter()
+                .find(|p| (p.layer, p.channel) == (Layer::Position, c));
+            found.expect("the layer was asked for").values[i]
+        };
+        Vec3::new(axis(0), axis(1), axis(2))
+    };
+    (0..a.planes[0].values.len())
+        .filter(|&i| a.planes[0].values[i] > 0.0)
+        .filter(|&i| {
+            let pairs = a.planes.iter().zip(&b.planes);
+            pairs
+                .into_iter()
+                .any(|(a, b)| a.values[i].to_bits() != b.values[i].to_bits())
+        })
+        .map(position)
+        .collect()
+}
+
+#[test]
+fn baked_layers_differ_only_where_a_listed_ray_explains_it() {
+    let options = Options {
+        rays: 32,
+        seed: 3,
+        sky: [1.0; 3],
+        view: View::Normal,
+        max_distance: None,
+        layers: LAYERS.to_vec(),
+        overrides: Overrides {
+            exponent: Some(8.0),
+            ..Overrides::default()
+        },
+        switched_off: Vec::new(),
+    };
+    let layout = atlas::Options {
+        uv: atlas::UvMode::Auto,
+        page_size: 256,
+        density: None,
+    };
+    let mut faults = Vec::new();
+    for file in scenes() {
+        let name = file
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        let scene = Arc::new(scene::load(&file).expect("the scene loads"));
+        let (plan, world) = Plan::of(&scene, &options).expect("the scenes fit single precision");
+        let atlas = match atlas::layout(&scene, &layout, &|| false) {
+            Ok(atlas) => atlas,
+            Err(error) => {
+                println!("{name:<28} skipped: {error}");
+                continue;
+            }
+        };
+        let wide =
+            build(BackendKind::Obvhs(Layout::Cwbvh), &world, 0).expect("obvhs has no errors");
+        let other = build(BackendKind::Embree, &world, 0)
+            .or_else(|_| build(BackendKind::Obvhs(Layout::Bvh2), &world, 0))
+            .expect("obvhs has no errors");
+        let both = Both::new(&world, &*other, &*wide);
+        let a = bake_page(&world, &plan, &atlas, &options, &both);
+        let b = bake_page(&world, &plan, &atlas, &options, &*wide);
+        let listed = both.disagreements();
+        let texels = differing(&a, &b);
+        println!(
+            "{name:<28} {:>7} texels {:>9} rays {:>3} rays differ {:>3} texels differ",
+            a.stats.texels,
+            a.stats.rays,
+            listed.len(),
+            texels.len()
+        );
+        let texel = 2.0 / atlas.density as f32;
+        let lost = texels.iter().filter(|position| {
+            !listed
+                .iter()
+                .any(|ray| position.distance(Vec3::from(ray.ray.origin)) <= texel)
+        });
+        let (lost, unexplained) = (
+            lost.count(),
+            listed.iter().filter(|ray| !ray.explained()).count(),
+        );
+        if lost > 0 || unexplained > 0 || texels.len() > listed.len() {
+            faults.push(format!("{name}: {lost} texels differ without a ray, {unexplained} rays unexplained: {listed:?}"));
         }
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
