@@ -5,14 +5,14 @@ use crate::args::Bake as Args;
 use crate::checkpoint::Saved;
 use crate::progress::watch;
 use crate::stop::Stop;
-use crate::{host, options};
+use crate::summary::summary;
+use crate::{host, options, say};
 use ::bake::{Bake, BakedPage, Layer, Options, Plan, Progress, RayBackend};
 use anyhow::Context;
 use atlas::Atlas;
 use report::{BakeReport, DecisionReport, Encoding, Output, PageHeader, PageReport, PhaseReport};
 use scene::Scene;
 use serde_json::{Value, json};
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
@@ -128,9 +128,14 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let files = output.publish()?;
     saved.clear(prepared.atlas.page_count);
     if args.common.json {
-        println!("{}", report.to_json());
+        say(&(report.to_json() + "\n"))?;
     } else if !args.common.quiet {
-        print_summary(&report, args.common.verbose, files.len(), &args.output);
+        say(&summary(
+            &report,
+            args.common.verbose,
+            files.len(),
+            &args.output,
+        ))?;
     }
     Ok(Outcome::Done)
 }
@@ -353,50 +358,4 @@ pub fn warnings(scene: &Scene) -> Vec<report::WarningReport> {
             message: warning.message.clone(),
         })
         .collect()
-}
-
-fn print_summary(report: &BakeReport, verbose: bool, files: usize, dir: &Path) {
-    let rays: u64 = report.pages.iter().map(|page| page.rays).sum();
-    let seconds: f64 = report.pages.iter().map(|page| page.seconds).sum();
-    let worst = report
-        .pages
-        .iter()
-        .map(|page| page.max_error)
-        .fold(0.0, f64::max);
-    let texels: u64 = report.pages.iter().map(|page| page.texels).sum();
-    let mean = report
-        .pages
-        .iter()
-        .map(|p| p.mean_error * p.texels as f64)
-        .sum::<f64>()
-        / texels.max(1) as f64;
-    println!(
-        "{}: {} triangles, {} objects, {} charts on {} page(s) of {}², UVs {}",
-        report.scene.path,
-        report.scene.triangles,
-        report.scene.instances,
-        report.atlas.charts,
-        report.atlas.pages,
-        report.atlas.page_size,
-        report.atlas.source,
-    );
-    for decision in report.plan.iter().filter(|_| verbose) {
-        println!("  {}: {}", decision.decision, decision.reason);
-    }
-    println!(
-        "{texels} texels, {rays} rays in {seconds:.2} s ({:.1} million rays/s, {} {}); standard error of diffuse: mean {mean:.5}, worst {worst:.5}",
-        rays as f64 / seconds.max(1e-9) / 1e6,
-        report.versions.backend,
-        report.versions.backend_version,
-    );
-    for phase in report.timings.iter().filter(|_| verbose) {
-        println!("  {:>8.3} s {}", phase.seconds, phase.phase);
-    }
-    for warning in &report.warnings {
-        println!(
-            "warning: {} ({} times, {})",
-            warning.message, warning.count, warning.place
-        );
-    }
-    println!("{files} files in {}", dir.display());
 }

@@ -1,11 +1,10 @@
 //! `ambake compare`: the traditional model against the two integrated ones, or any two pages.
 
-use crate::Outcome;
 use crate::args::Compare as Args;
+use crate::{Outcome, say};
 use anyhow::{Context, bail};
 use report::{BakeReport, Comparison, Difference, Error, Output, Page, PageFile};
 use serde_json::{Value, json};
-use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// What is compared within a bake: traditional minus an integrated model.
@@ -289,14 +288,4 @@ fn number(value: f64) -> String {
 fn written_lines(written: &[PathBuf]) -> String {
     let line = |path: &PathBuf| format!("wrote {}\n", path.display());
     written.iter().map(line).collect()
-}
-
-/// Prints to standard output. A reader that has seen enough, such as `head`, is no failure.
-fn say(text: &str) -> anyhow::Result<()> {
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(error).context("cannot write to standard output")
-        }
-        _ => Ok(()),
-    }
 }

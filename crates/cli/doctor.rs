@@ -1,7 +1,7 @@
 //! `ambake doctor`: what was really loaded, and what it can do.
 
 use crate::args::Doctor as Args;
-use crate::{Outcome, host};
+use crate::{Outcome, host, say};
 use serde_json::{Value, json};
 
 /// Runs the verb.
@@ -16,9 +16,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         "default_backend": if report_has_embree(&embree) { "embree" } else { "obvhs" },
     });
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&report)?);
+        say(&format!("{}\n", serde_json::to_string_pretty(&report)?))?;
     } else {
-        print(&report);
+        say(&describe(&report))?;
     }
     Ok(if usable {
         Outcome::Done
@@ -61,14 +61,15 @@ fn embree() -> Value {
     }
 }
 
-fn print(report: &Value) {
-    println!("ambake {} ({} threads)", host::VERSION, report["threads"]);
-    println!("default backend: {}", text(&report["default_backend"]));
+fn describe(report: &Value) -> String {
+    let mut text = String::new();
+    text += &format!("ambake {} ({} threads)\n", host::VERSION, report["threads"]);
+    text += &format!("default backend: {}\n", plain(&report["default_backend"]));
     let embree = &report["backends"]["embree"];
     match embree["usable"].as_bool() {
-        Some(true) => println!("embree: usable"),
-        Some(false) => println!("embree: UNUSABLE"),
-        None => println!("embree: absent"),
+        Some(true) => text += "embree: usable\n",
+        Some(false) => text += "embree: UNUSABLE\n",
+        None => text += "embree: absent\n",
     }
     for (key, value) in embree
         .as_object()
@@ -76,17 +77,17 @@ fn print(report: &Value) {
         .flatten()
         .filter(|(key, _)| *key != "usable")
     {
-        println!("  {key}: {}", text(value));
+        text += &format!("  {key}: {}\n", plain(value));
     }
-    println!("obvhs: usable\n  layouts: cwbvh, bvh2");
+    text + "obvhs: usable\n  layouts: cwbvh, bvh2\n"
 }
 
-fn text(value: &Value) -> String {
+fn plain(value: &Value) -> String {
     match value {
-        Value::String(text) => text.clone(),
+        Value::String(string) => string.clone(),
         Value::Object(map) => map
             .iter()
-            .map(|(k, v)| format!("{k} {}", text(v)))
+            .map(|(k, v)| format!("{k} {}", plain(v)))
             .collect::<Vec<_>>()
             .join(", "),
         Value::Bool(true) => "yes".into(),

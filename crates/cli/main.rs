@@ -14,8 +14,11 @@ mod options;
 mod plan;
 mod progress;
 mod stop;
+mod summary;
 
+use anyhow::Context;
 use clap::Parser;
+use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 
 /// How a verb that did not fail ended.
@@ -40,9 +43,29 @@ fn main() -> ExitCode {
         Ok(Outcome::Unusable) => ExitCode::FAILURE,
         Ok(Outcome::Stopped(signal)) => ExitCode::from(128 + signal as u8),
         Err(error) => {
-            let line = format!("{error:#}").replace('\n', " ");
-            eprintln!("ambake: {line}");
+            eprintln!("ambake: {}", one_line(&error));
             ExitCode::FAILURE
         }
+    }
+}
+
+/// The error with its causes on one line; a cause that the line already names is not repeated.
+fn one_line(error: &anyhow::Error) -> String {
+    let mut line = error.to_string();
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if !line.contains(&cause) {
+            line = format!("{line}: {cause}");
+        }
+    }
+    line.replace('\n', " ")
+}
+
+/// Prints to standard output. A reader that has gone away is no failure.
+fn say(text: &str) -> anyhow::Result<()> {
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(error).context("cannot write to standard output")
+        }
+        _ => Ok(()),
     }
 }

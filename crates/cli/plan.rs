@@ -2,7 +2,7 @@
 
 use crate::args::Plan as Args;
 use crate::bake::{Phases, decisions, prepare, warnings};
-use crate::{Outcome, host, options};
+use crate::{Outcome, host, options, say};
 use ::bake::{Bake, Choice};
 use serde_json::json;
 
@@ -46,17 +46,18 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             "backend": backend.describe(),
             "warnings": warnings(scene),
         });
-        println!("{}", serde_json::to_string_pretty(&plan)?);
+        say(&format!("{}\n", serde_json::to_string_pretty(&plan)?))?;
         return Ok(Outcome::Done);
     }
+    let mut text = String::new();
     for decision in &plan.decisions {
         let word = if decision.modelled {
             "modelled"
         } else {
             "left out"
         };
-        println!(
-            "{:<10} {word:<9} {}",
+        text += &format!(
+            "{:<10} {word:<9} {}\n",
             decision.choice.name(),
             decision.reason
         );
@@ -66,8 +67,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     } else {
         ""
     };
-    println!(
-        "\n{texels} texels on {} page(s) of {}², {} rays each over the hemisphere{lobe}\nabout {rays} rays, {:.1} GiB, {seconds:.1} s with {}",
+    text += &format!(
+        "\n{texels} texels on {} page(s) of {}², {} rays each over the hemisphere{lobe}\nabout {rays} rays, {:.1} GiB, {seconds:.1} s with {}\n",
         atlas.page_count,
         atlas.page_size,
         options.rays,
@@ -75,10 +76,11 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         backend.describe(),
     );
     for warning in warnings(scene) {
-        println!(
-            "warning: {} ({} times, {})",
+        text += &format!(
+            "warning: {} ({} times, {})\n",
             warning.message, warning.count, warning.place
         );
     }
+    say(&text)?;
     Ok(Outcome::Done)
 }

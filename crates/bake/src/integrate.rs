@@ -50,6 +50,8 @@ pub(crate) struct Task<'a> {
     /// How hemisphere directions are drawn.
     pub mixture: Mixture,
     pub specular: bool,
+    /// A layer needs the hemisphere.
+    pub hemisphere: bool,
     /// The bent normal is asked for.
     pub bent: bool,
     /// Nothing stands above the texel: no ray is cast.
@@ -87,19 +89,13 @@ pub(crate) fn integrate(
     let mut hemisphere = Replicates::default();
     let mut lobe = Replicates::default();
     for (replicate, points) in shares(task.rays) {
-        hemisphere.push(hemisphere_sums(
-            task,
-            survey,
-            &stream(term::HEMISPHERE, replicate),
-            points,
-        ));
+        if task.hemisphere {
+            let stream = stream(term::HEMISPHERE, replicate);
+            hemisphere.push(hemisphere_sums(task, survey, &stream, points));
+        }
         if task.specular {
-            lobe.push(lobe_sums(
-                task,
-                survey,
-                &stream(term::LOBE, replicate),
-                points,
-            ));
+            let stream = stream(term::LOBE, replicate);
+            lobe.push(lobe_sums(task, survey, &stream, points));
         }
     }
     Terms {

@@ -12,7 +12,7 @@ pub enum Layer {
     Visibility,
     /// (1/pi) times the integral of V cos, 0..=1.
     Diffuse,
-    /// ((n+1)/2pi) times the integral of V (R.V)^n, 0..=1.
+    /// ((n+1)/2pi) times the integral of V (R.V)^n, 0..=1; 0 where the material does not reflect specularly.
     Specular,
     /// Sky x albedo x visibility: the baseline.
     Traditional,

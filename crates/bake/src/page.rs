@@ -229,7 +229,8 @@ impl<'a> Bake<'a> {
             view,
             t_max: max_distance.unwrap_or(f32::INFINITY),
             mixture: self.plan.mixture,
-            specular: self.plan.models(Choice::Specular),
+            specular: self.plan.models(Choice::Specular) && self.reflects(&survey),
+            hemisphere: self.plan.models(Choice::Diffuse),
             bent: self.options.layers.contains(&Layer::Bent),
             open: survey
                 .patches()
@@ -252,6 +253,13 @@ impl<'a> Bake<'a> {
             geometric: survey.geometric,
             validity,
         }
+    }
+
+    /// True where the texel's specular term is worth its rays: its material reflects, or the term itself was asked for.
+    fn reflects(&self, survey: &Survey<'_>) -> bool {
+        survey.material.specular.max_element() > 0.0
+            || self.options.overrides.exponent.is_some()
+            || !self.options.allows(Choice::Specular)
     }
 
     fn store(&self, page: &mut BakedPage, texel: &BakedTexel) {

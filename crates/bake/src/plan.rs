@@ -19,6 +19,8 @@ pub enum Choice {
     Open,
     /// No lobe rays where nothing reflects specularly or no asked layer shows it.
     Specular,
+    /// No hemisphere rays where only the specular term is asked for.
+    Diffuse,
     /// No share of uniform directions where no asked layer needs the visibility.
     Visibility,
     /// No instance level in the ray scene where nothing is instanced.
@@ -31,8 +33,9 @@ pub enum Choice {
 
 impl Choice {
     /// Every choice, in the order in which the planner reports them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Sky,
+        Self::Diffuse,
         Self::Visibility,
         Self::Specular,
         Self::Open,
@@ -45,6 +48,7 @@ impl Choice {
         match self {
             Self::Open => "open",
             Self::Specular => "specular",
+            Self::Diffuse => "diffuse",
             Self::Visibility => "visibility",
             Self::Instances => "instances",
             Self::Filter => "filter",
@@ -96,6 +100,7 @@ impl Plan {
             },
         )?;
         let visibility = visibility(options);
+        let diffuse = diffuse(options, visibility.modelled);
         let specular = specular(scene, options);
         let open_triangles = if options.allows(Choice::Open) {
             OpenTriangles::of(&world, &PlaneErrors::of(&world))
@@ -110,7 +115,15 @@ impl Plan {
             } else {
                 Mixture::COSINE
             },
-            decisions: vec![sky(), visibility, specular, open, instances, filter],
+            decisions: vec![
+                sky(),
+                diffuse,
+                visibility,
+                specular,
+                open,
+                instances,
+                filter,
+            ],
         };
         Ok((plan, world))
     }
@@ -141,6 +154,28 @@ fn sky() -> Decision {
         false,
         "the sky is uniform: its radiance is a factor, no map is looked up",
     )
+}
+
+fn diffuse(options: &Options, visibility: bool) -> Decision {
+    let users = [
+        Layer::Diffuse,
+        Layer::Lambert,
+        Layer::Phong,
+        Layer::Error,
+        Layer::Bent,
+        Layer::DifferenceLambert,
+        Layer::DifferencePhong,
+    ];
+    if !options.allows(Choice::Diffuse) {
+        off(Choice::Diffuse)
+    } else if visibility || options.wants_any(&users) {
+        let reason =
+            "an asked layer needs the hemisphere: rays over it, weighted for every term at once";
+        decision(Choice::Diffuse, true, reason)
+    } else {
+        let reason = "no asked layer needs the hemisphere: no rays over it";
+        decision(Choice::Diffuse, false, reason)
+    }
 }
 
 fn visibility(options: &Options) -> Decision {

@@ -1,0 +1,53 @@
+//! What `ambake bake` says at its end.
+
+use report::BakeReport;
+use std::path::Path;
+
+/// The summary of a finished bake; with `verbose` also the plan and the time of each phase.
+pub fn summary(report: &BakeReport, verbose: bool, files: usize, dir: &Path) -> String {
+    let mut text = String::new();
+    let rays: u64 = report.pages.iter().map(|page| page.rays).sum();
+    let seconds: f64 = report.pages.iter().map(|page| page.seconds).sum();
+    let worst = report
+        .pages
+        .iter()
+        .map(|page| page.max_error)
+        .fold(0.0, f64::max);
+    let texels: u64 = report.pages.iter().map(|page| page.texels).sum();
+    let mean = report
+        .pages
+        .iter()
+        .map(|p| p.mean_error * p.texels as f64)
+        .sum::<f64>()
+        / texels.max(1) as f64;
+    text += &format!(
+        "{}: {} triangles, {} objects, {} charts on {} page(s) of {}², UVs {}\n",
+        report.scene.path,
+        report.scene.triangles,
+        report.scene.instances,
+        report.atlas.charts,
+        report.atlas.pages,
+        report.atlas.page_size,
+        report.atlas.source,
+    );
+    for decision in report.plan.iter().filter(|_| verbose) {
+        text += &format!("  {}: {}\n", decision.decision, decision.reason);
+    }
+    text += &format!(
+        "{texels} texels, {rays} rays in {seconds:.2} s ({:.1} million rays/s, {} {}); standard error of diffuse: mean {mean:.5}, worst {worst:.5}\n",
+        rays as f64 / seconds.max(1e-9) / 1e6,
+        report.versions.backend,
+        report.versions.backend_version,
+    );
+    for phase in report.timings.iter().filter(|_| verbose) {
+        text += &format!("  {:>8.3} s {}\n", phase.seconds, phase.phase);
+    }
+    for warning in &report.warnings {
+        text += &format!(
+            "warning: {} ({} times, {})\n",
+            warning.message, warning.count, warning.place
+        );
+    }
+    text += &format!("{files} files in {}\n", dir.display());
+    text
+}
