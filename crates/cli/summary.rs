@@ -34,11 +34,17 @@ pub fn summary(report: &BakeReport, verbose: bool, files: usize, dir: &Path) -> 
         text += &format!("  {}: {}\n", decision.decision, decision.reason);
     }
     text += &format!(
-        "{texels} texels, {rays} rays in {seconds:.2} s ({:.1} million rays/s, {} {}); standard error of diffuse: mean {mean:.5}, worst {worst:.5}\n",
+        "{texels} texels, {rays} rays in {seconds:.2} s ({:.1} million rays/s, {})\n",
         rays as f64 / seconds.max(1e-9) / 1e6,
-        report.versions.backend,
         report.versions.backend_version,
     );
+    if report
+        .plan
+        .iter()
+        .any(|d| d.decision == "diffuse" && d.modelled)
+    {
+        text += &format!("standard error of diffuse: mean {mean:.5}, worst {worst:.5}\n");
+    }
     for phase in report.timings.iter().filter(|_| verbose) {
         text += &format!("  {:>8.3} s {}\n", phase.seconds, phase.phase);
     }
