@@ -7,8 +7,12 @@
 //! edges no longer than the triangle's box (X, Y, Z), standard running error analysis (Higham, *Accuracy and Stability
 //! of Numerical Algorithms*, 2002, section 3) gives `|error(T)| <= 78 u X Y Z`, so a distance of `78 u XYZ / |e1 x e2|`.
 //! For an axis-aligned triangle the box is flat and the bound is exactly 0: the origin lies in the plane, where the
-//! open end of the ray interval excludes it. Rounding of the origin itself adds `|n_i| ulp(o_i)` on the axes in which
-//! the triangle has extent, and an instance's transform adds its own rounding.
+//! open end of the ray interval excludes it. Rounding of the origin itself adds `u |n_i o_i|` on the axes in which the
+//! triangle has extent (twice: once for the height it may cost, once to stay above), and an instance's transform adds
+//! its own rounding.
+//!
+//! **Edges.** Where two faces meet, an origin that rounds onto or beyond the other face's plane would see through it.
+//! Samples therefore keep twice the rounding bound away from their triangle's edges: a closed box stays exactly dark.
 
 use crate::world::World;
 use glam::DVec3;
@@ -18,6 +22,9 @@ const UNIT_ROUNDOFF: f64 = 1.0 / 16_777_216.0;
 
 /// Factor of the running error bound of `T`, see the head of this file.
 const PLANE_ERROR: f64 = 78.0;
+
+/// A sample's least corner weight never exceeds this, however thin its triangle.
+const LARGEST_INSET: f64 = 0.25;
 
 /// One triangle of an object, in world space, with what sampling it needs.
 #[derive(Debug, Clone)]
@@ -31,9 +38,13 @@ pub(crate) struct Patch {
     geometric: DVec3,
     low: DVec3,
     high: DVec3,
-    /// Rounding bound of the plane test as a distance, over this triangle and its neighbours.
-    plane_error: f64,
-    transform_error: f64,
+    /// Rounding bound of the plane test and of an instance's transform as a distance, over this triangle and its
+    /// neighbours.
+    query_error: f64,
+    /// Rounding bound of an origin per unit of its absolute coordinates.
+    origin_error: DVec3,
+    /// Least corner weights of a sample.
+    inset: [f64; 3],
 }
 
 /// A sample point of a surface.
@@ -112,16 +123,30 @@ impl Patch {
             (n[0] + n[1] + n[2]).try_normalize().unwrap_or(DVec3::Z)
         });
         let geometric = (face * sense).try_normalize().unwrap_or(fallback);
+        let low = corners[0].min(corners[1]).min(corners[2]);
+        let high = corners[0].max(corners[1]).max(corners[2]);
+        let reach = low.abs().max(high.abs());
+        let query_error = PLANE_ERROR * UNIT_ROUNDOFF * bound * part.stretch()
+            + part.rounding(geometric, &corners);
+        let extended = DVec3::select((high - low).cmpgt(DVec3::ZERO), DVec3::ONE, DVec3::ZERO);
+        let origin_error = UNIT_ROUNDOFF * extended * geometric.abs();
+        let margin = 2.0
+            * (query_error + 2.0 * origin_error.dot(reach) + UNIT_ROUNDOFF * reach.max_element());
+        let inset = [0, 1, 2].map(|corner: usize| {
+            let base = (corners[(corner + 2) % 3] - corners[(corner + 1) % 3]).length();
+            (margin * base / face.length()).min(LARGEST_INSET)
+        });
         Self {
             instance,
             triangle,
             corners,
             normals,
             geometric,
-            low: corners[0].min(corners[1]).min(corners[2]),
-            high: corners[0].max(corners[1]).max(corners[2]),
-            plane_error: PLANE_ERROR * UNIT_ROUNDOFF * bound * part.stretch(),
-            transform_error: part.rounding(geometric, &corners),
+            low,
+            high,
+            query_error,
+            origin_error,
+            inset,
         }
     }
 
@@ -141,23 +166,14 @@ impl Patch {
 
     /// How far above its plane rounding can put a point of this triangle, in scene units.
     pub fn rounding(&self) -> f64 {
-        let reach = self.low.abs().max(self.high.abs());
-        self.plane_error + self.transform_error + self.origin_rounding(reach)
-    }
-
-    fn origin_rounding(&self, position: DVec3) -> f64 {
-        let extent = self.high - self.low;
-        let mut sum = 0.0;
-        for axis in 0..3 {
-            if extent[axis] > 0.0 {
-                sum += self.geometric[axis].abs() * position[axis].abs();
-            }
-        }
-        UNIT_ROUNDOFF * sum
+        self.query_error + 2.0 * self.origin_error.dot(self.low.abs().max(self.high.abs()))
     }
 
     /// The point with these corner weights (which sum to 1).
     pub fn sample(&self, weights: [f64; 3]) -> Sample {
+        let kept = [0, 1, 2].map(|corner: usize| weights[corner].max(self.inset[corner]));
+        let scale = 1.0 / (kept[0] + kept[1] + kept[2]);
+        let weights = kept.map(|weight| weight * scale);
         let [a, b, c] = self.corners;
         let position =
             (a * weights[0] + b * weights[1] + c * weights[2]).clamp(self.low, self.high);
@@ -172,50 +188,12 @@ impl Patch {
         } else {
             self.geometric
         };
-        let offset = self.plane_error + self.transform_error + self.origin_rounding(position.abs());
-        let lifted = position + geometric * offset;
-        let mut origin = [0.0f32; 3];
-        for axis in 0..3 {
-            let rounded = round_toward(lifted[axis], position[axis], geometric[axis], offset);
-            origin[axis] = if lifted[axis] == position[axis] {
-                keep_inside(rounded, self.low[axis], self.high[axis])
-            } else {
-                rounded
-            };
-        }
+        let offset = self.query_error + 2.0 * self.origin_error.dot(position.abs());
         Sample {
             position,
             normal,
             geometric,
-            origin,
+            origin: (position + geometric * offset).as_vec3().to_array(),
         }
-    }
-}
-
-/// `value`, or its neighbour inside `low..high` where it was rounded onto a limit: there a wall may stand whose plane
-/// would then hold the origin, and the open end of the ray interval would let rays through it.
-fn keep_inside(value: f32, low: f64, high: f64) -> f32 {
-    let (up, down) = (value.next_up(), value.next_down());
-    if f64::from(value) >= high && f64::from(down) > low {
-        down
-    } else if f64::from(value) <= low && f64::from(up) < high {
-        up
-    } else {
-        value
-    }
-}
-
-/// `lifted` in f32, rounded to the nearest where it stands still on this axis and away from the surface otherwise.
-fn round_toward(lifted: f64, position: f64, normal: f64, offset: f64) -> f32 {
-    let nearest = lifted as f32;
-    if offset == 0.0 || lifted == position {
-        return nearest;
-    }
-    if normal > 0.0 && f64::from(nearest) < lifted {
-        nearest.next_up()
-    } else if normal < 0.0 && f64::from(nearest) > lifted {
-        nearest.next_down()
-    } else {
-        nearest
     }
 }
