@@ -192,3 +192,48 @@ fn coincident_occluders_count_once() {
         }
     }
 }
+
+#[test]
+fn closed_boxes_at_any_angle_are_exactly_dark() {
+    let low = [-1.0, -0.75, -1.5];
+    let corner = |bits: usize| {
+        [0, 1, 2].map(|axis| {
+            if bits >> axis & 1 == 1 {
+                -low[axis]
+            } else {
+                low[axis]
+            }
+        })
+    };
+    // Faces that turn counter-clockwise as seen from inside.
+    let faces = [
+        [2, 6, 4, 0],
+        [5, 7, 3, 1],
+        [4, 5, 1, 0],
+        [3, 7, 6, 2],
+        [1, 3, 2, 0],
+        [6, 7, 5, 4],
+    ];
+    for turned in [false, true] {
+        let mut text = String::new();
+        for (number, face) in faces.into_iter().enumerate() {
+            let u = 0.3 * (number % 3) as f64 + 0.05;
+            let v = 0.5 * (number / 3) as f64 + 0.05;
+            let rect = [u, v, u + 0.23, v + 0.4];
+            quad(&mut text, "wall", face.map(corner), rect, turned);
+        }
+        for backend in backends() {
+            let page = bake_text(&text, backend);
+            let texels = page.plane("coverage").iter().filter(|&&c| c > 0.0).count();
+            assert!(texels > 100, "{texels} texels");
+            assert!(
+                page.plane("rays").iter().sum::<f32>() > 0.0,
+                "turned {turned}: the faces look inward"
+            );
+            for term in TERMS {
+                let brightest = page.plane(term).iter().copied().fold(0.0, f32::max);
+                assert_eq!(brightest, 0.0, "{term}, turned {turned}, {backend}");
+            }
+        }
+    }
+}
