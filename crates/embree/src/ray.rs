@@ -107,6 +107,8 @@ where
 }
 
 /// How alike the rays of a packet are. It changes the speed, never the answer.
+///
+/// Embree 3 is never told: coherent packets of 16 can hang Debian's 3.13.5 on AVX-512. Nor is a scene with instances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coherence {
     /// Directions differ: each ray goes its own way.

@@ -43,10 +43,10 @@ fn trace_wild_rays(scene: &Scene, random: &mut Random, count: usize) {
         wide.set(k % 16, &ray);
         scene.occluded(&ray);
         scene.closest(&ray);
-        // Not coherent: Embree 3.13.5 on AVX-512 never returns from some coherent packets of 16 of wild rays.
-        let coherence = Coherence::Incoherent;
-        scene.occluded_packet(&narrow, random.bits() as u32, coherence);
-        scene.occluded_packet(&wide, random.bits() as u32, coherence);
+        for coherence in [Coherence::Incoherent, Coherence::Coherent] {
+            scene.occluded_packet(&narrow, random.bits() as u32, coherence);
+            scene.occluded_packet(&wide, random.bits() as u32, coherence);
+        }
     }
 }
 

@@ -546,3 +546,38 @@ fn packets_of_other_lengths_than_their_masks_are_a_bug_that_is_told() {
     });
     assert!(catch_unwind(query).is_err());
 }
+
+/// Small enough for valgrind; `rays.rs` asks a million.
+#[test]
+fn many_packets_equal_singles() {
+    let Some(device) = device() else { return };
+    let mut random = Random(11);
+    let (positions, triangles) = soup(&mut random, 200);
+    let mut builder = SceneBuilder::new(&device).robust(true);
+    builder.triangles(&positions, &triangles).expect("a mesh");
+    let scene = builder.commit().expect("a scene");
+    for _ in 0..40 {
+        let mut wide = RayPacket::<16>::new();
+        let mut narrow = RayPacket::<8>::new();
+        let mut singles = 0;
+        for lane in 0..16 {
+            let ray = Ray {
+                origin: random.point(),
+                direction: random.point(),
+                t_min: 0.0,
+                t_max: f32::INFINITY,
+            };
+            wide.set(lane, &ray);
+            narrow.set(lane % 8, &ray);
+            singles |= u32::from(scene.occluded(&ray)) << lane;
+            assert_eq!(scene.closest(&ray).is_some(), singles >> lane & 1 == 1);
+        }
+        for coherence in [Coherence::Incoherent, Coherence::Coherent] {
+            assert_eq!(scene.occluded_packet(&wide, u32::MAX, coherence), singles);
+            assert_eq!(
+                scene.occluded_packet(&narrow, 0xff, coherence),
+                singles >> 8
+            );
+        }
+    }
+}

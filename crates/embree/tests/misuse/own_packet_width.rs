@@ -1,0 +1,3 @@
+//! The packet widths are sealed.
+impl embree::PacketWidth for embree::Lanes<4> {}
+fn main() {}
