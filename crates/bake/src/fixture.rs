@@ -17,6 +17,7 @@ pub(crate) fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
         uv_sets: Vec::new(),
         triangles,
         source_triangles: Vec::new(),
+        source_vertices: Vec::new(),
         material: 0,
         origin: MeshOrigin {
             mesh: 0,

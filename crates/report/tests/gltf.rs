@@ -490,3 +490,58 @@ fn corners(scene: &Scene) -> Vec<[u64; 9]> {
     all.sort_unstable();
     all
 }
+
+/// Two triangles far apart in one array of 20,000 vertices, each a primitive: the loader keeps three vertices of each.
+#[test]
+fn primitives_that_share_a_large_array_are_written() {
+    let corners_of = [[7u32, 9_999, 12_345], [3, 15_000, 19_999]];
+    let vertices = 20_000u32;
+    let mut bin = Vec::new();
+    for v in 0..vertices {
+        for value in [v as f32, (v * v % 7_919) as f32, 0.5] {
+            bin.extend(value.to_le_bytes());
+        }
+    }
+    let at = bin.len();
+    for index in corners_of.as_flattened() {
+        bin.extend(index.to_le_bytes());
+    }
+    let indices = |k: u32| json!({ "bufferView": 1, "byteOffset": 12 * k, "componentType": 5125, "count": 3, "type": "SCALAR" });
+    let document = json!({
+        "asset": { "version": "2.0" },
+        "scene": 0,
+        "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "mesh": 0 }],
+        "meshes": [{ "primitives": [
+            { "attributes": { "POSITION": 0 }, "indices": 1 },
+            { "attributes": { "POSITION": 0 }, "indices": 2 },
+        ] }],
+        "accessors": [
+            { "bufferView": 0, "componentType": 5126, "count": vertices, "type": "VEC3",
+              "min": [0.0, 0.0, 0.5], "max": [19_999.0, 7912.0, 0.5] },
+            indices(0),
+            indices(1),
+        ],
+        "bufferViews": [
+            { "buffer": 0, "byteLength": at, "target": 34962 },
+            { "buffer": 0, "byteOffset": at, "byteLength": 24, "target": 34963 },
+        ],
+        "buffers": [{ "byteLength": bin.len() }],
+    });
+    let dir = tempfile::tempdir().unwrap();
+    let input = dir.path().join("shared.glb");
+    fs::write(&input, glb(&document, &bin)).unwrap();
+    let scene = scene::load(&input).unwrap();
+    assert_eq!(scene.meshes[1].source_vertices, corners_of[1]);
+    let mut written = Vec::new();
+    for (split, name) in [(true, "split.glb"), (false, "whole.glb")] {
+        let path = write(&scene, &layout(&scene, split, 1), dir.path(), name);
+        assert_eq!(
+            corners(&scene::load(&path).unwrap()),
+            corners(&scene),
+            "{name}"
+        );
+        written.push(path);
+    }
+    assert_valid(&written);
+}

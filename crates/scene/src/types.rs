@@ -59,6 +59,9 @@ pub struct Mesh {
     /// For each triangle, its number in the file's primitive (before zero-area triangles were dropped); empty where
     /// nothing was dropped, so the numbers are equal.
     pub source_triangles: Vec<u32>,
+    /// For each vertex, its number in the file's arrays; empty where the arrays were loaded whole, so the numbers are
+    /// equal.
+    pub source_vertices: Vec<u32>,
     /// Index into [`Scene::materials`].
     pub material: u32,
     /// Where it stands in a glTF file.

@@ -53,8 +53,10 @@ impl Geometry {
         );
         let mut attributes = object(primitive, "attributes")?.clone();
         let vertices = mesh.positions.len();
+        let whole = mesh.source_vertices.is_empty();
         let stays = laid_out
-            || layout.source_vertices.len() == vertices
+            || whole
+                && layout.source_vertices.len() == vertices
                 && layout
                     .source_vertices
                     .iter()
@@ -62,13 +64,15 @@ impl Geometry {
                     .all(|(i, &v)| i == v as usize);
         let mut targets = primitive.get("targets").cloned();
         if !stays {
-            gather_all(
-                document,
-                &mut attributes,
-                vertices,
-                &layout.source_vertices,
-                name,
-            )?;
+            let in_file: Vec<u32> = match whole {
+                true => layout.source_vertices.clone(),
+                false => {
+                    let number = |&v: &u32| mesh.source_vertices[v as usize];
+                    layout.source_vertices.iter().map(number).collect()
+                }
+            };
+            let expected = whole.then_some(vertices);
+            gather_all(document, &mut attributes, expected, &in_file, name)?;
             for target in targets
                 .as_mut()
                 .and_then(Value::as_array_mut)
@@ -78,7 +82,7 @@ impl Geometry {
                 let target = target
                     .as_object_mut()
                     .ok_or("a morph target is not an object")?;
-                gather_all(document, target, vertices, &layout.source_vertices, name)?;
+                gather_all(document, target, expected, &in_file, name)?;
             }
         }
         let own_lightmap = match as_placed {
@@ -92,7 +96,10 @@ impl Geometry {
 
         let list = primitive.get("mode").and_then(Value::as_u64).unwrap_or(4) == 4;
         let same = laid_out
-            || list && mesh.source_triangles.is_empty() && layout.triangles == mesh.triangles;
+            || list
+                && whole
+                && mesh.source_triangles.is_empty()
+                && layout.triangles == mesh.triangles;
         let mut by_page: BTreeMap<u16, Vec<[u32; 3]>> = BTreeMap::new();
         if layout.triangle_pages.iter().all(|&page| page == 0) {
             by_page.insert(0, Vec::new());
@@ -195,20 +202,23 @@ pub fn lightmap(
     document.push_floats(&uvs, false)
 }
 
-/// Replaces every accessor of an attribute map by its elements in the order `vertices`.
+/// Replaces every accessor of an attribute map by its elements in the order `vertices`. All must have `expected` elements
+/// where the loader read them whole.
 fn gather_all(
     document: &mut Document,
     attributes: &mut Map<String, Value>,
-    expected: usize,
+    expected: Option<usize>,
     vertices: &[u32],
     name: &str,
 ) -> Result<(), Reason> {
     for (semantic, accessor) in attributes {
         let source = accessor.as_u64().ok_or("an attribute is not an index")? as usize;
         let count = count(document, source)?;
-        if count != expected {
+        let last = vertices.iter().max().map_or(0, |&v| v as usize + 1);
+        if count < last || expected.is_some_and(|expected| count != expected) {
             return Err(format!(
-                "{semantic} of {name} has {count} vertices, {expected} were loaded"
+                "{semantic} of {name} has {count} vertices, {} were loaded",
+                expected.unwrap_or(last)
             ));
         }
         *accessor = gather(document, source, vertices, semantic == "POSITION")?.into();

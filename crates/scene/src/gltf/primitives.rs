@@ -147,6 +147,7 @@ fn read(
             .collect(),
         triangles,
         source_triangles: Vec::new(),
+        source_vertices: used.unwrap_or_default(),
         material: primitive
             .material
             .map_or(NO_MATERIAL, |material| material.value() as u32),

@@ -106,6 +106,7 @@ fn meshes(input: &mut Input, file: &mut File) -> Vec<Mesh> {
             uv_sets: Vec::new(),
             triangles: kept,
             source_triangles: Vec::new(),
+            source_vertices: Vec::new(),
             material: 0,
             origin: MeshOrigin {
                 mesh: i as u32,
