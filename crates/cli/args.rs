@@ -203,7 +203,7 @@ fn view(text: &str) -> Result<::bake::View, String> {
 
 fn layer(text: &str) -> Result<Layer, String> {
     Layer::from_name(text).ok_or_else(|| {
-        let names: Vec<_> = Layer::ALL.iter().map(|layer| layer.name()).collect();
+        let names: Vec<_> = Layer::all().map(Layer::name).collect();
         format!("unknown layer; there are {}", names.join(", "))
     })
 }

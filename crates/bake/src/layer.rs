@@ -54,31 +54,31 @@ const RGB: &[&str] = &["R", "G", "B"];
 const XYZ: &[&str] = &["X", "Y", "Z"];
 const ONE: &[&str] = &[""];
 
-impl Layer {
-    /// Every layer.
-    pub const ALL: [Self; 20] = [
-        Coverage,
-        Visibility,
-        Diffuse,
-        Specular,
-        Traditional,
-        Lambert,
-        Phong,
-        Error,
-        Rays,
-        Position,
-        Normal,
-        Geometric,
-        Bent,
-        Exponent,
-        Object,
-        Validity,
-        DifferenceLambert,
-        DifferencePhong,
-        ErrorVisibility,
-        ErrorSpecular,
-    ];
+/// Every layer in the order of the enum, with its name and its channel suffixes.
+const TABLE: [(Layer, &str, &[&str]); 20] = [
+    (Coverage, "coverage", ONE),
+    (Visibility, "visibility", ONE),
+    (Diffuse, "diffuse", ONE),
+    (Specular, "specular", ONE),
+    (Traditional, "traditional", RGB),
+    (Lambert, "lambert", RGB),
+    (Phong, "phong", RGB),
+    (Error, "error", ONE),
+    (Rays, "rays", ONE),
+    (Position, "position", XYZ),
+    (Normal, "normal", XYZ),
+    (Geometric, "geometric", XYZ),
+    (Bent, "bent", XYZ),
+    (Exponent, "exponent", ONE),
+    (Object, "object", ONE),
+    (Validity, "validity", ONE),
+    (DifferenceLambert, "difference.lambert", RGB),
+    (DifferencePhong, "difference.phong", RGB),
+    (ErrorVisibility, "error.visibility", ONE),
+    (ErrorSpecular, "error.specular", ONE),
+];
 
+impl Layer {
     /// The layers of a plain bake.
     pub const STANDARD: [Self; 9] = [
         Coverage,
@@ -92,44 +92,24 @@ impl Layer {
         Rays,
     ];
 
+    /// Every layer.
+    pub fn all() -> impl Iterator<Item = Self> {
+        TABLE.into_iter().map(|(layer, _, _)| layer)
+    }
+
     /// The name in files and on the command line.
     pub const fn name(self) -> &'static str {
-        match self {
-            Coverage => "coverage",
-            Visibility => "visibility",
-            Diffuse => "diffuse",
-            Specular => "specular",
-            Traditional => "traditional",
-            Lambert => "lambert",
-            Phong => "phong",
-            Error => "error",
-            Rays => "rays",
-            Position => "position",
-            Normal => "normal",
-            Geometric => "geometric",
-            Bent => "bent",
-            Exponent => "exponent",
-            Object => "object",
-            Validity => "validity",
-            DifferenceLambert => "difference.lambert",
-            DifferencePhong => "difference.phong",
-            ErrorVisibility => "error.visibility",
-            ErrorSpecular => "error.specular",
-        }
+        TABLE[self as usize].1
     }
 
     /// The layer of that name.
     pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|layer| layer.name() == name)
+        Self::all().find(|layer| layer.name() == name)
     }
 
     /// Channel suffixes in order: none, `R G B` or `X Y Z`.
     pub const fn channels(self) -> &'static [&'static str] {
-        match self {
-            Traditional | Lambert | Phong | DifferenceLambert | DifferencePhong => RGB,
-            Position | Normal | Geometric | Bent => XYZ,
-            _ => ONE,
-        }
+        TABLE[self as usize].2
     }
 
     /// True where gutter texels take the mean of their neighbours; counts and indices keep their void value.
@@ -149,5 +129,18 @@ impl Layer {
 impl From<Layer> for &'static str {
     fn from(layer: Layer) -> Self {
         layer.name()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn table_stands_in_the_order_of_the_enum() {
+        for (index, (layer, name, _)) in TABLE.into_iter().enumerate() {
+            assert_eq!(layer as usize, index, "{name}");
+            assert_eq!(Layer::from_name(name), Some(layer));
+        }
     }
 }
