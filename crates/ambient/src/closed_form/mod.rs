@@ -4,7 +4,9 @@
 //! factorials overflow, and beyond 90 degrees they cancel.
 
 mod open;
+mod sums;
 mod tilted;
 
 pub use open::{phong_open, phong_open_angle, phong_open_cosine};
+pub use sums::{specular_convex, specular_factor};
 pub use tilted::{tilted_diffuse, tilted_specular, tilted_visibility};
