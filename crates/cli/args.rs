@@ -75,7 +75,8 @@ pub struct Job {
     /// Lightmap coordinates: keep the file's, unwrap, or keep them where they are usable
     #[arg(long, value_enum, default_value_t = Uv::Auto)]
     pub uv: Uv,
-    /// Further layers, separated by commas
+    /// Further layers, separated by commas: position, normal, geometric, bent, exponent, object, validity, difference.lambert,
+    /// difference.phong, error.visibility, error.specular
     #[arg(long, value_name = "A,B,C", value_delimiter = ',', value_parser = layer)]
     pub layers: Vec<Layer>,
     /// Exactly these layers (coverage is always written); terms that none of them needs are not computed
@@ -90,7 +91,7 @@ pub struct Job {
     /// Specular reflectance of every material, linear, as R,G,B
     #[arg(long, value_name = "R,G,B", value_parser = color)]
     pub specular: Option<[f32; 3]>,
-    /// Planner choices to switch off: what they would leave out is modelled all the same
+    /// Planner choices to switch off: sky, diffuse, visibility, specular, open, instances, filter
     #[arg(long, value_name = "NAME,..", value_delimiter = ',', value_parser = choice)]
     pub plan_off: Vec<Choice>,
 }
