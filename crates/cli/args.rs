@@ -60,6 +60,15 @@ pub struct Job {
     /// Rays per texel over the hemisphere; the specular lobe takes as many again where a material needs it
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=16_777_216))]
     pub rays: u32,
+    /// Stop a texel when its standard error is at most E, instead of a fixed number of rays
+    #[arg(long, value_name = "E", value_parser = target_error, conflicts_with = "rays")]
+    pub target_error: Option<f64>,
+    /// With --target-error: the most rays that a texel may take, over the hemisphere and again over the lobe
+    #[arg(long, value_name = "N", default_value_t = 16_384, requires = "target_error", value_parser = clap::value_parser!(u32).range(16..=16_777_216))]
+    pub max_rays: u32,
+    /// Whether the texels of a tile share directions (tiled: faster, same error) or not
+    #[arg(long, value_enum, default_value_t = Pattern::Tiled)]
+    pub pattern: Pattern,
     /// Uniform sky radiance, linear, as R,G,B
     #[arg(long, value_name = "R,G,B", default_value = "1,1,1", value_parser = color)]
     pub sky: [f32; 3],
@@ -149,6 +158,14 @@ pub enum Backend {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Pattern {
+    /// Every texel has its own directions
+    Independent,
+    /// The 16 texels at a stride of 4 within a tile share theirs
+    Tiled,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Uv {
     Auto,
     Keep,
@@ -166,6 +183,13 @@ fn positive(text: &str) -> Result<f64, String> {
     match number(text)? {
         value if value > 0.0 && (value as f32).is_finite() && value as f32 > 0.0 => Ok(value),
         _ => Err("must be above 0".into()),
+    }
+}
+
+fn target_error(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        value if value > 0.0 && value < 1.0 => Ok(value),
+        _ => Err("must be above 0 and below 1".into()),
     }
 }
 

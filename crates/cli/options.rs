@@ -1,7 +1,7 @@
 //! What the command line means: typed options of the stages.
 
-use crate::args::{Backend, Common, Job, Uv};
-use ::bake::{BackendKind, Layer, Layout, Options, Overrides};
+use crate::args::{self, Backend, Common, Job, Uv};
+use ::bake::{BackendKind, Effort, Layer, Layout, Options, Overrides, Pattern, PointSet};
 use serde_json::{Value, json};
 
 /// The bake's options.
@@ -17,7 +17,18 @@ pub fn bake_options(job: &Job, common: &Common) -> Options {
         }
     }
     Options {
-        rays: job.rays,
+        effort: match job.target_error {
+            None => Effort::Rays(job.rays),
+            Some(error) => Effort::Target {
+                error,
+                max_rays: job.max_rays,
+            },
+        },
+        pattern: match job.pattern {
+            args::Pattern::Independent => Pattern::Independent,
+            args::Pattern::Tiled => Pattern::Tiled,
+        },
+        points: PointSet::default(),
         seed: common.seed,
         sky: job.sky,
         view: job.view,
@@ -64,11 +75,22 @@ pub fn describe(job: &Job, options: &Options) -> Value {
         Uv::Keep => "keep",
         Uv::Unwrap => "unwrap",
     };
+    let fixed = match options.effort {
+        Effort::Rays(rays) => Some(rays),
+        Effort::Target { .. } => None,
+    };
+    let pattern = match options.pattern {
+        Pattern::Independent => "independent",
+        Pattern::Tiled => "tiled",
+    };
     json!({
         "size": job.size,
         "density": job.density,
         "uv": uv,
-        "rays": options.rays,
+        "rays": fixed,
+        "target_error": job.target_error,
+        "max_rays": job.target_error.map(|_| job.max_rays),
+        "pattern": pattern,
         "seed": options.seed,
         "sky": options.sky,
         "view": view_rule(options),

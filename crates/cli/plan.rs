@@ -3,7 +3,7 @@
 use crate::args::Plan as Args;
 use crate::bake::{Phases, decisions, prepare, warnings};
 use crate::{Outcome, host, options, say};
-use ::bake::{Bake, Choice};
+use ::bake::{Bake, Choice, Effort};
 use serde_json::json;
 
 /// Tiles baked to estimate the rate of the rest.
@@ -67,11 +67,16 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     } else {
         ""
     };
+    let each = match options.effort {
+        Effort::Rays(rays) => format!("{rays} rays"),
+        Effort::Target { error, max_rays } => {
+            format!("rays to a standard error of {error}, at most {max_rays},")
+        }
+    };
     text += &format!(
-        "\n{texels} texels on {} page(s) of {}², {} rays each over the hemisphere{lobe}\nabout {rays} rays, {:.1} GiB, {seconds:.1} s with {}\n",
+        "\n{texels} texels on {} page(s) of {}², {each} each over the hemisphere{lobe}\nabout {rays} rays, {:.1} GiB, {seconds:.1} s with {}\n",
         atlas.page_count,
         atlas.page_size,
-        options.rays,
         memory as f64 / f64::from(1u32 << 30),
         backend.describe(),
     );

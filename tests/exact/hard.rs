@@ -3,7 +3,7 @@
 use crate::support::{Page, backends, bake, scene};
 use std::fmt::Write;
 
-const TERMS: [&str; 3] = ["visibility", "diffuse", "error"];
+const TERMS: [&str; 2] = ["visibility", "diffuse"];
 
 /// Bakes an OBJ text whose UVs are kept; every texel by rays.
 fn bake_text(text: &str, backend: &str) -> Page {

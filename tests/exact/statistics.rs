@@ -75,13 +75,18 @@ pub fn judge(samples: &[Sample], rays: f64) -> Verdict {
     let worst = samples
         .iter()
         .map(|s| student_3_tail(s.error / s.standard_error.hypot(1.0 / rays)));
-    let fourth = sum(&|s| s.standard_error.powi(4));
-    // Squared errors have the relative variance 2, squared standard errors 2/3; unequal texels weigh as fewer.
-    let effective = if fourth > 0.0 {
-        variance * variance / fourth
-    } else {
-        count
+    // Squared errors have the relative variance 2, squared standard errors 2/3; unequal texels weigh as fewer. Standard
+    // errors are pooled over neighbours, which hides unequal texels: squared errors tell of them, too, by their own
+    // fourth powers (three times their squares' square where all texels are equal and normal).
+    let effective_of = |squares: f64, fourth: f64, equal: f64| {
+        if fourth > 0.0 {
+            equal * squares * squares / fourth
+        } else {
+            count
+        }
     };
+    let effective = effective_of(variance, sum(&|s| s.standard_error.powi(4)), 1.0)
+        .min(effective_of(squares, sum(&|s| s.error.powi(4)), 3.0));
     Verdict {
         texels: samples.len(),
         rmse: (squares / count).sqrt(),

@@ -1,4 +1,4 @@
-//! Rays meet mathematics: the terms of one texel, from rays or in closed form.
+//! Rays meet mathematics: the terms of a tile's texels, from rays or in closed form.
 //!
 //! **Hemisphere terms.** Directions follow one mixture of cosine-weighted and uniform directions with solid-angle
 //! density `(2 a mu + b) / 2 pi`, `mu = cos(theta)`, `a + b = 1`, by one analytic inverse, so that a single
@@ -10,19 +10,22 @@
 //! **Specular term.** Its own directions from the lobe about the mirrored view R, density `(n+1)/2pi (R.L)^n`, so every
 //! open ray counts 1. Directions below the shading or the geometric horizon count 0 and cost no ray.
 //!
-//! **Error.** The points of a texel come from [`REPLICATES`] independent randomisations; the standard error of their
-//! mean is the spread of the replicates.
+//! **Lanes.** A texel has [`REPLICATES`] independent randomisations of its points. Each is one lane of a
+//! [`Gang`]; `error_estimate.rs` makes errors of their spread. With a target, texels whose error is not yet small enough take more points
+//! of the same streams, round by round.
 
 use crate::backend::RayBackend;
-use crate::options::View;
-use crate::surface::Sample;
-use crate::texel::Survey;
+use crate::error_estimate::{Estimate, estimate};
+use crate::gang::{Gang, Lane};
+use crate::options::{Effort, Pattern, View};
+use crate::texel::Texel;
 use crate::world::World;
 use ambient::Frame;
 use ambient::closed_form;
-use ambient::sampling::{BATCH, Lobe, Mixture, Stream};
-use embree::{Coherence, RayPacket};
+use ambient::sampling::{LANES, Mixture, PointSet, Stream};
 use glam::DVec3;
+use pulp::Arch;
+use std::ops::Range;
 
 /// Independent randomisations of a texel's points.
 pub const REPLICATES: u32 = 4;
@@ -41,21 +44,40 @@ const VALIDITY_RAYS: u32 = 16;
 /// Points of a texel whose terms have a closed form at every point: they only average over the footprint.
 const CLOSED_FORM_POINTS: u32 = 64;
 
-/// What a texel is integrated with.
+/// Points of each replicate in the first round of a bake with a target.
+const FIRST_ROUND: u32 = 4;
+
+/// Texels that share directions stand this far apart, so that each 4 x 4 neighbourhood has 16 independent sets.
+const STRIDE: u32 = 4;
+
+/// An integral over the directions of a texel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Term {
+    /// Diffuse and visibility.
+    Hemisphere,
+    /// The specular lobe.
+    Lobe,
+}
+
+/// What the texels of a bake are integrated with.
 pub(crate) struct Task<'a> {
     pub backend: &'a dyn RayBackend,
-    pub rays: u32,
+    pub arch: Arch,
+    pub seed: u64,
+    pub page: u32,
+    /// Page edge in texels.
+    pub size: u32,
+    pub effort: Effort,
+    pub pattern: Pattern,
+    pub points: PointSet,
     pub view: View,
     pub t_max: f32,
     /// How hemisphere directions are drawn.
     pub mixture: Mixture,
-    pub specular: bool,
     /// A layer needs the hemisphere.
     pub hemisphere: bool,
     /// The bent normal is asked for.
     pub bent: bool,
-    /// Nothing stands above the texel: no ray is cast.
-    pub open: bool,
 }
 
 /// The integrated terms of one texel, normalised as the contract says: 1 is open.
@@ -75,192 +97,220 @@ pub struct Terms {
     pub rays: u64,
 }
 
-/// Integrates one texel.
-pub(crate) fn integrate(
-    task: &Task<'_>,
-    survey: &Survey<'_>,
-    stream: impl Fn(u32, u32) -> Stream,
-) -> Terms {
-    let tilted = || !survey.patches().iter().all(|p| p.is_flat());
-    let sampled = matches!(task.view, View::Eye(_)) || task.bent;
-    if task.open && !(sampled && tilted()) {
-        return open_terms(task, survey, stream);
-    }
-    let mut hemisphere = Replicates::default();
-    let mut lobe = Replicates::default();
-    for (replicate, points) in shares(task.rays) {
-        if task.hemisphere {
-            let stream = stream(term::HEMISPHERE, replicate);
-            hemisphere.push(hemisphere_sums(task, survey, &stream, points));
-        }
-        if task.specular {
-            let stream = stream(term::LOBE, replicate);
-            lobe.push(lobe_sums(task, survey, &stream, points));
-        }
-    }
-    Terms {
-        diffuse: hemisphere.ratio(|s| s.diffuse),
-        visibility: hemisphere.ratio(|s| s.visibility),
-        specular: lobe.ratio(|s| s.diffuse),
-        bent: hemisphere.sums.iter().map(|s| s.bent).sum(),
-        errors: [
-            hemisphere.error(|s| s.diffuse),
-            hemisphere.error(|s| s.visibility),
-            lobe.error(|s| s.diffuse),
-        ],
-        rays: hemisphere.rays() + lobe.rays(),
-    }
-}
-
-/// `(replicate, points)`: `total` points dealt out as evenly as whole numbers allow.
-fn shares(total: u32) -> impl Iterator<Item = (u32, u32)> {
-    let replicates = REPLICATES.min(total);
-    (0..replicates).map(move |r| (r, total / replicates + u32::from(r < total % replicates)))
-}
-
-/// Weighted hits and weights of one replicate.
+/// Weighted open rays and all rays of one replicate.
 #[derive(Debug, Clone, Copy, Default)]
-struct Sums {
-    /// (open, all) weights of the diffuse term; of the lobe for the specular term.
-    diffuse: (f64, f64),
-    visibility: (f64, f64),
-    bent: DVec3,
-    rays: u64,
+pub(crate) struct Sums {
+    /// (open, all): the diffuse term, or the specular term of lobe rays.
+    pub first: (f64, f64),
+    /// (open, all) of the visibility.
+    pub second: (f64, f64),
+    pub bent: DVec3,
+    pub rays: u64,
 }
 
-#[derive(Default)]
-struct Replicates {
-    sums: Vec<Sums>,
+/// One texel's replicates and the points that each has.
+pub(crate) type Replicates = [Sums; REPLICATES as usize];
+
+impl Task<'_> {
+    /// A texel's own stream.
+    pub fn stream(&self, x: u32, y: u32, term: u32, replicate: u32) -> Stream {
+        Stream::new(self.seed, self.page, y * self.size + x, term, replicate)
+    }
+
+    /// A texel's stream under the pattern: tiled texels share directions, never places.
+    fn pattern_stream(&self, texel: &Texel, term: u32, replicate: u32) -> Stream {
+        let own = self.stream(texel.x, texel.y, term, replicate);
+        match self.pattern {
+            Pattern::Independent => own,
+            Pattern::Tiled => {
+                let label = 1 << 31 | self.class(texel);
+                own.with_directions(&Stream::new(self.seed, self.page, label, term, replicate))
+            }
+        }
+    }
+
+    /// Texels of one class share directions.
+    fn class(&self, texel: &Texel) -> u32 {
+        let across = self.size.div_ceil(atlas::TILE);
+        let tile = texel.y / atlas::TILE * across + texel.x / atlas::TILE;
+        tile * STRIDE * STRIDE + texel.y % STRIDE * STRIDE + texel.x % STRIDE
+    }
 }
 
-impl Replicates {
-    fn push(&mut self, sums: Sums) {
-        self.sums.push(sums);
-    }
+/// Integrates the texels of one tile. `specular` says which of them need the lobe.
+pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], specular: &[bool]) -> Vec<Terms> {
+    let sampled = matches!(task.view, View::Eye(_)) || task.bent;
+    let closed: Vec<bool> = texels
+        .iter()
+        .map(|texel| texel.open && !(sampled && texel.tilted))
+        .collect();
+    let needing = |wanted: &dyn Fn(usize) -> bool| -> Vec<usize> {
+        (0..texels.len())
+            .filter(|&i| !closed[i] && wanted(i))
+            .collect()
+    };
+    let hemisphere = needing(&|_| task.hemisphere);
+    let lobe = needing(&|i| specular[i]);
+    let hemisphere = rounds(task, texels, Term::Hemisphere, hemisphere);
+    let lobe = rounds(task, texels, Term::Lobe, lobe);
+    (0..texels.len())
+        .map(|i| {
+            if closed[i] {
+                return closed_form_terms(task, &texels[i], specular[i]);
+            }
+            let ([diffuse, visibility], [specular, _]) = (hemisphere[i].values, lobe[i].values);
+            Terms {
+                diffuse,
+                visibility,
+                specular,
+                bent: hemisphere[i].bent,
+                errors: [
+                    hemisphere[i].errors[0],
+                    hemisphere[i].errors[1],
+                    lobe[i].errors[0],
+                ],
+                rays: hemisphere[i].rays + lobe[i].rays,
+            }
+        })
+        .collect()
+}
 
-    fn rays(&self) -> u64 {
-        self.sums.iter().map(|s| s.rays).sum()
+/// Casts the rays of one term for the texels `which`, in rounds where a target is set.
+fn rounds(task: &Task<'_>, texels: &[Texel], term: Term, mut which: Vec<usize>) -> Vec<Estimate> {
+    let mut sums = vec![Replicates::default(); texels.len()];
+    let mut points = vec![0; texels.len()];
+    match task.effort {
+        Effort::Rays(rays) => {
+            cast(task, texels, term, &which, 0..rays / REPLICATES, &mut sums);
+            let rest = (rays % REPLICATES) as usize;
+            let from = rays / REPLICATES;
+            let lanes = lanes(task, texels, &which, 0..rest);
+            cast_lanes(task, texels, term, &lanes, from..from + 1, &mut sums);
+            for &i in &which {
+                points[i] = rays;
+            }
+            estimate(texels, &sums, &points)
+        }
+        Effort::Target { error, max_rays } => {
+            let mut range = 0..FIRST_ROUND.min(max_rays.div_ceil(REPLICATES));
+            loop {
+                cast(task, texels, term, &which, range.clone(), &mut sums);
+                for &i in &which {
+                    points[i] = range.end * REPLICATES;
+                }
+                let estimates = estimate(texels, &sums, &points);
+                which.retain(|&i| estimates[i].errors[0] > error);
+                let next = (range.end + step(range.end)).min(max_rays / REPLICATES);
+                if which.is_empty() || next <= range.end {
+                    return estimates;
+                }
+                range = range.end..next;
+            }
+        }
     }
+}
 
-    fn ratio(&self, of: impl Fn(&Sums) -> (f64, f64)) -> f64 {
-        let (open, all) = self
-            .sums
-            .iter()
-            .map(of)
-            .fold((0.0, 0.0), |a, s| (a.0 + s.0, a.1 + s.1));
-        if all > 0.0 { open / all } else { 0.0 }
+/// How many points a replicate of `points` takes next: 4, 6, 8, 12, 16, 24 ... whole halves of lattices.
+fn step(points: u32) -> u32 {
+    1 << (31 - points.leading_zeros()).saturating_sub(1)
+}
+
+/// Casts the points `range` of every replicate of the texels `which`.
+fn cast(
+    task: &Task<'_>,
+    texels: &[Texel],
+    term: Term,
+    which: &[usize],
+    range: Range<u32>,
+    sums: &mut [Replicates],
+) {
+    let lanes = lanes(task, texels, which, 0..REPLICATES as usize);
+    cast_lanes(task, texels, term, &lanes, range, sums);
+}
+
+/// The lanes of the texels `which`, those that share directions side by side.
+fn lanes(
+    task: &Task<'_>,
+    texels: &[Texel],
+    which: &[usize],
+    replicates: Range<usize>,
+) -> Vec<Lane> {
+    let mut order = which.to_vec();
+    if task.pattern == Pattern::Tiled {
+        order.sort_by_key(|&i| (task.class(&texels[i]), i));
     }
-
-    /// Standard error of the mean over replicates; 0 where there is only one.
-    fn error(&self, of: impl Fn(&Sums) -> (f64, f64)) -> f64 {
-        let values: Vec<f64> = self
-            .sums
-            .iter()
-            .map(|s| {
-                let (open, all) = of(s);
-                if all > 0.0 { open / all } else { 0.0 }
+    let same = |a: &usize, b: &usize| match task.pattern {
+        Pattern::Independent => a == b,
+        Pattern::Tiled => task.class(&texels[*a]) == task.class(&texels[*b]),
+    };
+    order
+        .chunk_by(same)
+        .flat_map(|class| {
+            replicates.clone().flat_map(move |replicate| {
+                class.iter().map(move |&texel| Lane { texel, replicate })
             })
-            .collect();
-        standard_error(&values)
-    }
+        })
+        .collect()
 }
 
-/// Standard error of the mean of independent values of equal variance; 0 for fewer than two.
-fn standard_error(values: &[f64]) -> f64 {
-    let n = values.len() as f64;
-    if n < 2.0 {
-        return 0.0;
+fn cast_lanes(
+    task: &Task<'_>,
+    texels: &[Texel],
+    term: Term,
+    lanes: &[Lane],
+    range: Range<u32>,
+    sums: &mut [Replicates],
+) {
+    let label = match term {
+        Term::Hemisphere => term::HEMISPHERE,
+        Term::Lobe => term::LOBE,
+    };
+    for lanes in lanes.chunks(LANES) {
+        let mut gang = Gang::new(task, texels, lanes, |texel, replicate| {
+            task.pattern_stream(texel, label, replicate)
+        });
+        gang.cast(task, term, range.clone());
+        gang.collect(sums);
     }
-    let mean = values.iter().sum::<f64>() / n;
-    let squares: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
-    (squares / (n * (n - 1.0))).sqrt()
-}
-
-/// Casts `points` mixture directions over the hemisphere of the shading normal.
-fn hemisphere_sums(task: &Task<'_>, survey: &Survey<'_>, stream: &Stream, points: u32) -> Sums {
-    let mut sums = Sums::default();
-    let mut caster = Caster::new(task);
-    for first in (0..points).step_by(BATCH) {
-        let lanes = BATCH.min((points - first) as usize);
-        let [u0, u1, p0, p1] = stream.points16(first);
-        let mut cosines = [0.0; BATCH];
-        let mut directions = [DVec3::ZERO; BATCH];
-        for lane in 0..lanes {
-            let sample = survey.sample([p0[lane], p1[lane]]);
-            let local = task.mixture.sample([u0[lane], u1[lane]]);
-            cosines[lane] = local.z;
-            directions[lane] = Frame::from_normal(sample.normal).to_world(local);
-            caster.add(lane, &sample, directions[lane]);
-        }
-        let open = caster.cast();
-        for lane in 0..lanes {
-            let diffuse = task.mixture.diffuse_weight(cosines[lane]);
-            let visibility = task.mixture.visibility_weight(cosines[lane]);
-            sums.diffuse.1 += diffuse;
-            sums.visibility.1 += visibility;
-            if open >> lane & 1 == 1 {
-                sums.diffuse.0 += diffuse;
-                sums.visibility.0 += visibility;
-                sums.bent += directions[lane] * diffuse;
-            }
-        }
-    }
-    sums.rays = caster.rays;
-    sums
-}
-
-/// Casts `points` lobe directions about the mirrored view.
-fn lobe_sums(task: &Task<'_>, survey: &Survey<'_>, stream: &Stream, points: u32) -> Sums {
-    let mut sums = Sums::default();
-    let mut caster = Caster::new(task);
-    let lobe = Lobe::new(survey.material.exponent);
-    for first in (0..points).step_by(BATCH) {
-        let lanes = BATCH.min((points - first) as usize);
-        let [u0, u1, p0, p1] = stream.points16(first);
-        for lane in 0..lanes {
-            let sample = survey.sample([p0[lane], p1[lane]]);
-            let axis = mirrored_view(task.view, &sample);
-            let direction = Frame::from_normal(axis).to_world(lobe.sample([u0[lane], u1[lane]]));
-            if direction.dot(sample.normal) > 0.0 {
-                caster.add(lane, &sample, direction);
-            }
-        }
-        sums.diffuse.0 += f64::from(caster.cast().count_ones());
-        sums.diffuse.1 += lanes as f64;
-    }
-    sums.rays = caster.rays;
-    sums
 }
 
 /// R = 2 (N.V) N - V, the axis of the specular lobe.
-fn mirrored_view(view: View, sample: &Sample) -> DVec3 {
+fn mirrored_view(view: View, position: DVec3, normal: DVec3) -> DVec3 {
     match view {
-        View::Normal => sample.normal,
+        View::Normal => normal,
         View::Eye(eye) => {
-            let v = (eye - sample.position)
-                .try_normalize()
-                .unwrap_or(sample.normal);
-            2.0 * sample.normal.dot(v) * sample.normal - v
+            let v = (eye - position).try_normalize().unwrap_or(normal);
+            2.0 * normal.dot(v) * normal - v
         }
     }
 }
 
 /// Closed forms at points of the footprint, for texels that nothing stands above. The horizon is the geometric plane; a
 /// shading normal may be tilted against it where V = N, so that the lobe axis is the shading normal itself.
-fn open_terms(task: &Task<'_>, survey: &Survey<'_>, stream: impl Fn(u32, u32) -> Stream) -> Terms {
+fn closed_form_terms(task: &Task<'_>, texel: &Texel, specular: bool) -> Terms {
+    if !texel.tilted && task.view == View::Normal {
+        return Terms {
+            visibility: 1.0,
+            diffuse: 1.0,
+            specular: f64::from(u8::from(specular)),
+            bent: texel.normal,
+            ..Terms::default()
+        };
+    }
     let mut means = [[0.0; REPLICATES as usize]; 3];
     let mut bent = DVec3::ZERO;
-    for (replicate, points) in shares(CLOSED_FORM_POINTS) {
-        let stream = stream(term::HEMISPHERE, replicate);
+    let points = CLOSED_FORM_POINTS / REPLICATES;
+    for replicate in 0..REPLICATES {
+        let stream = task.stream(texel.x, texel.y, term::HEMISPHERE, replicate);
         for index in 0..points {
             let [_, _, p0, p1] = stream.point(index);
-            let sample = survey.sample([p0, p1]);
+            let sample = texel.sample([p0, p1]);
             let tilt = sample
                 .geometric
                 .cross(sample.normal)
                 .length()
                 .atan2(sample.geometric.dot(sample.normal));
-            let axis = mirrored_view(task.view, &sample);
+            let axis = mirrored_view(task.view, sample.position, sample.normal);
             let (cos, sin) = (
                 sample.geometric.dot(axis),
                 sample.geometric.cross(axis).length(),
@@ -268,7 +318,7 @@ fn open_terms(task: &Task<'_>, survey: &Survey<'_>, stream: impl Fn(u32, u32) ->
             let values = [
                 closed_form::tilted_diffuse(tilt),
                 closed_form::tilted_visibility(tilt),
-                closed_form::phong_open(survey.material.exponent, cos, sin),
+                closed_form::phong_open(texel.material.exponent, cos, sin),
             ];
             for (mean, value) in means.iter_mut().zip(values) {
                 mean[replicate as usize] += value / f64::from(points);
@@ -276,88 +326,31 @@ fn open_terms(task: &Task<'_>, survey: &Survey<'_>, stream: impl Fn(u32, u32) ->
             bent += sample.normal;
         }
     }
-    let [diffuse, visibility, specular] = means.map(|m| m.iter().sum::<f64>() / m.len() as f64);
-    let errors = means.map(|m| standard_error(&m));
+    let [diffuse, visibility, lobe] = means.map(|m| m.iter().sum::<f64>() / m.len() as f64);
+    let mut errors = means.map(|m| crate::error_estimate::variance_of_mean(&m).sqrt());
+    if !specular {
+        errors[2] = 0.0;
+    }
     Terms {
         diffuse,
         visibility,
-        specular: if task.specular { specular } else { 0.0 },
+        specular: if specular { lobe } else { 0.0 },
         bent,
-        errors: if task.specular {
-            errors
-        } else {
-            [errors[0], errors[1], 0.0]
-        },
+        errors,
         rays: 0,
-    }
-}
-
-/// Gathers up to 16 rays of a texel and casts them as one packet.
-struct Caster<'a> {
-    task: &'a Task<'a>,
-    packet: RayPacket<16>,
-    active: u32,
-    rays: u64,
-}
-
-impl<'a> Caster<'a> {
-    fn new(task: &'a Task<'a>) -> Self {
-        Self {
-            task,
-            packet: RayPacket::default(),
-            active: 0,
-            rays: 0,
-        }
-    }
-
-    /// Puts a direction into a lane. Below the geometric horizon the surface itself blocks: no ray.
-    fn add(&mut self, lane: usize, sample: &Sample, direction: DVec3) {
-        let direction32 = direction.as_vec3();
-        if sample.geometric.dot(direction32.as_dvec3()) <= 0.0 {
-            return;
-        }
-        self.packet.set(
-            lane,
-            &embree::Ray {
-                origin: sample.origin,
-                direction: direction32.to_array(),
-                t_min: 0.0,
-                t_max: self.task.t_max,
-            },
-        );
-        self.active |= 1 << lane;
-    }
-
-    /// Open lanes among those added since the last cast.
-    fn cast(&mut self) -> u32 {
-        let active = std::mem::take(&mut self.active);
-        if active == 0 || self.task.open {
-            return active;
-        }
-        self.rays += u64::from(active.count_ones());
-        active
-            & !self
-                .task
-                .backend
-                .occluded16(&self.packet, active, Coherence::Incoherent)
     }
 }
 
 /// Share of the footprint's upper hemisphere that does not see a back face first: 1 for a texel in the open or in a
 /// room, near 0 inside a closed body. Double-sided surfaces have no back.
-pub(crate) fn validity(
-    task: &Task<'_>,
-    survey: &Survey<'_>,
-    world: &World,
-    stream: impl Fn(u32, u32) -> Stream,
-) -> f64 {
-    if task.open {
+pub(crate) fn validity(task: &Task<'_>, texel: &Texel, world: &World) -> f64 {
+    if texel.open {
         return 1.0;
     }
-    let stream = stream(term::VALIDITY, 0);
+    let stream = task.stream(texel.x, texel.y, term::VALIDITY, 0);
     let valid = (0..VALIDITY_RAYS).filter(|&index| {
         let [u0, u1, p0, p1] = stream.point(index);
-        let sample = survey.sample([p0, p1]);
+        let sample = texel.sample([p0, p1]);
         let direction =
             Frame::from_normal(sample.geometric).to_world(Mixture::UNIFORM.sample([u0, u1]));
         let ray = embree::Ray {

@@ -4,11 +4,14 @@
 mod alpha;
 mod backend;
 mod both;
+mod cell;
 mod compose;
 mod embree_backend;
 mod error;
+mod error_estimate;
 #[cfg(test)]
 mod fixture;
+mod gang;
 mod integrate;
 mod layer;
 mod mix;
@@ -37,7 +40,7 @@ pub use integrate::{REPLICATES, Terms};
 pub use layer::Layer;
 pub use obvhs_backend::ObvhsBackend;
 pub use open::OpenTriangles;
-pub use options::{Options, Overrides, View};
+pub use options::{Effort, Options, Overrides, Pattern, PointSet, View};
 pub use page::{Bake, BakedPage, PageStats, Plane, Progress};
 pub use parity::{Answer, Disagreement, ParityReport, TestRays, parity};
 pub use plan::{Choice, Decision, Plan};

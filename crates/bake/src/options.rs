@@ -2,13 +2,18 @@
 
 use crate::layer::Layer;
 use crate::plan::Choice;
+pub use ambient::sampling::PointSet;
 use glam::DVec3;
 
 /// Options of one bake. The command line's words are turned into this once; nothing below reads flags.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
-    /// Rays per texel over the hemisphere, at least 1; the specular lobe takes as many again where it is needed.
-    pub rays: u32,
+    /// Rays per texel over the hemisphere; the specular lobe takes as many again where it is needed.
+    pub effort: Effort,
+    /// How texels share directions.
+    pub pattern: Pattern,
+    /// Where sample points come from.
+    pub points: PointSet,
     /// Seed of every sample stream.
     pub seed: u64,
     /// Uniform sky radiance, linear RGB, each finite and `>= 0`.
@@ -23,6 +28,41 @@ pub struct Options {
     pub overrides: Overrides,
     /// Planner choices that are switched off: what they would leave out is modelled all the same.
     pub switched_off: Vec<Choice>,
+}
+
+/// How many rays a texel takes for each of its two integrals.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Effort {
+    /// So many, at least 1.
+    Rays(u32),
+    /// Until the standard error is small enough.
+    Target {
+        /// Largest standard error, above 0.
+        error: f64,
+        /// The most rays, at least 16; rounded down to a multiple of the replicates.
+        max_rays: u32,
+    },
+}
+
+impl Effort {
+    /// The most rays that one integral of a texel may take.
+    pub fn most_rays(self) -> u32 {
+        match self {
+            Effort::Rays(rays) => rays,
+            Effort::Target { max_rays, .. } => max_rays,
+        }
+    }
+}
+
+/// Which directions the texels of a tile share. The error of a texel is the same; only its likeness to its neighbours' is not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Pattern {
+    /// Every texel has its own.
+    Independent,
+    /// The 16 texels at a stride of 4 in x and y share theirs, so that packets hold parallel rays; any 4 x 4 texels have
+    /// 16 independent sets. A. Keller, W. Heidrich, "Interleaved Sampling", 2001.
+    #[default]
+    Tiled,
 }
 
 /// Where the eye of the specular term stands.

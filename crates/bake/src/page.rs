@@ -7,11 +7,11 @@ use crate::layer::Layer;
 use crate::options::Options;
 use crate::plan::{Choice, Plan};
 use crate::surface::PlaneErrors;
-use crate::texel::Survey;
+use crate::texel::{Surveyor, Texel};
 use crate::world::World;
-use ambient::sampling::Stream;
-use atlas::{Atlas, Dilation, Footprint, PageRaster, RINGS, Tile};
+use atlas::{Atlas, Dilation, PageRaster, RINGS, Tile};
 use glam::Vec3;
+use pulp::Arch;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -78,8 +78,12 @@ pub struct PageStats {
     pub coverage: f64,
     /// Sum of the standard error of diffuse.
     pub error_sum: f64,
-    /// Largest standard error of diffuse.
+    /// Sum of its square.
+    pub error_squares: f64,
+    /// Largest standard error of diffuse, and the first texel (column, row) that has it.
     pub error_max: f64,
+    /// See `error_max`.
+    pub worst: [u32; 2],
     /// Rays spent.
     pub rays: u64,
     /// Texels finished in closed form.
@@ -146,7 +150,9 @@ impl<'a> Bake<'a> {
         let started = Instant::now();
         while page.tiles_done < tiles {
             let batch = page.tiles_done..(page.tiles_done + BATCH).min(tiles);
-            let results: Vec<Option<Vec<BakedTexel>>> = batch
+            let layers: Vec<(Layer, usize)> =
+                page.planes.iter().map(|p| (p.layer, p.channel)).collect();
+            let results: Vec<Option<TileResult>> = batch
                 .clone()
                 .into_par_iter()
                 .map(|index| {
@@ -154,23 +160,19 @@ impl<'a> Bake<'a> {
                         return None;
                     }
                     let texels = self.tile(&raster.tile(index), page.page);
-                    progress
-                        .texels
-                        .fetch_add(texels.len() as u64, Ordering::Relaxed);
-                    progress
-                        .rays
-                        .fetch_add(texels.iter().map(|t| t.terms.rays).sum(), Ordering::Relaxed);
-                    Some(texels)
+                    let result = self.result(&layers, &texels);
+                    let (done, rays) = (result.stats.texels, result.stats.rays);
+                    progress.texels.fetch_add(done, Ordering::Relaxed);
+                    progress.rays.fetch_add(rays, Ordering::Relaxed);
+                    Some(result)
                 })
                 .collect();
             for result in results {
-                let Some(texels) = result else {
+                let Some(result) = result else {
                     page.stats.seconds += started.elapsed().as_secs_f64();
                     return;
                 };
-                for texel in &texels {
-                    self.store(page, texel);
-                }
+                result.store(page);
                 page.tiles_done += 1;
             }
         }
@@ -199,85 +201,117 @@ impl<'a> Bake<'a> {
     }
 
     fn tile(&self, tile: &Tile, page: u32) -> Vec<BakedTexel> {
-        tile.footprints
+        let options = self.options;
+        let task = Task {
+            backend: self.backend,
+            arch: Arch::new(),
+            seed: options.seed,
+            page,
+            size: self.atlas.page_size,
+            effort: options.effort,
+            pattern: options.pattern,
+            points: options.points,
+            view: options.view,
+            t_max: options.max_distance.unwrap_or(f32::INFINITY),
+            mixture: self.plan.mixture,
+            hemisphere: self.plan.models(Choice::Diffuse),
+            bent: options.layers.contains(&Layer::Bent),
+        };
+        let surveyor = Surveyor {
+            world: self.world,
+            errors: &self.errors,
+            overrides: &options.overrides,
+            plan: self.plan,
+        };
+        let texels = surveyor.texels(tile, |x, y, term| task.stream(x, y, term, 0));
+        let lobes = self.plan.models(Choice::Specular);
+        let specular: Vec<bool> = texels.iter().map(|t| lobes && self.reflects(t)).collect();
+        let terms = integrate(&task, &texels, &specular);
+        let validities = options.layers.contains(&Layer::Validity);
+        texels
             .iter()
-            .map(|footprint| self.texel(tile, footprint, page))
+            .zip(terms)
+            .map(|(texel, terms)| BakedTexel {
+                index: texel.y * self.atlas.page_size + texel.x,
+                coverage: texel.coverage,
+                object: texel.object,
+                terms,
+                material: texel.material,
+                position: texel.position,
+                normal: texel.normal,
+                geometric: texel.geometric,
+                validity: if validities {
+                    validity(&task, texel, self.world)
+                } else {
+                    1.0
+                },
+            })
             .collect()
     }
 
-    fn texel(&self, tile: &Tile, footprint: &Footprint, page: u32) -> BakedTexel {
-        let Options {
-            rays,
-            seed,
-            view,
-            max_distance,
-            ..
-        } = *self.options;
-        let index = footprint.y * self.atlas.page_size + footprint.x;
-        let stream = |term: u32, replicate: u32| Stream::new(seed, page, index, term, replicate);
-        let survey = Survey::of(
-            self.world,
-            &self.errors,
-            &self.options.overrides,
-            tile,
-            footprint,
-            |term| stream(term, 0),
-        );
-        let task = Task {
-            backend: self.backend,
-            rays,
-            view,
-            t_max: max_distance.unwrap_or(f32::INFINITY),
-            mixture: self.plan.mixture,
-            specular: self.plan.models(Choice::Specular) && self.reflects(&survey),
-            hemisphere: self.plan.models(Choice::Diffuse),
-            bent: self.options.layers.contains(&Layer::Bent),
-            open: survey
-                .patches()
-                .iter()
-                .all(|p| self.plan.open.contains(p.instance, p.triangle)),
-        };
-        let validity = if self.options.layers.contains(&Layer::Validity) {
-            validity(&task, &survey, self.world, stream)
-        } else {
-            1.0
-        };
-        BakedTexel {
-            index,
-            coverage: footprint.coverage,
-            object: survey.object,
-            terms: integrate(&task, &survey, stream),
-            material: survey.material,
-            position: survey.position,
-            normal: survey.normal,
-            geometric: survey.geometric,
-            validity,
-        }
-    }
-
     /// True where the texel's specular term is worth its rays: its material reflects, or the term itself was asked for.
-    fn reflects(&self, survey: &Survey<'_>) -> bool {
-        survey.material.specular.max_element() > 0.0
+    fn reflects(&self, texel: &Texel) -> bool {
+        texel.material.specular.max_element() > 0.0
             || self.options.overrides.exponent.is_some()
             || !self.options.allows(Choice::Specular)
     }
 
-    fn store(&self, page: &mut BakedPage, texel: &BakedTexel) {
+    /// What the page keeps of a tile.
+    fn result(&self, layers: &[(Layer, usize)], texels: &[BakedTexel]) -> TileResult {
         let sky = Vec3::from(self.options.sky).as_dvec3();
-        let mut values = (Layer::Coverage, texel.values(Layer::Coverage, sky));
-        for plane in &mut page.planes {
-            if plane.layer != values.0 {
-                values = (plane.layer, texel.values(plane.layer, sky));
+        let mut result = TileResult::default();
+        for texel in texels {
+            let mut values = (Layer::Coverage, texel.values(Layer::Coverage, sky));
+            for &(layer, channel) in layers {
+                if layer != values.0 {
+                    values = (layer, texel.values(layer, sky));
+                }
+                result.values.push(values.1[channel]);
             }
-            plane.values[texel.index as usize] = values.1[plane.channel];
+            result.texels.push(texel.index);
+            let error = texel.terms.errors[0];
+            let stats = &mut result.stats;
+            stats.texels += 1;
+            stats.coverage += f64::from(texel.coverage);
+            stats.error_sum += error;
+            stats.error_squares += error * error;
+            if error > stats.error_max {
+                let size = self.atlas.page_size;
+                (stats.error_max, stats.worst) = (error, [texel.index % size, texel.index / size]);
+            }
+            stats.rays += texel.terms.rays;
+            stats.closed_form += u64::from(texel.terms.rays == 0);
         }
-        let stats = &mut page.stats;
-        stats.texels += 1;
-        stats.coverage += f64::from(texel.coverage);
-        stats.error_sum += texel.terms.errors[0];
-        stats.error_max = stats.error_max.max(texel.terms.errors[0]);
-        stats.rays += texel.terms.rays;
-        stats.closed_form += u64::from(texel.terms.rays == 0);
+        result
+    }
+}
+
+/// A finished tile: its texels, and the values of each in the order of the page's planes.
+#[derive(Default)]
+struct TileResult {
+    texels: Vec<u32>,
+    values: Vec<f32>,
+    stats: PageStats,
+}
+
+impl TileResult {
+    fn store(&self, page: &mut BakedPage) {
+        let planes = page.planes.len();
+        for (&texel, values) in self.texels.iter().zip(self.values.chunks(planes)) {
+            for (plane, &value) in page.planes.iter_mut().zip(values) {
+                plane.values[texel as usize] = value;
+            }
+        }
+        let (all, own) = (&mut page.stats, &self.stats);
+        all.texels += own.texels;
+        all.coverage += own.coverage;
+        all.error_sum += own.error_sum;
+        all.error_squares += own.error_squares;
+        if own.error_max > all.error_max {
+            (all.error_max, all.worst) = (own.error_max, own.worst);
+        }
+        all.rays += own.rays;
+        all.closed_form += own.closed_form;
     }
 }
 

@@ -29,13 +29,11 @@ const LARGEST_INSET: f64 = 0.25;
 /// One triangle of an object, in world space, with what sampling it needs.
 #[derive(Debug, Clone)]
 pub(crate) struct Patch {
-    pub instance: u32,
-    pub triangle: u32,
     pub corners: [DVec3; 3],
     /// Corner shading normals; `None` shades flat.
     normals: Option<[DVec3; 3]>,
     /// Unit geometric normal, right-hand rule of the winding.
-    geometric: DVec3,
+    pub geometric: DVec3,
     low: DVec3,
     high: DVec3,
     /// Rounding bound of the plane test and of an instance's transform as a distance, over this triangle and its
@@ -45,18 +43,6 @@ pub(crate) struct Patch {
     origin_error: DVec3,
     /// Least corner weights of a sample.
     inset: [f64; 3],
-}
-
-/// A sample point of a surface.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Sample {
-    pub position: DVec3,
-    /// Unit shading normal.
-    pub normal: DVec3,
-    /// Unit geometric normal, on the side of the shading normal.
-    pub geometric: DVec3,
-    /// Ray origin in f32.
-    pub origin: [f32; 3],
 }
 
 /// Per-vertex bounds of the plane test over the incident triangles, for every geometry of a world.
@@ -137,8 +123,6 @@ impl Patch {
             (margin * base / face.length()).min(LARGEST_INSET)
         });
         Self {
-            instance,
-            triangle,
             corners,
             normals,
             geometric,
@@ -148,12 +132,6 @@ impl Patch {
             origin_error,
             inset,
         }
-    }
-
-    /// True where the shading normal is the geometric normal all over the triangle.
-    pub fn is_flat(&self) -> bool {
-        self.normals
-            .is_none_or(|normals| normals.iter().all(|n| n.dot(self.geometric) >= 1.0 - 1e-12))
     }
 
     /// The unit geometric normal on the side of the shading normals.
@@ -166,34 +144,38 @@ impl Patch {
 
     /// How far above its plane rounding can put a point of this triangle, in scene units.
     pub fn rounding(&self) -> f64 {
-        self.query_error + 2.0 * self.origin_error.dot(self.low.abs().max(self.high.abs()))
+        self.offset(self.low.abs().max(self.high.abs()))
     }
 
-    /// The point with these corner weights (which sum to 1).
-    pub fn sample(&self, weights: [f64; 3]) -> Sample {
-        let kept = [0, 1, 2].map(|corner: usize| weights[corner].max(self.inset[corner]));
-        let scale = 1.0 / (kept[0] + kept[1] + kept[2]);
-        let weights = kept.map(|weight| weight * scale);
+    /// True where corner weights lie within the inset.
+    pub fn keeps(&self, weights: DVec3) -> bool {
+        (0..3).all(|corner| weights[corner] >= self.inset[corner])
+    }
+
+    /// Corner weights moved within the inset.
+    pub fn kept(&self, weights: DVec3) -> DVec3 {
+        let kept = weights.max(DVec3::from(self.inset));
+        kept / kept.element_sum()
+    }
+
+    /// The point with these corner weights. It stays in the triangle's box, so it is exact on an axis in which the
+    /// triangle is flat.
+    pub fn position(&self, weights: DVec3) -> DVec3 {
         let [a, b, c] = self.corners;
-        let position =
-            (a * weights[0] + b * weights[1] + c * weights[2]).clamp(self.low, self.high);
-        let normal = match self.normals {
+        (a * weights.x + b * weights.y + c * weights.z).clamp(self.low, self.high)
+    }
+
+    /// The shading normal with these corner weights, not of unit length between corners.
+    pub fn normal(&self, weights: DVec3) -> DVec3 {
+        match self.normals {
             None => self.geometric,
-            Some(n) => (n[0] * weights[0] + n[1] * weights[1] + n[2] * weights[2])
-                .try_normalize()
-                .unwrap_or(self.geometric),
-        };
-        let geometric = if normal.dot(self.geometric) < 0.0 {
-            -self.geometric
-        } else {
-            self.geometric
-        };
-        let offset = self.query_error + 2.0 * self.origin_error.dot(position.abs());
-        Sample {
-            position,
-            normal,
-            geometric,
-            origin: (position + geometric * offset).as_vec3().to_array(),
+            Some([a, b, c]) if a == b && a == c => a,
+            Some([a, b, c]) => a * weights.x + b * weights.y + c * weights.z,
         }
+    }
+
+    /// How far an origin must stand off where coordinates are no larger than `reach` in magnitude, in scene units.
+    pub fn offset(&self, reach: DVec3) -> f64 {
+        self.query_error + 2.0 * self.origin_error.dot(reach)
     }
 }

@@ -1,15 +1,18 @@
-//! What a texel's footprint is made of: its patches, its mean material and its mean position and normals.
+//! What a texel's footprint is made of: its cells, its mean material and its mean position and normals.
 
+use crate::cell::{Cell, Sample};
 use crate::integrate::term;
 use crate::options::Overrides;
-use crate::surface::{Patch, PlaneErrors, Sample};
+use crate::plan::Plan;
+use crate::surface::{Patch, PlaneErrors};
 use crate::world::World;
 use ambient::sampling::Stream;
 use atlas::{Footprint, Tile};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use scene::{Scene, Surface};
+use std::collections::HashMap;
 
-/// Sample points over the footprint from which means of materials and normals are taken.
+/// Sample points over the footprint from which means of textured materials are taken.
 const SURVEY_POINTS: u32 = 16;
 
 /// Parameters of the Phong model, averaged over the footprint.
@@ -24,114 +27,177 @@ pub struct TexelMaterial {
 }
 
 /// A texel ready to be integrated.
-pub(crate) struct Survey<'a> {
-    pub tile: &'a Tile,
-    pub footprint: &'a Footprint,
-    patches: Vec<Patch>,
+#[derive(Debug)]
+pub(crate) struct Texel {
+    pub x: u32,
+    pub y: u32,
+    /// Covered share of its square.
+    pub coverage: f32,
+    /// Never empty.
+    pub cells: Vec<Cell>,
     pub material: TexelMaterial,
     pub position: DVec3,
     pub normal: DVec3,
     pub geometric: DVec3,
     /// Object with the largest share of the footprint.
     pub object: u32,
+    /// Nothing stands above the footprint: no ray is needed.
+    pub open: bool,
+    /// The shading normal leaves the geometric one somewhere.
+    pub tilted: bool,
 }
 
-impl<'a> Survey<'a> {
-    /// Looks at the footprint at a few points.
-    pub fn of(
-        world: &World,
-        errors: &PlaneErrors,
-        overrides: &Overrides,
-        tile: &'a Tile,
-        footprint: &'a Footprint,
-        stream: impl Fn(u32) -> Stream,
-    ) -> Self {
-        let mut patches: Vec<Patch> = Vec::new();
-        let mut largest = (0.0, 0u32);
-        let mut before = 0.0;
-        for piece in &tile.pieces[footprint.pieces.start as usize..footprint.pieces.end as usize] {
-            if !patches
-                .iter()
-                .any(|p| p.instance == piece.instance && p.triangle == piece.triangle)
-            {
-                patches.push(Patch::of(world, errors, piece.instance, piece.triangle));
-            }
-            let share = piece.cumulative - before;
-            before = piece.cumulative;
-            if share > largest.0 {
-                largest = (share, piece.instance);
-            }
-        }
-        let mut survey = Self {
-            tile,
-            footprint,
-            patches,
-            material: TexelMaterial::default(),
-            position: DVec3::ZERO,
-            normal: DVec3::ZERO,
-            geometric: DVec3::ZERO,
-            object: largest.1,
-        };
-        survey.average(world, overrides, &stream(term::SURVEY));
-        survey
+impl Texel {
+    /// The cell that the first coordinate of a point of the unit square chooses by area.
+    #[inline]
+    pub fn choose(&self, u0: f32) -> usize {
+        let last = self.cells.len() - 1;
+        self.cells[..last]
+            .iter()
+            .map(|cell| usize::from(u0 >= cell.end))
+            .sum()
     }
 
-    /// The surface at the footprint's point `u` of the unit square.
+    /// The surface at a point of the unit square.
     pub fn sample(&self, u: [f64; 2]) -> Sample {
-        let point = self.tile.sample(self.footprint, u);
-        self.patch(point.instance, point.triangle)
-            .sample(point.weights)
+        let u = u.map(|u| u as f32);
+        let cell = &self.cells[self.choose(u[0])];
+        cell.sample(Cell::place(
+            [cell.start, cell.inverse_share(), cell.fold],
+            u,
+        ))
+    }
+}
+
+/// Makes the texels of tiles.
+pub(crate) struct Surveyor<'a> {
+    pub world: &'a World,
+    pub errors: &'a PlaneErrors,
+    pub overrides: &'a Overrides,
+    pub plan: &'a Plan,
+}
+
+impl Surveyor<'_> {
+    /// All texels of a tile. `stream` labels a texel's own points by its column and row.
+    pub fn texels(&self, tile: &Tile, stream: impl Fn(u32, u32, u32) -> Stream) -> Vec<Texel> {
+        let mut patches = HashMap::new();
+        tile.footprints
+            .iter()
+            .map(|footprint| {
+                let stream = stream(footprint.x, footprint.y, term::SURVEY);
+                self.texel(tile, footprint, &mut patches, &stream)
+            })
+            .collect()
     }
 
-    /// The patches that meet the footprint.
-    pub fn patches(&self) -> &[Patch] {
-        &self.patches
-    }
-
-    fn patch(&self, instance: u32, triangle: u32) -> &Patch {
-        match self.patches.as_slice() {
-            [only] => only,
-            patches => patches
+    fn texel(
+        &self,
+        tile: &Tile,
+        footprint: &Footprint,
+        patches: &mut HashMap<(u32, u32), (Patch, bool)>,
+        stream: &Stream,
+    ) -> Texel {
+        let pieces = &tile.pieces[footprint.pieces.start as usize..footprint.pieces.end as usize];
+        let mut cells = Vec::with_capacity(pieces.len());
+        let (mut open, mut before) = (true, 0.0);
+        let mut largest = (0.0, 0);
+        for piece in pieces {
+            let key = (piece.instance, piece.triangle);
+            let (patch, above) = patches.entry(key).or_insert_with(|| {
+                (
+                    Patch::of(self.world, self.errors, key.0, key.1),
+                    self.plan.open.contains(key.0, key.1),
+                )
+            });
+            open &= *above;
+            if piece.cumulative - before > largest.0 {
+                largest = (piece.cumulative - before, piece.instance);
+            }
+            Cell::push(&mut cells, patch, piece, piece.cumulative - before);
+            before = piece.cumulative;
+        }
+        Cell::share(&mut cells);
+        let mean = |of: fn(&Sample) -> DVec3| -> DVec3 {
+            cells
                 .iter()
-                .find(|p| p.instance == instance && p.triangle == triangle)
-                .expect("every piece of the footprint has its patch"),
+                .map(|cell| of(&cell.sample(cell.centre())) * cell.area)
+                .sum()
+        };
+        let first = cells[0].sample(cells[0].centre());
+        let geometric = mean(|s| s.geometric)
+            .try_normalize()
+            .unwrap_or(first.geometric);
+        Texel {
+            x: footprint.x,
+            y: footprint.y,
+            coverage: footprint.coverage,
+            material: self.material(tile, footprint, stream),
+            position: mean(|s| s.position) / before,
+            normal: mean(|s| s.normal).try_normalize().unwrap_or(first.normal),
+            geometric,
+            object: largest.1,
+            open,
+            tilted: !cells.iter().all(Cell::is_flat),
+            cells,
         }
     }
 
-    fn average(&mut self, world: &World, overrides: &Overrides, stream: &Stream) {
-        let mut sum = TexelMaterial::default();
-        for index in 0..SURVEY_POINTS {
-            let [_, _, u, v] = stream.point(index);
-            let point = self.tile.sample(self.footprint, [u, v]);
-            let patch = self.patch(point.instance, point.triangle);
-            let sample = patch.sample(point.weights);
-            self.position += sample.position;
-            self.normal += sample.normal;
-            self.geometric += sample.geometric;
-            let material = material_at(world.scene(), &point);
-            sum.albedo += material.albedo;
-            sum.specular += material.specular;
-            sum.exponent += material.exponent;
-        }
-        let scale = 1.0 / f64::from(SURVEY_POINTS);
-        self.position *= scale;
-        self.normal = self
-            .normal
-            .try_normalize()
-            .unwrap_or(self.patches[0].upward());
-        self.geometric = self
-            .geometric
-            .try_normalize()
-            .unwrap_or(self.patches[0].upward());
-        self.material = TexelMaterial {
-            albedo: overrides
-                .albedo
-                .map_or(sum.albedo * scale, |rgb| Vec3::from(rgb).as_dvec3()),
-            specular: overrides
-                .specular
-                .map_or(sum.specular * scale, |rgb| Vec3::from(rgb).as_dvec3()),
-            exponent: overrides.exponent.unwrap_or(sum.exponent * scale),
+    /// The mean material: by area where no map is looked up, else from points over the footprint.
+    fn material(&self, tile: &Tile, footprint: &Footprint, stream: &Stream) -> TexelMaterial {
+        let scene = self.world.scene();
+        let pieces = &tile.pieces[footprint.pieces.start as usize..footprint.pieces.end as usize];
+        let surface = |instance: u32| {
+            let mesh = &scene.meshes[scene.instances[instance as usize].mesh as usize];
+            &scene.materials[mesh.material as usize].surface
         };
+        let mut sum = TexelMaterial::default();
+        let mut add = |material: TexelMaterial, weight: f64| {
+            sum.albedo += material.albedo * weight;
+            sum.specular += material.specular * weight;
+            sum.exponent += material.exponent * weight;
+        };
+        if pieces
+            .iter()
+            .any(|piece| is_mapped(surface(piece.instance)))
+        {
+            for index in 0..SURVEY_POINTS {
+                let [_, _, u, v] = stream.point(index);
+                let point = tile.sample(footprint, [u, v]);
+                add(material_at(scene, &point), 1.0 / f64::from(SURVEY_POINTS));
+            }
+        } else {
+            let (area, mut before) = (tile.area(footprint), 0.0);
+            for piece in pieces {
+                let point = atlas::SurfacePoint {
+                    instance: piece.instance,
+                    triangle: piece.triangle,
+                    weights: [1.0, 0.0, 0.0],
+                };
+                add(
+                    material_at(scene, &point),
+                    (piece.cumulative - before) / area,
+                );
+                before = piece.cumulative;
+            }
+        }
+        let rgb = |rgb: [f32; 3]| Vec3::from(rgb).as_dvec3();
+        TexelMaterial {
+            albedo: self.overrides.albedo.map_or(sum.albedo, rgb),
+            specular: self.overrides.specular.map_or(sum.specular, rgb),
+            exponent: self.overrides.exponent.unwrap_or(sum.exponent),
+        }
+    }
+}
+
+/// True where the material varies over a surface.
+fn is_mapped(surface: &Surface) -> bool {
+    match surface {
+        Surface::Phong { albedo_map, .. } => albedo_map.is_some(),
+        Surface::MetallicRoughness {
+            base_map,
+            metallic_roughness_map,
+            ..
+        } => base_map.is_some() || metallic_roughness_map.is_some(),
     }
 }
 

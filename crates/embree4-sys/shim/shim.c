@@ -187,9 +187,15 @@ int ambake_occluded1(RTCScene scene, const struct ambake_ray *ray, uint32_t quer
 
 /* The valid mask is as aligned as the packet: vector loads read it. A hit sets tfar to -inf; an active lane starts
  * with tfar > 0, so its sign tells. A lane that is off holds a harmless ray: kernels that split a packet look at it.
- * A packet with every lane off is not traced: some kernels never return from it. */
+ * A packet with every lane off is not traced: some kernels never return from it. The loops over lanes are compiled for
+ * each vector width, and the loader picks one. */
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define EVERY_WIDTH __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define EVERY_WIDTH
+#endif
 #define DEFINE_OCCLUDED(N)                                                                                       \
-    void ambake_occluded##N(RTCScene scene, const struct ambake_packet##N *packets, const uint32_t *active,      \
+    EVERY_WIDTH void ambake_occluded##N(RTCScene scene, const struct ambake_packet##N *packets, const uint32_t *active,      \
                             uint32_t *blocked, size_t count, uint32_t query, float reach)                        \
     {                                                                                                            \
         const int robust = (query & AMBAKE_QUERY_ROBUST) != 0;                                                   \

@@ -32,21 +32,6 @@ const MATRICES: [[u32; 32]; DIMENSIONS] = {
     columns
 };
 
-/// Coordinates of the first 16 points, which every aligned block of 16 shares up to a constant.
-pub(super) const LOW: [[u32; 16]; DIMENSIONS] = {
-    let mut low = [[0; 16]; DIMENSIONS];
-    let mut d = 0;
-    while d < DIMENSIONS {
-        let mut i = 0;
-        while i < 16 {
-            low[d][i] = sobol(d, i as u32);
-            i += 1;
-        }
-        d += 1;
-    }
-    low
-};
-
 const fn direction_numbers((degree, inner, first): (usize, u32, [u32; 3])) -> [u32; 32] {
     // v[k] = m[k] / 2^(k+1) as 32 binary digits; the recurrence on m reads the same on v with a shift by the degree.
     let mut v = [0_u32; 32];

@@ -1,9 +1,6 @@
 //! The sample points of one texel: a pure function of what is baked, never of the order of baking.
 
-use super::sobol::{DIMENSIONS, LOW, scramble, sobol};
-
-/// Points a batch holds: one packet of rays.
-pub const BATCH: usize = 16;
+use super::sobol::{DIMENSIONS, scramble, sobol};
 
 /// Owen-scrambled Sobol points in four dimensions, for one texel, term and replicate.
 ///
@@ -14,8 +11,9 @@ pub const BATCH: usize = 16;
 ///
 /// ```
 /// use ambient::sampling::Stream;
-/// let stream = Stream::new(0, 0, 17, 0, 0);
-/// assert_eq!(stream.point(40)[1], stream.points16(32)[1][8]);
+/// let (a, b) = (Stream::new(0, 0, 17, 0, 0), Stream::new(0, 0, 18, 0, 0));
+/// assert_ne!(a.point(40), b.point(40));
+/// assert_eq!(a.point(40)[..2], b.with_directions(&a).point(40)[..2]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stream {
@@ -41,22 +39,19 @@ impl Stream {
         std::array::from_fn(|d| unit(scramble(sobol(d, index), self.keys[d])))
     }
 
-    /// The points `first_index .. first_index + 16`, one array a dimension; equal to [`Stream::point`] bit by bit.
-    ///
-    /// # Panics
-    ///
-    /// If `first_index` is not a multiple of [`BATCH`].
-    #[inline]
-    pub fn points16(&self, first_index: u32) -> [[f64; BATCH]; DIMENSIONS] {
-        assert!(
-            first_index.is_multiple_of(BATCH as u32),
-            "first_index {first_index} is not a multiple of {BATCH}"
-        );
-        std::array::from_fn(|d| {
-            let high = sobol(d, first_index);
-            let key = self.keys[d];
-            LOW[d].map(|low| unit(scramble(high ^ low, key)))
-        })
+    /// This stream with the first two dimensions, the direction, of another: texels that share `directions` send parallel
+    /// rays from independent places.
+    pub fn with_directions(self, directions: &Stream) -> Stream {
+        let [d0, d1, ..] = directions.keys;
+        let [_, _, p0, p1] = self.keys;
+        Stream {
+            keys: [d0, d1, p0, p1],
+        }
+    }
+
+    /// What randomises a dimension.
+    pub(super) fn key(&self, dimension: usize) -> u64 {
+        self.keys[dimension]
     }
 }
 
@@ -133,19 +128,6 @@ mod tests {
                 counts[k as usize] = boxes.into_iter().max().unwrap_or(0);
             }
             assert_eq!(counts, [1 << t; 9], "dimensions {dims:?}");
-        }
-    }
-
-    #[test]
-    fn batches_equal_single_points_up_to_the_last_index() {
-        let stream = Stream::new(u64::MAX, 1, 2, 3, 4);
-        for first in [0, 16, 65_536, 0x8000_0010, u32::MAX - 15] {
-            let batch = stream.points16(first);
-            for i in 0..16 {
-                let point = stream.point(first + i);
-                assert_eq!(point, batch.map(|row| row[i as usize]));
-                assert!(point.iter().all(|&x| x > 0.0 && x < 1.0));
-            }
         }
     }
 

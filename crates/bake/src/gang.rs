@@ -1,0 +1,348 @@
+//! Sixteen sample streams walked in step: each lane is one replicate of one texel, each step casts one packet.
+//!
+//! Texels that share directions stand side by side in a gang, so its packets hold parallel rays from neighbouring
+//! places. All arithmetic runs over arrays of sixteen, in whatever vector width the machine has; no fused operation is used, so that
+//! every machine gets the same bits.
+
+#![allow(
+    clippy::needless_range_loop,
+    reason = "a lane is one index into many arrays"
+)]
+
+use crate::cell::Cell;
+use crate::integrate::{Sums, Task, Term};
+use crate::options::View;
+use crate::texel::Texel;
+use ambient::sampling::{LANES, Lobe, Stream, Streams, Wide};
+use embree::{Coherence, RayPacket};
+use glam::DVec3;
+use pulp::{Simd, WithSimd};
+use std::ops::Range;
+
+/// One lane: a texel of the tile and one of its replicates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Lane {
+    /// Index into the tile's texels.
+    pub texel: usize,
+    pub replicate: usize,
+}
+
+/// f64 numbers of all lanes.
+type Deep = [f64; LANES];
+
+/// The surfaces under the lanes, as structures of arrays: see [`Cell`] for what each is.
+#[derive(Clone)]
+struct Surfaces {
+    position: [[Deep; 3]; 3],
+    /// Geometric normal times offset.
+    lift: [Deep; 3],
+    normal: [[Wide; 3]; 3],
+    geometric: [Wide; 3],
+    /// Start, inverse share and fold.
+    place: [Wide; 3],
+}
+
+/// Up to sixteen lanes and what they have gathered.
+pub(crate) struct Gang<'a> {
+    texels: &'a [Texel],
+    lanes: &'a [Lane],
+    streams: Streams,
+    surfaces: Surfaces,
+    /// Cell under each lane.
+    cell: [usize; LANES],
+    /// Lanes whose cell must be looked up at each point: their texels have several.
+    walkers: u32,
+    /// Lanes in use, and those among them that nothing stands above.
+    used: u32,
+    open: u32,
+    /// 1 / (n + 1) of each lane's lobe.
+    lobe_scale: Wide,
+    packet: RayPacket<LANES>,
+    sums: LaneSums,
+}
+
+/// Sums over a lane's rays: weights of all rays and of the open ones, for two terms; bent normal; rays cast.
+#[derive(Clone, Default)]
+struct LaneSums {
+    all: [Deep; 2],
+    open: [Deep; 2],
+    bent: [Deep; 3],
+    rays: [u32; LANES],
+}
+
+/// What one step sends out.
+struct Step {
+    directions: [Wide; 3],
+    /// Weights of each ray in the two sums.
+    weights: [Wide; 2],
+    /// Lanes whose ray leaves the surface upward.
+    above: u32,
+}
+
+impl<'a> Gang<'a> {
+    /// A gang of at most sixteen lanes at the start of their streams.
+    pub fn new(
+        task: &Task<'_>,
+        texels: &'a [Texel],
+        lanes: &'a [Lane],
+        stream: impl Fn(&Texel, u32) -> Stream,
+    ) -> Self {
+        assert!(lanes.len() <= LANES, "{} lanes in a gang", lanes.len());
+        let mut gang = Self {
+            texels,
+            lanes,
+            streams: Streams::new(task.points),
+            surfaces: Surfaces {
+                position: [[[0.0; LANES]; 3]; 3],
+                lift: [[0.0; LANES]; 3],
+                normal: [[[0.0; LANES]; 3]; 3],
+                geometric: [[0.0; LANES]; 3],
+                place: [[0.0; LANES]; 3],
+            },
+            cell: [0; LANES],
+            walkers: 0,
+            used: 0,
+            open: 0,
+            lobe_scale: [1.0; LANES],
+            packet: RayPacket::default(),
+            sums: LaneSums::default(),
+        };
+        gang.packet.t_max = [task.t_max; LANES];
+        for (l, lane) in lanes.iter().enumerate() {
+            let texel = &texels[lane.texel];
+            gang.streams.set(l, &stream(texel, lane.replicate as u32));
+            gang.used |= 1 << l;
+            gang.open |= u32::from(texel.open) << l;
+            if texel.cells.len() > 1 {
+                gang.walkers |= 1 << l;
+            }
+            gang.lobe_scale[l] = (1.0 / (texel.material.exponent + 1.0)) as f32;
+            gang.surfaces.set(l, &texel.cells[0]);
+        }
+        gang
+    }
+
+    /// Casts the points `range` of every lane.
+    pub fn cast(&mut self, task: &Task<'_>, term: Term, range: Range<u32>) {
+        struct Run<'g, 'a, 't>(&'g mut Gang<'a>, &'g Task<'t>, Term, Range<u32>);
+        impl WithSimd for Run<'_, '_, '_> {
+            type Output = ();
+            #[inline(always)]
+            fn with_simd<S: Simd>(self, _: S) {
+                self.0.run(self.1, self.2, self.3);
+            }
+        }
+        task.arch.dispatch(Run(self, task, term, range));
+    }
+
+    #[inline(always)]
+    fn run(&mut self, task: &Task<'_>, term: Term, range: Range<u32>) {
+        for index in range {
+            let [u0, u1, v0, v1] = self.streams.point(index);
+            let mut walkers = self.walkers;
+            while walkers != 0 {
+                let l = walkers.trailing_zeros() as usize;
+                walkers &= walkers - 1;
+                let texel = &self.texels[self.lanes[l].texel];
+                let cell = texel.choose(v0[l]);
+                if cell != self.cell[l] {
+                    self.cell[l] = cell;
+                    self.surfaces.set(l, &texel.cells[cell]);
+                }
+            }
+            let at = self.surfaces.places(&v0, &v1);
+            let step = self.step(task, term, [&u0, &u1], &at);
+            let active = step.above & self.used;
+            let cast = active & !self.open;
+            let blocked = if cast == 0 {
+                0
+            } else {
+                task.backend
+                    .occluded16(&self.packet, cast, Coherence::Coherent)
+            };
+            self.sums.add(&step, active & !blocked, cast, task.bent);
+        }
+    }
+
+    /// Fills the packet with the rays of one point of every lane.
+    #[inline(always)]
+    fn step(&mut self, task: &Task<'_>, term: Term, [u0, u1]: [&Wide; 2], at: &[Wide; 2]) -> Step {
+        let (normal, side) = self.surfaces.normals(at);
+        self.surfaces.origins(at, &side, &mut self.packet.origin);
+        let (local, weights, axis) = match term {
+            Term::Hemisphere => {
+                let local = task.mixture.sample16(u0, u1);
+                let weights = task.mixture.weights16(&local[2]);
+                (local, weights, normal)
+            }
+            Term::Lobe => {
+                let local = Lobe::sample16(&self.lobe_scale, u0, u1);
+                let axis = match task.view {
+                    View::Normal => normal,
+                    View::Eye(eye) => mirrored(&normal, &self.packet.origin, eye),
+                };
+                (local, [[1.0; LANES]; 2], axis)
+            }
+        };
+        let directions = to_world(&axis, &local);
+        let geometric = &self.surfaces.geometric;
+        let mut above = 0;
+        for l in 0..LANES {
+            let dot = |a: &[Wide; 3]| {
+                a[0][l] * directions[0][l] + a[1][l] * directions[1][l] + a[2][l] * directions[2][l]
+            };
+            above |= u32::from((dot(geometric) * side[l] > 0.0) & (dot(&normal) > 0.0)) << l;
+        }
+        self.packet.direction = directions;
+        Step {
+            directions,
+            weights,
+            above,
+        }
+    }
+
+    /// Adds what the lanes have gathered to their texels' replicates.
+    pub fn collect(&self, sums: &mut [[Sums; crate::integrate::REPLICATES as usize]]) {
+        for (l, lane) in self.lanes.iter().enumerate() {
+            let into = &mut sums[lane.texel][lane.replicate];
+            let s = &self.sums;
+            into.first.0 += s.open[0][l];
+            into.first.1 += s.all[0][l];
+            into.second.0 += s.open[1][l];
+            into.second.1 += s.all[1][l];
+            into.bent += DVec3::new(s.bent[0][l], s.bent[1][l], s.bent[2][l]);
+            into.rays += u64::from(s.rays[l]);
+        }
+    }
+}
+
+impl Surfaces {
+    fn set(&mut self, lane: usize, cell: &Cell) {
+        for axis in 0..3 {
+            for k in 0..3 {
+                self.position[k][axis][lane] = cell.position[k][axis];
+                self.normal[k][axis][lane] = cell.normal[k][axis] as f32;
+            }
+            self.lift[axis][lane] = cell.geometric[axis] * cell.offset;
+            self.geometric[axis][lane] = cell.geometric[axis] as f32;
+        }
+        self.place[0][lane] = cell.start;
+        self.place[1][lane] = cell.inverse_share();
+        self.place[2][lane] = cell.fold;
+    }
+
+    /// (s, t) in the cells of points of the unit square.
+    #[inline(always)]
+    fn places(&self, v0: &Wide, v1: &Wide) -> [Wide; 2] {
+        let mut at = [[0.0; LANES]; 2];
+        for l in 0..LANES {
+            let place = [self.place[0][l], self.place[1][l], self.place[2][l]];
+            [at[0][l], at[1][l]] = Cell::place(place, [v0[l], v1[l]]);
+        }
+        at
+    }
+
+    /// Unit shading normals, and the side of the geometric normals that they are on: 1 or -1.
+    #[inline(always)]
+    fn normals(&self, [s, t]: &[Wide; 2]) -> ([Wide; 3], Wide) {
+        let mut unit = [[0.0; LANES]; 3];
+        let mut side = [0.0; LANES];
+        let ([n0, ns, nt], g) = (&self.normal, &self.geometric);
+        for l in 0..LANES {
+            let n = [0, 1, 2].map(|a: usize| n0[a][l] + ns[a][l] * s[l] + nt[a][l] * t[l]);
+            let square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+            // Corner normals that cancel: the geometric normal stands in.
+            let has_length = square > 1e-20;
+            let scale = 1.0 / (if has_length { square } else { 1.0 }).sqrt();
+            let n = [0, 1, 2].map(|a: usize| if has_length { n[a] * scale } else { g[a][l] });
+            let cos = n[0] * g[0][l] + n[1] * g[1][l] + n[2] * g[2][l];
+            side[l] = if cos < 0.0 { -1.0 } else { 1.0 };
+            for a in 0..3 {
+                unit[a][l] = n[a];
+            }
+        }
+        (unit, side)
+    }
+
+    /// Ray origins: positions in f64, lifted off the surface, rounded once.
+    #[inline(always)]
+    fn origins(&self, [s, t]: &[Wide; 2], side: &Wide, out: &mut [Wide; 3]) {
+        for a in 0..3 {
+            let [p0, ps, pt] = &self.position;
+            for l in 0..LANES {
+                let (s, t) = (f64::from(s[l]), f64::from(t[l]));
+                let p = p0[a][l] + ps[a][l] * s + pt[a][l] * t;
+                out[a][l] = (p + self.lift[a][l] * f64::from(side[l])) as f32;
+            }
+        }
+    }
+}
+
+impl LaneSums {
+    #[inline(always)]
+    fn add(&mut self, step: &Step, open: u32, cast: u32, bent: bool) {
+        let mut is_open = [0.0; LANES];
+        for l in 0..LANES {
+            is_open[l] = (open >> l & 1) as f32;
+            self.rays[l] += cast >> l & 1;
+        }
+        for k in 0..2 {
+            for l in 0..LANES {
+                let w = step.weights[k][l];
+                self.all[k][l] += f64::from(w);
+                self.open[k][l] += f64::from(w * is_open[l]);
+            }
+        }
+        if bent {
+            for a in 0..3 {
+                for l in 0..LANES {
+                    let w = step.weights[0][l] * is_open[l];
+                    self.bent[a][l] += f64::from(w * step.directions[a][l]);
+                }
+            }
+        }
+    }
+}
+
+/// Local directions in the world, about unit axes. T. Duff and others, "Building an Orthonormal Basis, Revisited", JCGT
+/// 2017.
+#[inline(always)]
+fn to_world(axis: &[Wide; 3], local: &[Wide; 3]) -> [Wide; 3] {
+    let mut out = [[0.0; LANES]; 3];
+    for l in 0..LANES {
+        let [x, y, z] = [axis[0][l], axis[1][l], axis[2][l]];
+        let sign = 1.0_f32.copysign(z);
+        let a = -1.0 / (sign + z);
+        let b = x * y * a;
+        let [i, j, k] = [local[0][l], local[1][l], local[2][l]];
+        out[0][l] = (1.0 + sign * x * x * a) * i + b * j + x * k;
+        out[1][l] = sign * b * i + (sign + y * y * a) * j + y * k;
+        out[2][l] = -sign * x * i - y * j + z * k;
+    }
+    out
+}
+
+/// R = 2 (N.V) N - V for an eye point: the axes of the specular lobes. V = N where the eye stands on the surface.
+#[inline(always)]
+fn mirrored(normal: &[Wide; 3], origin: &[Wide; 3], eye: DVec3) -> [Wide; 3] {
+    let mut out = [[0.0; LANES]; 3];
+    for l in 0..LANES {
+        let v = [0, 1, 2].map(|a: usize| (eye[a] - f64::from(origin[a][l])) as f32);
+        let n = [normal[0][l], normal[1][l], normal[2][l]];
+        let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
+        let has_length = largest > 0.0;
+        let v = v.map(|c| c / if has_length { largest } else { 1.0 });
+        let square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        let scale = 1.0 / (if has_length { square } else { 1.0 }).sqrt();
+        let v = v.map(|c| c * scale);
+        let twice = 2.0 * (n[0] * v[0] + n[1] * v[1] + n[2] * v[2]);
+        for a in 0..3 {
+            out[a][l] = if has_length {
+                twice * n[a] - v[a]
+            } else {
+                n[a]
+            };
+        }
+    }
+    out
+}
