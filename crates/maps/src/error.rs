@@ -1,0 +1,42 @@
+//! What can go wrong with a map.
+
+use std::path::PathBuf;
+
+/// A failure with one line that names the file, the place and the cure.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// A file cannot be read, or is not what it should be.
+    #[error("cannot read {}: {reason}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it and what to do.
+        reason: String,
+    },
+    /// A pixel is no radiance: NaN, infinite or negative.
+    #[error("{}: {channel} of pixel ({x}, {y}) is {value}; radiance is finite and at least 0, repair the picture", path.display())]
+    Pixel {
+        /// The file.
+        path: PathBuf,
+        /// Column from the left, from 0.
+        x: usize,
+        /// Row from the top, from 0.
+        y: usize,
+        /// `red`, `green` or `blue`.
+        channel: &'static str,
+        /// The value.
+        value: f32,
+    },
+    /// A picture or a request of a shape that the job cannot use.
+    #[error("{0}")]
+    Shape(String),
+    /// A value that the chosen file format cannot hold.
+    #[error("cannot encode the picture: {0}")]
+    Encode(String),
+    /// A lobe that is no reflectance function.
+    #[error("unusable lobe: {0}")]
+    Lobe(String),
+}
+
+/// A read error without its file; [`crate::read`] adds it.
+pub(crate) type Reason = String;

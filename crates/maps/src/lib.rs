@@ -1,0 +1,16 @@
+//! Illumination maps and reflection maps: G. Miller, R. Hoffman, "Illumination and Reflection Maps" (1984).
+//!
+//! An [`Image`] read from a file becomes, with a [`Projection`], the radiance that arrives from every direction. The
+//! crate opens image files and encodes them into memory; it creates no files and prints nothing.
+#![forbid(unsafe_code)]
+
+mod error;
+mod exr_file;
+mod file;
+mod hdr;
+mod image;
+mod painted;
+
+pub use error::Error;
+pub use file::{Format, ImageFile, Labels, encode, read, read_unchecked};
+pub use image::Image;
