@@ -43,7 +43,7 @@ fn differences(a: &[(String, Vec<u8>)], b: &[(String, Vec<u8>)]) -> Vec<String> 
 #[test]
 fn help_names_every_verb_and_the_unit_of_every_quantity() {
     let help = run_well(["--help"]);
-    for verb in ["bake", "plan", "compare", "doctor"] {
+    for verb in ["bake", "plan", "compare", "render", "doctor"] {
         assert!(help.contains(verb), "{help}");
     }
     let help = run_well(["bake", "--help"]).to_lowercase();

@@ -8,4 +8,5 @@ mod cli;
 mod exact;
 mod models;
 mod parity;
+mod render;
 mod support;

@@ -20,6 +20,8 @@ pub enum Verb {
     Plan(Plan),
     /// Traditional against Lambert against Phong from a finished bake, or any two EXR pages
     Compare(Compare),
+    /// A picture of a scene through a camera, shaded by an ambient model and lights
+    Render(Box<crate::render::Args>),
     /// Tells which ray libraries were really loaded and what they can do; exit 1 if one is unusable
     Doctor(Doctor),
 }
@@ -179,7 +181,7 @@ fn number(text: &str) -> Result<f64, String> {
     }
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+pub fn positive(text: &str) -> Result<f64, String> {
     match number(text)? {
         value if value > 0.0 && (value as f32).is_finite() && value as f32 > 0.0 => Ok(value),
         _ => Err("must be above 0".into()),
@@ -193,14 +195,14 @@ fn target_error(text: &str) -> Result<f64, String> {
     }
 }
 
-fn exponent(text: &str) -> Result<f64, String> {
+pub fn exponent(text: &str) -> Result<f64, String> {
     match number(text)? {
         value if (0.0..=1e6).contains(&value) => Ok(value),
         _ => Err("must be between 0 and 1e6".into()),
     }
 }
 
-fn triple(text: &str) -> Result<[f64; 3], String> {
+pub fn triple(text: &str) -> Result<[f64; 3], String> {
     let parts: Vec<&str> = text.split(',').collect();
     match parts.as_slice() {
         [a, b, c] => Ok([number(a)?, number(b)?, number(c)?]),
@@ -208,12 +210,51 @@ fn triple(text: &str) -> Result<[f64; 3], String> {
     }
 }
 
-fn color(text: &str) -> Result<[f32; 3], String> {
+pub fn color(text: &str) -> Result<[f32; 3], String> {
     let values = triple(text)?.map(|v| v as f32);
     if values.iter().all(|v| v.is_finite() && *v >= 0.0) {
         Ok(values)
     } else {
         Err("each must be 0 or above".into())
+    }
+}
+
+pub fn light(text: &str) -> Result<[f64; 4], String> {
+    let parts: Vec<&str> = text.split(',').collect();
+    let [x, y, z, e] = parts.as_slice() else {
+        return Err("expected four numbers separated by commas".into());
+    };
+    let values = [number(x)?, number(y)?, number(z)?, number(e)?];
+    match values {
+        [.., e] if e < 0.0 => Err("the last must be 0 or above".into()),
+        _ => Ok(values),
+    }
+}
+
+/// [`light`] whose place is a direction.
+pub fn sun(text: &str) -> Result<[f64; 4], String> {
+    let values = light(text)?;
+    match values {
+        [0.0, 0.0, 0.0, _] => Err("0,0,0 is no direction".into()),
+        _ => Ok(values),
+    }
+}
+
+pub fn field_of_view(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        value if value > 0.0 && value < 180.0 => Ok(value),
+        _ => Err("must be above 0 and below 180".into()),
+    }
+}
+
+pub fn size(text: &str) -> Result<[u32; 2], String> {
+    let edge = |text: &str| match text.trim().parse::<u32>() {
+        Ok(edge) if (1..=16_384).contains(&edge) => Ok(edge),
+        _ => Err(format!("`{text}` is not a number between 1 and 16384")),
+    };
+    match text.split_once('x') {
+        Some((width, height)) => Ok([edge(width)?, edge(height)?]),
+        None => Err("expected WIDTHxHEIGHT, such as 960x540".into()),
     }
 }
 

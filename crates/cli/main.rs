@@ -13,6 +13,7 @@ mod host;
 mod options;
 mod plan;
 mod progress;
+mod render;
 mod stop;
 mod summary;
 
@@ -36,6 +37,7 @@ fn main() -> ExitCode {
         args::Verb::Bake(bake) => bake::run(bake),
         args::Verb::Plan(plan) => plan::run(plan),
         args::Verb::Compare(compare) => compare::run(compare),
+        args::Verb::Render(render) => render::run(render),
         args::Verb::Doctor(doctor) => doctor::run(doctor),
     };
     match result {

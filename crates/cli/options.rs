@@ -59,7 +59,12 @@ pub fn atlas_options(job: &Job) -> atlas::Options {
 
 /// The asked backend, or the best one that is built in.
 pub fn backend(job: &Job) -> BackendKind {
-    match job.backend {
+    backend_kind(job.backend)
+}
+
+/// The chosen backend, or the best one that is built in.
+pub fn backend_kind(choice: Option<Backend>) -> BackendKind {
+    match choice {
         Some(Backend::Embree) => BackendKind::Embree,
         Some(Backend::Obvhs) => BackendKind::Obvhs(Layout::Cwbvh),
         Some(Backend::ObvhsBvh2) => BackendKind::Obvhs(Layout::Bvh2),

@@ -81,6 +81,7 @@ pub(crate) fn placed_scene(meshes: Vec<Mesh>, placed: &[(u32, DAffine3)]) -> Sce
                 specular: Vec3::ZERO,
                 exponent: 0.0,
             },
+            emission: Vec3::ZERO,
             alpha: Alpha::Opaque,
             double_sided: true,
         }],

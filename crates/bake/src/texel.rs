@@ -180,11 +180,18 @@ impl Surveyor<'_> {
                 before = piece.cumulative;
             }
         }
+        self.overrides.applied(sum)
+    }
+}
+
+impl Overrides {
+    /// The material with what is overridden.
+    pub fn applied(&self, material: TexelMaterial) -> TexelMaterial {
         let rgb = |rgb: [f32; 3]| Vec3::from(rgb).as_dvec3();
         TexelMaterial {
-            albedo: self.overrides.albedo.map_or(sum.albedo, rgb),
-            specular: self.overrides.specular.map_or(sum.specular, rgb),
-            exponent: self.overrides.exponent.unwrap_or(sum.exponent),
+            albedo: self.albedo.map_or(material.albedo, rgb),
+            specular: self.specular.map_or(material.specular, rgb),
+            exponent: self.exponent.unwrap_or(material.exponent),
         }
     }
 }
@@ -202,7 +209,7 @@ fn is_mapped(surface: &Surface) -> bool {
 }
 
 /// The Phong parameters at a surface point.
-fn material_at(scene: &Scene, point: &atlas::SurfacePoint) -> TexelMaterial {
+pub(crate) fn material_at(scene: &Scene, point: &atlas::SurfacePoint) -> TexelMaterial {
     let mesh = &scene.meshes[scene.instances[point.instance as usize].mesh as usize];
     let indices = mesh.triangles[point.triangle as usize];
     let uv = |set: u32| -> Vec2 {

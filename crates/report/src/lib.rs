@@ -15,6 +15,7 @@ mod gltf;
 mod glyphs;
 mod output;
 mod page;
+mod picture;
 mod preview;
 
 pub use bake_json::*;
@@ -29,4 +30,5 @@ pub use exr_write::{PageHeader, write_page_exr};
 pub use gltf::write_gltf;
 pub use output::Output;
 pub use page::{Channel, Layer, Page};
+pub use picture::picture_png;
 pub use preview::{Encoding, occlusion_png, preview_png};

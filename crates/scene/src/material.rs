@@ -67,6 +67,7 @@ pub(crate) fn untinted(name: &str) -> Material {
             specular: Vec3::ZERO,
             exponent: 0.0,
         },
+        emission: Vec3::ZERO,
         alpha: Alpha::Opaque,
         double_sided: true,
     }

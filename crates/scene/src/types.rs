@@ -99,6 +99,8 @@ pub struct Material {
     pub name: String,
     /// Surface colour model.
     pub surface: Surface,
+    /// Radiance that the surface sends out by itself, linear (OBJ `Ke`; glTF `emissiveFactor` times its strength).
+    pub emission: Vec3,
     /// How alpha lets rays pass.
     pub alpha: Alpha,
     /// Both sides are visible surfaces (glTF `doubleSided`; OBJ is always double sided). Occluders always are.

@@ -43,6 +43,7 @@ pub fn scene(meshes: Vec<Mesh>, instances: &[(u32, u32, DAffine3)]) -> Scene {
                 specular: Vec3::ZERO,
                 exponent: 0.0,
             },
+            emission: Vec3::ZERO,
             alpha: Alpha::Opaque,
             double_sided: true,
         }],

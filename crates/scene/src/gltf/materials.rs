@@ -59,6 +59,15 @@ fn material(
     // Fresnel at normal view, then KHR_materials_specular: the tint is clamped before the factor weakens it.
     let normal_view = ((ior - 1.0) / (ior + 1.0)).powi(2) as f32;
     let dielectric = (normal_view * tint).min(Vec3::ONE) * factor;
+    let strength = extensions
+        .and_then(|e| e.others.get("KHR_materials_emissive_strength"))
+        .and_then(|e| e.get("emissiveStrength"))
+        .and_then(serde_json::Value::as_f64)
+        .map_or(1.0, |strength| {
+            clamped(strength as f32, 0.0, f32::MAX, 1.0, &mut changed)
+        });
+    let emission = Vec3::from_array(json.emissive_factor.0)
+        .map(|e| clamped(e * strength, 0.0, f32::MAX, 0.0, &mut changed));
     input.warn(
         "clamped-factors",
         place.as_str(),
@@ -69,6 +78,12 @@ fn material(
     let maps = specular.map_or(0, |s| {
         s.specular_texture.is_some() as u64 + s.specular_color_texture.is_some() as u64
     });
+    input.warn(
+        "unread-textures",
+        place.as_str(),
+        json.emissive_texture.is_some() as u64,
+        "emissiveTexture is not read; emissiveFactor stands alone",
+    );
     input.warn(
         "unread-textures",
         place.as_str(),
@@ -122,6 +137,7 @@ fn material(
     Material {
         name,
         surface,
+        emission,
         alpha,
         double_sided: json.double_sided,
     }

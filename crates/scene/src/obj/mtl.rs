@@ -100,6 +100,8 @@ fn parsed(input: &mut Input, path: &Path, bytes: &[u8]) -> Result<Vec<tobj::Mate
             ("kd", [grey]) => format!("Kd {grey} {grey} {grey}"),
             ("ks", [r, g, b, ..]) => format!("Ks {r} {g} {b}"),
             ("ks", [grey]) => format!("Ks {grey} {grey} {grey}"),
+            ("ke", [r, g, b, ..]) => format!("Ke {r} {g} {b}"),
+            ("ke", [grey]) => format!("Ke {grey} {grey} {grey}"),
             ("ns", [n, ..]) => format!("Ns {n}"),
             ("d", [d, ..]) => format!("d {d}"),
             ("d", []) if rest.starts_with("-halo") => {
@@ -110,7 +112,10 @@ fn parsed(input: &mut Input, path: &Path, bytes: &[u8]) -> Result<Vec<tobj::Mate
             ("map_kd", _) if !rest.is_empty() => format!("map_Kd {rest}"),
             ("map_ks", _) if !rest.is_empty() => format!("map_Ks {rest}"),
             ("map_d", _) if !rest.is_empty() => format!("map_d {rest}"),
-            ("kd" | "ks" | "ns" | "d" | "tr" | "newmtl" | "map_kd" | "map_ks" | "map_d", _) => {
+            (
+                "kd" | "ks" | "ke" | "ns" | "d" | "tr" | "newmtl" | "map_kd" | "map_ks" | "map_d",
+                _,
+            ) => {
                 ignored += 1;
                 continue;
             }
@@ -155,6 +160,13 @@ fn material(
         0.0,
         &mut changed,
     ) as f64;
+    let emission = raw.unknown_param.get("Ke").map_or(Vec3::ZERO, |text| {
+        let mut parts = text.split_whitespace().map(|part| part.parse::<f32>());
+        Vec3::from_array(std::array::from_fn(|_| match parts.next() {
+            Some(Ok(value)) => clamped(value, 0.0, f32::MAX, 0.0, &mut changed),
+            _ => 0.0,
+        }))
+    });
     let see_through = raw
         .unknown_param
         .get("Tr")
@@ -213,6 +225,7 @@ fn material(
     Ok(Material {
         name: raw.name.clone(),
         surface,
+        emission,
         alpha,
         double_sided: true,
     })

@@ -1,0 +1,181 @@
+//! Direct pictures against answers known on paper.
+
+use crate::fixture::{Sheet, ground, white, world};
+use crate::{Camera, Direct, Light, Model, Sample, picture};
+use ambient::closed_form::phong_open;
+use bake::{Overrides, RayBackend, Surfaces};
+use glam::{DVec3, Vec3};
+use maps::Image;
+use std::f64::consts::PI;
+
+fn direct<'a>(surfaces: &'a Surfaces<'a>, backend: &'a dyn RayBackend, model: Model) -> Direct<'a> {
+    Direct {
+        surfaces,
+        backend,
+        model,
+        rays: 1024,
+        sky: DVec3::ONE,
+        background: DVec3::ZERO,
+        lights: &[],
+        max_distance: f32::INFINITY,
+        overrides: Overrides::default(),
+        seed: 0,
+        luminous: false,
+    }
+}
+
+fn seen(eye: DVec3, target: DVec3, pixel: u32) -> Sample {
+    Sample {
+        pixel,
+        number: 0,
+        eye,
+        direction: (target - eye).normalize(),
+    }
+}
+
+/// Mean and standard error over independent pixels.
+fn mean(direct: &Direct<'_>, eye: DVec3, target: DVec3) -> (f64, f64) {
+    let values: Vec<f64> = (0..64)
+        .map(|pixel| direct.radiance(&seen(eye, target, pixel)).x)
+        .collect();
+    let mean = values.iter().sum::<f64>() / 64.0;
+    let square: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+    (mean, (square / 63.0 / 64.0).sqrt())
+}
+
+#[test]
+fn an_open_plane_shows_the_sky_by_its_albedo_in_the_diffuse_models() {
+    let mut sheet = ground();
+    sheet.albedo = Vec3::new(0.5, 0.25, 1.0);
+    let (world, backend) = world(&[sheet]);
+    let surfaces = Surfaces::new(&world);
+    for model in [Model::Traditional, Model::Lambert] {
+        let shader = direct(&surfaces, backend.as_ref(), model);
+        let value = shader.radiance(&seen(DVec3::new(3.0, 2.0, 1.0), DVec3::ZERO, 0));
+        assert_eq!(value, DVec3::new(0.5, 0.25, 1.0), "{model:?}");
+    }
+}
+
+#[test]
+fn a_wall_darkens_the_floor_as_its_closed_forms_say() {
+    let wall = white([Vec3::new(0.0, 0.0, -4096.0), Vec3::Y, Vec3::Z * 8192.0]);
+    let (world, backend) = world(&[ground(), wall]);
+    let surfaces = Surfaces::new(&world);
+    let (d, eye) = (0.5_f64, DVec3::new(3.0, 2.0, 0.3));
+    let angle = (1.0 / d).atan();
+    for (model, exact) in [
+        (Model::Traditional, 1.0 - angle / PI),
+        (Model::Lambert, 0.5 * (1.0 + angle.cos())),
+    ] {
+        let shader = direct(&surfaces, backend.as_ref(), model);
+        let (value, error) = mean(&shader, eye, DVec3::new(d, 0.0, 0.3));
+        // The far ends of the wall miss less than 1e-4 of the hemisphere.
+        assert!(
+            (value - exact).abs() < 5.0 * error + 1e-4,
+            "{model:?}: {value} ± {error} for {exact}"
+        );
+    }
+}
+
+#[test]
+fn the_phong_lobe_follows_the_eye_on_an_open_plane() {
+    let mut sheet = ground();
+    sheet.albedo = Vec3::ZERO;
+    sheet.specular = Vec3::ONE;
+    sheet.exponent = 5.0;
+    let (world, backend) = world(&[sheet]);
+    let surfaces = Surfaces::new(&world);
+    let shader = direct(&surfaces, backend.as_ref(), Model::Phong);
+    for theta in [0.0, 0.5, 1.0, 1.4] {
+        let (sin, cos) = f64::sin_cos(theta);
+        let exact = phong_open(5.0, cos, sin);
+        let (value, error) = mean(&shader, DVec3::new(4.0 * sin, 4.0 * cos, 0.0), DVec3::ZERO);
+        assert!(
+            (value - exact).abs() <= 5.0 * error + 1e-6,
+            "{theta}: {value} ± {error} for {exact}"
+        );
+    }
+}
+
+#[test]
+fn lights_follow_the_cosine_and_cast_shadows() {
+    let roof = white([Vec3::new(1.0, 1.0, -1.0), Vec3::Z * 2.0, Vec3::X * 2.0]);
+    let (world, backend) = world(&[ground(), roof]);
+    let surfaces = Surfaces::new(&world);
+    let mut shader = direct(&surfaces, backend.as_ref(), Model::Lambert);
+    shader.rays = 0;
+    let lights = [
+        Light::Distant {
+            toward: DVec3::new(0.0, 0.6, 0.8),
+            irradiance: 2.0,
+        },
+        Light::Point {
+            position: DVec3::new(0.0, 2.0, 0.0),
+            intensity: 8.0,
+        },
+    ];
+    let eye = DVec3::new(0.0, 0.5, -3.0);
+    for (lights, at, exact) in [
+        (&lights[..1], DVec3::new(-1.0, 0.0, 0.0), 0.6 * 2.0 / PI),
+        (&lights[..1], DVec3::new(2.0, 0.0, -1.0), 0.0),
+        (&lights[1..], DVec3::ZERO, 2.0 / PI),
+        (&lights[1..], DVec3::new(3.0, 0.0, 0.0), 0.0),
+        (
+            &lights[1..],
+            DVec3::new(-2.0, 0.0, 0.0),
+            8.0 / 8.0 * 0.5f64.sqrt() / PI,
+        ),
+    ] {
+        shader.lights = lights;
+        let value = shader.radiance(&seen(eye, at, 0)).x;
+        // The ray's direction is rounded to f32, which moves the lit point.
+        assert!((value - exact).abs() < 1e-6, "{at}: {value} for {exact}");
+    }
+}
+
+#[test]
+fn a_luminous_patch_lights_the_floor_by_its_form_factor() {
+    let patch = Sheet {
+        emission: Vec3::splat(10.0),
+        ..white([Vec3::new(0.0, 1.0, 0.0), Vec3::X * 2.0, Vec3::Z])
+    };
+    let (world, backend) = world(&[ground(), patch]);
+    let surfaces = Surfaces::new(&world);
+    let mut shader = direct(&surfaces, backend.as_ref(), Model::Lambert);
+    shader.luminous = true;
+    shader.sky = DVec3::ZERO;
+    // Form factor of a parallel rectangle of 2 by 1 at height 1 over its corner.
+    let (a, b) = (5.0f64.sqrt(), 2.0f64.sqrt());
+    let factor = (2.0 / a * (1.0 / a).atan() + 1.0 / b * (2.0 / b).atan()) / (2.0 * PI);
+    let (value, error) = mean(&shader, DVec3::new(-2.0, 0.5, -2.0), DVec3::ZERO);
+    assert!(
+        (value - 10.0 * factor).abs() < 5.0 * error,
+        "{value} ± {error} for {}",
+        10.0 * factor
+    );
+    let patch = shader.radiance(&seen(
+        DVec3::new(1.0, 0.2, 0.5),
+        DVec3::new(1.0, 1.0, 0.5),
+        0,
+    ));
+    assert_eq!(patch, DVec3::splat(10.0));
+}
+
+#[test]
+fn a_picture_is_the_same_at_any_thread_count() {
+    let wall = white([Vec3::new(0.0, 0.0, -8.0), Vec3::Y, Vec3::Z * 16.0]);
+    let (world, backend) = world(&[ground(), wall]);
+    let surfaces = Surfaces::new(&world);
+    let shader = Direct {
+        rays: 20,
+        ..direct(&surfaces, backend.as_ref(), Model::Phong)
+    };
+    let eye = DVec3::new(4.0, 3.0, 2.0);
+    let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, 0.7, [40, 30]).unwrap();
+    let take = |threads| -> Image {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let pool = pool.build().unwrap();
+        pool.install(|| picture(&camera, 2, |sample| shader.radiance(sample)))
+    };
+    assert_eq!(take(1), take(3));
+}

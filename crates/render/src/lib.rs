@@ -1,0 +1,23 @@
+//! Pictures through a camera.
+//!
+//! A picture is [`picture`] over a [`Camera`] and something that tells the radiance along a ray: [`Direct`] integrates the
+//! ambient models where the ray meets the scene, [`Lightmap`] looks them up in a bake.
+#![forbid(unsafe_code)]
+
+mod camera;
+mod direct;
+#[cfg(test)]
+mod direct_tests;
+mod error;
+#[cfg(test)]
+mod fixture;
+mod light;
+mod lightmap;
+mod picture;
+
+pub use camera::Camera;
+pub use direct::{Direct, Model};
+pub use error::Error;
+pub use light::Light;
+pub use lightmap::Lightmap;
+pub use picture::{Sample, picture};

@@ -1,0 +1,128 @@
+//! Distant and point lights on a surface: albedo over π, clamped cosine.
+//!
+//! The diffuse part is the Lambertian model of the diffuse-shading chapter (Scratchapixel): `albedo / π · E · max(N·L, 0)`,
+//! which reflects no more than arrives. The specular part is equation (7) of X. Zhang, Y. Gao, ICIP 2009, in the
+//! normalisation of the ambient term, so that a sky full of lights gives that term: `(n+1)/2π (R·L)ⁿ E`.
+
+use ambient::convention::{PROJECTED_HEMISPHERE, lobe_scale};
+use bake::TexelMaterial;
+use glam::DVec3;
+
+/// A light without extent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Light {
+    /// So far away that its rays are parallel.
+    Distant {
+        /// Unit vector to the light.
+        toward: DVec3,
+        /// Irradiance of a surface that faces it, W·m⁻².
+        irradiance: f64,
+    },
+    /// At a point; what arrives falls with the square of the distance.
+    Point {
+        /// World position.
+        position: DVec3,
+        /// Radiant intensity, W·sr⁻¹: irradiance times distance squared.
+        intensity: f64,
+    },
+}
+
+/// Light that arrives at a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Arrival {
+    /// Unit vector to the light.
+    pub toward: DVec3,
+    /// Distance to it; infinite for a distant light.
+    pub distance: f64,
+    /// Irradiance of a surface that faces it.
+    pub irradiance: f64,
+}
+
+impl Light {
+    /// What arrives at a point of empty space; no light at the place of a point light itself.
+    pub fn at(&self, point: DVec3) -> Arrival {
+        match *self {
+            Light::Distant { toward, irradiance } => Arrival {
+                toward,
+                distance: f64::INFINITY,
+                irradiance,
+            },
+            Light::Point {
+                position,
+                intensity,
+            } => {
+                let to = position - point;
+                let square = to.length_squared();
+                Arrival {
+                    toward: to.normalize_or_zero(),
+                    distance: square.sqrt(),
+                    irradiance: if square > 0.0 {
+                        intensity / square
+                    } else {
+                        0.0
+                    },
+                }
+            }
+        }
+    }
+}
+
+impl Arrival {
+    /// Radiance that a Lambertian surface of this albedo and unit normal sends in every direction.
+    pub fn diffuse(&self, normal: DVec3, albedo: DVec3) -> DVec3 {
+        albedo * (self.irradiance * normal.dot(self.toward).max(0.0) / PROJECTED_HEMISPHERE)
+    }
+
+    /// Radiance that the Phong lobe about `mirror`, the mirrored view, adds; 0 for a light below the surface.
+    pub fn specular(&self, normal: DVec3, mirror: DVec3, material: &TexelMaterial) -> DVec3 {
+        if normal.dot(self.toward) <= 0.0 {
+            return DVec3::ZERO;
+        }
+        let lobe = mirror.dot(self.toward).max(0.0).powf(material.exponent);
+        material.specular * (lobe_scale(material.exponent) * lobe * self.irradiance)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn a_facing_light_of_irradiance_pi_shows_the_albedo() {
+        let albedo = DVec3::new(0.5, 0.25, 1.0);
+        let sun = Light::Distant {
+            toward: DVec3::Z,
+            irradiance: PI,
+        };
+        let arrival = sun.at(DVec3::ZERO);
+        assert_eq!(arrival.diffuse(DVec3::Z, albedo), albedo);
+        assert_eq!(arrival.diffuse(DVec3::NEG_Z, albedo), DVec3::ZERO);
+        assert_eq!(arrival.diffuse(DVec3::X, albedo), DVec3::ZERO);
+        let slant = DVec3::new(0.8, 0.0, 0.6);
+        assert_eq!(arrival.diffuse(slant, albedo), albedo * 0.6);
+    }
+
+    #[test]
+    fn a_point_light_falls_with_the_square_of_the_distance() {
+        let lamp = Light::Point {
+            position: DVec3::new(0.0, 0.0, 4.0),
+            intensity: 8.0,
+        };
+        let arrival = lamp.at(DVec3::ZERO);
+        assert_eq!((arrival.irradiance, arrival.distance), (0.5, 4.0));
+        assert_eq!(lamp.at(DVec3::new(0.0, 0.0, 4.0)).irradiance, 0.0);
+    }
+
+    #[test]
+    fn all_that_a_lambertian_surface_reflects_is_its_albedo_times_what_arrives() {
+        // Radiance L in every direction is a flux of π L per area: the energy bound of the chapter, with equality.
+        let (albedo, cosine) = (DVec3::ONE, 0.6);
+        let sun = Light::Distant {
+            toward: DVec3::new(0.8, 0.0, cosine),
+            irradiance: 2.0,
+        };
+        let radiance = sun.at(DVec3::ZERO).diffuse(DVec3::Z, albedo);
+        assert!((PI * radiance.x - cosine * 2.0).abs() < 1e-15);
+    }
+}

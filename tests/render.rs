@@ -1,0 +1,117 @@
+//! Pictures through a camera, by the built program.
+
+use crate::support::{run, run_well, scene};
+use std::fs;
+use std::path::Path;
+
+/// A small picture of the courtyard into `name`, with more arguments.
+fn courtyard(folder: &Path, name: &str, more: &[&str]) -> Vec<u8> {
+    let path = folder.join(name);
+    let mut arguments = vec![
+        "render".to_owned(),
+        scene("courtyard.obj").display().to_string(),
+    ];
+    arguments.extend(["-o".to_owned(), path.display().to_string()]);
+    let common = "--eye 5.5,3.8,9.5 --look=-0.6,1.2,-2 --size 48x27 --samples 2 --quiet";
+    arguments.extend(common.split(' ').map(str::to_owned));
+    arguments.extend(more.iter().map(|word| (*word).to_owned()));
+    run_well(arguments);
+    fs::read(path).expect("the picture is there")
+}
+
+/// RGB pixels of a picture.
+fn pixels(path: &Path) -> Vec<(f32, f32, f32)> {
+    let image = exr::prelude::read_first_rgba_layer_from_file(
+        path,
+        |size, _| (size.width(), Vec::new()),
+        |(_, pixels): &mut (usize, Vec<_>), _, (r, g, b, _): (f32, f32, f32, f32)| {
+            pixels.push((r, g, b))
+        },
+    );
+    image.expect("an EXR").layer_data.channel_data.pixels.1
+}
+
+#[test]
+fn a_picture_has_the_same_bytes_at_any_thread_count() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let one = courtyard(folder.path(), "one.exr", &["--rays", "8", "--threads", "1"]);
+    let two = courtyard(folder.path(), "two.exr", &["--rays", "8", "--threads", "2"]);
+    assert!(one == two);
+    let other = courtyard(folder.path(), "seed.exr", &["--rays", "8", "--seed", "1"]);
+    assert!(one != other);
+}
+
+#[test]
+fn a_picture_from_a_bake_agrees_with_the_integrated_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    let bake = at("bake").display().to_string();
+    run_well([
+        "bake",
+        &scene("courtyard.obj").display().to_string(),
+        "-o",
+        &bake,
+        "--size",
+        "512",
+        "--rays",
+        "64",
+        "--quiet",
+    ]);
+    for model in ["traditional", "lambert"] {
+        let [baked, integrated] = ["a.exr", "b.exr"].map(&at);
+        let sun = ["--sun", "1,2,1,2", "--model", model];
+        courtyard(
+            folder.path(),
+            "a.exr",
+            &[&sun[..], &["--bake", &bake]].concat(),
+        );
+        courtyard(
+            folder.path(),
+            "b.exr",
+            &[&sun[..], &["--rays", "64"]].concat(),
+        );
+        let (baked, integrated) = (pixels(&baked), pixels(&integrated));
+        let sum = |pixels: &[(f32, f32, f32)]| pixels.iter().map(|p| f64::from(p.1)).sum::<f64>();
+        let square = |a: &(f32, f32, f32), b: &(f32, f32, f32)| f64::from(a.1 - b.1).powi(2);
+        let pairs = baked.iter().zip(&integrated);
+        let rms = (pairs.map(|(a, b)| square(a, b)).sum::<f64>() / baked.len() as f64).sqrt();
+        let ratio = sum(&baked) / sum(&integrated);
+        // A texel of this bake is about a pixel wide, so contact shadows blur; light is neither lost nor made.
+        assert!((ratio - 1.0).abs() < 0.005, "{model}: mean ratio {ratio}");
+        assert!(rms < 0.03, "{model}: rms {rms}");
+    }
+}
+
+#[test]
+fn a_wrong_request_is_one_line_and_leaves_no_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let plane = scene("plane.obj").display().to_string();
+    let cases: [(&[&str], i32, &str); 5] = [
+        (&["-o", &path("x.jpg")], 1, ".exr or .png"),
+        (
+            &["-o", &path("x.png"), "--look", "1,1,1", "--eye", "1,1,1"],
+            1,
+            "--eye",
+        ),
+        (
+            &["-o", &path("x.png"), "--bake", &path("none")],
+            1,
+            "plane.glb",
+        ),
+        (&["-o", &path("x.png"), "--size", "0x9"], 2, "16384"),
+        (
+            &["-o", &path("x.png"), "--sun", "0,0,0,1"],
+            2,
+            "no direction",
+        ),
+    ];
+    for (more, status, word) in cases {
+        let output = run([&["render", &plane][..], more].concat());
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(status), "{more:?}: {errors}");
+        assert!(errors.contains(word), "{more:?}: {errors}");
+        assert!(status == 2 || errors.lines().count() == 1, "{errors}");
+    }
+    assert_eq!(fs::read_dir(folder.path()).expect("it is there").count(), 0);
+}
