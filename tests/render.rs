@@ -19,16 +19,9 @@ fn courtyard(folder: &Path, name: &str, more: &[&str]) -> Vec<u8> {
     fs::read(path).expect("the picture is there")
 }
 
-/// RGB pixels of a picture.
-fn pixels(path: &Path) -> Vec<(f32, f32, f32)> {
-    let image = exr::prelude::read_first_rgba_layer_from_file(
-        path,
-        |size, _| (size.width(), Vec::new()),
-        |(_, pixels): &mut (usize, Vec<_>), _, (r, g, b, _): (f32, f32, f32, f32)| {
-            pixels.push((r, g, b))
-        },
-    );
-    image.expect("an EXR").layer_data.channel_data.pixels.1
+/// Pixels of a picture.
+fn pixels(path: &Path) -> Vec<[f32; 3]> {
+    maps::read(path).expect("an EXR").image.pixels
 }
 
 #[test]
@@ -71,8 +64,8 @@ fn a_picture_from_a_bake_agrees_with_the_integrated_one() {
             &[&sun[..], &["--rays", "64"]].concat(),
         );
         let (baked, integrated) = (pixels(&baked), pixels(&integrated));
-        let sum = |pixels: &[(f32, f32, f32)]| pixels.iter().map(|p| f64::from(p.1)).sum::<f64>();
-        let square = |a: &(f32, f32, f32), b: &(f32, f32, f32)| f64::from(a.1 - b.1).powi(2);
+        let sum = |pixels: &[[f32; 3]]| pixels.iter().map(|p| f64::from(p[1])).sum::<f64>();
+        let square = |a: &[f32; 3], b: &[f32; 3]| f64::from(a[1] - b[1]).powi(2);
         let pairs = baked.iter().zip(&integrated);
         let rms = (pairs.map(|(a, b)| square(a, b)).sum::<f64>() / baked.len() as f64).sqrt();
         let ratio = sum(&baked) / sum(&integrated);
