@@ -9,8 +9,13 @@ mod exr_file;
 mod file;
 mod hdr;
 mod image;
+mod map;
 mod painted;
+mod projection;
+mod quadrature;
 
 pub use error::Error;
 pub use file::{Format, ImageFile, Labels, encode, read, read_unchecked};
 pub use image::Image;
+pub use map::{IlluminationMap, ReflectionMap};
+pub use projection::{Direction, Projection};
