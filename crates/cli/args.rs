@@ -68,8 +68,8 @@ pub struct Job {
     /// With --target-error: the most rays that a texel may take, over the hemisphere and again over the lobe
     #[arg(long, value_name = "N", default_value_t = 16_384, requires = "target_error", value_parser = clap::value_parser!(u32).range(16..=16_777_216))]
     pub max_rays: u32,
-    /// Whether the texels of a tile share directions (tiled: faster, same error) or not
-    #[arg(long, value_enum, default_value_t = Pattern::Tiled)]
+    /// Whether blocks of 4 x 4 texels share their directions: a little faster, but errors show as blocks
+    #[arg(long, value_enum, default_value_t = Pattern::Independent)]
     pub pattern: Pattern,
     /// Uniform sky radiance, linear, as R,G,B
     #[arg(long, value_name = "R,G,B", default_value = "1,1,1", value_parser = color)]
@@ -163,7 +163,7 @@ pub enum Backend {
 pub enum Pattern {
     /// Every texel has its own directions
     Independent,
-    /// The 16 texels at a stride of 4 within a tile share theirs
+    /// Blocks of 4 x 4 texels share theirs
     Tiled,
 }
 

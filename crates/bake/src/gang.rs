@@ -137,31 +137,40 @@ impl<'a> Gang<'a> {
 
     #[inline(always)]
     fn run(&mut self, task: &Task<'_>, term: Term, range: Range<u32>) {
-        for index in range {
-            let [u0, u1, v0, v1] = self.streams.point(index);
-            let mut walkers = self.walkers;
-            while walkers != 0 {
-                let l = walkers.trailing_zeros() as usize;
-                walkers &= walkers - 1;
-                let texel = &self.texels[self.lanes[l].texel];
-                let cell = texel.choose(v0[l]);
-                if cell != self.cell[l] {
-                    self.cell[l] = cell;
-                    self.surfaces.set(l, &texel.cells[cell]);
-                }
+        for block in Streams::blocks(range) {
+            self.streams.enter(block);
+            for step in 0..block.steps() {
+                self.shoot(task, term, step);
             }
-            let at = self.surfaces.places(&v0, &v1);
-            let step = self.step(task, term, [&u0, &u1], &at);
-            let active = step.above & self.used;
-            let cast = active & !self.open;
-            let blocked = if cast == 0 {
-                0
-            } else {
-                task.backend
-                    .occluded16(&self.packet, cast, Coherence::Coherent)
-            };
-            self.sums.add(&step, active & !blocked, cast, task.bent);
         }
+    }
+
+    /// Casts one point of every lane.
+    #[inline(always)]
+    fn shoot(&mut self, task: &Task<'_>, term: Term, step: u32) {
+        let [u0, u1, v0, v1] = self.streams.point(step);
+        let mut walkers = self.walkers;
+        while walkers != 0 {
+            let l = walkers.trailing_zeros() as usize;
+            walkers &= walkers - 1;
+            let texel = &self.texels[self.lanes[l].texel];
+            let cell = texel.choose(v0[l]);
+            if cell != self.cell[l] {
+                self.cell[l] = cell;
+                self.surfaces.set(l, &texel.cells[cell]);
+            }
+        }
+        let at = self.surfaces.places(&v0, &v1);
+        let step = self.step(task, term, [&u0, &u1], &at);
+        let active = step.above & self.used;
+        let cast = active & !self.open;
+        let blocked = if cast == 0 {
+            0
+        } else {
+            task.backend
+                .occluded16(&self.packet, cast, Coherence::Coherent)
+        };
+        self.sums.add(&step, active & !blocked, cast, task.bent);
     }
 
     /// Fills the packet with the rays of one point of every lane.

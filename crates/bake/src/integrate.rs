@@ -47,8 +47,8 @@ const CLOSED_FORM_POINTS: u32 = 64;
 /// Points of each replicate in the first round of a bake with a target.
 const FIRST_ROUND: u32 = 4;
 
-/// Texels that share directions stand this far apart, so that each 4 x 4 neighbourhood has 16 independent sets.
-const STRIDE: u32 = 4;
+/// Edge of the blocks of texels that share directions: one packet.
+const SHARE: u32 = 4;
 
 /// An integral over the directions of a texel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -123,17 +123,11 @@ impl Task<'_> {
         match self.pattern {
             Pattern::Independent => own,
             Pattern::Tiled => {
-                let label = 1 << 31 | self.class(texel);
+                let across = self.size.div_ceil(SHARE);
+                let label = 1 << 31 | (texel.y / SHARE * across + texel.x / SHARE);
                 own.with_directions(&Stream::new(self.seed, self.page, label, term, replicate))
             }
         }
-    }
-
-    /// Texels of one class share directions.
-    fn class(&self, texel: &Texel) -> u32 {
-        let across = self.size.div_ceil(atlas::TILE);
-        let tile = texel.y / atlas::TILE * across + texel.x / atlas::TILE;
-        tile * STRIDE * STRIDE + texel.y % STRIDE * STRIDE + texel.x % STRIDE
     }
 }
 
@@ -228,26 +222,27 @@ fn cast(
     cast_lanes(task, texels, term, &lanes, range, sums);
 }
 
-/// The lanes of the texels `which`, those that share directions side by side.
+/// The lanes of the texels `which`, neighbours side by side.
+///
+/// A packet holds four replicates of 2 x 2 texels, which are independent, or one replicate of 4 x 4 texels, which share it.
 fn lanes(
     task: &Task<'_>,
     texels: &[Texel],
     which: &[usize],
     replicates: Range<usize>,
 ) -> Vec<Lane> {
-    let mut order = which.to_vec();
-    if task.pattern == Pattern::Tiled {
-        order.sort_by_key(|&i| (task.class(&texels[i]), i));
-    }
-    let same = |a: &usize, b: &usize| match task.pattern {
-        Pattern::Independent => a == b,
-        Pattern::Tiled => task.class(&texels[*a]) == task.class(&texels[*b]),
+    let edge = match task.pattern {
+        Pattern::Independent => 2,
+        Pattern::Tiled => SHARE,
     };
+    let group = |i: usize| (texels[i].y / edge, texels[i].x / edge);
+    let mut order = which.to_vec();
+    order.sort_by_key(|&i| (group(i), i));
     order
-        .chunk_by(same)
-        .flat_map(|class| {
+        .chunk_by(|&a, &b| group(a) == group(b))
+        .flat_map(|group| {
             replicates.clone().flat_map(move |replicate| {
-                class.iter().map(move |&texel| Lane { texel, replicate })
+                group.iter().map(move |&texel| Lane { texel, replicate })
             })
         })
         .collect()

@@ -54,14 +54,13 @@ impl Effort {
     }
 }
 
-/// Which directions the texels of a tile share. The error of a texel is the same; only its likeness to its neighbours' is not.
+/// Which directions texels share. The error of a texel is the same; only its likeness to its neighbours' is not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Pattern {
-    /// Every texel has its own.
-    Independent,
-    /// The 16 texels at a stride of 4 in x and y share theirs, so that packets hold parallel rays; any 4 x 4 texels have
-    /// 16 independent sets. A. Keller, W. Heidrich, "Interleaved Sampling", 2001.
+    /// Every texel has its own: errors of neighbours are independent.
     #[default]
+    Independent,
+    /// Blocks of 4 x 4 texels share theirs, so that packets hold parallel rays: errors show as blocks.
     Tiled,
 }
 

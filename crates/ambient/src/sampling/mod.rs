@@ -18,7 +18,7 @@ pub use hemisphere::Mixture;
 pub use lobe::Lobe;
 pub use stream::Stream;
 pub use turn::turn_sin_cos;
-pub use wide::{LANES, PointSet, Streams, Wide};
+pub use wide::{Block, LANES, PointSet, Streams, Wide};
 
 #[cfg(test)]
 mod chi_square;

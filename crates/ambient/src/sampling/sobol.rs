@@ -71,6 +71,68 @@ pub(super) const fn sobol(dimension: usize, index: u32) -> u32 {
     x
 }
 
+/// Most points of a block that [`CELLS`] can order, as a power of two.
+pub(super) const LARGEST_BLOCK: u32 = 10;
+
+/// How to find the one point of an aligned block of `2^m` that lies in an elementary cell of the first two dimensions.
+///
+/// The block is a (0, m, 2)-net: each cell of `2^-zenith_bits` by `2^-azimuth_bits` holds one point. Everything is linear
+/// over GF(2): the point whose leading digits are `(p, q)` has the coordinates `zenith[p] ^ azimuth[q]`, before
+/// scrambling and counted from the block's first point.
+#[derive(Clone, Copy)]
+pub(super) struct Cells {
+    pub zenith_bits: u32,
+    pub azimuth_bits: u32,
+    pub zenith: [[u32; DIMENSIONS]; 32],
+    pub azimuth: [[u32; DIMENSIONS]; 32],
+}
+
+/// By the block's power of two.
+pub(super) static CELLS: [Cells; LARGEST_BLOCK as usize + 1] = {
+    let mut all = [cells(0); LARGEST_BLOCK as usize + 1];
+    let mut m = 1;
+    while m <= LARGEST_BLOCK {
+        all[m as usize] = cells(m);
+        m += 1;
+    }
+    all
+};
+
+const fn cells(m: u32) -> Cells {
+    let zenith_bits = m / 2;
+    let azimuth_bits = m - zenith_bits;
+    let mask = (1 << azimuth_bits) - 1;
+    // Leading digits of dimension 0 are the index's last bits; the index's other bits follow from dimension 1.
+    let mut high = [0; 32];
+    let mut h = 0;
+    while h < 1 << azimuth_bits {
+        high[(sobol(1, h << zenith_bits) & mask) as usize] = h << zenith_bits;
+        h += 1;
+    }
+    let mut cells = Cells {
+        zenith_bits,
+        azimuth_bits,
+        zenith: [[0; DIMENSIONS]; 32],
+        azimuth: [[0; DIMENSIONS]; 32],
+    };
+    let mut p = 0;
+    while p < 32 {
+        let mut d = 0;
+        while d < DIMENSIONS {
+            if p < 1 << zenith_bits {
+                let index = p | high[(sobol(1, p) & mask) as usize];
+                cells.zenith[p as usize][d] = sobol(d, index);
+            }
+            if p < 1 << azimuth_bits {
+                cells.azimuth[p as usize][d] = sobol(d, high[p as usize]);
+            }
+            d += 1;
+        }
+        p += 1;
+    }
+    cells
+}
+
 /// Nested uniform scramble of a bit-reversed coordinate. `key` chooses the scramble; its bits are well mixed.
 #[inline(always)]
 pub(super) fn scramble(mut x: u32, key: u64) -> u32 {
@@ -100,6 +162,29 @@ mod tests {
                 let x = sobol(d, i as u32).reverse_bits();
                 assert_eq!(x, value << 29, "dimension {d}, point {i}");
             }
+        }
+    }
+
+    #[test]
+    fn cells_hold_each_point_of_a_block_once() {
+        for m in 0..=LARGEST_BLOCK {
+            let cells = &CELLS[m as usize];
+            let mut points: Vec<[u32; DIMENSIONS]> = (0..1 << m)
+                .map(|i| std::array::from_fn(|d| sobol(d, i)))
+                .collect();
+            let mut found = Vec::new();
+            for p in 0..1_u32 << cells.zenith_bits {
+                for q in 0..1_u32 << cells.azimuth_bits {
+                    let (a, b) = (cells.zenith[p as usize], cells.azimuth[q as usize]);
+                    let point: [u32; DIMENSIONS] = std::array::from_fn(|d| a[d] ^ b[d]);
+                    assert_eq!(point[0] & ((1 << cells.zenith_bits) - 1), p, "2^{m}");
+                    assert_eq!(point[1] & ((1 << cells.azimuth_bits) - 1), q, "2^{m}");
+                    found.push(point);
+                }
+            }
+            points.sort_unstable();
+            found.sort_unstable();
+            assert_eq!(points, found, "2^{m}");
         }
     }
 

@@ -10,7 +10,7 @@
 )]
 
 use super::lattice::lattice;
-use super::sobol::{DIMENSIONS, scramble, sobol};
+use super::sobol::{CELLS, DIMENSIONS, LARGEST_BLOCK, scramble, sobol};
 use super::{Lobe, Mixture, Stream};
 
 /// Lanes of one batch: one packet of rays.
@@ -32,13 +32,36 @@ pub enum PointSet {
     Random,
 }
 
-/// Sixteen streams side by side, all read at the same index.
-#[derive(Clone, Copy, Debug)]
+/// Sixteen streams side by side, read in step.
+///
+/// Points are read block by block ([`Streams::blocks`]). Within a block of Sobol points every step gives each lane its own point of one
+/// elementary cell of the first two dimensions, which all lanes share: the lanes' directions are independent, yet nearly parallel, so
+/// that a packet of rays holds together.
+#[derive(Clone, Debug)]
 pub struct Streams {
     set: PointSet,
     /// Low and high halves of each key; the high half is also the lattice's shift.
     low: [[u32; LANES]; DIMENSIONS],
     high: [[u32; LANES]; DIMENSIONS],
+    first: u32,
+    /// Bits of the zenith and azimuth cells of the block.
+    bits: [u32; 2],
+    /// Parts of the coordinates by zenith and by azimuth cell.
+    parts: [[[[u32; LANES]; DIMENSIONS]; 32]; 2],
+}
+
+/// An aligned block of points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Block {
+    first: u32,
+    log2: u32,
+}
+
+impl Block {
+    /// Points, and so steps, of the block.
+    pub fn steps(self) -> u32 {
+        1 << self.log2
+    }
 }
 
 impl Streams {
@@ -48,10 +71,13 @@ impl Streams {
             set,
             low: [[0; LANES]; DIMENSIONS],
             high: [[0; LANES]; DIMENSIONS],
+            first: 0,
+            bits: [0; 2],
+            parts: [[[[0; LANES]; DIMENSIONS]; 32]; 2],
         }
     }
 
-    /// Puts a stream into a lane.
+    /// Puts a stream into a lane. It counts from the next block on.
     ///
     /// # Panics
     ///
@@ -64,30 +90,81 @@ impl Streams {
         }
     }
 
-    /// Point `index` of every lane, one array a dimension: odd multiples of 2^-24, strictly inside (0, 1).
+    /// Cuts a range of points into the fewest aligned blocks.
+    pub fn blocks(range: std::ops::Range<u32>) -> impl Iterator<Item = Block> {
+        let mut first = range.start;
+        std::iter::from_fn(move || {
+            let left = range.end.saturating_sub(first);
+            if left == 0 {
+                return None;
+            }
+            let log2 = first.trailing_zeros().min(left.ilog2()).min(LARGEST_BLOCK);
+            let block = Block { first, log2 };
+            first += block.steps();
+            Some(block)
+        })
+    }
+
+    /// Goes to a block.
     #[inline(always)]
-    pub fn point(&self, index: u32) -> [Wide; DIMENSIONS] {
+    pub fn enter(&mut self, block: Block) {
+        self.first = block.first;
+        if self.set != PointSet::Sobol {
+            return;
+        }
+        let cells = &CELLS[block.log2 as usize];
+        self.bits = [cells.zenith_bits, cells.azimuth_bits];
+        let base: [u32; DIMENSIONS] = std::array::from_fn(|d| sobol(d, block.first));
+        for (d, table) in [&cells.zenith, &cells.azimuth].into_iter().enumerate() {
+            let mask = (1_u32 << self.bits[d]) - 1;
+            for digits in 0..=mask {
+                let part = table[((digits ^ base[d]) & mask) as usize];
+                for lane in 0..LANES {
+                    let key = u64::from(self.high[d][lane]) << 32 | u64::from(self.low[d][lane]);
+                    let cell = (scramble(digits, key) & mask) as usize;
+                    for k in 0..DIMENSIONS {
+                        let base = if d == 0 { base[k] } else { 0 };
+                        self.parts[d][cell][k][lane] = part[k] ^ base;
+                    }
+                }
+            }
+        }
+    }
+
+    /// One point of every lane, one array a dimension: odd multiples of 2^-24, strictly inside (0, 1). The steps of a
+    /// block give each of its points once.
+    #[inline(always)]
+    pub fn point(&self, step: u32) -> [Wide; DIMENSIONS] {
         let mut out = [[0.0; LANES]; DIMENSIONS];
-        for d in 0..DIMENSIONS {
-            match self.set {
-                PointSet::Lattice => {
-                    let base = lattice(d, index);
+        match self.set {
+            PointSet::Lattice => {
+                for d in 0..DIMENSIONS {
+                    let base = lattice(d, self.first + step);
                     for l in 0..LANES {
                         out[d][l] = unit(base.wrapping_add(self.high[d][l]));
                     }
                 }
-                PointSet::Sobol => {
-                    let base = sobol(d, index);
+            }
+            PointSet::Sobol => {
+                // Neighbouring steps take neighbouring cells: cells are numbered by reversed digits.
+                let [zenith, azimuth] = [step >> self.bits[1], step & ((1 << self.bits[1]) - 1)];
+                let cell = |k: u32, bits: u32| (k.reverse_bits() >> (31 - bits) >> 1) as usize;
+                let a = &self.parts[0][cell(zenith, self.bits[0]) & 31];
+                let b = &self.parts[1][cell(azimuth, self.bits[1]) & 31];
+                for d in 0..DIMENSIONS {
                     for l in 0..LANES {
                         let key = u64::from(self.high[d][l]) << 32 | u64::from(self.low[d][l]);
-                        out[d][l] = unit(scramble(base, key).reverse_bits());
+                        out[d][l] = unit(scramble(a[d][l] ^ b[d][l], key).reverse_bits());
                     }
                 }
-                PointSet::Random => {
+            }
+            PointSet::Random => {
+                for d in 0..DIMENSIONS {
                     for l in 0..LANES {
                         let key = u64::from(self.high[d][l]) << 32 | u64::from(self.low[d][l]);
-                        let bits = super::stream::mix(key.wrapping_add(u64::from(index) << 20));
-                        out[d][l] = unit((bits >> 32) as u32);
+                        let index = u64::from(self.first + step) << 20;
+                        out[d][l] =
+                            unit((super::stream::mix(key.wrapping_add(index)) >> 32) as u32);
                     }
                 }
             }
@@ -218,10 +295,13 @@ mod tests {
         for lane in 0..LANES {
             streams.set(lane, &Stream::new(1, 0, lane as u32, 0, 0));
         }
-        for index in 0..512 {
-            let points = streams.point(index);
-            for lane in 0..LANES {
-                job(points.map(|row| row[lane]));
+        for block in Streams::blocks(0..512) {
+            streams.enter(block);
+            for step in 0..block.steps() {
+                let points = streams.point(step);
+                for lane in 0..LANES {
+                    job(points.map(|row| row[lane]));
+                }
             }
         }
     }
@@ -235,13 +315,64 @@ mod tests {
         for set in [PointSet::Lattice, PointSet::Sobol, PointSet::Random] {
             each_point(set, |p| assert!(p.iter().all(|&x| x > 0.0 && x < 1.0)));
         }
-        let stream = Stream::new(7, 1, 2, 3, 0);
+    }
+
+    #[test]
+    fn blocks_are_aligned_and_cover_the_range() {
+        for (range, expected) in [
+            (0..64, vec![(0, 6)]),
+            (0..25, vec![(0, 4), (16, 3), (24, 0)]),
+            (4..6, vec![(4, 1)]),
+            (24..32, vec![(24, 3)]),
+            (
+                0..3000,
+                vec![
+                    (0, 10),
+                    (1024, 10),
+                    (2048, 9),
+                    (2560, 8),
+                    (2816, 7),
+                    (2944, 5),
+                    (2976, 4),
+                    (2992, 3),
+                ],
+            ),
+            (5..5, vec![]),
+        ] {
+            let blocks: Vec<_> = Streams::blocks(range).map(|b| (b.first, b.log2)).collect();
+            assert_eq!(blocks, expected);
+        }
+    }
+
+    #[test]
+    fn steps_give_the_scalar_stream_s_points_in_shared_cells() {
+        let labels = [Stream::new(7, 1, 2, 3, 0), Stream::new(7, 1, 3, 3, 1)];
         let mut streams = Streams::new(PointSet::Sobol);
-        streams.set(5, &stream);
-        for index in 0..4096 {
-            let (wide, exact) = (streams.point(index), stream.point(index));
-            for d in 0..4 {
-                assert!((f64::from(wide[d][5]) - exact[d]).abs() < 1.2e-7);
+        streams.set(5, &labels[0]);
+        streams.set(11, &labels[1]);
+        for block in Streams::blocks(48..3000) {
+            streams.enter(block);
+            let cells = &CELLS[block.log2 as usize];
+            let mut seen = [Vec::new(), Vec::new()];
+            for step in 0..block.steps() {
+                let points = streams.point(step);
+                let cell = |lane: usize| {
+                    let digits =
+                        |d: usize, bits: u32| (points[d][lane] * (1 << bits) as f32) as u32;
+                    (digits(0, cells.zenith_bits), digits(1, cells.azimuth_bits))
+                };
+                assert_eq!(cell(5), cell(11), "{block:?}, step {step}");
+                seen[0].push(points.map(|row| row[5]));
+                seen[1].push(points.map(|row| row[11]));
+            }
+            for (mut seen, stream) in seen.into_iter().zip(labels) {
+                let mut exact: Vec<[f32; 4]> = (block.first..block.first + block.steps())
+                    .map(|i| stream.point(i).map(|x| unit((x * 4_294_967_296.0) as u32)))
+                    .collect();
+                let order = |a: &[f32; 4], b: &[f32; 4]| a[0].total_cmp(&b[0]);
+                seen.sort_by(order);
+                exact.sort_by(order);
+                assert_eq!(seen, exact, "{block:?}");
             }
         }
     }
