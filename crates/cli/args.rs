@@ -22,12 +22,16 @@ pub enum Verb {
     Compare(Compare),
     /// A picture of a scene through a camera, shaded by an ambient model and lights
     Render(Box<crate::render::Args>),
+    /// Speed against error: CSV, SVG and a readable summary
+    Bench(Bench),
     /// Tells which ray libraries were really loaded and what they can do; exit 1 if one is unusable
     Doctor(Doctor),
 }
 
 #[derive(ClapArgs)]
 pub struct Bake {
+    /// Scene file: .obj, .gltf or .glb
+    pub scene: PathBuf,
     #[command(flatten)]
     pub job: Job,
     /// Directory for the results; it is made if needed
@@ -42,6 +46,8 @@ pub struct Bake {
 
 #[derive(ClapArgs)]
 pub struct Plan {
+    /// Scene file: .obj, .gltf or .glb
+    pub scene: PathBuf,
     #[command(flatten)]
     pub job: Job,
     #[command(flatten)]
@@ -51,8 +57,6 @@ pub struct Plan {
 /// What decides the values of a bake.
 #[derive(ClapArgs)]
 pub struct Job {
-    /// Scene file: .obj, .gltf or .glb
-    pub scene: PathBuf,
     /// Page edge in texels
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=16384))]
     pub size: u32,
@@ -121,6 +125,29 @@ pub struct Compare {
     /// Print nothing but errors
     #[arg(long)]
     pub quiet: bool,
+}
+
+#[derive(ClapArgs)]
+pub struct Bench {
+    /// Scene file: .obj, .gltf or .glb
+    #[arg(required_unless_present = "samplers")]
+    pub scene: Option<PathBuf>,
+    #[command(flatten)]
+    pub job: Job,
+    /// Directory for bench.csv, bench.svg and bench.md; it is made if needed
+    #[arg(short = 'o', long = "output", value_name = "DIR", required_unless_present_any = ["samplers", "ceiling"])]
+    pub output: Option<PathBuf>,
+    /// Only the ratio of a bake to the bare loop of rtcOccluded16 over its packets
+    #[arg(long, conflicts_with = "samplers")]
+    pub ceiling: bool,
+    /// Only the error of the point sets on four exact scenes
+    #[arg(long)]
+    pub samplers: bool,
+    /// Repeats of every measurement
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
+    pub repeats: u32,
+    #[command(flatten)]
+    pub common: Common,
 }
 
 #[derive(ClapArgs)]

@@ -13,6 +13,7 @@ use atlas::Atlas;
 use report::{BakeReport, DecisionReport, Encoding, Output, PageHeader, PageReport, PhaseReport};
 use scene::Scene;
 use serde_json::{Value, json};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
@@ -52,6 +53,7 @@ pub struct Prepared {
 
 /// Loads, plans, lays out and builds.
 pub fn prepare(
+    file: &Path,
     job: &crate::args::Job,
     common: &crate::args::Common,
     phases: &mut Phases,
@@ -59,16 +61,15 @@ pub fn prepare(
     let threads = host::set_threads(common.threads)?;
     let options = options::bake_options(job, common);
     let kind = options::backend(job);
-    let scene = Arc::new(phases.time("load", || scene::load(&job.scene))?);
+    let scene = Arc::new(phases.time("load", || scene::load(file))?);
     let (plan, world) = phases.time("plan", || Plan::of(&scene, &options))?;
     let atlas = phases
         .time("atlas", || {
             atlas::layout(&scene, &options::atlas_options(job), &|| false)
         })
-        .with_context(|| format!("{}", job.scene.display()))?;
+        .with_context(|| format!("{}", file.display()))?;
     let backend = phases.time("build", || ::bake::build(kind, &world, threads))?;
-    let stem = job
-        .scene
+    let stem = file
         .file_stem()
         .map_or_else(|| "scene".into(), |s| s.to_string_lossy().into_owned());
     Ok(Prepared {
@@ -88,7 +89,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let stop = Stop::listen()?;
     let mut output = Output::create(&args.output)?;
     let mut phases = Phases::default();
-    let prepared = prepare(&args.job, &args.common, &mut phases)?;
+    let prepared = prepare(&args.scene, &args.job, &args.common, &mut phases)?;
     let described = options::describe(&args.job, &prepared.options);
     let key = json!({
         "version": host::VERSION,

@@ -6,6 +6,7 @@
 
 mod args;
 mod bake;
+mod bench;
 mod checkpoint;
 mod compare;
 mod doctor;
@@ -38,6 +39,7 @@ fn main() -> ExitCode {
         args::Verb::Plan(plan) => plan::run(plan),
         args::Verb::Compare(compare) => compare::run(compare),
         args::Verb::Render(render) => render::run(render),
+        args::Verb::Bench(bench) => bench::run(bench),
         args::Verb::Doctor(doctor) => doctor::run(doctor),
     };
     match result {

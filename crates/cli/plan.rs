@@ -12,7 +12,7 @@ const PILOT_TILES: usize = 24;
 /// Runs the verb.
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let mut phases = Phases::default();
-    let prepared = prepare(&args.job, &args.common, &mut phases)?;
+    let prepared = prepare(&args.scene, &args.job, &args.common, &mut phases)?;
     let crate::bake::Prepared {
         scene,
         atlas,

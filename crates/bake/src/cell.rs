@@ -12,6 +12,7 @@ pub(crate) struct Cell {
     /// Shares of the footprint's area before the cell, and with it; 0 and 1 for an only cell.
     pub start: f32,
     pub end: f32,
+    inverse_share: f32,
     /// The unit square is folded onto the triangle under its diagonal by this times the lesser coordinate; 0 for a cell that
     /// is the whole parallelogram, 1/2 for a triangle.
     pub fold: f32,
@@ -21,8 +22,9 @@ pub(crate) struct Cell {
     pub normal: [DVec3; 3],
     /// Unit geometric normal by the winding.
     pub geometric: DVec3,
-    /// How far along the geometric normal, on the side of the shading normal, a ray's origin stands off.
-    pub offset: f64,
+    /// How a ray's origin stands off where the shading normal is on the geometric normal's side; else its opposite.
+    pub lift: DVec3,
+    smooth: bool,
 }
 
 /// A point of a surface with what a ray needs.
@@ -67,11 +69,13 @@ impl Cell {
             area,
             start: 0.0,
             end: 1.0,
+            inverse_share: 1.0,
             fold,
             position: affine(corners),
             normal: affine(normals),
             geometric: patch.geometric,
-            offset: patch.offset(reach),
+            lift: patch.geometric * patch.offset(reach),
+            smooth: normals[0] != normals[1] || normals[0] != normals[2],
         }
     }
 
@@ -84,31 +88,40 @@ impl Cell {
             cell.start = start;
             cell.end = (before / total) as f32;
             start = cell.end;
-        }
-        if let Some(last) = cells.last_mut() {
-            last.end = 1.0;
+            cell.inverse_share = 1.0 / (cell.end - cell.start).max(f32::MIN_POSITIVE);
         }
     }
 
     /// True where the shading normal is one vector, the geometric normal or its opposite, all over the cell.
     pub fn is_flat(&self) -> bool {
-        let cos = self.normal[0].dot(self.geometric);
-        self.normal[1] == DVec3::ZERO && self.normal[2] == DVec3::ZERO && cos.abs() >= 1.0 - 1e-12
+        !self.smooth && self.normal[0].dot(self.geometric).abs() >= 1.0 - 1e-12
     }
 
-    /// 1 over the share of the footprint's area.
-    pub fn inverse_share(&self) -> f32 {
-        1.0 / (self.end - self.start).max(f32::MIN_POSITIVE)
-    }
-
-    /// (s, t) in the cell of a point of the unit square whose first coordinate chose it: the square is stretched over the
-    /// cell, so that stratified numbers stay stratified, and folded onto a triangle as in E. Heitz, "A Low-Distortion Map
-    /// Between Triangle and Square", 2019.
+    /// (s, t) in the cell of a point of the unit square whose first coordinate chose it.
     #[inline(always)]
-    pub fn place([start, inverse, fold]: [f32; 3], [u0, u1]: [f32; 2]) -> [f32; 2] {
-        let s = ((u0 - start) * inverse).clamp(0.0, 1.0);
-        let folded = fold * s.min(u1);
-        [s - folded, u1 - folded]
+    pub fn place(&self, u: [f32; 2]) -> [f32; 2] {
+        place_in(self.placement(), u)
+    }
+
+    /// Start, 1 over the share of the footprint's area, and fold.
+    #[inline(always)]
+    pub fn placement(&self) -> [f32; 3] {
+        [self.start, self.inverse_share, self.fold]
+    }
+
+    /// True where the shading normal changes over the cell.
+    #[inline(always)]
+    pub fn is_smooth(&self) -> bool {
+        self.smooth
+    }
+
+    /// True where both cells have one shading normal, the same.
+    #[inline(always)]
+    pub fn shades_like(&self, other: &Cell) -> bool {
+        !self.smooth
+            && !other.smooth
+            && self.normal[0] == other.normal[0]
+            && self.geometric == other.geometric
     }
 
     /// (s, t) of the centroid.
@@ -126,16 +139,25 @@ impl Cell {
         let at = |p: [DVec3; 3]| p[0] + p[1] * s + p[2] * t;
         let position = at(self.position);
         let normal = at(self.normal).try_normalize().unwrap_or(self.geometric);
-        let geometric = if normal.dot(self.geometric) < 0.0 {
-            -self.geometric
+        let side = if normal.dot(self.geometric) < 0.0 {
+            -1.0
         } else {
-            self.geometric
+            1.0
         };
         Sample {
             position,
             normal,
-            geometric,
-            origin: (position + geometric * self.offset).as_vec3().to_array(),
+            geometric: side * self.geometric,
+            origin: (position + side * self.lift).as_vec3().to_array(),
         }
     }
+}
+
+/// (s, t) in a cell with this placement: the square is stretched over the cell, so that stratified numbers stay
+/// stratified, and folded onto a triangle as in E. Heitz, "A Low-Distortion Map Between Triangle and Square", 2019.
+#[inline(always)]
+pub(crate) fn place_in([start, inverse, fold]: [f32; 3], [u0, u1]: [f32; 2]) -> [f32; 2] {
+    let s = ((u0 - start) * inverse).clamp(0.0, 1.0);
+    let folded = fold * s.min(u1);
+    [s - folded, u1 - folded]
 }

@@ -66,6 +66,13 @@ impl EmbreeBackend {
     }
 }
 
+impl EmbreeBackend {
+    /// The scene that rays are traced through, for measurements.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+}
+
 fn add(builder: &mut SceneBuilder, geometry: &Geometry) -> Result<u32, embree::Error> {
     let positions: Vec<[f32; 3]> = geometry
         .positions

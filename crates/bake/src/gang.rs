@@ -9,7 +9,7 @@
     reason = "a lane is one index into many arrays"
 )]
 
-use crate::cell::Cell;
+use crate::cell::{Cell, place_in};
 use crate::integrate::{Sums, Task, Term};
 use crate::options::View;
 use crate::texel::Texel;
@@ -40,6 +40,18 @@ struct Surfaces {
     geometric: [Wide; 3],
     /// Start, inverse share and fold.
     place: [Wide; 3],
+    /// Lanes whose shading normal changes over their cell.
+    smooth: u32,
+}
+
+/// Frames about the lanes' shading normals.
+#[derive(Clone)]
+struct Frames {
+    normal: [Wide; 3],
+    tangent: [Wide; 3],
+    bitangent: [Wide; 3],
+    /// The side of the geometric normal that the shading normal is on: 1 or -1.
+    side: Wide,
 }
 
 /// Up to sixteen lanes and what they have gathered.
@@ -48,6 +60,9 @@ pub(crate) struct Gang<'a> {
     lanes: &'a [Lane],
     streams: Streams,
     surfaces: Surfaces,
+    /// Frames at the last point, and whether they no longer hold.
+    frames: Frames,
+    stale: bool,
     /// Cell under each lane.
     cell: [usize; LANES],
     /// Lanes whose cell must be looked up at each point: their texels have several.
@@ -58,15 +73,17 @@ pub(crate) struct Gang<'a> {
     /// 1 / (n + 1) of each lane's lobe.
     lobe_scale: Wide,
     packet: RayPacket<LANES>,
-    sums: LaneSums,
+    sums: LaneSums<f64>,
+    /// Sums over the block in work: short, so f32 holds them.
+    block: LaneSums<f32>,
 }
 
 /// Sums over a lane's rays: weights of all rays and of the open ones, for two terms; bent normal; rays cast.
-#[derive(Clone, Default)]
-struct LaneSums {
-    all: [Deep; 2],
-    open: [Deep; 2],
-    bent: [Deep; 3],
+#[derive(Clone, Copy, Default)]
+struct LaneSums<T> {
+    all: [[T; LANES]; 2],
+    open: [[T; LANES]; 2],
+    bent: [[T; LANES]; 3],
     rays: [u32; LANES],
 }
 
@@ -98,7 +115,10 @@ impl<'a> Gang<'a> {
                 normal: [[[0.0; LANES]; 3]; 3],
                 geometric: [[0.0; LANES]; 3],
                 place: [[0.0; LANES]; 3],
+                smooth: 0,
             },
+            frames: Frames::about([[0.0; LANES], [0.0; LANES], [1.0; LANES]], [1.0; LANES]),
+            stale: true,
             cell: [0; LANES],
             walkers: 0,
             used: 0,
@@ -106,6 +126,7 @@ impl<'a> Gang<'a> {
             lobe_scale: [1.0; LANES],
             packet: RayPacket::default(),
             sums: LaneSums::default(),
+            block: LaneSums::default(),
         };
         gang.packet.t_max = [task.t_max; LANES];
         for (l, lane) in lanes.iter().enumerate() {
@@ -142,6 +163,8 @@ impl<'a> Gang<'a> {
             for step in 0..block.steps() {
                 self.shoot(task, term, step);
             }
+            self.sums.absorb(&self.block);
+            self.block = LaneSums::default();
         }
     }
 
@@ -149,18 +172,18 @@ impl<'a> Gang<'a> {
     #[inline(always)]
     fn shoot(&mut self, task: &Task<'_>, term: Term, step: u32) {
         let [u0, u1, v0, v1] = self.streams.point(step);
+        let mut at = self.surfaces.places(&v0, &v1);
         let mut walkers = self.walkers;
         while walkers != 0 {
             let l = walkers.trailing_zeros() as usize;
             walkers &= walkers - 1;
             let texel = &self.texels[self.lanes[l].texel];
             let cell = texel.choose(v0[l]);
+            [at[0][l], at[1][l]] = texel.cells[cell].place([v0[l], v1[l]]);
             if cell != self.cell[l] {
-                self.cell[l] = cell;
-                self.surfaces.set(l, &texel.cells[cell]);
+                self.walk(l, cell);
             }
         }
-        let at = self.surfaces.places(&v0, &v1);
         let step = self.step(task, term, [&u0, &u1], &at);
         let active = step.above & self.used;
         let cast = active & !self.open;
@@ -170,37 +193,56 @@ impl<'a> Gang<'a> {
             task.backend
                 .occluded16(&self.packet, cast, Coherence::Coherent)
         };
-        self.sums.add(&step, active & !blocked, cast, task.bent);
+        self.block.add(&step, active & !blocked, cast, task.bent);
+    }
+
+    /// Moves a lane to another cell of its texel.
+    #[inline(always)]
+    fn walk(&mut self, lane: usize, to: usize) {
+        let cells = &self.texels[self.lanes[lane].texel].cells;
+        let (old, new) = (&cells[self.cell[lane]], &cells[to]);
+        self.cell[lane] = to;
+        self.surfaces.set_position(lane, new);
+        if !new.shades_like(old) {
+            self.surfaces.set_normal(lane, new);
+            self.stale = true;
+        }
     }
 
     /// Fills the packet with the rays of one point of every lane.
     #[inline(always)]
     fn step(&mut self, task: &Task<'_>, term: Term, [u0, u1]: [&Wide; 2], at: &[Wide; 2]) -> Step {
-        let (normal, side) = self.surfaces.normals(at);
-        self.surfaces.origins(at, &side, &mut self.packet.origin);
-        let (local, weights, axis) = match term {
-            Term::Hemisphere => {
-                let local = task.mixture.sample16(u0, u1);
-                let weights = task.mixture.weights16(&local[2]);
-                (local, weights, normal)
+        if self.stale {
+            let (normal, side) = self.surfaces.normals(at);
+            self.frames = Frames::about(normal, side);
+            self.stale = self.surfaces.smooth != 0;
+        }
+        let Frames { normal, side, .. } = &self.frames;
+        self.surfaces.origins(at, side, &mut self.packet.origin);
+        let (directions, weights) = match (term, task.view) {
+            (Term::Hemisphere, _) => {
+                let (local, weights) = task.mixture.sample16(u0, u1);
+                (self.frames.to_world(&local), weights)
             }
-            Term::Lobe => {
+            (Term::Lobe, view) => {
                 let local = Lobe::sample16(&self.lobe_scale, u0, u1);
-                let axis = match task.view {
-                    View::Normal => normal,
-                    View::Eye(eye) => mirrored(&normal, &self.packet.origin, eye),
+                let directions = match view {
+                    View::Normal => self.frames.to_world(&local),
+                    View::Eye(eye) => {
+                        let axis = mirrored(normal, &self.packet.origin, eye);
+                        Frames::about(axis, *side).to_world(&local)
+                    }
                 };
-                (local, [[1.0; LANES]; 2], axis)
+                (directions, [[1.0; LANES]; 2])
             }
         };
-        let directions = to_world(&axis, &local);
         let geometric = &self.surfaces.geometric;
         let mut above = 0;
         for l in 0..LANES {
             let dot = |a: &[Wide; 3]| {
                 a[0][l] * directions[0][l] + a[1][l] * directions[1][l] + a[2][l] * directions[2][l]
             };
-            above |= u32::from((dot(geometric) * side[l] > 0.0) & (dot(&normal) > 0.0)) << l;
+            above |= u32::from((dot(geometric) * side[l] > 0.0) & (dot(normal) > 0.0)) << l;
         }
         self.packet.direction = directions;
         Step {
@@ -227,17 +269,32 @@ impl<'a> Gang<'a> {
 
 impl Surfaces {
     fn set(&mut self, lane: usize, cell: &Cell) {
+        self.set_position(lane, cell);
+        self.set_normal(lane, cell);
+        for (row, value) in self.place.iter_mut().zip(cell.placement()) {
+            row[lane] = value;
+        }
+    }
+
+    #[inline(always)]
+    fn set_position(&mut self, lane: usize, cell: &Cell) {
         for axis in 0..3 {
             for k in 0..3 {
                 self.position[k][axis][lane] = cell.position[k][axis];
+            }
+            self.lift[axis][lane] = cell.lift[axis];
+        }
+    }
+
+    #[inline(always)]
+    fn set_normal(&mut self, lane: usize, cell: &Cell) {
+        for axis in 0..3 {
+            for k in 0..3 {
                 self.normal[k][axis][lane] = cell.normal[k][axis] as f32;
             }
-            self.lift[axis][lane] = cell.geometric[axis] * cell.offset;
             self.geometric[axis][lane] = cell.geometric[axis] as f32;
         }
-        self.place[0][lane] = cell.start;
-        self.place[1][lane] = cell.inverse_share();
-        self.place[2][lane] = cell.fold;
+        self.smooth = self.smooth & !(1 << lane) | u32::from(cell.is_smooth()) << lane;
     }
 
     /// (s, t) in the cells of points of the unit square.
@@ -246,7 +303,7 @@ impl Surfaces {
         let mut at = [[0.0; LANES]; 2];
         for l in 0..LANES {
             let place = [self.place[0][l], self.place[1][l], self.place[2][l]];
-            [at[0][l], at[1][l]] = Cell::place(place, [v0[l], v1[l]]);
+            [at[0][l], at[1][l]] = place_in(place, [v0[l], v1[l]]);
         }
         at
     }
@@ -287,7 +344,7 @@ impl Surfaces {
     }
 }
 
-impl LaneSums {
+impl LaneSums<f32> {
     #[inline(always)]
     fn add(&mut self, step: &Step, open: u32, cast: u32, bent: bool) {
         let mut is_open = [0.0; LANES];
@@ -298,37 +355,74 @@ impl LaneSums {
         for k in 0..2 {
             for l in 0..LANES {
                 let w = step.weights[k][l];
-                self.all[k][l] += f64::from(w);
-                self.open[k][l] += f64::from(w * is_open[l]);
+                self.all[k][l] += w;
+                self.open[k][l] += w * is_open[l];
             }
         }
         if bent {
             for a in 0..3 {
                 for l in 0..LANES {
-                    let w = step.weights[0][l] * is_open[l];
-                    self.bent[a][l] += f64::from(w * step.directions[a][l]);
+                    self.bent[a][l] += step.weights[0][l] * is_open[l] * step.directions[a][l];
                 }
             }
         }
     }
 }
 
-/// Local directions in the world, about unit axes. T. Duff and others, "Building an Orthonormal Basis, Revisited", JCGT
-/// 2017.
-#[inline(always)]
-fn to_world(axis: &[Wide; 3], local: &[Wide; 3]) -> [Wide; 3] {
-    let mut out = [[0.0; LANES]; 3];
-    for l in 0..LANES {
-        let [x, y, z] = [axis[0][l], axis[1][l], axis[2][l]];
-        let sign = 1.0_f32.copysign(z);
-        let a = -1.0 / (sign + z);
-        let b = x * y * a;
-        let [i, j, k] = [local[0][l], local[1][l], local[2][l]];
-        out[0][l] = (1.0 + sign * x * x * a) * i + b * j + x * k;
-        out[1][l] = sign * b * i + (sign + y * y * a) * j + y * k;
-        out[2][l] = -sign * x * i - y * j + z * k;
+impl LaneSums<f64> {
+    #[inline(always)]
+    fn absorb(&mut self, block: &LaneSums<f32>) {
+        for l in 0..LANES {
+            for k in 0..2 {
+                self.all[k][l] += f64::from(block.all[k][l]);
+                self.open[k][l] += f64::from(block.open[k][l]);
+            }
+            for a in 0..3 {
+                self.bent[a][l] += f64::from(block.bent[a][l]);
+            }
+            self.rays[l] += block.rays[l];
+        }
     }
-    out
+}
+
+impl Frames {
+    /// Frames about unit axes. T. Duff and others, "Building an Orthonormal Basis, Revisited", JCGT 2017.
+    #[inline(always)]
+    fn about(axis: [Wide; 3], side: Wide) -> Self {
+        let (mut tangent, mut bitangent) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
+        for l in 0..LANES {
+            let [x, y, z] = [axis[0][l], axis[1][l], axis[2][l]];
+            let sign = 1.0_f32.copysign(z);
+            let a = -1.0 / (sign + z);
+            let b = x * y * a;
+            tangent[0][l] = 1.0 + sign * x * x * a;
+            tangent[1][l] = sign * b;
+            tangent[2][l] = -sign * x;
+            bitangent[0][l] = b;
+            bitangent[1][l] = sign + y * y * a;
+            bitangent[2][l] = -y;
+        }
+        Self {
+            normal: axis,
+            tangent,
+            bitangent,
+            side,
+        }
+    }
+
+    /// Local directions in the world.
+    #[inline(always)]
+    fn to_world(&self, local: &[Wide; 3]) -> [Wide; 3] {
+        let mut out = [[0.0; LANES]; 3];
+        for a in 0..3 {
+            for l in 0..LANES {
+                out[a][l] = self.tangent[a][l] * local[0][l]
+                    + self.bitangent[a][l] * local[1][l]
+                    + self.normal[a][l] * local[2][l];
+            }
+        }
+        out
+    }
 }
 
 /// R = 2 (N.V) N - V for an eye point: the axes of the specular lobes. V = N where the eye stands on the surface.

@@ -35,6 +35,8 @@ pub(crate) struct Texel {
     pub coverage: f32,
     /// Never empty.
     pub cells: Vec<Cell>,
+    /// Shares of the footprint's area at which the cells end, but for the last.
+    ends: Vec<f32>,
     pub material: TexelMaterial,
     pub position: DVec3,
     pub normal: DVec3,
@@ -51,21 +53,14 @@ impl Texel {
     /// The cell that the first coordinate of a point of the unit square chooses by area.
     #[inline]
     pub fn choose(&self, u0: f32) -> usize {
-        let last = self.cells.len() - 1;
-        self.cells[..last]
-            .iter()
-            .map(|cell| usize::from(u0 >= cell.end))
-            .sum()
+        self.ends.iter().map(|&end| usize::from(u0 >= end)).sum()
     }
 
     /// The surface at a point of the unit square.
     pub fn sample(&self, u: [f64; 2]) -> Sample {
         let u = u.map(|u| u as f32);
         let cell = &self.cells[self.choose(u[0])];
-        cell.sample(Cell::place(
-            [cell.start, cell.inverse_share(), cell.fold],
-            u,
-        ))
+        cell.sample(cell.place(u))
     }
 }
 
@@ -138,6 +133,7 @@ impl Surveyor<'_> {
             object: largest.1,
             open,
             tilted: !cells.iter().all(Cell::is_flat),
+            ends: cells[1..].iter().map(|cell| cell.start).collect(),
             cells,
         }
     }

@@ -1,4 +1,29 @@
 //! Speed against error, measured: how far a bake is from the bare ray loop, and what each technique costs at equal error.
 #![forbid(unsafe_code)]
 
+use atlas::Atlas;
+use bake::{Bake, BakedPage, Options, Plan, Progress, RayBackend, World};
+
+pub mod ceiling;
 pub mod samplers;
+
+/// What is baked: page 0 of an atlas over a world.
+#[derive(Clone, Copy)]
+pub struct Subject<'a> {
+    /// The triangles.
+    pub world: &'a World,
+    /// What is modelled.
+    pub plan: &'a Plan,
+    /// Where the texels lie.
+    pub atlas: &'a Atlas,
+}
+
+impl Subject<'_> {
+    /// Bakes page 0 in the current pool of threads.
+    pub fn bake(&self, backend: &dyn RayBackend, options: &Options) -> BakedPage {
+        let bake = Bake::new(self.world, self.plan, backend, self.atlas, options);
+        let mut page = bake.start(0);
+        bake.run(&mut page, &Progress::default());
+        page
+    }
+}

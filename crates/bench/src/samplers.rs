@@ -97,14 +97,14 @@ pub fn measure(scene: &Occluder, set: PointSet, n: u32, batches: u32, footprint:
                 streams.set(lane, &Stream::new(11, 0, texel, 0, 0));
             }
             let mut open = [0u32; LANES];
-            let mut steps = Streams::blocks(0..n)
+            let steps = Streams::blocks(0..n)
                 .flat_map(|block| (0..block.steps()).map(move |step| (block, step)));
-            while let Some((block, step)) = steps.next() {
+            for (block, step) in steps {
                 if step == 0 {
                     streams.enter(block);
                 }
                 let [u0, u1, s, t] = streams.point(step);
-                let d = Mixture::COSINE.sample16(&u0, &u1);
+                let (d, _) = Mixture::COSINE.sample16(&u0, &u1);
                 for lane in 0..LANES {
                     let at = [s, t].map(|v| footprint * (f64::from(v[lane]) - 0.5));
                     let d = d.map(|row| f64::from(row[lane]));

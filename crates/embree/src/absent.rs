@@ -97,7 +97,22 @@ impl SceneBuilder {
 #[derive(Debug, Clone)]
 pub struct Scene(Infallible);
 
+/// Recorded packets; has no values in this build.
+pub struct Recording<'a>(Infallible, std::marker::PhantomData<&'a ()>);
+
+impl Recording<'_> {
+    /// Traces every packet.
+    pub fn replay(&self) -> u64 {
+        match self.0 {}
+    }
+}
+
 impl Scene {
+    /// A recording.
+    pub fn recording<'a>(&'a self, _: &'a [RayPacket<16>], _: &'a [u32]) -> Recording<'a> {
+        match self.0 {}
+    }
+
     /// Whether something lies in the ray's interval.
     pub fn occluded(&self, _: &Ray) -> bool {
         match self.0 {}

@@ -36,6 +36,8 @@ mod ray;
 #[cfg(not(embree))]
 mod absent;
 #[cfg(embree)]
+mod bare;
+#[cfg(embree)]
 mod builder;
 #[cfg(embree)]
 mod device;
@@ -45,7 +47,9 @@ mod filter;
 mod scene;
 
 #[cfg(not(embree))]
-pub use absent::{Device, Scene, SceneBuilder, header_version};
+pub use absent::{Device, Recording, Scene, SceneBuilder, header_version};
+#[cfg(embree)]
+pub use bare::Recording;
 #[cfg(embree)]
 pub use builder::SceneBuilder;
 pub use config::{DeviceConfig, DeviceInfo, Isa, Keep, Memory, Tasking, Version};

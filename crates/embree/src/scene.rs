@@ -265,8 +265,18 @@ impl Scene {
         }
     }
 
+    /// What every query of this scene says besides its coherence.
+    pub(crate) fn query(&self) -> u32 {
+        self.0.query
+    }
+
+    /// Rays whose coordinates are not below this meet nothing.
+    pub(crate) fn reach(&self) -> f32 {
+        self.0.reach
+    }
+
     #[inline]
-    fn resume(&self) {
+    pub(crate) fn resume(&self) {
         if self.0.filtered {
             filter::resume();
         }
