@@ -6,6 +6,7 @@ mod authored;
 mod broken;
 mod cli;
 mod exact;
+mod hard_cases;
 mod models;
 mod parity;
 mod render;

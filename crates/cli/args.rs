@@ -130,12 +130,12 @@ pub struct Compare {
 #[derive(ClapArgs)]
 pub struct Bench {
     /// Scene file: .obj, .gltf or .glb
-    #[arg(required_unless_present = "samplers")]
+    #[arg(required_unless_present_any = ["samplers", "hard"])]
     pub scene: Option<PathBuf>,
     #[command(flatten)]
     pub job: Job,
     /// Directory for bench.csv, bench.svg and bench.md; it is made if needed
-    #[arg(short = 'o', long = "output", value_name = "DIR", required_unless_present_any = ["samplers", "ceiling"])]
+    #[arg(short = 'o', long = "output", value_name = "DIR", required_unless_present_any = ["samplers", "ceiling", "hard"])]
     pub output: Option<PathBuf>,
     /// Only the ratio of a bake to the bare loop of rtcOccluded16 over its packets
     #[arg(long, conflicts_with = "samplers")]
@@ -143,6 +143,9 @@ pub struct Bench {
     /// Only the error of the point sets on four exact scenes
     #[arg(long)]
     pub samplers: bool,
+    /// Only the cases that break bakers, on every backend: a Markdown table; exit 1 if one fails
+    #[arg(long, conflicts_with_all = ["scene", "samplers", "ceiling"])]
+    pub hard: bool,
     /// Repeats of every measurement
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
     pub repeats: u32,

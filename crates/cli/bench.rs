@@ -2,11 +2,11 @@
 
 use crate::args::Bench as Args;
 use crate::bake::{Phases, Prepared, prepare};
-use crate::{Outcome, say};
+use crate::{Outcome, host, say};
 use ::bake::{EmbreeBackend, PointSet};
 use anyhow::Context;
 use bench::ceiling::{Pair, ceiling};
-use bench::{Subject, samplers};
+use bench::{Subject, hard, samplers};
 use serde_json::json;
 use std::path::Path;
 
@@ -15,11 +15,31 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if args.samplers {
         return samplers(args);
     }
+    if args.hard {
+        return hard_cases(args);
+    }
     let scene = args.scene.as_deref().context("no scene was given")?;
     if args.ceiling {
         return to_ceiling(args, scene);
     }
     anyhow::bail!("not yet")
+}
+
+/// Prints the hard cases with their verdicts.
+fn hard_cases(args: &Args) -> anyhow::Result<Outcome> {
+    host::set_threads(args.common.threads)?;
+    let rows = hard::run()?;
+    if args.common.json {
+        let text = json!({ "schema_version": 1, "rows": rows });
+        say(&format!("{}\n", serde_json::to_string_pretty(&text)?))?;
+    } else {
+        say(&hard::markdown(&rows))?;
+    }
+    let failed = rows.iter().filter(|row| row.status == hard::Status::Fails);
+    match failed.count() {
+        0 => Ok(Outcome::Done),
+        count => anyhow::bail!("{count} of {} hard cases fail; see the table", rows.len()),
+    }
 }
 
 /// Prints the ratio of a bake to the bare loop, at one thread and at all.

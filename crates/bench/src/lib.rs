@@ -5,6 +5,7 @@ use atlas::Atlas;
 use bake::{Bake, BakedPage, Options, Plan, Progress, RayBackend, World};
 
 pub mod ceiling;
+pub mod hard;
 pub mod samplers;
 
 /// What is baked: page 0 of an atlas over a world.
