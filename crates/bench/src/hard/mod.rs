@@ -37,20 +37,41 @@ pub enum Error {
     },
 }
 
-/// The rows as a Markdown table.
+/// The rows as a Markdown table: one line for each term of a case, with what every backend gives.
 pub fn markdown(rows: &[Row]) -> String {
     let mut text = String::from(
-        "| case | term | backend | expected | baked | off by | bound | status | why |\n|---|---|---|---|---|---|---|---|---|\n",
+        "| case | term | expected | baked | bound | status | why |\n|---|---|---|---|---|---|---|\n",
     );
-    for row in rows {
-        let status = match row.status {
-            Status::Holds => "holds".into(),
-            Status::SingleLimit => format!("f32 limit: {:.1e}", row.bound),
-            Status::Fails => "FAILS".into(),
+    let same = |a: &Row, b: &Row| a.case == b.case && a.term == b.term;
+    for (index, first) in rows.iter().enumerate() {
+        if rows[..index].iter().any(|row| same(row, first)) {
+            continue;
+        }
+        let all: Vec<&Row> = rows.iter().filter(|row| same(row, first)).collect();
+        let baked: Vec<String> = all
+            .iter()
+            .map(|row| format!("{} {:.7}", row.backend, row.baked))
+            .collect();
+        // Backends that agree to the bit stand once.
+        let equal = all
+            .iter()
+            .all(|row| row.bits == first.bits && row.baked == first.baked);
+        let baked = match equal {
+            true => format!("{:.7}", first.baked),
+            false => baked.join(", "),
         };
+        let status = |status| all.iter().any(|row| row.status == status);
+        let status = if status(Status::Fails) {
+            "FAILS"
+        } else if status(Status::SingleLimit) {
+            "f32 limit"
+        } else {
+            "holds"
+        };
+        let bound = all.iter().map(|row| row.bound).fold(0.0, f64::max);
         text += &format!(
-            "| {} | {} | {} | {:.9} | {:.9} | {:.1e} | {:.1e} | {status} | {} |\n",
-            row.case, row.term, row.backend, row.expected, row.baked, row.off, row.bound, row.why
+            "| {} | {} | {:.7} | {baked} | {bound:.1e} | {status} | {} |\n",
+            first.case, first.term, first.expected, first.why
         );
     }
     text
