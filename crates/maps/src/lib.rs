@@ -4,12 +4,14 @@
 //! crate opens image files and encodes them into memory; it creates no files and prints nothing.
 #![forbid(unsafe_code)]
 
+pub mod ball;
 mod error;
 mod exr_file;
 mod file;
 mod hdr;
 mod image;
 mod map;
+pub mod merge;
 mod painted;
 mod projection;
 mod quadrature;

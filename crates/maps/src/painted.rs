@@ -7,6 +7,20 @@ use std::io::Cursor;
 
 /// The picture in a PNG or JPEG file. Its values are sRGB (IEC 61966-2-1); transparency is left out.
 pub(crate) fn decode(bytes: &[u8]) -> Result<ImageFile, Reason> {
+    let (width, height, values) = decode_values(bytes)?;
+    let pixels = values.into_iter().map(|p| p.map(linear)).collect();
+    Ok(ImageFile {
+        image: crate::Image {
+            width,
+            height,
+            pixels,
+        },
+        labels: Labels::new(),
+    })
+}
+
+/// Width, height and recorded values of a PNG or JPEG file, 16 bits a channel; 8-bit values times 257.
+pub(crate) fn decode_values(bytes: &[u8]) -> Result<(usize, usize, Vec<[u16; 3]>), Reason> {
     let damaged = |e: &dyn std::fmt::Display| format!("{e}; the file is damaged, export it again");
     let mut reader = ImageReader::new(Cursor::new(bytes))
         .with_guessed_format()
@@ -19,15 +33,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<ImageFile, Reason> {
     let picture = reader.decode().map_err(|e| damaged(&e))?.into_rgb16();
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     check_size(width, height)?;
-    let pixels = picture.pixels().map(|p| p.0.map(linear)).collect();
-    Ok(ImageFile {
-        image: crate::Image {
-            width,
-            height,
-            pixels,
-        },
-        labels: Labels::new(),
-    })
+    Ok((width, height, picture.pixels().map(|p| p.0).collect()))
 }
 
 /// The linear value of an sRGB value of 16 bits; 8 bits times 257 are the same value.
