@@ -103,13 +103,15 @@ fn radiance(
 ) -> (f64, bool) {
     let (mut sum, mut weights) = (0.0, 0.0);
     let mut bound = (f64::INFINITY, 0.0);
+    let mut clipped = false;
     for bracket in brackets {
         let level = f64::from(bracket.values[pixel][channel]) / 257.0;
         let (exposure, slope) = response.at(level);
         if bracket.time < bound.0 {
             bound = (bracket.time, exposure / bracket.time);
+            clipped = level >= SATURATED;
         }
-        if level < SATURATED {
+        if level < SATURATED && slope > 0.0 {
             // Noise lifts some values of a pixel over the end and not others; near it a value counts little.
             let weight = (bracket.time / slope).powi(2) * ((SATURATED - level) / 32.0).min(1.0);
             sum += weight * exposure / bracket.time;
@@ -119,7 +121,7 @@ fn radiance(
     if weights > 0.0 {
         (sum / weights, false)
     } else {
-        (bound.1, true)
+        (bound.1, clipped)
     }
 }
 
