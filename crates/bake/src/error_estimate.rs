@@ -29,7 +29,13 @@ pub(crate) struct Estimate {
 }
 
 /// The estimates of a tile's texels, of which `points[i]` have been spent on each. Texels without points get zeros.
-pub(crate) fn estimate(texels: &[Texel], sums: &[Replicates], points: &[u32]) -> Vec<Estimate> {
+/// Variances pool over texels no more than `radius` away along an axis.
+pub(crate) fn estimate(
+    texels: &[Texel],
+    sums: &[Replicates],
+    points: &[u32],
+    radius: i32,
+) -> Vec<Estimate> {
     let mut at = [usize::MAX; (TILE * TILE) as usize];
     for (i, texel) in texels.iter().enumerate() {
         if points[i] > 0 {
@@ -44,7 +50,7 @@ pub(crate) fn estimate(texels: &[Texel], sums: &[Replicates], points: &[u32]) ->
             if points[i] == 0 {
                 return Estimate::default();
             }
-            let neighbours = || neighbours(texels, &at, i);
+            let neighbours = || neighbours(texels, &at, i, radius);
             let errors = [0, 1].map(|k: usize| {
                 let (mut sum, mut count, mut agreeing) = (0.0, 0.0, 0.0);
                 for j in neighbours() {
@@ -74,12 +80,13 @@ fn neighbours<'a>(
     texels: &'a [Texel],
     at: &'a [usize; (TILE * TILE) as usize],
     centre: usize,
+    radius: i32,
 ) -> impl Iterator<Item = usize> + 'a {
     let texel = &texels[centre];
     let (x, y) = ((texel.x % TILE) as i32, (texel.y % TILE) as i32);
     let edge = TILE as i32;
-    (-1..=1)
-        .flat_map(move |dy| (-1..=1).map(move |dx| (x + dx, y + dy)))
+    (-radius..=radius)
+        .flat_map(move |dy| (-radius..=radius).map(move |dx| (x + dx, y + dy)))
         .filter(move |&(x, y)| (0..edge).contains(&x) && (0..edge).contains(&y))
         .map(move |(x, y)| at[(y * edge + x) as usize])
         .filter(move |&j| {

@@ -47,6 +47,9 @@ const CLOSED_FORM_POINTS: u32 = 64;
 /// Points of each replicate in the first round of a bake with a target.
 const FIRST_ROUND: u32 = 4;
 
+/// Texels this far away along an axis pool their variances when a texel decides to stop.
+const STOP_RADIUS: i32 = 2;
+
 /// Edge of the blocks of texels that share directions: one packet.
 const SHARE: u32 = 4;
 
@@ -183,7 +186,7 @@ fn rounds(task: &Task<'_>, texels: &[Texel], term: Term, mut which: Vec<usize>) 
             for &i in &which {
                 points[i] = rays;
             }
-            estimate(texels, &sums, &points)
+            estimate(texels, &sums, &points, 1)
         }
         Effort::Target { error, max_rays } => {
             let mut range = 0..FIRST_ROUND.min(max_rays.div_ceil(REPLICATES));
@@ -192,11 +195,11 @@ fn rounds(task: &Task<'_>, texels: &[Texel], term: Term, mut which: Vec<usize>) 
                 for &i in &which {
                     points[i] = range.end * REPLICATES;
                 }
-                let estimates = estimate(texels, &sums, &points);
+                let estimates = estimate(texels, &sums, &points, STOP_RADIUS);
                 which.retain(|&i| estimates[i].errors[0] > error);
                 let next = (range.end + step(range.end)).min(max_rays / REPLICATES);
                 if which.is_empty() || next <= range.end {
-                    return estimates;
+                    return estimate(texels, &sums, &points, 1);
                 }
                 range = range.end..next;
             }
