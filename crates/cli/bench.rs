@@ -6,7 +6,10 @@ use crate::{Outcome, host, say};
 use ::bake::{EmbreeBackend, PointSet};
 use anyhow::Context;
 use bench::ceiling::{Pair, ceiling};
+use bench::speed::speed;
+use bench::summary::{markdown, median, svg};
 use bench::{Subject, hard, samplers};
+use report::Output;
 use serde_json::json;
 use std::path::Path;
 
@@ -22,7 +25,81 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if args.ceiling {
         return to_ceiling(args, scene);
     }
-    anyhow::bail!("not yet")
+    against_error(args, scene)
+}
+
+/// Every technique, written as rows, picture and table.
+fn against_error(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
+    let output = args.output.as_deref().context("no directory was given")?;
+    let mut output = Output::create(output)?;
+    let mut phases = Phases::default();
+    let prepared = prepare(scene, &args.job, &args.common, &mut phases)?;
+    let Prepared {
+        atlas,
+        plan,
+        world,
+        options,
+        stem,
+        ..
+    } = &prepared;
+    let subject = Subject { world, plan, atlas };
+    let rows = speed(subject, options, args.repeats, |row| {
+        if !args.common.quiet {
+            eprintln!(
+                "{} {}: RMSE {:.5}, {:.3} CPU s",
+                row.technique, row.effort, row.rmse, row.cpu_seconds
+            );
+        }
+    })?;
+    let ratio = match EmbreeBackend::build(world, rayon::current_num_threads()) {
+        Ok(embree) => {
+            let pairs = ceiling(subject, options, &embree, &[1], args.repeats as usize)?;
+            Some(median(pairs.iter().map(|pair| pair.ratio).collect()))
+        }
+        Err(_) => None,
+    };
+    let title = format!(
+        "{stem}, {} texels, {} triangles, {} threads",
+        atlas.audit.texels,
+        report::SceneReport::of(&prepared.scene).triangles,
+        rayon::current_num_threads()
+    );
+    let mut csv = String::from(
+        "technique,effort,repeat,rmse,estimated_rmse,cpu_seconds,wall_seconds,rays,texels\n",
+    );
+    for row in &rows {
+        csv += &format!(
+            "\"{}\",{},{},{},{},{},{},{},{}\n",
+            row.technique,
+            row.effort,
+            row.repeat,
+            row.rmse,
+            row.estimated_rmse,
+            row.cpu_seconds,
+            row.wall_seconds,
+            row.rays,
+            row.texels
+        );
+    }
+    let picture = svg(&title, &rows).map_err(|e| anyhow::anyhow!("{}: {e}", scene.display()))?;
+    let mut table = markdown(&title, &rows, ratio);
+    table += &format!(
+        "\nambake {}, {}, options {}\n",
+        crate::host::VERSION,
+        prepared.backend.describe(),
+        crate::options::describe(&args.job, options)
+    );
+    output.stage_bytes("bench.csv", csv.as_bytes())?;
+    output.stage_bytes("bench.svg", picture.as_bytes())?;
+    output.stage_bytes("bench.md", table.as_bytes())?;
+    output.publish()?;
+    if args.common.json {
+        let text = json!({ "schema_version": 1, "ratio_to_ceiling": ratio, "rows": rows });
+        say(&format!("{}\n", serde_json::to_string_pretty(&text)?))?;
+    } else if !args.common.quiet {
+        say(&table)?;
+    }
+    Ok(Outcome::Done)
 }
 
 /// Prints the hard cases with their verdicts.
@@ -92,12 +169,6 @@ fn to_ceiling(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
     }
     say(&text)?;
     Ok(Outcome::Done)
-}
-
-/// The median of at least one value.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }
 
 /// Prints C = RMSE N^3/4 of each point set on each exact scene.

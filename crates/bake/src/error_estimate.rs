@@ -28,51 +28,66 @@ pub(crate) struct Estimate {
     pub rays: u64,
 }
 
-/// The estimates of a tile's texels, of which `points[i]` have been spent on each. Texels without points get zeros.
-/// Variances pool over texels no more than `radius` away along an axis.
-pub(crate) fn estimate(
-    texels: &[Texel],
-    sums: &[Replicates],
-    points: &[u32],
-    radius: i32,
-) -> Vec<Estimate> {
-    let mut at = [usize::MAX; (TILE * TILE) as usize];
-    for (i, texel) in texels.iter().enumerate() {
-        if points[i] > 0 {
-            at[(texel.y % TILE * TILE + texel.x % TILE) as usize] = i;
+/// A tile's texels with the sums of their replicates, of which `points[i]` have been spent on each.
+pub(crate) struct Gathered<'a> {
+    texels: &'a [Texel],
+    sums: &'a [Replicates],
+    points: &'a [u32],
+    /// Texel of each place in the tile; none where nothing was spent.
+    at: [usize; (TILE * TILE) as usize],
+    own: Vec<[f64; 2]>,
+}
+
+impl<'a> Gathered<'a> {
+    /// All texels as they stand.
+    pub fn new(texels: &'a [Texel], sums: &'a [Replicates], points: &'a [u32]) -> Self {
+        let mut at = [usize::MAX; (TILE * TILE) as usize];
+        for (i, texel) in texels.iter().enumerate() {
+            if points[i] > 0 {
+                at[(texel.y % TILE * TILE + texel.x % TILE) as usize] = i;
+            }
+        }
+        let own = (0..texels.len())
+            .map(|i| [first, second].map(|of| own_variance(&sums[i], points[i], of)))
+            .collect();
+        Self {
+            texels,
+            sums,
+            points,
+            at,
+            own,
         }
     }
-    let own: Vec<[f64; 2]> = (0..texels.len())
-        .map(|i| [first, second].map(|of| own_variance(&sums[i], points[i], of)))
-        .collect();
-    (0..texels.len())
-        .map(|i| {
-            if points[i] == 0 {
-                return Estimate::default();
-            }
-            let neighbours = || neighbours(texels, &at, i, radius);
-            let errors = [0, 1].map(|k: usize| {
-                let (mut sum, mut count, mut agreeing) = (0.0, 0.0, 0.0);
-                for j in neighbours() {
-                    let ratio = f64::from(points[j]) / f64::from(points[i]);
-                    sum += own[j][k] * ratio * ratio.sqrt();
-                    count += 1.0;
-                    agreeing += f64::from(points[j]);
-                }
-                if sum > 0.0 {
-                    (sum / count).sqrt()
-                } else {
-                    1.5 / agreeing
-                }
-            });
-            Estimate {
-                values: [mean(&sums[i], first), mean(&sums[i], second)],
-                errors,
-                bent: sums[i].iter().map(|s| s.bent).sum(),
-                rays: sums[i].iter().map(|s| s.rays).sum(),
-            }
-        })
-        .collect()
+
+    /// Values and errors of one texel; zeros where nothing was spent.
+    pub fn estimate(&self, i: usize) -> Estimate {
+        if self.points[i] == 0 {
+            return Estimate::default();
+        }
+        let sums = &self.sums[i];
+        Estimate {
+            values: [mean(sums, first), mean(sums, second)],
+            errors: [self.error(i, 0, 1), self.error(i, 1, 1)],
+            bent: sums.iter().map(|s| s.bent).sum(),
+            rays: sums.iter().map(|s| s.rays).sum(),
+        }
+    }
+
+    /// Standard error of one of a texel's two sums. Variances pool over texels no more than `radius` away along an axis.
+    pub fn error(&self, i: usize, sum: usize, radius: i32) -> f64 {
+        let (mut variances, mut count, mut agreeing) = (0.0, 0.0, 0.0);
+        for j in neighbours(self.texels, &self.at, i, radius) {
+            let ratio = f64::from(self.points[j]) / f64::from(self.points[i]);
+            variances += self.own[j][sum] * ratio * ratio.sqrt();
+            count += 1.0;
+            agreeing += f64::from(self.points[j]);
+        }
+        if variances > 0.0 {
+            f64::sqrt(variances / count)
+        } else {
+            1.5 / agreeing
+        }
+    }
 }
 
 /// The texel and those about it in the tile that are of the same surface and have points.

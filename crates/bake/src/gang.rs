@@ -97,17 +97,11 @@ struct Step {
 }
 
 impl<'a> Gang<'a> {
-    /// A gang of at most sixteen lanes at the start of their streams.
-    pub fn new(
-        task: &Task<'_>,
-        texels: &'a [Texel],
-        lanes: &'a [Lane],
-        stream: impl Fn(&Texel, u32) -> Stream,
-    ) -> Self {
-        assert!(lanes.len() <= LANES, "{} lanes in a gang", lanes.len());
+    /// A gang without lanes.
+    pub fn new(task: &Task<'_>, texels: &'a [Texel]) -> Self {
         let mut gang = Self {
             texels,
-            lanes,
+            lanes: &[],
             streams: Streams::new(task.points),
             surfaces: Surfaces {
                 position: [[[0.0; LANES]; 3]; 3],
@@ -129,18 +123,26 @@ impl<'a> Gang<'a> {
             block: LaneSums::default(),
         };
         gang.packet.t_max = [task.t_max; LANES];
-        for (l, lane) in lanes.iter().enumerate() {
-            let texel = &texels[lane.texel];
-            gang.streams.set(l, &stream(texel, lane.replicate as u32));
-            gang.used |= 1 << l;
-            gang.open |= u32::from(texel.open) << l;
-            if texel.cells.len() > 1 {
-                gang.walkers |= 1 << l;
-            }
-            gang.lobe_scale[l] = (1.0 / (texel.material.exponent + 1.0)) as f32;
-            gang.surfaces.set(l, &texel.cells[0]);
-        }
         gang
+    }
+
+    /// Takes at most sixteen lanes, each at the start of its stream, and forgets those before.
+    pub fn load(&mut self, lanes: &'a [Lane], stream: impl Fn(&Texel, u32) -> Stream) {
+        assert!(lanes.len() <= LANES, "{} lanes in a gang", lanes.len());
+        self.lanes = lanes;
+        self.cell = [0; LANES];
+        (self.walkers, self.used, self.open) = (0, 0, 0);
+        self.sums = LaneSums::default();
+        self.stale = true;
+        for (l, lane) in lanes.iter().enumerate() {
+            let texel = &self.texels[lane.texel];
+            self.streams.set(l, &stream(texel, lane.replicate as u32));
+            self.used |= 1 << l;
+            self.open |= u32::from(texel.open) << l;
+            self.walkers |= u32::from(texel.cells.len() > 1) << l;
+            self.lobe_scale[l] = (1.0 / (texel.material.exponent + 1.0)) as f32;
+            self.surfaces.set(l, &texel.cells[0]);
+        }
     }
 
     /// Casts the points `range` of every lane.

@@ -15,7 +15,7 @@
 //! of the same streams, round by round.
 
 use crate::backend::RayBackend;
-use crate::error_estimate::{Estimate, estimate};
+use crate::error_estimate::{Estimate, Gathered};
 use crate::gang::{Gang, Lane};
 use crate::options::{Effort, Pattern, View};
 use crate::texel::Texel;
@@ -178,51 +178,48 @@ fn rounds(task: &Task<'_>, texels: &[Texel], term: Term, mut which: Vec<usize>) 
     let mut points = vec![0; texels.len()];
     match task.effort {
         Effort::Rays(rays) => {
-            cast(task, texels, term, &which, 0..rays / REPLICATES, &mut sums);
-            let rest = (rays % REPLICATES) as usize;
-            let from = rays / REPLICATES;
-            let lanes = lanes(task, texels, &which, 0..rest);
-            cast_lanes(task, texels, term, &lanes, from..from + 1, &mut sums);
+            let (each, rest) = (rays / REPLICATES, (rays % REPLICATES) as usize);
+            cast(
+                task,
+                texels,
+                term,
+                &lanes(task, texels, &which, 0..REPLICATES as usize),
+                0..each,
+                &mut sums,
+            );
+            let more = lanes(task, texels, &which, 0..rest);
+            cast(task, texels, term, &more, each..each + 1, &mut sums);
             for &i in &which {
                 points[i] = rays;
             }
-            estimate(texels, &sums, &points, 1)
         }
         Effort::Target { error, max_rays } => {
-            let mut range = 0..FIRST_ROUND.min(max_rays.div_ceil(REPLICATES));
-            loop {
-                cast(task, texels, term, &which, range.clone(), &mut sums);
+            let most = max_rays / REPLICATES;
+            let mut range = 0..FIRST_ROUND.min(most);
+            while !range.is_empty() && !which.is_empty() {
+                let lanes = lanes(task, texels, &which, 0..REPLICATES as usize);
+                cast(task, texels, term, &lanes, range.clone(), &mut sums);
                 for &i in &which {
                     points[i] = range.end * REPLICATES;
                 }
-                let estimates = estimate(texels, &sums, &points, STOP_RADIUS);
-                which.retain(|&i| estimates[i].errors[0] > error);
-                let next = (range.end + step(range.end)).min(max_rays / REPLICATES);
-                if which.is_empty() || next <= range.end {
-                    return estimate(texels, &sums, &points, 1);
-                }
-                range = range.end..next;
+                let gathered = Gathered::new(texels, &sums, &points);
+                which.retain(|&i| gathered.error(i, 0, STOP_RADIUS) > error);
+                range = range.end..next_round(range.end).min(most);
             }
         }
     }
+    let gathered = Gathered::new(texels, &sums, &points);
+    (0..texels.len()).map(|i| gathered.estimate(i)).collect()
 }
 
-/// How many points a replicate of `points` takes next: 4, 6, 8, 12, 16, 24 ... whole halves of lattices.
-fn step(points: u32) -> u32 {
-    1 << (31 - points.leading_zeros()).saturating_sub(1)
-}
-
-/// Casts the points `range` of every replicate of the texels `which`.
-fn cast(
-    task: &Task<'_>,
-    texels: &[Texel],
-    term: Term,
-    which: &[usize],
-    range: Range<u32>,
-    sums: &mut [Replicates],
-) {
-    let lanes = lanes(task, texels, which, 0..REPLICATES as usize);
-    cast_lanes(task, texels, term, &lanes, range, sums);
+/// How many points a replicate has after the round that follows `points`: 4, 8, 16, 24, 32, 48 ... so that the rounds of easy
+/// texels are few and hard ones overshoot by half at most.
+fn next_round(points: u32) -> u32 {
+    let whole = 1 << points.ilog2();
+    match points {
+        0..16 => 2 * points,
+        _ => points + whole / 2,
+    }
 }
 
 /// The lanes of the texels `which`, neighbours side by side.
@@ -251,7 +248,8 @@ fn lanes(
         .collect()
 }
 
-fn cast_lanes(
+/// Casts the points `range` of every lane.
+fn cast(
     task: &Task<'_>,
     texels: &[Texel],
     term: Term,
@@ -263,8 +261,9 @@ fn cast_lanes(
         Term::Hemisphere => term::HEMISPHERE,
         Term::Lobe => term::LOBE,
     };
+    let mut gang = Gang::new(task, texels);
     for lanes in lanes.chunks(LANES) {
-        let mut gang = Gang::new(task, texels, lanes, |texel, replicate| {
+        gang.load(lanes, |texel, replicate| {
             task.pattern_stream(texel, label, replicate)
         });
         gang.cast(task, term, range.clone());

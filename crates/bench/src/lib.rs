@@ -5,8 +5,11 @@ use atlas::Atlas;
 use bake::{Bake, BakedPage, Options, Plan, Progress, RayBackend, World};
 
 pub mod ceiling;
+mod clock;
 pub mod hard;
 pub mod samplers;
+pub mod speed;
+pub mod summary;
 
 /// What is baked: page 0 of an atlas over a world.
 #[derive(Clone, Copy)]

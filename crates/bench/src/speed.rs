@@ -1,0 +1,253 @@
+//! Techniques side by side: the error of a bake against the CPU seconds that it takes, interleaved in one run.
+
+use crate::Subject;
+use crate::clock::time;
+use bake::{
+    BackendKind, BakedPage, Coherence, Effort, Layer, Layout, Options, Pattern, PointSet, Ray,
+    RayBackend, RayPacket, SurfaceHit,
+};
+use serde::Serialize;
+
+/// Rays of the reference that errors are measured against, and its seed.
+const REFERENCE_RAYS: u32 = 16_384;
+const REFERENCE_SEED: u64 = 0x5eed;
+
+/// One way to bake.
+#[derive(Debug, Clone, Copy)]
+pub struct Technique {
+    /// Its name in tables.
+    pub name: &'static str,
+    /// Which library answers.
+    pub backend: BackendKind,
+    /// Rays go one by one instead of in packets of 16.
+    pub single: bool,
+    /// See [`Options::pattern`].
+    pub pattern: Pattern,
+    /// See [`Options::points`].
+    pub points: PointSet,
+    /// Efforts in rising order.
+    pub efforts: &'static [Effort],
+}
+
+const FEW: &[Effort] = &[Effort::Rays(16), Effort::Rays(64), Effort::Rays(256)];
+const MANY: &[Effort] = &[
+    Effort::Rays(16),
+    Effort::Rays(32),
+    Effort::Rays(64),
+    Effort::Rays(128),
+    Effort::Rays(256),
+    Effort::Rays(512),
+    Effort::Rays(1024),
+];
+const TARGETS: &[Effort] = &[target(0.02), target(0.01), target(0.005)];
+
+const fn target(error: f64) -> Effort {
+    Effort::Target {
+        error,
+        max_rays: 16_384,
+    }
+}
+
+/// All techniques; the first is what a bake does by itself.
+pub const TECHNIQUES: [Technique; 8] = {
+    let plain = Technique {
+        name: "embree packets, owen-sobol",
+        backend: BackendKind::Embree,
+        single: false,
+        pattern: Pattern::Independent,
+        points: PointSet::Sobol,
+        efforts: MANY,
+    };
+    let cwbvh = BackendKind::Obvhs(Layout::Cwbvh);
+    [
+        plain,
+        Technique {
+            name: "the same, --pattern tiled",
+            pattern: Pattern::Tiled,
+            efforts: FEW,
+            ..plain
+        },
+        Technique {
+            name: "the same, --target-error",
+            efforts: TARGETS,
+            ..plain
+        },
+        Technique {
+            name: "embree packets, lattice",
+            points: PointSet::Lattice,
+            efforts: FEW,
+            ..plain
+        },
+        Technique {
+            name: "embree packets, random",
+            points: PointSet::Random,
+            efforts: FEW,
+            ..plain
+        },
+        Technique {
+            name: "embree single rays",
+            single: true,
+            efforts: FEW,
+            ..plain
+        },
+        Technique {
+            name: "obvhs cwbvh",
+            backend: cwbvh,
+            efforts: FEW,
+            ..plain
+        },
+        Technique {
+            name: "obvhs bvh2",
+            backend: BackendKind::Obvhs(Layout::Bvh2),
+            efforts: FEW,
+            ..plain
+        },
+    ]
+};
+
+/// One bake.
+#[derive(Debug, Clone, Serialize)]
+pub struct Row {
+    /// Name of the technique.
+    pub technique: &'static str,
+    /// `rays 64` or `target 0.01`.
+    pub effort: String,
+    /// Which of the repeats, from 0; also the seed.
+    pub repeat: u32,
+    /// Root mean square error of the diffuse term over covered texels.
+    pub rmse: f64,
+    /// What the `error` layer says of it.
+    pub estimated_rmse: f64,
+    /// CPU seconds of the bake, without building the ray scene and without writing.
+    pub cpu_seconds: f64,
+    /// Wall seconds of the same.
+    pub wall_seconds: f64,
+    /// Rays cast.
+    pub rays: u64,
+    /// Texels baked.
+    pub texels: u64,
+}
+
+/// Answers packets ray by ray.
+struct Single<'a>(&'a dyn RayBackend);
+
+impl RayBackend for Single<'_> {
+    fn occluded16(&self, packet: &RayPacket<16>, active: u32, _: Coherence) -> u32 {
+        (0..16)
+            .filter(|lane| active >> lane & 1 == 1)
+            .filter(|&lane| self.0.occluded(&packet.get(lane)))
+            .fold(0, |blocked, lane| blocked | 1 << lane)
+    }
+
+    fn occluded(&self, ray: &Ray) -> bool {
+        self.0.occluded(ray)
+    }
+
+    fn closest(&self, ray: &Ray) -> Option<SurfaceHit> {
+        self.0.closest(ray)
+    }
+
+    fn name(&self) -> &'static str {
+        self.0.name()
+    }
+
+    fn describe(&self) -> String {
+        self.0.describe()
+    }
+
+    fn memory_bytes(&self) -> u64 {
+        self.0.memory_bytes()
+    }
+}
+
+/// Bakes page 0 with every technique and effort, `repeats` times in turn. Techniques whose backend is not built in are
+/// left out. `tell` hears of every row.
+///
+/// # Errors
+/// A backend could not be built.
+pub fn speed(
+    subject: Subject<'_>,
+    options: &Options,
+    repeats: u32,
+    mut tell: impl FnMut(&Row),
+) -> Result<Vec<Row>, bake::Error> {
+    let build = |kind| bake::build(kind, subject.world, 0);
+    let techniques = TECHNIQUES
+        .iter()
+        .filter(|t| t.backend != BackendKind::Embree || embree::header_version().is_some());
+    let mut built = Vec::new();
+    for technique in techniques {
+        built.push((technique, build(technique.backend)?));
+    }
+    let reference = subject.bake(
+        built[0].1.as_ref(),
+        &Options {
+            effort: Effort::Rays(REFERENCE_RAYS),
+            seed: REFERENCE_SEED,
+            ..options.clone()
+        },
+    );
+    let mut rows = Vec::new();
+    for repeat in 0..repeats {
+        for (technique, backend) in &built {
+            let single = Single(backend.as_ref());
+            let backend: &dyn RayBackend = if technique.single {
+                &single
+            } else {
+                backend.as_ref()
+            };
+            for &effort in technique.efforts {
+                let options = Options {
+                    effort,
+                    pattern: technique.pattern,
+                    points: technique.points,
+                    seed: u64::from(repeat),
+                    ..options.clone()
+                };
+                let (page, spent) = time(|| subject.bake(backend, &options));
+                let row = Row {
+                    technique: technique.name,
+                    effort: match effort {
+                        Effort::Rays(rays) => format!("rays {rays}"),
+                        Effort::Target { error, .. } => format!("target {error}"),
+                    },
+                    repeat,
+                    rmse: rmse(&page, &reference),
+                    estimated_rmse: (page.stats.error_squares / page.stats.texels.max(1) as f64)
+                        .sqrt(),
+                    cpu_seconds: spent.cpu,
+                    wall_seconds: spent.wall,
+                    rays: page.stats.rays,
+                    texels: page.stats.texels,
+                };
+                tell(&row);
+                rows.push(row);
+            }
+        }
+    }
+    Ok(rows)
+}
+
+/// Root mean square difference of the diffuse term over texels that a chart covers.
+fn rmse(page: &BakedPage, reference: &BakedPage) -> f64 {
+    let plane = |page: &BakedPage, layer| -> Vec<f32> {
+        let found = page.planes.iter().find(|plane| plane.layer == layer);
+        found.map(|plane| plane.values.clone()).unwrap_or_default()
+    };
+    let coverage = plane(page, Layer::Coverage);
+    let pairs = plane(page, Layer::Diffuse)
+        .into_iter()
+        .zip(plane(reference, Layer::Diffuse))
+        .zip(coverage)
+        .filter(|&(_, coverage)| coverage > 0.0);
+    let (mut squares, mut count) = (0.0, 0.0);
+    for ((a, b), _) in pairs {
+        squares += f64::from(a - b) * f64::from(a - b);
+        count += 1.0;
+    }
+    if count > 0.0 {
+        f64::sqrt(squares / count)
+    } else {
+        0.0
+    }
+}
