@@ -250,19 +250,34 @@ fn models_are_composed_from_the_terms() {
 
 #[test]
 fn bytes_do_not_depend_on_threads_but_on_the_seed() {
-    for backend in backends() {
+    let ways: [&[&str]; 3] = [
+        &[],
+        &["--target-error", "0.04", "--max-rays", "256"],
+        &["--pattern", "tiled"],
+    ];
+    for (way, backend) in ways
+        .iter()
+        .flat_map(|way| backends().into_iter().map(move |backend| (way, backend)))
+    {
         let with = |threads: &str, seed: &str| {
             let mut arguments = SMALL.to_vec();
+            if way.contains(&"--target-error") {
+                let at = arguments.iter().position(|word| *word == "--rays");
+                let at = at.expect("the small bake says its rays");
+                arguments.drain(at..at + 2);
+            }
             arguments.extend(["--backend", backend, "--threads", threads, "--seed", seed]);
+            arguments.extend(way.iter());
             let (folder, _page) = bake(&scene("courtyard.obj"), &arguments);
             pictures(folder.path())
         };
+        // Descending and ascending, so that neither order of runs hides a difference.
         let one = with("1", "0");
-        for threads in ["2", "7"] {
+        for threads in ["7", "2", "1"] {
             assert_eq!(
                 differences(&one, &with(threads, "0")),
                 Vec::<String>::new(),
-                "{backend}, {threads} threads"
+                "{backend} {way:?}, {threads} threads"
             );
         }
         let changed = differences(&one, &with("2", "1"));
@@ -273,7 +288,7 @@ fn bytes_do_not_depend_on_threads_but_on_the_seed() {
         ] {
             assert!(
                 changed.iter().any(|name| name == file),
-                "{backend}: another seed leaves {file} as it was"
+                "{backend} {way:?}: another seed leaves {file} as it was"
             );
         }
     }

@@ -112,24 +112,24 @@ impl Surveyor<'_> {
             before = piece.cumulative;
         }
         Cell::share(&mut cells);
-        let mean = |of: fn(&Sample) -> DVec3| -> DVec3 {
-            cells
-                .iter()
-                .map(|cell| of(&cell.sample(cell.centre())) * cell.area)
-                .sum()
-        };
-        let first = cells[0].sample(cells[0].centre());
-        let geometric = mean(|s| s.geometric)
-            .try_normalize()
-            .unwrap_or(first.geometric);
+        let (mut position, mut normal, mut geometric) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
+        for cell in &cells {
+            let centre = cell.sample(cell.centre());
+            position += centre.position * cell.area;
+            normal += centre.normal * cell.area;
+            geometric += centre.geometric * cell.area;
+        }
+        let upward = patches[&(pieces[0].instance, pieces[0].triangle)]
+            .0
+            .upward();
         Texel {
             x: footprint.x,
             y: footprint.y,
             coverage: footprint.coverage,
             material: self.material(tile, footprint, stream),
-            position: mean(|s| s.position) / before,
-            normal: mean(|s| s.normal).try_normalize().unwrap_or(first.normal),
-            geometric,
+            position: position / before,
+            normal: normal.try_normalize().unwrap_or(upward),
+            geometric: geometric.try_normalize().unwrap_or(upward),
             object: largest.1,
             open,
             tilted: !cells.iter().all(Cell::is_flat),
