@@ -85,7 +85,7 @@ fn against_error(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
     let mut table = markdown(&title, &rows, ratio);
     table += &format!(
         "\nambake {}, {}, options {}\n",
-        crate::host::VERSION,
+        host::VERSION,
         prepared.backend.describe(),
         crate::options::describe(&args.job, options)
     );
