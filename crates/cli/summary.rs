@@ -14,12 +14,15 @@ pub fn summary(report: &BakeReport, verbose: bool, files: usize, dir: &Path) -> 
         .map(|page| page.max_error)
         .fold(0.0, f64::max);
     let texels: u64 = report.pages.iter().map(|page| page.texels).sum();
-    let mean = report
-        .pages
-        .iter()
-        .map(|p| p.mean_error * p.texels as f64)
-        .sum::<f64>()
-        / texels.max(1) as f64;
+    let mean_square = |of: fn(&report::PageReport) -> f64| {
+        let sum: f64 = report
+            .pages
+            .iter()
+            .map(|page| of(page).powi(2) * page.texels as f64)
+            .sum();
+        (sum / texels.max(1) as f64).sqrt()
+    };
+    let (rmse, bound) = (mean_square(|p| p.rmse), mean_square(|p| p.rmse_bound));
     text += &format!(
         "{}: {} triangles, {} objects, {} charts on {} page(s) of {}², UVs {}\n",
         report.scene.path,
@@ -43,7 +46,9 @@ pub fn summary(report: &BakeReport, verbose: bool, files: usize, dir: &Path) -> 
         .iter()
         .any(|d| d.decision == "diffuse" && d.modelled)
     {
-        text += &format!("standard error of diffuse: mean {mean:.5}, worst {worst:.5}\n");
+        text += &format!(
+            "error of diffuse: RMSE {rmse:.5} (below {bound:.5} with 99.9 % confidence), worst texel {worst:.5}\n"
+        );
     }
     for phase in report.timings.iter().filter(|_| verbose) {
         text += &format!("  {:>8.3} s {}\n", phase.seconds, phase.phase);

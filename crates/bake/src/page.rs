@@ -80,6 +80,8 @@ pub struct PageStats {
     pub error_sum: f64,
     /// Sum of its square.
     pub error_squares: f64,
+    /// Sum of its fourth power.
+    pub error_fourths: f64,
     /// Largest standard error of diffuse, and the first texel (column, row) that has it.
     pub error_max: f64,
     /// See `error_max`.
@@ -90,6 +92,25 @@ pub struct PageStats {
     pub closed_form: u64,
     /// Seconds spent on tiles.
     pub seconds: f64,
+}
+
+impl PageStats {
+    /// Estimated root mean square error of the diffuse term over the texels.
+    pub fn rmse(&self) -> f64 {
+        (self.error_squares / self.texels.max(1) as f64).sqrt()
+    }
+
+    /// What the true root mean square error stays below with 99.9 % confidence.
+    ///
+    /// The sum of squared errors of independent normal texels has the relative variance `2/t`, its estimate from four replicates
+    /// each `2/3t`, where `t = (Σ s²)² / Σ s⁴` counts unequal texels as fewer. The normal quantile is 3.09.
+    pub fn rmse_bound(&self) -> f64 {
+        if self.error_squares == 0.0 {
+            return 0.0;
+        }
+        let relative = self.error_fourths / (self.error_squares * self.error_squares);
+        self.rmse() * (1.0 + 3.09 * ((2.0 + 2.0 / 3.0) * relative).sqrt()).sqrt()
+    }
 }
 
 impl<'a> Bake<'a> {
@@ -275,6 +296,7 @@ impl<'a> Bake<'a> {
             stats.coverage += f64::from(texel.coverage);
             stats.error_sum += error;
             stats.error_squares += error * error;
+            stats.error_fourths += error.powi(4);
             if error > stats.error_max {
                 let size = self.atlas.page_size;
                 (stats.error_max, stats.worst) = (error, [texel.index % size, texel.index / size]);
@@ -307,6 +329,7 @@ impl TileResult {
         all.coverage += own.coverage;
         all.error_sum += own.error_sum;
         all.error_squares += own.error_squares;
+        all.error_fourths += own.error_fourths;
         if own.error_max > all.error_max {
             (all.error_max, all.worst) = (own.error_max, own.worst);
         }

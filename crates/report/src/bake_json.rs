@@ -134,6 +134,15 @@ pub struct PageReport {
     pub mean_error: f64,
     /// Largest standard error of `diffuse`.
     pub max_error: f64,
+    /// Column and row of the first texel that has it.
+    #[serde(default)]
+    pub worst_texel: [u32; 2],
+    /// Estimated root mean square error of `diffuse` over covered texels.
+    #[serde(default)]
+    pub rmse: f64,
+    /// What the true root mean square error stays below with 99.9 % confidence.
+    #[serde(default)]
+    pub rmse_bound: f64,
     /// Rays cast for the page.
     pub rays: u64,
     /// Seconds spent integrating the page.
@@ -243,38 +252,6 @@ impl From<&scene::Warning> for WarningReport {
             place: warning.place.clone(),
             count: warning.count,
             message: warning.message.clone(),
-        }
-    }
-}
-
-impl PageReport {
-    /// The statistics of page number `page`, from its layers `coverage`, `error` and `rays` where they are present.
-    pub fn of(page: u32, layers: &crate::Page, seconds: f64) -> PageReport {
-        let layer = |name| layers.values(name).unwrap_or(&[]);
-        let coverage = layer("coverage");
-        let texels = coverage.iter().filter(|&&c| c > 0.0).count() as u64;
-        let errors = || {
-            layer("error")
-                .iter()
-                .zip(coverage)
-                .filter(|&(_, &c)| c > 0.0)
-                .map(|(&e, _)| f64::from(e))
-        };
-        let rays: f64 = layer("rays").iter().map(|&r| f64::from(r)).sum();
-        PageReport {
-            page,
-            texels,
-            coverage_used: coverage.iter().map(|&c| f64::from(c)).sum::<f64>()
-                / coverage.len().max(1) as f64,
-            mean_error: errors().sum::<f64>() / texels.max(1) as f64,
-            max_error: errors().fold(0.0, f64::max),
-            rays: rays as u64,
-            seconds,
-            rays_per_second: if rays > 0.0 && seconds > 0.0 {
-                rays / seconds
-            } else {
-                0.0
-            },
         }
     }
 }

@@ -1,0 +1,118 @@
+//! What ambake says of its own errors, held against exact values.
+
+use super::footprint::averages;
+use super::mesh::Mesh;
+use super::{View, error_layer, exact, pick};
+use crate::support::{bake, report, scene};
+
+/// Scenes with their page edges: every texel of their receivers has a known value.
+const SCENES: [(&str, usize); 6] = [
+    ("wall_finite.obj", 16),
+    ("groove_60.obj", 16),
+    ("corner.obj", 16),
+    ("rectangle_overhead.obj", 32),
+    ("triangle_overhead.obj", 32),
+    ("trench.obj", 32),
+];
+
+/// The quantile of Student's t that 95 % of errors stay below, with 27 degrees of freedom: nine texels pool the spread of
+/// four replicates each.
+const QUANTILE: f64 = 2.052;
+
+/// (error, standard error) of every texel and term of a bake, and rays per texel.
+fn errors(terms: &[&str], arguments: &[&str], seeds: std::ops::Range<u32>) -> (Vec<[f64; 2]>, f64) {
+    let (mut found, mut rays) = (Vec::new(), 0.0);
+    for (name, size) in SCENES {
+        let receivers = Mesh::read(&scene(name));
+        let texels = averages(&receivers, size, &|point| {
+            exact(&receivers, point, View::Normal, 5)
+        });
+        for seed in seeds.clone() {
+            let (edge, seed) = (size.to_string(), seed.to_string());
+            let only = "diffuse,visibility,error,error.visibility,rays";
+            let mut all = vec!["--size", &edge, "--seed", &seed, "--only", only];
+            all.extend(arguments);
+            let (_folder, page) = bake(&scene(name), &all);
+            for (&(x, y), texel) in &texels {
+                let at = y * size + x;
+                for term in terms {
+                    let error = f64::from(page.plane(term)[at]) - pick(&texel.mean, term);
+                    found.push([error, f64::from(page.plane(error_layer(term))[at])]);
+                }
+                rays += f64::from(page.plane("rays")[at]) / texels.len() as f64;
+            }
+        }
+    }
+    let bakes = (SCENES.len() * seeds.len()) as f64;
+    (found, rays / bakes)
+}
+
+fn rmse(errors: &[[f64; 2]]) -> f64 {
+    (errors.iter().map(|e| e[0] * e[0]).sum::<f64>() / errors.len() as f64).sqrt()
+}
+
+#[test]
+fn ninety_five_percent_intervals_cover_as_many_errors() {
+    for rays in ["64", "256"] {
+        let terms = ["diffuse", "visibility"];
+        let (errors, _) = errors(&terms, &["--rays", rays], 0..3);
+        let inside = errors
+            .iter()
+            .filter(|[error, standard]| error.abs() <= QUANTILE * standard)
+            .count();
+        let share = inside as f64 / errors.len() as f64;
+        let stated = (errors.iter().map(|e| e[1] * e[1]).sum::<f64>() / errors.len() as f64).sqrt();
+        let ratio = stated / rmse(&errors);
+        println!(
+            "{rays} rays: {share:.4} of {} covered, stated / true RMSE {ratio:.3}",
+            errors.len()
+        );
+        assert!((0.93..=0.97).contains(&share), "{rays} rays: {share}");
+        assert!((0.95..=1.05).contains(&ratio), "{rays} rays: {ratio}");
+    }
+}
+
+#[test]
+fn asked_errors_are_met_without_waste() {
+    for target in ["0.02", "0.01", "0.005", "0.002"] {
+        let (errors, rays) = errors(&["diffuse"], &["--target-error", target], 0..1);
+        let ratio = rmse(&errors) / target.parse::<f64>().expect("a number");
+        let bias = errors.iter().map(|e| e[0]).sum::<f64>() / errors.len() as f64;
+        println!(
+            "asked {target}: RMSE {:.5}, {ratio:.2} of it, mean {bias:+.6}, {rays:.0} rays a texel",
+            rmse(&errors)
+        );
+        assert!(
+            (0.7..=1.1).contains(&ratio),
+            "asked {target}: {ratio} of it"
+        );
+        assert!(
+            bias.abs() < 0.1 * rmse(&errors),
+            "asked {target}: mean {bias}"
+        );
+    }
+}
+
+#[test]
+fn a_page_states_its_rmse_a_bound_and_its_worst_texel() {
+    let (folder, page) = bake(&scene("trench.obj"), &["--size", "32", "--rays", "64"]);
+    let stated = &report(folder.path())["pages"][0];
+    let number = |key: &str| stated[key].as_f64().unwrap_or(f64::NAN);
+    let covered: Vec<usize> = (0..32 * 32)
+        .filter(|&i| page.plane("coverage")[i] > 0.0)
+        .collect();
+    let squares: f64 = covered
+        .iter()
+        .map(|&i| f64::from(page.plane("error")[i]).powi(2))
+        .sum();
+    let rmse = (squares / covered.len() as f64).sqrt();
+    assert!(
+        (number("rmse") / rmse - 1.0).abs() < 1e-6,
+        "{} is not {rmse}",
+        number("rmse")
+    );
+    assert!(number("rmse_bound") > number("rmse") && number("rmse_bound") < 2.0 * number("rmse"));
+    let [x, y] =
+        [0, 1].map(|k: usize| stated["worst_texel"][k].as_u64().unwrap_or(u64::MAX) as usize);
+    assert!((f64::from(page.plane("error")[y * 32 + x]) - number("max_error")).abs() < 1e-7);
+}
