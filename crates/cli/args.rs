@@ -22,6 +22,9 @@ pub enum Verb {
     Compare(Compare),
     /// A picture of a scene through a camera, shaded by an ambient model and lights
     Render(Box<crate::render::Args>),
+    /// Illumination maps and reflection maps: convert, convolve, measure
+    #[command(subcommand)]
+    Map(Box<crate::map::Args>),
     /// Speed against error: CSV, SVG and a readable summary
     Bench(Bench),
     /// Tells which ray libraries were really loaded and what they can do; exit 1 if one is unusable
@@ -204,7 +207,7 @@ pub enum Uv {
     Unwrap,
 }
 
-fn number(text: &str) -> Result<f64, String> {
+pub fn number(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
         _ => Err(format!("`{text}` is not a finite number")),

@@ -11,6 +11,8 @@ mod checkpoint;
 mod compare;
 mod doctor;
 mod host;
+mod map;
+mod map_file;
 mod options;
 mod plan;
 mod progress;
@@ -39,6 +41,7 @@ fn main() -> ExitCode {
         args::Verb::Plan(plan) => plan::run(plan),
         args::Verb::Compare(compare) => compare::run(compare),
         args::Verb::Render(render) => render::run(render),
+        args::Verb::Map(map) => map::run(map),
         args::Verb::Bench(bench) => bench::run(bench),
         args::Verb::Doctor(doctor) => doctor::run(doctor),
     };

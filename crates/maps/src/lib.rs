@@ -5,6 +5,8 @@
 #![forbid(unsafe_code)]
 
 pub mod ball;
+mod convert;
+mod convolve;
 mod error;
 mod exr_file;
 mod file;
@@ -12,12 +14,16 @@ mod hdr;
 mod image;
 mod map;
 pub mod merge;
+mod orientation;
 mod painted;
 mod projection;
 mod quadrature;
 
+pub use convert::{Layout, convert, convert_image};
+pub use convolve::{Lobe, Normalise, Request, convolve, diffuse, specular};
 pub use error::Error;
 pub use file::{Format, ImageFile, Labels, encode, read, read_unchecked};
 pub use image::Image;
 pub use map::{IlluminationMap, ReflectionMap};
+pub use orientation::Orientation;
 pub use projection::{Direction, Projection};

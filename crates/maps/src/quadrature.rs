@@ -1,6 +1,5 @@
 //! Gauss-Legendre rules.
 
-#[cfg(test)]
 use std::f64::consts::PI;
 
 /// Positive nodes and weights of the 8-point rule on -1..1.
@@ -12,7 +11,6 @@ pub(crate) const GAUSS_8: [(f64, f64); 4] = [
 ];
 
 /// Nodes in ascending order and weights of the `count`-point rule on -1..1, to rounding.
-#[cfg(test)]
 pub(crate) fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     let n = count as f64;
     let rule = (0..count).map(|k| {

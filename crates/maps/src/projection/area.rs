@@ -7,6 +7,9 @@ use crate::quadrature::GAUSS_8;
 /// The corner function A(x, y) = ∫∫ 1/z over 0..x, 0..y is x asin(y/√(1-x²)) + y asin(x/√(1-y²)) - atan(xy/z) inside the
 /// disc and π/2 (x + y - 1) outside; it is odd in both.
 pub(super) fn ortho([x0, x1]: [f64; 2], [y0, y1]: [f64; 2]) -> f64 {
+    if nearest(x0, x1).hypot(nearest(y0, y1)) >= 1.0 {
+        return 0.0;
+    }
     let corner = |x: f64, y: f64| {
         let (a, b) = (x.abs(), y.abs());
         let rest = 1.0 - a * a - b * b;
@@ -31,13 +34,6 @@ pub(super) fn radial(
     flux: impl Fn(f64) -> f64,
     total: f64,
 ) -> f64 {
-    let nearest = |a: f64, b: f64| {
-        if a * b <= 0.0 {
-            0.0
-        } else {
-            a.abs().min(b.abs())
-        }
-    };
     if nearest(x0, x1).hypot(nearest(y0, y1)) >= 1.0 {
         return 0.0;
     }
@@ -64,4 +60,13 @@ pub(super) fn radial(
         c * pieces.map(sum).sum::<f64>()
     };
     (edge(x1, y0, y1) - edge(x0, y0, y1) + edge(y1, x0, x1) - edge(y0, x0, x1)).max(0.0)
+}
+
+/// The smallest magnitude in an interval.
+fn nearest(a: f64, b: f64) -> f64 {
+    if a * b <= 0.0 {
+        0.0
+    } else {
+        a.abs().min(b.abs())
+    }
 }

@@ -187,6 +187,16 @@ impl Projection {
         texels.map(|(i, j)| self.solid_angle(size, i, j)).collect()
     }
 
+    /// The direction shown at a place, or at the nearest place of a disc's rim.
+    pub(crate) fn nearest_direction(self, size: (usize, usize), x: f64, y: f64) -> Direction {
+        let h = size.1 as f64;
+        let middle = |v: f64| ((v / h).floor() + 0.5) * h;
+        let (dx, dy) = (x - middle(x), y - 0.5 * h);
+        let scale = (0.5 * h / dx.hypot(dy)).min(1.0) * (1.0 - 1e-12);
+        let shown = self.direction(size, middle(x) + dx * scale, 0.5 * h + dy * scale);
+        shown.unwrap_or([0.0, 0.0, -1.0])
+    }
+
     /// Solid angle by area of the picture at a place, up to a constant factor; 0 where nothing is shown.
     pub fn density(self, size: (usize, usize), x: f64, y: f64) -> f64 {
         let (w, h) = (size.0 as f64, size.1 as f64);

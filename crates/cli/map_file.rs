@@ -1,0 +1,200 @@
+//! Map files: which pictures a name stands for, headers, staging.
+
+use crate::map::Input;
+use anyhow::{Context, bail};
+use maps::{Format, Image, ImageFile, Labels, Layout, Orientation, Projection};
+use report::Output;
+use std::path::{Path, PathBuf};
+
+/// The faces of a cube in the order in which [`Projection::Cube`] stacks them.
+const FACES: [&str; 6] = ["px", "nx", "py", "ny", "pz", "nz"];
+
+/// A map that was read.
+pub struct Source {
+    pub image: Image,
+    pub layout: Layout,
+    /// What the header says about its values.
+    pub normalisation: Option<String>,
+}
+
+impl Source {
+    /// Reads a map strictly.
+    pub fn read(input: &Input) -> anyhow::Result<Source> {
+        Self::with(input, maps::read)
+    }
+
+    /// Reads a map whose pixels may hold any value.
+    pub fn read_unchecked(input: &Input) -> anyhow::Result<Source> {
+        Self::with(input, maps::read_unchecked)
+    }
+
+    fn with(
+        input: &Input,
+        read: impl Fn(&Path) -> Result<ImageFile, maps::Error>,
+    ) -> anyhow::Result<Source> {
+        let path = &input.input;
+        let file = match input.from {
+            Some(Projection::Cube) if !path.exists() => faces(path, read)?,
+            _ => read(path)?,
+        };
+        let label = |name: &str| file.labels.get(name).map(String::as_str);
+        let projection = input
+            .from
+            .or_else(|| label("ambakeProjection").and_then(Projection::from_name));
+        let orientation = input
+            .from_orientation
+            .or_else(|| label("ambakeOrientation").and_then(Orientation::from_name));
+        let layout = Layout {
+            projection: projection.unwrap_or(Projection::Polar),
+            orientation: orientation.unwrap_or(Orientation::Ambake),
+            size: (file.image.width, file.image.height),
+        };
+        layout
+            .projection
+            .check(layout.size.0, layout.size.1)
+            .with_context(|| path.display().to_string())?;
+        layout.orientation.check(layout.projection)?;
+        let normalisation = label("ambakeNormalisation").map(String::from);
+        Ok(Source {
+            image: file.image,
+            layout,
+            normalisation,
+        })
+    }
+
+    /// Texels on the equator.
+    pub fn texels(&self) -> usize {
+        let (width, height) = self.layout.size;
+        match self.layout.projection {
+            Projection::Polar | Projection::Ortho => width,
+            Projection::Cross => width.max(height),
+            Projection::Cube | Projection::Strip => 4 * width.min(height),
+            Projection::Ball | Projection::Angular | Projection::Octahedral => 2 * width,
+        }
+    }
+}
+
+/// `DIR/STEM_SUFFIX.ENDING` of `DIR/STEM.ENDING`.
+fn suffixed(path: &Path, suffix: &str) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let ending = path.extension().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("{stem}_{suffix}.{ending}"))
+}
+
+/// The six faces of a cube below each other.
+fn faces(
+    path: &Path,
+    read: impl Fn(&Path) -> Result<ImageFile, maps::Error>,
+) -> anyhow::Result<ImageFile> {
+    let paths = FACES.map(|face| suffixed(path, face));
+    if let Some(missing) = paths.iter().find(|path| !path.exists()) {
+        bail!(
+            "cube face {} is missing; a cube has the faces {}",
+            missing.display(),
+            FACES.join(", ")
+        );
+    }
+    let mut cube: Option<ImageFile> = None;
+    for path in &paths {
+        let file = read(path)?;
+        let (width, height) = (file.image.width, file.image.height);
+        if width != height {
+            bail!(
+                "{} is {width} x {height} pixels; a cube face is square",
+                path.display()
+            );
+        }
+        match &mut cube {
+            None => cube = Some(file),
+            Some(cube) if cube.image.width == width => {
+                cube.image.pixels.extend(file.image.pixels);
+                cube.image.height += height;
+            }
+            Some(cube) => bail!(
+                "{} is {width} pixels wide, {} is {}; the faces of a cube have one size",
+                path.display(),
+                paths[0].display(),
+                cube.image.width
+            ),
+        }
+    }
+    cube.with_context(|| format!("{} has no faces", path.display()))
+}
+
+/// The picture's size for a size that was typed: of one face for a cube.
+pub fn picture_size(projection: Projection, [width, height]: [u32; 2]) -> (usize, usize) {
+    let (width, height) = (width as usize, height as usize);
+    match projection {
+        Projection::Cube if width == height => (width, 6 * height),
+        _ => (width, height),
+    }
+}
+
+/// Writes pictures of one layout under `path`, each with its suffix where it has one; all of them or none.
+pub fn write(
+    path: &Path,
+    images: &[(Option<String>, &Image)],
+    layout: Layout,
+    normalisation: &str,
+) -> anyhow::Result<Vec<PathBuf>> {
+    let format = Format::of(path)?;
+    let labels = labels(layout, normalisation);
+    let dir = path.parent().filter(|dir| !dir.as_os_str().is_empty());
+    let mut output = Output::create(dir.unwrap_or(Path::new(".")))?;
+    let mut stage = |path: &Path, image: &Image| -> anyhow::Result<()> {
+        let bytes =
+            maps::encode(image, format, &labels).with_context(|| path.display().to_string())?;
+        let name = path.file_name().context("the output has no file name")?;
+        Ok(output.stage_bytes(&name.to_string_lossy(), &bytes)?)
+    };
+    for (suffix, image) in images {
+        let path = suffix
+            .as_ref()
+            .map_or(path.to_owned(), |suffix| suffixed(path, suffix));
+        if layout.projection != Projection::Cube {
+            stage(&path, image)?;
+            continue;
+        }
+        let n = image.width;
+        for (face, pixels) in FACES.iter().zip(image.pixels.chunks_exact(n * n)) {
+            let face_image = Image {
+                width: n,
+                height: n,
+                pixels: pixels.to_vec(),
+            };
+            stage(&suffixed(&path, face), &face_image)?;
+        }
+    }
+    Ok(output.publish()?)
+}
+
+/// What the header says.
+fn labels(layout: Layout, normalisation: &str) -> Labels {
+    let axes = match layout.projection {
+        Projection::Polar => {
+            "row 0 looks up +y; u = atan2(x, z) with +z in the middle column, growing toward +x to the right"
+        }
+        Projection::Cube | Projection::Cross | Projection::Strip => {
+            "faces +x -x +y -y +z -z as in OpenGL cube maps"
+        }
+        Projection::Ortho => "x to the right, y up; z >= 0 left, z < 0 right",
+        Projection::Ball => {
+            "mirrored sphere, +z in the middle, -z at the rim, x to the right, y up"
+        }
+        Projection::Angular => "angle from +z by radius, -z at the rim, x to the right, y up",
+        Projection::Octahedral => "octahedron, +z in the middle, x to the right, y up",
+    };
+    let axes = match layout.orientation {
+        Orientation::Ambake => axes.into(),
+        other => format!("as {} looks it up", other.name()),
+    };
+    [
+        ("ambakeVersion", crate::host::VERSION.into()),
+        ("ambakeProjection", layout.projection.name().into()),
+        ("ambakeOrientation", layout.orientation.name().into()),
+        ("ambakeAxes", axes),
+        ("ambakeNormalisation", normalisation.into()),
+    ]
+    .map(|(name, text): (&str, String)| (name.to_string(), text))
+    .into()
+}
