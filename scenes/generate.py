@@ -613,10 +613,10 @@ COURTYARD_MATERIALS = {
 }
 
 
-def courtyard_materials():
-    lines = ["# Materials of courtyard.obj: the Phong model itself (Kd albedo, Ks specular, Ns exponent).",
+def materials(scene, table):
+    lines = [f"# Materials of {scene}.obj: the Phong model itself (Kd albedo, Ks specular, Ns exponent).",
              "# Written by scenes/generate.py."]
-    for name, (albedo, gloss) in COURTYARD_MATERIALS.items():
+    for name, (albedo, gloss) in table.items():
         lines += ["", f"newmtl {name}", "Kd " + " ".join(number(x) for x in albedo)]
         if gloss:
             lines += ["Ks " + " ".join(number(x) for x in gloss[0]), f"Ns {number(gloss[1])}"]
@@ -755,6 +755,150 @@ def courtyard():
     return obj
 
 
+AIRLINER_MATERIALS = {
+    "apron": ((0.55, 0.55, 0.53), None),
+    "skin": ((0.55, 0.57, 0.60), ((0.30, 0.30, 0.30), 20)),
+    "metal": ((0.20, 0.20, 0.21), ((0.55, 0.55, 0.55), 60)),
+    "rubber": ((0.06, 0.06, 0.06), None),
+}
+
+
+def loft(obj, rings):
+    """A smooth skin over closed rings of equally many points, each ring seen counter-clockwise from the later ones."""
+    count = len(rings[0])
+
+    def at(r, i):
+        return rings[r][i % count]
+
+    def normal(r, i):
+        along = sub(at(min(r + 1, len(rings) - 1), i), at(max(r - 1, 0), i))
+        around = sub(at(r, i + 1), at(r, i - 1))
+        n = cross(around, along)
+        if sum(x * x for x in n) < 1e-18:
+            n = sub(at(r, i), at(r + 1 if r == 0 else r - 1, i))
+        return unit(n) if sum(x * x for x in n) > 0 else (0.0, 1.0, 0.0)
+
+    for r in range(len(rings) - 1):
+        for i in range(count):
+            corners = [(r, i), (r, i + 1), (r + 1, i + 1), (r + 1, i)]
+            points = [at(*c) for c in corners]
+            keep = [k for k in range(4) if points[k] != points[k - 1]]
+            if len(keep) >= 3:
+                obj.face([points[k] for k in keep], None, [normal(*corners[k]) for k in keep])
+
+
+def cap(obj, ring):
+    """The flat lid over a ring seen counter-clockwise."""
+    middle = mul((sum(p[0] for p in ring), sum(p[1] for p in ring), sum(p[2] for p in ring)), 1 / len(ring))
+    for a, b in zip(ring, ring[1:] + ring[:1]):
+        flat_face(obj, [middle, a, b])
+
+
+def foil(thickness, steps):
+    """Points (along, up) of a symmetrical wing section of chord 1, the nose at 0, counter-clockwise; NACA four digits."""
+    def half(x):
+        return 5 * thickness * (0.2969 * math.sqrt(x) - 0.126 * x - 0.3516 * x * x + 0.2843 * x**3 - 0.1036 * x**4)
+
+    xs = [0.5 - 0.5 * math.cos(math.pi * k / steps) for k in range(steps + 1)]
+    return [(x, half(x)) for x in reversed(xs)] + [(x, -half(x)) for x in xs[1:-1]]
+
+
+def blade(obj, root, tip, chords, thickness, steps, spans, upright=False):
+    """A tapered wing from root to tip, noses at these points, the chord along +z; `upright` for a fin."""
+    section = foil(thickness, steps)
+    rings = []
+    for k in range(spans + 1):
+        t = k / spans
+        nose = add(mul(root, 1 - t), mul(tip, t))
+        chord = chords[0] * (1 - t) + chords[1] * t
+        ring = [add(nose, (u * chord, 0, x * chord) if upright else (0, u * chord, x * chord)) for x, u in section]
+        rings.append(ring if (tip[0] > root[0]) != upright else ring[::-1])
+    loft(obj, rings)
+    cap(obj, rings[-1])
+
+
+def airliner(detail=24):
+    """The triangle count grows with the square of `detail`."""
+    obj = Obj(
+        "An airliner parked on a platform, after Fig. 3 of the ambient reflection paper (y-up, metres).",
+        "Lofted fuselage, wings, tail, four engines, gear. A view: eye -38,17,-44 look 0,3.5,2.",
+    )
+    obj.lines.append("mtllib airliner.mtl")
+    obj.object("platform", "apron")
+    block(obj, (-40, -1.5, -42), (40, 0, 44))
+    obj.object("fuselage", "skin")
+    radius, around = 2.9, 2 * detail
+    stations = []
+    for k in range(detail + 1):
+        t = k / detail
+        if t < 0.25:
+            x = t / 0.25
+            stations.append((-34 + 9 * x, radius * math.sqrt(max(0.0, 1 - (1 - x) ** 2)), -0.7 * (1 - x) ** 2))
+        elif t < 0.6:
+            stations.append((-25 + 35 * (t - 0.25) / 0.35, radius, 0.0))
+        else:
+            x = (t - 0.6) / 0.4
+            stations.append((10 + 25 * x, radius * (1 - 0.94 * x**1.6), 1.9 * x**1.6))
+    rings = []
+    for z, r, lift in stations:
+        turns = [2 * math.pi * i / around for i in range(around)]
+        rings.append([(r * math.cos(a), 5.2 + lift + r * math.sin(a), z) for a in turns])
+    loft(obj, rings)
+    cap(obj, rings[-1])
+    steps, spans = max(4, detail // 2), max(2, detail // 4)
+    obj.object("wings", "skin")
+    for side in (-1, 1):
+        blade(obj, (side * 1.5, 4.0, -8), (side * 30, 6.6, 13), (12.5, 3.2), 0.12, steps, spans)
+    obj.object("tailplane", "skin")
+    for side in (-1, 1):
+        blade(obj, (side * 0.4, 6.9, 26), (side * 10.5, 7.8, 32.5), (6.5, 2.2), 0.1, steps, spans)
+    obj.object("fin", "skin")
+    blade(obj, (0, 7.4, 22.5), (0, 18.0, 32), (10, 3.6), 0.1, steps, spans, upright=True)
+    obj.object("engines", "metal")
+    profile = [(0.9, 1.7), (1.25, 0.3), (1.38, 0.0), (1.5, 0.35), (1.45, 2.2), (1.05, 4.4), (0.55, 4.5), (0.2, 5.6), (0.02, 5.7)]
+    for x, y, z in [(-19.5, 3.4, 0.5), (-10.5, 2.7, -5.5), (10.5, 2.7, -5.5), (19.5, 3.4, 0.5)]:
+        turns = [2 * math.pi * i / detail for i in range(detail)]
+        loft(obj, [[(x + r * math.cos(a), y + r * math.sin(a), z + d) for a in turns] for r, d in profile])
+        cap(obj, [(x + 0.9 * math.cos(a), y + 0.9 * math.sin(a), z + 1.7) for a in reversed(turns)])
+    obj.object("pylons", "skin")
+    for x, y, z in [(-19.5, 4.7, 2), (-10.5, 4.0, -4), (10.5, 4.0, -4), (19.5, 4.7, 2)]:
+        block(obj, (x - 0.18, y - 0.1, z), (x + 0.18, y + 1.1, z + 3.8), bottom=True)
+    obj.object("legs", "metal")
+    feet = [(0, -24), (-1.9, 3), (1.9, 3), (-5.5, 1), (5.5, 1)]
+    for x, z in feet:
+        block(obj, (x - 0.14, 0.5, z - 0.14), (x + 0.14, 4.2, z + 0.14))
+    obj.object("wheels", "rubber")
+    for x, z in feet:
+        for dx in (-0.5, 0.5):
+            turns = [2 * math.pi * i / detail for i in range(detail)]
+            discs = [[(x + dx + w, 0.62 + 0.6 * math.cos(a), z + 0.6 * math.sin(a)) for a in turns] for w in (-0.2, 0.2)]
+            loft(obj, discs)
+            cap(obj, discs[0][::-1])
+            cap(obj, discs[1])
+    return obj
+
+
+def ball():
+    obj = Obj(
+        "A smooth Lambertian globe of radius 1. Seen from far away, lit from the eye with irradiance pi:",
+        "Answer: radiance sqrt(1 - r^2) at the distance r from the middle of the disc. The full moon is near 1 all over:",
+        "the moon is not Lambertian. Its facets chord the globe by 3e-4.",
+    )
+    obj.object("globe")
+    sphere_faces(obj, (0, 0, 0), 1, 128, 64, NO_UV, smooth=True)
+    return obj
+
+
+def wall_lit():
+    obj = Obj(
+        "An endless wall z = 0 (8192 x 8192), white.",
+        "Answer: under a distant light of irradiance pi at 60 degrees, radiance 1/2 everywhere, from every eye.",
+    )
+    obj.object("wall")
+    flat_face(obj, [(-FAR, -FAR, 0), (FAR, -FAR, 0), (FAR, FAR, 0), (-FAR, FAR, 0)])
+    return obj
+
+
 def scenes():
     yield "plane.obj", plane().text()
     yield "tilted_normal.obj", tilted().text()
@@ -777,7 +921,11 @@ def scenes():
     yield "instances.gltf", instances().text()
     yield "instances_twin.obj", instances_twin().text()
     yield "courtyard.obj", courtyard().text()
-    yield "courtyard.mtl", courtyard_materials()
+    yield "courtyard.mtl", materials("courtyard", COURTYARD_MATERIALS)
+    yield "airliner.obj", airliner().text()
+    yield "airliner.mtl", materials("airliner", AIRLINER_MATERIALS)
+    yield "ball.obj", ball().text()
+    yield "wall_lit.obj", wall_lit().text()
 
 
 def main():
