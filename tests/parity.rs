@@ -1,7 +1,7 @@
 //! Both backends answer alike: every scene of this repository and, where present, the real models.
 
 use bake::{
-    Answer, BackendKind, Bake, BakedPage, Both, Effort, Layer, Layout, Options, Overrides,
+    Answer, BackendKind, Bake, BakedPage, Both, Effort, Filter, Layer, Layout, Options, Overrides,
     ParityReport, Pattern, Plan, PointSet, Progress, RayBackend, TestRays, View, World,
     WorldOptions, build, parity,
 };
@@ -202,6 +202,7 @@ fn baked_layers_differ_only_where_a_listed_ray_explains_it() {
         effort: Effort::Rays(32),
         pattern: Pattern::default(),
         points: PointSet::default(),
+        filter: Filter::Off,
         seed: 3,
         sky: [1.0; 3],
         view: View::Normal,

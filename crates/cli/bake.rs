@@ -7,8 +7,8 @@ use crate::progress::watch;
 use crate::stop::Stop;
 use crate::summary::summary;
 use crate::{host, options, say};
-use ::bake::{Bake, BakedPage, Layer, Options, Plan, Progress, RayBackend};
-use anyhow::Context;
+use ::bake::{Bake, BakedPage, Filter, Layer, Options, Pattern, Plan, Progress, RayBackend};
+use anyhow::{Context, bail};
 use atlas::Atlas;
 use report::{BakeReport, DecisionReport, Encoding, Output, PageHeader, PageReport, PhaseReport};
 use scene::Scene;
@@ -60,6 +60,9 @@ pub fn prepare(
 ) -> anyhow::Result<Prepared> {
     let threads = host::set_threads(common.threads)?;
     let options = options::bake_options(job, common);
+    if options.filter == Filter::Regression && options.pattern == Pattern::Tiled {
+        bail!("--filter regression needs independent errors: leave out --pattern tiled");
+    }
     let kind = options::backend(job);
     let scene = Arc::new(phases.time("load", || scene::load(file))?);
     let (plan, world) = phases.time("plan", || Plan::of(&scene, &options))?;
@@ -194,6 +197,7 @@ fn bake_pages(
             return Ok(None);
         }
         let clock = Instant::now();
+        page.keep_asked(options);
         done.push(stage_page(prepared, page, output, described)?);
         writing += clock.elapsed().as_secs_f64();
     }

@@ -1,7 +1,7 @@
 //! What the command line means: typed options of the stages.
 
 use crate::args::{self, Backend, Common, Job, Uv};
-use ::bake::{BackendKind, Effort, Layer, Layout, Options, Overrides, Pattern, PointSet};
+use ::bake::{BackendKind, Effort, Filter, Layer, Layout, Options, Overrides, Pattern, PointSet};
 use serde_json::{Value, json};
 
 /// The bake's options.
@@ -29,6 +29,10 @@ pub fn bake_options(job: &Job, common: &Common) -> Options {
             args::Pattern::Tiled => Pattern::Tiled,
         },
         points: PointSet::default(),
+        filter: match job.filter {
+            args::Filter::Off => Filter::Off,
+            args::Filter::Regression => Filter::Regression,
+        },
         seed: common.seed,
         sky: job.sky,
         view: job.view,
@@ -80,6 +84,10 @@ pub fn describe(job: &Job, options: &Options) -> Value {
         Uv::Keep => "keep",
         Uv::Unwrap => "unwrap",
     };
+    let filter = match options.filter {
+        Filter::Off => "off",
+        Filter::Regression => "regression",
+    };
     let fixed = match options.effort {
         Effort::Rays(rays) => Some(rays),
         Effort::Target { .. } => None,
@@ -96,6 +104,7 @@ pub fn describe(job: &Job, options: &Options) -> Value {
         "target_error": job.target_error,
         "max_rays": job.target_error.map(|_| job.max_rays),
         "pattern": pattern,
+        "filter": filter,
         "seed": options.seed,
         "sky": options.sky,
         "view": view_rule(options),

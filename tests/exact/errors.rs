@@ -3,7 +3,7 @@
 use super::footprint::averages;
 use super::mesh::Mesh;
 use super::{View, error_layer, exact, pick};
-use crate::support::{bake, report, scene};
+use crate::support::{bake, report, run, scene};
 
 /// Scenes with their page edges: every texel of their receivers has a known value.
 const SCENES: [(&str, usize); 6] = [
@@ -91,6 +91,63 @@ fn asked_errors_are_met_without_waste() {
             "asked {target}: mean {bias}"
         );
     }
+}
+
+#[test]
+fn the_filter_lowers_errors_and_states_those_that_are_left() {
+    let terms = ["diffuse", "visibility"];
+    let (plain, _) = errors(&terms, &["--rays", "64"], 0..2);
+    let (filtered, _) = errors(&terms, &["--rays", "64", "--filter", "regression"], 0..2);
+    let inside = filtered
+        .iter()
+        .filter(|[error, standard]| error.abs() <= QUANTILE * standard)
+        .count();
+    let share = inside as f64 / filtered.len() as f64;
+    let stated = rmse(&filtered.iter().map(|e| [e[1], 0.0]).collect::<Vec<_>>());
+    let ratio = stated / rmse(&filtered);
+    println!(
+        "RMSE {:.5} filtered to {:.5}, stated / true {ratio:.3}, {share:.4} covered",
+        rmse(&plain),
+        rmse(&filtered)
+    );
+    assert!(rmse(&filtered) < 0.8 * rmse(&plain));
+    assert!((0.9..=1.15).contains(&ratio), "stated / true RMSE {ratio}");
+    assert!(share > 0.92, "{share} covered");
+}
+
+#[test]
+fn filtered_pages_hold_what_was_asked_and_compose_from_filtered_terms() {
+    let arguments = ["--size", "256", "--rays", "8", "--filter", "regression"];
+    let (_folder, page) = bake(
+        &scene("courtyard.obj"),
+        &[&arguments[..], &["--layers", "albedo"]].concat(),
+    );
+    assert!(!page.names().contains(&"reflectance") && !page.names().contains(&"position.X"));
+    for i in (0..256 * 256).filter(|&i| page.plane("coverage")[i] > 0.0) {
+        let expected = page.plane("albedo.R")[i] * page.plane("diffuse")[i];
+        let found = page.plane("lambert.R")[i];
+        assert!(
+            (found - expected).abs() <= 1e-6,
+            "texel {i}: {found}, not {expected}"
+        );
+    }
+    let file = scene("courtyard.obj");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let all = [
+        "bake",
+        &file.to_string_lossy(),
+        "-o",
+        &folder.path().to_string_lossy(),
+    ]
+    .into_iter()
+    .chain(arguments)
+    .chain(["--pattern", "tiled"])
+    .map(String::from)
+    .collect::<Vec<_>>();
+    let output = run(&all);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("needs independent errors"), "{message}");
 }
 
 #[test]

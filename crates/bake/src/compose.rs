@@ -7,7 +7,7 @@ use ambient::models;
 use glam::DVec3;
 
 /// Everything known about one baked texel.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct BakedTexel {
     /// `y * size + x` on its page.
     pub index: u32,
@@ -60,6 +60,8 @@ impl BakedTexel {
             Layer::Error => one(errors[0]),
             Layer::ErrorVisibility => one(errors[1]),
             Layer::ErrorSpecular => one(errors[2]),
+            Layer::Albedo => albedo.as_vec3().to_array(),
+            Layer::Reflectance => specular.as_vec3().to_array(),
             Layer::Rays => one(rays as f64),
             Layer::Position => self.position.as_vec3().to_array(),
             Layer::Normal => self.normal.as_vec3().to_array(),

@@ -46,6 +46,10 @@ pub enum Layer {
     ErrorVisibility,
     /// Standard error of the specular term.
     ErrorSpecular,
+    /// Diffuse reflectance, linear.
+    Albedo,
+    /// Specular reflectance, linear.
+    Reflectance,
 }
 
 use Layer::*;
@@ -55,7 +59,7 @@ const XYZ: &[&str] = &["X", "Y", "Z"];
 const ONE: &[&str] = &[""];
 
 /// Every layer in the order of the enum, with its name and its channel suffixes.
-const TABLE: [(Layer, &str, &[&str]); 20] = [
+const TABLE: [(Layer, &str, &[&str]); 22] = [
     (Coverage, "coverage", ONE),
     (Visibility, "visibility", ONE),
     (Diffuse, "diffuse", ONE),
@@ -76,6 +80,8 @@ const TABLE: [(Layer, &str, &[&str]); 20] = [
     (DifferencePhong, "difference.phong", RGB),
     (ErrorVisibility, "error.visibility", ONE),
     (ErrorSpecular, "error.specular", ONE),
+    (Albedo, "albedo", RGB),
+    (Reflectance, "reflectance", RGB),
 ];
 
 impl Layer {

@@ -14,6 +14,8 @@ pub struct Options {
     pub pattern: Pattern,
     /// Where sample points come from.
     pub points: PointSet,
+    /// What happens to integrated terms.
+    pub filter: Filter,
     /// Seed of every sample stream.
     pub seed: u64,
     /// Uniform sky radiance, linear RGB, each finite and `>= 0`.
@@ -62,6 +64,16 @@ pub enum Pattern {
     Independent,
     /// Blocks of 4 x 4 texels share theirs, so that packets hold parallel rays: errors show as blocks.
     Tiled,
+}
+
+/// What happens to the terms of a page after they are integrated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Filter {
+    /// Nothing: every texel is unbiased and independent.
+    #[default]
+    Off,
+    /// Local regression over the texels of a surface. Needs [`Pattern::Independent`]: errors of neighbours must be.
+    Regression,
 }
 
 /// Where the eye of the specular term stands.

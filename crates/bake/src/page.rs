@@ -2,9 +2,10 @@
 
 use crate::backend::RayBackend;
 use crate::compose::BakedTexel;
+use crate::filter::{NEEDED, filter};
 use crate::integrate::{Task, integrate, validity};
 use crate::layer::Layer;
-use crate::options::Options;
+use crate::options::{Filter, Options};
 use crate::plan::{Choice, Plan};
 use crate::surface::PlaneErrors;
 use crate::texel::{Surveyor, Texel};
@@ -63,7 +64,7 @@ pub struct BakedPage {
     pub tiles_done: usize,
     /// True when every tile is finished and gutters are filled.
     pub finished: bool,
-    /// Planes of all asked layers, [`Layer::Coverage`] first.
+    /// Planes of all asked layers, [`Layer::Coverage`] first, then those that only the filter needs.
     pub planes: Vec<Plane>,
     /// Sums over the finished texels.
     pub stats: PageStats,
@@ -94,7 +95,50 @@ pub struct PageStats {
     pub seconds: f64,
 }
 
+impl BakedPage {
+    /// Leaves out the layers that only the filter needed.
+    pub fn keep_asked(&mut self, options: &Options) {
+        self.planes
+            .retain(|p| p.layer == Layer::Coverage || options.layers.contains(&p.layer));
+    }
+
+    /// The values of a layer's channel.
+    ///
+    /// # Panics
+    /// Where the page has no such plane.
+    pub(crate) fn channel(&self, layer: Layer, channel: usize) -> &[f32] {
+        let mut planes = self.planes.iter();
+        let found = planes.find(|p| (p.layer, p.channel) == (layer, channel));
+        let missing = || panic!("the page has no channel {channel} of {}", layer.name());
+        found.map_or_else(missing, |plane| &plane.values)
+    }
+
+    /// As [`BakedPage::channel`], to be changed.
+    pub(crate) fn channel_mut(&mut self, layer: Layer, channel: usize) -> &mut [f32] {
+        let mut planes = self.planes.iter_mut();
+        let found = planes.find(|p| (p.layer, p.channel) == (layer, channel));
+        let missing = || panic!("the page has no channel {channel} of {}", layer.name());
+        found.map_or_else(missing, |plane| &mut plane.values)
+    }
+}
+
 impl PageStats {
+    /// Counts a texel's standard error of diffuse.
+    pub(crate) fn add_error(&mut self, error: f64, texel: [u32; 2]) {
+        self.error_sum += error;
+        self.error_squares += error * error;
+        self.error_fourths += error.powi(4);
+        if error > self.error_max {
+            (self.error_max, self.worst) = (error, texel);
+        }
+    }
+
+    /// As if no error had been counted.
+    pub(crate) fn forget_errors(&mut self) {
+        (self.error_sum, self.error_squares, self.error_fourths) = (0.0, 0.0, 0.0);
+        (self.error_max, self.worst) = (0.0, [0; 2]);
+    }
+
     /// Estimated root mean square error of the diffuse term over the texels.
     pub fn rmse(&self) -> f64 {
         (self.error_squares / self.texels.max(1) as f64).sqrt()
@@ -144,6 +188,10 @@ impl<'a> Bake<'a> {
                 .copied()
                 .filter(|&l| l != Layer::Coverage),
         );
+        if self.options.filter == Filter::Regression {
+            let missing: Vec<Layer> = NEEDED.into_iter().filter(|l| !layers.contains(l)).collect();
+            layers.extend(missing);
+        }
         let planes = layers
             .into_iter()
             .flat_map(|layer| (0..layer.channels().len()).map(move |channel| (layer, channel)))
@@ -196,6 +244,9 @@ impl<'a> Bake<'a> {
                 result.store(page);
                 page.tiles_done += 1;
             }
+        }
+        if self.options.filter == Filter::Regression {
+            filter(page, self.plan, self.options.sky);
         }
         page.stats.seconds += started.elapsed().as_secs_f64();
         fill_gutters(page);
@@ -294,13 +345,8 @@ impl<'a> Bake<'a> {
             let stats = &mut result.stats;
             stats.texels += 1;
             stats.coverage += f64::from(texel.coverage);
-            stats.error_sum += error;
-            stats.error_squares += error * error;
-            stats.error_fourths += error.powi(4);
-            if error > stats.error_max {
-                let size = self.atlas.page_size;
-                (stats.error_max, stats.worst) = (error, [texel.index % size, texel.index / size]);
-            }
+            let size = self.atlas.page_size;
+            stats.add_error(error, [texel.index % size, texel.index / size]);
             stats.rays += texel.terms.rays;
             stats.closed_form += u64::from(texel.terms.rays == 0);
         }

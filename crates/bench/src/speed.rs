@@ -3,8 +3,8 @@
 use crate::Subject;
 use crate::clock::time;
 use bake::{
-    BackendKind, BakedPage, Coherence, Effort, Layer, Layout, Options, Pattern, PointSet, Ray,
-    RayBackend, RayPacket, SurfaceHit,
+    BackendKind, BakedPage, Coherence, Effort, Filter, Layer, Layout, Options, Pattern, PointSet,
+    Ray, RayBackend, RayPacket, SurfaceHit,
 };
 use serde::Serialize;
 
@@ -25,6 +25,8 @@ pub struct Technique {
     pub pattern: Pattern,
     /// See [`Options::points`].
     pub points: PointSet,
+    /// See [`Options::filter`].
+    pub filter: Filter,
     /// Efforts in rising order.
     pub efforts: &'static [Effort],
 }
@@ -49,13 +51,14 @@ const fn target(error: f64) -> Effort {
 }
 
 /// All techniques; the first is what a bake does by itself.
-pub const TECHNIQUES: [Technique; 8] = {
+pub const TECHNIQUES: [Technique; 9] = {
     let plain = Technique {
         name: "embree packets, owen-sobol",
         backend: BackendKind::Embree,
         single: false,
         pattern: Pattern::Independent,
         points: PointSet::Sobol,
+        filter: Filter::Off,
         efforts: MANY,
     };
     let cwbvh = BackendKind::Obvhs(Layout::Cwbvh);
@@ -65,6 +68,12 @@ pub const TECHNIQUES: [Technique; 8] = {
             name: "the same, --pattern tiled",
             pattern: Pattern::Tiled,
             efforts: FEW,
+            ..plain
+        },
+        Technique {
+            name: "the same, --filter regression",
+            filter: Filter::Regression,
+            efforts: MANY,
             ..plain
         },
         Technique {
@@ -201,6 +210,7 @@ pub fn speed(
                     effort,
                     pattern: technique.pattern,
                     points: technique.points,
+                    filter: technique.filter,
                     seed: u64::from(repeat),
                     ..options.clone()
                 };

@@ -5,8 +5,8 @@ use super::setup::{SIZE, Setup};
 use super::{Error, input};
 use crate::Subject;
 use bake::{
-    BackendKind, BakedPage, Choice, Effort, Layer, Layout, Options, Overrides, Pattern, Plan,
-    PointSet, View,
+    BackendKind, BakedPage, Choice, Effort, Filter, Layer, Layout, Options, Overrides, Pattern,
+    Plan, PointSet, View,
 };
 use serde::Serialize;
 use std::sync::Arc;
@@ -91,6 +91,7 @@ fn bake(setup: &Setup, case: &str, kind: BackendKind) -> Result<BakedPage, Error
         effort: Effort::Rays(RAYS),
         pattern: Pattern::Independent,
         points: PointSet::default(),
+        filter: Filter::Off,
         seed: 0,
         sky: [1.0; 3],
         view: setup
