@@ -832,7 +832,7 @@ def airliner(detail=24):
     for k in range(detail + 1):
         t = k / detail
         if t < 0.25:
-            x = t / 0.25
+            x = 1 - math.cos(2 * math.pi * t)
             stations.append((-34 + 9 * x, radius * math.sqrt(max(0.0, 1 - (1 - x) ** 2)), -0.7 * (1 - x) ** 2))
         elif t < 0.6:
             stations.append((-25 + 35 * (t - 0.25) / 0.35, radius, 0.0))

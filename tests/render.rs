@@ -76,6 +76,46 @@ fn a_picture_from_a_bake_agrees_with_the_integrated_one() {
 }
 
 #[test]
+fn a_lambertian_moon_darkens_toward_its_rim_and_a_wall_does_not() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("x.exr");
+    let shot = |name: &str, view: &str| {
+        let mut arguments = vec!["render".to_owned(), scene(name).display().to_string()];
+        arguments.extend(["-o".to_owned(), path.display().to_string()]);
+        let common = "--quiet --samples 1 --rays 0 --background 0,0,0";
+        let words = view.split(' ').chain(common.split(' '));
+        arguments.extend(words.map(str::to_owned));
+        run_well(arguments);
+        pixels(&path)
+    };
+    // Irradiance pi from the eye, 1000 radii away; the picture is 2.5 radii high.
+    let fov = (2.0 * (1.25f64 / 1000.0).atan()).to_degrees();
+    let light = "--size 101x101 --sun 0,0,1,3.141592653589793";
+    let moon = shot(
+        "ball.obj",
+        &format!("--eye 0,0,1000 --fov-deg {fov} {light}"),
+    );
+    for (i, pixel) in moon.iter().enumerate() {
+        let place = |k: usize| 2.5 * ((k as f64 + 0.5) / 101.0 - 0.5);
+        let r = place(i % 101).hypot(place(i / 101));
+        let found = f64::from(pixel[0]);
+        if r < 0.95 {
+            // Facets of 2.8 degrees move a point by 3e-4 of the radius, and at r = 0.95 the slope is 3.
+            let exact = (1.0 - r * r).sqrt();
+            assert!((found - exact).abs() < 3e-3, "r {r}: {found} for {exact}");
+        } else if r > 1.01 {
+            assert_eq!(found, 0.0, "r {r}");
+        }
+    }
+    let light = "--look 0,0,0 --size 9x9 --sun 0,0.8660254037844386,0.5,3.141592653589793";
+    for eye in ["0,0,5", "4,3,2", "-30,1,4"] {
+        let wall = shot("wall_lit.obj", &format!("--eye={eye} {light} --fov-deg 10"));
+        let same = |pixel: &[f32; 3]| pixel.iter().all(|v| (v - 0.5).abs() < 1e-6);
+        assert!(wall.iter().all(same), "{eye}: {wall:?}");
+    }
+}
+
+#[test]
 fn a_wrong_request_is_one_line_and_leaves_no_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name).display().to_string();

@@ -3,7 +3,7 @@
 use crate::args::{self, Backend, Common};
 use crate::{Outcome, host, options, say};
 use ::bake::{Overrides, RayBackend, Surfaces, World, WorldOptions};
-use ::render::{Camera, Direct, Light, Lightmap, Model, Sample, picture};
+use ::render::{Camera, Direct, Light, Lightmap, Model, Sample, fig1, fig1_csv, fig1_svg, picture};
 use anyhow::{Context, bail};
 use clap::{Args as ClapArgs, ValueEnum};
 use glam::DVec3;
@@ -19,9 +19,12 @@ use std::time::Instant;
 pub struct Args {
     /// Scene file: .obj, .gltf or .glb
     pub scene: PathBuf,
-    /// Image to write: .exr (linear, float) or .png (sRGB); give it twice for both
+    /// Picture to write: .exr (linear, float) or .png (sRGB); give it twice for both. With --figure a directory
     #[arg(short = 'o', long = "output", value_name = "IMAGE", required = true)]
     pub output: Vec<PathBuf>,
+    /// Draw a figure instead; `fig1` on an open scene such as scenes/plane.obj, `--rays` for each point
+    #[arg(long, value_enum, conflicts_with = "bake")]
+    pub figure: Option<Figure>,
     #[command(flatten)]
     pub view: View,
     /// Ambient model
@@ -97,6 +100,12 @@ pub enum ModelName {
     Phong,
 }
 
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Figure {
+    /// Specular ambient term against view angle and exponent: fig1.svg and fig1.csv
+    Fig1,
+}
+
 impl ModelName {
     fn model(self) -> Model {
         match self {
@@ -123,8 +132,10 @@ impl View {
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let started = Instant::now();
     let threads = host::set_threads(args.common.threads)?;
-    for path in &args.output {
-        ending(path)?;
+    if args.figure.is_none() {
+        for path in &args.output {
+            ending(path)?;
+        }
     }
     let (scene, lightmap) = match &args.bake {
         None => (scene::load(&args.scene)?, None),
@@ -142,6 +153,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         },
     )?;
     let backend = ::bake::build(options::backend_kind(args.backend), &world, threads)?;
+    if let Some(Figure::Fig1) = args.figure {
+        return draw_fig1(args, &world, backend.as_ref());
+    }
     let camera = args.view.camera(world.bounds())?;
     let picture = take(args, &world, backend.as_ref(), lightmap.as_ref(), &camera);
     let described = json!({
@@ -185,6 +199,20 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
+/// Writes Fig. 1 into the directory.
+fn draw_fig1(args: &Args, world: &World, backend: &dyn RayBackend) -> anyhow::Result<Outcome> {
+    let [dir] = args.output.as_slice() else {
+        bail!("--figure takes one -o DIR");
+    };
+    let surfaces = Surfaces::new(world);
+    let points = fig1(&mut shader(args, &surfaces, backend, &[]));
+    let mut output = Output::create(dir)?;
+    output.stage_bytes("fig1.csv", fig1_csv(&points).as_bytes())?;
+    output.stage_bytes("fig1.svg", fig1_svg(&points).as_bytes())?;
+    output.publish()?;
+    Ok(Outcome::Done)
+}
+
 /// The picture of the arguments.
 fn take(
     args: &Args,
@@ -195,24 +223,7 @@ fn take(
 ) -> Image {
     let surfaces = Surfaces::new(world);
     let lights = lights(&args.sun, &args.point);
-    let rgb = |rgb: [f32; 3]| glam::Vec3::from(rgb).as_dvec3();
-    let direct = Direct {
-        surfaces: &surfaces,
-        backend,
-        model: args.model.model(),
-        rays: args.rays,
-        sky: rgb(args.sky),
-        background: rgb(args.background.unwrap_or(args.sky)),
-        lights: &lights,
-        max_distance: args.max_distance.map_or(f32::INFINITY, |d| d as f32),
-        seed: args.common.seed,
-        overrides: Overrides {
-            albedo: args.albedo,
-            specular: args.specular,
-            exponent: args.exponent,
-        },
-        luminous: luminous(world.scene()),
-    };
+    let direct = shader(args, &surfaces, backend, &lights);
     picture(
         camera,
         args.view.samples,
@@ -221,6 +232,33 @@ fn take(
             Some(map) => direct.radiance_baked(sample, map),
         },
     )
+}
+
+/// What shades the rays.
+fn shader<'a>(
+    args: &Args,
+    surfaces: &'a Surfaces<'a>,
+    backend: &'a dyn RayBackend,
+    lights: &'a [Light],
+) -> Direct<'a> {
+    let rgb = |rgb: [f32; 3]| glam::Vec3::from(rgb).as_dvec3();
+    Direct {
+        surfaces,
+        backend,
+        model: args.model.model(),
+        rays: args.rays,
+        sky: rgb(args.sky),
+        background: rgb(args.background.unwrap_or(args.sky)),
+        lights,
+        max_distance: args.max_distance.map_or(f32::INFINITY, |d| d as f32),
+        seed: args.common.seed,
+        overrides: Overrides {
+            albedo: args.albedo,
+            specular: args.specular,
+            exponent: args.exponent,
+        },
+        luminous: luminous(surfaces.world().scene()),
+    }
 }
 
 /// The lights of `--sun` and `--point`.

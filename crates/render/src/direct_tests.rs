@@ -1,7 +1,7 @@
 //! Direct pictures against answers known on paper.
 
 use crate::fixture::{Sheet, ground, white, world};
-use crate::{Camera, Direct, Light, Model, Sample, picture};
+use crate::{Camera, Direct, Light, Model, Sample, fig1, picture};
 use ambient::closed_form::phong_open;
 use bake::{Overrides, RayBackend, Surfaces};
 use glam::{DVec3, Vec3};
@@ -159,6 +159,24 @@ fn a_luminous_patch_lights_the_floor_by_its_form_factor() {
         0,
     ));
     assert_eq!(patch, DVec3::splat(10.0));
+}
+
+#[test]
+fn fig1_by_rays_agrees_with_the_closed_form_within_its_errors() {
+    let (world, backend) = world(&[ground()]);
+    let surfaces = Surfaces::new(&world);
+    let points = fig1(&mut direct(&surfaces, backend.as_ref(), Model::Phong));
+    assert_eq!(points.len(), 80);
+    for p in &points {
+        // One of 80 points beyond 5 standard errors: once in 2e4 figures.
+        assert!((p.rays - p.exact).abs() <= 5.0 * p.error, "{p:?}");
+    }
+    // The paper's n = 2 seen at 60 degrees.
+    let (n, angle) = (2, 60.0);
+    let found = points
+        .iter()
+        .find(|p| (p.exponent, p.angle_deg) == (n, angle));
+    assert!((found.unwrap().exact - 1.684_938_5).abs() < 1e-7);
 }
 
 #[test]

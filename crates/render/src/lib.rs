@@ -9,6 +9,7 @@ mod direct;
 #[cfg(test)]
 mod direct_tests;
 mod error;
+mod fig1;
 #[cfg(test)]
 mod fixture;
 mod light;
@@ -18,6 +19,7 @@ mod picture;
 pub use camera::Camera;
 pub use direct::{Direct, Model};
 pub use error::Error;
+pub use fig1::{Fig1Point, fig1, fig1_csv, fig1_svg};
 pub use light::Light;
 pub use lightmap::Lightmap;
 pub use picture::{Sample, picture};

@@ -1,0 +1,140 @@
+//! Fig. 1 of X. Zhang, Y. Gao, ICIP 2009: the specular ambient term of an open surface against view angle and exponent.
+
+use crate::{Direct, Sample};
+use ambient::closed_form::phong_open_angle;
+use ambient::convention::lobe_scale;
+use glam::DVec3;
+use std::fmt::Write;
+
+/// Exponents of the curves.
+pub const EXPONENTS: [u32; 8] = [1, 2, 5, 10, 20, 50, 100, 200];
+
+/// View angles of the points that are integrated with rays, in degrees.
+const ANGLES_DEG: [f64; 10] = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 85.0];
+
+/// Independent estimates of a point.
+const ESTIMATES: u32 = 16;
+
+/// A point of the figure. Values are J / (i_a k_s), in steradians.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fig1Point {
+    /// Lobe exponent.
+    pub exponent: u32,
+    /// View angle in degrees.
+    pub angle_deg: f64,
+    /// Equation (15) by its closed form.
+    pub exact: f64,
+    /// The same from rays.
+    pub rays: f64,
+    /// Standard error of `rays`: binomial, of Laplace's estimate of the open share, so that it is not 0 where every ray is
+    /// open. Stratified rays do better.
+    pub error: f64,
+}
+
+/// Every point, integrated by `direct` at the origin of a scene whose surface there is open and faces +y. Its model must
+/// be Phong under a white sky; its overrides are replaced.
+pub fn fig1(direct: &mut Direct<'_>) -> Vec<Fig1Point> {
+    let mut points = Vec::new();
+    for exponent in EXPONENTS {
+        direct.overrides.albedo = Some([0.0; 3]);
+        direct.overrides.specular = Some([1.0; 3]);
+        direct.overrides.exponent = Some(f64::from(exponent));
+        let raw = 1.0 / lobe_scale(f64::from(exponent));
+        for angle_deg in ANGLES_DEG {
+            let (sin, cos) = f64::sin_cos(angle_deg.to_radians());
+            let view = DVec3::new(sin, cos, 0.0);
+            let estimates = (0..ESTIMATES).map(|number| {
+                direct
+                    .radiance(&Sample {
+                        pixel: points.len() as u32,
+                        number,
+                        eye: view,
+                        direction: -view,
+                    })
+                    .x
+            });
+            let share = estimates.sum::<f64>() / f64::from(ESTIMATES);
+            let rays = f64::from(ESTIMATES) * f64::from(direct.rays);
+            let known = (share * rays + 1.0) / (rays + 2.0);
+            points.push(Fig1Point {
+                exponent,
+                angle_deg,
+                exact: raw * phong_open_angle(f64::from(exponent), angle_deg.to_radians()),
+                rays: raw * share,
+                error: raw * (known * (1.0 - known) / rays).sqrt(),
+            });
+        }
+    }
+    points
+}
+
+/// The points as CSV with a head.
+pub fn fig1_csv(points: &[Fig1Point]) -> String {
+    let mut text = String::from("exponent,view_deg,exact_sr,rays_sr,standard_error_sr\n");
+    for p in points {
+        let Fig1Point {
+            exponent,
+            angle_deg,
+            exact,
+            rays,
+            error,
+        } = p;
+        let _ = writeln!(text, "{exponent},{angle_deg},{exact},{rays},{error}");
+    }
+    text
+}
+
+/// Curves of the closed form with the points and bars of three standard errors, as SVG.
+pub fn fig1_svg(points: &[Fig1Point]) -> String {
+    let x = |degrees: f64| 60.0 + degrees * 6.0;
+    let y = |value: f64| 400.0 - value * 110.0;
+    let mut svg = String::from(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"720\" height=\"460\" font-family=\"sans-serif\" \
+         font-size=\"12\">\n<rect width=\"720\" height=\"460\" fill=\"white\"/>\n\
+         <text x=\"60\" y=\"24\" font-size=\"14\">Specular ambient term J / (i k) of an open Phong surface, sr: \
+         curves exact, points by rays ± 3 standard errors</text>\n\
+         <text x=\"290\" y=\"446\">view angle, degrees</text>\n",
+    );
+    for degrees in (0..=90).step_by(15).map(f64::from) {
+        let at = x(degrees);
+        let _ = writeln!(
+            svg,
+            "<path d=\"M{at} 400V{}\" stroke=\"#ddd\"/><text x=\"{at}\" y=\"418\" text-anchor=\"middle\">{degrees}</text>",
+            y(3.25)
+        );
+    }
+    for value in (0..=6).map(|half| 0.5 * f64::from(half)) {
+        let at = y(value);
+        let _ = writeln!(
+            svg,
+            "<path d=\"M60 {at}H600\" stroke=\"#ddd\"/><text x=\"52\" y=\"{}\" text-anchor=\"end\">{value}</text>",
+            at + 4.0
+        );
+    }
+    for (rank, exponent) in EXPONENTS.into_iter().enumerate() {
+        let n = f64::from(exponent);
+        let color = format!("hsl({},70%,42%)", rank * 42);
+        let value = |degrees: f64| phong_open_angle(n, degrees.to_radians()) / lobe_scale(n);
+        let mut path = String::new();
+        for degrees in (0..=90).map(f64::from) {
+            let word = if path.is_empty() { 'M' } else { 'L' };
+            let _ = write!(path, "{word}{:.2} {:.2}", x(degrees), y(value(degrees)));
+        }
+        let _ = writeln!(
+            svg,
+            "<path d=\"{path}\" fill=\"none\" stroke=\"{color}\"/><text x=\"615\" y=\"{}\" fill=\"{color}\">n = {exponent}</text>",
+            90 + 20 * rank
+        );
+        for p in points.iter().filter(|p| p.exponent == exponent) {
+            let at = x(p.angle_deg);
+            let _ = writeln!(
+                svg,
+                "<path d=\"M{at} {:.3}V{:.3}\" stroke=\"{color}\"/><circle cx=\"{at}\" cy=\"{:.3}\" r=\"2.5\" fill=\"{color}\"/>",
+                y(p.rays - 3.0 * p.error),
+                y(p.rays + 3.0 * p.error),
+                y(p.rays)
+            );
+        }
+    }
+    svg + "</svg>\n"
+}
