@@ -272,9 +272,12 @@ mod tests {
         let [plain, filtered, stated] = errors(&made, 0.02);
         // Of 121 texels a linear fit leaves 0.09 of the noise, a quadratic one 0.14, one at a border twice that.
         assert!(filtered < 0.25 * plain, "{filtered} of {plain}");
+        // Stein's estimate averaged over 49 texels has a deviation of √(2/49) of the variance; only its positive half, 0.4 of it
+        // on average, counts as bias.
+        let most = (filtered * filtered + 0.4 * (2.0_f64 / 49.0).sqrt() * 0.02 * 0.02).sqrt();
         assert!(
-            (0.7..=1.4).contains(&(stated / filtered)),
-            "stated {stated}, true {filtered}"
+            (0.7 * filtered..=most).contains(&stated),
+            "stated {stated}, true {filtered}, at most {most}"
         );
     }
 
