@@ -137,7 +137,7 @@ pub struct Compare {
 #[derive(ClapArgs)]
 pub struct Bench {
     /// Scene file: .obj, .gltf or .glb
-    #[arg(required_unless_present_any = ["samplers", "hard"])]
+    #[arg(required_unless_present_any = ["samplers", "hard", "maps"])]
     pub scene: Option<PathBuf>,
     #[command(flatten)]
     pub job: Job,
@@ -153,6 +153,9 @@ pub struct Bench {
     /// Only the cases that break bakers, on every backend: a Markdown table; exit 1 if one fails
     #[arg(long, conflicts_with_all = ["scene", "samplers", "ceiling"])]
     pub hard: bool,
+    /// Only the convolution of maps against the plain double sum: maps.csv and maps.md in DIR
+    #[arg(long, conflicts_with_all = ["scene", "samplers", "ceiling", "hard"])]
+    pub maps: bool,
     /// Repeats of every measurement
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
     pub repeats: u32,

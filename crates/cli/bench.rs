@@ -8,7 +8,7 @@ use anyhow::Context;
 use bench::ceiling::{Pair, ceiling};
 use bench::speed::speed;
 use bench::summary::{markdown, median, svg};
-use bench::{Subject, hard, samplers};
+use bench::{Subject, hard, maps, samplers};
 use report::Output;
 use serde_json::json;
 use std::path::Path;
@@ -20,6 +20,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     }
     if args.hard {
         return hard_cases(args);
+    }
+    if args.maps {
+        return convolution(args);
     }
     let scene = args.scene.as_deref().context("no scene was given")?;
     if args.ceiling {
@@ -117,6 +120,26 @@ fn hard_cases(args: &Args) -> anyhow::Result<Outcome> {
         0 => Ok(Outcome::Done),
         count => anyhow::bail!("{count} of {} hard cases fail; see the table", rows.len()),
     }
+}
+
+/// Times of convolution beside the plain double sum, written as rows and table.
+fn convolution(args: &Args) -> anyhow::Result<Outcome> {
+    let threads = host::set_threads(args.common.threads)?;
+    let output = args.output.as_deref().context("no directory was given")?;
+    let mut output = Output::create(output)?;
+    let rows = maps::maps(args.repeats as usize)?;
+    let mut table = maps::markdown(&rows);
+    table += &format!("\nambake {}, {threads} threads\n", host::VERSION);
+    output.stage_bytes("maps.csv", maps::csv(&rows).as_bytes())?;
+    output.stage_bytes("maps.md", table.as_bytes())?;
+    output.publish()?;
+    if args.common.json {
+        let text = json!({ "schema_version": 1, "threads": threads, "rows": rows });
+        say(&format!("{}\n", serde_json::to_string_pretty(&text)?))?;
+    } else if !args.common.quiet {
+        say(&table)?;
+    }
+    Ok(Outcome::Done)
 }
 
 /// Prints the ratio of a bake to the bare loop, at one thread and at all.

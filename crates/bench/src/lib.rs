@@ -7,6 +7,7 @@ use bake::{Bake, BakedPage, Options, Plan, Progress, RayBackend, World};
 pub mod ceiling;
 mod clock;
 pub mod hard;
+pub mod maps;
 pub mod samplers;
 pub mod speed;
 pub mod summary;

@@ -262,14 +262,6 @@ mod tests {
                     for (at, pixel) in result.image().pixels.iter().enumerate() {
                         let shown = to.solid_angle(size, at % size.0, at / size.0) > 0.0;
                         let error = (pixel[0] - f32::from(u8::from(shown))).abs();
-                        if error > 1e-6 {
-                            println!(
-                                "DBG {:e} {:?} {:?}",
-                                to.solid_angle(size, at % size.0, at / size.0),
-                                pixel,
-                                size
-                            );
-                        }
                         assert!(
                             error < 1e-6,
                             "{from:?} to {to:?} {texels}: {error:e} at {at}"
