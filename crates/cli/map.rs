@@ -19,6 +19,10 @@ pub enum Args {
     Diffuse(Diffuse),
     /// The specular reflection map S
     Specular(Specular),
+    /// Photographs of a mirrored ball to a map
+    Ball(crate::map_ball::Args),
+    /// Exposure brackets to one picture of radiance
+    Merge(crate::map_merge::Args),
 }
 
 /// The picture that is read.
@@ -168,6 +172,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         Args::Stats(args) => stats(args),
         Args::Diffuse(args) => diffuse(args),
         Args::Specular(args) => specular(args),
+        Args::Ball(args) => crate::map_ball::run(args),
+        Args::Merge(args) => crate::map_merge::run(args),
     }?;
     Ok(Outcome::Done)
 }
@@ -402,7 +408,7 @@ fn summary(
         .collect::<String>())
 }
 
-fn projection(text: &str) -> Result<Projection, String> {
+pub fn projection(text: &str) -> Result<Projection, String> {
     Projection::from_name(text).ok_or_else(|| {
         let names: Vec<_> = Projection::all().map(Projection::name).collect();
         format!("unknown projection; there are {}", names.join(", "))

@@ -137,32 +137,68 @@ pub fn write(
     layout: Layout,
     normalisation: &str,
 ) -> anyhow::Result<Vec<PathBuf>> {
+    let planes: Vec<_> = images
+        .iter()
+        .map(|(s, image)| (s.as_deref(), *image, None))
+        .collect();
+    write_planes(path, &planes, layout, normalisation)
+}
+
+/// Writes one picture with a confidence for every texel.
+pub fn write_with_confidence(
+    path: &Path,
+    image: &Image,
+    confidence: &[f32],
+    layout: Layout,
+    normalisation: &str,
+) -> anyhow::Result<Vec<PathBuf>> {
+    write_planes(
+        path,
+        &[(None, image, Some(confidence))],
+        layout,
+        normalisation,
+    )
+}
+
+/// A suffix, a picture and the confidence of its texels.
+type Planes<'a> = (Option<&'a str>, &'a Image, Option<&'a [f32]>);
+
+fn write_planes(
+    path: &Path,
+    images: &[Planes],
+    layout: Layout,
+    normalisation: &str,
+) -> anyhow::Result<Vec<PathBuf>> {
     let format = Format::of(path)?;
     let labels = labels(layout, normalisation);
     let dir = path.parent().filter(|dir| !dir.as_os_str().is_empty());
     let mut output = Output::create(dir.unwrap_or(Path::new(".")))?;
-    let mut stage = |path: &Path, image: &Image| -> anyhow::Result<()> {
-        let bytes =
-            maps::encode(image, format, &labels).with_context(|| path.display().to_string())?;
-        let name = path.file_name().context("the output has no file name")?;
-        Ok(output.stage_bytes(&name.to_string_lossy(), &bytes)?)
-    };
-    for (suffix, image) in images {
-        let path = suffix
-            .as_ref()
-            .map_or(path.to_owned(), |suffix| suffixed(path, suffix));
+    let mut stage =
+        |path: &Path, image: &Image, confidence: Option<&[f32]>| -> anyhow::Result<()> {
+            let bytes = maps::encode_with(image, confidence, format, &labels)
+                .with_context(|| path.display().to_string())?;
+            let name = path.file_name().context("the output has no file name")?;
+            Ok(output.stage_bytes(&name.to_string_lossy(), &bytes)?)
+        };
+    for (suffix, image, confidence) in images {
+        let path = suffix.map_or(path.to_owned(), |suffix| suffixed(path, suffix));
         if layout.projection != Projection::Cube {
-            stage(&path, image)?;
+            stage(&path, image, *confidence)?;
             continue;
         }
         let n = image.width;
-        for (face, pixels) in FACES.iter().zip(image.pixels.chunks_exact(n * n)) {
+        for (k, (face, pixels)) in FACES
+            .iter()
+            .zip(image.pixels.chunks_exact(n * n))
+            .enumerate()
+        {
             let face_image = Image {
                 width: n,
                 height: n,
                 pixels: pixels.to_vec(),
             };
-            stage(&suffixed(&path, face), &face_image)?;
+            let part = confidence.map(|c| &c[k * n * n..(k + 1) * n * n]);
+            stage(&suffixed(&path, face), &face_image, part)?;
         }
     }
     Ok(output.publish()?)

@@ -84,12 +84,19 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<ImageFile, Reason> {
     })
 }
 
-/// The bytes of an `.exr` file with `labels` as string attributes.
-pub(crate) fn encode(image: &Image, labels: &Labels) -> Result<Vec<u8>, Reason> {
-    let channels = ["B", "G", "R"].iter().zip([2, 1, 0]).map(|(name, c)| {
+/// The bytes of an `.exr` file with `labels` as string attributes, and `confidence` as a channel where it is given.
+pub(crate) fn encode(
+    image: &Image,
+    confidence: Option<&[f32]>,
+    labels: &Labels,
+) -> Result<Vec<u8>, Reason> {
+    let colors = ["B", "G", "R"].iter().zip([2, 1, 0]).map(|(name, c)| {
         let values = image.pixels.iter().map(|p| p[c]).collect();
         AnyChannel::new(*name, FlatSamples::F32(values))
     });
+    let confidence =
+        confidence.map(|values| AnyChannel::new("confidence", FlatSamples::F32(values.to_vec())));
+    let channels = colors.chain(confidence);
     let mut attributes = LayerAttributes::default();
     for (name, text) in labels {
         let text = Text::from_slice_unchecked(text.as_bytes());
@@ -156,18 +163,18 @@ mod tests {
         let labels: Labels = (0..20)
             .map(|i| (format!("ambake{i}"), format!("text {i}, größer")))
             .collect();
-        let bytes = encode(&picture(), &labels).unwrap();
+        let bytes = encode(&picture(), None, &labels).unwrap();
         let back = decode(&bytes).unwrap();
         assert_eq!(back.image, picture());
         assert_eq!(back.labels, labels);
         for _ in 0..4 {
-            assert_eq!(encode(&picture(), &labels).unwrap(), bytes);
+            assert_eq!(encode(&picture(), None, &labels).unwrap(), bytes);
         }
     }
 
     #[test]
     fn truncations_are_errors_and_flipped_bytes_never_panic() {
-        let bytes = encode(&picture(), &Labels::new()).unwrap();
+        let bytes = encode(&picture(), None, &Labels::new()).unwrap();
         for length in (0..bytes.len()).step_by(7) {
             assert!(decode(&bytes[..length]).is_err(), "{length}");
         }

@@ -97,7 +97,27 @@ pub fn read_unchecked(path: &Path) -> Result<ImageFile, Error> {
 /// # Errors
 /// [`Error::Encode`] for a value that is NaN or infinite, and for one that RGBE cannot hold: negative, or above 1.7e38.
 pub fn encode(image: &Image, format: Format, labels: &Labels) -> Result<Vec<u8>, Error> {
+    encode_with(image, None, format, labels)
+}
+
+/// Like [`encode`], with a channel `confidence` of one value a pixel; an `.hdr` file has no place for it and leaves it out.
+///
+/// # Errors
+/// As [`encode`].
+pub fn encode_with(
+    image: &Image,
+    confidence: Option<&[f32]>,
+    format: Format,
+    labels: &Labels,
+) -> Result<Vec<u8>, Error> {
     assert_eq!(image.pixels.len(), image.width * image.height);
+    if let Some(values) = confidence {
+        assert_eq!(values.len(), image.pixels.len());
+        assert!(
+            values.iter().all(|v| v.is_finite()),
+            "confidence {values:?}"
+        );
+    }
     if let Some(at) = image
         .pixels
         .iter()
@@ -111,7 +131,7 @@ pub fn encode(image: &Image, format: Format, labels: &Labels) -> Result<Vec<u8>,
     }
     match format {
         Format::Hdr => hdr::encode(image, labels),
-        Format::Exr => exr_file::encode(image, labels),
+        Format::Exr => exr_file::encode(image, confidence, labels),
     }
     .map_err(Error::Encode)
 }

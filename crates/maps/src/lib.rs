@@ -22,7 +22,7 @@ mod quadrature;
 pub use convert::{Layout, convert, convert_image};
 pub use convolve::{Lobe, Normalise, Request, convolve, diffuse, specular};
 pub use error::Error;
-pub use file::{Format, ImageFile, Labels, encode, read, read_unchecked};
+pub use file::{Format, ImageFile, Labels, encode, encode_with, read, read_unchecked};
 pub use image::Image;
 pub use map::{IlluminationMap, ReflectionMap};
 pub use orientation::Orientation;

@@ -4,10 +4,12 @@
 //! its inverse is one equation in one unknown. Behind the ball lies a cone that no ray reaches: its half angle is
 //! asin(1/d).
 
+mod find;
 mod optics;
 #[cfg(test)]
 mod tests;
 
+pub use find::{Found, find};
 pub use optics::Optics;
 
 use crate::{Direction, Error, Image, Projection};
@@ -37,10 +39,10 @@ pub struct Photo<'a> {
     pub optics: Optics,
 }
 
-/// The surroundings as a polar map.
+/// The surroundings as a map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unwrapped {
-    /// Radiance; directions that no photograph shows have the mean over all that are seen.
+    /// Radiance; a texel that no photograph shows holds the mean over all directions that are seen.
     pub image: Image,
     /// 0 where nothing is seen, else the resolution relative to the middle of a ball, summed over the photographs.
     pub confidence: Vec<f32>,
@@ -48,32 +50,39 @@ pub struct Unwrapped {
     pub seen: f64,
 }
 
-/// The polar map of `width` x `width / 2` texels that the photographs show, divided by the ball's reflectance.
+/// The map of `size` texels that the photographs show, divided by the ball's reflectance.
 ///
 /// Several photographs are averaged with their resolution in the radial direction as weight: it falls to 0 toward the
-/// rim, so bad borders give way. Texels are means over their exact solid angle, by as many samples as the
-/// photograph has pixels there.
+/// rim, so bad borders give way. Texels are means over their solid angle, by as many samples as the photograph has pixels
+/// there.
 ///
 /// # Errors
-/// [`Error::Shape`] for no photograph, an odd width, a circle that leaves its picture, a camera along ±y, or a reflectance
-/// that is not above 0.
-pub fn unwrap(photos: &[Photo], width: usize, reflectance: [f64; 3]) -> Result<Unwrapped, Error> {
-    check(photos, width, reflectance)?;
-    let size = (width, width / 2);
+/// [`Error::Shape`] for no photograph, a size that the projection cannot have, a circle that leaves its picture, a camera
+/// along ±y or at a distance of at most 1, or a reflectance that is not above 0.
+pub fn unwrap(
+    photos: &[Photo],
+    projection: Projection,
+    size: (usize, usize),
+    reflectance: [f64; 3],
+) -> Result<Unwrapped, Error> {
+    check(photos, reflectance)?;
+    projection.check(size.0, size.1)?;
     let frames: Vec<[Direction; 3]> = photos.iter().map(|p| frame(p.from)).collect();
-    // Pixels by radian are densest in the middle of a ball.
+    let areas = projection.solid_angles(size);
+    // Pixels by radian are densest in the middle of a ball; texels are widest where their solid angle is largest.
     let density = photos.iter().map(|p| p.circle.radius * p.optics.slope(0.0));
-    let samples = density.fold(0.0, f64::max) * std::f64::consts::TAU / width as f64;
-    let samples = (2.0 * samples).ceil().clamp(2.0, 16.0) as usize;
+    let widest = areas.iter().copied().fold(0.0, f64::max).sqrt();
+    let samples = (2.0 * density.fold(0.0, f64::max) * widest).ceil();
+    let samples = samples.clamp(2.0, 16.0) as usize;
     let texel = |index: usize| {
-        let (i, j) = (index % width, index / width);
+        let (i, j) = (index % size.0, index / size.0);
         let (mut sum, mut weights, mut area) = ([0.0; 3], 0.0, 0.0);
         for k in 0..samples * samples {
             let part = |k: usize| (k as f64 + 0.5) / samples as f64;
             let (x, y) = (i as f64 + part(k % samples), j as f64 + part(k / samples));
-            let weight = Projection::Polar.density(size, x, y);
+            let weight = projection.density(size, x, y);
             area += weight;
-            let Some(direction) = Projection::Polar.direction(size, x, y) else {
+            let Some(direction) = projection.direction(size, x, y) else {
                 continue;
             };
             for (photo, frame) in photos.iter().zip(&frames) {
@@ -95,19 +104,23 @@ pub fn unwrap(photos: &[Photo], width: usize, reflectance: [f64; 3]) -> Result<U
     };
     let texels: Vec<([f32; 3], f32)> = (0..size.0 * size.1).into_par_iter().map(texel).collect();
     let (mut seen, mut total) = (0.0, [0.0; 3]);
-    for (index, (color, confidence)) in texels.iter().enumerate() {
+    for ((color, confidence), omega) in texels.iter().zip(&areas) {
         if *confidence > 0.0 {
-            let omega = Projection::Polar.solid_angle(size, index % width, index / width);
             seen += omega;
             total = std::array::from_fn(|c| total[c] + omega * f64::from(color[c]));
         }
     }
     let fill = total.map(|v| if seen > 0.0 { (v / seen) as f32 } else { 0.0 });
-    let pixel = |(color, c): &([f32; 3], f32)| if *c > 0.0 { *color } else { fill };
+    let pixel = |((color, c), omega): (&([f32; 3], f32), &f64)| match (*c > 0.0, *omega > 0.0) {
+        (true, _) => *color,
+        (false, true) => fill,
+        // Beside a cross or a disc.
+        (false, false) => [0.0; 3],
+    };
     let image = Image {
         width: size.0,
         height: size.1,
-        pixels: texels.iter().map(pixel).collect(),
+        pixels: texels.iter().zip(&areas).map(pixel).collect(),
     };
     let confidence = texels.into_iter().map(|(_, c)| c).collect();
     Ok(Unwrapped {
@@ -171,15 +184,10 @@ fn bilinear(image: &Image, (x, y): (f64, f64)) -> [f64; 3] {
     })
 }
 
-fn check(photos: &[Photo], width: usize, reflectance: [f64; 3]) -> Result<(), Error> {
+fn check(photos: &[Photo], reflectance: [f64; 3]) -> Result<(), Error> {
     let shape = |text: String| Err(Error::Shape(text));
     if photos.is_empty() {
         return shape("no photograph is given; name at least one".into());
-    }
-    if width == 0 || !width.is_multiple_of(2) {
-        return shape(format!(
-            "a polar map of width {width} cannot be made; give an even width"
-        ));
     }
     if !reflectance.iter().all(|r| r.is_finite() && *r > 0.0) {
         return shape(format!(
@@ -197,6 +205,13 @@ fn check(photos: &[Photo], width: usize, reflectance: [f64; 3]) -> Result<(), Er
             return shape(format!(
                 "the circle {},{},{} of photograph {index} leaves its {w} x {h} pixels; correct --circle",
                 c.x, c.y, c.radius
+            ));
+        }
+        if let Optics::Near(d) = photo.optics
+            && !(d > 1.0 && d.is_finite())
+        {
+            return shape(format!(
+                "the camera of photograph {index} is {d} ball radii from the middle of the ball; it stands outside, give a --distance above 1"
             ));
         }
         let [x, y, z] = photo.from;

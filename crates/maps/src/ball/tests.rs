@@ -114,7 +114,7 @@ fn a_round_trip_errs_only_about_the_blind_cone() {
             from,
             optics,
         };
-        let unwrapped = unwrap(&[photo], 256, [1.0; 3]).unwrap();
+        let unwrapped = unwrap(&[photo], Projection::Polar, (256, 128), [1.0; 3]).unwrap();
         // The ring of the outermost √2 pixels is replaced, and a texel is 1.4 degrees wide.
         let ring = 1.0 - std::f64::consts::SQRT_2 / circle.radius;
         let whole = (0..100_000).map(|k| optics.rim() * f64::from(k) / 1e5);
@@ -160,7 +160,7 @@ fn two_balls_fill_the_blind_cones_of_each_other() {
             optics: Optics::Near(5.0),
         })
         .collect();
-    let unwrapped = unwrap(&photos, 256, [0.5, 1.0, 2.0]).unwrap();
+    let unwrapped = unwrap(&photos, Projection::Polar, (256, 128), [0.5, 1.0, 2.0]).unwrap();
     assert!(unwrapped.confidence.iter().all(|c| *c > 0.0));
     let (_, mean) = compare(&unwrapped, |_| true);
     let energy: [f64; 3] =
@@ -185,7 +185,82 @@ fn unusable_circles_and_cameras_are_refused_with_a_cure() {
             from,
             optics: Optics::Orthographic,
         };
-        let message = unwrap(&[photo], 64, [1.0; 3]).unwrap_err().to_string();
+        let message = unwrap(&[photo], Projection::Polar, (64, 32), [1.0; 3]);
+        let message = message.unwrap_err().to_string();
         assert!(message.contains(words), "{message}");
+    }
+}
+
+/// `sky` behind and in a ball of a reflectance, with area-sampled pixels and a pattern over both.
+fn scene(circle: Circle, d: f64, reflectance: f64, size: (usize, usize)) -> Image {
+    const PARTS: usize = 5;
+    let mut image = Image::filled(size.0, size.1, [0.0; 3]);
+    let pattern = |d: Direction| {
+        let wave = |k: f64, v: f64| 0.35 * (k * v).sin();
+        (wave(9.0, d[0]) + wave(11.0, d[1] + 0.4 * d[2]) + wave(23.0, d[0] * d[1])).exp()
+    };
+    let tangent = (d * d - 1.0).sqrt();
+    for (index, pixel) in image.pixels.iter_mut().enumerate() {
+        let mut sum = 0.0;
+        for part in 0..PARTS * PARTS {
+            let place = |k: usize| (k as f64 + 0.5) / PARTS as f64;
+            let x = (index % size.0) as f64 + place(part % PARTS);
+            let y = (index / size.0) as f64 + place(part / PARTS);
+            let (right, up) = (
+                (x - circle.x) / circle.radius,
+                (circle.y - y) / circle.radius,
+            );
+            sum += match reflect(d, right, up) {
+                Some(r) => reflectance * pattern(r),
+                None => {
+                    let ray = [right / tangent, up / tangent, -1.0];
+                    let length = ray.iter().map(|v| v * v).sum::<f64>().sqrt();
+                    pattern(ray.map(|v| v / length))
+                }
+            };
+        }
+        *pixel = [(sum / (PARTS * PARTS) as f64) as f32; 3];
+    }
+    image
+}
+
+#[test]
+fn the_outline_is_found_to_half_a_pixel() {
+    for (x, y, radius, reflectance) in [
+        (251.3, 180.8, 121.4, 0.6),
+        (90.2, 110.7, 60.3, 0.8),
+        (320.0, 240.0, 230.0, 0.4),
+    ] {
+        let circle = Circle { x, y, radius };
+        let image = scene(circle, 12.0, reflectance, (640, 480));
+        let found = find(&image).unwrap();
+        println!("{circle:?} at {reflectance}: {found:?}");
+        let c = found.circle;
+        let off = [c.x - x, c.y - y, c.radius - radius];
+        assert!(off.iter().all(|v| v.abs() < 0.5), "{off:?}");
+    }
+}
+
+#[test]
+fn pictures_without_a_ball_are_refused() {
+    let mut noise = Image::filled(300, 200, [0.0; 3]);
+    let mut state = 1u32;
+    for pixel in &mut noise.pixels {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        *pixel = [(state >> 16) as f32; 3];
+    }
+    let mut square = Image::filled(300, 200, [0.1; 3]);
+    for y in 50..150 {
+        square.pixels[y * 300 + 100..y * 300 + 200].fill([1.0; 3]);
+    }
+    for image in [
+        noise,
+        square,
+        Image::filled(64, 64, [1.0; 3]),
+        Image::filled(1, 1, [0.0; 3]),
+    ] {
+        let message = find(&image).unwrap_err().to_string();
+        println!("{message}");
+        assert!(message.contains("give --circle"), "{message}");
     }
 }

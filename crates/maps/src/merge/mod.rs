@@ -5,14 +5,17 @@
 //! the chroma subsampling of JPEG are in the photograph: the first costs half a level, the second smears colour over two
 //! pixels; neither is undone.
 
+mod align;
 mod read;
 mod response;
 mod solve;
 #[cfg(test)]
 mod tests;
 
+pub use align::align;
 pub use read::read_bracket;
 pub use response::Response;
+pub(crate) use solve::cholesky;
 
 use crate::{Error, Image};
 
@@ -43,13 +46,20 @@ pub struct Bracket {
     pub values: Vec<[u16; 3]>,
     /// Exposure time in seconds, above 0.
     pub time: f64,
+    /// Where pixel (0, 0) of the merged picture lies in this one, columns and rows; [`align`] finds it.
+    pub shift: [i32; 2],
 }
 
 impl Bracket {
-    /// The level 0..=255 of a channel.
-    fn level(&self, x: usize, y: usize, channel: usize) -> Option<f64> {
-        let pixel = self.values.get(y * self.width + x)?;
-        Some(f64::from(pixel[channel]) / 257.0)
+    /// What was recorded for a pixel of the merged picture, 0..=65535; `None` outside this photograph.
+    fn recorded(&self, pixel: usize, channel: usize) -> Option<u16> {
+        let at = |i: usize, shift: i32, side: usize| {
+            let place = i as i64 + i64::from(shift);
+            (0..side as i64).contains(&place).then_some(place as usize)
+        };
+        let x = at(pixel % self.width, self.shift[0], self.width)?;
+        let y = at(pixel / self.width, self.shift[1], self.height)?;
+        Some(self.values[y * self.width + x][channel])
     }
 }
 
@@ -71,10 +81,10 @@ pub struct Merged {
 /// saturated the pixel keeps the shortest exposure's value, a lower bound, and is flagged.
 ///
 /// # Errors
-/// [`Error::Shape`] for no bracket, brackets of different sizes, a time that is not above 0, equal times where a curve is
-/// to be fitted, or brackets that do not determine one.
+/// [`Error::Shape`] for fewer than two brackets, different sizes, a time that is not above 0 or given twice, or brackets
+/// that do not determine the curve that is to be fitted.
 pub fn merge(brackets: &[Bracket], model: Model) -> Result<Merged, Error> {
-    check(brackets, model)?;
+    check(brackets)?;
     let fit = |channel| Response::fit(brackets, channel, model);
     let responses = [fit(0)?, fit(1)?, fit(2)?];
     let (width, height) = (brackets[0].width, brackets[0].height);
@@ -105,7 +115,10 @@ fn radiance(
     let mut bound = (f64::INFINITY, 0.0);
     let mut clipped = false;
     for bracket in brackets {
-        let level = f64::from(bracket.values[pixel][channel]) / 257.0;
+        let Some(value) = bracket.recorded(pixel, channel) else {
+            continue;
+        };
+        let level = f64::from(value) / 257.0;
         let (exposure, slope) = response.at(level);
         if bracket.time < bound.0 {
             bound = (bracket.time, exposure / bracket.time);
@@ -125,10 +138,13 @@ fn radiance(
     }
 }
 
-fn check(brackets: &[Bracket], model: Model) -> Result<(), Error> {
+fn check(brackets: &[Bracket]) -> Result<(), Error> {
     let shape = |text: String| Err(Error::Shape(text));
-    let Some(first) = brackets.first() else {
-        return shape("no brackets are given; name at least one photograph".into());
+    let [first, _, ..] = brackets else {
+        let count = brackets.len();
+        return shape(format!(
+            "{count} brackets are no series; name at least two with different times"
+        ));
     };
     for (index, b) in brackets.iter().enumerate() {
         assert_eq!(b.values.len(), b.width * b.height);
@@ -149,9 +165,12 @@ fn check(brackets: &[Bracket], model: Model) -> Result<(), Error> {
             ));
         }
     }
-    let fitted = matches!(model, Model::Debevec | Model::Robertson);
-    if fitted && brackets.iter().all(|b| b.time == first.time) {
-        return shape("all brackets have the same time, so no response can be found; give --response srgb or linear".into());
+    let twin = |b: &&Bracket| brackets.iter().filter(|o| o.time == b.time).count() > 1;
+    if let Some(twin) = brackets.iter().find(twin) {
+        return shape(format!(
+            "two brackets have the time {} s; give every exposure its own time, and name it once",
+            twin.time
+        ));
     }
     Ok(())
 }

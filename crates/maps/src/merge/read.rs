@@ -26,6 +26,7 @@ pub fn read_bracket(path: &Path, time: Option<f64>) -> Result<Bracket, Error> {
         height,
         values,
         time,
+        shift: [0, 0],
     })
 }
 

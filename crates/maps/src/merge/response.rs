@@ -107,9 +107,10 @@ fn normal_equations(brackets: &[Bracket], channel: usize, model: Model) -> Optio
         }
         terms.clear();
         for bracket in brackets {
-            let Some(level) = bracket.level(pixel % width, pixel / width, channel) else {
+            let Some(value) = bracket.recorded(pixel, channel) else {
                 continue;
             };
+            let level = f64::from(value) / 257.0;
             let weight = trust(level, log);
             if weight > 0.0 {
                 terms.push((level.round() as usize, weight, bracket.time));

@@ -1,7 +1,7 @@
 //! A dense symmetric solve.
 
 /// Solves `matrix` x = `right` in place by Cholesky's decomposition; `false` where the matrix is not positive definite.
-pub(super) fn cholesky(matrix: &mut [f64], right: &mut [f64]) -> bool {
+pub(crate) fn cholesky(matrix: &mut [f64], right: &mut [f64]) -> bool {
     let n = right.len();
     assert_eq!(matrix.len(), n * n);
     for i in 0..n {

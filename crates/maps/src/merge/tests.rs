@@ -46,6 +46,7 @@ fn nine_decades() -> Vec<Bracket> {
             height: ROWS,
             values: (0..ROWS * COLUMNS).map(&mut shot).collect(),
             time,
+            shift: [0, 0],
         }
     };
     (0..15).map(photograph).collect()
@@ -92,6 +93,7 @@ fn exact(count: usize) -> (Vec<f64>, Vec<Bracket>) {
             height: 1,
             values: truth.iter().map(value).collect(),
             time,
+            shift: [0, 0],
         }
     };
     let brackets = (0..count).map(photograph).collect();
@@ -116,6 +118,7 @@ fn a_pixel_saturated_everywhere_keeps_the_bound_of_the_shortest_exposure() {
         height: 1,
         values: vec![[65535; 3], [0, 0, 65535]],
         time,
+        shift: [0, 0],
     };
     let merged = merge(&[photograph(1.0), photograph(0.25)], Model::Linear).unwrap();
     assert_eq!(merged.saturated, [true, true]);
@@ -135,10 +138,14 @@ fn unusable_series_are_refused_with_a_cure() {
         ..good[0].clone()
     };
     let cases = [
-        (vec![], "no brackets"),
+        (vec![good[0].clone()], "1 brackets are no series"),
+        (vec![], "0 brackets"),
         (vec![good[0].clone(), narrow], "bracket 2 is 1 x 1 pixels"),
         (vec![good[0].clone(), still], "above 0"),
-        (vec![good[0].clone(), good[0].clone()], "same time"),
+        (
+            vec![good[0].clone(), good[0].clone()],
+            "two brackets have the time 1 s",
+        ),
     ];
     for (brackets, words) in cases {
         let message = merge(&brackets, Model::Debevec).unwrap_err().to_string();

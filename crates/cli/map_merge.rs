@@ -1,0 +1,135 @@
+//! `ambake map merge`: exposure brackets to one picture of radiance.
+
+use crate::map::Common;
+use crate::{args, host, say};
+use anyhow::{Context, bail};
+use clap::{Args as ClapArgs, ValueEnum};
+use maps::merge::{self, Bracket, Model};
+use maps::{Format, Labels};
+use report::Output;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+#[derive(ClapArgs)]
+pub struct Args {
+    /// Photographs of one view with different exposure times: .png of 8 or 16 bits, or .jpg
+    #[arg(value_name = "IN", required = true)]
+    pub inputs: Vec<PathBuf>,
+    /// Picture to write: .exr, with the channel `confidence`, or .hdr
+    #[arg(short = 'o', long = "output", value_name = "OUT")]
+    pub output: PathBuf,
+    /// Exposure time of each IN in seconds, separated by commas [default: EXIF's ExposureTime]
+    #[arg(long, value_name = "T,..", value_delimiter = ',', allow_hyphen_values = true, value_parser = args::number)]
+    pub times: Vec<f64>,
+    /// Curve from recorded values to exposure: fitted to the brackets, or known
+    #[arg(long, value_enum, default_value_t = Response::Debevec)]
+    pub response: Response,
+    /// Find and undo whole-pixel shifts between the photographs
+    #[arg(long)]
+    pub align: bool,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Response {
+    /// Fitted: least squares of log exposures
+    Debevec,
+    /// Fitted: least squares of exposures
+    Robertson,
+    /// Values are proportional to exposure
+    Linear,
+    /// Values are sRGB
+    Srgb,
+}
+
+/// Runs the verb.
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    host::set_threads(args.common.threads)?;
+    let format = Format::of(&args.output)?;
+    let count = args.inputs.len();
+    if count < 2 {
+        bail!("one photograph is no series; name at least two with different exposure times");
+    }
+    if !args.times.is_empty() && args.times.len() != count {
+        bail!(
+            "--times has {} values for {count} photographs; give one for each, or none to use EXIF",
+            args.times.len()
+        );
+    }
+    let mut brackets: Vec<Bracket> = Vec::new();
+    for (index, path) in args.inputs.iter().enumerate() {
+        brackets.push(merge::read_bracket(path, args.times.get(index).copied())?);
+    }
+    let model = match args.response {
+        Response::Debevec => Model::Debevec,
+        Response::Robertson => Model::Robertson,
+        Response::Linear => Model::Linear,
+        Response::Srgb => Model::Srgb,
+    };
+    let aligned = args.align.then(|| merge::align(&mut brackets));
+    let merged = merge::merge(&brackets, model)?;
+    let saturated = merged.saturated.iter().filter(|s| **s).count();
+    let confidence: Vec<f32> = merged
+        .saturated
+        .iter()
+        .map(|s| if *s { 0.0 } else { 1.0 })
+        .collect();
+    let labels: Labels = [
+        ("ambakeVersion", host::VERSION),
+        (
+            "ambakeNormalisation",
+            "radiance up to one factor; where confidence is 0 every bracket is saturated, and the value is a lower bound",
+        ),
+    ]
+    .map(|(name, text)| (name.to_owned(), text.to_owned()))
+    .into();
+    let bytes = maps::encode_with(&merged.image, Some(&confidence), format, &labels)
+        .with_context(|| args.output.display().to_string())?;
+    let dir = args
+        .output
+        .parent()
+        .filter(|dir| !dir.as_os_str().is_empty());
+    let mut output = Output::create(dir.unwrap_or(Path::new(".")))?;
+    let name = args
+        .output
+        .file_name()
+        .context("the output has no file name")?;
+    output.stage_bytes(&name.to_string_lossy(), &bytes)?;
+    let files = output.publish()?;
+    if args.common.json {
+        let times: Vec<f64> = brackets.iter().map(|b| b.time).collect();
+        let json = json!({
+            "schema_version": 1, "photographs": args.inputs, "times": times,
+            "shifts": args.align.then(|| brackets.iter().map(|b| b.shift).collect::<Vec<_>>()),
+            "size": [merged.image.width, merged.image.height],
+            "saturated_pixels": saturated, "files": files,
+        });
+        return say(&format!("{}\n", serde_json::to_string_pretty(&json)?));
+    }
+    if args.common.quiet {
+        return Ok(());
+    }
+    let mut text = String::new();
+    for (index, (path, bracket)) in args.inputs.iter().zip(&brackets).enumerate() {
+        text += &format!("{}: {} s", path.display(), bracket.time);
+        if let Some(found) = &aligned {
+            let [x, y] = bracket.shift;
+            text += &format!(", shifted by {x},{y} pixels");
+            text += if found[index] {
+                ""
+            } else {
+                " as its neighbour: too dark or too bright to tell"
+            };
+        }
+        text += "\n";
+    }
+    text += &format!(
+        "{saturated} of {} pixels are saturated in every photograph: confidence 0, the value is a lower bound\n",
+        merged.saturated.len()
+    );
+    for file in &files {
+        text += &format!("wrote {}\n", file.display());
+    }
+    say(&text)
+}
