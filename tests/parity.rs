@@ -204,7 +204,7 @@ fn baked_layers_differ_only_where_a_listed_ray_explains_it() {
         points: PointSet::default(),
         filter: Filter::Off,
         seed: 3,
-        sky: [1.0; 3],
+        sky: bake::Sky::Uniform([1.0; 3]),
         view: View::Normal,
         max_distance: None,
         layers: LAYERS.to_vec(),

@@ -10,4 +10,5 @@ mod hard_cases;
 mod models;
 mod parity;
 mod render;
+mod sky;
 mod support;

@@ -82,9 +82,10 @@ pub struct Job {
     /// for the same error, at a small bias that the error layer includes
     #[arg(long, value_enum, default_value_t = Filter::Off)]
     pub filter: Filter,
-    /// Uniform sky radiance, linear, as R,G,B
-    #[arg(long, value_name = "R,G,B", default_value = "1,1,1", value_parser = color)]
-    pub sky: [f32; 3],
+    /// Sky radiance, linear: R,G,B for a uniform sky, or an illumination map (.hdr, .exr; polar unless its header says otherwise),
+    /// from whose light as many rays again are drawn
+    #[arg(long, value_name = "R,G,B|FILE", default_value = "1,1,1", value_parser = crate::sky::sky)]
+    pub sky: crate::sky::SkyArg,
     /// View of the specular term: `normal` (V = N everywhere) or an eye point X,Y,Z in scene units
     #[arg(long, value_name = "normal|X,Y,Z", default_value = "normal", allow_hyphen_values = true, value_parser = view)]
     pub view: ::bake::View,

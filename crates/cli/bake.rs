@@ -7,7 +7,7 @@ use crate::progress::watch;
 use crate::stop::Stop;
 use crate::summary::summary;
 use crate::{host, options, say};
-use ::bake::{Bake, BakedPage, Filter, Layer, Options, Pattern, Plan, Progress, RayBackend};
+use ::bake::{Bake, BakedPage, Filter, Layer, Options, Pattern, Plan, Progress, RayBackend, Sky};
 use anyhow::{Context, bail};
 use atlas::Atlas;
 use report::{BakeReport, DecisionReport, Encoding, Output, PageHeader, PageReport, PhaseReport};
@@ -45,6 +45,8 @@ pub struct Prepared {
     pub scene: Arc<Scene>,
     pub stem: String,
     pub options: Options,
+    /// What outputs say of the sky.
+    pub sky: Value,
     pub atlas: Atlas,
     pub plan: Plan,
     pub world: ::bake::World,
@@ -59,9 +61,13 @@ pub fn prepare(
     phases: &mut Phases,
 ) -> anyhow::Result<Prepared> {
     let threads = host::set_threads(common.threads)?;
-    let options = options::bake_options(job, common);
+    let (sky, described_sky) = crate::sky::load(&job.sky)?;
+    let options = options::bake_options(job, common, sky);
     if options.filter == Filter::Regression && options.pattern == Pattern::Tiled {
         bail!("--filter regression needs independent errors: leave out --pattern tiled");
+    }
+    if options.filter == Filter::Regression && matches!(options.sky, Sky::Map(_)) {
+        bail!("--filter regression works under a uniform sky: leave it out with --sky FILE");
     }
     let kind = options::backend(job);
     let scene = Arc::new(phases.time("load", || scene::load(file))?);
@@ -79,6 +85,7 @@ pub fn prepare(
         scene,
         stem,
         options,
+        sky: described_sky,
         atlas,
         plan,
         world,
@@ -93,7 +100,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let mut output = Output::create(&args.output)?;
     let mut phases = Phases::default();
     let prepared = prepare(&args.scene, &args.job, &args.common, &mut phases)?;
-    let described = options::describe(&args.job, &prepared.options);
+    let described = options::describe(&args.job, &prepared.options, &prepared.sky);
     let key = json!({
         "version": host::VERSION,
         "options": described,

@@ -90,7 +90,7 @@ fn against_error(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
         "\nambake {}, {}, options {}\n",
         host::VERSION,
         prepared.backend.describe(),
-        crate::options::describe(&args.job, options)
+        crate::options::describe(&args.job, options, &prepared.sky)
     );
     output.stage_bytes("bench.csv", csv.as_bytes())?;
     output.stage_bytes("bench.svg", picture.as_bytes())?;

@@ -19,6 +19,7 @@ mod options;
 mod plan;
 mod progress;
 mod render;
+mod sky;
 mod stop;
 mod summary;
 

@@ -1,11 +1,13 @@
 //! What the command line means: typed options of the stages.
 
 use crate::args::{self, Backend, Common, Job, Uv};
-use ::bake::{BackendKind, Effort, Filter, Layer, Layout, Options, Overrides, Pattern, PointSet};
+use ::bake::{
+    BackendKind, Effort, Filter, Layer, Layout, Options, Overrides, Pattern, PointSet, Sky,
+};
 use serde_json::{Value, json};
 
 /// The bake's options.
-pub fn bake_options(job: &Job, common: &Common) -> Options {
+pub fn bake_options(job: &Job, common: &Common, sky: Sky) -> Options {
     let mut layers = if job.only.is_empty() {
         Layer::STANDARD.to_vec()
     } else {
@@ -34,7 +36,7 @@ pub fn bake_options(job: &Job, common: &Common) -> Options {
             args::Filter::Regression => Filter::Regression,
         },
         seed: common.seed,
-        sky: job.sky,
+        sky,
         view: job.view,
         max_distance: job.max_distance.map(|d| d as f32),
         layers,
@@ -78,7 +80,7 @@ pub fn backend_kind(choice: Option<Backend>) -> BackendKind {
 }
 
 /// Everything that decides the values of a bake, for headers, `bake.json` and the resume key.
-pub fn describe(job: &Job, options: &Options) -> Value {
+pub fn describe(job: &Job, options: &Options, sky: &Value) -> Value {
     let uv = match job.uv {
         Uv::Auto => "auto",
         Uv::Keep => "keep",
@@ -106,7 +108,7 @@ pub fn describe(job: &Job, options: &Options) -> Value {
         "pattern": pattern,
         "filter": filter,
         "seed": options.seed,
-        "sky": options.sky,
+        "sky": sky,
         "view": view_rule(options),
         "max_distance": options.max_distance,
         "layers": options.layers,

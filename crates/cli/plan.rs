@@ -20,6 +20,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         world,
         backend,
         options,
+        sky,
         ..
     } = &prepared;
     let bake = Bake::new(world, plan, backend.as_ref(), atlas, options);
@@ -39,7 +40,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         let plan = json!({
             "schema_version": 1,
             "scene": report::SceneReport::of(scene),
-            "options": options::describe(&args.job, options),
+            "options": options::describe(&args.job, options, sky),
             "plan": decisions(plan),
             "atlas": report::AtlasReport::of(atlas),
             "estimate": { "texels": texels, "rays": rays, "memory_bytes": memory, "seconds": seconds },

@@ -11,20 +11,15 @@ pub fn traditional(sky: DVec3, albedo: DVec3, visibility: f64) -> DVec3 {
     sky * albedo * visibility
 }
 
-/// The Lambertian model, equation (5): sky × albedo × diffuse. Independent of the view.
-pub fn lambert(sky: DVec3, albedo: DVec3, diffuse: f64) -> DVec3 {
-    sky * albedo * diffuse
+/// The Lambertian model, equation (5): albedo × irradiance, which is sky × diffuse under a uniform sky. Independent of the view.
+pub fn lambert(irradiance: DVec3, albedo: DVec3) -> DVec3 {
+    albedo * irradiance
 }
 
-/// The Phong model, equation (9), (16) when open: sky × (albedo × diffuse + specular colour × specular).
-pub fn phong(
-    sky: DVec3,
-    albedo: DVec3,
-    specular_colour: DVec3,
-    diffuse: f64,
-    specular: f64,
-) -> DVec3 {
-    sky * (albedo * diffuse + specular_colour * specular)
+/// The Phong model, equation (9), (16) when open: albedo × irradiance + specular colour × reflection, which is sky × specular under a
+/// uniform sky.
+pub fn phong(irradiance: DVec3, reflection: DVec3, albedo: DVec3, specular_colour: DVec3) -> DVec3 {
+    albedo * irradiance + specular_colour * reflection
 }
 
 #[cfg(test)]
@@ -39,8 +34,8 @@ mod tests {
         let (sky, albedo) = (DVec3::new(2.0, 1.0, 0.5), DVec3::new(0.25, 0.5, 1.0));
         let exact = DVec3::splat(0.5);
         assert_eq!(traditional(sky, albedo, 1.0), exact);
-        assert_eq!(lambert(sky, albedo, 1.0), exact);
-        assert_eq!(phong(sky, albedo, DVec3::ZERO, 1.0, 0.5), exact);
+        assert_eq!(lambert(sky, albedo), exact);
+        assert_eq!(phong(sky, 0.5 * sky, albedo, DVec3::ZERO), exact);
     }
 
     #[test]
@@ -51,7 +46,7 @@ mod tests {
         let exact = PI * (k_d + k_s * 2.0 / (n + 1.0) * g);
         let albedo = DVec3::splat(albedo_of(k_d));
         let colour = DVec3::splat(specular_of(k_s, n));
-        let value = phong(DVec3::ONE, albedo, colour, 1.0, g);
+        let value = phong(DVec3::ONE, DVec3::splat(g), albedo, colour);
         assert!((value.x - exact).abs() < 4e-16, "{value} for {exact}");
     }
 }

@@ -30,7 +30,7 @@ pub struct BakedTexel {
 }
 
 impl BakedTexel {
-    /// The values of a layer under a uniform sky, as many as the layer has channels.
+    /// The values of a layer, as many as the layer has channels. `sky` is the mean radiance of the sky.
     pub fn values(&self, layer: Layer, sky: DVec3) -> [f32; 3] {
         let TexelMaterial {
             albedo,
@@ -43,12 +43,15 @@ impl BakedTexel {
             specular: lobe,
             bent,
             errors,
+            irradiance,
+            reflection,
+            light_errors,
             rays,
         } = self.terms;
         let one = |value: f64| [value as f32, 0.0, 0.0];
         let traditional = || models::traditional(sky, albedo, visibility);
-        let lambert = || models::lambert(sky, albedo, diffuse);
-        let phong = || models::phong(sky, albedo, specular, diffuse, lobe);
+        let lambert = || models::lambert(irradiance, albedo);
+        let phong = || models::phong(irradiance, reflection, albedo, specular);
         match layer {
             Layer::Coverage => [self.coverage, 0.0, 0.0],
             Layer::Visibility => one(visibility),
@@ -62,6 +65,10 @@ impl BakedTexel {
             Layer::ErrorSpecular => one(errors[2]),
             Layer::Albedo => albedo.as_vec3().to_array(),
             Layer::Reflectance => specular.as_vec3().to_array(),
+            Layer::Irradiance => irradiance.as_vec3().to_array(),
+            Layer::Reflection => reflection.as_vec3().to_array(),
+            Layer::ErrorIrradiance => one(light_errors[0]),
+            Layer::ErrorReflection => one(light_errors[1]),
             Layer::Rays => one(rays as f64),
             Layer::Position => self.position.as_vec3().to_array(),
             Layer::Normal => self.normal.as_vec3().to_array(),

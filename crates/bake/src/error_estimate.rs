@@ -10,7 +10,8 @@
 //! the rule of three its share is below 3/N with 95 % confidence, which is two standard errors of 1.5/N, with N all points that
 //! agree.
 
-use crate::integrate::{REPLICATES, Replicates, Sums};
+use crate::integrate::{REPLICATES, Replicates, Sums, Term};
+use crate::options::Sky;
 use crate::texel::Texel;
 use atlas::TILE;
 use glam::DVec3;
@@ -25,22 +26,33 @@ pub(crate) struct Estimate {
     /// Standard errors.
     pub errors: [f64; 2],
     pub bent: DVec3,
+    /// Light, linear RGB, and the standard error of the mean of its channels: of the term itself; of diffuse and specular for
+    /// [`Term::Sky`].
+    pub light: [DVec3; 2],
+    pub light_errors: [f64; 2],
     pub rays: u64,
 }
 
 /// A tile's texels with the sums of their replicates, of which `points[i]` have been spent on each.
 pub(crate) struct Gathered<'a> {
+    sky: &'a Sky,
     texels: &'a [Texel],
     sums: &'a [Replicates],
     points: &'a [u32],
     /// Texel of each place in the tile; none where nothing was spent.
     at: [usize; (TILE * TILE) as usize],
-    own: Vec<[f64; 2]>,
+    /// Variances of the two sums, and of the two lights where the sky is a map.
+    own: Vec<[f64; 4]>,
 }
 
 impl<'a> Gathered<'a> {
     /// All texels as they stand.
-    pub fn new(texels: &'a [Texel], sums: &'a [Replicates], points: &'a [u32]) -> Self {
+    pub fn new(
+        sky: &'a Sky,
+        texels: &'a [Texel],
+        sums: &'a [Replicates],
+        points: &'a [u32],
+    ) -> Self {
         let mut at = [usize::MAX; (TILE * TILE) as usize];
         for (i, texel) in texels.iter().enumerate() {
             if points[i] > 0 {
@@ -48,9 +60,18 @@ impl<'a> Gathered<'a> {
             }
         }
         let own = (0..texels.len())
-            .map(|i| [first, second].map(|of| own_variance(&sums[i], points[i], of)))
+            .map(|i| {
+                let own = |of: &dyn Fn(&Sums) -> f64| own_variance(&sums[i], points[i], of);
+                let [a, b] = [own(&|s| ratio(s.first)), own(&|s| ratio(s.second))];
+                let [c, d] = match sky.map() {
+                    None => [0.0; 2],
+                    Some(_) => [0, 1].map(|k| own(&|s| light(sky, s, k).element_sum() / 3.0)),
+                };
+                [a, b, c, d]
+            })
             .collect();
         Self {
+            sky,
             texels,
             sums,
             points,
@@ -64,16 +85,44 @@ impl<'a> Gathered<'a> {
         if self.points[i] == 0 {
             return Estimate::default();
         }
-        let sums = &self.sums[i];
+        let sums = total(&self.sums[i]);
+        let errors = [self.error(i, 0, 1), self.error(i, 1, 1)];
+        let mean = self.sky.floor().element_sum() / 3.0;
         Estimate {
-            values: [mean(sums, first), mean(sums, second)],
-            errors: [self.error(i, 0, 1), self.error(i, 1, 1)],
-            bent: sums.iter().map(|s| s.bent).sum(),
-            rays: sums.iter().map(|s| s.rays).sum(),
+            values: [ratio(sums.first), ratio(sums.second)],
+            errors,
+            bent: sums.bent,
+            light: [0, 1].map(|k| light(self.sky, &sums, k)),
+            light_errors: match self.sky.map() {
+                None => errors.map(|error| mean * error),
+                Some(_) => [self.error(i, 2, 1), self.error(i, 3, 1)],
+            },
+            rays: sums.rays,
         }
     }
 
-    /// Standard error of one of a texel's two sums. Variances pool over texels no more than `radius` away along an axis.
+    /// What a texel's stopping depends on: the standard error of its first sum, and of light in units of the sky's mean radiance.
+    pub fn watched(&self, i: usize, term: Term, radius: i32) -> f64 {
+        let sums: &[usize] = match (term, self.sky.map()) {
+            (Term::Hemisphere | Term::Lobe, None) => &[0],
+            (Term::Hemisphere | Term::Lobe, Some(_)) => &[0, 2],
+            (Term::Sky, _) => &[2, 3],
+        };
+        let errors = sums
+            .iter()
+            .map(|&sum| self.error(i, sum, radius) / self.unit(sum));
+        errors.fold(0.0, f64::max)
+    }
+
+    /// The value of a sum that all points would see.
+    fn unit(&self, sum: usize) -> f64 {
+        match sum {
+            0 | 1 => 1.0,
+            _ => self.sky.mean().element_sum() / 3.0,
+        }
+    }
+
+    /// Standard error of one of a texel's sums. Variances pool over texels no more than `radius` away along an axis.
     pub fn error(&self, i: usize, sum: usize, radius: i32) -> f64 {
         let (mut variances, mut count, mut agreeing) = (0.0, 0.0, 0.0);
         for j in neighbours(self.texels, &self.at, i, radius) {
@@ -85,7 +134,7 @@ impl<'a> Gathered<'a> {
         if variances > 0.0 {
             f64::sqrt(variances / count)
         } else {
-            1.5 / agreeing
+            1.5 / agreeing * self.unit(sum)
         }
     }
 }
@@ -111,31 +160,32 @@ fn neighbours<'a>(
         })
 }
 
-fn first(sums: &Sums) -> (f64, f64) {
-    sums.first
-}
-
-fn second(sums: &Sums) -> (f64, f64) {
-    sums.second
-}
-
 fn ratio((open, all): (f64, f64)) -> f64 {
     if all > 0.0 { open / all } else { 0.0 }
 }
 
-fn mean(replicates: &Replicates, of: fn(&Sums) -> (f64, f64)) -> f64 {
-    let sum = replicates
-        .iter()
-        .map(of)
-        .fold((0.0, 0.0), |a, s| (a.0 + s.0, a.1 + s.1));
-    ratio(sum)
+/// Light of a term: the sky's floor by the share that is open, and what stands out of it. [`Term::Sky`] has the latter alone: its
+/// share is 0.
+fn light(sky: &Sky, sums: &Sums, which: usize) -> DVec3 {
+    let share = [ratio(sums.first), 0.0][which];
+    let scale = sky.map().map_or(0.0, |map| map.scale());
+    sky.floor() * share + sums.light[which] * (scale / sums.points.max(1) as f64)
 }
 
-fn own_variance(replicates: &Replicates, points: u32, of: fn(&Sums) -> (f64, f64)) -> f64 {
+/// The sums of all replicates.
+fn total(replicates: &Replicates) -> Sums {
+    let mut total = Sums::default();
+    for sums in replicates {
+        total += *sums;
+    }
+    total
+}
+
+fn own_variance(replicates: &Replicates, points: u32, of: &dyn Fn(&Sums) -> f64) -> f64 {
     let used = points.min(REPLICATES) as usize;
     let mut values = [0.0; REPLICATES as usize];
     for (value, sums) in values.iter_mut().zip(replicates) {
-        *value = ratio(of(sums));
+        *value = of(sums);
     }
     variance_of_mean(&values[..used])
 }

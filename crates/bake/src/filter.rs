@@ -7,7 +7,7 @@ use crate::page::BakedPage;
 use crate::plan::{Choice, Plan};
 use crate::regress::{Field, regress};
 use crate::texel::TexelMaterial;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 /// Layers that the filter reads or writes, asked for or not.
 pub(crate) const NEEDED: [Layer; 11] = [
@@ -36,7 +36,9 @@ const TERMS: [(Layer, Layer, Choice); 3] = [
 ];
 
 /// Layers that follow from the terms.
-const COMPOSED: [Layer; 5] = [
+const COMPOSED: [Layer; 7] = [
+    Layer::Irradiance,
+    Layer::Reflection,
     Layer::Traditional,
     Layer::Lambert,
     Layer::Phong,
@@ -44,8 +46,8 @@ const COMPOSED: [Layer; 5] = [
     Layer::DifferencePhong,
 ];
 
-/// Filters the terms of a page whose tiles are all finished, and composes the models anew.
-pub(crate) fn filter(page: &mut BakedPage, plan: &Plan, sky: [f32; 3]) {
+/// Filters the terms of a page whose tiles are all finished, and composes the models anew under a uniform sky.
+pub(crate) fn filter(page: &mut BakedPage, plan: &Plan, sky: DVec3) {
     let coverage = page.channel(Layer::Coverage, 0).to_vec();
     for (term, error, choice) in TERMS {
         if !plan.models(choice) {
@@ -63,7 +65,7 @@ pub(crate) fn filter(page: &mut BakedPage, plan: &Plan, sky: [f32; 3]) {
         page.channel_mut(term, 0).copy_from_slice(&found.value);
         page.channel_mut(error, 0).copy_from_slice(&found.error);
     }
-    compose(page, &coverage, Vec3::from(sky).as_dvec3());
+    compose(page, &coverage, sky);
     state_errors(page, &coverage);
 }
 
@@ -81,7 +83,8 @@ fn compose(page: &mut BakedPage, coverage: &[f32], sky: DVec3) {
                 diffuse: one(Layer::Diffuse),
                 specular: one(Layer::Specular),
                 ..Terms::default()
-            },
+            }
+            .lit(sky),
             material: TexelMaterial {
                 albedo: rgb(Layer::Albedo),
                 specular: rgb(Layer::Reflectance),

@@ -13,7 +13,7 @@ use crate::cell::{Cell, place_in};
 use crate::integrate::{Sums, Task, Term};
 use crate::options::View;
 use crate::texel::Texel;
-use ambient::sampling::{LANES, Lobe, Stream, Streams, Wide};
+use ambient::sampling::{LANES, Lobe, SkyMap, Stream, Streams, Wide};
 use embree::{Coherence, RayPacket};
 use glam::DVec3;
 use pulp::{Simd, WithSimd};
@@ -57,6 +57,8 @@ struct Frames {
 /// Up to sixteen lanes and what they have gathered.
 pub(crate) struct Gang<'a> {
     texels: &'a [Texel],
+    /// Texels that need the lobe.
+    reflects: &'a [bool],
     lanes: &'a [Lane],
     streams: Streams,
     surfaces: Surfaces,
@@ -70,9 +72,12 @@ pub(crate) struct Gang<'a> {
     /// Lanes in use, and those among them that nothing stands above.
     used: u32,
     open: u32,
-    /// 1 / (n + 1) of each lane's lobe.
+    /// 1 / (n + 1) of each lane's lobe, and the lanes that need it.
     lobe_scale: Wide,
+    lobes: u32,
     packet: RayPacket<LANES>,
+    /// Points cast of every lane.
+    points: u64,
     sums: LaneSums<f64>,
     /// Sums over the block in work: short, so f32 holds them.
     block: LaneSums<f32>,
@@ -84,6 +89,8 @@ struct LaneSums<T> {
     all: [[T; LANES]; 2],
     open: [[T; LANES]; 2],
     bent: [[T; LANES]; 3],
+    /// Light of a map above its floor, for two terms.
+    light: [[[T; LANES]; 3]; 2],
     rays: [u32; LANES],
 }
 
@@ -94,13 +101,25 @@ struct Step {
     weights: [Wide; 2],
     /// Lanes whose ray leaves the surface upward.
     above: u32,
+    drawn: Drawn,
+}
+
+/// How the directions of a step were drawn, as far as light of a map needs it.
+enum Drawn {
+    /// Probability per steradian is what the weights say.
+    Hemisphere,
+    /// Probability per steradian.
+    Lobe(Wide),
+    /// Texels of the map, and the axes of the lobes.
+    Sky([u32; LANES], [Wide; 3]),
 }
 
 impl<'a> Gang<'a> {
     /// A gang without lanes.
-    pub fn new(task: &Task<'_>, texels: &'a [Texel]) -> Self {
+    pub fn new(task: &Task<'_>, texels: &'a [Texel], reflects: &'a [bool]) -> Self {
         let mut gang = Self {
             texels,
+            reflects,
             lanes: &[],
             streams: Streams::new(task.points),
             surfaces: Surfaces {
@@ -118,7 +137,9 @@ impl<'a> Gang<'a> {
             used: 0,
             open: 0,
             lobe_scale: [1.0; LANES],
+            lobes: 0,
             packet: RayPacket::default(),
+            points: 0,
             sums: LaneSums::default(),
             block: LaneSums::default(),
         };
@@ -131,7 +152,8 @@ impl<'a> Gang<'a> {
         assert!(lanes.len() <= LANES, "{} lanes in a gang", lanes.len());
         self.lanes = lanes;
         self.cell = [0; LANES];
-        (self.walkers, self.used, self.open) = (0, 0, 0);
+        (self.walkers, self.used, self.open, self.lobes) = (0, 0, 0, 0);
+        self.points = 0;
         self.sums = LaneSums::default();
         self.stale = true;
         for (l, lane) in lanes.iter().enumerate() {
@@ -140,6 +162,7 @@ impl<'a> Gang<'a> {
             self.used |= 1 << l;
             self.open |= u32::from(texel.open) << l;
             self.walkers |= u32::from(texel.cells.len() > 1) << l;
+            self.lobes |= u32::from(self.reflects[lane.texel]) << l;
             self.lobe_scale[l] = (1.0 / (texel.material.exponent + 1.0)) as f32;
             self.surfaces.set(l, &texel.cells[0]);
         }
@@ -160,6 +183,7 @@ impl<'a> Gang<'a> {
 
     #[inline(always)]
     fn run(&mut self, task: &Task<'_>, term: Term, range: Range<u32>) {
+        self.points += u64::from(range.end.saturating_sub(range.start));
         for block in Streams::blocks(range) {
             self.streams.enter(block);
             for step in 0..block.steps() {
@@ -196,6 +220,68 @@ impl<'a> Gang<'a> {
                 .occluded16(&self.packet, cast, Coherence::Coherent)
         };
         self.block.add(&step, active & !blocked, cast, task.bent);
+        if let Some(sky) = task.sky.map() {
+            self.shine(task, sky, &step, active & !blocked);
+        }
+    }
+
+    /// Adds the light that open lanes see above the floor of a map, each by its share of the power heuristic.
+    #[inline(always)]
+    fn shine(&mut self, task: &Task<'_>, sky: &SkyMap, step: &Step, open: u32) {
+        use std::f32::consts::{FRAC_1_PI, TAU};
+        let [cosine, uniform] = {
+            let share = task.mixture.cosine_share() as f32;
+            [2.0 * share / TAU, (1.0 - share) / TAU]
+        };
+        let texels = match &step.drawn {
+            Drawn::Sky(texels, _) => *texels,
+            _ => sky.texels16(&step.directions),
+        };
+        let mut light = [[0.0; LANES]; 3];
+        let mut rest = open;
+        while rest != 0 {
+            let l = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            for (axis, value) in light.iter_mut().zip(sky.excess(texels[l])) {
+                axis[l] = value;
+            }
+        }
+        let mut kernels = [[0.0; LANES]; 2];
+        for l in 0..LANES {
+            let by_sky = light[0][l] + light[1][l] + light[2][l];
+            kernels[0][l] = match &step.drawn {
+                Drawn::Hemisphere => {
+                    let own = 1.0 / (TAU * step.weights[1][l]);
+                    step.weights[0][l] * share(own, by_sky)
+                }
+                Drawn::Lobe(density) => share(density[l], by_sky),
+                Drawn::Sky(..) => {
+                    let normal = &self.frames.normal;
+                    let mu = normal[0][l] * step.directions[0][l]
+                        + normal[1][l] * step.directions[1][l]
+                        + normal[2][l] * step.directions[2][l];
+                    mu * FRAC_1_PI * share_of(by_sky, cosine * mu + uniform)
+                }
+            };
+        }
+        if let Drawn::Sky(_, axes) = &step.drawn {
+            let mut rest = open & self.lobes;
+            while rest != 0 {
+                let l = rest.trailing_zeros() as usize;
+                rest &= rest - 1;
+                let [axis, direction] = [axes, &step.directions].map(|of| of.map(|a| a[l]));
+                let by_sky = light[0][l] + light[1][l] + light[2][l];
+                let density = lobe_density(self.lobe_scale[l], axis, direction);
+                kernels[1][l] = density * share_of(by_sky, density);
+            }
+        }
+        for k in 0..2 {
+            for c in 0..3 {
+                for l in 0..LANES {
+                    self.block.light[k][c][l] += light[c][l] * kernels[k][l];
+                }
+            }
+        }
     }
 
     /// Moves a lane to another cell of its texel.
@@ -221,21 +307,40 @@ impl<'a> Gang<'a> {
         }
         let Frames { normal, side, .. } = &self.frames;
         self.surfaces.origins(at, side, &mut self.packet.origin);
-        let (directions, weights) = match (term, task.view) {
-            (Term::Hemisphere, _) => {
+        let axes = |origin: &[Wide; 3]| match task.view {
+            View::Normal => *normal,
+            View::Eye(eye) => mirrored(normal, origin, eye),
+        };
+        let (directions, weights, drawn) = match term {
+            Term::Hemisphere => {
                 let (local, weights) = task.mixture.sample16(u0, u1);
-                (self.frames.to_world(&local), weights)
+                (self.frames.to_world(&local), weights, Drawn::Hemisphere)
             }
-            (Term::Lobe, view) => {
+            Term::Lobe => {
                 let local = Lobe::sample16(&self.lobe_scale, u0, u1);
-                let directions = match view {
+                let directions = match task.view {
                     View::Normal => self.frames.to_world(&local),
-                    View::Eye(eye) => {
-                        let axis = mirrored(normal, &self.packet.origin, eye);
-                        Frames::about(axis, *side).to_world(&local)
+                    View::Eye(_) => {
+                        Frames::about(axes(&self.packet.origin), *side).to_world(&local)
                     }
                 };
-                (directions, [[1.0; LANES]; 2])
+                let mut density = [0.0; LANES];
+                if task.sky.map().is_some() {
+                    // u0 = cos^(n + 1), so cos^n = u0 / cos.
+                    for l in 0..LANES {
+                        let scale = self.lobe_scale[l] * std::f32::consts::TAU;
+                        density[l] = u0[l] / (scale * local[2][l].max(f32::MIN_POSITIVE));
+                    }
+                }
+                (directions, [[1.0; LANES]; 2], Drawn::Lobe(density))
+            }
+            Term::Sky => {
+                let Some(sky) = task.sky.map() else {
+                    unreachable!("a uniform sky has no directions to draw");
+                };
+                let (directions, texels) = sky.sample16(u0, u1);
+                let drawn = Drawn::Sky(texels, axes(&self.packet.origin));
+                (directions, [[0.0; LANES]; 2], drawn)
             }
         };
         let geometric = &self.surfaces.geometric;
@@ -251,20 +356,23 @@ impl<'a> Gang<'a> {
             directions,
             weights,
             above,
+            drawn,
         }
     }
 
     /// Adds what the lanes have gathered to their texels' replicates.
     pub fn collect(&self, sums: &mut [[Sums; crate::integrate::REPLICATES as usize]]) {
         for (l, lane) in self.lanes.iter().enumerate() {
-            let into = &mut sums[lane.texel][lane.replicate];
             let s = &self.sums;
-            into.first.0 += s.open[0][l];
-            into.first.1 += s.all[0][l];
-            into.second.0 += s.open[1][l];
-            into.second.1 += s.all[1][l];
-            into.bent += DVec3::new(s.bent[0][l], s.bent[1][l], s.bent[2][l]);
-            into.rays += u64::from(s.rays[l]);
+            let three = |of: &[[f64; LANES]; 3]| DVec3::new(of[0][l], of[1][l], of[2][l]);
+            sums[lane.texel][lane.replicate] += Sums {
+                first: (s.open[0][l], s.all[0][l]),
+                second: (s.open[1][l], s.all[1][l]),
+                bent: three(&s.bent),
+                light: [three(&s.light[0]), three(&s.light[1])],
+                points: self.points,
+                rays: u64::from(s.rays[l]),
+            };
         }
     }
 }
@@ -381,6 +489,9 @@ impl LaneSums<f64> {
             }
             for a in 0..3 {
                 self.bent[a][l] += f64::from(block.bent[a][l]);
+                for k in 0..2 {
+                    self.light[k][a][l] += f64::from(block.light[k][a][l]);
+                }
             }
             self.rays[l] += block.rays[l];
         }
@@ -425,6 +536,37 @@ impl Frames {
         }
         out
     }
+}
+
+#[inline(always)]
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The share of a technique of density `own` beside another in the power heuristic with exponent 2.
+#[inline(always)]
+fn share(own: f32, other: f32) -> f32 {
+    own * share_of(own, other)
+}
+
+/// That share divided by `own`.
+#[inline(always)]
+fn share_of(own: f32, other: f32) -> f32 {
+    own / (own * own + other * other).max(f32::MIN_POSITIVE)
+}
+
+/// (n + 1)/2pi (R.L)^n with `scale` = 1 / (n + 1); 0 behind the plane of the lobe. 1 - R.L is taken from the chord, which keeps the digits of
+/// narrow lobes.
+#[inline(always)]
+fn lobe_density(scale: f32, axis: [f32; 3], direction: [f32; 3]) -> f32 {
+    let chord = [0, 1, 2].map(|a: usize| axis[a] - direction[a]);
+    let drop = 0.5 * f64::from(dot(chord, chord));
+    let exponent = 1.0 / f64::from(scale) - 1.0;
+    let decay = exponent * drop;
+    if drop >= 1.0 || decay > 80.0 {
+        return 0.0;
+    }
+    ((exponent * (-drop).ln_1p()).exp() / (std::f64::consts::TAU * f64::from(scale))) as f32
 }
 
 /// R = 2 (N.V) N - V for an eye point: the axes of the specular lobes. V = N where the eye stands on the surface.

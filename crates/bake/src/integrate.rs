@@ -10,6 +10,11 @@
 //! **Specular term.** Its own directions from the lobe about the mirrored view R, density `(n+1)/2pi (R.L)^n`, so every
 //! open ray counts 1. Directions below the shading or the geometric horizon count 0 and cost no ray.
 //!
+//! **Light of a map.** With an illumination map the radiance is a uniform floor, which the two terms above multiply, and what stands
+//! out of it, which hemisphere rays and directions drawn from the map share by the power heuristic with exponent 2 (E. Veach, L. Guibas,
+//! "Optimally Combining Sampling Techniques for Monte Carlo Rendering", 1995), and lobe rays and the same directions likewise. Weights are those of equal
+//! numbers, whatever the numbers are, so that each technique may stop by itself. These means are not divided by sums of weights.
+//!
 //! **Lanes.** A texel has [`REPLICATES`] independent randomisations of its points. Each is one lane of a
 //! [`Gang`]; `error_estimate.rs` makes errors of their spread. With a target, texels whose error is not yet small enough take more points
 //! of the same streams, round by round.
@@ -17,7 +22,7 @@
 use crate::backend::RayBackend;
 use crate::error_estimate::{Estimate, Gathered};
 use crate::gang::{Gang, Lane};
-use crate::options::{Effort, Pattern, View};
+use crate::options::{Effort, Pattern, Sky, View};
 use crate::texel::Texel;
 use crate::world::World;
 use ambient::Frame;
@@ -36,6 +41,7 @@ pub(crate) mod term {
     pub const HEMISPHERE: u32 = 1;
     pub const LOBE: u32 = 2;
     pub const VALIDITY: u32 = 3;
+    pub const SKY: u32 = 4;
 }
 
 /// Rays of the `validity` layer.
@@ -60,6 +66,8 @@ pub(crate) enum Term {
     Hemisphere,
     /// The specular lobe.
     Lobe,
+    /// Light of the illumination map, by directions drawn from it.
+    Sky,
 }
 
 /// What the texels of a bake are integrated with.
@@ -81,6 +89,7 @@ pub(crate) struct Task<'a> {
     pub hemisphere: bool,
     /// The bent normal is asked for.
     pub bent: bool,
+    pub sky: &'a Sky,
 }
 
 /// The integrated terms of one texel, normalised as the contract says: 1 is open.
@@ -96,8 +105,27 @@ pub struct Terms {
     pub bent: DVec3,
     /// Standard errors of diffuse, visibility and specular.
     pub errors: [f64; 3],
+    /// (1/pi) times the integral of L V cos, linear RGB.
+    pub irradiance: DVec3,
+    /// ((n+1)/2pi) times the integral of L V (R.V)^n, linear RGB.
+    pub reflection: DVec3,
+    /// Standard errors of the means of the channels of irradiance and reflection.
+    pub light_errors: [f64; 2],
     /// Rays spent.
     pub rays: u64,
+}
+
+impl Terms {
+    /// The terms with the light of a uniform sky.
+    pub(crate) fn lit(self, sky: DVec3) -> Self {
+        let mean = sky.element_sum() / 3.0;
+        Self {
+            irradiance: sky * self.diffuse,
+            reflection: sky * self.specular,
+            light_errors: [mean * self.errors[0], mean * self.errors[2]],
+            ..self
+        }
+    }
 }
 
 /// Weighted open rays and all rays of one replicate.
@@ -108,7 +136,29 @@ pub(crate) struct Sums {
     /// (open, all) of the visibility.
     pub second: (f64, f64),
     pub bent: DVec3,
+    /// Light above the sky's floor divided by the sky's scale: of the term itself; of diffuse and specular for [`Term::Sky`].
+    pub light: [DVec3; 2],
+    /// Points of the stream.
+    pub points: u64,
     pub rays: u64,
+}
+
+impl std::ops::AddAssign for Sums {
+    fn add_assign(&mut self, other: Self) {
+        for (into, from) in [
+            (&mut self.first, other.first),
+            (&mut self.second, other.second),
+        ] {
+            into.0 += from.0;
+            into.1 += from.1;
+        }
+        self.bent += other.bent;
+        for (into, from) in self.light.iter_mut().zip(other.light) {
+            *into += from;
+        }
+        self.points += other.points;
+        self.rays += other.rays;
+    }
 }
 
 /// One texel's replicates and the points that each has.
@@ -134,12 +184,13 @@ impl Task<'_> {
     }
 }
 
-/// Integrates the texels of one tile. `specular` says which of them need the lobe.
-pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], specular: &[bool]) -> Vec<Terms> {
+/// Integrates the texels of one tile. `reflects` says which of them need the lobe.
+pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) -> Vec<Terms> {
+    let lit = task.sky.map().is_some();
     let sampled = matches!(task.view, View::Eye(_)) || task.bent;
     let closed: Vec<bool> = texels
         .iter()
-        .map(|texel| texel.open && !(sampled && texel.tilted))
+        .map(|texel| texel.open && !lit && !(sampled && texel.tilted))
         .collect();
     let needing = |wanted: &dyn Fn(usize) -> bool| -> Vec<usize> {
         (0..texels.len())
@@ -147,15 +198,26 @@ pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], specular: &[bool]) ->
             .collect()
     };
     let hemisphere = needing(&|_| task.hemisphere);
-    let lobe = needing(&|i| specular[i]);
-    let hemisphere = rounds(task, texels, Term::Hemisphere, hemisphere);
-    let lobe = rounds(task, texels, Term::Lobe, lobe);
+    let lobe = needing(&|i| reflects[i]);
+    let sky = needing(&|_| lit);
+    let cast = |term, which| rounds(task, texels, reflects, term, which);
+    let hemisphere = cast(Term::Hemisphere, hemisphere);
+    let lobe = cast(Term::Lobe, lobe);
+    let sky = cast(Term::Sky, sky);
     (0..texels.len())
         .map(|i| {
             if closed[i] {
-                return closed_form_terms(task, &texels[i], specular[i]);
+                return closed_form_terms(task, &texels[i], reflects[i]).lit(task.sky.floor());
             }
             let ([diffuse, visibility], [specular, _]) = (hemisphere[i].values, lobe[i].values);
+            let [irradiance, reflection] = [0, 1].map(|k| {
+                if ![task.hemisphere, reflects[i]][k] {
+                    return (DVec3::ZERO, 0.0);
+                }
+                let own = [&hemisphere, &lobe][k][i];
+                let error = own.light_errors[0].hypot(sky[i].light_errors[k]);
+                (own.light[0] + sky[i].light[k], error)
+            });
             Terms {
                 diffuse,
                 visibility,
@@ -166,29 +228,35 @@ pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], specular: &[bool]) ->
                     hemisphere[i].errors[1],
                     lobe[i].errors[0],
                 ],
-                rays: hemisphere[i].rays + lobe[i].rays,
+                irradiance: irradiance.0,
+                reflection: reflection.0,
+                light_errors: [irradiance.1, reflection.1],
+                rays: hemisphere[i].rays + lobe[i].rays + sky[i].rays,
             }
         })
         .collect()
 }
 
 /// Casts the rays of one term for the texels `which`, in rounds where a target is set.
-fn rounds(task: &Task<'_>, texels: &[Texel], term: Term, mut which: Vec<usize>) -> Vec<Estimate> {
+fn rounds(
+    task: &Task<'_>,
+    texels: &[Texel],
+    reflects: &[bool],
+    term: Term,
+    mut which: Vec<usize>,
+) -> Vec<Estimate> {
+    let cast = |lanes: &[Lane], range, sums: &mut [Replicates]| {
+        cast(task, texels, reflects, term, lanes, range, sums);
+    };
     let mut sums = vec![Replicates::default(); texels.len()];
     let mut points = vec![0; texels.len()];
     match task.effort {
         Effort::Rays(rays) => {
             let (each, rest) = (rays / REPLICATES, (rays % REPLICATES) as usize);
-            cast(
-                task,
-                texels,
-                term,
-                &lanes(task, texels, &which, 0..REPLICATES as usize),
-                0..each,
-                &mut sums,
-            );
+            let all = lanes(task, texels, &which, 0..REPLICATES as usize);
+            cast(&all, 0..each, &mut sums);
             let more = lanes(task, texels, &which, 0..rest);
-            cast(task, texels, term, &more, each..each + 1, &mut sums);
+            cast(&more, each..each + 1, &mut sums);
             for &i in &which {
                 points[i] = rays;
             }
@@ -198,17 +266,17 @@ fn rounds(task: &Task<'_>, texels: &[Texel], term: Term, mut which: Vec<usize>) 
             let mut range = 0..FIRST_ROUND.min(most);
             while !range.is_empty() && !which.is_empty() {
                 let lanes = lanes(task, texels, &which, 0..REPLICATES as usize);
-                cast(task, texels, term, &lanes, range.clone(), &mut sums);
+                cast(&lanes, range.clone(), &mut sums);
                 for &i in &which {
                     points[i] = range.end * REPLICATES;
                 }
-                let gathered = Gathered::new(texels, &sums, &points);
-                which.retain(|&i| gathered.error(i, 0, STOP_RADIUS) > error);
+                let gathered = Gathered::new(task.sky, texels, &sums, &points);
+                which.retain(|&i| gathered.watched(i, term, STOP_RADIUS) > error);
                 range = range.end..next_round(range.end).min(most);
             }
         }
     }
-    let gathered = Gathered::new(texels, &sums, &points);
+    let gathered = Gathered::new(task.sky, texels, &sums, &points);
     (0..texels.len()).map(|i| gathered.estimate(i)).collect()
 }
 
@@ -252,6 +320,7 @@ fn lanes(
 fn cast(
     task: &Task<'_>,
     texels: &[Texel],
+    reflects: &[bool],
     term: Term,
     lanes: &[Lane],
     range: Range<u32>,
@@ -260,8 +329,9 @@ fn cast(
     let label = match term {
         Term::Hemisphere => term::HEMISPHERE,
         Term::Lobe => term::LOBE,
+        Term::Sky => term::SKY,
     };
-    let mut gang = Gang::new(task, texels);
+    let mut gang = Gang::new(task, texels, reflects);
     for lanes in lanes.chunks(LANES) {
         gang.load(lanes, |texel, replicate| {
             task.pattern_stream(texel, label, replicate)
@@ -334,7 +404,7 @@ fn closed_form_terms(task: &Task<'_>, texel: &Texel, specular: bool) -> Terms {
         specular: if specular { lobe } else { 0.0 },
         bent,
         errors,
-        rays: 0,
+        ..Terms::default()
     }
 }
 

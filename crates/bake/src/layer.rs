@@ -14,11 +14,11 @@ pub enum Layer {
     Diffuse,
     /// ((n+1)/2pi) times the integral of V (R.V)^n, 0..=1; 0 where the material does not reflect specularly.
     Specular,
-    /// Sky x albedo x visibility: the baseline.
+    /// Mean sky x albedo x visibility: the baseline.
     Traditional,
-    /// Sky x albedo x diffuse.
+    /// Albedo x irradiance; under a uniform sky x albedo x diffuse.
     Lambert,
-    /// Lambert plus sky x specular reflectance x specular.
+    /// Lambert plus specular reflectance x reflection; under a uniform sky x specular reflectance x specular.
     Phong,
     /// Standard error of the diffuse term.
     Error,
@@ -50,6 +50,14 @@ pub enum Layer {
     Albedo,
     /// Specular reflectance, linear.
     Reflectance,
+    /// (1/pi) times the integral of L V cos, L the sky's radiance.
+    Irradiance,
+    /// ((n+1)/2pi) times the integral of L V (R.V)^n; 0 where the material does not reflect specularly.
+    Reflection,
+    /// Standard error of the irradiance, of the mean of its channels.
+    ErrorIrradiance,
+    /// Standard error of the reflection, of the mean of its channels.
+    ErrorReflection,
 }
 
 use Layer::*;
@@ -59,7 +67,7 @@ const XYZ: &[&str] = &["X", "Y", "Z"];
 const ONE: &[&str] = &[""];
 
 /// Every layer in the order of the enum, with its name and its channel suffixes.
-const TABLE: [(Layer, &str, &[&str]); 22] = [
+const TABLE: [(Layer, &str, &[&str]); 26] = [
     (Coverage, "coverage", ONE),
     (Visibility, "visibility", ONE),
     (Diffuse, "diffuse", ONE),
@@ -82,6 +90,10 @@ const TABLE: [(Layer, &str, &[&str]); 22] = [
     (ErrorSpecular, "error.specular", ONE),
     (Albedo, "albedo", RGB),
     (Reflectance, "reflectance", RGB),
+    (Irradiance, "irradiance", RGB),
+    (Reflection, "reflection", RGB),
+    (ErrorIrradiance, "error.irradiance", ONE),
+    (ErrorReflection, "error.reflection", ONE),
 ];
 
 impl Layer {

@@ -43,7 +43,7 @@ pub use integrate::{REPLICATES, Terms};
 pub use layer::Layer;
 pub use obvhs_backend::ObvhsBackend;
 pub use open::OpenTriangles;
-pub use options::{Effort, Filter, Options, Overrides, Pattern, PointSet, View};
+pub use options::{Effort, Filter, Options, Overrides, Pattern, PointSet, Sky, SkyMap, View};
 pub use page::{Bake, BakedPage, PageStats, Plane, Progress};
 pub use parity::{Answer, Disagreement, ParityReport, TestRays, parity};
 pub use plan::{Choice, Decision, Plan};

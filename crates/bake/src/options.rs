@@ -2,8 +2,9 @@
 
 use crate::layer::Layer;
 use crate::plan::Choice;
-pub use ambient::sampling::PointSet;
+pub use ambient::sampling::{PointSet, SkyMap};
 use glam::DVec3;
+use std::sync::Arc;
 
 /// Options of one bake. The command line's words are turned into this once; nothing below reads flags.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,8 +19,8 @@ pub struct Options {
     pub filter: Filter,
     /// Seed of every sample stream.
     pub seed: u64,
-    /// Uniform sky radiance, linear RGB, each finite and `>= 0`.
-    pub sky: [f32; 3],
+    /// Radiance that arrives where nothing blocks it.
+    pub sky: Sky,
     /// View rule of the specular term.
     pub view: View,
     /// Occluders farther than this do not count, in scene units; `None` for no limit.
@@ -74,6 +75,41 @@ pub enum Filter {
     Off,
     /// Local regression over the texels of a surface. Needs [`Pattern::Independent`]: errors of neighbours must be.
     Regression,
+}
+
+/// Radiance of the sky, linear RGB.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Sky {
+    /// The same from every direction, each channel finite and `>= 0`.
+    Uniform([f32; 3]),
+    /// An illumination map.
+    Map(Arc<SkyMap>),
+}
+
+impl Sky {
+    /// What is the same from every direction.
+    pub(crate) fn floor(&self) -> DVec3 {
+        match self {
+            Sky::Uniform(sky) => DVec3::from(sky.map(f64::from)),
+            Sky::Map(map) => DVec3::from(map.floor()),
+        }
+    }
+
+    /// Mean radiance over the sphere: the constant of the traditional model.
+    pub(crate) fn mean(&self) -> DVec3 {
+        match self {
+            Sky::Uniform(_) => self.floor(),
+            Sky::Map(map) => DVec3::from(map.mean()),
+        }
+    }
+
+    /// What stands out of the floor, where anything does.
+    pub(crate) fn map(&self) -> Option<&SkyMap> {
+        match self {
+            Sky::Map(map) if map.scale() > 0.0 => Some(map),
+            _ => None,
+        }
+    }
 }
 
 /// Where the eye of the specular term stands.

@@ -246,7 +246,7 @@ impl<'a> Bake<'a> {
             }
         }
         if self.options.filter == Filter::Regression {
-            filter(page, self.plan, self.options.sky);
+            filter(page, self.plan, self.options.sky.floor());
         }
         page.stats.seconds += started.elapsed().as_secs_f64();
         fill_gutters(page);
@@ -288,6 +288,7 @@ impl<'a> Bake<'a> {
             mixture: self.plan.mixture,
             hemisphere: self.plan.models(Choice::Diffuse),
             bent: options.layers.contains(&Layer::Bent),
+            sky: &options.sky,
         };
         let surveyor = Surveyor {
             world: self.world,
@@ -330,7 +331,7 @@ impl<'a> Bake<'a> {
 
     /// What the page keeps of a tile.
     fn result(&self, layers: &[(Layer, usize)], texels: &[BakedTexel]) -> TileResult {
-        let sky = Vec3::from(self.options.sky).as_dvec3();
+        let sky = self.options.sky.mean();
         let mut result = TileResult::default();
         for texel in texels {
             let mut values = (Layer::Coverage, texel.values(Layer::Coverage, sky));

@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::layer::Layer;
 use crate::open::OpenTriangles;
-use crate::options::{Options, View};
+use crate::options::{Options, Sky, View};
 use crate::surface::PlaneErrors;
 use crate::world::{World, WorldOptions};
 use ambient::sampling::Mixture;
@@ -116,7 +116,7 @@ impl Plan {
                 Mixture::COSINE
             },
             decisions: vec![
-                sky(),
+                sky(options),
                 diffuse,
                 visibility,
                 specular,
@@ -148,12 +148,26 @@ fn off(choice: Choice) -> Decision {
     decision(choice, true, "the planner's choice was switched off")
 }
 
-fn sky() -> Decision {
-    decision(
-        Choice::Sky,
-        false,
-        "the sky is uniform: its radiance is a factor, no map is looked up",
-    )
+fn sky(options: &Options) -> Decision {
+    match (&options.sky, options.sky.map()) {
+        (_, Some(map)) => {
+            let (width, height) = map.size();
+            let reason = format!(
+                "an illumination map of {width} x {height}: rays are drawn from its light too, and no term has a closed form"
+            );
+            decision(Choice::Sky, true, reason)
+        }
+        (Sky::Map(_), None) => decision(
+            Choice::Sky,
+            false,
+            "the illumination map is constant: its radiance is a factor, no map is looked up",
+        ),
+        (Sky::Uniform(_), None) => decision(
+            Choice::Sky,
+            false,
+            "the sky is uniform: its radiance is a factor, no map is looked up",
+        ),
+    }
 }
 
 fn diffuse(options: &Options, visibility: bool) -> Decision {
@@ -162,6 +176,8 @@ fn diffuse(options: &Options, visibility: bool) -> Decision {
         Layer::Lambert,
         Layer::Phong,
         Layer::Error,
+        Layer::Irradiance,
+        Layer::ErrorIrradiance,
         Layer::Bent,
         Layer::DifferenceLambert,
         Layer::DifferencePhong,
@@ -209,6 +225,8 @@ fn specular(scene: &Scene, options: &Options) -> Decision {
         Layer::Phong,
         Layer::DifferencePhong,
         Layer::ErrorSpecular,
+        Layer::Reflection,
+        Layer::ErrorReflection,
     ];
     let choice = Choice::Specular;
     if !options.allows(choice) {
@@ -278,19 +296,16 @@ fn open(triangles: &OpenTriangles, options: &Options) -> Decision {
         );
     }
     let OpenTriangles { open, total, .. } = *triangles;
-    let view = match options.view {
-        View::Normal => "",
-        View::Eye(_) => ", the specular lobe by its lune",
+    let form = match (options.sky.map(), options.view) {
+        (Some(_), _) => "no rays",
+        (None, View::Normal) => "closed form, no rays",
+        (None, View::Eye(_)) => "closed form, the specular lobe by its lune, no rays",
     };
     if open == total {
-        let reason = format!(
-            "nothing stands above any triangle (a convex body alone): closed form{view}, no rays"
-        );
+        let reason = format!("nothing stands above any triangle (a convex body alone): {form}");
         decision(Choice::Open, false, reason)
     } else if open > 0 {
-        let reason = format!(
-            "{open} of {total} triangles have nothing above them: closed form{view}, no rays there"
-        );
+        let reason = format!("{open} of {total} triangles have nothing above them: {form} there");
         decision(Choice::Open, true, reason)
     } else {
         decision(

@@ -114,7 +114,7 @@ impl Direct<'_> {
                 frame.to_world(mixture.sample(u))
             })
         };
-        let reflected = models::lambert(hemisphere, material.albedo, 1.0);
+        let reflected = models::lambert(hemisphere, material.albedo);
         if self.model != Model::Phong || material.specular == DVec3::ZERO {
             return reflected;
         }

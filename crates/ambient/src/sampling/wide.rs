@@ -229,7 +229,7 @@ const ROUNDER: f32 = 12_582_912.0;
 
 /// `(sin 2πu, cos 2πu)` for `u` in `0..=1`, within 2e-7.
 #[inline(always)]
-fn turn_sin_cos(u: f32) -> (f32, f32) {
+pub(super) fn turn_sin_cos(u: f32) -> (f32, f32) {
     let shifted = 4.0 * u + ROUNDER;
     let quarter = shifted.to_bits();
     let x = (u - 0.25 * (shifted - ROUNDER)) * std::f32::consts::TAU;

@@ -93,7 +93,7 @@ fn bake(setup: &Setup, case: &str, kind: BackendKind) -> Result<BakedPage, Error
         points: PointSet::default(),
         filter: Filter::Off,
         seed: 0,
-        sky: [1.0; 3],
+        sky: bake::Sky::Uniform([1.0; 3]),
         view: setup
             .view
             .map_or(View::Normal, |v| View::Eye(setup.centre() + v * 1e6)),
