@@ -263,6 +263,10 @@ fn stage_page(
             worst_texel: stats.worst,
             rmse: stats.rmse(),
             rmse_bound: stats.rmse_bound(),
+            irradiance_rmse: match prepared.options.sky {
+                Sky::Uniform(_) => None,
+                Sky::Map(_) => Some(stats.irradiance_rmse()),
+            },
             rays: stats.rays,
             seconds: stats.seconds,
             rays_per_second: stats.rays as f64 / stats.seconds.max(1e-9),

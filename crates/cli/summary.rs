@@ -50,6 +50,14 @@ pub fn summary(report: &BakeReport, verbose: bool, files: usize, dir: &Path) -> 
             "error of diffuse: RMSE {rmse:.5} (below {bound:.5} with 99.9 % confidence), worst texel {worst:.5}\n"
         );
     }
+    if report
+        .pages
+        .iter()
+        .any(|page| page.irradiance_rmse.is_some())
+    {
+        let rmse = mean_square(|p| p.irradiance_rmse.unwrap_or(0.0));
+        text += &format!("error of irradiance: RMSE {rmse:.5}, as a radiance\n");
+    }
     for phase in report.timings.iter().filter(|_| verbose) {
         text += &format!("  {:>8.3} s {}\n", phase.seconds, phase.phase);
     }

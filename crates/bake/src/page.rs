@@ -87,6 +87,9 @@ pub struct PageStats {
     pub error_max: f64,
     /// See `error_max`.
     pub worst: [u32; 2],
+    /// Sum of the squared standard error of irradiance.
+    #[serde(default)]
+    pub irradiance_squares: f64,
     /// Rays spent.
     pub rays: u64,
     /// Texels finished in closed form.
@@ -142,6 +145,11 @@ impl PageStats {
     /// Estimated root mean square error of the diffuse term over the texels.
     pub fn rmse(&self) -> f64 {
         (self.error_squares / self.texels.max(1) as f64).sqrt()
+    }
+
+    /// Estimated root mean square error of the irradiance over the texels, mean of its channels.
+    pub fn irradiance_rmse(&self) -> f64 {
+        (self.irradiance_squares / self.texels.max(1) as f64).sqrt()
     }
 
     /// What the true root mean square error stays below with 99.9 % confidence.
@@ -348,6 +356,7 @@ impl<'a> Bake<'a> {
             stats.coverage += f64::from(texel.coverage);
             let size = self.atlas.page_size;
             stats.add_error(error, [texel.index % size, texel.index / size]);
+            stats.irradiance_squares += texel.terms.light_errors[0].powi(2);
             stats.rays += texel.terms.rays;
             stats.closed_form += u64::from(texel.terms.rays == 0);
         }
@@ -380,6 +389,7 @@ impl TileResult {
         if own.error_max > all.error_max {
             (all.error_max, all.worst) = (own.error_max, own.worst);
         }
+        all.irradiance_squares += own.irradiance_squares;
         all.rays += own.rays;
         all.closed_form += own.closed_form;
     }
