@@ -160,12 +160,8 @@ fn material(
         0.0,
         &mut changed,
     ) as f64;
-    let emission = raw.unknown_param.get("Ke").map_or(Vec3::ZERO, |text| {
-        let mut parts = text.split_whitespace().map(|part| part.parse::<f32>());
-        Vec3::from_array(std::array::from_fn(|_| match parts.next() {
-            Some(Ok(value)) => clamped(value, 0.0, f32::MAX, 0.0, &mut changed),
-            _ => 0.0,
-        }))
+    let emission = raw.emissive.map_or(Vec3::ZERO, |radiance| {
+        Vec3::from_array(radiance.map(|v| clamped(v, 0.0, f32::MAX, 0.0, &mut changed)))
     });
     let see_through = raw
         .unknown_param

@@ -62,7 +62,7 @@ fn groups_and_materials_make_parts_and_a_part_may_be_resumed() {
     let folder = Folder::new();
     folder.write(
         "a.mtl",
-        "newmtl red\nKd 1 0 0\nKs 0.5\nNs 20\nnewmtl thin\nKd 2 nan 0.5\nTr 0.75\n",
+        "newmtl red\nKd 1 0 0\nKs 0.5\nNs 20\nKe 2 3 0.5\nnewmtl thin\nKd 2 nan 0.5\nTr 0.75\n",
     );
     let text = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\no box\nusemtl red\nf 1 2 3\nusemtl thin\nf 1 2 3\n\
                 usemtl red\nf 1 3 2\ng lid\nf 1 2 3\no ball\nusemtl gone\nf 1 2 3\n";
@@ -94,6 +94,8 @@ fn groups_and_materials_make_parts_and_a_part_may_be_resumed() {
         (albedo, specular, exponent),
         (Vec3::X, Vec3::splat(0.5), 20.0)
     );
+    assert_eq!(scene.materials[0].emission, Vec3::new(2.0, 3.0, 0.5));
+    assert_eq!(scene.materials[1].emission, Vec3::ZERO);
     let Surface::Phong { albedo, .. } = scene.materials[1].surface else {
         panic!()
     };
