@@ -4,6 +4,7 @@
 
 mod authored;
 mod broken;
+mod capture;
 mod cli;
 mod exact;
 mod hard_cases;

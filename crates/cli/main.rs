@@ -13,6 +13,7 @@ mod doctor;
 mod host;
 mod map;
 mod map_ball;
+mod map_capture;
 mod map_file;
 mod map_merge;
 mod options;

@@ -23,6 +23,8 @@ pub enum Args {
     Ball(crate::map_ball::Args),
     /// Exposure brackets to one picture of radiance
     Merge(crate::map_merge::Args),
+    /// The light that arrives at a place in a scene
+    Capture(crate::map_capture::Args),
 }
 
 /// The picture that is read.
@@ -174,6 +176,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         Args::Specular(args) => specular(args),
         Args::Ball(args) => crate::map_ball::run(args),
         Args::Merge(args) => crate::map_merge::run(args),
+        Args::Capture(args) => crate::map_capture::run(args),
     }?;
     Ok(Outcome::Done)
 }

@@ -3,13 +3,14 @@
 use crate::args::{self, Backend, Common};
 use crate::{Outcome, host, options, say};
 use ::bake::{Overrides, RayBackend, Surfaces, World, WorldOptions};
-use ::render::{Camera, Direct, Light, Lightmap, Model, Sample, fig1, fig1_csv, fig1_svg, picture};
+use ::render::{
+    Camera, Direct, Lamps, Light, Lightmap, Model, Sample, fig1, fig1_csv, fig1_svg, picture,
+};
 use anyhow::{Context, bail};
 use clap::{Args as ClapArgs, ValueEnum};
 use glam::DVec3;
 use maps::{Format, Image, Labels};
 use report::Output;
-use scene::Scene;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -205,7 +206,13 @@ fn draw_fig1(args: &Args, world: &World, backend: &dyn RayBackend) -> anyhow::Re
         bail!("--figure takes one -o DIR");
     };
     let surfaces = Surfaces::new(world);
-    let points = fig1(&mut shader(args, &surfaces, backend, &[]));
+    let points = fig1(&mut shader(
+        args,
+        &surfaces,
+        backend,
+        &[],
+        &Lamps::of(world),
+    ));
     let mut output = Output::create(dir)?;
     output.stage_bytes("fig1.csv", fig1_csv(&points).as_bytes())?;
     output.stage_bytes("fig1.svg", fig1_svg(&points).as_bytes())?;
@@ -223,7 +230,8 @@ fn take(
 ) -> Image {
     let surfaces = Surfaces::new(world);
     let lights = lights(&args.sun, &args.point);
-    let direct = shader(args, &surfaces, backend, &lights);
+    let lamps = Lamps::of(world);
+    let direct = shader(args, &surfaces, backend, &lights, &lamps);
     picture(
         camera,
         args.view.samples,
@@ -240,6 +248,7 @@ fn shader<'a>(
     surfaces: &'a Surfaces<'a>,
     backend: &'a dyn RayBackend,
     lights: &'a [Light],
+    lamps: &'a Lamps,
 ) -> Direct<'a> {
     let rgb = |rgb: [f32; 3]| glam::Vec3::from(rgb).as_dvec3();
     Direct {
@@ -257,7 +266,7 @@ fn shader<'a>(
             specular: args.specular,
             exponent: args.exponent,
         },
-        luminous: luminous(surfaces.world().scene()),
+        lamps,
     }
 }
 
@@ -272,13 +281,6 @@ pub fn lights(suns: &[[f64; 4]], points: &[[f64; 4]]) -> Vec<Light> {
         intensity,
     });
     sun.chain(point).collect()
-}
-
-/// True where some surface of the scene shines by itself.
-pub fn luminous(scene: &Scene) -> bool {
-    let shines =
-        |mesh: &scene::Mesh| scene.materials[mesh.material as usize].emission != glam::Vec3::ZERO;
-    scene.meshes.iter().any(shines)
 }
 
 /// What a picture's name asks for.

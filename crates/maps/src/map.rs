@@ -65,7 +65,7 @@ impl IlluminationMap {
     }
 
     /// Up to four texels around a direction, with weights that add up to 1.
-    pub(crate) fn taps(&self, direction: Direction) -> [(usize, f64); 4] {
+    pub fn taps(&self, direction: Direction) -> [(usize, f64); 4] {
         taps(self.projection, self.size(), direction)
     }
 

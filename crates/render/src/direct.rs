@@ -4,7 +4,7 @@
 //! without those the result is exactly the model that a bake stores, seen from the true eye: the specular lobe stands
 //! about R = 2(N·E)N − E of every point.
 
-use crate::{Light, Lightmap, Sample};
+use crate::{Lamps, Light, Lightmap, Sample};
 use ambient::Frame;
 use ambient::models;
 use ambient::sampling::{Lobe, Mixture, Stream};
@@ -41,7 +41,8 @@ pub struct Direct<'a> {
     pub backend: &'a dyn RayBackend,
     /// The ambient model.
     pub model: Model,
-    /// Rays over the hemisphere of every camera sample, and as many over a specular lobe; 0 leaves ambient light out.
+    /// Rays over the hemisphere of every camera sample, and as many over a specular lobe; where surfaces shine, as many
+    /// again toward those. 0 leaves all of this light out.
     pub rays: u32,
     /// Uniform sky radiance.
     pub sky: DVec3,
@@ -55,8 +56,8 @@ pub struct Direct<'a> {
     pub overrides: Overrides,
     /// Seed of the sample streams.
     pub seed: u64,
-    /// Some surface shines by itself.
-    pub luminous: bool,
+    /// The surfaces that shine by themselves.
+    pub lamps: &'a Lamps,
 }
 
 /// Stream labels.
@@ -110,9 +111,12 @@ impl Direct<'_> {
         let hemisphere = if material.albedo == DVec3::ZERO {
             DVec3::ZERO
         } else {
-            self.arriving(point, stream(HEMISPHERE), |u| {
-                frame.to_world(mixture.sample(u))
-            })
+            self.arriving(
+                point,
+                stream(HEMISPHERE),
+                |u| frame.to_world(mixture.sample(u)),
+                |toward| mixture.pdf(frame.to_local(toward)),
+            )
         };
         let reflected = models::lambert(hemisphere, material.albedo);
         if self.model != Model::Phong || material.specular == DVec3::ZERO {
@@ -120,39 +124,39 @@ impl Direct<'_> {
         }
         let about = Frame::from_normal(mirrored(point.normal, view));
         let lobe = Lobe::new(material.exponent);
-        let specular = self.arriving(point, stream(LOBE), |u| about.to_world(lobe.sample(u)));
+        let specular = self.arriving(
+            point,
+            stream(LOBE),
+            |u| about.to_world(lobe.sample(u)),
+            |toward| lobe.pdf(about.to_local(toward)),
+        );
         reflected + material.specular * specular
     }
 
     /// Mean radiance from directions of a distribution; those below the shading or the geometric horizon bring none.
+    ///
+    /// * `pdf`: the distribution's probability per steradian of a unit direction.
     fn arriving(
         &self,
         point: &SurfacePoint,
         stream: Stream,
         direction: impl Fn([f64; 2]) -> DVec3,
+        pdf: impl Fn(DVec3) -> f64,
     ) -> DVec3 {
         let mut sum = DVec3::ZERO;
         let mut packet = RayPacket::<16>::new();
         let mut lanes = 0;
         let mut open = 0u32;
         for index in 0..self.rays {
-            let [u0, u1, ..] = stream.point(index);
+            let [u0, u1, u2, u3] = stream.point(index);
             let toward = direction([u0, u1]);
-            if toward.dot(point.normal) > 0.0 && toward.dot(point.geometric) > 0.0 {
-                let ray = Ray {
-                    origin: point.origin,
-                    direction: toward.as_vec3().to_array(),
-                    t_min: 0.0,
-                    t_max: self.max_distance,
-                };
-                if self.luminous {
-                    sum += self
-                        .backend
-                        .closest(&ray)
-                        .map_or(self.sky, |hit| self.surfaces.emission(&hit));
-                    continue;
-                }
-                packet.set(lanes, &ray);
+            if !self.lamps.is_empty() {
+                sum += self.luminous(point, toward, &pdf);
+                sum += self.aimed(point, [u2, u3], &pdf);
+                continue;
+            }
+            if above(point, toward) {
+                packet.set(lanes, &self.ray(point, toward));
                 lanes += 1;
             }
             if lanes == 16 || (index + 1 == self.rays && lanes > 0) {
@@ -165,6 +169,53 @@ impl Direct<'_> {
             }
         }
         (sum + self.sky * f64::from(open)) / f64::from(self.rays)
+    }
+
+    /// What a ray of the distribution brings: the sky, or its share of a lamp's radiance.
+    fn luminous(&self, point: &SurfacePoint, toward: DVec3, pdf: impl Fn(DVec3) -> f64) -> DVec3 {
+        if !above(point, toward) {
+            return DVec3::ZERO;
+        }
+        let Some(hit) = self.backend.closest(&self.ray(point, toward)) else {
+            return self.sky;
+        };
+        self.shared(&hit, toward, pdf(toward))
+    }
+
+    /// What a ray toward a lamp brings: the other share, where that lamp is what it meets first.
+    fn aimed(&self, point: &SurfacePoint, u: [f64; 2], pdf: impl Fn(DVec3) -> f64) -> DVec3 {
+        let (place, target) = self.lamps.sample(self.surfaces.world(), u);
+        let toward = (target - point.position).normalize_or_zero();
+        let density = pdf(toward);
+        if density == 0.0 || !above(point, toward) {
+            return DVec3::ZERO;
+        }
+        match self.backend.closest(&self.ray(point, toward)) {
+            Some(hit) if (hit.instance, hit.triangle) == place => {
+                self.shared(&hit, toward, density)
+            }
+            _ => DVec3::ZERO,
+        }
+    }
+
+    /// Radiance of a hit times the share of `density` in it and the probability of aiming there.
+    fn shared(&self, hit: &SurfaceHit, toward: DVec3, density: f64) -> DVec3 {
+        let emission = self.surfaces.emission(hit);
+        if emission == DVec3::ZERO {
+            return DVec3::ZERO;
+        }
+        let world = self.surfaces.world();
+        emission * (density / (density + self.lamps.pdf(world, hit, toward, emission)))
+    }
+
+    /// The ambient ray from a point.
+    fn ray(&self, point: &SurfacePoint, toward: DVec3) -> Ray {
+        Ray {
+            origin: point.origin,
+            direction: toward.as_vec3().to_array(),
+            t_min: 0.0,
+            t_max: self.max_distance,
+        }
     }
 
     /// Light of the lights reflected toward the unit direction `view`.
@@ -192,6 +243,11 @@ impl Direct<'_> {
         }
         sum
     }
+}
+
+/// True above the shading and the geometric horizon.
+fn above(point: &SurfacePoint, toward: DVec3) -> bool {
+    toward.dot(point.normal) > 0.0 && toward.dot(point.geometric) > 0.0
 }
 
 /// R = 2(N·E)N − E.

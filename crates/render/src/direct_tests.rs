@@ -1,12 +1,14 @@
 //! Direct pictures against answers known on paper.
 
 use crate::fixture::{Sheet, ground, white, world};
-use crate::{Camera, Direct, Light, Model, Sample, fig1, picture};
+use crate::{Camera, Direct, Lamps, Light, Model, Sample, fig1, picture};
 use ambient::closed_form::phong_open;
 use bake::{Overrides, RayBackend, Surfaces};
 use glam::{DVec3, Vec3};
 use maps::Image;
 use std::f64::consts::PI;
+
+static DARK: Lamps = Lamps::NONE;
 
 fn direct<'a>(surfaces: &'a Surfaces<'a>, backend: &'a dyn RayBackend, model: Model) -> Direct<'a> {
     Direct {
@@ -20,7 +22,7 @@ fn direct<'a>(surfaces: &'a Surfaces<'a>, backend: &'a dyn RayBackend, model: Mo
         max_distance: f32::INFINITY,
         overrides: Overrides::default(),
         seed: 0,
-        luminous: false,
+        lamps: &DARK,
     }
 }
 
@@ -142,7 +144,8 @@ fn a_luminous_patch_lights_the_floor_by_its_form_factor() {
     let (world, backend) = world(&[ground(), patch]);
     let surfaces = Surfaces::new(&world);
     let mut shader = direct(&surfaces, backend.as_ref(), Model::Lambert);
-    shader.luminous = true;
+    let lamps = Lamps::of(&world);
+    shader.lamps = &lamps;
     shader.sky = DVec3::ZERO;
     // Form factor of a parallel rectangle of 2 by 1 at height 1 over its corner.
     let (a, b) = (5.0f64.sqrt(), 2.0f64.sqrt());
@@ -159,6 +162,89 @@ fn a_luminous_patch_lights_the_floor_by_its_form_factor() {
         0,
     ));
     assert_eq!(patch, DVec3::splat(10.0));
+}
+
+#[test]
+fn small_and_near_lamps_light_the_floor_without_noise() {
+    let square = |side: f32, height: f32| Sheet {
+        emission: Vec3::splat((side * side).recip()),
+        ..white([Vec3::new(0.0, height, 0.0), Vec3::X * side, Vec3::Z * side])
+    };
+    for (side, height) in [(0.01f32, 1.0f32), (1.0, 1.0), (4.0, 0.01)] {
+        // A floor of this size rounds the lit point to 1e-7.
+        let floor = white([Vec3::new(-0.5, 0.0, -0.25), Vec3::Z, Vec3::X]);
+        let (world, backend) = world(&[floor, square(side, height)]);
+        let surfaces = Surfaces::new(&world);
+        let lamps = Lamps::of(&world);
+        let mut shader = direct(&surfaces, backend.as_ref(), Model::Lambert);
+        (shader.lamps, shader.sky, shader.rays) = (&lamps, DVec3::ZERO, 64);
+        // Form factor of a parallel square over its corner.
+        let x = f64::from(side) / f64::from(height);
+        let root = (1.0 + x * x).sqrt();
+        let factor = x / root * (x / root).atan() / PI;
+        let exact = factor / f64::from(side * side);
+        let (value, error) = mean(&shader, DVec3::new(-3.0, 0.005, -3.0), DVec3::ZERO);
+        // A direction rounds by 6e-8, which loses a margin of the two triangles, 6.9 sides long.
+        let margin = 6.9 * 6e-8 * f64::from(height / side);
+        let rounding = (1e-7 / f64::from(height) + margin) * exact;
+        assert!(
+            (value - exact).abs() < 5.0 * error + rounding,
+            "{side}: {value} ± {error} for {exact}"
+        );
+        // Rays over the hemisphere alone: half a hundred per cent and more for the small lamp.
+        assert!(error < 0.005 * exact, "{side}: {value} ± {error}");
+    }
+}
+
+#[test]
+fn a_luminous_ceiling_is_as_good_as_the_sky_to_both_terms() {
+    let mut floor = ground();
+    (floor.albedo, floor.specular, floor.exponent) = (Vec3::splat(0.5), Vec3::splat(0.25), 20.0);
+    let ceiling = Sheet {
+        place: ground()
+            .place
+            .map(|v| if v.x == v.z { v + Vec3::Y } else { v }),
+        emission: Vec3::ONE,
+        albedo: Vec3::ZERO,
+        ..ground()
+    };
+    let (world, backend) = world(&[floor, ceiling]);
+    let surfaces = Surfaces::new(&world);
+    let lamps = Lamps::of(&world);
+    let mut shader = direct(&surfaces, backend.as_ref(), Model::Phong);
+    (shader.lamps, shader.sky) = (&lamps, DVec3::ZERO);
+    for theta in [0.0, 0.5, 1.0] {
+        let (sin, cos) = f64::sin_cos(theta);
+        let exact = 0.5 + 0.25 * phong_open(20.0, cos, sin);
+        let eye = DVec3::new(0.5 * sin, 0.5 * cos, 0.0);
+        let (value, error) = mean(&shader, eye, DVec3::ZERO);
+        // Its end is 4096 heights away.
+        assert!(
+            (value - exact).abs() <= 5.0 * error + 1e-6,
+            "{theta}: {value} ± {error} for {exact}"
+        );
+    }
+}
+
+#[test]
+fn a_screen_before_half_of_a_lamp_takes_its_light() {
+    let lamp = Sheet {
+        emission: Vec3::ONE,
+        ..white([Vec3::new(-1.0, 1.0, -1.0), Vec3::X * 2.0, Vec3::Z * 2.0])
+    };
+    let screen = white([Vec3::new(0.0, 0.5, -1.0), Vec3::X, Vec3::Z * 2.0]);
+    let (world, backend) = world(&[ground(), lamp, screen]);
+    let surfaces = Surfaces::new(&world);
+    let lamps = Lamps::of(&world);
+    let mut shader = direct(&surfaces, backend.as_ref(), Model::Lambert);
+    (shader.lamps, shader.sky) = (&lamps, DVec3::ZERO);
+    let whole = 4.0 / PI * 0.5f64.sqrt() * 0.5f64.sqrt().atan();
+    let (value, error) = mean(&shader, DVec3::new(-3.0, 0.5, 0.0), DVec3::ZERO);
+    let exact = 0.5 * whole;
+    assert!(
+        (value - exact).abs() < 5.0 * error,
+        "{value} ± {error} for {exact}"
+    );
 }
 
 #[test]

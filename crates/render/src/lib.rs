@@ -5,7 +5,11 @@
 #![forbid(unsafe_code)]
 
 mod camera;
+mod capture;
+#[cfg(test)]
+mod capture_tests;
 mod direct;
+mod direct_lamps;
 #[cfg(test)]
 mod direct_tests;
 mod error;
@@ -17,7 +21,9 @@ mod lightmap;
 mod picture;
 
 pub use camera::Camera;
+pub use capture::{PointForm, add_points, capture};
 pub use direct::{Direct, Model};
+pub use direct_lamps::Lamps;
 pub use error::Error;
 pub use fig1::{Fig1Point, fig1, fig1_csv, fig1_svg};
 pub use light::Light;

@@ -188,7 +188,7 @@ impl Projection {
     }
 
     /// The direction shown at a place, or at the nearest place of a disc's rim.
-    pub(crate) fn nearest_direction(self, size: (usize, usize), x: f64, y: f64) -> Direction {
+    pub fn nearest_direction(self, size: (usize, usize), x: f64, y: f64) -> Direction {
         let h = size.1 as f64;
         let middle = |v: f64| ((v / h).floor() + 0.5) * h;
         let (dx, dy) = (x - middle(x), y - 0.5 * h);
