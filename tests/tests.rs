@@ -13,3 +13,4 @@ mod parity;
 mod render;
 mod sky;
 mod support;
+mod tables;

@@ -21,6 +21,7 @@ mod plan;
 mod progress;
 mod render;
 mod sky;
+mod render_maps;
 mod stop;
 mod summary;
 

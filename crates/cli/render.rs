@@ -1,6 +1,7 @@
 //! `ambake render`: a picture through a camera.
 
 use crate::args::{self, Backend, Common};
+use crate::render_maps::{self, Tables};
 use crate::{Outcome, host, options, say};
 use ::bake::{Overrides, RayBackend, Surfaces, World, WorldOptions};
 use ::render::{
@@ -23,9 +24,18 @@ pub struct Args {
     /// Picture to write: .exr (linear, float) or .png (sRGB); give it twice for both. With --figure a directory
     #[arg(short = 'o', long = "output", value_name = "IMAGE", required = true)]
     pub output: Vec<PathBuf>,
-    /// Draw a figure instead; `fig1` on an open scene such as scenes/plane.obj, `--rays` for each point
-    #[arg(long, value_enum, conflicts_with = "bake")]
+    /// Draw a figure instead; `fig1` on an open scene such as scenes/plane.obj, `--rays` for each point; `balls` on a body
+    /// such as scenes/ball.obj
+    #[arg(
+        long,
+        value_enum,
+        conflicts_with = "bake",
+        group = "lit",
+        requires_if("balls", "environment")
+    )]
     pub figure: Option<Figure>,
+    #[command(flatten)]
+    pub tables: Tables,
     #[command(flatten)]
     pub view: View,
     /// Ambient model
@@ -105,6 +115,8 @@ pub enum ModelName {
 pub enum Figure {
     /// Specular ambient term against view angle and exponent: fig1.svg and fig1.csv
     Fig1,
+    /// The scene in six materials before --environment: balls.png and balls.exr
+    Balls,
 }
 
 impl ModelName {
@@ -156,6 +168,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let backend = ::bake::build(options::backend_kind(args.backend), &world, threads)?;
     if let Some(Figure::Fig1) = args.figure {
         return draw_fig1(args, &world, backend.as_ref());
+    }
+    if args.tables.asked() || args.figure.is_some() {
+        return render_maps::run(args, &world, backend.as_ref(), started);
     }
     let camera = args.view.camera(world.bounds())?;
     let picture = take(args, &world, backend.as_ref(), lightmap.as_ref(), &camera);

@@ -19,6 +19,7 @@ mod fixture;
 mod light;
 mod lightmap;
 mod picture;
+pub mod tables;
 
 pub use camera::Camera;
 pub use capture::{PointForm, add_points, capture};

@@ -1,0 +1,216 @@
+//! What a camera sees of an object, in memory: everything that shading needs and no light.
+
+use super::encoded::NormalCode;
+use super::table::LANES;
+use crate::Camera;
+use glam::{DQuat, DVec3};
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// A surface where a ray met it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surfel {
+    /// Unit shading normal on the side of the viewer.
+    pub normal: DVec3,
+    /// Diffuse reflectance kd.
+    pub albedo: DVec3,
+    /// Specular reflectance ks.
+    pub specular: DVec3,
+}
+
+/// How far the object is turned. The environment stays.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turn {
+    /// A point that stays.
+    pub centre: DVec3,
+    /// Unit axis.
+    pub axis: DVec3,
+    /// Radians, counter-clockwise seen from the tip of the axis.
+    pub angle: f64,
+}
+
+/// What is taken.
+#[derive(Debug, Clone, Copy)]
+pub struct View<'a> {
+    /// From where.
+    pub camera: &'a Camera,
+    /// With the object turned this far.
+    pub turn: Turn,
+    /// Rays of a pixel: a regular grid of `samples` by `samples`, at least 1. They find its coverage, mean normal, mean view and
+    /// mean reflectances.
+    pub samples: u32,
+    /// Also take the normals at the corners of pixels, which antialiased look-ups need.
+    pub corners: bool,
+}
+
+/// The pixels that an object covers, row by row.
+#[derive(Debug, Clone)]
+pub struct GBuffer {
+    pub(super) camera: Camera,
+    /// First entry of each row, and the end of the last.
+    pub(super) rows: Vec<usize>,
+    pub(super) columns: Vec<u16>,
+    pub(super) coverage: Vec<f32>,
+    /// Unit normals and views, x, y and z apart; [`LANES`] more entries than pixels.
+    pub(super) normal: [Vec<f32>; 3],
+    pub(super) view: [Vec<f32>; 3],
+    /// Index into `palette`.
+    pub(super) material: Vec<u32>,
+    /// kd and ks.
+    pub(super) palette: Vec<[[f32; 3]; 2]>,
+    /// Normals at the corners of pixels, rows of `width + 1`; 0 where the object is not. Empty where they were not asked for.
+    pub(super) corners: Vec<[f32; 3]>,
+}
+
+/// A pixel on its way into the buffer.
+struct Pixel {
+    column: u16,
+    coverage: f32,
+    normal: DVec3,
+    view: DVec3,
+    material: [[f32; 3]; 2],
+}
+
+impl GBuffer {
+    /// What `hit` finds for rays from the eye in unit directions, both in the axes of the object before it was turned.
+    ///
+    /// # Panics
+    /// Where `view` has no samples.
+    pub fn take(view: &View, hit: impl Fn(DVec3, DVec3) -> Option<Surfel> + Sync) -> GBuffer {
+        assert!(view.samples > 0, "a pixel has samples");
+        let [width, height] = view.camera.size;
+        let turn = DQuat::from_axis_angle(view.turn.axis, view.turn.angle);
+        let eye = turn.inverse() * (view.camera.eye - view.turn.centre) + view.turn.centre;
+        let cast = |x: f64, y: f64| {
+            let direction = view.camera.direction(x, y);
+            let surfel = hit(eye, turn.inverse() * direction)?;
+            Some((surfel, turn * surfel.normal, -direction))
+        };
+        let cast = &cast;
+        let rows: Vec<Vec<Pixel>> = (0..height)
+            .into_par_iter()
+            .map(|y| {
+                (0..width)
+                    .filter_map(|x| pixel(x, y, view.samples, cast))
+                    .collect()
+            })
+            .collect();
+        let corners = match view.corners {
+            false => Vec::new(),
+            true => (0..(width + 1) * (height + 1))
+                .into_par_iter()
+                .map(|at| {
+                    let (x, y) = (at % (width + 1), at / (width + 1));
+                    let normal = cast(f64::from(x), f64::from(y)).map(|(_, normal, _)| normal);
+                    normal.unwrap_or(DVec3::ZERO).as_vec3().to_array()
+                })
+                .collect(),
+        };
+        let mut buffer = GBuffer {
+            camera: *view.camera,
+            rows: vec![0],
+            columns: Vec::new(),
+            coverage: Vec::new(),
+            normal: Default::default(),
+            view: Default::default(),
+            material: Vec::new(),
+            palette: Vec::new(),
+            corners,
+        };
+        buffer.fill(rows);
+        buffer
+    }
+
+    fn fill(&mut self, rows: Vec<Vec<Pixel>>) {
+        let mut known = HashMap::new();
+        for row in rows {
+            for pixel in row {
+                self.columns.push(pixel.column);
+                self.coverage.push(pixel.coverage);
+                let (normal, view) = (pixel.normal.as_vec3(), pixel.view.as_vec3());
+                for c in 0..3 {
+                    self.normal[c].push(normal[c]);
+                    self.view[c].push(view[c]);
+                }
+                let bits = pixel.material.map(|rgb| rgb.map(f32::to_bits));
+                let next = self.palette.len() as u32;
+                let index = *known.entry(bits).or_insert(next);
+                if index == next {
+                    self.palette.push(pixel.material);
+                }
+                self.material.push(index);
+            }
+            self.rows.push(self.columns.len());
+        }
+        for c in 0..3 {
+            for list in [&mut self.normal[c], &mut self.view[c]] {
+                list.resize(self.columns.len() + LANES, 0.0);
+            }
+        }
+    }
+
+    /// Pixels that show some of the object.
+    pub fn pixels(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// Where they are: `y * width + x`, ascending.
+    pub fn places(&self) -> impl Iterator<Item = usize> {
+        let width = self.camera.size[0] as usize;
+        (0..self.rows.len() - 1).flat_map(move |y| {
+            self.columns[self.rows[y]..self.rows[y + 1]]
+                .iter()
+                .map(move |x| y * width + usize::from(*x))
+        })
+    }
+
+    /// The buffer as a display of this code holds it: every normal is encoded and decoded.
+    pub fn encode(&mut self, code: NormalCode) {
+        let axes = [self.camera.right, self.camera.up, -self.camera.forward];
+        let stored = |normal: [f32; 3]| {
+            let normal = DVec3::from_array(normal.map(f64::from));
+            code.decode(code.encode(normal, axes), axes)
+                .as_vec3()
+                .to_array()
+        };
+        for k in 0..self.columns.len() {
+            let normal = stored([0, 1, 2].map(|c: usize| self.normal[c][k]));
+            (0..3).for_each(|c| self.normal[c][k] = normal[c]);
+        }
+        for corner in self.corners.iter_mut().filter(|n| **n != [0.0; 3]) {
+            *corner = stored(*corner);
+        }
+    }
+}
+
+/// The mean over the samples of a pixel that meet the object.
+fn pixel(
+    x: u32,
+    y: u32,
+    samples: u32,
+    cast: impl Fn(f64, f64) -> Option<(Surfel, DVec3, DVec3)>,
+) -> Option<Pixel> {
+    let mut count = 0u32;
+    let mut first = None;
+    let mut sum = [DVec3::ZERO; 4];
+    for number in 0..samples * samples {
+        let place =
+            |at: u32, step: u32| f64::from(at) + (f64::from(step) + 0.5) / f64::from(samples);
+        let found = cast(place(x, number % samples), place(y, number / samples));
+        if let Some((surfel, normal, view)) = found {
+            count += 1;
+            first.get_or_insert(normal);
+            let values = [normal, view, surfel.albedo, surfel.specular];
+            (0..4).for_each(|k| sum[k] += values[k]);
+        }
+    }
+    let [normal, view, albedo, specular] = sum.map(|sum| sum / f64::from(count));
+    Some(Pixel {
+        column: x as u16,
+        coverage: (f64::from(count) / f64::from(samples * samples)) as f32,
+        // Normals that cancel each other leave the first.
+        normal: normal.try_normalize().or(first)?,
+        view: view.try_normalize()?,
+        material: [albedo, specular].map(|rgb| rgb.as_vec3().to_array()),
+    })
+}

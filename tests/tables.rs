@@ -1,0 +1,234 @@
+//! Frames shaded from reflection maps, by the built program.
+
+use crate::support::{files, run, run_well, scene};
+use std::fs;
+use std::path::Path;
+
+/// A map of one colour, or of what a function gives for each texel.
+fn write_map(path: &Path, width: usize, of: impl Fn(usize) -> [f32; 3]) {
+    let image = maps::Image {
+        width,
+        height: width / 2,
+        pixels: (0..width * width / 2).map(of).collect(),
+    };
+    let bytes = maps::encode(&image, maps::Format::Exr, &maps::Labels::new()).expect("a picture");
+    fs::write(path, bytes).expect("a file");
+}
+
+/// D and S of a map by the program, as the value of `--maps`.
+fn reflect(folder: &Path, map: &Path, more: &[&str]) -> String {
+    let at = |name: &str| folder.join(name).display().to_string();
+    let (input, d, s) = (map.display().to_string(), at("D.exr"), at("S.exr"));
+    run_well([&["map", "diffuse", &input, "-o", &d, "--quiet"], more].concat());
+    let specular = ["map", "specular", &input, "-o", &s, "--exponent", "20"];
+    run_well([&specular[..], &["--size", "64x32", "--quiet"], more].concat());
+    format!("{d},{s}")
+}
+
+/// A picture of the globe, 40 pixels wide and high.
+fn globe(path: &Path, more: &[&str]) -> Vec<[f32; 3]> {
+    let (scene, path) = (
+        scene("ball.obj").display().to_string(),
+        path.display().to_string(),
+    );
+    let common = "--size 40x40 --eye 0,0,4 --look 0,0,0 --samples 2 --quiet";
+    let arguments: Vec<&str> = ["render", &scene, "-o", &path]
+        .into_iter()
+        .chain(common.split(' '))
+        .chain(more.iter().copied())
+        .collect();
+    run_well(arguments);
+    match fs::metadata(&path) {
+        Ok(_) => maps::read(Path::new(&path)).expect("an EXR").image.pixels,
+        Err(_) => Vec::new(),
+    }
+}
+
+#[test]
+fn a_uniform_environment_makes_an_even_globe_in_both_normalisations() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    write_map(&at("I.exr"), 64, |_| [1.0; 3]);
+    for (normalise, exact) in [("radiance", 0.5 + 0.25), ("seed", 0.5 / 4.0 + 0.25 / 42.0)] {
+        let maps = reflect(folder.path(), &at("I.exr"), &["--normalise", normalise]);
+        let colors = ["--albedo", "0.5,0.5,0.5", "--specular", "0.25,0.25,0.25"];
+        for lookup in ["nearest", "bilinear", "recursive", "quad", "summed"] {
+            let more = [&["--maps", &maps, "--lookup", lookup][..], &colors].concat();
+            let pixels = globe(&at("x.exr"), &more);
+            let middle = pixels[20 * 40 + 20];
+            assert!(
+                (middle[1] - exact as f32).abs() < 1e-6,
+                "{lookup}: {middle:?}"
+            );
+            assert_eq!(pixels[0], [0.0; 3], "black behind without an environment");
+        }
+    }
+}
+
+#[test]
+fn a_sequence_has_numbered_frames_that_do_not_depend_on_threads() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    write_map(&at("I.exr"), 64, |k| {
+        [(k % 64) as f32 / 32.0, (k / 64) as f32 / 32.0, 0.5]
+    });
+    let maps = reflect(folder.path(), &at("I.exr"), &[]);
+    let environment = at("I.exr").display().to_string();
+    let common = [
+        "--maps",
+        &maps,
+        "--environment",
+        &environment,
+        "--specular",
+        "1,1,1",
+    ];
+    let frames = ["--frames", "3", "--turn-deg", "5", "--lookup", "summed"];
+    for threads in ["1", "2"] {
+        let more = [&common[..], &frames, &["--threads", threads]].concat();
+        globe(&at(&format!("t{threads}.exr")), &more);
+    }
+    let bytes = |name: String| fs::read(at(&name)).expect("a frame");
+    for frame in 0..3 {
+        assert!(bytes(format!("t1.000{frame}.exr")) == bytes(format!("t2.000{frame}.exr")));
+    }
+    // Keys of a path are met, and a path from the fixed eye gives the fixed picture.
+    fs::write(at("path.csv"), "# eye, look\n0,0,4, 0,0,0\n4,0,0, 0,0,0\n").expect("a file");
+    let path = at("path.csv").display().to_string();
+    let scene = scene("ball.obj").display().to_string();
+    let moving = at("p.exr").display().to_string();
+    let size = ["--size", "40x40", "--samples", "2", "--quiet"];
+    run_well(
+        [
+            &["render", &scene, "-o", &moving, "--path", &path][..],
+            &common,
+            &size,
+        ]
+        .concat(),
+    );
+    let still = globe(&at("still.exr"), &common);
+    let first = maps::read(&at("p.0000.exr")).expect("a frame").image.pixels;
+    assert_eq!(first, still);
+    assert!(at("p.0001.exr").exists() && !at("p.0002.exr").exists());
+}
+
+#[test]
+fn every_surface_type_has_its_value_under_a_uniform_environment() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    write_map(&at("I.exr"), 64, |_| [2.0; 3]);
+    let maps = reflect(folder.path(), &at("I.exr"), &[]);
+    let environment = at("I.exr").display().to_string();
+    let lit = ["--environment", &environment];
+    let colors = ["--albedo", "0.5,0.5,0.5", "--specular", "0.25,0.25,0.25"];
+    let tables = ["--maps", maps.as_str()];
+    for (name, maps, exact) in [
+        ("phong", &tables[..], 1.5),
+        ("retro", &tables, 1.5),
+        ("varnish", &tables, 2.5),
+        ("mirror", &[], 0.5),
+        ("refraction", &[], 0.5),
+        ("luminous", &[], 1.0),
+    ] {
+        let more = [&["--shader", name], &lit[..], &colors, maps].concat();
+        let pixels = globe(&at("x.exr"), &more);
+        let middle = pixels[20 * 40 + 20][0];
+        assert!((middle - exact as f32).abs() < 2e-6, "{name}: {middle}");
+        assert_eq!(pixels[0], [2.0; 3], "{name}: the environment is behind");
+    }
+    // Half at normal view by a table of weights.
+    fs::write(at("w.txt"), "0 1\n1 0.5 # at normal view\n").expect("a file");
+    let weight = at("w.txt").display().to_string();
+    let more = [
+        &["--shader", "mirror", "--specular-weight", &weight],
+        &lit[..],
+        &colors,
+    ]
+    .concat();
+    let middle = globe(&at("x.exr"), &more)[20 * 40 + 20][0];
+    assert!((middle - 0.25).abs() < 1e-3, "{middle}");
+}
+
+#[test]
+fn a_wrong_request_is_one_line_and_leaves_no_picture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let input = folder.path().join("in");
+    fs::create_dir(&input).expect("a folder");
+    let given = |name: &str| input.join(name).display().to_string();
+    write_map(&input.join("I.exr"), 64, |_| [1.0; 3]);
+    let maps = reflect(&input, &input.join("I.exr"), &[]);
+    let seed = given("seed.exr");
+    run_well([
+        "map",
+        "specular",
+        &given("I.exr"),
+        "-o",
+        &seed,
+        "--exponent",
+        "5",
+        "--normalise",
+        "seed",
+        "--quiet",
+    ]);
+    let cross = given("cross.exr");
+    run_well([
+        "map",
+        "convert",
+        &given("I.exr"),
+        "-o",
+        &cross,
+        "--to",
+        "cross",
+        "--quiet",
+    ]);
+    // A file that was cut short.
+    let whole = fs::read(&given("I.exr")).expect("a map");
+    fs::write(given("cut.exr"), &whole[..whole.len() / 2]).expect("a file");
+    fs::write(given("path.csv"), "0,0,4,0,0,0\n1,2,3\n").expect("a file");
+    fs::write(given("empty.csv"), "# nothing\n").expect("a file");
+    fs::write(given("same.csv"), "1,1,1,1,1,1\n").expect("a file");
+    fs::write(given("w.txt"), "0.5 1\n0.25 1\n").expect("a file");
+    let (d, _) = maps.split_once(',').expect("two maps");
+    let [mixed, crossed, cut] = [&seed, &cross, &given("cut.exr")].map(|s| format!("{d},{s}"));
+    let with = |more: &[&str]| {
+        [&["--maps", &maps], more]
+            .concat()
+            .iter()
+            .map(|w| w.to_string())
+            .collect::<Vec<_>>()
+    };
+    let only = |words: &[&str]| words.iter().map(|w| w.to_string()).collect::<Vec<_>>();
+    let (lit, environment) = ("--environment", given("I.exr"));
+    let cases = [
+        (only(&["--maps", &mixed]), 1, "--normalise"),
+        (only(&["--maps", &crossed]), 1, "ambake map convert"),
+        (only(&["--maps", &cut]), 1, "cut.exr"),
+        (with(&["--path", &given("path.csv")]), 1, "line 2"),
+        (with(&["--path", &given("empty.csv")]), 1, "no lines"),
+        (with(&["--path", &given("same.csv")]), 1, "frame 0"),
+        (with(&["--specular-weight", &given("w.txt")]), 1, "ascend"),
+        (with(&["--specular-weight", &given("none")]), 1, "none"),
+        (with(&["--up", "0,0,0"]), 1, "--up"),
+        (with(&["--frames", "0"]), 2, "--frames"),
+        (with(&["--turn-deg", "3"]), 2, "--frames"),
+        (with(&["--rays", "16"]), 2, "--rays"),
+        (with(&["--shader", "varnish"]), 2, lit),
+        (with(&["--specular-weight", "schlick:2"]), 2, "0..1"),
+        (only(&["--maps", "D.exr"]), 2, "D,S"),
+        (only(&["--shader", "mirror"]), 2, lit),
+        (only(&["--shader", "retro", lit, &environment]), 2, "--maps"),
+        (only(&[lit, &environment]), 2, "--maps"),
+        (only(&["--figure", "balls"]), 2, lit),
+        (only(&["--lookup", "quad"]), 2, "--maps"),
+    ];
+    let ball = scene("ball.obj").display().to_string();
+    for (more, status, word) in cases {
+        let fixed = ["render", &ball, "-o", &path("x.exr"), "--size", "8x8"].map(str::to_owned);
+        let output = run(fixed.into_iter().chain(more.clone()));
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(status), "{more:?}: {errors}");
+        assert!(errors.contains(word), "{more:?}: {errors}");
+        assert!(status == 2 || errors.lines().count() == 1, "{errors}");
+        assert_eq!(files(folder.path()), ["in"], "{more:?}");
+    }
+}
