@@ -182,7 +182,7 @@ fn a_wrong_request_is_one_line_and_leaves_no_picture() {
         "--quiet",
     ]);
     // A file that was cut short.
-    let whole = fs::read(&given("I.exr")).expect("a map");
+    let whole = fs::read(given("I.exr")).expect("a map");
     fs::write(given("cut.exr"), &whole[..whole.len() / 2]).expect("a file");
     fs::write(given("path.csv"), "0,0,4,0,0,0\n1,2,3\n").expect("a file");
     fs::write(given("empty.csv"), "# nothing\n").expect("a file");

@@ -20,8 +20,8 @@ mod options;
 mod plan;
 mod progress;
 mod render;
-mod sky;
 mod render_maps;
+mod sky;
 mod stop;
 mod summary;
 
