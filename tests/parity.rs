@@ -205,6 +205,7 @@ fn baked_layers_differ_only_where_a_listed_ray_explains_it() {
         filter: Filter::Off,
         seed: 3,
         sky: bake::Sky::Uniform([1.0; 3]),
+        draw_sky: true,
         view: View::Normal,
         max_distance: None,
         layers: LAYERS.to_vec(),

@@ -37,6 +37,7 @@ pub fn bake_options(job: &Job, common: &Common, sky: Sky) -> Options {
         },
         seed: common.seed,
         sky,
+        draw_sky: true,
         view: job.view,
         max_distance: job.max_distance.map(|d| d as f32),
         layers,

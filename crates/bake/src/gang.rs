@@ -246,9 +246,10 @@ impl<'a> Gang<'a> {
                 axis[l] = value;
             }
         }
+        let drawn = if task.draw_sky { 1.0 } else { 0.0 };
         let mut kernels = [[0.0; LANES]; 2];
         for l in 0..LANES {
-            let by_sky = light[0][l] + light[1][l] + light[2][l];
+            let by_sky = drawn * (light[0][l] + light[1][l] + light[2][l]);
             kernels[0][l] = match &step.drawn {
                 Drawn::Hemisphere => {
                     let own = 1.0 / (TAU * step.weights[1][l]);

@@ -90,6 +90,8 @@ pub(crate) struct Task<'a> {
     /// The bent normal is asked for.
     pub bent: bool,
     pub sky: &'a Sky,
+    /// See [`crate::Options::draw_sky`].
+    pub draw_sky: bool,
 }
 
 /// The integrated terms of one texel, normalised as the contract says: 1 is open.
@@ -199,7 +201,7 @@ pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) ->
     };
     let hemisphere = needing(&|_| task.hemisphere);
     let lobe = needing(&|i| reflects[i]);
-    let sky = needing(&|_| lit);
+    let sky = needing(&|_| lit && task.draw_sky);
     let cast = |term, which| rounds(task, texels, reflects, term, which);
     let hemisphere = cast(Term::Hemisphere, hemisphere);
     let lobe = cast(Term::Lobe, lobe);

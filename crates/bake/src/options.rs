@@ -21,6 +21,8 @@ pub struct Options {
     pub seed: u64,
     /// Radiance that arrives where nothing blocks it.
     pub sky: Sky,
+    /// Directions are drawn from an illumination map too; off only to measure what that saves.
+    pub draw_sky: bool,
     /// View rule of the specular term.
     pub view: View,
     /// Occluders farther than this do not count, in scene units; `None` for no limit.

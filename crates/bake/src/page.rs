@@ -297,6 +297,7 @@ impl<'a> Bake<'a> {
             hemisphere: self.plan.models(Choice::Diffuse),
             bent: options.layers.contains(&Layer::Bent),
             sky: &options.sky,
+            draw_sky: options.draw_sky,
         };
         let surveyor = Surveyor {
             world: self.world,

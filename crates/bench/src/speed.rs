@@ -4,7 +4,7 @@ use crate::Subject;
 use crate::clock::time;
 use bake::{
     BackendKind, BakedPage, Coherence, Effort, Filter, Layer, Layout, Options, Pattern, PointSet,
-    Ray, RayBackend, RayPacket, SurfaceHit,
+    Ray, RayBackend, RayPacket, Sky, SurfaceHit,
 };
 use serde::Serialize;
 
@@ -25,8 +25,10 @@ pub struct Technique {
     pub pattern: Pattern,
     /// See [`Options::points`].
     pub points: PointSet,
-    /// See [`Options::filter`].
+    /// See [`Options::filter`]. What filters is left out under an illumination map.
     pub filter: Filter,
+    /// See [`Options::draw_sky`]. What does not is left out under a uniform sky.
+    pub draw_sky: bool,
     /// Efforts in rising order.
     pub efforts: &'static [Effort],
 }
@@ -51,7 +53,7 @@ const fn target(error: f64) -> Effort {
 }
 
 /// All techniques; the first is what a bake does by itself.
-pub const TECHNIQUES: [Technique; 9] = {
+pub const TECHNIQUES: [Technique; 10] = {
     let plain = Technique {
         name: "embree packets, owen-sobol",
         backend: BackendKind::Embree,
@@ -59,6 +61,7 @@ pub const TECHNIQUES: [Technique; 9] = {
         pattern: Pattern::Independent,
         points: PointSet::Sobol,
         filter: Filter::Off,
+        draw_sky: true,
         efforts: MANY,
     };
     let cwbvh = BackendKind::Obvhs(Layout::Cwbvh);
@@ -73,6 +76,12 @@ pub const TECHNIQUES: [Technique; 9] = {
         Technique {
             name: "the same, --filter regression",
             filter: Filter::Regression,
+            efforts: MANY,
+            ..plain
+        },
+        Technique {
+            name: "the same, no directions from the map",
+            draw_sky: false,
             efforts: MANY,
             ..plain
         },
@@ -123,9 +132,9 @@ pub struct Row {
     pub effort: String,
     /// Which of the repeats, from 0; also the seed.
     pub repeat: u32,
-    /// Root mean square error of the diffuse term over covered texels.
+    /// Root mean square error over covered texels of the diffuse term, or of the irradiance, mean of its channels, under an illumination map.
     pub rmse: f64,
-    /// What the `error` layer says of it.
+    /// What the layer of its error says of it.
     pub estimated_rmse: f64,
     /// CPU seconds of the bake, without building the ray scene and without writing.
     pub cpu_seconds: f64,
@@ -181,9 +190,18 @@ pub fn speed(
     mut tell: impl FnMut(&Row),
 ) -> Result<Vec<Row>, bake::Error> {
     let build = |kind| bake::build(kind, subject.world, 0);
+    let by_map = matches!(options.sky, Sky::Map(_));
+    let mut options = options.clone();
+    if by_map && !options.layers.contains(&Layer::Irradiance) {
+        options.layers.push(Layer::Irradiance);
+    }
     let techniques = TECHNIQUES
         .iter()
-        .filter(|t| t.backend != BackendKind::Embree || embree::header_version().is_some());
+        .filter(|t| t.backend != BackendKind::Embree || embree::header_version().is_some())
+        .filter(|t| match by_map {
+            true => t.filter == Filter::Off,
+            false => t.draw_sky,
+        });
     let mut built = Vec::new();
     for technique in techniques {
         built.push((technique, build(technique.backend)?));
@@ -211,6 +229,7 @@ pub fn speed(
                     pattern: technique.pattern,
                     points: technique.points,
                     filter: technique.filter,
+                    draw_sky: technique.draw_sky,
                     seed: u64::from(repeat),
                     ..options.clone()
                 };
@@ -222,9 +241,11 @@ pub fn speed(
                         Effort::Target { error, .. } => format!("target {error}"),
                     },
                     repeat,
-                    rmse: rmse(&page, &reference),
-                    estimated_rmse: (page.stats.error_squares / page.stats.texels.max(1) as f64)
-                        .sqrt(),
+                    rmse: rmse(&page, &reference, by_map),
+                    estimated_rmse: match by_map {
+                        true => page.stats.irradiance_rmse(),
+                        false => page.stats.rmse(),
+                    },
                     cpu_seconds: spent.cpu,
                     wall_seconds: spent.wall,
                     rays: page.stats.rays,
@@ -238,22 +259,36 @@ pub fn speed(
     Ok(rows)
 }
 
-/// Root mean square difference of the diffuse term over texels that a chart covers.
-fn rmse(page: &BakedPage, reference: &BakedPage) -> f64 {
-    let plane = |page: &BakedPage, layer| -> Vec<f32> {
-        let found = page.planes.iter().find(|plane| plane.layer == layer);
-        found.map(|plane| plane.values.clone()).unwrap_or_default()
+/// Root mean square difference over covered texels of the diffuse term, or of the mean of irradiance's channels.
+fn rmse(page: &BakedPage, reference: &BakedPage, by_map: bool) -> f64 {
+    let channels: &[(Layer, usize)] = match by_map {
+        true => &[
+            (Layer::Irradiance, 0),
+            (Layer::Irradiance, 1),
+            (Layer::Irradiance, 2),
+        ],
+        false => &[(Layer::Diffuse, 0)],
     };
-    let coverage = plane(page, Layer::Coverage);
-    let pairs = plane(page, Layer::Diffuse)
-        .into_iter()
-        .zip(plane(reference, Layer::Diffuse))
-        .zip(coverage)
-        .filter(|&(_, coverage)| coverage > 0.0);
+    let planes = |page: &BakedPage, wanted: &[(Layer, usize)]| -> Vec<Vec<f32>> {
+        page.planes
+            .iter()
+            .filter(|plane| wanted.contains(&(plane.layer, plane.channel)))
+            .map(|plane| plane.values.clone())
+            .collect()
+    };
+    let (own, other) = (planes(page, channels), planes(reference, channels));
+    let coverage = planes(page, &[(Layer::Coverage, 0)]);
     let (mut squares, mut count) = (0.0, 0.0);
-    for ((a, b), _) in pairs {
-        squares += f64::from(a - b) * f64::from(a - b);
-        count += 1.0;
+    for texel in 0..page.size as usize * page.size as usize {
+        if coverage[0][texel] > 0.0 {
+            let difference: f64 = own
+                .iter()
+                .zip(&other)
+                .map(|(a, b)| f64::from(a[texel] - b[texel]) / own.len() as f64)
+                .sum();
+            squares += difference * difference;
+            count += 1.0;
+        }
     }
     if count > 0.0 {
         f64::sqrt(squares / count)

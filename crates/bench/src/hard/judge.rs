@@ -94,6 +94,7 @@ fn bake(setup: &Setup, case: &str, kind: BackendKind) -> Result<BakedPage, Error
         filter: Filter::Off,
         seed: 0,
         sky: bake::Sky::Uniform([1.0; 3]),
+        draw_sky: true,
         view: setup
             .view
             .map_or(View::Normal, |v| View::Eye(setup.centre() + v * 1e6)),
