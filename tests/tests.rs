@@ -10,6 +10,7 @@ mod exact;
 mod hard_cases;
 mod models;
 mod parity;
+mod photo;
 mod render;
 mod sky;
 mod support;

@@ -25,7 +25,7 @@ const VOTING_SIDE: usize = 384;
 /// Smallest radius, in pixels of that picture.
 const MIN_RADIUS: f64 = 8.0;
 
-/// Half the length of a radial profile, pixels.
+/// Half the length of a radial profile, pixels; half of it once a fit has settled.
 const REACH: f64 = 4.0;
 
 /// The part of a rim that is enough.
@@ -45,7 +45,7 @@ pub fn find(image: &Image) -> Result<Found, Error> {
     let best = candidates(coarse)
         .into_iter()
         .map(|circle| fit(coarse, circle))
-        .max_by(|a, b| a.rim.total_cmp(&b.rim));
+        .max_by(|a, b| score(a).total_cmp(&score(b)));
     let found = best.map(|mut found| {
         for level in levels.iter().rev().skip(1) {
             let c = found.circle;
@@ -273,24 +273,40 @@ fn carried(edges: &[Edge], x: f64, y: f64, room: f64) -> Option<Circle> {
 }
 
 /// The circle near `start` that fits the steepest points of its radial profiles.
+///
+/// Just inside the rim a ball shows its whole back, in rings that are edges too. So the fit begins on both sides of the
+/// start, and the circle on which most points lie closest wins.
 fn fit(gray: &Gray, start: Circle) -> Found {
+    let begin = |off: f64| {
+        let radius = (start.radius + off).max(1.0);
+        settled(gray, Circle { radius, ..start })
+    };
+    let fits = [0.0, -2.5, 2.5].map(begin);
+    let closest = |a: &&Found, b: &&Found| score(a).total_cmp(&score(b));
+    fits.iter().max_by(closest).copied().unwrap_or(fits[0])
+}
+
+/// More for a larger part of the rim and a smaller residual.
+fn score(found: &Found) -> f64 {
+    found.rim * (1.0 - found.residual)
+}
+
+fn settled(gray: &Gray, start: Circle) -> Found {
     let mut circle = start;
-    for _ in 0..12 {
-        let points = steepest(gray, circle);
-        let next = adjusted(circle, &points);
-        let moved =
-            (next.x - circle.x).hypot(next.y - circle.y) + (next.radius - circle.radius).abs();
-        circle = next;
-        if moved < 1e-4 {
-            break;
+    for reach in [REACH, 0.5 * REACH] {
+        for _ in 0..12 {
+            let next = adjusted(circle, &steepest(gray, circle, reach));
+            let moved =
+                (next.x - circle.x).hypot(next.y - circle.y) + (next.radius - circle.radius).abs();
+            circle = next;
+            if moved < 1e-4 {
+                break;
+            }
         }
     }
-    let points = steepest(gray, circle);
-    let near: Vec<f64> = points
-        .iter()
-        .map(|p| p[2])
-        .filter(|d| d.abs() <= 1.0)
-        .collect();
+    let points = steepest(gray, circle, REACH);
+    let near = points.iter().map(|p| p[2]).filter(|d| d.abs() <= 1.0);
+    let near: Vec<f64> = near.collect();
     let square: f64 = near.iter().map(|d| d * d).sum();
     Found {
         circle,
@@ -302,9 +318,9 @@ fn fit(gray: &Gray, start: Circle) -> Found {
 /// Cosine, sine and distance beyond the circle of the steepest point of every radial profile.
 ///
 /// The slope is that of the picture under a Gaussian of one pixel, whose highest point lies on the edge of a step.
-fn steepest(gray: &Gray, circle: Circle) -> Vec<[f64; 3]> {
+fn steepest(gray: &Gray, circle: Circle, reach: f64) -> Vec<[f64; 3]> {
     const STEPS: usize = 2; // samples a pixel
-    let half = REACH as usize * STEPS;
+    let half = reach as usize * STEPS;
     let kernel: Vec<f64> = (-3 * STEPS as isize..=3 * STEPS as isize)
         .map(|k| k as f64 / STEPS as f64)
         .map(|t| t * (-0.5 * t * t).exp())
@@ -323,9 +339,21 @@ fn steepest(gray: &Gray, circle: Circle) -> Vec<[f64; 3]> {
             .windows(kernel.len())
             .map(|w| w.iter().zip(&kernel).map(|(a, b)| a * b).sum::<f64>().abs())
             .collect();
+        let highest = slopes[1..slopes.len() - 1]
+            .iter()
+            .copied()
+            .fold(0.0, f64::max);
+        let peak = |k: &usize| {
+            let v = slopes[*k];
+            v >= 0.5 * highest && v >= slopes[k - 1] && v >= slopes[k + 1]
+        };
+        let steepest = |k: &usize| slopes[*k] == highest;
         let inner = 1..slopes.len() - 1;
         let top = inner
-            .max_by(|a, b| slopes[*a].total_cmp(&slopes[*b]))
+            .clone()
+            .rev()
+            .find(peak)
+            .or(inner.clone().find(steepest))
             .unwrap_or(1);
         let [a, b, c] = [slopes[top - 1], slopes[top], slopes[top + 1]];
         let bend = a - 2.0 * b + c;

@@ -17,6 +17,9 @@ const DARKEST: f64 = 12.0;
 /// Shortest side of a picture of the pyramid.
 const SMALLEST: usize = 32;
 
+/// Largest shift that is tried in the smallest picture: a sixth of its shorter side or more.
+const REACH: i32 = 10;
+
 /// Sets the shift of every bracket to that of its content against the one of middle exposure, which stays.
 ///
 /// Returns for each whether it was found: where no percentile is well exposed in a bracket and its neighbour, it takes its
@@ -100,7 +103,7 @@ fn shift(first: &[Gray], second: &[Gray]) -> Option<[i32; 2]> {
     for level in (0..first.len()).rev() {
         let [a, b] =
             [(&first[level], cuts[0]), (&second[level], cuts[1])].map(|(g, c)| bitmap(g, c));
-        let reach: i32 = if level + 1 == first.len() { 4 } else { 1 };
+        let reach = if level + 1 == first.len() { REACH } else { 1 };
         let start = best.map(|v| 2 * v);
         let steps = (-reach..=reach).flat_map(|y| (-reach..=reach).map(move |x| [x, y]));
         let mut steps: Vec<[i32; 2]> = steps.collect();

@@ -18,6 +18,7 @@ pub use response::Response;
 pub(crate) use solve::cholesky;
 
 use crate::{Error, Image};
+use rayon::prelude::*;
 
 /// Recorded levels of one channel that count as saturated, on the scale 0..=255.
 const SATURATED: f64 = 252.0;
@@ -76,66 +77,85 @@ pub struct Merged {
 
 /// The radiance that the brackets show.
 ///
-/// The recorded level is taken to have the same noise everywhere (rounding and read noise), so that a bracket's radiance
-/// f(z)/t has a deviation of f'(z)/t; its weight is the inverse square. Saturated values do not count. Where all are
-/// saturated the pixel keeps the shortest exposure's value, a lower bound, and is flagged.
+/// Every recorded level is taken to have the same noise (rounding and read noise), so that a bracket's radiance f(z)/t has
+/// a deviation of f'(z)/t; its weight is the inverse square. The noise of a value must not choose its own weight, or the mean
+/// is biased: the weight is taken at the value that a first estimate predicts (M. Granados et al., "Optimal HDR
+/// Reconstruction with Linear Digital Cameras", 2010, iterate likewise). Saturated values do not count. Where every bracket
+/// is saturated, or black beside a saturated one, the pixel keeps the highest lower bound and is flagged.
 ///
 /// # Errors
 /// [`Error::Shape`] for fewer than two brackets, different sizes, a time that is not above 0 or given twice, or brackets
 /// that do not determine the curve that is to be fitted.
 pub fn merge(brackets: &[Bracket], model: Model) -> Result<Merged, Error> {
     check(brackets)?;
-    let fit = |channel| Response::fit(brackets, channel, model);
-    let responses = [fit(0)?, fit(1)?, fit(2)?];
+    let mut brackets: Vec<&Bracket> = brackets.iter().collect();
+    brackets.sort_by(|a, b| a.time.total_cmp(&b.time));
+    let brackets = &brackets[..];
+    let responses = Response::fit(brackets, model)?;
     let (width, height) = (brackets[0].width, brackets[0].height);
-    let mut saturated = vec![false; width * height];
-    let mut image = Image::filled(width, height, [0.0; 3]);
-    for (pixel, flag) in saturated.iter_mut().enumerate() {
-        for (channel, response) in responses.iter().enumerate() {
-            let (value, bound) = radiance(brackets, response, pixel, channel);
-            image.pixels[pixel][channel] = value.min(f64::from(f32::MAX)) as f32;
-            *flag |= bound;
-        }
-    }
+    let pixel = |pixel: usize| {
+        let channels = [0, 1, 2].map(|c| radiance(brackets, &responses[c], pixel, c));
+        let value = channels.map(|(value, _)| value.min(f64::from(f32::MAX)) as f32);
+        (value, channels.iter().any(|(_, bound)| *bound))
+    };
+    let (pixels, saturated) = (0..width * height).into_par_iter().map(pixel).unzip();
     Ok(Merged {
-        image,
+        image: Image {
+            width,
+            height,
+            pixels,
+        },
         saturated,
         responses,
     })
 }
 
+/// How much a recorded value counts: less toward saturation, where noise lifts some values over the end and not others.
+fn trust(value: u16) -> f64 {
+    let level = f64::from(value) / 257.0;
+    ((SATURATED - level) / 32.0).clamp(0.0, 1.0)
+}
+
+/// What the brackets, the shortest first, recorded for a channel of a pixel, with their times.
+///
+/// Saturated values are left out, and with the first of them all longer exposures: what is less there is noise.
+fn views(brackets: &[&Bracket], pixel: usize, channel: usize) -> impl Iterator<Item = (u16, f64)> {
+    let view = move |b: &&Bracket| Some((b.recorded(pixel, channel)?, b.time));
+    let views = brackets.iter().filter_map(view);
+    views.take_while(|(value, _)| trust(*value) > 0.0)
+}
+
 /// One channel of a pixel, and whether it is only a lower bound.
 fn radiance(
-    brackets: &[Bracket],
+    brackets: &[&Bracket],
     response: &Response,
     pixel: usize,
     channel: usize,
 ) -> (f64, bool) {
-    let (mut sum, mut weights) = (0.0, 0.0);
-    let mut bound = (f64::INFINITY, 0.0);
-    let mut clipped = false;
-    for bracket in brackets {
-        let Some(value) = bracket.recorded(pixel, channel) else {
-            continue;
-        };
-        let level = f64::from(value) / 257.0;
-        let (exposure, slope) = response.at(level);
-        if bracket.time < bound.0 {
-            bound = (bracket.time, exposure / bracket.time);
-            clipped = level >= SATURATED;
-        }
-        if level < SATURATED && slope > 0.0 {
-            // Noise lifts some values of a pixel over the end and not others; near it a value counts little.
-            let weight = (bracket.time / slope).powi(2) * ((SATURATED - level) / 32.0).min(1.0);
-            sum += weight * exposure / bracket.time;
+    let mean = |predicted: &dyn Fn(u16, f64) -> u16| {
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for (value, time) in views(brackets, pixel, channel) {
+            let about = predicted(value, time);
+            let weight = trust(about) * (time / response.slope(about)).powi(2);
+            sum += weight * response.exposure(value) / time;
             weights += weight;
         }
+        (weights > 0.0).then(|| sum / weights)
+    };
+    if views(brackets, pixel, channel).all(|(value, _)| value == 0) {
+        let view = |b: &&Bracket| Some((b.recorded(pixel, channel)?, b.time));
+        let clipped = brackets
+            .iter()
+            .filter_map(view)
+            .find(|(value, _)| trust(*value) == 0.0);
+        return match clipped {
+            Some((value, time)) => (response.exposure(value) / time, true),
+            None => (0.0, false),
+        };
     }
-    if weights > 0.0 {
-        (sum / weights, false)
-    } else {
-        (bound.1, clipped)
-    }
+    let first = mean(&|value, _| value).unwrap_or(0.0);
+    let again = mean(&|value, time| response.predict(value, first * time));
+    (again.unwrap_or(first), false)
 }
 
 fn check(brackets: &[Bracket]) -> Result<(), Error> {

@@ -1,76 +1,122 @@
-//! Response curves of a camera: given, or found from the brackets by least squares.
+//! Response curves of a camera: exposure by recorded value, given or found from the brackets.
 //!
-//! P. Debevec, J. Malik, "Recovering High Dynamic Range Radiance Maps from Photographs" (1997), equation 3, and
-//! M. Robertson, S. Borman, R. Stevenson, "Dynamic Range Improvement Through Multiple Exposures" (1999), equation 6.
-//! Both objectives are quadratic in the radiances too, so these are eliminated one by one: every pixel adds a matrix of
-//! rank (brackets - 1) to 256 normal equations, and one solve gives the minimum that alternation only approaches.
+//! P. Debevec, J. Malik, "Recovering High Dynamic Range Radiance Maps from Photographs" (1997), minimise over the curve and
+//! the radiances x the weighted squares of g(z) - ln x - ln t, with g the logarithmic exposure of level z. M. Robertson,
+//! S. Borman, R. Stevenson, "Dynamic Range Improvement Through Multiple Exposures" (1999), minimise those of f(z) - t x.
+//! Here either objective is minimised over curves of one form,
+//!
+//! ln f(z) = a ln z + b ln(256 - z) + a polynomial in arccos(1 - 2z/255),
+//!
+//! which are positive, hold power laws exactly and bend at both ends as film does. Both papers solve for 256 free levels,
+//! with smoothness as an opponent. But evenly spaced times leave every wave in log exposure that has their spacing as its
+//! period unobserved (M. Grossberg, S. Nayar, "What Can Be Known about the Radiometric Response from Images?", 2002); free
+//! levels take it up, and a smoothness weight bends the curve instead.
+//!
+//! The weights follow from one assumption: every level has the same noise. A residual then has the variance of g or f
+//! by its slope, squared, so the fit is repeated with the slopes that it found. The radiances of both objectives are
+//! linear and eliminated pixel by pixel.
 
-use super::{Bracket, Model, SATURATED, solve::cholesky};
+use super::{Bracket, Model, cholesky, trust, views};
 use crate::Error;
+use rayon::prelude::*;
 
-/// Levels at which a curve is held; 16-bit values lie between them.
-pub const LEVELS: usize = 256;
+/// Recorded values.
+const VALUES: usize = 1 << 16;
+
+/// Recorded steps in a level.
+const STEP: usize = 257;
 
 /// Most pixels that enter a fit; larger pictures are thinned evenly.
 const FIT_PIXELS: usize = 1 << 16;
 
-/// Degree of a fitted curve as a polynomial of the level (T. Mitsunaga, S. Nayar, "Radiometric Self Calibration", 1999).
-///
-/// Evenly spaced times leave every wave in log exposure with their spacing as its period unobserved (M. Grossberg,
-/// S. Nayar, "What Can Be Known about the Radiometric Response from Images?", 2002); free levels would take it up.
-const DEGREE: usize = 6;
+/// Lowest value that enters a fit; below it a curve goes on as a power law. Noise of a level or two turns no such value to
+/// black.
+const DARKEST: usize = 4 * STEP;
 
-/// Exposure (radiance times time) by recorded level, 0..=255, of one channel. Grows strictly.
+/// Highest value that enters a fit.
+const BRIGHTEST: usize = 250 * STEP;
+
+/// Highest degree of the polynomial in a curve.
+const DEGREE: usize = 8;
+
+/// Terms of a curve's logarithm.
+const TERMS: usize = DEGREE + 2;
+
+/// Most repetitions of a fit with new weights, taken at the recorded values, and as many at the predicted ones.
+const ROUNDS: usize = 8;
+
+/// Exposure (radiance times time) by recorded value of one channel; it grows strictly.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Response(pub Vec<f64>);
+pub struct Response(Vec<f64>);
 
 impl Response {
     /// The curve value = exposure, 1 at the top.
     pub fn linear() -> Response {
-        Response((0..LEVELS).map(|z| z as f64 / 255.0).collect())
+        Response::by(|v| v)
     }
 
     /// The curve of IEC 61966-2-1, 1 at the top.
     pub fn srgb() -> Response {
-        Response((0..LEVELS).map(|z| srgb(z as f64 / 255.0)).collect())
+        Response::by(srgb)
     }
 
-    /// Exposure and its slope by level, at a level 0..=255.
-    pub fn at(&self, level: f64) -> (f64, f64) {
-        let below = (level as usize).min(LEVELS - 2);
-        let slope = self.0[below + 1] - self.0[below];
-        (self.0[below] + (level - below as f64) * slope, slope)
+    fn by(curve: impl Fn(f64) -> f64) -> Response {
+        Response((0..VALUES).map(|v| curve(v as f64 / 65535.0)).collect())
     }
 
-    /// The curve of one channel that explains the brackets best. Only ratios are observable: level 128 is set to its
-    /// sRGB value in every channel, so that gray stays gray.
+    /// The exposure of a value.
+    pub fn exposure(&self, value: u16) -> f64 {
+        self.0[usize::from(value)]
+    }
+
+    /// Exposure by level at a value: over the level about it, which is as fine as a photograph of 8 bits tells.
+    pub fn slope(&self, value: u16) -> f64 {
+        let low = usize::from(value).saturating_sub(STEP / 2);
+        let high = (usize::from(value) + STEP / 2).min(VALUES - 1);
+        (self.0[high] - self.0[low]) * STEP as f64 / (high - low) as f64
+    }
+
+    /// The value at which an exposure near that of `value` is recorded, by the slope there.
+    pub fn predict(&self, value: u16, exposure: f64) -> u16 {
+        let off = (exposure - self.exposure(value)) / self.slope(value);
+        (f64::from(value) + STEP as f64 * off).clamp(0.0, 65535.0) as u16
+    }
+
+    /// The curves of red, green and blue that explain the brackets best. Only ratios are observable: level 128 is set to
+    /// its sRGB value in every channel, so that gray stays gray.
     ///
     /// # Errors
-    /// [`Error::Shape`] where the brackets do not tell: fewer than two, or no pixel that two of them show unsaturated.
-    pub fn fit(brackets: &[Bracket], channel: usize, model: Model) -> Result<Response, Error> {
-        let curve = match model {
-            Model::Linear => return Ok(Response::linear()),
-            Model::Srgb => return Ok(Response::srgb()),
-            Model::Debevec | Model::Robertson => normal_equations(brackets, channel, model),
+    /// [`Error::Shape`] where the brackets do not tell: no pixel is well exposed in two of them, or no curve that grows
+    /// explains them.
+    pub(super) fn fit(brackets: &[&Bracket], model: Model) -> Result<[Response; 3], Error> {
+        match model {
+            Model::Linear => return Ok([(); 3].map(|()| Response::linear())),
+            Model::Srgb => return Ok([(); 3].map(|()| Response::srgb())),
+            Model::Debevec | Model::Robertson => {}
+        }
+        let terms: Vec<[f64; TERMS]> = (0..VALUES).into_par_iter().map(terms).collect();
+        let fit = |channel: usize| {
+            let pixels = pixels(brackets, channel);
+            if pixels.is_empty() {
+                return Err("no pixel is well exposed in two of them");
+            }
+            // Fewer bends where a curve would fall, as between levels that no pixel has.
+            let mut degrees = (0..=DEGREE).rev();
+            let curve = degrees.find_map(|degree| solve(&pixels, &terms, degree + 2, model));
+            curve.ok_or("no curve that grows explains them, so the times may be wrong")
         };
+        let mut curves = [0, 1, 2].map(|_| Err(""));
+        curves
+            .par_iter_mut()
+            .enumerate()
+            .for_each(|(channel, curve)| *curve = fit(channel));
         let unknown = |why: &str| {
             Error::Shape(format!(
                 "the response cannot be found from these brackets: {why}; add exposures or give --response srgb"
             ))
         };
-        let mut curve = curve.ok_or_else(|| unknown("no pixel is well exposed in two of them"))?;
-        if model == Model::Debevec {
-            curve.iter_mut().for_each(|g| *g = g.exp());
-        }
-        let scale = srgb(128.0 / 255.0) / curve[128];
-        curve.iter_mut().for_each(|f| *f *= scale);
-        // A flat stretch would claim no noise and drown every other bracket.
-        if !curve.windows(2).all(|p| p[1] > p[0]) {
-            return Err(unknown(
-                "the fitted curve falls; check the times or try debevec",
-            ));
-        }
-        Ok(Response(curve.into_iter().map(|f| f.max(0.0)).collect()))
+        let [red, green, blue] = curves.map(|curve| curve.map_err(unknown));
+        Ok([red?, green?, blue?])
     }
 }
 
@@ -82,98 +128,169 @@ fn srgb(v: f64) -> f64 {
     }
 }
 
-/// How much a level counts in a fit; nothing at the two ends, where values are clipped.
-///
-/// The noise of a level is the same everywhere. A logarithm then has a deviation of about 1 / level, whose inverse square
-/// is the weight; exposures are weighted alike.
-fn trust(level: f64, log: bool) -> f64 {
-    let weight = if log { (level / 255.0).powi(2) } else { 1.0 };
-    weight * f64::from(u8::from(level > 2.0 && level < SATURATED))
+/// The terms of a curve's logarithm at a value, 0 at level 128: ln z, ln(256 - z), and Chebyshev polynomials of the angle.
+fn terms(value: usize) -> [f64; TERMS] {
+    let at = |level: f64, k: usize| match k {
+        0 => level.max(0.5 / STEP as f64).ln(),
+        1 => (256.0 - level).ln(),
+        _ => {
+            let angle = (1.0 - level / 127.5).clamp(-1.0, 1.0).acos();
+            let x = angle / std::f64::consts::FRAC_PI_2 - 1.0;
+            ((k - 1) as f64 * x.clamp(-1.0, 1.0).acos()).cos()
+        }
+    };
+    let level = value as f64 / STEP as f64;
+    std::array::from_fn(|k| at(level, k) - at(128.0, k))
 }
 
-/// The minimum of the objective with level 128 fixed at 0 (logarithms, Debevec) or 1 (exposures, Robertson).
-fn normal_equations(brackets: &[Bracket], channel: usize, model: Model) -> Option<Vec<f64>> {
-    let log = model == Model::Debevec;
-    let mut matrix = vec![0.0; LEVELS * LEVELS];
-    let mut right = vec![0.0; LEVELS];
-    let (width, height) = (brackets[0].width, brackets[0].height);
-    let step = ((width * height) as f64 / FIT_PIXELS as f64).max(1.0);
-    let mut used = 0usize;
-    let mut terms: Vec<(usize, f64, f64)> = Vec::new();
-    for index in 0..width * height {
-        let pixel = (index as f64 * step) as usize;
-        if pixel >= width * height {
-            break;
-        }
-        terms.clear();
-        for bracket in brackets {
-            let Some(value) = bracket.recorded(pixel, channel) else {
-                continue;
-            };
-            let level = f64::from(value) / 257.0;
-            let weight = trust(level, log);
-            if weight > 0.0 {
-                terms.push((level.round() as usize, weight, bracket.time));
+/// What is recorded of each pixel that two brackets show neither black nor saturated.
+fn pixels(brackets: &[&Bracket], channel: usize) -> Vec<Vec<(u16, f64)>> {
+    let pixels = brackets[0].values.len();
+    let count = pixels.min(FIT_PIXELS);
+    let view = |k: usize| -> Vec<(u16, f64)> {
+        let shown = views(brackets, k * pixels / count, channel);
+        shown.filter(|(value, _)| *value > 0).collect()
+    };
+    (0..count).map(view).filter(|v| v.len() > 1).collect()
+}
+
+/// The curve with the first `count` terms; `None` where it is not determined or falls.
+fn solve(
+    pixels: &[Vec<(u16, f64)>],
+    terms: &[[f64; TERMS]],
+    count: usize,
+    model: Model,
+) -> Option<Response> {
+    let mut factors = [0.0; TERMS];
+    factors[0] = 1.0; // a linear camera
+    let mut curve = tabulate(&factors, terms);
+    for settled in [false, true] {
+        for _ in 0..ROUNDS {
+            let (mut matrix, mut step) =
+                normal_equations(pixels, terms, count, &curve, model, settled);
+            if !cholesky(&mut matrix, &mut step) {
+                return None;
+            }
+            for (factor, step) in factors.iter_mut().zip(&step) {
+                *factor += step;
+            }
+            curve = tabulate(&factors, terms);
+            if step.iter().all(|step| step.abs() < 1e-6) {
+                break;
             }
         }
-        if terms.len() < 2 {
+    }
+    let grows = curve.0.windows(2).all(|p| p[1] > p[0]) && curve.0[VALUES - 1].is_finite();
+    let scale = srgb(128.0 / 255.0);
+    grows.then(|| Response(curve.0.into_iter().map(|f| f * scale).collect()))
+}
+
+/// The curve of these factors, as a power law beyond the values of a fit.
+fn tabulate(factors: &[f64; TERMS], terms: &[[f64; TERMS]]) -> Response {
+    let log = |v: usize| {
+        terms[v]
+            .iter()
+            .zip(factors)
+            .map(|(t, c)| t * c)
+            .sum::<f64>()
+    };
+    let power = |v: usize| {
+        let ratio = ((v + STEP / 2) as f64 / (v - STEP / 2) as f64).ln();
+        (log(v + STEP / 2) - log(v - STEP / 2)) / ratio
+    };
+    let (low, high) = (power(DARKEST), power(BRIGHTEST));
+    let at = |v: usize| {
+        let beyond = |end: usize, power: f64| log(end) + power * (v as f64 / end as f64).ln();
+        match v {
+            0 => f64::NEG_INFINITY,
+            v if v < DARKEST => beyond(DARKEST, low),
+            v if v > BRIGHTEST => beyond(BRIGHTEST, high),
+            v => log(v),
+        }
+    };
+    Response((0..VALUES).map(|v| at(v).exp()).collect())
+}
+
+/// Normal equations of the change of the factors, about a curve.
+///
+/// The residual of a view is g + φ·δ - ln t - ln x, or f (1 + φ·δ) - t x. Its noise must not choose its own weight and terms, or
+/// the fit is biased, so these are taken at the values that the curve predicts from all views of the pixel.
+fn normal_equations(
+    pixels: &[Vec<(u16, f64)>],
+    terms: &[[f64; TERMS]],
+    count: usize,
+    curve: &Response,
+    model: Model,
+    settled: bool,
+) -> (Vec<f64>, Vec<f64>) {
+    let (mut matrix, mut right) = (vec![0.0; count * count], vec![0.0; count]);
+    for views in pixels {
+        let radiance = radiance(views, curve);
+        // Sums over the pixel's views; `x` stands for the factor of the unknown that is eliminated.
+        let (mut xx, mut x_known) = (0.0, 0.0);
+        let mut x_terms = [0.0; TERMS];
+        for &(value, time) in views {
+            let about = if settled {
+                curve.predict(value, radiance * time)
+            } else {
+                value
+            };
+            let exposure = curve.exposure(value);
+            let (shape, x, known, noise) = match model {
+                Model::Robertson => (curve.exposure(about), time, exposure, slope(curve, about)),
+                _ => (
+                    1.0,
+                    1.0,
+                    (exposure / time).ln(),
+                    slope(curve, about) / curve.exposure(about),
+                ),
+            };
+            let weight = if (DARKEST..=BRIGHTEST).contains(&usize::from(about)) {
+                trust(about) / (noise * noise)
+            } else {
+                0.0
+            };
+            if weight == 0.0 {
+                continue;
+            }
+            let row = terms[usize::from(about)];
+            for i in 0..count {
+                let scaled = weight * shape * row[i];
+                x_terms[i] += scaled * x;
+                right[i] -= scaled * known;
+                for j in 0..=i {
+                    matrix[i * count + j] += scaled * shape * row[j];
+                }
+            }
+            xx += weight * x * x;
+            x_known += weight * x * known;
+        }
+        if xx == 0.0 {
             continue;
         }
-        used += 1;
-        // Residual of bracket j: g(z) - ln t - ln x, or f(z) - t x. `a` is the factor of the eliminated unknown.
-        let a = |t: f64| if log { 1.0 } else { t };
-        let known = |t: f64| if log { t.ln() } else { 0.0 };
-        let norm: f64 = terms.iter().map(|(_, w, t)| w * a(*t) * a(*t)).sum();
-        let mean: f64 = terms
-            .iter()
-            .map(|(_, w, t)| w * a(*t) * known(*t))
-            .sum::<f64>()
-            / norm;
-        for &(z, w, t) in &terms {
-            matrix[z * LEVELS + z] += w;
-            right[z] += w * (known(t) - a(t) * mean);
-            for &(y, v, s) in &terms {
-                matrix[z * LEVELS + y] -= w * a(t) * v * a(s) / norm;
+        for i in 0..count {
+            right[i] += x_terms[i] * x_known / xx;
+            for j in 0..=i {
+                matrix[i * count + j] -= x_terms[i] * x_terms[j] / xx;
             }
         }
     }
-    if used == 0 {
-        return None;
-    }
-    let start = if log { 0.0 } else { 1.0 };
-    let basis: Vec<Vec<f64>> = (1..=DEGREE + usize::from(log)).map(shape).collect();
-    let times = |v: &[f64]| -> Vec<f64> {
-        let row = |m: &[f64]| m.iter().zip(v).map(|(a, b)| a * b).sum();
-        matrix.chunks_exact(LEVELS).map(row).collect()
-    };
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let known = times(&[start; LEVELS]);
-    let rest: Vec<f64> = right.iter().zip(&known).map(|(r, k)| r - k).collect();
-    let mut small: Vec<f64> = Vec::new();
-    for shape in &basis {
-        let image = times(shape);
-        small.extend(basis.iter().map(|other| dot(other, &image)));
-    }
-    let mut factors: Vec<f64> = basis.iter().map(|shape| dot(shape, &rest)).collect();
-    let value = |z: usize, factors: &[f64]| {
-        start
-            + basis
-                .iter()
-                .zip(factors)
-                .map(|(b, c)| b[z] * c)
-                .sum::<f64>()
-    };
-    cholesky(&mut small, &mut factors).then(|| (0..LEVELS).map(|z| value(z, &factors)).collect())
+    (matrix, right)
 }
 
-/// Chebyshev polynomial k of the level, and a logarithm beyond [`DEGREE`]; 0 at level 128.
-fn shape(k: usize) -> Vec<f64> {
-    let at = |z: usize| {
-        if k > DEGREE {
-            (z as f64 + 1.0).ln()
-        } else {
-            (k as f64 * (z as f64 / 127.5 - 1.0).clamp(-1.0, 1.0).acos()).cos()
-        }
-    };
-    (0..LEVELS).map(|z| at(z) - at(128)).collect()
+/// The radiance of a pixel by a curve.
+fn radiance(views: &[(u16, f64)], curve: &Response) -> f64 {
+    let (mut sum, mut weights) = (0.0, 0.0);
+    for &(value, time) in views {
+        let weight = trust(value) * (time / slope(curve, value)).powi(2);
+        sum += weight * curve.exposure(value) / time;
+        weights += weight;
+    }
+    sum / weights
+}
+
+/// The curve's slope, which a fit that has not settled may lose.
+fn slope(curve: &Response, value: u16) -> f64 {
+    let chord = curve.exposure(value) / (f64::from(value) / STEP as f64);
+    curve.slope(value).max(0.05 * chord)
 }
