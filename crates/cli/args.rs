@@ -138,7 +138,7 @@ pub struct Compare {
 #[derive(ClapArgs)]
 pub struct Bench {
     /// Scene file: .obj, .gltf or .glb
-    #[arg(required_unless_present_any = ["samplers", "hard", "maps"])]
+    #[arg(required_unless_present_any = ["samplers", "hard", "maps", "tables"])]
     pub scene: Option<PathBuf>,
     #[command(flatten)]
     pub job: Job,
@@ -157,6 +157,10 @@ pub struct Bench {
     /// Only the convolution of maps against the plain double sum: maps.csv and maps.md in DIR
     #[arg(long, conflicts_with_all = ["scene", "samplers", "ceiling", "hard"])]
     pub maps: bool,
+    /// Only shading from reflection maps: error and flicker of each look-up, frames a second; tables.csv, tables_speed.csv and
+    /// tables.md in DIR
+    #[arg(long, conflicts_with_all = ["scene", "samplers", "ceiling", "hard", "maps"])]
+    pub tables: bool,
     /// Repeats of every measurement
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
     pub repeats: u32,

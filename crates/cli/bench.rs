@@ -8,7 +8,7 @@ use anyhow::Context;
 use bench::ceiling::{Pair, ceiling};
 use bench::speed::speed;
 use bench::summary::{markdown, median, svg};
-use bench::{Subject, hard, maps, samplers};
+use bench::{Subject, hard, maps, samplers, tables};
 use report::Output;
 use serde_json::json;
 use std::path::Path;
@@ -23,6 +23,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     }
     if args.maps {
         return convolution(args);
+    }
+    if args.tables {
+        return shading(args);
     }
     let scene = args.scene.as_deref().context("no scene was given")?;
     if args.ceiling {
@@ -135,6 +138,28 @@ fn convolution(args: &Args) -> anyhow::Result<Outcome> {
     output.publish()?;
     if args.common.json {
         let text = json!({ "schema_version": 1, "threads": threads, "rows": rows });
+        say(&format!("{}\n", serde_json::to_string_pretty(&text)?))?;
+    } else if !args.common.quiet {
+        say(&table)?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// Error, flicker and time of shading from tables, written as rows and tables.
+fn shading(args: &Args) -> anyhow::Result<Outcome> {
+    let threads = host::set_threads(args.common.threads)?;
+    let output = args.output.as_deref().context("no directory was given")?;
+    let mut output = Output::create(output)?;
+    let speed = tables::speed(args.repeats as usize)?;
+    let rows = tables::quality()?;
+    let mut table = tables::markdown(&rows, &speed);
+    table += &format!("\nambake {}, {threads} threads\n", host::VERSION);
+    output.stage_bytes("tables.csv", tables::csv(&rows).as_bytes())?;
+    output.stage_bytes("tables_speed.csv", tables::speed_csv(&speed).as_bytes())?;
+    output.stage_bytes("tables.md", table.as_bytes())?;
+    output.publish()?;
+    if args.common.json {
+        let text = json!({ "schema_version": 1, "threads": threads, "speed": speed, "rows": rows });
         say(&format!("{}\n", serde_json::to_string_pretty(&text)?))?;
     } else if !args.common.quiet {
         say(&table)?;

@@ -11,6 +11,8 @@ pub mod maps;
 pub mod samplers;
 pub mod speed;
 pub mod summary;
+pub mod tables;
+mod tables_truth;
 
 /// What is baked: page 0 of an atlas over a world.
 #[derive(Clone, Copy)]

@@ -270,8 +270,17 @@ impl Areas {
     }
 }
 
-/// A sky above a ground with some grain, and a sun ten thousand times as bright, half a degree wide.
+/// A sky above a ground with some grain, and a sun of radiance 10,000, half a degree wide.
 fn environment(projection: Projection, size: (usize, usize)) -> Result<IlluminationMap, Error> {
+    sunlit(projection, size, 1e4)
+}
+
+/// The same with a sun of another radiance.
+pub(crate) fn sunlit(
+    projection: Projection,
+    size: (usize, usize),
+    radiance: f64,
+) -> Result<IlluminationMap, Error> {
     let sun: Direction = [0.48, 0.64, 0.6];
     let pixel = |at: usize| {
         let (x, y) = ((at % size.0) as f64 + 0.5, (at / size.0) as f64 + 0.5);
@@ -286,7 +295,7 @@ fn environment(projection: Projection, size: (usize, usize)) -> Result<Illuminat
         };
         let cosine: f64 = (0..3).map(|c| d[c] * sun[c]).sum();
         let extra = if cosine > 0.25f64.to_radians().cos() {
-            1e4
+            radiance
         } else {
             0.0
         };

@@ -17,6 +17,9 @@ pub enum Error {
     /// A baked scene cannot be loaded.
     #[error(transparent)]
     Scene(#[from] scene::Error),
+    /// A map cannot be used.
+    #[error(transparent)]
+    Map(#[from] maps::Error),
     /// A bake does not hold what the picture needs.
     #[error("{}: {problem}", path.display())]
     Bake {

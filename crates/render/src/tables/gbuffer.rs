@@ -154,6 +154,11 @@ impl GBuffer {
         self.columns.len()
     }
 
+    /// Their shares that the object covers, above 0 up to 1, in the order of [`GBuffer::places`].
+    pub fn coverage(&self) -> &[f32] {
+        &self.coverage
+    }
+
     /// Where they are: `y * width + x`, ascending.
     pub fn places(&self) -> impl Iterator<Item = usize> {
         let width = self.camera.size[0] as usize;
