@@ -50,11 +50,11 @@ const LOOKUPS: [Lookup; 5] = [
 ];
 
 /// Frames of a turn, and the angle between them in radians.
-const FRAMES: u32 = 12;
+const FRAMES: u32 = 8;
 const STEP: f64 = 0.02;
 
-/// Radiance of the sun: with a sky of 1 it brings about as much light as the sky.
-const SUN: f64 = 3e4;
+/// Radiance of the sun, half a degree wide, beside a sky of 1.
+const SUN: f64 = 1e3;
 
 fn shader<'a>(diffuse: Option<&'a Table>, specular: &'a Table) -> Shader<'a> {
     Shader {
@@ -75,13 +75,18 @@ pub fn quality() -> Result<Vec<Row>, render::Error> {
     let sky = sunlit(Projection::Polar, (1024, 512), SUN)?;
     let mirror = Table::new(&sky)?;
     let glossy = Table::new(&maps::specular(&sky, 100.0, (512, 256))?)?;
+    let polished = Table::new(&maps::specular(&sky, 1000.0, (512, 256))?)?;
     let mut rows = Vec::new();
     for (name, wrinkles, size) in [
-        ("smooth, 96 pixels", 0.0, 96),
-        ("wrinkled, 96 pixels", 0.15, 96),
+        ("smooth, 64 pixels", 0.0, 64),
+        ("wrinkled, 64 pixels", 0.15, 64),
         ("smooth, far away, 16 pixels", 0.0, 16),
     ] {
-        for (of, table) in [("n = 100", &glossy), ("mirror", &mirror)] {
+        for (of, table) in [
+            ("n = 100", &glossy),
+            ("n = 1000", &polished),
+            ("mirror", &mirror),
+        ] {
             let case = format!("{name}, {of}");
             rows.extend(measure(&case, wrinkles, size, &shader(None, table))?);
         }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// A surface where a ray met it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Surfel {
     /// Unit shading normal on the side of the viewer.
     pub normal: DVec3,
@@ -54,12 +54,13 @@ pub struct GBuffer {
     /// Unit normals and views, x, y and z apart; [`LANES`] more entries than pixels.
     pub(super) normal: [Vec<f32>; 3],
     pub(super) view: [Vec<f32>; 3],
-    /// Index into `palette`.
+    /// Index into `palette`; [`LANES`] more entries than pixels.
     pub(super) material: Vec<u32>,
-    /// kd and ks.
-    pub(super) palette: Vec<[[f32; 3]; 2]>,
-    /// Normals at the corners of pixels, rows of `width + 1`; 0 where the object is not. Empty where they were not asked for.
-    pub(super) corners: Vec<[f32; 3]>,
+    /// kd and ks; the fourth numbers are 0.
+    pub(super) palette: Vec<[[f32; 4]; 2]>,
+    /// Normals and views at the corners of pixels, rows of `width + 1`; normals are 0 where the object is not. Empty where they
+    /// were not asked for.
+    pub(super) corners: Vec<[[f32; 3]; 2]>,
 }
 
 /// A pixel on its way into the buffer.
@@ -68,7 +69,7 @@ struct Pixel {
     coverage: f32,
     normal: DVec3,
     view: DVec3,
-    material: [[f32; 3]; 2],
+    material: [[f32; 4]; 2],
 }
 
 impl GBuffer {
@@ -101,8 +102,8 @@ impl GBuffer {
                 .into_par_iter()
                 .map(|at| {
                     let (x, y) = (at % (width + 1), at / (width + 1));
-                    let normal = cast(f64::from(x), f64::from(y)).map(|(_, normal, _)| normal);
-                    normal.unwrap_or(DVec3::ZERO).as_vec3().to_array()
+                    let (_, normal, view) = cast(f64::from(x), f64::from(y)).unwrap_or_default();
+                    [normal, view].map(|v| v.as_vec3().to_array())
                 })
                 .collect(),
         };
@@ -142,11 +143,12 @@ impl GBuffer {
             }
             self.rows.push(self.columns.len());
         }
+        let padded = self.columns.len() + LANES;
         for c in 0..3 {
-            for list in [&mut self.normal[c], &mut self.view[c]] {
-                list.resize(self.columns.len() + LANES, 0.0);
-            }
+            self.normal[c].resize(padded, 0.0);
+            self.view[c].resize(padded, 0.0);
         }
+        self.material.resize(padded, 0);
     }
 
     /// Pixels that show some of the object.
@@ -182,8 +184,8 @@ impl GBuffer {
             let normal = stored([0, 1, 2].map(|c: usize| self.normal[c][k]));
             (0..3).for_each(|c| self.normal[c][k] = normal[c]);
         }
-        for corner in self.corners.iter_mut().filter(|n| **n != [0.0; 3]) {
-            *corner = stored(*corner);
+        for [normal, _] in self.corners.iter_mut().filter(|[n, _]| *n != [0.0; 3]) {
+            *normal = stored(*normal);
         }
     }
 }
@@ -216,6 +218,6 @@ fn pixel(
         // Normals that cancel each other leave the first.
         normal: normal.try_normalize().or(first)?,
         view: view.try_normalize()?,
-        material: [albedo, specular].map(|rgb| rgb.as_vec3().to_array()),
+        material: [albedo, specular].map(|rgb| rgb.as_vec3().extend(0.0).to_array()),
     })
 }

@@ -89,7 +89,7 @@ impl Shader<'_> {
             ];
             let [n, e] = buffer.at(k);
             let material = buffer.palette[buffer.material[k] as usize];
-            let color = self.compose(dot(n, e), values, material);
+            let color = self.compose(dot(n, e), values, material.map(|[r, g, b, _]| [r, g, b]));
             over(&mut pixels[x], color, buffer.coverage[k]);
         }
     }
@@ -139,12 +139,11 @@ impl GBuffer {
     fn footprint(&self, k: usize, x: usize, y: usize) -> [[[f32; 3]; 2]; 4] {
         let width = self.camera.size[0] as usize + 1;
         [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)].map(|(x, y)| {
-            let normal = self.corners[y * width + x];
-            if normal == [0.0; 3] {
+            let corner = self.corners[y * width + x];
+            if corner[0] == [0.0; 3] {
                 return self.at(k);
             }
-            let view = -self.camera.direction(x as f64, y as f64);
-            [normal, view.as_vec3().to_array()]
+            corner
         })
     }
 }
@@ -197,9 +196,11 @@ fn block(
         })
     };
     let (n, e) = (load(&buffer.normal), load(&buffer.view));
-    let mut cosine = [0.0; LANES];
+    let (mut wd, mut ws) = ([0.0; LANES], [0.0; LANES]);
     for k in 0..LANES {
-        cosine[k] = n[0][k] * e[0][k] + n[1][k] * e[1][k] + n[2][k] * e[2][k];
+        let cosine = n[0][k] * e[0][k] + n[1][k] * e[1][k] + n[2][k] * e[2][k];
+        wd[k] = shader.diffuse_weight.at(cosine);
+        ws[k] = shader.specular_weight.at(cosine);
     }
     let toward = |index: Index| {
         let mut toward = [[0.0; LANES]; 3];
@@ -209,25 +210,28 @@ fn block(
         }
         toward
     };
-    let diffuse = shader.diffuse.map(|t| (t, t.places(&n, nearest)));
-    let specular = shader
-        .specular
-        .map(|t| (t, t.places(&toward(shader.index), nearest)));
-    let coat = shader
-        .coat
-        .map(|t| (t, t.places(&toward(Index::Mirror), nearest)));
-    for (k, &cosine) in cosine[..range.len()].iter().enumerate() {
-        let values = [&diffuse, &specular, &coat].map(|table| match table {
-            Some((table, places)) => {
-                let [r, g, b, _] = table.read(places, k);
-                [r, g, b]
-            }
-            None => [0.0; 3],
-        });
-        let at = start + k;
-        let material = buffer.palette[buffer.material[at] as usize];
-        let color = shader.compose(cosine, values, material);
+    // Weights times reflectances; `which` is 0 for kd and 1 for ks.
+    let factors = |weights: &Lanes, which: usize| {
+        let mut factors = [[0.0; 4]; LANES];
+        for (k, material) in buffer.material[start..start + LANES].iter().enumerate() {
+            let reflectance = buffer.palette[*material as usize][which];
+            factors[k] = reflectance.map(|v| weights[k] * v);
+        }
+        factors
+    };
+    let mut sums = [[0.0; 4]; LANES];
+    if let Some(table) = shader.diffuse {
+        table.add(&n, nearest, &factors(&wd, 0), &mut sums);
+    }
+    if let Some(table) = shader.specular {
+        table.add(&toward(shader.index), nearest, &factors(&ws, 1), &mut sums);
+    }
+    if let Some(table) = shader.coat {
+        let mirrored = toward(Index::Mirror);
+        table.add(&mirrored, nearest, &[[COAT; 4]; LANES], &mut sums);
+    }
+    for (at, [r, g, b, _]) in range.zip(sums) {
         let pixel = &mut pixels[usize::from(buffer.columns[at])];
-        over(pixel, color, buffer.coverage[at]);
+        over(pixel, [r, g, b], buffer.coverage[at]);
     }
 }

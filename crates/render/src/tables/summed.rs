@@ -68,18 +68,25 @@ impl Summed {
     /// Where the rows are not ascending rows of the map.
     pub fn rectangle(&self, [left, right]: [i64; 2], [top, bottom]: [usize; 2]) -> [u64; 4] {
         assert!(top <= bottom && bottom <= self.height, "{top}..{bottom}");
-        let corners = [(right, bottom), (left, bottom), (right, top), (left, top)];
-        let [a, b, c, d] = corners.map(|(x, y)| self.corner(x, y));
+        let columns = [right, left].map(|x| self.column(x));
+        let [[a, b], [c, d]] = [bottom, top].map(|y| self.corners(&columns, y));
         difference(a, b, c, d)
     }
 
-    /// Sum above and to the left of a corner; columns repeat, the sum goes on.
-    fn corner(&self, x: i64, y: usize) -> [u64; 4] {
+    /// The column of a corner within the map, and how many times round it lies.
+    fn column(&self, x: i64) -> (usize, u64) {
+        let width = self.width as i64;
+        (x.rem_euclid(width) as usize, x.div_euclid(width) as u64)
+    }
+
+    /// Sums above and to the left of corners in one row; columns repeat, the sum goes on.
+    fn corners<const N: usize>(&self, columns: &[(usize, u64); N], y: usize) -> [[u64; 4]; N] {
         let row = &self.corners[y * (self.width + 1)..][..self.width + 1];
-        let rounds = x.div_euclid(self.width as i64) as u64;
-        let within = row[x.rem_euclid(self.width as i64) as usize];
         let whole = row[self.width];
-        std::array::from_fn(|c| within[c].wrapping_add(rounds.wrapping_mul(whole[c])))
+        columns.map(|(column, rounds)| {
+            let within = row[column];
+            std::array::from_fn(|c| within[c].wrapping_add(rounds.wrapping_mul(whole[c])))
+        })
     }
 
     /// Mean radiance over a rectangle with borders anywhere, in texels: columns may lie beyond the seam, rows are cut at the
@@ -89,10 +96,12 @@ impl Summed {
         let (xs, x_shares) = borders(across);
         let (ys, y_shares) = borders(down);
         let limit = self.height as i64;
-        let corners = ys.map(|y| xs.map(|x| self.corner(x, y.clamp(0, limit) as usize)));
+        let columns = xs.map(|x| self.column(x));
+        let corners = ys.map(|y| self.corners(&columns, y.clamp(0, limit) as usize));
         let mut sum = [0.0; 4];
         for j in 0..3 {
             for i in 0..3 {
+                // Sums stay below 2⁶², so the sign is that of a plain integer.
                 let share = x_shares[i] * y_shares[j];
                 let part = difference(
                     corners[j + 1][i + 1],
@@ -100,7 +109,7 @@ impl Summed {
                     corners[j][i + 1],
                     corners[j][i],
                 );
-                sum = std::array::from_fn(|c| sum[c] + share * part[c] as f64);
+                sum = std::array::from_fn(|c| sum[c] + share * part[c] as i64 as f64);
             }
         }
         let omega = sum[3] / self.units[3];

@@ -27,7 +27,7 @@ pub struct Table {
 }
 
 /// Where to read a block of pixels: upper left texel and the shares of its right and lower neighbours.
-pub(super) struct Places {
+struct Places {
     at: [u32; LANES],
     right: Lanes,
     low: Lanes,
@@ -39,13 +39,14 @@ impl Table {
     /// # Errors
     /// [`Error::Shape`] for another projection.
     pub fn new(map: &IlluminationMap) -> Result<Table, Error> {
+        let (width, height) = map.size();
         if map.projection() != Projection::Polar {
             return Err(Error::Shape(format!(
                 "a table is a polar map, this one is {}; convert it with ambake map convert --to polar",
                 map.projection().name()
             )));
         }
-        let (width, height) = map.size();
+        assert!((width + 2) * (height + 2) < 1 << 32, "{width} x {height}");
         let mut texels = Vec::with_capacity((width + 2) * (height + 2));
         for y in 0..height + 2 {
             let beyond = y == 0 || y == height + 1;
@@ -116,25 +117,21 @@ impl Table {
     #[inline(always)]
     fn corner(&self, direction: [f32; 3], nearest: bool) -> (u32, f32, f32) {
         let [x, y] = self.place(direction);
-        let stride = (self.width + 2) as i32;
+        let stride = self.width as u32 + 2;
         if nearest {
-            let column = (x as i32).min(self.width as i32 - 1);
-            let row = (y as i32).min(self.height as i32 - 1);
-            return (((row + 1) * stride + column + 1) as u32, 0.0, 0.0);
+            let column = x.floor().min(self.width as f32 - 1.0);
+            let row = y.floor().min(self.height as f32 - 1.0);
+            return ((whole(row) + 1) * stride + whole(column) + 1, 0.0, 0.0);
         }
         // From 0 on: the margin begins half a texel before the map's centres do.
         let (x, y) = (x + 0.5, y + 0.5);
-        let (column, row) = (x as i32, y as i32);
-        (
-            (row * stride + column) as u32,
-            x - column as f32,
-            y - row as f32,
-        )
+        let (column, row) = (x.floor(), y.floor());
+        (whole(row) * stride + whole(column), x - column, y - row)
     }
 
     /// Places of a block of directions.
     #[inline(always)]
-    pub(super) fn places(&self, [x, y, z]: &[Lanes; 3], nearest: bool) -> Places {
+    fn places(&self, [x, y, z]: &[Lanes; 3], nearest: bool) -> Places {
         let mut places = Places {
             at: [0; LANES],
             right: [0.0; LANES],
@@ -149,23 +146,40 @@ impl Table {
         places
     }
 
-    /// The value at one of the places.
+    /// Adds the values in a block of directions, each times its factor.
     #[inline(always)]
-    pub(super) fn read(&self, places: &Places, k: usize) -> [f32; 4] {
-        self.blend(places.at[k] as usize, places.right[k], places.low[k])
+    pub(super) fn add(
+        &self,
+        directions: &[Lanes; 3],
+        nearest: bool,
+        factors: &[[f32; 4]; LANES],
+        sums: &mut [[f32; 4]; LANES],
+    ) {
+        let places = self.places(directions, nearest);
+        for k in 0..LANES {
+            let value = self.blend(places.at[k] as usize, places.right[k], places.low[k]);
+            sums[k] = std::array::from_fn(|c| sums[k][c] + factors[k][c] * value[c]);
+        }
     }
 
     #[inline(always)]
     fn blend(&self, at: usize, right: f32, low: f32) -> [f32; 4] {
         let below = at + self.width + 2;
-        let [a, b] = [self.texels[at], self.texels[at + 1]];
-        let [c, d] = [self.texels[below], self.texels[below + 1]];
+        let (upper, lower) = (&self.texels[at..at + 2], &self.texels[below..below + 2]);
+        let [a, b, c, d] = [upper[0], upper[1], lower[0], lower[1]];
         std::array::from_fn(|i| {
             let upper = a[i] + right * (b[i] - a[i]);
             let lower = c[i] + right * (d[i] - c[i]);
             upper + low * (lower - upper)
         })
     }
+}
+
+/// A whole number in 0..2²³ as an integer: a conversion that needs no care for other values, so it vectorises.
+#[inline(always)]
+fn whole(v: f32) -> u32 {
+    const SHIFT: f32 = 8_388_608.0;
+    (v + SHIFT).to_bits() - SHIFT.to_bits()
 }
 
 /// atan(t) / t on 0..=1 in powers of t², fitted by reweighted least squares: off by at most 1.3e-7 in f32.

@@ -352,7 +352,8 @@ fn blocks_of_pixels_give_what_single_points_give() {
         shader.frame(&buffer, Lookup::Bilinear, &mut picture);
         for (k, place) in buffer.places().enumerate() {
             let list = |lists: &[Vec<f32>; 3]| [0, 1, 2].map(|c: usize| lists[c][k]);
-            let material = buffer.palette[buffer.material[k] as usize];
+            let material =
+                buffer.palette[buffer.material[k] as usize].map(|[r, g, b, _]| [r, g, b]);
             let point = shader.point(list(&buffer.normal), list(&buffer.view), material);
             assert_eq!(picture.pixels[place], point, "vector width does not show");
         }
