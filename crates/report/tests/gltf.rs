@@ -468,6 +468,37 @@ fn real_models_are_valid_and_load_again() {
     assert_valid(&written);
 }
 
+#[test]
+fn lamps_of_an_obj_scene_keep_their_radiance() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| dir.path().join(name);
+    let lamps = "newmtl strong\nKe 6 3 1.5\nnewmtl weak\nKe 0.25 1 0\nnewmtl dark\nKe 0 0 0\n";
+    fs::write(at("lamps.mtl"), lamps).unwrap();
+    let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    let faces = ["strong", "weak", "dark"].map(|name| format!("usemtl {name}\nf 1 2 3\n"));
+    let text = format!("mtllib lamps.mtl\n{corners}{}", faces.concat());
+    fs::write(at("lamps.obj"), text).unwrap();
+    let before = scene::load(&at("lamps.obj")).unwrap();
+    let path = write(&before, &layout(&before, false, 1), dir.path(), "lamps.glb");
+    let after = scene::load(&path).unwrap();
+    let radiances = |scene: &Scene| {
+        let of = |mesh: &scene::Mesh| scene.materials[mesh.material as usize].emission.to_array();
+        scene.meshes.iter().map(of).collect::<Vec<_>>()
+    };
+    assert_eq!(
+        radiances(&before),
+        [[6.0, 3.0, 1.5], [0.25, 1.0, 0.0], [0.0; 3]]
+    );
+    assert_eq!(radiances(&after), radiances(&before));
+    let (json, _) = open(&path);
+    assert_eq!(
+        json["extensionsUsed"],
+        json!(["KHR_materials_emissive_strength"])
+    );
+    assert_eq!(json["materials"][1].get("extensions"), None);
+    assert_valid(&[path]);
+}
+
 /// World positions of all triangles' corners, in an order that does not depend on the objects' order.
 fn corners(scene: &Scene) -> Vec<[u64; 9]> {
     let mut all = Vec::new();

@@ -1,7 +1,8 @@
 //! A glTF document for a scene that came from an OBJ file: vertices in the order of the layout, materials mapped.
 //!
 //! Base colour is Kd, metallic 0, and roughness the inverse of [`scene::phong_from_metallic_roughness`]:
-//! `roughness = (2n + 1)^(-1/4)`. Ks is not carried over; a dielectric reflects 0.04 in glTF.
+//! `roughness = (2n + 1)^(-1/4)`. Ks is not carried over; a dielectric reflects 0.04 in glTF. Ke is the emissive factor, with
+//! `KHR_materials_emissive_strength` where a channel is above 1.
 
 use super::document::{Document, Target};
 use super::{Origins, Reason};
@@ -10,6 +11,9 @@ use atlas::Atlas;
 use scene::{Alpha, GltfSource, Image, Material, Scene, Surface, TextureRef, Wrap};
 use serde_json::{Value, json};
 use std::collections::HashMap;
+
+/// The extension for radiance above 1.
+const STRENGTH: &str = "KHR_materials_emissive_strength";
 
 /// The document and where it holds the scene: mesh and instance numbers are those of the scene.
 pub fn document(scene: &Scene, atlas: &Atlas) -> Result<(Document, Origins), Reason> {
@@ -27,6 +31,13 @@ pub fn document(scene: &Scene, atlas: &Atlas) -> Result<(Document, Origins), Rea
     for material in &scene.materials {
         let value = material_value(&mut document, &mut textures, scene, material)?;
         document.push("materials", value)?;
+    }
+    if scene
+        .materials
+        .iter()
+        .any(|m| m.emission.max_element() > 1.0)
+    {
+        document.push("extensionsUsed", STRENGTH.into())?;
     }
     for (mesh, layout) in scene.meshes.iter().zip(&atlas.meshes) {
         let mut attributes = json!({});
@@ -117,6 +128,14 @@ fn material_value(
         let texture = base_color(document, textures, scene, any, albedo_map, alpha_map)?;
         value["pbrMetallicRoughness"]["baseColorTexture"] =
             json!({ "index": texture, "texCoord": any.uv_set });
+    }
+    if material.emission != glam::Vec3::ZERO {
+        let strength = material.emission.max_element().max(1.0);
+        let factor = material.emission / strength;
+        value["emissiveFactor"] = factor.to_array().into();
+        if strength > 1.0 {
+            value["extensions"][STRENGTH] = json!({ "emissiveStrength": strength });
+        }
     }
     if let Alpha::Mask { cutoff, .. } = material.alpha {
         value["alphaMode"] = "MASK".into();
