@@ -7,6 +7,7 @@ mod broken;
 mod capture;
 mod cli;
 mod exact;
+mod figures;
 mod hard_cases;
 mod models;
 mod parity;

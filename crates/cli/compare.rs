@@ -184,7 +184,7 @@ fn stage_channels(
         };
         let limit = report::nice_limit(difference.maximum);
         let title = format!("{name}: first - second");
-        let png = report::difference_picture(files[0].page.size, &title, limit, value);
+        let png = report::difference_picture([files[0].page.size; 2], &title, limit, value);
         // A foreign channel may be called anything; a file name takes letters, digits and a few signs.
         let plain = |c: char| c.is_alphanumeric() || ".-_".contains(c);
         let name = name.replace(|c| !plain(c), "_");

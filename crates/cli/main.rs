@@ -10,6 +10,7 @@ mod bench;
 mod checkpoint;
 mod compare;
 mod doctor;
+mod figures;
 mod host;
 mod map;
 mod map_ball;

@@ -1,12 +1,11 @@
 //! `ambake render`: a picture through a camera.
 
 use crate::args::{self, Backend, Common};
+use crate::figures::{self, Figure};
 use crate::render_maps::{self, Tables};
 use crate::{Outcome, host, options, say};
 use ::bake::{Overrides, RayBackend, Surfaces, World, WorldOptions};
-use ::render::{
-    Camera, Direct, Lamps, Light, Lightmap, Model, Sample, fig1, fig1_csv, fig1_svg, picture,
-};
+use ::render::{Camera, Direct, Lamps, Light, Lightmap, Model, Sample, picture};
 use anyhow::{Context, bail};
 use clap::{Args as ClapArgs, ValueEnum};
 use glam::DVec3;
@@ -24,8 +23,8 @@ pub struct Args {
     /// Picture to write: .exr (linear, float) or .png (sRGB); give it twice for both. With --figure a directory
     #[arg(short = 'o', long = "output", value_name = "IMAGE", required = true)]
     pub output: Vec<PathBuf>,
-    /// Draw a figure instead; `fig1` on an open scene such as scenes/plane.obj, `--rays` for each point; `balls` on a body
-    /// such as scenes/ball.obj
+    /// Draw a figure instead: `fig1` on an open scene such as scenes/plane.obj with `--rays` for each point, `fig3` on any
+    /// scene, `balls` on a body such as scenes/ball.obj
     #[arg(
         long,
         value_enum,
@@ -44,7 +43,8 @@ pub struct Args {
     /// Rays over the hemisphere of every camera sample, and as many over a specular lobe; 0 leaves ambient light out
     #[arg(long, value_name = "N", default_value_t = 64, conflicts_with = "bake", value_parser = clap::value_parser!(u32).range(0..=65_536))]
     pub rays: u32,
-    /// Take the ambient model from the finished bake of SCENE in DIR instead
+    /// Take the ambient model from the finished bake of SCENE in DIR instead; its Phong term is that of the view the bake
+    /// was made for (`bake --view`), not of this camera
     #[arg(long, value_name = "DIR")]
     pub bake: Option<PathBuf>,
     /// Uniform sky radiance, linear, as R,G,B; also what is seen behind the scene
@@ -111,14 +111,6 @@ pub enum ModelName {
     Phong,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Figure {
-    /// Specular ambient term against view angle and exponent: fig1.svg and fig1.csv
-    Fig1,
-    /// The scene in six materials before --environment: balls.png and balls.exr
-    Balls,
-}
-
 impl ModelName {
     fn model(self) -> Model {
         match self {
@@ -131,13 +123,20 @@ impl ModelName {
 
 impl View {
     /// The camera, framing what the arguments leave open.
-    pub fn camera(&self, bounds: ::bake::Bounds) -> anyhow::Result<Camera> {
+    pub fn camera(&self, world: &World) -> anyhow::Result<Camera> {
         let fov = self.fov_deg.to_radians();
-        let look = self.look.map_or(bounds.center(), DVec3::from);
-        let eye = self
-            .eye
-            .map_or_else(|| Camera::framing(bounds, fov), DVec3::from);
-        Ok(Camera::new(eye, look, self.up.into(), fov, self.size)?)
+        let (up, size) = (DVec3::from(self.up), self.size);
+        let middle = world.bounds().center();
+        let corners = (0..world.scene().instances.len() as u32).flat_map(|instance| {
+            let triangles = world.part(instance).1.triangles().len() as u32;
+            (0..triangles).flat_map(move |triangle| world.corners(instance, triangle))
+        });
+        let eye = match self.eye {
+            Some(eye) => eye.into(),
+            None => Camera::framing(corners, middle, up, fov, size),
+        };
+        let look = self.look.map_or(middle, DVec3::from);
+        Ok(Camera::new(eye, look, up, fov, size)?)
     }
 }
 
@@ -166,13 +165,13 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         },
     )?;
     let backend = ::bake::build(options::backend_kind(args.backend), &world, threads)?;
-    if let Some(Figure::Fig1) = args.figure {
-        return draw_fig1(args, &world, backend.as_ref());
+    if let Some(figure) = args.figure {
+        return figures::draw(figure, args, &world, backend.as_ref());
     }
-    if args.tables.asked() || args.figure.is_some() {
+    if args.tables.asked() {
         return render_maps::run(args, &world, backend.as_ref(), started);
     }
-    let camera = args.view.camera(world.bounds())?;
+    let camera = args.view.camera(&world)?;
     let picture = take(args, &world, backend.as_ref(), lightmap.as_ref(), &camera);
     let described = json!({
         "scene": world.scene().content_hash,
@@ -215,26 +214,6 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Writes Fig. 1 into the directory.
-fn draw_fig1(args: &Args, world: &World, backend: &dyn RayBackend) -> anyhow::Result<Outcome> {
-    let [dir] = args.output.as_slice() else {
-        bail!("--figure takes one -o DIR");
-    };
-    let surfaces = Surfaces::new(world);
-    let points = fig1(&mut shader(
-        args,
-        &surfaces,
-        backend,
-        &[],
-        &Lamps::of(world),
-    ));
-    let mut output = Output::create(dir)?;
-    output.stage_bytes("fig1.csv", fig1_csv(&points).as_bytes())?;
-    output.stage_bytes("fig1.svg", fig1_svg(&points).as_bytes())?;
-    output.publish()?;
-    Ok(Outcome::Done)
-}
-
 /// The picture of the arguments.
 fn take(
     args: &Args,
@@ -258,7 +237,7 @@ fn take(
 }
 
 /// What shades the rays.
-fn shader<'a>(
+pub fn shader<'a>(
     args: &Args,
     surfaces: &'a Surfaces<'a>,
     backend: &'a dyn RayBackend,

@@ -1,7 +1,8 @@
 //! `ambake render --maps`: frames shaded from reflection maps.
 
 use crate::args::{number, positive};
-use crate::render::{Args, Figure, write};
+use crate::figures::Figure;
+use crate::render::{Args, write};
 use crate::{Outcome, say};
 use ::bake::{Overrides, Ray, RayBackend, Surfaces, World};
 use ::render::Camera;
@@ -223,7 +224,7 @@ pub fn run(
     let mut written = Vec::new();
     for frame in 0..frames {
         let camera = match &path {
-            None => args.view.camera(world.bounds())?,
+            None => args.view.camera(world)?,
             Some(path) => {
                 let [eye, look] = path.at(frame, frames);
                 let fov = args.view.fov_deg.to_radians();
@@ -311,7 +312,7 @@ fn balls(
     let path = args.tables.environment.as_deref();
     let path = path.context("--figure balls needs --environment")?;
     let (environment, _) = polar(path)?;
-    let mut camera = args.view.camera(world.bounds())?;
+    let mut camera = args.view.camera(world)?;
     let [width, height] = camera.size;
     camera.size = [(width / 3).max(1), (height / 2).max(1)];
     let sheet = Balls::of(&environment)?.sheet(

@@ -1,7 +1,6 @@
 //! A pinhole camera.
 
 use crate::Error;
-use bake::Bounds;
 use glam::DVec3;
 
 /// Where a picture is taken from. The frame is orthonormal.
@@ -55,11 +54,27 @@ impl Camera {
         })
     }
 
-    /// An eye from which everything within `bounds` fits a field of view of `fov` radians, looked at from above, in front and
-    /// to the right.
-    pub fn framing(bounds: Bounds, fov: f64) -> DVec3 {
-        let radius = (0.5 * bounds.diagonal()).max(f64::from(f32::MIN_POSITIVE));
-        bounds.center() + DVec3::new(0.5, 0.5, 1.0).normalize() * (radius / (0.5 * fov).sin())
+    /// The nearest eye in front, above and to the right from which all `points` fit into the picture with a margin of a
+    /// twentieth, `middle` looked at. The other arguments are those of [`Camera::new`].
+    pub fn framing(
+        points: impl Iterator<Item = DVec3>,
+        middle: DVec3,
+        up: DVec3,
+        fov: f64,
+        size: [u32; 2],
+    ) -> DVec3 {
+        let toward = DVec3::new(0.5, 0.5, 1.0).normalize();
+        let right = up.cross(toward).normalize_or(DVec3::X);
+        let upright = toward.cross(right);
+        let slope = (0.5 * fov).tan();
+        let wide = slope * f64::from(size[0]) / f64::from(size[1]);
+        let distance = points.map(|point| {
+            let from = point - middle;
+            let aside = (from.dot(right).abs() / wide).max(from.dot(upright).abs() / slope);
+            aside + from.dot(toward)
+        });
+        let distance = distance.fold(f64::from(f32::MIN_POSITIVE), f64::max);
+        middle + toward * (1.05 * distance)
     }
 
     /// Unit direction through the point `(x, y)` of the picture in pixels, `(0, 0)` the upper left corner.
@@ -102,23 +117,27 @@ mod tests {
     }
 
     #[test]
-    fn the_framed_box_is_inside_the_picture() {
-        let bounds = Bounds {
-            min: DVec3::new(-3.0, 0.0, 1.0),
-            max: DVec3::new(5.0, 1.0, 2.0),
-        };
-        let fov = 0.7;
-        let eye = Camera::framing(bounds, fov);
-        let camera = Camera::new(eye, bounds.center(), DVec3::Y, fov, [100, 100]).unwrap();
-        for corner in 0..8 {
-            let pick = |axis: usize| [bounds.min, bounds.max][corner >> axis & 1][axis];
-            let to = DVec3::new(pick(0), pick(1), pick(2)) - eye;
-            let depth = to.dot(camera.forward);
-            assert!(to.dot(camera.up).abs() <= depth * camera.slope, "{corner}");
-            assert!(
-                to.dot(camera.right).abs() <= depth * camera.slope,
-                "{corner}"
-            );
+    fn framed_points_fill_the_picture() {
+        let points = [
+            DVec3::new(-3.0, 0.0, 1.0),
+            DVec3::new(5.0, 1.0, 2.0),
+            DVec3::new(1.0, 1.5, 0.0),
+        ];
+        let middle = DVec3::new(1.0, 0.75, 1.0);
+        for (size, fov) in [([100, 100], 0.7), ([960, 540], 0.7), ([100, 300], 1.4)] {
+            let eye = Camera::framing(points.into_iter(), middle, DVec3::Y, fov, size);
+            let camera = Camera::new(eye, middle, DVec3::Y, fov, size).unwrap();
+            let wide = camera.slope * f64::from(size[0]) / f64::from(size[1]);
+            let farthest = points.map(|point| {
+                let to = point - eye;
+                let [x, y] = [
+                    to.dot(camera.right) / wide,
+                    to.dot(camera.up) / camera.slope,
+                ];
+                x.abs().max(y.abs()) / to.dot(camera.forward)
+            });
+            let farthest = farthest.into_iter().fold(0.0, f64::max);
+            assert!(farthest < 1.0 && farthest > 0.9, "{size:?}: {farthest}");
         }
     }
 }

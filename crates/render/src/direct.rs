@@ -84,6 +84,11 @@ impl Direct<'_> {
         point.emission + ambient + self.direct(&point, -sample.direction)
     }
 
+    /// True where a sample shows a surface, not the background.
+    pub fn meets(&self, sample: &Sample) -> bool {
+        self.surface(sample).is_some()
+    }
+
     /// What a camera ray meets first.
     fn surface(&self, sample: &Sample) -> Option<(SurfaceHit, SurfacePoint)> {
         let hit = self.backend.closest(&Ray {

@@ -57,27 +57,28 @@ pub fn difference_png(page: &Page, pair: (&str, &str), limit: f64) -> Result<Vec
         (known && coverage.is_none_or(|c| c[i] > 0.0)).then(|| largest(&values))
     };
     let title = format!("{} - {}", pair.0, pair.1);
-    Ok(difference_picture(page.size, &title, limit, value))
+    Ok(difference_picture([page.size; 2], &title, limit, value))
 }
 
-/// A picture of signed `values`, by texel number; `None` is void. Otherwise as [`difference_png`].
+/// A picture of signed values, `size` texels wide and high, by texel number; `None` is void. Otherwise as
+/// [`difference_png`].
 pub fn difference_picture(
-    size: u32,
+    size: [u32; 2],
     title: &str,
     limit: f64,
     value: impl Fn(usize) -> Option<f64>,
 ) -> Vec<u8> {
     assert!(limit > 0.0, "a scale needs a limit above 0, not {limit}");
-    let size = size as usize;
-    let zoom = (MIN_EDGE / size).max(1);
-    let edge = size * zoom;
+    let [across, down] = size.map(|edge| edge as usize);
+    let zoom = (MIN_EDGE / across.max(down)).max(1);
+    let edge = across * zoom;
     let dot = (edge / MIN_EDGE).max(1);
     let margin = 8 * dot;
     let text = glyphs::HEIGHT * dot;
     let width = edge.max(glyphs::width(title) * dot).max(MIN_EDGE / 2) + 2 * margin;
     // From the top: title, texels, scale, ticks, numbers, each with a margin below.
     let top = text + 2 * margin;
-    let scale = top + edge + margin;
+    let scale = top + down * zoom + margin;
     let ticks = scale + 2 * text;
     let numbers = ticks + 4 * dot;
     let height = numbers + text + margin;
@@ -88,10 +89,10 @@ pub fn difference_picture(
     };
     picture.text(margin, margin, dot, title);
     let left = (width - edge) / 2;
-    for y in 0..edge {
+    for y in 0..down * zoom {
         let row = &mut picture.pixels[(top + y) * width + left..][..edge];
         for (x, texel) in row.chunks_exact_mut(zoom).enumerate() {
-            texel.fill(value(y / zoom * size + x).map_or(VOID, |v| color_index(v / limit)));
+            texel.fill(value(y / zoom * across + x).map_or(VOID, |v| color_index(v / limit)));
         }
     }
     // The scale leaves room for half of the outer numbers on either side.
