@@ -235,7 +235,7 @@ fn two_balls_a_quarter_turn_apart_leave_no_direction_unseen() {
 
 /// A photograph of patches of 16 pixels, of radiance 8, 16, … 1024 by columns, with a time in its EXIF block.
 fn exif_jpeg(path: &Path, [over, under]: [u32; 2]) {
-    let time = f64::from(over) / f64::from(under);
+    let time = f64::from(over) / f64::from(under.max(1));
     let level = |x: u32| (f64::from(8 << (x / 16)) * time).min(255.0) as u8;
     let picture: ImageBuffer<Rgb<u8>, Vec<u8>> =
         ImageBuffer::from_fn(128, 16, |x, _| Rgb([level(x); 3]));
@@ -376,6 +376,7 @@ fn unusable_photographs_are_one_line_and_leave_no_file() {
             ImageBuffer::from_fn(width, 30, |x, y| Rgb([(9 * x + y) as u8; 3]));
         picture.save(at(name)).expect("it is written");
     };
+    exif_jpeg(at("timeless.jpg").as_ref(), [1, 0]);
     gray(40, "a.png");
     gray(40, "b.png");
     gray(50, "wide.png");
@@ -405,6 +406,8 @@ fn unusable_photographs_are_one_line_and_leave_no_file() {
             .map(ToString::to_string)
             .collect::<Vec<_>>()
     };
+    let pair = at("timeless.jpg");
+    let timeless = ["map", "merge", "-o", &out, &pair, &pair].map(str::to_owned);
     let cases = [
         (
             merge(&[&wide, "--times=1,2"]),
@@ -418,6 +421,10 @@ fn unusable_photographs_are_one_line_and_leave_no_file() {
             "two brackets have the time 2 s",
         ),
         (merge(&[&b, "--times=1,2,3"]), "--times has 3 values for 2"),
+        (
+            timeless.to_vec(),
+            "bracket 1 has a time of inf s; give one above 0 by --times",
+        ),
         (merge(&["--times=1"]), "one photograph is no series"),
         (merge(&[&text, "--times=1,2"]), "text.png"),
         (merge(&[&at("none.png"), "--times=1,2"]), "none.png"),

@@ -1,6 +1,6 @@
 //! Whole-pixel shifts between brackets, by threshold bitmaps.
 //!
-//! G. Ward, "Fast, Robust Image Registration for Compositing High Dynamic Range Photographs from Hand-Held Exposures"
+//! G. Ward, "Fast, Robust Image Registration for Compositing High Dynamic Range Photographs from Handheld Exposures"
 //! (2003): a picture cut at its median looks the same at any exposure, and a pyramid of such bitmaps gives a shift bit by
 //! bit. Here the cut is the percentile nearest the median at which both pictures are neither black nor saturated, so that
 //! exposures far from a middle one align too, and every bracket is compared with its neighbour in exposure.

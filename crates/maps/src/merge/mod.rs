@@ -1,9 +1,9 @@
 //! Exposure brackets to one picture of radiance.
 //!
 //! A bracket is a photograph of 8 or 16 bits with its exposure time. The response curve turns its values into exposures;
-//! exposure by time is radiance, and the brackets are averaged by the inverse of their variance. Rounding to 8 bits and
-//! the chroma subsampling of JPEG are in the photograph: the first costs half a level, the second smears colour over two
-//! pixels; neither is undone.
+//! exposure by time is radiance, and the brackets are averaged by the inverse of their variance. Before that, [`align`] may
+//! find how they are shifted. Rounding to 8 bits and the chroma subsampling of JPEG are in the photograph: the first costs
+//! half a level, the second smears colour over two pixels; neither is undone.
 
 mod align;
 mod read;
@@ -69,7 +69,8 @@ impl Bracket {
 pub struct Merged {
     /// Radiance up to one constant factor, finite and at least 0.
     pub image: Image,
-    /// Pixels with a channel that every bracket saturates: they hold the bound of the shortest exposure.
+    /// Pixels with a channel that no bracket shows between black and saturated: they hold the lower bound of the shortest
+    /// saturated exposure.
     pub saturated: Vec<bool>,
     /// The curves of red, green and blue.
     pub responses: [Response; 3],
@@ -79,9 +80,8 @@ pub struct Merged {
 ///
 /// Every recorded level is taken to have the same noise (rounding and read noise), so that a bracket's radiance f(z)/t has
 /// a deviation of f'(z)/t; its weight is the inverse square. The noise of a value must not choose its own weight, or the mean
-/// is biased: the weight is taken at the value that a first estimate predicts (M. Granados et al., "Optimal HDR
-/// Reconstruction with Linear Digital Cameras", 2010, iterate likewise). Saturated values do not count. Where every bracket
-/// is saturated, or black beside a saturated one, the pixel keeps the highest lower bound and is flagged.
+/// is biased: the weight is taken at the value that a first estimate predicts. Saturated values do not count. Where every
+/// bracket is saturated, or black beside a saturated one, the pixel holds a lower bound and is flagged.
 ///
 /// # Errors
 /// [`Error::Shape`] for fewer than two brackets, different sizes, a time that is not above 0 or given twice, or brackets

@@ -8,9 +8,9 @@
 //! ln f(z) = a ln z + b ln(256 - z) + a polynomial in arccos(1 - 2z/255),
 //!
 //! which are positive, hold power laws exactly and bend at both ends as film does. Both papers solve for 256 free levels,
-//! with smoothness as an opponent. But evenly spaced times leave every wave in log exposure that has their spacing as its
-//! period unobserved (M. Grossberg, S. Nayar, "What Can Be Known about the Radiometric Response from Images?", 2002); free
-//! levels take it up, and a smoothness weight bends the curve instead.
+//! Debevec and Malik against a weight on its bends. But evenly spaced times leave every wave in log exposure that has their
+//! spacing as its period unobserved (M. Grossberg, S. Nayar, "Determining the Camera Response from Images: What Is
+//! Knowable?", 2003); free levels take it up, and a weight on bends flattens the curve instead.
 //!
 //! The weights follow from one assumption: every level has the same noise. A residual then has the variance of g or f
 //! by its slope, squared, so the fit is repeated with the slopes that it found. The radiances of both objectives are
