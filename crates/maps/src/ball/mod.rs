@@ -5,6 +5,7 @@
 //! asin(1/d).
 
 mod find;
+mod gray;
 mod optics;
 #[cfg(test)]
 mod tests;
