@@ -936,6 +936,32 @@ def wall_lit():
     return obj
 
 
+LAMP_MATERIALS = """# Materials of lamp.obj: a radiance of 2, 3, 5 and black.
+# Written by scenes/generate.py.
+
+newmtl lamp
+Kd 0 0 0
+Ke 2 3 5
+
+newmtl black
+Kd 0 0 0
+"""
+
+
+def lamp():
+    obj = Obj(
+        "A luminous unit square (Ke 2 3 5) at height 1 over the origin, and a screen at height 0.5 around (6, 0.5, 0).",
+        "Answer for the map captured at 0,0,0 under a black sky: D looking up is 0.2394565 Ke, the square's form factor",
+        "(4/pi) h/sqrt(1+h^2) atan(h/sqrt(1+h^2)) with h = 1/2; D looking down is 0.",
+    )
+    obj.lines.append("mtllib lamp.mtl")
+    obj.object("lamp", "lamp")
+    flat_face(obj, [(-0.5, 1, -0.5), (0.5, 1, -0.5), (0.5, 1, 0.5), (-0.5, 1, 0.5)])
+    obj.object("screen", "black")
+    flat_face(obj, [(3, 0.5, -3), (3, 0.5, 3), (9, 0.5, 3), (9, 0.5, -3)])
+    return obj
+
+
 def scenes(detail):
     yield "plane.obj", plane().text()
     yield "tilted_normal.obj", tilted().text()
@@ -963,6 +989,8 @@ def scenes(detail):
     yield "airliner.mtl", materials("airliner", AIRLINER_MATERIALS)
     yield "ball.obj", ball().text()
     yield "wall_lit.obj", wall_lit().text()
+    yield "lamp.obj", lamp().text()
+    yield "lamp.mtl", LAMP_MATERIALS
 
 
 def main():

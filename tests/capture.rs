@@ -5,38 +5,10 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
-/// A unit lamp at height 1 over a black and a white tile, and a box that hides the lamp from its far side.
-const ROOM: &str = "mtllib room.mtl
-o lamp
-usemtl lamp
-v -0.5 1 -0.5
-v 0.5 1 -0.5
-v 0.5 1 0.5
-v -0.5 1 0.5
-f 1 2 3 4
-o screen
-usemtl black
-v 3 0.5 -3
-v 3 0.5 3
-v 9 0.5 3
-v 9 0.5 -3
-f 5 6 7 8
-";
-
-const MATERIALS: &str = "newmtl lamp\nKd 0 0 0\nKe 2 3 5\nnewmtl black\nKd 0 0 0\n";
-
-/// A folder with the room in it.
-fn room() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().expect("a folder");
-    fs::write(folder.path().join("room.obj"), ROOM).expect("written");
-    fs::write(folder.path().join("room.mtl"), MATERIALS).expect("written");
-    folder
-}
-
-/// Captures `room.obj` of the folder into `name`, with more arguments.
+/// Captures the scene of a lamp and a screen into `name`, with more arguments.
 fn capture(folder: &Path, name: &str, more: &str) -> Vec<u8> {
-    let at = |name: &str| folder.join(name).display().to_string();
-    let (input, output) = (at("room.obj"), at(name));
+    let input = scene("lamp.obj").display().to_string();
+    let output = folder.join(name).display().to_string();
     let words = ["map", "capture", &input, "-o", &output, "--quiet"];
     run_well(words.into_iter().chain(more.split_whitespace()));
     fs::read(output).unwrap_or_default()
@@ -45,7 +17,7 @@ fn capture(folder: &Path, name: &str, more: &str) -> Vec<u8> {
 #[test]
 fn the_diffuse_map_of_a_captured_lamp_is_its_form_factor() {
     for backend in backends() {
-        let folder = room();
+        let folder = tempfile::tempdir().expect("a folder");
         let at = |name: &str| folder.path().join(name).display().to_string();
         let arguments = format!("--at 0,0,0 --sky 0,0,0 --face 64 --backend {backend}");
         capture(folder.path(), "i.exr", &format!("{arguments} --to strip"));
@@ -76,7 +48,7 @@ fn the_diffuse_map_of_a_captured_lamp_is_its_form_factor() {
 
 #[test]
 fn a_capture_has_the_same_bytes_at_any_thread_count() {
-    let folder = room();
+    let folder = tempfile::tempdir().expect("a folder");
     let take = |name: &str, more: &str| {
         let arguments = "--at 0.1,0.2,0.3 --face 16 --point 1,0.2,3,4";
         capture(folder.path(), name, &format!("{arguments} {more}"))
@@ -89,7 +61,7 @@ fn a_capture_has_the_same_bytes_at_any_thread_count() {
 
 #[test]
 fn a_point_light_adds_the_same_energy_to_any_map_and_none_from_behind_a_screen() {
-    let folder = room();
+    let folder = tempfile::tempdir().expect("a folder");
     let integral = |more: &str| {
         capture(folder.path(), "i.exr", more);
         let path = folder.path().join("i.exr").display().to_string();
@@ -146,4 +118,27 @@ fn a_wrong_capture_is_one_line_and_leaves_no_file() {
     assert!(String::from_utf8_lossy(&warned.stderr).contains("warning: nothing shines"));
     let map = maps::read(Path::new(&output)).expect("an EXR").image;
     assert!(map.pixels.iter().all(|pixel| *pixel == [0.0; 3]));
+}
+
+#[test]
+fn a_lamp_of_an_obj_scene_still_shines_in_a_picture_from_its_bake() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let lamp = scene("lamp.obj").display().to_string();
+    run_well([
+        "bake",
+        &lamp,
+        "-o",
+        &at("bake"),
+        "--size",
+        "64",
+        "--rays",
+        "1",
+        "--quiet",
+    ]);
+    let view = "--eye 0,0,0 --look 0,1,0 --up 0,0,1 --fov-deg 40 --size 4x4 --quiet";
+    let words = ["render", &lamp, "--bake", &at("bake"), "-o", &at("x.exr")];
+    run_well(words.into_iter().chain(view.split(' ')));
+    let picture = maps::read(Path::new(&at("x.exr"))).expect("an EXR").image;
+    assert!(picture.pixels.iter().all(|pixel| *pixel == [2.0, 3.0, 5.0]));
 }

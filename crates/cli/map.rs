@@ -24,6 +24,9 @@ pub enum Args {
     /// Exposure brackets to one picture of radiance
     Merge(crate::map_merge::Args),
     /// The light that arrives at a place in a scene
+    ///
+    /// Surfaces that shine (Ke, emissiveFactor) are seen as they are. Others are secondary sources: the light that
+    /// reaches them straight from the sky, from shining surfaces and from point lights, reflected once by Lambert's law.
     Capture(crate::map_capture::Args),
 }
 

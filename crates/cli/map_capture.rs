@@ -16,8 +16,6 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Surfaces that shine (Ke, emissiveFactor) are seen as they are. Others are secondary sources: the light that reaches
-/// them straight from the sky, from shining surfaces and from point lights, reflected once by Lambert's law.
 #[derive(ClapArgs)]
 pub struct Args {
     /// Scene file: .obj, .gltf or .glb

@@ -89,6 +89,32 @@ fn inside_a_luminous_box_the_map_is_its_radiance_everywhere() {
 }
 
 #[test]
+fn each_face_of_the_map_looks_along_its_axis() {
+    let mut walls = room(Vec3::ZERO, 0.0);
+    // -x +x -y +y -z +z, as `room` builds them.
+    for (number, wall) in walls.iter_mut().enumerate() {
+        wall.emission = Vec3::splat(1.0 + number as f32);
+    }
+    let (world, backend) = world(&walls);
+    let surfaces = Surfaces::new(&world);
+    let lamps = Lamps::of(&world);
+    let direct = direct(&surfaces, backend.as_ref(), &lamps, &[]);
+    let faces = cube(&direct, DVec3::ZERO, 1, 4);
+    let found: Vec<_> = faces.image().pixels.iter().map(|p| p[0]).collect();
+    assert_eq!(found, [2.0, 1.0, 4.0, 3.0, 6.0, 5.0]);
+    let polar = capture(&direct, DVec3::ZERO, Projection::Polar, (8, 4), 1).unwrap();
+    for (column, row, exact) in [
+        (4, 2, 6.0),
+        (5, 1, 2.0),
+        (2, 2, 1.0),
+        (0, 1, 5.0),
+        (3, 0, 4.0),
+    ] {
+        assert_eq!(polar.image().at(column, row)[0], exact, "({column}, {row})");
+    }
+}
+
+#[test]
 fn a_box_that_also_reflects_half_shows_half_as_much_again() {
     let (world, backend) = world(&room(Vec3::ONE, 0.5));
     let surfaces = Surfaces::new(&world);
