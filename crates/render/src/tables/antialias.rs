@@ -38,12 +38,22 @@ impl Lookup {
 
     /// The value for a pixel whose corners, in a turn, have these directions of unit length.
     pub fn read(self, table: &Table, corners: [[f32; 3]; 4]) -> [f32; 3] {
+        self.read_at(table, corners, corners.map(|d| table.place(d)))
+    }
+
+    /// The same with the directions' places in the table.
+    pub(super) fn read_at(
+        self,
+        table: &Table,
+        corners: [[f32; 3]; 4],
+        places: [[f32; 2]; 4],
+    ) -> [f32; 3] {
         match self {
             Lookup::Nearest => table.nearest(middle(&corners)),
             Lookup::Bilinear => table.bilinear(middle(&corners)),
-            Lookup::Recursive => recursive(table, corners, HALVINGS),
-            Lookup::Quad => quad(table, corners),
-            Lookup::Summed => summed(table, corners),
+            Lookup::Recursive => recursive(table, corners, places, HALVINGS),
+            Lookup::Quad => quad(table, corners, places),
+            Lookup::Summed => summed(table, places),
         }
     }
 }
@@ -51,8 +61,12 @@ impl Lookup {
 /// A pixel is halved at most this often; 1/4096 of it is inconsequentially small.
 const HALVINGS: u32 = 12;
 
-fn recursive(table: &Table, corners: [[f32; 3]; 4], halvings: u32) -> [f32; 3] {
-    let places = corners.map(|d| table.place(d));
+fn recursive(
+    table: &Table,
+    corners: [[f32; 3]; 4],
+    places: [[f32; 2]; 4],
+    halvings: u32,
+) -> [f32; 3] {
     if halvings == 0 || adjacent(table, &places) {
         return mean4(corners.map(|d| table.bilinear(d)));
     }
@@ -65,8 +79,8 @@ fn recursive(table: &Table, corners: [[f32; 3]; 4], halvings: u32) -> [f32; 3] {
         let (left, right) = (between(a, d), between(b, c));
         ([a, b, right, left], [left, right, c, d])
     };
-    let first = recursive(table, first, halvings - 1);
-    let second = recursive(table, second, halvings - 1);
+    let [first, second] = [first, second]
+        .map(|half| recursive(table, half, half.map(|d| table.place(d)), halvings - 1));
     std::array::from_fn(|c| 0.5 * (first[c] + second[c]))
 }
 
@@ -111,26 +125,30 @@ fn adjacent(table: &Table, places: &[[f32; 2]; 4]) -> bool {
 
 /// The corners' places with columns that go on beyond the seam, and what is left at the end of a turn: a width where the
 /// quad holds a pole.
-fn unwrapped(table: &Table, corners: &[[f32; 3]; 4]) -> ([[f32; 2]; 4], f32) {
+fn unwrapped(table: &Table, mut places: [[f32; 2]; 4]) -> ([[f32; 2]; 4], f32) {
     let width = table.size().0 as f32;
-    let mut places = corners.map(|d| table.place(d));
     let step = |from: f32, to: f32| {
         let gap = to - from;
-        gap - width * (gap / width).round()
+        if gap > 0.5 * width {
+            gap - width
+        } else if gap < -0.5 * width {
+            gap + width
+        } else {
+            gap
+        }
     };
-    let first = places[0][0];
+    let columns = places.map(|p| p[0]);
     for k in 1..4 {
-        let from = places[k - 1][0];
-        places[k][0] = from + step(from, places[k][0]);
+        places[k][0] = places[k - 1][0] + step(columns[k - 1], columns[k]);
     }
-    let last = places[3][0];
-    (places, last + step(last, first) - first)
+    let rest = places[3][0] + step(columns[3], columns[0]) - columns[0];
+    (places, rest)
 }
 
-fn summed(table: &Table, corners: [[f32; 3]; 4]) -> [f32; 3] {
+fn summed(table: &Table, places: [[f32; 2]; 4]) -> [f32; 3] {
     let (width, height) = table.size();
     let (width, height) = (width as f32, height as f32);
-    let (places, rest) = unwrapped(table, &corners);
+    let (places, rest) = unwrapped(table, places);
     let rows = places.map(|p| p[1]);
     if rest.abs() > 0.5 * width {
         // The cap about the pole down to the lowest corner.
@@ -158,12 +176,12 @@ fn summed(table: &Table, corners: [[f32; 3]; 4]) -> [f32; 3] {
     table.summed().mean(x, y)
 }
 
-fn quad(table: &Table, corners: [[f32; 3]; 4]) -> [f32; 3] {
+fn quad(table: &Table, corners: [[f32; 3]; 4], places: [[f32; 2]; 4]) -> [f32; 3] {
     let width = table.size().0 as f32;
-    let (places, rest) = unwrapped(table, &corners);
-    if adjacent(table, &corners.map(|d| table.place(d))) {
+    if adjacent(table, &places) {
         return mean4(corners.map(|d| table.bilinear(d)));
     }
+    let (places, rest) = unwrapped(table, places);
     let mut sum = [0.0f64; 4];
     let [a, b, c, d] = places;
     if rest.abs() > 0.5 * width {

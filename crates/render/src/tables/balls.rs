@@ -81,9 +81,9 @@ impl Balls {
         [
             (shader(None, i), grey(0.0), grey(1.0)),
             (shader(None, s), grey(0.0), grey(1.0)),
-            (shader(d, None), grey(1.0), grey(0.0)),
+            (shader(d, None), grey(0.5), grey(0.0)),
             (varnished, DVec3::new(0.5, 0.12, 0.04), grey(0.0)),
-            (indexed(Index::Retro, s), grey(0.0), grey(1.0)),
+            (indexed(Index::Retro, s), grey(0.0), grey(0.5)),
             (
                 indexed(Index::Refraction(1.0 / GLASS), i),
                 grey(0.0),

@@ -11,6 +11,7 @@ mod encoded;
 mod gbuffer;
 mod index;
 mod path;
+mod row;
 mod shader;
 mod summed;
 mod table;

@@ -83,10 +83,16 @@ impl Summed {
     fn corners<const N: usize>(&self, columns: &[(usize, u64); N], y: usize) -> [[u64; 4]; N] {
         let row = &self.corners[y * (self.width + 1)..][..self.width + 1];
         let whole = row[self.width];
-        columns.map(|(column, rounds)| {
-            let within = row[column];
-            std::array::from_fn(|c| within[c].wrapping_add(rounds.wrapping_mul(whole[c])))
-        })
+        let mut found = [[0; 4]; N];
+        for (sum, (column, rounds)) in found.iter_mut().zip(columns) {
+            *sum = row[*column];
+            if *rounds != 0 {
+                for c in 0..4 {
+                    sum[c] = sum[c].wrapping_add(rounds.wrapping_mul(whole[c]));
+                }
+            }
+        }
+        found
     }
 
     /// Mean radiance over a rectangle with borders anywhere, in texels: columns may lie beyond the seam, rows are cut at the
@@ -97,20 +103,21 @@ impl Summed {
         let (ys, y_shares) = borders(down);
         let limit = self.height as i64;
         let columns = xs.map(|x| self.column(x));
-        let corners = ys.map(|y| self.corners(&columns, y.clamp(0, limit) as usize));
+        let mut above = self.corners(&columns, ys[0] as usize);
         let mut sum = [0.0; 4];
         for j in 0..3 {
+            let below = self.corners(&columns, ys[j + 1].min(limit) as usize);
             for i in 0..3 {
-                // Sums stay below 2⁶², so the sign is that of a plain integer.
                 let share = x_shares[i] * y_shares[j];
-                let part = difference(
-                    corners[j + 1][i + 1],
-                    corners[j + 1][i],
-                    corners[j][i + 1],
-                    corners[j][i],
-                );
-                sum = std::array::from_fn(|c| sum[c] + share * part[c] as i64 as f64);
+                if share > 0.0 {
+                    let part = difference(below[i + 1], below[i], above[i + 1], above[i]);
+                    for c in 0..4 {
+                        // Sums stay below 2⁶², so the sign is that of a plain integer.
+                        sum[c] += share * part[c] as i64 as f64;
+                    }
+                }
             }
+            above = below;
         }
         let omega = sum[3] / self.units[3];
         std::array::from_fn(|c| (sum[c] / self.units[c] / omega) as f32)
@@ -118,11 +125,12 @@ impl Summed {
 }
 
 fn difference(a: [u64; 4], b: [u64; 4], c: [u64; 4], d: [u64; 4]) -> [u64; 4] {
-    std::array::from_fn(|i| {
-        a[i].wrapping_sub(b[i])
-            .wrapping_sub(c[i])
-            .wrapping_add(d[i])
-    })
+    let mut part = [0; 4];
+    for i in 0..4 {
+        let (right, left) = (a[i].wrapping_sub(b[i]), c[i].wrapping_sub(d[i]));
+        part[i] = right.wrapping_sub(left);
+    }
+    part
 }
 
 /// Whole-numbered borders of the first, the inner and the last texels of a range, and what share of each is inside.

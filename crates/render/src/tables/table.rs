@@ -119,17 +119,27 @@ impl Table {
         let [x, y] = self.place(direction);
         let stride = self.width as u32 + 2;
         if nearest {
-            let column = x.floor().min(self.width as f32 - 1.0);
-            let row = y.floor().min(self.height as f32 - 1.0);
+            let column = floor(x).min(self.width as f32 - 1.0);
+            let row = floor(y).min(self.height as f32 - 1.0);
             return ((whole(row) + 1) * stride + whole(column) + 1, 0.0, 0.0);
         }
         // From 0 on: the margin begins half a texel before the map's centres do.
         let (x, y) = (x + 0.5, y + 0.5);
-        let (column, row) = (x.floor(), y.floor());
+        let (column, row) = (floor(x), floor(y));
         (whole(row) * stride + whole(column), x - column, y - row)
     }
 
-    /// Places of a block of directions.
+    /// [`Table::place`] of a block of directions: columns and rows.
+    #[inline(always)]
+    pub(super) fn block(&self, [x, y, z]: &[Lanes; 3]) -> [Lanes; 2] {
+        let mut places = [[0.0; LANES]; 2];
+        for k in 0..LANES {
+            [places[0][k], places[1][k]] = self.place([x[k], y[k], z[k]]);
+        }
+        places
+    }
+
+    /// Texels of a block of directions.
     #[inline(always)]
     fn places(&self, [x, y, z]: &[Lanes; 3], nearest: bool) -> Places {
         let mut places = Places {
@@ -175,11 +185,20 @@ impl Table {
     }
 }
 
+/// From here to twice this, floats are the whole numbers.
+const WHOLE: f32 = 8_388_608.0;
+
+/// The integer part of a number in 0..2²²: without a call where processors have no instruction for it.
+#[inline(always)]
+fn floor(v: f32) -> f32 {
+    let near = (v + WHOLE) - WHOLE;
+    if near > v { near - 1.0 } else { near }
+}
+
 /// A whole number in 0..2²³ as an integer: a conversion that needs no care for other values, so it vectorises.
 #[inline(always)]
 fn whole(v: f32) -> u32 {
-    const SHIFT: f32 = 8_388_608.0;
-    (v + SHIFT).to_bits() - SHIFT.to_bits()
+    (v + WHOLE).to_bits() - WHOLE.to_bits()
 }
 
 /// atan(t) / t on 0..=1 in powers of t², fitted by reweighted least squares: off by at most 1.3e-7 in f32.

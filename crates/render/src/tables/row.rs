@@ -1,0 +1,174 @@
+//! Shading of one row of pixels, a block of [`LANES`] in step.
+
+use super::antialias::Lookup;
+use super::gbuffer::GBuffer;
+use super::index::{Index, combine};
+use super::shader::{COAT, Shader};
+use super::table::{LANES, Lanes, Table};
+use pulp::NullaryFnOnce;
+use std::ops::Range;
+
+/// One row of a picture, compiled for every width of vectors.
+pub(super) struct Row<'a, 'b> {
+    pub shader: &'a Shader<'b>,
+    pub buffer: &'a GBuffer,
+    pub lookup: Lookup,
+    pub y: usize,
+    /// What is behind, and the result.
+    pub pixels: &'a mut [[f32; 3]],
+}
+
+/// Normals and views of a block.
+type Surfaces = [[Lanes; 3]; 2];
+
+/// What a block adds up: red, green, blue and nothing.
+type Sums = [[f32; 4]; LANES];
+
+impl NullaryFnOnce for Row<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(mut self) {
+        let end = self.buffer.rows[self.y + 1];
+        let mut start = self.buffer.rows[self.y];
+        while start < end {
+            let next = end.min(start + LANES);
+            self.block(start..next);
+            start = next;
+        }
+    }
+}
+
+impl Row<'_, '_> {
+    #[inline(always)]
+    fn block(&mut self, range: Range<usize>) {
+        let (shader, buffer) = (self.shader, self.buffer);
+        let lanes = range.start..range.start + LANES;
+        let load = |lists: &[Vec<f32>; 3]| -> [Lanes; 3] {
+            std::array::from_fn(|c| {
+                let mut loaded = [0.0; LANES];
+                loaded.copy_from_slice(&lists[c][lanes.clone()]);
+                loaded
+            })
+        };
+        let middle = [load(&buffer.normal), load(&buffer.view)];
+        let [n, e] = &middle;
+        let (mut wd, mut ws) = ([0.0; LANES], [0.0; LANES]);
+        for k in 0..LANES {
+            let cosine = n[0][k] * e[0][k] + n[1][k] * e[1][k] + n[2][k] * e[2][k];
+            wd[k] = shader.diffuse_weight.at(cosine);
+            ws[k] = shader.specular_weight.at(cosine);
+        }
+        // Weights times reflectances; `which` is 0 for kd and 1 for ks.
+        let factors = |weights: &Lanes, which: usize| {
+            let mut factors = [[0.0; 4]; LANES];
+            for (k, material) in buffer.material[lanes.clone()].iter().enumerate() {
+                let reflectance = buffer.palette[*material as usize][which];
+                factors[k] = reflectance.map(|v| weights[k] * v);
+            }
+            factors
+        };
+        let corners = match self.lookup.needs_corners() {
+            true => Some(buffer.footprints(range.clone(), self.y)),
+            false => None,
+        };
+        let mut sums = [[0.0; 4]; LANES];
+        let reading = Reading {
+            lookup: self.lookup,
+            count: range.len(),
+            middle: &middle,
+            corners: corners.as_ref(),
+        };
+        if let Some(table) = shader.diffuse {
+            reading.add(table, None, &factors(&wd, 0), &mut sums);
+        }
+        if let Some(table) = shader.specular {
+            reading.add(table, Some(shader.index), &factors(&ws, 1), &mut sums);
+        }
+        if let Some(table) = shader.coat {
+            reading.add(table, Some(Index::Mirror), &[[COAT; 4]; LANES], &mut sums);
+        }
+        for (at, [r, g, b, _]) in range.zip(sums) {
+            let pixel = &mut self.pixels[usize::from(buffer.columns[at])];
+            let coverage = buffer.coverage[at];
+            *pixel = match coverage == 1.0 {
+                true => [r, g, b],
+                false => combine(coverage, [r, g, b], 1.0 - coverage, *pixel),
+            };
+        }
+    }
+}
+
+/// Where a block reads its tables.
+struct Reading<'a> {
+    lookup: Lookup,
+    /// Pixels of the block.
+    count: usize,
+    middle: &'a Surfaces,
+    /// For antialiased look-ups.
+    corners: Option<&'a [Surfaces; 4]>,
+}
+
+impl Reading<'_> {
+    /// Adds what a table holds for each pixel, times its factor.
+    #[inline(always)]
+    fn add(&self, table: &Table, index: Option<Index>, factors: &Sums, sums: &mut Sums) {
+        let Some(corners) = self.corners else {
+            let nearest = self.lookup == Lookup::Nearest;
+            table.add(&directions(index, self.middle), nearest, factors, sums);
+            return;
+        };
+        let mut quads = [[[0.0; LANES]; 3]; 4];
+        let mut places = [[[0.0; LANES]; 2]; 4];
+        for q in 0..4 {
+            quads[q] = directions(index, &corners[q]);
+            places[q] = table.block(&quads[q]);
+        }
+        for k in 0..self.count {
+            let (mut quad, mut place) = ([[0.0; 3]; 4], [[0.0; 2]; 4]);
+            for q in 0..4 {
+                quad[q] = [quads[q][0][k], quads[q][1][k], quads[q][2][k]];
+                place[q] = [places[q][0][k], places[q][1][k]];
+            }
+            let value = self.lookup.read_at(table, quad, place);
+            for c in 0..3 {
+                sums[k][c] += factors[k][c] * value[c];
+            }
+        }
+    }
+}
+
+/// The directions that index a table; normals without an index.
+#[inline(always)]
+fn directions(index: Option<Index>, [n, e]: &Surfaces) -> [Lanes; 3] {
+    let Some(index) = index else { return *n };
+    let mut found = [[0.0; LANES]; 3];
+    for k in 0..LANES {
+        let [x, y, z] = index.direction([n[0][k], n[1][k], n[2][k]], [e[0][k], e[1][k], e[2][k]]);
+        (found[0][k], found[1][k], found[2][k]) = (x, y, z);
+    }
+    found
+}
+
+impl GBuffer {
+    /// Normals and views at the corners of pixels, in a turn. Where a corner misses the object, the pixel's own stand.
+    fn footprints(&self, range: Range<usize>, y: usize) -> [Surfaces; 4] {
+        let width = self.camera.size[0] as usize + 1;
+        let mut found = [[[[0.0; LANES]; 3]; 2]; 4];
+        for (k, at) in range.enumerate() {
+            let x = usize::from(self.columns[at]);
+            let corners = [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)];
+            for (corner, (x, y)) in found.iter_mut().zip(corners) {
+                let mut surface = self.corners[y * width + x];
+                if surface[0] == [0.0; 3] {
+                    surface =
+                        [&self.normal, &self.view].map(|l| [0, 1, 2].map(|c: usize| l[c][at]));
+                }
+                for (lanes, vector) in corner.iter_mut().zip(surface) {
+                    (0..3).for_each(|c| lanes[c][k] = vector[c]);
+                }
+            }
+        }
+        found
+    }
+}
