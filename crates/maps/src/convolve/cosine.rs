@@ -26,7 +26,7 @@ pub(super) fn integrate(map: &IlluminationMap, request: &Request, power: u32, sc
         })
         .collect();
     let rows = map.size().1;
-    let rule = nodes(rows);
+    let rule = nodes(rows, if power == 0 { 8192 } else { 1024 });
     let blocks: Vec<usize> = (0..rows).step_by(BLOCK).collect();
     let partial: Vec<Vec<[f64; 3]>> = blocks
         .into_par_iter()
@@ -63,9 +63,9 @@ pub(super) fn integrate(map: &IlluminationMap, request: &Request, power: u32, sc
 }
 
 /// Nodes in -1..1 and weights for one of `rows` rows. Where the horizon touches a row the integrand has a kink of power
-/// 3/2, so small steps do more than high order: two nodes in each of 1024 steps from pole to pole.
-fn nodes(rows: usize) -> Vec<(f64, f64)> {
-    let steps = 1024usize.div_ceil(rows);
+/// 3/2, or 1/2 for x^0, so small steps do more than high order: two nodes in each step of `all` from pole to pole.
+fn nodes(rows: usize, all: usize) -> Vec<(f64, f64)> {
+    let steps = all.div_ceil(rows);
     let step = |k: usize| {
         let middle = (2 * k + 1) as f64 / steps as f64 - 1.0;
         let node = move |(x, w): (f64, f64)| (middle + x / steps as f64, w / steps as f64);

@@ -3,14 +3,26 @@
 //! A function of order L on a grid of spacing π/4L is interpolated by eight points each way to some 1e-8. Spreading a point
 //! onto the grid is the adjoint: afterwards the grid has the same I_lm as the point.
 
-use super::analysis::{Rings, nodes};
-use super::points::Points;
+use super::analysis::Rings;
+use super::tiles;
 use crate::{IlluminationMap, Image, Projection};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
 /// Points of interpolation each way.
 const POINTS: usize = 8;
+
+/// 1 / Π (k - j) over the other points j: (-1)^(7-k) / k! (7-k)!.
+const INVERSE: [f64; POINTS] = [
+    -1.0 / 5040.0,
+    1.0 / 720.0,
+    -1.0 / 240.0,
+    1.0 / 144.0,
+    -1.0 / 144.0,
+    1.0 / 240.0,
+    -1.0 / 720.0,
+    1.0 / 5040.0,
+];
 
 /// Rows that are filled together.
 const BAND: usize = 32;
@@ -35,9 +47,7 @@ impl Grid {
     /// The map's texels as point weights.
     pub(super) fn spread(map: &IlluminationMap, order: usize) -> Grid {
         let (width, height) = Self::size(order);
-        let (w, h) = map.size();
-        let step = (2.0 * TAU / (w * h) as f64).sqrt();
-        let points = Points::of(map, nodes(step * order as f64));
+        let points = tiles::points(map, order);
         let bands = height.div_ceil(BAND);
         // Every point goes to the bands that its eight rows touch, in the order of the points.
         let mut lists = vec![Vec::new(); bands];
@@ -157,13 +167,18 @@ impl Stencil {
     /// Lagrange's weights down and across.
     fn weights(&self) -> [[f64; POINTS]; 2] {
         self.between.map(|t| {
-            std::array::from_fn(|k| {
-                let place = |k: usize| k as f64 - (POINTS / 2 - 1) as f64;
-                let others = (0..POINTS).filter(|other| *other != k);
-                others
-                    .map(|other| (t - place(other)) / (place(k) - place(other)))
-                    .product()
-            })
+            // Products of the distances to the points before and after each.
+            let distance = |k: usize| t - (k as f64 - (POINTS / 2 - 1) as f64);
+            let mut weights = INVERSE;
+            let (mut before, mut after) = (1.0, 1.0);
+            for k in 0..POINTS {
+                weights[k] *= before;
+                before *= distance(k);
+                let k = POINTS - 1 - k;
+                weights[k] *= after;
+                after *= distance(k);
+            }
+            weights
         })
     }
 

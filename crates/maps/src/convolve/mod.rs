@@ -2,19 +2,22 @@
 //!
 //! A texel counts as an area of constant radiance, and the lobe is integrated over that area: a constant map comes out
 //! constant at any size. Lobes act on spherical harmonics by one factor an order (Funk-Hecke); the cosine, whose series
-//! converges slowly, is integrated in closed form along the rows of a polar map.
+//! converges slowly, is integrated in closed form along the rows of a polar map. Suns within one texel are summed apart.
 
 mod analysis;
 mod cosine;
 mod grid;
 mod legendre;
+mod lights;
 mod lobe;
 mod points;
 mod synthesis;
 #[cfg(test)]
 mod tests;
+mod tiles;
 
 use crate::{Error, IlluminationMap, Image, Projection, ReflectionMap, convert};
+use lights::Lights;
 pub use lobe::{Lobe, Normalise};
 use rayon::prelude::*;
 
@@ -52,14 +55,18 @@ pub fn convolve(map: &IlluminationMap, requests: &[Request]) -> Result<Vec<Refle
         request.projection.check(request.size.0, request.size.1)?;
         plans.push(Plan::of(map, request)?);
     }
+    let lights = Lights::of(map);
+    let areas = lights.as_ref().map_or(map, |(_, rest)| rest);
     let order = plans.iter().filter_map(Plan::order).max();
-    let series = order.map(|order| analysis::analyse(map, order));
+    let series = order.map(|order| analysis::analyse(areas, order));
     let results = requests.iter().zip(&plans).map(|(request, plan)| {
         let scale = request.lobe.scale(request.normalise);
         let mut image = match (plan, &series) {
-            (Plan::Identity, _) => mirror(map, request)?,
-            (Plan::Cosine(power), _) => cosine::integrate(map, request, *power, scale),
-            (Plan::Points(power), _) => points::integrate(map, request, *power, scale),
+            (Plan::Identity, _) => {
+                return ReflectionMap::new(mirror(map, request)?, request.projection);
+            }
+            (Plan::Cosine(power), _) => cosine::integrate(areas, request, *power, scale),
+            (Plan::Points(power), _) => points::integrate(areas, request, *power, scale),
             (Plan::Series(zonal), Some(series)) => {
                 let zonal: Vec<f64> = zonal.iter().map(|c| c * scale).collect();
                 synthesis::synthesise(series, &zonal, request.projection, request.size)
@@ -68,6 +75,9 @@ pub fn convolve(map: &IlluminationMap, requests: &[Request]) -> Result<Vec<Refle
                 unreachable!("a series is analysed where a plan asks for it")
             }
         };
+        if let Some((lights, _)) = &lights {
+            lights.add(request, scale, &mut image);
+        }
         if let Lobe::Varnish(_) = request.lobe {
             let coat = mirror(map, request)?;
             for (sum, coat) in image.pixels.iter_mut().zip(&coat.pixels) {

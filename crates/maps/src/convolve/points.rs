@@ -2,7 +2,7 @@
 
 use super::{Request, picture};
 use crate::quadrature::gauss_legendre;
-use crate::{Direction, IlluminationMap, Image, Projection};
+use crate::{Direction, IlluminationMap, Image, projection};
 use rayon::prelude::*;
 
 /// Areas with their flux, I dω.
@@ -10,6 +10,8 @@ use rayon::prelude::*;
 pub(super) struct Points {
     pub directions: Vec<Direction>,
     pub flux: Vec<[f64; 3]>,
+    /// Side of a square of the area's solid angle, radians. Points for smooth functions have none.
+    pub sides: Vec<f64>,
 }
 
 impl Points {
@@ -17,19 +19,13 @@ impl Points {
     /// black or show nothing are left out.
     pub(super) fn of(map: &IlluminationMap, count: usize) -> Points {
         let size = map.size();
-        let rule: Vec<(f64, f64)> = gauss_legendre(count)
-            .iter()
-            .map(|(x, w)| (0.5 * (x + 1.0), *w))
-            .collect();
         let of_tile = |tile: usize| {
             let across = size.0.div_ceil(TILE);
             let (left, top) = (tile % across * TILE, tile / across * TILE);
             let mut points = Points::default();
-            for j in top..(top + TILE).min(size.1) {
-                for i in left..(left + TILE).min(size.0) {
-                    points.add(map, &rule, i, j);
-                }
-            }
+            let rows = top..(top + TILE).min(size.1);
+            let row = |j| (left..(left + TILE).min(size.0)).map(move |i| (i, j));
+            points.add_texels(map, count, rows.flat_map(row));
             points
         };
         let tiles = size.0.div_ceil(TILE) * size.1.div_ceil(TILE);
@@ -38,39 +34,34 @@ impl Points {
         for tile in tiles {
             all.directions.extend(tile.directions);
             all.flux.extend(tile.flux);
+            all.sides.extend(tile.sides);
         }
         all
     }
 
+    /// Adds `count` by `count` nodes of each texel.
+    pub(super) fn add_texels(
+        &mut self,
+        map: &IlluminationMap,
+        count: usize,
+        texels: impl Iterator<Item = (usize, usize)>,
+    ) {
+        let rules = [
+            gauss_legendre(count),
+            gauss_legendre(projection::fine(count)),
+        ];
+        texels.for_each(|(i, j)| self.add(map, &rules, i, j));
+    }
+
     /// Adds the nodes of one texel.
-    fn add(&mut self, map: &IlluminationMap, rule: &[(f64, f64)], i: usize, j: usize) {
+    fn add(&mut self, map: &IlluminationMap, rules: &[Vec<(f64, f64)>; 2], i: usize, j: usize) {
         let (size, projection) = (map.size(), map.projection());
         let pixel = map.image().at(i, j);
         let omega = projection.solid_angle(size, i, j);
         if pixel == [0.0; 3] || omega == 0.0 {
             return;
         }
-        let corner = |k: usize| projection.direction(size, (i + k % 2) as f64, (j + k / 2) as f64);
-        let disc = matches!(
-            projection,
-            Projection::Ortho | Projection::Ball | Projection::Angular
-        );
-        let fine = rim_rule();
-        // The rim of a disc cuts a texel where its density ends abruptly.
-        let rule = if disc && (0..4).any(|k| corner(k).is_none()) {
-            &fine
-        } else {
-            rule
-        };
-        let mut nodes = Vec::with_capacity(rule.len() * rule.len());
-        for (dy, wy) in rule {
-            for (dx, wx) in rule {
-                let (x, y) = (i as f64 + dx, j as f64 + dy);
-                if let Some(direction) = projection.direction(size, x, y) {
-                    nodes.push((direction, wx * wy * projection.density(size, x, y)));
-                }
-            }
-        }
+        let mut nodes = projection::nodes(projection, size, (i, j), &rules[0], &rules[1]);
         if nodes.is_empty() {
             // A sliver: the place on the rim next to its middle.
             let (x, y) = (i as f64 + 0.5, j as f64 + 0.5);
@@ -78,16 +69,12 @@ impl Points {
         }
         let total: f64 = nodes.iter().map(|(_, weight)| weight).sum();
         for (direction, weight) in nodes {
+            let omega = omega * weight / total;
             self.directions.push(direction);
-            self.flux
-                .push(pixel.map(|v| f64::from(v) * omega * weight / total));
+            self.flux.push(pixel.map(|v| f64::from(v) * omega));
+            self.sides.push(omega.sqrt());
         }
     }
-}
-
-/// Middles of equal parts of a texel at a disc's rim.
-fn rim_rule() -> Vec<(f64, f64)> {
-    (0..24).map(|k| ((k as f64 + 0.5) / 24.0, 1.0)).collect()
 }
 
 /// Side of a square of texels whose points follow each other.
@@ -97,7 +84,7 @@ const TILE: usize = 8;
 struct Cluster {
     range: std::ops::Range<usize>,
     axis: Direction,
-    /// Sine of the angle of a cone about the axis that holds them; 1 where that is not acute.
+    /// Sine of the angle of a cone about the axis that holds them with a margin; 1 where that is not acute.
     sine: f64,
     flux: [f64; 3],
     /// Σ flux · direction, by channel.
@@ -120,8 +107,11 @@ impl Cluster {
             .iter()
             .map(|l| dot(axis, *l));
         let least = cosines.fold(1.0, f64::min);
+        let widest = points.sides[range.clone()]
+            .iter()
+            .fold(0.0, |a: f64, b| a.max(*b));
         let sine = if least > 0.0 {
-            (1.0 - least * least).sqrt()
+            (1.0 - least * least).sqrt() + widest
         } else {
             1.0
         };
@@ -144,11 +134,11 @@ const CLUSTER: usize = 256;
 
 /// Σ flux · x^power over the hemisphere of each direction of the result.
 pub(super) fn integrate(map: &IlluminationMap, request: &Request, power: u32, scale: f64) -> Image {
-    // The horizon cuts points either in or out: a million of them leave some 1e-7.
+    // The horizon cuts areas as if they were squares along it: two millions of them leave some 1e-7.
     let (width, height) = map.size();
     let points = Points::of(
         map,
-        (1e6 / (width * height) as f64).sqrt().ceil().max(2.0) as usize,
+        (2e6 / (width * height) as f64).sqrt().ceil().max(2.0) as usize,
     );
     let count = points.directions.len();
     let ranges: Vec<_> = (0..count)
@@ -167,16 +157,9 @@ pub(super) fn integrate(map: &IlluminationMap, request: &Request, power: u32, sc
                 continue;
             }
             let value: [f64; 3] = if height < cluster.sine {
-                let pairs = points.directions[cluster.range.clone()]
-                    .iter()
-                    .zip(&points.flux[cluster.range.clone()]);
-                pairs.fold([0.0; 3], |sum, (l, flux)| {
-                    let x = dot(n, *l);
-                    let value = if power == 0 {
-                        f64::from(u8::from(x > 0.0))
-                    } else {
-                        x.max(0.0)
-                    };
+                cluster.range.clone().fold([0.0; 3], |sum, at| {
+                    let flux = points.flux[at];
+                    let value = above(dot(n, points.directions[at]), points.sides[at], power);
                     std::array::from_fn(|c| sum[c] + value * flux[c])
                 })
             } else if power == 0 {
@@ -188,4 +171,16 @@ pub(super) fn integrate(map: &IlluminationMap, request: &Request, power: u32, sc
         }
         sum.map(|v| v * scale)
     })
+}
+
+/// Mean of x^power above the horizon over a square along it with its middle at `x`.
+fn above(x: f64, side: f64, power: u32) -> f64 {
+    let part = (x / side + 0.5).clamp(0.0, 1.0);
+    if power == 0 {
+        part
+    } else if part < 1.0 {
+        0.5 * side * part * part
+    } else {
+        x
+    }
 }

@@ -117,9 +117,7 @@ pub(crate) fn taps(
             size,
             on_face(face, centre(i + di), centre(j + dj)),
         );
-        let column = (place.0 as usize).min(size.0 - 1);
-        let row = (place.1 as usize).min(size.1 - 1);
-        (row * size.0 + column, weight)
+        (texel(size, place), weight)
     };
     [
         corner(0.0, 0.0, (1.0 - fx) * (1.0 - fy)),
@@ -127,6 +125,24 @@ pub(crate) fn taps(
         corner(0.0, 1.0, (1.0 - fx) * fy),
         corner(1.0, 1.0, fx * fy),
     ]
+}
+
+/// The texel a step away from one, beyond the face's edge that of the next face. `None` beside the faces.
+pub(super) fn neighbour(
+    projection: Projection,
+    size: (usize, usize),
+    (i, j): (usize, usize),
+    (di, dj): (isize, isize),
+) -> Option<usize> {
+    let (face, s, t) = face_at(projection, size, i as f64 + 0.5, j as f64 + 0.5)?;
+    let step = 2.0 / side(projection, size) as f64;
+    let there = on_face(face, s + di as f64 * step, t + dj as f64 * step);
+    Some(texel(size, place(projection, size, there)))
+}
+
+/// Index of the texel at a place.
+fn texel(size: (usize, usize), (x, y): (f64, f64)) -> usize {
+    (y as usize).min(size.1 - 1) * size.0 + (x as usize).min(size.0 - 1)
 }
 
 /// The corner function A of the solid angle: four of them make a rectangle.

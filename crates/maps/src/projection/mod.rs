@@ -6,11 +6,13 @@
 mod area;
 mod cube;
 mod disc;
+mod nodes;
 mod octahedral;
 #[cfg(test)]
 mod tests;
 
 pub(crate) use cube::taps as cube_taps;
+pub(crate) use nodes::{fine, nodes};
 
 use crate::Error;
 use std::f64::consts::{PI, TAU};
@@ -185,6 +187,55 @@ impl Projection {
     pub fn solid_angles(self, size: (usize, usize)) -> Vec<f64> {
         let texels = (0..size.1).flat_map(|j| (0..size.0).map(move |i| (i, j)));
         texels.map(|(i, j)| self.solid_angle(size, i, j)).collect()
+    }
+
+    /// Side of the squares from the top left on, in texels, whose borders may be seams.
+    pub(crate) fn piece(self, size: (usize, usize)) -> usize {
+        match self {
+            Self::Cube | Self::Cross | Self::Strip => cube::side(self, size),
+            Self::Ortho => size.1,
+            Self::Octahedral => size.0 / 2,
+            Self::Polar | Self::Ball | Self::Angular => size.0,
+        }
+    }
+
+    /// Whether directions are a smooth function over a rectangle within a piece: no rim or fold cuts it, or is nearer to it
+    /// than its own size where their derivatives grow without bound.
+    pub(crate) fn smooth(self, size: (usize, usize), corner: [f64; 2], sides: [f64; 2]) -> bool {
+        let h = size.1 as f64;
+        let corners = (0..4).map(|k| {
+            let (x, y) = ((k % 2) as f64, (k / 2) as f64);
+            let (x, y) = (corner[0] + x * sides[0], corner[1] + y * sides[1]);
+            let middle = ((corner[0] / h).floor() + 0.5) * h;
+            (2.0 * (x - middle) / h, 2.0 * y / h - 1.0)
+        });
+        match self {
+            Self::Polar | Self::Cube | Self::Cross | Self::Strip => true,
+            Self::Angular => corners.map(|(x, y)| x.hypot(y)).all(|r| r < 1.0),
+            Self::Ortho | Self::Ball => {
+                let most = 1.0 - 2.0 * sides[0].max(sides[1]) / h;
+                corners.map(|(x, y)| x.hypot(y)).all(|r| r < most)
+            }
+            Self::Octahedral => {
+                let heights: Vec<f64> = corners.map(|(x, y)| 1.0 - x.abs() - y.abs()).collect();
+                heights.iter().all(|z| *z > -1e-9) || heights.iter().all(|z| *z < 1e-9)
+            }
+        }
+    }
+
+    /// The texels around `(i, j)` that show something, over seams, poles and edges, without itself.
+    pub(crate) fn neighbours(self, size: (usize, usize), i: usize, j: usize) -> Vec<usize> {
+        let own = j * size.0 + i;
+        let around = (0..9).filter(|k| *k != 4).filter_map(|k| {
+            let (di, dj) = (k % 3 - 1, k / 3 - 1);
+            match self {
+                Self::Cube | Self::Cross | Self::Strip => {
+                    cube::neighbour(self, size, (i, j), (di, dj))
+                }
+                _ => self.wrap(size, i as isize + di, j as isize + dj),
+            }
+        });
+        around.filter(|texel| *texel != own).collect()
     }
 
     /// The direction shown at a place, or at the nearest place of a disc's rim.
