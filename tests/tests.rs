@@ -9,6 +9,7 @@ mod cli;
 mod exact;
 mod figures;
 mod hard_cases;
+mod maps;
 mod models;
 mod parity;
 mod photo;

@@ -124,7 +124,8 @@ pub struct Specular {
     /// Reflectance function
     #[arg(long, value_enum, default_value_t = SpecularKernel::Phong)]
     pub kernel: SpecularKernel,
-    /// Table of the kernel `table`: lines of a cosine, ascending in -1..1, and a value of at least 0
+    /// Table of the kernel `table`: lines of a cosine, ascending in -1..1, and a value of at least 0; after a first line
+    /// `degrees,value` angles from the mirror direction, ascending in 0..180. Linear in the cosine between lines
     #[arg(long, value_name = "FILE")]
     pub table: Option<PathBuf>,
     /// Width and height of OUT in texels; of one face for a cube
@@ -312,30 +313,40 @@ fn specular(args: &Specular) -> anyhow::Result<()> {
     )
 }
 
-/// A lobe from lines of a cosine and a value; `#` begins a comment.
+/// A lobe from lines of a cosine or an angle and a value; `#` begins a comment, a heading tells which.
 fn table(path: &Path) -> anyhow::Result<Lobe> {
     let text =
         std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
     let mut pairs = Vec::new();
+    let mut degrees = false;
     for (number, line) in text.lines().enumerate() {
         let line = line.split('#').next().unwrap_or_default();
-        let words: Vec<_> = line
-            .split([' ', '\t', ','])
-            .filter(|w| !w.is_empty())
-            .collect();
-        match words
-            .iter()
-            .map(|w| w.parse::<f64>())
-            .collect::<Result<Vec<_>, _>>()
-        {
-            Ok(values) if values.is_empty() => {}
-            Ok(values) if values.len() == 2 => pairs.push((values[0], values[1])),
+        let separator = |c: char| c == ',' || c == ';' || c.is_whitespace();
+        let words: Vec<_> = line.split(separator).filter(|w| !w.is_empty()).collect();
+        let values: Result<Vec<f64>, _> = words.iter().map(|w| w.parse::<f64>()).collect();
+        match (values.as_deref(), words.as_slice()) {
+            (Ok([]), _) => {}
+            (Ok([x, value]), _) => pairs.push((*x, *value)),
+            (Err(_), ["degrees", _]) if pairs.is_empty() => degrees = true,
+            (Err(_), ["cosine", _]) if pairs.is_empty() => {}
             _ => bail!(
-                "{} line {}: a cosine and a value belong there",
+                "{} line {}: a cosine or an angle and a value belong there",
                 path.display(),
                 number + 1
             ),
         }
+    }
+    if degrees {
+        if let Some((angle, _)) = pairs.iter().find(|(x, _)| !(0.0..=180.0).contains(x)) {
+            bail!(
+                "{}: {angle} degrees; an angle lies in 0..180",
+                path.display()
+            );
+        }
+        pairs
+            .iter_mut()
+            .for_each(|pair| pair.0 = pair.0.to_radians().cos());
+        pairs.reverse();
     }
     let lobe = Lobe::Table(pairs);
     lobe.check().with_context(|| path.display().to_string())?;

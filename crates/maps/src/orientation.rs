@@ -103,3 +103,111 @@ impl Orientation {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::texel;
+    use crate::{Layout, convert_image};
+    use std::f64::consts::{PI, TAU};
+
+    /// Where a tool's documentation puts a direction in its polar picture: right and down, 0..1.
+    fn on_polar(tool: Orientation, [x, y, z]: Direction) -> (f64, f64) {
+        let right = match tool {
+            Orientation::Ambake => 0.5 + x.atan2(z) / TAU,
+            // three.js, equirectUv; glTF-IBL-Sampler, dirToUV: atan(z, x) / 2π + 1/2.
+            Orientation::Gltf | Orientation::Three => 0.5 + z.atan2(x) / TAU,
+            // Cycles and EEVEE: 1/2 - atan(Y, X) / 2π; the glTF exporter makes Blender's Y to -z.
+            Orientation::Blender => 0.5 - (-z).atan2(x) / TAU,
+            // cmgen reads at atan2(x, z) with +z in the middle, then mirrors x unless it is told --no-mirror.
+            Orientation::Filament => 0.5 + (-x).atan2(z) / TAU,
+            // ImfEnvmap.h: longitude atan2(x, z) is +π at the left, -π at the right.
+            Orientation::OpenExr => 0.5 - x.atan2(z) / TAU,
+        };
+        (right, y.acos() / PI)
+    }
+
+    /// The face, and right and down on it in -1..1.
+    fn on_cube(tool: Orientation, [x, y, z]: Direction) -> (usize, f64, f64) {
+        let openexr = tool == Orientation::OpenExr;
+        // "Environment maps used in three.js appear to have px and nx swapped": CubeTexture; cmgen mirrors.
+        let x = match tool {
+            Orientation::Three | Orientation::Filament => -x,
+            _ => x,
+        };
+        let largest = x.abs().max(y.abs()).max(z.abs());
+        // OpenGL 4.6, table 8.19; or ImfEnvmap.cpp, pixelPosition.
+        let (face, right, down) = match (x, y, z) {
+            _ if x == largest => (0, if openexr { z } else { -z }, -y),
+            _ if -x == largest => (1, if openexr { -z } else { z }, -y),
+            _ if y == largest => (2, x, if openexr { -z } else { z }),
+            _ if -y == largest => (3, x, if openexr { z } else { -z }),
+            _ if z == largest => (4, if openexr { -x } else { x }, -y),
+            _ => (5, if openexr { x } else { -x }, -y),
+        };
+        (face, right / largest, down / largest)
+    }
+
+    #[test]
+    fn every_axis_lands_in_the_pixel_that_the_tool_documents() {
+        let from = Layout {
+            projection: Projection::Polar,
+            orientation: Orientation::Ambake,
+            size: (128, 64),
+        };
+        for tool in Orientation::all() {
+            for (projection, size) in [(Projection::Polar, (32, 16)), (Projection::Cube, (8, 48))] {
+                if tool.check(projection).is_err() {
+                    continue;
+                }
+                let to = Layout {
+                    projection,
+                    orientation: tool,
+                    size,
+                };
+                for axis in 0..6 {
+                    // One axis, a little off so that mirror images and turns show.
+                    let mut d = [0.3, 0.17, 0.21];
+                    d[axis / 2] = if axis % 2 == 0 { 1.0 } else { -1.0 };
+                    let at = texel(from.projection, from.size, d);
+                    let (x, y) = ((at % 128) as f64 + 0.5, (at / 128) as f64 + 0.5);
+                    let d = from.projection.direction(from.size, x, y).unwrap();
+                    let mut image = Image::filled(128, 64, [0.0; 3]);
+                    image.pixels[at] = [1.0; 3];
+                    let picture = convert_image(&image, from, to).unwrap();
+                    let (column, row) = match projection {
+                        Projection::Polar => {
+                            let (right, down) = on_polar(tool, d);
+                            ((right * 32.0) as usize, (down * 16.0) as usize)
+                        }
+                        _ => {
+                            let (face, right, down) = on_cube(tool, d);
+                            let pixel = |v: f64| (4.0 * (v + 1.0)) as usize;
+                            (pixel(right), 8 * face + pixel(down))
+                        }
+                    };
+                    let brightest = (0..picture.pixels.len())
+                        .max_by(|a, b| picture.pixels[*a][0].total_cmp(&picture.pixels[*b][0]));
+                    assert_eq!(
+                        brightest,
+                        Some(row * size.0 + column),
+                        "{tool:?} {projection:?} {d:?}"
+                    );
+                    // And back to where it came from, to within the coarser texel.
+                    let back = convert_image(&picture, to, from).unwrap();
+                    let at = (0..back.pixels.len())
+                        .max_by(|a, b| back.pixels[*a][0].total_cmp(&back.pixels[*b][0]));
+                    let (x, y) = (at.unwrap() % 128, at.unwrap() / 128);
+                    let there =
+                        from.projection
+                            .direction(from.size, x as f64 + 0.5, y as f64 + 0.5);
+                    let cosine = (0..3).map(|k| there.unwrap()[k] * d[k]).sum::<f64>();
+                    assert!(
+                        cosine > 0.25f64.cos(),
+                        "{tool:?} {projection:?} {d:?}: {there:?}"
+                    );
+                }
+            }
+        }
+    }
+}

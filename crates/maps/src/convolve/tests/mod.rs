@@ -304,7 +304,7 @@ fn moment(lobe: &Lobe, l: usize) -> f64 {
 
 #[test]
 fn ggx_scales_a_spherical_harmonic_as_quadrature_says() {
-    let map = painted(Projection::Polar, 2048, 2, |d| 1.0 + low(4, dot(d, AXIS)));
+    let map = painted(Projection::Polar, 4096, 2, |d| 1.0 + low(2, dot(d, AXIS)));
     for roughness in [0.1, 0.25, 0.5, 1.0] {
         let lobe = Lobe::Ggx(roughness);
         let request = Request {
@@ -312,8 +312,8 @@ fn ggx_scales_a_spherical_harmonic_as_quadrature_says() {
             ..request(lobe.clone())
         };
         let result = convolve(&map, &[request]).unwrap().remove(0);
-        let factor = moment(&lobe, 4) / moment(&lobe, 0);
-        let (error, x) = worst(&result, |x| 1.0 + factor * low(4, x));
+        let factor = moment(&lobe, 2) / moment(&lobe, 0);
+        let (error, x) = worst(&result, |x| 1.0 + factor * low(2, x));
         assert!(
             error < 1e-5,
             "roughness {roughness}: off by {error:e} at {x}"
@@ -326,7 +326,7 @@ fn a_table_is_integrated_as_the_lines_between_its_points() {
     // F_l = ∫ P_l = (P_{l+1} - P_{l-1}) / (2l+1), and x P_l = ((l+1) P_{l+1} + l P_{l-1}) / (2l+1).
     let pairs = [(-1.0, 0.2), (-0.4, 0.0), (0.3, 0.7), (0.9, 1.0), (1.0, 4.0)];
     let zonal = Lobe::Table(pairs.to_vec()).zonal().unwrap();
-    for l in 1..200usize {
+    for (l, coefficient) in zonal.iter().enumerate().take(200).skip(1) {
         let f = |x: f64, l: usize| {
             let p = legendre(x, l + 2);
             let before = if l == 0 { -1.0 } else { p[l - 1] };
@@ -343,9 +343,8 @@ fn a_table_is_integrated_as_the_lines_between_its_points() {
         };
         let exact = 2.0 * PI * pairs.windows(2).map(line).sum::<f64>();
         assert!(
-            (zonal[l] - exact).abs() < 1e-12,
-            "l = {l}: {} {exact}",
-            zonal[l]
+            (coefficient - exact).abs() < 1e-12,
+            "l = {l}: {coefficient} {exact}"
         );
     }
 }
