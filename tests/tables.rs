@@ -149,6 +149,33 @@ fn every_surface_type_has_its_value_under_a_uniform_environment() {
 }
 
 #[test]
+fn the_figure_of_six_materials_has_their_values_under_a_uniform_environment() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    write_map(&folder.path().join("I.exr"), 64, |_| [1.0; 3]);
+    let ball = scene("ball.obj").display().to_string();
+    let view = "--figure balls --size 60x40 --eye 0,0,4 --look 0,0,0 --samples 1";
+    let (environment, figure) = (at("I.exr"), at("figure"));
+    let mut arguments = vec![
+        "render",
+        &ball,
+        "--environment",
+        &environment,
+        "-o",
+        &figure,
+    ];
+    arguments.extend(view.split(' '));
+    run_well(arguments);
+    assert_eq!(files(Path::new(&figure)), ["balls.exr", "balls.png"]);
+    let sheet = maps::read(&Path::new(&figure).join("balls.exr")).expect("a sheet");
+    let middle = |k: usize| sheet.image.at(20 * (k % 3) + 10, 20 * (k / 3) + 10);
+    // Mirror, glossy, diffuse of 1/2, varnished (red), retro-reflective of 1/2, refracting.
+    for (k, exact) in [1.0f32, 1.0, 0.5, 1.0, 0.5, 1.0].into_iter().enumerate() {
+        assert!((middle(k)[0] - exact).abs() < 1e-6, "{k}: {:?}", middle(k));
+    }
+}
+
+#[test]
 fn a_wrong_request_is_one_line_and_leaves_no_picture() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name).display().to_string();

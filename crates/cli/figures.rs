@@ -9,7 +9,6 @@ use clap::ValueEnum;
 use maps::{Format, Image, Labels};
 use report::Output;
 use serde_json::json;
-use std::time::Instant;
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Figure {
@@ -61,7 +60,7 @@ pub fn draw(
             output.publish()?;
             Ok(Outcome::Done)
         }
-        Figure::Balls => render_maps::run(args, world, backend, Instant::now()),
+        Figure::Balls => render_maps::balls(args, dir, world, backend),
     }
 }
 

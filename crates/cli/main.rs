@@ -22,6 +22,7 @@ mod plan;
 mod progress;
 mod render;
 mod render_maps;
+mod render_maps_args;
 mod sky;
 mod stop;
 mod summary;

@@ -2,7 +2,8 @@
 
 use crate::args::{self, Backend, Common};
 use crate::figures::{self, Figure};
-use crate::render_maps::{self, Tables};
+use crate::render_maps;
+use crate::render_maps_args::Tables;
 use crate::{Outcome, host, options, say};
 use ::bake::{Overrides, RayBackend, Surfaces, World, WorldOptions};
 use ::render::{Camera, Direct, Lamps, Light, Lightmap, Model, Sample, picture};

@@ -1,0 +1,200 @@
+//! What `ambake render --maps` was given: flags, and the text files that they name.
+
+use crate::args::{number, positive};
+use ::render::tables::{Lookup, NormalCode, Weight};
+use anyhow::{Context, bail};
+use clap::{ArgGroup, Args as ClapArgs, ValueEnum};
+use std::path::{Path, PathBuf};
+
+/// Shading from tables: section 3 of the 1984 text.
+#[derive(ClapArgs)]
+#[command(group = ArgGroup::new("shading").multiple(true)
+    .conflicts_with_all(["bake", "figure", "model", "rays", "sky", "background", "sun", "point", "max_distance", "exponent"]))]
+#[command(group = ArgGroup::new("lit").multiple(true))]
+pub struct Tables {
+    /// Shade from the reflection maps D and S, as `ambake map diffuse` and `specular` write them
+    #[arg(long, value_name = "D,S", value_parser = pair, groups = ["shading", "lit"])]
+    pub maps: Option<[PathBuf; 2]>,
+    /// Surface type of every object [default: phong]
+    #[arg(long, value_enum, groups = ["shading", "lit"], requires_ifs([
+        ("phong", "maps"), ("retro", "maps"), ("varnish", "maps"),
+        ("varnish", "environment"), ("mirror", "environment"), ("refraction", "environment"), ("luminous", "environment"),
+    ]))]
+    pub shader: Option<ShaderName>,
+    /// Illumination map behind the objects [default: black]; also what mirrors and varnish show
+    #[arg(long, value_name = "FILE", requires = "lit")]
+    pub environment: Option<PathBuf>,
+    /// How tables are read; the last three average over what a pixel reflects
+    #[arg(long, value_enum, default_value_t = LookupName::Bilinear, requires = "lit")]
+    pub lookup: LookupName,
+    /// Wd by the cosine of the view angle: `constant`, `schlick:F0`, or a file of lines with a cosine and a weight
+    #[arg(long, value_name = "W", default_value = "constant", value_parser = weight, requires = "shading")]
+    pub diffuse_weight: WeightName,
+    /// Ws, likewise
+    #[arg(long, value_name = "W", default_value = "constant", value_parser = weight, requires = "shading")]
+    pub specular_weight: WeightName,
+    /// Refractive index behind the surface, of `--shader refraction`
+    #[arg(long, value_name = "N", default_value = "1.5", value_parser = positive, requires = "shading")]
+    pub ior: f64,
+    /// Round normals to what a frame buffer would hold: one of 256, or an octahedral code of this many bits
+    #[arg(long, value_enum, requires = "shading")]
+    pub normals: Option<NormalsName>,
+    /// Frames of a sequence OUT.0000.exr, OUT.0001.exr, … [default with --path: one a key]
+    #[arg(long, value_name = "N", requires = "shading", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub frames: Option<u32>,
+    /// Degrees that the objects turn from frame to frame about --up through the middle of the scene
+    #[arg(long, value_name = "A", requires = "frames", allow_hyphen_values = true, value_parser = number)]
+    pub turn_deg: Option<f64>,
+    /// Camera path: lines of eye X,Y,Z and looked-at X,Y,Z, interpolated by a spline
+    #[arg(long, value_name = "FILE", requires = "shading", conflicts_with_all = ["eye", "look"])]
+    pub path: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ShaderName {
+    /// Wd kd D[N] + Ws ks S[R]
+    Phong,
+    /// Ws ks I[R]
+    Mirror,
+    /// As phong, under a clear coat that adds half of I[R]
+    Varnish,
+    /// Wd kd D[N] + Ws ks S[E]: light goes back where it comes from
+    Retro,
+    /// Ws ks I[T], refracted at one surface
+    Refraction,
+    /// kd times the mean of I
+    Luminous,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum LookupName {
+    /// One texel
+    Nearest,
+    /// Between four texels
+    Bilinear,
+    /// Halves the pixel until its corners show adjacent texels
+    Recursive,
+    /// Integrates over the quad of the corners
+    Quad,
+    /// Rectangle of a pre-integrated table, constant cost
+    Summed,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum NormalsName {
+    /// 256 normals of the visible hemisphere
+    #[value(name = "256")]
+    Visible256,
+    /// Octahedral, 16 bits
+    #[value(name = "oct8+8")]
+    Oct8,
+    /// Octahedral, 20 bits
+    #[value(name = "oct10+10")]
+    Oct10,
+    /// Octahedral, 24 bits
+    #[value(name = "oct12+12")]
+    Oct12,
+    /// Octahedral, 32 bits
+    #[value(name = "oct16+16")]
+    Oct16,
+}
+
+/// A weight before its file is read.
+#[derive(Clone)]
+pub enum WeightName {
+    Known(Weight),
+    File(PathBuf),
+}
+
+impl Tables {
+    /// True where frames are shaded from tables.
+    pub fn asked(&self) -> bool {
+        self.maps.is_some() || self.shader.is_some()
+    }
+}
+
+impl LookupName {
+    pub fn lookup(self) -> Lookup {
+        match self {
+            LookupName::Nearest => Lookup::Nearest,
+            LookupName::Bilinear => Lookup::Bilinear,
+            LookupName::Recursive => Lookup::Recursive,
+            LookupName::Quad => Lookup::Quad,
+            LookupName::Summed => Lookup::Summed,
+        }
+    }
+}
+
+impl NormalsName {
+    pub fn code(self) -> NormalCode {
+        match self {
+            NormalsName::Visible256 => NormalCode::Visible256,
+            NormalsName::Oct8 => NormalCode::Octahedral(8),
+            NormalsName::Oct10 => NormalCode::Octahedral(10),
+            NormalsName::Oct12 => NormalCode::Octahedral(12),
+            NormalsName::Oct16 => NormalCode::Octahedral(16),
+        }
+    }
+}
+
+impl WeightName {
+    pub fn weight(&self) -> anyhow::Result<Weight> {
+        let path = match self {
+            WeightName::Known(weight) => return Ok(weight.clone()),
+            WeightName::File(path) => path,
+        };
+        let pairs: Vec<[f32; 2]> = rows::<2>(path, "a cosine and a weight")?
+            .into_iter()
+            .map(|pair| pair.map(|v| v as f32))
+            .collect();
+        let sound = |[x, w]: &[f32; 2]| (0.0..=1.0).contains(x) && w.is_finite() && *w >= 0.0;
+        let ascending = pairs.windows(2).all(|p| p[0][0] < p[1][0]);
+        if pairs.is_empty() || !ascending || !pairs.iter().all(sound) {
+            bail!(
+                "{}: cosines must ascend within 0..1 and weights be 0 or above",
+                path.display()
+            );
+        }
+        Ok(Weight::Table(pairs))
+    }
+}
+
+/// Lines of `N` finite numbers apart by commas or blanks; `#` begins a comment.
+pub fn rows<const N: usize>(path: &Path, what: &str) -> anyhow::Result<Vec<[f64; N]>> {
+    let text =
+        std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let mut rows = Vec::new();
+    for (at, line) in text.lines().enumerate() {
+        let line = line.split('#').next().unwrap_or_default();
+        let words = line.split([' ', '\t', ',', '\r']).filter(|w| !w.is_empty());
+        let values: Result<Vec<f64>, String> = words.map(number).collect();
+        match values.map(<[f64; N]>::try_from) {
+            Ok(Ok(row)) => rows.push(row),
+            Ok(Err(values)) if values.is_empty() => {}
+            _ => bail!("{} line {}: {what} belong there", path.display(), at + 1),
+        }
+    }
+    Ok(rows)
+}
+
+fn pair(text: &str) -> Result<[PathBuf; 2], String> {
+    match text.split_once(',') {
+        Some((d, s)) if !d.is_empty() && !s.is_empty() && !s.contains(',') => {
+            Ok([d.into(), s.into()])
+        }
+        _ => Err("expected two files as D,S".into()),
+    }
+}
+
+fn weight(text: &str) -> Result<WeightName, String> {
+    if text == "constant" {
+        return Ok(WeightName::Known(Weight::Constant));
+    }
+    match text.strip_prefix("schlick:") {
+        None => Ok(WeightName::File(text.into())),
+        Some(f0) => match number(f0)? {
+            f0 if (0.0..=1.0).contains(&f0) => Ok(WeightName::Known(Weight::Schlick(f0 as f32))),
+            _ => Err("F0 lies in 0..1".into()),
+        },
+    }
+}
