@@ -9,6 +9,11 @@ use std::fmt::Write;
 /// Exponents of the curves.
 pub const EXPONENTS: [u32; 8] = [1, 2, 5, 10, 20, 50, 100, 200];
 
+/// Of the curves, in the same order: eight hues of middling lightness.
+const COLORS: [&str; 8] = [
+    "#b62020", "#a86a12", "#768a10", "#1f8f3a", "#158a8a", "#2060b6", "#5a36b6", "#a82a86",
+];
+
 /// View angles of the points that are integrated with rays, in degrees.
 const ANGLES_DEG: [f64; 10] = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 85.0];
 
@@ -91,7 +96,7 @@ pub fn fig1_svg(points: &[Fig1Point]) -> String {
     let mut svg = String::from(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"720\" height=\"460\" font-family=\"sans-serif\" \
          font-size=\"12\">\n<rect width=\"720\" height=\"460\" fill=\"white\"/>\n\
-         <text x=\"60\" y=\"24\" font-size=\"14\">Specular ambient term J / (i k) of an open Phong surface, sr: \
+         <text x=\"12\" y=\"24\" font-size=\"13\">Specular ambient term J / (i k) of an open Phong surface, sr: \
          curves exact, points by rays ± 3 standard errors</text>\n\
          <text x=\"290\" y=\"446\">view angle, degrees</text>\n",
     );
@@ -113,7 +118,7 @@ pub fn fig1_svg(points: &[Fig1Point]) -> String {
     }
     for (rank, exponent) in EXPONENTS.into_iter().enumerate() {
         let n = f64::from(exponent);
-        let color = format!("hsl({},70%,42%)", rank * 42);
+        let color = COLORS[rank];
         let value = |degrees: f64| phong_open_angle(n, degrees.to_radians()) / lobe_scale(n);
         let mut path = String::new();
         for degrees in (0..=90).map(f64::from) {
