@@ -141,12 +141,14 @@ fn surfel(
         specular: args.specular,
         exponent: None,
     };
-    let point = surfaces.at(&backend.closest(&ray)?, -direction);
+    let hit = backend.closest(&ray)?;
+    let point = surfaces.at(&hit, -direction);
     let material = overrides.applied(point.material);
     Some(Surfel {
         normal: point.normal,
         albedo: material.albedo,
         specular: material.specular,
+        object: hit.instance,
     })
 }
 

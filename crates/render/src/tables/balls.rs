@@ -118,9 +118,9 @@ impl Balls {
             let buffer = GBuffer::take(&view, |eye, direction| {
                 let surfel = hit(eye, direction)?;
                 Some(Surfel {
-                    normal: surfel.normal,
                     albedo: *albedo,
                     specular: *specular,
+                    ..surfel
                 })
             });
             let mut picture = behind.clone();

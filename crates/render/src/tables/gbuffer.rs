@@ -16,6 +16,8 @@ pub struct Surfel {
     pub albedo: DVec3,
     /// Specular reflectance ks.
     pub specular: DVec3,
+    /// Number of the object. A pixel is shaded as one object: other objects behind its edge do not bend what it reflects.
+    pub object: u32,
 }
 
 /// How far the object is turned. The environment stays.
@@ -36,8 +38,8 @@ pub struct View<'a> {
     pub camera: &'a Camera,
     /// With the object turned this far.
     pub turn: Turn,
-    /// Rays of a pixel: a regular grid of `samples` by `samples`, at least 1. They find its coverage, mean normal, mean view and
-    /// mean reflectances.
+    /// Rays of a pixel: a regular grid of `samples` by `samples`, at least 1. They find its coverage, and the mean normal,
+    /// view and reflectances of one object.
     pub samples: u32,
     /// Also take the normals at the corners of pixels, which antialiased look-ups need.
     pub corners: bool,
@@ -61,6 +63,9 @@ pub struct GBuffer {
     /// Normals and views at the corners of pixels, rows of `width + 1`; normals are 0 where the object is not. Empty where they
     /// were not asked for.
     pub(super) corners: Vec<[[f32; 3]; 2]>,
+    /// Objects at the corners and in the pixels.
+    pub(super) corner_objects: Vec<u32>,
+    pub(super) objects: Vec<u32>,
 }
 
 /// A pixel on its way into the buffer.
@@ -70,6 +75,7 @@ struct Pixel {
     normal: DVec3,
     view: DVec3,
     material: [[f32; 4]; 2],
+    object: u32,
 }
 
 impl GBuffer {
@@ -96,17 +102,20 @@ impl GBuffer {
                     .collect()
             })
             .collect();
-        let corners = match view.corners {
-            false => Vec::new(),
-            true => (0..(width + 1) * (height + 1))
-                .into_par_iter()
-                .map(|at| {
-                    let (x, y) = (at % (width + 1), at / (width + 1));
-                    let (_, normal, view) = cast(f64::from(x), f64::from(y)).unwrap_or_default();
-                    [normal, view].map(|v| v.as_vec3().to_array())
-                })
-                .collect(),
+        let corner = |at: u32| {
+            let (x, y) = (at % (width + 1), at / (width + 1));
+            let (surfel, normal, view) = cast(f64::from(x), f64::from(y)).unwrap_or_default();
+            (
+                [normal, view].map(|v| v.as_vec3().to_array()),
+                surfel.object,
+            )
         };
+        let count = if view.corners {
+            (width + 1) * (height + 1)
+        } else {
+            0
+        };
+        let (corners, corner_objects) = (0..count).into_par_iter().map(corner).unzip();
         let mut buffer = GBuffer {
             camera: *view.camera,
             rows: vec![0],
@@ -117,6 +126,8 @@ impl GBuffer {
             material: Vec::new(),
             palette: Vec::new(),
             corners,
+            corner_objects,
+            objects: Vec::new(),
         };
         buffer.fill(rows);
         buffer
@@ -128,6 +139,7 @@ impl GBuffer {
             for pixel in row {
                 self.columns.push(pixel.column);
                 self.coverage.push(pixel.coverage);
+                self.objects.push(pixel.object);
                 let (normal, view) = (pixel.normal.as_vec3(), pixel.view.as_vec3());
                 for c in 0..3 {
                     self.normal[c].push(normal[c]);
@@ -190,14 +202,14 @@ impl GBuffer {
     }
 }
 
-/// The mean over the samples of a pixel that meet the object.
+/// The mean over the samples of a pixel that meet the object of the first that meets any.
 fn pixel(
     x: u32,
     y: u32,
     samples: u32,
     cast: impl Fn(f64, f64) -> Option<(Surfel, DVec3, DVec3)>,
 ) -> Option<Pixel> {
-    let mut count = 0u32;
+    let (mut covered, mut count) = (0u32, 0u32);
     let mut first = None;
     let mut sum = [DVec3::ZERO; 4];
     for number in 0..samples * samples {
@@ -205,18 +217,24 @@ fn pixel(
             |at: u32, step: u32| f64::from(at) + (f64::from(step) + 0.5) / f64::from(samples);
         let found = cast(place(x, number % samples), place(y, number / samples));
         if let Some((surfel, normal, view)) = found {
+            covered += 1;
+            let (_, object) = *first.get_or_insert((normal, surfel.object));
+            if object != surfel.object {
+                continue;
+            }
             count += 1;
-            first.get_or_insert(normal);
             let values = [normal, view, surfel.albedo, surfel.specular];
             (0..4).for_each(|k| sum[k] += values[k]);
         }
     }
+    let (first, object) = first?;
     let [normal, view, albedo, specular] = sum.map(|sum| sum / f64::from(count));
     Some(Pixel {
         column: x as u16,
-        coverage: (f64::from(count) / f64::from(samples * samples)) as f32,
+        coverage: (f64::from(covered) / f64::from(samples * samples)) as f32,
         // Normals that cancel each other leave the first.
-        normal: normal.try_normalize().or(first)?,
+        normal: normal.try_normalize().unwrap_or(first),
+        object,
         view: view.try_normalize()?,
         material: [albedo, specular].map(|rgb| rgb.as_vec3().extend(0.0).to_array()),
     })

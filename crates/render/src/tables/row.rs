@@ -151,7 +151,8 @@ fn directions(index: Option<Index>, [n, e]: &Surfaces) -> [Lanes; 3] {
 }
 
 impl GBuffer {
-    /// Normals and views at the corners of pixels, in a turn. Where a corner misses the object, the pixel's own stand.
+    /// Normals and views at the corners of pixels, in a turn. Where a corner misses the pixel's object, the pixel's
+    /// own stand.
     fn footprints(&self, range: Range<usize>, y: usize) -> [Surfaces; 4] {
         let width = self.camera.size[0] as usize + 1;
         let mut found = [[[[0.0; LANES]; 3]; 2]; 4];
@@ -160,7 +161,8 @@ impl GBuffer {
             let corners = [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)];
             for (corner, (x, y)) in found.iter_mut().zip(corners) {
                 let mut surface = self.corners[y * width + x];
-                if surface[0] == [0.0; 3] {
+                if surface[0] == [0.0; 3] || self.corner_objects[y * width + x] != self.objects[at]
+                {
                     surface =
                         [&self.normal, &self.view].map(|l| [0, 1, 2].map(|c: usize| l[c][at]));
                 }

@@ -14,6 +14,7 @@ fn sphere(eye: DVec3, direction: DVec3) -> Option<Surfel> {
         normal: (eye + direction * t).normalize(),
         albedo: DVec3::new(0.5, 0.25, 1.0),
         specular: DVec3::new(0.25, 0.5, 0.0),
+        object: 0,
     })
 }
 
@@ -386,5 +387,39 @@ fn a_turned_sphere_is_the_same_and_a_turned_camera_sees_the_environment_turned()
     for (a, b) in still.pixels.iter().zip(&turned.pixels) {
         // Normals differ by rounding: 1e-6 of the slope of the map.
         assert!((0..3).all(|c| (a[c] - b[c]).abs() < 1e-4), "{a:?} {b:?}");
+    }
+}
+
+#[test]
+fn a_pixel_on_the_edge_of_an_object_reflects_nothing_between_the_objects() {
+    // Two walls, each of which mirrors the dark side; the light between is mirrored by neither.
+    let light = polar(64, |[_, _, z]| [if z > 0.9 { 100.0 } else { 0.0 }; 3]);
+    let table = Table::new(&light).unwrap();
+    let eye = DVec3::Z * 5.0;
+    let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, 0.1, [9, 9]).unwrap();
+    let turn = Turn {
+        centre: DVec3::ZERO,
+        axis: DVec3::Y,
+        angle: 0.0,
+    };
+    let view = View {
+        camera: &camera,
+        turn,
+        samples: 2,
+        corners: true,
+    };
+    let buffer = GBuffer::take(&view, |_, direction| {
+        let right = direction.x > 0.0;
+        Some(Surfel {
+            normal: DVec3::new(if right { 0.6 } else { -0.6 }, 0.0, 0.8),
+            albedo: DVec3::ZERO,
+            specular: DVec3::ONE,
+            object: u32::from(right),
+        })
+    });
+    for lookup in LOOKUPS {
+        let mut picture = Image::filled(9, 9, [1.0; 3]);
+        shader(None, Some(&table)).frame(&buffer, lookup, &mut picture);
+        assert_eq!(picture.pixels, [[0.0; 3]; 81], "{lookup:?}");
     }
 }
