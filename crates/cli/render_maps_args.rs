@@ -52,15 +52,15 @@ pub struct Tables {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ShaderName {
-    /// Wd kd D[N] + Ws ks S[R]
+    /// Wd kd D(N) + Ws ks S(R)
     Phong,
-    /// Ws ks I[R]
+    /// Ws ks I(R)
     Mirror,
-    /// As phong, under a clear coat that adds half of I[R]
+    /// As phong, under a clear coat that adds half of I(R)
     Varnish,
-    /// Wd kd D[N] + Ws ks S[E]: light goes back where it comes from
+    /// Wd kd D(N) + Ws ks S(E): light goes back where it comes from
     Retro,
-    /// Ws ks I[T], refracted at one surface
+    /// Ws ks I(T), refracted at one surface
     Refraction,
     /// kd times the mean of I
     Luminous,

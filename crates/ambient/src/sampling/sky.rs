@@ -13,7 +13,7 @@ use std::f64::consts::{PI, TAU};
 /// Row 0 looks up (+y), rows are equal in the polar angle; columns are equal in `atan2(x, z)`, +z in the middle, growing toward
 /// +x. The floor is the least value of each channel, so that a constant map is a floor alone and needs no samples. What stands
 /// out is kept divided by [`SkyMap::scale`], its flux over the sphere summed over the channels: then the sum of a texel's three
-/// channels is the probability per steradian with which [`SkyMap::sample`] draws directions of the texel.
+/// channels is the probability per steradian with which [`SkyMap::sample16`] draws directions of the texel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SkyMap {
     width: usize,

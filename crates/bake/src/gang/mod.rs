@@ -9,15 +9,19 @@
     reason = "a lane is one index into many arrays"
 )]
 
-use crate::cell::{Cell, place_in};
+mod light;
+mod surfaces;
+
 use crate::integrate::{Sums, Task, Term};
 use crate::options::View;
 use crate::texel::Texel;
-use ambient::sampling::{LANES, Lobe, SkyMap, Stream, Streams, Wide};
+use ambient::sampling::{LANES, Lobe, Stream, Streams, Wide};
 use embree::{Coherence, RayPacket};
 use glam::DVec3;
+use light::Drawn;
 use pulp::{Simd, WithSimd};
 use std::ops::Range;
+use surfaces::{Frames, Surfaces, mirrored};
 
 /// One lane: a texel of the tile and one of its replicates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,33 +29,6 @@ pub(crate) struct Lane {
     /// Index into the tile's texels.
     pub texel: usize,
     pub replicate: usize,
-}
-
-/// f64 numbers of all lanes.
-type Deep = [f64; LANES];
-
-/// The surfaces under the lanes, as structures of arrays: see [`Cell`] for what each is.
-#[derive(Clone)]
-struct Surfaces {
-    position: [[Deep; 3]; 3],
-    /// Geometric normal times offset.
-    lift: [Deep; 3],
-    normal: [[Wide; 3]; 3],
-    geometric: [Wide; 3],
-    /// Start, inverse share and fold.
-    place: [Wide; 3],
-    /// Lanes whose shading normal changes over their cell.
-    smooth: u32,
-}
-
-/// Frames about the lanes' shading normals.
-#[derive(Clone)]
-struct Frames {
-    normal: [Wide; 3],
-    tangent: [Wide; 3],
-    bitangent: [Wide; 3],
-    /// The side of the geometric normal that the shading normal is on: 1 or -1.
-    side: Wide,
 }
 
 /// Up to sixteen lanes and what they have gathered.
@@ -104,16 +81,6 @@ struct Step {
     drawn: Drawn,
 }
 
-/// How the directions of a step were drawn, as far as light of a map needs it.
-enum Drawn {
-    /// Probability per steradian is what the weights say.
-    Hemisphere,
-    /// Probability per steradian.
-    Lobe(Wide),
-    /// Texels of the map, and the axes of the lobes.
-    Sky([u32; LANES], [Wide; 3]),
-}
-
 impl<'a> Gang<'a> {
     /// A gang without lanes.
     pub fn new(task: &Task<'_>, texels: &'a [Texel], reflects: &'a [bool]) -> Self {
@@ -122,14 +89,7 @@ impl<'a> Gang<'a> {
             reflects,
             lanes: &[],
             streams: Streams::new(task.points),
-            surfaces: Surfaces {
-                position: [[[0.0; LANES]; 3]; 3],
-                lift: [[0.0; LANES]; 3],
-                normal: [[[0.0; LANES]; 3]; 3],
-                geometric: [[0.0; LANES]; 3],
-                place: [[0.0; LANES]; 3],
-                smooth: 0,
-            },
+            surfaces: Surfaces::none(),
             frames: Frames::about([[0.0; LANES], [0.0; LANES], [1.0; LANES]], [1.0; LANES]),
             stale: true,
             cell: [0; LANES],
@@ -222,66 +182,6 @@ impl<'a> Gang<'a> {
         self.block.add(&step, active & !blocked, cast, task.bent);
         if let Some(sky) = task.sky.map() {
             self.shine(task, sky, &step, active & !blocked);
-        }
-    }
-
-    /// Adds the light that open lanes see above the floor of a map, each by its share of the power heuristic.
-    #[inline(always)]
-    fn shine(&mut self, task: &Task<'_>, sky: &SkyMap, step: &Step, open: u32) {
-        use std::f32::consts::{FRAC_1_PI, TAU};
-        let [cosine, uniform] = {
-            let share = task.mixture.cosine_share() as f32;
-            [2.0 * share / TAU, (1.0 - share) / TAU]
-        };
-        let texels = match &step.drawn {
-            Drawn::Sky(texels, _) => *texels,
-            _ => sky.texels16(&step.directions),
-        };
-        let mut light = [[0.0; LANES]; 3];
-        let mut rest = open;
-        while rest != 0 {
-            let l = rest.trailing_zeros() as usize;
-            rest &= rest - 1;
-            for (axis, value) in light.iter_mut().zip(sky.excess(texels[l])) {
-                axis[l] = value;
-            }
-        }
-        let drawn = if task.draw_sky { 1.0 } else { 0.0 };
-        let mut kernels = [[0.0; LANES]; 2];
-        for l in 0..LANES {
-            let by_sky = drawn * (light[0][l] + light[1][l] + light[2][l]);
-            kernels[0][l] = match &step.drawn {
-                Drawn::Hemisphere => {
-                    let own = 1.0 / (TAU * step.weights[1][l]);
-                    step.weights[0][l] * share(own, by_sky)
-                }
-                Drawn::Lobe(density) => share(density[l], by_sky),
-                Drawn::Sky(..) => {
-                    let normal = &self.frames.normal;
-                    let mu = normal[0][l] * step.directions[0][l]
-                        + normal[1][l] * step.directions[1][l]
-                        + normal[2][l] * step.directions[2][l];
-                    mu * FRAC_1_PI * share_of(by_sky, cosine * mu + uniform)
-                }
-            };
-        }
-        if let Drawn::Sky(_, axes) = &step.drawn {
-            let mut rest = open & self.lobes;
-            while rest != 0 {
-                let l = rest.trailing_zeros() as usize;
-                rest &= rest - 1;
-                let [axis, direction] = [axes, &step.directions].map(|of| of.map(|a| a[l]));
-                let by_sky = light[0][l] + light[1][l] + light[2][l];
-                let density = lobe_density(self.lobe_scale[l], axis, direction);
-                kernels[1][l] = density * share_of(by_sky, density);
-            }
-        }
-        for k in 0..2 {
-            for c in 0..3 {
-                for l in 0..LANES {
-                    self.block.light[k][c][l] += light[c][l] * kernels[k][l];
-                }
-            }
         }
     }
 
@@ -378,83 +278,6 @@ impl<'a> Gang<'a> {
     }
 }
 
-impl Surfaces {
-    fn set(&mut self, lane: usize, cell: &Cell) {
-        self.set_position(lane, cell);
-        self.set_normal(lane, cell);
-        for (row, value) in self.place.iter_mut().zip(cell.placement()) {
-            row[lane] = value;
-        }
-    }
-
-    #[inline(always)]
-    fn set_position(&mut self, lane: usize, cell: &Cell) {
-        for axis in 0..3 {
-            for k in 0..3 {
-                self.position[k][axis][lane] = cell.position[k][axis];
-            }
-            self.lift[axis][lane] = cell.lift[axis];
-        }
-    }
-
-    #[inline(always)]
-    fn set_normal(&mut self, lane: usize, cell: &Cell) {
-        for axis in 0..3 {
-            for k in 0..3 {
-                self.normal[k][axis][lane] = cell.normal[k][axis] as f32;
-            }
-            self.geometric[axis][lane] = cell.geometric[axis] as f32;
-        }
-        self.smooth = self.smooth & !(1 << lane) | u32::from(cell.is_smooth()) << lane;
-    }
-
-    /// (s, t) in the cells of points of the unit square.
-    #[inline(always)]
-    fn places(&self, v0: &Wide, v1: &Wide) -> [Wide; 2] {
-        let mut at = [[0.0; LANES]; 2];
-        for l in 0..LANES {
-            let place = [self.place[0][l], self.place[1][l], self.place[2][l]];
-            [at[0][l], at[1][l]] = place_in(place, [v0[l], v1[l]]);
-        }
-        at
-    }
-
-    /// Unit shading normals, and the side of the geometric normals that they are on: 1 or -1.
-    #[inline(always)]
-    fn normals(&self, [s, t]: &[Wide; 2]) -> ([Wide; 3], Wide) {
-        let mut unit = [[0.0; LANES]; 3];
-        let mut side = [0.0; LANES];
-        let ([n0, ns, nt], g) = (&self.normal, &self.geometric);
-        for l in 0..LANES {
-            let n = [0, 1, 2].map(|a: usize| n0[a][l] + ns[a][l] * s[l] + nt[a][l] * t[l]);
-            let square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-            // Corner normals that cancel: the geometric normal stands in.
-            let has_length = square > 1e-20;
-            let scale = 1.0 / (if has_length { square } else { 1.0 }).sqrt();
-            let n = [0, 1, 2].map(|a: usize| if has_length { n[a] * scale } else { g[a][l] });
-            let cos = n[0] * g[0][l] + n[1] * g[1][l] + n[2] * g[2][l];
-            side[l] = if cos < 0.0 { -1.0 } else { 1.0 };
-            for a in 0..3 {
-                unit[a][l] = n[a];
-            }
-        }
-        (unit, side)
-    }
-
-    /// Ray origins: positions in f64, lifted off the surface, rounded once.
-    #[inline(always)]
-    fn origins(&self, [s, t]: &[Wide; 2], side: &Wide, out: &mut [Wide; 3]) {
-        for a in 0..3 {
-            let [p0, ps, pt] = &self.position;
-            for l in 0..LANES {
-                let (s, t) = (f64::from(s[l]), f64::from(t[l]));
-                let p = p0[a][l] + ps[a][l] * s + pt[a][l] * t;
-                out[a][l] = (p + self.lift[a][l] * f64::from(side[l])) as f32;
-            }
-        }
-    }
-}
-
 impl LaneSums<f32> {
     #[inline(always)]
     fn add(&mut self, step: &Step, open: u32, cast: u32, bent: bool) {
@@ -497,100 +320,4 @@ impl LaneSums<f64> {
             self.rays[l] += block.rays[l];
         }
     }
-}
-
-impl Frames {
-    /// Frames about unit axes. T. Duff and others, "Building an Orthonormal Basis, Revisited", JCGT 2017.
-    #[inline(always)]
-    fn about(axis: [Wide; 3], side: Wide) -> Self {
-        let (mut tangent, mut bitangent) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
-        for l in 0..LANES {
-            let [x, y, z] = [axis[0][l], axis[1][l], axis[2][l]];
-            let sign = 1.0_f32.copysign(z);
-            let a = -1.0 / (sign + z);
-            let b = x * y * a;
-            tangent[0][l] = 1.0 + sign * x * x * a;
-            tangent[1][l] = sign * b;
-            tangent[2][l] = -sign * x;
-            bitangent[0][l] = b;
-            bitangent[1][l] = sign + y * y * a;
-            bitangent[2][l] = -y;
-        }
-        Self {
-            normal: axis,
-            tangent,
-            bitangent,
-            side,
-        }
-    }
-
-    /// Local directions in the world.
-    #[inline(always)]
-    fn to_world(&self, local: &[Wide; 3]) -> [Wide; 3] {
-        let mut out = [[0.0; LANES]; 3];
-        for a in 0..3 {
-            for l in 0..LANES {
-                out[a][l] = self.tangent[a][l] * local[0][l]
-                    + self.bitangent[a][l] * local[1][l]
-                    + self.normal[a][l] * local[2][l];
-            }
-        }
-        out
-    }
-}
-
-#[inline(always)]
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// The share of a technique of density `own` beside another in the power heuristic with exponent 2.
-#[inline(always)]
-fn share(own: f32, other: f32) -> f32 {
-    own * share_of(own, other)
-}
-
-/// That share divided by `own`.
-#[inline(always)]
-fn share_of(own: f32, other: f32) -> f32 {
-    own / (own * own + other * other).max(f32::MIN_POSITIVE)
-}
-
-/// (n + 1)/2pi (R.L)^n with `scale` = 1 / (n + 1); 0 behind the plane of the lobe. 1 - R.L is taken from the chord, which keeps the digits of
-/// narrow lobes.
-#[inline(always)]
-fn lobe_density(scale: f32, axis: [f32; 3], direction: [f32; 3]) -> f32 {
-    let chord = [0, 1, 2].map(|a: usize| axis[a] - direction[a]);
-    let drop = 0.5 * f64::from(dot(chord, chord));
-    let exponent = 1.0 / f64::from(scale) - 1.0;
-    let decay = exponent * drop;
-    if drop >= 1.0 || decay > 80.0 {
-        return 0.0;
-    }
-    ((exponent * (-drop).ln_1p()).exp() / (std::f64::consts::TAU * f64::from(scale))) as f32
-}
-
-/// R = 2 (N.V) N - V for an eye point: the axes of the specular lobes. V = N where the eye stands on the surface.
-#[inline(always)]
-fn mirrored(normal: &[Wide; 3], origin: &[Wide; 3], eye: DVec3) -> [Wide; 3] {
-    let mut out = [[0.0; LANES]; 3];
-    for l in 0..LANES {
-        let v = [0, 1, 2].map(|a: usize| (eye[a] - f64::from(origin[a][l])) as f32);
-        let n = [normal[0][l], normal[1][l], normal[2][l]];
-        let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
-        let has_length = largest > 0.0;
-        let v = v.map(|c| c / if has_length { largest } else { 1.0 });
-        let square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-        let scale = 1.0 / (if has_length { square } else { 1.0 }).sqrt();
-        let v = v.map(|c| c * scale);
-        let twice = 2.0 * (n[0] * v[0] + n[1] * v[1] + n[2] * v[2]);
-        for a in 0..3 {
-            out[a][l] = if has_length {
-                twice * n[a] - v[a]
-            } else {
-                n[a]
-            };
-        }
-    }
-    out
 }
