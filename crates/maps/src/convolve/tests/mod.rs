@@ -1,4 +1,5 @@
-//! Every exact vector of the reference, from every projection, to 1e-6 in the 1984 normalisation.
+//! Every exact vector of the reference, from a projection that can hold it, to 1e-6 in the 1984 normalisation. Points and constants come from
+//! every projection (`lights.rs`).
 
 mod lights;
 mod pictures;
