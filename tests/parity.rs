@@ -1,11 +1,10 @@
 //! Both backends answer alike: every scene of this repository and, where present, the real models.
 
-use bake::{
-    Answer, BackendKind, Bake, BakedPage, Both, Effort, Filter, Layer, Layout, Options, Overrides,
-    ParityReport, Pattern, Plan, PointSet, Progress, RayBackend, TestRays, View, World,
-    WorldOptions, build, parity,
-};
+use bake::{Bake, BakedPage, Denoise, Effort, Options, Pattern, Plan, PointSet, Progress, View};
+use bench::parity::{Answer, Both, ParityReport, TestRays, parity};
 use glam::Vec3;
+use layers::Layer;
+use rays::{BackendKind, Layout, Overrides, RayBackend, World, WorldOptions, build};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -202,7 +201,7 @@ fn baked_layers_differ_only_where_a_listed_ray_explains_it() {
         effort: Effort::Rays(32),
         pattern: Pattern::default(),
         points: PointSet::default(),
-        filter: Filter::Off,
+        denoise: Denoise::Off,
         seed: 3,
         sky: bake::Sky::Uniform([1.0; 3]),
         draw_sky: true,

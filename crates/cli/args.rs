@@ -1,7 +1,8 @@
 //! What was typed: the command line as clap sees it. `options.rs` says what it means.
 
-use ::bake::{Choice, Layer};
+use ::bake::Choice;
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
+use layers::Layer;
 use std::path::PathBuf;
 
 /// Ambient-reflection lightmap baker that states its error.
@@ -80,8 +81,8 @@ pub struct Job {
     pub pattern: Pattern,
     /// Local regression over the texels of a surface, which falls back to the plain value where it does not help: fewer rays
     /// for the same error, at a small bias that the error layer includes
-    #[arg(long, value_enum, default_value_t = Filter::Off)]
-    pub filter: Filter,
+    #[arg(long, value_enum, alias = "filter", default_value_t = Denoise::Off)]
+    pub denoise: Denoise,
     /// Sky radiance, linear: R,G,B for a uniform sky, or an illumination map (.hdr, .exr; polar unless its header says otherwise),
     /// from whose light as many rays again are drawn
     #[arg(long, value_name = "R,G,B|FILE", default_value = "1,1,1", value_parser = crate::sky::sky)]
@@ -213,7 +214,7 @@ pub enum Pattern {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Filter {
+pub enum Denoise {
     Off,
     Regression,
 }

@@ -7,9 +7,11 @@ use crate::progress::watch;
 use crate::stop::Stop;
 use crate::summary::summary;
 use crate::{host, options, say};
-use ::bake::{Bake, BakedPage, Filter, Layer, Options, Pattern, Plan, Progress, RayBackend, Sky};
+use ::bake::{Bake, BakedPage, Denoise, Options, Pattern, Plan, Progress, Sky};
 use anyhow::{Context, bail};
 use atlas::Atlas;
+use layers::Layer;
+use rays::RayBackend;
 use report::{BakeReport, DecisionReport, Encoding, Output, PageHeader, PageReport, PhaseReport};
 use scene::Scene;
 use serde_json::{Value, json};
@@ -49,7 +51,7 @@ pub struct Prepared {
     pub sky: Value,
     pub atlas: Atlas,
     pub plan: Plan,
-    pub world: ::bake::World,
+    pub world: rays::World,
     pub backend: Box<dyn RayBackend>,
 }
 
@@ -63,11 +65,11 @@ pub fn prepare(
     let threads = host::set_threads(common.threads)?;
     let (sky, described_sky) = crate::sky::load(&job.sky)?;
     let options = options::bake_options(job, common, sky);
-    if options.filter == Filter::Regression && options.pattern == Pattern::Tiled {
-        bail!("--filter regression needs independent errors: leave out --pattern tiled");
+    if options.denoise == Denoise::Regression && options.pattern == Pattern::Tiled {
+        bail!("--denoise regression needs independent errors: leave out --pattern tiled");
     }
-    if options.filter == Filter::Regression && matches!(options.sky, Sky::Map(_)) {
-        bail!("--filter regression works under a uniform sky: leave it out with --sky FILE");
+    if options.denoise == Denoise::Regression && matches!(options.sky, Sky::Map(_)) {
+        bail!("--denoise regression works under a uniform sky: leave it out with --sky FILE");
     }
     let kind = options::backend(job);
     let scene = Arc::new(phases.time("load", || scene::load(file))?);
@@ -77,7 +79,7 @@ pub fn prepare(
             atlas::layout(&scene, &options::atlas_options(job), &|| false)
         })
         .with_context(|| format!("{}", file.display()))?;
-    let backend = phases.time("build", || ::bake::build(kind, &world, threads))?;
+    let backend = phases.time("build", || rays::build(kind, &world, threads))?;
     let stem = file
         .file_stem()
         .map_or_else(|| "scene".into(), |s| s.to_string_lossy().into_owned());

@@ -3,12 +3,13 @@
 use crate::args::Bench as Args;
 use crate::bake::{Phases, Prepared, prepare};
 use crate::{Outcome, host, say};
-use ::bake::{EmbreeBackend, PointSet};
+use ::bake::PointSet;
 use anyhow::Context;
 use bench::ceiling::{Pair, ceiling};
 use bench::speed::speed;
 use bench::summary::{markdown, median, svg};
 use bench::{Subject, hard, maps, samplers, tables};
+use rays::EmbreeBackend;
 use report::Output;
 use serde_json::json;
 use std::path::Path;

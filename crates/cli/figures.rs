@@ -2,11 +2,12 @@
 
 use crate::render::{Args, shader};
 use crate::{Outcome, host, render_maps};
-use ::bake::{RayBackend, Surfaces, World};
-use ::render::{Fig3, Lamps, fig1, fig1_csv, fig1_svg, fig3};
+use ::bench::figures::{Fig3, fig1, fig1_csv, fig1_svg, fig3};
+use ::render::Lamps;
 use anyhow::bail;
 use clap::ValueEnum;
 use maps::{Format, Image, Labels};
+use rays::{RayBackend, Surfaces, World};
 use report::Output;
 use serde_json::json;
 

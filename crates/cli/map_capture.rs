@@ -4,12 +4,12 @@ use crate::args::{self, Backend};
 use crate::map::{Common, projection};
 use crate::map_file::{picture_size, write};
 use crate::{host, options, render::lights, say};
-use ::bake::{Overrides, Surfaces, World, WorldOptions};
 use ::render::{Direct, Lamps, Light, Model, PointForm, add_points, capture};
 use anyhow::bail;
 use clap::{Args as ClapArgs, ValueEnum};
 use glam::DVec3;
 use maps::{Format, Layout, Orientation, Projection};
+use rays::{Overrides, Surfaces, World, WorldOptions};
 use scene::Scene;
 use serde_json::json;
 use std::path::PathBuf;
@@ -88,7 +88,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         filter_all: false,
     };
     let world = World::new(Arc::new(scene), rules)?;
-    let backend = ::bake::build(options::backend_kind(args.backend), &world, threads)?;
+    let backend = rays::build(options::backend_kind(args.backend), &world, threads)?;
     let surfaces = Surfaces::new(&world);
     let lamps = Lamps::of(&world);
     let points: Vec<Light> = lights(&[], &args.point);

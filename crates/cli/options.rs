@@ -1,9 +1,9 @@
 //! What the command line means: typed options of the stages.
 
 use crate::args::{self, Backend, Common, Job, Uv};
-use ::bake::{
-    BackendKind, Effort, Filter, Layer, Layout, Options, Overrides, Pattern, PointSet, Sky,
-};
+use ::bake::{Denoise, Effort, Options, Pattern, PointSet, Sky};
+use layers::Layer;
+use rays::{BackendKind, Layout, Overrides};
 use serde_json::{Value, json};
 
 /// The bake's options.
@@ -31,9 +31,9 @@ pub fn bake_options(job: &Job, common: &Common, sky: Sky) -> Options {
             args::Pattern::Tiled => Pattern::Tiled,
         },
         points: PointSet::default(),
-        filter: match job.filter {
-            args::Filter::Off => Filter::Off,
-            args::Filter::Regression => Filter::Regression,
+        denoise: match job.denoise {
+            args::Denoise::Off => Denoise::Off,
+            args::Denoise::Regression => Denoise::Regression,
         },
         seed: common.seed,
         sky,
@@ -87,9 +87,9 @@ pub fn describe(job: &Job, options: &Options, sky: &Value) -> Value {
         Uv::Keep => "keep",
         Uv::Unwrap => "unwrap",
     };
-    let filter = match options.filter {
-        Filter::Off => "off",
-        Filter::Regression => "regression",
+    let denoise = match options.denoise {
+        Denoise::Off => "off",
+        Denoise::Regression => "regression",
     };
     let fixed = match options.effort {
         Effort::Rays(rays) => Some(rays),
@@ -107,7 +107,7 @@ pub fn describe(job: &Job, options: &Options, sky: &Value) -> Value {
         "target_error": job.target_error,
         "max_rays": job.target_error.map(|_| job.max_rays),
         "pattern": pattern,
-        "filter": filter,
+        "denoise": denoise,
         "seed": options.seed,
         "sky": sky,
         "view": view_rule(options),

@@ -5,12 +5,12 @@ use crate::figures::{self, Figure};
 use crate::render_maps;
 use crate::render_maps_args::Tables;
 use crate::{Outcome, host, options, say};
-use ::bake::{Overrides, RayBackend, Surfaces, World, WorldOptions};
 use ::render::{Camera, Direct, Lamps, Light, Lightmap, Model, Sample, picture};
 use anyhow::{Context, bail};
 use clap::{Args as ClapArgs, ValueEnum};
 use glam::DVec3;
 use maps::{Format, Image, Labels};
+use rays::{Overrides, RayBackend, Surfaces, World, WorldOptions};
 use report::Output;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -165,7 +165,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             filter_all: false,
         },
     )?;
-    let backend = ::bake::build(options::backend_kind(args.backend), &world, threads)?;
+    let backend = rays::build(options::backend_kind(args.backend), &world, threads)?;
     if let Some(figure) = args.figure {
         return figures::draw(figure, args, &world, backend.as_ref());
     }

@@ -3,7 +3,6 @@
 use crate::render::{Args, write};
 use crate::render_maps_args::{ShaderName, Tables, rows};
 use crate::{Outcome, say};
-use ::bake::{Overrides, Ray, RayBackend, Surfaces, World};
 use ::render::Camera;
 use ::render::tables::{
     Balls, CameraPath, GBuffer, Index, Shader, Surfel, Table, Turn, View, backdrop,
@@ -11,6 +10,7 @@ use ::render::tables::{
 use anyhow::{Context, bail};
 use glam::DVec3;
 use maps::{IlluminationMap, Image, Lobe, Normalise, Orientation, Projection, Request};
+use rays::{Overrides, Ray, RayBackend, Surfaces, World};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;

@@ -3,8 +3,9 @@
 use crate::args::color;
 use crate::map::Input;
 use crate::map_file::Source;
-use ::bake::{Sky, SkyMap};
+use ::bake::Sky;
 use anyhow::Context;
+use maps::SkyMap;
 use maps::{Layout, Orientation, Projection};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};

@@ -206,12 +206,8 @@ fn edge_sums_agree_with_the_table_of_scenes() {
             for face in &faces {
                 let seen: Vec<DVec3> = face.points.iter().map(|p| *p - point).collect();
                 let one = shares(&seen, &at);
-                let theirs = ambient::occluders::polygon_specular(
-                    &seen,
-                    at.normal,
-                    mirror,
-                    f64::from(exponent),
-                );
+                let theirs =
+                    bench::exact::polygon_specular(&seen, at.normal, mirror, f64::from(exponent));
                 assert!(
                     (one.specular - theirs).abs() < 1e-9,
                     "{}: {one:?}, the library has {theirs}",

@@ -6,7 +6,7 @@ use super::mesh::Mesh;
 use super::polygon::{Shares, shares};
 use super::{Comparison, LIMIT, View, agree_with, exact, setting};
 use crate::support::{backends, bake, report, scene};
-use ambient::occluders::{Open, round, shapes};
+use bench::exact::{Open, round, shapes};
 use glam::DVec3;
 
 /// Holds the scene `name` on a page of `size` texels against its own faces, with these backends.

@@ -22,7 +22,7 @@ impl Frame {
     /// The tangent is a smooth function of the normal except across the plane z = 0.
     ///
     /// ```
-    /// let frame = ambient::Frame::from_normal(glam::DVec3::NEG_Z);
+    /// let frame = ambake_ambient::Frame::from_normal(glam::DVec3::NEG_Z);
     /// assert_eq!(frame.to_world(glam::DVec3::Z), glam::DVec3::NEG_Z);
     /// ```
     pub fn from_normal(normal: DVec3) -> Frame {

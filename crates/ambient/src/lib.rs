@@ -8,9 +8,9 @@
 pub mod closed_form;
 pub mod convention;
 pub mod frame;
+pub mod lanes;
 pub mod models;
-pub mod occluders;
-mod quadrature;
+pub mod quadrature;
 pub mod sampling;
 
 pub use frame::Frame;

@@ -1,53 +1,18 @@
-//! Rays meet mathematics: backends, planner, integrator.
+//! Texels meet rays: what a bake models, the surface under each texel, its integrals with their errors, and pages.
+//!
+//! The stages stand in folders in the order they run: `plan` decides what a scene needs, `survey` cuts texels into cells
+//! of surface, `integrate` casts their rays, `denoise` smooths terms over a surface, `page` composes models and keeps
+//! planes. [`Bake`] runs them.
 #![forbid(unsafe_code)]
 
-mod alpha;
-mod backend;
-mod both;
-mod cell;
-mod compose;
-mod embree_backend;
-mod error;
-mod error_estimate;
-mod filter;
-#[cfg(test)]
-mod fixture;
-mod gang;
+mod denoise;
 mod integrate;
-mod layer;
-mod mix;
-mod obvhs_backend;
-#[cfg(test)]
-mod obvhs_tests;
-mod open;
 mod options;
 mod page;
-mod parity;
 mod plan;
-mod point;
-mod referee;
-mod regress;
-mod surface;
-mod texel;
-mod tree;
-mod triangle;
-mod world;
+mod survey;
 
-pub use alpha::AlphaTest;
-pub use backend::{BackendKind, Coherence, Layout, Ray, RayBackend, RayPacket, SurfaceHit, build};
-pub use both::Both;
-pub use compose::BakedTexel;
-pub use embree_backend::EmbreeBackend;
-pub use error::Error;
 pub use integrate::{REPLICATES, Terms};
-pub use layer::Layer;
-pub use obvhs_backend::ObvhsBackend;
-pub use open::OpenTriangles;
-pub use options::{Effort, Filter, Options, Overrides, Pattern, PointSet, Sky, SkyMap, View};
-pub use page::{Bake, BakedPage, PageStats, Plane, Progress};
-pub use parity::{Answer, Disagreement, ParityReport, TestRays, parity};
+pub use options::{Denoise, Effort, Options, Pattern, PointSet, Sky, View};
+pub use page::{Bake, BakedPage, BakedTexel, PageStats, Plane, Progress};
 pub use plan::{Choice, Decision, Plan};
-pub use point::{SurfacePoint, Surfaces};
-pub use referee::{Margin, Ruling, judge, judge_triangle, t_rounding};
-pub use texel::TexelMaterial;
-pub use world::{Bounds, Geometry, Part, Positions, World, WorldOptions};

@@ -1,9 +1,11 @@
 //! What a bake was asked to do, typed and validated by the caller.
 
-use crate::layer::Layer;
 use crate::plan::Choice;
-pub use ambient::sampling::{PointSet, SkyMap};
+pub use ambient::sampling::PointSet;
 use glam::DVec3;
+use layers::Layer;
+use maps::SkyMap;
+use rays::Overrides;
 use std::sync::Arc;
 
 /// Options of one bake. The command line's words are turned into this once; nothing below reads flags.
@@ -16,7 +18,7 @@ pub struct Options {
     /// Where sample points come from.
     pub points: PointSet,
     /// What happens to integrated terms.
-    pub filter: Filter,
+    pub denoise: Denoise,
     /// Seed of every sample stream.
     pub seed: u64,
     /// Radiance that arrives where nothing blocks it.
@@ -71,7 +73,7 @@ pub enum Pattern {
 
 /// What happens to the terms of a page after they are integrated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Filter {
+pub enum Denoise {
     /// Nothing: every texel is unbiased and independent.
     #[default]
     Off,
@@ -121,17 +123,6 @@ pub enum View {
     Normal,
     /// The eye is a point in world space.
     Eye(DVec3),
-}
-
-/// Material values given on the command line.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Overrides {
-    /// `--albedo`, linear RGB.
-    pub albedo: Option<[f32; 3]>,
-    /// `--specular`, linear RGB.
-    pub specular: Option<[f32; 3]>,
-    /// `--exponent`, 0..=1e6.
-    pub exponent: Option<f64>,
 }
 
 impl Options {

@@ -1,8 +1,9 @@
 //! How far a bake is from the bare loop of `rtcOccluded16` over the very same packets.
 
 use crate::Subject;
-use bake::{Coherence, EmbreeBackend, Options, Ray, RayBackend, RayPacket, SurfaceHit};
+use bake::Options;
 use rayon::prelude::*;
+use rays::{Coherence, EmbreeBackend, Ray, RayBackend, RayPacket, SurfaceHit};
 use serde::Serialize;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;

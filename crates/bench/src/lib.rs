@@ -2,12 +2,16 @@
 #![forbid(unsafe_code)]
 
 use atlas::Atlas;
-use bake::{Bake, BakedPage, Options, Plan, Progress, RayBackend, World};
+use bake::{Bake, BakedPage, Options, Plan, Progress};
+use rays::{RayBackend, World};
 
 pub mod ceiling;
 mod clock;
+pub mod exact;
+pub mod figures;
 pub mod hard;
 pub mod maps;
+pub mod parity;
 pub mod samplers;
 pub mod speed;
 pub mod summary;

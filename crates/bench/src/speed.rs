@@ -2,10 +2,9 @@
 
 use crate::Subject;
 use crate::clock::time;
-use bake::{
-    BackendKind, BakedPage, Coherence, Effort, Filter, Layer, Layout, Options, Pattern, PointSet,
-    Ray, RayBackend, RayPacket, Sky, SurfaceHit,
-};
+use bake::{BakedPage, Denoise, Effort, Options, Pattern, PointSet, Sky};
+use layers::Layer;
+use rays::{BackendKind, Coherence, Layout, Ray, RayBackend, RayPacket, SurfaceHit};
 use serde::Serialize;
 
 /// Rays of the reference that errors are measured against, and its seed.
@@ -26,7 +25,7 @@ pub struct Technique {
     /// See [`Options::points`].
     pub points: PointSet,
     /// See [`Options::filter`]. What filters is left out under an illumination map.
-    pub filter: Filter,
+    pub denoise: Denoise,
     /// See [`Options::draw_sky`]. What does not is left out under a uniform sky.
     pub draw_sky: bool,
     /// Efforts in rising order.
@@ -60,7 +59,7 @@ pub const TECHNIQUES: [Technique; 10] = {
         single: false,
         pattern: Pattern::Independent,
         points: PointSet::Sobol,
-        filter: Filter::Off,
+        denoise: Denoise::Off,
         draw_sky: true,
         efforts: MANY,
     };
@@ -74,8 +73,8 @@ pub const TECHNIQUES: [Technique; 10] = {
             ..plain
         },
         Technique {
-            name: "the same, --filter regression",
-            filter: Filter::Regression,
+            name: "the same, --denoise regression",
+            denoise: Denoise::Regression,
             efforts: MANY,
             ..plain
         },
@@ -188,8 +187,8 @@ pub fn speed(
     options: &Options,
     repeats: u32,
     mut tell: impl FnMut(&Row),
-) -> Result<Vec<Row>, bake::Error> {
-    let build = |kind| bake::build(kind, subject.world, 0);
+) -> Result<Vec<Row>, rays::Error> {
+    let build = |kind| rays::build(kind, subject.world, 0);
     let by_map = matches!(options.sky, Sky::Map(_));
     let mut options = options.clone();
     if by_map && !options.layers.contains(&Layer::Irradiance) {
@@ -199,7 +198,7 @@ pub fn speed(
         .iter()
         .filter(|t| t.backend != BackendKind::Embree || embree::header_version().is_some())
         .filter(|t| match by_map {
-            true => t.filter == Filter::Off,
+            true => t.denoise == Denoise::Off,
             false => t.draw_sky,
         });
     let mut built = Vec::new();
@@ -228,7 +227,7 @@ pub fn speed(
                     effort,
                     pattern: technique.pattern,
                     points: technique.points,
-                    filter: technique.filter,
+                    denoise: technique.denoise,
                     draw_sky: technique.draw_sky,
                     seed: u64::from(repeat),
                     ..options.clone()

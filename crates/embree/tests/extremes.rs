@@ -2,8 +2,8 @@
 
 mod common;
 
+use ambake_embree::{Coherence, Ray, RayPacket, Scene, SceneBuilder};
 use common::{Random, device, soup};
-use embree::{Coherence, Ray, RayPacket, Scene, SceneBuilder};
 
 /// A float of random bits: NaN, infinities and denormals among them; or one of few plain values.
 fn wild(random: &mut Random) -> f32 {

@@ -7,7 +7,7 @@ const RECORDED: &str = "rustc 1.95.";
 
 #[test]
 fn misuse_does_not_compile() {
-    if embree::header_version().is_none() {
+    if ambake_embree::header_version().is_none() {
         println!("skipped: built without Embree, whose handles then have no values");
         return;
     }

@@ -2,8 +2,8 @@
 
 mod common;
 
+use ambake_embree::{Coherence, Keep, Lanes, PacketWidth, Ray, RayPacket, Scene, SceneBuilder};
 use common::{Random, ask, device, ray, scene, soup};
-use embree::{Coherence, Keep, Lanes, PacketWidth, Ray, RayPacket, Scene, SceneBuilder};
 use std::sync::Arc;
 
 /// Unit right triangle in the plane z = `height`, wound counter-clockwise seen from +z.

@@ -2,10 +2,10 @@
 
 mod common;
 
-use common::{Random, ask, config, device, ray, scene, soup};
-use embree::{
+use ambake_embree::{
     Coherence, Device, DeviceConfig, Error, Isa, Keep, Ray, RayPacket, Scene, SceneBuilder,
 };
+use common::{Random, ask, config, device, ray, scene, soup};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -495,12 +495,12 @@ fn building_leaves_the_callers_float_rules_alone() {
 #[test]
 fn a_device_tells_what_was_loaded() {
     let Some(device) = device() else {
-        assert_eq!(embree::header_version(), None);
+        assert_eq!(ambake_embree::header_version(), None);
         return;
     };
     let info = device.info();
     println!("{info:?}");
-    assert_eq!(Some(info.headers), embree::header_version());
+    assert_eq!(Some(info.headers), ambake_embree::header_version());
     assert_eq!(info.library.major, info.headers.major);
     assert!(info.filter && !info.backface_culling);
     let low = Device::new(&DeviceConfig {

@@ -18,6 +18,7 @@ mod orientation;
 mod painted;
 mod projection;
 mod quadrature;
+mod sky_map;
 
 pub use convert::{Layout, convert, convert_image};
 pub use convolve::{Lobe, Normalise, Request, convolve, diffuse, specular};
@@ -27,3 +28,4 @@ pub use image::Image;
 pub use map::{IlluminationMap, ReflectionMap};
 pub use orientation::Orientation;
 pub use projection::{Direction, Projection};
+pub use sky_map::SkyMap;

@@ -6,10 +6,10 @@
 //! of its distance goes into the texels about its direction.
 
 use crate::{Direct, Light, Sample};
-use bake::Ray;
 use glam::DVec3;
 use maps::{Error, IlluminationMap, Image, Projection};
 use rayon::prelude::*;
+use rays::Ray;
 
 /// How a point light enters a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,9 +2,9 @@
 
 use crate::fixture::{Sheet, white, world};
 use crate::{Direct, Lamps, Light, Model, PointForm, add_points, capture};
-use bake::{Overrides, RayBackend, Surfaces};
 use glam::{DVec3, Vec3};
 use maps::{IlluminationMap, Image, Lobe, Normalise, Projection, Request, convolve};
+use rays::{Overrides, RayBackend, Surfaces};
 use std::f64::consts::PI;
 
 /// Black under a black sky, but for lamps and lights.

@@ -8,8 +8,8 @@ use crate::{Lamps, Light, Lightmap, Sample};
 use ambient::Frame;
 use ambient::models;
 use ambient::sampling::{Lobe, Mixture, Stream};
-use bake::{Coherence, Overrides, Ray, RayBackend, RayPacket, SurfaceHit, SurfacePoint, Surfaces};
 use glam::DVec3;
+use rays::{Coherence, Overrides, Ray, RayBackend, RayPacket, SurfaceHit, SurfacePoint, Surfaces};
 
 /// Which ambient model shades a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

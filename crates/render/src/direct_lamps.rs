@@ -6,8 +6,8 @@
 //! noisy, and nothing is counted twice. A ray whose rounding takes it over its triangle's edge is lost: 1e-7 of the
 //! distance from the rim of a lamp.
 
-use bake::{SurfaceHit, World};
 use glam::DVec3;
+use rays::{SurfaceHit, World};
 
 /// The luminous triangles of a world.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,11 +1,11 @@
 //! Direct pictures against answers known on paper.
 
 use crate::fixture::{Sheet, ground, white, world};
-use crate::{Camera, Direct, Lamps, Light, Model, Sample, fig1, picture};
+use crate::{Camera, Direct, Lamps, Light, Model, Sample, picture};
 use ambient::closed_form::phong_open;
-use bake::{Overrides, RayBackend, Surfaces};
 use glam::{DVec3, Vec3};
 use maps::Image;
+use rays::{Overrides, RayBackend, Surfaces};
 use std::f64::consts::PI;
 
 static DARK: Lamps = Lamps::NONE;
@@ -245,24 +245,6 @@ fn a_screen_before_half_of_a_lamp_takes_its_light() {
         (value - exact).abs() < 5.0 * error,
         "{value} ± {error} for {exact}"
     );
-}
-
-#[test]
-fn fig1_by_rays_agrees_with_the_closed_form_within_its_errors() {
-    let (world, backend) = world(&[ground()]);
-    let surfaces = Surfaces::new(&world);
-    let points = fig1(&mut direct(&surfaces, backend.as_ref(), Model::Phong));
-    assert_eq!(points.len(), 80);
-    for p in &points {
-        // One of 80 points beyond 5 standard errors: once in 2e4 figures.
-        assert!((p.rays - p.exact).abs() <= 5.0 * p.error, "{p:?}");
-    }
-    // The paper's n = 2 seen at 60 degrees.
-    let (n, angle) = (2, 60.0);
-    let found = points
-        .iter()
-        .find(|p| (p.exponent, p.angle_deg) == (n, angle));
-    assert!((found.unwrap().exact - 1.684_938_5).abs() < 1e-7);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Small scenes for this crate's tests.
 
-use bake::{BackendKind, Layout, RayBackend, World, WorldOptions, build};
 use glam::{DAffine3, Vec3};
+use rays::{BackendKind, Layout, RayBackend, World, WorldOptions, build};
 use scene::{Alpha, Format, Instance, Material, Mesh, MeshOrigin, Scene, Surface};
 use std::sync::Arc;
 

@@ -13,8 +13,7 @@ mod direct_lamps;
 #[cfg(test)]
 mod direct_tests;
 mod error;
-mod fig1;
-mod fig3;
+
 #[cfg(test)]
 mod fixture;
 mod light;
@@ -27,8 +26,6 @@ pub use capture::{PointForm, add_points, capture};
 pub use direct::{Direct, Model};
 pub use direct_lamps::Lamps;
 pub use error::Error;
-pub use fig1::{Fig1Point, fig1, fig1_csv, fig1_svg};
-pub use fig3::{Fig3, fig3};
 pub use light::Light;
 pub use lightmap::Lightmap;
 pub use picture::{Sample, picture};

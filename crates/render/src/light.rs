@@ -5,8 +5,8 @@
 //! normalisation of the ambient term, so that a sky full of lights gives that term: `(n+1)/2π (R·L)ⁿ E`.
 
 use ambient::convention::{PROJECTED_HEMISPHERE, lobe_scale};
-use bake::TexelMaterial;
 use glam::DVec3;
+use rays::PhongMaterial;
 
 /// A light without extent.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,7 +74,7 @@ impl Arrival {
     }
 
     /// Radiance that the Phong lobe about `mirror`, the mirrored view, adds; 0 for a light below the surface.
-    pub fn specular(&self, normal: DVec3, mirror: DVec3, material: &TexelMaterial) -> DVec3 {
+    pub fn specular(&self, normal: DVec3, mirror: DVec3, material: &PhongMaterial) -> DVec3 {
         if normal.dot(self.toward) <= 0.0 {
             return DVec3::ZERO;
         }

@@ -1,8 +1,8 @@
 //! The ambient models of a finished bake, looked up with the lightmap coordinates of the scene it wrote.
 
 use crate::Error;
-use bake::SurfaceHit;
 use glam::{DVec2, DVec3};
+use rays::SurfaceHit;
 use report::Page;
 use scene::Scene;
 use serde_json::Value;

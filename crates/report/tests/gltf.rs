@@ -1,8 +1,8 @@
 //! The written GLB: validated by Khronos' validator, loaded again, compared with the input.
 
+use ambake_report::{Layer, Output, Page, occlusion_png, write_gltf};
 use atlas::{Atlas, Audit, MeshLayout, Placement, UvSource};
 use glam::Vec2;
-use report::{Layer, Output, Page, occlusion_png, write_gltf};
 use scene::Scene;
 use serde_json::{Value, json};
 use std::fs;

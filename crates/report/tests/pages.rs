@@ -1,6 +1,6 @@
 //! EXR pages: what is written comes back, the bytes are fixed, damage is an error, another library reads the file.
 
-use report::{Layer, Output, Page, PageHeader, read_page_exr, write_page_exr};
+use ambake_report::{Layer, Output, Page, PageHeader, read_page_exr, write_page_exr};
 use std::path::{Path, PathBuf};
 
 /// Values with all kinds of bits, the same on every run.

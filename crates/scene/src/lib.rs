@@ -33,9 +33,9 @@ use std::path::Path;
 /// what it allocates is bounded by a multiple of the bytes it reads.
 ///
 /// ```no_run
-/// let scene = scene::load(std::path::Path::new("room.glb"))?;
+/// let scene = ambake_scene::load(std::path::Path::new("room.glb"))?;
 /// println!("{} triangles", scene.meshes.iter().map(|mesh| mesh.triangles.len()).sum::<usize>());
-/// # Ok::<(), scene::Error>(())
+/// # Ok::<(), ambake_scene::Error>(())
 /// ```
 pub fn load(path: &Path) -> Result<Scene, Error> {
     let format = source::format_of(path)?;

@@ -34,7 +34,7 @@ pub const MAX_EXPONENT: f64 = 1e6;
 ///
 /// ```
 /// # use glam::Vec3;
-/// let (albedo, specular, n) = scene::phong_from_metallic_roughness(Vec3::ONE, 0.0, 0.5, Vec3::splat(0.04));
+/// let (albedo, specular, n) = ambake_scene::phong_from_metallic_roughness(Vec3::ONE, 0.0, 0.5, Vec3::splat(0.04));
 /// assert_eq!((albedo, specular, n), (Vec3::ONE, Vec3::splat(0.04), 7.5));
 /// ```
 pub fn phong_from_metallic_roughness(

@@ -1,6 +1,6 @@
 //! Every model of the shared collection loads, with the counts that its README states.
 
-use scene::{Alpha, Scene, Surface, load};
+use ambake_scene::{Alpha, Scene, Surface, load};
 use std::path::Path;
 
 fn model(name: &str) -> Option<Scene> {

@@ -28,7 +28,7 @@ use std::f64::consts::{PI, TAU};
 ///   does not hold the angle, and for n < 1 the slope in the cosine is infinite there.
 ///
 /// ```
-/// use ambient::closed_form::phong_open;
+/// use ambake_ambient::closed_form::phong_open;
 /// assert_eq!(phong_open(50.0, 1.0, 0.0), 1.0);
 /// assert_eq!(phong_open(50.0, 0.0, 1.0), 0.5);
 /// ```

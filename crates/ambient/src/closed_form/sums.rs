@@ -13,7 +13,7 @@ use std::f64::consts::{PI, TAU};
 /// * `theta_view`: angle from normal to view in radians, `0..=π/2`; beyond, the terms cancel and digits are lost.
 ///
 /// ```
-/// let half = ambient::closed_form::specular_convex(2, std::f64::consts::FRAC_PI_2);
+/// let half = ambake_ambient::closed_form::specular_convex(2, std::f64::consts::FRAC_PI_2);
 /// assert!((half - std::f64::consts::PI / 3.0).abs() < 1e-15);
 /// ```
 pub fn specular_convex(exponent: u32, theta_view: f64) -> f64 {

@@ -1,7 +1,7 @@
 //! Where rays go: points of a low-discrepancy sequence, and maps from those points to directions.
 //!
 //! [`Stream`] labels the points of one texel, [`Streams`] reads sixteen of them at once from a [`PointSet`], [`Mixture`] and
-//! [`Lobe`] map points to directions; [`SkyMap`] does so by the light of an illumination map. Every map takes `[u0, u1]`: `u0` sets
+//! [`Lobe`] map points to directions. Every map takes `[u0, u1]`: `u0` sets
 //! the zenith angle by an analytic inverse (1 is the pole), `u1` is the azimuth in turns. The polar map is used rather
 //! than a concentric one: jittered and Owen-scrambled points have an error that grows with the length of the
 //! visibility boundary in the unit square, and that was shorter under the polar map for three of four measured scenes.
@@ -9,18 +9,17 @@
 mod hemisphere;
 mod lattice;
 mod lobe;
-mod sky;
 mod sobol;
 mod stream;
 mod turn;
 mod wide;
 
+pub use crate::lanes::{LANES, Wide};
 pub use hemisphere::Mixture;
 pub use lobe::Lobe;
-pub use sky::SkyMap;
 pub use stream::Stream;
 pub use turn::turn_sin_cos;
-pub use wide::{Block, LANES, PointSet, Streams, Wide};
+pub use wide::{Block, PointSet, Streams};
 
 #[cfg(test)]
 mod chi_square;

@@ -10,7 +10,7 @@ use super::sobol::{DIMENSIONS, scramble, sobol};
 /// a stream is unbiased and the spread between replicates estimates its error.
 ///
 /// ```
-/// use ambient::sampling::Stream;
+/// use ambake_ambient::sampling::Stream;
 /// let (a, b) = (Stream::new(0, 0, 17, 0, 0), Stream::new(0, 0, 18, 0, 0));
 /// assert_ne!(a.point(40), b.point(40));
 /// assert_eq!(a.point(40)[..2], b.with_directions(&a).point(40)[..2]);

@@ -1,7 +1,7 @@
 //! Area-true texel footprints.
 
 use crate::scenes::laid_out;
-use atlas::{Atlas, Footprint, PageRaster, SurfacePoint, Tile, triangle_uv};
+use ambake_atlas::{Atlas, Footprint, PageRaster, SurfacePoint, Tile, triangle_uv};
 use glam::DVec2;
 use scene::Scene;
 

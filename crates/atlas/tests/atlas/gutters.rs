@@ -1,6 +1,6 @@
 //! Dilation.
 
-use atlas::Dilation;
+use ambake_atlas::Dilation;
 
 /// A page with a chart of a few shapes: 1 inside, 0 elsewhere.
 fn coverage(size: usize) -> Vec<f32> {

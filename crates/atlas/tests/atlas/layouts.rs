@@ -1,7 +1,7 @@
 //! Layouts: kept, repacked, unwrapped.
 
 use crate::scenes::{ball, cube, mesh, moved, scaled, scene};
-use atlas::{Atlas, Error, Options, PageRaster, UvMode, UvSource, Why, layout};
+use ambake_atlas::{Atlas, Error, Options, PageRaster, UvMode, UvSource, Why, layout};
 use glam::{DAffine3, Vec2, Vec3};
 use scene::Scene;
 

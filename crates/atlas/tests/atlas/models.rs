@@ -1,6 +1,6 @@
 //! Real models, where they are present.
 
-use atlas::{Atlas, Options, PageRaster, UvMode, UvSource, layout};
+use ambake_atlas::{Atlas, Options, PageRaster, UvMode, UvSource, layout};
 use rayon::prelude::*;
 use scene::Scene;
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! Small scenes and ready layouts, as plain structs.
 
-use atlas::{Atlas, Audit, MeshLayout, Placement, UvSource};
+use ambake_atlas::{Atlas, Audit, MeshLayout, Placement, UvSource};
 use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
 use scene::{Alpha, Format, Instance, Material, Mesh, MeshOrigin, Scene, Surface};
 

@@ -1,10 +1,10 @@
 //! The cases: how each scene is built, its exact value and what bounds the difference.
 
 use super::setup::{SIZE, Setup};
+use crate::exact::{Open, round, shapes, tilted_phong};
 use ambient::closed_form::{phong_open_angle, tilted_diffuse, tilted_visibility};
-use ambient::occluders::{Open, round, shapes, tilted_phong};
-use bake::Layer;
 use glam::DVec3;
+use layers::Layer;
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 /// One scene with what it must give.

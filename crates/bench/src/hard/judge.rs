@@ -4,10 +4,9 @@ use super::cases::{Bound, Case, Expected, cases};
 use super::setup::{SIZE, Setup};
 use super::{Error, input};
 use crate::Subject;
-use bake::{
-    BackendKind, BakedPage, Choice, Effort, Filter, Layer, Layout, Options, Overrides, Pattern,
-    Plan, PointSet, View,
-};
+use bake::{BakedPage, Choice, Denoise, Effort, Options, Pattern, Plan, PointSet, View};
+use layers::Layer;
+use rays::{BackendKind, Layout, Overrides};
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -91,7 +90,7 @@ fn bake(setup: &Setup, case: &str, kind: BackendKind) -> Result<BakedPage, Error
         effort: Effort::Rays(RAYS),
         pattern: Pattern::Independent,
         points: PointSet::default(),
-        filter: Filter::Off,
+        denoise: Denoise::Off,
         seed: 0,
         sky: bake::Sky::Uniform([1.0; 3]),
         draw_sky: true,
@@ -111,7 +110,7 @@ fn bake(setup: &Setup, case: &str, kind: BackendKind) -> Result<BakedPage, Error
         source,
     };
     let (plan, world) = Plan::of(&Arc::new(scene), &options).map_err(fail)?;
-    let backend = bake::build(kind, &world, 0).map_err(fail)?;
+    let backend = rays::build(kind, &world, 0).map_err(fail)?;
     let subject = Subject {
         world: &world,
         plan: &plan,

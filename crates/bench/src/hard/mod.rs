@@ -23,7 +23,7 @@ pub enum Error {
         /// The case's name.
         case: String,
         /// What was wrong.
-        source: bake::Error,
+        source: rays::Error,
     },
     /// A broken input file could not be written.
     #[error(

@@ -1,6 +1,6 @@
 //! A receiving chart and what stands above it, as a scene with its atlas.
 
-use ambient::occluders::{Open, polygon_form_factor, polygon_solid_angle};
+use crate::exact::{Open, polygon_form_factor, polygon_solid_angle};
 use atlas::{Atlas, Audit, MeshLayout, Placement, UvSource};
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
 use scene::{Alpha, Format, Instance, Material, Mesh, MeshOrigin, Scene, Surface};

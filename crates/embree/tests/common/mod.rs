@@ -1,7 +1,9 @@
 //! What the tests share: a device, random numbers, a few meshes.
 #![allow(dead_code)]
 
-use embree::{Coherence, Device, DeviceConfig, Error, Hit, Ray, RayPacket, Scene, SceneBuilder};
+use ambake_embree::{
+    Coherence, Device, DeviceConfig, Error, Hit, Ray, RayPacket, Scene, SceneBuilder,
+};
 
 /// A mesh: vertices and triangles.
 pub type Mesh = (Vec<[f32; 3]>, Vec<[u32; 3]>);

@@ -1,3 +1,3 @@
 //! The packet widths are sealed.
-impl embree::PacketWidth for embree::Lanes<4> {}
+impl ambake_embree::PacketWidth for ambake_embree::Lanes<4> {}
 fn main() {}

@@ -1,4 +1,4 @@
 //! Packets have 8 or 16 lanes.
 fn main() {
-    let _ = embree::RayPacket::<5>::new();
+    let _ = ambake_embree::RayPacket::<5>::new();
 }

@@ -159,21 +159,6 @@ fn the_table_reads_what_the_map_reads() {
 }
 
 #[test]
-fn the_arctangent_errs_by_the_stated_angle() {
-    let mut worst = 0.0f64;
-    for k in 0..400_000 {
-        let (y, x) = (f64::from(k) * 1e-5 * std::f64::consts::PI).sin_cos();
-        let (y, x) = (y as f32, x as f32);
-        let exact = f64::from(y).atan2(f64::from(x));
-        worst = worst.max((f64::from(table::arctangent(y, x)) - exact).abs());
-    }
-    println!("arctangent: {worst} at most");
-    // 1.3e-7 of the polynomial and the roundings of π and of the sum.
-    assert!(worst < 4e-7, "{worst}");
-    assert_eq!(table::arctangent(0.0, 0.0), 0.0);
-}
-
-#[test]
 fn rectangles_of_the_summed_table_are_direct_sums_bit_for_bit() {
     let map = uneven(32);
     let mut image = map.image().clone();

@@ -4,7 +4,7 @@ use super::support::{Document, Folder, U8};
 use serde_json::json;
 
 /// The message, checked for its form.
-fn refused(result: Result<scene::Scene, scene::Error>, needle: &str) {
+fn refused(result: Result<ambake_scene::Scene, ambake_scene::Error>, needle: &str) {
     let message = result.expect_err(needle).to_string();
     assert!(message.contains(needle), "`{needle}` is not in: {message}");
     assert!(!message.contains('\n') && message.len() < 600, "{message}");
@@ -20,9 +20,15 @@ fn edited(needle: &str, edit: impl FnOnce(&mut Document)) {
 fn files_that_are_none() {
     let folder = Folder::new();
     let path = folder.write("a.obj", "");
-    refused(scene::load(path.parent().unwrap()), "is not a regular file");
-    refused(scene::load(&path), "is empty");
-    refused(scene::load(&path.with_file_name("gone.obj")), "cannot read");
+    refused(
+        ambake_scene::load(path.parent().unwrap()),
+        "is not a regular file",
+    );
+    refused(ambake_scene::load(&path), "is empty");
+    refused(
+        ambake_scene::load(&path.with_file_name("gone.obj")),
+        "cannot read",
+    );
     refused(
         folder.load("a.txt", "v 0 0 0"),
         "rename it to .obj, .gltf or .glb",

@@ -1,10 +1,10 @@
 //! glTF and GLB.
 
 use super::support::{Document, F32, Folder, U8, U16, U32, png, push};
+use ambake_scene::{Alpha, Surface};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use glam::{DVec3, Vec2, Vec3};
-use scene::{Alpha, Surface};
 use serde_json::json;
 
 #[test]
@@ -234,7 +234,11 @@ fn materials_follow_the_file_and_a_primitive_without_one_is_untinted() {
     assert_eq!(*dielectric, Vec3::splat((1.0f64 / 9.0) as f32 * 0.5));
     assert_eq!(
         (map.uv_set, map.linear, map.wrap),
-        (1, false, [scene::Wrap::Clamp, scene::Wrap::Mirror])
+        (
+            1,
+            false,
+            [ambake_scene::Wrap::Clamp, ambake_scene::Wrap::Mirror]
+        )
     );
     // A quarter turn counter-clockwise in a picture whose v grows down: u goes to -v, v to u.
     let expected = [[0.0, 3.0, 0.5], [-2.0, 0.0, 1.0]];

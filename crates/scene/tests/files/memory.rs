@@ -45,7 +45,7 @@ fn two_hundred_thousand_triangles_load_alike_from_obj_and_glb() {
     *document.primitive() = json!({ "attributes": { "POSITION": accessor }, "indices": indices });
     let glb = document.load().unwrap();
 
-    let points = |scene: &scene::Scene| -> Vec<[f32; 3]> {
+    let points = |scene: &ambake_scene::Scene| -> Vec<[f32; 3]> {
         let mesh = &scene.meshes[0];
         mesh.triangles
             .iter()

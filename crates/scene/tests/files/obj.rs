@@ -1,8 +1,8 @@
 //! OBJ and MTL.
 
 use super::support::{Folder, png};
+use ambake_scene::{Alpha, Scene, Surface, Wrap};
 use glam::{Vec2, Vec3};
-use scene::{Alpha, Scene, Surface, Wrap};
 
 fn load(text: &str) -> Scene {
     Folder::new()

@@ -1,6 +1,6 @@
 //! Builds small glTF, GLB and OBJ files for the tests.
 
-use scene::{Error, Scene};
+use ambake_scene::{Error, Scene};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -21,7 +21,7 @@ impl Folder {
     }
 
     pub fn load(&self, name: &str, bytes: impl AsRef<[u8]>) -> Result<Scene, Error> {
-        scene::load(&self.write(name, bytes))
+        ambake_scene::load(&self.write(name, bytes))
     }
 }
 

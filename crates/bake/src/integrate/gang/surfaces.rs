@@ -1,0 +1,191 @@
+//! The surfaces under sixteen lanes, and frames about their normals.
+
+#![allow(
+    clippy::needless_range_loop,
+    reason = "a lane is one index into many arrays"
+)]
+
+use crate::survey::{Cell, place_in};
+use ambient::sampling::{LANES, Wide};
+use glam::DVec3;
+
+/// f64 numbers of all lanes.
+type Deep = [f64; LANES];
+
+/// The surfaces under the lanes, as structures of arrays: see [`Cell`] for what each is.
+#[derive(Clone)]
+pub(super) struct Surfaces {
+    position: [[Deep; 3]; 3],
+    /// Geometric normal times offset.
+    lift: [Deep; 3],
+    normal: [[Wide; 3]; 3],
+    pub geometric: [Wide; 3],
+    /// Start, inverse share and fold.
+    place: [Wide; 3],
+    /// Lanes whose shading normal changes over their cell.
+    pub smooth: u32,
+}
+
+/// Frames about the lanes' shading normals.
+#[derive(Clone)]
+pub(super) struct Frames {
+    pub normal: [Wide; 3],
+    tangent: [Wide; 3],
+    bitangent: [Wide; 3],
+    /// The side of the geometric normal that the shading normal is on: 1 or -1.
+    pub side: Wide,
+}
+
+impl Surfaces {
+    /// Nothing under any lane.
+    pub fn none() -> Self {
+        Self {
+            position: [[[0.0; LANES]; 3]; 3],
+            lift: [[0.0; LANES]; 3],
+            normal: [[[0.0; LANES]; 3]; 3],
+            geometric: [[0.0; LANES]; 3],
+            place: [[0.0; LANES]; 3],
+            smooth: 0,
+        }
+    }
+
+    pub fn set(&mut self, lane: usize, cell: &Cell) {
+        self.set_position(lane, cell);
+        self.set_normal(lane, cell);
+        for (row, value) in self.place.iter_mut().zip(cell.placement()) {
+            row[lane] = value;
+        }
+    }
+
+    #[inline(always)]
+    pub fn set_position(&mut self, lane: usize, cell: &Cell) {
+        for axis in 0..3 {
+            for k in 0..3 {
+                self.position[k][axis][lane] = cell.position[k][axis];
+            }
+            self.lift[axis][lane] = cell.lift[axis];
+        }
+    }
+
+    #[inline(always)]
+    pub fn set_normal(&mut self, lane: usize, cell: &Cell) {
+        for axis in 0..3 {
+            for k in 0..3 {
+                self.normal[k][axis][lane] = cell.normal[k][axis] as f32;
+            }
+            self.geometric[axis][lane] = cell.geometric[axis] as f32;
+        }
+        self.smooth = self.smooth & !(1 << lane) | u32::from(cell.is_smooth()) << lane;
+    }
+
+    /// (s, t) in the cells of points of the unit square.
+    #[inline(always)]
+    pub fn places(&self, v0: &Wide, v1: &Wide) -> [Wide; 2] {
+        let mut at = [[0.0; LANES]; 2];
+        for l in 0..LANES {
+            let place = [self.place[0][l], self.place[1][l], self.place[2][l]];
+            [at[0][l], at[1][l]] = place_in(place, [v0[l], v1[l]]);
+        }
+        at
+    }
+
+    /// Unit shading normals, and the side of the geometric normals that they are on: 1 or -1.
+    #[inline(always)]
+    pub fn normals(&self, [s, t]: &[Wide; 2]) -> ([Wide; 3], Wide) {
+        let mut unit = [[0.0; LANES]; 3];
+        let mut side = [0.0; LANES];
+        let ([n0, ns, nt], g) = (&self.normal, &self.geometric);
+        for l in 0..LANES {
+            let n = [0, 1, 2].map(|a: usize| n0[a][l] + ns[a][l] * s[l] + nt[a][l] * t[l]);
+            let square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+            // Corner normals that cancel: the geometric normal stands in.
+            let has_length = square > 1e-20;
+            let scale = 1.0 / (if has_length { square } else { 1.0 }).sqrt();
+            let n = [0, 1, 2].map(|a: usize| if has_length { n[a] * scale } else { g[a][l] });
+            let cos = n[0] * g[0][l] + n[1] * g[1][l] + n[2] * g[2][l];
+            side[l] = if cos < 0.0 { -1.0 } else { 1.0 };
+            for a in 0..3 {
+                unit[a][l] = n[a];
+            }
+        }
+        (unit, side)
+    }
+
+    /// Ray origins: positions in f64, lifted off the surface, rounded once.
+    #[inline(always)]
+    pub fn origins(&self, [s, t]: &[Wide; 2], side: &Wide, out: &mut [Wide; 3]) {
+        for a in 0..3 {
+            let [p0, ps, pt] = &self.position;
+            for l in 0..LANES {
+                let (s, t) = (f64::from(s[l]), f64::from(t[l]));
+                let p = p0[a][l] + ps[a][l] * s + pt[a][l] * t;
+                out[a][l] = (p + self.lift[a][l] * f64::from(side[l])) as f32;
+            }
+        }
+    }
+}
+
+impl Frames {
+    /// Frames about unit axes. T. Duff and others, "Building an Orthonormal Basis, Revisited", JCGT 2017.
+    #[inline(always)]
+    pub fn about(axis: [Wide; 3], side: Wide) -> Self {
+        let (mut tangent, mut bitangent) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
+        for l in 0..LANES {
+            let [x, y, z] = [axis[0][l], axis[1][l], axis[2][l]];
+            let sign = 1.0_f32.copysign(z);
+            let a = -1.0 / (sign + z);
+            let b = x * y * a;
+            tangent[0][l] = 1.0 + sign * x * x * a;
+            tangent[1][l] = sign * b;
+            tangent[2][l] = -sign * x;
+            bitangent[0][l] = b;
+            bitangent[1][l] = sign + y * y * a;
+            bitangent[2][l] = -y;
+        }
+        Self {
+            normal: axis,
+            tangent,
+            bitangent,
+            side,
+        }
+    }
+
+    /// Local directions in the world.
+    #[inline(always)]
+    pub fn to_world(&self, local: &[Wide; 3]) -> [Wide; 3] {
+        let mut out = [[0.0; LANES]; 3];
+        for a in 0..3 {
+            for l in 0..LANES {
+                out[a][l] = self.tangent[a][l] * local[0][l]
+                    + self.bitangent[a][l] * local[1][l]
+                    + self.normal[a][l] * local[2][l];
+            }
+        }
+        out
+    }
+}
+
+/// R = 2 (N.V) N - V for an eye point: the axes of the specular lobes. V = N where the eye stands on the surface.
+#[inline(always)]
+pub(super) fn mirrored(normal: &[Wide; 3], origin: &[Wide; 3], eye: DVec3) -> [Wide; 3] {
+    let mut out = [[0.0; LANES]; 3];
+    for l in 0..LANES {
+        let v = [0, 1, 2].map(|a: usize| (eye[a] - f64::from(origin[a][l])) as f32);
+        let n = [normal[0][l], normal[1][l], normal[2][l]];
+        let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
+        let has_length = largest > 0.0;
+        let v = v.map(|c| c / if has_length { largest } else { 1.0 });
+        let square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        let scale = 1.0 / (if has_length { square } else { 1.0 }).sqrt();
+        let v = v.map(|c| c * scale);
+        let twice = 2.0 * (n[0] * v[0] + n[1] * v[1] + n[2] * v[2]);
+        for a in 0..3 {
+            out[a][l] = if has_length {
+                twice * n[a] - v[a]
+            } else {
+                n[a]
+            };
+        }
+    }
+    out
+}

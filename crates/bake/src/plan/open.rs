@@ -1,0 +1,161 @@
+//! A certain and cheap test for open triangles: nothing of the scene stands above their tangent plane.
+//!
+//! On such a triangle every ray of the upper hemisphere escapes, so the terms have closed forms and no ray is needed.
+//! A convex body standing alone is the case in which every triangle passes. The test asks for the scene's support in
+//! the direction of the normal, over a tree of boxes around its vertices, and stops at the first vertex above the
+//! plane. "Above" means by more than the rounding bound that ray origins keep from the surface anyway.
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+use rays::{Patch, PlaneErrors, World};
+
+/// Vertices in one leaf box, and children of one inner box.
+const LEAF: usize = 32;
+const FAN: usize = 8;
+
+/// For every object and triangle: is it open?
+#[derive(Debug, Clone, Default)]
+pub struct OpenTriangles {
+    /// One flag list an object; an empty list means that none is open.
+    flags: Vec<Vec<bool>>,
+    /// How many triangles are open.
+    pub open: u64,
+    /// How many there are.
+    pub total: u64,
+}
+
+impl OpenTriangles {
+    /// The answer for one triangle.
+    pub fn contains(&self, instance: u32, triangle: u32) -> bool {
+        self.flags
+            .get(instance as usize)
+            .and_then(|flags| flags.get(triangle as usize))
+            .copied()
+            .unwrap_or(false)
+    }
+
+    /// Tests every triangle of every object against [`World::hull_points`], which is certain but more cautious for
+    /// instanced meshes: they count as their boxes.
+    pub(crate) fn of(world: &World, errors: &PlaneErrors) -> Self {
+        let tree = SupportTree::build(world.hull_points());
+        let flags: Vec<Vec<bool>> = (0..world.parts.len() as u32)
+            .map(|instance| {
+                let count = world.part(instance).1.triangles().len() as u32;
+                let flags: Vec<bool> = (0..count)
+                    .into_par_iter()
+                    .map(|triangle| {
+                        let patch = Patch::of(world, errors, instance, triangle);
+                        let normal = patch.upward();
+                        let height = patch
+                            .corners
+                            .iter()
+                            .map(|c| c.dot(normal))
+                            .fold(f64::MIN, f64::max);
+                        !tree.any_above(normal, height + patch.rounding())
+                    })
+                    .collect();
+                if flags.contains(&true) {
+                    flags
+                } else {
+                    Vec::new()
+                }
+            })
+            .collect();
+        let open = flags.iter().flatten().filter(|&&flag| flag).count() as u64;
+        let total = (0..world.parts.len() as u32)
+            .map(|i| world.part(i).1.triangles().len() as u64)
+            .sum();
+        Self { flags, open, total }
+    }
+}
+
+/// Boxes over points, level by level from the leaves; a node's children are `FAN` neighbours of the level below.
+struct SupportTree {
+    points: Vec<DVec3>,
+    levels: Vec<Vec<(DVec3, DVec3)>>,
+}
+
+impl SupportTree {
+    fn build(mut points: Vec<DVec3>) -> Self {
+        let (low, high) = bounds(&points);
+        let scale = (high - low).max_element().max(f64::MIN_POSITIVE);
+        points.sort_by_cached_key(|p| morton(((*p - low) / scale).as_vec3()));
+        let mut levels = vec![points.chunks(LEAF).map(bounds).collect::<Vec<_>>()];
+        while levels.last().is_some_and(|level| level.len() > 1) {
+            let below = &levels[levels.len() - 1];
+            let level = below
+                .chunks(FAN)
+                .map(|boxes| {
+                    boxes.iter().fold((DVec3::MAX, DVec3::MIN), |(l, h), b| {
+                        (l.min(b.0), h.max(b.1))
+                    })
+                })
+                .collect();
+            levels.push(level);
+        }
+        Self { points, levels }
+    }
+
+    /// True where some point p has `normal . p > height`.
+    fn any_above(&self, normal: DVec3, height: f64) -> bool {
+        let top = self.levels.len() - 1;
+        (0..self.levels[top].len()).any(|node| self.above(top, node, normal, height))
+    }
+
+    fn above(&self, level: usize, node: usize, normal: DVec3, height: f64) -> bool {
+        let (low, high) = self.levels[level][node];
+        let far = DVec3::select(normal.cmpge(DVec3::ZERO), high, low);
+        if normal.dot(far) <= height {
+            return false;
+        }
+        if level == 0 {
+            let end = ((node + 1) * LEAF).min(self.points.len());
+            return self.points[node * LEAF..end]
+                .iter()
+                .any(|p| normal.dot(*p) > height);
+        }
+        let end = ((node + 1) * FAN).min(self.levels[level - 1].len());
+        (node * FAN..end).any(|child| self.above(level - 1, child, normal, height))
+    }
+}
+
+fn bounds(points: &[DVec3]) -> (DVec3, DVec3) {
+    points
+        .iter()
+        .fold((DVec3::MAX, DVec3::MIN), |(l, h), p| (l.min(*p), h.max(*p)))
+}
+
+/// 30-bit Morton code of a point in the unit cube.
+fn morton(p: Vec3) -> u32 {
+    let spread = |v: f32| {
+        let mut x = (v * 1023.0) as u32 & 0x3ff;
+        x = (x | (x << 16)) & 0x0300_00ff;
+        x = (x | (x << 8)) & 0x0300_f00f;
+        x = (x | (x << 4)) & 0x030c_30c3;
+        (x | (x << 2)) & 0x0924_9249
+    };
+    spread(p.x) | (spread(p.y) << 1) | (spread(p.z) << 2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn support_of_a_grid_agrees_with_a_plain_scan() {
+        let points: Vec<DVec3> = (0..4000)
+            .map(|i| DVec3::new((i % 20) as f64, (i / 20 % 20) as f64, (i / 400) as f64))
+            .collect();
+        let tree = SupportTree::build(points.clone());
+        for k in 0..200 {
+            let a = f64::from(k) * 0.7;
+            let normal = DVec3::new(a.sin(), (1.3 * a).cos(), (0.4 * a).sin()).normalize();
+            let support = points
+                .iter()
+                .map(|p| p.dot(normal))
+                .fold(f64::MIN, f64::max);
+            assert!(!tree.any_above(normal, support), "normal {normal}");
+            assert!(tree.any_above(normal, support - 1e-9), "normal {normal}");
+        }
+    }
+}

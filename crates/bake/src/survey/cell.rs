@@ -1,0 +1,163 @@
+//! One piece of a texel's footprint inside one triangle, ready to be sampled: everything is affine in (s, t).
+
+use atlas::Piece;
+use glam::DVec3;
+use rays::Patch;
+
+/// A triangle or parallelogram of a footprint. Positions are f64 until the ray is set; directions and normals are f32.
+#[derive(Debug, Clone)]
+pub(crate) struct Cell {
+    /// Area in texels.
+    pub area: f64,
+    /// Shares of the footprint's area before the cell, and with it; 0 and 1 for an only cell.
+    pub start: f32,
+    pub end: f32,
+    inverse_share: f32,
+    /// The unit square is folded onto the triangle under its diagonal by this times the lesser coordinate; 0 for a cell that
+    /// is the whole parallelogram, 1/2 for a triangle.
+    pub fold: f32,
+    /// Position at (0, 0) and its change along s and t. Exactly constant along an axis in which the triangle is flat.
+    pub position: [DVec3; 3],
+    /// Shading normal at (0, 0), not of unit length between corners, and its change along s and t.
+    pub normal: [DVec3; 3],
+    /// Unit geometric normal by the winding.
+    pub geometric: DVec3,
+    /// How a ray's origin stands off where the shading normal is on the geometric normal's side; else its opposite.
+    pub lift: DVec3,
+    smooth: bool,
+}
+
+/// A point of a surface with what a ray needs.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sample {
+    pub position: DVec3,
+    /// Unit shading normal.
+    pub normal: DVec3,
+    /// Unit geometric normal, on the side of the shading normal.
+    pub geometric: DVec3,
+    /// Ray origin.
+    pub origin: [f32; 3],
+}
+
+impl Cell {
+    /// The cells of a piece of so much area in texels. Corners are kept the patch's inset away from the
+    /// triangle's edges; a parallelogram that would need it at one corner becomes two triangles.
+    pub fn push(cells: &mut Vec<Cell>, patch: &Patch, piece: &Piece, area: f64) {
+        let [a, b, c] = piece.corners;
+        if !piece.square {
+            cells.push(Self::of(patch, 0.5, [a, b, c].map(|w| patch.kept(w)), area));
+            return;
+        }
+        let d = b + c - a;
+        if [a, b, c, d].iter().all(|&w| patch.keeps(w)) {
+            cells.push(Self::of(patch, 0.0, [a, b, c], area));
+            return;
+        }
+        let [a, b, c, d] = [a, b, c, d].map(|w| patch.kept(w));
+        cells.push(Self::of(patch, 0.5, [a, b, c], 0.5 * area));
+        cells.push(Self::of(patch, 0.5, [d, c, b], 0.5 * area));
+    }
+
+    fn of(patch: &Patch, fold: f32, weights: [DVec3; 3], area: f64) -> Self {
+        let corners = weights.map(|w| patch.position(w));
+        let normals = weights.map(|w| patch.normal(w));
+        let affine = |p: [DVec3; 3]| [p[0], p[1] - p[0], p[2] - p[0]];
+        let reach = corners
+            .iter()
+            .fold(DVec3::ZERO, |reach, corner| reach.max(corner.abs()));
+        Self {
+            area,
+            start: 0.0,
+            end: 1.0,
+            inverse_share: 1.0,
+            fold,
+            position: affine(corners),
+            normal: affine(normals),
+            geometric: patch.geometric,
+            lift: patch.geometric * patch.offset(reach),
+            smooth: normals[0] != normals[1] || normals[0] != normals[2],
+        }
+    }
+
+    /// Sets the shares of the cells of one footprint.
+    pub fn share(cells: &mut [Cell]) {
+        let total: f64 = cells.iter().map(|cell| cell.area).sum();
+        let (mut before, mut start) = (0.0, 0.0);
+        for cell in cells.iter_mut() {
+            before += cell.area;
+            cell.start = start;
+            cell.end = (before / total) as f32;
+            start = cell.end;
+            cell.inverse_share = 1.0 / (cell.end - cell.start).max(f32::MIN_POSITIVE);
+        }
+    }
+
+    /// True where the shading normal is one vector, the geometric normal or its opposite, all over the cell.
+    pub fn is_flat(&self) -> bool {
+        !self.smooth && self.normal[0].dot(self.geometric).abs() >= 1.0 - 1e-12
+    }
+
+    /// (s, t) in the cell of a point of the unit square whose first coordinate chose it.
+    #[inline(always)]
+    pub fn place(&self, u: [f32; 2]) -> [f32; 2] {
+        place_in(self.placement(), u)
+    }
+
+    /// Start, 1 over the share of the footprint's area, and fold.
+    #[inline(always)]
+    pub fn placement(&self) -> [f32; 3] {
+        [self.start, self.inverse_share, self.fold]
+    }
+
+    /// True where the shading normal changes over the cell.
+    #[inline(always)]
+    pub fn is_smooth(&self) -> bool {
+        self.smooth
+    }
+
+    /// True where both cells have one shading normal, the same.
+    #[inline(always)]
+    pub fn shades_like(&self, other: &Cell) -> bool {
+        !self.smooth
+            && !other.smooth
+            && self.normal[0] == other.normal[0]
+            && self.geometric == other.geometric
+    }
+
+    /// (s, t) of the centroid.
+    pub fn centre(&self) -> [f32; 2] {
+        if self.fold == 0.0 {
+            [0.5; 2]
+        } else {
+            [1.0 / 3.0; 2]
+        }
+    }
+
+    /// The surface at (s, t).
+    pub fn sample(&self, [s, t]: [f32; 2]) -> Sample {
+        let (s, t) = (f64::from(s), f64::from(t));
+        let at = |p: [DVec3; 3]| p[0] + p[1] * s + p[2] * t;
+        let position = at(self.position);
+        let normal = at(self.normal).try_normalize().unwrap_or(self.geometric);
+        let side = if normal.dot(self.geometric) < 0.0 {
+            -1.0
+        } else {
+            1.0
+        };
+        Sample {
+            position,
+            normal,
+            geometric: side * self.geometric,
+            origin: (position + side * self.lift).as_vec3().to_array(),
+        }
+    }
+}
+
+/// (s, t) in a cell with this placement: the square is stretched over the cell, so that stratified numbers stay
+/// stratified, and folded onto a triangle as in E. Heitz, "A Low-Distortion Map Between Triangle and Square", 2019.
+#[inline(always)]
+pub(crate) fn place_in([start, inverse, fold]: [f32; 3], [u0, u1]: [f32; 2]) -> [f32; 2] {
+    let s = ((u0 - start) * inverse).clamp(0.0, 1.0);
+    let folded = fold * s.min(u1);
+    [s - folded, u1 - folded]
+}

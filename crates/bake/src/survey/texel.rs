@@ -1,0 +1,165 @@
+//! What a texel's footprint is made of: its cells, its mean material and its mean position and normals.
+
+use super::cell::{Cell, Sample};
+use crate::integrate::term;
+use crate::plan::Plan;
+use ambient::sampling::Stream;
+use atlas::{Footprint, Tile};
+use glam::DVec3;
+use rays::{Overrides, Patch, PhongMaterial, PlaneErrors, World, is_mapped, material_at};
+use std::collections::HashMap;
+
+/// Sample points over the footprint from which means of textured materials are taken.
+const SURVEY_POINTS: u32 = 16;
+
+/// A texel ready to be integrated.
+#[derive(Debug)]
+pub(crate) struct Texel {
+    pub x: u32,
+    pub y: u32,
+    /// Covered share of its square.
+    pub coverage: f32,
+    /// Never empty.
+    pub cells: Vec<Cell>,
+    /// Shares of the footprint's area at which the cells end, but for the last.
+    ends: Vec<f32>,
+    pub material: PhongMaterial,
+    pub position: DVec3,
+    pub normal: DVec3,
+    pub geometric: DVec3,
+    /// Object with the largest share of the footprint.
+    pub object: u32,
+    /// Nothing stands above the footprint: no ray is needed.
+    pub open: bool,
+    /// The shading normal leaves the geometric one somewhere.
+    pub tilted: bool,
+}
+
+impl Texel {
+    /// The cell that the first coordinate of a point of the unit square chooses by area.
+    #[inline]
+    pub fn choose(&self, u0: f32) -> usize {
+        self.ends.iter().map(|&end| usize::from(u0 >= end)).sum()
+    }
+
+    /// The surface at a point of the unit square.
+    pub fn sample(&self, u: [f64; 2]) -> Sample {
+        let u = u.map(|u| u as f32);
+        let cell = &self.cells[self.choose(u[0])];
+        cell.sample(cell.place(u))
+    }
+}
+
+/// Makes the texels of tiles.
+pub(crate) struct Surveyor<'a> {
+    pub world: &'a World,
+    pub errors: &'a PlaneErrors,
+    pub overrides: &'a Overrides,
+    pub plan: &'a Plan,
+}
+
+impl Surveyor<'_> {
+    /// All texels of a tile. `stream` labels a texel's own points by its column and row.
+    pub fn texels(&self, tile: &Tile, stream: impl Fn(u32, u32, u32) -> Stream) -> Vec<Texel> {
+        let mut patches = HashMap::new();
+        tile.footprints
+            .iter()
+            .map(|footprint| {
+                let stream = stream(footprint.x, footprint.y, term::SURVEY);
+                self.texel(tile, footprint, &mut patches, &stream)
+            })
+            .collect()
+    }
+
+    fn texel(
+        &self,
+        tile: &Tile,
+        footprint: &Footprint,
+        patches: &mut HashMap<(u32, u32), (Patch, bool)>,
+        stream: &Stream,
+    ) -> Texel {
+        let pieces = &tile.pieces[footprint.pieces.start as usize..footprint.pieces.end as usize];
+        let mut cells = Vec::with_capacity(pieces.len());
+        let (mut open, mut before) = (true, 0.0);
+        let mut largest = (0.0, 0);
+        for piece in pieces {
+            let key = (piece.instance, piece.triangle);
+            let (patch, above) = patches.entry(key).or_insert_with(|| {
+                (
+                    Patch::of(self.world, self.errors, key.0, key.1),
+                    self.plan.open.contains(key.0, key.1),
+                )
+            });
+            open &= *above;
+            if piece.cumulative - before > largest.0 {
+                largest = (piece.cumulative - before, piece.instance);
+            }
+            Cell::push(&mut cells, patch, piece, piece.cumulative - before);
+            before = piece.cumulative;
+        }
+        Cell::share(&mut cells);
+        let (mut position, mut normal, mut geometric) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
+        for cell in &cells {
+            let centre = cell.sample(cell.centre());
+            position += centre.position * cell.area;
+            normal += centre.normal * cell.area;
+            geometric += centre.geometric * cell.area;
+        }
+        let upward = patches[&(pieces[0].instance, pieces[0].triangle)]
+            .0
+            .upward();
+        Texel {
+            x: footprint.x,
+            y: footprint.y,
+            coverage: footprint.coverage,
+            material: self.material(tile, footprint, stream),
+            position: position / before,
+            normal: normal.try_normalize().unwrap_or(upward),
+            geometric: geometric.try_normalize().unwrap_or(upward),
+            object: largest.1,
+            open,
+            tilted: !cells.iter().all(Cell::is_flat),
+            ends: cells[1..].iter().map(|cell| cell.start).collect(),
+            cells,
+        }
+    }
+
+    /// The mean material: by area where no map is looked up, else from points over the footprint.
+    fn material(&self, tile: &Tile, footprint: &Footprint, stream: &Stream) -> PhongMaterial {
+        let scene = self.world.scene();
+        let pieces = &tile.pieces[footprint.pieces.start as usize..footprint.pieces.end as usize];
+        let surface = |instance: u32| {
+            let mesh = &scene.meshes[scene.instances[instance as usize].mesh as usize];
+            &scene.materials[mesh.material as usize].surface
+        };
+        let mut sum = PhongMaterial::default();
+        let mut add = |material: PhongMaterial, weight: f64| {
+            sum.albedo += material.albedo * weight;
+            sum.specular += material.specular * weight;
+            sum.exponent += material.exponent * weight;
+        };
+        if pieces
+            .iter()
+            .any(|piece| is_mapped(surface(piece.instance)))
+        {
+            for index in 0..SURVEY_POINTS {
+                let [_, _, u, v] = stream.point(index);
+                let point = tile.sample(footprint, [u, v]);
+                add(
+                    material_at(scene, point.instance, point.triangle, point.weights),
+                    1.0 / f64::from(SURVEY_POINTS),
+                );
+            }
+        } else {
+            let (area, mut before) = (tile.area(footprint), 0.0);
+            for piece in pieces {
+                add(
+                    material_at(scene, piece.instance, piece.triangle, [1.0, 0.0, 0.0]),
+                    (piece.cumulative - before) / area,
+                );
+                before = piece.cumulative;
+            }
+        }
+        self.overrides.applied(sum)
+    }
+}

@@ -1,0 +1,7 @@
+//! Figures of X. Zhang, Y. Gao, "Generalised Ambient Reflection Models for Lambertian and Phong Surfaces", ICIP 2009.
+
+mod fig1;
+mod fig3;
+
+pub use fig1::{Fig1Point, fig1, fig1_csv, fig1_svg};
+pub use fig3::{Fig3, fig3};

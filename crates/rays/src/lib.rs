@@ -1,0 +1,36 @@
+//! The scene as rays see it: triangles placed in the world, the libraries that answer rays, and the surface where a ray
+//! met it.
+//!
+//! [`World`] holds the triangles, [`build`] makes a [`RayBackend`] over it, [`Surfaces`] turns a hit into a
+//! [`SurfacePoint`] with its material. A renderer or a baker needs nothing else to cast rays.
+#![forbid(unsafe_code)]
+
+mod alpha_test;
+mod backend;
+mod build;
+mod embree_backend;
+mod error;
+#[cfg(test)]
+mod fixture;
+mod material;
+mod mix;
+mod obvhs_backend;
+#[cfg(test)]
+mod obvhs_tests;
+mod point;
+mod surface;
+mod tree;
+mod triangle;
+mod world;
+
+pub use alpha_test::AlphaTest;
+pub use backend::{Coherence, Layout, Ray, RayBackend, RayPacket, SurfaceHit};
+pub use build::{BackendKind, build};
+pub use embree_backend::EmbreeBackend;
+pub use error::Error;
+pub use material::{Overrides, PhongMaterial, is_mapped, material_at};
+pub use mix::Mix;
+pub use obvhs_backend::ObvhsBackend;
+pub use point::{SurfacePoint, Surfaces};
+pub use surface::{Patch, PlaneErrors};
+pub use world::{Bounds, Geometry, Part, Positions, World, WorldOptions};

@@ -1,0 +1,83 @@
+//! The surface where a ray met it, for callers that shade hits or send rays on.
+
+use crate::backend::SurfaceHit;
+use crate::material::{PhongMaterial, material_at};
+use crate::surface::{Patch, PlaneErrors};
+use crate::world::World;
+use glam::{DVec3, Vec3};
+
+/// Turns hits into surface points.
+#[derive(Debug)]
+pub struct Surfaces<'a> {
+    world: &'a World,
+    errors: PlaneErrors,
+}
+
+/// A point of a surface as seen from one side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfacePoint {
+    /// World position.
+    pub position: DVec3,
+    /// Unit geometric normal on the side of the viewer.
+    pub geometric: DVec3,
+    /// Unit shading normal, on the same side of the surface.
+    pub normal: DVec3,
+    /// Origin of rays that leave the surface on that side; it cannot meet the own triangle.
+    pub origin: [f32; 3],
+    /// Phong parameters.
+    pub material: PhongMaterial,
+    /// Radiance that the surface sends out by itself.
+    pub emission: DVec3,
+}
+
+impl<'a> Surfaces<'a> {
+    /// The surfaces of a world.
+    pub fn new(world: &'a World) -> Self {
+        Self {
+            world,
+            errors: PlaneErrors::of(world),
+        }
+    }
+
+    /// The world.
+    pub fn world(&self) -> &'a World {
+        self.world
+    }
+
+    /// The surface at a hit, seen by an eye in the direction `toward` (of any length): normals are those of the side that
+    /// the eye sees. The point keeps the rounding bound away from its triangle's edges.
+    pub fn at(&self, hit: &SurfaceHit, toward: DVec3) -> SurfacePoint {
+        let patch = Patch::of(self.world, &self.errors, hit.instance, hit.triangle);
+        let [b, c] = hit.barycentric.map(f64::from);
+        let weights = patch.kept(DVec3::new(1.0 - b - c, b, c).max(DVec3::ZERO));
+        let position = patch.position(weights);
+        let up = patch.upward();
+        let side = if up.dot(toward) < 0.0 { -1.0 } else { 1.0 };
+        let geometric = up * side;
+        let normal = (patch.normal(weights) * side)
+            .try_normalize()
+            .unwrap_or(geometric);
+        let scene = self.world.scene();
+        let mesh = self.world.part(hit.instance).1.mesh();
+        SurfacePoint {
+            position,
+            geometric,
+            normal,
+            origin: (position + geometric * patch.offset(position.abs()))
+                .as_vec3()
+                .to_array(),
+            material: material_at(scene, hit.instance, hit.triangle, weights.to_array()),
+            emission: emission(scene, mesh.material).as_dvec3(),
+        }
+    }
+
+    /// Radiance that the surface at a hit sends out by itself, linear RGB; both sides shine.
+    pub fn emission(&self, hit: &SurfaceHit) -> DVec3 {
+        let mesh = self.world.part(hit.instance).1.mesh();
+        emission(self.world.scene(), mesh.material).as_dvec3()
+    }
+}
+
+fn emission(scene: &scene::Scene, material: u32) -> Vec3 {
+    scene.materials[material as usize].emission
+}

@@ -1,0 +1,182 @@
+//! Points on surfaces: position, normals, and a ray origin that cannot meet its own surface.
+//!
+//! **Ray origins.** No bias is set by a user. A sample's origin is moved along the geometric normal by a bound on the
+//! rounding that a ray query can suffer, so that the own triangle and its coplanar neighbours are missed, and by no
+//! more. The bound follows the arithmetic of a Plücker test as Embree and our obvhs test do it: corners are
+//! translated to the origin, `T = v0 . (e1 x e2)` decides on which side the plane lies. With unit roundoff u = 2^-24,
+//! edges no longer than the triangle's box (X, Y, Z), standard running error analysis (Higham, *Accuracy and Stability
+//! of Numerical Algorithms*, 2002, section 3) gives `|error(T)| <= 78 u X Y Z`, so a distance of `78 u XYZ / |e1 x e2|`.
+//! For an axis-aligned triangle the box is flat and the bound is exactly 0: the origin lies in the plane, where the
+//! open end of the ray interval excludes it. Rounding of the origin itself adds `u |n_i o_i|` on the axes in which the
+//! triangle has extent (twice: once for the height it may cost, once to stay above), and an instance's transform adds
+//! its own rounding.
+//!
+//! **Edges.** Where two faces meet, an origin that rounds onto or beyond the other face's plane would see through it.
+//! Samples therefore keep twice the rounding bound away from their triangle's edges: a closed box stays exactly dark.
+
+use crate::world::World;
+use glam::DVec3;
+
+/// Unit roundoff of f32.
+const UNIT_ROUNDOFF: f64 = 1.0 / 16_777_216.0;
+
+/// Factor of the running error bound of `T`, see the head of this file.
+const PLANE_ERROR: f64 = 78.0;
+
+/// A sample's least corner weight never exceeds this, however thin its triangle.
+const LARGEST_INSET: f64 = 0.25;
+
+/// One triangle of an object, in world space, with what sampling it needs.
+#[derive(Debug, Clone)]
+pub struct Patch {
+    /// Corners in the world.
+    pub corners: [DVec3; 3],
+    /// Corner shading normals; `None` shades flat.
+    normals: Option<[DVec3; 3]>,
+    /// Unit geometric normal, right-hand rule of the winding.
+    pub geometric: DVec3,
+    low: DVec3,
+    high: DVec3,
+    /// Rounding bound of the plane test and of an instance's transform as a distance, over this triangle and its
+    /// neighbours.
+    query_error: f64,
+    /// Rounding bound of an origin per unit of its absolute coordinates.
+    origin_error: DVec3,
+    /// Least corner weights of a sample.
+    inset: [f64; 3],
+}
+
+/// Per-vertex bounds of the plane test over the incident triangles, for every geometry of a world.
+#[derive(Debug)]
+pub struct PlaneErrors(Vec<Vec<f32>>);
+
+impl PlaneErrors {
+    /// Bounds of all vertices. Neighbours are those that share a vertex index.
+    pub fn of(world: &World) -> Self {
+        Self(
+            world
+                .geometries
+                .iter()
+                .map(|geometry| {
+                    let mut bounds = vec![0.0f32; geometry.positions.len()];
+                    for triangle in geometry.triangles() {
+                        let corners = triangle.map(|v| geometry.positions[v as usize].as_dvec3());
+                        let bound = box_over_area(&corners) as f32;
+                        for &vertex in triangle {
+                            let slot = &mut bounds[vertex as usize];
+                            *slot = slot.max(bound);
+                        }
+                    }
+                    bounds
+                })
+                .collect(),
+        )
+    }
+}
+
+/// Box volume over twice the area: the length that scales a triangle's plane error. 0 for a triangle without area.
+fn box_over_area(corners: &[DVec3; 3]) -> f64 {
+    let twice_area = (corners[1] - corners[0])
+        .cross(corners[2] - corners[0])
+        .length();
+    let extent = extent(corners);
+    let volume = extent.x * extent.y * extent.z;
+    if volume > 0.0 && twice_area > 0.0 {
+        volume / twice_area
+    } else {
+        0.0
+    }
+}
+
+fn extent(corners: &[DVec3; 3]) -> DVec3 {
+    corners[0].max(corners[1]).max(corners[2]) - corners[0].min(corners[1]).min(corners[2])
+}
+
+impl Patch {
+    /// The triangle as the rays see it.
+    pub fn of(world: &World, errors: &PlaneErrors, instance: u32, triangle: u32) -> Self {
+        let corners = world.corners(instance, triangle);
+        let normals = world.normals(instance, triangle);
+        let (part, geometry) = world.part(instance);
+        let indices = geometry.triangles()[triangle as usize];
+        let bounds = &errors.0[part.geometry as usize];
+        let bound = indices
+            .iter()
+            .map(|&v| f64::from(bounds[v as usize]))
+            .fold(0.0, f64::max);
+        let face = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        let sense = if part.mirrors() { -1.0 } else { 1.0 };
+        let fallback = normals.map_or(DVec3::Z, |n| {
+            (n[0] + n[1] + n[2]).try_normalize().unwrap_or(DVec3::Z)
+        });
+        let geometric = (face * sense).try_normalize().unwrap_or(fallback);
+        let low = corners[0].min(corners[1]).min(corners[2]);
+        let high = corners[0].max(corners[1]).max(corners[2]);
+        let reach = low.abs().max(high.abs());
+        let query_error = PLANE_ERROR * UNIT_ROUNDOFF * bound * part.stretch()
+            + part.rounding(geometric, &corners);
+        let extended = DVec3::select((high - low).cmpgt(DVec3::ZERO), DVec3::ONE, DVec3::ZERO);
+        let origin_error = UNIT_ROUNDOFF * extended * geometric.abs();
+        let margin = 2.0
+            * (query_error + 2.0 * origin_error.dot(reach) + UNIT_ROUNDOFF * reach.max_element());
+        let inset = [0, 1, 2].map(|corner: usize| {
+            let base = (corners[(corner + 2) % 3] - corners[(corner + 1) % 3]).length();
+            (margin * base / face.length()).min(LARGEST_INSET)
+        });
+        Self {
+            corners,
+            normals,
+            geometric,
+            low,
+            high,
+            query_error,
+            origin_error,
+            inset,
+        }
+    }
+
+    /// The unit geometric normal on the side of the shading normals.
+    pub fn upward(&self) -> DVec3 {
+        match self.normals {
+            Some(n) if (n[0] + n[1] + n[2]).dot(self.geometric) < 0.0 => -self.geometric,
+            _ => self.geometric,
+        }
+    }
+
+    /// How far above its plane rounding can put a point of this triangle, in scene units.
+    pub fn rounding(&self) -> f64 {
+        self.offset(self.low.abs().max(self.high.abs()))
+    }
+
+    /// True where corner weights lie within the inset.
+    pub fn keeps(&self, weights: DVec3) -> bool {
+        (0..3).all(|corner| weights[corner] >= self.inset[corner])
+    }
+
+    /// Corner weights moved within the inset.
+    pub fn kept(&self, weights: DVec3) -> DVec3 {
+        let kept = weights.max(DVec3::from(self.inset));
+        kept / kept.element_sum()
+    }
+
+    /// The point with these corner weights. It stays in the triangle's box, so it is exact on an axis in which the
+    /// triangle is flat.
+    pub fn position(&self, weights: DVec3) -> DVec3 {
+        let [a, b, c] = self.corners;
+        (a * weights.x + b * weights.y + c * weights.z).clamp(self.low, self.high)
+    }
+
+    /// The shading normal with these corner weights, not of unit length between corners.
+    pub fn normal(&self, weights: DVec3) -> DVec3 {
+        match self.normals {
+            None => self.geometric,
+            Some([a, b, c]) if a == b && a == c => a,
+            Some([a, b, c]) => a * weights.x + b * weights.y + c * weights.z,
+        }
+    }
+
+    /// How far an origin must stand off where coordinates are no larger than `reach` in magnitude, in scene units.
+    pub fn offset(&self, reach: DVec3) -> f64 {
+        self.query_error + 2.0 * self.origin_error.dot(reach)
+    }
+}

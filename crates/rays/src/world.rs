@@ -1,0 +1,492 @@
+//! What the rays see: the scene's meshes placed in the world, in the precision of the ray queries.
+//!
+//! Everything that judges a ray, places its origin or reads its hit takes its corners from here, so all agree on where
+//! the triangles are, to the last bit.
+
+use crate::alpha_test::AlphaTest;
+use crate::error::Error;
+use glam::{Affine3A, DAffine3, DMat3, DVec3, Vec3};
+use scene::{Mesh, Scene};
+use std::ops::Deref;
+use std::sync::Arc;
+
+/// Unit roundoff of f32.
+const UNIT_ROUNDOFF: f64 = 1.0 / 16_777_216.0;
+
+/// How a [`World`] is built.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct WorldOptions {
+    /// A mesh with several instances is held once with a transform for each; otherwise every instance is flattened.
+    pub instancing: bool,
+    /// Opaque meshes get an alpha test too, one that keeps every hit: shows that leaving it out changes nothing.
+    pub filter_all: bool,
+}
+
+/// The placed scene.
+#[derive(Debug)]
+pub struct World {
+    scene: Arc<Scene>,
+    /// Distinct triangle sets: flattened meshes in world space, instanced meshes in mesh space.
+    pub geometries: Vec<Geometry>,
+    /// One part for each of the scene's instances, in the same order.
+    pub parts: Vec<Part>,
+    bounds: Bounds,
+}
+
+/// Triangles with one vertex array and one alpha test.
+#[derive(Debug)]
+pub struct Geometry {
+    scene: Arc<Scene>,
+    /// Index into the scene's meshes.
+    pub mesh: u32,
+    /// Vertex positions, indexed by [`Geometry::triangles`].
+    pub positions: Positions,
+    /// Decides which hits stop a ray; `None` where all do.
+    pub alpha: Option<AlphaTest>,
+    /// The box of the positions.
+    extent: Option<(Vec3, Vec3)>,
+}
+
+/// Vertex positions, read as a slice. Those that equal the mesh's own are not held twice.
+#[derive(Debug)]
+pub enum Positions {
+    /// The mesh's own array.
+    Mesh(Arc<Scene>, u32),
+    /// Placed in the world: computed in f64, rounded once.
+    Placed(Vec<Vec3>),
+}
+
+/// One of the scene's instances as the rays see it.
+#[derive(Debug)]
+pub struct Part {
+    /// Index into [`World::geometries`].
+    pub geometry: u32,
+    /// Mesh space to world space as the backends take it; `None` where the geometry is in world space.
+    pub transform: Option<Affine3A>,
+    mirrored: bool,
+    placed: DAffine3,
+    inverse: DAffine3,
+    normals: DMat3,
+}
+
+/// An axis-aligned box in world space; both corners are 0 for a world without triangles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    /// Lowest corner.
+    pub min: DVec3,
+    /// Highest corner.
+    pub max: DVec3,
+}
+
+impl World {
+    /// The world of a scene.
+    ///
+    /// # Errors
+    /// A placed vertex or a transform that leaves the range of single precision.
+    pub fn new(scene: Arc<Scene>, options: WorldOptions) -> Result<Self, Error> {
+        let mut uses = vec![0u32; scene.meshes.len()];
+        for instance in &scene.instances {
+            uses[instance.mesh as usize] += 1;
+        }
+        let mut shared: Vec<Option<u32>> = vec![None; scene.meshes.len()];
+        let mut geometries = Vec::new();
+        let mut parts = Vec::with_capacity(scene.instances.len());
+        for instance in &scene.instances {
+            let mesh = instance.mesh;
+            let single = instance.transform.as_affine3a();
+            let instanced = options.instancing && uses[mesh as usize] > 1 && invertible(&single);
+            let geometry = match shared[mesh as usize].filter(|_| instanced) {
+                Some(geometry) => geometry,
+                None => {
+                    let positions = if instanced || instance.transform == DAffine3::IDENTITY {
+                        Positions::Mesh(Arc::clone(&scene), mesh)
+                    } else {
+                        Positions::Placed(place(&scene.meshes[mesh as usize], &instance.transform))
+                    };
+                    let alpha = AlphaTest::of(&scene, mesh, options.filter_all);
+                    let extent = extent(&positions);
+                    geometries.push(Geometry {
+                        scene: Arc::clone(&scene),
+                        mesh,
+                        positions,
+                        alpha,
+                        extent,
+                    });
+                    let geometry = geometries.len() as u32 - 1;
+                    if instanced {
+                        shared[mesh as usize] = Some(geometry);
+                    }
+                    geometry
+                }
+            };
+            let part = Part::new(geometry, instanced.then_some(single), &instance.transform);
+            let corners = part.outline(&geometries[geometry as usize]);
+            if corners.iter().any(|corner| !corner.as_vec3().is_finite()) {
+                return Err(Error::OutOfRange {
+                    file: scene.path.display().to_string(),
+                    instance: instance.name.clone(),
+                });
+            }
+            parts.push(part);
+        }
+        let bounds = Bounds::of(&geometries, &parts);
+        Ok(Self {
+            scene,
+            geometries,
+            parts,
+            bounds,
+        })
+    }
+
+    /// The scene this world was built from.
+    pub fn scene(&self) -> &Arc<Scene> {
+        &self.scene
+    }
+
+    /// The part and the geometry of an instance.
+    pub fn part(&self, instance: u32) -> (&Part, &Geometry) {
+        let part = &self.parts[instance as usize];
+        (part, &self.geometries[part.geometry as usize])
+    }
+
+    /// World positions of a triangle's corners as the rays see them: the f32 values of a flattened mesh, or the f32
+    /// transform applied in f64 to the f32 values of an instanced one.
+    pub fn corners(&self, instance: u32, triangle: u32) -> [DVec3; 3] {
+        let (part, geometry) = self.part(instance);
+        geometry.triangles()[triangle as usize].map(|vertex| {
+            let position = geometry.positions[vertex as usize].as_dvec3();
+            part.transform
+                .map_or(position, |_| part.placed.transform_point3(position))
+        })
+    }
+
+    /// Unit shading normals at a triangle's corners in world space; `None` where the mesh has none.
+    pub fn normals(&self, instance: u32, triangle: u32) -> Option<[DVec3; 3]> {
+        let (part, geometry) = self.part(instance);
+        let mesh = geometry.mesh();
+        (!mesh.normals.is_empty()).then(|| {
+            mesh.triangles[triangle as usize].map(|vertex| {
+                (part.normals * mesh.normals[vertex as usize].as_dvec3()).normalize_or_zero()
+            })
+        })
+    }
+
+    /// True where both sides of an instance's surface are drawn, so that it has no back.
+    pub fn is_double_sided(&self, instance: u32) -> bool {
+        let mesh = self.part(instance).1.mesh();
+        self.scene.materials[mesh.material as usize].double_sided
+    }
+
+    /// Points whose convex hull holds every triangle: all vertices of flattened parts, the corners of the transformed
+    /// mesh box of instanced ones.
+    pub fn hull_points(&self) -> Vec<DVec3> {
+        let mut points = Vec::new();
+        for part in &self.parts {
+            let geometry = &self.geometries[part.geometry as usize];
+            match part.transform {
+                None => points.extend(geometry.positions.iter().map(|p| p.as_dvec3())),
+                Some(_) => points.extend(part.outline(geometry)),
+            }
+        }
+        points
+    }
+
+    /// The smallest known box around all triangles: exact for flattened parts, the box of the transformed mesh box for
+    /// instanced ones.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// The largest absolute coordinate of [`World::bounds`]; positions round to within this times 2^-24.
+    pub fn scale_bound(&self) -> f64 {
+        self.bounds
+            .min
+            .abs()
+            .max(self.bounds.max.abs())
+            .max_element()
+    }
+}
+
+impl Geometry {
+    /// Vertex indices, counter-clockwise seen from the front in mesh space.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.mesh().triangles
+    }
+
+    /// The mesh it stems from.
+    pub fn mesh(&self) -> &Mesh {
+        &self.scene.meshes[self.mesh as usize]
+    }
+}
+
+impl Part {
+    fn new(geometry: u32, transform: Option<Affine3A>, exact: &DAffine3) -> Self {
+        let placed = transform.map_or(DAffine3::IDENTITY, |single| single.as_daffine3());
+        Self {
+            geometry,
+            transform,
+            mirrored: exact.matrix3.determinant() < 0.0,
+            placed,
+            inverse: placed.inverse(),
+            normals: exact.matrix3.inverse().transpose(),
+        }
+    }
+
+    /// True where the placement turns counter-clockwise into clockwise.
+    pub fn mirrors(&self) -> bool {
+        self.mirrored
+    }
+
+    /// World space to the geometry's space, in f64; the identity for a flattened part.
+    pub fn inverse(&self) -> &DAffine3 {
+        &self.inverse
+    }
+
+    /// Geometry space to world space, in f64: exactly [`Part::transform`], or the identity.
+    pub fn placed(&self) -> &DAffine3 {
+        &self.placed
+    }
+
+    /// A bound on how much the part's transform lengthens a vector; 1 for a flattened part.
+    pub fn stretch(&self) -> f64 {
+        let columns = [
+            self.placed.matrix3.x_axis,
+            self.placed.matrix3.y_axis,
+            self.placed.matrix3.z_axis,
+        ];
+        match self.transform {
+            None => 1.0,
+            Some(_) => columns
+                .iter()
+                .map(|column| column.length_squared())
+                .sum::<f64>()
+                .sqrt(),
+        }
+    }
+
+    /// A bound, in world units along the unit vector `normal`, on what an f32 transformation of a ray into mesh space
+    /// moves it near these world-space corners; 0 for a flattened part.
+    ///
+    /// With M the transform, N its inverse and s the translation, a computed inverse and one transformed point differ
+    /// from the exact by at most `8 u |N| |M| |N| (|o| + |s|)` in mesh space, first order in u = 2^-24 (running error
+    /// analysis: Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, sections 3 and 14).
+    pub fn rounding(&self, normal: DVec3, corners: &[DVec3; 3]) -> f64 {
+        if self.transform.is_none() {
+            return 0.0;
+        }
+        let (forth, back) = (self.placed.matrix3, self.inverse.matrix3);
+        let reach = corners[0].abs().max(corners[1].abs()).max(corners[2].abs())
+            + self.placed.translation.abs();
+        let moved = back.abs() * (forth.abs() * (back.abs() * reach));
+        8.0 * UNIT_ROUNDOFF * (forth.transpose() * normal).abs().dot(moved)
+    }
+
+    /// Points whose box encloses the placed geometry.
+    pub(crate) fn outline(&self, geometry: &Geometry) -> Vec<DVec3> {
+        let Some((low, high)) = geometry.extent else {
+            return Vec::new();
+        };
+        let (low, high) = (low.as_dvec3(), high.as_dvec3());
+        if self.transform.is_none() {
+            return vec![low, high];
+        }
+        (0..8)
+            .map(|corner| {
+                let pick = |axis: usize| {
+                    if corner >> axis & 1 == 0 {
+                        low[axis]
+                    } else {
+                        high[axis]
+                    }
+                };
+                self.placed
+                    .transform_point3(DVec3::new(pick(0), pick(1), pick(2)))
+            })
+            .collect()
+    }
+}
+
+impl Bounds {
+    fn of(geometries: &[Geometry], parts: &[Part]) -> Self {
+        let mut corners = parts
+            .iter()
+            .flat_map(|part| part.outline(&geometries[part.geometry as usize]));
+        let Some(first) = corners.next() else {
+            return Self {
+                min: DVec3::ZERO,
+                max: DVec3::ZERO,
+            };
+        };
+        corners.fold(
+            Self {
+                min: first,
+                max: first,
+            },
+            |bounds, corner| Self {
+                min: bounds.min.min(corner),
+                max: bounds.max.max(corner),
+            },
+        )
+    }
+
+    /// The middle of the box.
+    pub fn center(&self) -> DVec3 {
+        (self.min + self.max) * 0.5
+    }
+
+    /// The length of the box's diagonal.
+    pub fn diagonal(&self) -> f64 {
+        (self.max - self.min).length()
+    }
+}
+
+impl Deref for Positions {
+    type Target = [Vec3];
+
+    fn deref(&self) -> &[Vec3] {
+        match self {
+            Self::Mesh(scene, mesh) => &scene.meshes[*mesh as usize].positions,
+            Self::Placed(positions) => positions,
+        }
+    }
+}
+
+fn place(mesh: &Mesh, transform: &DAffine3) -> Vec<Vec3> {
+    mesh.positions
+        .iter()
+        .map(|position| transform.transform_point3(position.as_dvec3()).as_vec3())
+        .collect()
+}
+
+/// The box of the positions; a vertex that is not finite makes it infinite. `None` where there are none.
+fn extent(positions: &[Vec3]) -> Option<(Vec3, Vec3)> {
+    let first = *positions.first()?;
+    Some(
+        positions
+            .iter()
+            .fold((first, first), |(low, high), &position| {
+                let position = if position.is_finite() {
+                    position
+                } else {
+                    Vec3::INFINITY
+                };
+                (low.min(position), high.max(position))
+            }),
+    )
+}
+
+/// True where the f32 transform has an inverse that f32 holds, so that a backend can carry rays into mesh space.
+fn invertible(transform: &Affine3A) -> bool {
+    transform.is_finite() && transform.inverse().is_finite()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture::{placed_scene, square};
+
+    fn build(places: &[DAffine3], instancing: bool) -> Result<World, Error> {
+        let placed: Vec<_> = places.iter().map(|place| (0, *place)).collect();
+        let mut square = square(0.0);
+        square.normals = vec![Vec3::new(0.6, 0.0, 0.8); 4];
+        World::new(
+            Arc::new(placed_scene(vec![square], &placed)),
+            WorldOptions {
+                instancing,
+                filter_all: false,
+            },
+        )
+    }
+
+    fn turned(at: DVec3) -> DAffine3 {
+        let turn = glam::DQuat::from_rotation_z(0.3);
+        DAffine3::from_scale_rotation_translation(DVec3::new(2.0, 3.0, -4.0), turn, at)
+    }
+
+    #[test]
+    fn a_mesh_is_instanced_only_where_it_is_used_twice_and_asked_for() {
+        let shape = |world: World| (world.geometries.len(), world.parts[0].transform.is_some());
+        let (once, twice) = ([turned(DVec3::X)], [turned(DVec3::X), turned(DVec3::Y)]);
+        assert_eq!(shape(build(&once, true).unwrap()), (1, false));
+        assert_eq!(shape(build(&twice, true).unwrap()), (1, true));
+        assert_eq!(shape(build(&twice, false).unwrap()), (2, false));
+    }
+
+    #[test]
+    fn flattened_corners_are_the_f64_product_rounded_once() {
+        let place = turned(DVec3::new(0.1, 0.2, 0.3));
+        let world = build(&[place], true).unwrap();
+        let expected = place
+            .transform_point3(DVec3::new(-1.0, -1.0, 0.0))
+            .as_vec3()
+            .as_dvec3();
+        assert_eq!(world.corners(0, 0)[0], expected);
+        assert_eq!(
+            (
+                world.parts[0].stretch(),
+                world.parts[0].rounding(DVec3::Z, &world.corners(0, 0))
+            ),
+            (1.0, 0.0)
+        );
+    }
+
+    #[test]
+    fn instanced_corners_are_the_f32_transform_applied_in_f64() {
+        let places = [turned(DVec3::new(0.1, 0.2, 0.3)), turned(DVec3::Y)];
+        let world = build(&places, true).unwrap();
+        let single = places[0].as_affine3a().as_daffine3();
+        assert_eq!(
+            world.corners(0, 0)[0],
+            single.transform_point3(DVec3::new(-1.0, -1.0, 0.0))
+        );
+        let bounds = world.bounds();
+        for instance in 0..2 {
+            for corner in world.corners(instance, 0) {
+                assert!(corner.cmpge(bounds.min).all() && corner.cmple(bounds.max).all());
+            }
+        }
+    }
+
+    #[test]
+    fn unplaced_positions_are_the_meshes_own() {
+        let world = build(&[DAffine3::IDENTITY], true).unwrap();
+        assert!(matches!(world.geometries[0].positions, Positions::Mesh(..)));
+        let expected = Bounds {
+            min: DVec3::new(-1.0, -1.0, 0.0),
+            max: DVec3::new(1.0, 1.0, 0.0),
+        };
+        assert_eq!((world.bounds(), world.scale_bound()), (expected, 1.0));
+    }
+
+    #[test]
+    fn normals_stay_perpendicular_and_outside_under_mirrored_stretching() {
+        let world = build(&[DAffine3::from_scale(DVec3::new(2.0, 1.0, -1.0))], true).unwrap();
+        assert!(world.parts[0].mirrors());
+        let [normal, ..] = world.normals(0, 0).unwrap();
+        // (0.6 / 2, 0, 0.8 / -1), to length 1.
+        let expected = DVec3::new(0.3, 0.0, -0.8).normalize();
+        assert!(
+            (normal - expected).length() < 1e-7,
+            "{normal}: the f32 input holds 24 bits"
+        );
+    }
+
+    #[test]
+    fn placements_beyond_single_precision_are_an_error() {
+        for place in [
+            DAffine3::from_scale(DVec3::splat(1e39)),
+            DAffine3::from_translation(DVec3::splat(1e300)),
+        ] {
+            let error = build(&[place], true).unwrap_err().to_string();
+            assert!(error.starts_with("object object of fixture.obj"), "{error}");
+            assert!(build(&[place, place], true).is_err());
+        }
+    }
+
+    #[test]
+    fn a_transform_that_vanishes_in_single_precision_is_flattened() {
+        let tiny = DAffine3::from_scale(DVec3::new(1e-60, 1.0, 1.0));
+        let world = build(&[tiny, DAffine3::IDENTITY], true).unwrap();
+        assert!(world.parts[0].transform.is_none() && world.parts[1].transform.is_some());
+    }
+}
