@@ -1,6 +1,10 @@
-//! The table of layers: one place that says what a bake can write, in which unit, and how it is stored and shown.
+//! The ground that all crates stand on: the table of layers, and how a long job tells its progress.
+//!
+//! The table is the one place that says what a bake can write, in which unit, and how it is stored and shown.
 #![forbid(unsafe_code)]
 
 mod layer;
+mod progress;
 
 pub use layer::Layer;
+pub use progress::Progress;

@@ -1,0 +1,35 @@
+//! How a long job tells how far it is, and is told to stop.
+
+/// A listener of a long job: a bake, a picture, a capture. It is called from any thread, often; it should be quick.
+///
+/// `()` listens to nothing and never cancels.
+///
+/// ```
+/// use ambake_layers::Progress;
+/// struct Percent;
+/// impl Progress for Percent {
+///     fn advance(&self, done: u64, total: u64) {
+///         println!("{} %", 100 * done / total.max(1));
+///     }
+/// }
+/// Percent.advance(1, 4);
+/// assert!(!Percent.cancelled());
+/// ```
+pub trait Progress: Sync {
+    /// `done` of `total` units of work are finished: texels of a bake, pixels of a picture.
+    fn advance(&self, done: u64, total: u64);
+
+    /// So many rays were cast since the last call.
+    fn rays(&self, cast: u64) {
+        let _ = cast;
+    }
+
+    /// True to stop the job at the next place where it can stop.
+    fn cancelled(&self) -> bool {
+        false
+    }
+}
+
+impl Progress for () {
+    fn advance(&self, _done: u64, _total: u64) {}
+}
