@@ -22,10 +22,10 @@ pub enum Verb {
     /// Traditional against Lambert against Phong from a finished bake, or any two EXR pages
     Compare(Compare),
     /// A picture of a scene through a camera, shaded by an ambient model and lights
-    Render(Box<crate::render::Args>),
+    Render(Box<crate::render::run::Args>),
     /// Illumination maps and reflection maps: convert, convolve, measure
     #[command(subcommand)]
-    Map(Box<crate::map::Args>),
+    Map(Box<crate::map::args::Args>),
     /// Speed against error: CSV, SVG and a readable summary
     Bench(Bench),
     /// Tells which ray libraries were really loaded and what they can do; exit 1 if one is unusable
@@ -85,8 +85,8 @@ pub struct Job {
     pub denoise: Denoise,
     /// Sky radiance, linear: R,G,B for a uniform sky, or an illumination map (.hdr, .exr; polar unless its header says otherwise),
     /// from whose light as many rays again are drawn
-    #[arg(long, value_name = "R,G,B|FILE", default_value = "1,1,1", value_parser = crate::sky::sky)]
-    pub sky: crate::sky::SkyArg,
+    #[arg(long, value_name = "R,G,B|FILE", default_value = "1,1,1", value_parser = crate::bake::sky::sky)]
+    pub sky: crate::bake::sky::SkyArg,
     /// View of the specular term: `normal` (V = N everywhere) or an eye point X,Y,Z in scene units
     #[arg(long, value_name = "normal|X,Y,Z", default_value = "normal", allow_hyphen_values = true, value_parser = view)]
     pub view: ::bake::View,

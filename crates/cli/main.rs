@@ -7,25 +7,13 @@
 mod args;
 mod bake;
 mod bench;
-mod checkpoint;
 mod compare;
 mod doctor;
-mod figures;
 mod host;
 mod map;
-mod map_ball;
-mod map_capture;
-mod map_file;
-mod map_merge;
-mod options;
-mod plan;
 mod progress;
 mod render;
-mod render_maps;
-mod render_maps_args;
-mod sky;
 mod stop;
-mod summary;
 
 use anyhow::Context;
 use clap::Parser;
@@ -44,12 +32,12 @@ enum Outcome {
 fn main() -> ExitCode {
     let args = args::Args::parse();
     let result = match &args.verb {
-        args::Verb::Bake(bake) => bake::run(bake),
-        args::Verb::Plan(plan) => plan::run(plan),
+        args::Verb::Bake(bake) => bake::run::run(bake),
+        args::Verb::Plan(plan) => bake::plan::run(plan),
         args::Verb::Compare(compare) => compare::run(compare),
-        args::Verb::Render(render) => render::run(render),
-        args::Verb::Map(map) => map::run(map),
-        args::Verb::Bench(bench) => bench::run(bench),
+        args::Verb::Render(render) => render::run::run(render),
+        args::Verb::Map(map) => map::args::run(map),
+        args::Verb::Bench(bench) => bench::run::run(bench),
         args::Verb::Doctor(doctor) => doctor::run(doctor),
     };
     match result {

@@ -1,9 +1,11 @@
 //! `ambake map capture`: the illumination map of a place in a scene.
 
 use crate::args::{self, Backend};
-use crate::map::{Common, projection};
-use crate::map_file::{picture_size, write};
-use crate::{host, options, render::lights, say};
+use crate::bake::options;
+use crate::map::args::{Common, projection};
+use crate::map::file::{picture_size, write};
+use crate::render::run::lights;
+use crate::{host, say};
 use ::render::{Direct, Lamps, Light, Model, PointForm, add_points, capture};
 use anyhow::bail;
 use clap::{Args as ClapArgs, ValueEnum};

@@ -1,7 +1,8 @@
 //! `ambake map ball`: photographs of a mirrored ball to an illumination map.
 
-use crate::map::{self, Common};
-use crate::{args, host, map_file, say};
+use crate::map::args::{self as map, Common};
+use crate::map::file;
+use crate::{args, host, say};
 use anyhow::{Context, bail};
 use clap::Args as ClapArgs;
 use maps::ball::{self, Circle, Found, Optics, Photo};
@@ -84,7 +85,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         })
         .collect();
     let size = match args.size {
-        Some(size) => map_file::picture_size(args.to, size),
+        Some(size) => file::picture_size(args.to, size),
         None => {
             // A circle of directions, by the angle that a pixel in the middle spans.
             let density = photos.iter().map(|p| p.circle.radius * p.optics.slope(0.0));
@@ -98,7 +99,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         orientation: Orientation::Ambake,
         size,
     };
-    let files = map_file::write_with_confidence(
+    let files = file::write_with_confidence(
         &args.output,
         &unwrapped.image,
         &unwrapped.confidence,

@@ -2,11 +2,12 @@
 
 use crate::Outcome;
 use crate::args::Bake as Args;
-use crate::checkpoint::Saved;
+use crate::bake::checkpoint::Saved;
+use crate::bake::options;
+use crate::bake::summary::summary;
 use crate::progress::watch;
 use crate::stop::Stop;
-use crate::summary::summary;
-use crate::{host, options, say};
+use crate::{host, say};
 use ::bake::{Bake, BakedPage, Denoise, Options, Pattern, Plan, Progress, Sky};
 use anyhow::{Context, bail};
 use atlas::Atlas;
@@ -63,7 +64,7 @@ pub fn prepare(
     phases: &mut Phases,
 ) -> anyhow::Result<Prepared> {
     let threads = host::set_threads(common.threads)?;
-    let (sky, described_sky) = crate::sky::load(&job.sky)?;
+    let (sky, described_sky) = crate::bake::sky::load(&job.sky)?;
     let options = options::bake_options(job, common, sky);
     if options.denoise == Denoise::Regression && options.pattern == Pattern::Tiled {
         bail!("--denoise regression needs independent errors: leave out --pattern tiled");

@@ -1,7 +1,7 @@
 //! `ambake map`: illumination maps and reflection maps.
 
 use crate::args;
-use crate::map_file::{self, Source, write};
+use crate::map::file::{self, Source, write};
 use crate::{Outcome, host, say};
 use anyhow::{Context, bail};
 use clap::{Args as ClapArgs, Subcommand, ValueEnum};
@@ -20,14 +20,14 @@ pub enum Args {
     /// The specular reflection map S
     Specular(Specular),
     /// Photographs of a mirrored ball to a map
-    Ball(crate::map_ball::Args),
+    Ball(crate::map::ball::Args),
     /// Exposure brackets to one picture of radiance
-    Merge(crate::map_merge::Args),
+    Merge(crate::map::merge::Args),
     /// The light that arrives at a place in a scene
     ///
     /// Surfaces that shine (Ke, emissiveFactor) are seen as they are. Others are secondary sources: the light that
     /// reaches them straight from the sky, from shining surfaces and from point lights, reflected once by Lambert's law.
-    Capture(crate::map_capture::Args),
+    Capture(crate::map::capture::Args),
 }
 
 /// The picture that is read.
@@ -178,9 +178,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         Args::Stats(args) => stats(args),
         Args::Diffuse(args) => diffuse(args),
         Args::Specular(args) => specular(args),
-        Args::Ball(args) => crate::map_ball::run(args),
-        Args::Merge(args) => crate::map_merge::run(args),
-        Args::Capture(args) => crate::map_capture::run(args),
+        Args::Ball(args) => crate::map::ball::run(args),
+        Args::Merge(args) => crate::map::merge::run(args),
+        Args::Capture(args) => crate::map::capture::run(args),
     }?;
     Ok(Outcome::Done)
 }
@@ -189,7 +189,7 @@ fn convert(args: &Convert) -> anyhow::Result<()> {
     host::set_threads(args.common.threads)?;
     let source = Source::read(&args.input)?;
     let size = match args.size {
-        Some(size) => map_file::picture_size(args.to, size),
+        Some(size) => file::picture_size(args.to, size),
         None => args.to.size(source.texels()),
     };
     let to = Layout {
@@ -370,7 +370,7 @@ fn reflect(
     for (_, lobe) in lobes {
         lobe.check()?;
     }
-    let size = map_file::picture_size(projection, size);
+    let size = file::picture_size(projection, size);
     projection.check(size.0, size.1)?;
     let source = Source::read(input)?;
     let named = || input.input.display().to_string();

@@ -1,10 +1,11 @@
 //! `ambake render`: a picture through a camera.
 
 use crate::args::{self, Backend, Common};
-use crate::figures::{self, Figure};
-use crate::render_maps;
-use crate::render_maps_args::Tables;
-use crate::{Outcome, host, options, say};
+use crate::bake::options;
+use crate::render::figures::{self, Figure};
+use crate::render::frames;
+use crate::render::table_args::Tables;
+use crate::{Outcome, host, say};
 use ::render::{Camera, Direct, Lamps, Light, Lightmap, Model, Sample, picture};
 use anyhow::{Context, bail};
 use clap::{Args as ClapArgs, ValueEnum};
@@ -170,7 +171,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         return figures::draw(figure, args, &world, backend.as_ref());
     }
     if args.tables.asked() {
-        return render_maps::run(args, &world, backend.as_ref(), started);
+        return frames::run(args, &world, backend.as_ref(), started);
     }
     let camera = args.view.camera(&world)?;
     let picture = take(args, &world, backend.as_ref(), lightmap.as_ref(), &camera);

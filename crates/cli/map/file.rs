@@ -1,6 +1,6 @@
 //! Map files: which pictures a name stands for, headers, staging.
 
-use crate::map::Input;
+use crate::map::args::Input;
 use anyhow::{Context, bail};
 use maps::{Format, Image, ImageFile, Labels, Layout, Orientation, Projection};
 use report::Output;

@@ -1,7 +1,8 @@
 //! `ambake render --figure`: the figures of the papers.
 
-use crate::render::{Args, shader};
-use crate::{Outcome, host, render_maps};
+use crate::render::frames;
+use crate::render::run::{Args, shader};
+use crate::{Outcome, host};
 use ::bench::figures::{Fig3, fig1, fig1_csv, fig1_svg, fig3};
 use ::render::Lamps;
 use anyhow::bail;
@@ -61,7 +62,7 @@ pub fn draw(
             output.publish()?;
             Ok(Outcome::Done)
         }
-        Figure::Balls => render_maps::balls(args, dir, world, backend),
+        Figure::Balls => frames::balls(args, dir, world, backend),
     }
 }
 

@@ -1,8 +1,9 @@
 //! `ambake plan`: what would be modelled and why, and what it would cost.
 
 use crate::args::Plan as Args;
-use crate::bake::{Phases, decisions, prepare, warnings};
-use crate::{Outcome, host, options, say};
+use crate::bake::options;
+use crate::bake::run::{Phases, decisions, prepare, warnings};
+use crate::{Outcome, host, say};
 use ::bake::{Bake, Choice, Effort};
 use serde_json::json;
 
@@ -13,7 +14,7 @@ const PILOT_TILES: usize = 24;
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let mut phases = Phases::default();
     let prepared = prepare(&args.scene, &args.job, &args.common, &mut phases)?;
-    let crate::bake::Prepared {
+    let crate::bake::run::Prepared {
         scene,
         atlas,
         plan,

@@ -1,7 +1,7 @@
 //! `ambake render --maps`: frames shaded from reflection maps.
 
-use crate::render::{Args, write};
-use crate::render_maps_args::{ShaderName, Tables, rows};
+use crate::render::run::{Args, write};
+use crate::render::table_args::{ShaderName, Tables, rows};
 use crate::{Outcome, say};
 use ::render::Camera;
 use ::render::tables::{

@@ -1,7 +1,7 @@
 //! `ambake bench`: speed against error, measured in one run.
 
 use crate::args::Bench as Args;
-use crate::bake::{Phases, Prepared, prepare};
+use crate::bake::run::{Phases, Prepared, prepare};
 use crate::{Outcome, host, say};
 use ::bake::PointSet;
 use anyhow::Context;
@@ -94,7 +94,7 @@ fn against_error(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
         "\nambake {}, {}, options {}\n",
         host::VERSION,
         prepared.backend.describe(),
-        crate::options::describe(&args.job, options, &prepared.sky)
+        crate::bake::options::describe(&args.job, options, &prepared.sky)
     );
     output.stage_bytes("bench.csv", csv.as_bytes())?;
     output.stage_bytes("bench.svg", picture.as_bytes())?;

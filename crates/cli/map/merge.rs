@@ -1,6 +1,6 @@
 //! `ambake map merge`: exposure brackets to one picture of radiance.
 
-use crate::map::Common;
+use crate::map::args::Common;
 use crate::{args, host, say};
 use anyhow::{Context, bail};
 use clap::{Args as ClapArgs, ValueEnum};

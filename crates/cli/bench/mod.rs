@@ -1,0 +1,3 @@
+//! `ambake bench`.
+
+pub mod run;
