@@ -33,6 +33,14 @@ pub enum Error {
     /// A value that the chosen file format cannot hold.
     #[error("cannot encode the picture: {0}")]
     Encode(String),
+    /// A line of a text table is not what it should be.
+    #[error("line {line}: {expected} belong there")]
+    Line {
+        /// Its number, from 1.
+        line: usize,
+        /// What each line holds.
+        expected: &'static str,
+    },
     /// A lobe that is no reflectance function.
     #[error("unusable lobe: {0}")]
     Lobe(String),

@@ -12,13 +12,16 @@ mod exr_file;
 mod file;
 mod hdr;
 mod image;
+mod lobe_table;
 mod map;
 pub mod merge;
 mod orientation;
 mod painted;
+mod polar;
 mod projection;
 mod quadrature;
 mod sky_map;
+mod stats;
 
 pub use convert::{Layout, convert, convert_image};
 pub use convolve::{Lobe, Normalise, Request, convolve, diffuse, specular};
@@ -27,5 +30,7 @@ pub use file::{Format, ImageFile, Labels, encode, encode_with, read, read_unchec
 pub use image::Image;
 pub use map::{IlluminationMap, ReflectionMap};
 pub use orientation::Orientation;
+pub use polar::{PolarFile, read_polar};
 pub use projection::{Direction, Projection};
 pub use sky_map::SkyMap;
+pub use stats::MapStats;
