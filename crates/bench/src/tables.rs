@@ -116,7 +116,7 @@ fn measure(
             samples: 2,
             corners: true,
         };
-        let buffer = GBuffer::take(&view, hit);
+        let buffer = GBuffer::take(&view, &(), hit)?;
         for place in buffer.places() {
             mean += exact[place].iter().sum::<f64>() / 3.0;
         }
@@ -170,7 +170,7 @@ pub fn speed(repeats: usize) -> Result<Vec<Speed>, render::Error> {
         samples: 1,
         corners: true,
     };
-    let buffer = GBuffer::take(&view, globe);
+    let buffer = GBuffer::take(&view, &(), globe)?;
     let shader = shader(Some(&diffuse), &specular);
     let mut picture = Image::filled(1920, 1080, [0.0; 3]);
     let rows = LOOKUPS.map(|lookup| {

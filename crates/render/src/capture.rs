@@ -5,10 +5,11 @@
 //! is a secondary source, shaded as [`Direct`] does. A light without extent has no picture: its energy over the square
 //! of its distance goes into the texels about its direction.
 
-use crate::{Direct, Light, Sample};
+use crate::progress::each;
+use crate::{Direct, Error, Light, Sample};
 use glam::DVec3;
-use maps::{Error, IlluminationMap, Image, Projection};
-use rayon::prelude::*;
+use layers::Progress;
+use maps::{IlluminationMap, Image, Projection};
 use rays::Ray;
 
 /// How a point light enters a map.
@@ -24,10 +25,11 @@ pub enum PointForm {
 /// The light that arrives at `at`, seen in every texel of a map; a [`Projection::Cube`] is the six pictures themselves.
 ///
 /// Each texel is the mean over a `grid` by `grid` of its cells, weighed by their exact solid angles, so what is uniform stays
-/// exactly so. Texels that show nothing are 0. The values do not depend on the number of threads.
+/// exactly so. Texels that show nothing are 0. The values do not depend on the number of threads. `progress` hears of
+/// texels.
 ///
 /// # Errors
-/// [`Error::Shape`] for a size that does not fit the projection.
+/// [`maps::Error::Shape`] for a size that does not fit the projection; [`Error::Cancelled`].
 ///
 /// # Panics
 /// Where `grid` is 0.
@@ -37,6 +39,7 @@ pub fn capture(
     projection: Projection,
     size: (usize, usize),
     grid: usize,
+    progress: &dyn Progress,
 ) -> Result<IlluminationMap, Error> {
     assert!(grid > 0, "a texel has cells");
     projection.check(size.0, size.1)?;
@@ -67,17 +70,12 @@ pub fn capture(
         let mean = if whole > 0.0 { sum / whole } else { sum };
         mean.as_vec3().to_array()
     };
-    let pixels = (0..size.0 * size.1)
-        .into_par_iter()
-        .with_min_len(16)
-        .map(texel)
-        .collect();
     let image = Image {
         width: size.0,
         height: size.1,
-        pixels,
+        pixels: each(size.0 * size.1, 1, progress, texel)?,
     };
-    IlluminationMap::new(image, projection)
+    Ok(IlluminationMap::new(image, projection)?)
 }
 
 /// The map with the point lights of `direct` that nothing hides from `at`. Distant lights are left out.
@@ -86,7 +84,7 @@ pub fn capture(
 /// hardly depends on the size of the map.
 ///
 /// # Errors
-/// [`Error::Shape`] for a light at `at` itself, or too near for a finite value.
+/// [`maps::Error::Shape`] for a light at `at` itself, or too near for a finite value.
 pub fn add_points(
     map: IlluminationMap,
     direct: &Direct<'_>,
@@ -101,12 +99,12 @@ pub fn add_points(
     let mut added = Vec::new();
     for (position, arrival) in points {
         let fail = |problem: &str| {
-            Error::Shape(format!(
+            maps::Error::Shape(format!(
                 "the point light at {position} {problem}; move it or --at"
             ))
         };
         if arrival.toward == DVec3::ZERO {
-            return Err(fail("is where the map is captured"));
+            return Err(fail("is where the map is captured").into());
         }
         let ray = Ray {
             origin: at.as_vec3().to_array(),
@@ -125,7 +123,7 @@ pub fn add_points(
             if weight > 0.0 {
                 let value = weight * arrival.irradiance / omega;
                 if !(value as f32).is_finite() {
-                    return Err(fail("is too near"));
+                    return Err(fail("is too near").into());
                 }
                 added.push((texel, value));
             }
@@ -136,5 +134,5 @@ pub fn add_points(
         let pixel = &mut image.pixels[texel];
         *pixel = pixel.map(|channel| (f64::from(channel) + value) as f32);
     }
-    IlluminationMap::new(image, projection)
+    Ok(IlluminationMap::new(image, projection)?)
 }

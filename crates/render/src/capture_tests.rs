@@ -50,7 +50,7 @@ fn room(emission: Vec3, albedo: f32) -> Vec<Sheet> {
 
 /// Six pictures.
 fn cube(direct: &Direct<'_>, at: DVec3, face: usize, grid: usize) -> IlluminationMap {
-    capture(direct, at, Projection::Cube, (face, 6 * face), grid).unwrap()
+    capture(direct, at, Projection::Cube, (face, 6 * face), grid, &()).unwrap()
 }
 
 /// D for the normals +x -x +y -y +z -z, 1/π ∫ I cos.
@@ -75,7 +75,7 @@ fn inside_a_luminous_box_the_map_is_its_radiance_everywhere() {
     for at in [DVec3::ZERO, DVec3::new(0.9, -0.3, 0.2)] {
         for projection in Projection::all() {
             let size = projection.size(32);
-            let map = capture(&direct, at, projection, size, 3).unwrap();
+            let map = capture(&direct, at, projection, size, 3, &()).unwrap();
             for (texel, pixel) in map.image().pixels.iter().enumerate() {
                 let shown = projection.solid_angle(size, texel % size.0, texel / size.0) > 0.0;
                 let exact = if shown { emission } else { Vec3::ZERO };
@@ -102,7 +102,7 @@ fn each_face_of_the_map_looks_along_its_axis() {
     let faces = cube(&direct, DVec3::ZERO, 1, 4);
     let found: Vec<_> = faces.image().pixels.iter().map(|p| p[0]).collect();
     assert_eq!(found, [2.0, 1.0, 4.0, 3.0, 6.0, 5.0]);
-    let polar = capture(&direct, DVec3::ZERO, Projection::Polar, (8, 4), 1).unwrap();
+    let polar = capture(&direct, DVec3::ZERO, Projection::Polar, (8, 4), 1, &()).unwrap();
     for (column, row, exact) in [
         (4, 2, 6.0),
         (5, 1, 2.0),

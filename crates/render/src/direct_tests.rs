@@ -261,7 +261,7 @@ fn a_picture_is_the_same_at_any_thread_count() {
     let take = |threads| -> Image {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let pool = pool.build().unwrap();
-        pool.install(|| picture(&camera, 2, |sample| shader.radiance(sample)))
+        pool.install(|| picture(&camera, 2, &(), |sample| shader.radiance(sample)).unwrap())
     };
     assert_eq!(take(1), take(3));
 }

@@ -13,19 +13,23 @@ mod direct_lamps;
 #[cfg(test)]
 mod direct_tests;
 mod error;
-
 #[cfg(test)]
 mod fixture;
+mod framing;
 mod light;
 mod lightmap;
 mod picture;
+mod progress;
 pub mod tables;
+mod text;
 
 pub use camera::Camera;
 pub use capture::{PointForm, add_points, capture};
 pub use direct::{Direct, Model};
 pub use direct_lamps::Lamps;
 pub use error::Error;
+pub use framing::Framing;
 pub use light::Light;
 pub use lightmap::Lightmap;
 pub use picture::{Sample, picture};
+pub use progress::Part;

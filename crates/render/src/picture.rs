@@ -1,9 +1,10 @@
 //! Samples of a camera's pixels to a picture.
 
-use crate::Camera;
+use crate::progress::each;
+use crate::{Camera, Error};
 use glam::DVec3;
+use layers::Progress;
 use maps::Image;
-use rayon::prelude::*;
 
 /// A ray through a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,35 +23,42 @@ pub struct Sample {
 ///
 /// Sums are per pixel in the order of the samples, so the picture does not depend on the number of threads.
 ///
+/// `progress` hears of pixels.
+///
+/// # Errors
+/// [`Error::Cancelled`].
+///
 /// # Panics
 /// Where `grid` is 0.
-pub fn picture(camera: &Camera, grid: u32, radiance: impl Fn(&Sample) -> DVec3 + Sync) -> Image {
+pub fn picture(
+    camera: &Camera,
+    grid: u32,
+    progress: &dyn Progress,
+    radiance: impl Fn(&Sample) -> DVec3 + Sync,
+) -> Result<Image, Error> {
     assert!(grid > 0, "a pixel has samples");
     let [width, height] = camera.size;
-    let pixels = (0..width * height)
-        .into_par_iter()
-        .with_min_len(16)
-        .map(|pixel| {
-            let place =
-                |at: u32, step: u32| f64::from(at) + (f64::from(step) + 0.5) / f64::from(grid);
-            let sum: DVec3 = (0..grid * grid)
-                .map(|number| {
-                    let x = place(pixel % width, number % grid);
-                    let y = place(pixel / width, number / grid);
-                    radiance(&Sample {
-                        pixel,
-                        number,
-                        eye: camera.eye,
-                        direction: camera.direction(x, y),
-                    })
+    let mean = |pixel: usize| {
+        let pixel = pixel as u32;
+        let place = |at: u32, step: u32| f64::from(at) + (f64::from(step) + 0.5) / f64::from(grid);
+        let sum: DVec3 = (0..grid * grid)
+            .map(|number| {
+                let x = place(pixel % width, number % grid);
+                let y = place(pixel / width, number / grid);
+                radiance(&Sample {
+                    pixel,
+                    number,
+                    eye: camera.eye,
+                    direction: camera.direction(x, y),
                 })
-                .sum();
-            (sum / f64::from(grid * grid)).as_vec3().to_array()
-        })
-        .collect();
-    Image {
-        width: width as usize,
-        height: height as usize,
-        pixels,
-    }
+            })
+            .sum();
+        (sum / f64::from(grid * grid)).as_vec3().to_array()
+    };
+    let (width, height) = (width as usize, height as usize);
+    Ok(Image {
+        width,
+        height,
+        pixels: each(width * height, 1, progress, mean)?,
+    })
 }

@@ -3,7 +3,8 @@
 use ambient::closed_form::phong_open_angle;
 use ambient::convention::lobe_scale;
 use glam::DVec3;
-use render::{Direct, Sample};
+use layers::Progress;
+use render::{Direct, Error, Sample};
 use std::fmt::Write;
 
 /// Exponents of the curves.
@@ -33,12 +34,16 @@ pub struct Fig1Point {
     pub rays: f64,
     /// Standard error of `rays`, from the spread of the independent estimates. Where all agree, the rule of three: 1.5 over the
     /// number of rays.
-    pub error: f64,
+    pub std_err: f64,
 }
 
 /// Every point, integrated by `direct` at the origin of a scene whose surface there is open and faces +y. Its model must
-/// be Phong under a white sky; its overrides are replaced.
-pub fn fig1(direct: &mut Direct<'_>) -> Vec<Fig1Point> {
+/// be Phong under a white sky; its overrides are replaced. `progress` hears of points.
+///
+/// # Errors
+/// [`Error::Cancelled`].
+pub fn fig1(direct: &mut Direct<'_>, progress: &dyn Progress) -> Result<Vec<Fig1Point>, Error> {
+    let total = (EXPONENTS.len() * ANGLES_DEG.len()) as u64;
     let mut points = Vec::new();
     for exponent in EXPONENTS {
         direct.overrides.albedo = Some([0.0; 3]);
@@ -46,6 +51,9 @@ pub fn fig1(direct: &mut Direct<'_>) -> Vec<Fig1Point> {
         direct.overrides.exponent = Some(f64::from(exponent));
         let raw = 1.0 / lobe_scale(f64::from(exponent));
         for angle_deg in ANGLES_DEG {
+            if progress.cancelled() {
+                return Err(Error::Cancelled);
+            }
             let (sin, cos) = f64::sin_cos(angle_deg.to_radians());
             let view = DVec3::new(sin, cos, 0.0);
             let estimates: Vec<f64> = (0..ESTIMATES)
@@ -69,11 +77,12 @@ pub fn fig1(direct: &mut Direct<'_>) -> Vec<Fig1Point> {
                 angle_deg,
                 exact: raw * phong_open_angle(f64::from(exponent), angle_deg.to_radians()),
                 rays: raw * share,
-                error: raw * if spread > 0.0 { spread } else { floor },
+                std_err: raw * if spread > 0.0 { spread } else { floor },
             });
+            progress.advance(points.len() as u64, total);
         }
     }
-    points
+    Ok(points)
 }
 
 /// The points as CSV with a head.
@@ -85,9 +94,9 @@ pub fn fig1_csv(points: &[Fig1Point]) -> String {
             angle_deg,
             exact,
             rays,
-            error,
+            std_err,
         } = p;
-        let _ = writeln!(text, "{exponent},{angle_deg},{exact},{rays},{error}");
+        let _ = writeln!(text, "{exponent},{angle_deg},{exact},{rays},{std_err}");
     }
     text
 }
@@ -138,8 +147,8 @@ pub fn fig1_svg(points: &[Fig1Point]) -> String {
             let _ = writeln!(
                 svg,
                 "<path d=\"M{at} {:.3}V{:.3}\" stroke=\"{color}\"/><circle cx=\"{at}\" cy=\"{:.3}\" r=\"2.5\" fill=\"{color}\"/>",
-                y(p.rays - 3.0 * p.error),
-                y(p.rays + 3.0 * p.error),
+                y(p.rays - 3.0 * p.std_err),
+                y(p.rays + 3.0 * p.std_err),
                 y(p.rays)
             );
         }
@@ -165,7 +174,7 @@ mod tests {
         let world = World::new(Arc::new(scene), options).expect("the plane fits");
         let backend = build(BackendKind::Obvhs(Layout::Cwbvh), &world, 0).expect("no library");
         let surfaces = Surfaces::new(&world);
-        let points = fig1(&mut Direct {
+        let mut direct = Direct {
             surfaces: &surfaces,
             backend: backend.as_ref(),
             model: Model::Phong,
@@ -177,11 +186,12 @@ mod tests {
             overrides: Overrides::default(),
             seed: 0,
             lamps: &Lamps::NONE,
-        });
+        };
+        let points = fig1(&mut direct, &()).expect("nothing cancels it");
         assert_eq!(points.len(), 80);
         let deviations: Vec<f64> = points
             .iter()
-            .map(|p| (p.rays - p.exact) / p.error)
+            .map(|p| (p.rays - p.exact) / p.std_err)
             .collect();
         for (point, deviation) in points.iter().zip(&deviations) {
             // Student's t with 15 degrees of freedom: one of 80 beyond 6 once in 500 figures.

@@ -1,8 +1,9 @@
 //! Fig. 3 of X. Zhang, Y. Gao, ICIP 2009: one scene in ambient light only, by the three ambient models.
 
 use glam::DVec3;
-use maps::Image;
-use render::{Camera, Direct, Model, Sample, picture};
+use layers::Progress;
+use maps::{Format, Image, Labels};
+use render::{Camera, Direct, Error, Model, Part, Sample, picture};
 use std::fmt::Write;
 
 /// The pictures of the figure.
@@ -27,21 +28,37 @@ const NAMES: [&str; 5] = [
 
 /// The figure as `direct` sees it: its model is replaced, its lights are left out.
 ///
-/// All models get the same sample streams, so that c - b is the specular term alone.
-pub fn fig3(direct: &mut Direct<'_>, camera: &Camera, grid: u32) -> Fig3 {
+/// All models get the same sample streams, so that c - b is the specular term alone. `progress` hears of the pixels of
+/// four pictures: the models and the coverage.
+///
+/// # Errors
+/// [`Error::Cancelled`].
+pub fn fig3(
+    direct: &mut Direct<'_>,
+    camera: &Camera,
+    grid: u32,
+    progress: &dyn Progress,
+) -> Result<Fig3, Error> {
     direct.lights = &[];
-    let models = [Model::Traditional, Model::Lambert, Model::Phong].map(|model| {
+    let part = |index| Part {
+        whole: progress,
+        index,
+        count: 4,
+    };
+    let mut shot = |model, index| {
         direct.model = model;
-        picture(camera, grid, |sample| direct.radiance(sample))
-    });
+        picture(camera, grid, &part(index), |sample| direct.radiance(sample))
+    };
+    let a = shot(Model::Traditional, 0)?;
+    let b = shot(Model::Lambert, 1)?;
+    let c = shot(Model::Phong, 2)?;
     let meets = |sample: &Sample| DVec3::splat(f64::from(u8::from(direct.meets(sample))));
-    let coverage = picture(camera, grid, meets).pixels;
-    let [a, b, c] = &models;
-    Fig3 {
-        differences: [minus(b, a), minus(c, b)],
+    let coverage = picture(camera, grid, &part(3), meets)?.pixels;
+    Ok(Fig3 {
+        differences: [minus(&b, &a), minus(&c, &b)],
         coverage: coverage.into_iter().map(|[share, ..]| share).collect(),
-        models,
-    }
+        models: [a, b, c],
+    })
 }
 
 impl Fig3 {
@@ -49,6 +66,25 @@ impl Fig3 {
     pub fn pictures(&self) -> impl Iterator<Item = (&'static str, &Image)> {
         let all = self.models.iter().chain(&self.differences);
         NAMES.into_iter().zip(all)
+    }
+
+    /// The files of the figure, names and bytes: every picture as EXR with these labels, the models as PNG in sRGB, the
+    /// differences as PNG in colours about white with a scale, and the table of [`Fig3::csv`].
+    ///
+    /// # Errors
+    /// [`maps::Error::Encode`] where a value is not finite, which would be a fault of ours.
+    pub fn files(&self, labels: &Labels) -> Result<Vec<(String, Vec<u8>)>, maps::Error> {
+        let mut files = vec![("fig3.csv".to_owned(), self.csv().into_bytes())];
+        for (number, (name, image)) in self.pictures().enumerate() {
+            let exr = maps::encode(image, Format::Exr, labels)?;
+            files.push((format!("fig3_{name}.exr"), exr));
+            let png = match number < self.models.len() {
+                true => report::picture_png(image.width, &image.pixels),
+                false => difference_png(name, image),
+            };
+            files.push((format!("fig3_{name}.png"), png));
+        }
+        Ok(files)
     }
 
     /// Mean, minimum and maximum of each picture over the pixels that surfaces fill, as CSV with a head.
@@ -71,6 +107,17 @@ impl Fig3 {
         }
         text
     }
+}
+
+/// Of each pixel the channel that differs most.
+fn difference_png(name: &str, image: &Image) -> Vec<u8> {
+    let farther = |most: f32, &v: &f32| if v.abs() > most.abs() { v } else { most };
+    let value = |pixel: &[f32; 3]| f64::from(pixel.iter().fold(0.0, farther));
+    let most = image.pixels.iter().map(|p| value(p).abs());
+    let limit = report::nice_limit(most.fold(0.0, f64::max));
+    let title = name.replace('-', " - ");
+    let size = [image.width as u32, image.height as u32];
+    report::difference_picture(size, &title, limit, |at| Some(value(&image.pixels[at])))
 }
 
 fn minus(a: &Image, b: &Image) -> Image {

@@ -1,19 +1,20 @@
 //! One body in six materials in one environment: mirror, glossy, diffuse, varnished, retro-reflective, refracting.
 
 use super::{GBuffer, Index, Lookup, Shader, Surfel, Table, Turn, View, Weight, backdrop};
-use crate::Camera;
+use crate::{Camera, Error, Part};
 use glam::DVec3;
-use maps::{Error, IlluminationMap, Image, Lobe, Normalise, Projection, Request};
+use layers::Progress;
+use maps::{IlluminationMap, Image, Lobe, Normalise, Projection, Request};
 
 /// The tables that the six materials need.
 #[derive(Debug)]
 pub struct Balls {
     diffuse: Table,
-    glossy: Table,
+    specular: Table,
     environment: Table,
 }
 
-/// Exponent of the glossy lobe.
+/// Exponent of the lobe of the second material.
 const EXPONENT: f64 = 100.0;
 
 /// Refractive index of the refracting body.
@@ -33,7 +34,7 @@ impl Balls {
     /// Tables of an environment, which is a polar map.
     ///
     /// # Errors
-    /// [`Error::Shape`] for another projection.
+    /// [`maps::Error::Shape`] for another projection.
     pub fn of(environment: &IlluminationMap) -> Result<Balls, Error> {
         let table = Table::new(environment)?;
         let request = |lobe, size| Request {
@@ -49,7 +50,7 @@ impl Balls {
         let maps = maps::convolve(environment, &requests)?;
         Ok(Balls {
             diffuse: Table::new(&maps[0])?,
-            glossy: Table::new(&maps[1])?,
+            specular: Table::new(&maps[1])?,
             environment: table,
         })
     }
@@ -66,7 +67,7 @@ impl Balls {
         };
         let (d, s, i) = (
             Some(&self.diffuse),
-            Some(&self.glossy),
+            Some(&self.specular),
             Some(&self.environment),
         );
         let indexed = |index, specular| Shader {
@@ -92,14 +93,23 @@ impl Balls {
         ]
     }
 
-    /// Three columns and two rows of pictures by `camera`, before the environment.
+    /// Width and height of one of the six pictures in a sheet of this size.
+    pub fn picture_size([width, height]: [u32; 2]) -> [u32; 2] {
+        [(width / 3).max(1), (height / 2).max(1)]
+    }
+
+    /// Three columns and two rows of pictures by `camera`, before the environment. `progress` hears of pixels.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
     pub fn sheet(
         &self,
         camera: &Camera,
         samples: u32,
         lookup: Lookup,
+        progress: &dyn Progress,
         hit: impl Fn(DVec3, DVec3) -> Option<Surfel> + Sync,
-    ) -> Image {
+    ) -> Result<Image, Error> {
         let [width, height] = camera.size.map(|n| n as usize);
         let behind = backdrop(camera, Some(&self.environment));
         let mut sheet = Image::filled(3 * width, 2 * height, [0.0; 3]);
@@ -115,14 +125,19 @@ impl Balls {
             corners: lookup.needs_corners(),
         };
         for (number, (shader, albedo, specular)) in self.materials().iter().enumerate() {
-            let buffer = GBuffer::take(&view, |eye, direction| {
+            let part = Part {
+                whole: progress,
+                index: number as u64,
+                count: Balls::NAMES.len() as u64,
+            };
+            let buffer = GBuffer::take(&view, &part, |eye, direction| {
                 let surfel = hit(eye, direction)?;
                 Some(Surfel {
                     albedo: *albedo,
                     specular: *specular,
                     ..surfel
                 })
-            });
+            })?;
             let mut picture = behind.clone();
             shader.frame(&buffer, lookup, &mut picture);
             let (left, top) = (number % 3 * width, number / 3 * height);
@@ -131,6 +146,6 @@ impl Balls {
                 sheet.pixels[start..start + width].copy_from_slice(row);
             }
         }
-        sheet
+        Ok(sheet)
     }
 }

@@ -1,24 +1,13 @@
 //! What a camera sees of an object, in memory: everything that shading needs and no light.
 
 use super::encoded::NormalCode;
+use super::surfel::Surfel;
 use super::table::LANES;
-use crate::Camera;
+use crate::progress::each;
+use crate::{Camera, Error};
 use glam::{DQuat, DVec3};
-use rayon::prelude::*;
+use layers::Progress;
 use std::collections::HashMap;
-
-/// A surface where a ray met it.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Surfel {
-    /// Unit shading normal on the side of the viewer.
-    pub normal: DVec3,
-    /// Diffuse reflectance kd.
-    pub albedo: DVec3,
-    /// Specular reflectance ks.
-    pub specular: DVec3,
-    /// Number of the object. A pixel is shaded as one object: other objects behind its edge do not bend what it reflects.
-    pub object: u32,
-}
 
 /// How far the object is turned. The environment stays.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,10 +69,18 @@ struct Pixel {
 
 impl GBuffer {
     /// What `hit` finds for rays from the eye in unit directions, both in the axes of the object before it was turned.
+    /// `progress` hears of pixels.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
     ///
     /// # Panics
     /// Where `view` has no samples.
-    pub fn take(view: &View, hit: impl Fn(DVec3, DVec3) -> Option<Surfel> + Sync) -> GBuffer {
+    pub fn take(
+        view: &View,
+        progress: &dyn Progress,
+        hit: impl Fn(DVec3, DVec3) -> Option<Surfel> + Sync,
+    ) -> Result<GBuffer, Error> {
         assert!(view.samples > 0, "a pixel has samples");
         let [width, height] = view.camera.size;
         let turn = DQuat::from_axis_angle(view.turn.axis, view.turn.angle);
@@ -94,28 +91,25 @@ impl GBuffer {
             Some((surfel, turn * surfel.normal, -direction))
         };
         let cast = &cast;
-        let rows: Vec<Vec<Pixel>> = (0..height)
-            .into_par_iter()
-            .map(|y| {
-                (0..width)
-                    .filter_map(|x| pixel(x, y, view.samples, cast))
-                    .collect()
-            })
-            .collect();
-        let corner = |at: u32| {
-            let (x, y) = (at % (width + 1), at / (width + 1));
+        let row = |y: usize| -> Vec<Pixel> {
+            (0..width)
+                .filter_map(|x| pixel(x, y as u32, view.samples, cast))
+                .collect()
+        };
+        let rows = each(height as usize, width as usize, progress, row)?;
+        let corner = |at: usize| {
+            let (x, y) = (at as u32 % (width + 1), at as u32 / (width + 1));
             let (surfel, normal, view) = cast(f64::from(x), f64::from(y)).unwrap_or_default();
             (
                 [normal, view].map(|v| v.as_vec3().to_array()),
                 surfel.object,
             )
         };
-        let count = if view.corners {
-            (width + 1) * (height + 1)
-        } else {
-            0
+        let count = match view.corners {
+            true => (width as usize + 1) * (height as usize + 1),
+            false => 0,
         };
-        let (corners, corner_objects) = (0..count).into_par_iter().map(corner).unzip();
+        let (corners, corner_objects) = each(count, 0, progress, corner)?.into_iter().unzip();
         let mut buffer = GBuffer {
             camera: *view.camera,
             rows: vec![0],
@@ -130,7 +124,7 @@ impl GBuffer {
             objects: Vec::new(),
         };
         buffer.fill(rows);
-        buffer
+        Ok(buffer)
     }
 
     fn fill(&mut self, rows: Vec<Vec<Pixel>>) {

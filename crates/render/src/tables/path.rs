@@ -1,5 +1,7 @@
 //! Where the camera stands in each frame.
 
+use crate::Error;
+use crate::text::rows;
 use glam::DVec3;
 
 /// A camera path through key frames.
@@ -13,6 +15,21 @@ impl CameraPath {
     /// The path through these eyes and looked-at points; `None` where there are none.
     pub fn new(keys: Vec<[DVec3; 2]>) -> Option<CameraPath> {
         (!keys.is_empty()).then_some(CameraPath { keys })
+    }
+
+    /// The path in a text of one line a key frame: X,Y,Z of the eye and of the point that is looked at, in scene units,
+    /// apart by commas or blanks; `#` begins a comment.
+    ///
+    /// # Errors
+    /// [`Error::Line`] with the first line that is none, [`Error::Text`] where there are no lines.
+    pub fn parse(text: &str) -> Result<CameraPath, Error> {
+        let keys = rows::<6>(text, "eye X,Y,Z and looked-at X,Y,Z")?;
+        let keys = keys
+            .into_iter()
+            .map(|[a, b, c, d, e, f]| [DVec3::new(a, b, c), DVec3::new(d, e, f)]);
+        CameraPath::new(keys.collect()).ok_or(Error::Text(
+            "it has no lines; one a key frame belongs there",
+        ))
     }
 
     /// Number of key frames.
@@ -47,6 +64,15 @@ impl CameraPath {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_text_without_keys_or_with_a_short_line_is_no_path() {
+        let path = CameraPath::parse("# eye, look\n0,0,4, 0,0,0\n4 0 0\t0 0 1\n").unwrap();
+        assert_eq!(path.at(1, 2), [DVec3::X * 4.0, DVec3::Z]);
+        let error = |text| CameraPath::parse(text).unwrap_err().to_string();
+        assert!(error("# nothing\n").contains("no lines"));
+        assert!(error("0,0,4,0,0,0\n1,2,3\n").starts_with("line 2: eye"));
+    }
 
     #[test]
     fn a_path_meets_its_keys_and_runs_straight_between_keys_on_a_line() {

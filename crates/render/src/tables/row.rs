@@ -19,7 +19,7 @@ pub(super) struct Row<'a, 'b> {
 }
 
 /// Normals and views of a block.
-type Surfaces = [[Lanes; 3]; 2];
+type NormalsAndViews = [[Lanes; 3]; 2];
 
 /// What a block adds up: red, green, blue and nothing.
 type Sums = [[f32; 4]; LANES];
@@ -104,9 +104,9 @@ struct Reading<'a> {
     lookup: Lookup,
     /// Pixels of the block.
     count: usize,
-    middle: &'a Surfaces,
+    middle: &'a NormalsAndViews,
     /// For antialiased look-ups.
-    corners: Option<&'a [Surfaces; 4]>,
+    corners: Option<&'a [NormalsAndViews; 4]>,
 }
 
 impl Reading<'_> {
@@ -140,7 +140,7 @@ impl Reading<'_> {
 
 /// The directions that index a table; normals without an index.
 #[inline(always)]
-fn directions(index: Option<Index>, [n, e]: &Surfaces) -> [Lanes; 3] {
+fn directions(index: Option<Index>, [n, e]: &NormalsAndViews) -> [Lanes; 3] {
     let Some(index) = index else { return *n };
     let mut found = [[0.0; LANES]; 3];
     for k in 0..LANES {
@@ -153,7 +153,7 @@ fn directions(index: Option<Index>, [n, e]: &Surfaces) -> [Lanes; 3] {
 impl GBuffer {
     /// Normals and views at the corners of pixels, in a turn. Where a corner misses the pixel's object, the pixel's
     /// own stand.
-    fn footprints(&self, range: Range<usize>, y: usize) -> [Surfaces; 4] {
+    fn footprints(&self, range: Range<usize>, y: usize) -> [NormalsAndViews; 4] {
         let width = self.camera.size[0] as usize + 1;
         let mut found = [[[[0.0; LANES]; 3]; 2]; 4];
         for (k, at) in range.enumerate() {

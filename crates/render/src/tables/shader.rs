@@ -1,15 +1,8 @@
-//! Line 9 of the 1984 algorithm for every pixel of a buffer.
+//! Line 9 of the 1984 algorithm: what a surface of one type looks up.
 
-use super::antialias::Lookup;
-use super::gbuffer::GBuffer;
 use super::index::{Index, dot};
-use super::row::Row;
 use super::table::Table;
 use super::weight::Weight;
-use crate::Camera;
-use maps::Image;
-use pulp::Arch;
-use rayon::prelude::*;
 
 /// A surface type: which tables are looked up by which directions, and what each counts.
 ///
@@ -49,43 +42,4 @@ impl Shader<'_> {
         let [kd, ks] = material;
         std::array::from_fn(|c| wd * kd[c] * d[c] + ws * ks[c] * s[c] + COAT * coat[c])
     }
-
-    /// Shades the pixels of `buffer` over what `picture` holds behind them.
-    ///
-    /// # Panics
-    /// Where the picture has another size, or an antialiased look-up meets a buffer without corners.
-    pub fn frame(&self, buffer: &GBuffer, lookup: Lookup, picture: &mut Image) {
-        let [width, height] = buffer.camera.size.map(|n| n as usize);
-        assert_eq!((picture.width, picture.height), (width, height));
-        let cornered = !buffer.corners.is_empty();
-        assert!(cornered || !lookup.needs_corners(), "no corners");
-        let arch = Arch::new();
-        let row = |(y, pixels): (usize, &mut [[f32; 3]])| {
-            arch.dispatch(Row {
-                shader: self,
-                buffer,
-                lookup,
-                y,
-                pixels,
-            });
-        };
-        let rows = picture.pixels.par_chunks_exact_mut(width).enumerate();
-        rows.with_min_len(8).for_each(row);
-    }
-}
-
-/// The picture of an environment alone: bilinear at the middle of each pixel, or black without one.
-pub fn backdrop(camera: &Camera, environment: Option<&Table>) -> Image {
-    let [width, height] = camera.size.map(|n| n as usize);
-    let mut picture = Image::filled(width, height, [0.0; 3]);
-    if let Some(environment) = environment {
-        let rows = picture.pixels.par_chunks_exact_mut(width).enumerate();
-        rows.for_each(|(y, row)| {
-            for (x, pixel) in row.iter_mut().enumerate() {
-                let direction = camera.direction(x as f64 + 0.5, y as f64 + 0.5);
-                *pixel = environment.bilinear(direction.as_vec3().to_array());
-            }
-        });
-    }
-    picture
 }

@@ -5,7 +5,6 @@
 //! "enough precision to accurately store the highest value times the number of pixels"; a sun of 10⁶ in 2²¹ texels
 //! takes 45 bits with a sky of 1, which leaves 17 for the sky.
 
-use super::table::Table;
 use maps::Projection;
 
 /// A summed-area table of a polar map.
@@ -23,10 +22,13 @@ pub struct Summed {
 const BITS: f64 = 62.0;
 
 impl Summed {
-    pub(super) fn of(table: &Table) -> Summed {
-        let size @ (width, height) = table.size();
+    /// The sums of a map of `width` by `height` texels, told by column and row.
+    pub(super) fn of(
+        size @ (width, height): (usize, usize),
+        texel: impl Fn(usize, usize) -> [f32; 3],
+    ) -> Summed {
         let entry = |x: usize, y: usize, omega: f64| {
-            let [r, g, b] = table.texel(x, y).map(|v| f64::from(v) * omega);
+            let [r, g, b] = texel(x, y).map(|v| f64::from(v) * omega);
             [r, g, b, omega]
         };
         let omega: Vec<f64> = (0..height)

@@ -83,7 +83,8 @@ impl Table {
 
     /// The table of sums over rectangles; made at the first call.
     pub fn summed(&self) -> &Summed {
-        self.summed.get_or_init(|| Summed::of(self))
+        let texel = |x, y| self.texel(x, y);
+        self.summed.get_or_init(|| Summed::of(self.size(), texel))
     }
 
     /// The place of a direction of any length but 0, in texels from the upper left corner.

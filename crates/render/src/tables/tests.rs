@@ -33,7 +33,7 @@ fn buffer(size: u32, samples: u32) -> (Camera, GBuffer) {
         samples,
         corners: true,
     };
-    (camera, GBuffer::take(&view, sphere))
+    (camera, GBuffer::take(&view, &(), sphere).unwrap())
 }
 
 /// A polar map from a function of the direction, `64 x 32` texels by default.
@@ -364,7 +364,7 @@ fn a_turned_sphere_is_the_same_and_a_turned_camera_sees_the_environment_turned()
             corners: false,
         };
         let mut picture = backdrop(&camera, Some(&table));
-        let buffer = GBuffer::take(&view, sphere);
+        let buffer = GBuffer::take(&view, &(), sphere).unwrap();
         shader(None, Some(&table)).frame(&buffer, Lookup::Bilinear, &mut picture);
         picture
     };
@@ -393,7 +393,7 @@ fn a_pixel_on_the_edge_of_an_object_reflects_nothing_between_the_objects() {
         samples: 2,
         corners: true,
     };
-    let buffer = GBuffer::take(&view, |_, direction| {
+    let buffer = GBuffer::take(&view, &(), |_, direction| {
         let right = direction.x > 0.0;
         Some(Surfel {
             normal: DVec3::new(if right { 0.6 } else { -0.6 }, 0.0, 0.8),
@@ -401,7 +401,8 @@ fn a_pixel_on_the_edge_of_an_object_reflects_nothing_between_the_objects() {
             specular: DVec3::ONE,
             object: u32::from(right),
         })
-    });
+    })
+    .unwrap();
     for lookup in LOOKUPS {
         let mut picture = Image::filled(9, 9, [1.0; 3]);
         shader(None, Some(&table)).frame(&buffer, lookup, &mut picture);

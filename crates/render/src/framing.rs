@@ -1,0 +1,84 @@
+//! A camera for a scene, from what is known of it.
+
+use crate::{Camera, Error};
+use glam::DVec3;
+use rays::World;
+
+/// Where a picture is taken from, as far as it is given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Framing {
+    /// The eye in scene units; `None` for a place in front, above and to the right from which the whole scene is seen.
+    pub eye: Option<DVec3>,
+    /// The point that is looked at; `None` for the middle of the scene.
+    pub look: Option<DVec3>,
+    /// Direction that is upward in the picture.
+    pub up: DVec3,
+    /// Vertical field of view in radians, above 0 and below π.
+    pub fov: f64,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+}
+
+impl Framing {
+    /// The camera that frames what is left open.
+    ///
+    /// # Errors
+    /// [`Error::Camera`], see [`Camera::new`].
+    pub fn camera(&self, world: &World) -> Result<Camera, Error> {
+        let middle = world.bounds().center();
+        let corners = (0..world.scene().instances.len() as u32).flat_map(|instance| {
+            let triangles = world.part(instance).1.triangles().len() as u32;
+            (0..triangles).flat_map(move |triangle| world.corners(instance, triangle))
+        });
+        let eye = self
+            .eye
+            .unwrap_or_else(|| Camera::framing(corners, middle, self.up, self.fov, self.size));
+        self.camera_at([eye, self.look.unwrap_or(middle)])
+    }
+
+    /// The camera at an eye that looks at a point, whatever stands here for them.
+    ///
+    /// # Errors
+    /// [`Error::Camera`], see [`Camera::new`].
+    pub fn camera_at(&self, [eye, look]: [DVec3; 2]) -> Result<Camera, Error> {
+        Camera::new(eye, look, self.up, self.fov, self.size)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture::{white, world};
+    use glam::Vec3;
+
+    #[test]
+    fn what_is_given_stands_and_the_rest_frames_the_scene() {
+        let place = [Vec3::new(2.0, 0.0, -1.0), Vec3::Z * 2.0, Vec3::X * 2.0];
+        let (world, _) = world(&[white(place)]);
+        let framing = Framing {
+            eye: None,
+            look: None,
+            up: DVec3::Y,
+            fov: 0.7,
+            size: [160, 90],
+        };
+        let middle = DVec3::new(3.0, 0.0, 0.0);
+        let camera = framing.camera(&world).unwrap();
+        let toward = (middle - camera.eye).normalize();
+        assert!((camera.forward - toward).length() < 1e-12, "{camera:?}");
+        assert!(camera.eye.y > 0.0 && camera.eye.x > 3.0, "{camera:?}");
+        let eye = DVec3::new(3.0, 5.0, 1.0);
+        let given = Framing {
+            eye: Some(eye),
+            ..framing
+        };
+        let camera = given.camera(&world).unwrap();
+        assert_eq!(camera.eye, eye);
+        assert_eq!(camera, framing.camera_at([eye, middle]).unwrap());
+        let same = Framing {
+            look: Some(eye),
+            ..given
+        };
+        assert!(same.camera(&world).is_err(), "it looks at its own eye");
+    }
+}
