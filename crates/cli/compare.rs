@@ -1,7 +1,7 @@
 //! `ambake compare`: the traditional model against the two integrated ones, or any two pages.
 
 use crate::args::Compare as Args;
-use crate::{Outcome, say};
+use crate::outcome::{Outcome, say};
 use anyhow::{Context, bail};
 use report::{BakeReport, Comparison, Difference, Error, Output, Page, PageFile};
 use serde_json::{Value, json};

@@ -1,7 +1,8 @@
 //! `ambake doctor`: what was really loaded, and what it can do.
 
 use crate::args::Doctor as Args;
-use crate::{Outcome, host, say};
+use crate::host;
+use crate::outcome::{Outcome, say};
 use serde_json::{Value, json};
 
 /// Runs the verb.

@@ -1,10 +1,10 @@
 //! Progress on standard error: a bar on a terminal, otherwise a plain line now and then.
 
 use crate::stop::Stop;
-use ::bake::Progress;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use layers::Progress;
 use std::io::IsTerminal;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// Between two looks at the counters.
@@ -12,17 +12,50 @@ const TICK: Duration = Duration::from_millis(100);
 /// Between two plain lines.
 const LINE: Duration = Duration::from_secs(10);
 
-/// Runs `job` while another thread shows its progress and passes a caught signal on.
-pub fn watch<R>(
-    total: u64,
-    quiet: bool,
+/// How far a job is.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Seen {
+    /// Units of work that are done.
+    pub done: u64,
+    /// Units of work in all; 0 before the job has said.
+    pub total: u64,
+    /// Rays that were cast; 0 where the job does not count them.
+    pub rays: u64,
+}
+
+/// A running job as it is watched from another thread.
+pub trait Watched: Sync {
+    /// How far it is.
+    fn look(&self) -> Seen;
+    /// Asks it to stop.
+    fn cancel(&self);
+}
+
+/// What is shown of a job.
+#[derive(Debug, Clone, Copy)]
+pub struct Show {
+    /// What the work is counted in: `texels`, `pixels`.
+    pub unit: &'static str,
+    /// Show nothing.
+    pub quiet: bool,
+}
+
+/// Runs `job` with a listener that shows its progress and passes a caught signal on.
+pub fn watch<R>(show: Show, stop: &Stop, job: impl FnOnce(&dyn Progress) -> R) -> R {
+    let meter = Meter::default();
+    watch_counts(show, stop, &meter, || job(&meter))
+}
+
+/// Runs `job` while another thread looks at its counters, shows its progress and passes a caught signal on.
+pub fn watch_counts<R>(
+    show: Show,
     stop: &Stop,
-    progress: &Progress,
+    watched: &dyn Watched,
     job: impl FnOnce() -> R,
 ) -> R {
     let done = AtomicBool::new(false);
     std::thread::scope(|scope| {
-        let watcher = scope.spawn(|| show(total, quiet, stop, progress, &done));
+        let watcher = scope.spawn(|| show.until(&done, stop, watched));
         let result = job();
         done.store(true, Ordering::Relaxed);
         watcher.thread().unpark();
@@ -30,48 +63,169 @@ pub fn watch<R>(
     })
 }
 
-fn show(total: u64, quiet: bool, stop: &Stop, progress: &Progress, done: &AtomicBool) {
-    let started = Instant::now();
-    let terminal = std::io::stderr().is_terminal();
-    let target = if quiet || !terminal {
-        ProgressDrawTarget::hidden()
-    } else {
-        ProgressDrawTarget::stderr()
-    };
-    let bar = ProgressBar::with_draw_target(Some(total), target);
-    if let Ok(style) = ProgressStyle::with_template("{bar:32} {percent:>3} %  {msg}") {
-        bar.set_style(style);
-    }
-    let mut line_at = LINE;
-    while !done.load(Ordering::Relaxed) {
-        std::thread::park_timeout(TICK);
-        if stop.signal().is_some() {
-            progress.stop.store(true, Ordering::Relaxed);
-        }
-        let elapsed = started.elapsed();
-        let text = status(progress, total, elapsed);
-        bar.set_position(progress.texels.load(Ordering::Relaxed).min(total));
-        bar.set_message(text.clone());
-        if !quiet && !terminal && elapsed >= line_at {
-            eprintln!("{text}");
-            line_at = elapsed + LINE;
-        }
-    }
-    bar.finish_and_clear();
+/// Counts what a job tells.
+#[derive(Debug, Default)]
+struct Meter {
+    done: AtomicU64,
+    total: AtomicU64,
+    rays: AtomicU64,
+    cancelled: AtomicBool,
 }
 
-fn status(progress: &Progress, total: u64, elapsed: Duration) -> String {
-    let texels = progress.texels.load(Ordering::Relaxed);
-    let rays = progress.rays.load(Ordering::Relaxed) as f64;
-    let seconds = elapsed.as_secs_f64().max(1e-9);
-    let left = if texels == 0 {
-        "?".to_owned()
-    } else {
-        HumanDuration(elapsed.mul_f64(total.saturating_sub(texels) as f64 / texels as f64))
-            .to_string()
+impl Progress for Meter {
+    fn advance(&self, done: u64, total: u64) {
+        // Calls of several threads may come out of order.
+        self.done.fetch_max(done, Ordering::Relaxed);
+        self.total.store(total, Ordering::Relaxed);
+    }
+
+    fn rays(&self, cast: u64) {
+        self.rays.fetch_add(cast, Ordering::Relaxed);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+}
+
+impl Watched for Meter {
+    fn look(&self) -> Seen {
+        Seen {
+            done: self.done.load(Ordering::Relaxed),
+            total: self.total.load(Ordering::Relaxed),
+            rays: self.rays.load(Ordering::Relaxed),
+        }
+    }
+
+    fn cancel(&self) {
+        self.cancelled.store(true, Ordering::Relaxed);
+    }
+}
+
+impl Show {
+    fn until(self, done: &AtomicBool, stop: &Stop, watched: &dyn Watched) {
+        let started = Instant::now();
+        let terminal = std::io::stderr().is_terminal();
+        let target = if self.quiet || !terminal {
+            ProgressDrawTarget::hidden()
+        } else {
+            ProgressDrawTarget::stderr()
+        };
+        let bar = ProgressBar::with_draw_target(Some(0), target);
+        if let Ok(style) = ProgressStyle::with_template("{bar:32} {percent:>3} %  {msg}") {
+            bar.set_style(style);
+        }
+        let mut lines = Lines::every(LINE);
+        while !done.load(Ordering::Relaxed) {
+            std::thread::park_timeout(TICK);
+            if stop.signal().is_some() {
+                watched.cancel();
+            }
+            let (seen, elapsed) = (watched.look(), started.elapsed());
+            bar.set_length(seen.total);
+            bar.set_position(seen.done.min(seen.total));
+            bar.set_message(status(seen, self.unit, elapsed));
+            if !self.quiet && !terminal && lines.due(elapsed) {
+                eprintln!("{}", status(seen, self.unit, elapsed));
+            }
+        }
+        bar.finish_and_clear();
+    }
+}
+
+/// When the next plain line is due.
+struct Lines {
+    next: Duration,
+    step: Duration,
+}
+
+impl Lines {
+    fn every(step: Duration) -> Lines {
+        Lines { next: step, step }
+    }
+
+    fn due(&mut self, elapsed: Duration) -> bool {
+        let due = elapsed >= self.next;
+        if due {
+            self.next = elapsed + self.step;
+        }
+        due
+    }
+}
+
+fn status(seen: Seen, unit: &str, elapsed: Duration) -> String {
+    let Seen { done, total, rays } = seen;
+    let rate = match rays {
+        0 => String::new(),
+        rays => format!(
+            "{:.1} million rays/s, ",
+            rays as f64 / elapsed.as_secs_f64().max(1e-9) / 1e6
+        ),
     };
-    format!(
-        "{texels} of {total} texels, {:.1} million rays/s, {left} left",
-        rays / seconds / 1e6
-    )
+    let left = match done {
+        0 => "?".to_owned(),
+        done => {
+            let share = total.saturating_sub(done) as f64 / done as f64;
+            HumanDuration(elapsed.mul_f64(share)).to_string()
+        }
+    };
+    format!("{done} of {total} {unit}, {rate}{left} left")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_status_tells_work_rays_and_the_time_left() {
+        let seen = Seen {
+            done: 25,
+            total: 100,
+            rays: 0,
+        };
+        let elapsed = Duration::from_secs(10);
+        assert_eq!(
+            status(seen, "pixels", elapsed),
+            "25 of 100 pixels, 30 seconds left"
+        );
+        let seen = Seen {
+            rays: 30_000_000,
+            ..seen
+        };
+        assert_eq!(
+            status(seen, "texels", elapsed),
+            "25 of 100 texels, 3.0 million rays/s, 30 seconds left"
+        );
+        assert_eq!(
+            status(Seen::default(), "pixels", elapsed),
+            "0 of 0 pixels, ? left"
+        );
+    }
+
+    #[test]
+    fn plain_lines_are_ten_seconds_apart() {
+        let mut lines = Lines::every(LINE);
+        let due: Vec<u64> = (0..400)
+            .filter(|tenths| lines.due(TICK * *tenths as u32))
+            .collect();
+        assert_eq!(due, [100, 200, 300]);
+    }
+
+    #[test]
+    fn a_job_hears_that_it_is_cancelled_and_its_counts_never_fall() {
+        let meter = Meter::default();
+        meter.advance(7, 10);
+        meter.advance(6, 10);
+        meter.rays(3);
+        meter.rays(4);
+        let seen = Seen {
+            done: 7,
+            total: 10,
+            rays: 7,
+        };
+        assert_eq!(meter.look(), seen);
+        assert!(!meter.cancelled());
+        meter.cancel();
+        assert!(meter.cancelled());
+    }
 }

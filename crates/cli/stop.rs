@@ -1,5 +1,6 @@
-//! Ctrl-C and SIGTERM: the first asks the bake to stop at a place from which it can resume.
+//! Ctrl-C and SIGTERM: the first asks the job to stop at a place where nothing is half-written.
 
+use crate::outcome::Outcome;
 use anyhow::Context;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use std::sync::Arc;
@@ -26,5 +27,10 @@ impl Stop {
             0 => None,
             signal => Some(signal as i32),
         }
+    }
+
+    /// How a verb ends whose job was stopped.
+    pub fn outcome(&self) -> Outcome {
+        Outcome::Stopped(self.signal().unwrap_or(SIGINT))
     }
 }

@@ -1,9 +1,10 @@
 //! What the command line means: typed options of the stages.
 
-use crate::args::{self, Backend, Common, Job, Uv};
+use super::args::{self, Job, Uv};
+use crate::common::{Backend, Common};
 use ::bake::{Denoise, Effort, Options, Pattern, PointSet, Sky};
 use layers::Layer;
-use rays::{BackendKind, Layout, Overrides};
+use rays::{BackendKind, Overrides};
 use serde_json::{Value, json};
 
 /// The bake's options.
@@ -66,18 +67,7 @@ pub fn atlas_options(job: &Job) -> atlas::Options {
 
 /// The asked backend, or the best one that is built in.
 pub fn backend(job: &Job) -> BackendKind {
-    backend_kind(job.backend)
-}
-
-/// The chosen backend, or the best one that is built in.
-pub fn backend_kind(choice: Option<Backend>) -> BackendKind {
-    match choice {
-        Some(Backend::Embree) => BackendKind::Embree,
-        Some(Backend::Obvhs) => BackendKind::Obvhs(Layout::Cwbvh),
-        Some(Backend::ObvhsBvh2) => BackendKind::Obvhs(Layout::Bvh2),
-        None if embree::header_version().is_some() => BackendKind::Embree,
-        None => BackendKind::Obvhs(Layout::Cwbvh),
-    }
+    Backend::kind(job.backend)
 }
 
 /// Everything that decides the values of a bake, for headers, `bake.json` and the resume key.

@@ -1,9 +1,10 @@
 //! `ambake plan`: what would be modelled and why, and what it would cost.
 
-use crate::args::Plan as Args;
-use crate::bake::options;
-use crate::bake::run::{Phases, decisions, prepare, warnings};
-use crate::{Outcome, host, say};
+use super::args::Plan as Args;
+use super::options;
+use super::run::{Phases, Prepared, decisions, prepare, warnings};
+use crate::host;
+use crate::outcome::{Outcome, say, say_json};
 use ::bake::{Bake, Choice, Effort};
 use serde_json::json;
 
@@ -14,7 +15,7 @@ const PILOT_TILES: usize = 24;
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let mut phases = Phases::default();
     let prepared = prepare(&args.scene, &args.job, &args.common, &mut phases)?;
-    let crate::bake::run::Prepared {
+    let Prepared {
         scene,
         atlas,
         plan,
@@ -48,7 +49,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             "backend": backend.describe(),
             "warnings": warnings(scene),
         });
-        say(&format!("{}\n", serde_json::to_string_pretty(&plan)?))?;
+        say_json(&plan)?;
         return Ok(Outcome::Done);
     }
     let mut text = String::new();
@@ -64,19 +65,14 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             decision.reason
         );
     }
-    let lobe = if plan.models(Choice::Specular) {
-        " and as many lobe rays"
-    } else {
-        ""
-    };
-    let each = match options.effort {
-        Effort::Rays(rays) => format!("{rays} rays"),
-        Effort::Target { error, max_rays } => {
-            format!("rays to a standard error of {error}, at most {max_rays},")
-        }
-    };
+    let cast = cast(
+        options.effort,
+        plan.models(Choice::Diffuse),
+        plan.models(Choice::Specular),
+        plan.models(Choice::Sky),
+    );
     text += &format!(
-        "\n{texels} texels on {} page(s) of {}², {each} each over the hemisphere{lobe}\nabout {rays} rays, {:.1} GiB, {seconds:.1} s with {}\n",
+        "\n{texels} texels on {} page(s) of {}², {cast}\nabout {rays} rays, {:.1} GiB, {seconds:.1} s with {}\n",
         atlas.page_count,
         atlas.page_size,
         memory as f64 / f64::from(1u32 << 30),
@@ -90,4 +86,56 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     }
     say(&text)?;
     Ok(Outcome::Done)
+}
+
+/// The rays of a texel in words: over the hemisphere, over the specular lobe, and as many again from an illumination map.
+fn cast(effort: Effort, hemisphere: bool, lobe: bool, map: bool) -> String {
+    let over = match (hemisphere, lobe) {
+        (true, true) => "over the hemisphere and as many over the specular lobe",
+        (true, false) => "over the hemisphere",
+        (false, true) => "over the specular lobe",
+        (false, false) => return "no rays".into(),
+    };
+    let each = match effort {
+        Effort::Rays(rays) => format!("{rays} rays"),
+        Effort::Target { error, max_rays } => {
+            format!("rays to a standard error of {error}, at most {max_rays},")
+        }
+    };
+    let drawn = match map {
+        true => ", and as many again drawn from the map",
+        false => "",
+    };
+    format!("{each} each {over}{drawn}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_rays_that_are_cast_are_named() {
+        let rays = Effort::Rays(64);
+        assert_eq!(
+            cast(rays, true, false, false),
+            "64 rays each over the hemisphere"
+        );
+        assert_eq!(
+            cast(rays, true, true, false),
+            "64 rays each over the hemisphere and as many over the specular lobe"
+        );
+        assert_eq!(
+            cast(rays, false, true, true),
+            "64 rays each over the specular lobe, and as many again drawn from the map"
+        );
+        assert_eq!(cast(rays, false, false, false), "no rays");
+        let target = Effort::Target {
+            error: 0.01,
+            max_rays: 4096,
+        };
+        assert_eq!(
+            cast(target, false, true, false),
+            "rays to a standard error of 0.01, at most 4096, each over the specular lobe"
+        );
+    }
 }

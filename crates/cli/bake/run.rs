@@ -1,13 +1,14 @@
 //! `ambake bake`: scene in, lightmaps out.
 
-use crate::Outcome;
-use crate::args::Bake as Args;
-use crate::bake::checkpoint::Saved;
-use crate::bake::options;
-use crate::bake::summary::summary;
-use crate::progress::watch;
+use super::args::{Bake as Args, Job};
+use super::checkpoint::Saved;
+use super::options;
+use super::summary::summary;
+use crate::common::Common;
+use crate::host;
+use crate::outcome::{Outcome, say};
+use crate::progress::{Seen, Show, Watched, watch_counts};
 use crate::stop::Stop;
-use crate::{host, say};
 use ::bake::{Bake, BakedPage, Denoise, Options, Pattern, Plan, Progress, Sky};
 use anyhow::{Context, bail};
 use atlas::Atlas;
@@ -59,12 +60,12 @@ pub struct Prepared {
 /// Loads, plans, lays out and builds.
 pub fn prepare(
     file: &Path,
-    job: &crate::args::Job,
-    common: &crate::args::Common,
+    job: &Job,
+    common: &Common,
     phases: &mut Phases,
 ) -> anyhow::Result<Prepared> {
     let threads = host::set_threads(common.threads)?;
-    let (sky, described_sky) = crate::bake::sky::load(&job.sky)?;
+    let (sky, described_sky) = super::sky::load(&job.sky)?;
     let options = options::bake_options(job, common, sky);
     if options.denoise == Denoise::Regression && options.pattern == Pattern::Tiled {
         bail!("--denoise regression needs independent errors: leave out --pattern tiled");
@@ -125,11 +126,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         &mut phases,
     )?
     else {
-        let signal = stop.signal().unwrap_or(signal_hook::consts::SIGINT);
         if !args.common.quiet {
             eprintln!("ambake: stopped; continue with the same command and --resume");
         }
-        return Ok(Outcome::Stopped(signal));
+        return Ok(stop.outcome());
     };
     phases.time("gltf", || {
         let pngs: Vec<Vec<u8>> = baked.iter().map(|page| page.occlusion.clone()).collect();
@@ -152,6 +152,26 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         ))?;
     }
     Ok(Outcome::Done)
+}
+
+/// The counters of a bake as they are watched.
+struct Baking<'a> {
+    progress: &'a Progress,
+    texels: u64,
+}
+
+impl Watched for Baking<'_> {
+    fn look(&self) -> Seen {
+        Seen {
+            done: self.progress.texels.load(Ordering::Relaxed),
+            total: self.texels,
+            rays: self.progress.rays.load(Ordering::Relaxed),
+        }
+    }
+
+    fn cancel(&self) {
+        self.progress.stop.store(true, Ordering::Relaxed);
+    }
 }
 
 /// What remains of a page after its files are staged.
@@ -191,13 +211,15 @@ fn bake_pages(
         }
         let clock = Instant::now();
         if !page.finished {
-            watch(
-                atlas.audit.texels,
-                args.common.quiet,
-                stop,
-                &progress,
-                || bake.run(&mut page, &progress),
-            );
+            let show = Show {
+                unit: "texels",
+                quiet: args.common.quiet,
+            };
+            let baking = Baking {
+                progress: &progress,
+                texels: atlas.audit.texels,
+            };
+            watch_counts(show, stop, &baking, || bake.run(&mut page, &progress));
         }
         baking += clock.elapsed().as_secs_f64();
         if !page.finished || atlas.page_count > 1 {

@@ -1,8 +1,8 @@
 //! `--sky`: a colour or an illumination map.
 
-use crate::args::color;
 use crate::map::args::Input;
 use crate::map::file::Source;
+use crate::parse::color;
 use ::bake::Sky;
 use anyhow::Context;
 use maps::SkyMap;

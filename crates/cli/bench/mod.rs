@@ -1,3 +1,4 @@
-//! `ambake bench`.
+//! `ambake bench`: speed against error.
 
+pub mod args;
 pub mod run;

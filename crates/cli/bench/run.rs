@@ -1,8 +1,10 @@
 //! `ambake bench`: speed against error, measured in one run.
 
-use crate::args::Bench as Args;
+use super::args::Args;
+use crate::bake::options;
 use crate::bake::run::{Phases, Prepared, prepare};
-use crate::{Outcome, host, say};
+use crate::host;
+use crate::outcome::{Outcome, say, say_json};
 use ::bake::PointSet;
 use anyhow::Context;
 use bench::ceiling::{Pair, ceiling};
@@ -94,15 +96,14 @@ fn against_error(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
         "\nambake {}, {}, options {}\n",
         host::VERSION,
         prepared.backend.describe(),
-        crate::bake::options::describe(&args.job, options, &prepared.sky)
+        options::describe(&args.job, options, &prepared.sky)
     );
     output.stage_bytes("bench.csv", csv.as_bytes())?;
     output.stage_bytes("bench.svg", picture.as_bytes())?;
     output.stage_bytes("bench.md", table.as_bytes())?;
     output.publish()?;
     if args.common.json {
-        let text = json!({ "schema_version": 1, "ratio_to_ceiling": ratio, "rows": rows });
-        say(&format!("{}\n", serde_json::to_string_pretty(&text)?))?;
+        say_json(&json!({ "schema_version": 1, "ratio_to_ceiling": ratio, "rows": rows }))?;
     } else if !args.common.quiet {
         say(&table)?;
     }
@@ -114,8 +115,7 @@ fn hard_cases(args: &Args) -> anyhow::Result<Outcome> {
     host::set_threads(args.common.threads)?;
     let rows = hard::run()?;
     if args.common.json {
-        let text = json!({ "schema_version": 1, "rows": rows });
-        say(&format!("{}\n", serde_json::to_string_pretty(&text)?))?;
+        say_json(&json!({ "schema_version": 1, "rows": rows }))?;
     } else {
         say(&hard::markdown(&rows))?;
     }
@@ -138,8 +138,7 @@ fn convolution(args: &Args) -> anyhow::Result<Outcome> {
     output.stage_bytes("maps.md", table.as_bytes())?;
     output.publish()?;
     if args.common.json {
-        let text = json!({ "schema_version": 1, "threads": threads, "rows": rows });
-        say(&format!("{}\n", serde_json::to_string_pretty(&text)?))?;
+        say_json(&json!({ "schema_version": 1, "threads": threads, "rows": rows }))?;
     } else if !args.common.quiet {
         say(&table)?;
     }
@@ -160,8 +159,9 @@ fn shading(args: &Args) -> anyhow::Result<Outcome> {
     output.stage_bytes("tables.md", table.as_bytes())?;
     output.publish()?;
     if args.common.json {
-        let text = json!({ "schema_version": 1, "threads": threads, "speed": speed, "rows": rows });
-        say(&format!("{}\n", serde_json::to_string_pretty(&text)?))?;
+        say_json(
+            &json!({ "schema_version": 1, "threads": threads, "speed": speed, "rows": rows }),
+        )?;
     } else if !args.common.quiet {
         say(&table)?;
     }
@@ -190,8 +190,7 @@ fn to_ceiling(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
         args.repeats as usize,
     )?;
     if args.common.json {
-        let text = json!({ "schema_version": 1, "pairs": pairs });
-        say(&format!("{}\n", serde_json::to_string_pretty(&text)?))?;
+        say_json(&json!({ "schema_version": 1, "pairs": pairs }))?;
         return Ok(Outcome::Done);
     }
     let mut text = String::from("threads  bake s   bare s   Mrays/s  bare Mrays/s  ratio\n");
@@ -234,8 +233,7 @@ fn samplers(args: &Args) -> anyhow::Result<Outcome> {
         }
     }
     if args.common.json {
-        let text = json!({ "schema_version": 1, "rows": rows });
-        say(&format!("{}\n", serde_json::to_string_pretty(&text)?))?;
+        say_json(&json!({ "schema_version": 1, "rows": rows }))?;
         return Ok(Outcome::Done);
     }
     let mut text = String::from("C = RMSE N^(3/4) at N =");

@@ -1,50 +1,17 @@
 //! `ambake map ball`: photographs of a mirrored ball to an illumination map.
 
-use crate::map::args::{self as map, Common};
-use crate::map::file;
-use crate::{args, host, say};
+use super::args::Ball;
+use super::file;
+use crate::host;
+use crate::outcome::{say, say_json};
 use anyhow::{Context, bail};
-use clap::Args as ClapArgs;
-use maps::ball::{self, Circle, Found, Optics, Photo};
-use maps::{Image, Layout, Orientation, Projection};
+use maps::ball::{self, Found, Optics, Photo};
+use maps::{Image, Layout, Orientation};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::Path;
 
-#[derive(ClapArgs)]
-pub struct Args {
-    /// Photographs of a mirrored ball: .hdr, .exr, or .png and .jpg taken as sRGB; two from directions 90 degrees apart
-    /// hide each other's rim and camera best
-    #[arg(value_name = "IN", required = true)]
-    pub inputs: Vec<PathBuf>,
-    /// Map to write: .exr, with the channel `confidence`, or .hdr; for a cube NAME.exr stands for NAME_px.exr … NAME_nz.exr
-    #[arg(short = 'o', long = "output", value_name = "OUT")]
-    pub output: PathBuf,
-    /// Outline of the ball: its middle from the left and from the top, and its radius, in pixels; once for each IN
-    /// [default: found by its edge]
-    #[arg(long, value_name = "X,Y,R", allow_hyphen_values = true, value_parser = circle)]
-    pub circle: Vec<Circle>,
-    /// Distance of the camera from the middle of the ball, in radii of the ball; once, or once for each IN [default: far
-    /// away, an orthographic picture]
-    #[arg(long, value_name = "D", allow_hyphen_values = true, value_parser = distance)]
-    pub distance: Vec<f64>,
-    /// Direction from the ball to the camera in ambake's axes, +y up; once for each IN [default for one IN: 0,0,1]
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = args::triple)]
-    pub toward: Vec<[f64; 3]>,
-    /// Reflectance of the ball, one number or R,G,B; it is divided out
-    #[arg(long, value_name = "R,G,B", default_value = "1", value_parser = reflectance)]
-    pub reflectance: [f64; 3],
-    /// Projection of OUT: polar, cube, cross, strip, ortho, ball, angular, octahedral
-    #[arg(long, value_name = "PROJECTION", default_value = "polar", value_parser = map::projection)]
-    pub to: Projection,
-    /// Width and height of OUT in texels; of one face for a cube [default: as fine as the middle of the largest ball]
-    #[arg(long, value_name = "WxH", value_parser = args::size)]
-    pub size: Option<[u32; 2]>,
-    #[command(flatten)]
-    pub common: Common,
-}
-
-/// Runs the verb.
-pub fn run(args: &Args) -> anyhow::Result<()> {
+/// Runs the sub-verb.
+pub fn run(args: &Ball) -> anyhow::Result<()> {
     host::set_threads(args.common.threads)?;
     let count = args.inputs.len();
     let matches = |given: usize| given == 0 || given == count;
@@ -125,11 +92,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
                 })
             })
             .collect();
-        let json = json!({
+        return say_json(&json!({
             "schema_version": 1, "balls": balls, "projection": args.to.name(), "size": [size.0, size.1],
             "masked_texels": masked, "unseen": unseen, "files": files,
-        });
-        return say(&format!("{}\n", serde_json::to_string_pretty(&json)?));
+        }));
     }
     if args.common.quiet {
         return Ok(());
@@ -149,7 +115,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 /// What is known about one photograph.
-fn line(photo: &Photo, found: Option<Found>, path: &std::path::Path) -> String {
+fn line(photo: &Photo, found: Option<Found>, path: &Path) -> String {
     let c = photo.circle;
     let how = match found {
         Some(f) => format!(
@@ -168,20 +134,4 @@ fn line(photo: &Photo, found: Option<Found>, path: &std::path::Path) -> String {
         photo.optics.blind().to_degrees(),
         photo.from.map(|v| if v == 0.0 { 0.0 } else { -v }),
     )
-}
-
-fn circle(text: &str) -> Result<Circle, String> {
-    let [x, y, radius] = args::triple(text)?;
-    Ok(Circle { x, y, radius })
-}
-
-fn distance(text: &str) -> Result<f64, String> {
-    args::number(text)
-}
-
-fn reflectance(text: &str) -> Result<[f64; 3], String> {
-    match text.contains(',') {
-        true => args::triple(text),
-        false => Ok([args::number(text)?; 3]),
-    }
 }

@@ -1,9 +1,11 @@
 //! Map files: which pictures a name stands for, headers, staging.
 
-use crate::map::args::Input;
+use super::args::{Common, Input};
+use crate::outcome::{say, say_json};
 use anyhow::{Context, bail};
 use maps::{Format, Image, ImageFile, Labels, Layout, Orientation, Projection};
 use report::Output;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// The faces of a cube in the order in which [`Projection::Cube`] stacks them.
@@ -233,4 +235,26 @@ fn labels(layout: Layout, normalisation: &str) -> Labels {
     ]
     .map(|(name, text): (&str, String)| (name.to_string(), text))
     .into()
+}
+
+/// Says which files were made from a map.
+pub fn summary(
+    common: &Common,
+    input: &Path,
+    source: &Source,
+    written: &[PathBuf],
+) -> anyhow::Result<()> {
+    if common.json {
+        return say_json(&json!({
+            "schema_version": 1, "map": input, "projection": source.layout.projection.name(),
+            "orientation": source.layout.orientation.name(), "files": written,
+        }));
+    }
+    if common.quiet {
+        return Ok(());
+    }
+    say(&written
+        .iter()
+        .map(|path| format!("wrote {}\n", path.display()))
+        .collect::<String>())
 }

@@ -1,50 +1,17 @@
 //! `ambake map merge`: exposure brackets to one picture of radiance.
 
-use crate::map::args::Common;
-use crate::{args, host, say};
+use super::args::{Merge, Response};
+use crate::host;
+use crate::outcome::{say, say_json};
 use anyhow::{Context, bail};
-use clap::{Args as ClapArgs, ValueEnum};
 use maps::merge::{self, Bracket, Model};
 use maps::{Format, Labels};
 use report::Output;
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-#[derive(ClapArgs)]
-pub struct Args {
-    /// Photographs of one view with different exposure times: .png of 8 or 16 bits, or .jpg
-    #[arg(value_name = "IN", required = true)]
-    pub inputs: Vec<PathBuf>,
-    /// Picture to write: .exr, with the channel `confidence`, or .hdr
-    #[arg(short = 'o', long = "output", value_name = "OUT")]
-    pub output: PathBuf,
-    /// Exposure time of each IN in seconds, separated by commas [default: EXIF's ExposureTime]
-    #[arg(long, value_name = "T,..", value_delimiter = ',', allow_hyphen_values = true, value_parser = args::number)]
-    pub times: Vec<f64>,
-    /// Curve from recorded values to exposure: fitted to the brackets, or known
-    #[arg(long, value_enum, default_value_t = Response::Debevec)]
-    pub response: Response,
-    /// Find and undo whole-pixel shifts between the photographs
-    #[arg(long)]
-    pub align: bool,
-    #[command(flatten)]
-    pub common: Common,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub enum Response {
-    /// Fitted: least squares of log exposures
-    Debevec,
-    /// Fitted: least squares of exposures
-    Robertson,
-    /// Values are proportional to exposure
-    Linear,
-    /// Values are sRGB
-    Srgb,
-}
-
-/// Runs the verb.
-pub fn run(args: &Args) -> anyhow::Result<()> {
+/// Runs the sub-verb.
+pub fn run(args: &Merge) -> anyhow::Result<()> {
     host::set_threads(args.common.threads)?;
     let format = Format::of(&args.output)?;
     let count = args.inputs.len();
@@ -99,13 +66,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let files = output.publish()?;
     if args.common.json {
         let times: Vec<f64> = brackets.iter().map(|b| b.time).collect();
-        let json = json!({
+        return say_json(&json!({
             "schema_version": 1, "photographs": args.inputs, "times": times,
             "shifts": args.align.then(|| brackets.iter().map(|b| b.shift).collect::<Vec<_>>()),
             "size": [merged.image.width, merged.image.height],
             "saturated_pixels": saturated, "files": files,
-        });
-        return say(&format!("{}\n", serde_json::to_string_pretty(&json)?));
+        }));
     }
     if args.common.quiet {
         return Ok(());

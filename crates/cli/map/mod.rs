@@ -1,7 +1,11 @@
-//! `ambake map`.
+//! `ambake map`: illumination maps and reflection maps.
 
 pub mod args;
-pub mod ball;
-pub mod capture;
+mod ball;
+mod capture;
+mod convert;
 pub mod file;
-pub mod merge;
+mod merge;
+mod reflect;
+pub mod run;
+mod stats;

@@ -1,116 +1,66 @@
-//! `ambake render --maps`: frames shaded from reflection maps.
+//! Frames shaded from reflection maps.
 
-use crate::render::run::{Args, write};
-use crate::render::table_args::{ShaderName, Tables, rows};
-use crate::{Outcome, say};
-use ::render::Camera;
-use ::render::tables::{
-    Balls, CameraPath, GBuffer, Index, Shader, Surfel, Table, Turn, View, backdrop,
-};
-use anyhow::{Context, bail};
-use glam::DVec3;
-use maps::{IlluminationMap, Image, Lobe, Normalise, Orientation, Projection, Request};
-use rays::{Overrides, Ray, RayBackend, Surfaces, World};
-use serde_json::json;
+use super::args::Args;
+use super::{file, options};
+use crate::common::parsed;
+use crate::outcome::{Outcome, say, say_json};
+use crate::progress::watch;
+use crate::stop::Stop;
+use ::render::Error;
+use ::render::tables::{CameraPath, Frame, Motion, Sequence, TableSet};
+use anyhow::Context;
+use rays::{RayBackend, Surfaces, World};
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// The tables that were read or made.
-#[derive(Default)]
-struct Loaded {
-    diffuse: Option<Table>,
-    specular: Option<Table>,
-    environment: Option<Table>,
-    normalisation: Option<String>,
-}
-
-/// Runs the verb on a loaded scene.
-pub fn run(
+/// Makes the frames and writes each as soon as it is done.
+pub fn draw(
     args: &Args,
     world: &World,
     backend: &dyn RayBackend,
+    stop: &Stop,
     started: Instant,
 ) -> anyhow::Result<Outcome> {
-    let surfaces = Surfaces::new(world);
-    let hit = |eye, direction| surfel(args, &surfaces, backend, eye, direction);
     let tables = &args.tables;
-    let loaded = load(tables)?;
-    let shader = shader(tables, &loaded)?;
-    let path = tables.path.as_deref().map(camera_path).transpose()?;
-    let keys = path.as_ref().map(|path| path.keys() as u32);
-    let frames = tables.frames.or(keys).unwrap_or(1);
-    let numbered = tables.frames.is_some() || path.is_some();
-    let axis = DVec3::from(args.view.up).try_normalize();
-    let mut behind: Option<(Camera, Image)> = None;
+    let surface = options::surface_type(tables);
+    let maps = tables.maps.as_ref();
+    let maps = maps.map(|[d, s]| [d.as_path(), s.as_path()]);
+    let set = TableSet::read(surface, maps, tables.environment.as_deref())?;
+    let sequence = sequence(args, world, &set)?;
+    let surfaces = Surfaces::new(world);
+    let subject = options::subject(args, &surfaces, backend);
+    let numbered = tables.frames.is_some() || tables.path.is_some();
     let mut shading = 0.0;
     let mut written = Vec::new();
-    for frame in 0..frames {
-        let camera = match &path {
-            None => args.view.camera(world)?,
-            Some(path) => {
-                let [eye, look] = path.at(frame, frames);
-                let fov = args.view.fov_deg.to_radians();
-                Camera::new(eye, look, args.view.up.into(), fov, args.view.size)
-                    .with_context(|| format!("frame {frame}"))?
+    let ended = watch(options::show(args, "pixels"), stop, |progress| {
+        for frame in sequence.frames(progress, |eye, toward| subject.hit(eye, toward)) {
+            let frame = frame?;
+            shading += frame.shading_seconds;
+            let about = about(args, world, &sequence, &set, &frame).to_string();
+            for path in &args.output {
+                let path = match numbered {
+                    true => numbered_name(path, frame.number),
+                    false => path.clone(),
+                };
+                file::write(&path, &frame.picture, &about)?;
+                written.push(path);
             }
-        };
-        let angle = (tables.turn_deg.unwrap_or(0.0) * f64::from(frame)).to_radians();
-        let turn = Turn {
-            centre: world.bounds().center(),
-            axis: axis.context("--up 0,0,0 is no direction")?,
-            angle,
-        };
-        let lookup = tables.lookup.lookup();
-        let view = View {
-            camera: &camera,
-            turn,
-            samples: args.view.samples,
-            corners: lookup.needs_corners(),
-        };
-        let mut buffer = GBuffer::take(&view, hit);
-        if let Some(name) = tables.normals {
-            buffer.encode(name.code());
         }
-        if behind.as_ref().is_none_or(|(taken, _)| *taken != camera) {
-            behind = Some((camera, backdrop(&camera, loaded.environment.as_ref())));
-        }
-        let mut picture = match &behind {
-            Some((_, picture)) => picture.clone(),
-            None => unreachable!("the backdrop was just taken"),
+        anyhow::Ok(())
+    });
+    if let Err(error) = ended {
+        return match error.downcast_ref() {
+            Some(Error::Cancelled) => Ok(stop.outcome()),
+            _ => Err(error),
         };
-        let before = Instant::now();
-        shader.frame(&buffer, lookup, &mut picture);
-        shading += before.elapsed().as_secs_f64();
-        let described = json!({
-            "scene": world.scene().content_hash,
-            "maps": tables.maps,
-            "environment": tables.environment,
-            "normalisation": loaded.normalisation,
-            "lookup": lookup.name(),
-            "samples": args.view.samples,
-            "frame": frame,
-            "turn_deg": angle.to_degrees(),
-            "eye": camera.eye.to_array(),
-            "forward": camera.forward.to_array(),
-            "fov_deg": args.view.fov_deg,
-        });
-        for path in &args.output {
-            let path = if numbered {
-                numbered_name(path, frame)
-            } else {
-                path.clone()
-            };
-            write(&path, &picture, &described.to_string())?;
-            written.push(path);
-        }
     }
-    let seconds = started.elapsed().as_secs_f64();
+    let (frames, seconds) = (sequence.frames, started.elapsed().as_secs_f64());
     if args.common.json {
-        let summary = json!({
+        say_json(&json!({
             "schema_version": 1, "files": written, "frames": frames, "backend": backend.describe(),
-            "normalisation": loaded.normalisation, "seconds": seconds, "shading_seconds": shading,
-        });
-        say(&format!("{}\n", serde_json::to_string_pretty(&summary)?))?;
+            "normalisation": set.normalisation, "seconds": seconds, "shading_seconds": shading,
+        }))?;
     } else if !args.common.quiet {
         let last = written.last().map(|p| p.display().to_string());
         let milliseconds = 1e3 * shading / f64::from(frames);
@@ -122,157 +72,57 @@ pub fn run(
     Ok(Outcome::Done)
 }
 
-/// What a camera ray meets.
-fn surfel(
-    args: &Args,
-    surfaces: &Surfaces,
-    backend: &dyn RayBackend,
-    eye: DVec3,
-    direction: DVec3,
-) -> Option<Surfel> {
-    let ray = Ray {
-        origin: eye.as_vec3().to_array(),
-        direction: direction.as_vec3().to_array(),
-        t_min: 0.0,
-        t_max: f32::INFINITY,
-    };
-    let overrides = Overrides {
-        albedo: args.albedo,
-        specular: args.specular,
-        exponent: None,
-    };
-    let hit = backend.closest(&ray)?;
-    let point = surfaces.at(&hit, -direction);
-    let material = overrides.applied(point.material);
-    Some(Surfel {
-        normal: point.normal,
-        albedo: material.albedo,
-        specular: material.specular,
-        object: hit.instance,
+/// The sequence of the arguments.
+fn sequence<'a>(args: &Args, world: &World, set: &'a TableSet) -> anyhow::Result<Sequence<'a>> {
+    let tables = &args.tables;
+    let surface = options::surface_type(tables);
+    let shader = set.shader(surface, options::weights(tables)?);
+    let framing = options::framing(&args.view);
+    let axis = framing.up.try_normalize();
+    let path = tables.path.as_deref();
+    let path = path
+        .map(|path| parsed(path, CameraPath::parse))
+        .transpose()?;
+    let keys = path.as_ref().map(|path| path.keys() as u32);
+    Ok(Sequence {
+        frames: tables.frames.or(keys).unwrap_or(1),
+        motion: match path {
+            None => Motion::Still(framing.camera(world)?),
+            Some(path) => Motion::Path(path, framing),
+        },
+        turn_deg: tables.turn_deg.unwrap_or(0.0),
+        about: [
+            world.bounds().center(),
+            axis.context("--up 0,0,0 is no direction")?,
+        ],
+        samples: args.view.samples,
+        normals: tables.normals.map(options::normal_code),
+        shader,
+        lookup: options::lookup(tables.lookup),
+        environment: set.environment.as_ref(),
     })
 }
 
-/// Draws the figure of six materials into a directory.
-pub fn balls(
+/// Everything that decides a frame, for its header.
+fn about(
     args: &Args,
-    dir: &Path,
     world: &World,
-    backend: &dyn RayBackend,
-) -> anyhow::Result<Outcome> {
-    let surfaces = Surfaces::new(world);
-    let hit = |eye, direction| surfel(args, &surfaces, backend, eye, direction);
-    let path = args.tables.environment.as_deref();
-    let path = path.context("--figure balls needs --environment")?;
-    let (environment, _) = polar(path)?;
-    let mut camera = args.view.camera(world)?;
-    let [width, height] = camera.size;
-    camera.size = [(width / 3).max(1), (height / 2).max(1)];
-    let sheet = Balls::of(&environment)?.sheet(
-        &camera,
-        args.view.samples,
-        args.tables.lookup.lookup(),
-        hit,
-    );
-    let described = json!({
+    sequence: &Sequence<'_>,
+    set: &TableSet,
+    frame: &Frame,
+) -> Value {
+    json!({
         "scene": world.scene().content_hash,
-        "environment": path,
-        "materials": Balls::NAMES,
-        "lookup": args.tables.lookup.lookup().name(),
-    });
-    for name in ["balls.exr", "balls.png"] {
-        write(&dir.join(name), &sheet, &described.to_string())?;
-    }
-    Ok(Outcome::Done)
-}
-
-/// Reads the maps of the arguments.
-fn load(tables: &Tables) -> anyhow::Result<Loaded> {
-    let mut loaded = Loaded::default();
-    if let Some([d, s]) = &tables.maps {
-        let ((diffuse, d_label), (specular, s_label)) = (polar(d)?, polar(s)?);
-        if let (Some(of_d), Some(of_s)) = (&d_label, &s_label)
-            && of_d != of_s
-        {
-            bail!(
-                "{} is normalised by `{of_d}`, {} by `{of_s}`; make both with one --normalise",
-                d.display(),
-                s.display()
-            );
-        }
-        loaded.diffuse = Some(Table::new(&diffuse)?);
-        loaded.specular = Some(Table::new(&specular)?);
-        loaded.normalisation = d_label.or(s_label);
-    }
-    if let Some(path) = &tables.environment {
-        let (environment, _) = polar(path)?;
-        loaded.environment = Some(Table::new(&environment)?);
-        if tables.shader == Some(ShaderName::Luminous) {
-            let request = Request {
-                lobe: Lobe::Luminous,
-                normalise: Normalise::Radiance,
-                projection: Projection::Polar,
-                size: (2, 1),
-            };
-            let maps = maps::convolve(&environment, &[request])?;
-            loaded.diffuse = Some(Table::new(&maps[0])?);
-        }
-    }
-    Ok(loaded)
-}
-
-/// A polar map in ambake's axes and its normalisation.
-fn polar(path: &Path) -> anyhow::Result<(IlluminationMap, Option<String>)> {
-    let file = maps::read(path)?;
-    let label = |name: &str| file.labels.get(name).map(String::as_str);
-    let projection = label("ambakeProjection").unwrap_or(Projection::Polar.name());
-    let orientation = label("ambakeOrientation").unwrap_or(Orientation::Ambake.name());
-    if projection != Projection::Polar.name() || orientation != Orientation::Ambake.name() {
-        bail!(
-            "{} is a {projection} map with the axes of {orientation}; run ambake map convert --to polar on it",
-            path.display()
-        );
-    }
-    let normalisation = label("ambakeNormalisation").map(String::from);
-    let map = IlluminationMap::new(file.image, Projection::Polar)
-        .with_context(|| path.display().to_string())?;
-    Ok((map, normalisation))
-}
-
-fn shader<'a>(tables: &Tables, loaded: &'a Loaded) -> anyhow::Result<Shader<'a>> {
-    let name = tables.shader.unwrap_or(ShaderName::Phong);
-    let (d, s) = (loaded.diffuse.as_ref(), loaded.specular.as_ref());
-    let i = loaded.environment.as_ref();
-    let index = match name {
-        ShaderName::Retro => Index::Retro,
-        ShaderName::Refraction => Index::Refraction((1.0 / tables.ior) as f32),
-        _ => Index::Mirror,
-    };
-    let (diffuse, specular, coat) = match name {
-        ShaderName::Phong | ShaderName::Retro => (d, s, None),
-        ShaderName::Varnish => (d, s, i),
-        ShaderName::Mirror | ShaderName::Refraction => (None, i, None),
-        ShaderName::Luminous => (d, None, None),
-    };
-    Ok(Shader {
-        diffuse,
-        specular,
-        index,
-        coat,
-        diffuse_weight: tables.diffuse_weight.weight()?,
-        specular_weight: tables.specular_weight.weight()?,
-    })
-}
-
-fn camera_path(path: &Path) -> anyhow::Result<CameraPath> {
-    let keys = rows::<6>(path, "eye X,Y,Z and looked-at X,Y,Z")?;
-    let keys = keys
-        .into_iter()
-        .map(|[a, b, c, d, e, f]| [DVec3::new(a, b, c), DVec3::new(d, e, f)]);
-    CameraPath::new(keys.collect()).with_context(|| {
-        format!(
-            "{}: it has no lines; one a key frame belongs there",
-            path.display()
-        )
+        "maps": args.tables.maps,
+        "environment": args.tables.environment,
+        "normalisation": set.normalisation,
+        "lookup": sequence.lookup.name(),
+        "samples": sequence.samples,
+        "frame": frame.number,
+        "turn_deg": frame.angle.to_degrees(),
+        "eye": frame.camera.eye.to_array(),
+        "forward": frame.camera.forward.to_array(),
+        "fov_deg": args.view.fov_deg,
     })
 }
 

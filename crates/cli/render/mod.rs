@@ -1,6 +1,10 @@
-//! `ambake render`.
+//! `ambake render`: pictures through a camera.
 
-pub mod figures;
-pub mod frames;
+pub mod args;
+mod figures;
+mod file;
+mod frames;
+mod options;
+mod picture;
 pub mod run;
-pub mod table_args;
+mod tables_args;

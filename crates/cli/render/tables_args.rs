@@ -1,10 +1,9 @@
-//! What `ambake render --maps` was given: flags, and the text files that they name.
+//! What was typed after `ambake render --maps`. `options.rs` says what it means.
 
-use crate::args::{number, positive};
-use ::render::tables::{Lookup, NormalCode, Weight};
-use anyhow::{Context, bail};
+use crate::parse::{number, positive};
+use ::render::tables::Weight;
 use clap::{ArgGroup, Args as ClapArgs, ValueEnum};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Shading from tables: section 3 of the 1984 text.
 #[derive(ClapArgs)]
@@ -111,70 +110,6 @@ impl Tables {
     pub fn asked(&self) -> bool {
         self.maps.is_some() || self.shader.is_some()
     }
-}
-
-impl LookupName {
-    pub fn lookup(self) -> Lookup {
-        match self {
-            LookupName::Nearest => Lookup::Nearest,
-            LookupName::Bilinear => Lookup::Bilinear,
-            LookupName::Recursive => Lookup::Recursive,
-            LookupName::Quad => Lookup::Quad,
-            LookupName::Summed => Lookup::Summed,
-        }
-    }
-}
-
-impl NormalsName {
-    pub fn code(self) -> NormalCode {
-        match self {
-            NormalsName::Visible256 => NormalCode::Visible256,
-            NormalsName::Oct8 => NormalCode::Octahedral(8),
-            NormalsName::Oct10 => NormalCode::Octahedral(10),
-            NormalsName::Oct12 => NormalCode::Octahedral(12),
-            NormalsName::Oct16 => NormalCode::Octahedral(16),
-        }
-    }
-}
-
-impl WeightName {
-    pub fn weight(&self) -> anyhow::Result<Weight> {
-        let path = match self {
-            WeightName::Known(weight) => return Ok(weight.clone()),
-            WeightName::File(path) => path,
-        };
-        let pairs: Vec<[f32; 2]> = rows::<2>(path, "a cosine and a weight")?
-            .into_iter()
-            .map(|pair| pair.map(|v| v as f32))
-            .collect();
-        let sound = |[x, w]: &[f32; 2]| (0.0..=1.0).contains(x) && w.is_finite() && *w >= 0.0;
-        let ascending = pairs.windows(2).all(|p| p[0][0] < p[1][0]);
-        if pairs.is_empty() || !ascending || !pairs.iter().all(sound) {
-            bail!(
-                "{}: cosines must ascend within 0..1 and weights be 0 or above",
-                path.display()
-            );
-        }
-        Ok(Weight::Table(pairs))
-    }
-}
-
-/// Lines of `N` finite numbers apart by commas or blanks; `#` begins a comment.
-pub fn rows<const N: usize>(path: &Path, what: &str) -> anyhow::Result<Vec<[f64; N]>> {
-    let text =
-        std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let mut rows = Vec::new();
-    for (at, line) in text.lines().enumerate() {
-        let line = line.split('#').next().unwrap_or_default();
-        let words = line.split([' ', '\t', ',', '\r']).filter(|w| !w.is_empty());
-        let values: Result<Vec<f64>, String> = words.map(number).collect();
-        match values.map(<[f64; N]>::try_from) {
-            Ok(Ok(row)) => rows.push(row),
-            Ok(Err(values)) if values.is_empty() => {}
-            _ => bail!("{} line {}: {what} belong there", path.display(), at + 1),
-        }
-    }
-    Ok(rows)
 }
 
 fn pair(text: &str) -> Result<[PathBuf; 2], String> {

@@ -1,0 +1,148 @@
+//! What was typed after `ambake bake` and `ambake plan`. `options.rs` says what it means.
+
+use super::sky;
+use crate::common::{Backend, Common};
+use crate::parse::{color, exponent, number, positive, triple};
+use ::bake::Choice;
+use clap::{Args as ClapArgs, ValueEnum};
+use layers::Layer;
+use std::path::PathBuf;
+
+#[derive(ClapArgs)]
+pub struct Bake {
+    /// Scene file: .obj, .gltf or .glb
+    pub scene: PathBuf,
+    #[command(flatten)]
+    pub job: Job,
+    /// Directory for the results; it is made if needed
+    #[arg(short = 'o', long = "output", value_name = "DIR")]
+    pub output: PathBuf,
+    /// Continue an interrupted bake of the same scene and options in DIR
+    #[arg(long)]
+    pub resume: bool,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+#[derive(ClapArgs)]
+pub struct Plan {
+    /// Scene file: .obj, .gltf or .glb
+    pub scene: PathBuf,
+    #[command(flatten)]
+    pub job: Job,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// What decides the values of a bake.
+#[derive(ClapArgs)]
+pub struct Job {
+    /// Page edge in texels
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=16384))]
+    pub size: u32,
+    /// Texels per scene unit; pages are added as needed [default: the highest that fits one page]
+    #[arg(long, value_name = "D", value_parser = positive)]
+    pub density: Option<f64>,
+    /// Rays per texel over the hemisphere; the specular lobe takes as many again where a material needs it
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=16_777_216))]
+    pub rays: u32,
+    /// Stop a texel when its standard error is at most E, instead of a fixed number of rays
+    #[arg(long, value_name = "E", value_parser = target_error, conflicts_with = "rays")]
+    pub target_error: Option<f64>,
+    /// With --target-error: the most rays that a texel may take, over the hemisphere and again over the lobe
+    #[arg(long, value_name = "N", default_value_t = 16_384, requires = "target_error", value_parser = clap::value_parser!(u32).range(16..=16_777_216))]
+    pub max_rays: u32,
+    /// Whether blocks of 4 x 4 texels share their directions: a little faster, but errors show as blocks
+    #[arg(long, value_enum, default_value_t = Pattern::Independent)]
+    pub pattern: Pattern,
+    /// Local regression over the texels of a surface, which falls back to the plain value where it does not help: fewer rays
+    /// for the same error, at a small bias that the error layer includes
+    #[arg(long, value_enum, alias = "filter", default_value_t = Denoise::Off)]
+    pub denoise: Denoise,
+    /// Sky radiance, linear: R,G,B for a uniform sky, or an illumination map (.hdr, .exr; polar unless its header says otherwise),
+    /// from whose light as many rays again are drawn
+    #[arg(long, value_name = "R,G,B|FILE", default_value = "1,1,1", value_parser = sky::sky)]
+    pub sky: sky::SkyArg,
+    /// View of the specular term: `normal` (V = N everywhere) or an eye point X,Y,Z in scene units
+    #[arg(long, value_name = "normal|X,Y,Z", default_value = "normal", allow_hyphen_values = true, value_parser = view)]
+    pub view: ::bake::View,
+    /// Occluders farther than this many scene units do not count [default: no limit]
+    #[arg(long, value_name = "D", value_parser = positive)]
+    pub max_distance: Option<f64>,
+    /// Ray library [default: embree where it is built in, else obvhs]
+    #[arg(long, value_enum)]
+    pub backend: Option<Backend>,
+    /// Lightmap coordinates: keep the file's, unwrap, or keep them where they are usable
+    #[arg(long, value_enum, default_value_t = Uv::Auto)]
+    pub uv: Uv,
+    /// Further layers, separated by commas: position, normal, geometric, bent, exponent, object, validity, difference.lambert,
+    /// difference.phong, error.visibility, error.specular, albedo, reflectance
+    #[arg(long, value_name = "A,B,C", value_delimiter = ',', value_parser = layer)]
+    pub layers: Vec<Layer>,
+    /// Exactly these layers (coverage is always written); terms that none of them needs are not computed
+    #[arg(long, value_name = "A,B,C", value_delimiter = ',', value_parser = layer, conflicts_with = "layers")]
+    pub only: Vec<Layer>,
+    /// Lobe exponent of every material, 0 to 1e6
+    #[arg(long, value_name = "N", value_parser = exponent)]
+    pub exponent: Option<f64>,
+    /// Diffuse reflectance of every material, linear, as R,G,B
+    #[arg(long, value_name = "R,G,B", value_parser = color)]
+    pub albedo: Option<[f32; 3]>,
+    /// Specular reflectance of every material, linear, as R,G,B
+    #[arg(long, value_name = "R,G,B", value_parser = color)]
+    pub specular: Option<[f32; 3]>,
+    /// Planner choices to switch off: sky, diffuse, visibility, specular, open, instances, filter
+    #[arg(long, value_name = "NAME,..", value_delimiter = ',', value_parser = choice)]
+    pub plan_off: Vec<Choice>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Pattern {
+    /// Every texel has its own directions
+    Independent,
+    /// Blocks of 4 x 4 texels share theirs
+    Tiled,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Denoise {
+    Off,
+    Regression,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Uv {
+    Auto,
+    Keep,
+    Unwrap,
+}
+
+fn target_error(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        value if value > 0.0 && value < 1.0 => Ok(value),
+        _ => Err("must be above 0 and below 1".into()),
+    }
+}
+
+fn view(text: &str) -> Result<::bake::View, String> {
+    if text == "normal" {
+        return Ok(::bake::View::Normal);
+    }
+    triple(text)
+        .map(|eye| ::bake::View::Eye(eye.into()))
+        .map_err(|e| format!("expected `normal` or X,Y,Z: {e}"))
+}
+
+fn layer(text: &str) -> Result<Layer, String> {
+    Layer::from_name(text).ok_or_else(|| {
+        let names: Vec<_> = Layer::all().map(Layer::name).collect();
+        format!("unknown layer; there are {}", names.join(", "))
+    })
+}
+
+fn choice(text: &str) -> Result<Choice, String> {
+    Choice::from_name(text).ok_or_else(|| {
+        let names: Vec<_> = Choice::ALL.iter().map(|choice| choice.name()).collect();
+        format!("unknown choice; there are {}", names.join(", "))
+    })
+}

@@ -1,0 +1,39 @@
+//! What was typed after `ambake bench`.
+
+use crate::bake::args::Job;
+use crate::common::Common;
+use clap::Args as ClapArgs;
+use std::path::PathBuf;
+
+#[derive(ClapArgs)]
+pub struct Args {
+    /// Scene file: .obj, .gltf or .glb
+    #[arg(required_unless_present_any = ["samplers", "hard", "maps", "tables"])]
+    pub scene: Option<PathBuf>,
+    #[command(flatten)]
+    pub job: Job,
+    /// Directory for bench.csv, bench.svg and bench.md; it is made if needed
+    #[arg(short = 'o', long = "output", value_name = "DIR", required_unless_present_any = ["samplers", "ceiling", "hard"])]
+    pub output: Option<PathBuf>,
+    /// Only the ratio of a bake to the bare loop of rtcOccluded16 over its packets
+    #[arg(long, conflicts_with = "samplers")]
+    pub ceiling: bool,
+    /// Only the error of the point sets on four exact scenes
+    #[arg(long)]
+    pub samplers: bool,
+    /// Only the cases that break bakers, on every backend: a Markdown table; exit 1 if one fails
+    #[arg(long, conflicts_with_all = ["scene", "samplers", "ceiling"])]
+    pub hard: bool,
+    /// Only the convolution of maps against the plain double sum: maps.csv and maps.md in DIR
+    #[arg(long, conflicts_with_all = ["scene", "samplers", "ceiling", "hard"])]
+    pub maps: bool,
+    /// Only shading from reflection maps: error and flicker of each look-up, frames a second; tables.csv, tables_speed.csv and
+    /// tables.md in DIR
+    #[arg(long, conflicts_with_all = ["scene", "samplers", "ceiling", "hard", "maps"])]
+    pub tables: bool,
+    /// Repeats of every measurement
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
+    pub repeats: u32,
+    #[command(flatten)]
+    pub common: Common,
+}

@@ -1,0 +1,90 @@
+//! Flags that several verbs share, and what they mean.
+
+use anyhow::Context;
+use clap::{Args as ClapArgs, ValueEnum};
+use glam::DVec3;
+use rays::{BackendKind, Layout, RayBackend, World, WorldOptions};
+use render::Light;
+use scene::Scene;
+use std::path::Path;
+use std::sync::Arc;
+
+#[derive(ClapArgs)]
+pub struct Common {
+    /// Worker threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub threads: Option<u32>,
+    /// Seed of the sample points
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    pub seed: u64,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print a machine-readable summary on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// Also print the plan and the time of each phase
+    #[arg(short = 'v', long)]
+    pub verbose: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Backend {
+    /// Debian's Embree
+    Embree,
+    /// Pure Rust: obvhs, 8-wide compressed BVH
+    Obvhs,
+    /// Pure Rust: obvhs, binary BVH
+    ObvhsBvh2,
+}
+
+impl Backend {
+    /// The chosen ray library, or the best one that is built in.
+    pub fn kind(choice: Option<Backend>) -> BackendKind {
+        match choice {
+            Some(Backend::Embree) => BackendKind::Embree,
+            Some(Backend::Obvhs) => BackendKind::Obvhs(Layout::Cwbvh),
+            Some(Backend::ObvhsBvh2) => BackendKind::Obvhs(Layout::Bvh2),
+            None if embree::header_version().is_some() => BackendKind::Embree,
+            None => BackendKind::Obvhs(Layout::Cwbvh),
+        }
+    }
+}
+
+/// A scene as camera rays see it.
+pub fn build(
+    scene: Scene,
+    backend: Option<Backend>,
+    threads: usize,
+) -> anyhow::Result<(World, Box<dyn RayBackend>)> {
+    let options = WorldOptions {
+        instancing: true,
+        filter_all: false,
+    };
+    let world = World::new(Arc::new(scene), options)?;
+    let backend = rays::build(Backend::kind(backend), &world, threads)?;
+    Ok((world, backend))
+}
+
+/// The lights of `--sun` and `--point`.
+pub fn lights(suns: &[[f64; 4]], points: &[[f64; 4]]) -> Vec<Light> {
+    let sun = suns.iter().map(|&[x, y, z, irradiance]| Light::Distant {
+        toward: DVec3::new(x, y, z).normalize(),
+        irradiance,
+    });
+    let point = points.iter().map(|&[x, y, z, intensity]| Light::Point {
+        position: DVec3::new(x, y, z),
+        intensity,
+    });
+    sun.chain(point).collect()
+}
+
+/// What a text file holds; errors name it.
+pub fn parsed<T, E>(path: &Path, parse: impl FnOnce(&str) -> Result<T, E>) -> anyhow::Result<T>
+where
+    E: std::error::Error + Send + Sync + 'static,
+{
+    let text =
+        std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    parse(&text).with_context(|| path.display().to_string())
+}

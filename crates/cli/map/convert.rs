@@ -1,0 +1,27 @@
+//! `ambake map convert`: any projection to any.
+
+use super::args::Convert;
+use super::file::{Source, picture_size, summary, write};
+use crate::host;
+use anyhow::Context;
+use maps::Layout;
+
+/// Runs the sub-verb.
+pub fn run(args: &Convert) -> anyhow::Result<()> {
+    host::set_threads(args.common.threads)?;
+    let source = Source::read(&args.input)?;
+    let size = match args.size {
+        Some(size) => picture_size(args.to, size),
+        None => args.to.size(source.texels()),
+    };
+    let to = Layout {
+        projection: args.to,
+        orientation: args.orientation,
+        size,
+    };
+    let image = maps::convert_image(&source.image, source.layout, to)
+        .with_context(|| args.input.input.display().to_string())?;
+    let normalisation = source.normalisation.as_deref().unwrap_or("radiance");
+    let written = write(&args.output, &[(None, &image)], to, normalisation)?;
+    summary(&args.common, &args.input.input, &source, &written)
+}

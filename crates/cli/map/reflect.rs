@@ -1,0 +1,112 @@
+//! `ambake map diffuse` and `map specular`: illumination maps convolved to reflection maps.
+
+use super::args::{Common, Diffuse, DiffuseKernel, Input, Scale, Specular, SpecularKernel};
+use super::file::{Source, picture_size, summary, write};
+use crate::common::parsed;
+use crate::host;
+use anyhow::{Context, bail};
+use maps::{IlluminationMap, Layout, Lobe, Normalise, Orientation, Projection, Request};
+use std::path::Path;
+
+/// Runs `map diffuse`.
+pub fn diffuse(args: &Diffuse) -> anyhow::Result<()> {
+    let lobe = match args.kernel {
+        DiffuseKernel::Lambert => Lobe::Lambert,
+        DiffuseKernel::Luminous => Lobe::Luminous,
+    };
+    let target = (args.to, args.size);
+    reflect(
+        &args.input,
+        &args.output,
+        &[(None, lobe)],
+        target,
+        args.normalise,
+        &args.common,
+    )
+}
+
+/// Runs `map specular`.
+pub fn specular(args: &Specular) -> anyhow::Result<()> {
+    let (values, flag) = match args.kernel {
+        SpecularKernel::Phong | SpecularKernel::Varnish => (&args.exponent, "--exponent"),
+        SpecularKernel::Ggx => (&args.roughness, "--roughness"),
+        _ => (&Vec::new(), ""),
+    };
+    if values.is_empty() && !flag.is_empty() {
+        bail!("this kernel needs {flag}");
+    }
+    let lobe = |value: f64| match args.kernel {
+        SpecularKernel::Varnish => Lobe::Varnish(value),
+        SpecularKernel::Ggx => Lobe::Ggx(value),
+        _ => Lobe::Phong(value),
+    };
+    let lobes = match (args.kernel, &args.table) {
+        (SpecularKernel::Mirror, _) => vec![(None, Lobe::Mirror)],
+        (SpecularKernel::Table, Some(path)) => vec![(None, parsed(path, Lobe::parse_table)?)],
+        (SpecularKernel::Table, None) => bail!("this kernel needs --table"),
+        _ if values.len() == 1 => vec![(None, lobe(values[0]))],
+        _ => values
+            .iter()
+            .map(|v| (Some(v.to_string()), lobe(*v)))
+            .collect(),
+    };
+    let target = (args.to, args.size);
+    reflect(
+        &args.input,
+        &args.output,
+        &lobes,
+        target,
+        args.normalise,
+        &args.common,
+    )
+}
+
+/// Convolves and writes.
+fn reflect(
+    input: &Input,
+    output: &Path,
+    lobes: &[(Option<String>, Lobe)],
+    (projection, size): (Projection, [u32; 2]),
+    scale: Scale,
+    common: &Common,
+) -> anyhow::Result<()> {
+    host::set_threads(common.threads)?;
+    let (normalise, normalisation) = match scale {
+        Scale::Radiance => (Normalise::Radiance, "radiance"),
+        Scale::Seed => (Normalise::Seed, "seed"),
+    };
+    for (_, lobe) in lobes {
+        lobe.check()?;
+    }
+    let size = picture_size(projection, size);
+    projection.check(size.0, size.1)?;
+    let source = Source::read(input)?;
+    let named = || input.input.display().to_string();
+    // Reflection maps are written in ambake's own axes.
+    let own = Layout {
+        orientation: Orientation::Ambake,
+        ..source.layout
+    };
+    let image = maps::convert_image(&source.image, source.layout, own).with_context(named)?;
+    let map = IlluminationMap::new(image, own.projection).with_context(named)?;
+    let request = |lobe: &Lobe| Request {
+        lobe: lobe.clone(),
+        normalise,
+        projection,
+        size,
+    };
+    let requests: Vec<Request> = lobes.iter().map(|(_, lobe)| request(lobe)).collect();
+    let results = maps::convolve(&map, &requests).with_context(named)?;
+    let images: Vec<_> = lobes
+        .iter()
+        .zip(&results)
+        .map(|((suffix, _), map)| (suffix.clone(), map.image()))
+        .collect();
+    let to = Layout {
+        projection,
+        orientation: Orientation::Ambake,
+        size,
+    };
+    let written = write(output, &images, to, normalisation)?;
+    summary(common, &input.input, &source, &written)
+}

@@ -1,0 +1,112 @@
+//! What was typed after `ambake render`. `options.rs` says what it means.
+
+use super::tables_args::Tables;
+use crate::common::{Backend, Common};
+use crate::parse::{color, exponent, field_of_view, light, positive, size, sun, triple};
+use clap::{Args as ClapArgs, ValueEnum};
+use std::path::PathBuf;
+
+#[derive(ClapArgs)]
+pub struct Args {
+    /// Scene file: .obj, .gltf or .glb
+    pub scene: PathBuf,
+    /// Picture to write: .exr (linear, float) or .png (sRGB); give it twice for both. With --figure a directory
+    #[arg(short = 'o', long = "output", value_name = "IMAGE", required = true)]
+    pub output: Vec<PathBuf>,
+    /// Draw a figure instead: `fig1` on an open scene such as scenes/plane.obj with `--rays` for each point, `fig3` on any
+    /// scene, `balls` on a body such as scenes/ball.obj
+    #[arg(
+        long,
+        value_enum,
+        conflicts_with = "bake",
+        group = "lit",
+        requires_if("balls", "environment")
+    )]
+    pub figure: Option<Figure>,
+    #[command(flatten)]
+    pub tables: Tables,
+    #[command(flatten)]
+    pub view: View,
+    /// Ambient model
+    #[arg(long, value_enum, default_value_t = ModelName::Phong)]
+    pub model: ModelName,
+    /// Rays over the hemisphere of every camera sample, and as many over a specular lobe; 0 leaves ambient light out
+    #[arg(long, value_name = "N", default_value_t = 64, conflicts_with = "bake", value_parser = clap::value_parser!(u32).range(0..=65_536))]
+    pub rays: u32,
+    /// Take the ambient model from the finished bake of SCENE in DIR instead; its Phong term is that of the view the bake
+    /// was made for (`bake --view`), not of this camera
+    #[arg(long, value_name = "DIR")]
+    pub bake: Option<PathBuf>,
+    /// Uniform sky radiance, linear, as R,G,B; also what is seen behind the scene
+    #[arg(long, value_name = "R,G,B", default_value = "1,1,1", value_parser = color)]
+    pub sky: [f32; 3],
+    /// Another radiance behind the scene, linear, as R,G,B [default: the sky's]
+    #[arg(long, value_name = "R,G,B", value_parser = color)]
+    pub background: Option<[f32; 3]>,
+    /// Distant light in the direction X,Y,Z with irradiance E (W/m², facing); may be repeated
+    #[arg(long, value_name = "X,Y,Z,E", allow_hyphen_values = true, value_parser = sun)]
+    pub sun: Vec<[f64; 4]>,
+    /// Point light at X,Y,Z with intensity E (W/sr: E over distance² arrives); may be repeated
+    #[arg(long, value_name = "X,Y,Z,E", allow_hyphen_values = true, value_parser = light)]
+    pub point: Vec<[f64; 4]>,
+    /// Occluders farther than this many scene units do not count [default: no limit]
+    #[arg(long, value_name = "D", value_parser = positive)]
+    pub max_distance: Option<f64>,
+    /// Lobe exponent of every material, 0 to 1e6
+    #[arg(long, value_name = "N", value_parser = exponent)]
+    pub exponent: Option<f64>,
+    /// Diffuse reflectance of every material, linear, as R,G,B
+    #[arg(long, value_name = "R,G,B", value_parser = color)]
+    pub albedo: Option<[f32; 3]>,
+    /// Specular reflectance of every material, linear, as R,G,B
+    #[arg(long, value_name = "R,G,B", value_parser = color)]
+    pub specular: Option<[f32; 3]>,
+    /// Ray library [default: embree where it is built in, else obvhs]
+    #[arg(long, value_enum)]
+    pub backend: Option<Backend>,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// Where the picture is taken from.
+#[derive(ClapArgs)]
+pub struct View {
+    /// Eye point in scene units [default: in front, above and to the right of the whole scene]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = triple)]
+    pub eye: Option<[f64; 3]>,
+    /// Point that is looked at, in scene units [default: the middle of the scene]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = triple)]
+    pub look: Option<[f64; 3]>,
+    /// Direction that is upward in the picture
+    #[arg(long, value_name = "X,Y,Z", default_value = "0,1,0", allow_hyphen_values = true, value_parser = triple)]
+    pub up: [f64; 3],
+    /// Vertical field of view in degrees, above 0 and below 180
+    #[arg(long, value_name = "F", default_value = "40", value_parser = field_of_view)]
+    pub fov_deg: f64,
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", default_value = "960x540", value_parser = size)]
+    pub size: [u32; 2],
+    /// Camera samples of a pixel: a regular grid of N x N
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub samples: u32,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ModelName {
+    /// Constant times the open share of the hemisphere
+    Traditional,
+    /// The Lambertian ambient term
+    Lambert,
+    /// Lambertian and specular terms
+    Phong,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Figure {
+    /// Specular ambient term against view angle and exponent: fig1.svg and fig1.csv
+    Fig1,
+    /// The scene in ambient light only by the three models, with their differences: fig3_*.exr, fig3_*.png and fig3.csv
+    Fig3,
+    /// The scene in six materials before --environment: balls.png and balls.exr
+    Balls,
+}
