@@ -15,5 +15,6 @@ mod parity;
 mod photo;
 mod render;
 mod sky;
+mod stopped;
 mod support;
 mod tables;
