@@ -6,8 +6,8 @@ use crate::{Outcome, host, say};
 use ::bake::PointSet;
 use anyhow::Context;
 use bench::ceiling::{Pair, ceiling};
-use bench::speed::speed;
-use bench::summary::{markdown, median, svg};
+use bench::speed::{quantity, speed};
+use bench::summary::{Spread, markdown, median, svg};
 use bench::{Subject, hard, maps, samplers, tables};
 use rays::EmbreeBackend;
 use report::Output;
@@ -61,7 +61,7 @@ fn against_error(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
     let ratio = match EmbreeBackend::build(world, rayon::current_num_threads()) {
         Ok(embree) => {
             let pairs = ceiling(subject, options, &embree, &[1], args.repeats as usize)?;
-            Some(median(pairs.iter().map(|pair| pair.ratio).collect()))
+            Spread::of(&pairs.iter().map(|pair| pair.ratio).collect::<Vec<_>>())
         }
         Err(_) => None,
     };
@@ -88,8 +88,10 @@ fn against_error(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
             row.texels
         );
     }
-    let picture = svg(&title, &rows).map_err(|e| anyhow::anyhow!("{}: {e}", scene.display()))?;
-    let mut table = markdown(&title, &rows, ratio);
+    let of = quantity(options);
+    let picture =
+        svg(&title, of, &rows).map_err(|e| anyhow::anyhow!("{}: {e}", scene.display()))?;
+    let mut table = markdown(&title, of, &rows, ratio);
     table += &format!(
         "\nambake {}, {}, options {}\n",
         host::VERSION,
@@ -101,7 +103,7 @@ fn against_error(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
     output.stage_bytes("bench.md", table.as_bytes())?;
     output.publish()?;
     if args.common.json {
-        let text = json!({ "schema_version": 1, "ratio_to_ceiling": ratio, "rows": rows });
+        let text = json!({ "schema_version": 1, "ratio_to_ceiling": ratio.map(|r| r.median), "rows": rows });
         say(&format!("{}\n", serde_json::to_string_pretty(&text)?))?;
     } else if !args.common.quiet {
         say(&table)?;
