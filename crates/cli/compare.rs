@@ -119,7 +119,8 @@ fn page_files(dir: &Path, bake: &BakeReport) -> Result<Vec<Named>, Error> {
 fn compare_files(args: &Args, a: &Path, b: &Path) -> anyhow::Result<()> {
     let names = [a, b].map(|path| path.display().to_string());
     let [first, second] = [report::read_page_exr(a)?, report::read_page_exr(b)?];
-    let comparison = report::compare_pages(&first.page, &second.page)
+    let comparison = report::check_origin(&first, &second)
+        .and_then(|()| report::compare_pages(&first.page, &second.page))
         .with_context(|| format!("{} against {}", names[0], names[1]))?;
     let mut written = Vec::new();
     if let Some(dir) = &args.output {

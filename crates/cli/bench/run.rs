@@ -8,8 +8,8 @@ use crate::outcome::{Outcome, say, say_json};
 use ::bake::PointSet;
 use anyhow::Context;
 use bench::ceiling::{Pair, ceiling};
-use bench::speed::speed;
-use bench::summary::{markdown, median, svg};
+use bench::speed::{quantity, speed};
+use bench::summary::{Spread, markdown, median, svg};
 use bench::{Subject, hard, maps, samplers, tables};
 use rays::EmbreeBackend;
 use report::Output;
@@ -63,7 +63,7 @@ fn against_error(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
     let ratio = match EmbreeBackend::build(world, rayon::current_num_threads()) {
         Ok(embree) => {
             let pairs = ceiling(subject, options, &embree, &[1], args.repeats as usize)?;
-            Some(median(pairs.iter().map(|pair| pair.ratio).collect()))
+            Spread::of(&pairs.iter().map(|pair| pair.ratio).collect::<Vec<_>>())
         }
         Err(_) => None,
     };
@@ -90,8 +90,10 @@ fn against_error(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
             row.texels
         );
     }
-    let picture = svg(&title, &rows).map_err(|e| anyhow::anyhow!("{}: {e}", scene.display()))?;
-    let mut table = markdown(&title, &rows, ratio);
+    let of = quantity(options);
+    let picture =
+        svg(&title, of, &rows).map_err(|e| anyhow::anyhow!("{}: {e}", scene.display()))?;
+    let mut table = markdown(&title, of, &rows, ratio);
     table += &format!(
         "\nambake {}, {}, options {}\n",
         host::VERSION,
@@ -103,7 +105,7 @@ fn against_error(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
     output.stage_bytes("bench.md", table.as_bytes())?;
     output.publish()?;
     if args.common.json {
-        say_json(&json!({ "schema_version": 1, "ratio_to_ceiling": ratio, "rows": rows }))?;
+        say_json(&json!({ "schema_version": 1, "ratio_to_ceiling": ratio.map(|r| r.median), "rows": rows }))?;
     } else if !args.common.quiet {
         say(&table)?;
     }

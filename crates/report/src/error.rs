@@ -56,6 +56,12 @@ pub enum Error {
         /// How they differ.
         reason: String,
     },
+    /// Two pages that are to be compared do not show the same surfaces.
+    #[error("{reason}")]
+    Unrelated {
+        /// What their headers say, and what to compare instead.
+        reason: String,
+    },
 }
 
 impl Error {

@@ -1,7 +1,7 @@
 //! What the loader does with triangles and numbers that mean nothing.
 
-use super::Error;
-use super::judge::{Row, count};
+use super::error::Error;
+use super::row::{Row, count};
 use std::io::Write;
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";

@@ -1,0 +1,62 @@
+//! Bakes a case: one page of the receiver, with the layers that are judged.
+
+use super::error::Error;
+use super::setup::Setup;
+use crate::Subject;
+use bake::{BakedPage, Choice, Denoise, Effort, Options, Pattern, Plan, PointSet, View};
+use layers::Layer;
+use rays::{BackendKind, Overrides};
+use std::sync::Arc;
+
+/// Rays a texel; the mean over the page has 256 times as many.
+pub(super) const RAYS: u32 = 1024;
+
+/// The page of a case on one backend.
+pub(super) fn bake(setup: &Setup, case: &str, kind: BackendKind) -> Result<BakedPage, Error> {
+    let (scene, atlas) = setup.scene();
+    let mut layers = vec![Layer::Visibility, Layer::Diffuse];
+    layers.extend([Layer::ErrorVisibility, Layer::Error]);
+    if setup.exponent.is_some() {
+        layers.extend([Layer::Specular, Layer::ErrorSpecular]);
+    }
+    let options = Options {
+        effort: Effort::Rays(RAYS),
+        pattern: Pattern::Independent,
+        points: PointSet::default(),
+        denoise: Denoise::Off,
+        seed: 0,
+        sky: bake::Sky::Uniform([1.0; 3]),
+        draw_sky: true,
+        view: setup
+            .view
+            .map_or(View::Normal, |v| View::Eye(setup.centre() + v * 1e6)),
+        max_distance: None,
+        layers,
+        overrides: Overrides {
+            exponent: setup.exponent,
+            ..Overrides::default()
+        },
+        switched_off: vec![Choice::Open],
+    };
+    let fail = |source| Error::Bake {
+        case: case.into(),
+        source,
+    };
+    let (plan, world) = Plan::of(&Arc::new(scene), &options).map_err(fail)?;
+    let backend = rays::build(kind, &world, 0).map_err(fail)?;
+    let subject = Subject {
+        world: &world,
+        plan: &plan,
+        atlas: &atlas,
+    };
+    Ok(subject.bake(backend.as_ref(), &options))
+}
+
+/// The values of a judged layer.
+///
+/// # Panics
+/// Where the layer was not asked for: a bug of the caller.
+pub(super) fn plane(page: &BakedPage, layer: Layer) -> &[f32] {
+    let plane = page.planes.iter().find(|plane| plane.layer == layer);
+    &plane.expect("every judged layer is asked for").values
+}
