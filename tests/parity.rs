@@ -1,7 +1,7 @@
 //! Both backends answer alike: every scene of this repository and, where present, the real models.
 
-use bake::{Bake, BakedPage, Denoise, Effort, Options, Pattern, Plan, PointSet, Progress, View};
-use bench::parity::{Answer, Both, ParityReport, TestRays, parity};
+use bake::{BakedPage, Baker, Effort, Options, Plan};
+use bench::parity::{Answer, BothBackends, ParityReport, TestRays, parity};
 use glam::Vec3;
 use layers::Layer;
 use rays::{BackendKind, Layout, Overrides, RayBackend, World, WorldOptions, build};
@@ -86,7 +86,7 @@ fn check(name: &str, what: &str, report: &ParityReport, faults: &mut Vec<String>
 fn embree_and_obvhs_answer_alike_on_every_scene() {
     let options = WorldOptions {
         instancing: true,
-        filter_all: false,
+        alpha_test_all: false,
     };
     let mut faults = Vec::new();
     for file in scenes() {
@@ -158,9 +158,9 @@ fn bake_page(
     options: &Options,
     backend: &dyn RayBackend,
 ) -> BakedPage {
-    let bake = Bake::new(world, plan, backend, atlas, options);
-    let mut page = bake.start(0);
-    bake.run(&mut page, &Progress::default());
+    let baker = Baker::new(world, plan, backend, atlas, options);
+    let mut page = baker.start(0);
+    baker.run(&mut page, &());
     page
 }
 
@@ -168,27 +168,26 @@ fn bake_page(
 fn differing(a: &BakedPage, b: &BakedPage) -> Vec<(Vec3, f32)> {
     let position = |i: usize| {
         let axis = |c| {
-            let found = a
-                .planes
-                .iter()
-                .find(|p| (p.layer, p.channel) == (Layer::Position, c));
-            found.expect("the layer was asked for").values[i]
+            let plane = a.channel(Layer::Position, c);
+            plane.expect("the layer was asked for")[i]
         };
         Vec3::new(axis(0), axis(1), axis(2))
     };
-    (0..a.planes[0].values.len())
-        .filter(|&i| a.planes[0].values[i] > 0.0)
+    let covered = |i: usize| a.planes[0].values.get(i).is_some_and(|&c| c > 0.0);
+    (0..a.texels())
+        .filter(|&i| covered(i))
         .filter(|&i| {
-            let pairs = a.planes.iter().zip(&b.planes);
-            pairs
-                .into_iter()
-                .any(|(a, b)| a.values[i].to_bits() != b.values[i].to_bits())
+            a.planes.iter().zip(&b.planes).any(|(a_planes, b_planes)| {
+                (0..a_planes.layer.channels().len())
+                    .map(|c| c * a.texels() + i)
+                    .any(|at| a_planes.values[at].to_bits() != b_planes.values[at].to_bits())
+            })
         })
         .map(|i| {
             let size = a.size as usize;
             let next = [i.wrapping_sub(1), i + 1, i.wrapping_sub(size), i + size]
                 .into_iter()
-                .filter(|&j| a.planes[0].values.get(j).is_some_and(|&c| c > 0.0))
+                .filter(|&j| covered(j))
                 .map(|j| position(j).distance(position(i)));
             (position(i), next.fold(0.0, f32::max))
         })
@@ -199,20 +198,13 @@ fn differing(a: &BakedPage, b: &BakedPage) -> Vec<(Vec3, f32)> {
 fn baked_layers_differ_only_where_a_listed_ray_explains_it() {
     let options = Options {
         effort: Effort::Rays(32),
-        pattern: Pattern::default(),
-        points: PointSet::default(),
-        denoise: Denoise::Off,
         seed: 3,
-        sky: bake::Sky::Uniform([1.0; 3]),
-        draw_sky: true,
-        view: View::Normal,
-        max_distance: None,
         layers: LAYERS.to_vec(),
         overrides: Overrides {
             exponent: Some(8.0),
             ..Overrides::default()
         },
-        switched_off: Vec::new(),
+        ..Options::default()
     };
     let layout = atlas::Options {
         uv: atlas::UvMode::Auto,
@@ -240,7 +232,7 @@ fn baked_layers_differ_only_where_a_listed_ray_explains_it() {
         let other = build(BackendKind::Embree, &world, 0)
             .or_else(|_| build(BackendKind::Obvhs(Layout::Bvh2), &world, 0))
             .expect("obvhs has no errors");
-        let both = Both::new(&world, &*other, &*wide);
+        let both = BothBackends::new(&world, &*other, &*wide);
         let a = bake_page(&world, &plan, &atlas, &options, &both);
         let b = bake_page(&world, &plan, &atlas, &options, &*wide);
         let listed = both.disagreements();

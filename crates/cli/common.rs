@@ -3,7 +3,7 @@
 use anyhow::Context;
 use clap::{Args as ClapArgs, ValueEnum};
 use glam::DVec3;
-use rays::{BackendKind, Layout, RayBackend, World, WorldOptions};
+use rays::{RayBackend, World, WorldOptions};
 use render::Light;
 use scene::Scene;
 use std::path::Path;
@@ -40,13 +40,12 @@ pub enum Backend {
 
 impl Backend {
     /// The chosen ray library, or the best one that is built in.
-    pub fn kind(choice: Option<Backend>) -> BackendKind {
+    pub fn chosen(choice: Option<Backend>) -> ambake::Backend {
         match choice {
-            Some(Backend::Embree) => BackendKind::Embree,
-            Some(Backend::Obvhs) => BackendKind::Obvhs(Layout::Cwbvh),
-            Some(Backend::ObvhsBvh2) => BackendKind::Obvhs(Layout::Bvh2),
-            None if embree::header_version().is_some() => BackendKind::Embree,
-            None => BackendKind::Obvhs(Layout::Cwbvh),
+            Some(Backend::Embree) => ambake::Backend::Embree,
+            Some(Backend::Obvhs) => ambake::Backend::Obvhs,
+            Some(Backend::ObvhsBvh2) => ambake::Backend::ObvhsBvh2,
+            None => ambake::Backend::best(),
         }
     }
 }
@@ -57,12 +56,8 @@ pub fn build(
     backend: Option<Backend>,
     threads: usize,
 ) -> anyhow::Result<(World, Box<dyn RayBackend>)> {
-    let options = WorldOptions {
-        instancing: true,
-        filter_all: false,
-    };
-    let world = World::new(Arc::new(scene), options)?;
-    let backend = rays::build(Backend::kind(backend), &world, threads)?;
+    let world = World::new(Arc::new(scene), WorldOptions::default())?;
+    let backend = rays::build(Backend::chosen(backend).kind(), &world, threads)?;
     Ok((world, backend))
 }
 

@@ -54,7 +54,7 @@ fn embree() -> Value {
                 "isa": info.isa.name(),
                 "tasking": info.tasking.to_string(),
                 "native_packets": { "4": info.native_packet_4, "8": info.native_packet_8, "16": info.native_packet_16 },
-                "filter_functions": info.filter,
+                "filter_functions": info.filter_functions,
                 "ray_masks": info.ray_mask,
                 "backface_culling": info.backface_culling,
             })

@@ -23,14 +23,6 @@ pub struct Seen {
     pub rays: u64,
 }
 
-/// A running job as it is watched from another thread.
-pub trait Watched: Sync {
-    /// How far it is.
-    fn look(&self) -> Seen;
-    /// Asks it to stop.
-    fn cancel(&self);
-}
-
 /// What is shown of a job.
 #[derive(Debug, Clone, Copy)]
 pub struct Show {
@@ -40,23 +32,13 @@ pub struct Show {
     pub quiet: bool,
 }
 
-/// Runs `job` with a listener that shows its progress and passes a caught signal on.
+/// Runs `job` with a listener, while another thread shows its progress and passes a caught signal on.
 pub fn watch<R>(show: Show, stop: &Stop, job: impl FnOnce(&dyn Progress) -> R) -> R {
     let meter = Meter::default();
-    watch_counts(show, stop, &meter, || job(&meter))
-}
-
-/// Runs `job` while another thread looks at its counters, shows its progress and passes a caught signal on.
-pub fn watch_counts<R>(
-    show: Show,
-    stop: &Stop,
-    watched: &dyn Watched,
-    job: impl FnOnce() -> R,
-) -> R {
     let done = AtomicBool::new(false);
     std::thread::scope(|scope| {
-        let watcher = scope.spawn(|| show.until(&done, stop, watched));
-        let result = job();
+        let watcher = scope.spawn(|| show.until(&done, stop, &meter));
+        let result = job(&meter);
         done.store(true, Ordering::Relaxed);
         watcher.thread().unpark();
         result
@@ -88,7 +70,7 @@ impl Progress for Meter {
     }
 }
 
-impl Watched for Meter {
+impl Meter {
     fn look(&self) -> Seen {
         Seen {
             done: self.done.load(Ordering::Relaxed),
@@ -103,7 +85,7 @@ impl Watched for Meter {
 }
 
 impl Show {
-    fn until(self, done: &AtomicBool, stop: &Stop, watched: &dyn Watched) {
+    fn until(self, done: &AtomicBool, stop: &Stop, meter: &Meter) {
         let started = Instant::now();
         let terminal = std::io::stderr().is_terminal();
         let target = if self.quiet || !terminal {
@@ -119,9 +101,9 @@ impl Show {
         while !done.load(Ordering::Relaxed) {
             std::thread::park_timeout(TICK);
             if stop.signal().is_some() {
-                watched.cancel();
+                meter.cancel();
             }
-            let (seen, elapsed) = (watched.look(), started.elapsed());
+            let (seen, elapsed) = (meter.look(), started.elapsed());
             bar.set_length(seen.total);
             bar.set_position(seen.done.min(seen.total));
             bar.set_message(status(seen, self.unit, elapsed));

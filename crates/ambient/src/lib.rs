@@ -7,10 +7,12 @@
 
 pub mod closed_form;
 pub mod convention;
+mod estimate;
 pub mod frame;
 pub mod lanes;
 pub mod models;
 pub mod quadrature;
 pub mod sampling;
 
+pub use estimate::Estimate;
 pub use frame::Frame;

@@ -2,17 +2,40 @@
 //!
 //! The stages stand in folders in the order they run: `plan` decides what a scene needs, `survey` cuts texels into cells
 //! of surface, `integrate` casts their rays, `denoise` smooths terms over a surface, `page` composes models and keeps
-//! planes. [`Bake`] runs them.
+//! planes. [`Baker`] runs them.
+//!
+//! ```
+//! use ambake_bake::{Baker, Options, Plan};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/wall_long.obj");
+//! # if !std::path::Path::new(file).exists() { return Ok(()); }
+//! let scene = std::sync::Arc::new(scene::load(file.as_ref())?);
+//! let options = Options { effort: ambake_bake::Effort::Rays(16), ..Options::default() };
+//! let (plan, world) = Plan::of(&scene, &options)?;
+//! let layout = atlas::Options { uv: atlas::UvMode::Auto, page_size: 64, density: None };
+//! let atlas = atlas::layout(&scene, &layout, &|| false)?;
+//! let backend = rays::build(rays::BackendKind::Obvhs(rays::Layout::default()), &world, 0)?;
+//!
+//! let baker = Baker::new(&world, &plan, backend.as_ref(), &atlas, &options);
+//! let mut page = baker.start(0);
+//! baker.run(&mut page, &());
+//! assert!(page.finished && page.stats.rays > 0);
+//! # Ok(())
+//! # }
+//! ```
 #![forbid(unsafe_code)]
 
+mod choice;
 mod denoise;
 mod integrate;
+mod labels;
 mod options;
 mod page;
 mod plan;
 mod survey;
 
+pub use choice::Choice;
 pub use integrate::{REPLICATES, Terms};
 pub use options::{Denoise, Effort, Options, Pattern, PointSet, Sky, View};
-pub use page::{Bake, BakedPage, BakedTexel, PageStats, Plane, Progress};
-pub use plan::{Choice, Decision, Plan};
+pub use page::{BakedPage, Baker, ErrorSums, LayerPlanes, PageStats, Pilot};
+pub use plan::{Decision, Method, OpenTriangles, Plan};

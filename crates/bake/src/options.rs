@@ -1,9 +1,9 @@
 //! What a bake was asked to do, typed and validated by the caller.
 
-use crate::plan::Choice;
+use crate::choice::Choice;
 pub use ambient::sampling::PointSet;
 use glam::DVec3;
-use layers::Layer;
+use layers::{Layer, Term};
 use maps::SkyMap;
 use rays::Overrides;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ pub struct Options {
     pub pattern: Pattern,
     /// Where sample points come from.
     pub points: PointSet,
-    /// What happens to integrated terms.
+    /// How integrated terms are denoised.
     pub denoise: Denoise,
     /// Seed of every sample stream.
     pub seed: u64,
@@ -125,14 +125,36 @@ pub enum View {
     Eye(DVec3),
 }
 
+impl Default for Options {
+    /// A plain bake: 256 rays a texel under a white sky, the standard layers.
+    fn default() -> Self {
+        Self {
+            effort: Effort::Rays(256),
+            pattern: Pattern::default(),
+            points: PointSet::default(),
+            denoise: Denoise::default(),
+            seed: 0,
+            sky: Sky::Uniform([1.0; 3]),
+            draw_sky: true,
+            view: View::Normal,
+            max_distance: None,
+            layers: Layer::STANDARD.to_vec(),
+            overrides: Overrides::default(),
+            switched_off: Vec::new(),
+        }
+    }
+}
+
 impl Options {
     /// True where a planner choice may be taken.
     pub(crate) fn allows(&self, choice: Choice) -> bool {
         !self.switched_off.contains(&choice)
     }
 
-    /// True where any of `layers` was asked for.
-    pub(crate) fn wants_any(&self, layers: &[Layer]) -> bool {
-        layers.iter().any(|layer| self.layers.contains(layer))
+    /// True where an asked layer needs the term.
+    pub(crate) fn wants(&self, term: Term) -> bool {
+        self.layers
+            .iter()
+            .any(|layer| layer.needs().contains(&term))
     }
 }

@@ -2,7 +2,7 @@
 #![forbid(unsafe_code)]
 
 use atlas::Atlas;
-use bake::{Bake, BakedPage, Options, Plan, Progress};
+use bake::{BakedPage, Baker, Options, Plan};
 use rays::{RayBackend, World};
 
 pub mod ceiling;
@@ -32,9 +32,9 @@ pub struct Subject<'a> {
 impl Subject<'_> {
     /// Bakes page 0 in the current pool of threads.
     pub fn bake(&self, backend: &dyn RayBackend, options: &Options) -> BakedPage {
-        let bake = Bake::new(self.world, self.plan, backend, self.atlas, options);
-        let mut page = bake.start(0);
-        bake.run(&mut page, &Progress::default());
+        let baker = Baker::new(self.world, self.plan, backend, self.atlas, options);
+        let mut page = baker.start(0);
+        baker.run(&mut page, &());
         page
     }
 }

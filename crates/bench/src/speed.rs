@@ -287,34 +287,22 @@ pub fn speed(
 
 /// Root mean square difference over covered texels of the diffuse term, or of the mean of irradiance's channels.
 fn rmse(page: &BakedPage, reference: &BakedPage, by_map: bool) -> f64 {
-    let channels: &[(Layer, usize)] = match by_map {
-        true => &[
-            (Layer::Irradiance, 0),
-            (Layer::Irradiance, 1),
-            (Layer::Irradiance, 2),
-        ],
-        false => &[(Layer::Diffuse, 0)],
+    let layer = match by_map {
+        true => Layer::Irradiance,
+        false => Layer::Diffuse,
     };
-    let planes = |page: &BakedPage, wanted: &[(Layer, usize)]| -> Vec<Vec<f32>> {
-        page.planes
-            .iter()
-            .filter(|plane| wanted.contains(&(plane.layer, plane.channel)))
-            .map(|plane| plane.values.clone())
-            .collect()
-    };
-    let (own, other) = (planes(page, channels), planes(reference, channels));
-    let coverage = planes(page, &[(Layer::Coverage, 0)]);
+    let values = |page: &BakedPage, layer| page.layer(layer).unwrap_or_default().to_vec();
+    let coverage = values(page, Layer::Coverage);
+    let (own, other) = (values(page, layer), values(reference, layer));
+    let channels = layer.channels().len();
     let (mut squares, mut count) = (0.0, 0.0);
-    for texel in 0..page.size as usize * page.size as usize {
-        if coverage[0][texel] > 0.0 {
-            let difference: f64 = own
-                .iter()
-                .zip(&other)
-                .map(|(a, b)| f64::from(a[texel] - b[texel]) / own.len() as f64)
-                .sum();
-            squares += difference * difference;
-            count += 1.0;
-        }
+    for texel in (0..page.texels()).filter(|&texel| coverage[texel] > 0.0) {
+        let difference: f64 = (0..channels)
+            .map(|channel| channel * page.texels() + texel)
+            .map(|at| f64::from(own[at] - other[at]) / channels as f64)
+            .sum();
+        squares += difference * difference;
+        count += 1.0;
     }
     if count > 0.0 {
         f64::sqrt(squares / count)

@@ -1,11 +1,11 @@
 //! What was typed after `ambake bake` and `ambake plan`. `options.rs` says what it means.
 
+use super::layer_help::layer_help;
 use super::sky;
 use crate::common::{Backend, Common};
 use crate::parse::{color, exponent, number, positive, triple};
-use ::bake::Choice;
+use ambake::{Choice, Layer};
 use clap::{Args as ClapArgs, ValueEnum};
-use layers::Layer;
 use std::path::PathBuf;
 
 #[derive(ClapArgs)]
@@ -65,7 +65,7 @@ pub struct Job {
     pub sky: sky::SkyArg,
     /// View of the specular term: `normal` (V = N everywhere) or an eye point X,Y,Z in scene units
     #[arg(long, value_name = "normal|X,Y,Z", default_value = "normal", allow_hyphen_values = true, value_parser = view)]
-    pub view: ::bake::View,
+    pub view: ambake::View,
     /// Occluders farther than this many scene units do not count [default: no limit]
     #[arg(long, value_name = "D", value_parser = positive)]
     pub max_distance: Option<f64>,
@@ -75,9 +75,7 @@ pub struct Job {
     /// Lightmap coordinates: keep the file's, unwrap, or keep them where they are usable
     #[arg(long, value_enum, default_value_t = Uv::Auto)]
     pub uv: Uv,
-    /// Further layers, separated by commas: position, normal, geometric, bent, exponent, object, validity, difference.lambert,
-    /// difference.phong, error.visibility, error.specular, albedo, reflectance
-    #[arg(long, value_name = "A,B,C", value_delimiter = ',', value_parser = layer)]
+    #[arg(long, value_name = "A,B,C", value_delimiter = ',', value_parser = layer, help = layer_help("Further layers, separated by commas"))]
     pub layers: Vec<Layer>,
     /// Exactly these layers (coverage is always written); terms that none of them needs are not computed
     #[arg(long, value_name = "A,B,C", value_delimiter = ',', value_parser = layer, conflicts_with = "layers")]
@@ -91,7 +89,7 @@ pub struct Job {
     /// Specular reflectance of every material, linear, as R,G,B
     #[arg(long, value_name = "R,G,B", value_parser = color)]
     pub specular: Option<[f32; 3]>,
-    /// Planner choices to switch off: sky, diffuse, visibility, specular, open, instances, filter
+    /// Planner choices to switch off: sky, diffuse, visibility, specular, open, instances, alpha_test
     #[arg(long, value_name = "NAME,..", value_delimiter = ',', value_parser = choice)]
     pub plan_off: Vec<Choice>,
 }
@@ -124,12 +122,12 @@ fn target_error(text: &str) -> Result<f64, String> {
     }
 }
 
-fn view(text: &str) -> Result<::bake::View, String> {
+fn view(text: &str) -> Result<ambake::View, String> {
     if text == "normal" {
-        return Ok(::bake::View::Normal);
+        return Ok(ambake::View::Normal);
     }
     triple(text)
-        .map(|eye| ::bake::View::Eye(eye.into()))
+        .map(|eye| ambake::View::Eye(eye.into()))
         .map_err(|e| format!("expected `normal` or X,Y,Z: {e}"))
 }
 

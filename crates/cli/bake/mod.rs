@@ -1,9 +1,10 @@
 //! `ambake bake` and `ambake plan`.
 
 pub mod args;
-mod checkpoint;
-pub mod options;
+mod layer_help;
+mod options;
 pub mod plan;
+pub mod prepare;
 pub mod run;
 mod sky;
 mod summary;

@@ -1,119 +1,47 @@
-//! What the command line means: typed options of the stages.
+//! What the flags of a bake mean.
 
-use super::args::{self, Job, Uv};
+use super::args::{self, Job};
 use crate::common::{Backend, Common};
-use ::bake::{Denoise, Effort, Options, Pattern, PointSet, Sky};
-use layers::Layer;
-use rays::{BackendKind, Overrides};
-use serde_json::{Value, json};
+use ambake::{Bake, Denoise, Effort, Options, Pattern, Uv};
 
-/// The bake's options.
-pub fn bake_options(job: &Job, common: &Common, sky: Sky) -> Options {
-    let mut layers = if job.only.is_empty() {
-        Layer::STANDARD.to_vec()
-    } else {
-        vec![Layer::Coverage]
+/// The bake that was asked for.
+pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, ambake::Error> {
+    let mut options = Options::default();
+    options.size = job.size;
+    options.density = job.density;
+    options.uv = match job.uv {
+        args::Uv::Auto => Uv::Auto,
+        args::Uv::Keep => Uv::Keep,
+        args::Uv::Unwrap => Uv::Unwrap,
     };
-    for &layer in job.only.iter().chain(&job.layers) {
-        if !layers.contains(&layer) {
-            layers.push(layer);
-        }
-    }
-    Options {
-        effort: match job.target_error {
-            None => Effort::Rays(job.rays),
-            Some(error) => Effort::Target {
-                error,
-                max_rays: job.max_rays,
-            },
+    options.effort = match job.target_error {
+        None => Effort::Rays(job.rays),
+        Some(error) => Effort::Target {
+            error,
+            max_rays: job.max_rays,
         },
-        pattern: match job.pattern {
-            args::Pattern::Independent => Pattern::Independent,
-            args::Pattern::Tiled => Pattern::Tiled,
-        },
-        points: PointSet::default(),
-        denoise: match job.denoise {
-            args::Denoise::Off => Denoise::Off,
-            args::Denoise::Regression => Denoise::Regression,
-        },
-        seed: common.seed,
-        sky,
-        draw_sky: true,
-        view: job.view,
-        max_distance: job.max_distance.map(|d| d as f32),
-        layers,
-        overrides: Overrides {
-            albedo: job.albedo,
-            specular: job.specular,
-            exponent: job.exponent,
-        },
-        switched_off: job.plan_off.clone(),
-    }
-}
-
-/// The atlas's options.
-pub fn atlas_options(job: &Job) -> atlas::Options {
-    let uv = match job.uv {
-        Uv::Auto => atlas::UvMode::Auto,
-        Uv::Keep => atlas::UvMode::Keep,
-        Uv::Unwrap => atlas::UvMode::Unwrap,
     };
-    atlas::Options {
-        uv,
-        page_size: job.size,
-        density: job.density,
-    }
-}
-
-/// The asked backend, or the best one that is built in.
-pub fn backend(job: &Job) -> BackendKind {
-    Backend::kind(job.backend)
-}
-
-/// Everything that decides the values of a bake, for headers, `bake.json` and the resume key.
-pub fn describe(job: &Job, options: &Options, sky: &Value) -> Value {
-    let uv = match job.uv {
-        Uv::Auto => "auto",
-        Uv::Keep => "keep",
-        Uv::Unwrap => "unwrap",
+    options.pattern = match job.pattern {
+        args::Pattern::Independent => Pattern::Independent,
+        args::Pattern::Tiled => Pattern::Tiled,
     };
-    let denoise = match options.denoise {
-        Denoise::Off => "off",
-        Denoise::Regression => "regression",
+    options.denoise = match job.denoise {
+        args::Denoise::Off => Denoise::Off,
+        args::Denoise::Regression => Denoise::Regression,
     };
-    let fixed = match options.effort {
-        Effort::Rays(rays) => Some(rays),
-        Effort::Target { .. } => None,
-    };
-    let pattern = match options.pattern {
-        Pattern::Independent => "independent",
-        Pattern::Tiled => "tiled",
-    };
-    json!({
-        "size": job.size,
-        "density": job.density,
-        "uv": uv,
-        "rays": fixed,
-        "target_error": job.target_error,
-        "max_rays": job.target_error.map(|_| job.max_rays),
-        "pattern": pattern,
-        "denoise": denoise,
-        "seed": options.seed,
-        "sky": sky,
-        "view": view_rule(options),
-        "max_distance": options.max_distance,
-        "layers": options.layers,
-        "albedo": options.overrides.albedo,
-        "specular": options.overrides.specular,
-        "exponent": options.overrides.exponent,
-        "plan_off": options.switched_off,
+    options.seed = common.seed;
+    options.sky = job.sky.load()?;
+    options.view = job.view;
+    options.max_distance = job.max_distance.map(|d| d as f32);
+    options.albedo = job.albedo;
+    options.specular = job.specular;
+    options.exponent = job.exponent;
+    options.plan_off = job.plan_off.clone();
+    let bake = Bake::new(scene)
+        .options(options)
+        .backend(Backend::chosen(job.backend));
+    Ok(match job.only.is_empty() {
+        true => bake.layers(job.layers.iter().copied()),
+        false => bake.only(job.only.iter().copied()),
     })
-}
-
-/// The view rule as outputs state it.
-pub fn view_rule(options: &Options) -> String {
-    match options.view {
-        ::bake::View::Normal => "normal".into(),
-        ::bake::View::Eye(eye) => format!("{},{},{}", eye.x, eye.y, eye.z),
-    }
 }

@@ -1,59 +1,72 @@
 //! `ambake plan`: what would be modelled and why, and what it would cost.
 
 use super::args::Plan as Args;
-use super::options;
-use super::run::{Phases, Prepared, decisions, prepare, warnings};
-use crate::host;
+use super::prepare::prepare;
 use crate::outcome::{Outcome, say, say_json};
-use ::bake::{Bake, Choice, Effort};
+use ambake::{Effort, Job, Method, Term};
 use serde_json::json;
 
 /// Tiles baked to estimate the rate of the rest.
 const PILOT_TILES: usize = 24;
 
+/// What a bake would cost.
+struct Estimate {
+    texels: u64,
+    rays: u64,
+    memory_bytes: u64,
+    seconds: f64,
+}
+
 /// Runs the verb.
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let mut phases = Phases::default();
-    let prepared = prepare(&args.scene, &args.job, &args.common, &mut phases)?;
-    let Prepared {
-        scene,
-        atlas,
-        plan,
-        world,
-        backend,
-        options,
-        sky,
-        ..
-    } = &prepared;
-    let bake = Bake::new(world, plan, backend.as_ref(), atlas, options);
-    let (pilot_texels, pilot_rays, pilot_seconds) = bake.pilot(PILOT_TILES);
-    let texels = atlas.audit.texels;
-    let share = texels as f64 / pilot_texels.max(1) as f64;
-    let rays = (pilot_rays as f64 * share).round() as u64;
-    let seconds = pilot_seconds * share;
-    let page_texels = u64::from(atlas.page_size).pow(2);
-    let channels: u64 = options
-        .layers
-        .iter()
-        .map(|layer| layer.channels().len() as u64)
-        .sum();
-    let memory = host::peak_memory().unwrap_or(0) + page_texels * channels * 4 * 2;
+    let job = prepare(&args.scene, &args.job, &args.common)?;
+    let cost = estimate(&job);
     if args.common.json {
-        let plan = json!({
+        let warnings: Vec<report::WarningReport> = warnings(&job);
+        say_json(&json!({
             "schema_version": 1,
-            "scene": report::SceneReport::of(scene),
-            "options": options::describe(&args.job, options, sky),
-            "plan": decisions(plan),
-            "atlas": report::AtlasReport::of(atlas),
-            "estimate": { "texels": texels, "rays": rays, "memory_bytes": memory, "seconds": seconds },
-            "backend": backend.describe(),
-            "warnings": warnings(scene),
-        });
-        say_json(&plan)?;
-        return Ok(Outcome::Done);
+            "scene": report::SceneReport::of(job.scene()),
+            "options": job.options().describe(),
+            "plan": job.decisions(),
+            "atlas": report::AtlasReport::of(job.atlas()),
+            "estimate": {
+                "texels": cost.texels,
+                "rays": cost.rays,
+                "memory_bytes": cost.memory_bytes,
+                "seconds": cost.seconds,
+            },
+            "backend": job.backend().describe(),
+            "warnings": warnings,
+        }))?;
+    } else {
+        say(&text(&job, &cost))?;
     }
+    Ok(Outcome::Done)
+}
+
+/// The cost of the whole, from a few tiles of it.
+fn estimate(job: &Job) -> Estimate {
+    let pilot = job.pilot(PILOT_TILES);
+    let texels = job.atlas().audit.texels;
+    let share = texels as f64 / pilot.texels.max(1) as f64;
+    let channels = |layer: &ambake::Layer| layer.channels().len() as u64;
+    let channels: u64 = job.options().layers.iter().map(channels).sum();
+    let page_texels = u64::from(job.atlas().page_size).pow(2);
+    Estimate {
+        texels,
+        rays: (pilot.rays as f64 * share).round() as u64,
+        memory_bytes: ambake::peak_memory().unwrap_or(0) + page_texels * channels * 4 * 2,
+        seconds: pilot.seconds * share,
+    }
+}
+
+fn warnings(job: &Job) -> Vec<report::WarningReport> {
+    job.scene().warnings.iter().map(Into::into).collect()
+}
+
+fn text(job: &Job, cost: &Estimate) -> String {
     let mut text = String::new();
-    for decision in &plan.decisions {
+    for decision in &job.plan().decisions {
         let word = if decision.modelled {
             "modelled"
         } else {
@@ -65,77 +78,40 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             decision.reason
         );
     }
-    let cast = cast(
-        options.effort,
-        plan.models(Choice::Diffuse),
-        plan.models(Choice::Specular),
-        plan.models(Choice::Sky),
-    );
     text += &format!(
-        "\n{texels} texels on {} page(s) of {}², {cast}\nabout {rays} rays, {:.1} GiB, {seconds:.1} s with {}\n",
-        atlas.page_count,
-        atlas.page_size,
-        memory as f64 / f64::from(1u32 << 30),
-        backend.describe(),
+        "\n{} texels on {} page(s) of {}², {}\nabout {} rays, {:.1} GiB, {:.1} s with {}\n",
+        cost.texels,
+        job.atlas().page_count,
+        job.atlas().page_size,
+        effort(job),
+        cost.rays,
+        cost.memory_bytes as f64 / f64::from(1u32 << 30),
+        cost.seconds,
+        job.backend().describe(),
     );
-    for warning in warnings(scene) {
+    for warning in warnings(job) {
         text += &format!(
             "warning: {} ({} times, {})\n",
             warning.message, warning.count, warning.place
         );
     }
-    say(&text)?;
-    Ok(Outcome::Done)
+    text
 }
 
-/// The rays of a texel in words: over the hemisphere, over the specular lobe, and as many again from an illumination map.
-fn cast(effort: Effort, hemisphere: bool, lobe: bool, map: bool) -> String {
-    let over = match (hemisphere, lobe) {
+/// What is cast for each texel.
+fn effort(job: &Job) -> String {
+    let by_rays = |term| job.plan().method(term) == Method::Rays;
+    let hemisphere = by_rays(Term::Diffuse) || by_rays(Term::Visibility);
+    let place = match (hemisphere, by_rays(Term::Specular)) {
         (true, true) => "over the hemisphere and as many over the specular lobe",
         (true, false) => "over the hemisphere",
         (false, true) => "over the specular lobe",
-        (false, false) => return "no rays".into(),
+        (false, false) => return "no rays: every term has a closed form or is left out".into(),
     };
-    let each = match effort {
-        Effort::Rays(rays) => format!("{rays} rays"),
+    match job.options().effort {
+        Effort::Rays(rays) => format!("{rays} rays each {place}"),
         Effort::Target { error, max_rays } => {
-            format!("rays to a standard error of {error}, at most {max_rays},")
+            format!("rays to a standard error of {error}, at most {max_rays}, each {place}")
         }
-    };
-    let drawn = match map {
-        true => ", and as many again drawn from the map",
-        false => "",
-    };
-    format!("{each} each {over}{drawn}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_rays_that_are_cast_are_named() {
-        let rays = Effort::Rays(64);
-        assert_eq!(
-            cast(rays, true, false, false),
-            "64 rays each over the hemisphere"
-        );
-        assert_eq!(
-            cast(rays, true, true, false),
-            "64 rays each over the hemisphere and as many over the specular lobe"
-        );
-        assert_eq!(
-            cast(rays, false, true, true),
-            "64 rays each over the specular lobe, and as many again drawn from the map"
-        );
-        assert_eq!(cast(rays, false, false, false), "no rays");
-        let target = Effort::Target {
-            error: 0.01,
-            max_rays: 4096,
-        };
-        assert_eq!(
-            cast(target, false, true, false),
-            "rays to a standard error of 0.01, at most 4096, each over the specular lobe"
-        );
     }
 }

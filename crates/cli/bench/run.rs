@@ -1,8 +1,7 @@
 //! `ambake bench`: speed against error, measured in one run.
 
 use super::args::Args;
-use crate::bake::options;
-use crate::bake::run::{Phases, Prepared, prepare};
+use crate::bake::prepare::prepare;
 use crate::host;
 use crate::outcome::{Outcome, say, say_json};
 use ::bake::PointSet;
@@ -41,16 +40,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 fn against_error(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
     let output = args.output.as_deref().context("no directory was given")?;
     let mut output = Output::create(output)?;
-    let mut phases = Phases::default();
-    let prepared = prepare(scene, &args.job, &args.common, &mut phases)?;
-    let Prepared {
-        atlas,
-        plan,
-        world,
-        options,
-        stem,
-        ..
-    } = &prepared;
+    let job = prepare(scene, &args.job, &args.common)?;
+    let (world, plan, atlas) = (job.world(), job.plan(), job.atlas());
+    let options = job.baker_options();
     let subject = Subject { world, plan, atlas };
     let rows = speed(subject, options, args.repeats, |row| {
         if !args.common.quiet {
@@ -68,9 +60,10 @@ fn against_error(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
         Err(_) => None,
     };
     let title = format!(
-        "{stem}, {} texels, {} triangles, {} threads",
+        "{}, {} texels, {} triangles, {} threads",
+        job.scene().stem(),
         atlas.audit.texels,
-        report::SceneReport::of(&prepared.scene).triangles,
+        report::SceneReport::of(job.scene()).triangles,
         rayon::current_num_threads()
     );
     let mut csv = String::from(
@@ -97,15 +90,17 @@ fn against_error(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
     table += &format!(
         "\nambake {}, {}, options {}\n",
         host::VERSION,
-        prepared.backend.describe(),
-        options::describe(&args.job, options, &prepared.sky)
+        job.backend().describe(),
+        job.options().describe()
     );
     output.stage_bytes("bench.csv", csv.as_bytes())?;
     output.stage_bytes("bench.svg", picture.as_bytes())?;
     output.stage_bytes("bench.md", table.as_bytes())?;
     output.publish()?;
     if args.common.json {
-        say_json(&json!({ "schema_version": 1, "ratio_to_ceiling": ratio.map(|r| r.median), "rows": rows }))?;
+        say_json(
+            &json!({ "schema_version": 1, "ratio_to_ceiling": ratio.map(|r| r.median), "rows": rows }),
+        )?;
     } else if !args.common.quiet {
         say(&table)?;
     }
@@ -172,15 +167,9 @@ fn shading(args: &Args) -> anyhow::Result<Outcome> {
 
 /// Prints the ratio of a bake to the bare loop, at one thread and at all.
 fn to_ceiling(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
-    let mut phases = Phases::default();
-    let prepared = prepare(scene, &args.job, &args.common, &mut phases)?;
-    let Prepared {
-        atlas,
-        plan,
-        world,
-        options,
-        ..
-    } = &prepared;
+    let job = prepare(scene, &args.job, &args.common)?;
+    let (world, plan, atlas) = (job.world(), job.plan(), job.atlas());
+    let options = job.baker_options();
     let threads = rayon::current_num_threads();
     let embree = EmbreeBackend::build(world, threads)?;
     let counts: &[usize] = if threads > 1 { &[1, threads] } else { &[1] };

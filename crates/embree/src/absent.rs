@@ -63,7 +63,7 @@ impl SceneBuilder {
         match self.0 {}
     }
 
-    /// Adds a mesh with a filter.
+    /// Adds a mesh with a test of its hits.
     ///
     /// # Errors
     /// None in this build.

@@ -1,6 +1,6 @@
 //! A scene under construction. `commit` consumes it, so nothing changes a scene that is traced.
 
-use crate::filter::Filter;
+use crate::hit_test::HitTest;
 use crate::scene::{Placed, Scene, SceneParts};
 use crate::{Device, Error, Keep, check};
 use embree4_sys as sys;
@@ -10,7 +10,7 @@ use std::ptr;
 /// Collects meshes and instances, each with the next geometry id, and becomes a [`Scene`].
 pub struct SceneBuilder {
     geometries: Vec<Geometry>,
-    filters: Vec<Filter>,
+    hit_tests: Vec<HitTest>,
     placed: Vec<Placed>,
     robust: bool,
     compact: bool,
@@ -38,7 +38,7 @@ impl SceneBuilder {
         SceneBuilder {
             device: device.clone(),
             geometries: Vec::new(),
-            filters: Vec::new(),
+            hit_tests: Vec::new(),
             placed: Vec::new(),
             robust: false,
             compact: false,
@@ -82,22 +82,22 @@ impl SceneBuilder {
     /// query and passes to the query's caller.
     ///
     /// # Errors
-    /// As [`SceneBuilder::triangles`]; [`Error::UnusableLibrary`] where the library is built without filters.
+    /// As [`SceneBuilder::triangles`]; [`Error::UnusableLibrary`] where the library is built without filter functions.
     pub fn masked_triangles(
         &mut self,
         positions: &[[f32; 3]],
         triangles: &[[u32; 3]],
         keep: Keep,
     ) -> Result<u32, Error> {
-        if !self.device.info().filter {
+        if !self.device.info().filter_functions {
             return Err(Error::UnusableLibrary("has no filter functions"));
         }
         let geometry = self.mesh(positions, triangles)?;
-        let filter = Filter::new(keep);
-        // SAFETY: the geometry is alive and not yet attached. Embree keeps the record's address: the filter goes to
-        // `filters`, then to the scene's parts, and is dropped after the scene that could call it is released.
-        unsafe { sys::ambake_set_filter(geometry.0, filter.record()) };
-        self.filters.push(filter);
+        let test = HitTest::new(keep);
+        // SAFETY: the geometry is alive and not yet attached. Embree keeps the record's address: the test goes to
+        // `hit_tests`, then to the scene's parts, and is dropped after the scene that could call it is released.
+        unsafe { sys::ambake_set_filter(geometry.0, test.record()) };
+        self.hit_tests.push(test);
         self.add(geometry)
     }
 
@@ -168,7 +168,7 @@ impl SceneBuilder {
             raw,
             robust: self.robust,
             placed: self.placed,
-            filters: self.filters,
+            hit_tests: self.hit_tests,
             device: self.device,
         };
         // Bound after `parts`, so that an error below releases geometries before the device.

@@ -136,7 +136,7 @@ pub struct DeviceInfo {
     /// Packets of 16 rays run as packets (false below AVX-512: they are split).
     pub native_packet_16: bool,
     /// Filters work: without them [`crate::SceneBuilder::masked_triangles`] is an error.
-    pub filter: bool,
+    pub filter_functions: bool,
     /// Ray masks are compiled in.
     pub ray_mask: bool,
     /// Back faces are culled: such a build misses one side of every triangle and is unusable here.

@@ -187,7 +187,7 @@ fn info(
         native_packet_4: property(sys::RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED) != 0,
         native_packet_8,
         native_packet_16,
-        filter: property(sys::RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED) != 0,
+        filter_functions: property(sys::RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED) != 0,
         ray_mask: property(sys::RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) != 0,
         backface_culling: property(sys::RTC_DEVICE_PROPERTY_BACKFACE_CULLING_ENABLED) != 0,
         isa: config

@@ -42,7 +42,7 @@ mod builder;
 #[cfg(embree)]
 mod device;
 #[cfg(embree)]
-mod filter;
+mod hit_test;
 #[cfg(embree)]
 mod scene;
 

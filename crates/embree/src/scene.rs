@@ -1,6 +1,6 @@
 //! A committed scene and its queries.
 
-use crate::filter::{self, Filter};
+use crate::hit_test::{self, HitTest};
 use crate::{Coherence, Device, Hit, Lanes, PacketWidth, Ray, RayPacket, check};
 use embree4_sys as sys;
 use std::fmt;
@@ -16,8 +16,8 @@ struct Inner {
     parts: SceneParts,
     /// What every query of this scene says besides its coherence.
     query: u32,
-    /// A filter may run, here or in an instanced scene, and may have panicked.
-    filtered: bool,
+    /// A test of hits may run, here or in an instanced scene, and may have panicked.
+    tested: bool,
     /// Rays whose coordinates are not below this meet nothing; see [`check::reach`].
     reach: f32,
     bounds: Option<[[f32; 3]; 2]>,
@@ -28,7 +28,7 @@ pub(crate) struct SceneParts {
     pub(crate) raw: sys::RTCScene,
     pub(crate) robust: bool,
     pub(crate) placed: Vec<Placed>,
-    pub(crate) filters: Vec<Filter>,
+    pub(crate) hit_tests: Vec<HitTest>,
     pub(crate) device: Device,
 }
 
@@ -50,7 +50,7 @@ impl Drop for SceneParts {
     fn drop(&mut self) {
         // SAFETY: this crate's own reference, released once. No query runs, since queries borrow the scene. Filters,
         // instanced scenes and the device are fields and go afterwards; an instancing scene holds a clone of its
-        // instanced scenes, so their filters outlive it.
+        // instanced scenes, so their tests outlive it.
         unsafe { sys::rtcReleaseScene(self.raw) }
     }
 }
@@ -68,7 +68,7 @@ impl SceneParts {
             } else {
                 0
             },
-            filtered: !self.filters.is_empty() || self.placed.iter().any(|p| p.scene.0.filtered),
+            tested: !self.hit_tests.is_empty() || self.placed.iter().any(|p| p.scene.0.tested),
             reach: self
                 .placed
                 .iter()
@@ -277,8 +277,8 @@ impl Scene {
 
     #[inline]
     pub(crate) fn resume(&self) {
-        if self.0.filtered {
-            filter::resume();
+        if self.0.tested {
+            hit_test::resume();
         }
     }
 }
@@ -289,7 +289,7 @@ impl fmt::Debug for Scene {
             .field("bounds", &self.0.bounds)
             .field("robust", &self.0.parts.robust)
             .field("instances", &self.0.parts.placed.len())
-            .field("filters", &self.0.parts.filters.len())
+            .field("hit_tests", &self.0.parts.hit_tests.len())
             .finish()
     }
 }

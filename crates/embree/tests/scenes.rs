@@ -502,7 +502,7 @@ fn a_device_tells_what_was_loaded() {
     println!("{info:?}");
     assert_eq!(Some(info.headers), ambake_embree::header_version());
     assert_eq!(info.library.major, info.headers.major);
-    assert!(info.filter && !info.backface_culling);
+    assert!(info.filter_functions && !info.backface_culling);
     let low = Device::new(&DeviceConfig {
         isa: Some(Isa::Sse2),
         ..config()

@@ -1,18 +1,19 @@
-//! The layers that a bake can write: their names in files, their channels, and how gutters treat them.
+//! Every layer with its row of the table. Help, planner, writer, previews and gutters all read it here.
 
 use serde::Serialize;
 
 /// One term or quantity over the atlas. Names and meanings are fixed by the file contract.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(into = "&'static str")]
+#[non_exhaustive]
 pub enum Layer {
-    /// Fraction of the texel's square inside its charts, 0..=1.
+    /// Fraction of the texel's square inside its charts.
     Coverage,
-    /// Open solid angle / 2 pi, 0..=1.
+    /// Open solid angle / 2 pi.
     Visibility,
-    /// (1/pi) times the integral of V cos, 0..=1.
+    /// (1/pi) times the integral of V cos.
     Diffuse,
-    /// ((n+1)/2pi) times the integral of V (R.V)^n, 0..=1; 0 where the material does not reflect specularly.
+    /// ((n+1)/2pi) times the integral of V (R.V)^n; 0 where the material does not reflect specularly.
     Specular,
     /// Mean sky x albedo x visibility: the baseline.
     Traditional,
@@ -21,7 +22,7 @@ pub enum Layer {
     /// Lambert plus specular reflectance x reflection; under a uniform sky x specular reflectance x specular.
     Phong,
     /// Standard error of the diffuse term.
-    Error,
+    StdErrDiffuse,
     /// Rays spent.
     Rays,
     /// Mean world position over the footprint.
@@ -36,16 +37,16 @@ pub enum Layer {
     Exponent,
     /// Index of the object with the largest share of the footprint; -1 where there is none.
     Object,
-    /// Share of the footprint whose upper hemisphere does not see back faces first, 0..=1.
+    /// Share of the footprint whose upper hemisphere does not see back faces first.
     Validity,
     /// Traditional minus Lambert.
     DifferenceLambert,
     /// Traditional minus Phong.
     DifferencePhong,
     /// Standard error of the visibility.
-    ErrorVisibility,
+    StdErrVisibility,
     /// Standard error of the specular term.
-    ErrorSpecular,
+    StdErrSpecular,
     /// Diffuse reflectance, linear.
     Albedo,
     /// Specular reflectance, linear.
@@ -55,9 +56,68 @@ pub enum Layer {
     /// ((n+1)/2pi) times the integral of L V (R.V)^n; 0 where the material does not reflect specularly.
     Reflection,
     /// Standard error of the irradiance, of the mean of its channels.
-    ErrorIrradiance,
+    StdErrIrradiance,
     /// Standard error of the reflection, of the mean of its channels.
-    ErrorReflection,
+    StdErrReflection,
+}
+
+/// An integral over the directions of a texel. A bake models those that its layers need.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Term {
+    /// (1/pi) times the integral of V cos: the Lambertian ambient term.
+    Diffuse,
+    /// Open solid angle / 2 pi: the traditional occlusion factor.
+    Visibility,
+    /// ((n+1)/2pi) times the integral of V (R.V)^n: the Phong ambient term.
+    Specular,
+}
+
+/// What the values of a layer are measured in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unit {
+    /// A share, 0..=1.
+    Share,
+    /// Radiance in the unit of the sky, linear RGB; also the error of one.
+    Radiance,
+    /// Reflectance, 0..=1 a channel, linear RGB.
+    Reflectance,
+    /// A length in scene units.
+    SceneUnits,
+    /// A direction of unit length in world space.
+    Direction,
+    /// A dimensionless number of any size.
+    Number,
+    /// A count or an index.
+    Count,
+}
+
+/// How a value becomes a byte of an 8-bit preview.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Preview {
+    /// `round(255 v)`, clamped.
+    Linear,
+    /// `round(255 v / m)`, m the largest value of the page.
+    OfLargest,
+    /// `round(255 (v + 1) / 2)`, clamped.
+    Signed,
+    /// The sRGB curve, clamped.
+    Srgb,
+    /// No preview: 8 bits show nothing useful.
+    None,
+}
+
+/// A row of the table.
+#[derive(Debug, Clone, Copy)]
+struct Row {
+    layer: Layer,
+    name: &'static str,
+    channels: &'static [&'static str],
+    unit: Unit,
+    preview: Preview,
+    dilates: bool,
+    needs: &'static [Term],
+    help: &'static str,
 }
 
 use Layer::*;
@@ -66,34 +126,69 @@ const RGB: &[&str] = &["R", "G", "B"];
 const XYZ: &[&str] = &["X", "Y", "Z"];
 const ONE: &[&str] = &[""];
 
-/// Every layer in the order of the enum, with its name and its channel suffixes.
-const TABLE: [(Layer, &str, &[&str]); 26] = [
-    (Coverage, "coverage", ONE),
-    (Visibility, "visibility", ONE),
-    (Diffuse, "diffuse", ONE),
-    (Specular, "specular", ONE),
-    (Traditional, "traditional", RGB),
-    (Lambert, "lambert", RGB),
-    (Phong, "phong", RGB),
-    (Error, "error", ONE),
-    (Rays, "rays", ONE),
-    (Position, "position", XYZ),
-    (Normal, "normal", XYZ),
-    (Geometric, "geometric", XYZ),
-    (Bent, "bent", XYZ),
-    (Exponent, "exponent", ONE),
-    (Object, "object", ONE),
-    (Validity, "validity", ONE),
-    (DifferenceLambert, "difference.lambert", RGB),
-    (DifferencePhong, "difference.phong", RGB),
-    (ErrorVisibility, "error.visibility", ONE),
-    (ErrorSpecular, "error.specular", ONE),
-    (Albedo, "albedo", RGB),
-    (Reflectance, "reflectance", RGB),
-    (Irradiance, "irradiance", RGB),
-    (Reflection, "reflection", RGB),
-    (ErrorIrradiance, "error.irradiance", ONE),
-    (ErrorReflection, "error.reflection", ONE),
+/// A row whose gutters are dilated.
+const fn row(
+    layer: Layer,
+    name: &'static str,
+    channels: &'static [&'static str],
+    (unit, preview): (Unit, Preview),
+    needs: &'static [Term],
+    help: &'static str,
+) -> Row {
+    Row {
+        layer,
+        name,
+        channels,
+        unit,
+        preview,
+        dilates: true,
+        needs,
+        help,
+    }
+}
+
+/// The row of counts and indices: gutters keep their void value.
+const fn counted(row: Row) -> Row {
+    Row {
+        dilates: false,
+        ..row
+    }
+}
+
+const SHARE: (Unit, Preview) = (Unit::Share, Preview::Linear);
+const LIGHT: (Unit, Preview) = (Unit::Radiance, Preview::Srgb);
+const TINT: (Unit, Preview) = (Unit::Reflectance, Preview::Srgb);
+const UNIT_VECTOR: (Unit, Preview) = (Unit::Direction, Preview::Signed);
+
+/// Every layer in the order of the enum.
+#[rustfmt::skip]
+const TABLE: [Row; 26] = [
+    counted(row(Coverage, "coverage", ONE, SHARE, &[], "fraction of the texel inside its chart")),
+    row(Visibility, "visibility", ONE, SHARE, &[Term::Visibility], "open solid angle / 2 pi, the traditional occlusion factor"),
+    row(Diffuse, "diffuse", ONE, SHARE, &[Term::Diffuse], "the Lambertian ambient term"),
+    row(Specular, "specular", ONE, SHARE, &[Term::Specular], "the Phong ambient term"),
+    row(Traditional, "traditional", RGB, LIGHT, &[Term::Visibility], "mean sky x albedo x visibility"),
+    row(Lambert, "lambert", RGB, LIGHT, &[Term::Diffuse], "albedo x light that arrives"),
+    row(Phong, "phong", RGB, LIGHT, &[Term::Diffuse, Term::Specular], "lambert plus specular reflectance x reflected light"),
+    row(StdErrDiffuse, "error", ONE, SHARE, &[Term::Diffuse], "standard error of diffuse"),
+    counted(row(Rays, "rays", ONE, (Unit::Count, Preview::OfLargest), &[], "rays spent")),
+    row(Position, "position", XYZ, (Unit::SceneUnits, Preview::None), &[], "mean position in the world"),
+    row(Normal, "normal", XYZ, UNIT_VECTOR, &[], "mean shading normal"),
+    row(Geometric, "geometric", XYZ, UNIT_VECTOR, &[], "mean geometric normal"),
+    row(Bent, "bent", XYZ, UNIT_VECTOR, &[Term::Diffuse], "mean open direction, cosine-weighted"),
+    row(Exponent, "exponent", ONE, (Unit::Number, Preview::OfLargest), &[], "lobe exponent of the material"),
+    counted(row(Object, "object", ONE, (Unit::Count, Preview::None), &[], "index of the object, -1 for none")),
+    row(Validity, "validity", ONE, SHARE, &[], "share that does not see back faces first"),
+    row(DifferenceLambert, "difference.lambert", RGB, (Unit::Radiance, Preview::Signed), &[Term::Visibility, Term::Diffuse], "traditional - lambert"),
+    row(DifferencePhong, "difference.phong", RGB, (Unit::Radiance, Preview::Signed), &[Term::Visibility, Term::Diffuse, Term::Specular], "traditional - phong"),
+    row(StdErrVisibility, "error.visibility", ONE, SHARE, &[Term::Visibility], "standard error of visibility"),
+    row(StdErrSpecular, "error.specular", ONE, SHARE, &[Term::Specular], "standard error of specular"),
+    row(Albedo, "albedo", RGB, TINT, &[], "diffuse reflectance"),
+    row(Reflectance, "reflectance", RGB, TINT, &[], "specular reflectance"),
+    row(Irradiance, "irradiance", RGB, LIGHT, &[Term::Diffuse], "light that arrives, E / pi, without albedo"),
+    row(Reflection, "reflection", RGB, LIGHT, &[Term::Specular], "light that the lobe reflects, without its colour"),
+    row(StdErrIrradiance, "error.irradiance", ONE, (Unit::Radiance, Preview::Linear), &[Term::Diffuse], "standard error of irradiance"),
+    row(StdErrReflection, "error.reflection", ONE, (Unit::Radiance, Preview::Linear), &[Term::Specular], "standard error of reflection"),
 ];
 
 impl Layer {
@@ -106,18 +201,18 @@ impl Layer {
         Traditional,
         Lambert,
         Phong,
-        Error,
+        StdErrDiffuse,
         Rays,
     ];
 
     /// Every layer.
     pub fn all() -> impl Iterator<Item = Self> {
-        TABLE.into_iter().map(|(layer, _, _)| layer)
+        TABLE.into_iter().map(|row| row.layer)
     }
 
     /// The name in files and on the command line.
     pub const fn name(self) -> &'static str {
-        TABLE[self as usize].1
+        TABLE[self as usize].name
     }
 
     /// The layer of that name.
@@ -127,12 +222,40 @@ impl Layer {
 
     /// Channel suffixes in order: none, `R G B` or `X Y Z`.
     pub const fn channels(self) -> &'static [&'static str] {
-        TABLE[self as usize].2
+        TABLE[self as usize].channels
     }
 
-    /// True where gutter texels take the mean of their neighbours; counts and indices keep their void value.
+    /// The name of one of its channels in a file, such as `diffuse` or `phong.R`.
+    pub fn channel_name(self, channel: usize) -> String {
+        match self.channels()[channel] {
+            "" => self.name().into(),
+            suffix => format!("{}.{suffix}", self.name()),
+        }
+    }
+
+    /// What its values are measured in.
+    pub const fn unit(self) -> Unit {
+        TABLE[self as usize].unit
+    }
+
+    /// How its 8-bit preview stores a value.
+    pub const fn preview(self) -> Preview {
+        TABLE[self as usize].preview
+    }
+
+    /// True where gutter texels take the mean of their neighbours; coverage, counts and indices keep their void value.
     pub const fn dilates(self) -> bool {
-        !matches!(self, Coverage | Rays | Object)
+        TABLE[self as usize].dilates
+    }
+
+    /// The terms that must be modelled for it.
+    pub const fn needs(self) -> &'static [Term] {
+        TABLE[self as usize].needs
+    }
+
+    /// A few words about it, for help and tables.
+    pub const fn help(self) -> &'static str {
+        TABLE[self as usize].help
     }
 
     /// The value of a texel that no chart touches.
@@ -140,6 +263,20 @@ impl Layer {
         match self {
             Object => -1.0,
             _ => 0.0,
+        }
+    }
+}
+
+impl Term {
+    /// Every term, in the order in which the planner reports them.
+    pub const ALL: [Self; 3] = [Self::Diffuse, Self::Visibility, Self::Specular];
+
+    /// The name of its layer, on the command line and in `bake.json`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Diffuse => "diffuse",
+            Self::Visibility => "visibility",
+            Self::Specular => "specular",
         }
     }
 }
@@ -156,9 +293,31 @@ mod tests {
 
     #[test]
     fn table_stands_in_the_order_of_the_enum() {
-        for (index, (layer, name, _)) in TABLE.into_iter().enumerate() {
-            assert_eq!(layer as usize, index, "{name}");
-            assert_eq!(Layer::from_name(name), Some(layer));
+        for (index, row) in TABLE.into_iter().enumerate() {
+            assert_eq!(row.layer as usize, index, "{}", row.name);
+            assert_eq!(Layer::from_name(row.name), Some(row.layer));
+        }
+    }
+
+    #[test]
+    fn channels_have_the_names_of_the_contract() {
+        assert_eq!(Diffuse.channel_name(0), "diffuse");
+        assert_eq!(DifferencePhong.channel_name(2), "difference.phong.B");
+        assert_eq!(Bent.channel_name(0), "bent.X");
+    }
+
+    #[test]
+    fn a_preview_suits_what_a_layer_holds() {
+        for layer in Layer::all() {
+            let (unit, preview) = (layer.unit(), layer.preview());
+            let suits = match preview {
+                Preview::Srgb => matches!(unit, Unit::Radiance | Unit::Reflectance),
+                Preview::Linear => matches!(unit, Unit::Share | Unit::Radiance),
+                Preview::OfLargest => matches!(unit, Unit::Count | Unit::Number),
+                Preview::Signed => matches!(unit, Unit::Direction | Unit::Radiance),
+                Preview::None => matches!(unit, Unit::SceneUnits | Unit::Count),
+            };
+            assert!(suits, "{}: {preview:?} of {unit:?}", layer.name());
         }
     }
 }

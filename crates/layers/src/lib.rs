@@ -6,5 +6,5 @@
 mod layer;
 mod progress;
 
-pub use layer::Layer;
+pub use layer::{Layer, Preview, Term, Unit};
 pub use progress::Progress;

@@ -30,3 +30,8 @@ pub fn build(
         BackendKind::Obvhs(layout) => Box::new(ObvhsBackend::build(world, layout)),
     })
 }
+
+/// True where this build holds Embree; whether its library can be loaded shows when a backend is built.
+pub fn has_embree() -> bool {
+    embree::header_version().is_some()
+}

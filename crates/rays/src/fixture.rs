@@ -170,7 +170,7 @@ impl Dice {
 pub(crate) fn world(scene: Scene) -> crate::world::World {
     let options = crate::world::WorldOptions {
         instancing: true,
-        filter_all: false,
+        alpha_test_all: false,
     };
     crate::world::World::new(Arc::new(scene), options).expect("fixtures fit single precision")
 }

@@ -3,6 +3,27 @@
 //!
 //! [`World`] holds the triangles, [`build`] makes a [`RayBackend`] over it, [`Surfaces`] turns a hit into a
 //! [`SurfacePoint`] with its material. A renderer or a baker needs nothing else to cast rays.
+//!
+//! ```
+//! use ambake_rays::{BackendKind, Layout, Ray, World, WorldOptions, build};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/plane.obj");
+//! # if !std::path::Path::new(file).exists() { return Ok(()); }
+//! let scene = std::sync::Arc::new(scene::load(file.as_ref())?);
+//! let world = World::new(scene, WorldOptions::default())?;
+//! let backend = build(BackendKind::Obvhs(Layout::default()), &world, 0)?;
+//!
+//! let above = world.bounds().center() + glam::DVec3::Y;
+//! let down = Ray {
+//!     origin: above.as_vec3().to_array(),
+//!     direction: [0.0, -1.0, 0.0],
+//!     t_min: 0.0,
+//!     t_max: f32::INFINITY,
+//! };
+//! assert_eq!(backend.closest(&down).map(|hit| hit.t), Some(1.0));
+//! # Ok(())
+//! # }
+//! ```
 #![forbid(unsafe_code)]
 
 mod alpha_test;
@@ -25,7 +46,7 @@ mod world;
 
 pub use alpha_test::AlphaTest;
 pub use backend::{Coherence, Layout, Ray, RayBackend, RayPacket, SurfaceHit};
-pub use build::{BackendKind, build};
+pub use build::{BackendKind, build, has_embree};
 pub use embree_backend::EmbreeBackend;
 pub use error::Error;
 pub use material::{Overrides, PhongMaterial, is_mapped, material_at};

@@ -7,7 +7,7 @@
 use crate::alpha_test::AlphaTest;
 use crate::backend::{Coherence, Layout, Ray, RayBackend, RayPacket, SurfaceHit};
 use crate::tree::Tree;
-use crate::triangle::Sight;
+use crate::triangle::ShearedRay;
 use crate::world::World;
 use glam::{DAffine3, DVec3};
 
@@ -51,7 +51,7 @@ struct PartTraits {
 /// A ray in f64 with its interval.
 #[derive(Clone, Copy)]
 struct Query {
-    sight: Sight,
+    sight: ShearedRay,
     t_min: f32,
     t_max: f32,
 }
@@ -286,10 +286,10 @@ impl Group {
 impl Placement {
     #[inline]
     fn carry(&self, query: &Query) -> Query {
-        let Sight {
+        let ShearedRay {
             origin, direction, ..
         } = query.sight;
-        let sight = Sight::new(
+        let sight = ShearedRay::new(
             self.inverse.transform_point3(origin),
             self.inverse.transform_vector3(direction),
         );
@@ -303,7 +303,7 @@ impl Query {
         let origin = DVec3::from_array(ray.origin.map(f64::from));
         let direction = DVec3::from_array(ray.direction.map(f64::from));
         Self {
-            sight: Sight::new(origin, direction),
+            sight: ShearedRay::new(origin, direction),
             t_min: if ray.t_min < 0.0 { 0.0 } else { ray.t_min },
             t_max: ray.t_max,
         }

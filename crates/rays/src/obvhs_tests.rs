@@ -6,7 +6,7 @@ use crate::fixture::{
 };
 use crate::mix::Mix;
 use crate::obvhs_backend::ObvhsBackend;
-use crate::triangle::Sight;
+use crate::triangle::ShearedRay;
 use crate::world::World;
 use glam::{DAffine3, DVec3, Vec3};
 
@@ -32,7 +32,7 @@ fn exhaustive(world: &World, ray: &Ray) -> Option<SurfaceHit> {
     let mut best: Option<SurfaceHit> = None;
     for (instance, part) in world.parts.iter().enumerate() {
         let geometry = &world.geometries[part.geometry as usize];
-        let sight = Sight::new(
+        let sight = ShearedRay::new(
             part.inverse().transform_point3(origin),
             part.inverse().transform_vector3(direction),
         );

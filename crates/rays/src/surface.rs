@@ -143,6 +143,12 @@ impl Patch {
         }
     }
 
+    /// True where the shading normal is the geometric normal, or its opposite, all over the triangle.
+    pub fn is_flat(&self) -> bool {
+        self.normals
+            .is_none_or(|[a, b, c]| a == b && a == c && a.dot(self.geometric).abs() >= 1.0 - 1e-12)
+    }
+
     /// How far above its plane rounding can put a point of this triangle, in scene units.
     pub fn rounding(&self) -> f64 {
         self.offset(self.low.abs().max(self.high.abs()))

@@ -9,7 +9,7 @@
 //! is met, so the near cut never shows. Triangles are tested outside of the tree, in the world's units, by the caller.
 
 use crate::mix::Mix;
-use crate::triangle::Sight;
+use crate::triangle::ShearedRay;
 use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::leaf_collapser::collapse;
@@ -106,7 +106,7 @@ impl Tree {
 
     /// True as soon as `hits` is true for a box that the ray may meet before `t_max`.
     #[inline]
-    pub fn any(&self, sight: Sight, t_max: f64, mut hits: impl FnMut(usize) -> bool) -> bool {
+    pub fn any(&self, sight: ShearedRay, t_max: f64, mut hits: impl FnMut(usize) -> bool) -> bool {
         let Some(entry) = self.enter(&sight, t_max) else {
             return false;
         };
@@ -125,7 +125,12 @@ impl Tree {
 
     /// Calls `visit` for boxes that the ray may meet before `t_max`, or before the t that `visit` has returned.
     #[inline]
-    pub fn nearest(&self, sight: Sight, t_max: f64, mut visit: impl FnMut(usize) -> Option<f64>) {
+    pub fn nearest(
+        &self,
+        sight: ShearedRay,
+        t_max: f64,
+        mut visit: impl FnMut(usize) -> Option<f64>,
+    ) {
         let Some(entry) = self.enter(&sight, t_max) else {
             return;
         };
@@ -152,8 +157,8 @@ impl Tree {
 
     /// The ray in tree units; `None` where it passes the sphere by, ends before it, or has no direction.
     #[inline]
-    fn enter(&self, sight: &Sight, t_max: f64) -> Option<Entry> {
-        let Sight {
+    fn enter(&self, sight: &ShearedRay, t_max: f64) -> Option<Entry> {
+        let ShearedRay {
             origin, direction, ..
         } = *sight;
         let length = direction.length();
@@ -317,9 +322,9 @@ mod tests {
     fn a_single_point_is_a_tree() {
         let (tree, order) = Tree::build(1, |_| [DVec3::ONE; 2], true);
         assert_eq!(order, [0]);
-        assert!(tree.any(Sight::new(DVec3::ZERO, DVec3::ONE), 1.0, |_| true));
+        assert!(tree.any(ShearedRay::new(DVec3::ZERO, DVec3::ONE), 1.0, |_| true));
         assert!(!tree.any(
-            Sight::new(DVec3::ZERO, DVec3::NEG_ONE),
+            ShearedRay::new(DVec3::ZERO, DVec3::NEG_ONE),
             f64::INFINITY,
             |_| true
         ));

@@ -13,7 +13,7 @@ use glam::DVec3;
 
 /// A ray's origin, direction and shear.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Sight {
+pub(crate) struct ShearedRay {
     pub origin: DVec3,
     pub direction: DVec3,
     /// Axes across and along; the last is the direction's largest.
@@ -32,7 +32,7 @@ pub(crate) struct Crossing {
     pub front: bool,
 }
 
-impl Sight {
+impl ShearedRay {
     /// The line from `origin` along `direction`; one without a direction meets nothing.
     #[inline]
     pub fn new(origin: DVec3, direction: DVec3) -> Self {
@@ -105,7 +105,8 @@ mod tests {
 
     #[test]
     fn crossing_reports_distance_weights_and_side_exactly() {
-        let up = Sight::new(DVec3::new(0.25, 0.5, 0.0), DVec3::new(0.0, 0.0, 0.5)).cross(&CORNERS);
+        let up =
+            ShearedRay::new(DVec3::new(0.25, 0.5, 0.0), DVec3::new(0.0, 0.0, 0.5)).cross(&CORNERS);
         assert_eq!(
             up,
             Some(Crossing {
@@ -114,7 +115,7 @@ mod tests {
                 front: false
             })
         );
-        let down = Sight::new(DVec3::new(0.25, 0.5, 3.0), DVec3::NEG_Z).cross(&CORNERS);
+        let down = ShearedRay::new(DVec3::new(0.25, 0.5, 3.0), DVec3::NEG_Z).cross(&CORNERS);
         assert_eq!(
             down,
             Some(Crossing {
@@ -136,8 +137,8 @@ mod tests {
             (0.0, 0.5),
         ] {
             for z in [0.0, 2.0] {
-                let hit =
-                    Sight::new(DVec3::new(x, y, z), DVec3::new(0.0, 0.0, 1.0 - z)).cross(&CORNERS);
+                let hit = ShearedRay::new(DVec3::new(x, y, z), DVec3::new(0.0, 0.0, 1.0 - z))
+                    .cross(&CORNERS);
                 assert_eq!(hit.map(|hit| hit.t), Some(1.0), "at {x} {y} from {z}");
             }
         }
@@ -146,21 +147,24 @@ mod tests {
     #[test]
     fn a_ray_in_the_plane_and_a_triangle_without_area_are_missed() {
         assert_eq!(
-            Sight::new(DVec3::new(-1.0, 0.25, 1.0), DVec3::X).cross(&CORNERS),
+            ShearedRay::new(DVec3::new(-1.0, 0.25, 1.0), DVec3::X).cross(&CORNERS),
             None
         );
         let line = [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [2.0, 0.0, 1.0]];
         assert_eq!(
-            Sight::new(DVec3::new(0.5, 0.0, 0.0), DVec3::Z).cross(&line),
+            ShearedRay::new(DVec3::new(0.5, 0.0, 0.0), DVec3::Z).cross(&line),
             None
         );
-        assert_eq!(Sight::new(DVec3::ZERO, DVec3::ZERO).cross(&CORNERS), None);
+        assert_eq!(
+            ShearedRay::new(DVec3::ZERO, DVec3::ZERO).cross(&CORNERS),
+            None
+        );
     }
 
     #[test]
     fn results_do_not_depend_on_the_scale() {
-        let base =
-            Sight::new(DVec3::new(0.25, 0.125, 0.0), DVec3::new(0.125, 0.0, 1.0)).cross(&CORNERS);
+        let base = ShearedRay::new(DVec3::new(0.25, 0.125, 0.0), DVec3::new(0.125, 0.0, 1.0))
+            .cross(&CORNERS);
         for scale in [
             f32::MIN_POSITIVE,
             2.0f32.powi(-60),
@@ -169,7 +173,7 @@ mod tests {
         ] {
             let corners = CORNERS.map(|corner| corner.map(|x| x * scale));
             let wide = f64::from(scale);
-            let hit = Sight::new(
+            let hit = ShearedRay::new(
                 DVec3::new(0.25, 0.125, 0.0) * wide,
                 DVec3::new(0.125, 0.0, 1.0) * wide,
             )

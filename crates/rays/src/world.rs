@@ -19,7 +19,17 @@ pub struct WorldOptions {
     /// A mesh with several instances is held once with a transform for each; otherwise every instance is flattened.
     pub instancing: bool,
     /// Opaque meshes get an alpha test too, one that keeps every hit: shows that leaving it out changes nothing.
-    pub filter_all: bool,
+    pub alpha_test_all: bool,
+}
+
+impl Default for WorldOptions {
+    /// Instancing, and alpha tests only where a material is masked.
+    fn default() -> Self {
+        Self {
+            instancing: true,
+            alpha_test_all: false,
+        }
+    }
 }
 
 /// The placed scene.
@@ -103,7 +113,7 @@ impl World {
                     } else {
                         Positions::Placed(place(&scene.meshes[mesh as usize], &instance.transform))
                     };
-                    let alpha = AlphaTest::of(&scene, mesh, options.filter_all);
+                    let alpha = AlphaTest::of(&scene, mesh, options.alpha_test_all);
                     let extent = extent(&positions);
                     geometries.push(Geometry {
                         scene: Arc::clone(&scene),
@@ -393,7 +403,7 @@ mod tests {
             Arc::new(placed_scene(vec![square], &placed)),
             WorldOptions {
                 instancing,
-                filter_all: false,
+                alpha_test_all: false,
             },
         )
     }

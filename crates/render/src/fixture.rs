@@ -85,7 +85,7 @@ pub(crate) fn world(sheets: &[Sheet]) -> (World, Box<dyn RayBackend>) {
     };
     let options = WorldOptions {
         instancing: false,
-        filter_all: false,
+        alpha_test_all: false,
     };
     let world = World::new(Arc::new(scene), options).unwrap();
     let backend = build(BackendKind::Obvhs(Layout::Cwbvh), &world, 1).unwrap();

@@ -94,6 +94,9 @@ pub struct DecisionReport {
     pub modelled: bool,
     /// Why it was taken, as a sentence.
     pub reason: String,
+    /// For a term, how it comes about: `closed_form`, `rays` or `off`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub method: Option<String>,
 }
 
 /// The layout.
@@ -293,11 +296,11 @@ pub fn read_bake_report(path: &Path) -> Result<BakeReport, Error> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use serde_json::json;
 
-    fn report() -> BakeReport {
+    pub(crate) fn report() -> BakeReport {
         BakeReport {
             schema_version: BAKE_SCHEMA_VERSION,
             versions: Versions {
@@ -319,6 +322,7 @@ mod tests {
                 decision: "specular".into(),
                 modelled: false,
                 reason: "no material reflects specularly".into(),
+                method: Some("off".into()),
             }],
             atlas: AtlasReport {
                 kept_set: Some(1),

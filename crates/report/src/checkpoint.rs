@@ -1,6 +1,6 @@
 //! The state of an interrupted bake: one file a page in the output directory, removed when the bake is done.
 //!
-//! Layout: the line `ambake-resume 1`, a line of JSON (key, state, plane length and count), then the planes as
+//! Layout: the line `ambake-resume 2`, a line of JSON (key, state, the length of each plane), then the planes as
 //! little-endian f32. The key names everything that decides the values; a file with another key is not used.
 
 use crate::Error;
@@ -11,7 +11,7 @@ use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-const MAGIC: &str = "ambake-resume 1";
+const MAGIC: &str = "ambake-resume 2";
 
 /// One page's state.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,7 +20,7 @@ pub struct Checkpoint {
     pub key: Value,
     /// The baker's counters.
     pub state: Value,
-    /// All planes, of equal length.
+    /// All planes.
     pub planes: Vec<Vec<f32>>,
 }
 
@@ -28,8 +28,8 @@ pub struct Checkpoint {
 struct Header {
     key: Value,
     state: Value,
-    planes: usize,
-    length: usize,
+    /// Values of each plane.
+    lengths: Vec<usize>,
 }
 
 /// Where the state of a page of `stem` lies in `dir`.
@@ -45,17 +45,14 @@ pub fn write_checkpoint(path: &Path, checkpoint: &Checkpoint) -> Result<(), Erro
     let fail = |source| Error::write(path, source);
     let dir = path.parent().unwrap_or(Path::new("."));
     let mut file = NamedTempFile::new_in(dir).map_err(fail)?;
-    let length = checkpoint.planes.first().map_or(0, Vec::len);
     let header = Header {
         key: checkpoint.key.clone(),
         state: checkpoint.state.clone(),
-        planes: checkpoint.planes.len(),
-        length,
+        lengths: checkpoint.planes.iter().map(Vec::len).collect(),
     };
     let header = serde_json::to_string(&header).map_err(|e| fail(e.into()))?;
     writeln!(file, "{MAGIC}\n{header}").map_err(fail)?;
     for plane in &checkpoint.planes {
-        assert_eq!(plane.len(), length, "planes of one page have one length");
         let bytes: Vec<u8> = plane.iter().flat_map(|v| v.to_le_bytes()).collect();
         file.write_all(&bytes).map_err(fail)?;
     }
@@ -97,18 +94,16 @@ pub fn read_checkpoint(path: &Path, key: &Value) -> Result<Option<Checkpoint>, E
     if header.key != *key {
         return Ok(None);
     }
-    let wanted = (header.planes as u64)
-        .saturating_mul(header.length as u64)
-        .saturating_mul(4);
-    if wanted > bytes {
+    let wanted = header
+        .lengths
+        .iter()
+        .fold(0u64, |sum, &length| sum.saturating_add(length as u64));
+    if wanted.saturating_mul(4) > bytes {
         return Err(damaged("the file is truncated".into()));
     }
-    if header.length == 0 && header.planes > 0 {
-        return Err(damaged("its planes are empty".into()));
-    }
-    let mut planes = Vec::with_capacity(header.planes);
-    for _ in 0..header.planes {
-        let mut raw = vec![0u8; header.length * 4];
+    let mut planes = Vec::with_capacity(header.lengths.len());
+    for length in header.lengths {
+        let mut raw = vec![0u8; length * 4];
         reader
             .read_exact(&mut raw)
             .map_err(|_| damaged("the file is truncated".into()))?;
@@ -145,7 +140,7 @@ mod tests {
         let state = Checkpoint {
             key: json!({"seed": 1}),
             state: json!(7),
-            planes: vec![vec![0.5, -1.0], vec![2.0, 3.0]],
+            planes: vec![vec![0.5, -1.0], vec![2.0, 3.0, 4.0]],
         };
         assert_eq!(read_checkpoint(&path, &state.key).unwrap(), None);
         write_checkpoint(&path, &state).unwrap();
@@ -180,12 +175,12 @@ mod tests {
     }
 
     #[test]
-    fn a_header_that_promises_planes_of_nothing_is_refused() {
+    fn a_header_that_promises_more_than_the_file_holds_is_refused() {
         let dir = tempfile::tempdir().unwrap();
         let path = checkpoint_path(dir.path(), "room", 0);
-        let header = r#"{"key":1,"state":2,"planes":4611686018427387904,"length":0}"#;
+        let header = r#"{"key":1,"state":2,"lengths":[4611686018427387904,4611686018427387904]}"#;
         std::fs::write(&path, format!("{MAGIC}\n{header}\n")).unwrap();
         let error = read_checkpoint(&path, &json!(1)).unwrap_err().to_string();
-        assert!(error.contains("planes are empty"), "{error}");
+        assert!(error.contains("truncated"), "{error}");
     }
 }

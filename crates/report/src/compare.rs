@@ -244,16 +244,16 @@ pub(crate) fn largest(values: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Layer;
+    use crate::PageLayer;
 
     fn page() -> Page {
         Page {
             size: 2,
             layers: vec![
-                Layer::scalar("coverage", vec![1.0, 0.5, 0.0, 0.5]),
-                Layer::scalar("visibility", vec![1.0, 0.5, 9.0, 0.25]),
-                Layer::scalar("diffuse", vec![0.5, 0.5, 0.0, 0.75]),
-                Layer::scalar("object", vec![0.0, 1.0, -1.0, 1.0]),
+                PageLayer::scalar("coverage", vec![1.0, 0.5, 0.0, 0.5]),
+                PageLayer::scalar("visibility", vec![1.0, 0.5, 9.0, 0.25]),
+                PageLayer::scalar("diffuse", vec![0.5, 0.5, 0.0, 0.75]),
+                PageLayer::scalar("object", vec![0.0, 1.0, -1.0, 1.0]),
             ],
         }
     }
@@ -295,7 +295,7 @@ mod tests {
     fn pages_are_compared_by_common_channel_over_the_charts_of_either() {
         let (a, mut b) = (page(), page());
         b.layers.remove(2);
-        b.layers.push(Layer::scalar("rays", vec![1.0; 4]));
+        b.layers.push(PageLayer::scalar("rays", vec![1.0; 4]));
         b.layers[1].channels[0].values = vec![0.5, f32::NAN, 7.0, 0.5];
         let result = compare_pages(&a, &b).unwrap();
         let names: Vec<_> = result.channels.iter().map(|c| c.0.as_str()).collect();
@@ -312,7 +312,7 @@ mod tests {
 
         let small = Page {
             size: 1,
-            layers: vec![Layer::scalar("rays", vec![1.0])],
+            layers: vec![PageLayer::scalar("rays", vec![1.0])],
         };
         let error = compare_pages(&a, &small).unwrap_err().to_string();
         assert!(
@@ -321,7 +321,7 @@ mod tests {
         );
         let foreign = Page {
             size: 2,
-            layers: vec![Layer::scalar("Z", vec![1.0; 4])],
+            layers: vec![PageLayer::scalar("Z", vec![1.0; 4])],
         };
         let error = compare_pages(&a, &foreign).unwrap_err().to_string();
         assert!(error.contains("no channel in common"), "{error}");

@@ -209,7 +209,7 @@ impl Picture {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Layer;
+    use crate::PageLayer;
 
     #[test]
     fn zero_is_white_and_both_sides_lie_within_srgb_to_lightness_half() {
@@ -247,9 +247,9 @@ mod tests {
         let page = Page {
             size: 2,
             layers: vec![
-                Layer::scalar("coverage", vec![1.0, 0.5, 0.0, 0.5]),
-                Layer::scalar("a", vec![1.0, 0.5, 9.0, 0.25]),
-                Layer::scalar("b", vec![0.5, 0.5, 0.0, 0.75]),
+                PageLayer::scalar("coverage", vec![1.0, 0.5, 0.0, 0.5]),
+                PageLayer::scalar("a", vec![1.0, 0.5, 9.0, 0.25]),
+                PageLayer::scalar("b", vec![0.5, 0.5, 0.0, 0.75]),
             ],
         };
         let bytes = difference_png(&page, ("a", "b"), 0.5).unwrap();

@@ -22,6 +22,12 @@ pub enum Error {
         /// What the system said.
         source: io::Error,
     },
+    /// An output would replace a file that it is made from.
+    #[error("{} is an input of this job and would be replaced; choose another place with -o", path.display())]
+    ReplacesInput {
+        /// The file.
+        path: PathBuf,
+    },
     /// A file cannot be read, or is not what it should be.
     #[error("cannot read {}: {reason}", path.display())]
     Read {

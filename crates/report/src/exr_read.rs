@@ -1,6 +1,6 @@
 //! Reads a page back, for `compare` and `render`: any single-part, flat, square EXR.
 
-use crate::{Channel, Error, Layer, Page};
+use crate::{Channel, Error, Page, PageLayer};
 use exr::image::read::image::ReadLayers;
 use exr::image::read::layers::ReadChannels;
 use exr::image::read::read;
@@ -101,13 +101,13 @@ pub fn read_page_exr(path: &Path) -> Result<PageFile, Error> {
             attributes.insert(name.to_string(), value);
         }
     }
-    let mut layers: BTreeMap<String, Layer> = BTreeMap::new();
+    let mut layers: BTreeMap<String, PageLayer> = BTreeMap::new();
     for channel in image.layer_data.channel_data.list {
         let full = channel.name.to_string();
         let (name, suffix) = split(&full);
-        let layer = layers.entry(name.into()).or_insert_with(|| Layer {
+        let layer = layers.entry(name.into()).or_insert_with(|| PageLayer {
             name: name.into(),
-            ..Layer::default()
+            ..PageLayer::default()
         });
         let values = match channel.sample_data {
             exr::image::FlatSamples::F32(values) => values,

@@ -4,7 +4,7 @@
 //! writes them in a random order; [`sort_attributes`] puts them in the order of their names, as OpenEXR's own library
 //! does. See vendor-notes/exr.md.
 
-use crate::{Error, Page};
+use crate::Error;
 use exr::block::lines::LineRefMut;
 use exr::image::write::WritableImage;
 use exr::image::write::samples::{SamplesWriter, WritableSamples};
@@ -49,7 +49,10 @@ impl PageHeader {
     }
 }
 
-/// Writes `page` to `file`, which is empty and open for reading and writing (as [`crate::Output::stage`] hands it out).
+/// Writes a page to `file`, which is empty and open for reading and writing (as [`crate::Output::stage`] hands it out).
+///
+/// * `size`: edge of the page in texels.
+/// * `channels`: each with its name in the file and `size * size` values, rows from the top.
 ///
 /// Values are not copied. The bytes do not depend on the number of threads.
 ///
@@ -59,10 +62,14 @@ impl PageHeader {
 ///
 /// # Panics
 /// Where a channel has another length than the page, or two channels have one name: bugs of the caller.
-pub fn write_page_exr(file: &mut File, page: &Page, header: &PageHeader) -> Result<(), Error> {
-    let named = page.named_channels();
-    let edge = page.size as usize;
-    for (name, values) in &named {
+pub fn write_page_exr(
+    file: &mut File,
+    size: u32,
+    channels: &[(String, &[f32])],
+    header: &PageHeader,
+) -> Result<(), Error> {
+    let edge = size as usize;
+    for (name, values) in channels {
         assert_eq!(
             values.len(),
             edge * edge,
@@ -78,7 +85,7 @@ pub fn write_page_exr(file: &mut File, page: &Page, header: &PageHeader) -> Resu
             });
         }
     }
-    let channels = named.iter().map(|(name, values)| AnyChannel {
+    let channels = channels.iter().map(|(name, values)| AnyChannel {
         name: Text::from(name.as_str()),
         sample_data: Plane {
             width: edge,

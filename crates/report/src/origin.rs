@@ -54,7 +54,7 @@ fn short(value: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Layer, Page};
+    use crate::{Page, PageLayer as Layer};
 
     fn file(attributes: &[(&str, &str)]) -> PageFile {
         let attributes = attributes.iter();

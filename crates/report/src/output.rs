@@ -13,6 +13,8 @@ use tempfile::{NamedTempFile, TempPath};
 #[derive(Debug)]
 pub struct Output {
     dir: PathBuf,
+    /// Files that no output may replace.
+    inputs: Vec<PathBuf>,
     staged: Vec<(TempPath, PathBuf)>,
 }
 
@@ -33,8 +35,37 @@ impl Output {
         temporary(dir).map_err(|e| fail(e.to_string()))?;
         Ok(Output {
             dir: dir.to_owned(),
+            inputs: Vec::new(),
             staged: Vec::new(),
         })
+    }
+
+    /// An empty set in the directory of one file.
+    ///
+    /// # Errors
+    /// As [`Output::create`].
+    pub fn for_file(path: &Path) -> Result<Output, Error> {
+        match path.parent() {
+            Some(dir) if dir != Path::new("") => Output::create(dir),
+            _ => Output::create(Path::new(".")),
+        }
+    }
+
+    /// Refuses from now on to replace these files, which the outputs are made from.
+    pub fn protect(&mut self, inputs: impl IntoIterator<Item = PathBuf>) {
+        self.inputs.extend(inputs);
+    }
+
+    /// Checks that a file called `name` would not replace an input.
+    ///
+    /// # Errors
+    /// [`Error::ReplacesInput`].
+    pub fn check(&self, name: &str) -> Result<(), Error> {
+        let path = self.dir.join(name);
+        match self.inputs.iter().any(|input| same_file(input, &path)) {
+            true => Err(Error::ReplacesInput { path }),
+            false => Ok(()),
+        }
     }
 
     /// The directory.
@@ -47,12 +78,13 @@ impl Output {
     /// An error of `write` whose path is empty is given the file's final name.
     ///
     /// # Errors
-    /// What `write` returns, or [`Error::Write`].
+    /// What `write` returns, [`Error::Write`], or [`Error::ReplacesInput`].
     pub fn stage(
         &mut self,
         name: &str,
         write: impl FnOnce(&mut File) -> Result<(), Error>,
     ) -> Result<(), Error> {
+        self.check(name)?;
         let path = self.dir.join(name);
         let mut file = temporary(&self.dir).map_err(|e| Error::write(&path, e))?;
         write(file.as_file_mut()).map_err(|error| match error {
@@ -107,6 +139,43 @@ impl Output {
         // The names themselves reach the disk with the directory; a file system that cannot sync one still has them.
         let _ = File::open(&self.dir).and_then(|dir| dir.sync_all());
         Ok(names)
+    }
+}
+
+/// True where both paths lead to one existing file, whatever links are in between.
+fn same_file(a: &Path, b: &Path) -> bool {
+    let found = |path: &Path| fs::canonicalize(path).ok();
+    if let (Some(real_a), Some(real_b)) = (found(a), found(b)) {
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::MetadataExt;
+            if let (Ok(a), Ok(b)) = (fs::metadata(&real_a), fs::metadata(&real_b)) {
+                return (a.dev(), a.ino()) == (b.dev(), b.ino());
+            }
+        }
+        return real_a == real_b;
+    }
+    false
+}
+
+/// Files that an earlier `bake.json` in `dir` lists and that are not among `names`: leftovers of an earlier bake. Only files directly in `dir`
+/// count; without a readable `bake.json` there are none.
+pub fn stale_files(dir: &Path, names: &[String]) -> Vec<PathBuf> {
+    let Ok(earlier) = crate::read_bake_report(&dir.join("bake.json")) else {
+        return Vec::new();
+    };
+    let plain = |name: &String| Path::new(name).file_name() == Some(name.as_ref());
+    let stale = earlier
+        .files
+        .iter()
+        .filter(|name| plain(name) && !names.contains(name));
+    stale.map(|name| dir.join(name)).collect()
+}
+
+/// Removes leftovers of an earlier bake. One that cannot be removed stays; it is not listed any more.
+pub fn remove_stale(files: &[PathBuf]) {
+    for file in files {
+        let _ = fs::remove_file(file);
     }
 }
 
@@ -197,6 +266,48 @@ mod tests {
         let error = out.publish().unwrap_err().to_string();
         assert!(error.contains("bake.json"), "{error}");
         assert_eq!(names(dir.path()), ["bake.json"]);
+    }
+
+    #[test]
+    fn an_input_is_never_replaced_under_any_of_its_names() {
+        let dir = tempfile::tempdir().unwrap();
+        let input = dir.path().join("scene.glb");
+        fs::write(&input, b"mine").unwrap();
+        let mut out = Output::create(dir.path()).unwrap();
+        out.protect([dir.path().join("./scene.glb")]);
+        let error = out
+            .stage_bytes("scene.glb", b"new")
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("scene.glb") && error.contains("-o"),
+            "{error}"
+        );
+        #[cfg(unix)]
+        {
+            let folder = dir.path().join("linked");
+            fs::create_dir(&folder).unwrap();
+            fs::hard_link(&input, folder.join("copy.glb")).unwrap();
+            std::os::unix::fs::symlink(&input, folder.join("link.glb")).unwrap();
+            let mut out = Output::create(&folder).unwrap();
+            out.protect([input.clone()]);
+            assert!(out.check("copy.glb").is_err() && out.check("link.glb").is_err());
+        }
+        out.stage_bytes("other.glb", b"new").unwrap();
+        out.publish().unwrap();
+        assert_eq!(fs::read(&input).unwrap(), b"mine");
+    }
+
+    #[test]
+    fn leftovers_are_what_an_earlier_report_lists_and_nothing_else() {
+        let dir = tempfile::tempdir().unwrap();
+        assert!(stale_files(dir.path(), &[]).is_empty());
+        let files = ["a.0.exr", "a.1.exr", "../outside", "bake.json"].map(String::from);
+        let mut report = crate::bake_json::tests::report();
+        report.files = files.to_vec();
+        fs::write(dir.path().join("bake.json"), report.to_json()).unwrap();
+        let kept = ["a.0.exr".to_owned(), "bake.json".to_owned()];
+        assert_eq!(stale_files(dir.path(), &kept), [dir.path().join("a.1.exr")]);
     }
 
     #[cfg(unix)]

@@ -1,17 +1,17 @@
-//! One page of the atlas with its layers: the plain data that is written and read back.
+//! One page as a file holds it: channels by their names, whether ambake or somebody else wrote them.
 
-/// All layers of one atlas page. Pages are square; row 0 is the top and v = 0.
+/// All layers of one page file. Pages are square; row 0 is the top and v = 0.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Page {
     /// Edge in texels.
     pub size: u32,
     /// Layers in any order; names are unique.
-    pub layers: Vec<Layer>,
+    pub layers: Vec<PageLayer>,
 }
 
-/// One term over the page.
+/// The channels of a page that share a name but for their suffix.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Layer {
+pub struct PageLayer {
     /// Name as in the file contract, such as `diffuse` or `difference.lambert`.
     pub name: String,
     /// One channel with an empty suffix, or several.
@@ -29,7 +29,7 @@ pub struct Channel {
 
 impl Page {
     /// The layer called `name`.
-    pub fn layer(&self, name: &str) -> Option<&Layer> {
+    pub fn layer(&self, name: &str) -> Option<&PageLayer> {
         self.layers.iter().find(|layer| layer.name == name)
     }
 
@@ -53,10 +53,10 @@ impl Page {
     }
 }
 
-impl Layer {
+impl PageLayer {
     /// A layer of one channel.
-    pub fn scalar(name: &str, values: Vec<f32>) -> Layer {
-        Layer {
+    pub fn scalar(name: &str, values: Vec<f32>) -> PageLayer {
+        PageLayer {
             name: name.into(),
             channels: vec![Channel {
                 suffix: String::new(),
@@ -66,7 +66,7 @@ impl Layer {
     }
 
     /// A layer of three channels with the suffixes R, G, B or X, Y, Z.
-    pub fn triple(name: &str, suffixes: [&str; 3], values: [Vec<f32>; 3]) -> Layer {
+    pub fn triple(name: &str, suffixes: [&str; 3], values: [Vec<f32>; 3]) -> PageLayer {
         let channels = suffixes.into_iter().zip(values);
         let channels = channels
             .map(|(suffix, values)| Channel {
@@ -74,7 +74,7 @@ impl Layer {
                 values,
             })
             .collect();
-        Layer {
+        PageLayer {
             name: name.into(),
             channels,
         }

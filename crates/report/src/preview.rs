@@ -1,6 +1,6 @@
 //! 8-bit previews of layers, each saying in its own chunks how its numbers are stored.
 
-use crate::{Error, Layer, Page};
+use layers::{Layer, Preview};
 use png::{BitDepth, ColorType, Encoder, ScaledFloat, SrgbRenderingIntent};
 
 /// How a value becomes a byte.
@@ -17,24 +17,18 @@ pub enum Encoding {
 }
 
 impl Encoding {
-    /// The encoding for previews of `layer`; `None` where 8 bits show nothing useful (positions, indices, exponents).
-    pub fn of(layer: &Layer) -> Option<Encoding> {
-        match layer.name.as_str() {
-            "coverage" | "visibility" | "diffuse" | "specular" | "error" | "validity" => {
-                Some(Encoding::Linear)
+    /// The encoding of a layer's preview, as the table of layers says; `None` where there is none. `values` are all of the layer's.
+    pub fn of(layer: Layer, values: &[f32]) -> Option<Encoding> {
+        Some(match layer.preview() {
+            Preview::Linear => Encoding::Linear,
+            Preview::Signed => Encoding::Signed,
+            Preview::Srgb => Encoding::Srgb,
+            Preview::OfLargest => {
+                let most = values.iter().fold(0.0f32, |a, &b| a.max(b));
+                Encoding::Scaled(if most > 0.0 { most } else { 1.0 })
             }
-            "traditional" | "lambert" | "phong" => Some(Encoding::Srgb),
-            "normal" | "geometric" | "bent" => Some(Encoding::Signed),
-            "rays" => {
-                let most = layer
-                    .channels
-                    .iter()
-                    .flat_map(|c| &c.values)
-                    .fold(0.0f32, |a, &b| a.max(b));
-                Some(Encoding::Scaled(if most > 0.0 { most } else { 1.0 }))
-            }
-            _ => None,
-        }
+            Preview::None => return None,
+        })
     }
 
     /// The byte for `value`. NaN becomes 0.
@@ -62,54 +56,50 @@ impl Encoding {
     }
 }
 
-/// The preview of `layer` as a PNG file: grey for one channel, RGB for three. The bytes are a function of the arguments.
+/// The preview of `layer` as a PNG file: grey for one channel, RGB for three; `None` where the layer has none. The bytes are a function
+/// of the arguments.
+///
+/// * `values`: planes of `size * size` values, one after another, one for each of the layer's channels.
 ///
 /// # Panics
-/// Where the layer has neither one nor three channels of `size * size` values.
-pub fn preview_png(size: u32, layer: &Layer, encoding: Encoding) -> Vec<u8> {
+/// Where there are more or fewer values.
+pub fn preview_png(size: u32, layer: Layer, values: &[f32]) -> Option<Vec<u8>> {
     let texels = size as usize * size as usize;
-    for channel in &layer.channels {
-        assert_eq!(
-            channel.values.len(),
-            texels,
-            "layer {} of a page of {size} texels",
-            layer.name
-        );
-    }
-    let (color, pixels) = match layer.channels.as_slice() {
-        [grey] => (
-            ColorType::Grayscale,
-            grey.values
-                .iter()
-                .map(|&v| encoding.byte(v))
-                .collect::<Vec<u8>>(),
-        ),
-        [r, g, b] => {
-            let texel =
-                |i: usize| [r.values[i], g.values[i], b.values[i]].map(|v| encoding.byte(v));
-            (ColorType::Rgb, (0..texels).flat_map(texel).collect())
-        }
-        other => panic!("layer {} has {} channels", layer.name, other.len()),
+    let channels = layer.channels().len();
+    assert_eq!(
+        values.len(),
+        channels * texels,
+        "layer {} of a page of {size} texels",
+        layer.name()
+    );
+    let encoding = Encoding::of(layer, values)?;
+    let color = match channels {
+        1 => ColorType::Grayscale,
+        _ => ColorType::Rgb,
     };
-    let title = format!("{}: {}", layer.name, encoding.description());
-    encode([size, size], color, &pixels, Some((encoding, &title)))
+    let pixels: Vec<u8> = (0..texels)
+        .flat_map(|i| (0..channels).map(move |c| encoding.byte(values[c * texels + i])))
+        .collect();
+    let title = format!("{}: {}", layer.name(), encoding.description());
+    Some(encode(
+        [size, size],
+        color,
+        &pixels,
+        Some((encoding, &title)),
+    ))
 }
 
 /// The diffuse term as the picture for glTF's `occlusionTexture`: RGB, 8-bit, linear, red = green = blue.
 ///
 /// It carries no colour-space chunk, which glTF readers must ignore and validators warn about.
 ///
-/// # Errors
-/// [`Error::MissingLayer`] without a `diffuse` layer.
-pub fn occlusion_png(page: &Page) -> Result<Vec<u8>, Error> {
-    let diffuse = page.values("diffuse").ok_or_else(|| Error::MissingLayer {
-        layer: "diffuse".into(),
-    })?;
+/// * `diffuse`: `size * size` values.
+pub fn occlusion_png(size: u32, diffuse: &[f32]) -> Vec<u8> {
     let pixels: Vec<u8> = diffuse
         .iter()
         .flat_map(|&v| [Encoding::Linear.byte(v); 3])
         .collect();
-    Ok(encode([page.size; 2], ColorType::Rgb, &pixels, None))
+    encode([size; 2], ColorType::Rgb, &pixels, None)
 }
 
 /// A PNG file in memory.
@@ -165,11 +155,7 @@ mod tests {
     #[test]
     fn a_preview_says_how_it_is_stored() {
         let values = vec![0.0, 0.25, 0.5, 1.0];
-        let linear = preview_png(
-            2,
-            &Layer::scalar("diffuse", values.clone()),
-            Encoding::Linear,
-        );
+        let linear = preview_png(2, Layer::Diffuse, &values).unwrap();
         let reader = png::Decoder::new(std::io::Cursor::new(&linear))
             .read_info()
             .unwrap();
@@ -181,13 +167,7 @@ mod tests {
         );
         assert_eq!((info.color_type, info.srgb), (ColorType::Grayscale, None));
 
-        let layer = Layer::triple(
-            "phong",
-            ["R", "G", "B"],
-            [values.clone(), values.clone(), values],
-        );
-        let encoding = Encoding::of(&layer).unwrap();
-        let bytes = preview_png(2, &layer, encoding);
+        let bytes = preview_png(2, Layer::Phong, &values.repeat(3)).unwrap();
         let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes))
             .read_info()
             .unwrap();
@@ -201,6 +181,20 @@ mod tests {
             pixels,
             [0, 0, 0, 137, 137, 137, 188, 188, 188, 255, 255, 255]
         );
-        assert_eq!(bytes, preview_png(2, &layer, encoding));
+        assert_eq!(Some(bytes), preview_png(2, Layer::Phong, &values.repeat(3)));
+    }
+
+    #[test]
+    fn every_layer_but_positions_and_indices_has_a_preview() {
+        for layer in Layer::all() {
+            let values = vec![0.5; 4 * layer.channels().len()];
+            let none = matches!(layer, Layer::Position | Layer::Object);
+            assert_eq!(
+                preview_png(2, layer, &values).is_none(),
+                none,
+                "{}",
+                layer.name()
+            );
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! EXR pages: what is written comes back, the bytes are fixed, damage is an error, another library reads the file.
 
-use ambake_report::{Layer, Output, Page, PageHeader, read_page_exr, write_page_exr};
+use ambake_report::{Output, Page, PageHeader, PageLayer, read_page_exr, write_page_exr};
 use std::path::{Path, PathBuf};
 
 /// Values with all kinds of bits, the same on every run.
@@ -11,12 +11,13 @@ fn ramp(size: u32, seed: u32) -> Vec<f32> {
 }
 
 fn page(size: u32) -> Page {
-    let triple = |name, suffixes| Layer::triple(name, suffixes, [1, 2, 3].map(|s| ramp(size, s)));
+    let triple =
+        |name, suffixes| PageLayer::triple(name, suffixes, [1, 2, 3].map(|s| ramp(size, s)));
     Page {
         size,
         layers: vec![
-            Layer::scalar("visibility", ramp(size, 5)),
-            Layer::scalar("coverage", ramp(size, 4)),
+            PageLayer::scalar("visibility", ramp(size, 5)),
+            PageLayer::scalar("coverage", ramp(size, 4)),
             triple("lambert", ["R", "G", "B"]),
             triple("difference.lambert", ["R", "G", "B"]),
             triple("position", ["X", "Y", "Z"]),
@@ -38,8 +39,10 @@ fn header() -> PageHeader {
 
 fn write(dir: &Path, name: &str, page: &Page) -> PathBuf {
     let mut out = Output::create(dir).unwrap();
-    out.stage(name, |file| write_page_exr(file, page, &header()))
-        .unwrap();
+    out.stage(name, |file| {
+        write_page_exr(file, page.size, &page.named_channels(), &header())
+    })
+    .unwrap();
     out.publish().unwrap().remove(0)
 }
 
@@ -111,7 +114,9 @@ fn a_nan_is_refused_with_layer_and_texel() {
     page.layers[2].channels[1].values[8 * 3 + 5] = f32::NAN;
     let mut out = Output::create(dir.path()).unwrap();
     let error = out
-        .stage("a.exr", |file| write_page_exr(file, &page, &header()))
+        .stage("a.exr", |file| {
+            write_page_exr(file, page.size, &page.named_channels(), &header())
+        })
         .unwrap_err()
         .to_string();
     assert!(

@@ -12,11 +12,11 @@ use super::fit::{Design, LINEAR, TERMS};
 use super::window::{Links, REACH, Walk, Window};
 use rayon::prelude::*;
 
-/// Filtered values in 0..=1, and standard errors with the estimated bias.
+/// Denoised values in 0..=1, and standard errors with the estimated bias.
 #[derive(Debug)]
-pub(crate) struct Regressed {
-    pub value: Vec<f32>,
-    pub error: Vec<f32>,
+pub(crate) struct Denoised {
+    pub values: Vec<f32>,
+    pub std_errs: Vec<f32>,
 }
 
 /// Windows (texels to each side) and terms of the regressions that a texel may take.
@@ -33,7 +33,7 @@ const CANDIDATES: [(usize, usize); 7] = [
 /// Texels to each side over which the estimated error of a candidate is averaged.
 const SMOOTH: usize = 3;
 
-/// Rows that one task filters; it fits `SMOOTH` more on either side.
+/// Rows that one task denoises; it fits `SMOOTH` more on either side.
 const BAND: usize = 32;
 
 /// A value, its variance and its estimated squared error.
@@ -47,8 +47,8 @@ struct Fit {
 /// The fits of one texel: the plain value, then every candidate.
 type Fits = [Fit; CANDIDATES.len() + 1];
 
-/// Filters `value`, whose independent texels have the standard errors `error`.
-pub(crate) fn regress(field: &Field<'_>, value: &[f32], error: &[f32]) -> Regressed {
+/// Denoises `value`, whose independent texels have the standard errors `error`.
+pub(crate) fn denoise(field: &Field<'_>, value: &[f32], error: &[f32]) -> Denoised {
     let (size, links, walk) = (field.size, Links::of(field), Walk::new());
     let (mut values, mut errors) = (value.to_vec(), error.to_vec());
     values
@@ -70,9 +70,9 @@ pub(crate) fn regress(field: &Field<'_>, value: &[f32], error: &[f32]) -> Regres
                 }
             }
         });
-    Regressed {
-        value: values,
-        error: errors,
+    Denoised {
+        values,
+        std_errs: errors,
     }
 }
 
@@ -215,7 +215,7 @@ mod tests {
         made
     }
 
-    /// Root mean square error of the plain and of the filtered values, and the filter's own estimate of the latter.
+    /// Root mean square error of the plain and of the denoised values, and the denoiser's own estimate of the latter.
     fn errors(made: &Made, sigma: f32) -> [f64; 3] {
         let field = Field {
             size: SIZE,
@@ -224,41 +224,41 @@ mod tests {
             normal: [&made.normal[0], &made.normal[1], &made.normal[2]],
             object: &made.object,
         };
-        let found = regress(&field, &made.value, &vec![sigma; SIZE * SIZE]);
+        let found = denoise(&field, &made.value, &vec![sigma; SIZE * SIZE]);
         let covered: Vec<usize> = (0..SIZE * SIZE).filter(|&i| field.covered(i)).collect();
         let rms = |of: &dyn Fn(usize) -> f64| {
             (covered.iter().map(|&i| of(i) * of(i)).sum::<f64>() / covered.len() as f64).sqrt()
         };
         [
             rms(&|i| f64::from(made.value[i]) - made.truth[i]),
-            rms(&|i| f64::from(found.value[i]) - made.truth[i]),
-            rms(&|i| f64::from(found.error[i])),
+            rms(&|i| f64::from(found.values[i]) - made.truth[i]),
+            rms(&|i| f64::from(found.std_errs[i])),
         ]
     }
 
     #[test]
     fn a_slope_is_smoothed_over_the_largest_window() {
         let made = made(0.02, |x, y| 0.2 + 0.3 * x + 0.2 * y, |_| 0.0);
-        let [plain, filtered, stated] = errors(&made, 0.02);
+        let [plain, denoised, stated] = errors(&made, 0.02);
         // Of 121 texels a linear fit leaves 0.09 of the noise, a quadratic one 0.14, one at a border twice that.
-        assert!(filtered < 0.25 * plain, "{filtered} of {plain}");
+        assert!(denoised < 0.25 * plain, "{denoised} of {plain}");
         // Stein's estimate averaged over 49 texels has a deviation of √(2/49) of the variance; only its positive half, 0.4 of it
         // on average, counts as bias.
-        let most = (filtered * filtered + 0.4 * (2.0_f64 / 49.0).sqrt() * 0.02 * 0.02).sqrt();
+        let most = (denoised * denoised + 0.4 * (2.0_f64 / 49.0).sqrt() * 0.02 * 0.02).sqrt();
         assert!(
-            (0.7 * filtered..=most).contains(&stated),
-            "stated {stated}, true {filtered}, at most {most}"
+            (0.7 * denoised..=most).contains(&stated),
+            "stated {stated}, true {denoised}, at most {most}"
         );
     }
 
     #[test]
     fn a_step_is_not_blurred() {
         let made = made(0.02, |x, _| if x < 0.5 { 0.2 } else { 0.8 }, |_| 0.0);
-        let [plain, filtered, stated] = errors(&made, 0.02);
-        assert!(filtered < plain, "{filtered} of {plain}");
+        let [plain, denoised, stated] = errors(&made, 0.02);
+        assert!(denoised < plain, "{denoised} of {plain}");
         assert!(
-            (0.6..=1.6).contains(&(stated / filtered)),
-            "stated {stated}, true {filtered}"
+            (0.6..=1.6).contains(&(stated / denoised)),
+            "stated {stated}, true {denoised}"
         );
     }
 
@@ -269,8 +269,8 @@ mod tests {
             |x, _| if x < 0.5 { 0.2 } else { 0.8 },
             |x| f32::from(u8::from(x >= SIZE / 2)),
         );
-        let [plain, filtered, _] = errors(&made, 0.02);
-        assert!(filtered < 0.25 * plain, "{filtered} of {plain}");
+        let [plain, denoised, _] = errors(&made, 0.02);
+        assert!(denoised < 0.25 * plain, "{denoised} of {plain}");
     }
 
     #[test]
@@ -280,10 +280,10 @@ mod tests {
             |x, y| (3.0 * x).sin().abs() * 0.5 + 0.4 * y * y,
             |_| 0.0,
         );
-        let [_, filtered, stated] = errors(&made, 0.0);
+        let [_, denoised, stated] = errors(&made, 0.0);
         assert!(
-            filtered < 1e-6 && stated == 0.0,
-            "{filtered}, stated {stated}"
+            denoised < 1e-6 && stated == 0.0,
+            "{denoised}, stated {stated}"
         );
     }
 }

@@ -10,45 +10,67 @@
 //! the rule of three its share is below 3/N with 95 % confidence, which is two standard errors of 1.5/N, with N all points that
 //! agree.
 
-use super::{REPLICATES, Replicates, Sums, Term};
+use super::sums::{REPLICATES, Replicates, Sums, Technique};
+use super::terms::{Terms, uniform_light};
 use crate::options::Sky;
 use crate::survey::Texel;
+use ambient::Estimate;
 use atlas::TILE;
 use glam::DVec3;
 
 /// Neighbours pool where their normals are within acos of this, some 37 degrees.
 const NORMAL_AGREEMENT: f64 = 0.8;
 
-/// One texel's values of one term's two sums.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Estimate {
-    pub values: [f64; 2],
-    /// Standard errors.
-    pub errors: [f64; 2],
-    pub bent: DVec3,
-    /// Light, linear RGB, and the standard error of the mean of its channels: of the term itself; of diffuse and specular for
-    /// [`Term::Sky`].
-    pub light: [DVec3; 2],
-    pub light_errors: [f64; 2],
-    pub rays: u64,
+/// What a technique estimates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Quantity {
+    Diffuse,
+    Visibility,
+    Specular,
+    Irradiance,
+    Reflection,
 }
 
-/// A tile's texels with the sums of their replicates, of which `points[i]` have been spent on each.
+use Quantity::*;
+
+impl Technique {
+    /// Shares that it estimates; light comes on top where the sky is a map.
+    fn shares(self) -> &'static [Quantity] {
+        match self {
+            Technique::Hemisphere => &[Diffuse, Visibility],
+            Technique::Lobe => &[Specular],
+            Technique::Sky => &[],
+        }
+    }
+
+    /// Light that it estimates under a map.
+    fn lights(self) -> &'static [Quantity] {
+        match self {
+            Technique::Hemisphere => &[Irradiance],
+            Technique::Lobe => &[Reflection],
+            Technique::Sky => &[Irradiance, Reflection],
+        }
+    }
+}
+
+/// A tile's texels with the sums of their replicates under one technique, of which `points[i]` have been spent on each.
 pub(crate) struct Gathered<'a> {
     sky: &'a Sky,
+    technique: Technique,
     texels: &'a [Texel],
     sums: &'a [Replicates],
     points: &'a [u32],
     /// Texel of each place in the tile; none where nothing was spent.
     at: [usize; (TILE * TILE) as usize],
-    /// Variances of the two sums, and of the two lights where the sky is a map.
-    own: Vec<[f64; 4]>,
+    /// Variance of each quantity's mean, by texel; 0 for what the technique does not estimate.
+    own: Vec<[f64; 5]>,
 }
 
 impl<'a> Gathered<'a> {
     /// All texels as they stand.
     pub fn new(
         sky: &'a Sky,
+        technique: Technique,
         texels: &'a [Texel],
         sums: &'a [Replicates],
         points: &'a [u32],
@@ -59,19 +81,23 @@ impl<'a> Gathered<'a> {
                 at[(texel.y % TILE * TILE + texel.x % TILE) as usize] = i;
             }
         }
+        let lights = match sky.map() {
+            None => &[],
+            Some(_) => technique.lights(),
+        };
         let own = (0..texels.len())
             .map(|i| {
-                let own = |of: &dyn Fn(&Sums) -> f64| own_variance(&sums[i], points[i], of);
-                let [a, b] = [own(&|s| ratio(s.first)), own(&|s| ratio(s.second))];
-                let [c, d] = match sky.map() {
-                    None => [0.0; 2],
-                    Some(_) => [0, 1].map(|k| own(&|s| light(sky, s, k).element_sum() / 3.0)),
-                };
-                [a, b, c, d]
+                let mut own = [0.0; 5];
+                for &quantity in technique.shares().iter().chain(lights) {
+                    own[quantity as usize] =
+                        own_variance(&sums[i], points[i], |s| value(sky, s, quantity));
+                }
+                own
             })
             .collect();
         Self {
             sky,
+            technique,
             texels,
             sums,
             points,
@@ -80,61 +106,80 @@ impl<'a> Gathered<'a> {
         }
     }
 
-    /// Values and errors of one texel; zeros where nothing was spent.
-    pub fn estimate(&self, i: usize) -> Estimate {
+    /// The terms of one texel as far as the technique estimates them; zeros where nothing was spent.
+    pub fn terms(&self, i: usize) -> Terms {
         if self.points[i] == 0 {
-            return Estimate::default();
+            return Terms::default();
         }
-        let sums = total(&self.sums[i]);
-        let errors = [self.error(i, 0, 1), self.error(i, 1, 1)];
-        let mean = self.sky.floor().element_sum() / 3.0;
-        Estimate {
-            values: [ratio(sums.first), ratio(sums.second)],
-            errors,
-            bent: sums.bent,
-            light: [0, 1].map(|k| light(self.sky, &sums, k)),
-            light_errors: match self.sky.map() {
-                None => errors.map(|error| mean * error),
-                Some(_) => [self.error(i, 2, 1), self.error(i, 3, 1)],
-            },
-            rays: sums.rays,
-        }
-    }
-
-    /// What a texel's stopping depends on: the standard error of its first sum, and of light in units of the sky's mean radiance.
-    pub fn watched(&self, i: usize, term: Term, radius: i32) -> f64 {
-        let sums: &[usize] = match (term, self.sky.map()) {
-            (Term::Hemisphere | Term::Lobe, None) => &[0],
-            (Term::Hemisphere | Term::Lobe, Some(_)) => &[0, 2],
-            (Term::Sky, _) => &[2, 3],
+        let sums = Sums::of(&self.sums[i]);
+        let share = |quantity| Estimate {
+            value: value(self.sky, &sums, quantity),
+            std_err: self.std_err(i, quantity, 1),
         };
-        let errors = sums
-            .iter()
-            .map(|&sum| self.error(i, sum, radius) / self.unit(sum));
-        errors.fold(0.0, f64::max)
+        let light = |quantity, term| match self.sky.map() {
+            None => uniform_light(self.sky.floor(), term),
+            Some(_) => Estimate {
+                value: light(self.sky, &sums, quantity),
+                std_err: self.std_err(i, quantity, 1),
+            },
+        };
+        let mut terms = Terms {
+            bent: sums.bent,
+            rays: sums.rays,
+            ..Terms::default()
+        };
+        match self.technique {
+            Technique::Hemisphere => {
+                terms.diffuse = share(Diffuse);
+                terms.visibility = share(Visibility);
+                terms.irradiance = light(Irradiance, terms.diffuse);
+            }
+            Technique::Lobe => {
+                terms.specular = share(Specular);
+                terms.reflection = light(Reflection, terms.specular);
+            }
+            Technique::Sky => {
+                terms.irradiance = light(Irradiance, Estimate::default());
+                terms.reflection = light(Reflection, Estimate::default());
+            }
+        }
+        terms
     }
 
-    /// The value of a sum that all points would see.
-    fn unit(&self, sum: usize) -> f64 {
-        match sum {
-            0 | 1 => 1.0,
-            _ => self.sky.mean().element_sum() / 3.0,
+    /// What a texel's stopping depends on: the standard error of its first share, and of light in units of the sky's mean
+    /// radiance.
+    pub fn watched(&self, i: usize, radius: i32) -> f64 {
+        let lights = match self.sky.map() {
+            None => &[],
+            Some(_) => self.technique.lights(),
+        };
+        let watched = self.technique.shares().iter().take(1).chain(lights);
+        watched
+            .map(|&quantity| self.std_err(i, quantity, radius) / self.unit(quantity))
+            .fold(0.0, f64::max)
+    }
+
+    /// The value of a quantity that all points would see.
+    fn unit(&self, quantity: Quantity) -> f64 {
+        match quantity {
+            Diffuse | Visibility | Specular => 1.0,
+            Irradiance | Reflection => self.sky.mean().element_sum() / 3.0,
         }
     }
 
-    /// Standard error of one of a texel's sums. Variances pool over texels no more than `radius` away along an axis.
-    pub fn error(&self, i: usize, sum: usize, radius: i32) -> f64 {
+    /// Standard error of one of a texel's quantities. Variances pool over texels no more than `radius` away along an axis.
+    fn std_err(&self, i: usize, quantity: Quantity, radius: i32) -> f64 {
         let (mut variances, mut count, mut agreeing) = (0.0, 0.0, 0.0);
         for j in neighbours(self.texels, &self.at, i, radius) {
             let ratio = f64::from(self.points[j]) / f64::from(self.points[i]);
-            variances += self.own[j][sum] * ratio * ratio.sqrt();
+            variances += self.own[j][quantity as usize] * ratio * ratio.sqrt();
             count += 1.0;
             agreeing += f64::from(self.points[j]);
         }
         if variances > 0.0 {
             f64::sqrt(variances / count)
         } else {
-            1.5 / agreeing * self.unit(sum)
+            1.5 / agreeing * self.unit(quantity)
         }
     }
 }
@@ -160,28 +205,27 @@ fn neighbours<'a>(
         })
 }
 
-fn ratio((open, all): (f64, f64)) -> f64 {
-    if all > 0.0 { open / all } else { 0.0 }
-}
-
-/// Light of a term: the sky's floor by the share that is open, and what stands out of it. [`Term::Sky`] has the latter alone: its
-/// share is 0.
-fn light(sky: &Sky, sums: &Sums, which: usize) -> DVec3 {
-    let share = [ratio(sums.first), 0.0][which];
-    let scale = sky.map().map_or(0.0, |map| map.scale());
-    sky.floor() * share + sums.light[which] * (scale / sums.points.max(1) as f64)
-}
-
-/// The sums of all replicates.
-fn total(replicates: &Replicates) -> Sums {
-    let mut total = Sums::default();
-    for sums in replicates {
-        total += *sums;
+/// A quantity from sums: a share, or the mean of the channels of light.
+fn value(sky: &Sky, sums: &Sums, quantity: Quantity) -> f64 {
+    match quantity {
+        Diffuse => sums.diffuse.share(),
+        Visibility => sums.visibility.share(),
+        Specular => sums.specular.share(),
+        Irradiance | Reflection => light(sky, sums, quantity).element_sum() / 3.0,
     }
-    total
 }
 
-fn own_variance(replicates: &Replicates, points: u32, of: &dyn Fn(&Sums) -> f64) -> f64 {
+/// Light from sums: the sky's floor by the share that is open, and what stands out of it.
+fn light(sky: &Sky, sums: &Sums, quantity: Quantity) -> DVec3 {
+    let (share, above) = match quantity {
+        Reflection => (sums.specular.share(), sums.reflection),
+        _ => (sums.diffuse.share(), sums.irradiance),
+    };
+    let scale = sky.map().map_or(0.0, |map| map.scale());
+    sky.floor() * share + above * (scale / sums.points.max(1) as f64)
+}
+
+fn own_variance(replicates: &Replicates, points: u32, of: impl Fn(&Sums) -> f64) -> f64 {
     let used = points.min(REPLICATES) as usize;
     let mut values = [0.0; REPLICATES as usize];
     for (value, sums) in values.iter_mut().zip(replicates) {

@@ -1,4 +1,4 @@
-//! Terms to layers: the three models with albedo, specular reflectance and sky, written into the planes of a page.
+//! Terms to layers: facts of a texel, and the models that follow from them with albedo, specular reflectance and sky.
 
 use crate::integrate::Terms;
 use ambient::models;
@@ -6,18 +6,67 @@ use glam::DVec3;
 use layers::Layer;
 use rays::PhongMaterial;
 
+/// What the models of a texel are composed of.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Composition {
+    /// Mean radiance of the sky.
+    pub sky: DVec3,
+    pub visibility: f64,
+    pub irradiance: DVec3,
+    pub reflection: DVec3,
+    /// Diffuse reflectance.
+    pub albedo: DVec3,
+    /// Specular reflectance.
+    pub specular: DVec3,
+}
+
+impl Composition {
+    /// The value of a layer that is composed; `None` for the facts themselves.
+    pub fn value(&self, layer: Layer) -> Option<DVec3> {
+        let traditional = || models::traditional(self.sky, self.albedo, self.visibility);
+        let lambert = || models::lambert(self.irradiance, self.albedo);
+        let phong = || {
+            let (irradiance, reflection) = (self.irradiance, self.reflection);
+            models::phong(irradiance, reflection, self.albedo, self.specular)
+        };
+        Some(match layer {
+            Layer::Irradiance => self.irradiance,
+            Layer::Reflection => self.reflection,
+            Layer::Traditional => traditional(),
+            Layer::Lambert => lambert(),
+            Layer::Phong => phong(),
+            Layer::DifferenceLambert => traditional() - lambert(),
+            Layer::DifferencePhong => traditional() - phong(),
+            _ => return None,
+        })
+    }
+}
+
+/// True for layers that follow from terms and reflectances.
+pub(crate) fn is_composed(layer: Layer) -> bool {
+    matches!(
+        layer,
+        Layer::Irradiance
+            | Layer::Reflection
+            | Layer::Traditional
+            | Layer::Lambert
+            | Layer::Phong
+            | Layer::DifferenceLambert
+            | Layer::DifferencePhong
+    )
+}
+
 /// Everything known about one baked texel.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct BakedTexel {
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct BakedTexel {
     /// `y * size + x` on its page.
     pub index: u32,
     /// Fraction of its square inside charts.
     pub coverage: f32,
     /// Object with the largest share.
     pub object: u32,
-    /// Integrated terms.
     pub terms: Terms,
-    /// Mean material.
+    /// Mean over the footprint.
     pub material: PhongMaterial,
     /// Mean world position.
     pub position: DVec3,
@@ -32,53 +81,41 @@ pub struct BakedTexel {
 impl BakedTexel {
     /// The values of a layer, as many as the layer has channels. `sky` is the mean radiance of the sky.
     pub fn values(&self, layer: Layer, sky: DVec3) -> [f32; 3] {
-        let PhongMaterial {
-            albedo,
-            specular,
-            exponent,
-        } = self.material;
-        let Terms {
-            visibility,
-            diffuse,
-            specular: lobe,
-            bent,
-            errors,
-            irradiance,
-            reflection,
-            light_errors,
-            rays,
-        } = self.terms;
+        let (terms, material) = (&self.terms, &self.material);
+        let composition = Composition {
+            sky,
+            visibility: terms.visibility.value,
+            irradiance: terms.irradiance.value,
+            reflection: terms.reflection.value,
+            albedo: material.albedo,
+            specular: material.specular,
+        };
+        if let Some(rgb) = composition.value(layer) {
+            return rgb.as_vec3().to_array();
+        }
         let one = |value: f64| [value as f32, 0.0, 0.0];
-        let traditional = || models::traditional(sky, albedo, visibility);
-        let lambert = || models::lambert(irradiance, albedo);
-        let phong = || models::phong(irradiance, reflection, albedo, specular);
+        let three = |value: DVec3| value.as_vec3().to_array();
         match layer {
             Layer::Coverage => [self.coverage, 0.0, 0.0],
-            Layer::Visibility => one(visibility),
-            Layer::Diffuse => one(diffuse),
-            Layer::Specular => one(lobe),
-            Layer::Traditional => traditional().as_vec3().to_array(),
-            Layer::Lambert => lambert().as_vec3().to_array(),
-            Layer::Phong => phong().as_vec3().to_array(),
-            Layer::Error => one(errors[0]),
-            Layer::ErrorVisibility => one(errors[1]),
-            Layer::ErrorSpecular => one(errors[2]),
-            Layer::Albedo => albedo.as_vec3().to_array(),
-            Layer::Reflectance => specular.as_vec3().to_array(),
-            Layer::Irradiance => irradiance.as_vec3().to_array(),
-            Layer::Reflection => reflection.as_vec3().to_array(),
-            Layer::ErrorIrradiance => one(light_errors[0]),
-            Layer::ErrorReflection => one(light_errors[1]),
-            Layer::Rays => one(rays as f64),
-            Layer::Position => self.position.as_vec3().to_array(),
-            Layer::Normal => self.normal.as_vec3().to_array(),
-            Layer::Geometric => self.geometric.as_vec3().to_array(),
-            Layer::Bent => bent.normalize_or_zero().as_vec3().to_array(),
-            Layer::Exponent => one(exponent),
+            Layer::Visibility => one(terms.visibility.value),
+            Layer::Diffuse => one(terms.diffuse.value),
+            Layer::Specular => one(terms.specular.value),
+            Layer::StdErrDiffuse => one(terms.diffuse.std_err),
+            Layer::StdErrVisibility => one(terms.visibility.std_err),
+            Layer::StdErrSpecular => one(terms.specular.std_err),
+            Layer::StdErrIrradiance => one(terms.irradiance.std_err),
+            Layer::StdErrReflection => one(terms.reflection.std_err),
+            Layer::Rays => one(terms.rays as f64),
+            Layer::Position => three(self.position),
+            Layer::Normal => three(self.normal),
+            Layer::Geometric => three(self.geometric),
+            Layer::Bent => three(terms.bent.normalize_or_zero()),
+            Layer::Exponent => one(material.exponent),
             Layer::Object => one(f64::from(self.object)),
             Layer::Validity => one(self.validity),
-            Layer::DifferenceLambert => (traditional() - lambert()).as_vec3().to_array(),
-            Layer::DifferencePhong => (traditional() - phong()).as_vec3().to_array(),
+            Layer::Albedo => three(material.albedo),
+            Layer::Reflectance => three(material.specular),
+            other => unreachable!("layer {} is neither a fact nor composed", other.name()),
         }
     }
 }

@@ -4,67 +4,38 @@ mod open;
 
 pub use open::OpenTriangles;
 
+use crate::choice::Choice;
 use crate::options::{Options, Sky, View};
 use ambient::sampling::Mixture;
-use layers::Layer;
+use layers::Term;
 use rays::{Error, PlaneErrors, World, WorldOptions};
 use scene::{Alpha, Scene, Surface};
-use serde::Serialize;
 use std::sync::Arc;
 
-/// Something the planner may leave out. Each can be switched off by name; then it is modelled whatever the scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Choice {
-    /// Closed forms and no rays on triangles that nothing stands above.
-    Open,
-    /// No lobe rays where nothing reflects specularly or no asked layer shows it.
-    Specular,
-    /// No hemisphere rays where only the specular term is asked for.
-    Diffuse,
-    /// No share of uniform directions where no asked layer needs the visibility.
-    Visibility,
-    /// No instance level in the ray scene where nothing is instanced.
-    Instances,
-    /// No filter callback where no material is alpha-masked.
-    Filter,
-    /// No map look-up where the sky is uniform.
-    Sky,
+/// How a term comes about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// By closed forms at points of each texel: no directions are drawn.
+    ClosedForm,
+    /// By directions drawn for each texel. Where nothing stands above the texel they cost no ray query.
+    Rays,
+    /// Not at all.
+    Off,
 }
 
-impl Choice {
-    /// Every choice, in the order in which the planner reports them.
-    pub const ALL: [Self; 7] = [
-        Self::Sky,
-        Self::Diffuse,
-        Self::Visibility,
-        Self::Specular,
-        Self::Open,
-        Self::Instances,
-        Self::Filter,
-    ];
-
-    /// The name on the command line and in `bake.json`.
+impl Method {
+    /// The word in `bake.json`.
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Open => "open",
-            Self::Specular => "specular",
-            Self::Diffuse => "diffuse",
-            Self::Visibility => "visibility",
-            Self::Instances => "instances",
-            Self::Filter => "filter",
-            Self::Sky => "sky",
+            Self::ClosedForm => "closed_form",
+            Self::Rays => "rays",
+            Self::Off => "off",
         }
-    }
-
-    /// The choice of that name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|choice| choice.name() == name)
     }
 }
 
 /// One decision with its reason.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Decision {
     /// What was decided about.
     pub choice: Choice,
@@ -72,6 +43,8 @@ pub struct Decision {
     pub modelled: bool,
     /// Why, in one sentence.
     pub reason: String,
+    /// How the term comes about; `None` for what is not a term.
+    pub method: Option<Method>,
 }
 
 /// What a bake models.
@@ -92,48 +65,85 @@ impl Plan {
     /// See [`World::new`].
     pub fn of(scene: &Arc<Scene>, options: &Options) -> Result<(Self, World), Error> {
         let instances = instances(scene, options);
-        let filter = filter(scene, options);
+        let alpha_test = alpha_test(scene, options);
         let world = World::new(
             Arc::clone(scene),
             WorldOptions {
                 instancing: instances.modelled,
-                filter_all: !options.allows(Choice::Filter),
+                alpha_test_all: !options.allows(Choice::AlphaTest),
             },
         )?;
-        let visibility = visibility(options);
-        let diffuse = diffuse(options, visibility.modelled);
-        let specular = specular(scene, options);
         let open_triangles = if options.allows(Choice::Open) {
             OpenTriangles::of(&world, &PlaneErrors::of(&world))
         } else {
             OpenTriangles::default()
         };
-        let open = open(&open_triangles, options);
+        let visibility = visibility(options);
+        let mut decisions = vec![
+            sky(options),
+            diffuse(options, visibility.modelled),
+            visibility,
+            specular(scene, options),
+            open(&open_triangles, options),
+            instances,
+            alpha_test,
+        ];
+        for term in Term::ALL {
+            let decision = &mut decisions[place(choice_of(term))];
+            decision.method = Some(method(term, decision.modelled, &open_triangles, options));
+        }
         let plan = Self {
-            open: open_triangles,
-            mixture: if visibility.modelled {
+            mixture: if decisions[place(Choice::Visibility)].modelled {
                 Mixture::BALANCED
             } else {
                 Mixture::COSINE
             },
-            decisions: vec![
-                sky(options),
-                diffuse,
-                visibility,
-                specular,
-                open,
-                instances,
-                filter,
-            ],
+            open: open_triangles,
+            decisions,
         };
         Ok((plan, world))
     }
 
     /// True where `choice` is modelled.
     pub fn models(&self, choice: Choice) -> bool {
-        self.decisions
-            .iter()
-            .any(|decision| decision.choice == choice && decision.modelled)
+        self.decisions[place(choice)].modelled
+    }
+
+    /// How a term comes about over the whole bake: [`Method::Rays`] where any texel needs them.
+    pub fn method(&self, term: Term) -> Method {
+        self.decisions[place(choice_of(term))]
+            .method
+            .unwrap_or(Method::Off)
+    }
+}
+
+/// Where a choice stands among the decisions.
+fn place(choice: Choice) -> usize {
+    choice as usize
+}
+
+/// The choice whether a term is modelled.
+fn choice_of(term: Term) -> Choice {
+    match term {
+        Term::Diffuse => Choice::Diffuse,
+        Term::Visibility => Choice::Visibility,
+        Term::Specular => Choice::Specular,
+    }
+}
+
+/// How a term comes about; the integrator follows the same rules texel by texel.
+fn method(term: Term, modelled: bool, triangles: &OpenTriangles, options: &Options) -> Method {
+    let lobe_is_closed = options.view == View::Normal || !triangles.tilted;
+    if !modelled {
+        Method::Off
+    } else if options.sky.map().is_none()
+        && triangles.open == triangles.total
+        && triangles.total > 0
+        && (term != Term::Specular || lobe_is_closed)
+    {
+        Method::ClosedForm
+    } else {
+        Method::Rays
     }
 }
 
@@ -142,6 +152,7 @@ fn decision(choice: Choice, modelled: bool, reason: impl Into<String>) -> Decisi
         choice,
         modelled,
         reason: reason.into(),
+        method: None,
     }
 }
 
@@ -172,20 +183,9 @@ fn sky(options: &Options) -> Decision {
 }
 
 fn diffuse(options: &Options, visibility: bool) -> Decision {
-    let users = [
-        Layer::Diffuse,
-        Layer::Lambert,
-        Layer::Phong,
-        Layer::Error,
-        Layer::Irradiance,
-        Layer::ErrorIrradiance,
-        Layer::Bent,
-        Layer::DifferenceLambert,
-        Layer::DifferencePhong,
-    ];
     if !options.allows(Choice::Diffuse) {
         off(Choice::Diffuse)
-    } else if visibility || options.wants_any(&users) {
+    } else if visibility || options.wants(Term::Diffuse) {
         let reason =
             "an asked layer needs the hemisphere: rays over it, weighted for every term at once";
         decision(Choice::Diffuse, true, reason)
@@ -196,16 +196,9 @@ fn diffuse(options: &Options, visibility: bool) -> Decision {
 }
 
 fn visibility(options: &Options) -> Decision {
-    let users = [
-        Layer::Visibility,
-        Layer::Traditional,
-        Layer::DifferenceLambert,
-        Layer::DifferencePhong,
-        Layer::ErrorVisibility,
-    ];
     if !options.allows(Choice::Visibility) {
         off(Choice::Visibility)
-    } else if options.wants_any(&users) {
+    } else if options.wants(Term::Visibility) {
         decision(
             Choice::Visibility,
             true,
@@ -221,19 +214,11 @@ fn visibility(options: &Options) -> Decision {
 }
 
 fn specular(scene: &Scene, options: &Options) -> Decision {
-    let users = [
-        Layer::Specular,
-        Layer::Phong,
-        Layer::DifferencePhong,
-        Layer::ErrorSpecular,
-        Layer::Reflection,
-        Layer::ErrorReflection,
-    ];
     let choice = Choice::Specular;
     if !options.allows(choice) {
         return off(choice);
     }
-    if !options.wants_any(&users) {
+    if !options.wants(Term::Specular) {
         return decision(choice, false, "no asked layer shows the specular term");
     }
     if options.overrides.exponent.is_some() {
@@ -297,10 +282,13 @@ fn open(triangles: &OpenTriangles, options: &Options) -> Decision {
         );
     }
     let OpenTriangles { open, total, .. } = *triangles;
-    let form = match (options.sky.map(), options.view) {
-        (Some(_), _) => "no rays",
-        (None, View::Normal) => "closed form, no rays",
-        (None, View::Eye(_)) => "closed form, the specular lobe by its lune, no rays",
+    let form = match (options.sky.map(), options.view, triangles.tilted) {
+        (Some(_), ..) => "directions are drawn but no ray is cast",
+        (None, View::Normal, _) => "closed form, no rays",
+        (None, View::Eye(_), false) => "closed form, the specular lobe by its lune, no rays",
+        (None, View::Eye(_), true) => {
+            "closed form for diffuse and visibility; the lobes of smooth-shaded texels are sampled against their horizons, without rays"
+        }
     };
     if open == total {
         let reason = format!("nothing stands above any triangle (a convex body alone): {form}");
@@ -341,7 +329,7 @@ fn instances(scene: &Scene, options: &Options) -> Decision {
     }
 }
 
-fn filter(scene: &Scene, options: &Options) -> Decision {
+fn alpha_test(scene: &Scene, options: &Options) -> Decision {
     let masked = scene
         .meshes
         .iter()
@@ -354,21 +342,23 @@ fn filter(scene: &Scene, options: &Options) -> Decision {
         .count();
     if masked > 0 {
         decision(
-            Choice::Filter,
+            Choice::AlphaTest,
             true,
-            format!("{masked} meshes are alpha-masked: hits on them are filtered"),
+            format!(
+                "{masked} meshes are alpha-masked: hits on them are tested against their alpha"
+            ),
         )
-    } else if !options.allows(Choice::Filter) {
+    } else if !options.allows(Choice::AlphaTest) {
         decision(
-            Choice::Filter,
+            Choice::AlphaTest,
             true,
-            "the planner's choice was switched off: hits on every mesh are filtered",
+            "the planner's choice was switched off: hits on every mesh are tested",
         )
     } else {
         decision(
-            Choice::Filter,
+            Choice::AlphaTest,
             false,
-            "no material is alpha-masked: no filter callback",
+            "no material is alpha-masked: no alpha test in the ray query",
         )
     }
 }

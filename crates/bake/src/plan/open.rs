@@ -8,6 +8,7 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use rays::{Patch, PlaneErrors, World};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Vertices in one leaf box, and children of one inner box.
 const LEAF: usize = 32;
@@ -22,6 +23,8 @@ pub struct OpenTriangles {
     pub open: u64,
     /// How many there are.
     pub total: u64,
+    /// The shading normals of an open triangle leave its geometric normal.
+    pub tilted: bool,
 }
 
 impl OpenTriangles {
@@ -38,6 +41,7 @@ impl OpenTriangles {
     /// instanced meshes: they count as their boxes.
     pub(crate) fn of(world: &World, errors: &PlaneErrors) -> Self {
         let tree = SupportTree::build(world.hull_points());
+        let tilted = AtomicBool::new(false);
         let flags: Vec<Vec<bool>> = (0..world.parts.len() as u32)
             .map(|instance| {
                 let count = world.part(instance).1.triangles().len() as u32;
@@ -51,7 +55,11 @@ impl OpenTriangles {
                             .iter()
                             .map(|c| c.dot(normal))
                             .fold(f64::MIN, f64::max);
-                        !tree.any_above(normal, height + patch.rounding())
+                        let open = !tree.any_above(normal, height + patch.rounding());
+                        if open && !patch.is_flat() {
+                            tilted.store(true, Ordering::Relaxed);
+                        }
+                        open
                     })
                     .collect();
                 if flags.contains(&true) {
@@ -65,7 +73,12 @@ impl OpenTriangles {
         let total = (0..world.parts.len() as u32)
             .map(|i| world.part(i).1.triangles().len() as u64)
             .sum();
-        Self { flags, open, total }
+        Self {
+            flags,
+            open,
+            total,
+            tilted: tilted.into_inner(),
+        }
     }
 }
 

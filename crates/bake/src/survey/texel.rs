@@ -1,7 +1,7 @@
 //! What a texel's footprint is made of: its cells, its mean material and its mean position and normals.
 
 use super::cell::{Cell, Sample};
-use crate::integrate::term;
+use crate::labels;
 use crate::plan::Plan;
 use ambient::sampling::Stream;
 use atlas::{Footprint, Tile};
@@ -65,7 +65,7 @@ impl Surveyor<'_> {
         tile.footprints
             .iter()
             .map(|footprint| {
-                let stream = stream(footprint.x, footprint.y, term::SURVEY);
+                let stream = stream(footprint.x, footprint.y, labels::SURVEY);
                 self.texel(tile, footprint, &mut patches, &stream)
             })
             .collect()

@@ -169,7 +169,7 @@ mod tests {
         let scene = scene::load(file.as_ref()).expect("an authored scene");
         let options = WorldOptions {
             instancing: true,
-            filter_all: false,
+            alpha_test_all: false,
         };
         let world = World::new(Arc::new(scene), options).expect("the plane fits");
         let backend = build(BackendKind::Obvhs(Layout::Cwbvh), &world, 0).expect("no library");

@@ -15,9 +15,9 @@ pub(super) const RAYS: u32 = 1024;
 pub(super) fn bake(setup: &Setup, case: &str, kind: BackendKind) -> Result<BakedPage, Error> {
     let (scene, atlas) = setup.scene();
     let mut layers = vec![Layer::Visibility, Layer::Diffuse];
-    layers.extend([Layer::ErrorVisibility, Layer::Error]);
+    layers.extend([Layer::StdErrVisibility, Layer::StdErrDiffuse]);
     if setup.exponent.is_some() {
-        layers.extend([Layer::Specular, Layer::ErrorSpecular]);
+        layers.extend([Layer::Specular, Layer::StdErrSpecular]);
     }
     let options = Options {
         effort: Effort::Rays(RAYS),

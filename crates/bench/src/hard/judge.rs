@@ -49,9 +49,9 @@ pub(super) fn judge(case: &Case, expected: &Expected, page: &BakedPage, backend:
 
 fn error_layer(term: Layer) -> Layer {
     match term {
-        Layer::Visibility => Layer::ErrorVisibility,
-        Layer::Specular => Layer::ErrorSpecular,
-        _ => Layer::Error,
+        Layer::Visibility => Layer::StdErrVisibility,
+        Layer::Specular => Layer::StdErrSpecular,
+        _ => Layer::StdErrDiffuse,
     }
 }
 

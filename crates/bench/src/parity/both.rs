@@ -5,14 +5,14 @@ use rays::{Coherence, Ray, RayBackend, RayPacket, SurfaceHit, World};
 use std::sync::{Mutex, PoisonError};
 
 /// Answers as its first backend, and keeps every occlusion ray on which the second differs.
-pub struct Both<'a> {
+pub struct BothBackends<'a> {
     world: &'a World,
     a: &'a dyn RayBackend,
     b: &'a dyn RayBackend,
     differing: Mutex<Vec<Disagreement>>,
 }
 
-impl<'a> Both<'a> {
+impl<'a> BothBackends<'a> {
     /// Both backends over one world.
     pub fn new(world: &'a World, a: &'a dyn RayBackend, b: &'a dyn RayBackend) -> Self {
         Self {
@@ -49,7 +49,7 @@ impl<'a> Both<'a> {
     }
 }
 
-impl RayBackend for Both<'_> {
+impl RayBackend for BothBackends<'_> {
     fn occluded16(&self, packet: &RayPacket<16>, active: u32, coherence: Coherence) -> u32 {
         let a = self.a.occluded16(packet, active, coherence);
         let b = self.b.occluded16(packet, active, coherence);

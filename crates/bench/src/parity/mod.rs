@@ -9,7 +9,7 @@
 mod both;
 mod referee;
 
-pub use both::Both;
+pub use both::BothBackends;
 pub use referee::{Margin, Ruling, judge, judge_triangle, t_rounding};
 
 use glam::DVec3;

@@ -278,7 +278,7 @@ mod tests {
         };
         let options = WorldOptions {
             instancing: true,
-            filter_all: false,
+            alpha_test_all: false,
         };
         World::new(Arc::new(scene), options).expect("the square fits single precision")
     }

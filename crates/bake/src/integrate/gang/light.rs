@@ -5,78 +5,79 @@
     reason = "a lane is one index into many arrays"
 )]
 
-use super::{Gang, Step};
-use crate::integrate::Task;
+use super::step::{Drawn, Step};
+use crate::integrate::task::Task;
 use ambient::lanes::{LANES, Wide};
 use maps::SkyMap;
 
-/// How the directions of a step were drawn, as far as light of a map needs it.
-pub(super) enum Drawn {
-    /// Probability per steradian is what the weights say.
-    Hemisphere,
-    /// Probability per steradian.
-    Lobe(Wide),
-    /// Texels of the map, and the axes of the lobes.
-    Sky([u32; LANES], [Wide; 3]),
+/// The lobes of the lanes: 1 / (n + 1), and the lanes that need theirs.
+pub(super) struct Lobes<'a> {
+    pub scale: &'a Wide,
+    pub used: u32,
 }
 
-impl Gang<'_> {
-    /// Adds the light that open lanes see above the floor of a map, each by its share of the power heuristic.
-    #[inline(always)]
-    pub(super) fn shine(&mut self, task: &Task<'_>, sky: &SkyMap, step: &Step, open: u32) {
-        use std::f32::consts::{FRAC_1_PI, TAU};
-        let [cosine, uniform] = {
-            let share = task.mixture.cosine_share() as f32;
-            [2.0 * share / TAU, (1.0 - share) / TAU]
+/// Adds the light that open lanes see above the floor of a map to `sums`, each by its share of the power heuristic.
+#[inline(always)]
+pub(super) fn add_map_light(
+    task: &Task<'_>,
+    sky: &SkyMap,
+    step: &Step,
+    open: u32,
+    normal: &[Wide; 3],
+    lobes: Lobes<'_>,
+    sums: &mut [[Wide; 3]; 2],
+) {
+    use std::f32::consts::{FRAC_1_PI, TAU};
+    let [cosine, uniform] = {
+        let share = task.mixture.cosine_share() as f32;
+        [2.0 * share / TAU, (1.0 - share) / TAU]
+    };
+    let texels = match &step.drawn {
+        Drawn::Sky(texels, _) => *texels,
+        _ => sky.texels16(&step.directions),
+    };
+    let mut light = [[0.0; LANES]; 3];
+    let mut rest = open;
+    while rest != 0 {
+        let l = rest.trailing_zeros() as usize;
+        rest &= rest - 1;
+        for (axis, value) in light.iter_mut().zip(sky.excess(texels[l])) {
+            axis[l] = value;
+        }
+    }
+    let drawn = if task.draw_sky { 1.0 } else { 0.0 };
+    let mut kernels = [[0.0; LANES]; 2];
+    for l in 0..LANES {
+        let by_sky = drawn * (light[0][l] + light[1][l] + light[2][l]);
+        kernels[0][l] = match &step.drawn {
+            Drawn::Hemisphere => {
+                let own = 1.0 / (TAU * step.weights[1][l]);
+                step.weights[0][l] * share(own, by_sky)
+            }
+            Drawn::Lobe(density) => share(density[l], by_sky),
+            Drawn::Sky(..) => {
+                let mu = normal[0][l] * step.directions[0][l]
+                    + normal[1][l] * step.directions[1][l]
+                    + normal[2][l] * step.directions[2][l];
+                mu * FRAC_1_PI * share_of(by_sky, cosine * mu + uniform)
+            }
         };
-        let texels = match &step.drawn {
-            Drawn::Sky(texels, _) => *texels,
-            _ => sky.texels16(&step.directions),
-        };
-        let mut light = [[0.0; LANES]; 3];
-        let mut rest = open;
+    }
+    if let Drawn::Sky(_, axes) = &step.drawn {
+        let mut rest = open & lobes.used;
         while rest != 0 {
             let l = rest.trailing_zeros() as usize;
             rest &= rest - 1;
-            for (axis, value) in light.iter_mut().zip(sky.excess(texels[l])) {
-                axis[l] = value;
-            }
+            let [axis, direction] = [axes, &step.directions].map(|of| of.map(|a| a[l]));
+            let by_sky = light[0][l] + light[1][l] + light[2][l];
+            let density = lobe_density(lobes.scale[l], axis, direction);
+            kernels[1][l] = density * share_of(by_sky, density);
         }
-        let drawn = if task.draw_sky { 1.0 } else { 0.0 };
-        let mut kernels = [[0.0; LANES]; 2];
-        for l in 0..LANES {
-            let by_sky = drawn * (light[0][l] + light[1][l] + light[2][l]);
-            kernels[0][l] = match &step.drawn {
-                Drawn::Hemisphere => {
-                    let own = 1.0 / (TAU * step.weights[1][l]);
-                    step.weights[0][l] * share(own, by_sky)
-                }
-                Drawn::Lobe(density) => share(density[l], by_sky),
-                Drawn::Sky(..) => {
-                    let normal = &self.frames.normal;
-                    let mu = normal[0][l] * step.directions[0][l]
-                        + normal[1][l] * step.directions[1][l]
-                        + normal[2][l] * step.directions[2][l];
-                    mu * FRAC_1_PI * share_of(by_sky, cosine * mu + uniform)
-                }
-            };
-        }
-        if let Drawn::Sky(_, axes) = &step.drawn {
-            let mut rest = open & self.lobes;
-            while rest != 0 {
-                let l = rest.trailing_zeros() as usize;
-                rest &= rest - 1;
-                let [axis, direction] = [axes, &step.directions].map(|of| of.map(|a| a[l]));
-                let by_sky = light[0][l] + light[1][l] + light[2][l];
-                let density = lobe_density(self.lobe_scale[l], axis, direction);
-                kernels[1][l] = density * share_of(by_sky, density);
-            }
-        }
-        for k in 0..2 {
-            for c in 0..3 {
-                for l in 0..LANES {
-                    self.block.light[k][c][l] += light[c][l] * kernels[k][l];
-                }
+    }
+    for k in 0..2 {
+        for c in 0..3 {
+            for l in 0..LANES {
+                sums[k][c][l] += light[c][l] * kernels[k][l];
             }
         }
     }

@@ -9,19 +9,23 @@
     reason = "a lane is one index into many arrays"
 )]
 
+mod lane_sums;
 mod light;
+mod step;
 mod surfaces;
 
-use super::{Sums, Task, Term};
+use super::sums::{Replicates, Technique};
+use super::task::Task;
 use crate::options::View;
 use crate::survey::Texel;
 use ambient::sampling::{LANES, Lobe, Stream, Streams, Wide};
-use glam::DVec3;
-use light::Drawn;
+use lane_sums::LaneSums;
+use light::{Lobes, add_map_light};
 use pulp::{Simd, WithSimd};
 use rays::{Coherence, RayPacket};
 use std::ops::Range;
-use surfaces::{Frames, Surfaces, mirrored};
+use step::{Drawn, Step};
+use surfaces::{Frames, LaneSurfaces, mirrored};
 
 /// One lane: a texel of the tile and one of its replicates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,7 +42,7 @@ pub(crate) struct Gang<'a> {
     reflects: &'a [bool],
     lanes: &'a [Lane],
     streams: Streams,
-    surfaces: Surfaces,
+    surfaces: LaneSurfaces,
     /// Frames at the last point, and whether they no longer hold.
     frames: Frames,
     stale: bool,
@@ -60,27 +64,6 @@ pub(crate) struct Gang<'a> {
     block: LaneSums<f32>,
 }
 
-/// Sums over a lane's rays: weights of all rays and of the open ones, for two terms; bent normal; rays cast.
-#[derive(Clone, Copy, Default)]
-struct LaneSums<T> {
-    all: [[T; LANES]; 2],
-    open: [[T; LANES]; 2],
-    bent: [[T; LANES]; 3],
-    /// Light of a map above its floor, for two terms.
-    light: [[[T; LANES]; 3]; 2],
-    rays: [u32; LANES],
-}
-
-/// What one step sends out.
-struct Step {
-    directions: [Wide; 3],
-    /// Weights of each ray in the two sums.
-    weights: [Wide; 2],
-    /// Lanes whose ray leaves the surface upward.
-    above: u32,
-    drawn: Drawn,
-}
-
 impl<'a> Gang<'a> {
     /// A gang without lanes.
     pub fn new(task: &Task<'_>, texels: &'a [Texel], reflects: &'a [bool]) -> Self {
@@ -89,7 +72,7 @@ impl<'a> Gang<'a> {
             reflects,
             lanes: &[],
             streams: Streams::new(task.points),
-            surfaces: Surfaces::none(),
+            surfaces: LaneSurfaces::none(),
             frames: Frames::about([[0.0; LANES], [0.0; LANES], [1.0; LANES]], [1.0; LANES]),
             stale: true,
             cell: [0; LANES],
@@ -129,8 +112,8 @@ impl<'a> Gang<'a> {
     }
 
     /// Casts the points `range` of every lane.
-    pub fn cast(&mut self, task: &Task<'_>, term: Term, range: Range<u32>) {
-        struct Run<'g, 'a, 't>(&'g mut Gang<'a>, &'g Task<'t>, Term, Range<u32>);
+    pub fn cast(&mut self, task: &Task<'_>, technique: Technique, range: Range<u32>) {
+        struct Run<'g, 'a, 't>(&'g mut Gang<'a>, &'g Task<'t>, Technique, Range<u32>);
         impl WithSimd for Run<'_, '_, '_> {
             type Output = ();
             #[inline(always)]
@@ -138,16 +121,16 @@ impl<'a> Gang<'a> {
                 self.0.run(self.1, self.2, self.3);
             }
         }
-        task.arch.dispatch(Run(self, task, term, range));
+        task.arch.dispatch(Run(self, task, technique, range));
     }
 
     #[inline(always)]
-    fn run(&mut self, task: &Task<'_>, term: Term, range: Range<u32>) {
+    fn run(&mut self, task: &Task<'_>, technique: Technique, range: Range<u32>) {
         self.points += u64::from(range.end.saturating_sub(range.start));
         for block in Streams::blocks(range) {
             self.streams.enter(block);
             for step in 0..block.steps() {
-                self.shoot(task, term, step);
+                self.cast_point(task, technique, step);
             }
             self.sums.absorb(&self.block);
             self.block = LaneSums::default();
@@ -156,7 +139,7 @@ impl<'a> Gang<'a> {
 
     /// Casts one point of every lane.
     #[inline(always)]
-    fn shoot(&mut self, task: &Task<'_>, term: Term, step: u32) {
+    fn cast_point(&mut self, task: &Task<'_>, technique: Technique, step: u32) {
         let [u0, u1, v0, v1] = self.streams.point(step);
         let mut at = self.surfaces.places(&v0, &v1);
         let mut walkers = self.walkers;
@@ -170,7 +153,7 @@ impl<'a> Gang<'a> {
                 self.walk(l, cell);
             }
         }
-        let step = self.step(task, term, [&u0, &u1], &at);
+        let step = self.step(task, technique, [&u0, &u1], &at);
         let active = step.above & self.used;
         let cast = active & !self.open;
         let blocked = if cast == 0 {
@@ -181,7 +164,13 @@ impl<'a> Gang<'a> {
         };
         self.block.add(&step, active & !blocked, cast, task.bent);
         if let Some(sky) = task.sky.map() {
-            self.shine(task, sky, &step, active & !blocked);
+            let lobes = Lobes {
+                scale: &self.lobe_scale,
+                used: self.lobes,
+            };
+            let normal = &self.frames.normal;
+            let open = active & !blocked;
+            add_map_light(task, sky, &step, open, normal, lobes, &mut self.block.light);
         }
     }
 
@@ -200,7 +189,13 @@ impl<'a> Gang<'a> {
 
     /// Fills the packet with the rays of one point of every lane.
     #[inline(always)]
-    fn step(&mut self, task: &Task<'_>, term: Term, [u0, u1]: [&Wide; 2], at: &[Wide; 2]) -> Step {
+    fn step(
+        &mut self,
+        task: &Task<'_>,
+        technique: Technique,
+        [u0, u1]: [&Wide; 2],
+        at: &[Wide; 2],
+    ) -> Step {
         if self.stale {
             let (normal, side) = self.surfaces.normals(at);
             self.frames = Frames::about(normal, side);
@@ -212,12 +207,12 @@ impl<'a> Gang<'a> {
             View::Normal => *normal,
             View::Eye(eye) => mirrored(normal, origin, eye),
         };
-        let (directions, weights, drawn) = match term {
-            Term::Hemisphere => {
+        let (directions, weights, drawn) = match technique {
+            Technique::Hemisphere => {
                 let (local, weights) = task.mixture.sample16(u0, u1);
                 (self.frames.to_world(&local), weights, Drawn::Hemisphere)
             }
-            Term::Lobe => {
+            Technique::Lobe => {
                 let local = Lobe::sample16(&self.lobe_scale, u0, u1);
                 let directions = match task.view {
                     View::Normal => self.frames.to_world(&local),
@@ -235,7 +230,7 @@ impl<'a> Gang<'a> {
                 }
                 (directions, [[1.0; LANES]; 2], Drawn::Lobe(density))
             }
-            Term::Sky => {
+            Technique::Sky => {
                 let Some(sky) = task.sky.map() else {
                     unreachable!("a uniform sky has no directions to draw");
                 };
@@ -262,62 +257,9 @@ impl<'a> Gang<'a> {
     }
 
     /// Adds what the lanes have gathered to their texels' replicates.
-    pub fn collect(&self, sums: &mut [[Sums; crate::integrate::REPLICATES as usize]]) {
+    pub fn collect(&self, technique: Technique, sums: &mut [Replicates]) {
         for (l, lane) in self.lanes.iter().enumerate() {
-            let s = &self.sums;
-            let three = |of: &[[f64; LANES]; 3]| DVec3::new(of[0][l], of[1][l], of[2][l]);
-            sums[lane.texel][lane.replicate] += Sums {
-                first: (s.open[0][l], s.all[0][l]),
-                second: (s.open[1][l], s.all[1][l]),
-                bent: three(&s.bent),
-                light: [three(&s.light[0]), three(&s.light[1])],
-                points: self.points,
-                rays: u64::from(s.rays[l]),
-            };
-        }
-    }
-}
-
-impl LaneSums<f32> {
-    #[inline(always)]
-    fn add(&mut self, step: &Step, open: u32, cast: u32, bent: bool) {
-        let mut is_open = [0.0; LANES];
-        for l in 0..LANES {
-            is_open[l] = (open >> l & 1) as f32;
-            self.rays[l] += cast >> l & 1;
-        }
-        for k in 0..2 {
-            for l in 0..LANES {
-                let w = step.weights[k][l];
-                self.all[k][l] += w;
-                self.open[k][l] += w * is_open[l];
-            }
-        }
-        if bent {
-            for a in 0..3 {
-                for l in 0..LANES {
-                    self.bent[a][l] += step.weights[0][l] * is_open[l] * step.directions[a][l];
-                }
-            }
-        }
-    }
-}
-
-impl LaneSums<f64> {
-    #[inline(always)]
-    fn absorb(&mut self, block: &LaneSums<f32>) {
-        for l in 0..LANES {
-            for k in 0..2 {
-                self.all[k][l] += f64::from(block.all[k][l]);
-                self.open[k][l] += f64::from(block.open[k][l]);
-            }
-            for a in 0..3 {
-                self.bent[a][l] += f64::from(block.bent[a][l]);
-                for k in 0..2 {
-                    self.light[k][a][l] += f64::from(block.light[k][a][l]);
-                }
-            }
-            self.rays[l] += block.rays[l];
+            sums[lane.texel][lane.replicate] += self.sums.of_lane(technique, l, self.points);
         }
     }
 }

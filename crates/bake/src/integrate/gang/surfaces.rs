@@ -14,7 +14,7 @@ type Deep = [f64; LANES];
 
 /// The surfaces under the lanes, as structures of arrays: see [`Cell`] for what each is.
 #[derive(Clone)]
-pub(super) struct Surfaces {
+pub(super) struct LaneSurfaces {
     position: [[Deep; 3]; 3],
     /// Geometric normal times offset.
     lift: [Deep; 3],
@@ -36,7 +36,7 @@ pub(super) struct Frames {
     pub side: Wide,
 }
 
-impl Surfaces {
+impl LaneSurfaces {
     /// Nothing under any lane.
     pub fn none() -> Self {
         Self {

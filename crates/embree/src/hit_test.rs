@@ -1,4 +1,4 @@
-//! The filter of masked triangles: a Rust closure behind the shim's C callback.
+//! The test of hits on masked triangles: a Rust closure behind the shim's C callback, Embree's filter function.
 
 use crate::Keep;
 use embree4_sys as sys;
@@ -9,7 +9,7 @@ use std::panic::{self, AssertUnwindSafe};
 use std::ptr::{self, NonNull};
 
 /// A closure, and the record that Embree's geometry points to, at one fixed address.
-pub(crate) struct Filter(NonNull<Record>);
+pub(crate) struct HitTest(NonNull<Record>);
 
 struct Record {
     /// What the shim reads; its `closure` points to `keep`.
@@ -17,14 +17,14 @@ struct Record {
     keep: Keep,
 }
 
-// SAFETY: a `Filter` owns its record, as a box would; the closure in it is Send + Sync and is only read.
-unsafe impl Send for Filter {}
+// SAFETY: a `HitTest` owns its record, as a box would; the closure in it is Send + Sync and is only read.
+unsafe impl Send for HitTest {}
 // SAFETY: as for Send.
-unsafe impl Sync for Filter {}
+unsafe impl Sync for HitTest {}
 
-impl Filter {
-    /// A filter; Embree may point to its record until it is dropped, wherever the `Filter` moves.
-    pub(crate) fn new(keep: Keep) -> Filter {
+impl HitTest {
+    /// A test; Embree may point to its record until it is dropped, wherever the `HitTest` moves.
+    pub(crate) fn new(keep: Keep) -> HitTest {
         let shim = sys::ambake_filter {
             keep: Some(call),
             closure: ptr::null(),
@@ -32,7 +32,7 @@ impl Filter {
         let record = NonNull::from(Box::leak(Box::new(Record { shim, keep })));
         // SAFETY: the record was just made and nobody else knows it. Its fields keep their addresses until `drop`.
         unsafe { (*record.as_ptr()).shim.closure = (&raw const (*record.as_ptr()).keep).cast() };
-        Filter(record)
+        HitTest(record)
     }
 
     pub(crate) fn record(&self) -> *const sys::ambake_filter {
@@ -41,7 +41,7 @@ impl Filter {
     }
 }
 
-impl Drop for Filter {
+impl Drop for HitTest {
     fn drop(&mut self) {
         // SAFETY: the record comes from a box and is freed once, here. The owner (builder or scene) has released the
         // geometry or scene that could call it.
@@ -64,7 +64,7 @@ pub(crate) fn resume() {
 
 /// Runs the closure. After a panic every further hit of the query is kept, so that it ends soon.
 unsafe extern "C" fn call(closure: *const c_void, primitive: u32, u: f32, v: f32) -> bool {
-    // SAFETY: `closure` is the `Keep` of a `Filter` that the scene owns; a query borrows the scene, and queries are
+    // SAFETY: `closure` is the `Keep` of a `HitTest` that the scene owns; a query borrows the scene, and queries are
     // the only callers. The closure is Sync, so several threads may call it.
     let keep = unsafe { &*closure.cast::<Keep>() };
     if PANIC.with_borrow(Option::is_some) {

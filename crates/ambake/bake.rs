@@ -1,0 +1,243 @@
+//! The options of a bake, set one by one, and its start.
+
+use crate::baked::Baked;
+use crate::error::Error;
+use crate::job::Job;
+use crate::options::{Backend, Effort, Options, Uv};
+use crate::scene::Scene;
+use crate::sky::Sky;
+use ::bake::{Choice, Denoise, Pattern, View};
+use layers::{Layer, Progress};
+use rays::{RayBackend, World};
+use std::fmt;
+use std::sync::Arc;
+
+/// Makes the backend of a bake over the world that its plan built.
+pub(crate) type MakeBackend =
+    Arc<dyn Fn(&World) -> Result<Box<dyn RayBackend>, rays::Error> + Send + Sync>;
+
+/// A bake of a scene, not yet started. The options are named as the flags of the command line; each has the default of its flag.
+///
+/// ```
+/// # fn main() -> Result<(), ambake::Error> {
+/// # let scene = ambake::load(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/wall_long.obj"))?;
+/// use ambake::{Bake, Layer};
+/// let baked = Bake::new(&scene)
+///     .size(64)
+///     .rays(16)
+///     .sky([0.4, 0.6, 1.0])
+///     .layers([Layer::Bent, Layer::Irradiance])
+///     .run(&())?;
+/// assert_eq!(baked.page(0).size(), 64);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone)]
+pub struct Bake {
+    scene: Scene,
+    options: Options,
+    backend: Backend,
+    make_backend: Option<MakeBackend>,
+    threads: Option<usize>,
+}
+
+impl fmt::Debug for Bake {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Bake")
+            .field("scene", &self.scene.path)
+            .field("options", &self.options)
+            .field("backend", &self.backend)
+            .field("threads", &self.threads)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Bake {
+    /// A plain bake of the scene: 1024² texels a page, 256 rays a texel, a white sky.
+    pub fn new(scene: &Scene) -> Self {
+        Self {
+            scene: scene.clone(),
+            options: Options::default(),
+            backend: Backend::best(),
+            make_backend: None,
+            threads: None,
+        }
+    }
+
+    /// All options at once.
+    pub fn options(mut self, options: Options) -> Self {
+        self.options = options;
+        self
+    }
+
+    /// Page edge in texels, 1..=16384; 1024 by default.
+    pub fn size(mut self, texels: u32) -> Self {
+        self.options.size = texels;
+        self
+    }
+
+    /// Texels per scene unit, above 0; pages are added as needed. By default the highest density that fits one page.
+    pub fn density(mut self, texels_per_unit: f64) -> Self {
+        self.options.density = Some(texels_per_unit);
+        self
+    }
+
+    /// Lightmap coordinates: keep the file's, unwrap, or keep them where they are usable.
+    pub fn uv(mut self, uv: Uv) -> Self {
+        self.options.uv = uv;
+        self
+    }
+
+    /// Rays per texel over the hemisphere, at least 1; the specular lobe takes as many again where a material needs it.
+    pub fn rays(mut self, rays: u32) -> Self {
+        self.options.effort = Effort::Rays(rays);
+        self
+    }
+
+    /// Stops a texel when its standard error is at most `std_err`, above 0 and below 1, instead of at a fixed number of rays.
+    pub fn target_error(mut self, std_err: f64) -> Self {
+        let max_rays = match self.options.effort {
+            Effort::Target { max_rays, .. } => max_rays,
+            Effort::Rays(_) => 16_384,
+        };
+        self.options.effort = Effort::Target {
+            error: std_err,
+            max_rays,
+        };
+        self
+    }
+
+    /// With [`Bake::target_error`], set before: the most rays that a texel may take, at least 16; 16,384 by default.
+    pub fn max_rays(mut self, rays: u32) -> Self {
+        if let Effort::Target { max_rays, .. } = &mut self.options.effort {
+            *max_rays = rays;
+        }
+        self
+    }
+
+    /// Whether blocks of 4 x 4 texels share their directions; independent by default.
+    pub fn pattern(mut self, pattern: Pattern) -> Self {
+        self.options.pattern = pattern;
+        self
+    }
+
+    /// How integrated terms are denoised; off by default.
+    pub fn denoise(mut self, denoise: Denoise) -> Self {
+        self.options.denoise = denoise;
+        self
+    }
+
+    /// The sky: a uniform radiance `[r, g, b]`, or an illumination map from [`Sky::load`]. White by default.
+    pub fn sky(mut self, sky: impl Into<Sky>) -> Self {
+        self.options.sky = sky.into();
+        self
+    }
+
+    /// Where the eye of the specular term stands: by default on every texel's normal.
+    pub fn view(mut self, view: View) -> Self {
+        self.options.view = view;
+        self
+    }
+
+    /// Occluders farther than this many scene units do not count; by default there is no limit.
+    pub fn max_distance(mut self, distance: f32) -> Self {
+        self.options.max_distance = Some(distance);
+        self
+    }
+
+    /// Layers on top of those that are produced so far; by default [`Layer::STANDARD`].
+    pub fn layers(mut self, layers: impl IntoIterator<Item = Layer>) -> Self {
+        self.add_layers(layers);
+        self
+    }
+
+    /// Exactly these layers and the coverage; terms that none of them needs are not computed.
+    pub fn only(mut self, layers: impl IntoIterator<Item = Layer>) -> Self {
+        self.options.layers = vec![Layer::Coverage];
+        self.add_layers(layers);
+        self
+    }
+
+    fn add_layers(&mut self, layers: impl IntoIterator<Item = Layer>) {
+        for layer in layers {
+            if !self.options.layers.contains(&layer) {
+                self.options.layers.push(layer);
+            }
+        }
+    }
+
+    /// Lobe exponent of every material, 0..=1e6.
+    pub fn exponent(mut self, exponent: f64) -> Self {
+        self.options.exponent = Some(exponent);
+        self
+    }
+
+    /// Diffuse reflectance of every material, linear RGB, each channel 0 or above.
+    pub fn albedo(mut self, rgb: [f32; 3]) -> Self {
+        self.options.albedo = Some(rgb);
+        self
+    }
+
+    /// Specular reflectance of every material, linear RGB, each channel 0 or above.
+    pub fn specular(mut self, rgb: [f32; 3]) -> Self {
+        self.options.specular = Some(rgb);
+        self
+    }
+
+    /// Seed of the sample points; 0 by default. The same scene, options and seed give the same bytes at any number of threads.
+    pub fn seed(mut self, seed: u64) -> Self {
+        self.options.seed = seed;
+        self
+    }
+
+    /// Planner choices that are switched off: what they would leave out is modelled all the same.
+    pub fn plan_off(mut self, choices: impl IntoIterator<Item = Choice>) -> Self {
+        self.options.plan_off = choices.into_iter().collect();
+        self
+    }
+
+    /// Which library answers rays; by default Embree where it is built in.
+    pub fn backend(mut self, backend: Backend) -> Self {
+        self.backend = backend;
+        self.make_backend = None;
+        self
+    }
+
+    /// A ray backend of your own, made over the world that the plan builds. `examples/custom_backend.rs` shows one.
+    pub fn with_backend(
+        mut self,
+        make: impl Fn(&World) -> Result<Box<dyn RayBackend>, rays::Error> + Send + Sync + 'static,
+    ) -> Self {
+        self.make_backend = Some(Arc::new(make));
+        self
+    }
+
+    /// Worker threads, at least 1. By default the bake runs in the rayon pool that calls it.
+    pub fn threads(mut self, threads: usize) -> Self {
+        self.threads = Some(threads);
+        self
+    }
+
+    /// Plans the bake, lays its texels out and builds the ray scene.
+    ///
+    /// # Errors
+    /// An option is out of its range or excludes another, the charts do not fit, or a backend refuses the scene.
+    pub fn prepare(&self) -> Result<Job, Error> {
+        self.options.check()?;
+        Job::prepare(
+            self.scene.clone(),
+            self.options.clone(),
+            self.backend,
+            self.make_backend.clone(),
+            self.threads,
+        )
+    }
+
+    /// Bakes every page and keeps the result in memory.
+    ///
+    /// # Errors
+    /// As [`Bake::prepare`]; [`Error::Cancelled`] where the listener cancels.
+    pub fn run(&self, progress: &dyn Progress) -> Result<Baked, Error> {
+        self.prepare()?.run(progress)
+    }
+}

@@ -1,0 +1,77 @@
+//! ambake bakes *ambient reflection* into lightmaps on a plain CPU, and states its error.
+//!
+//! For every texel of a texture atlas it casts rays over the hemisphere and integrates the Lambertian and the Phong ambient
+//! terms directly, with occlusion. It sets them beside the traditional model, a constant times an occlusion factor.
+//!
+//! # From a file
+//!
+//! ```
+//! # fn main() -> Result<(), ambake::Error> {
+//! # let folder = tempfile::tempdir().unwrap();
+//! let scene = ambake::load(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/wall_long.obj"))?;
+//! let baked = ambake::Bake::new(&scene).size(64).rays(16).run(&())?;
+//! baked.write(folder.path())?; // EXR pages, PNG previews, a GLB and bake.json
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # In memory
+//!
+//! ```
+//! use ambake::{Bake, Layer, Mesh, Scene};
+//!
+//! # fn main() -> Result<(), ambake::Error> {
+//! let mut floor = Mesh::default();
+//! floor.positions = vec![[-1.0, 0.0, -1.0], [-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0]];
+//! floor.triangles = vec![[0, 1, 2], [0, 2, 3]];
+//! let scene = Scene::from_meshes(vec![floor], vec![])?;
+//!
+//! let baked = Bake::new(&scene).size(32).rays(16).run(&())?;
+//! let page = baked.page(0);
+//! let (coverage, diffuse) = (page.layer(Layer::Coverage), page.layer(Layer::Diffuse));
+//! for (covered, value) in coverage.iter().zip(diffuse) {
+//!     // Nothing stands above a lone floor: every texel of it sees the whole sky.
+//!     assert!(*covered == 0.0 || *value == 1.0);
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # What is here
+//!
+//! * [`load`], [`Scene`], [`Mesh`], [`Material`]: what is baked.
+//! * [`Bake`]: the options, named as the flags of the command line, and the start of a bake.
+//! * [`Baked`], [`Page`], [`Layer`]: the result in memory, and how it is written.
+//! * [`Progress`]: how a bake tells how far it is, and is told to stop; `()` is a silent one.
+//! * [`Job`]: a bake that is planned, laid out and ready, for programs that want to look before they start.
+//! * [`rays`]: the trait of ray backends, to bring one of your own ([`Bake::with_backend`]).
+//!
+//! Directions point away from surfaces, colours are linear, angles are radians, and lengths are in scene units. The stored terms
+//! are 1 for an open texel under a sky of radiance 1.
+#![forbid(unsafe_code)]
+
+mod bake;
+mod baked;
+mod error;
+mod host;
+mod job;
+mod options;
+mod resume;
+mod scene;
+mod sky;
+mod write;
+
+pub use crate::bake::Bake;
+pub use ::bake::{
+    BakedPage, Choice, Decision, Denoise, Method, PageStats, Pattern, Pilot, PointSet, View,
+};
+pub use baked::{Baked, Page};
+pub use error::Error;
+pub use host::{REVISION, VERSION, peak_memory};
+pub use job::{Job, Written};
+pub use layers::{Layer, Preview, Progress, Term, Unit};
+pub use options::{Backend, Effort, Options, Uv};
+pub use rays;
+pub use report::{BakeReport, PageReport};
+pub use scene::{Scene, Warning, load};
+pub use sky::Sky;

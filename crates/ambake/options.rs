@@ -1,0 +1,264 @@
+//! Everything that decides the values of a bake, in one type: what the baker and the layout are given, what headers and `bake.json`
+//! say, and what an interrupted bake must share with the one that continues it are all made from it.
+
+use crate::error::Error;
+use crate::sky::Sky;
+use ::bake::{Choice, Denoise, Pattern, PointSet, View};
+use layers::Layer;
+use rays::{BackendKind, Layout, Overrides};
+use serde_json::{Value, json};
+
+pub use ::bake::Effort;
+
+/// Lightmap coordinates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Uv {
+    /// Keep the file's where they are usable as a lightmap, else unwrap.
+    #[default]
+    Auto,
+    /// Keep the file's; an error where they are not usable.
+    Keep,
+    /// Always unwrap.
+    Unwrap,
+}
+
+/// Which library answers rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Backend {
+    /// Debian's Embree.
+    Embree,
+    /// Pure Rust: obvhs, 8-wide compressed tree.
+    Obvhs,
+    /// Pure Rust: obvhs, binary tree.
+    ObvhsBvh2,
+}
+
+impl Backend {
+    /// Embree where it is built in, else obvhs.
+    pub fn best() -> Self {
+        match ::rays::has_embree() {
+            true => Self::Embree,
+            false => Self::Obvhs,
+        }
+    }
+
+    /// As the ray crate calls it.
+    pub fn kind(self) -> BackendKind {
+        match self {
+            Self::Embree => BackendKind::Embree,
+            Self::Obvhs => BackendKind::Obvhs(Layout::Cwbvh),
+            Self::ObvhsBvh2 => BackendKind::Obvhs(Layout::Bvh2),
+        }
+    }
+}
+
+/// The options of a bake. [`crate::Bake`] sets them one by one; `Options::default()` are those of a plain bake.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Options {
+    /// Page edge in texels, 1..=16384.
+    pub size: u32,
+    /// Texels per scene unit; `None` for the highest that fits one page.
+    pub density: Option<f64>,
+    /// Lightmap coordinates.
+    pub uv: Uv,
+    /// How many rays a texel takes.
+    pub effort: Effort,
+    /// Which directions texels share.
+    pub pattern: Pattern,
+    /// How integrated terms are denoised.
+    pub denoise: Denoise,
+    /// Seed of every sample stream.
+    pub seed: u64,
+    /// The light that arrives where nothing blocks it.
+    pub sky: Sky,
+    /// Where the eye of the specular term stands.
+    pub view: View,
+    /// Occluders farther than this do not count, in scene units.
+    pub max_distance: Option<f32>,
+    /// Layers to produce, coverage first, without repeats.
+    pub layers: Vec<Layer>,
+    /// Diffuse reflectance of every material, linear RGB.
+    pub albedo: Option<[f32; 3]>,
+    /// Specular reflectance of every material, linear RGB.
+    pub specular: Option<[f32; 3]>,
+    /// Lobe exponent of every material, 0..=1e6.
+    pub exponent: Option<f64>,
+    /// Planner choices that are switched off.
+    pub plan_off: Vec<Choice>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            size: 1024,
+            density: None,
+            uv: Uv::Auto,
+            effort: Effort::Rays(256),
+            pattern: Pattern::Independent,
+            denoise: Denoise::Off,
+            seed: 0,
+            sky: Sky::default(),
+            view: View::Normal,
+            max_distance: None,
+            layers: Layer::STANDARD.to_vec(),
+            albedo: None,
+            specular: None,
+            exponent: None,
+            plan_off: Vec::new(),
+        }
+    }
+}
+
+impl Options {
+    /// Checks ranges and what excludes what.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let fail = |name, problem: &str| Err(Error::option(name, problem));
+        let positive = |value: Option<f64>| value.is_none_or(|v| v > 0.0 && v.is_finite());
+        let colour = |rgb: Option<[f32; 3]>| {
+            rgb.is_none_or(|rgb| rgb.iter().all(|v| v.is_finite() && *v >= 0.0))
+        };
+        if !(1..=16_384).contains(&self.size) {
+            return fail("size", "must be between 1 and 16384");
+        }
+        if !positive(self.density) {
+            return fail("density", "must be above 0");
+        }
+        if !positive(self.max_distance.map(f64::from)) {
+            return fail("max-distance", "must be above 0");
+        }
+        match self.effort {
+            Effort::Rays(rays) if !(1..=16_777_216).contains(&rays) => {
+                return fail("rays", "must be between 1 and 16777216");
+            }
+            Effort::Target { error, .. } if !(error > 0.0 && error < 1.0) => {
+                return fail("target-error", "must be above 0 and below 1");
+            }
+            Effort::Target { max_rays, .. } if !(16..=16_777_216).contains(&max_rays) => {
+                return fail("max-rays", "must be between 16 and 16777216");
+            }
+            _ => {}
+        }
+        if !self.exponent.is_none_or(|n| (0.0..=1e6).contains(&n)) {
+            return fail("exponent", "must be between 0 and 1e6");
+        }
+        if !colour(self.albedo) {
+            return fail("albedo", "each channel must be finite and 0 or above");
+        }
+        if !colour(self.specular) {
+            return fail("specular", "each channel must be finite and 0 or above");
+        }
+        if let ::bake::Sky::Uniform(rgb) = self.sky.light
+            && !colour(Some(rgb))
+        {
+            return fail("sky", "each channel must be finite and 0 or above");
+        }
+        if self.denoise != Denoise::Off && self.pattern == Pattern::Tiled {
+            let problem = "needs independent errors: leave out --pattern tiled";
+            return fail("--denoise regression", problem);
+        }
+        if self.denoise != Denoise::Off && self.sky.is_map() {
+            let problem = "works under a uniform sky: leave it out with --sky FILE";
+            return fail("--denoise regression", problem);
+        }
+        Ok(())
+    }
+
+    /// What the baker is given.
+    pub(crate) fn baker(&self) -> ::bake::Options {
+        ::bake::Options {
+            effort: self.effort,
+            pattern: self.pattern,
+            points: PointSet::default(),
+            denoise: self.denoise,
+            seed: self.seed,
+            sky: self.sky.light.clone(),
+            draw_sky: true,
+            view: self.view,
+            max_distance: self.max_distance,
+            layers: self.layers.clone(),
+            overrides: Overrides {
+                albedo: self.albedo,
+                specular: self.specular,
+                exponent: self.exponent,
+            },
+            switched_off: self.plan_off.clone(),
+        }
+    }
+
+    /// What the layout is given.
+    pub(crate) fn layout(&self) -> atlas::Options {
+        atlas::Options {
+            uv: match self.uv {
+                Uv::Auto => atlas::UvMode::Auto,
+                Uv::Keep => atlas::UvMode::Keep,
+                Uv::Unwrap => atlas::UvMode::Unwrap,
+            },
+            page_size: self.size,
+            density: self.density,
+        }
+    }
+
+    /// Every option under the name of its flag, as headers and `bake.json` carry it and as an interrupted bake compares it. The
+    /// pattern names every field, so that a new option cannot be forgotten here.
+    pub fn describe(&self) -> Value {
+        let Self {
+            size,
+            density,
+            uv,
+            effort,
+            pattern,
+            denoise,
+            seed,
+            sky,
+            view: _,
+            max_distance,
+            layers,
+            albedo,
+            specular,
+            exponent,
+            plan_off,
+        } = self;
+        let (rays, target_error, max_rays) = match *effort {
+            Effort::Rays(rays) => (Some(rays), None, None),
+            Effort::Target { error, max_rays } => (None, Some(error), Some(max_rays)),
+        };
+        json!({
+            "size": size,
+            "density": density,
+            "uv": match uv {
+                Uv::Auto => "auto",
+                Uv::Keep => "keep",
+                Uv::Unwrap => "unwrap",
+            },
+            "rays": rays,
+            "target_error": target_error,
+            "max_rays": max_rays,
+            "pattern": match pattern {
+                Pattern::Independent => "independent",
+                Pattern::Tiled => "tiled",
+            },
+            "denoise": match denoise {
+                Denoise::Off => "off",
+                Denoise::Regression => "regression",
+            },
+            "seed": seed,
+            "sky": sky,
+            "view": self.view_rule(),
+            "max_distance": max_distance,
+            "layers": layers,
+            "albedo": albedo,
+            "specular": specular,
+            "exponent": exponent,
+            "plan_off": plan_off,
+        })
+    }
+
+    /// The view rule as outputs state it: `normal`, or an eye point.
+    pub fn view_rule(&self) -> String {
+        match self.view {
+            View::Normal => "normal".into(),
+            View::Eye(eye) => format!("{},{},{}", eye.x, eye.y, eye.z),
+        }
+    }
+}

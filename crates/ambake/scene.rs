@@ -1,0 +1,47 @@
+//! What is baked.
+
+use crate::error::Error;
+pub use ::scene::Warning;
+use std::ops::Deref;
+use std::path::Path;
+use std::sync::Arc;
+
+/// A validated scene. Clones share one copy.
+///
+/// It dereferences to its plain data: meshes, instances, materials, images, and the [`Warning`]s about what was repaired or
+/// ignored.
+#[derive(Debug, Clone)]
+pub struct Scene(pub(crate) Arc<::scene::Scene>);
+
+/// The scene in an OBJ, glTF or GLB file.
+///
+/// # Errors
+/// One line that names the file, the place and the cure.
+pub fn load(path: impl AsRef<Path>) -> Result<Scene, Error> {
+    Ok(Scene(Arc::new(::scene::load(path.as_ref())?)))
+}
+
+impl Scene {
+    /// The name that output files begin with: the scene file's without its ending, else `scene`.
+    pub fn stem(&self) -> String {
+        let stem = self.0.path.file_stem();
+        stem.map_or_else(
+            || "scene".into(),
+            |stem| stem.to_string_lossy().into_owned(),
+        )
+    }
+}
+
+impl Deref for Scene {
+    type Target = ::scene::Scene;
+
+    fn deref(&self) -> &Self::Target {
+        &self.0
+    }
+}
+
+impl From<::scene::Scene> for Scene {
+    fn from(scene: ::scene::Scene) -> Self {
+        Self(Arc::new(scene))
+    }
+}

@@ -1,0 +1,73 @@
+//! The light that arrives where nothing blocks it.
+
+use crate::error::Error;
+use serde::{Serialize, Serializer};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The sky of a bake: uniform, or an illumination map from a file.
+#[derive(Debug, Clone)]
+pub struct Sky {
+    pub(crate) light: ::bake::Sky,
+    /// What outputs say of it: everything that decides its values.
+    described: Value,
+    /// The picture it was read from.
+    pub(crate) file: Option<PathBuf>,
+}
+
+impl Sky {
+    /// The same radiance from every direction, linear RGB; each channel is finite and at least 0.
+    pub fn uniform(radiance: [f32; 3]) -> Self {
+        Self {
+            light: ::bake::Sky::Uniform(radiance),
+            described: json!(radiance),
+            file: None,
+        }
+    }
+
+    /// The illumination map in an .hdr or .exr file, polar unless its header says otherwise.
+    ///
+    /// # Errors
+    /// The file is absent or damaged, or holds a value that is no radiance.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let map = maps::read_polar(path)?.map;
+        let map = maps::SkyMap::new(map.size().0, &map.image().pixels);
+        let (width, height) = map.size();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        Ok(Self {
+            described: json!({
+                "file": name,
+                "hash": "",
+                "size": [width, height],
+                "mean": map.mean(),
+            }),
+            light: ::bake::Sky::Map(Arc::new(map)),
+            file: Some(path.to_owned()),
+        })
+    }
+
+    /// True where the sky is an illumination map.
+    pub fn is_map(&self) -> bool {
+        self.file.is_some()
+    }
+}
+
+impl From<[f32; 3]> for Sky {
+    fn from(radiance: [f32; 3]) -> Self {
+        Self::uniform(radiance)
+    }
+}
+
+impl Default for Sky {
+    fn default() -> Self {
+        Self::uniform([1.0; 3])
+    }
+}
+
+impl Serialize for Sky {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.described.serialize(serializer)
+    }
+}

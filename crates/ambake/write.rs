@@ -1,0 +1,209 @@
+//! What a finished bake writes: EXR pages, PNG previews, a GLB and `bake.json`.
+
+use crate::error::Error;
+use crate::host::{REVISION, VERSION, peak_memory};
+use crate::job::{Job, Written};
+use ::bake::{BakedPage, Plan};
+use layers::Layer;
+use report::{BakeReport, DecisionReport, Output, PageHeader, PageReport, PhaseReport};
+use serde_json::Value;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// The sentence about normalisation that every output carries.
+const CONVENTION: &str = "terms are normalised so that an unoccluded texel is 1 under the uniform sky at normal \
+     view: visibility = open solid angle / 2 pi; diffuse = (1/pi) integral of V cos; \
+     specular = ((n+1)/2 pi) integral of V (R.V)^n; linear values; row 0 is v = 0";
+
+/// Stages the files of a bake page by page.
+pub(crate) struct Writer<'a> {
+    job: &'a Job,
+    described: Value,
+    stem: String,
+    output: Output,
+    pages: Vec<PageReport>,
+    /// One picture of the diffuse term a page; `None` where the bake has no such layer.
+    pictures: Option<Vec<Vec<u8>>>,
+}
+
+impl<'a> Writer<'a> {
+    /// A writer into an output directory.
+    ///
+    /// # Errors
+    /// A name that will be written stands for an input.
+    pub fn new(job: &'a Job, mut output: Output) -> Result<Self, Error> {
+        let stem = job.scene().stem();
+        output.protect(job.inputs());
+        let pages = 0..job.atlas().page_count;
+        let mut names = vec!["bake.json".to_owned(), format!("{stem}.glb")];
+        for page in pages {
+            names.push(page_name(&stem, page));
+            let layers = job.options().layers.iter();
+            names.extend(layers.map(|&layer| preview_name(&stem, page, layer)));
+        }
+        for name in names {
+            output.check(&name)?;
+        }
+        Ok(Self {
+            job,
+            described: job.options().describe(),
+            stem,
+            output,
+            pages: Vec::new(),
+            pictures: Some(Vec::new()),
+        })
+    }
+
+    /// Stages the files of a finished page; pages come in order.
+    pub fn page(&mut self, page: &BakedPage) -> Result<(), Error> {
+        let options = self.job.options();
+        let header = PageHeader {
+            version: VERSION.into(),
+            options: self.described.to_string(),
+            seed: options.seed,
+            convention: CONVENTION.into(),
+            view: options.view_rule(),
+            scene_hash: self.job.scene().content_hash.clone(),
+            page: page.page,
+        };
+        let mut channels = Vec::new();
+        for planes in &page.planes {
+            let values = planes.values.chunks(page.texels()).enumerate();
+            channels.extend(values.map(|(c, values)| (planes.layer.channel_name(c), values)));
+        }
+        self.output
+            .stage(&page_name(&self.stem, page.page), |file| {
+                report::write_page_exr(file, page.size, &channels, &header)
+            })?;
+        for planes in &page.planes {
+            if let Some(png) = report::preview_png(page.size, planes.layer, &planes.values) {
+                let name = preview_name(&self.stem, page.page, planes.layer);
+                self.output.stage_bytes(&name, &png)?;
+            }
+        }
+        let diffuse = page.layer(Layer::Diffuse);
+        self.pictures = self
+            .pictures
+            .take()
+            .zip(diffuse)
+            .map(|(mut pictures, diffuse)| {
+                pictures.push(report::occlusion_png(page.size, diffuse));
+                pictures
+            });
+        self.pages.push(page_report(self.job, page));
+        Ok(())
+    }
+
+    /// Writes the GLB and `bake.json` and gives every file its name.
+    pub fn finish(mut self, mut phases: Vec<PhaseReport>) -> Result<Written, Error> {
+        let clock = Instant::now();
+        let bytes = glb(self.job, self.pictures.as_deref())?;
+        self.output
+            .stage_bytes(&format!("{}.glb", self.stem), &bytes)?;
+        phases.push(PhaseReport {
+            phase: "gltf".into(),
+            seconds: clock.elapsed().as_secs_f64(),
+        });
+        let mut names = self.output.names();
+        names.push("bake.json".into());
+        let report = report_of(self.job, &self.described, self.pages, names, phases);
+        self.output
+            .stage_bytes("bake.json", report.to_json().as_bytes())?;
+        let stale = report::stale_files(self.output.dir(), &report.files);
+        let files = self.output.publish()?;
+        report::remove_stale(&stale);
+        Ok(Written { report, files })
+    }
+}
+
+fn page_name(stem: &str, page: u32) -> String {
+    format!("{stem}.{page}.exr")
+}
+
+fn preview_name(stem: &str, page: u32, layer: Layer) -> String {
+    format!("{stem}.{page}.{}.png", layer.name())
+}
+
+/// The scene with its lightmap coordinates and, where there are pictures of it, the diffuse term.
+pub(crate) fn glb(job: &Job, pictures: Option<&[Vec<u8>]>) -> Result<Vec<u8>, Error> {
+    Ok(report::write_gltf(
+        job.scene(),
+        job.atlas(),
+        pictures.unwrap_or_default(),
+    )?)
+}
+
+impl Job {
+    /// Every file that the bake was made from.
+    pub(crate) fn inputs(&self) -> Vec<PathBuf> {
+        let mut inputs = vec![self.scene().path.clone()];
+        inputs.extend(self.options().sky.file.clone());
+        inputs
+    }
+}
+
+fn page_report(job: &Job, page: &BakedPage) -> PageReport {
+    let stats = &page.stats;
+    PageReport {
+        page: page.page,
+        texels: stats.texels,
+        coverage_used: stats.coverage / f64::from(page.size).powi(2),
+        mean_error: stats.errors.sum / stats.texels.max(1) as f64,
+        max_error: stats.errors.max,
+        worst_texel: stats.errors.worst,
+        rmse: stats.rmse(),
+        rmse_bound: stats.rmse_bound(),
+        irradiance_rmse: job.options().sky.is_map().then(|| stats.irradiance_rmse()),
+        rays: stats.rays,
+        seconds: stats.seconds,
+        rays_per_second: stats.rays as f64 / stats.seconds.max(1e-9),
+    }
+}
+
+fn report_of(
+    job: &Job,
+    described: &Value,
+    pages: Vec<PageReport>,
+    files: Vec<String>,
+    phases: Vec<PhaseReport>,
+) -> BakeReport {
+    let (scene, options) = (job.scene(), job.options());
+    BakeReport {
+        schema_version: report::BAKE_SCHEMA_VERSION,
+        versions: report::Versions {
+            ambake: VERSION.into(),
+            git_revision: Some(REVISION.into()).filter(|r: &String| !r.is_empty()),
+            backend: job.backend().name().into(),
+            backend_version: job.backend().describe(),
+        },
+        scene: report::SceneReport::of(scene),
+        options: described.as_object().cloned().unwrap_or_default(),
+        seed: options.seed,
+        view: options.view_rule(),
+        convention: CONVENTION.into(),
+        plan: decisions(job.plan()),
+        atlas: report::AtlasReport::of(job.atlas()),
+        rays: pages.iter().map(|page| page.rays).sum(),
+        pages,
+        objects: report::object_reports(scene, job.atlas()),
+        timings: phases,
+        seconds: job.started().elapsed().as_secs_f64(),
+        peak_memory_bytes: peak_memory(),
+        warnings: scene.warnings.iter().map(Into::into).collect(),
+        notes: job.atlas().notes.clone(),
+        files,
+    }
+}
+
+/// The planner's decisions as reports carry them.
+pub(crate) fn decisions(plan: &Plan) -> Vec<DecisionReport> {
+    plan.decisions
+        .iter()
+        .map(|decision| DecisionReport {
+            decision: decision.choice.name().into(),
+            modelled: decision.modelled,
+            reason: decision.reason.clone(),
+            method: decision.method.map(|method| method.name().into()),
+        })
+        .collect()
+}

@@ -1,0 +1,85 @@
+//! Terms in closed form, for texels that nothing stands above.
+//!
+//! The horizon is the geometric plane; a shading normal may lean against it. Visibility, diffuse and bent normal have closed
+//! forms at any lean. The specular term has one where the surface is flat, for any eye, and where V = N, so that the lobe stands
+//! on the shading normal; seen from an eye over a leaning normal its region has three sides, and directions are drawn instead.
+
+use super::estimate::variance_of_mean;
+use super::sums::REPLICATES;
+use super::task::Task;
+use super::terms::{Terms, uniform_light};
+use crate::labels;
+use crate::options::View;
+use crate::survey::Texel;
+use ambient::Estimate;
+use ambient::closed_form::{phong_open, tilted_bent, tilted_diffuse, tilted_visibility};
+use glam::DVec3;
+
+/// Points over the footprint: closed forms hold at a point, so they are averaged.
+const POINTS: u32 = 64;
+
+/// True where the specular term of an open texel has a closed form.
+pub(super) fn has_specular(view: View, texel: &Texel) -> bool {
+    view == View::Normal || !texel.tilted
+}
+
+/// The terms of an open texel under a uniform sky. `specular` asks for the specular term, which must have a closed form.
+pub(super) fn terms(task: &Task<'_>, texel: &Texel, specular: bool) -> Terms {
+    let sky = task.sky.floor();
+    let with_light = |terms: Terms| Terms {
+        irradiance: uniform_light(sky, terms.diffuse),
+        reflection: uniform_light(sky, terms.specular),
+        ..terms
+    };
+    if !texel.tilted && task.view == View::Normal {
+        return with_light(Terms {
+            visibility: Estimate::exact(1.0),
+            diffuse: Estimate::exact(1.0),
+            specular: Estimate::exact(f64::from(u8::from(specular))),
+            bent: texel.normal,
+            ..Terms::default()
+        });
+    }
+    let mut means = [[0.0; REPLICATES as usize]; 3];
+    let mut bent = DVec3::ZERO;
+    let points = POINTS / REPLICATES;
+    for replicate in 0..REPLICATES {
+        let stream = task.stream(texel.x, texel.y, labels::HEMISPHERE, replicate);
+        for index in 0..points {
+            let [_, _, p0, p1] = stream.point(index);
+            let sample = texel.sample([p0, p1]);
+            let tilt = sample
+                .geometric
+                .cross(sample.normal)
+                .length()
+                .atan2(sample.geometric.dot(sample.normal));
+            let lobe = match specular {
+                false => 0.0,
+                true => {
+                    let axis = task.mirrored_view(sample.position, sample.normal);
+                    let (cos, sin) = (
+                        sample.geometric.dot(axis),
+                        sample.geometric.cross(axis).length(),
+                    );
+                    phong_open(texel.material.exponent, cos, sin)
+                }
+            };
+            let values = [tilted_diffuse(tilt), tilted_visibility(tilt), lobe];
+            for (mean, value) in means.iter_mut().zip(values) {
+                mean[replicate as usize] += value / f64::from(points);
+            }
+            bent += tilted_bent(sample.normal, sample.geometric);
+        }
+    }
+    let [diffuse, visibility, specular] = means.map(|means| Estimate {
+        value: means.iter().sum::<f64>() / means.len() as f64,
+        std_err: variance_of_mean(&means).sqrt(),
+    });
+    with_light(Terms {
+        diffuse,
+        visibility,
+        specular,
+        bent,
+        ..Terms::default()
+    })
+}

@@ -1,0 +1,87 @@
+//! What the rays of a texel add up to, by replicate.
+
+use glam::DVec3;
+use std::ops::AddAssign;
+
+/// Independent randomisations of a texel's points.
+pub const REPLICATES: u32 = 4;
+
+/// How directions are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Technique {
+    /// Over the hemisphere: diffuse, visibility, irradiance.
+    Hemisphere,
+    /// From the specular lobe: specular, reflection.
+    Lobe,
+    /// From the light of the illumination map: irradiance, reflection.
+    Sky,
+}
+
+/// Weights of open rays and of all rays.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Weights {
+    pub open: f64,
+    pub all: f64,
+}
+
+/// Sums over the rays of one replicate. A technique fills what it estimates; the rest stays 0.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Sums {
+    pub diffuse: Weights,
+    pub visibility: Weights,
+    pub specular: Weights,
+    /// Open directions by their diffuse weight.
+    pub bent: DVec3,
+    /// Light above the sky's floor divided by the sky's scale.
+    pub irradiance: DVec3,
+    /// The same of the lobe.
+    pub reflection: DVec3,
+    /// Points of the stream.
+    pub points: u64,
+    pub rays: u64,
+}
+
+/// One texel's replicates.
+pub(crate) type Replicates = [Sums; REPLICATES as usize];
+
+impl Weights {
+    /// The open share; 0 where nothing was drawn.
+    pub fn share(self) -> f64 {
+        if self.all > 0.0 {
+            self.open / self.all
+        } else {
+            0.0
+        }
+    }
+}
+
+impl AddAssign for Weights {
+    fn add_assign(&mut self, other: Self) {
+        self.open += other.open;
+        self.all += other.all;
+    }
+}
+
+impl AddAssign for Sums {
+    fn add_assign(&mut self, other: Self) {
+        self.diffuse += other.diffuse;
+        self.visibility += other.visibility;
+        self.specular += other.specular;
+        self.bent += other.bent;
+        self.irradiance += other.irradiance;
+        self.reflection += other.reflection;
+        self.points += other.points;
+        self.rays += other.rays;
+    }
+}
+
+impl Sums {
+    /// The sums of all replicates.
+    pub fn of(replicates: &Replicates) -> Self {
+        let mut total = Self::default();
+        for sums in replicates {
+            total += *sums;
+        }
+        total
+    }
+}

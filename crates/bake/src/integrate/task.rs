@@ -1,0 +1,73 @@
+//! What the texels of a bake are integrated with.
+
+use super::sums::Technique;
+use crate::labels;
+use crate::options::{Effort, Pattern, Sky, View};
+use crate::survey::Texel;
+use ambient::sampling::{Mixture, PointSet, Stream};
+use glam::DVec3;
+use pulp::Arch;
+use rays::RayBackend;
+
+/// Edge of the blocks of texels that share directions under [`Pattern::Tiled`]: one packet.
+pub(crate) const SHARE: u32 = 4;
+
+/// Everything about a page that integration reads.
+pub(crate) struct Task<'a> {
+    pub backend: &'a dyn RayBackend,
+    pub arch: Arch,
+    pub seed: u64,
+    pub page: u32,
+    /// Page edge in texels.
+    pub size: u32,
+    pub effort: Effort,
+    pub pattern: Pattern,
+    pub points: PointSet,
+    pub view: View,
+    pub t_max: f32,
+    /// How hemisphere directions are drawn.
+    pub mixture: Mixture,
+    /// A layer needs the hemisphere.
+    pub hemisphere: bool,
+    /// The bent normal is asked for.
+    pub bent: bool,
+    pub sky: &'a Sky,
+    /// See [`crate::Options::draw_sky`].
+    pub draw_sky: bool,
+}
+
+impl Task<'_> {
+    /// A texel's own stream.
+    pub fn stream(&self, x: u32, y: u32, label: u32, replicate: u32) -> Stream {
+        Stream::new(self.seed, self.page, y * self.size + x, label, replicate)
+    }
+
+    /// A texel's stream under the pattern: tiled texels share directions, never places.
+    pub fn pattern_stream(&self, texel: &Texel, technique: Technique, replicate: u32) -> Stream {
+        let label = match technique {
+            Technique::Hemisphere => labels::HEMISPHERE,
+            Technique::Lobe => labels::LOBE,
+            Technique::Sky => labels::SKY,
+        };
+        let own = self.stream(texel.x, texel.y, label, replicate);
+        match self.pattern {
+            Pattern::Independent => own,
+            Pattern::Tiled => {
+                let across = self.size.div_ceil(SHARE);
+                let block = 1 << 31 | (texel.y / SHARE * across + texel.x / SHARE);
+                own.with_directions(&Stream::new(self.seed, self.page, block, label, replicate))
+            }
+        }
+    }
+
+    /// R = 2 (N.V) N - V, the axis of the specular lobe.
+    pub fn mirrored_view(&self, position: DVec3, normal: DVec3) -> DVec3 {
+        match self.view {
+            View::Normal => normal,
+            View::Eye(eye) => {
+                let v = (eye - position).try_normalize().unwrap_or(normal);
+                2.0 * normal.dot(v) * normal - v
+            }
+        }
+    }
+}

@@ -1,0 +1,31 @@
+//! The integrated terms of one texel.
+
+use ambient::Estimate;
+use glam::DVec3;
+
+/// Terms of a texel with their standard errors, normalised as the file contract says: 1 is open.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Terms {
+    /// Open solid angle / 2 pi.
+    pub visibility: Estimate,
+    /// (1/pi) times the integral of V cos.
+    pub diffuse: Estimate,
+    /// ((n+1)/2pi) times the integral of V (R.V)^n.
+    pub specular: Estimate,
+    /// Cosine-weighted mean open direction, not normalised.
+    pub bent: DVec3,
+    /// (1/pi) times the integral of L V cos, linear RGB.
+    pub irradiance: Estimate<DVec3>,
+    /// ((n+1)/2pi) times the integral of L V (R.V)^n, linear RGB.
+    pub reflection: Estimate<DVec3>,
+    /// Rays spent.
+    pub rays: u64,
+}
+
+/// The light of a term under a uniform sky: the sky's radiance times the term.
+pub(crate) fn uniform_light(sky: DVec3, term: Estimate) -> Estimate<DVec3> {
+    Estimate {
+        value: sky * term.value,
+        std_err: sky.element_sum() / 3.0 * term.std_err,
+    }
+}

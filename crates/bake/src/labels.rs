@@ -1,0 +1,12 @@
+//! Labels of sample streams: what a texel's points serve. Two streams with different labels are independent.
+
+/// Points over the footprint, for means of textured materials.
+pub const SURVEY: u32 = 0;
+/// Hemisphere directions.
+pub const HEMISPHERE: u32 = 1;
+/// Directions of the specular lobe.
+pub const LOBE: u32 = 2;
+/// Directions of the `validity` layer.
+pub const VALIDITY: u32 = 3;
+/// Directions drawn from an illumination map.
+pub const SKY: u32 = 4;

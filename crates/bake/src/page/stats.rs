@@ -1,0 +1,90 @@
+//! Statistics of a page.
+
+use serde::{Deserialize, Serialize};
+
+/// Sums over the finished texels of a page.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct PageStats {
+    /// Texels that a chart touches.
+    pub texels: u64,
+    /// Sum of their coverage: used area in texels.
+    pub coverage: f64,
+    /// Standard errors of diffuse.
+    pub errors: ErrorSums,
+    /// Sum of the squared standard error of irradiance.
+    pub irradiance_squares: f64,
+    /// Rays spent.
+    pub rays: u64,
+    /// Seconds spent on tiles.
+    pub seconds: f64,
+}
+
+/// Moments and maximum of standard errors over texels.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct ErrorSums {
+    /// Sum.
+    pub sum: f64,
+    /// Sum of squares.
+    pub squares: f64,
+    /// Sum of fourth powers.
+    pub fourths: f64,
+    /// The largest.
+    pub max: f64,
+    /// The first texel (column, row) that has it.
+    pub worst: [u32; 2],
+}
+
+impl ErrorSums {
+    /// Counts a texel's standard error.
+    pub(crate) fn add(&mut self, std_err: f64, texel: [u32; 2]) {
+        self.sum += std_err;
+        self.squares += std_err * std_err;
+        self.fourths += std_err.powi(4);
+        if std_err > self.max {
+            (self.max, self.worst) = (std_err, texel);
+        }
+    }
+
+    /// Counts those of later texels.
+    fn append(&mut self, later: &Self) {
+        self.sum += later.sum;
+        self.squares += later.squares;
+        self.fourths += later.fourths;
+        if later.max > self.max {
+            (self.max, self.worst) = (later.max, later.worst);
+        }
+    }
+}
+
+impl PageStats {
+    /// Counts the texels of a later tile.
+    pub(crate) fn append(&mut self, tile: &Self) {
+        self.texels += tile.texels;
+        self.coverage += tile.coverage;
+        self.errors.append(&tile.errors);
+        self.irradiance_squares += tile.irradiance_squares;
+        self.rays += tile.rays;
+    }
+
+    /// Estimated root mean square error of the diffuse term over the texels.
+    pub fn rmse(&self) -> f64 {
+        (self.errors.squares / self.texels.max(1) as f64).sqrt()
+    }
+
+    /// Estimated root mean square error of the irradiance over the texels, mean of its channels.
+    pub fn irradiance_rmse(&self) -> f64 {
+        (self.irradiance_squares / self.texels.max(1) as f64).sqrt()
+    }
+
+    /// What the true root mean square error stays below with 99.9 % confidence.
+    ///
+    /// The sum of squared errors of independent normal texels has the relative variance `2/t`, its estimate from four replicates
+    /// each `2/3t`, where `t = (Σ s²)² / Σ s⁴` counts unequal texels as fewer. The normal quantile is 3.09.
+    pub fn rmse_bound(&self) -> f64 {
+        if self.errors.squares == 0.0 {
+            return 0.0;
+        }
+        let relative = self.errors.fourths / (self.errors.squares * self.errors.squares);
+        self.rmse() * (1.0 + 3.09 * ((2.0 + 2.0 / 3.0) * relative).sqrt()).sqrt()
+    }
+}

@@ -1,0 +1,19 @@
+//! From arguments to a bake that is ready to run.
+
+use super::args::Job;
+use super::options;
+use crate::common::Common;
+use crate::host;
+use std::path::Path;
+use std::time::Instant;
+
+/// Loads the scene, plans its bake, lays its texels out and builds its ray scene.
+pub fn prepare(file: &Path, job: &Job, common: &Common) -> anyhow::Result<ambake::Job> {
+    host::set_threads(common.threads)?;
+    let started = Instant::now();
+    let scene = ambake::load(file)?;
+    let loading = started.elapsed().as_secs_f64();
+    let mut prepared = options::bake(&scene, job, common)?.prepare()?;
+    prepared.add_phase("load", loading);
+    Ok(prepared)
+}
