@@ -1,8 +1,9 @@
 //! `STEM.glb`: the input scene with the lightmap UV set as `TEXCOORD_1` and the diffuse term as `occlusionTexture`.
 //!
-//! A glTF input is patched, not rewritten: its JSON is read again as plain values, so extensions, extras, animations,
-//! skins, cameras, morph targets and every attribute survive whether ambake knows them or not. What changes is listed
-//! in vendor-notes/gltf-writing.md. An OBJ input becomes a small glTF document first and takes the same road.
+//! A glTF input is patched, not rewritten: the scene keeps its document as plain values, so extensions, extras,
+//! animations, skins, cameras, morph targets and every attribute survive whether ambake knows them or not. The file is
+//! not opened again. What changes is listed in vendor-notes/gltf-writing.md. A scene without a document, from OBJ or
+//! built in memory, becomes a small glTF document first and takes the same road.
 
 mod accessor;
 mod document;
@@ -16,7 +17,7 @@ use atlas::Atlas;
 use document::Document;
 use geometry::Geometry;
 use material::Materials;
-use scene::{Format, Scene};
+use scene::Scene;
 use serde_json::Value;
 use std::collections::HashMap;
 use std::path::Path;
@@ -40,8 +41,8 @@ struct Origins {
 ///   triangles lie on that page.
 ///
 /// # Errors
-/// [`Error::Read`] where the input has changed since it was loaded or cannot be read again; [`Error::Write`] with an
-/// empty path where the file would pass the format's 4 GiB.
+/// [`Error::Read`] where an attribute that the scene does not use is damaged in the input; [`Error::Write`] with an empty
+/// path where the file would pass the format's 4 GiB.
 ///
 /// # Panics
 /// Where scene, atlas and pages do not fit each other: a bug of the caller.
@@ -61,17 +62,10 @@ pub fn write_gltf(scene: &Scene, atlas: &Atlas, occlusion: &[Vec<u8>]) -> Result
         occlusion.len(),
         "a picture for each page"
     );
-    let read = |reason: Reason| {
-        Error::read(
-            &scene.path,
-            format!("{reason}; has the file changed since it was loaded? bake again"),
-        )
-    };
-    let (mut document, origins) = match scene.format {
-        Format::Obj => from_obj::document(scene, atlas).map_err(read)?,
-        Format::Gltf | Format::Glb => {
-            let source =
-                scene::gltf_source(&scene.path).map_err(|e| Error::read(&scene.path, e.reason))?;
+    let read = |reason: Reason| Error::read(&scene.path, reason);
+    let (mut document, origins) = match &scene.source {
+        None => from_obj::document(scene, atlas).map_err(read)?,
+        Some(source) => {
             let origins = Origins {
                 meshes: scene
                     .meshes
@@ -85,7 +79,7 @@ pub fn write_gltf(scene: &Scene, atlas: &Atlas, occlusion: &[Vec<u8>]) -> Result
                     .collect(),
                 laid_out: false,
             };
-            (Document::new(source).map_err(read)?, origins)
+            (Document::of(source).map_err(read)?, origins)
         }
     };
     patch(&mut document, scene, atlas, occlusion, &origins).map_err(read)?;
