@@ -126,11 +126,7 @@ fn preview_name(stem: &str, page: u32, layer: Layer) -> String {
 
 /// The scene with its lightmap coordinates and, where there are pictures of it, the diffuse term.
 pub(crate) fn glb(job: &Job, pictures: Option<&[Vec<u8>]>) -> Result<Vec<u8>, Error> {
-    Ok(report::write_gltf(
-        job.scene(),
-        job.atlas(),
-        pictures.unwrap_or_default(),
-    )?)
+    Ok(report::write_gltf(job.scene(), job.atlas(), pictures)?)
 }
 
 impl Job {

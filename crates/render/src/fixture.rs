@@ -82,6 +82,7 @@ pub(crate) fn world(sheets: &[Sheet]) -> (World, Box<dyn RayBackend>) {
         images: vec![],
         warnings: vec![],
         content_hash: String::new(),
+        source: None,
     };
     let options = WorldOptions {
         instancing: false,

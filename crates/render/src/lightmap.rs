@@ -28,11 +28,11 @@ impl Lightmap {
             problem,
         };
         let scene = scene::load(&path)?;
-        let json = scene::gltf_source(&path).map_err(|e| fail(e.reason))?.json;
+        let json = scene.source.as_ref().map_or(&Value::Null, |s| &s.json);
         let mut page_of = Vec::with_capacity(scene.meshes.len());
         for mesh in &scene.meshes {
             let page = (mesh.uv_sets.len() > 1)
-                .then(|| page_number(&json, mesh.origin.mesh, mesh.origin.primitive))
+                .then(|| page_number(json, mesh.origin.mesh, mesh.origin.primitive))
                 .flatten();
             page_of.push(page.ok_or_else(|| {
                 let name = &mesh.name;

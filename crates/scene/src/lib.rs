@@ -7,7 +7,6 @@
 
 mod error;
 mod gltf;
-mod gltf_source;
 mod image;
 mod lookup;
 mod material;
@@ -17,7 +16,7 @@ mod types;
 mod validate;
 
 pub use error::Error;
-pub use gltf_source::{GltfSource, ImageSource, SourceError, gltf_source};
+pub use gltf::{Elements, EncodedImage, GltfDocument};
 pub use material::{MAX_EXPONENT, phong_from_metallic_roughness};
 pub use types::*;
 

@@ -141,6 +141,7 @@ mod tests {
             }],
             warnings: vec![],
             content_hash: String::new(),
+            source: None,
         }
     }
 

@@ -3,6 +3,7 @@
 use crate::{Error, Format, Warning};
 use base64::Engine;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use percent_encoding::percent_decode_str;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -53,15 +54,21 @@ impl Input {
 
     /// All bytes of a file, hashed.
     pub fn read(&mut self, path: &Path) -> Result<Vec<u8>, Error> {
-        let mut file = open(path)?;
-        let mut bytes = Vec::new();
-        file.read_to_end(&mut bytes).map_err(|cause| Error::Read {
-            path: path.into(),
-            cause,
-        })?;
+        let bytes = file(path)?;
         self.hasher.update(&bytes);
         Ok(bytes)
     }
+}
+
+/// All bytes of a regular file.
+pub(crate) fn file(path: &Path) -> Result<Vec<u8>, Error> {
+    let mut bytes = Vec::new();
+    let read = open(path)?.read_to_end(&mut bytes);
+    read.map_err(|cause| Error::Read {
+        path: path.into(),
+        cause,
+    })?;
+    Ok(bytes)
 }
 
 /// The file that a relative name inside another file stands for.
@@ -120,7 +127,7 @@ pub(crate) enum Uri {
     File(String),
 }
 
-/// Decodes a URI.
+/// Decodes a URI. A `%` without two hex digits stands for itself.
 ///
 /// # Errors
 /// A sentence, for a scheme other than `data` and `file` and for base64 that is none.
@@ -130,7 +137,7 @@ pub(crate) fn uri(text: &str) -> Result<Uri, String> {
             .split_once(',')
             .ok_or("data URI without a comma; export the file again")?;
         if !head.ends_with(";base64") {
-            return Ok(Uri::Data(percent_decoded(body)));
+            return Ok(Uri::Data(percent_decode_str(body).collect()));
         }
         // Writers disagree about the padding, so none, some and full are read.
         let config =
@@ -151,33 +158,19 @@ pub(crate) fn uri(text: &str) -> Result<Uri, String> {
             short(text)
         ));
     }
-    let name = String::from_utf8(percent_decoded(local))
+    let name = percent_decode_str(local)
+        .decode_utf8()
         .map_err(|_| "file name is not UTF-8; rename the file")?;
     if name.is_empty() || name.contains('\0') {
         return Err("empty or broken file name; export the file again".into());
     }
-    Ok(Uri::File(name))
+    Ok(Uri::File(name.into_owned()))
 }
 
-/// Bytes of a percent-encoded text; a `%` without two hex digits stands for itself.
-fn percent_decoded(text: &str) -> Vec<u8> {
-    let bytes = text.as_bytes();
-    let mut out = Vec::with_capacity(bytes.len());
-    let mut i = 0;
-    while i < bytes.len() {
-        let hex = |k: usize| bytes.get(i + k).and_then(|b| (*b as char).to_digit(16));
-        match (bytes[i], hex(1), hex(2)) {
-            (b'%', Some(high), Some(low)) => {
-                out.push((high * 16 + low) as u8);
-                i += 3;
-            }
-            (byte, ..) => {
-                out.push(byte);
-                i += 1;
-            }
-        }
-    }
-    out
+/// The media type that a data URI declares.
+pub(crate) fn media_type(text: &str) -> Option<&str> {
+    let head = text.strip_prefix("data:")?.split([';', ',']).next()?;
+    (!head.is_empty()).then_some(head)
 }
 
 /// The start of a text without control characters, for a message on one line.
@@ -191,5 +184,53 @@ pub(crate) fn short(text: &str) -> String {
         format!("{clean}…")
     } else {
         clean
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn data(text: &str) -> Vec<u8> {
+        match uri(text) {
+            Ok(Uri::Data(bytes)) => bytes,
+            Ok(Uri::File(name)) => panic!("{text} is the file {name}"),
+            Err(problem) => panic!("{text}: {problem}"),
+        }
+    }
+
+    #[test]
+    fn data_uris_are_decoded_with_any_padding_and_any_escape() {
+        assert_eq!(data("data:image/png;base64,AAEC"), [0, 1, 2]);
+        assert_eq!(data("data:;base64,AAE"), [0, 1]);
+        assert_eq!(data("data:;base64,AAE="), [0, 1]);
+        assert_eq!(data("data:,a%20b%2Fc%zz%"), b"a b/c%zz%");
+        assert!(uri("data:;base64").is_err(), "no comma");
+    }
+
+    #[test]
+    fn a_media_type_is_what_a_data_uri_declares() {
+        assert_eq!(media_type("data:image/png;base64,AAEC"), Some("image/png"));
+        assert_eq!(media_type("data:text/plain,a"), Some("text/plain"));
+        assert_eq!(media_type("data:;base64,AAEC"), None);
+        assert_eq!(media_type("image/png;a.png"), None);
+    }
+
+    #[test]
+    fn file_names_are_percent_decoded() {
+        for (text, expected) in [
+            ("a%20b.bin", "a b.bin"),
+            ("100%.bin", "100%.bin"),
+            ("file:///x/y%2Bz", "/x/y+z"),
+        ] {
+            match uri(text) {
+                Ok(Uri::File(name)) => assert_eq!(name, expected),
+                Ok(Uri::Data(_)) => panic!("{text} is no data URI"),
+                Err(problem) => panic!("{text}: {problem}"),
+            }
+        }
+        for refused in ["%ff", "", "a%00b", "https://a.example/b.bin"] {
+            assert!(uri(refused).is_err(), "{refused}");
+        }
     }
 }

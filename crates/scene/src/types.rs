@@ -4,9 +4,11 @@
 //! transforms, materials are mapped to the Phong model's parameters. Invariants that [`crate::load`] guarantees:
 //! every index is in range, every number is finite, every triangle has a non-zero area in mesh space, images are decoded.
 
+use crate::GltfDocument;
 use glam::{DAffine3, Vec2, Vec3};
 use serde::Serialize;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// A whole scene, validated.
 #[derive(Debug, Clone)]
@@ -26,7 +28,10 @@ pub struct Scene {
     /// Everything that was repaired or ignored while loading, counted.
     pub warnings: Vec<Warning>,
     /// Blake3 hash, in hex, of all the bytes read for this scene (the file, its buffers, images and material files).
+    /// Images that only `source` holds are not part of it.
     pub content_hash: String,
+    /// The whole glTF document for the writer to patch; `None` for OBJ and for scenes built in memory.
+    pub source: Option<Arc<GltfDocument>>,
 }
 
 /// The input's file format.

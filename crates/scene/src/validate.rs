@@ -28,10 +28,12 @@
 
 use crate::source::Input;
 use crate::{
-    Alpha, Error, Format, Image, Instance, Material, Mesh, Scene, Surface, TextureRef, Warning,
+    Alpha, Error, Format, GltfDocument, Image, Instance, Material, Mesh, Scene, Surface,
+    TextureRef, Warning,
 };
 use glam::{DVec3, Vec2, Vec3};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Largest coordinate that the ray tracers take: Embree ignores vertices from about 1.8e18 on, so that squares of
 /// coordinates stay finite in f32.
@@ -44,6 +46,7 @@ pub(crate) struct Parts {
     pub instances: Vec<Instance>,
     pub materials: Vec<Material>,
     pub images: Vec<Image>,
+    pub source: Option<Arc<GltfDocument>>,
 }
 
 /// The scene, once what the reader found is judged as a whole.
@@ -72,6 +75,7 @@ pub(crate) fn scene(mut input: Input, format: Format, mut parts: Parts) -> Resul
         mut instances,
         mut materials,
         mut images,
+        source,
     } = parts;
     meshes.shrink_to_fit();
     instances.shrink_to_fit();
@@ -87,6 +91,7 @@ pub(crate) fn scene(mut input: Input, format: Format, mut parts: Parts) -> Resul
         images,
         warnings: input.warnings,
         content_hash,
+        source,
     })
 }
 

@@ -2,6 +2,8 @@
 
 #[path = "files/broken.rs"]
 mod broken;
+#[path = "files/document.rs"]
+mod document;
 #[path = "files/fuzz.rs"]
 mod fuzz;
 #[path = "files/gltf.rs"]

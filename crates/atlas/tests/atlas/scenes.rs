@@ -50,6 +50,7 @@ pub fn scene(meshes: Vec<Mesh>, instances: &[(u32, u32, DAffine3)]) -> Scene {
         images: Vec::new(),
         warnings: Vec::new(),
         content_hash: String::new(),
+        source: None,
     }
 }
 

@@ -206,5 +206,6 @@ fn scene(meshes: Vec<Mesh>) -> Scene {
         images: Vec::new(),
         warnings: Vec::new(),
         content_hash: String::new(),
+        source: None,
     }
 }

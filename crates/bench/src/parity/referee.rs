@@ -275,6 +275,7 @@ mod tests {
             }],
             warnings: Vec::new(),
             content_hash: String::new(),
+            source: None,
         };
         let options = WorldOptions {
             instancing: true,

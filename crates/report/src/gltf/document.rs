@@ -2,14 +2,17 @@
 
 use super::Reason;
 use base64::Engine;
-use scene::GltfSource;
+use scene::{Elements, GltfDocument};
 use serde_json::{Map, Value, json};
 use std::io;
 
-/// A document whose buffer 0 grows: all new data is appended there.
-pub struct Document {
+/// A document whose buffer 0 grows: all new data stands behind what the file holds, which is never copied or changed.
+pub struct Document<'a> {
     pub json: Value,
-    pub buffers: Vec<Vec<u8>>,
+    /// The file's; `None` where there is none.
+    source: Option<&'a GltfDocument>,
+    /// What is appended to buffer 0.
+    added: Vec<u8>,
 }
 
 /// What a buffer view is for, as its `target`.
@@ -21,26 +24,47 @@ pub enum Target {
     Indices,
 }
 
-impl Document {
+impl<'a> Document<'a> {
     /// The document of a file, with every image moved into buffer 0.
-    pub fn new(source: GltfSource) -> Result<Document, Reason> {
-        let mut document = Document {
-            json: source.json,
-            buffers: source.buffers,
-        };
-        if document.buffers.is_empty() {
-            document.buffers.push(Vec::new());
-            document.list("buffers")?.push(json!({ "byteLength": 0 }));
-        }
-        for (i, image) in source.images.into_iter().enumerate() {
+    pub fn of(source: &'a GltfDocument) -> Result<Document<'a>, Reason> {
+        let mut document = Document::new(source.json.clone(), Some(source))?;
+        for (i, image) in source.images.iter().enumerate() {
             let Some(image) = image else { continue };
             let view = document.push_view(&image.bytes, Target::None)?;
             let entry = document.entry("images", i)?;
             entry.shift_remove("uri");
             entry.insert("bufferView".into(), view.into());
-            entry.insert("mimeType".into(), image.mime_type.into());
+            entry.insert("mimeType".into(), image.mime_type.as_str().into());
         }
         Ok(document)
+    }
+
+    /// A document without a file. `json` names no buffer.
+    pub fn empty(json: Value) -> Result<Document<'a>, Reason> {
+        Document::new(json, None)
+    }
+
+    fn new(json: Value, source: Option<&'a GltfDocument>) -> Result<Document<'a>, Reason> {
+        let mut document = Document {
+            json,
+            source,
+            added: Vec::new(),
+        };
+        if document.buffers().is_empty() {
+            document.list("buffers")?.push(json!({ "byteLength": 0 }));
+        }
+        Ok(document)
+    }
+
+    /// The file's buffers.
+    fn buffers(&self) -> &'a [Vec<u8>] {
+        self.source.map_or(&[], |source| &source.buffers)
+    }
+
+    /// An accessor of the file, opened. One that was appended here is not read back.
+    pub fn original(&self, accessor: usize) -> Result<Elements<'a>, Reason> {
+        let source = self.source.ok_or("the scene came from no glTF file")?;
+        source.accessor(accessor)
     }
 
     /// A top-level array, made where it is absent.
@@ -80,10 +104,8 @@ impl Document {
 
     /// Appends `bytes` to buffer 0 behind a new buffer view, and returns the view's index.
     pub fn push_view(&mut self, bytes: &[u8], target: Target) -> Result<usize, Reason> {
-        let buffer = &mut self.buffers[0];
-        buffer.resize(buffer.len().next_multiple_of(4), 0);
-        let mut view =
-            json!({ "buffer": 0, "byteOffset": buffer.len(), "byteLength": bytes.len() });
+        let offset = self.align();
+        let mut view = json!({ "buffer": 0, "byteOffset": offset, "byteLength": bytes.len() });
         match target {
             Target::None => {}
             Target::Vertices(stride) => {
@@ -92,8 +114,16 @@ impl Document {
             }
             Target::Indices => view["target"] = 34963.into(),
         }
-        buffer.extend_from_slice(bytes);
+        self.added.extend_from_slice(bytes);
         self.push("bufferViews", view)
+    }
+
+    /// Fills buffer 0 with zeros up to a multiple of four, and returns its length.
+    fn align(&mut self) -> usize {
+        let start = self.buffers().first().map_or(0, Vec::len);
+        let length = (start + self.added.len()).next_multiple_of(4);
+        self.added.resize(length - start, 0);
+        length
     }
 
     /// Appends triangle indices in the smallest type that holds `vertices`, and returns the accessor.
@@ -179,24 +209,21 @@ impl Document {
 
     /// The container: buffer 0 as BIN chunk, further buffers as data URIs.
     pub fn into_glb(mut self) -> io::Result<Vec<u8>> {
-        let bin = &mut self.buffers[0];
-        bin.resize(bin.len().next_multiple_of(4), 0);
-        for (i, bytes) in self.buffers.iter().enumerate() {
-            let buffer = &mut self.json["buffers"][i];
-            if i == 0 {
-                buffer["byteLength"] = bytes.len().into();
-                buffer
-                    .as_object_mut()
-                    .map(|buffer| buffer.shift_remove("uri"));
-            } else {
-                let text = base64::engine::general_purpose::STANDARD.encode(bytes);
-                buffer["uri"] = format!("data:application/octet-stream;base64,{text}").into();
-            }
+        let length = self.align();
+        let buffer = &mut self.json["buffers"][0];
+        buffer["byteLength"] = length.into();
+        if let Some(buffer) = buffer.as_object_mut() {
+            buffer.shift_remove("uri");
+        }
+        let start = self.buffers().first().map_or(&[][..], Vec::as_slice);
+        for (i, bytes) in self.buffers().iter().enumerate().skip(1) {
+            let text = base64::engine::general_purpose::STANDARD.encode(bytes);
+            let uri = format!("data:application/octet-stream;base64,{text}");
+            self.json["buffers"][i]["uri"] = uri.into();
         }
         let mut text = serde_json::to_vec(&self.json)?;
         text.resize(text.len().next_multiple_of(4), b' ');
-        let bin = &self.buffers[0];
-        let total = 12 + 8 + text.len() + 8 + bin.len();
+        let total = 12 + 8 + text.len() + 8 + length;
         let Ok(total) = u32::try_from(total) else {
             let message = format!("a GLB of {total} bytes is over the format's 4 GiB");
             return Err(io::Error::new(io::ErrorKind::FileTooLarge, message));
@@ -208,9 +235,10 @@ impl Document {
         }
         file.extend_from_slice(b"JSON");
         file.extend_from_slice(&text);
-        file.extend_from_slice(&(bin.len() as u32).to_le_bytes());
+        file.extend_from_slice(&(length as u32).to_le_bytes());
         file.extend_from_slice(b"BIN\0");
-        file.extend_from_slice(bin);
+        file.extend_from_slice(start);
+        file.extend_from_slice(&self.added);
         Ok(file)
     }
 }

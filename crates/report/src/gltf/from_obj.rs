@@ -8,7 +8,7 @@ use super::document::{Document, Target};
 use super::{Origins, Reason};
 use crate::preview::encode;
 use atlas::Atlas;
-use scene::{Alpha, GltfSource, Image, Material, Scene, Surface, TextureRef, Wrap};
+use scene::{Alpha, Image, Material, Scene, Surface, TextureRef, Wrap};
 use serde_json::{Value, json};
 use std::collections::HashMap;
 
@@ -16,17 +16,13 @@ use std::collections::HashMap;
 const STRENGTH: &str = "KHR_materials_emissive_strength";
 
 /// The document and where it holds the scene: mesh and instance numbers are those of the scene.
-pub fn document(scene: &Scene, atlas: &Atlas) -> Result<(Document, Origins), Reason> {
+pub fn document(scene: &Scene, atlas: &Atlas) -> Result<(Document<'static>, Origins), Reason> {
     let json = json!({
         "asset": { "version": "2.0", "generator": format!("ambake {}", env!("CARGO_PKG_VERSION")) },
         "scene": 0,
         "scenes": [{ "nodes": (0..scene.instances.len()).collect::<Vec<_>>() }],
     });
-    let mut document = Document::new(GltfSource {
-        json,
-        buffers: Vec::new(),
-        images: Vec::new(),
-    })?;
+    let mut document = Document::empty(json)?;
     let mut textures = HashMap::new();
     for material in &scene.materials {
         let value = material_value(&mut document, &mut textures, scene, material)?;

@@ -1,10 +1,11 @@
 //! The vertices of a primitive in the order of the layout: seams split vertices, dropped triangles are left out.
 
 use super::Reason;
-use super::accessor::{count, floats, gather};
+use super::accessor::gather;
 use super::document::{Document, index};
 use super::material::{self, Uses};
 use atlas::{MeshLayout, Placement};
+use glam::Vec2;
 use scene::Mesh;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -62,16 +63,19 @@ impl Geometry {
                     .iter()
                     .enumerate()
                     .all(|(i, &v)| i == v as usize);
+        // The layout's vertices by their numbers in the file's arrays.
+        let in_file: Vec<u32> = match whole {
+            true => layout.source_vertices.clone(),
+            false => {
+                let number = |&v: &u32| mesh.source_vertices[v as usize];
+                layout.source_vertices.iter().map(number).collect()
+            }
+        };
+        let expected = whole.then_some(vertices);
+        let is_lightmap =
+            as_placed && has_lightmap(document, primitive, mesh, layout, laid_out, &in_file)?;
         let mut targets = primitive.get("targets").cloned();
         if !stays {
-            let in_file: Vec<u32> = match whole {
-                true => layout.source_vertices.clone(),
-                false => {
-                    let number = |&v: &u32| mesh.source_vertices[v as usize];
-                    layout.source_vertices.iter().map(number).collect()
-                }
-            };
-            let expected = whole.then_some(vertices);
             gather_all(document, &mut attributes, expected, &in_file, name)?;
             for target in targets
                 .as_mut()
@@ -85,10 +89,11 @@ impl Geometry {
                 gather_all(document, target, expected, &in_file, name)?;
             }
         }
-        let own_lightmap = match as_placed {
-            true => own_lightmap(document, &attributes, layout)?,
-            false => None,
-        };
+        let own_lightmap = attributes
+            .get("TEXCOORD_1")
+            .and_then(Value::as_u64)
+            .filter(|_| is_lightmap)
+            .map(|accessor| accessor as usize);
         let moved = match own_lightmap {
             Some(_) => None,
             None => move_texcoord_1(&mut attributes),
@@ -213,33 +218,56 @@ fn gather_all(
 ) -> Result<(), Reason> {
     for (semantic, accessor) in attributes {
         let source = accessor.as_u64().ok_or("an attribute is not an index")? as usize;
-        let count = count(document, source)?;
+        let elements = document.original(source)?;
+        let count = elements.count;
         let last = vertices.iter().max().map_or(0, |&v| v as usize + 1);
         if count < last || expected.is_some_and(|expected| count != expected) {
             return Err(format!(
-                "{semantic} of {name} has {count} vertices, {} were loaded",
+                "{semantic} of {name} has {count} vertices, its POSITION {}; export the file again",
                 expected.unwrap_or(last)
             ));
         }
-        *accessor = gather(document, source, vertices, semantic == "POSITION")?.into();
+        *accessor = gather(
+            document,
+            source,
+            &elements,
+            vertices,
+            semantic == "POSITION",
+        )?
+        .into();
     }
     Ok(())
 }
 
-/// The accessor of `TEXCOORD_1` where it holds the layout's coordinates, value by value.
-fn own_lightmap(
+/// Whether the primitive's `TEXCOORD_1` holds the layout's coordinates, value by value. `in_file`: the layout's vertices by
+/// their numbers in the file's arrays.
+fn has_lightmap(
     document: &Document,
-    attributes: &Map<String, Value>,
+    primitive: &Value,
+    mesh: &Mesh,
     layout: &MeshLayout,
-) -> Result<Option<usize>, Reason> {
-    let Some(accessor) = attributes.get("TEXCOORD_1").and_then(Value::as_u64) else {
-        return Ok(None);
+    laid_out: bool,
+    in_file: &[u32],
+) -> Result<bool, Reason> {
+    let Some(accessor) = index(&primitive["attributes"], "TEXCOORD_1") else {
+        return Ok(false);
     };
-    let own = floats(document, accessor as usize, 2)?;
-    let laid = layout.uvs.iter().flat_map(|uv| [uv.x, uv.y]);
-    Ok(laid
-        .eq(own.iter().map(|&v| v as f32))
-        .then_some(accessor as usize))
+    if laid_out {
+        let set = mesh.uv_sets.get(1);
+        let at = |v: u32| set?.get(v as usize).map(Vec2::to_array);
+        return Ok(holds(layout, &layout.source_vertices, at));
+    }
+    // Not the loaded set: there a coordinate that is not finite has been repaired.
+    let own = document.original(accessor)?;
+    let at = |v: u32| Some(own.numbers(v as usize)?.map(|number| number as f32));
+    let whole = mesh.source_vertices.is_empty();
+    Ok((!whole || own.count == mesh.positions.len()) && holds(layout, in_file, at))
+}
+
+/// Whether the layout's coordinates are those of the UV set `at`, which knows them by the numbers `vertices`.
+fn holds(layout: &MeshLayout, vertices: &[u32], at: impl Fn(u32) -> Option<[f32; 2]>) -> bool {
+    let same = |(&vertex, uv): (&u32, &Vec2)| at(vertex) == Some(uv.to_array());
+    vertices.len() == layout.uvs.len() && vertices.iter().zip(&layout.uvs).all(same)
 }
 
 /// Moves `TEXCOORD_1` behind the last UV set and returns its new number.
@@ -283,23 +311,18 @@ mod tests {
 
     #[test]
     fn a_kept_second_uv_set_is_found_by_its_values() {
-        let kept = [[0.25, 0.5], [1.0, 0.0], [0.1, 0.7]];
-        let mut document = Document {
-            json: json!({}),
-            buffers: vec![Vec::new()],
-        };
-        let accessor = document.push_floats(&kept, false).unwrap();
-        let attributes = json!({ "TEXCOORD_1": accessor });
-        let attributes = attributes.as_object().unwrap();
+        let set = [[0.25, 0.5], [1.0, 0.0], [0.1, 0.7]];
+        let at = |v: u32| set.get(v as usize).copied();
+        // The layout has the set's last vertex twice and its second nowhere.
+        let vertices = [2, 0, 2];
         let mut layout = MeshLayout {
-            uvs: kept.map(glam::Vec2::from).to_vec(),
+            uvs: vertices.map(|v| Vec2::from(set[v as usize])).to_vec(),
             ..MeshLayout::default()
         };
-        let found = |layout: &MeshLayout| own_lightmap(&document, attributes, layout).unwrap();
-        assert_eq!(found(&layout), Some(accessor));
-        layout.uvs[1].y = f32::MIN_POSITIVE;
-        assert_eq!(found(&layout), None);
-        layout.uvs.pop();
-        assert_eq!(found(&layout), None);
+        assert!(holds(&layout, &vertices, at));
+        assert!(!holds(&layout, &[2, 0, 3], at), "beyond the set");
+        assert!(!holds(&layout, &[2, 0], at), "fewer vertices");
+        layout.uvs[1].y += f32::EPSILON;
+        assert!(!holds(&layout, &vertices, at), "another value");
     }
 }

@@ -22,7 +22,8 @@ pub struct Materials<'a> {
     taken: HashSet<usize>,
     clones: HashMap<(Uses, u32), usize>,
     textures: HashMap<u32, usize>,
-    occlusion: &'a [Vec<u8>],
+    /// One picture a page; without pictures materials keep what they have.
+    occlusion: Option<&'a [Vec<u8>]>,
     stem: String,
 }
 
@@ -31,7 +32,7 @@ impl<'a> Materials<'a> {
     pub fn new(
         document: &mut Document,
         scene: &Scene,
-        occlusion: &'a [Vec<u8>],
+        occlusion: Option<&'a [Vec<u8>]>,
         untouched: impl Fn(usize, usize) -> bool,
     ) -> Result<Materials<'a>, Reason> {
         let mut taken = HashSet::new();
@@ -74,7 +75,8 @@ impl<'a> Materials<'a> {
         })
     }
 
-    /// The material that is `uses.original` with the occlusion of `page`. The first takes the original's own place.
+    /// The material that is `uses.original` with the occlusion of `page`, where there are pictures. The first takes the original's own
+    /// place.
     pub fn get(
         &mut self,
         document: &mut Document,
@@ -92,7 +94,13 @@ impl<'a> Materials<'a> {
         let map = material
             .as_object_mut()
             .ok_or("a material is not an object")?;
-        map.shift_remove("occlusionTexture");
+        let page = match self.occlusion {
+            Some(_) => page,
+            None => 0, // all pages look alike
+        };
+        if self.occlusion.is_some() {
+            map.shift_remove("occlusionTexture");
+        }
         match uses.moved {
             Some(to) if redirect(map, to) => {}
             _ => uses.moved = None, // no texture reads the set: the clone serves other primitives as well
@@ -100,11 +108,13 @@ impl<'a> Materials<'a> {
         if let Some(&clone) = self.clones.get(&(uses, page)) {
             return Ok(clone);
         }
-        let texture = self.texture(document, page)?;
-        map.insert(
-            "occlusionTexture".into(),
-            json!({ "index": texture, "texCoord": 1, "strength": 1.0 }),
-        );
+        if let Some(pictures) = self.occlusion {
+            let texture = self.texture(document, &pictures[page as usize], page)?;
+            map.insert(
+                "occlusionTexture".into(),
+                json!({ "index": texture, "texCoord": 1, "strength": 1.0 }),
+            );
+        }
         let slot = match uses.original {
             Some(i) if self.taken.insert(i) => {
                 document.list("materials")?[i] = material;
@@ -117,11 +127,16 @@ impl<'a> Materials<'a> {
     }
 
     /// The texture of a page: its picture embedded, clamped, without mip levels (gutters are made for the full size).
-    fn texture(&mut self, document: &mut Document, page: u32) -> Result<usize, Reason> {
+    fn texture(
+        &mut self,
+        document: &mut Document,
+        picture: &[u8],
+        page: u32,
+    ) -> Result<usize, Reason> {
         if let Some(&texture) = self.textures.get(&page) {
             return Ok(texture);
         }
-        let view = document.push_view(&self.occlusion[page as usize], Target::None)?;
+        let view = document.push_view(picture, Target::None)?;
         let name = format!("{}.{page}.occlusion", self.stem);
         let image = document.push(
             "images",

@@ -1,8 +1,9 @@
 //! `STEM.glb`: the input scene with the lightmap UV set as `TEXCOORD_1` and the diffuse term as `occlusionTexture`.
 //!
-//! A glTF input is patched, not rewritten: its JSON is read again as plain values, so extensions, extras, animations,
-//! skins, cameras, morph targets and every attribute survive whether ambake knows them or not. What changes is listed
-//! in vendor-notes/gltf-writing.md. An OBJ input becomes a small glTF document first and takes the same road.
+//! A glTF input is patched, not rewritten: the scene keeps its document as plain values, so extensions, extras,
+//! animations, skins, cameras, morph targets and every attribute survive whether ambake knows them or not. The file is
+//! not opened again. What changes is listed in vendor-notes/gltf-writing.md. A scene without a document, from OBJ or
+//! built in memory, becomes a small glTF document first and takes the same road.
 
 mod accessor;
 mod document;
@@ -16,7 +17,7 @@ use atlas::Atlas;
 use document::Document;
 use geometry::Geometry;
 use material::Materials;
-use scene::{Format, Scene};
+use scene::Scene;
 use serde_json::Value;
 use std::collections::HashMap;
 use std::path::Path;
@@ -37,15 +38,19 @@ struct Origins {
 /// The GLB of a baked scene: self-contained, lightmap coordinates baked into the vertices.
 ///
 /// * `occlusion`: one PNG file a page, as [`crate::occlusion_png`] makes it; embedded and named by every material whose
-///   triangles lie on that page.
+///   triangles lie on that page. `None` writes the lightmap coordinates alone.
 ///
 /// # Errors
-/// [`Error::Read`] where the input has changed since it was loaded or cannot be read again; [`Error::Write`] with an
-/// empty path where the file would pass the format's 4 GiB.
+/// [`Error::Read`] where an attribute that the scene does not use is damaged in the input; [`Error::Write`] with an empty
+/// path where the file would pass the format's 4 GiB.
 ///
 /// # Panics
 /// Where scene, atlas and pages do not fit each other: a bug of the caller.
-pub fn write_gltf(scene: &Scene, atlas: &Atlas, occlusion: &[Vec<u8>]) -> Result<Vec<u8>, Error> {
+pub fn write_gltf(
+    scene: &Scene,
+    atlas: &Atlas,
+    occlusion: Option<&[Vec<u8>]>,
+) -> Result<Vec<u8>, Error> {
     assert_eq!(
         scene.meshes.len(),
         atlas.meshes.len(),
@@ -56,22 +61,14 @@ pub fn write_gltf(scene: &Scene, atlas: &Atlas, occlusion: &[Vec<u8>]) -> Result
         atlas.placements.len(),
         "a placement for each instance"
     );
-    assert_eq!(
-        atlas.page_count as usize,
-        occlusion.len(),
+    assert!(
+        occlusion.is_none_or(|pictures| pictures.len() == atlas.page_count as usize),
         "a picture for each page"
     );
-    let read = |reason: Reason| {
-        Error::read(
-            &scene.path,
-            format!("{reason}; has the file changed since it was loaded? bake again"),
-        )
-    };
-    let (mut document, origins) = match scene.format {
-        Format::Obj => from_obj::document(scene, atlas).map_err(read)?,
-        Format::Gltf | Format::Glb => {
-            let source =
-                scene::gltf_source(&scene.path).map_err(|e| Error::read(&scene.path, e.reason))?;
+    let read = |reason: Reason| Error::read(&scene.path, reason);
+    let (mut document, origins) = match &scene.source {
+        None => from_obj::document(scene, atlas).map_err(read)?,
+        Some(source) => {
             let origins = Origins {
                 meshes: scene
                     .meshes
@@ -85,7 +82,7 @@ pub fn write_gltf(scene: &Scene, atlas: &Atlas, occlusion: &[Vec<u8>]) -> Result
                     .collect(),
                 laid_out: false,
             };
-            (Document::new(source).map_err(read)?, origins)
+            (Document::of(source).map_err(read)?, origins)
         }
     };
     patch(&mut document, scene, atlas, occlusion, &origins).map_err(read)?;
@@ -101,7 +98,7 @@ fn patch(
     document: &mut Document,
     scene: &Scene,
     atlas: &Atlas,
-    occlusion: &[Vec<u8>],
+    occlusion: Option<&[Vec<u8>]>,
     origins: &Origins,
 ) -> Result<(), Reason> {
     // The objects of each user, by primitive.

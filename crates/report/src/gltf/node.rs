@@ -1,9 +1,9 @@
 //! One glTF mesh for each object: lightmap coordinates differ between the users of a mesh, so the mesh is cloned.
 
-use super::accessor::{count, floats};
 use super::document::{Document, index};
 use super::{Reason, User};
-use serde_json::{Map, Value, json};
+use scene::Elements;
+use serde_json::{Value, json};
 use std::collections::{HashMap, HashSet};
 
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
@@ -40,7 +40,7 @@ impl MeshPlan {
             let all = match seen.get(&n) {
                 None => false,
                 Some(copies) if copies.contains(&None) => true,
-                Some(copies) => copies.len() == copy_count(document, node)?,
+                Some(copies) => copies.len() == instancing(document, node)?[0].1.count,
             };
             if !all {
                 plan.stays.insert(mesh);
@@ -111,29 +111,20 @@ fn expand(
     meshes: &HashMap<usize, usize>,
 ) -> Result<(), Reason> {
     let parent = document.get("nodes", node)?.clone();
-    let copies = copy_count(document, &parent)?;
-    let attributes = instancing(&parent)?.clone();
-    let mut properties = Vec::new();
-    for (semantic, key, width) in [
-        ("TRANSLATION", "translation", 3),
-        ("ROTATION", "rotation", 4),
-        ("SCALE", "scale", 3),
-    ] {
-        if let Some(accessor) = attributes.get(semantic).and_then(Value::as_u64) {
-            properties.push((key, width, floats(document, accessor as usize, width)?));
-        }
-    }
+    let attributes = instancing(document, &parent)?;
+    let copies = attributes[0].1.count;
     let mut children = Vec::with_capacity(copies);
     for copy in 0..copies {
         let mut child = json!({ "mesh": meshes.get(&copy).copied().unwrap_or(original) });
         if let Some(name) = parent.get("name").and_then(Value::as_str) {
             child["name"] = format!("{name} {copy}").into();
         }
-        for (key, width, values) in &properties {
-            let value = values
-                .get(copy * width..(copy + 1) * width)
-                .ok_or("instancing attributes differ in length")?;
-            child[*key] = value.into();
+        for (key, elements) in &attributes {
+            let value = match elements.lanes() {
+                Some(3) => elements.numbers::<3>(copy).map(Value::from),
+                _ => elements.numbers::<4>(copy).map(Value::from),
+            };
+            child[*key] = value.ok_or("instancing attributes differ in length")?;
         }
         for key in ["skin", "weights"] {
             if let Some(value) = parent.get(key) {
@@ -159,20 +150,26 @@ fn expand(
     Ok(())
 }
 
-fn instancing(node: &Value) -> Result<&Map<String, Value>, Reason> {
+/// The attributes that place the copies of an instanced node, at least one, by the node property they become.
+fn instancing<'a>(
+    document: &Document<'a>,
+    node: &Value,
+) -> Result<Vec<(&'static str, Elements<'a>)>, Reason> {
     let attributes = node
         .get("extensions")
-        .and_then(|e| e.get(INSTANCING))
-        .and_then(|e| e.get("attributes"));
-    attributes
-        .and_then(Value::as_object)
-        .ok_or_else(|| format!("a node has no {INSTANCING}"))
-}
-
-fn copy_count(document: &Document, node: &Value) -> Result<usize, Reason> {
-    let any = instancing(node)?.values().next().and_then(Value::as_u64);
-    count(
-        document,
-        any.ok_or("instancing has no attributes")? as usize,
-    )
+        .and_then(|e| e.get(INSTANCING)?.get("attributes"));
+    let mut opened = Vec::new();
+    for (semantic, key) in [
+        ("TRANSLATION", "translation"),
+        ("ROTATION", "rotation"),
+        ("SCALE", "scale"),
+    ] {
+        if let Some(accessor) = attributes.and_then(|a| index(a, semantic)) {
+            opened.push((key, document.original(accessor)?));
+        }
+    }
+    match opened.is_empty() {
+        true => Err(format!("a node places no copies by {INSTANCING}")),
+        false => Ok(opened),
+    }
 }

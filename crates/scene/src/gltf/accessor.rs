@@ -1,141 +1,157 @@
 //! Reads accessors: every range is checked once when the accessor is opened, every element afterwards is inside.
 
+use super::document::GltfDocument;
+use super::elements::{Elements, component, element_size, kind};
 use gltf::json::accessor::{Accessor, ComponentType, Type};
-use gltf::json::validation::Checked;
 use gltf::json::{Index, Root, buffer};
-use std::borrow::Cow;
+use serde_json::Value;
 
-/// The document and its bytes.
+/// The document, typed and plain.
 pub(super) struct Data<'a> {
     pub root: &'a Root,
-    pub buffers: Vec<Cow<'a, [u8]>>,
+    pub document: &'a GltfDocument,
 }
 
-/// An opened accessor.
-pub(super) struct Elements<'a> {
-    /// Number of elements.
-    pub count: usize,
-    component: ComponentType,
-    normalized: bool,
-    size: usize,
-    /// Bytes from the first element on and their stride; `None` where the base is all zeros.
-    base: Option<(&'a [u8], usize)>,
-    /// Numbers of the replaced elements, increasing, and their packed values.
-    sparse: Option<(Vec<u32>, &'a [u8])>,
-}
-
-impl<'a> Data<'a> {
+impl Data<'_> {
     /// Bytes of a buffer view and its stride, if it has one.
     pub fn view(&self, index: Index<buffer::View>) -> Result<(&[u8], Option<usize>), String> {
-        let view = self
-            .root
-            .get(index)
-            .ok_or_else(|| format!("buffer view {index} does not exist"))?;
-        let bytes = self
-            .buffers
-            .get(view.buffer.value())
-            .map(|b| b.as_ref())
-            .unwrap_or(&[]);
-        let from = view.byte_offset.unwrap_or_default().0;
-        let range = from
-            .checked_add(view.byte_length.0)
-            .and_then(|to| bytes.get(usize::try_from(from).ok()?..usize::try_from(to).ok()?));
-        let bytes = range.ok_or_else(|| {
-            format!(
-                "buffer view {index} reaches beyond the {} bytes of buffer {}; the file is corrupt",
-                bytes.len(),
-                view.buffer
-            )
-        })?;
-        Ok((bytes, view.byte_stride.map(|stride| stride.0)))
+        self.document.view(index.value())
     }
 
-    /// Opens an accessor of one of the types in `types`.
+    /// Opens an accessor of one of the types in `types` that has data of its own.
     ///
     /// # Errors
     /// A sentence that names the accessor.
     pub fn open(&self, index: Index<Accessor>, types: &[Type]) -> Result<Elements<'_>, String> {
-        let accessor = self
-            .root
-            .get(index)
-            .ok_or_else(|| format!("accessor {index} does not exist; the file is corrupt"))?;
-        let named = |problem: String| format!("accessor {index}: {problem}");
-        self.opened(accessor, types).map_err(named)
-    }
-
-    fn opened(&self, accessor: &Accessor, types: &[Type]) -> Result<Elements<'_>, String> {
-        let (Checked::Valid(component), Checked::Valid(kind)) =
-            (accessor.component_type, accessor.type_)
-        else {
-            return Err("unknown type; export the file again".into());
-        };
+        let elements = self.document.accessor(index.value())?;
+        let (kind, count) = (elements.kind, elements.count);
+        let named = |problem: String| Err(format!("accessor {index}: {problem}"));
         if !types.contains(&kind) {
-            return Err(format!(
+            return named(format!(
                 "{kind:?} where {types:?} is expected; export the file again"
             ));
         }
-        let component = component.0;
-        let size = component.size() * kind.multiplicity();
-        let count = usize::try_from(accessor.count.0).unwrap_or(usize::MAX);
-        let base = match accessor.buffer_view {
+        if elements.base.is_none() && elements.sparse.is_none() {
+            return named("it has no data; if the file is compressed, decode it: `npx @gltf-transform/cli copy IN OUT`".into());
+        }
+        // Zeros cost no byte in the file, so their number needs a bound of its own.
+        let bytes: usize = self.document.buffers.iter().map(Vec::len).sum();
+        if elements.base.is_none() && count > bytes {
+            return named(format!(
+                "{count} elements without data in a file of {bytes} bytes; the file is corrupt"
+            ));
+        }
+        Ok(elements)
+    }
+}
+
+impl GltfDocument {
+    /// Bytes of a buffer view and its stride, if it has one.
+    fn view(&self, index: usize) -> Result<(&[u8], Option<usize>), String> {
+        let view = item(&self.json, "bufferViews", index)
+            .ok_or_else(|| format!("buffer view {index} does not exist"))?;
+        let buffer = number(view, "buffer").unwrap_or(usize::MAX);
+        let bytes = self.buffers.get(buffer).map_or(&[][..], Vec::as_slice);
+        let from = number(view, "byteOffset").unwrap_or(0);
+        let to = number(view, "byteLength").and_then(|length| from.checked_add(length));
+        let range = to.and_then(|to| bytes.get(from..to)).ok_or_else(|| {
+            format!(
+                "buffer view {index} reaches beyond the {} bytes of buffer {buffer}; the file is corrupt",
+                bytes.len()
+            )
+        })?;
+        Ok((range, number(view, "byteStride")))
+    }
+
+    /// Opens an accessor of any type. Nothing is copied but the numbers of a sparse accessor; an accessor without data
+    /// holds zeros.
+    ///
+    /// # Errors
+    /// A sentence that names the accessor: it is absent, of an unknown type, or reaches out of its buffer.
+    pub fn accessor(&self, index: usize) -> Result<Elements<'_>, String> {
+        let accessor = item(&self.json, "accessors", index)
+            .ok_or_else(|| format!("accessor {index} does not exist; the file is corrupt"))?;
+        self.opened(accessor)
+            .map_err(|problem| format!("accessor {index}: {problem}"))
+    }
+
+    fn opened(&self, accessor: &Value) -> Result<Elements<'_>, String> {
+        let component = component(accessor).ok_or("unknown type; export the file again")?;
+        let kind = kind(accessor).ok_or("unknown type; export the file again")?;
+        let size = element_size(kind, component);
+        let count = number(accessor, "count").unwrap_or(usize::MAX);
+        let base = match number(accessor, "bufferView") {
             Some(view) => {
                 let (bytes, stride) = self.view(view)?;
                 let stride = stride.unwrap_or(size);
-                let offset = usize::try_from(accessor.byte_offset.unwrap_or_default().0)
-                    .unwrap_or(usize::MAX);
+                let offset = number(accessor, "byteOffset").unwrap_or(0);
                 Some((elements(bytes, offset, stride, size, count)?, stride))
             }
             None => None,
         };
-        let sparse = match &accessor.sparse {
-            Some(sparse) => {
-                let replaced = usize::try_from(sparse.count.0).unwrap_or(usize::MAX);
-                let Checked::Valid(kind) = sparse.indices.component_type else {
-                    return Err("unknown type of sparse indices; export the file again".into());
-                };
-                let (bytes, _) = self.view(sparse.indices.buffer_view)?;
-                let offset = usize::try_from(sparse.indices.byte_offset.0).unwrap_or(usize::MAX);
-                let width = kind.0.size();
-                let bytes = elements(bytes, offset, width, width, replaced)?;
-                let numbers: Vec<u32> = bytes
-                    .chunks_exact(width)
-                    .take(replaced)
-                    .map(unsigned)
-                    .collect();
-                let increasing = numbers.windows(2).all(|pair| pair[0] < pair[1]);
-                if !increasing || numbers.last().is_some_and(|&last| last as usize >= count) {
-                    return Err(format!(
-                        "sparse indices do not increase below {count}; the file is corrupt"
-                    ));
-                }
-                let (bytes, _) = self.view(sparse.values.buffer_view)?;
-                let offset = usize::try_from(sparse.values.byte_offset.0).unwrap_or(usize::MAX);
-                Some((numbers, elements(bytes, offset, size, size, replaced)?))
-            }
+        let sparse = match accessor.get("sparse").filter(|sparse| !sparse.is_null()) {
+            Some(sparse) => Some(self.sparse(sparse, size, count)?),
             None => None,
         };
-        if base.is_none() && sparse.is_none() {
-            return Err("it has no data; if the file is compressed, decode it: `npx @gltf-transform/cli copy IN OUT`".into());
-        }
-        // Zeros cost no byte in the file, so their number needs a bound of its own.
-        let bytes: usize = self.buffers.iter().map(|b| b.len()).sum();
-        if base.is_none() && count > bytes {
-            return Err(format!(
-                "{count} elements without data in a file of {bytes} bytes; the file is corrupt"
-            ));
-        }
         if u32::try_from(count).is_err() {
             return Err(format!("{count} elements; split the mesh"));
         }
         Ok(Elements {
             count,
+            kind,
             component,
-            normalized: accessor.normalized,
+            normalized: accessor.get("normalized") == Some(&Value::Bool(true)),
             size,
             base,
             sparse,
         })
     }
+
+    /// The numbers of the replaced elements, and their values of `size` bytes, packed.
+    fn sparse(
+        &self,
+        sparse: &Value,
+        size: usize,
+        count: usize,
+    ) -> Result<(Vec<u32>, &[u8]), String> {
+        let part = |key: &str, size: usize| -> Result<(&[u8], usize), String> {
+            let json = &sparse[key];
+            let (bytes, _) = self.view(number(json, "bufferView").unwrap_or(usize::MAX))?;
+            let offset = number(json, "byteOffset").unwrap_or(0);
+            let replaced = number(sparse, "count").unwrap_or(usize::MAX);
+            Ok((elements(bytes, offset, size, size, replaced)?, replaced))
+        };
+        let width = match component(&sparse["indices"]) {
+            Some(ComponentType::U8) => 1,
+            Some(ComponentType::U16) => 2,
+            Some(ComponentType::U32) => 4,
+            _ => return Err("unknown type of sparse indices; export the file again".into()),
+        };
+        let (bytes, replaced) = part("indices", width)?;
+        let numbers: Vec<u32> = bytes
+            .chunks_exact(width)
+            .take(replaced)
+            .map(unsigned)
+            .collect();
+        let increasing = numbers.windows(2).all(|pair| pair[0] < pair[1]);
+        if !increasing || numbers.last().is_some_and(|&last| last as usize >= count) {
+            return Err(format!(
+                "sparse indices do not increase below {count}; the file is corrupt"
+            ));
+        }
+        Ok((numbers, part("values", size)?.0))
+    }
+}
+
+/// An element of a top-level array.
+fn item<'a>(json: &'a Value, list: &str, index: usize) -> Option<&'a Value> {
+    json.get(list)?.get(index)
+}
+
+/// A size, offset or index stored under `key`; one that this machine cannot address is as large as it gets.
+fn number(json: &Value, key: &str) -> Option<usize> {
+    let number = json.get(key)?.as_u64()?;
+    Some(usize::try_from(number).unwrap_or(usize::MAX))
 }
 
 /// The bytes from `offset` on, once `count` elements are known to fit.
@@ -170,66 +186,4 @@ fn unsigned(bytes: &[u8]) -> u32 {
         .iter()
         .rev()
         .fold(0, |value, &byte| value << 8 | byte as u32)
-}
-
-impl Elements<'_> {
-    fn bytes(&self, i: usize) -> Option<&[u8]> {
-        if let Some((numbers, values)) = &self.sparse
-            && let Ok(at) = numbers.binary_search(&(i as u32))
-        {
-            return Some(&values[at * self.size..][..self.size]);
-        }
-        self.base
-            .map(|(bytes, stride)| &bytes[i * stride..][..self.size])
-    }
-
-    /// Element `i < count` as an index; 0 for a type that is none.
-    pub fn index(&self, i: usize) -> u32 {
-        match (self.component, self.bytes(i)) {
-            (ComponentType::U8, Some(b)) => b[0] as u32,
-            (ComponentType::U16, Some(b)) => u16::from_le_bytes([b[0], b[1]]) as u32,
-            (ComponentType::U32, Some(b)) => u32::from_le_bytes([b[0], b[1], b[2], b[3]]),
-            _ => 0,
-        }
-    }
-
-    /// Whether the components are unsigned integers without normalisation, as indices are.
-    pub fn holds_indices(&self) -> bool {
-        matches!(
-            self.component,
-            ComponentType::U8 | ComponentType::U16 | ComponentType::U32
-        ) && !self.normalized
-    }
-
-    /// Element `i < count` of `N` components, decoded as the specification says (section 3.11 for normalised ones).
-    pub fn floats<const N: usize>(&self, i: usize) -> [f32; N] {
-        let Some(bytes) = self.bytes(i) else {
-            return [0.0; N];
-        };
-        let width = self.component.size();
-        assert!(
-            bytes.len() == N * width,
-            "{} bytes for {N} components of {width}",
-            bytes.len()
-        );
-        std::array::from_fn(|lane| {
-            let b = &bytes[lane * width..][..width];
-            let (value, most) = match self.component {
-                ComponentType::F32 => return f32::from_le_bytes([b[0], b[1], b[2], b[3]]),
-                ComponentType::I8 => (b[0] as i8 as f32, 127.0),
-                ComponentType::U8 => (b[0] as f32, 255.0),
-                ComponentType::I16 => (i16::from_le_bytes([b[0], b[1]]) as f32, 32767.0),
-                ComponentType::U16 => (u16::from_le_bytes([b[0], b[1]]) as f32, 65535.0),
-                ComponentType::U32 => (
-                    u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f32,
-                    u32::MAX as f32,
-                ),
-            };
-            if self.normalized {
-                (value / most).max(-1.0)
-            } else {
-                value
-            }
-        })
-    }
 }

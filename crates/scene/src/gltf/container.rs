@@ -1,13 +1,21 @@
 //! The GLB container: a header, a JSON chunk, and an optional binary chunk.
 
-type Chunks<'a> = (&'a [u8], Option<&'a [u8]>);
+use std::ops::Range;
+
+/// Where the chunks of a GLB file lie.
+pub(super) struct Chunks {
+    /// The JSON text.
+    pub json: Range<usize>,
+    /// The content of the first buffer.
+    pub bin: Option<Range<usize>>,
+}
 
 /// The JSON text and the binary chunk of a GLB file that starts with its magic. Chunks of other types are skipped, as
 /// the specification asks.
 ///
 /// # Errors
 /// Place and sentence.
-pub(super) fn chunks(bytes: &[u8]) -> Result<Chunks<'_>, (String, String)> {
+pub(super) fn chunks(bytes: &[u8]) -> Result<Chunks, (String, String)> {
     let short = |place: String, needed: usize| {
         let there = bytes.len();
         let problem = format!(
@@ -38,9 +46,10 @@ pub(super) fn chunks(bytes: &[u8]) -> Result<Chunks<'_>, (String, String)> {
             return Err(short(format!("GLB chunk at byte {at}"), at + 8));
         };
         let stop = at + 8 + size as usize;
-        let body = bytes
-            .get(at + 8..stop)
-            .ok_or_else(|| short(format!("GLB chunk at byte {at}"), stop))?;
+        if stop > bytes.len() {
+            return Err(short(format!("GLB chunk at byte {at}"), stop));
+        }
+        let body = at + 8..stop;
         match (kind, json.is_some()) {
             (b"JSON", false) => json = Some(body),
             (_, false) => break,
@@ -55,5 +64,5 @@ pub(super) fn chunks(bytes: &[u8]) -> Result<Chunks<'_>, (String, String)> {
             "the first chunk is not JSON; export the file again".into(),
         )
     };
-    json.map(|json| (json, bin)).ok_or_else(missing)
+    json.map(|json| Chunks { json, bin }).ok_or_else(missing)
 }

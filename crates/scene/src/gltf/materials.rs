@@ -11,7 +11,7 @@ use gltf::json::texture::{Info, MagFilter, Sampler, WrappingMode};
 use gltf::json::validation::Checked;
 use rayon::prelude::*;
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Material extensions without influence on ambient reflection, or read here; the others are counted.
 const SILENT: [&str; 3] = [
@@ -20,9 +20,15 @@ const SILENT: [&str; 3] = [
     "KHR_materials_dispersion",
 ];
 
-/// Converts all materials, in file order, and decodes the images that they read.
-pub(super) fn load(input: &mut Input, data: &Data, parts: &mut Parts) -> Result<(), Error> {
-    let numbers = images(input, data, parts)?;
+/// Converts all materials, in file order, and decodes the images that they read. The image files behind URIs go to
+/// `files`, by image number.
+pub(super) fn load(
+    input: &mut Input,
+    data: &Data,
+    parts: &mut Parts,
+    files: &mut BTreeMap<usize, Vec<u8>>,
+) -> Result<(), Error> {
+    let numbers = images(input, data, parts, files)?;
     for (i, json) in data.root.materials.iter().enumerate() {
         let name = json.name.clone().unwrap_or_else(|| format!("material {i}"));
         parts
@@ -186,7 +192,12 @@ fn texture(data: &Data, info: &Info, images: &HashMap<usize, u32>) -> Option<Tex
 }
 
 /// Decodes the images that base colours and metallic-roughness read; returns glTF image number to scene image number.
-fn images(input: &mut Input, data: &Data, parts: &mut Parts) -> Result<HashMap<usize, u32>, Error> {
+fn images(
+    input: &mut Input,
+    data: &Data,
+    parts: &mut Parts,
+    files: &mut BTreeMap<usize, Vec<u8>>,
+) -> Result<HashMap<usize, u32>, Error> {
     let mut wanted: Vec<(usize, Encoded)> = Vec::new();
     let mut seen = vec![false; data.root.images.len()];
     for (m, material) in data.root.materials.iter().enumerate() {
@@ -220,7 +231,10 @@ fn images(input: &mut Input, data: &Data, parts: &mut Parts) -> Result<HashMap<u
         .map(|(_, (name, bytes))| decode(bytes, name))
         .collect();
     let mut numbers = HashMap::new();
-    for ((source, (name, _)), decoded) in wanted.into_iter().zip(decoded) {
+    for ((source, (name, bytes)), decoded) in wanted.into_iter().zip(decoded) {
+        if let Cow::Owned(bytes) = bytes {
+            files.insert(source, bytes);
+        }
         let place = format!("image {source} `{}`", short(&name));
         match decoded {
             Ok(Pixels {

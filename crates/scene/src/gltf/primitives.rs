@@ -1,6 +1,7 @@
 //! glTF primitives as meshes.
 
-use super::accessor::{Data, Elements};
+use super::accessor::Data;
+use super::elements::Elements;
 use super::nodes::Placement;
 use crate::source::Input;
 use crate::validate::{self, Parts};

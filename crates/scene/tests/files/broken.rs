@@ -1,6 +1,8 @@
 //! Broken files: each gives one line that names the file, the place and the trouble.
 
 use super::support::{Document, Folder, U8};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use serde_json::json;
 
 /// The message, checked for its form.
@@ -59,6 +61,27 @@ fn truncated_glbs() {
     let mut old = glb.clone();
     old[4] = 1;
     refused(Folder::new().load("a.glb", old), "GLB version 1");
+}
+
+#[test]
+fn a_damaged_glb_is_named_by_chunk_and_byte() {
+    let glb = Document::triangle().glb();
+    let json = u32::from_le_bytes([glb[12], glb[13], glb[14], glb[15]]);
+    let at = 20 + json as usize;
+    for (word, value, needle) in [
+        (12, json + 999, "GLB chunk at byte 12: "),
+        (at, 37, &format!("GLB chunk at byte {at}: ") as &str),
+        (8, glb.len() as u32 + 4, "GLB header: "),
+    ] {
+        let mut damaged = glb.clone();
+        damaged[word..word + 4].copy_from_slice(&value.to_le_bytes());
+        refused(Folder::new().load("a.glb", &damaged), needle);
+        refused(Folder::new().load("a.glb", &damaged), "is truncated");
+    }
+    let mut damaged = glb;
+    damaged[16..20].copy_from_slice(b"TEXT");
+    let needle = "GLB chunk at byte 12: the first chunk is not JSON";
+    refused(Folder::new().load("a.glb", damaged), needle);
 }
 
 #[test]
@@ -163,6 +186,14 @@ fn buffers_and_images() {
     refused(
         folder.load("a.gltf", document.gltf("data:,abc")),
         "36 bytes are announced, 3 are there",
+    );
+    // What lies behind the announced length is not the buffer's, though the bytes are there.
+    let mut short = Document::triangle();
+    let whole = format!("data:;base64,{}", STANDARD.encode(&short.bin));
+    short.bin.truncate(24);
+    refused(
+        folder.load("a.gltf", short.gltf(&whole)),
+        "reaches beyond the 24 bytes of buffer 0",
     );
     refused(
         folder.load("a.gltf", document.gltf("data:;base64,?")),

@@ -89,7 +89,14 @@ fn no_damage_makes_a_load_panic() {
             match folder.load(name, random.broken(&bytes)) {
                 Ok(scene) => {
                     loaded += 1;
-                    // What loads keeps the promises of `Scene`.
+                    // What loads keeps the promises of `Scene`, and what the loader did not need can be asked for.
+                    if let Some(source) = &scene.source {
+                        for elements in (0..9).flat_map(|i| source.accessor(i)) {
+                            let last = elements.count.wrapping_sub(1);
+                            assert_eq!(elements.bytes(last).is_some(), elements.count > 0);
+                            assert_eq!(elements.bytes(elements.count), None);
+                        }
+                    }
                     for mesh in &scene.meshes {
                         assert!(
                             mesh.triangles
