@@ -110,16 +110,16 @@ fn diffuse_alone_agrees_with_diffuse_beside_visibility() {
 }
 
 #[test]
-fn scene_without_masks_bakes_the_same_through_the_filter() {
+fn scene_without_masks_bakes_the_same_through_the_alpha_test() {
     let common = ["--size", "32", "--rays", "64"];
     let (folder, plain) = bake(&scene("trench.obj"), &common);
-    println!("{}", decision(&report(folder.path()), "filter"));
-    let (_folder, filtered) = bake(
+    println!("{}", decision(&report(folder.path()), "alpha_test"));
+    let (_folder, denoised) = bake(
         &scene("trench.obj"),
-        &[&common[..], &["--plan-off", "filter"]].concat(),
+        &[&common[..], &["--plan-off", "alpha_test"]].concat(),
     );
     for channel in plain.names() {
-        assert_eq!(plain.plane(channel), filtered.plane(channel), "{channel}");
+        assert_eq!(plain.plane(channel), denoised.plane(channel), "{channel}");
     }
 }
 

@@ -94,30 +94,30 @@ fn asked_errors_are_met_without_waste() {
 }
 
 #[test]
-fn the_filter_lowers_errors_and_states_those_that_are_left() {
+fn the_denoiser_lowers_errors_and_states_those_that_are_left() {
     let terms = ["diffuse", "visibility"];
     let (plain, _) = errors(&terms, &["--rays", "64"], 0..2);
-    let (filtered, _) = errors(&terms, &["--rays", "64", "--filter", "regression"], 0..2);
-    let inside = filtered
+    let (denoised, _) = errors(&terms, &["--rays", "64", "--denoise", "regression"], 0..2);
+    let inside = denoised
         .iter()
         .filter(|[error, standard]| error.abs() <= QUANTILE * standard)
         .count();
-    let share = inside as f64 / filtered.len() as f64;
-    let stated = rmse(&filtered.iter().map(|e| [e[1], 0.0]).collect::<Vec<_>>());
-    let ratio = stated / rmse(&filtered);
+    let share = inside as f64 / denoised.len() as f64;
+    let stated = rmse(&denoised.iter().map(|e| [e[1], 0.0]).collect::<Vec<_>>());
+    let ratio = stated / rmse(&denoised);
     println!(
-        "RMSE {:.5} filtered to {:.5}, stated / true {ratio:.3}, {share:.4} covered",
+        "RMSE {:.5} denoised to {:.5}, stated / true {ratio:.3}, {share:.4} covered",
         rmse(&plain),
-        rmse(&filtered)
+        rmse(&denoised)
     );
-    assert!(rmse(&filtered) < 0.8 * rmse(&plain));
+    assert!(rmse(&denoised) < 0.8 * rmse(&plain));
     assert!((0.9..=1.15).contains(&ratio), "stated / true RMSE {ratio}");
     assert!(share > 0.92, "{share} covered");
 }
 
 #[test]
-fn filtered_pages_hold_what_was_asked_and_compose_from_filtered_terms() {
-    let arguments = ["--size", "256", "--rays", "8", "--filter", "regression"];
+fn denoised_pages_hold_what_was_asked_and_compose_from_denoised_terms() {
+    let arguments = ["--size", "256", "--rays", "8", "--denoise", "regression"];
     let (_folder, page) = bake(
         &scene("courtyard.obj"),
         &[&arguments[..], &["--layers", "albedo"]].concat(),

@@ -3,7 +3,7 @@
 use super::args::Plan as Args;
 use super::prepare::prepare;
 use crate::outcome::{Outcome, say, say_json};
-use ambake::{Effort, Job, Method, Term};
+use ambake::{Choice, Effort, Job, Method, Term};
 use serde_json::json;
 
 /// Tiles baked to estimate the rate of the rest.
@@ -101,17 +101,65 @@ fn text(job: &Job, cost: &Estimate) -> String {
 /// What is cast for each texel.
 fn effort(job: &Job) -> String {
     let by_rays = |term| job.plan().method(term) == Method::Rays;
-    let hemisphere = by_rays(Term::Diffuse) || by_rays(Term::Visibility);
-    let place = match (hemisphere, by_rays(Term::Specular)) {
+    cast(
+        job.options().effort,
+        by_rays(Term::Diffuse) || by_rays(Term::Visibility),
+        by_rays(Term::Specular),
+        job.plan().models(Choice::Sky),
+    )
+}
+
+/// The rays of a texel in words: over the hemisphere, over the specular lobe, and as many again from an illumination map.
+fn cast(effort: Effort, hemisphere: bool, lobe: bool, map: bool) -> String {
+    let over = match (hemisphere, lobe) {
         (true, true) => "over the hemisphere and as many over the specular lobe",
         (true, false) => "over the hemisphere",
         (false, true) => "over the specular lobe",
         (false, false) => return "no rays: every term has a closed form or is left out".into(),
     };
-    match job.options().effort {
-        Effort::Rays(rays) => format!("{rays} rays each {place}"),
+    let each = match effort {
+        Effort::Rays(rays) => format!("{rays} rays"),
         Effort::Target { error, max_rays } => {
-            format!("rays to a standard error of {error}, at most {max_rays}, each {place}")
+            format!("rays to a standard error of {error}, at most {max_rays},")
         }
+    };
+    let drawn = match map {
+        true => ", and as many again drawn from the map",
+        false => "",
+    };
+    format!("{each} each {over}{drawn}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_rays_that_are_cast_are_named() {
+        let rays = Effort::Rays(64);
+        assert_eq!(
+            cast(rays, true, false, false),
+            "64 rays each over the hemisphere"
+        );
+        assert_eq!(
+            cast(rays, true, true, false),
+            "64 rays each over the hemisphere and as many over the specular lobe"
+        );
+        assert_eq!(
+            cast(rays, false, true, true),
+            "64 rays each over the specular lobe, and as many again drawn from the map"
+        );
+        assert_eq!(
+            cast(rays, false, false, false),
+            "no rays: every term has a closed form or is left out"
+        );
+        let target = Effort::Target {
+            error: 0.01,
+            max_rays: 4096,
+        };
+        assert_eq!(
+            cast(target, false, true, false),
+            "rays to a standard error of 0.01, at most 4096, each over the specular lobe"
+        );
     }
 }
