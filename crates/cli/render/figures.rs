@@ -59,9 +59,10 @@ fn points(
     let points = watch(options::show(args, "points"), stop, |progress| {
         fig1(&mut direct, progress)
     })?;
+    let svg = fig1_svg(&points).map_err(|problem| anyhow::anyhow!("fig1.svg: {problem}"))?;
     Ok(vec![
         ("fig1.csv".into(), fig1_csv(&points).into_bytes()),
-        ("fig1.svg".into(), fig1_svg(&points).into_bytes()),
+        ("fig1.svg".into(), svg.into_bytes()),
     ])
 }
 

@@ -8,12 +8,7 @@ use render::{Direct, Error, Sample};
 use std::fmt::Write;
 
 /// Exponents of the curves.
-pub const EXPONENTS: [u32; 8] = [1, 2, 5, 10, 20, 50, 100, 200];
-
-/// Of the curves, in the same order: eight hues of middling lightness.
-const COLORS: [&str; 8] = [
-    "#b62020", "#a86a12", "#768a10", "#1f8f3a", "#158a8a", "#2060b6", "#5a36b6", "#a82a86",
-];
+pub(super) const EXPONENTS: [u32; 8] = [1, 2, 5, 10, 20, 50, 100, 200];
 
 /// View angles of the points that are integrated with rays, in degrees.
 const ANGLES_DEG: [f64; 10] = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 85.0];
@@ -99,61 +94,6 @@ pub fn fig1_csv(points: &[Fig1Point]) -> String {
         let _ = writeln!(text, "{exponent},{angle_deg},{exact},{rays},{std_err}");
     }
     text
-}
-
-/// Curves of the closed form with the points and bars of three standard errors, as SVG.
-pub fn fig1_svg(points: &[Fig1Point]) -> String {
-    let x = |degrees: f64| 60.0 + degrees * 6.0;
-    let y = |value: f64| 400.0 - value * 110.0;
-    let mut svg = String::from(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"720\" height=\"460\" font-family=\"sans-serif\" \
-         font-size=\"12\">\n<rect width=\"720\" height=\"460\" fill=\"white\"/>\n\
-         <text x=\"12\" y=\"24\" font-size=\"13\">Specular ambient term J / (i k) of an open Phong surface, sr: \
-         curves exact, points by rays ± 3 standard errors</text>\n\
-         <text x=\"290\" y=\"446\">view angle, degrees</text>\n",
-    );
-    for degrees in (0..=90).step_by(15).map(f64::from) {
-        let at = x(degrees);
-        let _ = writeln!(
-            svg,
-            "<path d=\"M{at} 400V{}\" stroke=\"#ddd\"/><text x=\"{at}\" y=\"418\" text-anchor=\"middle\">{degrees}</text>",
-            y(3.25)
-        );
-    }
-    for value in (0..=6).map(|half| 0.5 * f64::from(half)) {
-        let at = y(value);
-        let _ = writeln!(
-            svg,
-            "<path d=\"M60 {at}H600\" stroke=\"#ddd\"/><text x=\"52\" y=\"{}\" text-anchor=\"end\">{value}</text>",
-            at + 4.0
-        );
-    }
-    for (rank, exponent) in EXPONENTS.into_iter().enumerate() {
-        let n = f64::from(exponent);
-        let color = COLORS[rank];
-        let value = |degrees: f64| phong_open_angle(n, degrees.to_radians()) / lobe_scale(n);
-        let mut path = String::new();
-        for degrees in (0..=90).map(f64::from) {
-            let word = if path.is_empty() { 'M' } else { 'L' };
-            let _ = write!(path, "{word}{:.2} {:.2}", x(degrees), y(value(degrees)));
-        }
-        let _ = writeln!(
-            svg,
-            "<path d=\"{path}\" fill=\"none\" stroke=\"{color}\"/><text x=\"615\" y=\"{}\" fill=\"{color}\">n = {exponent}</text>",
-            90 + 20 * rank
-        );
-        for p in points.iter().filter(|p| p.exponent == exponent) {
-            let at = x(p.angle_deg);
-            let _ = writeln!(
-                svg,
-                "<path d=\"M{at} {:.3}V{:.3}\" stroke=\"{color}\"/><circle cx=\"{at}\" cy=\"{:.3}\" r=\"2.5\" fill=\"{color}\"/>",
-                y(p.rays - 3.0 * p.std_err),
-                y(p.rays + 3.0 * p.std_err),
-                y(p.rays)
-            );
-        }
-    }
-    svg + "</svg>\n"
 }
 
 #[cfg(test)]
