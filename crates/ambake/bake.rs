@@ -2,7 +2,7 @@
 
 use crate::baked::Baked;
 use crate::error::Error;
-use crate::job::Job;
+use crate::job::{Job, MakeBackend};
 use crate::options::{Backend, Effort, Options, Uv};
 use crate::scene::Scene;
 use crate::sky::Sky;
@@ -11,10 +11,6 @@ use layers::{Layer, Progress};
 use rays::{RayBackend, World};
 use std::fmt;
 use std::sync::Arc;
-
-/// Makes the backend of a bake over the world that its plan built.
-pub(crate) type MakeBackend =
-    Arc<dyn Fn(&World) -> Result<Box<dyn RayBackend>, rays::Error> + Send + Sync>;
 
 /// A bake of a scene, not yet started. The options are named as the flags of the command line; each has the default of its flag.
 ///

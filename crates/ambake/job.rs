@@ -1,20 +1,19 @@
 //! A bake between its plan and its result.
 
-use crate::bake::MakeBackend;
-use crate::baked::{Baked, Page};
 use crate::error::Error;
 use crate::options::{Backend, Options};
-use crate::resume::Saved;
 use crate::scene::Scene;
-use crate::write::{Writer, decisions};
-use ::bake::{Baker, Pilot, Plan};
+use ::bake::{Baker, Decision, Pilot, Plan};
 use atlas::Atlas;
-use layers::Progress;
 use rays::{RayBackend, World};
-use report::{BakeReport, DecisionReport, Output, PhaseReport};
-use serde_json::json;
-use std::path::{Path, PathBuf};
+use report::{DecisionReport, PhaseReport};
+use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
+
+/// Makes the backend of a bake over the world that its plan built.
+pub(crate) type MakeBackend =
+    Arc<dyn Fn(&World) -> Result<Box<dyn RayBackend>, rays::Error> + Send + Sync>;
 
 /// A bake that is planned and laid out and whose ray scene is built.
 pub struct Job {
@@ -28,16 +27,6 @@ pub struct Job {
     pool: Option<rayon::ThreadPool>,
     started: Instant,
     phases: Vec<PhaseReport>,
-}
-
-/// What a bake into a directory left there.
-#[derive(Debug)]
-#[non_exhaustive]
-pub struct Written {
-    /// The content of `bake.json`.
-    pub report: BakeReport,
-    /// Every file that was written.
-    pub files: Vec<PathBuf>,
 }
 
 impl std::fmt::Debug for Job {
@@ -119,7 +108,20 @@ impl Job {
 
     /// The planner's decisions as `bake.json` carries them.
     pub fn decisions(&self) -> Vec<DecisionReport> {
-        decisions(&self.plan)
+        let report = |decision: &Decision| DecisionReport {
+            decision: decision.choice.name().into(),
+            modelled: decision.modelled,
+            reason: decision.reason.clone(),
+            method: decision.method.map(|method| method.name().into()),
+        };
+        self.plan.decisions.iter().map(report).collect()
+    }
+
+    /// Every file that the bake is made from.
+    pub(crate) fn inputs(&self) -> Vec<PathBuf> {
+        let mut inputs = vec![self.scene().path.clone()];
+        inputs.extend(self.options().sky.file.clone());
+        inputs
     }
 
     /// The triangles as the rays see them.
@@ -142,9 +144,22 @@ impl Job {
         &self.phases
     }
 
+    /// Runs something in the bake's own pool of threads, or in the current one.
+    pub(crate) fn within<R: Send>(&self, job: impl FnOnce() -> R + Send) -> R {
+        within(self.pool.as_ref(), job)
+    }
+
     /// When it was begun.
     pub(crate) fn started(&self) -> Instant {
         self.started
+    }
+
+    /// Adds the time of a phase that has just ended.
+    pub(crate) fn end_phase(&mut self, phase: &str, seconds: f64) {
+        self.phases.push(PhaseReport {
+            phase: phase.into(),
+            seconds,
+        });
     }
 
     /// Adds the time of a phase that ran before the job was prepared, such as loading.
@@ -159,10 +174,11 @@ impl Job {
 
     /// Bakes about `tiles` tiles spread over the atlas, for estimates of time and rays.
     pub fn pilot(&self, tiles: usize) -> Pilot {
-        within(self.pool.as_ref(), || self.baker().pilot(tiles))
+        self.within(|| self.baker().pilot(tiles))
     }
 
-    fn baker(&self) -> Baker<'_> {
+    /// What bakes its pages.
+    pub(crate) fn baker(&self) -> Baker<'_> {
         Baker::new(
             &self.world,
             &self.plan,
@@ -170,87 +186,6 @@ impl Job {
             &self.atlas,
             &self.baker,
         )
-    }
-
-    /// Bakes every page and keeps the result in memory.
-    ///
-    /// # Errors
-    /// [`Error::Cancelled`] where the listener cancels.
-    pub fn run(mut self, progress: &dyn Progress) -> Result<Baked, Error> {
-        let started = Instant::now();
-        let pages = within(self.pool.as_ref(), || {
-            let baker = self.baker();
-            (0..self.atlas.page_count)
-                .map(|number| {
-                    let mut page = baker.start(number);
-                    baker.run(&mut page, progress);
-                    match page.finished {
-                        true => Ok(Page(page)),
-                        false => Err(Error::Cancelled),
-                    }
-                })
-                .collect::<Result<Vec<_>, Error>>()
-        })?;
-        self.phases.push(PhaseReport {
-            phase: "bake".into(),
-            seconds: started.elapsed().as_secs_f64(),
-        });
-        Ok(Baked::new(self, pages))
-    }
-
-    /// Bakes into a directory: pages are written as they are finished, so that one page is in memory at a time. Nothing stands under a
-    /// final name until all of it is complete. Where the listener cancels, the state is saved, and the same call with `resume`
-    /// continues it to the same bytes.
-    ///
-    /// # Errors
-    /// The directory cannot be written, an output would replace an input, or [`Error::Cancelled`].
-    pub fn run_into(
-        &self,
-        dir: &Path,
-        resume: bool,
-        progress: &dyn Progress,
-    ) -> Result<Written, Error> {
-        let output = Output::create(dir)?;
-        let mut writer = Writer::new(self, output)?;
-        let key = json!({
-            "version": crate::VERSION,
-            "options": self.options.describe(),
-            "scene": self.scene.content_hash,
-            "backend": self.backend.describe(),
-        });
-        let saved = Saved::new(dir, &self.scene.stem(), key);
-        let (mut baking, mut writing) = (0.0, 0.0);
-        let baker = self.baker();
-        for number in 0..self.atlas.page_count {
-            let mut page = baker.start(number);
-            if resume {
-                saved.restore(&mut page)?;
-            }
-            let clock = Instant::now();
-            if !page.finished {
-                within(self.pool.as_ref(), || baker.run(&mut page, progress));
-            }
-            baking += clock.elapsed().as_secs_f64();
-            if !page.finished || self.atlas.page_count > 1 {
-                saved.write(&page)?;
-            }
-            if !page.finished {
-                return Err(Error::Cancelled);
-            }
-            let clock = Instant::now();
-            within(self.pool.as_ref(), || writer.page(&page))?;
-            writing += clock.elapsed().as_secs_f64();
-        }
-        let mut phases = self.phases.clone();
-        for (phase, seconds) in [("bake", baking), ("write", writing)] {
-            phases.push(PhaseReport {
-                phase: phase.into(),
-                seconds,
-            });
-        }
-        let written = writer.finish(phases)?;
-        saved.clear(self.atlas.page_count);
-        Ok(written)
     }
 }
 

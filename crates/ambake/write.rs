@@ -2,10 +2,10 @@
 
 use crate::error::Error;
 use crate::host::{REVISION, VERSION, peak_memory};
-use crate::job::{Job, Written};
-use ::bake::{BakedPage, Plan};
+use crate::job::Job;
+use ::bake::BakedPage;
 use layers::Layer;
-use report::{BakeReport, DecisionReport, Output, PageHeader, PageReport, PhaseReport};
+use report::{BakeReport, Output, PageHeader, PageReport, PhaseReport};
 use serde_json::Value;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -14,6 +14,16 @@ use std::time::Instant;
 const CONVENTION: &str = "terms are normalised so that an unoccluded texel is 1 under the uniform sky at normal \
      view: visibility = open solid angle / 2 pi; diffuse = (1/pi) integral of V cos; \
      specular = ((n+1)/2 pi) integral of V (R.V)^n; linear values; row 0 is v = 0";
+
+/// What a bake into a directory left there.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct Written {
+    /// The content of `bake.json`.
+    pub report: BakeReport,
+    /// Every file that was written.
+    pub files: Vec<PathBuf>,
+}
 
 /// Stages the files of a bake page by page.
 pub(crate) struct Writer<'a> {
@@ -129,15 +139,6 @@ pub(crate) fn glb(job: &Job, pictures: Option<&[Vec<u8>]>) -> Result<Vec<u8>, Er
     Ok(report::write_gltf(job.scene(), job.atlas(), pictures)?)
 }
 
-impl Job {
-    /// Every file that the bake was made from.
-    pub(crate) fn inputs(&self) -> Vec<PathBuf> {
-        let mut inputs = vec![self.scene().path.clone()];
-        inputs.extend(self.options().sky.file.clone());
-        inputs
-    }
-}
-
 fn page_report(job: &Job, page: &BakedPage) -> PageReport {
     let stats = &page.stats;
     PageReport {
@@ -177,7 +178,7 @@ fn report_of(
         seed: options.seed,
         view: options.view_rule(),
         convention: CONVENTION.into(),
-        plan: decisions(job.plan()),
+        plan: job.decisions(),
         atlas: report::AtlasReport::of(job.atlas()),
         rays: pages.iter().map(|page| page.rays).sum(),
         pages,
@@ -189,17 +190,4 @@ fn report_of(
         notes: job.atlas().notes.clone(),
         files,
     }
-}
-
-/// The planner's decisions as reports carry them.
-pub(crate) fn decisions(plan: &Plan) -> Vec<DecisionReport> {
-    plan.decisions
-        .iter()
-        .map(|decision| DecisionReport {
-            decision: decision.choice.name().into(),
-            modelled: decision.modelled,
-            reason: decision.reason.clone(),
-            method: decision.method.map(|method| method.name().into()),
-        })
-        .collect()
 }
