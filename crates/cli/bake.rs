@@ -369,14 +369,6 @@ pub fn decisions(plan: &Plan) -> Vec<DecisionReport> {
 
 /// The loader's warnings as reports carry them.
 pub fn warnings(scene: &Scene) -> Vec<report::WarningReport> {
-    scene
-        .warnings
-        .iter()
-        .map(|warning| report::WarningReport {
-            kind: warning.kind.clone(),
-            place: warning.place.clone(),
-            count: warning.count,
-            message: warning.message.clone(),
-        })
-        .collect()
+    let warnings = scene.warnings.iter();
+    warnings.map(report::WarningReport::from).collect()
 }

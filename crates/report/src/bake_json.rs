@@ -251,7 +251,7 @@ pub fn object_reports(scene: &scene::Scene, atlas: &atlas::Atlas) -> Vec<ObjectR
 impl From<&scene::Warning> for WarningReport {
     fn from(warning: &scene::Warning) -> WarningReport {
         WarningReport {
-            kind: warning.kind.clone(),
+            kind: warning.kind.name().into(),
             place: warning.place.clone(),
             count: warning.count,
             message: warning.message.clone(),

@@ -1,8 +1,7 @@
 //! Reads OBJ/MTL, glTF and GLB into one plain, validated [`Scene`].
 //!
-//! [`load`] is the entrance. What is repaired, what is only noted and what stops a load is decided in one table, at the
-//! head of `validate.rs`. Colours and alpha of a material's textures are read with [`Scene::color`] and its
-//! neighbours.
+//! [`load`] is the entrance. What is repaired or ignored is the list of [`WarningKind`], what stops a load stands at the head of `validate.rs`. Colours
+//! and alpha of a material's textures are read with [`Scene::color`] and its neighbours.
 #![forbid(unsafe_code)]
 
 mod error;
@@ -15,11 +14,13 @@ mod obj;
 mod source;
 mod types;
 mod validate;
+mod warning;
 
 pub use error::Error;
 pub use gltf_source::{GltfSource, ImageSource, SourceError, gltf_source};
 pub use material::{MAX_EXPONENT, phong_from_metallic_roughness};
 pub use types::*;
+pub use warning::{Warning, WarningKind};
 
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 //! Reads the bytes of a scene: the main file and the files it names, all of them hashed in the order they are read.
 
-use crate::{Error, Format, Warning};
+use crate::{Error, Format, Warning, WarningKind};
 use base64::Engine;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use std::fs::File;
@@ -35,7 +35,7 @@ impl Input {
     /// Notes that something was repaired or ignored `count` times; nothing for a count of 0.
     pub fn warn(
         &mut self,
-        kind: &str,
+        kind: WarningKind,
         place: impl Into<String>,
         count: u64,
         message: impl Into<String>,
@@ -43,7 +43,7 @@ impl Input {
         if count > 0 {
             let (place, message) = (place.into(), message.into());
             self.warnings.push(Warning {
-                kind: kind.into(),
+                kind,
                 place,
                 count,
                 message,

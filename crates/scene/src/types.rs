@@ -4,6 +4,7 @@
 //! transforms, materials are mapped to the Phong model's parameters. Invariants that [`crate::load`] guarantees:
 //! every index is in range, every number is finite, every triangle has a non-zero area in mesh space, images are decoded.
 
+use crate::Warning;
 use glam::{DAffine3, Vec2, Vec3};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -191,17 +192,4 @@ pub struct Image {
     pub height: u32,
     /// `width * height` RGBA pixels.
     pub pixels: Vec<[u8; 4]>,
-}
-
-/// Something that was repaired or ignored on load.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Warning {
-    /// A stable word, such as `zero-area-triangles`.
-    pub kind: String,
-    /// Mesh, primitive or material it is about.
-    pub place: String,
-    /// How many times.
-    pub count: u64,
-    /// One sentence.
-    pub message: String,
 }

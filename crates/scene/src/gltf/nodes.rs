@@ -3,7 +3,7 @@
 use super::accessor::Data;
 use crate::source::Input;
 use crate::validate::Parts;
-use crate::{Error, Instance};
+use crate::{Error, Instance, WarningKind};
 use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4};
 use gltf::json::accessor::Type;
 use gltf::json::scene::Node;
@@ -47,7 +47,7 @@ pub(super) fn placements(input: &mut Input, data: &Data) -> Result<Vec<Placement
         };
         let skin = node.skin.is_some() as u64;
         input.warn(
-            "skins",
+            WarningKind::Skins,
             place.as_str(),
             skin,
             "the skin is left out: the mesh is baked where its node stands",

@@ -8,7 +8,7 @@ use crate::image::{Failure, decode};
 use crate::material::MAX_EXPONENT;
 use crate::source::{Input, beside, short};
 use crate::validate::{Parts, clamped};
-use crate::{Alpha, Error, Image, Material, Surface, TextureRef, Wrap};
+use crate::{Alpha, Error, Image, Material, Surface, TextureRef, WarningKind, Wrap};
 use glam::Vec3;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -38,7 +38,7 @@ pub(super) fn load(
         if !path.is_file() {
             let message = "the material library is absent; materials from it are not known";
             input.warn(
-                "missing-material-libraries",
+                WarningKind::MissingMaterialLibraries,
                 path.display().to_string(),
                 1,
                 message,
@@ -125,7 +125,7 @@ fn parsed(input: &mut Input, path: &Path, bytes: &[u8]) -> Result<Vec<tobj::Mate
         clean.push('\n');
     }
     input.warn(
-        "ignored-mtl-lines",
+        WarningKind::IgnoredMtlLines,
         path.display().to_string(),
         ignored,
         "lines without the number or name they need",
@@ -176,14 +176,14 @@ fn material(
         &mut changed,
     );
     input.warn(
-        "clamped-factors",
+        WarningKind::ClampedFactors,
         place.as_str(),
         changed,
         "factors out of range are clamped",
     );
     let specular_map = raw.specular_texture.is_some() as u64;
     input.warn(
-        "unread-textures",
+        WarningKind::UnreadTextures,
         place.as_str(),
         specular_map,
         "map_Ks is not read; Ks stands alone",
@@ -199,7 +199,7 @@ fn material(
         let message =
             "partial transparency becomes a mask: a ray is blocked where alpha is at least 0.5";
         input.warn(
-            "alpha-as-mask",
+            WarningKind::AlphaAsMask,
             place,
             (opacity > 0.0 && opacity < 1.0) as u64,
             message,
@@ -267,7 +267,7 @@ fn image(input: &mut Input, place: &str, path: &Path, role: Role) -> Result<Opti
     let name = path.display().to_string();
     if !path.is_file() {
         let message = format!("texture {name} is absent; the factor stands alone");
-        input.warn("missing-textures", place, 1, message);
+        input.warn(WarningKind::MissingTextures, place, 1, message);
         return Ok(None);
     }
     let bytes = input.read(path)?;
@@ -286,7 +286,7 @@ fn image(input: &mut Input, place: &str, path: &Path, role: Role) -> Result<Opti
         Err(Failure::Unsupported(format)) => {
             let message =
                 format!("texture {name} is {format}, which is not read; convert it to PNG");
-            input.warn("unread-textures", place, 1, message);
+            input.warn(WarningKind::UnreadTextures, place, 1, message);
             Ok(None)
         }
         Err(Failure::Broken(problem)) => Err(Error::Invalid {
