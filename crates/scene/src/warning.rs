@@ -40,6 +40,8 @@ pub enum WarningKind {
     IgnoredLinesAndPoints,
     /// MTL: lines without the number or name they need.
     IgnoredMtlLines,
+    /// A normal or bump map (glTF `normalTexture`; MTL `map_Bump`, `bump`, `norm`) is left out: normals are the mesh's.
+    IgnoredNormalMaps,
     /// OBJ: corners name a `vn`, but none stands before them.
     IgnoredNormalReferences,
     /// OBJ: corners name a `vt`, but none stands before them.
@@ -86,6 +88,7 @@ impl WarningKind {
             WarningKind::IgnoredExtensions => "ignored-extensions",
             WarningKind::IgnoredLinesAndPoints => "ignored-lines-and-points",
             WarningKind::IgnoredMtlLines => "ignored-mtl-lines",
+            WarningKind::IgnoredNormalMaps => "ignored-normal-maps",
             WarningKind::IgnoredNormalReferences => "ignored-normal-references",
             WarningKind::IgnoredUvReferences => "ignored-uv-references",
             WarningKind::LeftoverIndices => "leftover-indices",

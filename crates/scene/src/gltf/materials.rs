@@ -90,6 +90,12 @@ fn material(
         maps,
         "textures of KHR_materials_specular are not read",
     );
+    input.warn(
+        WarningKind::IgnoredNormalMaps,
+        place.as_str(),
+        json.normal_texture.is_some() as u64,
+        "normalTexture is not read; the mesh's normals stand alone",
+    );
     for other in extensions
         .into_iter()
         .flat_map(|e| e.others.keys())

@@ -9,6 +9,7 @@
 mod corners;
 mod lines;
 mod mtl;
+mod options;
 mod polygon;
 
 use crate::material::untinted;

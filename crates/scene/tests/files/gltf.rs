@@ -190,7 +190,7 @@ fn materials_follow_the_file_and_a_primitive_without_one_is_untinted() {
         { "alphaMode": "BLEND", "pbrMetallicRoughness": { "baseColorFactor": [0.5, 1, 3, 0.75], "baseColorTexture":
             { "index": 0, "extensions": turned } }, "extensions": { "KHR_materials_ior": { "ior": 2 },
             "KHR_materials_specular": { "specularFactor": 0.5 }, "KHR_materials_sheen": {} } },
-        { "pbrMetallicRoughness": { "baseColorTexture": { "index": 1 } } },
+        { "pbrMetallicRoughness": { "baseColorTexture": { "index": 1 } }, "normalTexture": { "index": 0 } },
     ]);
     let positions = document.primitive()["attributes"]["POSITION"].clone();
     let primitive = |material: Option<u32>, sets: usize| {
@@ -279,8 +279,9 @@ fn materials_follow_the_file_and_a_primitive_without_one_is_untinted() {
         WarningKind::IgnoredExtensions,
         WarningKind::ClampedFactors,
         WarningKind::TexturesWithoutUvs,
+        WarningKind::IgnoredNormalMaps,
     ];
-    assert_eq!(kinds.map(|kind| scene.warned(kind)), [1, 1, 1, 1, 2]);
+    assert_eq!(kinds.map(|kind| scene.warned(kind)), [1, 1, 1, 1, 2, 1]);
 }
 
 #[test]

@@ -142,6 +142,36 @@ fn absent_libraries_and_textures_are_counted_and_broken_lines_too() {
 }
 
 #[test]
+fn bump_and_normal_maps_are_counted_one_each() {
+    let folder = Folder::new();
+    folder.write(
+        "a.mtl",
+        "newmtl a\nmap_Bump -bm 0.5 b.png\nnorm n.png\nnewmtl b\nbump b.png\nnewmtl c\nmap_bump\nKd 1 1 1\n",
+    );
+    let scene = folder
+        .load(
+            "a.obj",
+            "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+        )
+        .unwrap();
+    let counted: Vec<_> = scene
+        .warnings
+        .iter()
+        .map(|w| (w.kind, w.place.as_str(), w.count))
+        .filter(|w| w.0 == WarningKind::IgnoredNormalMaps)
+        .collect();
+    assert_eq!(
+        counted,
+        [
+            (WarningKind::IgnoredNormalMaps, "material `a`", 2),
+            (WarningKind::IgnoredNormalMaps, "material `b`", 1)
+        ]
+    );
+    assert_eq!(scene.warned(WarningKind::IgnoredMtlLines), 1);
+    assert!(scene.images.is_empty());
+}
+
+#[test]
 fn textures_are_read_with_their_options() {
     let folder = Folder::new();
     folder.write("my wall.png", png(&[[255, 0, 0, 255], [0, 0, 255, 255]]));
