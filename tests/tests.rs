@@ -8,6 +8,7 @@ mod capture;
 mod cli;
 mod exact;
 mod figures;
+mod furnace;
 mod hard_cases;
 mod maps;
 mod models;

@@ -111,13 +111,13 @@ pub struct Material {
 /// Where albedo, specular and exponent come from.
 #[derive(Debug, Clone)]
 pub enum Surface {
-    /// The Phong model itself (OBJ: Kd, Ks, Ns, map_Kd, map_Ks).
+    /// The Phong model itself (OBJ: Kd, Ks, Ns, map_Kd). Albedo and specular add up to at most 1 in every channel.
     Phong {
         /// Diffuse reflectance, linear, 0..=1 a channel.
         albedo: Vec3,
         /// Colour texture that multiplies `albedo` (sRGB in the file, linear in [`Image`]).
         albedo_map: Option<TextureRef>,
-        /// Specular reflectance, linear.
+        /// Specular reflectance, linear, 0..=1 a channel.
         specular: Vec3,
         /// Lobe exponent n, finite and >= 0.
         exponent: f64,

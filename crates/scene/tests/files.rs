@@ -2,6 +2,8 @@
 
 #[path = "files/broken.rs"]
 mod broken;
+#[path = "files/energy.rs"]
+mod energy;
 #[path = "files/fuzz.rs"]
 mod fuzz;
 #[path = "files/gltf.rs"]
