@@ -34,7 +34,7 @@
 //!
 //! # Diffuse and specular given apart
 //!
-//! OBJ files name both reflectances, and nothing keeps their sum below 1. Where it is not,
+//! OBJ files and scenes built in memory name both reflectances, and nothing keeps their sum below 1. Where it is not,
 //! [`conserving`] takes the excess from the diffuse one, as a coat would.
 
 use crate::source::Input;

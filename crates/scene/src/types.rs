@@ -12,9 +12,9 @@ use std::path::PathBuf;
 /// A whole scene, validated.
 #[derive(Debug, Clone)]
 pub struct Scene {
-    /// The file that was loaded.
+    /// The file that was loaded; `scene` for one built in memory, whose files take their stem from it.
     pub path: PathBuf,
-    /// What kind of file it was.
+    /// What kind of file it was, if any.
     pub format: Format,
     /// Distinct triangle meshes, each with one material.
     pub meshes: Vec<Mesh>,
@@ -26,11 +26,12 @@ pub struct Scene {
     pub images: Vec<Image>,
     /// Everything that was repaired or ignored while loading, counted.
     pub warnings: Vec<Warning>,
-    /// Blake3 hash, in hex, of all the bytes read for this scene (the file, its buffers, images and material files).
+    /// Blake3 hash, in hex, of all the bytes read for this scene (the file, its buffers, images and material files), or
+    /// of all that was handed over for a built one.
     pub content_hash: String,
 }
 
-/// The input's file format.
+/// Where a scene comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Format {
@@ -40,9 +41,12 @@ pub enum Format {
     Gltf,
     /// glTF 2.0 binary container.
     Glb,
+    /// No file: [`Scene::from_meshes`].
+    Memory,
 }
 
-/// Triangles that share one vertex array and one material: a glTF primitive, or an OBJ group's part with one material.
+/// Triangles that share one vertex array and one material: a glTF primitive, an OBJ group's part with one material, or a
+/// mesh handed over in memory.
 #[derive(Debug, Clone)]
 pub struct Mesh {
     /// Name for messages: the file's, else `mesh 3 primitive 0`.
@@ -69,7 +73,8 @@ pub struct Mesh {
     pub origin: MeshOrigin,
 }
 
-/// The place of a mesh in its file. For OBJ `mesh` counts the loaded parts and `primitive` is 0.
+/// The place of a mesh in its file. For OBJ `mesh` counts the loaded parts, for a built scene the meshes handed over, and
+/// `primitive` is 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct MeshOrigin {
     /// glTF mesh index.
@@ -87,7 +92,7 @@ pub struct Instance {
     pub mesh: u32,
     /// Mesh space to world space, composed in f64 over the node hierarchy; invertible.
     pub transform: DAffine3,
-    /// glTF node index; 0 for OBJ.
+    /// glTF node index; 0 without glTF.
     pub node: u32,
     /// Which copy of the node's mesh this is under `EXT_mesh_gpu_instancing`; `None` without it.
     pub copy: Option<u32>,

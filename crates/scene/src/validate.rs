@@ -14,13 +14,14 @@
 //! | instance that reaches beyond [`REACH`] in the world, or whose matrix is not finite or not affine | error |
 //! | no triangle in the whole scene | error `NoTriangles` |
 //! | image file that is there and broken | error |
+//! | built in memory: normals or UVs not one a vertex, material number out of range, texture of another size | error `Authored` |
 //! | normal that is not of unit length | made so, silently |
 
-use crate::source::Input;
+use crate::source::{Input, short};
 use crate::{
     Alpha, Error, Format, Image, Instance, Material, Mesh, Scene, Surface, TextureRef, WarningKind,
 };
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DAffine3, DVec3, Vec2, Vec3};
 use std::collections::HashMap;
 
 /// Largest coordinate that the ray tracers take: Embree ignores vertices from about 1.8e18 on, so that squares of
@@ -91,7 +92,7 @@ pub(crate) fn mesh(input: &mut Input, mesh: &mut Mesh, place: &str) -> Result<bo
         .position(|t| t.iter().any(|&i| i as usize >= vertices))
     {
         let problem = format!(
-            "triangle {t} uses vertices {:?} but there are {vertices}; the file is corrupt, export it again",
+            "triangle {t} uses vertices {:?} but there are {vertices}; its indices are corrupt, export or build it again",
             mesh.triangles[t]
         );
         return Err(input.invalid(place, problem));
@@ -255,9 +256,9 @@ fn instances(input: &mut Input, parts: &mut Parts) -> Result<(), Error> {
         let reach = |corner| transform.transform_point3(corner).abs().max_element() <= REACH as f64;
         if !transform.is_finite() || !corners.all(reach) {
             let problem = format!(
-                "the node's transform puts the mesh beyond {REACH:e}; scale the scene down"
+                "its transform puts the mesh beyond {REACH:e} or is not finite; scale the scene down"
             );
-            return Err(input.invalid(instance.name, problem));
+            return Err(input.invalid(short(&instance.name), problem));
         }
         if transform.matrix3.determinant() == 0.0 || !transform.inverse().is_finite() {
             let message =
@@ -330,6 +331,13 @@ fn slots(material: &mut Material) -> impl Iterator<Item = &mut Option<TextureRef
         Alpha::Mask { map, .. } => Some(map),
     };
     surface.into_iter().chain([alpha]).flatten()
+}
+
+/// The affine transform of a matrix given column by column; `None` where its last row is not 0 0 0 1.
+pub(crate) fn affine(columns: [[f32; 4]; 4]) -> Option<DAffine3> {
+    let [x, y, z, w] = columns.map(|[x, y, z, _]| Vec3::new(x, y, z).as_dvec3());
+    let affine = columns.map(|column| column[3]) == [0.0, 0.0, 0.0, 1.0];
+    affine.then(|| DAffine3::from_cols(x, y, z, w))
 }
 
 /// A factor brought into `low..=high`; `fallback` for NaN. Counts what it changes.

@@ -1,5 +1,7 @@
-//! Small files built on the spot: what is read, what is repaired and what is refused.
+//! Small files and scenes built on the spot: what is read, what is repaired and what is refused.
 
+#[path = "files/authored.rs"]
+mod authored;
 #[path = "files/broken.rs"]
 mod broken;
 #[path = "files/energy.rs"]

@@ -1,4 +1,4 @@
-//! A glTF document for a scene that came from an OBJ file: vertices in the order of the layout,
+//! A glTF document for a scene that came from an OBJ file or was built in memory: vertices in the order of the layout,
 //! materials mapped.
 //!
 //! Base colour is the scene's albedo (Kd, scaled where Kd + Ks is above 1), metallic 0, and roughness the inverse of
@@ -111,7 +111,7 @@ fn material_value(
             ..
         } => (*albedo, albedo_map.as_ref(), *exponent),
         Surface::MetallicRoughness { base, .. } => {
-            unreachable!("an OBJ material with base colour {base}")
+            unreachable!("an OBJ or built material with base colour {base}")
         }
     };
     let albedo = albedo.clamp(glam::Vec3::ZERO, glam::Vec3::ONE);

@@ -2,7 +2,8 @@
 //!
 //! A glTF input is patched, not rewritten: its JSON is read again as plain values, so extensions, extras, animations,
 //! skins, cameras, morph targets and every attribute survive whether ambake knows them or not. What changes is listed
-//! in vendor-notes/gltf-writing.md. An OBJ input becomes a small glTF document first and takes the same road.
+//! in vendor-notes/gltf-writing.md. An OBJ input, or a scene built in memory, becomes a small glTF document first
+//! and takes the same road.
 
 mod accessor;
 mod document;
@@ -68,7 +69,7 @@ pub fn write_gltf(scene: &Scene, atlas: &Atlas, occlusion: &[Vec<u8>]) -> Result
         )
     };
     let (mut document, origins) = match scene.format {
-        Format::Obj => from_obj::document(scene, atlas).map_err(read)?,
+        Format::Obj | Format::Memory => from_obj::document(scene, atlas).map_err(read)?,
         Format::Gltf | Format::Glb => {
             let source =
                 scene::gltf_source(&scene.path).map_err(|e| Error::read(&scene.path, e.reason))?;

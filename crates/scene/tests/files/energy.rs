@@ -1,6 +1,7 @@
 //! No surface reflects more than it receives, however its material is written.
 
 use super::support::{Document, Folder};
+use ambake_scene::authored::{Material, Mesh};
 use ambake_scene::{Scene, Surface, WarningKind, phong_from_metallic_roughness};
 use glam::Vec3;
 use serde_json::json;
@@ -89,7 +90,7 @@ fn a_white_dielectric_and_a_white_metal_reflect_all_they_receive() {
     }
 }
 
-/// Kd and Ks as a file gives them, with values beyond 1 among them.
+/// Kd and Ks as a file or a program gives them, with values beyond 1 among them.
 fn pairs() -> Vec<([f32; 3], [f32; 3])> {
     let colors = [
         [0.0, 0.0, 0.0],
@@ -117,11 +118,23 @@ fn obj(pairs: &[([f32; 3], [f32; 3])]) -> Scene {
     folder.load("a.obj", text).unwrap()
 }
 
+fn built(pairs: &[([f32; 3], [f32; 3])]) -> Scene {
+    let material = |&(kd, ks): &_| {
+        let mut material = Material::default();
+        (material.albedo, material.specular) = (kd, ks);
+        material
+    };
+    let mut mesh = Mesh::default();
+    mesh.positions = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]];
+    mesh.triangles = vec![[0, 1, 2]];
+    Scene::from_meshes(vec![mesh], pairs.iter().map(material).collect()).unwrap()
+}
+
 #[test]
 fn kd_and_ks_add_up_to_at_most_one_and_what_was_scaled_is_counted() {
     let pairs = pairs();
     let clamped = |c: [f32; 3]| Vec3::from_array(c).clamp(Vec3::ZERO, Vec3::ONE);
-    for scene in [obj(&pairs)] {
+    for scene in [obj(&pairs), built(&pairs)] {
         let mut scaled = 0;
         for (&(kd, ks), (albedo, specular)) in pairs.iter().zip(reflectances(&scene)) {
             let (kd, ks) = (clamped(kd), clamped(ks));
