@@ -74,6 +74,6 @@ pub use layers::{Layer, Preview, Progress, Term, Unit};
 pub use options::{Backend, Effort, Options, Uv};
 pub use rays;
 pub use report::{BakeReport, PageReport};
-pub use scene::{Scene, Warning, load};
+pub use scene::{Material, Mesh, Scene, Warning, load};
 pub use sky::Sky;
 pub use write::Written;

@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 pub use ::scene::Warning;
+pub use ::scene::authored::{Material, Mesh};
 use std::ops::Deref;
 use std::path::Path;
 use std::sync::Arc;
@@ -22,6 +23,17 @@ pub fn load(path: impl AsRef<Path>) -> Result<Scene, Error> {
 }
 
 impl Scene {
+    /// A scene of meshes in memory. Each mesh becomes one object. The validation is that of a file.
+    ///
+    /// * `materials`: [`Mesh::material`] indexes here. Without any, every mesh is white and Lambertian.
+    ///
+    /// # Errors
+    /// One line that names the mesh, the place and the cure.
+    pub fn from_meshes(meshes: Vec<Mesh>, materials: Vec<Material>) -> Result<Self, Error> {
+        let scene = ::scene::Scene::from_meshes(meshes, materials)?;
+        Ok(Self(Arc::new(scene)))
+    }
+
     /// The name that output files begin with: the scene file's without its ending, else `scene`.
     pub fn stem(&self) -> String {
         let stem = self.0.path.file_stem();

@@ -89,6 +89,7 @@ pub(crate) fn placed_scene(meshes: Vec<Mesh>, placed: &[(u32, DAffine3)]) -> Sce
         warnings: Vec::new(),
         content_hash: String::new(),
         source: None,
+        inputs: Vec::new(),
     }
 }
 

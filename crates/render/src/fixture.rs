@@ -83,6 +83,7 @@ pub(crate) fn world(sheets: &[Sheet]) -> (World, Box<dyn RayBackend>) {
         warnings: vec![],
         content_hash: String::new(),
         source: None,
+        inputs: Vec::new(),
     };
     let options = WorldOptions {
         instancing: false,

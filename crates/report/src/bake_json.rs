@@ -65,11 +65,11 @@ pub struct Versions {
 /// The scene that was baked.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct SceneReport {
-    /// Path as given.
+    /// Path as given; `scene` without a file.
     pub path: String,
-    /// `obj`, `gltf` or `glb`.
+    /// `obj`, `gltf`, `glb`, or `memory` without a file.
     pub format: String,
-    /// Blake3 over all bytes read.
+    /// Blake3 over all bytes read or handed over.
     pub content_hash: String,
     /// Distinct meshes.
     pub meshes: u64,
@@ -200,6 +200,7 @@ impl SceneReport {
                 scene::Format::Obj => "obj",
                 scene::Format::Gltf => "gltf",
                 scene::Format::Glb => "glb",
+                scene::Format::Memory => "memory",
             }
             .into(),
             content_hash: scene.content_hash.clone(),
@@ -254,7 +255,7 @@ pub fn object_reports(scene: &scene::Scene, atlas: &atlas::Atlas) -> Vec<ObjectR
 impl From<&scene::Warning> for WarningReport {
     fn from(warning: &scene::Warning) -> WarningReport {
         WarningReport {
-            kind: warning.kind.clone(),
+            kind: warning.kind.name().into(),
             place: warning.place.clone(),
             count: warning.count,
             message: warning.message.clone(),

@@ -1,9 +1,11 @@
-//! What can stop a load. Every message is one line: the file, the place in it, what is wrong and what to do.
+//! What can stop a load. Every message is one line: the file (or for a scene built in memory the mesh), the place in
+//! it, what is wrong and what to do.
 
 use std::path::PathBuf;
 
-/// Why a scene cannot be loaded.
+/// Why a scene cannot be loaded or built.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Error {
     /// The operating system refuses to read a file.
     #[error("cannot read {}: {cause}; check its name and permissions", path.display())]
@@ -38,6 +40,14 @@ pub enum Error {
         /// The file.
         path: PathBuf,
         /// Line, mesh and primitive, accessor, or other place in the file.
+        place: String,
+        /// What is wrong there, and what to do.
+        problem: String,
+    },
+    /// What a program handed to [`Scene::from_meshes`](crate::Scene::from_meshes) contradicts itself.
+    #[error("{place}: {problem}")]
+    Authored {
+        /// Mesh or material, by number and name.
         place: String,
         /// What is wrong there, and what to do.
         problem: String,

@@ -1,10 +1,11 @@
 //! Reads OBJ/MTL, glTF and GLB into one plain, validated [`Scene`].
 //!
-//! [`load`] is the entrance. What is repaired, what is only noted and what stops a load is decided in one table, at the
-//! head of `validate.rs`. Colours and alpha of a material's textures are read with [`Scene::color`] and its
-//! neighbours.
+//! [`load`] is the entrance, [`Scene::from_meshes`] the one for a program that has its meshes in memory. What is
+//! repaired or ignored is the list of [`WarningKind`], what stops a load stands at the head of `validate.rs`. Colours
+//! and alpha of a material's textures are read with [`Scene::color`] and its neighbours.
 #![forbid(unsafe_code)]
 
+pub mod authored;
 mod error;
 mod gltf;
 mod image;
@@ -14,11 +15,13 @@ mod obj;
 mod source;
 mod types;
 mod validate;
+mod warning;
 
 pub use error::Error;
 pub use gltf::{Elements, EncodedImage, GltfDocument};
 pub use material::{MAX_EXPONENT, phong_from_metallic_roughness};
 pub use types::*;
+pub use warning::{Warning, WarningKind};
 
 use std::path::Path;
 
@@ -41,7 +44,8 @@ pub fn load(path: &Path) -> Result<Scene, Error> {
     let mut input = source::Input::new(path);
     let parts = match format {
         Format::Obj => obj::load(&mut input)?,
-        Format::Gltf | Format::Glb => gltf::load(&mut input, format)?,
+        // A file is never `Format::Memory`.
+        _ => gltf::load(&mut input, format)?,
     };
     validate::scene(input, format, parts)
 }

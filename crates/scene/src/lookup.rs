@@ -142,6 +142,7 @@ mod tests {
             warnings: vec![],
             content_hash: String::new(),
             source: None,
+            inputs: Vec::new(),
         }
     }
 

@@ -3,8 +3,21 @@
 //! # Metallic-roughness to Phong
 //!
 //! glTF describes a GGX lobe; the model that is integrated here is Phong's, about the mirror direction. Colours follow
-//! the metallic-roughness model of the glTF 2.0 specification, appendix B: a metal has no diffuse part and reflects
-//! its base colour, a dielectric reflects its normal-view reflectance, and `metallic` mixes the two.
+//! the metallic-roughness model of the glTF 2.0 specification, appendix B, at normal view. A metal has no diffuse part
+//! and reflects its base colour. A dielectric is a coat over a diffuse base: the coat reflects `F0`, and only what it
+//! leaves reaches the base. Where a tint makes `F0` a colour, the base gets `1 - max(F0)` in every channel, so that it
+//! does not take on the complementary hue (`fresnel_mix` and `max_value` of KHR_materials_specular). `metallic` mixes
+//! the two:
+//!
+//! ```text
+//! albedo   = base (1 - metallic) (1 - max F0)
+//! specular = F0 (1 - metallic) + base metallic
+//! ```
+//!
+//! Their sum is `(1 - metallic) (base (1 - max F0) + F0) + metallic base`. With `base` and `F0` in 0..=1 the inner
+//! bracket is at most `1 - max F0 + F0 <= 1`, so the sum is at most 1: exactly 1 for a white metal and for a white
+//! dielectric of untinted `F0`. The terms that albedo and specular multiply are at most 1 under a uniform sky, so no
+//! surface sends out more than it receives.
 //!
 //! The exponent comes in two steps.
 //!
@@ -18,8 +31,14 @@
 //!
 //! Together `n = (1/alpha² - 1)/2`: 0 for roughness 1, 7.5 for roughness 0.5, and clamped to [`MAX_EXPONENT`] for a
 //! mirror.
+//!
+//! # Diffuse and specular given apart
+//!
+//! OBJ files and scenes built in memory name both reflectances, and nothing keeps their sum below 1. Where it is not,
+//! [`conserving`] takes the excess from the diffuse one, as a coat would.
 
-use crate::{Alpha, Material, Surface};
+use crate::source::Input;
+use crate::{Alpha, Material, Surface, WarningKind};
 use glam::Vec3;
 
 /// Largest lobe exponent that a scene holds.
@@ -28,14 +47,17 @@ pub const MAX_EXPONENT: f64 = 1e6;
 /// Albedo, specular reflectance and lobe exponent of a metallic-roughness surface; see the head of this module's file
 /// for the formula and its sources.
 ///
+/// Albedo and specular reflectance add up to at most 1 in every channel, within the rounding of f32.
+///
 /// * `base`: base colour, linear, 0..=1 a channel.
 /// * `metallic`, `roughness`: 0..=1; values outside are clamped into the range, NaN counts as 0.
-/// * `dielectric`: reflectance of the non-metal at normal view, linear; 0.04 for glass of index 1.5.
+/// * `dielectric`: `F0`, the reflectance of the non-metal at normal view, linear, 0..=1 a channel; 0.04 for glass of
+///   index 1.5.
 ///
 /// ```
 /// # use glam::Vec3;
 /// let (albedo, specular, n) = ambake_scene::phong_from_metallic_roughness(Vec3::ONE, 0.0, 0.5, Vec3::splat(0.04));
-/// assert_eq!((albedo, specular, n), (Vec3::ONE, Vec3::splat(0.04), 7.5));
+/// assert_eq!((albedo, specular, n), (Vec3::splat(0.96), Vec3::splat(0.04), 7.5));
 /// ```
 pub fn phong_from_metallic_roughness(
     base: Vec3,
@@ -48,10 +70,30 @@ pub fn phong_from_metallic_roughness(
     let alpha = unit(roughness).powi(2);
     let exponent = (0.5 / (alpha * alpha) - 0.5).clamp(0.0, MAX_EXPONENT);
     (
-        base * (1.0 - metal),
+        base * (1.0 - metal) * (1.0 - dielectric.max_element()),
         dielectric * (1.0 - metal) + base * metal,
         exponent,
     )
+}
+
+/// The diffuse reflectance beside `specular`, both in 0..=1: `albedo` itself, or, where the two add up to more than 1
+/// in a channel, `albedo` times the largest factor that leaves no such channel. One factor for all channels keeps the
+/// hue. Counted as [`WarningKind::DiffuseScaled`].
+pub(crate) fn conserving(input: &mut Input, place: &str, albedo: Vec3, specular: Vec3) -> Vec3 {
+    // The sum is rounded to f32 on purpose: decimals that add up to 1 in the file, such as 0.6 and 0.4, do so here.
+    if (albedo + specular).max_element() <= 1.0 {
+        return albedo;
+    }
+    let (diffuse, room) = (albedo.as_dvec3(), 1.0 - specular.as_dvec3());
+    let factor = (0..3)
+        .filter(|&c| diffuse[c] > 0.0)
+        .map(|c| room[c] / diffuse[c])
+        .fold(1.0, f64::min);
+    let message = format!(
+        "diffuse and specular reflectance add up to more than 1; the diffuse one is multiplied by {factor:.4}"
+    );
+    input.warn(WarningKind::DiffuseScaled, place, 1, message);
+    (diffuse * factor).as_vec3()
 }
 
 /// The material of a mesh that has none: a white Lambertian surface, so that the baked terms carry no tint.

@@ -1,6 +1,6 @@
 //! Reads the bytes of a scene: the main file and the files it names, all of them hashed in the order they are read.
 
-use crate::{Error, Format, Warning};
+use crate::{Error, Format, Warning, WarningKind};
 use base64::Engine;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use percent_encoding::percent_decode_str;
@@ -13,6 +13,8 @@ pub(crate) struct Input {
     pub path: PathBuf,
     pub hasher: blake3::Hasher,
     pub warnings: Vec<Warning>,
+    /// Every file that was read, the main one first.
+    pub files: Vec<PathBuf>,
 }
 
 impl Input {
@@ -21,6 +23,7 @@ impl Input {
             path: path.to_path_buf(),
             hasher: blake3::Hasher::new(),
             warnings: Vec::new(),
+            files: Vec::new(),
         }
     }
 
@@ -36,7 +39,7 @@ impl Input {
     /// Notes that something was repaired or ignored `count` times; nothing for a count of 0.
     pub fn warn(
         &mut self,
-        kind: &str,
+        kind: WarningKind,
         place: impl Into<String>,
         count: u64,
         message: impl Into<String>,
@@ -44,7 +47,7 @@ impl Input {
         if count > 0 {
             let (place, message) = (place.into(), message.into());
             self.warnings.push(Warning {
-                kind: kind.into(),
+                kind,
                 place,
                 count,
                 message,
@@ -56,6 +59,7 @@ impl Input {
     pub fn read(&mut self, path: &Path) -> Result<Vec<u8>, Error> {
         let bytes = file(path)?;
         self.hasher.update(&bytes);
+        self.files.push(path.to_owned());
         Ok(bytes)
     }
 }

@@ -4,7 +4,7 @@
 //! transforms, materials are mapped to the Phong model's parameters. Invariants that [`crate::load`] guarantees:
 //! every index is in range, every number is finite, every triangle has a non-zero area in mesh space, images are decoded.
 
-use crate::GltfDocument;
+use crate::{GltfDocument, Warning};
 use glam::{DAffine3, Vec2, Vec3};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -13,9 +13,9 @@ use std::sync::Arc;
 /// A whole scene, validated.
 #[derive(Debug, Clone)]
 pub struct Scene {
-    /// The file that was loaded.
+    /// The file that was loaded; `scene` for one built in memory, whose files take their stem from it.
     pub path: PathBuf,
-    /// What kind of file it was.
+    /// What kind of file it was, if any.
     pub format: Format,
     /// Distinct triangle meshes, each with one material.
     pub meshes: Vec<Mesh>,
@@ -27,14 +27,16 @@ pub struct Scene {
     pub images: Vec<Image>,
     /// Everything that was repaired or ignored while loading, counted.
     pub warnings: Vec<Warning>,
-    /// Blake3 hash, in hex, of all the bytes read for this scene (the file, its buffers, images and material files).
-    /// Images that only `source` holds are not part of it.
+    /// Blake3 hash, in hex, of all the bytes read for this scene (the file, its buffers, images and material files), or
+    /// of all that was handed over for a built one. Images that only `source` holds are not part of it.
     pub content_hash: String,
     /// The whole glTF document for the writer to patch; `None` for OBJ and for scenes built in memory.
     pub source: Option<Arc<GltfDocument>>,
+    /// Every file that the scene was read from, the main one first; empty for scenes built in memory.
+    pub inputs: Vec<PathBuf>,
 }
 
-/// The input's file format.
+/// Where a scene comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Format {
@@ -44,9 +46,12 @@ pub enum Format {
     Gltf,
     /// glTF 2.0 binary container.
     Glb,
+    /// No file: [`Scene::from_meshes`].
+    Memory,
 }
 
-/// Triangles that share one vertex array and one material: a glTF primitive, or an OBJ group's part with one material.
+/// Triangles that share one vertex array and one material: a glTF primitive, an OBJ group's part with one material, or a
+/// mesh handed over in memory.
 #[derive(Debug, Clone)]
 pub struct Mesh {
     /// Name for messages: the file's, else `mesh 3 primitive 0`.
@@ -73,7 +78,8 @@ pub struct Mesh {
     pub origin: MeshOrigin,
 }
 
-/// The place of a mesh in its file. For OBJ `mesh` counts the loaded parts and `primitive` is 0.
+/// The place of a mesh in its file. For OBJ `mesh` counts the loaded parts, for a built scene the meshes handed over, and
+/// `primitive` is 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct MeshOrigin {
     /// glTF mesh index.
@@ -91,7 +97,7 @@ pub struct Instance {
     pub mesh: u32,
     /// Mesh space to world space, composed in f64 over the node hierarchy; invertible.
     pub transform: DAffine3,
-    /// glTF node index; 0 for OBJ.
+    /// glTF node index; 0 without glTF.
     pub node: u32,
     /// Which copy of the node's mesh this is under `EXT_mesh_gpu_instancing`; `None` without it.
     pub copy: Option<u32>,
@@ -115,13 +121,13 @@ pub struct Material {
 /// Where albedo, specular and exponent come from.
 #[derive(Debug, Clone)]
 pub enum Surface {
-    /// The Phong model itself (OBJ: Kd, Ks, Ns, map_Kd, map_Ks).
+    /// The Phong model itself (OBJ: Kd, Ks, Ns, map_Kd). Albedo and specular add up to at most 1 in every channel.
     Phong {
         /// Diffuse reflectance, linear, 0..=1 a channel.
         albedo: Vec3,
         /// Colour texture that multiplies `albedo` (sRGB in the file, linear in [`Image`]).
         albedo_map: Option<TextureRef>,
-        /// Specular reflectance, linear.
+        /// Specular reflectance, linear, 0..=1 a channel.
         specular: Vec3,
         /// Lobe exponent n, finite and >= 0.
         exponent: f64,
@@ -196,17 +202,4 @@ pub struct Image {
     pub height: u32,
     /// `width * height` RGBA pixels.
     pub pixels: Vec<[u8; 4]>,
-}
-
-/// Something that was repaired or ignored on load.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Warning {
-    /// A stable word, such as `zero-area-triangles`.
-    pub kind: String,
-    /// Mesh, primitive or material it is about.
-    pub place: String,
-    /// How many times.
-    pub count: u64,
-    /// One sentence.
-    pub message: String,
 }

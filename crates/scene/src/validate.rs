@@ -1,7 +1,8 @@
 //! What is accepted, what is repaired and what is refused, decided in one place.
 //!
 //! Data that is corrupt stops the load: a bake of it would be a lie. Junk that has no influence on the picture is
-//! repaired or left out, and counted in [`Scene::warnings`] with mesh and primitive.
+//! repaired or left out, and counted in [`Scene::warnings`] with mesh and primitive: the variants of [`WarningKind`] say
+//! what and how. The rest:
 //!
 //! | finding | verdict |
 //! |---|---|
@@ -10,28 +11,18 @@
 //! | required extension that is not implemented | error `Extension` |
 //! | vertex index out of range | error |
 //! | position that is not finite, or beyond [`REACH`], used by a triangle | error |
-//! | the same, in a vertex that no triangle uses | `unused-bad-vertices`: moved onto a used vertex |
 //! | instance that reaches beyond [`REACH`] in the world, or whose matrix is not finite or not affine | error |
-//! | singular transform, such as a scale of 0 | `singular-transforms`: instance left out |
-//! | triangle of zero area (exactly, in f64) | `zero-area-triangles`: dropped, `source_triangles` filled |
-//! | mesh left without triangles | `empty-meshes`: left out with its instances |
 //! | no triangle in the whole scene | error `NoTriangles` |
-//! | normal that is zero or not finite | `bad-normals`: area-weighted mean of the geometric normals around the vertex |
-//! | every normal of a mesh bad | `bad-normals`: the mesh has none, so it is shaded with its geometric normals |
-//! | UV that is not finite | `bad-uvs`: set to (0, 0) |
-//! | texture on a mesh without the UV set it reads | `textures-without-uvs`: the mesh gets the material without it |
-//! | image file that is absent, or in a format that is not read (KTX2, WebP) | `missing-textures`, `unread-textures`: factor alone |
 //! | image file that is there and broken | error |
-//! | OBJ: absent material library, unknown material, broken MTL line, corner without vt or vn | warning, see `obj.rs` |
-//! | glTF: points and lines, skins, morph targets, BLEND, extensions beyond those read | warning, see `gltf.rs` |
-//! | unit length of normals, finite factors inside 0..=1 | brought about silently; out of range `clamped-factors` |
+//! | built in memory: normals or UVs not one a vertex, material number out of range, texture of another size | error `Authored` |
+//! | normal that is not of unit length | made so, silently |
 
-use crate::source::Input;
+use crate::source::{Input, short};
 use crate::{
     Alpha, Error, Format, GltfDocument, Image, Instance, Material, Mesh, Scene, Surface,
-    TextureRef, Warning,
+    TextureRef, WarningKind,
 };
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DAffine3, DVec3, Vec2, Vec3};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -56,7 +47,7 @@ pub(crate) fn scene(mut input: Input, format: Format, mut parts: Parts) -> Resul
         let ignored: Vec<&str> = input
             .warnings
             .iter()
-            .map(|w| w.kind.as_str())
+            .map(|w| w.kind.name())
             .take(5)
             .collect();
         let hint = if ignored.is_empty() {
@@ -92,6 +83,7 @@ pub(crate) fn scene(mut input: Input, format: Format, mut parts: Parts) -> Resul
         warnings: input.warnings,
         content_hash,
         source,
+        inputs: input.files,
     })
 }
 
@@ -106,7 +98,7 @@ pub(crate) fn mesh(input: &mut Input, mesh: &mut Mesh, place: &str) -> Result<bo
         .position(|t| t.iter().any(|&i| i as usize >= vertices))
     {
         let problem = format!(
-            "triangle {t} uses vertices {:?} but there are {vertices}; the file is corrupt, export it again",
+            "triangle {t} uses vertices {:?} but there are {vertices}; its indices are corrupt, export or build it again",
             mesh.triangles[t]
         );
         return Err(input.invalid(place, problem));
@@ -115,7 +107,7 @@ pub(crate) fn mesh(input: &mut Input, mesh: &mut Mesh, place: &str) -> Result<bo
     zero_areas(input, mesh, place);
     if mesh.triangles.is_empty() {
         input.warn(
-            "empty-meshes",
+            WarningKind::EmptyMeshes,
             place,
             1,
             "the mesh has no triangle with an area and is left out",
@@ -130,7 +122,7 @@ pub(crate) fn mesh(input: &mut Input, mesh: &mut Mesh, place: &str) -> Result<bo
             count += 1;
         }
         input.warn(
-            "bad-uvs",
+            WarningKind::BadUvs,
             place,
             count,
             "UVs that are not finite are set to (0, 0)",
@@ -169,7 +161,7 @@ fn bad_positions(input: &mut Input, mesh: &mut Mesh, place: &str) -> Result<(), 
     }
     let message =
         "vertices that are not finite and that no triangle uses are moved onto a used vertex";
-    input.warn("unused-bad-vertices", place, count, message);
+    input.warn(WarningKind::UnusedBadVertices, place, count, message);
     Ok(())
 }
 
@@ -197,7 +189,7 @@ fn zero_areas(input: &mut Input, mesh: &mut Mesh, place: &str) {
     mesh.triangles.shrink_to_fit();
     mesh.source_triangles = source;
     input.warn(
-        "zero-area-triangles",
+        WarningKind::ZeroAreaTriangles,
         place,
         count as u64,
         "triangles without an area are dropped",
@@ -222,7 +214,7 @@ fn bad_normals(input: &mut Input, mesh: &mut Mesh, place: &str) {
         mesh.normals = Vec::new();
         let message =
             "every normal is zero or not finite: the mesh is shaded with its geometric normals";
-        input.warn("bad-normals", place, count, message);
+        input.warn(WarningKind::BadNormals, place, count, message);
         return;
     }
     let mut last = HashMap::new();
@@ -242,7 +234,7 @@ fn bad_normals(input: &mut Input, mesh: &mut Mesh, place: &str) {
         mesh.normals[vertex as usize] = unit.as_vec3();
     }
     let message = "normals that are zero or not finite are replaced by the mean geometric normal around the vertex";
-    input.warn("bad-normals", place, count, message);
+    input.warn(WarningKind::BadNormals, place, count, message);
 }
 
 /// Unit vector, also where the squared length would overflow or underflow.
@@ -270,14 +262,14 @@ fn instances(input: &mut Input, parts: &mut Parts) -> Result<(), Error> {
         let reach = |corner| transform.transform_point3(corner).abs().max_element() <= REACH as f64;
         if !transform.is_finite() || !corners.all(reach) {
             let problem = format!(
-                "the node's transform puts the mesh beyond {REACH:e}; scale the scene down"
+                "its transform puts the mesh beyond {REACH:e} or is not finite; scale the scene down"
             );
-            return Err(input.invalid(instance.name, problem));
+            return Err(input.invalid(short(&instance.name), problem));
         }
         if transform.matrix3.determinant() == 0.0 || !transform.inverse().is_finite() {
             let message =
                 "the transform has no inverse (a scale of 0?), so the instance is left out";
-            input.warn("singular-transforms", instance.name, 1, message);
+            input.warn(WarningKind::SingularTransforms, instance.name, 1, message);
             continue;
         }
         kept.push(instance);
@@ -317,7 +309,12 @@ fn textures_without_uvs(input: &mut Input, parts: &mut Parts) {
             "material `{}` reads UV sets that the mesh has not; its factors stand alone",
             material.name
         );
-        input.warn("textures-without-uvs", mesh.name.as_str(), dropped, message);
+        input.warn(
+            WarningKind::TexturesWithoutUvs,
+            mesh.name.as_str(),
+            dropped,
+            message,
+        );
         mesh.material = *reduced.entry((mesh.material, sets)).or_insert_with(|| {
             parts.materials.push(material);
             parts.materials.len() as u32 - 1
@@ -342,6 +339,13 @@ fn slots(material: &mut Material) -> impl Iterator<Item = &mut Option<TextureRef
     surface.into_iter().chain([alpha]).flatten()
 }
 
+/// The affine transform of a matrix given column by column; `None` where its last row is not 0 0 0 1.
+pub(crate) fn affine(columns: [[f32; 4]; 4]) -> Option<DAffine3> {
+    let [x, y, z, w] = columns.map(|[x, y, z, _]| Vec3::new(x, y, z).as_dvec3());
+    let affine = columns.map(|column| column[3]) == [0.0, 0.0, 0.0, 1.0];
+    affine.then(|| DAffine3::from_cols(x, y, z, w))
+}
+
 /// A factor brought into `low..=high`; `fallback` for NaN. Counts what it changes.
 pub(crate) fn clamped(value: f32, low: f32, high: f32, fallback: f32, changed: &mut u64) -> f32 {
     let good = if value.is_nan() {
@@ -351,15 +355,4 @@ pub(crate) fn clamped(value: f32, low: f32, high: f32, fallback: f32, changed: &
     };
     *changed += (good != value) as u64;
     good
-}
-
-impl Scene {
-    /// How often a kind of warning was counted, over all places.
-    pub fn warned(&self, kind: &str) -> u64 {
-        self.warnings
-            .iter()
-            .filter(|w: &&Warning| w.kind == kind)
-            .map(|w| w.count)
-            .sum()
-    }
 }

@@ -1,9 +1,13 @@
-//! Small files built on the spot: what is read, what is repaired and what is refused.
+//! Small files and scenes built on the spot: what is read, what is repaired and what is refused.
 
+#[path = "files/authored.rs"]
+mod authored;
 #[path = "files/broken.rs"]
 mod broken;
 #[path = "files/document.rs"]
 mod document;
+#[path = "files/energy.rs"]
+mod energy;
 #[path = "files/fuzz.rs"]
 mod fuzz;
 #[path = "files/gltf.rs"]

@@ -1,6 +1,6 @@
 //! Every model of the shared collection loads, with the counts that its README states.
 
-use ambake_scene::{Alpha, Scene, Surface, load};
+use ambake_scene::{Alpha, Scene, Surface, WarningKind, load};
 use std::path::Path;
 
 fn model(name: &str) -> Option<Scene> {
@@ -54,7 +54,7 @@ fn check(scene: &Scene) {
 /// Triangles in the file: kept and dropped.
 fn triangles(scene: &Scene) -> u64 {
     let kept: usize = scene.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
-    kept as u64 + scene.warned("zero-area-triangles")
+    kept as u64 + scene.warned(WarningKind::ZeroAreaTriangles)
 }
 
 #[test]
@@ -84,7 +84,7 @@ fn flight_helmet_has_its_triangles_and_one_blend_material() {
         return;
     };
     assert_eq!(triangles(&scene), 94_722);
-    assert_eq!(scene.warned("alpha-as-mask"), 1);
+    assert_eq!(scene.warned(WarningKind::AlphaAsMask), 1);
     // Five base colours and five metallic-roughness maps; normal maps are not decoded.
     assert_eq!(scene.images.len(), 10);
 }

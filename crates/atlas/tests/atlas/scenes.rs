@@ -51,6 +51,7 @@ pub fn scene(meshes: Vec<Mesh>, instances: &[(u32, u32, DAffine3)]) -> Scene {
         warnings: Vec::new(),
         content_hash: String::new(),
         source: None,
+        inputs: Vec::new(),
     }
 }
 

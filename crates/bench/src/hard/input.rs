@@ -2,22 +2,23 @@
 
 use super::error::Error;
 use super::row::{Row, count};
+use scene::WarningKind;
 use std::io::Write;
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 /// Each broken file, with how often its warning is counted; no warning means that the load is refused.
-const FILES: [(&str, &str, Option<&str>, &str); 4] = [
+const FILES: [(&str, &str, Option<WarningKind>, &str); 4] = [
     (
         "zero-area triangles",
         "v 2 0 0\nf 1 2 3\nf 1 3 4\nf 1 2 5\nf 1 1 2\n",
-        Some("zero-area-triangles"),
+        Some(WarningKind::ZeroAreaTriangles),
         "dropped and counted",
     ),
     (
         "NaN normal",
         "vn 0 0 1\nvn nan 0 1\nf 1//1 2//1 3//2\n",
-        Some("bad-normals"),
+        Some(WarningKind::BadNormals),
         "replaced by the geometric mean and counted",
     ),
     (
@@ -52,12 +53,12 @@ pub(super) fn rows() -> Result<Vec<Row>, Error> {
             Ok(match warning {
                 None => count(case, "refusals", "load", 1, loaded.is_err().into(), why),
                 Some(kind) => {
-                    let counted = loaded.map_or(0, |scene| {
-                        let own = scene.warnings.iter().filter(|w| w.kind == kind);
-                        own.map(|w| w.count as usize).sum()
-                    });
-                    let expected = if kind == "bad-normals" { 1 } else { 2 };
-                    count(case, kind, "load", expected, counted, why)
+                    let counted = loaded.map_or(0, |scene| scene.warned(kind) as usize);
+                    let expected = match kind {
+                        WarningKind::BadNormals => 1,
+                        _ => 2,
+                    };
+                    count(case, kind.name(), "load", expected, counted, why)
                 }
             })
         })

@@ -207,5 +207,6 @@ fn scene(meshes: Vec<Mesh>) -> Scene {
         warnings: Vec::new(),
         content_hash: String::new(),
         source: None,
+        inputs: Vec::new(),
     }
 }

@@ -276,6 +276,7 @@ mod tests {
             warnings: Vec::new(),
             content_hash: String::new(),
             source: None,
+            inputs: Vec::new(),
         };
         let options = WorldOptions {
             instancing: true,

@@ -1,7 +1,11 @@
-//! A glTF document for a scene that came from an OBJ file: vertices in the order of the layout, materials mapped.
+//! A glTF document for a scene that came from an OBJ file or was built in memory: vertices in the order of the layout,
+//! materials mapped.
 //!
-//! Base colour is Kd, metallic 0, and roughness the inverse of [`scene::phong_from_metallic_roughness`]:
-//! `roughness = (2n + 1)^(-1/4)`. Ks is not carried over; a dielectric reflects 0.04 in glTF. Ke is the emissive factor, with
+//! Base colour is the scene's albedo (Kd, scaled where Kd + Ks is above 1), metallic 0, and roughness the inverse of
+//! [`scene::phong_from_metallic_roughness`]: `roughness = (2n + 1)^(-1/4)`. Ks is not carried over: every dielectric
+//! reflects 0.04 in glTF, and its base reflects of what that leaves. So a viewer shows, and ambake reads back, a diffuse
+//! reflectance of 0.96 of the albedo. The albedo is not divided by 0.96 for that: one above 0.96 would have no base
+//! colour, and nobody would find their Kd in the file. Ke is the emissive factor, with
 //! `KHR_materials_emissive_strength` where a channel is above 1.
 
 use super::document::{Document, Target};
@@ -103,7 +107,7 @@ fn material_value(
             ..
         } => (*albedo, albedo_map.as_ref(), *exponent),
         Surface::MetallicRoughness { base, .. } => {
-            unreachable!("an OBJ material with base colour {base}")
+            unreachable!("an OBJ or built material with base colour {base}")
         }
     };
     let albedo = albedo.clamp(glam::Vec3::ZERO, glam::Vec3::ONE);

@@ -7,7 +7,6 @@ use crate::source::{Input, Uri, beside, file, media_type, uri};
 use gltf::json::Root;
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::path::Path;
 
 /// A glTF file in its raw parts. They are as [`crate::load`] read them; the file is not opened again.
 #[derive(Debug, Clone)]
@@ -80,14 +79,19 @@ impl GltfDocument {
     /// Takes up the image files behind the JSON's URIs. `read` holds those that materials have read, by image number.
     /// The others have no influence on a bake, so they are not part of its hash, and one that cannot be read stays a
     /// URI.
-    pub(super) fn take_images(&mut self, path: &Path, mut read: BTreeMap<usize, Vec<u8>>) {
+    pub(super) fn take_images(&mut self, input: &mut Input, mut read: BTreeMap<usize, Vec<u8>>) {
         let image = |(i, image): (usize, &mut Value)| {
             let text = image.get("uri")?.as_str()?;
             let bytes = match read.remove(&i) {
                 Some(bytes) => bytes,
                 None => match uri(text).ok()? {
                     Uri::Data(bytes) => bytes,
-                    Uri::File(name) => file(&beside(path, &name)).ok()?,
+                    Uri::File(name) => {
+                        let path = beside(&input.path, &name);
+                        let bytes = file(&path).ok()?;
+                        input.files.push(path);
+                        bytes
+                    }
                 },
             };
             let own = image.get("mimeType").and_then(Value::as_str);

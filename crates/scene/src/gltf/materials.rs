@@ -4,7 +4,7 @@ use super::accessor::Data;
 use crate::image::{Failure, Pixels, decode};
 use crate::source::{Input, Uri, beside, short, uri};
 use crate::validate::{Parts, clamped};
-use crate::{Alpha, Error, Image, Material, Surface, TextureRef, Wrap};
+use crate::{Alpha, Error, Image, Material, Surface, TextureRef, WarningKind, Wrap};
 use glam::Vec3;
 use gltf::json::material::{AlphaMode, Material as Json};
 use gltf::json::texture::{Info, MagFilter, Sampler, WrappingMode};
@@ -75,7 +75,7 @@ fn material(
     let emission = Vec3::from_array(json.emissive_factor.0)
         .map(|e| clamped(e * strength, 0.0, f32::MAX, 0.0, &mut changed));
     input.warn(
-        "clamped-factors",
+        WarningKind::ClampedFactors,
         place.as_str(),
         changed,
         "factors out of range are clamped",
@@ -85,16 +85,22 @@ fn material(
         s.specular_texture.is_some() as u64 + s.specular_color_texture.is_some() as u64
     });
     input.warn(
-        "unread-textures",
+        WarningKind::UnreadTextures,
         place.as_str(),
         json.emissive_texture.is_some() as u64,
         "emissiveTexture is not read; emissiveFactor stands alone",
     );
     input.warn(
-        "unread-textures",
+        WarningKind::UnreadTextures,
         place.as_str(),
         maps,
         "textures of KHR_materials_specular are not read",
+    );
+    input.warn(
+        WarningKind::IgnoredNormalMaps,
+        place.as_str(),
+        json.normal_texture.is_some() as u64,
+        "normalTexture is not read; the mesh's normals stand alone",
     );
     for other in extensions
         .into_iter()
@@ -102,7 +108,7 @@ fn material(
         .filter(|o| !SILENT.contains(&o.as_str()))
     {
         input.warn(
-            "ignored-extensions",
+            WarningKind::IgnoredExtensions,
             place.as_str(),
             1,
             format!("{} is not modelled", short(other)),
@@ -122,7 +128,7 @@ fn material(
         Checked::Valid(AlphaMode::Mask) => mask(json.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0)),
         Checked::Valid(AlphaMode::Blend) => {
             let message = "BLEND becomes a mask: a ray is blocked where alpha is at least 0.5";
-            input.warn("alpha-as-mask", place, 1, message);
+            input.warn(WarningKind::AlphaAsMask, place, 1, message);
             mask(0.5)
         }
         _ => Alpha::Opaque,
@@ -216,7 +222,12 @@ fn images(
                     "texture {} is in a format that is not read; convert it to PNG",
                     info.index
                 );
-                input.warn("unread-textures", format!("material {m}"), 1, message);
+                input.warn(
+                    WarningKind::UnreadTextures,
+                    format!("material {m}"),
+                    1,
+                    message,
+                );
                 continue;
             };
             if !std::mem::replace(seen, true)
@@ -253,7 +264,7 @@ fn images(
             }
             Err(Failure::Unsupported(format)) => {
                 input.warn(
-                    "unread-textures",
+                    WarningKind::UnreadTextures,
                     place,
                     1,
                     format!("{format} is not read; convert the image to PNG"),
@@ -306,7 +317,7 @@ fn encoded<'a>(
                     "texture {} is absent; the factor stands alone",
                     path.display()
                 );
-                input.warn("missing-textures", place, 1, message);
+                input.warn(WarningKind::MissingTextures, place, 1, message);
                 return Ok(None);
             }
             Ok(Some((

@@ -76,7 +76,7 @@ pub(crate) fn load(input: &mut Input, format: Format) -> Result<Parts, Error> {
         parts.materials.push(untinted("none"));
     }
     without.for_each(|mesh| mesh.material = untinted_index);
-    document.take_images(&input.path, image_files);
+    document.take_images(input, image_files);
     parts.source = Some(Arc::new(document));
     Ok(parts)
 }

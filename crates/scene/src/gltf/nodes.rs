@@ -2,9 +2,9 @@
 
 use super::accessor::Data;
 use crate::source::Input;
-use crate::validate::Parts;
-use crate::{Error, Instance};
-use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4};
+use crate::validate::{Parts, affine};
+use crate::{Error, Instance, WarningKind};
+use glam::{DAffine3, DQuat, DVec3, DVec4};
 use gltf::json::accessor::Type;
 use gltf::json::scene::Node;
 use gltf::json::{Index, Root};
@@ -47,7 +47,7 @@ pub(super) fn placements(input: &mut Input, data: &Data) -> Result<Vec<Placement
         };
         let skin = node.skin.is_some() as u64;
         input.warn(
-            "skins",
+            WarningKind::Skins,
             place.as_str(),
             skin,
             "the skin is left out: the mesh is baked where its node stands",
@@ -124,16 +124,10 @@ fn roots(root: &Root) -> Vec<usize> {
 /// A node's own transform, in f64.
 fn local(node: &Node) -> Result<DAffine3, String> {
     if let Some(m) = node.matrix {
-        let column =
-            |i: usize| DVec3::new(m[4 * i] as f64, m[4 * i + 1] as f64, m[4 * i + 2] as f64);
-        if [m[3], m[7], m[11], m[15]] != [0.0, 0.0, 0.0, 1.0] {
-            return Err(
-                "its matrix is not affine (the last row is not 0 0 0 1); export the file again"
-                    .into(),
-            );
-        }
-        let matrix = DMat3::from_cols(column(0), column(1), column(2));
-        return Ok(DAffine3::from_mat3_translation(matrix, column(3)));
+        let columns = [0, 4, 8, 12].map(|i| [m[i], m[i + 1], m[i + 2], m[i + 3]]);
+        let problem =
+            "its matrix is not affine (the last row is not 0 0 0 1); export the file again";
+        return affine(columns).ok_or_else(|| problem.into());
     }
     let vector =
         |v: Option<[f32; 3]>, or: DVec3| v.map_or(or, |v| DVec3::from_array(v.map(f64::from)));

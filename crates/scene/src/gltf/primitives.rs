@@ -5,7 +5,7 @@ use super::elements::Elements;
 use super::nodes::Placement;
 use crate::source::Input;
 use crate::validate::{self, Parts};
-use crate::{Error, Mesh, MeshOrigin};
+use crate::{Error, Mesh, MeshOrigin, WarningKind};
 use glam::{Vec2, Vec3};
 use gltf::json::accessor::Type;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
@@ -64,7 +64,7 @@ fn read(
         Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => mode,
         _ => {
             input.warn(
-                "points-and-lines",
+                WarningKind::PointsAndLines,
                 place,
                 1,
                 "a primitive without surface is left out",
@@ -77,7 +77,7 @@ fn read(
         .as_ref()
         .map_or(0, |targets| targets.len() as u64);
     input.warn(
-        "morph-targets",
+        WarningKind::MorphTargets,
         place,
         targets,
         "morph targets are left out: the base shape is baked",
@@ -155,7 +155,7 @@ fn read(
         origin,
     };
     input.warn(
-        "uv-sets-after-a-gap",
+        WarningKind::UvSetsAfterAGap,
         place,
         beyond as u64,
         "UV sets after a missing number are left out",
@@ -166,7 +166,7 @@ fn read(
         0
     };
     input.warn(
-        "leftover-indices",
+        WarningKind::LeftoverIndices,
         place,
         leftover as u64,
         "indices that make no whole triangle are left out",

@@ -2,8 +2,8 @@
 
 use super::corners::NONE;
 use super::{File, polygon};
-use crate::Error;
 use crate::source::{Input, open, short};
+use crate::{Error, WarningKind};
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
 use std::io::{BufRead, BufReader, Read};
@@ -34,6 +34,7 @@ struct State {
 pub(super) fn read(input: &mut Input) -> Result<File, Error> {
     let path = input.path.clone();
     let mut reader = BufReader::with_capacity(1 << 20, open(&path)?);
+    input.files.push(path);
     let mut state = State::new();
     let mut line = Vec::new();
     let mut number = 0u64;
@@ -44,19 +45,19 @@ pub(super) fn read(input: &mut Input) -> Result<File, Error> {
     }
     let name = "the file";
     input.warn(
-        "ignored-lines-and-points",
+        WarningKind::IgnoredLinesAndPoints,
         name,
         state.ignored_elements,
         "elements without an area are left out",
     );
     input.warn(
-        "ignored-uv-references",
+        WarningKind::IgnoredUvReferences,
         name,
         state.ignored_uvs,
         "corners name a vt, but no vt stands before them",
     );
     input.warn(
-        "ignored-normal-references",
+        WarningKind::IgnoredNormalReferences,
         name,
         state.ignored_normals,
         "corners name a vn, but none stands before them",

@@ -4,20 +4,18 @@
 //! allocation, a face is turned into corners at once, and memory stays near twice the raw data. `tobj` reads the
 //! material libraries and is the referee of the tests.
 //!
-//! What is junk rather than corruption is counted as a warning: `ignored-lines-and-points` (elements without an area),
-//! `ignored-uv-references` and `ignored-normal-references` (no `vt` or `vn` in the file so far), `missing-uvs`
-//! (corners without `vt` in a mesh that has some), `missing-material-libraries`, `unknown-materials`,
-//! `ignored-mtl-lines`, `unread-textures`, `missing-textures`, `clamped-factors`, `alpha-as-mask`.
+//! What is junk rather than corruption is counted: see [`WarningKind`].
 
 mod corners;
 mod lines;
 mod mtl;
+mod options;
 mod polygon;
 
 use crate::material::untinted;
 use crate::source::Input;
 use crate::validate::{self, Parts};
-use crate::{Error, Instance, Mesh, MeshOrigin};
+use crate::{Error, Instance, Mesh, MeshOrigin, WarningKind};
 use corners::{Corners, NONE};
 use glam::{DAffine3, Vec2, Vec3};
 use std::collections::HashMap;
@@ -49,7 +47,7 @@ pub(crate) fn load(input: &mut Input) -> Result<Parts, Error> {
         }
         let message = "the material is in no library that was read; its parts stay untinted";
         input.warn(
-            "unknown-materials",
+            WarningKind::UnknownMaterials,
             format!("material `{name}`"),
             !name.is_empty() as u64,
             message,
@@ -128,7 +126,7 @@ fn meshes(input: &mut Input, file: &mut File) -> Vec<Mesh> {
             mesh.uv_sets.push(Vec::with_capacity(vertices));
             let message = "corners without a vt in a mesh that has some get the UV (0, 0)";
             input.warn(
-                "missing-uvs",
+                WarningKind::MissingUvs,
                 format!("part `{}`", mesh.name),
                 (vertices - uvs) as u64,
                 message,

@@ -1,14 +1,16 @@
 //! Material libraries: the parameters of the Phong model as OBJ files give them.
 //!
-//! Read: `Kd`, `Ks`, `Ns`, `d`, `Tr`, `map_Kd`, `map_d`; missing ones are white, black, 0 and opaque. `Ka` is not
-//! used: the ambient term that is baked reflects with `Kd`. `map_Ks` is noted and left out. `illum` is not used either:
-//! which model is shown is chosen by layer.
+//! Read: `Kd`, `Ks`, `Ns`, `Ke`, `d`, `Tr`, `map_Kd`, `map_d`; missing ones are white, black, 0, black and opaque. Where
+//! Kd + Ks is above 1 in a channel, Kd is scaled down, for no surface reflects more than it receives. `Ka` is not used:
+//! the ambient term that is baked reflects with `Kd`. `map_Ks`, `map_Bump`, `bump` and `norm` are noted and left out.
+//! `illum` is not used either: which model is shown is chosen by layer.
 
+use super::options::Options;
 use crate::image::{Failure, decode};
-use crate::material::MAX_EXPONENT;
+use crate::material::{MAX_EXPONENT, conserving};
 use crate::source::{Input, beside, short};
 use crate::validate::{Parts, clamped};
-use crate::{Alpha, Error, Image, Material, Surface, TextureRef, Wrap};
+use crate::{Alpha, Error, Image, Material, Surface, TextureRef, WarningKind, Wrap};
 use glam::Vec3;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -38,7 +40,7 @@ pub(super) fn load(
         if !path.is_file() {
             let message = "the material library is absent; materials from it are not known";
             input.warn(
-                "missing-material-libraries",
+                WarningKind::MissingMaterialLibraries,
                 path.display().to_string(),
                 1,
                 message,
@@ -112,8 +114,11 @@ fn parsed(input: &mut Input, path: &Path, bytes: &[u8]) -> Result<Vec<tobj::Mate
             ("map_kd", _) if !rest.is_empty() => format!("map_Kd {rest}"),
             ("map_ks", _) if !rest.is_empty() => format!("map_Ks {rest}"),
             ("map_d", _) if !rest.is_empty() => format!("map_d {rest}"),
+            ("map_bump" | "bump", _) if !rest.is_empty() => format!("bump {rest}"),
+            ("norm", _) if !rest.is_empty() => format!("norm {rest}"),
             (
-                "kd" | "ks" | "ke" | "ns" | "d" | "tr" | "newmtl" | "map_kd" | "map_ks" | "map_d",
+                "kd" | "ks" | "ke" | "ns" | "d" | "tr" | "newmtl" | "map_kd" | "map_ks" | "map_d"
+                | "map_bump" | "bump" | "norm",
                 _,
             ) => {
                 ignored += 1;
@@ -125,7 +130,7 @@ fn parsed(input: &mut Input, path: &Path, bytes: &[u8]) -> Result<Vec<tobj::Mate
         clean.push('\n');
     }
     input.warn(
-        "ignored-mtl-lines",
+        WarningKind::IgnoredMtlLines,
         path.display().to_string(),
         ignored,
         "lines without the number or name they need",
@@ -176,14 +181,23 @@ fn material(
         &mut changed,
     );
     input.warn(
-        "clamped-factors",
+        WarningKind::ClampedFactors,
         place.as_str(),
         changed,
         "factors out of range are clamped",
     );
+    let albedo = conserving(input, &place, albedo, specular);
+    let normal_maps =
+        raw.normal_texture.is_some() as u64 + raw.unknown_param.contains_key("norm") as u64;
+    input.warn(
+        WarningKind::IgnoredNormalMaps,
+        place.as_str(),
+        normal_maps,
+        "bump and normal maps are not read; the mesh's normals stand alone",
+    );
     let specular_map = raw.specular_texture.is_some() as u64;
     input.warn(
-        "unread-textures",
+        WarningKind::UnreadTextures,
         place.as_str(),
         specular_map,
         "map_Ks is not read; Ks stands alone",
@@ -199,7 +213,7 @@ fn material(
         let message =
             "partial transparency becomes a mask: a ray is blocked where alpha is at least 0.5";
         input.warn(
-            "alpha-as-mask",
+            WarningKind::AlphaAsMask,
             place,
             (opacity > 0.0 && opacity < 1.0) as u64,
             message,
@@ -267,7 +281,7 @@ fn image(input: &mut Input, place: &str, path: &Path, role: Role) -> Result<Opti
     let name = path.display().to_string();
     if !path.is_file() {
         let message = format!("texture {name} is absent; the factor stands alone");
-        input.warn("missing-textures", place, 1, message);
+        input.warn(WarningKind::MissingTextures, place, 1, message);
         return Ok(None);
     }
     let bytes = input.read(path)?;
@@ -286,7 +300,7 @@ fn image(input: &mut Input, place: &str, path: &Path, role: Role) -> Result<Opti
         Err(Failure::Unsupported(format)) => {
             let message =
                 format!("texture {name} is {format}, which is not read; convert it to PNG");
-            input.warn("unread-textures", place, 1, message);
+            input.warn(WarningKind::UnreadTextures, place, 1, message);
             Ok(None)
         }
         Err(Failure::Broken(problem)) => Err(Error::Invalid {
@@ -294,72 +308,5 @@ fn image(input: &mut Input, place: &str, path: &Path, role: Role) -> Result<Opti
             place: place.into(),
             problem: format!("{}; repair the image or remove it", short(&problem)),
         }),
-    }
-}
-
-/// The options of a texture statement that change where it is read; the others are skipped with their arguments.
-struct Options<'a> {
-    file: &'a str,
-    clamp: bool,
-    scale: [f32; 2],
-    offset: [f32; 2],
-}
-
-impl Options<'_> {
-    fn of(statement: &str) -> Options<'_> {
-        let mut options = Options {
-            file: statement.trim(),
-            clamp: false,
-            scale: [1.0; 2],
-            offset: [0.0; 2],
-        };
-        while options.file.starts_with('-') {
-            let (name, mut rest) = word(options.file);
-            // At most so many arguments follow; of -o, -s and -t as many as are numbers.
-            let most = match name {
-                "-o" | "-s" | "-t" => 3,
-                "-mm" => 2,
-                "-blendu" | "-blendv" | "-bm" | "-boost" | "-cc" | "-clamp" | "-imfchan"
-                | "-texres" | "-type" => 1,
-                _ => break,
-            };
-            for i in 0..most {
-                let (argument, after) = word(rest);
-                let number = argument.parse::<f32>().ok().filter(|n| n.is_finite());
-                match (name, number) {
-                    ("-o", Some(n)) if i < 2 => options.offset[i] = n,
-                    ("-s", Some(n)) if i < 2 => options.scale[i] = n,
-                    ("-o" | "-s" | "-t", None) => break,
-                    ("-clamp", _) => options.clamp = argument == "on",
-                    _ => {}
-                }
-                rest = after;
-            }
-            options.file = rest;
-        }
-        options
-    }
-}
-
-/// The first word and what follows it.
-fn word(text: &str) -> (&str, &str) {
-    let text = text.trim_start();
-    text.split_once(char::is_whitespace)
-        .map_or((text, ""), |(first, rest)| (first, rest.trim_start()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn texture_options_are_told_from_the_file_name() {
-        let options = Options::of("-s 2 3 1 -blendu off -o 0.5 -clamp on -bm 0.2 my wall -1.png");
-        assert_eq!(options.file, "my wall -1.png");
-        assert_eq!(
-            (options.scale, options.offset, options.clamp),
-            ([2.0, 3.0], [0.5, 0.0], true)
-        );
-        assert_eq!(Options::of("-strange.png").file, "-strange.png");
     }
 }

@@ -1,7 +1,7 @@
 //! glTF and GLB.
 
 use super::support::{Document, F32, Folder, U8, U16, U32, png, push};
-use ambake_scene::{Alpha, Surface};
+use ambake_scene::{Alpha, Surface, WarningKind};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use glam::{DVec3, Vec2, Vec3};
@@ -108,7 +108,7 @@ fn transforms_compose_down_the_tree_with_negative_scale_and_matrices() {
         leaf.transform.transform_point3(DVec3::X),
         DVec3::new(5.0, 2.0, 0.0)
     );
-    assert_eq!(scene.warned("singular-transforms"), 1);
+    assert_eq!(scene.warned(WarningKind::SingularTransforms), 1);
 }
 
 #[test]
@@ -190,7 +190,7 @@ fn materials_follow_the_file_and_a_primitive_without_one_is_untinted() {
         { "alphaMode": "BLEND", "pbrMetallicRoughness": { "baseColorFactor": [0.5, 1, 3, 0.75], "baseColorTexture":
             { "index": 0, "extensions": turned } }, "extensions": { "KHR_materials_ior": { "ior": 2 },
             "KHR_materials_specular": { "specularFactor": 0.5 }, "KHR_materials_sheen": {} } },
-        { "pbrMetallicRoughness": { "baseColorTexture": { "index": 1 } } },
+        { "pbrMetallicRoughness": { "baseColorTexture": { "index": 1 } }, "normalTexture": { "index": 0 } },
     ]);
     let positions = document.primitive()["attributes"]["POSITION"].clone();
     let primitive = |material: Option<u32>, sets: usize| {
@@ -274,13 +274,14 @@ fn materials_follow_the_file_and_a_primitive_without_one_is_untinted() {
         Surface::MetallicRoughness { base_map: None, .. }
     ));
     let kinds = [
-        "alpha-as-mask",
-        "unread-textures",
-        "ignored-extensions",
-        "clamped-factors",
-        "textures-without-uvs",
+        WarningKind::AlphaAsMask,
+        WarningKind::UnreadTextures,
+        WarningKind::IgnoredExtensions,
+        WarningKind::ClampedFactors,
+        WarningKind::TexturesWithoutUvs,
+        WarningKind::IgnoredNormalMaps,
     ];
-    assert_eq!(kinds.map(|kind| scene.warned(kind)), [1, 1, 1, 1, 2]);
+    assert_eq!(kinds.map(|kind| scene.warned(kind)), [1, 1, 1, 1, 2, 1]);
 }
 
 #[test]
@@ -313,7 +314,10 @@ fn bad_normals_fall_back_to_the_geometry_and_bad_uvs_to_the_origin() {
     assert_eq!(scene.meshes[0].normals, [Vec3::Z, Vec3::Z, Vec3::Y]);
     assert_eq!(scene.meshes[0].uv_sets[0][0], Vec2::ZERO);
     assert_eq!(
-        (scene.warned("bad-normals"), scene.warned("bad-uvs")),
+        (
+            scene.warned(WarningKind::BadNormals),
+            scene.warned(WarningKind::BadUvs)
+        ),
         (2, 1)
     );
 }

@@ -1,7 +1,7 @@
 //! OBJ and MTL.
 
 use super::support::{Folder, png};
-use ambake_scene::{Alpha, Scene, Surface, Wrap};
+use ambake_scene::{Alpha, Scene, Surface, WarningKind, Wrap};
 use glam::{Vec2, Vec3};
 
 fn load(text: &str) -> Scene {
@@ -52,7 +52,10 @@ fn corners_without_vt_or_vn_do_not_shift_the_others() {
     assert_eq!(mesh.normals[corner(0, 0)], Vec3::Z);
     assert_eq!(mesh.uv_sets[0][corner(0, 0)], Vec2::ZERO);
     assert_eq!(
-        (scene.warned("missing-uvs"), scene.warned("bad-normals")),
+        (
+            scene.warned(WarningKind::MissingUvs),
+            scene.warned(WarningKind::BadNormals)
+        ),
         (5, 4)
     );
 }
@@ -92,7 +95,8 @@ fn groups_and_materials_make_parts_and_a_part_may_be_resumed() {
     };
     assert_eq!(
         (albedo, specular, exponent),
-        (Vec3::X, Vec3::splat(0.5), 20.0)
+        (Vec3::X * 0.5, Vec3::splat(0.5), 20.0),
+        "Kd 1 beside Ks 0.5 leaves 0.5"
     );
     assert_eq!(scene.materials[0].emission, Vec3::new(2.0, 3.0, 0.5));
     assert_eq!(scene.materials[1].emission, Vec3::ZERO);
@@ -104,8 +108,8 @@ fn groups_and_materials_make_parts_and_a_part_may_be_resumed() {
     assert!(scene.materials.iter().all(|m| m.double_sided));
     assert_eq!(
         (
-            scene.warned("unknown-materials"),
-            scene.warned("clamped-factors")
+            scene.warned(WarningKind::UnknownMaterials),
+            scene.warned(WarningKind::ClampedFactors)
         ),
         (1, 2)
     );
@@ -120,8 +124,8 @@ fn absent_libraries_and_textures_are_counted_and_broken_lines_too() {
         .unwrap();
     assert_eq!(
         (
-            scene.warned("missing-material-libraries"),
-            scene.warned("unknown-materials")
+            scene.warned(WarningKind::MissingMaterialLibraries),
+            scene.warned(WarningKind::UnknownMaterials)
         ),
         (1, 1)
     );
@@ -131,11 +135,41 @@ fn absent_libraries_and_textures_are_counted_and_broken_lines_too() {
         .unwrap();
     assert_eq!(
         (
-            scene.warned("missing-textures"),
-            scene.warned("ignored-mtl-lines")
+            scene.warned(WarningKind::MissingTextures),
+            scene.warned(WarningKind::IgnoredMtlLines)
         ),
         (1, 3)
     );
+}
+
+#[test]
+fn bump_and_normal_maps_are_counted_one_each() {
+    let folder = Folder::new();
+    folder.write(
+        "a.mtl",
+        "newmtl a\nmap_Bump -bm 0.5 b.png\nnorm n.png\nnewmtl b\nbump b.png\nnewmtl c\nmap_bump\nKd 1 1 1\n",
+    );
+    let scene = folder
+        .load(
+            "a.obj",
+            "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+        )
+        .unwrap();
+    let counted: Vec<_> = scene
+        .warnings
+        .iter()
+        .map(|w| (w.kind, w.place.as_str(), w.count))
+        .filter(|w| w.0 == WarningKind::IgnoredNormalMaps)
+        .collect();
+    assert_eq!(
+        counted,
+        [
+            (WarningKind::IgnoredNormalMaps, "material `a`", 2),
+            (WarningKind::IgnoredNormalMaps, "material `b`", 1)
+        ]
+    );
+    assert_eq!(scene.warned(WarningKind::IgnoredMtlLines), 1);
+    assert!(scene.images.is_empty());
 }
 
 #[test]
@@ -176,11 +210,18 @@ fn junk_is_dropped_with_the_numbers_of_what_is_left() {
     assert_eq!(mesh.source_triangles, [1, 3]);
     assert_eq!(
         (
-            scene.warned("zero-area-triangles"),
-            scene.warned("ignored-lines-and-points")
+            scene.warned(WarningKind::ZeroAreaTriangles),
+            scene.warned(WarningKind::IgnoredLinesAndPoints)
         ),
         (2, 2)
     );
+    // Scripts look for the words.
+    let words: Vec<_> = scene
+        .warnings
+        .iter()
+        .map(|w| serde_json::to_value(w).unwrap()["kind"].clone())
+        .collect();
+    assert_eq!(words, ["ignored-lines-and-points", "zero-area-triangles"]);
 }
 
 #[test]

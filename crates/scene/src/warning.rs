@@ -1,0 +1,134 @@
+//! What was repaired or ignored on the way to a scene, and how often.
+
+use crate::Scene;
+use serde::{Serialize, Serializer};
+use std::fmt;
+
+/// Something that was repaired or ignored on load.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Warning {
+    /// What happened; serialised as its stable word.
+    pub kind: WarningKind,
+    /// Mesh, primitive or material it is about.
+    pub place: String,
+    /// How many times.
+    pub count: u64,
+    /// One sentence.
+    pub message: String,
+}
+
+/// What can be repaired or ignored. This is the whole list: no other word stands in a report's `warnings`.
+///
+/// What stops a load instead is listed at the head of `validate.rs`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum WarningKind {
+    /// Partial transparency (glTF BLEND; OBJ `d` or `Tr`) becomes a mask: a ray is blocked where alpha is at least 0.5.
+    AlphaAsMask,
+    /// A normal that is zero or not finite becomes the area-weighted mean of the geometric normals around the vertex.
+    /// Where every normal of a mesh is bad, the mesh has none and is shaded with its geometric normals.
+    BadNormals,
+    /// A UV that is not finite becomes (0, 0).
+    BadUvs,
+    /// A factor of a material outside its range is clamped into it.
+    ClampedFactors,
+    /// Diffuse and specular reflectance add up to more than 1: the diffuse one is scaled down, by one factor for all
+    /// channels.
+    DiffuseScaled,
+    /// A mesh without a triangle is left out, with its instances.
+    EmptyMeshes,
+    /// A glTF material extension that is not modelled.
+    IgnoredExtensions,
+    /// OBJ: lines, points and faces of fewer than three corners are left out.
+    IgnoredLinesAndPoints,
+    /// MTL: lines without the number or name they need.
+    IgnoredMtlLines,
+    /// A normal or bump map (glTF `normalTexture`; MTL `map_Bump`, `bump`, `norm`) is left out: normals are the mesh's.
+    IgnoredNormalMaps,
+    /// OBJ: corners name a `vn`, but none stands before them.
+    IgnoredNormalReferences,
+    /// OBJ: corners name a `vt`, but none stands before them.
+    IgnoredUvReferences,
+    /// glTF: indices that make no whole triangle are left out.
+    LeftoverIndices,
+    /// OBJ: a material library that is absent.
+    MissingMaterialLibraries,
+    /// A texture whose file is absent: the factor stands alone.
+    MissingTextures,
+    /// OBJ: corners without a `vt` in a mesh that has some get the UV (0, 0).
+    MissingUvs,
+    /// glTF: morph targets are left out, the base shape is baked.
+    MorphTargets,
+    /// glTF: a primitive of points or lines is left out.
+    PointsAndLines,
+    /// An instance whose transform has no inverse, such as a scale of 0, is left out.
+    SingularTransforms,
+    /// glTF: a skin is left out, the mesh is baked where its node stands.
+    Skins,
+    /// A texture on a mesh without the UV set it reads: the mesh gets the material without it.
+    TexturesWithoutUvs,
+    /// OBJ: a material that is in no library that was read; its parts stay untinted.
+    UnknownMaterials,
+    /// A texture of a kind or in a format that is not read (KTX2, WebP): the factor stands alone.
+    UnreadTextures,
+    /// A vertex that is not finite or out of reach, and that no triangle uses, is moved onto a used one.
+    UnusedBadVertices,
+    /// glTF: UV sets after a missing number are left out.
+    UvSetsAfterAGap,
+    /// Triangles of zero area (exactly, in f64) are dropped.
+    ZeroAreaTriangles,
+}
+
+impl WarningKind {
+    /// The stable word that scripts look for in `bake.json`, such as `zero-area-triangles`.
+    pub fn name(self) -> &'static str {
+        match self {
+            WarningKind::AlphaAsMask => "alpha-as-mask",
+            WarningKind::BadNormals => "bad-normals",
+            WarningKind::BadUvs => "bad-uvs",
+            WarningKind::ClampedFactors => "clamped-factors",
+            WarningKind::DiffuseScaled => "diffuse-scaled",
+            WarningKind::EmptyMeshes => "empty-meshes",
+            WarningKind::IgnoredExtensions => "ignored-extensions",
+            WarningKind::IgnoredLinesAndPoints => "ignored-lines-and-points",
+            WarningKind::IgnoredMtlLines => "ignored-mtl-lines",
+            WarningKind::IgnoredNormalMaps => "ignored-normal-maps",
+            WarningKind::IgnoredNormalReferences => "ignored-normal-references",
+            WarningKind::IgnoredUvReferences => "ignored-uv-references",
+            WarningKind::LeftoverIndices => "leftover-indices",
+            WarningKind::MissingMaterialLibraries => "missing-material-libraries",
+            WarningKind::MissingTextures => "missing-textures",
+            WarningKind::MissingUvs => "missing-uvs",
+            WarningKind::MorphTargets => "morph-targets",
+            WarningKind::PointsAndLines => "points-and-lines",
+            WarningKind::SingularTransforms => "singular-transforms",
+            WarningKind::Skins => "skins",
+            WarningKind::TexturesWithoutUvs => "textures-without-uvs",
+            WarningKind::UnknownMaterials => "unknown-materials",
+            WarningKind::UnreadTextures => "unread-textures",
+            WarningKind::UnusedBadVertices => "unused-bad-vertices",
+            WarningKind::UvSetsAfterAGap => "uv-sets-after-a-gap",
+            WarningKind::ZeroAreaTriangles => "zero-area-triangles",
+        }
+    }
+}
+
+impl fmt::Display for WarningKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl Serialize for WarningKind {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+impl Scene {
+    /// How often a kind of warning was counted, over all places.
+    pub fn warned(&self, kind: WarningKind) -> u64 {
+        let own = self.warnings.iter().filter(|w| w.kind == kind);
+        own.map(|w| w.count).sum()
+    }
+}

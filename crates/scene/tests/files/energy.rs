@@ -1,0 +1,196 @@
+//! No surface reflects more than it receives, however its material is written.
+
+use super::support::{Document, Folder};
+use ambake_scene::authored::{Material, Mesh};
+use ambake_scene::{Scene, Surface, WarningKind, phong_from_metallic_roughness};
+use glam::Vec3;
+use serde_json::json;
+use std::fmt::Write;
+
+/// Rounding of a sum of three products in f32.
+const ROUNDING: f32 = 1e-6;
+
+/// Albedo and specular reflectance of each material.
+fn reflectances(scene: &Scene) -> Vec<(Vec3, Vec3)> {
+    let of = |surface: &Surface| match *surface {
+        Surface::Phong {
+            albedo, specular, ..
+        } => (albedo, specular),
+        Surface::MetallicRoughness {
+            base,
+            metallic,
+            roughness,
+            dielectric,
+            ..
+        } => {
+            let (albedo, specular, _) =
+                phong_from_metallic_roughness(base, metallic, roughness, dielectric);
+            (albedo, specular)
+        }
+    };
+    scene.materials.iter().map(|m| of(&m.surface)).collect()
+}
+
+#[test]
+fn no_gltf_material_reflects_more_than_it_receives() {
+    let mut materials = Vec::new();
+    for metallic in [0.0, 0.132_571_8, 0.5, 0.9, 1.0] {
+        for roughness in [0.0, 0.3, 1.0] {
+            for base in [[1.0, 1.0, 1.0], [0.9, 0.5, 0.1], [1.0, 0.0, 1.0]] {
+                for ior in [0.0, 1.0, 1.5, 2.42] {
+                    for tint in [
+                        [1.0, 1.0, 1.0],
+                        [0.0, 0.0, 0.0],
+                        [1.0, 0.2, 0.0],
+                        [30.0, 7.0, 1.0],
+                    ] {
+                        for factor in [0.0, 0.7, 1.0] {
+                            materials.push(json!({
+                                "pbrMetallicRoughness": { "baseColorFactor": [base[0], base[1], base[2], 1.0],
+                                    "metallicFactor": metallic, "roughnessFactor": roughness },
+                                "extensions": { "KHR_materials_ior": { "ior": ior },
+                                    "KHR_materials_specular":
+                                        { "specularFactor": factor, "specularColorFactor": tint } },
+                            }));
+                        }
+                    }
+                }
+            }
+        }
+    }
+    let mut document = Document::triangle();
+    document.json["materials"] = json!(materials);
+    let scene = document.load().unwrap();
+    let mut most = 0.0f32;
+    for ((albedo, specular), json) in reflectances(&scene).into_iter().zip(&materials) {
+        let sum = (albedo + specular).max_element();
+        assert!(sum <= 1.0 + ROUNDING, "{albedo} + {specular}: {json}");
+        assert!(
+            (albedo.min(specular)).min_element() >= 0.0,
+            "{albedo} {specular}: {json}"
+        );
+        most = most.max(sum);
+    }
+    assert_eq!(scene.materials.len(), materials.len() + 1);
+    assert!(most >= 1.0, "the grid reaches the bound: {most}");
+}
+
+#[test]
+fn a_white_dielectric_and_a_white_metal_reflect_all_they_receive() {
+    for roughness in [0.0, 0.25, 0.5, 1.0] {
+        let (albedo, specular, _) =
+            phong_from_metallic_roughness(Vec3::ONE, 1.0, roughness, Vec3::splat(0.04));
+        assert_eq!((albedo, specular), (Vec3::ZERO, Vec3::ONE));
+        for code in 0..=1000 {
+            let dielectric = Vec3::splat(code as f32 / 1000.0);
+            let (albedo, specular, _) =
+                phong_from_metallic_roughness(Vec3::ONE, 0.0, roughness, dielectric);
+            assert_eq!(albedo + specular, Vec3::ONE, "dielectric {dielectric}");
+        }
+    }
+}
+
+/// Kd and Ks as a file or a program gives them, with values beyond 1 among them.
+fn pairs() -> Vec<([f32; 3], [f32; 3])> {
+    let colors = [
+        [0.0, 0.0, 0.0],
+        [0.6, 0.3, 0.1],
+        [0.8, 0.8, 0.8],
+        [1.0, 0.0, 1.0],
+        [1.0, 1.0, 1.0],
+        [3.0, 0.5, 0.0],
+    ];
+    let with = |kd: [f32; 3]| colors.map(|ks| (kd, ks));
+    colors.into_iter().flat_map(with).collect()
+}
+
+fn obj(pairs: &[([f32; 3], [f32; 3])]) -> Scene {
+    let (folder, mut library) = (Folder::new(), String::new());
+    for (i, ([r, g, b], [sr, sg, sb])) in pairs.iter().enumerate() {
+        writeln!(
+            library,
+            "newmtl m{i}\nKd {r} {g} {b}\nKs {sr} {sg} {sb}\nNs 9"
+        )
+        .unwrap();
+    }
+    folder.write("a.mtl", library);
+    let text = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m0\nf 1 2 3\n";
+    folder.load("a.obj", text).unwrap()
+}
+
+fn built(pairs: &[([f32; 3], [f32; 3])]) -> Scene {
+    let material = |&(kd, ks): &_| {
+        let mut material = Material::default();
+        (material.albedo, material.specular) = (kd, ks);
+        material
+    };
+    let mut mesh = Mesh::default();
+    mesh.positions = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]];
+    mesh.triangles = vec![[0, 1, 2]];
+    Scene::from_meshes(vec![mesh], pairs.iter().map(material).collect()).unwrap()
+}
+
+#[test]
+fn kd_and_ks_add_up_to_at_most_one_and_what_was_scaled_is_counted() {
+    let pairs = pairs();
+    let clamped = |c: [f32; 3]| Vec3::from_array(c).clamp(Vec3::ZERO, Vec3::ONE);
+    for scene in [obj(&pairs), built(&pairs)] {
+        let mut scaled = 0;
+        for (&(kd, ks), (albedo, specular)) in pairs.iter().zip(reflectances(&scene)) {
+            let (kd, ks) = (clamped(kd), clamped(ks));
+            let sum = (albedo + specular).max_element();
+            assert!(
+                sum <= 1.0 + ROUNDING,
+                "{kd} + {ks} became {albedo} + {specular}"
+            );
+            assert_eq!(specular, ks, "Ks stays");
+            if (kd + ks).max_element() <= 1.0 {
+                assert_eq!(albedo, kd, "Kd stays beside {ks}");
+                continue;
+            }
+            scaled += 1;
+            // One factor for all channels, and no smaller than it must be.
+            let factor = albedo.max_element() / kd.max_element();
+            assert!(
+                (albedo - kd * factor).abs().max_element() <= ROUNDING,
+                "{kd} became {albedo}"
+            );
+            let full = (0..3).any(|c| kd[c] > 0.0 && albedo[c] + specular[c] >= 1.0 - ROUNDING);
+            assert!(full, "{kd} + {ks} became {albedo} + {specular}");
+        }
+        assert_eq!(scene.warned(WarningKind::DiffuseScaled), scaled);
+        assert!(scaled > 0);
+    }
+}
+
+#[test]
+fn decimals_that_add_up_to_one_are_not_scaled() {
+    let tenths: Vec<_> = (0..=1000)
+        .map(|i| ([i as f32 / 1000.0; 3], [(1000 - i) as f32 / 1000.0; 3]))
+        .collect();
+    let scene = obj(&tenths);
+    assert_eq!(scene.warned(WarningKind::DiffuseScaled), 0);
+    for ((kd, _), (albedo, _)) in tenths.iter().zip(reflectances(&scene)) {
+        assert_eq!(albedo.to_array(), *kd);
+    }
+}
+
+#[test]
+fn the_scaled_albedo_is_what_the_coat_leaves() {
+    let scene = obj(&[([1.0, 0.5, 0.25], [0.5; 3]), ([0.8; 3], [1.0, 0.5, 0.5])]);
+    let [first, second] = reflectances(&scene)[..] else {
+        panic!("two materials")
+    };
+    assert_eq!(first, (Vec3::new(0.5, 0.25, 0.125), Vec3::splat(0.5)));
+    assert_eq!(second, (Vec3::ZERO, Vec3::new(1.0, 0.5, 0.5)));
+    let warning = &scene.warnings[0];
+    assert_eq!(
+        (warning.kind.name(), warning.place.as_str(), warning.count),
+        ("diffuse-scaled", "material `m0`", 1)
+    );
+    assert!(
+        warning.message.ends_with("multiplied by 0.5000"),
+        "{}",
+        warning.message
+    );
+}

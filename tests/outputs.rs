@@ -1,0 +1,226 @@
+//! What a bake writes and what it must never touch.
+
+use crate::support::{bake, files, report, run, run_well, scene};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A copy of an authored glTF scene in a folder of its own, with the files that it names.
+fn copied(names: &[&str]) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    for name in names {
+        fs::copy(scene(name), folder.path().join(name)).expect("an authored file");
+    }
+    let first = folder.path().join(names[0]);
+    (folder, first)
+}
+
+/// Runs a command that must be refused because of `input`, and checks that the input is as before.
+fn refused(arguments: &[&str], input: &Path) {
+    let before = fs::read(input).expect("the input is there");
+    let output = run(arguments);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{arguments:?}: {errors}");
+    assert_eq!(errors.lines().count(), 1, "{errors}");
+    let name = input.file_name().expect("a file").to_string_lossy();
+    assert!(
+        errors.contains(&*name) && errors.contains("is an input") && errors.contains("-o"),
+        "{errors}"
+    );
+    assert!(
+        fs::read(input).expect("still there") == before,
+        "{name} was changed"
+    );
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("a UTF-8 path")
+}
+
+#[test]
+fn a_bake_never_replaces_its_scene() {
+    let first = tempfile::tempdir().expect("a temporary directory");
+    run_well([
+        "bake",
+        text(&scene("instances.gltf")),
+        "-o",
+        text(first.path()),
+        "--size=64",
+        "--rays=4",
+        "--quiet",
+    ]);
+    // The GLB that ambake wrote, baked again into its own folder.
+    let glb = first.path().join("instances.glb");
+    let listed = files(first.path());
+    let place = text(first.path());
+    refused(
+        &["bake", text(&glb), "-o", place, "--size=64", "--rays=4"],
+        &glb,
+    );
+    assert_eq!(files(first.path()), listed, "nothing else was written");
+}
+
+#[test]
+fn a_bake_never_replaces_a_texture_or_a_sky() {
+    // A texture called as the preview of a layer will be.
+    let (folder, gltf) = copied(&["masked_card.gltf", "masked_card.png"]);
+    let picture = folder.path().join("masked_card.0.diffuse.png");
+    fs::rename(folder.path().join("masked_card.png"), &picture).expect("renamed");
+    let json = fs::read_to_string(&gltf).expect("JSON");
+    fs::write(
+        &gltf,
+        json.replace("masked_card.png", "masked_card.0.diffuse.png"),
+    )
+    .expect("written");
+    let place = text(folder.path());
+    refused(
+        &["bake", text(&gltf), "-o", place, "--size=64", "--rays=4"],
+        &picture,
+    );
+
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let sky = folder.path().join("plane.0.exr");
+    run_well([
+        "map",
+        "convert",
+        text(&scene("sky.hdr")),
+        "-o",
+        text(&sky),
+        "--to=polar",
+        "--quiet",
+    ]);
+    refused(
+        &[
+            "bake",
+            text(&scene("plane.obj")),
+            "-o",
+            text(folder.path()),
+            "--size=32",
+            "--rays=4",
+            "--sky",
+            text(&sky),
+        ],
+        &sky,
+    );
+}
+
+#[test]
+fn pictures_and_maps_never_replace_what_they_are_made_from() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let map = folder.path().join("sky.hdr");
+    fs::copy(scene("sky.hdr"), &map).expect("copied");
+    refused(
+        &["map", "convert", text(&map), "-o", text(&map), "--to=polar"],
+        &map,
+    );
+    let (_folder, gltf) = copied(&["masked_card.gltf", "masked_card.png"]);
+    let texture = gltf.with_extension("png");
+    refused(
+        &[
+            "render",
+            text(&gltf),
+            "-o",
+            text(&texture),
+            "--rays=1",
+            "--samples=1",
+            "--size=8x8",
+        ],
+        &texture,
+    );
+}
+
+#[test]
+fn a_rebake_removes_what_the_earlier_one_listed_and_keeps_the_rest() {
+    let (folder, _) = bake(
+        &scene("plane.obj"),
+        &["--size=32", "--rays=4", "--layers=bent,validity"],
+    );
+    fs::write(folder.path().join("notes.txt"), b"mine").expect("written");
+    fs::write(folder.path().join("plane.0.mine.png"), b"mine").expect("written");
+    let place = text(folder.path()).to_owned();
+    let plane = scene("plane.obj");
+    let again = [
+        "bake",
+        text(&plane),
+        "-o",
+        &place,
+        "--size=32",
+        "--rays=4",
+        "--quiet",
+    ];
+    run_well(again);
+    let names = files(folder.path());
+    for gone in ["plane.0.bent.png", "plane.0.validity.png"] {
+        assert!(!names.contains(&gone.to_owned()), "{gone} is a leftover");
+    }
+    for kept in [
+        "notes.txt",
+        "plane.0.mine.png",
+        "plane.0.diffuse.png",
+        "plane.glb",
+    ] {
+        assert!(
+            names.contains(&kept.to_owned()),
+            "{kept} is gone: {names:?}"
+        );
+    }
+    let listed = report(folder.path())["files"]
+        .as_array()
+        .expect("files")
+        .len();
+    assert_eq!(listed + 2, names.len(), "{names:?}");
+}
+
+#[test]
+fn every_layer_that_is_asked_for_has_its_preview_and_its_line_of_help() {
+    let names: Vec<&str> = layers::Layer::all().map(layers::Layer::name).collect();
+    let (folder, page) = bake(
+        &scene("plane.obj"),
+        &["--size=32", "--rays=4", "--layers", &names.join(",")],
+    );
+    let there = files(folder.path());
+    for layer in layers::Layer::all() {
+        let name = layer.name();
+        let preview = there.contains(&format!("plane.0.{name}.png"));
+        let wanted = layer.preview() != layers::Preview::None;
+        assert_eq!(preview, wanted, "preview of {name}");
+        for channel in 0..layer.channels().len() {
+            page.plane(&layer.channel_name(channel));
+        }
+    }
+    let help = run_well(["bake", "--help"]);
+    let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+    for name in names {
+        assert!(help.contains(name), "--help does not name {name}");
+    }
+}
+
+#[test]
+fn one_layer_alone_still_gives_the_scene_with_its_lightmap_coordinates() {
+    let (folder, page) = bake(
+        &scene("plane.obj"),
+        &["--size=32", "--rays=4", "--only=lambert"],
+    );
+    assert_eq!(
+        page.names(),
+        ["coverage", "lambert.B", "lambert.G", "lambert.R"]
+    );
+    let glb = fs::read(folder.path().join("plane.glb")).expect("a GLB is written");
+    let json = String::from_utf8_lossy(&glb);
+    assert!(json.contains("TEXCOORD_1"), "lightmap coordinates");
+    assert!(
+        !json.contains("occlusionTexture"),
+        "no diffuse term was baked"
+    );
+}
+
+#[test]
+fn an_option_that_changes_the_values_is_never_resumed() {
+    let described = ambake::Options::default().describe();
+    let keys: Vec<&String> = described.as_object().expect("an object").keys().collect();
+    assert!(keys.len() >= 17, "{keys:?}");
+    let (folder, _) = bake(&scene("plane.obj"), &["--size=32", "--rays=4"]);
+    let options = report(folder.path())["options"].clone();
+    for key in keys {
+        assert!(options.get(key).is_some(), "bake.json does not name {key}");
+    }
+}
