@@ -17,7 +17,6 @@ pub mod merge;
 mod orientation;
 mod painted;
 mod projection;
-mod quadrature;
 mod sky_map;
 
 pub use convert::{Layout, convert, convert_image};

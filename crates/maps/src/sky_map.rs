@@ -5,6 +5,7 @@
     reason = "a lane is one index into many arrays"
 )]
 
+use ambient::convention::SPHERE;
 use ambient::lanes::{LANES, Wide, atan2, turn_sin_cos};
 use std::f64::consts::{PI, TAU};
 
@@ -114,7 +115,7 @@ impl SkyMap {
             width,
             floor,
             scale,
-            mean: std::array::from_fn(|c| floor[c] + flux[c] / (2.0 * TAU)),
+            mean: std::array::from_fn(|c| floor[c] + flux[c] / SPHERE),
             excess: pixels.iter().map(excess).collect(),
             rows,
             row_guide: guide(&row_ends).collect(),

@@ -17,6 +17,7 @@ mod tests;
 mod tiles;
 
 use crate::{Error, IlluminationMap, Image, Projection, ReflectionMap, convert};
+use ambient::convention::VARNISH_1984;
 use lights::Lights;
 pub use lobe::{Lobe, Normalise};
 use rayon::prelude::*;
@@ -81,7 +82,7 @@ pub fn convolve(map: &IlluminationMap, requests: &[Request]) -> Result<Vec<Refle
         if let Lobe::Varnish(_) = request.lobe {
             let coat = mirror(map, request)?;
             for (sum, coat) in image.pixels.iter_mut().zip(&coat.pixels) {
-                *sum = std::array::from_fn(|c| sum[c] + 0.5 * coat[c]);
+                *sum = std::array::from_fn(|c| sum[c] + VARNISH_1984 as f32 * coat[c]);
             }
         }
         ReflectionMap::new(image, request.projection)
