@@ -4,8 +4,8 @@
 //! Accumulators", 1975) in a reduced picture. The middle and radius whose circle carries most edges are then fitted to
 //! the steepest points of radial profiles, by least squares of the distance without outliers, up to full resolution.
 
-use super::Circle;
 use super::gray::Gray;
+use super::photo::Circle;
 use crate::{Error, Image};
 use std::f64::consts::TAU;
 
