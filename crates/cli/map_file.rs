@@ -2,12 +2,9 @@
 
 use crate::map::Input;
 use anyhow::{Context, bail};
-use maps::{Format, Image, ImageFile, Labels, Layout, Orientation, Projection};
+use maps::{FACES, Format, Image, ImageFile, Labels, Layout, Orientation, Projection};
 use report::Output;
 use std::path::{Path, PathBuf};
-
-/// The faces of a cube in the order in which [`Projection::Cube`] stacks them.
-const FACES: [&str; 6] = ["px", "nx", "py", "ny", "pz", "nz"];
 
 /// A map that was read.
 pub struct Source {
@@ -37,24 +34,8 @@ impl Source {
             Some(Projection::Cube) if !path.exists() => faces(path, read)?,
             _ => read(path)?,
         };
-        let label = |name: &str| file.labels.get(name).map(String::as_str);
-        let projection = input
-            .from
-            .or_else(|| label("ambakeProjection").and_then(Projection::from_name));
-        let orientation = input
-            .from_orientation
-            .or_else(|| label("ambakeOrientation").and_then(Orientation::from_name));
-        let layout = Layout {
-            projection: projection.unwrap_or(Projection::Polar),
-            orientation: orientation.unwrap_or(Orientation::Ambake),
-            size: (file.image.width, file.image.height),
-        };
-        layout
-            .projection
-            .check(layout.size.0, layout.size.1)
-            .with_context(|| path.display().to_string())?;
-        layout.orientation.check(layout.projection)?;
-        let normalisation = label("ambakeNormalisation").map(String::from);
+        let layout = file.layout(path, input.from, input.from_orientation)?;
+        let normalisation = file.labels.get("ambakeNormalisation").cloned();
         Ok(Source {
             image: file.image,
             layout,
@@ -64,13 +45,7 @@ impl Source {
 
     /// Texels on the equator.
     pub fn texels(&self) -> usize {
-        let (width, height) = self.layout.size;
-        match self.layout.projection {
-            Projection::Polar | Projection::Ortho => width,
-            Projection::Cross => width.max(height),
-            Projection::Cube | Projection::Strip => 4 * width.min(height),
-            Projection::Ball | Projection::Angular | Projection::Octahedral => 2 * width,
-        }
+        self.layout.projection.texels(self.layout.size)
     }
 }
 

@@ -1,14 +1,10 @@
 //! `--sky`: a colour or an illumination map.
 
 use crate::args::color;
-use crate::map::Input;
-use crate::map_file::Source;
 use ::bake::Sky;
-use anyhow::Context;
-use maps::SkyMap;
-use maps::{Layout, Orientation, Projection};
+use maps::SkyFile;
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// What was typed.
@@ -35,39 +31,17 @@ pub fn load(arg: &SkyArg) -> anyhow::Result<(Sky, Value)> {
     match arg {
         SkyArg::Uniform(sky) => Ok((Sky::Uniform(*sky), json!(sky))),
         SkyArg::File(path) => {
-            let map = read(path)?;
+            let SkyFile { name, hash, map } = maps::read_sky(path)?;
             let (width, height) = map.size();
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
             let described = json!({
                 "file": name,
-                "hash": blake3::hash(&bytes).to_hex().as_str(),
+                "hash": hash,
                 "size": [width, height],
                 "mean": map.mean(),
             });
             Ok((Sky::Map(Arc::new(map)), described))
         }
     }
-}
-
-/// The map in a file, made polar where it is not: with as many texels about the equator, its energy kept.
-fn read(path: &Path) -> anyhow::Result<SkyMap> {
-    let source = Source::read(&Input {
-        input: path.to_owned(),
-        from: None,
-        from_orientation: None,
-    })?;
-    let polar = Layout {
-        projection: Projection::Polar,
-        orientation: Orientation::Ambake,
-        size: match source.layout.projection {
-            Projection::Polar => source.layout.size,
-            _ => (source.texels(), source.texels().div_ceil(2)),
-        },
-    };
-    let image = maps::convert_image(&source.image, source.layout, polar)
-        .with_context(|| path.display().to_string())?;
-    Ok(SkyMap::new(image.width, &image.pixels))
 }
 
 #[cfg(test)]
