@@ -42,7 +42,7 @@ fn mirrored(optics: Optics, right: f64, up: f64) -> Option<Direction> {
         Optics::Near(d) => reflect(d, right, up),
         Optics::Orthographic => {
             let z = (1.0 - right * right - up * up).sqrt();
-            (z >= 0.0).then(|| [2.0 * z * right, 2.0 * z * up, 2.0 * z * z - 1.0])
+            (z >= 0.0).then_some([2.0 * z * right, 2.0 * z * up, 2.0 * z * z - 1.0])
         }
     }
 }

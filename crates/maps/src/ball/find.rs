@@ -34,6 +34,20 @@ const ENOUGH: f64 = 0.5;
 
 /// The outline of the ball in `image`, which lies inside the picture.
 ///
+/// ```
+/// use ambake_maps::{Image, ball};
+/// let mut image = Image::filled(120, 100, [0.1; 3]);
+/// for (at, pixel) in image.pixels.iter_mut().enumerate() {
+///     let (x, y) = ((at % 120) as f64 + 0.5, (at / 120) as f64 + 0.5);
+///     if (x - 63.0).hypot(y - 48.0) < 35.0 {
+///         *pixel = [1.0; 3];
+///     }
+/// }
+/// let circle = ball::find(&image)?.circle;
+/// assert!((circle.x - 63.0).abs() < 0.5 && (circle.radius - 35.0).abs() < 0.5, "{circle:?}");
+/// # Ok::<(), ambake_maps::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Shape`] where no circle has an edge on half of its rim.
 pub fn find(image: &Image) -> Result<Found, Error> {

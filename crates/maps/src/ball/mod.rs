@@ -40,6 +40,20 @@ pub struct Unwrapped {
 /// Texels are means over their solid angle, in which directions that are seen better weigh more, by as many samples as the
 /// photograph has pixels there.
 ///
+/// ```
+/// use ambake_maps::ball::{Circle, Optics, Photo, unwrap};
+/// use ambake_maps::{Image, Projection};
+/// // A ball of reflectance 1/2 in a white room.
+/// let image = Image::filled(64, 64, [0.5; 3]);
+/// let circle = Circle { x: 32.0, y: 32.0, radius: 30.0 };
+/// let photo = Photo { image: &image, circle, from: [0.0, 0.0, 1.0], optics: Optics::Near(4.0) };
+/// let room = unwrap(&[photo], Projection::Polar, (64, 32), [0.5; 3])?;
+/// assert!(room.image.pixels.iter().all(|p| (p[0] - 1.0).abs() < 1e-6));
+/// // The cone behind the ball is not seen: half angle asin(1/4), 1.6 % of the sphere.
+/// assert!(room.confidence.contains(&0.0) && room.seen < 4.0 * std::f64::consts::PI);
+/// # Ok::<(), ambake_maps::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Shape`] for no photograph, a size that the projection cannot have, a circle that leaves its picture, a camera
 /// along ±y or at a distance of at most 1, or a reflectance that is not above 0.
