@@ -182,6 +182,9 @@ fn bad_input_gets_one_line_and_leaves_nothing_behind() {
         raw_exr(&at(name), value);
     }
     picture(&at("square.exr"), (32, 32), |_, _| [1.0; 3]);
+    let odd = Labels::from([("ambakeProjection".into(), "mercator".into())]);
+    let odd = maps::encode(&Image::filled(8, 4, [1.0; 3]), Format::Exr, &odd);
+    fs::write(at("odd.exr"), odd.expect("it is finite")).expect("it is written");
     for face in ["px", "nx", "py", "ny", "pz", "nz"] {
         let side = if face == "nz" { 16 } else { 8 };
         picture(&at(&format!("sizes_{face}.exr")), (side, side), |_, _| {
@@ -223,6 +226,22 @@ fn bad_input_gets_one_line_and_leaves_nothing_behind() {
         (
             "diffuse @square.exr -o @out.exr",
             &["square.exr", "twice as wide"],
+        ),
+        (
+            "stats @five.exr",
+            &["five.exr", "five_px.exr", "--from cube"],
+        ),
+        (
+            "stats @five_px.exr",
+            &["five_px.exr", "twice as wide", "five.exr with --from cube"],
+        ),
+        (
+            "stats @square.exr",
+            &["square.exr", "--from ball, angular or octahedral"],
+        ),
+        (
+            "stats @odd.exr",
+            &["odd.exr", "ambakeProjection", "\"mercator\"", "--from"],
         ),
         (
             "diffuse @five.exr --from cube -o @out.exr",

@@ -32,18 +32,17 @@ impl Sky {
     /// The file is absent or damaged, or holds a value that is no radiance.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
-        let map = maps::read_polar(path)?.map;
-        let map = maps::SkyMap::new(map.size().0, &map.image().pixels);
-        let (width, height) = map.size();
+        let sky = maps::read_sky(path)?;
+        let (width, height) = sky.map.size();
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         Ok(Self {
             described: json!({
                 "file": name,
-                "hash": "",
+                "hash": sky.hash,
                 "size": [width, height],
-                "mean": map.mean(),
+                "mean": sky.map.mean(),
             }),
-            light: ::bake::Sky::Map(Arc::new(map)),
+            light: ::bake::Sky::Map(Arc::new(sky.map)),
             file: Some(path.to_owned()),
         })
     }

@@ -7,6 +7,15 @@
 use glam::DVec3;
 
 /// The traditional model, equation (1) attenuated by ambient occlusion: sky × albedo × visibility.
+///
+/// ```
+/// use ambake_ambient::models::{lambert, traditional};
+/// use glam::DVec3;
+/// // Under an overhang half of the solid angle is open, but three quarters of what counts by the cosine.
+/// let (sky, albedo) = (DVec3::ONE, DVec3::splat(0.8));
+/// assert_eq!(traditional(sky, albedo, 0.5).x, 0.4);
+/// assert!((lambert(0.75 * sky, albedo).x - 0.6).abs() < 1e-15);
+/// ```
 pub fn traditional(sky: DVec3, albedo: DVec3, visibility: f64) -> DVec3 {
     sky * albedo * visibility
 }

@@ -66,8 +66,12 @@ pub fn run(args: &Ball) -> anyhow::Result<()> {
         orientation: Orientation::Ambake,
         size,
     };
+    let target = file::Target {
+        path: &args.output,
+        inputs: &args.inputs,
+    };
     let files = file::write_with_confidence(
-        &args.output,
+        &target,
         &unwrapped.image,
         &unwrapped.confidence,
         layout,
@@ -78,7 +82,7 @@ pub fn run(args: &Ball) -> anyhow::Result<()> {
     let masked = texels
         .filter(|(c, omega)| **c == 0.0 && **omega > 0.0)
         .count();
-    let unseen = (1.0 - unwrapped.seen / (4.0 * std::f64::consts::PI)).max(0.0);
+    let unseen = (1.0 - unwrapped.seen / ambient::convention::SPHERE).max(0.0);
     if args.common.json {
         let balls: Vec<_> = photos
             .iter()

@@ -1,7 +1,7 @@
 //! `ambake map capture`: the illumination map of a place in a scene.
 
 use super::args::{Capture, PointSource};
-use super::file::{picture_size, write};
+use super::file::{Target, picture_size, write};
 use crate::common::{build, lights};
 use crate::host;
 use crate::outcome::{Outcome, say, say_json};
@@ -74,7 +74,11 @@ pub fn run(args: &Capture) -> anyhow::Result<Outcome> {
         orientation: Orientation::Ambake,
         size,
     };
-    let written = write(&args.output, &[(None, map.image())], layout, normalisation)?;
+    let target = Target {
+        path: &args.output,
+        inputs: &world.scene().inputs,
+    };
+    let written = write(&target, &[(None, map.image())], layout, normalisation)?;
     if args.common.json {
         say_json(&json!({
             "schema_version": 1, "scene": args.scene, "at": args.at, "projection": args.to.name(),

@@ -1,7 +1,7 @@
 //! `ambake map convert`: any projection to any.
 
 use super::args::Convert;
-use super::file::{Source, picture_size, summary, write};
+use super::file::{Source, Target, picture_size, summary, write};
 use crate::host;
 use anyhow::Context;
 use maps::Layout;
@@ -22,6 +22,10 @@ pub fn run(args: &Convert) -> anyhow::Result<()> {
     let image = maps::convert_image(&source.image, source.layout, to)
         .with_context(|| args.input.input.display().to_string())?;
     let normalisation = source.normalisation.as_deref().unwrap_or("radiance");
-    let written = write(&args.output, &[(None, &image)], to, normalisation)?;
+    let target = Target {
+        path: &args.output,
+        inputs: &source.inputs,
+    };
+    let written = write(&target, &[(None, &image)], to, normalisation)?;
     summary(&args.common, &args.input.input, &source, &written)
 }

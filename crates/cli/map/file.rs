@@ -3,13 +3,10 @@
 use super::args::{Common, Input};
 use crate::outcome::{say, say_json};
 use anyhow::{Context, bail};
-use maps::{Format, Image, ImageFile, Labels, Layout, Orientation, Projection};
+use maps::{FACES, Format, Image, ImageFile, Labels, Layout, Orientation, Projection};
 use report::Output;
 use serde_json::json;
 use std::path::{Path, PathBuf};
-
-/// The faces of a cube in the order in which [`Projection::Cube`] stacks them.
-const FACES: [&str; 6] = ["px", "nx", "py", "ny", "pz", "nz"];
 
 /// A map that was read.
 pub struct Source {
@@ -17,6 +14,8 @@ pub struct Source {
     pub layout: Layout,
     /// What the header says about its values.
     pub normalisation: Option<String>,
+    /// Every picture that was read for it.
+    pub inputs: Vec<PathBuf>,
 }
 
 impl Source {
@@ -35,44 +34,23 @@ impl Source {
         read: impl Fn(&Path) -> Result<ImageFile, maps::Error>,
     ) -> anyhow::Result<Source> {
         let path = &input.input;
-        let file = match input.from {
+        let (file, inputs) = match input.from {
             Some(Projection::Cube) if !path.exists() => faces(path, read)?,
-            _ => read(path)?,
+            _ => (read(path)?, vec![path.clone()]),
         };
-        let label = |name: &str| file.labels.get(name).map(String::as_str);
-        let projection = input
-            .from
-            .or_else(|| label("ambakeProjection").and_then(Projection::from_name));
-        let orientation = input
-            .from_orientation
-            .or_else(|| label("ambakeOrientation").and_then(Orientation::from_name));
-        let layout = Layout {
-            projection: projection.unwrap_or(Projection::Polar),
-            orientation: orientation.unwrap_or(Orientation::Ambake),
-            size: (file.image.width, file.image.height),
-        };
-        layout
-            .projection
-            .check(layout.size.0, layout.size.1)
-            .with_context(|| path.display().to_string())?;
-        layout.orientation.check(layout.projection)?;
-        let normalisation = label("ambakeNormalisation").map(String::from);
+        let layout = file.layout(path, input.from, input.from_orientation)?;
+        let normalisation = file.labels.get("ambakeNormalisation").cloned();
         Ok(Source {
             image: file.image,
             layout,
             normalisation,
+            inputs,
         })
     }
 
     /// Texels on the equator.
     pub fn texels(&self) -> usize {
-        let (width, height) = self.layout.size;
-        match self.layout.projection {
-            Projection::Polar | Projection::Ortho => width,
-            Projection::Cross => width.max(height),
-            Projection::Cube | Projection::Strip => 4 * width.min(height),
-            Projection::Ball | Projection::Angular | Projection::Octahedral => 2 * width,
-        }
+        self.layout.projection.texels(self.layout.size)
     }
 }
 
@@ -87,7 +65,7 @@ fn suffixed(path: &Path, suffix: &str) -> PathBuf {
 fn faces(
     path: &Path,
     read: impl Fn(&Path) -> Result<ImageFile, maps::Error>,
-) -> anyhow::Result<ImageFile> {
+) -> anyhow::Result<(ImageFile, Vec<PathBuf>)> {
     let paths = FACES.map(|face| suffixed(path, face));
     if let Some(missing) = paths.iter().find(|path| !path.exists()) {
         bail!(
@@ -120,7 +98,8 @@ fn faces(
             ),
         }
     }
-    cube.with_context(|| format!("{} has no faces", path.display()))
+    let cube = cube.with_context(|| format!("{} has no faces", path.display()))?;
+    Ok((cube, paths.to_vec()))
 }
 
 /// The picture's size for a size that was typed: of one face for a cube.
@@ -132,9 +111,16 @@ pub fn picture_size(projection: Projection, [width, height]: [u32; 2]) -> (usize
     }
 }
 
-/// Writes pictures of one layout under `path`, each with its suffix where it has one; all of them or none.
+/// Where a map is written, and what it must not replace.
+pub struct Target<'a> {
+    pub path: &'a Path,
+    /// The files that it is made from.
+    pub inputs: &'a [PathBuf],
+}
+
+/// Writes pictures of one layout, each with its suffix where it has one; all of them or none.
 pub fn write(
-    path: &Path,
+    target: &Target,
     images: &[(Option<String>, &Image)],
     layout: Layout,
     normalisation: &str,
@@ -143,19 +129,19 @@ pub fn write(
         .iter()
         .map(|(s, image)| (s.as_deref(), *image, None))
         .collect();
-    write_planes(path, &planes, layout, normalisation)
+    write_planes(target, &planes, layout, normalisation)
 }
 
 /// Writes one picture with a confidence for every texel.
 pub fn write_with_confidence(
-    path: &Path,
+    target: &Target,
     image: &Image,
     confidence: &[f32],
     layout: Layout,
     normalisation: &str,
 ) -> anyhow::Result<Vec<PathBuf>> {
     write_planes(
-        path,
+        target,
         &[(None, image, Some(confidence))],
         layout,
         normalisation,
@@ -166,15 +152,16 @@ pub fn write_with_confidence(
 type Planes<'a> = (Option<&'a str>, &'a Image, Option<&'a [f32]>);
 
 fn write_planes(
-    path: &Path,
+    target: &Target,
     images: &[Planes],
     layout: Layout,
     normalisation: &str,
 ) -> anyhow::Result<Vec<PathBuf>> {
+    let path = target.path;
     let format = Format::of(path)?;
     let labels = labels(layout, normalisation);
-    let dir = path.parent().filter(|dir| !dir.as_os_str().is_empty());
-    let mut output = Output::create(dir.unwrap_or(Path::new(".")))?;
+    let mut output = Output::for_file(path)?;
+    output.protect(target.inputs.iter().cloned());
     let mut stage =
         |path: &Path, image: &Image, confidence: Option<&[f32]>| -> anyhow::Result<()> {
             let bytes = maps::encode_with(image, confidence, format, &labels)

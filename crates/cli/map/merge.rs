@@ -8,7 +8,6 @@ use maps::merge::{self, Bracket, Model};
 use maps::{Format, Labels};
 use report::Output;
 use serde_json::json;
-use std::path::Path;
 
 /// Runs the sub-verb.
 pub fn run(args: &Merge) -> anyhow::Result<()> {
@@ -53,11 +52,8 @@ pub fn run(args: &Merge) -> anyhow::Result<()> {
     .into();
     let bytes = maps::encode_with(&merged.image, Some(&confidence), format, &labels)
         .with_context(|| args.output.display().to_string())?;
-    let dir = args
-        .output
-        .parent()
-        .filter(|dir| !dir.as_os_str().is_empty());
-    let mut output = Output::create(dir.unwrap_or(Path::new(".")))?;
+    let mut output = Output::for_file(&args.output)?;
+    output.protect(args.inputs.iter().cloned());
     let name = args
         .output
         .file_name()

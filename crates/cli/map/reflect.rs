@@ -1,7 +1,7 @@
 //! `ambake map diffuse` and `map specular`: illumination maps convolved to reflection maps.
 
 use super::args::{Common, Diffuse, DiffuseKernel, Input, Scale, Specular, SpecularKernel};
-use super::file::{Source, picture_size, summary, write};
+use super::file::{Source, Target, picture_size, summary, write};
 use crate::common::parsed;
 use crate::host;
 use anyhow::{Context, bail};
@@ -107,6 +107,10 @@ fn reflect(
         orientation: Orientation::Ambake,
         size,
     };
-    let written = write(output, &images, to, normalisation)?;
+    let target = Target {
+        path: output,
+        inputs: &source.inputs,
+    };
+    let written = write(&target, &images, to, normalisation)?;
     summary(common, &input.input, &source, &written)
 }

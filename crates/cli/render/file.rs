@@ -1,10 +1,12 @@
 //! Picture files.
 
+use super::args::Args;
 use crate::host;
 use anyhow::{Context, bail};
 use maps::{Format, Image, Labels};
+use rays::World;
 use report::Output;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What a picture's name asks for.
 pub fn ending(path: &Path) -> anyhow::Result<&'static str> {
@@ -16,17 +18,22 @@ pub fn ending(path: &Path) -> anyhow::Result<&'static str> {
     }
 }
 
-/// Writes a picture, or nothing under its name.
-pub fn write(path: &Path, picture: &Image, about: &str) -> anyhow::Result<()> {
-    let dir = match path.parent() {
-        Some(dir) if dir != Path::new("") => dir,
-        _ => Path::new("."),
-    };
+/// Every file that a picture of the arguments is made from.
+pub fn inputs(args: &Args, world: &World) -> Vec<PathBuf> {
+    let tables = &args.tables;
+    let maps = tables.maps.iter().flatten();
+    let others = maps.chain(&tables.environment).chain(&tables.path);
+    world.scene().inputs.iter().chain(others).cloned().collect()
+}
+
+/// Writes a picture, or nothing under its name; never in the place of one of its `inputs`.
+pub fn write(path: &Path, picture: &Image, about: &str, inputs: &[PathBuf]) -> anyhow::Result<()> {
     let name = path
         .file_name()
         .and_then(|name| name.to_str())
         .with_context(|| format!("{}: not a file name", path.display()))?;
-    let mut output = Output::create(dir)?;
+    let mut output = Output::for_file(path)?;
+    output.protect(inputs.iter().cloned());
     if ending(path)? == "exr" {
         output.stage_bytes(name, &maps::encode(picture, Format::Exr, &labels(about))?)?;
     } else {

@@ -31,6 +31,7 @@ pub fn draw(
     let surfaces = Surfaces::new(world);
     let subject = options::subject(args, &surfaces, backend);
     let numbered = tables.frames.is_some() || tables.path.is_some();
+    let inputs = file::inputs(args, world);
     let mut shading = 0.0;
     let mut written = Vec::new();
     let ended = watch(options::show(args, "pixels"), stop, |progress| {
@@ -43,7 +44,7 @@ pub fn draw(
                     true => numbered_name(path, frame.number),
                     false => path.clone(),
                 };
-                file::write(&path, &frame.picture, &about)?;
+                file::write(&path, &frame.picture, &about, &inputs)?;
                 written.push(path);
             }
         }

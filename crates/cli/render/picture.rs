@@ -49,8 +49,9 @@ pub fn draw(
         "point": args.point,
         "seed": args.common.seed,
     });
+    let inputs = file::inputs(args, world);
     for path in &args.output {
-        file::write(path, &picture, &described.to_string())?;
+        file::write(path, &picture, &described.to_string(), &inputs)?;
     }
     if args.common.json {
         say_json(&json!({

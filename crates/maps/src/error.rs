@@ -27,6 +27,28 @@ pub enum Error {
         /// The value.
         value: f32,
     },
+    /// A header says a word for its projection or its axes that is none.
+    #[error("{}: {label} in its header is {word:?}, none of {known}; give the right one by {flag} of `ambake map`", path.display())]
+    Header {
+        /// The file.
+        path: PathBuf,
+        /// `ambakeProjection` or `ambakeOrientation`.
+        label: &'static str,
+        /// What stands there.
+        word: String,
+        /// What may stand there.
+        known: String,
+        /// The flag that overrides it.
+        flag: &'static str,
+    },
+    /// A file's picture cannot be laid out as it is said to be, or nobody says how it is.
+    #[error("{}: {reason}", path.display())]
+    Layout {
+        /// The file.
+        path: PathBuf,
+        /// What does not fit and what to do.
+        reason: String,
+    },
     /// A picture or a request of a shape that the job cannot use.
     #[error("{0}")]
     Shape(String),

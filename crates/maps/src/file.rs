@@ -1,6 +1,7 @@
 //! Picture files: which format, strict reading, encoding with labels.
 
 use crate::error::Reason;
+use crate::faces::absent_hint;
 use crate::{Error, Image, exr_file, hdr, painted};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -52,6 +53,11 @@ impl Format {
 /// The picture in the file at `path`: `.hdr` or `.pic` (Radiance), `.exr`, and painted maps as `.png` or `.jpg`, which
 /// are taken as sRGB and made linear (white is 1).
 ///
+/// ```
+/// let error = ambake_maps::read("absent.exr".as_ref()).unwrap_err();
+/// assert!(error.to_string().starts_with("cannot read absent.exr"));
+/// ```
+///
 /// # Errors
 /// [`Error::Read`] for a file that is absent, cut short, damaged, empty or of another kind; [`Error::Pixel`] for a value
 /// that is NaN, infinite or negative.
@@ -66,33 +72,68 @@ pub fn read(path: &Path) -> Result<ImageFile, Error> {
 /// # Errors
 /// [`Error::Read`].
 pub fn read_unchecked(path: &Path) -> Result<ImageFile, Error> {
-    let fail = |reason: Reason| Error::Read {
+    decode(path, &bytes(path)?)
+}
+
+/// The bytes of the file at `path`.
+pub(crate) fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
+    if path.is_dir() {
+        return Err(fail(path, "it is a directory; name a picture".into()));
+    }
+    decoder(path)?;
+    let bytes = std::fs::read(path);
+    bytes.map_err(|e| match e.kind() {
+        std::io::ErrorKind::NotFound => fail(path, format!("{e}{}", absent_hint(path))),
+        _ => fail(path, e.to_string()),
+    })
+}
+
+/// The picture in the bytes of the file at `path`; its pixels may hold any value.
+pub(crate) fn decode(path: &Path, bytes: &[u8]) -> Result<ImageFile, Error> {
+    if bytes.is_empty() {
+        return Err(fail(path, "it is empty".into()));
+    }
+    decoder(path)?(bytes).map_err(|reason| fail(path, reason))
+}
+
+/// Makes a picture of a file's bytes.
+type Decoder = fn(&[u8]) -> Result<ImageFile, Reason>;
+
+/// What reads a file, by its ending.
+fn decoder(path: &Path) -> Result<Decoder, Error> {
+    match ending(path).as_str() {
+        "hdr" | "pic" | "rgbe" | "xyze" => Ok(hdr::decode),
+        "exr" => Ok(exr_file::decode),
+        "png" | "jpg" | "jpeg" => Ok(painted::decode),
+        _ => Err(fail(
+            path,
+            "it is not .hdr, .exr, .png or .jpg; convert it".into(),
+        )),
+    }
+}
+
+fn fail(path: &Path, reason: Reason) -> Error {
+    Error::Read {
         path: path.to_owned(),
         reason: reason.replace('\n', " "),
-    };
-    if path.is_dir() {
-        return Err(fail("it is a directory; name a picture".into()));
     }
-    let decode = match ending(path).as_str() {
-        "hdr" | "pic" | "rgbe" | "xyze" => hdr::decode,
-        "exr" => exr_file::decode,
-        "png" | "jpg" | "jpeg" => painted::decode,
-        _ => {
-            return Err(fail(
-                "it is not .hdr, .exr, .png or .jpg; convert it".into(),
-            ));
-        }
-    };
-    let bytes = std::fs::read(path).map_err(|e| fail(e.to_string()))?;
-    if bytes.is_empty() {
-        return Err(fail("it is empty".into()));
-    }
-    decode(&bytes).map_err(fail)
 }
 
 /// The bytes of a file with this picture. They depend on the arguments alone.
 ///
 /// A label's name is a word of letters and digits; its text is one line.
+///
+/// ```
+/// use ambake_maps::{Format, Image, Labels, encode, read};
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("sky.exr");
+/// let image = Image::filled(8, 4, [0.1, 0.2, 0.3]);
+/// let labels = Labels::from([("ambakeProjection".into(), "polar".into())]);
+/// std::fs::write(&path, encode(&image, Format::of(&path)?, &labels)?)?;
+/// let file = read(&path)?;
+/// assert_eq!((file.image, file.labels), (image, labels));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Encode`] for a value that is NaN or infinite, and for one that RGBE cannot hold: negative, or above 1.7e38.

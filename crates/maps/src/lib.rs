@@ -1,7 +1,30 @@
 //! Illumination maps and reflection maps: G. Miller, R. Hoffman, "Illumination and Reflection Maps" (1984).
 //!
-//! An [`Image`] read from a file becomes, with a [`Projection`], the radiance that arrives from every direction. The
+//! An [`Image`] read from a file becomes, with a [`Projection`], the radiance that arrives from every direction: an
+//! [`IlluminationMap`], to be looked up, converted, convolved into the maps D and S, or drawn from as a sky ([`SkyMap`]). The
 //! crate opens image files and encodes them into memory; it creates no files and prints nothing.
+//!
+//! ```
+//! use ambake_maps::{Format, IlluminationMap, Image, Labels, diffuse, encode, read, specular};
+//! # let folder = tempfile::tempdir()?;
+//! # let path = folder.path().join("room.hdr");
+//! # std::fs::write(&path, encode(&Image::filled(64, 32, [0.5; 3]), Format::Hdr, &Labels::new())?)?;
+//!
+//! // From the file's own layout to a map of radiance.
+//! let file = read(&path)?;
+//! let layout = file.layout(&path, None, None)?;
+//! let room = IlluminationMap::new(file.image, layout.projection)?;
+//!
+//! // What a matt and a glossy surface reflect, by the normal and by the mirror direction.
+//! let d = diffuse(&room, (72, 36))?;
+//! let s = specular(&room, 50.0, (256, 128))?;
+//! let seen = 0.6 * d.bilinear([0.0, 1.0, 0.0])[0] + 0.4 * s.bilinear([0.6, 0.0, 0.8])[0];
+//! assert!((seen - 0.5).abs() < 1e-6);
+//!
+//! let bytes = encode(d.image(), Format::Exr, &Labels::new())?;
+//! assert_eq!(bytes[..4], [0x76, 0x2f, 0x31, 0x01]); // OpenEXR's magic number
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 #![forbid(unsafe_code)]
 
 pub mod ball;
@@ -9,9 +32,11 @@ mod convert;
 mod convolve;
 mod error;
 mod exr_file;
+mod faces;
 mod file;
 mod hdr;
 mod image;
+mod layout;
 mod lobe_table;
 mod map;
 pub mod merge;
@@ -19,18 +44,21 @@ mod orientation;
 mod painted;
 mod polar;
 mod projection;
-mod quadrature;
+mod sky_file;
 mod sky_map;
 mod stats;
 
-pub use convert::{Layout, convert, convert_image};
+pub use convert::{convert, convert_image};
 pub use convolve::{Lobe, Normalise, Request, convolve, diffuse, specular};
 pub use error::Error;
+pub use faces::FACES;
 pub use file::{Format, ImageFile, Labels, encode, encode_with, read, read_unchecked};
 pub use image::Image;
+pub use layout::Layout;
 pub use map::{IlluminationMap, ReflectionMap};
 pub use orientation::Orientation;
 pub use polar::{PolarFile, read_polar};
 pub use projection::{Direction, Projection};
+pub use sky_file::{SkyFile, read_sky};
 pub use sky_map::SkyMap;
 pub use stats::MapStats;

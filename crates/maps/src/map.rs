@@ -4,6 +4,19 @@ use crate::projection::{self, Direction, Projection};
 use crate::{Error, Image};
 
 /// Radiance from every direction: the picture I of the 1984 text.
+///
+/// ```
+/// use ambake_maps::{IlluminationMap, Image, Projection};
+/// let mut image = Image::filled(64, 32, [1.0; 3]);
+/// image.pixels[..64 * 16].fill([3.0; 3]);
+/// let map = IlluminationMap::new(image, Projection::Polar)?;
+/// assert_eq!(map.nearest([0.0, 1.0, 0.0]), [3.0; 3]);
+/// // On the horizon, between a texel of 3 and one of 1.
+/// assert!((map.bilinear([0.6, 0.0, 0.8])[0] - 2.0).abs() < 1e-6);
+/// // Radiance 3 over half of the sphere, 1 over the other.
+/// assert!((map.integral()[0] / std::f64::consts::TAU - 4.0).abs() < 1e-12);
+/// # Ok::<(), ambake_maps::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct IlluminationMap {
     image: Image,
@@ -18,6 +31,9 @@ impl IlluminationMap {
     ///
     /// # Errors
     /// [`Error::Shape`] where the picture cannot have this projection.
+    ///
+    /// # Panics
+    /// Where the picture does not have `width * height` pixels.
     pub fn new(image: Image, projection: Projection) -> Result<Self, Error> {
         projection.check(image.width, image.height)?;
         assert_eq!(image.pixels.len(), image.width * image.height);

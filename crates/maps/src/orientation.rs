@@ -6,6 +6,14 @@
 use crate::{Direction, Error, Image, Projection};
 
 /// Whose pictures.
+///
+/// ```
+/// use ambake_maps::{Orientation, Projection};
+/// // Blender looks for glTF's +x in the middle of a polar picture, where ambake has +z.
+/// let found = Orientation::Blender.look_up(Projection::Polar, [1.0, 0.0, 0.0]);
+/// assert_eq!(found, [0.0, 0.0, 1.0]);
+/// assert!(Orientation::Blender.check(Projection::Cube).is_err());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Orientation {
     /// ambake: polar with +z in the middle and +x to its right; cube faces as OpenGL's.
@@ -22,31 +30,31 @@ pub enum Orientation {
     OpenExr,
 }
 
-/// Every orientation with its name.
-const NAMES: [(Orientation, &str); 6] = [
-    (Orientation::Ambake, "ambake"),
-    (Orientation::Gltf, "gltf"),
-    (Orientation::Three, "three.js"),
-    (Orientation::Blender, "blender"),
-    (Orientation::Filament, "filament"),
-    (Orientation::OpenExr, "openexr"),
-];
-
 impl Orientation {
+    /// Every orientation with its name.
+    pub(crate) const NAMES: [(Orientation, &str); 6] = [
+        (Orientation::Ambake, "ambake"),
+        (Orientation::Gltf, "gltf"),
+        (Orientation::Three, "three.js"),
+        (Orientation::Blender, "blender"),
+        (Orientation::Filament, "filament"),
+        (Orientation::OpenExr, "openexr"),
+    ];
+
     /// Its name on the command line and in file headers.
     pub fn name(self) -> &'static str {
-        NAMES[self as usize].1
+        Self::NAMES[self as usize].1
     }
 
     /// The orientation of this name.
     pub fn from_name(name: &str) -> Option<Orientation> {
-        let found = NAMES.into_iter().find(|(_, other)| *other == name);
+        let found = Self::NAMES.into_iter().find(|(_, other)| *other == name);
         found.map(|(orientation, _)| orientation)
     }
 
     /// Every orientation.
     pub fn all() -> impl Iterator<Item = Orientation> {
-        NAMES.into_iter().map(|(orientation, _)| orientation)
+        Self::NAMES.into_iter().map(|(orientation, _)| orientation)
     }
 
     /// # Errors

@@ -1,19 +1,22 @@
-//! Directions drawn from an illumination map, and its radiance along any direction.
+//! An illumination map as a sky: its radiance along any direction, and directions drawn by it.
 
 #![allow(
     clippy::needless_range_loop,
     reason = "a lane is one index into many arrays"
 )]
 
+use crate::{Error, IlluminationMap, Projection};
+use ambient::convention::SPHERE;
 use ambient::lanes::{LANES, Wide, atan2, turn_sin_cos};
 use std::f64::consts::{PI, TAU};
+use std::path::Path;
 
 /// Radiance from every direction, constant over each texel of a polar map: a uniform floor and what stands out of it.
 ///
-/// Row 0 looks up (+y), rows are equal in the polar angle; columns are equal in `atan2(x, z)`, +z in the middle, growing toward
-/// +x. The floor is the least value of each channel, so that a constant map is a floor alone and needs no samples. What stands
-/// out is kept divided by [`SkyMap::scale`], its flux over the sphere summed over the channels: then the sum of a texel's three
-/// channels is the probability per steradian with which [`SkyMap::sample16`] draws directions of the texel.
+/// Texels lie as in [`Projection::Polar`]. The floor is the least value of each channel, so that a constant map is a floor
+/// alone and needs no samples. What stands out is kept divided by [`SkyMap::scale`], its flux over the sphere summed over the
+/// channels: then the sum of a texel's three channels is the probability per steradian with which [`SkyMap::sample16`] draws
+/// directions of the texel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SkyMap {
     width: usize,
@@ -42,16 +45,40 @@ struct Row {
 }
 
 impl SkyMap {
-    /// The map of a picture, row by row from the top.
+    /// The sky that a polar map shows.
     ///
-    /// # Panics
-    /// Where there are not `width` times some rows of pixels, a side is above 65,536, or a value is not finite or negative.
-    pub fn new(width: usize, pixels: &[[f32; 3]]) -> SkyMap {
-        assert!(width > 0 && !pixels.is_empty() && pixels.len().is_multiple_of(width));
-        let valid = |p: &[f32; 3]| p.iter().all(|v| v.is_finite() && *v >= 0.0);
-        assert!(pixels.iter().all(valid), "a sky has an invalid pixel");
-        let height = pixels.len() / width;
-        assert!(width.max(height) <= 1 << 16, "a sky of {width} x {height}");
+    /// ```
+    /// use ambake_maps::{IlluminationMap, Image, Projection, SkyMap};
+    /// let mut image = Image::filled(64, 32, [0.25; 3]);
+    /// image.pixels[64 * 8 + 20] = [1000.0; 3];
+    /// let sky = SkyMap::new(&IlluminationMap::new(image, Projection::Polar)?)?;
+    /// assert_eq!(sky.floor(), [0.25; 3]);
+    /// // All directions are drawn from the one texel that stands out.
+    /// let (directions, texels) = sky.sample16(&[0.3; 16], &[0.7; 16]);
+    /// assert_eq!(texels, [64 * 8 + 20; 16]);
+    /// assert_eq!(sky.texels16(&directions), texels);
+    /// # Ok::<(), ambake_maps::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Shape`] for another projection, which [`crate::convert`] makes polar, and for a side above 65,536;
+    /// [`Error::Pixel`] for a radiance that is not finite or negative.
+    pub fn new(map: &IlluminationMap) -> Result<SkyMap, Error> {
+        let (width, height) = map.size();
+        if map.projection() != Projection::Polar {
+            let name = map.projection().name();
+            return Err(Error::Shape(format!(
+                "a sky is a polar map, this one is {name}; convert it"
+            )));
+        }
+        // Places in a row or a column are kept in 16 bits.
+        if width.max(height) > 1 << 16 {
+            return Err(Error::Shape(format!(
+                "a sky of {width} x {height} texels; at most 65536 a side are drawn from, make it smaller"
+            )));
+        }
+        map.image().check(Path::new("the sky"))?;
+        let pixels = &map.image().pixels[..];
         let floor = pixels.iter().fold([f32::INFINITY; 3], |least, pixel| {
             std::array::from_fn(|c| least[c].min(pixel[c]))
         });
@@ -110,18 +137,18 @@ impl SkyMap {
             }));
         }
         let excess = |pixel: &[f32; 3]| above(pixel).map(|v| (v * inverse) as f32);
-        SkyMap {
+        Ok(SkyMap {
             width,
             floor,
             scale,
-            mean: std::array::from_fn(|c| floor[c] + flux[c] / (2.0 * TAU)),
+            mean: std::array::from_fn(|c| floor[c] + flux[c] / SPHERE),
             excess: pixels.iter().map(excess).collect(),
             rows,
             row_guide: guide(&row_ends).collect(),
             guide: ends.chunks_exact(width).flat_map(guide).collect(),
             row_ends,
             ends,
-        }
+        })
     }
 
     /// Width and height in texels.
@@ -240,99 +267,4 @@ fn find(ends: &[f32], guide: &[u16], u: f32) -> usize {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use ambient::sampling::Stream;
-
-    /// Any map: values between 0 and 1 by a fixed rule, and one texel a thousand times as bright.
-    fn map(width: usize, height: usize) -> (SkyMap, Vec<[f32; 3]>) {
-        let value = |i: usize, c: usize| ((i * 37 + c * 11) % 101) as f32 / 100.0;
-        let mut pixels: Vec<[f32; 3]> = (0..width * height)
-            .map(|i| [value(i, 0), value(i, 1), value(i, 2)])
-            .collect();
-        pixels[width * (height / 3) + 2] = [900.0, 1000.0, 1100.0];
-        (SkyMap::new(width, &pixels), pixels)
-    }
-
-    /// Samples for sixteen points of a stream.
-    fn draw(map: &SkyMap, stream: &Stream, first: u32) -> ([Wide; 3], [u32; LANES]) {
-        let coordinate =
-            |d: usize| std::array::from_fn(|l| stream.point(first + l as u32)[d] as f32);
-        map.sample16(&coordinate(0), &coordinate(1))
-    }
-
-    #[test]
-    fn a_constant_map_is_a_floor_alone() {
-        let map = SkyMap::new(8, &[[0.3, 2.0, 0.0]; 32]);
-        assert_eq!(map.floor(), [0.3_f32, 2.0, 0.0].map(f64::from));
-        assert_eq!(map.mean(), map.floor());
-        assert_eq!(map.scale(), 0.0);
-    }
-
-    #[test]
-    fn floor_and_excess_give_back_the_picture_and_density_adds_up_to_one() {
-        let (map, pixels) = map(16, 9);
-        for (i, pixel) in pixels.iter().enumerate() {
-            let excess = map.excess(i as u32);
-            for c in 0..3 {
-                let value = map.floor()[c] + map.scale() * f64::from(excess[c]);
-                // Roundings of the excess to f32.
-                let close = 2e-7 * f64::from(pixel[c]);
-                assert!((value - f64::from(pixel[c])).abs() <= close, "{i}, {c}");
-            }
-        }
-        let mut density = 0.0;
-        for i in 0..16 * 9 {
-            let (top, bottom) = ((i / 16) as f64 / 9.0 * PI, (i / 16 + 1) as f64 / 9.0 * PI);
-            let omega = (top.cos() - bottom.cos()) * TAU / 16.0;
-            density += omega * map.excess(i).iter().map(|&v| f64::from(v)).sum::<f64>();
-        }
-        assert!((density - 1.0).abs() < 1e-6, "{density}");
-    }
-
-    #[test]
-    fn directions_lie_in_their_texels() {
-        for (width, height) in [(16, 9), (1, 1), (3, 2), (64, 33)] {
-            let (map, _) = map(width.max(3), height);
-            let stream = Stream::new(0, 0, 0, 0, 0);
-            let mut outside = 0;
-            for first in (0..4096).step_by(LANES) {
-                let (directions, texels) = draw(&map, &stream, first);
-                let found = map.texels16(&directions);
-                for l in 0..LANES {
-                    let square: f32 = directions.iter().map(|axis| axis[l] * axis[l]).sum();
-                    assert!((square - 1.0).abs() < 1e-6, "{square}");
-                    outside += u32::from(found[l] != texels[l]);
-                }
-            }
-            // Rounding may take a direction over an edge: within 1e-6 of one, which few of 4,096 are.
-            assert!(outside <= 2, "{width} x {height}: {outside}");
-        }
-    }
-
-    #[test]
-    fn texels_are_drawn_by_their_flux() {
-        let (map, _) = map(16, 9);
-        let n = 1 << 18;
-        let stream = Stream::new(3, 0, 0, 0, 0);
-        let mut counts = vec![0.0; 16 * 9];
-        for first in (0..n).step_by(LANES) {
-            for texel in draw(&map, &stream, first).1 {
-                counts[texel as usize] += 1.0 / f64::from(n);
-            }
-        }
-        for (i, count) in counts.iter().enumerate() {
-            let (top, bottom) = ((i / 16) as f64 / 9.0 * PI, (i / 16 + 1) as f64 / 9.0 * PI);
-            let omega = (top.cos() - bottom.cos()) * TAU / 16.0;
-            let share = omega
-                * map
-                    .excess(i as u32)
-                    .iter()
-                    .map(|&v| f64::from(v))
-                    .sum::<f64>();
-            // Star discrepancy of a (0, m, 2)-net, H. Niederreiter (1987): (m / 3 + 19 / 9) / 2^m; four times for a box anywhere.
-            let bound = 4.0 * (18.0 / 3.0 + 19.0 / 9.0) / f64::from(n) + 2e-6;
-            assert!((count - share).abs() < bound, "{i}: {count} for {share}");
-        }
-    }
-}
+mod tests;

@@ -4,7 +4,8 @@
 //! factorials, which overflow double precision at n = 173; here each term is the last one times a ratio, and all terms are
 //! positive up to 90 degrees. [`super::phong_open`] is faster and takes any exponent and angle; this is its cross-check.
 
-use std::f64::consts::{PI, TAU};
+use crate::convention::HEMISPHERE;
+use std::f64::consts::PI;
 
 /// Equation (15): the specular ambient term of a convex body, divided by the ambient radiance and the specular
 /// coefficient, in steradians; `2π / (n + 1)` times [`super::phong_open`].
@@ -46,13 +47,14 @@ pub fn specular_convex(exponent: u32, theta_view: f64) -> f64 {
 
 /// Equation (16)'s factor K of the specular coefficient, with `I_a = 2π i_a`: [`specular_convex`] over 2π.
 pub fn specular_factor(exponent: u32, theta_view: f64) -> f64 {
-    specular_convex(exponent, theta_view) / TAU
+    specular_convex(exponent, theta_view) / HEMISPHERE
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::closed_form::phong_open_angle;
+    use std::f64::consts::TAU;
 
     #[test]
     fn sums_of_equation_15_agree_with_the_closed_form_for_any_exponent() {

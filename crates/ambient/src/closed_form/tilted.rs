@@ -33,7 +33,7 @@ pub fn tilted_bent(normal: DVec3, geometric: DVec3) -> DVec3 {
 }
 
 /// Specular term seen along a shading normal tilted by `delta` radians, `0..=π`: the lobe stands on the shading normal and
-/// the geometric plane cuts it. `exponent` is finite and `>= 0`. [`crate::occluders::tilted_phong`] takes any view.
+/// the geometric plane cuts it. `exponent` is finite and `>= 0`.
 pub fn tilted_specular(exponent: f64, delta: f64) -> f64 {
     phong_open_angle(exponent, delta)
 }

@@ -1,6 +1,7 @@
 //! Directions over the whole hemisphere: cosine-weighted, uniform, and anything between.
 
 use super::turn::turn_sin_cos;
+use crate::convention::HEMISPHERE;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -9,6 +10,22 @@ use std::f64::consts::TAU;
 /// With μ = cos θ the pdf of μ is `2aμ + b`, a + b = 1; per steradian that is `(2aμ + b) / 2π`. One point set serves two
 /// integrals: with `w` = 1 for an open ray, the mean of `w · diffuse_weight` estimates the diffuse term and the mean of
 /// `w · visibility_weight` the visibility. Both weights are bounded when 0 < a < 1, so neither variance diverges.
+///
+/// ```
+/// use ambake_ambient::sampling::{Mixture, Stream};
+/// // A wall fills the half x < 0: half of the directions are open, and half of the diffuse term is left.
+/// let (mixture, stream) = (Mixture::BALANCED, Stream::new(0, 0, 0, 0, 0));
+/// let (mut visibility, mut diffuse) = (0.0, 0.0);
+/// for index in 0..1024 {
+///     let [u, v, ..] = stream.point(index);
+///     let direction = mixture.sample([u, v]);
+///     if direction.x > 0.0 {
+///         visibility += mixture.visibility_weight(direction.z) / 1024.0;
+///         diffuse += mixture.diffuse_weight(direction.z) / 1024.0;
+///     }
+/// }
+/// assert!((visibility - 0.5_f64).abs() < 0.01 && (diffuse - 0.5_f64).abs() < 0.01);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mixture {
     cosine_share: f64,
@@ -62,7 +79,7 @@ impl Mixture {
         if direction.z < 0.0 {
             return 0.0;
         }
-        self.density(direction.z) / TAU
+        self.density(direction.z) / HEMISPHERE
     }
 
     /// The point that [`Mixture::sample`] maps to a local unit direction of the upper hemisphere.

@@ -2,8 +2,8 @@
 
 use super::hemisphere::azimuth;
 use super::turn::turn_sin_cos;
+use crate::convention::lobe_scale;
 use glam::DVec3;
-use std::f64::consts::TAU;
 
 /// The lobe cosⁿ about +z, pdf `(n + 1)/2π · cosⁿ` per steradian, for n from 0 (uniform) to 1e6 and beyond.
 ///
@@ -11,6 +11,14 @@ use std::f64::consts::TAU;
 ///
 /// The zenith angle comes from sin² = −expm1(2 ln u / (n + 1)): at n = 1e6 the lobe is a thousandth of a radian wide and
 /// the cosine alone has too few levels left.
+///
+/// ```
+/// use ambake_ambient::sampling::Lobe;
+/// let lobe = Lobe::new(50.0);
+/// let direction = lobe.sample([0.25, 0.6]);
+/// assert!((direction.z.powf(51.0) - 0.25).abs() < 1e-14);
+/// assert!((lobe.invert(direction)[1] - 0.6).abs() < 1e-14);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lobe {
     exponent: f64,
@@ -49,7 +57,7 @@ impl Lobe {
         if direction.z < 0.0 {
             return 0.0;
         }
-        (self.exponent + 1.0) / TAU * power(direction, self.exponent)
+        lobe_scale(self.exponent) * power(direction, self.exponent)
     }
 
     /// The point that [`Lobe::sample`] maps to a local unit direction of the upper hemisphere.

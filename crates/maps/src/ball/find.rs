@@ -4,8 +4,8 @@
 //! Accumulators", 1975) in a reduced picture. The middle and radius whose circle carries most edges are then fitted to
 //! the steepest points of radial profiles, by least squares of the distance without outliers, up to full resolution.
 
-use super::Circle;
 use super::gray::Gray;
+use super::photo::Circle;
 use crate::{Error, Image};
 use std::f64::consts::TAU;
 
@@ -33,6 +33,20 @@ const REACH: f64 = 4.0;
 const ENOUGH: f64 = 0.5;
 
 /// The outline of the ball in `image`, which lies inside the picture.
+///
+/// ```
+/// use ambake_maps::{Image, ball};
+/// let mut image = Image::filled(120, 100, [0.1; 3]);
+/// for (at, pixel) in image.pixels.iter_mut().enumerate() {
+///     let (x, y) = ((at % 120) as f64 + 0.5, (at / 120) as f64 + 0.5);
+///     if (x - 63.0).hypot(y - 48.0) < 35.0 {
+///         *pixel = [1.0; 3];
+///     }
+/// }
+/// let circle = ball::find(&image)?.circle;
+/// assert!((circle.x - 63.0).abs() < 0.5 && (circle.radius - 35.0).abs() < 0.5, "{circle:?}");
+/// # Ok::<(), ambake_maps::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Shape`] where no circle has an edge on half of its rim.

@@ -1,10 +1,12 @@
 //! Angles against vectors, and a round trip through a rendered ball.
 
+use super::photo::frame;
 use super::*;
+use crate::Direction;
 use std::f64::consts::PI;
 
 /// The mirror direction of the ray through a point of the picture, by vectors: camera at (0, 0, d), ball of radius 1.
-fn reflect(d: f64, right: f64, up: f64) -> Option<Direction> {
+pub(super) fn reflect(d: f64, right: f64, up: f64) -> Option<Direction> {
     let tangent = (d * d - 1.0).sqrt();
     let ray = [right / tangent, up / tangent, -1.0];
     let square: f64 = ray.iter().map(|v| v * v).sum();

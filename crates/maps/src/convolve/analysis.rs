@@ -5,8 +5,8 @@
 
 use super::grid::Grid;
 use super::legendre::{Legendre, diagonal};
-use crate::quadrature::gauss_legendre;
 use crate::{IlluminationMap, Projection};
+use ambient::quadrature::gauss_legendre;
 use rayon::prelude::*;
 use realfft::RealFftPlanner;
 use std::f64::consts::{PI, TAU};

@@ -1,8 +1,9 @@
 //! Reflectance functions and their zonal coefficients.
 
 use crate::Error;
-use crate::quadrature::GAUSS_8;
-use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
+use ambient::convention::{LAMBERT_SCALE, MAP_1984, MEAN_SCALE, SPHERE, lobe_scale};
+use ambient::quadrature::GAUSS_8;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// A reflectance function of x, the cosine of the angle from the normal (D) or the mirror direction (S).
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +30,7 @@ pub enum Lobe {
 pub enum Normalise {
     /// One over the integral of the lobe: a constant map of 1 gives 1 (Lambert 1/π, Phong (n+1)/2π).
     Radiance,
-    /// 1/4π, as the 1984 text has it.
+    /// 1/4π, as the 1984 text has it ([`ambient::convention::MAP_1984`]).
     Seed,
 }
 
@@ -77,10 +78,10 @@ impl Lobe {
     /// The factor of a normalisation.
     pub(super) fn scale(&self, normalise: Normalise) -> f64 {
         match (normalise, self) {
-            (Normalise::Seed, _) => 0.25 * FRAC_1_PI,
-            (_, Lobe::Lambert) => FRAC_1_PI,
-            (_, Lobe::Luminous | Lobe::Mirror) => 0.25 * FRAC_1_PI,
-            (_, Lobe::Phong(n) | Lobe::Varnish(n)) => (n + 1.0) / TAU,
+            (Normalise::Seed, _) => MAP_1984,
+            (_, Lobe::Lambert) => LAMBERT_SCALE,
+            (_, Lobe::Luminous | Lobe::Mirror) => MEAN_SCALE,
+            (_, Lobe::Phong(n) | Lobe::Varnish(n)) => lobe_scale(*n),
             (_, Lobe::Ggx(_) | Lobe::Table(_)) => 1.0 / self.quadrature(0)[0],
         }
     }
@@ -116,7 +117,7 @@ impl Lobe {
     /// and x¹, 2e-7 for x²; extended lights leave far less.
     pub(super) fn zonal(&self) -> Result<Vec<f64>, Error> {
         let mut zonal = match self {
-            Lobe::Luminous => vec![2.0 * TAU],
+            Lobe::Luminous => vec![SPHERE],
             Lobe::Lambert => powers(1.0, MAX_ORDER),
             Lobe::Phong(n) | Lobe::Varnish(n) => {
                 let gauss = (2.0 * (n + 1.0) * -REST.ln()).sqrt().ceil() as usize;
@@ -202,7 +203,7 @@ mod tests {
 
     #[test]
     fn printed_coefficients_are_met() {
-        let half = |n, l: usize| powers(n, 8)[l] / (2.0 * TAU);
+        let half = |n, l: usize| powers(n, 8)[l] / SPHERE;
         for (l, value) in [
             0.25,
             1.0 / 6.0,

@@ -17,6 +17,7 @@ mod tests;
 mod tiles;
 
 use crate::{Error, IlluminationMap, Image, Projection, ReflectionMap, convert};
+use ambient::convention::VARNISH_1984;
 use lights::Lights;
 pub use lobe::{Lobe, Normalise};
 use rayon::prelude::*;
@@ -38,13 +39,13 @@ pub struct Request {
 /// nothing they are 0. The result does not depend on the number of threads.
 ///
 /// ```
-/// use maps::{IlluminationMap, Image, Lobe, Normalise, Projection, Request};
+/// use ambake_maps::{IlluminationMap, Image, Lobe, Normalise, Projection, Request, convolve};
 /// let sky = IlluminationMap::new(Image::filled(64, 32, [1.0; 3]), Projection::Polar)?;
 /// let (lobe, normalise) = (Lobe::Phong(50.0), Normalise::Radiance);
 /// let request = Request { lobe, normalise, projection: Projection::Polar, size: (64, 32) };
-/// let maps = maps::convolve(&sky, &[request])?;
+/// let maps = convolve(&sky, &[request])?;
 /// assert!(maps[0].image().pixels.iter().all(|p| (p[0] - 1.0).abs() < 1e-6));
-/// # Ok::<(), maps::Error>(())
+/// # Ok::<(), ambake_maps::Error>(())
 /// ```
 ///
 /// # Errors
@@ -81,7 +82,7 @@ pub fn convolve(map: &IlluminationMap, requests: &[Request]) -> Result<Vec<Refle
         if let Lobe::Varnish(_) = request.lobe {
             let coat = mirror(map, request)?;
             for (sum, coat) in image.pixels.iter_mut().zip(&coat.pixels) {
-                *sum = std::array::from_fn(|c| sum[c] + 0.5 * coat[c]);
+                *sum = std::array::from_fn(|c| sum[c] + VARNISH_1984 as f32 * coat[c]);
             }
         }
         ReflectionMap::new(image, request.projection)
@@ -91,6 +92,19 @@ pub fn convolve(map: &IlluminationMap, requests: &[Request]) -> Result<Vec<Refle
 
 /// The diffuse map D for the cosine lobe in radiance normalisation: 1 under a constant map of 1.
 ///
+/// ```
+/// use ambake_maps::{IlluminationMap, Image, Projection, diffuse};
+/// // The upper half of the sky shines: 1 for a normal up, 1/2 for a level one, nearly 0 for one down.
+/// let mut image = Image::filled(64, 32, [0.0; 3]);
+/// image.pixels[..64 * 16].fill([1.0; 3]);
+/// let d = diffuse(&IlluminationMap::new(image, Projection::Polar)?, (72, 36))?;
+/// for (normal, exact) in [([0.0, 1.0, 0.0], 1.0), ([1.0, 0.0, 0.0], 0.5), ([0.0, -1.0, 0.0], 0.0)] {
+///     let value = d.bilinear(normal)[0];
+///     assert!((value - exact).abs() < 2e-3, "{normal:?}: {value}");
+/// }
+/// # Ok::<(), ambake_maps::Error>(())
+/// ```
+///
 /// # Errors
 /// As [`convolve`].
 pub fn diffuse(map: &IlluminationMap, size: (usize, usize)) -> Result<ReflectionMap, Error> {
@@ -98,6 +112,15 @@ pub fn diffuse(map: &IlluminationMap, size: (usize, usize)) -> Result<Reflection
 }
 
 /// The specular map S for the lobe xⁿ in radiance normalisation: 1 under a constant map of 1.
+///
+/// ```
+/// use ambake_maps::{IlluminationMap, Image, Projection, specular};
+/// let sky = IlluminationMap::new(Image::filled(64, 32, [0.5; 3]), Projection::Polar)?;
+/// let s = specular(&sky, 50.0, (128, 64))?;
+/// // Looked up by the mirror direction.
+/// assert!((s.bilinear([0.6, 0.0, 0.8])[0] - 0.5).abs() < 1e-6);
+/// # Ok::<(), ambake_maps::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`convolve`].

@@ -1,8 +1,8 @@
 //! A map as small areas at their middles, and direct sums over them.
 
 use super::{Request, picture};
-use crate::quadrature::gauss_legendre;
 use crate::{Direction, IlluminationMap, Image, projection};
+use ambient::quadrature::gauss_legendre;
 use rayon::prelude::*;
 
 /// Areas with their flux, I dω.

@@ -6,8 +6,8 @@
 
 use super::analysis::nodes;
 use super::points::Points;
-use crate::quadrature::gauss_legendre;
 use crate::{IlluminationMap, Projection};
+use ambient::quadrature::gauss_legendre;
 use rayon::prelude::*;
 
 /// Longest side of a tile, in texels.

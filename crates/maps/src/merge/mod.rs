@@ -83,6 +83,22 @@ pub struct Merged {
 /// is biased: the weight is taken at the value that a first estimate predicts. Saturated values do not count. Where every
 /// bracket is saturated, or black beside a saturated one, the pixel holds a lower bound and is flagged.
 ///
+/// ```
+/// use ambake_maps::merge::{Bracket, Model, merge};
+/// let bracket = |time: f64, value: u16| Bracket {
+///     width: 1,
+///     height: 1,
+///     values: vec![[value; 3]],
+///     time,
+///     shift: [0, 0],
+/// };
+/// // The same radiance for one second and for four; values are proportional to exposure.
+/// let merged = merge(&[bracket(1.0, 10_000), bracket(4.0, 40_000)], Model::Linear)?;
+/// let radiance = f64::from(merged.image.pixels[0][0]);
+/// assert!((radiance / (10_000.0 / 65_535.0) - 1.0).abs() < 1e-6, "{radiance}");
+/// # Ok::<(), ambake_maps::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Shape`] for fewer than two brackets, different sizes, a time that is not above 0 or given twice, or brackets
 /// that do not determine the curve that is to be fitted.

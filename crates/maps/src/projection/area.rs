@@ -1,6 +1,6 @@
 //! Exact solid angles of squares in disc projections.
 
-use crate::quadrature::GAUSS_8;
+use ambient::quadrature::GAUSS_8;
 
 /// Solid angle of a rectangle in the orthographic picture of a hemisphere, clipped by the rim.
 ///

@@ -21,6 +21,17 @@ use std::f64::consts::{PI, TAU};
 pub type Direction = [f64; 3];
 
 /// How directions are laid out in a picture.
+///
+/// ```
+/// use ambake_maps::Projection;
+/// let size = Projection::Cube.size(64);
+/// assert_eq!((size, Projection::Cube.texels(size)), ((16, 96), 64));
+/// // The middle of the first face looks along +x, and back.
+/// assert_eq!(Projection::Cube.direction(size, 8.0, 8.0), Some([1.0, 0.0, 0.0]));
+/// assert_eq!(Projection::Cube.place(size, [1.0, 0.0, 0.0]), (8.0, 8.0));
+/// let sphere: f64 = Projection::Cube.solid_angles(size).iter().sum();
+/// assert!((sphere / (4.0 * std::f64::consts::PI) - 1.0).abs() < 1e-13);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Projection {
     /// Longitude and latitude, twice as wide as high: u = atan2(x, z) with 0 in the middle, v = arccos y from the top.
@@ -41,32 +52,32 @@ pub enum Projection {
     Octahedral,
 }
 
-/// Every projection with its name.
-const NAMES: [(Projection, &str); 8] = [
-    (Projection::Polar, "polar"),
-    (Projection::Cube, "cube"),
-    (Projection::Cross, "cross"),
-    (Projection::Strip, "strip"),
-    (Projection::Ortho, "ortho"),
-    (Projection::Ball, "ball"),
-    (Projection::Angular, "angular"),
-    (Projection::Octahedral, "octahedral"),
-];
-
 impl Projection {
+    /// Every projection with its name.
+    pub(crate) const NAMES: [(Projection, &str); 8] = [
+        (Projection::Polar, "polar"),
+        (Projection::Cube, "cube"),
+        (Projection::Cross, "cross"),
+        (Projection::Strip, "strip"),
+        (Projection::Ortho, "ortho"),
+        (Projection::Ball, "ball"),
+        (Projection::Angular, "angular"),
+        (Projection::Octahedral, "octahedral"),
+    ];
+
     /// Every projection.
     pub fn all() -> impl Iterator<Item = Projection> {
-        NAMES.into_iter().map(|(projection, _)| projection)
+        Self::NAMES.into_iter().map(|(projection, _)| projection)
     }
 
     /// Its name on the command line and in file headers.
     pub fn name(self) -> &'static str {
-        NAMES[self as usize].1
+        Self::NAMES[self as usize].1
     }
 
     /// The projection of this name.
     pub fn from_name(name: &str) -> Option<Projection> {
-        let found = NAMES.into_iter().find(|(_, other)| *other == name);
+        let found = Self::NAMES.into_iter().find(|(_, other)| *other == name);
         found.map(|(projection, _)| projection)
     }
 
@@ -111,6 +122,16 @@ impl Projection {
             Self::Strip => (6 * quarter, quarter),
             Self::Ortho => (4 * quarter, 2 * quarter),
             Self::Ball | Self::Angular | Self::Octahedral => (2 * quarter, 2 * quarter),
+        }
+    }
+
+    /// Texels on the equator of a picture of this size: what [`Projection::size`] takes.
+    pub fn texels(self, (width, height): (usize, usize)) -> usize {
+        match self {
+            Self::Polar | Self::Ortho => width,
+            Self::Cross => width.max(height),
+            Self::Cube | Self::Strip => 4 * width.min(height),
+            Self::Ball | Self::Angular | Self::Octahedral => 2 * width,
         }
     }
 

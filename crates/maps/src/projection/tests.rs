@@ -34,7 +34,7 @@ fn solid_angles_are_the_integral_of_the_density() {
         if let Projection::Ortho = projection {
             continue; // singular at the rim; its closed form is tested by the sum
         }
-        let gauss = crate::quadrature::gauss_legendre(12);
+        let gauss = ambient::quadrature::gauss_legendre(12);
         let mut whole = Vec::new();
         for texel in 0..size.0 * size.1 {
             let (i, j) = (texel % size.0, texel / size.0);
