@@ -6,4 +6,4 @@ cd "$(dirname "$0")/../.."
 command -v valgrind >/dev/null || { echo "skip: valgrind is not installed"; exit 0; }
 AMBAKE_EMBREE_ISA=avx2 \
   CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER="valgrind --quiet --error-exitcode=1" \
-  cargo test -p embree --test scenes --quiet -- --test-threads=1 --skip a_cpu_without
+  cargo test -p ambake-embree --test scenes --locked --quiet -- --test-threads=1 --skip a_cpu_without

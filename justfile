@@ -1,0 +1,40 @@
+# Everyday commands. `just` lists them; each line below also works when typed by hand.
+
+# lists the commands
+default:
+    @just --list
+
+# the program, optimised, in target/release/ambake
+build:
+    cargo build --release --locked
+
+# every test
+test:
+    cargo test --workspace --locked
+
+# the tests of one package whose names contain NAME: `just one ambake-rays tree`
+one package name="":
+    cargo test --locked -p {{ package }} {{ name }}
+
+# formatting, lints of every target, licences and sources of dependencies
+lint:
+    cargo fmt --all --check
+    cargo clippy --workspace --all-targets --locked -- -D warnings
+    python3 .ci/deny.py
+
+# the documentation of every crate, in target/doc
+docs:
+    RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
+
+# speed against error of a scene, in DIR
+bench scene="scenes/courtyard.obj" dir="out/bench":
+    cargo run --release --locked -- bench {{ scene }} -o {{ dir }}
+
+# the authored scenes, written anew; git shows what changed
+scenes:
+    python3 scenes/generate.py
+    git status --short scenes
+
+# all that a change must pass; installs what it needs
+ci:
+    .ci/run
