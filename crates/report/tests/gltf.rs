@@ -1,7 +1,10 @@
 //! The written GLB: validated by Khronos' validator, loaded again, compared with the input.
 
+mod common;
+
 use ambake_report::{Layer, Output, Page, occlusion_png, write_gltf};
 use atlas::{Atlas, Audit, MeshLayout, Placement, UvSource};
+use common::skip;
 use glam::Vec2;
 use scene::Scene;
 use serde_json::{Value, json};
@@ -88,9 +91,7 @@ fn validate(files: &[PathBuf]) -> Option<Vec<Value>> {
     let run = match Command::new("node").arg(script).args(files).output() {
         Ok(run) if run.status.code() != Some(77) => run,
         _ => {
-            println!(
-                "skip: node or its module gltf-validator is absent (npm install in tests/tools)"
-            );
+            skip("node or its module gltf-validator is absent (npm install in tests/tools)");
             return None;
         }
     };
@@ -439,7 +440,7 @@ fn real_models_are_valid_and_load_again() {
         "/../../../shared/models"
     ));
     if !models.is_dir() {
-        return println!("skip: no folder shared/models");
+        return skip("../shared/models is not here");
     }
     let dir = tempfile::tempdir().unwrap();
     let mut written = Vec::new();
