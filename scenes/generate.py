@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes every scene of this folder. Same bytes on every run; the standard library is enough.
+"""Writes every scene of this folder, and a sky. Same bytes on every run; the standard library is enough.
 
     python3 scenes/generate.py [DIR [DETAIL]]
 
@@ -962,6 +962,47 @@ def lamp():
     return obj
 
 
+# ---------------------------------------------------------------------------------------------------
+# An environment
+
+
+def sky_radiance(d):
+    """A clear day by the unit direction, y up: pale at the horizon, blue overhead, brown ground, paler around the sun."""
+    if d[1] < 0:
+        return (0.16, 0.13, 0.10)
+    haze = (1 - d[1]) ** 3
+    glow = 0.6 * max(0.0, sum(a * b for a, b in zip(d, SUN))) ** 24
+    return tuple(b + (h - b) * haze + g * glow for b, h, g in zip((0.15, 0.33, 0.85), (0.75, 0.85, 0.95), (1.0, 0.9, 0.7)))
+
+
+SUN = unit((0.55, 0.65, 0.52))
+# Its four texels cover 0.030 sr. A level floor gets an irradiance of (2.5, 2.3, 1.8) from them, (0.7, 1.3, 2.7) from the sky.
+SUN_RADIANCE = (135.0, 120.0, 95.0)
+
+
+def rgbe(color):
+    """Four bytes of Radiance's RGBE: mantissas of 8 bits under the exponent of the largest."""
+    _, exponent = math.frexp(max(color))
+    return bytes(min(255, int(c * 2.0 ** (8 - exponent) + 0.5)) for c in color) + bytes([exponent + 128])
+
+
+def sky():
+    """A polar map of 64 x 32 texels, flat: row 0 looks up, +z is in the middle, +x to the right of it."""
+    width, height = 64, 32
+    column = int((math.atan2(SUN[0], SUN[2]) / (2 * math.pi) + 0.5) * width + 0.5)
+    row = int(math.acos(SUN[1]) / math.pi * height + 0.5)
+    data = b"#?RADIANCE\n# Written by scenes/generate.py: a blue sky with a sun of four texels.\n"
+    data += b"FORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n" % (height, width)
+    for y in range(height):
+        polar = math.pi * (y + 0.5) / height
+        for x in range(width):
+            turn = 2 * math.pi * (x + 0.5) / width - math.pi
+            d = (math.sin(polar) * math.sin(turn), math.cos(polar), math.sin(polar) * math.cos(turn))
+            in_sun = x in (column - 1, column) and y in (row - 1, row)
+            data += rgbe(SUN_RADIANCE if in_sun else sky_radiance(d))
+    return data
+
+
 def scenes(detail):
     yield "plane.obj", plane().text()
     yield "tilted_normal.obj", tilted().text()
@@ -991,6 +1032,7 @@ def scenes(detail):
     yield "wall_lit.obj", wall_lit().text()
     yield "lamp.obj", lamp().text()
     yield "lamp.mtl", LAMP_MATERIALS
+    yield "sky.hdr", sky()
 
 
 def main():

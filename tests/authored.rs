@@ -1,6 +1,6 @@
 //! The folder of authored scenes is what its generator writes.
 
-use crate::support::{files, scene};
+use crate::support::{files, scene, skip};
 use std::process::Command;
 
 #[test]
@@ -12,7 +12,7 @@ fn generator_writes_the_committed_bytes() {
         .arg(folder.path())
         .output();
     let Ok(output) = run else {
-        return println!("skipped: python3 is not installed");
+        return skip("python3 is not installed");
     };
     assert!(
         output.status.success(),

@@ -1,8 +1,8 @@
 //! Cases that break bakers, baked on every backend and held against their exact values.
 
+use crate::support::table;
 use bench::hard::{Status, cases, markdown, run};
 use std::f64::consts::TAU;
-use std::path::Path;
 
 #[test]
 fn hard_cases_are_within_their_bounds() {
@@ -28,13 +28,9 @@ fn line(text: &str) -> Option<(&str, &str, f64)> {
 
 #[test]
 fn formulas_of_the_hard_cases_give_the_digits_of_the_table() {
-    let path =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/reference/tables/hard_cases.csv");
-    let Ok(text) = std::fs::read_to_string(path) else {
-        println!("skipped: shared/reference/tables/hard_cases.csv is not here");
-        return;
-    };
-    let lines: Vec<_> = text.lines().filter_map(line).collect();
+    let rows = table("hard_cases.csv");
+    let lines: Vec<_> = rows.iter().filter_map(|row| line(row)).collect();
+    assert_eq!(lines.len(), rows.len(), "every row can be read");
     let mut compared = 0;
     for case in cases() {
         for expected in &case.expected {

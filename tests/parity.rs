@@ -1,11 +1,12 @@
 //! Both backends answer alike: every scene of this repository and, where present, the real models.
 
+use crate::support::{has_embree, model, scene};
 use bake::{BakedPage, Baker, Effort, Options, Plan};
 use bench::parity::{Answer, BothBackends, ParityReport, TestRays, parity};
 use glam::Vec3;
 use layers::Layer;
 use rays::{BackendKind, Layout, Overrides, RayBackend, World, WorldOptions, build};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 // Run with `-- --nocapture` to see the table.
@@ -26,29 +27,15 @@ const MODELS: [&str; 7] = [
 ];
 
 fn scenes() -> Vec<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let is_scene = |path: &PathBuf| {
         path.extension()
             .is_some_and(|ending| ending == "obj" || ending == "gltf" || ending == "glb")
     };
-    let mut files: Vec<PathBuf> = std::fs::read_dir(root.join("scenes"))
-        .map(|entries| {
-            entries
-                .flatten()
-                .map(|entry| entry.path())
-                .filter(is_scene)
-                .collect()
-        })
-        .unwrap_or_default();
+    let entries = std::fs::read_dir(scene("")).expect("scenes/ is there");
+    let paths = entries.map(|entry| entry.expect("an entry").path());
+    let mut files: Vec<PathBuf> = paths.filter(is_scene).collect();
     files.sort();
-    let models = root.join("../shared/models");
-    for model in MODELS.map(|model| models.join(model)) {
-        if model.is_file() {
-            files.push(model);
-        } else {
-            println!("skipped: no {}", model.display());
-        }
-    }
+    files.extend(MODELS.into_iter().filter_map(model));
     files
 }
 
@@ -95,13 +82,7 @@ fn embree_and_obvhs_answer_alike_on_every_scene() {
             .unwrap_or_default()
             .to_string_lossy()
             .into_owned();
-        let scene = match scene::load(&file) {
-            Ok(scene) => scene,
-            Err(error) => {
-                println!("skipped: {error}");
-                continue;
-            }
-        };
+        let scene = scene::load(&file).expect("the scene loads");
         let world = World::new(Arc::new(scene), options).expect("the scenes fit single precision");
         let made =
             |layout| build(BackendKind::Obvhs(layout), &world, 0).expect("obvhs has no errors");
@@ -110,30 +91,18 @@ fn embree_and_obvhs_answer_alike_on_every_scene() {
         let ask = |a: &dyn RayBackend, b: &dyn RayBackend, count| {
             parity(&world, a, b, |n| rays.packet(n), count)
         };
-        match build(BackendKind::Embree, &world, 0) {
-            Ok(embree) => {
-                check(
-                    &name,
-                    "embree, cwbvh",
-                    &ask(&*embree, &*wide, RAYS),
-                    &mut faults,
-                );
-                check(
-                    &name,
-                    "embree, bvh2",
-                    &ask(&*embree, &*made(Layout::Bvh2), RAYS / 8),
-                    &mut faults,
-                );
+        let narrow = made(Layout::Bvh2);
+        if has_embree() {
+            let embree = build(BackendKind::Embree, &world, 0).expect("this build has Embree");
+            for (what, obvhs, rays) in [
+                ("embree, cwbvh", &wide, RAYS),
+                ("embree, bvh2", &narrow, RAYS / 8),
+            ] {
+                check(&name, what, &ask(&*embree, &**obvhs, rays), &mut faults);
             }
-            Err(error) => {
-                println!("skipped: {error}");
-                check(
-                    &name,
-                    "bvh2, cwbvh",
-                    &ask(&*made(Layout::Bvh2), &*wide, RAYS / 8),
-                    &mut faults,
-                );
-            }
+        } else {
+            let report = ask(&*narrow, &*wide, RAYS / 8);
+            check(&name, "bvh2, cwbvh", &report, &mut faults);
         }
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
@@ -206,9 +175,9 @@ fn baked_layers_differ_only_where_a_listed_ray_explains_it() {
         },
         ..Options::default()
     };
-    let layout = atlas::Options {
+    let layout = |page_size| atlas::Options {
         uv: atlas::UvMode::Auto,
-        page_size: 256,
+        page_size,
         density: None,
     };
     let mut faults = Vec::new();
@@ -220,18 +189,19 @@ fn baked_layers_differ_only_where_a_listed_ray_explains_it() {
             .into_owned();
         let scene = Arc::new(scene::load(&file).expect("the scene loads"));
         let (plan, world) = Plan::of(&scene, &options).expect("the scenes fit single precision");
-        let atlas = match atlas::layout(&scene, &layout, &|| false) {
-            Ok(atlas) => atlas,
-            Err(error) => {
-                println!("{name:<28} skipped: {error}");
-                continue;
-            }
-        };
+        // A model of many charts needs a larger page.
+        let atlas = [256, 512, 1024]
+            .into_iter()
+            .find_map(|size| atlas::layout(&scene, &layout(size), &|| false).ok())
+            .unwrap_or_else(|| panic!("{name} fits on no page of 1024 texels"));
         let wide =
             build(BackendKind::Obvhs(Layout::Cwbvh), &world, 0).expect("obvhs has no errors");
-        let other = build(BackendKind::Embree, &world, 0)
-            .or_else(|_| build(BackendKind::Obvhs(Layout::Bvh2), &world, 0))
-            .expect("obvhs has no errors");
+        let kind = if has_embree() {
+            BackendKind::Embree
+        } else {
+            BackendKind::Obvhs(Layout::Bvh2)
+        };
+        let other = build(kind, &world, 0).expect("this build has the backend");
         let both = BothBackends::new(&world, &*other, &*wide);
         let a = bake_page(&world, &plan, &atlas, &options, &both);
         let b = bake_page(&world, &plan, &atlas, &options, &*wide);

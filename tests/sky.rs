@@ -190,6 +190,38 @@ fn on_an_unoccluded_sphere_the_bake_and_both_reflection_maps_agree() {
 }
 
 #[test]
+fn the_generated_sky_lights_an_open_plane_as_its_upper_half_says() {
+    let path = scene("sky.hdr");
+    let image = maps::read(&path).expect("the sky").image;
+    let (width, height) = (image.width as f64, image.height as f64);
+    // (1/pi) times the integral of cos over the texels above the horizon, y up.
+    let mut exact = [0.0; 3];
+    for (i, pixel) in image.pixels.iter().enumerate().take(image.pixels.len() / 2) {
+        let row = (i / image.width) as f64;
+        let [top, bottom] = [row, row + 1.0].map(|y| (y / height * PI).sin().powi(2));
+        let weight = TAU / width * (bottom - top) / 2.0 / PI;
+        for (sum, value) in exact.iter_mut().zip(pixel) {
+            *sum += f64::from(*value) * weight;
+        }
+    }
+    let arguments = "--size 16 --rays 4096 --layers irradiance,error.irradiance --sky";
+    let mut arguments: Vec<&str> = arguments.split(' ').collect();
+    arguments.push(path.to_str().expect("UTF-8"));
+    let (_folder, page) = bake(&scene("plane.obj"), &arguments);
+    let error = page.plane("error.irradiance");
+    for (values, exact) in rgb(&page, "irradiance").into_iter().zip(exact) {
+        for (value, error) in values.iter().zip(error) {
+            // 256 texels: five stated errors, and what a scattered error may understate itself by.
+            let off = (f64::from(*value) - exact).abs();
+            assert!(
+                off < 5.0 * f64::from(*error) + 1e-3 * exact,
+                "{value} +- {error} for {exact}"
+            );
+        }
+    }
+}
+
+#[test]
 fn light_from_one_half_of_the_sky_is_blocked_by_the_wall_on_that_side_alone() {
     let folder = tempfile::tempdir().expect("a folder");
     for backend in backends() {

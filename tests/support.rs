@@ -2,9 +2,29 @@
 
 use exr::prelude::{ReadChannels, ReadLayers, read};
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::sync::{Mutex, PoisonError};
+
+/// Says on standard error, past the harness, why the running test or a part of it does nothing here; once a test.
+/// With `AMBAKE_TEST_STRICT=1` that is a failure.
+pub fn skip(reason: &str) {
+    static SAID: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
+    let strict = std::env::var_os("AMBAKE_TEST_STRICT").is_some_and(|value| value == "1");
+    assert!(
+        !strict,
+        "AMBAKE_TEST_STRICT is set, but this was skipped: {reason}"
+    );
+    let thread = std::thread::current();
+    let line = format!("skipped, {}: {reason}", thread.name().unwrap_or("a test"));
+    let mut said = SAID.lock().unwrap_or_else(PoisonError::into_inner);
+    if said.insert(line.clone()) {
+        // A closed standard error is no reason to fail.
+        let _ = writeln!(std::io::stderr(), "{line}");
+    }
+}
 
 /// A command that starts the program, through the same loader prefix as the tests themselves where one is set.
 pub fn ambake() -> Command {
@@ -52,6 +72,19 @@ pub fn scene(name: &str) -> PathBuf {
         .join(name)
 }
 
+/// The rows of a table of exact values, without its comment and its header.
+pub fn table(name: &str) -> Vec<String> {
+    let path = tables().join(name);
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    let rows = text.lines().filter(|line| !line.starts_with('#')).skip(1);
+    rows.map(str::to_owned).collect()
+}
+
+/// The folder of the tables of exact values.
+pub fn tables() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/tables")
+}
+
 /// A real model that is shared with the project, or `None` with a printed line where it is absent.
 pub fn model(name: &str) -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -60,7 +93,7 @@ pub fn model(name: &str) -> Option<PathBuf> {
     if path.exists() {
         return Some(path);
     }
-    println!("skipped: shared/models/{name} is not here");
+    skip(&format!("../shared/models/{name} is not here"));
     None
 }
 
@@ -68,7 +101,7 @@ pub fn model(name: &str) -> Option<PathBuf> {
 pub fn has_embree() -> bool {
     let found = embree::header_version().is_some();
     if !found {
-        println!("skipped for embree: this build has none");
+        skip("this build has no Embree");
     }
     found
 }

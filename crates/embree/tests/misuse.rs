@@ -1,5 +1,8 @@
 //! Misuse that the compiler refuses.
 
+mod common;
+
+use common::skip;
 use std::process::Command;
 
 /// The compiler whose messages are recorded beside the cases; others word them differently.
@@ -8,8 +11,7 @@ const RECORDED: &str = "rustc 1.95.";
 #[test]
 fn misuse_does_not_compile() {
     if ambake_embree::header_version().is_none() {
-        println!("skipped: built without Embree, whose handles then have no values");
-        return;
+        return skip("this build has no Embree, and its handles then no values");
     }
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let version = Command::new(rustc).arg("--version").output();
@@ -18,8 +20,10 @@ fn misuse_does_not_compile() {
         |output| String::from_utf8_lossy(&output.stdout).into_owned(),
     );
     if !version.starts_with(RECORDED) {
-        println!("skipped: messages are recorded for {RECORDED}, this is {version}");
-        return;
+        let version = version.trim();
+        return skip(&format!(
+            "messages are recorded for {RECORDED}, this is {version}"
+        ));
     }
     trybuild::TestCases::new().compile_fail("tests/misuse/*.rs");
 }

@@ -1,5 +1,7 @@
 //! The written GLB: validated by Khronos' validator, loaded again, compared with the input.
 
+mod common;
+
 #[path = "gltf/built.rs"]
 mod built;
 #[path = "gltf/kept.rs"]

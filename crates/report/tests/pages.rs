@@ -1,6 +1,9 @@
 //! EXR pages: what is written comes back, the bytes are fixed, damage is an error, another library reads the file.
 
+mod common;
+
 use ambake_report::{Output, Page, PageHeader, PageLayer, read_page_exr, write_page_exr};
+use common::skip;
 use std::path::{Path, PathBuf};
 
 /// Values with all kinds of bits, the same on every run.
@@ -203,10 +206,10 @@ fn openexr_itself_reads_the_page() {
         .output();
     let run = match run {
         Ok(run) if run.status.code() == Some(77) => {
-            return println!("skip: no Python module OpenEXR");
+            return skip("python3 has no module OpenEXR");
         }
         Ok(run) => run,
-        Err(_) => return println!("skip: no python3"),
+        Err(_) => return skip("python3 is not installed"),
     };
     assert!(
         run.status.success(),

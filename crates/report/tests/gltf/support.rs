@@ -86,8 +86,8 @@ fn validate(files: &[PathBuf]) -> Option<Vec<Value>> {
     let run = match Command::new("node").arg(script).args(files).output() {
         Ok(run) if run.status.code() != Some(77) => run,
         _ => {
-            println!(
-                "skip: node or its module gltf-validator is absent (npm install in tests/tools)"
+            crate::common::skip(
+                "node or its module gltf-validator is absent (npm install in tests/tools)",
             );
             return None;
         }

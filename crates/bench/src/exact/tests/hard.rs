@@ -1,4 +1,4 @@
-//! Hard cases: tiny, huge, near and tilted. Values of `hard_cases.csv`, which are exact to 20 digits.
+//! Hard cases: tiny, huge, near and tilted. Values of `tests/tables/hard_cases.csv`, which are exact to 20 digits.
 
 use super::super::{
     polygon_form_factor, polygon_solid_angle, polygon_specular, round, shapes, tilted_phong,

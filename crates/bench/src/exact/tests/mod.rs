@@ -1,4 +1,5 @@
-//! The reference tables: smooth scenes, Phong lobes over polygonal scenes, tessellated meshes.
+//! The tables of exact values (`tests/tables` of the repository): smooth scenes, Phong lobes over polygonal scenes,
+//! tessellated meshes.
 
 mod hard;
 mod meshes;
@@ -6,17 +7,18 @@ mod tables;
 
 use glam::DVec3;
 
-/// The text of a reference table, or a printed skip where it is absent.
-fn reference(name: &str) -> Option<String> {
-    let folder = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../../shared/reference/tables/"
-    );
-    let text = std::fs::read_to_string(format!("{folder}{name}")).ok();
-    if text.is_none() {
-        println!("skipped: the table {name} is not here");
-    }
-    text
+/// The text of a file beside the tables. It belongs to the repository, not to the package: it is read when the test runs.
+fn text(name: &str) -> String {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/tables/");
+    let path = format!("{folder}{name}");
+    std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"))
+}
+
+/// The rows of a table, without its comment and its header.
+fn table(name: &str) -> Vec<String> {
+    let text = text(name);
+    let rows = text.lines().filter(|line| !line.starts_with('#')).skip(1);
+    rows.map(str::to_owned).collect()
 }
 
 fn v(x: f64, y: f64, z: f64) -> DVec3 {
