@@ -2,29 +2,13 @@
 
 use exr::prelude::{ReadChannels, ReadLayers, read};
 use serde_json::Value;
-use std::collections::{BTreeMap, BTreeSet};
-use std::io::Write;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
-use std::sync::{Mutex, PoisonError};
 
-/// Says on standard error, past the harness, why the running test or a part of it does nothing here; once a test.
-/// With `AMBAKE_TEST_STRICT=1` that is a failure.
-pub fn skip(reason: &str) {
-    static SAID: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
-    let strict = std::env::var_os("AMBAKE_TEST_STRICT").is_some_and(|value| value == "1");
-    assert!(
-        !strict,
-        "AMBAKE_TEST_STRICT is set, but this was skipped: {reason}"
-    );
-    let thread = std::thread::current();
-    let line = format!("skipped, {}: {reason}", thread.name().unwrap_or("a test"));
-    let mut said = SAID.lock().unwrap_or_else(PoisonError::into_inner);
-    if said.insert(line.clone()) {
-        // A closed standard error is no reason to fail.
-        let _ = writeln!(std::io::stderr(), "{line}");
-    }
-}
+#[path = "skip.rs"]
+mod skip_reason;
+pub use skip_reason::{model, skip};
 
 /// A command that starts the program, through the same loader prefix as the tests themselves where one is set.
 pub fn ambake() -> Command {
@@ -83,18 +67,6 @@ pub fn table(name: &str) -> Vec<String> {
 /// The folder of the tables of exact values.
 pub fn tables() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/tables")
-}
-
-/// A real model that is shared with the project, or `None` with a printed line where it is absent.
-pub fn model(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../shared/models")
-        .join(name);
-    if path.exists() {
-        return Some(path);
-    }
-    skip(&format!("../shared/models/{name} is not here"));
-    None
 }
 
 /// True where the program was built with Embree; prints a skip line where it was not.

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::skip;
+use common::skip::skip;
 use std::process::Command;
 
 /// The compiler whose messages are recorded beside the cases; others word them differently.

@@ -1,9 +1,10 @@
 //! EXR pages: what is written comes back, the bytes are fixed, damage is an error, another library reads the file.
 
-mod common;
+#[path = "../../../tests/skip.rs"]
+mod skip;
 
 use ambake_report::{Output, Page, PageHeader, PageLayer, read_page_exr, write_page_exr};
-use common::skip;
+use skip::skip;
 use std::path::{Path, PathBuf};
 
 /// Values with all kinds of bits, the same on every run.

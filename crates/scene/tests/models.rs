@@ -1,32 +1,13 @@
 //! Every model of the shared collection loads, with the counts that its README states.
 
+#[path = "../../../tests/skip.rs"]
+mod skip;
+
 use ambake_scene::{Alpha, Scene, Surface, WarningKind, load};
-use std::io::Write;
 use std::path::Path;
 
-/// Says on standard error, past the harness, why a test does nothing here. With `AMBAKE_TEST_STRICT=1` that is a failure.
-fn skip(reason: &str) {
-    let strict = std::env::var_os("AMBAKE_TEST_STRICT").is_some_and(|value| value == "1");
-    assert!(
-        !strict,
-        "AMBAKE_TEST_STRICT is set, but this was skipped: {reason}"
-    );
-    let thread = std::thread::current();
-    let name = thread.name().unwrap_or("a test");
-    // A closed standard error is no reason to fail.
-    let _ = writeln!(std::io::stderr(), "skipped, {name}: {reason}");
-}
-
 fn model(name: &str) -> Option<Scene> {
-    let path = Path::new(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../../shared/models"
-    ))
-    .join(name);
-    if !path.exists() {
-        skip(&format!("../shared/models/{name} is not here"));
-        return None;
-    }
+    let path = skip::model(name)?;
     let scene = load(&path).unwrap_or_else(|e| panic!("{e}"));
     check(&scene);
     Some(scene)

@@ -1,32 +1,15 @@
 //! Real models, where they are present.
 
+#[path = "../../../../tests/skip.rs"]
+mod skip;
+
 use ambake_atlas::{Atlas, Options, PageRaster, UvMode, UvSource, layout};
 use rayon::prelude::*;
 use scene::Scene;
-use std::io::Write;
-use std::path::Path;
-
-/// Says on standard error, past the harness, why a test does nothing here. With `AMBAKE_TEST_STRICT=1` that is a failure.
-fn skip(reason: &str) {
-    let strict = std::env::var_os("AMBAKE_TEST_STRICT").is_some_and(|value| value == "1");
-    assert!(
-        !strict,
-        "AMBAKE_TEST_STRICT is set, but this was skipped: {reason}"
-    );
-    let thread = std::thread::current();
-    let name = thread.name().unwrap_or("a test");
-    // A closed standard error is no reason to fail.
-    let _ = writeln!(std::io::stderr(), "skipped, {name}: {reason}");
-}
 
 /// Loads a model and lays it out on a page of 1024 texels; prints a line and returns `None` where it is absent.
 fn laid_out(model: &str) -> Option<(Scene, Atlas)> {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/models");
-    let path = Path::new(folder).join(model);
-    if !path.exists() {
-        skip(&format!("../shared/models/{model} is not here"));
-        return None;
-    }
+    let path = skip::model(model)?;
     let scene = scene::load(&path).unwrap();
     let options = Options {
         uv: UvMode::Auto,

@@ -1,23 +1,12 @@
 //! What the tests share: a device, random numbers, a few meshes.
 #![allow(dead_code)]
 
+#[path = "../../../../tests/skip.rs"]
+pub mod skip;
+
 use ambake_embree::{
     Coherence, Device, DeviceConfig, Error, Hit, Ray, RayPacket, Scene, SceneBuilder,
 };
-use std::io::Write;
-
-/// Says on standard error, past the harness, why a test does nothing here. With `AMBAKE_TEST_STRICT=1` that is a failure.
-pub fn skip(reason: &str) {
-    let strict = std::env::var_os("AMBAKE_TEST_STRICT").is_some_and(|value| value == "1");
-    assert!(
-        !strict,
-        "AMBAKE_TEST_STRICT is set, but this was skipped: {reason}"
-    );
-    let thread = std::thread::current();
-    let name = thread.name().unwrap_or("a test");
-    // A closed standard error is no reason to fail.
-    let _ = writeln!(std::io::stderr(), "skipped, {name}: {reason}");
-}
 
 /// A mesh: vertices and triangles.
 pub type Mesh = (Vec<[f32; 3]>, Vec<[u32; 3]>);
@@ -37,7 +26,7 @@ pub fn device() -> Option<Device> {
     match Device::new(&config()) {
         Ok(device) => Some(device),
         Err(Error::NotBuilt) => {
-            skip("this build has no Embree");
+            skip::skip("this build has no Embree");
             None
         }
         Err(e) => panic!("no device: {e}"),

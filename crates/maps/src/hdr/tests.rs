@@ -3,7 +3,6 @@
 use super::{decode, encode};
 use crate::Image;
 use crate::file::Labels;
-use std::io::Write;
 
 const HEAD: &str = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n";
 
@@ -244,26 +243,15 @@ fn a_file_as_photoshop_writes_it_gives_its_values_and_survives_a_round_trip() {
     assert_eq!(again.unwrap().image, read.image);
 }
 
-/// Says on standard error, past the harness, why a test does nothing here. With `AMBAKE_TEST_STRICT=1` that is a failure.
-fn skip(reason: &str) {
-    let strict = std::env::var_os("AMBAKE_TEST_STRICT").is_some_and(|value| value == "1");
-    assert!(
-        !strict,
-        "AMBAKE_TEST_STRICT is set, but this was skipped: {reason}"
-    );
-    let thread = std::thread::current();
-    let name = thread.name().unwrap_or("a test");
-    // A closed standard error is no reason to fail.
-    let _ = writeln!(std::io::stderr(), "skipped, {name}: {reason}");
-}
+#[path = "../../../../tests/skip.rs"]
+mod skip;
 
 #[test]
 fn real_files_survive_a_round_trip() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/models/hdr");
-    let Ok(entries) = std::fs::read_dir(folder) else {
-        return skip("../shared/models/hdr is not here");
+    let Some(folder) = skip::model("hdr") else {
+        return;
     };
-    for entry in entries {
+    for entry in std::fs::read_dir(folder).unwrap() {
         let bytes = std::fs::read(entry.unwrap().path()).unwrap();
         let image = decode(&bytes).unwrap().image;
         assert_eq!((image.width, image.height), (1024, 512));

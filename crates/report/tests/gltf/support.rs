@@ -86,7 +86,7 @@ fn validate(files: &[PathBuf]) -> Option<Vec<Value>> {
     let run = match Command::new("node").arg(script).args(files).output() {
         Ok(run) if run.status.code() != Some(77) => run,
         _ => {
-            crate::common::skip(
+            crate::skip::skip(
                 "node or its module gltf-validator is absent (npm install in tests/tools)",
             );
             return None;
