@@ -2,7 +2,7 @@
 
 use crate::Image;
 use crate::error::Reason;
-use crate::file::{ImageFile, Labels, check_size};
+use crate::image_file::{ImageFile, Labels, check_size};
 use exr::image::read::image::ReadLayers;
 use exr::image::read::layers::ReadChannels;
 use exr::image::read::read;

@@ -2,27 +2,8 @@
 
 use crate::error::Reason;
 use crate::faces::absent_hint;
-use crate::{Error, Image, exr_file, hdr, painted};
-use std::collections::BTreeMap;
+use crate::{Error, Image, ImageFile, Labels, exr_file, hdr, painted};
 use std::path::Path;
-
-/// Longest side that is read, in pixels.
-pub(crate) const MAX_SIDE: usize = 1 << 16;
-
-/// Most pixels that are read: 3 GiB as [`Image`].
-pub(crate) const MAX_PIXELS: usize = 1 << 28;
-
-/// Text of a file's header by name: `ambakeProjection`, `ambakeAxes`, `ambakeNormalisation`, …
-pub type Labels = BTreeMap<String, String>;
-
-/// A picture with what its header says.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ImageFile {
-    /// The picture.
-    pub image: Image,
-    /// The header's own text.
-    pub labels: Labels,
-}
 
 /// A format that is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -175,19 +156,6 @@ pub fn encode_with(
         Format::Exr => exr_file::encode(image, confidence, labels),
     }
     .map_err(Error::Encode)
-}
-
-/// A side length pair that fits in memory.
-pub(crate) fn check_size(width: usize, height: usize) -> Result<(), Reason> {
-    if width == 0 || height == 0 {
-        return Err(format!("it is {width} x {height} pixels"));
-    }
-    if width > MAX_SIDE || height > MAX_SIDE || width * height > MAX_PIXELS {
-        return Err(format!(
-            "it is {width} x {height} pixels; at most {MAX_SIDE} a side and {MAX_PIXELS} in all are read"
-        ));
-    }
-    Ok(())
 }
 
 fn ending(path: &Path) -> String {

@@ -1,7 +1,7 @@
 //! Painted maps: 8- and 16-bit pictures, made linear.
 
 use crate::error::Reason;
-use crate::file::{ImageFile, Labels, MAX_SIDE, check_size};
+use crate::image_file::{ImageFile, Labels, MAX_SIDE, check_size};
 use image::{ImageReader, Limits};
 use std::io::Cursor;
 

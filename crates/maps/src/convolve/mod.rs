@@ -11,6 +11,7 @@ mod legendre;
 mod lights;
 mod lobe;
 mod points;
+mod rings;
 mod synthesis;
 #[cfg(test)]
 mod tests;

@@ -1,8 +1,8 @@
 //! From spherical harmonics to pictures.
 
-use super::analysis::Series;
 use super::grid::Grid;
 use super::legendre::{Legendre, diagonal};
+use super::rings::Series;
 use crate::{Image, Projection};
 use rayon::prelude::*;
 use realfft::RealFftPlanner;

@@ -4,8 +4,8 @@
 //! are moved onto a grid of Gauss-Legendre nodes by the adjoint of interpolation: node (p, q) gets Σ I ∫∫ l_p l_q over
 //! texels, times the solid angle by area at the node. Where a tile is cut by a rim or a fold every texel has its own nodes.
 
-use super::analysis::nodes;
 use super::points::Points;
+use super::rings::nodes;
 use crate::{IlluminationMap, Projection};
 use ambient::quadrature::gauss_legendre;
 use rayon::prelude::*;

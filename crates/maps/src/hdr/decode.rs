@@ -2,7 +2,7 @@
 
 use crate::Image;
 use crate::error::Reason;
-use crate::file::{ImageFile, Labels, check_size};
+use crate::image_file::{ImageFile, Labels, check_size};
 
 /// The picture in the bytes of a `.hdr` file. EXPOSURE and COLORCORR are divided out; XYZE becomes RGB with Radiance's
 /// primaries, and what lies outside them is cut off at 0.

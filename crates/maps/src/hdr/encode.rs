@@ -2,7 +2,7 @@
 
 use crate::Image;
 use crate::error::Reason;
-use crate::file::Labels;
+use crate::image_file::Labels;
 
 /// The bytes of a `.hdr` file with `labels` in its header.
 pub(crate) fn encode(image: &Image, labels: &Labels) -> Result<Vec<u8>, Reason> {

@@ -2,7 +2,7 @@
 
 use super::{decode, encode};
 use crate::Image;
-use crate::file::Labels;
+use crate::image_file::Labels;
 
 const HEAD: &str = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n";
 
