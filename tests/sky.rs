@@ -341,9 +341,9 @@ fn a_bad_sky_is_one_line_and_leaves_nothing_behind() {
         (vec!["--sky", &at("sky.txt")], 1, "sky.txt"),
         (vec!["--sky", "1,1"], 2, "--sky"),
         (
-            vec!["--sky", &good, "--filter", "regression"],
+            vec!["--sky", &good, "--denoise", "regression"],
             1,
-            "--filter",
+            "--denoise",
         ),
     ] {
         let (scene, out) = (scene("plane.obj").display().to_string(), at("out"));
