@@ -82,7 +82,7 @@ fn meet(ray: &Ray, triangle: &Triangle) -> Option<SurfaceHit> {
     let [u, v, t] = [s.dot(p), direction.dot(q), ac.dot(q)].map(|x| x / determinant);
     let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0;
     let within = t > f64::from(ray.t_min.max(0.0)) && t <= f64::from(ray.t_max);
-    (inside && within).then(|| SurfaceHit {
+    (inside && within).then_some(SurfaceHit {
         t: t as f32,
         instance: triangle.instance,
         triangle: triangle.number,
