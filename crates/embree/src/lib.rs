@@ -1,7 +1,7 @@
 //! A safe wrapper over Debian's Embree (4, else 3.13): triangle meshes, instances, occlusion and closest hits.
 //!
 //! ```
-//! use embree::{Device, DeviceConfig, Error, Ray, SceneBuilder};
+//! use ambake_embree::{Device, DeviceConfig, Error, Ray, SceneBuilder};
 //!
 //! let device = match Device::new(&DeviceConfig::default()) {
 //!     Ok(device) => device,

@@ -2,6 +2,18 @@
 //!
 //! A picture is [`picture`] over a [`Camera`] and something that tells the radiance along a ray: [`Direct`] integrates the
 //! ambient models where the ray meets the scene, [`Lightmap`] looks them up in a bake.
+//!
+//! ```
+//! use ambake_render::{Camera, picture};
+//! use glam::DVec3;
+//!
+//! // Straight ahead, a right angle from top to bottom. The radiance is how far a ray leans to the right.
+//! let camera = Camera::new(DVec3::ZERO, -DVec3::Z, DVec3::Y, std::f64::consts::FRAC_PI_2, [4, 4])?;
+//! let image = picture(&camera, 1, &(), |sample| DVec3::splat(sample.direction.x.max(0.0)))?;
+//! assert_eq!(image.pixels[0], [0.0; 3]);
+//! assert!(image.pixels[3][0] > image.pixels[2][0]);
+//! # Ok::<(), ambake_render::Error>(())
+//! ```
 #![forbid(unsafe_code)]
 
 mod camera;

@@ -18,6 +18,14 @@ pub enum Encoding {
 
 impl Encoding {
     /// The encoding of a layer's preview, as the table of layers says; `None` where there is none. `values` are all of the layer's.
+    ///
+    /// ```
+    /// use ambake_report::Encoding;
+    /// use layers::Layer;
+    ///
+    /// let encoding = Encoding::of(Layer::Diffuse, &[0.25, 0.5]).unwrap();
+    /// assert_eq!((encoding, encoding.byte(0.5)), (Encoding::Linear, 128));
+    /// ```
     pub fn of(layer: Layer, values: &[f32]) -> Option<Encoding> {
         Some(match layer.preview() {
             Preview::Linear => Encoding::Linear,

@@ -4,6 +4,17 @@
 //! it *takes away* from an open hemisphere, so that polygons which do not overlap as seen from the point simply add up.
 //! **Overlap is not resolved**: for a closed convex body pass only the faces that look at the point. The shapes of
 //! [`shapes`] and [`round`] return the terms themselves.
+//!
+//! ```
+//! use ambake_bench::exact::polygon_form_factor;
+//! use glam::DVec3;
+//!
+//! // A square of side 2 at height 1 above the point: 0.5541, H. C. Hottel's parallel plates.
+//! let square = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| DVec3::new(x, y, 1.0));
+//! let blocked = polygon_form_factor(&square, DVec3::Z);
+//! let exact = 4.0 / std::f64::consts::PI * 0.5f64.sqrt() * 0.5f64.sqrt().atan();
+//! assert!((blocked - exact).abs() < 1e-14);
+//! ```
 
 mod clip;
 mod lobe;
