@@ -967,17 +967,20 @@ def lamp():
 
 
 def sky_radiance(d):
-    """A clear day by the unit direction, y up: pale at the horizon, blue overhead, brown ground, paler around the sun."""
+    """A clear day by the unit direction, y up: pale at the horizon, blue overhead, brown ground, paler around the sun.
+
+    Exposed so that white paper square to the sun, its brightest place, comes out at 0.85.
+    """
     if d[1] < 0:
-        return (0.16, 0.13, 0.10)
+        return (0.10, 0.08, 0.06)
     haze = (1 - d[1]) ** 3
-    glow = 0.6 * max(0.0, sum(a * b for a, b in zip(d, SUN))) ** 24
-    return tuple(b + (h - b) * haze + g * glow for b, h, g in zip((0.15, 0.33, 0.85), (0.75, 0.85, 0.95), (1.0, 0.9, 0.7)))
+    glow = 0.3 * max(0.0, sum(a * b for a, b in zip(d, SUN))) ** 24
+    return tuple(b + (h - b) * haze + g * glow for b, h, g in zip((0.08, 0.16, 0.38), (0.38, 0.42, 0.46), (1.0, 0.9, 0.7)))
 
 
 SUN = unit((0.55, 0.65, 0.52))
-# Its four texels cover 0.030 sr. A level floor gets an irradiance of (2.5, 2.3, 1.8) from them, (0.7, 1.3, 2.7) from the sky.
-SUN_RADIANCE = (135.0, 120.0, 95.0)
+# Its four texels cover 0.030 sr. A level floor gets an irradiance of (1.4, 1.2, 1.0) from them, (0.4, 0.6, 1.2) from the sky.
+SUN_RADIANCE = (74.0, 66.0, 52.0)
 
 
 def rgbe(color):
