@@ -20,7 +20,7 @@ one package name="":
 lint:
     cargo fmt --all --check
     cargo clippy --workspace --all-targets --locked -- -D warnings
-    python3 .ci/deny.py
+    cargo deny --locked check licenses bans sources
 
 # the documentation of every crate, in target/doc
 docs:
