@@ -5,7 +5,7 @@
 /// `T` is the value's type. The standard error of a colour is that of the mean of its channels.
 ///
 /// ```
-/// let open = ambake_ambient::Estimate { value: 0.75, std_err: 0.01 };
+/// let open = ambake_ambient::Estimate { value: 0.75_f64, std_err: 0.01 };
 /// assert!((open.value - 0.74).abs() < 2.0 * open.std_err);
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -35,7 +35,8 @@
 //! # Diffuse and specular given apart
 //!
 //! OBJ files and scenes built in memory name both reflectances, and nothing keeps their sum below 1. Where it is not,
-//! [`conserving`] takes the excess from the diffuse one, as a coat would.
+//! [`conserving`] scales both. To take the excess from one of them would turn many files black or matt: exporters leave
+//! a `Ks` of 0.5 or 1 beside any `Kd`.
 
 use crate::source::Input;
 use crate::{Alpha, Material, Surface, WarningKind};
@@ -76,24 +77,24 @@ pub fn phong_from_metallic_roughness(
     )
 }
 
-/// The diffuse reflectance beside `specular`, both in 0..=1: `albedo` itself, or, where the two add up to more than 1
-/// in a channel, `albedo` times the largest factor that leaves no such channel. One factor for all channels keeps the
-/// hue. Counted as [`WarningKind::DiffuseScaled`].
-pub(crate) fn conserving(input: &mut Input, place: &str, albedo: Vec3, specular: Vec3) -> Vec3 {
+/// Albedo and specular reflectance, both in 0..=1: as given, or, where they add up to more than 1 in a channel, both
+/// times the largest factor that leaves no such channel. One factor for all keeps hue and gloss. Counted as
+/// [`WarningKind::ReflectanceScaled`].
+pub(crate) fn conserving(
+    input: &mut Input,
+    place: &str,
+    [albedo, specular]: [Vec3; 2],
+) -> [Vec3; 2] {
     // The sum is rounded to f32 on purpose: decimals that add up to 1 in the file, such as 0.6 and 0.4, do so here.
     if (albedo + specular).max_element() <= 1.0 {
-        return albedo;
+        return [albedo, specular];
     }
-    let (diffuse, room) = (albedo.as_dvec3(), 1.0 - specular.as_dvec3());
-    let factor = (0..3)
-        .filter(|&c| diffuse[c] > 0.0)
-        .map(|c| room[c] / diffuse[c])
-        .fold(1.0, f64::min);
+    let factor = 1.0 / (albedo.as_dvec3() + specular.as_dvec3()).max_element();
     let message = format!(
-        "diffuse and specular reflectance add up to more than 1; the diffuse one is multiplied by {factor:.4}"
+        "diffuse and specular reflectance add up to more than 1; both are multiplied by {factor:.4}"
     );
-    input.warn(WarningKind::DiffuseScaled, place, 1, message);
-    (diffuse * factor).as_vec3()
+    input.warn(WarningKind::ReflectanceScaled, place, 1, message);
+    [albedo, specular].map(|color| (color.as_dvec3() * factor).as_vec3())
 }
 
 /// The material of a mesh that has none: a white Lambertian surface, so that the baked terms carry no tint.

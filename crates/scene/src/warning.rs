@@ -32,9 +32,8 @@ pub enum WarningKind {
     BadUvs,
     /// A factor of a material outside its range is clamped into it.
     ClampedFactors,
-    /// Diffuse and specular reflectance add up to more than 1: the diffuse one is scaled down, by one factor for all
-    /// channels.
-    DiffuseScaled,
+    /// Diffuse and specular reflectance add up to more than 1: both are scaled down, by one factor for all channels.
+    ReflectanceScaled,
     /// A mesh without a triangle is left out, with its instances.
     EmptyMeshes,
     /// A glTF material extension that is not modelled.
@@ -87,7 +86,7 @@ impl WarningKind {
             WarningKind::BadNormals => "bad-normals",
             WarningKind::BadUvs => "bad-uvs",
             WarningKind::ClampedFactors => "clamped-factors",
-            WarningKind::DiffuseScaled => "diffuse-scaled",
+            WarningKind::ReflectanceScaled => "reflectance-scaled",
             WarningKind::EmptyMeshes => "empty-meshes",
             WarningKind::IgnoredExtensions => "ignored-extensions",
             WarningKind::IgnoredLinesAndPoints => "ignored-lines-and-points",

@@ -1,23 +1,30 @@
 //! A glTF document for a scene that came from an OBJ file or was built in memory: vertices in the order of the layout,
 //! materials mapped.
 //!
-//! Base colour is the scene's albedo (Kd, scaled where Kd + Ks is above 1), metallic 0, and roughness the inverse of
-//! [`scene::phong_from_metallic_roughness`]: `roughness = (2n + 1)^(-1/4)`. Ks is not carried over: every dielectric
-//! reflects 0.04 in glTF, and its base reflects of what that leaves. So a viewer shows, and ambake reads back, a diffuse
-//! reflectance of 0.96 of the albedo. The albedo is not divided by 0.96 for that: one above 0.96 would have no base
-//! colour, and nobody would find their Kd in the file. Ke is the emissive factor, with
-//! `KHR_materials_emissive_strength` where a channel is above 1.
+//! Metallic is 0, and roughness the inverse of [`scene::phong_from_metallic_roughness`]: `roughness = (2n + 1)^(-1/4)`.
+//! Without more, glTF gives every dielectric a coat that reflects 0.04. `KHR_materials_specular` says instead what the
+//! scene says: `specularFactor` 0 for a matt surface, else `specularColorFactor` Ks / 0.04. Base colour is then the
+//! albedo (Kd, scaled where Kd + Ks is above 1) divided by what the coat leaves, 1 - max Ks, and at most 1. So ambake
+//! reads back the materials of the scene. Ke is the emissive factor, with `KHR_materials_emissive_strength` where a
+//! channel is above 1.
 
 use super::document::{Document, Target};
 use super::{Origins, Reason};
 use crate::preview::encode;
 use atlas::Atlas;
+use glam::Vec3;
 use scene::{Alpha, Image, Material, Scene, Surface, TextureRef, Wrap};
 use serde_json::{Value, json};
 use std::collections::HashMap;
 
 /// The extension for radiance above 1.
 const STRENGTH: &str = "KHR_materials_emissive_strength";
+
+/// The extension for another reflectance of the coat than [`COAT`].
+const SPECULAR: &str = "KHR_materials_specular";
+
+/// What glTF's dielectric reflects at normal view.
+const COAT: f32 = 0.04;
 
 /// The document and where it holds the scene: mesh and instance numbers are those of the scene.
 pub fn document(scene: &Scene, atlas: &Atlas) -> Result<(Document<'static>, Origins), Reason> {
@@ -31,6 +38,9 @@ pub fn document(scene: &Scene, atlas: &Atlas) -> Result<(Document<'static>, Orig
     for material in &scene.materials {
         let value = material_value(&mut document, &mut textures, scene, material)?;
         document.push("materials", value)?;
+    }
+    if !scene.materials.is_empty() {
+        document.push("extensionsUsed", SPECULAR.into())?;
     }
     if scene
         .materials
@@ -99,18 +109,25 @@ fn material_value(
     scene: &Scene,
     material: &Material,
 ) -> Result<Value, Reason> {
-    let (albedo, albedo_map, exponent) = match &material.surface {
+    let (albedo, albedo_map, specular, exponent) = match &material.surface {
         Surface::Phong {
             albedo,
             albedo_map,
+            specular,
             exponent,
-            ..
-        } => (*albedo, albedo_map.as_ref(), *exponent),
+        } => (*albedo, albedo_map.as_ref(), *specular, *exponent),
         Surface::MetallicRoughness { base, .. } => {
             unreachable!("an OBJ or built material with base colour {base}")
         }
     };
-    let albedo = albedo.clamp(glam::Vec3::ZERO, glam::Vec3::ONE);
+    let specular = specular.clamp(Vec3::ZERO, Vec3::ONE);
+    // Nothing but a mirror leaves no base, whose colour is then of no account.
+    let left = (1.0 - specular.max_element()).max(f32::MIN_POSITIVE);
+    let base = (albedo / left).clamp(Vec3::ZERO, Vec3::ONE);
+    let coat = match specular == Vec3::ZERO {
+        true => json!({ "specularFactor": 0.0 }),
+        false => json!({ "specularColorFactor": (specular / COAT).to_array() }),
+    };
     let (factor, alpha_map) = match &material.alpha {
         Alpha::Opaque => (1.0, None),
         Alpha::Mask { factor, map, .. } => (factor.clamp(0.0, 1.0), map.as_ref()),
@@ -119,17 +136,18 @@ fn material_value(
     let mut value = json!({
         "name": material.name,
         "pbrMetallicRoughness": {
-            "baseColorFactor": [albedo.x, albedo.y, albedo.z, factor],
+            "baseColorFactor": [base.x, base.y, base.z, factor],
             "metallicFactor": 0.0,
             "roughnessFactor": roughness,
         },
+        "extensions": { SPECULAR: coat },
     });
     if let Some(any) = albedo_map.or(alpha_map) {
         let texture = base_color(document, textures, scene, any, albedo_map, alpha_map)?;
         value["pbrMetallicRoughness"]["baseColorTexture"] =
             json!({ "index": texture, "texCoord": any.uv_set });
     }
-    if material.emission != glam::Vec3::ZERO {
+    if material.emission != Vec3::ZERO {
         let strength = material.emission.max_element().max(1.0);
         let factor = material.emission / strength;
         value["emissiveFactor"] = factor.to_array().into();

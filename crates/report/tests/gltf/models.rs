@@ -1,7 +1,7 @@
 //! Whole scenes, written and loaded again.
 
 use super::support::{assert_valid, corners, layout, open, write};
-use scene::Scene;
+use scene::{Scene, Surface, phong_from_metallic_roughness};
 use serde_json::json;
 use std::fs;
 
@@ -62,8 +62,54 @@ fn lamps_of_an_obj_scene_keep_their_radiance() {
     let (json, _) = open(&path);
     assert_eq!(
         json["extensionsUsed"],
-        json!(["KHR_materials_emissive_strength"])
+        json!(["KHR_materials_specular", "KHR_materials_emissive_strength"])
     );
-    assert_eq!(json["materials"][1].get("extensions"), None);
+    assert_eq!(
+        json["materials"][1]["extensions"],
+        json!({ "KHR_materials_specular": { "specularFactor": 0.0 } })
+    );
+    assert_valid(&[path]);
+}
+
+/// The models of a picture from a bake must be those of the scene, or the picture is darker than the integrated one.
+#[test]
+fn materials_of_an_obj_scene_come_back_as_they_were() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| dir.path().join(name);
+    let library = "newmtl matt\nKd 1 0.5 0.25\nnewmtl coat\nKd 0.5 0.25 0.125\nKs 0.25 0.5 0\nNs 40\nnewmtl both\nKd 1 1 1\nKs 1 1 1\n";
+    fs::write(at("a.mtl"), library).unwrap();
+    let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    let faces = ["matt", "coat", "both"].map(|name| format!("usemtl {name}\nf 1 2 3\n"));
+    let text = format!("mtllib a.mtl\n{corners}{}", faces.concat());
+    fs::write(at("a.obj"), text).unwrap();
+    let before = scene::load(&at("a.obj")).unwrap();
+    let path = write(&before, &layout(&before, false, 1), dir.path(), "a.glb");
+    let after = scene::load(&path).unwrap();
+    let phong = |scene: &Scene| {
+        let of = |mesh: &scene::Mesh| match &scene.materials[mesh.material as usize].surface {
+            Surface::Phong {
+                albedo,
+                specular,
+                exponent,
+                ..
+            } => (*albedo, *specular, *exponent),
+            Surface::MetallicRoughness {
+                base,
+                metallic,
+                roughness,
+                dielectric,
+                ..
+            } => phong_from_metallic_roughness(*base, *metallic, *roughness, *dielectric),
+        };
+        scene.meshes.iter().map(of).collect::<Vec<_>>()
+    };
+    for (found, given) in phong(&after).iter().zip(phong(&before)) {
+        let off = (found.0 - given.0).abs().max((found.1 - given.1).abs());
+        assert!(off.max_element() < 1e-6, "{found:?} for {given:?}");
+        assert!(
+            (found.2 - given.2).abs() < 1e-4 * (1.0 + given.2),
+            "{found:?} for {given:?}"
+        );
+    }
     assert_valid(&[path]);
 }

@@ -160,7 +160,7 @@ fn material(
         changed,
         message,
     );
-    let albedo = conserving(input, &place, albedo, specular);
+    let [albedo, specular] = conserving(input, &place, [albedo, specular]);
 
     let texture = given.albedo_texture;
     let map = texture

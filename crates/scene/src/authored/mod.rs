@@ -53,7 +53,7 @@ pub struct Material {
     /// Name in messages and written glTF; `material 3` where it is empty.
     pub name: String,
     /// Diffuse reflectance, linear RGB, 0..=1. Where albedo and specular add up to more than 1 in a channel, the scene
-    /// gets a darker albedo and a warning: no surface reflects more than it receives.
+    /// gets darker ones and a warning: no surface reflects more than it receives.
     pub albedo: [f32; 3],
     /// Picture that multiplies `albedo`, read with the mesh's `uvs`.
     pub albedo_texture: Option<Texture>,

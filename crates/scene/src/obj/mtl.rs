@@ -1,7 +1,7 @@
 //! Material libraries: the parameters of the Phong model as OBJ files give them.
 //!
 //! Read: `Kd`, `Ks`, `Ns`, `Ke`, `d`, `Tr`, `map_Kd`, `map_d`; missing ones are white, black, 0, black and opaque. Where
-//! Kd + Ks is above 1 in a channel, Kd is scaled down, for no surface reflects more than it receives. `Ka` is not used:
+//! Kd + Ks is above 1 in a channel, both are scaled down, for no surface reflects more than it receives. `Ka` is not used:
 //! the ambient term that is baked reflects with `Kd`. `map_Ks`, `map_Bump`, `bump` and `norm` are noted and left out.
 //! `illum` is not used either: which model is shown is chosen by layer.
 
@@ -186,7 +186,7 @@ fn material(
         changed,
         "factors out of range are clamped",
     );
-    let albedo = conserving(input, &place, albedo, specular);
+    let [albedo, specular] = conserving(input, &place, [albedo, specular]);
     let normal_maps =
         raw.normal_texture.is_some() as u64 + raw.unknown_param.contains_key("norm") as u64;
     input.warn(

@@ -143,22 +143,20 @@ fn kd_and_ks_add_up_to_at_most_one_and_what_was_scaled_is_counted() {
                 sum <= 1.0 + ROUNDING,
                 "{kd} + {ks} became {albedo} + {specular}"
             );
-            assert_eq!(specular, ks, "Ks stays");
             if (kd + ks).max_element() <= 1.0 {
-                assert_eq!(albedo, kd, "Kd stays beside {ks}");
+                assert_eq!((albedo, specular), (kd, ks), "both stay");
                 continue;
             }
             scaled += 1;
-            // One factor for all channels, and no smaller than it must be.
-            let factor = albedo.max_element() / kd.max_element();
+            // One factor for all channels of both, and no smaller than it must be.
+            let factor = 1.0 / (kd + ks).max_element();
+            let off = (albedo - kd * factor).abs() + (specular - ks * factor).abs();
             assert!(
-                (albedo - kd * factor).abs().max_element() <= ROUNDING,
-                "{kd} became {albedo}"
+                off.max_element() <= ROUNDING && sum >= 1.0 - ROUNDING,
+                "{kd} + {ks} became {albedo} + {specular}"
             );
-            let full = (0..3).any(|c| kd[c] > 0.0 && albedo[c] + specular[c] >= 1.0 - ROUNDING);
-            assert!(full, "{kd} + {ks} became {albedo} + {specular}");
         }
-        assert_eq!(scene.warned(WarningKind::DiffuseScaled), scaled);
+        assert_eq!(scene.warned(WarningKind::ReflectanceScaled), scaled);
         assert!(scaled > 0);
     }
 }
@@ -169,24 +167,24 @@ fn decimals_that_add_up_to_one_are_not_scaled() {
         .map(|i| ([i as f32 / 1000.0; 3], [(1000 - i) as f32 / 1000.0; 3]))
         .collect();
     let scene = obj(&tenths);
-    assert_eq!(scene.warned(WarningKind::DiffuseScaled), 0);
+    assert_eq!(scene.warned(WarningKind::ReflectanceScaled), 0);
     for ((kd, _), (albedo, _)) in tenths.iter().zip(reflectances(&scene)) {
         assert_eq!(albedo.to_array(), *kd);
     }
 }
 
 #[test]
-fn the_scaled_albedo_is_what_the_coat_leaves() {
-    let scene = obj(&[([1.0, 0.5, 0.25], [0.5; 3]), ([0.8; 3], [1.0, 0.5, 0.5])]);
+fn both_reflectances_are_scaled_by_one_factor() {
+    let scene = obj(&[([1.0, 0.5, 0.25], [1.0; 3]), ([1.0; 3], [0.6, 0.5, 0.5])]);
     let [first, second] = reflectances(&scene)[..] else {
         panic!("two materials")
     };
     assert_eq!(first, (Vec3::new(0.5, 0.25, 0.125), Vec3::splat(0.5)));
-    assert_eq!(second, (Vec3::ZERO, Vec3::new(1.0, 0.5, 0.5)));
+    assert_eq!(second.0, Vec3::splat(0.625));
     let warning = &scene.warnings[0];
     assert_eq!(
         (warning.kind.name(), warning.place.as_str(), warning.count),
-        ("diffuse-scaled", "material `m0`", 1)
+        ("reflectance-scaled", "material `m0`", 1)
     );
     assert!(
         warning.message.ends_with("multiplied by 0.5000"),

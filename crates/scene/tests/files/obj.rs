@@ -95,8 +95,12 @@ fn groups_and_materials_make_parts_and_a_part_may_be_resumed() {
     };
     assert_eq!(
         (albedo, specular, exponent),
-        (Vec3::X * 0.5, Vec3::splat(0.5), 20.0),
-        "Kd 1 beside Ks 0.5 leaves 0.5"
+        (
+            Vec3::X * (1.0f64 / 1.5) as f32,
+            Vec3::splat((0.5f64 / 1.5) as f32),
+            20.0
+        ),
+        "Kd 1 beside Ks 0.5: both divided by 1.5"
     );
     assert_eq!(scene.materials[0].emission, Vec3::new(2.0, 3.0, 0.5));
     assert_eq!(scene.materials[1].emission, Vec3::ZERO);
