@@ -252,40 +252,36 @@ fn grow(boxes: &[Aabb], wide_levels: Option<usize>) -> (Nodes, Vec<u32>) {
 
 /// Levels of nodes.
 fn binary_depth(tree: &Bvh2) -> usize {
-    let mut deepest = 0;
-    let mut open = if tree.nodes.is_empty() {
-        Vec::new()
-    } else {
-        vec![(0, 1)]
-    };
-    while let Some((index, depth)) = open.pop() {
-        deepest = deepest.max(depth);
+    levels(tree.nodes.len(), |index, children| {
         let node = &tree.nodes[index as usize];
         if !node.is_leaf() {
-            open.extend([
-                (node.first_index, depth + 1),
-                (node.first_index + 1, depth + 1),
-            ]);
+            children.extend([node.first_index, node.first_index + 1]);
         }
-    }
-    deepest
+    })
 }
 
 /// Levels of wide nodes.
 fn wide_depth(tree: &CwBvh) -> usize {
-    let mut deepest = 0;
-    let mut open = if tree.nodes.is_empty() {
-        Vec::new()
-    } else {
-        vec![(0, 1)]
-    };
-    while let Some((index, depth)) = open.pop() {
-        deepest = deepest.max(depth);
+    levels(tree.nodes.len(), |index, children| {
         let node = &tree.nodes[index as usize];
         let inner = (0..8).filter(|&child| !node.is_leaf(child));
-        open.extend(inner.map(|child| (node.child_node_index(child), depth + 1)));
+        children.extend(inner.map(|child| node.child_node_index(child)));
+    })
+}
+
+/// Levels of a tree of `count` nodes whose root is node 0; `children` appends the inner children of a node.
+fn levels(count: usize, children: impl Fn(u32, &mut Vec<u32>)) -> usize {
+    let mut level = if count == 0 { Vec::new() } else { vec![0] };
+    let mut levels = 0;
+    while !level.is_empty() {
+        levels += 1;
+        let mut next = Vec::new();
+        for index in level {
+            children(index, &mut next);
+        }
+        level = next;
     }
-    deepest
+    levels
 }
 
 #[cfg(test)]
