@@ -203,14 +203,13 @@ impl<'a> Baker<'a> {
 
     /// What the page keeps of a tile.
     fn result(&self, columns: &[Column], texels: &[BakedTexel]) -> TileResult {
-        let sky = self.options.sky.mean();
         let size = self.atlas.page_size;
         let mut result = TileResult::default();
         for texel in texels {
-            let mut values = (Layer::Coverage, texel.values(Layer::Coverage, sky));
+            let mut values = (Layer::Coverage, texel.values(Layer::Coverage));
             for column in columns {
                 if column.layer != values.0 {
-                    values = (column.layer, texel.values(column.layer, sky));
+                    values = (column.layer, texel.values(column.layer));
                 }
                 result.values.push(values.1[column.channel]);
             }

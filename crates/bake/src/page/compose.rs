@@ -6,7 +6,7 @@ use glam::DVec3;
 use layers::Layer;
 use rays::PhongMaterial;
 
-/// What the models of a texel are composed of.
+/// What the layers of a texel are composed of.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Composition {
     /// Mean radiance of the sky.
@@ -14,6 +14,9 @@ pub(crate) struct Composition {
     pub visibility: f64,
     pub irradiance: DVec3,
     pub reflection: DVec3,
+    /// Standard errors of the diffuse and the specular term.
+    pub diffuse_error: f64,
+    pub specular_error: f64,
     /// Diffuse reflectance.
     pub albedo: DVec3,
     /// Specular reflectance.
@@ -21,38 +24,47 @@ pub(crate) struct Composition {
 }
 
 impl Composition {
-    /// The value of a layer that is composed; `None` for the facts themselves.
-    pub fn value(&self, layer: Layer) -> Option<DVec3> {
+    /// The channels of a layer; only the first counts where the layer has one.
+    pub fn value(&self, layer: Layer) -> DVec3 {
         let traditional = || models::traditional(self.sky, self.albedo, self.visibility);
         let lambert = || models::lambert(self.irradiance, self.albedo);
         let phong = || {
             let (irradiance, reflection) = (self.irradiance, self.reflection);
             models::phong(irradiance, reflection, self.albedo, self.specular)
         };
-        Some(match layer {
+        let uniform = |std_err| DVec3::splat(self.sky.element_sum() / 3.0 * std_err);
+        match layer {
             Layer::Irradiance => self.irradiance,
             Layer::Reflection => self.reflection,
+            Layer::StdErrIrradiance => uniform(self.diffuse_error),
+            Layer::StdErrReflection => uniform(self.specular_error),
             Layer::Traditional => traditional(),
             Layer::Lambert => lambert(),
             Layer::Phong => phong(),
             Layer::DifferenceLambert => traditional() - lambert(),
             Layer::DifferencePhong => traditional() - phong(),
-            _ => return None,
-        })
+            fact => unreachable!("layer {} is a fact", fact.name()),
+        }
     }
 }
 
-/// True for layers that follow from terms and reflectances.
+/// True for layers that follow from light and reflectances.
 pub(crate) fn is_composed(layer: Layer) -> bool {
     matches!(
         layer,
-        Layer::Irradiance
-            | Layer::Reflection
-            | Layer::Traditional
+        Layer::Traditional
             | Layer::Lambert
             | Layer::Phong
             | Layer::DifferenceLambert
             | Layer::DifferencePhong
+    )
+}
+
+/// True for layers that follow from the shares under a uniform sky, and that tiles integrate under a map.
+pub(crate) fn is_light(layer: Layer) -> bool {
+    matches!(
+        layer,
+        Layer::Irradiance | Layer::Reflection | Layer::StdErrIrradiance | Layer::StdErrReflection
     )
 }
 
@@ -79,20 +91,9 @@ pub(crate) struct BakedTexel {
 }
 
 impl BakedTexel {
-    /// The values of a layer, as many as the layer has channels. `sky` is the mean radiance of the sky.
-    pub fn values(&self, layer: Layer, sky: DVec3) -> [f32; 3] {
+    /// The values of a fact, as many as the layer has channels.
+    pub fn values(&self, layer: Layer) -> [f32; 3] {
         let (terms, material) = (&self.terms, &self.material);
-        let composition = Composition {
-            sky,
-            visibility: terms.visibility.value,
-            irradiance: terms.irradiance.value,
-            reflection: terms.reflection.value,
-            albedo: material.albedo,
-            specular: material.specular,
-        };
-        if let Some(rgb) = composition.value(layer) {
-            return rgb.as_vec3().to_array();
-        }
         let one = |value: f64| [value as f32, 0.0, 0.0];
         let three = |value: DVec3| value.as_vec3().to_array();
         match layer {
@@ -100,6 +101,8 @@ impl BakedTexel {
             Layer::Visibility => one(terms.visibility.value),
             Layer::Diffuse => one(terms.diffuse.value),
             Layer::Specular => one(terms.specular.value),
+            Layer::Irradiance => three(terms.irradiance.value),
+            Layer::Reflection => three(terms.reflection.value),
             Layer::StdErrDiffuse => one(terms.diffuse.std_err),
             Layer::StdErrVisibility => one(terms.visibility.std_err),
             Layer::StdErrSpecular => one(terms.specular.std_err),
@@ -115,7 +118,7 @@ impl BakedTexel {
             Layer::Validity => one(self.validity),
             Layer::Albedo => three(material.albedo),
             Layer::Reflectance => three(material.specular),
-            other => unreachable!("layer {} is neither a fact nor composed", other.name()),
+            composed => unreachable!("layer {} is no fact", composed.name()),
         }
     }
 }

@@ -1,19 +1,22 @@
-//! The last steps of a page whose tiles are all finished: denoise, compose, dilate.
+//! The last steps of a page whose tiles are all finished, in this order: denoise, compose, dilate.
 
-use super::compose::{Composition, is_composed};
+use super::compose::{Composition, is_composed, is_light};
 use super::planes::{BakedPage, LayerPlanes};
 use super::stats::ErrorSums;
 use crate::choice::Choice;
 use crate::denoise::{Field, denoise};
-use crate::options::{Denoise, Options};
+use crate::options::{Denoise, Options, Sky};
 use crate::plan::Plan;
 use atlas::{Dilation, RINGS};
 use glam::{DVec3, Vec3};
 use layers::Layer;
 use rayon::prelude::*;
 
-/// Each term with its standard error and the choice that models it.
-const TERMS: [(Layer, Layer, Choice); 3] = [
+/// A term, its standard error and the choice that models it.
+type TermLayers = (Layer, Layer, Choice);
+
+/// What no sky changes.
+const SHARES: [TermLayers; 3] = [
     (Layer::Diffuse, Layer::StdErrDiffuse, Choice::Diffuse),
     (
         Layer::Visibility,
@@ -23,8 +26,25 @@ const TERMS: [(Layer, Layer, Choice); 3] = [
     (Layer::Specular, Layer::StdErrSpecular, Choice::Specular),
 ];
 
-/// The layers that are kept while tiles are baked: those asked for, or, where terms are denoised first, the facts from which the asked
-/// ones follow afterwards.
+/// The light of a map, which tiles integrate beside the shares.
+const LIGHTS: [TermLayers; 2] = [
+    (Layer::Irradiance, Layer::StdErrIrradiance, Choice::Diffuse),
+    (Layer::Reflection, Layer::StdErrReflection, Choice::Specular),
+];
+
+/// The terms that tiles integrate for what was asked.
+fn terms(options: &Options, plan: &Plan) -> Vec<TermLayers> {
+    let composed = |layer: &Layer| is_composed(*layer) || is_light(*layer);
+    let lights: &[TermLayers] = match options.sky.map() {
+        Some(_) if options.layers.iter().any(composed) => &LIGHTS,
+        _ => &[],
+    };
+    let modelled = |term: &&TermLayers| plan.models(term.2);
+    let terms = SHARES.iter().chain(lights).filter(modelled);
+    terms.copied().collect()
+}
+
+/// The layers that are kept while tiles are baked: the facts from which the asked layers follow when the page is finished.
 pub(super) fn working_layers(options: &Options, plan: &Plan) -> Vec<Layer> {
     let mut layers = vec![Layer::Coverage];
     let mut add = |layer: Layer| {
@@ -32,25 +52,23 @@ pub(super) fn working_layers(options: &Options, plan: &Plan) -> Vec<Layer> {
             layers.push(layer);
         }
     };
-    match options.denoise {
-        Denoise::Off => options.layers.iter().copied().for_each(add),
-        Denoise::Regression => {
-            let facts = options.layers.iter().filter(|layer| !is_composed(**layer));
-            facts.copied().for_each(&mut add);
-            for (term, std_err, choice) in TERMS {
-                if plan.models(choice) {
-                    add(term);
-                    add(std_err);
-                }
-            }
-            let geometry = [Layer::Position, Layer::Normal, Layer::Object];
-            geometry.into_iter().for_each(&mut add);
-            if options.layers.iter().any(|layer| is_composed(*layer)) {
-                [Layer::Albedo, Layer::Reflectance]
-                    .into_iter()
-                    .for_each(add);
-            }
+    let uniform = options.sky.map().is_none();
+    let follows = |layer: Layer| is_composed(layer) || (uniform && is_light(layer));
+    let asked = options.layers.iter().copied();
+    asked.filter(|&layer| !follows(layer)).for_each(&mut add);
+    for (term, std_err, _) in terms(options, plan) {
+        add(term);
+        if options.denoise != Denoise::Off || options.layers.iter().any(|&layer| is_light(layer)) {
+            add(std_err);
         }
+    }
+    if options.denoise != Denoise::Off {
+        let geometry = [Layer::Position, Layer::Normal, Layer::Object];
+        geometry.into_iter().for_each(&mut add);
+    }
+    if options.layers.iter().any(|&layer| is_composed(layer)) {
+        add(Layer::Albedo);
+        add(Layer::Reflectance);
     }
     layers
 }
@@ -60,15 +78,15 @@ pub(super) fn finish(page: &mut BakedPage, options: &Options, plan: &Plan) {
     if options.denoise == Denoise::Regression {
         denoise_terms(page, plan);
         count_errors(page);
-        compose_asked(page, options);
     }
+    compose_asked(page, options);
     fill_gutters(page);
     page.finished = true;
 }
 
 /// Denoises the terms that the plan models, over the surfaces of the page.
 fn denoise_terms(page: &mut BakedPage, plan: &Plan) {
-    for (term, std_err, choice) in TERMS {
+    for (term, std_err, choice) in SHARES {
         if !plan.models(choice) {
             continue;
         }
@@ -105,12 +123,16 @@ fn count_errors(page: &mut BakedPage) {
     page.stats.errors = errors;
 }
 
-/// The planes that models are composed of; `None` for what is not modelled.
+/// The planes that layers are composed of; `None` for what is not modelled.
 struct Facts<'a> {
     coverage: Option<&'a [f32]>,
     diffuse: Option<&'a [f32]>,
     visibility: Option<&'a [f32]>,
     specular: Option<&'a [f32]>,
+    diffuse_error: Option<&'a [f32]>,
+    specular_error: Option<&'a [f32]>,
+    irradiance: [Option<&'a [f32]>; 3],
+    reflection: [Option<&'a [f32]>; 3],
     albedo: [Option<&'a [f32]>; 3],
     reflectance: [Option<&'a [f32]>; 3],
 }
@@ -123,47 +145,60 @@ impl<'a> Facts<'a> {
             diffuse: page.layer(Layer::Diffuse),
             visibility: page.layer(Layer::Visibility),
             specular: page.layer(Layer::Specular),
+            diffuse_error: page.layer(Layer::StdErrDiffuse),
+            specular_error: page.layer(Layer::StdErrSpecular),
+            irradiance: three(Layer::Irradiance),
+            reflection: three(Layer::Reflection),
             albedo: three(Layer::Albedo),
             reflectance: three(Layer::Reflectance),
         }
     }
 
-    /// What a covered texel is composed of under a uniform sky; `None` in the void.
-    fn at(&self, texel: usize, sky: DVec3) -> Option<Composition> {
+    /// What a covered texel is composed of; `None` in the void.
+    fn at(&self, texel: usize, sky: &Sky) -> Option<Composition> {
         let one = |plane: Option<&[f32]>| plane.map_or(0.0, |plane| f64::from(plane[texel]));
         let rgb = |planes: [Option<&[f32]>; 3]| DVec3::from(planes.map(one));
+        let mean = sky.mean();
+        let [irradiance, reflection] = match sky.map() {
+            None => [mean * one(self.diffuse), mean * one(self.specular)],
+            Some(_) => [rgb(self.irradiance), rgb(self.reflection)],
+        };
         (one(self.coverage) > 0.0).then(|| Composition {
-            sky,
+            sky: mean,
             visibility: one(self.visibility),
-            irradiance: sky * one(self.diffuse),
-            reflection: sky * one(self.specular),
+            irradiance,
+            reflection,
+            diffuse_error: one(self.diffuse_error),
+            specular_error: one(self.specular_error),
             albedo: rgb(self.albedo),
             specular: rgb(self.reflectance),
         })
     }
 }
 
-/// Puts the asked layers in place of the facts, under a uniform sky. Facts that were not asked for go as soon as nothing needs them.
+/// Puts the asked layers in place of the facts. Facts that were not asked for go as soon as nothing needs them.
 fn compose_asked(page: &mut BakedPage, options: &Options) {
     let asked = |layer: Layer| layer == Layer::Coverage || options.layers.contains(&layer);
     let geometry = [Layer::Position, Layer::Normal, Layer::Object];
     page.planes
         .retain(|planes| asked(planes.layer) || !geometry.contains(&planes.layer));
-    let sky = options.sky.floor();
     let texels = page.texels();
     let mut composed = Vec::new();
-    for &layer in options.layers.iter().filter(|layer| is_composed(**layer)) {
+    for &layer in &options.layers {
+        if page.layer(layer).is_some() {
+            continue;
+        }
         let facts = Facts::of(page);
         let mut planes = LayerPlanes::void(layer, texels);
-        let (red, rest) = planes.values.split_at_mut(texels);
-        let (green, blue) = rest.split_at_mut(texels);
-        let rgb = red.par_iter_mut().zip(green).zip(blue);
-        rgb.enumerate().for_each(|(texel, ((red, green), blue))| {
-            if let Some(composition) = facts.at(texel, sky) {
-                let value = composition.value(layer).unwrap_or_default().as_vec3();
-                (*red, *green, *blue) = (value.x, value.y, value.z);
-            }
-        });
+        planes
+            .values
+            .par_iter_mut()
+            .enumerate()
+            .for_each(|(at, value)| {
+                if let Some(composition) = facts.at(at % texels, &options.sky) {
+                    *value = composition.value(layer)[at / texels] as f32;
+                }
+            });
         composed.push(planes);
     }
     page.planes.retain(|planes| asked(planes.layer));

@@ -23,8 +23,8 @@ pub struct BakedPage {
     pub tiles_done: usize,
     /// True when every tile is finished and gutters are filled.
     pub finished: bool,
-    /// The layers so far, [`Layer::Coverage`] first. While a page is in work that is to be denoised, these are what the denoiser
-    /// reads; when it is finished, those that were asked for.
+    /// The layers so far, [`Layer::Coverage`] first. While a page is in work these are facts, from which the asked layers follow; when
+    /// it is finished, those that were asked for.
     pub planes: Vec<LayerPlanes>,
     /// Sums over the finished texels.
     pub stats: PageStats,
