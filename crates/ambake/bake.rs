@@ -6,7 +6,7 @@ use crate::job::{Job, MakeBackend};
 use crate::options::{Backend, Effort, Options, Uv};
 use crate::scene::Scene;
 use crate::sky::Sky;
-use ::bake::{Choice, Denoise, Pattern, View};
+use ::bake::{Choice, Denoise, Pattern, Seams, View};
 use layers::{Layer, Progress};
 use rays::{RayBackend, World};
 use std::fmt;
@@ -120,6 +120,12 @@ impl Bake {
     /// How integrated terms are denoised; off by default.
     pub fn denoise(mut self, denoise: Denoise) -> Self {
         self.options.denoise = denoise;
+        self
+    }
+
+    /// Between which charts a bilinear look-up is made to agree across the edge that they share; those of any objects by default.
+    pub fn seams(mut self, seams: Seams) -> Self {
+        self.options.seams = seams;
         self
     }
 

@@ -3,7 +3,7 @@
 
 use crate::error::Error;
 use crate::sky::Sky;
-use ::bake::{Choice, Denoise, Pattern, PointSet, View};
+use ::bake::{Choice, Denoise, Pattern, PointSet, Seams, View};
 use layers::Layer;
 use rays::{BackendKind, Layout, Overrides};
 use serde_json::{Value, json};
@@ -68,6 +68,8 @@ pub struct Options {
     pub pattern: Pattern,
     /// How integrated terms are denoised.
     pub denoise: Denoise,
+    /// Where seams are solved.
+    pub seams: Seams,
     /// Seed of every sample stream.
     pub seed: u64,
     /// The light that arrives where nothing blocks it.
@@ -97,6 +99,7 @@ impl Default for Options {
             effort: Effort::Rays(256),
             pattern: Pattern::Independent,
             denoise: Denoise::Off,
+            seams: Seams::default(),
             seed: 0,
             sky: Sky::default(),
             view: View::Normal,
@@ -171,6 +174,7 @@ impl Options {
             pattern: self.pattern,
             points: PointSet::default(),
             denoise: self.denoise,
+            seams: self.seams,
             seed: self.seed,
             sky: self.sky.light.clone(),
             draw_sky: true,
@@ -209,6 +213,7 @@ impl Options {
             effort,
             pattern,
             denoise,
+            seams,
             seed,
             sky,
             view: _,
@@ -241,6 +246,11 @@ impl Options {
             "denoise": match denoise {
                 Denoise::Off => "off",
                 Denoise::Regression => "regression",
+            },
+            "seams": match seams {
+                Seams::Off => "off",
+                Seams::Object => "object",
+                Seams::Scene => "scene",
             },
             "seed": seed,
             "sky": sky,

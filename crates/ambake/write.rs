@@ -3,9 +3,9 @@
 use crate::error::Error;
 use crate::host::{REVISION, VERSION, peak_memory};
 use crate::job::Job;
-use ::bake::BakedPage;
+use ::bake::{BakedPage, SeamStats};
 use layers::Layer;
-use report::{BakeReport, Output, PageHeader, PageReport, PhaseReport};
+use report::{BakeReport, Output, PageHeader, PageReport, PhaseReport, SeamReport};
 use serde_json::Value;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -32,6 +32,7 @@ pub(crate) struct Writer<'a> {
     stem: String,
     output: Output,
     pages: Vec<PageReport>,
+    seams: SeamStats,
     /// One picture of the diffuse term a page; `None` where the bake has no such layer.
     pictures: Option<Vec<Vec<u8>>>,
 }
@@ -60,6 +61,7 @@ impl<'a> Writer<'a> {
             stem,
             output,
             pages: Vec::new(),
+            seams: SeamStats::default(),
             pictures: Some(Vec::new()),
         })
     }
@@ -101,6 +103,7 @@ impl<'a> Writer<'a> {
                 pictures
             });
         self.pages.push(page_report(self.job, page));
+        self.seams.append(&page.stats.seams);
         Ok(())
     }
 
@@ -116,7 +119,8 @@ impl<'a> Writer<'a> {
         });
         let mut names = self.output.names();
         names.push("bake.json".into());
-        let report = report_of(self.job, &self.described, self.pages, names, phases);
+        let mut report = report_of(self.job, &self.described, self.pages, names, phases);
+        report.seams = seam_report(&self.seams);
         self.output
             .stage_bytes("bake.json", report.to_json().as_bytes())?;
         let stale = report::stale_files(self.output.dir(), &report.files);
@@ -157,6 +161,17 @@ fn page_report(job: &Job, page: &BakedPage) -> PageReport {
     }
 }
 
+fn seam_report(seams: &SeamStats) -> Option<SeamReport> {
+    let mean = |squares: f64| (squares / seams.points as f64).sqrt();
+    (seams.points > 0).then(|| SeamReport {
+        points: seams.points,
+        rms_before: mean(seams.squares_before),
+        rms_after: mean(seams.squares_after),
+        max_before: seams.max_before,
+        max_after: seams.max_after,
+    })
+}
+
 fn report_of(
     job: &Job,
     described: &Value,
@@ -182,6 +197,7 @@ fn report_of(
         atlas: report::AtlasReport::of(job.atlas()),
         rays: pages.iter().map(|page| page.rays).sum(),
         pages,
+        seams: None,
         objects: report::object_reports(scene, job.atlas()),
         timings: phases,
         seconds: job.started().elapsed().as_secs_f64(),

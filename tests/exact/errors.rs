@@ -31,6 +31,7 @@ fn errors(terms: &[&str], arguments: &[&str], seeds: std::ops::Range<u32>) -> (V
             let (edge, seed) = (size.to_string(), seed.to_string());
             let only = "diffuse,visibility,error,error.visibility,rays";
             let mut all = vec!["--size", &edge, "--seed", &seed, "--only", only];
+            all.extend(["--seams", "off"]);
             all.extend(arguments);
             let (_folder, page) = bake(&scene(name), &all);
             for (&(x, y), texel) in &texels {

@@ -1,7 +1,7 @@
 //! Layouts from a UV set of the file: as it stands, or with a rectangle for each object.
 
 use crate::audit::audit;
-use crate::measure::{AS_IT_STANDS, charts, density, uv_area, uv_bounds, world_area};
+use crate::measure::{AS_IT_STANDS, chart_count, density, uv_area, uv_bounds, world_area};
 use crate::rectangles::shelves;
 use crate::{Atlas, Audit, Error, MeshLayout, Options, Placement, UvSource, Why};
 use glam::{DVec2, Vec2};
@@ -21,7 +21,7 @@ const FULL: f64 = 1.0 + 1e-6;
 pub(crate) fn keep(scene: &Scene, options: &Options, set: u32) -> Result<Atlas, Error> {
     let meshes = layouts(scene, set)?;
     let areas: Vec<f64> = meshes.iter().map(uv_area).collect();
-    let chart_count = meshes.iter().map(charts).sum();
+    let chart_count = meshes.iter().map(chart_count).sum();
     let objects = objects(scene);
     let name = |mesh: u32| scene.meshes[mesh as usize].name.clone();
     let crowded = |instances: &[u32]| {

@@ -36,6 +36,7 @@ pub use dilate::{Dilation, RINGS};
 pub use error::{Error, Why};
 pub use footprint::{Footprint, Piece, TILE, Tile};
 pub use layout::layout;
+pub use measure::charts;
 pub use raster::PageRaster;
 pub use types::*;
 pub use uv::triangle_uv;

@@ -3,6 +3,7 @@
 use crate::uv::{corners, twice_area};
 use crate::{MeshLayout, Placement};
 use glam::DVec2;
+use rayon::prelude::*;
 use scene::Scene;
 
 /// A placement that leaves coordinates as they are.
@@ -54,40 +55,53 @@ pub(crate) fn uv_bounds(layout: &MeshLayout) -> Option<(DVec2, DVec2)> {
         .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
-/// Number of charts of a layout: sets of triangles that hang together by corners at one coordinate.
-pub(crate) fn charts(layout: &MeshLayout) -> u32 {
-    let mut known = std::collections::HashMap::new();
-    let mut parents: Vec<usize> = Vec::new();
-    let mut count = 0;
-    let root = |parents: &mut Vec<usize>, mut p: usize| {
-        while parents[p] != p {
-            parents[p] = parents[parents[p]];
-            p = parents[p];
-        }
-        p
-    };
-    for triangle in &layout.triangles {
-        let corners = triangle.map(|v| {
-            // Adding 0 makes -0 equal to it.
-            let at = (layout.uvs[v as usize] + 0.0).to_array().map(f32::to_bits);
-            *known.entry(at).or_insert_with(|| {
-                parents.push(parents.len());
-                count += 1;
-                parents.len() - 1
-            })
-        });
-        for k in 0..2 {
-            let (a, b) = (
-                root(&mut parents, corners[k]),
-                root(&mut parents, corners[k + 1]),
-            );
-            if a != b {
-                parents[a] = b;
-                count -= 1;
-            }
+/// The chart of each triangle of a layout, numbered from 0 in the order of triangles: sets of triangles that hang together by corners at
+/// one coordinate.
+pub fn charts(layout: &MeshLayout) -> Vec<u32> {
+    // Adding 0 makes -0 equal to it.
+    let place = |v: u32| (layout.uvs[v as usize] + 0.0).to_array().map(f32::to_bits);
+    let mut parents: Vec<u32> = (0..layout.uvs.len() as u32).collect();
+    let mut order = parents.clone();
+    order.par_sort_unstable_by_key(|&v| (place(v), v));
+    for pair in order.windows(2) {
+        if place(pair[0]) == place(pair[1]) {
+            join(&mut parents, pair[0], pair[1]);
         }
     }
-    count
+    for &[a, b, c] in &layout.triangles {
+        join(&mut parents, a, b);
+        join(&mut parents, b, c);
+    }
+    let mut numbers = vec![u32::MAX; parents.len()];
+    let mut count = 0;
+    let number = |&[a, _, _]: &[u32; 3]| {
+        let number = &mut numbers[root(&mut parents, a) as usize];
+        if *number == u32::MAX {
+            *number = count;
+            count += 1;
+        }
+        *number
+    };
+    layout.triangles.iter().map(number).collect()
+}
+
+/// Number of charts of a layout.
+pub(crate) fn chart_count(layout: &MeshLayout) -> u32 {
+    charts(layout).into_iter().max().map_or(0, |last| last + 1)
+}
+
+/// The vertex that stands for all that were joined to `v`.
+fn root(parents: &mut [u32], mut v: u32) -> u32 {
+    while parents[v as usize] != v {
+        parents[v as usize] = parents[parents[v as usize] as usize];
+        v = parents[v as usize];
+    }
+    v
+}
+
+fn join(parents: &mut [u32], a: u32, b: u32) {
+    let (a, b) = (root(parents, a), root(parents, b));
+    parents[a.max(b) as usize] = a.min(b);
 }
 
 /// Texels per scene unit that a layout reaches: the mean over the surface of the square root of texel area by area.

@@ -1,6 +1,6 @@
 //! An index of a page's triangles by tile. Footprints are cut out on demand, a tile at a time.
 
-use crate::footprint::{Collector, TILE, Tile};
+use crate::footprint::{Collector, Footprint, TILE, Tile};
 use crate::uv::{corners, page, twice_area};
 use crate::{Atlas, MeshLayout, Placement};
 use glam::DVec2;
@@ -74,6 +74,31 @@ impl<'a> PageRaster<'a> {
             collector.add(entry[0], entry[1], corners);
         }
         collector.finish()
+    }
+
+    /// The centroid of a footprint, in texels of the page.
+    ///
+    /// # Panics
+    ///
+    /// If the footprint is not one of this tile's.
+    pub fn middle(&self, tile: &Tile, footprint: &Footprint) -> DVec2 {
+        let pieces = &tile.pieces[footprint.pieces.start as usize..footprint.pieces.end as usize];
+        let (mut sum, mut before) = (DVec2::ZERO, 0.0);
+        for piece in pieces {
+            let layout = &self.layouts[self.meshes[piece.instance as usize] as usize];
+            let placement = &self.placements[piece.instance as usize];
+            let size = f64::from(self.page_size);
+            let [p, q, r] = corners(layout, placement, piece.triangle as usize, size);
+            let [a, b, c] = piece.corners;
+            let w = if piece.square {
+                (b + c) / 2.0
+            } else {
+                (a + b + c) / 3.0
+            };
+            sum += (p * w.x + q * w.y + r * w.z) * (piece.cumulative - before);
+            before = piece.cumulative;
+        }
+        sum / before
     }
 
     /// First column and row of a tile.

@@ -32,10 +32,12 @@ mod labels;
 mod options;
 mod page;
 mod plan;
+mod seams;
 mod survey;
 
 pub use choice::Choice;
 pub use integrate::{REPLICATES, Terms};
-pub use options::{Denoise, Effort, Options, Pattern, PointSet, Sky, View};
+pub use options::{Denoise, Effort, Options, Pattern, PointSet, Seams, Sky, View};
 pub use page::{BakedPage, Baker, ErrorSums, LayerPlanes, PageStats, Pilot};
 pub use plan::{Decision, Method, OpenTriangles, Plan};
+pub use seams::SeamStats;

@@ -19,6 +19,8 @@ pub struct Options {
     pub points: PointSet,
     /// How integrated terms are denoised.
     pub denoise: Denoise,
+    /// Where seams are solved.
+    pub seams: Seams,
     /// Seed of every sample stream.
     pub seed: u64,
     /// Radiance that arrives where nothing blocks it.
@@ -81,6 +83,18 @@ pub enum Denoise {
     Regression,
 }
 
+/// Between which charts a look-up is made to agree across the edge that they share.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Seams {
+    /// None: every texel stays the mean over its footprint.
+    Off,
+    /// Charts of one object.
+    Object,
+    /// Charts of any objects.
+    #[default]
+    Scene,
+}
+
 /// Radiance of the sky, linear RGB.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Sky {
@@ -133,6 +147,7 @@ impl Default for Options {
             pattern: Pattern::default(),
             points: PointSet::default(),
             denoise: Denoise::default(),
+            seams: Seams::default(),
             seed: 0,
             sky: Sky::Uniform([1.0; 3]),
             draw_sky: true,

@@ -59,6 +59,10 @@ pub struct Job {
     /// for the same error, at a small bias that the error layer includes
     #[arg(long, value_enum, alias = "filter", default_value_t = Denoise::Off)]
     pub denoise: Denoise,
+    /// Between which charts a bilinear look-up is made to agree across the edge that they share: none, those of one object, or those of
+    /// any objects that abut
+    #[arg(long, value_enum, default_value_t = Seams::Scene)]
+    pub seams: Seams,
     /// Sky radiance, linear: R,G,B for a uniform sky, or an illumination map (.hdr, .exr; polar unless its header says otherwise),
     /// from whose light as many rays again are drawn
     #[arg(long, value_name = "R,G,B|FILE", default_value = "1,1,1", value_parser = sky::sky)]
@@ -106,6 +110,13 @@ pub enum Pattern {
 pub enum Denoise {
     Off,
     Regression,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Seams {
+    Off,
+    Object,
+    Scene,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

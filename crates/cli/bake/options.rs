@@ -2,7 +2,7 @@
 
 use super::args::{self, Job};
 use crate::common::{Backend, Common};
-use ambake::{Bake, Denoise, Effort, Options, Pattern, Uv};
+use ambake::{Bake, Denoise, Effort, Options, Pattern, Seams, Uv};
 
 /// The bake that was asked for.
 pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, ambake::Error> {
@@ -28,6 +28,11 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
     options.denoise = match job.denoise {
         args::Denoise::Off => Denoise::Off,
         args::Denoise::Regression => Denoise::Regression,
+    };
+    options.seams = match job.seams {
+        args::Seams::Off => Seams::Off,
+        args::Seams::Object => Seams::Object,
+        args::Seams::Scene => Seams::Scene,
     };
     options.seed = common.seed;
     options.sky = job.sky.load()?;

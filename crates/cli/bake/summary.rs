@@ -58,6 +58,12 @@ pub fn summary(report: &BakeReport, verbose: bool, files: usize, dir: &Path) -> 
         let rmse = mean_square(|p| p.irradiance_rmse.unwrap_or(0.0));
         text += &format!("error of irradiance: RMSE {rmse:.5}, as a radiance\n");
     }
+    if let Some(seams) = &report.seams {
+        text += &format!(
+            "seams: steps of RMS {:.5}, at most {:.5}; before {:.5} and {:.5}\n",
+            seams.rms_after, seams.max_after, seams.rms_before, seams.max_before
+        );
+    }
     for phase in report.timings.iter().filter(|_| verbose) {
         text += &format!("  {:>8.3} s {}\n", phase.seconds, phase.phase);
     }

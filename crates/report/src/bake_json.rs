@@ -30,6 +30,9 @@ pub struct BakeReport {
     pub atlas: AtlasReport,
     /// One entry for each page, in order.
     pub pages: Vec<PageReport>,
+    /// How far the two sides of seams differ; absent where no seam was solved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seams: Option<SeamReport>,
     /// One entry for each object; the `object` layer holds its index.
     pub objects: Vec<ObjectReport>,
     /// Wall time by phase, in the order they ran.
@@ -155,6 +158,21 @@ pub struct PageReport {
     pub seconds: f64,
     /// `rays / seconds`; 0 where no ray was cast.
     pub rays_per_second: f64,
+}
+
+/// The steps of the diffuse term at points of all seams, between bilinear look-ups on their two sides.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct SeamReport {
+    /// Points.
+    pub points: u64,
+    /// Root mean square step before seams were solved.
+    pub rms_before: f64,
+    /// The same in the written pages.
+    pub rms_after: f64,
+    /// Largest step before.
+    pub max_before: f64,
+    /// Largest step in the written pages.
+    pub max_after: f64,
 }
 
 /// An object: one placement of a mesh.
@@ -334,6 +352,7 @@ pub(crate) mod tests {
                 mean_error: 1.0 / 3.0,
                 ..PageReport::default()
             }],
+            seams: Some(SeamReport::default()),
             objects: vec![ObjectReport::default()],
             timings: vec![PhaseReport::default()],
             seconds: 1e-9,

@@ -8,6 +8,7 @@ use crate::choice::Choice;
 use crate::integrate::{Task, integrate, validity};
 use crate::options::Options;
 use crate::plan::Plan;
+use crate::seams::Seams;
 use crate::survey::{Surveyor, Texel};
 use atlas::{Atlas, PageRaster, Tile};
 use layers::{Layer, Progress};
@@ -116,7 +117,8 @@ impl<'a> Baker<'a> {
                 page.tiles_done += 1;
             }
         }
-        finish(page, self.options, self.plan);
+        let seams = Seams::find(self.world, self.atlas, page.page, self.options.seams);
+        finish(page, self.options, self.plan, self.world, &raster, &seams);
         page.stats.seconds += started.elapsed().as_secs_f64();
     }
 

@@ -1,16 +1,18 @@
-//! The last steps of a page whose tiles are all finished, in this order: denoise, compose, dilate.
+//! The last steps of a page whose tiles are all finished, in this order: denoise, solve seams, dilate, compose.
 
 use super::compose::{Composition, is_composed, is_light};
 use super::planes::{BakedPage, LayerPlanes};
 use super::stats::ErrorSums;
 use crate::choice::Choice;
 use crate::denoise::{Field, denoise};
-use crate::options::{Denoise, Options, Sky};
+use crate::options::{Denoise, Options, Seams as Scope, Sky};
 use crate::plan::Plan;
-use atlas::{Dilation, RINGS};
+use crate::seams::{Known, Seams};
+use atlas::{Dilation, PageRaster, RINGS};
 use glam::{DVec3, Vec3};
 use layers::Layer;
 use rayon::prelude::*;
+use rays::World;
 
 /// A term, its standard error and the choice that models it.
 type TermLayers = (Layer, Layer, Choice);
@@ -58,7 +60,8 @@ pub(super) fn working_layers(options: &Options, plan: &Plan) -> Vec<Layer> {
     asked.filter(|&layer| !follows(layer)).for_each(&mut add);
     for (term, std_err, _) in terms(options, plan) {
         add(term);
-        if options.denoise != Denoise::Off || options.layers.iter().any(|&layer| is_light(layer)) {
+        let steps = options.denoise != Denoise::Off || options.seams != Scope::Off;
+        if steps || options.layers.iter().any(|&layer| is_light(layer)) {
             add(std_err);
         }
     }
@@ -73,15 +76,80 @@ pub(super) fn working_layers(options: &Options, plan: &Plan) -> Vec<Layer> {
     layers
 }
 
-/// Finishes the page.
-pub(super) fn finish(page: &mut BakedPage, options: &Options, plan: &Plan) {
+/// Finishes the page, of which `raster` has the charts and `seams` where they go on in one another.
+pub(super) fn finish(
+    page: &mut BakedPage,
+    options: &Options,
+    plan: &Plan,
+    world: &World,
+    raster: &PageRaster<'_>,
+    seams: &Seams,
+) {
     if options.denoise == Denoise::Regression {
         denoise_terms(page, plan);
         count_errors(page);
     }
+    let gutters = solve_seams(page, options, plan, world, raster, seams);
+    fill_gutters(page, &gutters);
     compose_asked(page, options);
-    fill_gutters(page);
     page.finished = true;
+}
+
+/// The values that seams give to gutter texels: layer, channel, texels.
+type Gutters = Vec<(Layer, usize, Vec<(u32, f32)>)>;
+
+/// Makes the terms agree across seams. Texels of charts move here, those of gutters when gutters are filled.
+fn solve_seams(
+    page: &mut BakedPage,
+    options: &Options,
+    plan: &Plan,
+    world: &World,
+    raster: &PageRaster<'_>,
+    seams: &Seams,
+) -> Gutters {
+    if seams.is_empty() {
+        return Vec::new();
+    }
+    let coverage = page.layer(Layer::Coverage).unwrap_or_default();
+    let system = seams.system(world, raster, page.size);
+    let light = options.sky.mean().element_sum() / 3.0;
+    let channels = |(term, std_err, _): TermLayers| {
+        (0..term.channels().len()).map(move |channel| (term, std_err, channel))
+    };
+    let planes: Vec<_> = terms(options, plan)
+        .into_iter()
+        .flat_map(channels)
+        .collect();
+    let solved: Vec<_> = planes
+        .into_par_iter()
+        .map(|(term, std_err, channel)| {
+            let plane = |layer, channel| page.channel(layer, channel).unwrap_or_default();
+            let known = Known {
+                values: plane(term, channel),
+                std_errs: plane(std_err, 0),
+                unit: if is_light(term) { light } else { 1.0 },
+            };
+            (term, channel, system.solve(&known, coverage))
+        })
+        .collect();
+    let is_gutter: Vec<bool> = coverage.iter().map(|&coverage| coverage == 0.0).collect();
+    let texels = page.texels();
+    let mut gutters = Vec::new();
+    for (term, channel, moved) in solved {
+        if term == Layer::Diffuse {
+            page.stats.seams = moved.stats;
+        }
+        let (gutter, own): (Vec<_>, Vec<_>) = moved
+            .values
+            .into_iter()
+            .partition(|(texel, _)| is_gutter[*texel as usize]);
+        let plane = &mut page.planes_of(term)[channel * texels..][..texels];
+        for (texel, value) in own {
+            plane[texel as usize] = value;
+        }
+        gutters.push((term, channel, gutter));
+    }
+    gutters
 }
 
 /// Denoises the terms that the plan models, over the surfaces of the page.
@@ -125,7 +193,6 @@ fn count_errors(page: &mut BakedPage) {
 
 /// The planes that layers are composed of; `None` for what is not modelled.
 struct Facts<'a> {
-    coverage: Option<&'a [f32]>,
     diffuse: Option<&'a [f32]>,
     visibility: Option<&'a [f32]>,
     specular: Option<&'a [f32]>,
@@ -141,7 +208,6 @@ impl<'a> Facts<'a> {
     fn of(page: &'a BakedPage) -> Self {
         let three = |layer| [0, 1, 2].map(|channel| page.channel(layer, channel));
         Self {
-            coverage: page.layer(Layer::Coverage),
             diffuse: page.layer(Layer::Diffuse),
             visibility: page.layer(Layer::Visibility),
             specular: page.layer(Layer::Specular),
@@ -154,8 +220,8 @@ impl<'a> Facts<'a> {
         }
     }
 
-    /// What a covered texel is composed of; `None` in the void.
-    fn at(&self, texel: usize, sky: &Sky) -> Option<Composition> {
+    /// What a texel is composed of.
+    fn at(&self, texel: usize, sky: &Sky) -> Composition {
         let one = |plane: Option<&[f32]>| plane.map_or(0.0, |plane| f64::from(plane[texel]));
         let rgb = |planes: [Option<&[f32]>; 3]| DVec3::from(planes.map(one));
         let mean = sky.mean();
@@ -163,7 +229,7 @@ impl<'a> Facts<'a> {
             None => [mean * one(self.diffuse), mean * one(self.specular)],
             Some(_) => [rgb(self.irradiance), rgb(self.reflection)],
         };
-        (one(self.coverage) > 0.0).then(|| Composition {
+        Composition {
             sky: mean,
             visibility: one(self.visibility),
             irradiance,
@@ -172,7 +238,7 @@ impl<'a> Facts<'a> {
             specular_error: one(self.specular_error),
             albedo: rgb(self.albedo),
             specular: rgb(self.reflectance),
-        })
+        }
     }
 }
 
@@ -190,15 +256,10 @@ fn compose_asked(page: &mut BakedPage, options: &Options) {
         }
         let facts = Facts::of(page);
         let mut planes = LayerPlanes::void(layer, texels);
-        planes
-            .values
-            .par_iter_mut()
-            .enumerate()
-            .for_each(|(at, value)| {
-                if let Some(composition) = facts.at(at % texels, &options.sky) {
-                    *value = composition.value(layer)[at / texels] as f32;
-                }
-            });
+        let values = planes.values.par_iter_mut().enumerate();
+        values.for_each(|(at, value)| {
+            *value = facts.at(at % texels, &options.sky).value(layer)[at / texels] as f32;
+        });
         composed.push(planes);
     }
     page.planes.retain(|planes| asked(planes.layer));
@@ -210,8 +271,8 @@ fn compose_asked(page: &mut BakedPage, options: &Options) {
     page.planes.sort_by_key(|planes| place(planes.layer));
 }
 
-/// Fills the gutter texels of every layer that dilates, and renews the length of directions there.
-fn fill_gutters(page: &mut BakedPage) {
+/// Fills the gutter texels of every layer that dilates, and renews the length of directions there. Values that seams give stand.
+fn fill_gutters(page: &mut BakedPage, of_seams: &Gutters) {
     let texels = page.texels();
     let dilation = Dilation::new(&page.planes[0].values, page.size, RINGS);
     page.planes
@@ -221,6 +282,12 @@ fn fill_gutters(page: &mut BakedPage) {
         .for_each(|plane| {
             dilation.apply(plane);
         });
+    for (layer, channel, gutter) in of_seams {
+        let plane = &mut page.planes_of(*layer)[channel * texels..][..texels];
+        for &(texel, value) in gutter {
+            plane[texel as usize] = value;
+        }
+    }
     for layer in [Layer::Normal, Layer::Geometric, Layer::Bent] {
         let Some(planes) = page.planes.iter_mut().find(|p| p.layer == layer) else {
             continue;

@@ -1,5 +1,6 @@
 //! Statistics of a page.
 
+use crate::seams::SeamStats;
 use serde::{Deserialize, Serialize};
 
 /// Sums over the finished texels of a page.
@@ -15,6 +16,8 @@ pub struct PageStats {
     pub irradiance_squares: f64,
     /// Rays spent.
     pub rays: u64,
+    /// Both sides of seams, once the page is finished.
+    pub seams: SeamStats,
     /// Seconds spent on tiles.
     pub seconds: f64,
 }

@@ -3,7 +3,7 @@
 use super::error::Error;
 use super::setup::Setup;
 use crate::Subject;
-use bake::{BakedPage, Choice, Denoise, Effort, Options, Pattern, Plan, PointSet, View};
+use bake::{BakedPage, Choice, Denoise, Effort, Options, Pattern, Plan, PointSet, Seams, View};
 use layers::Layer;
 use rays::{BackendKind, Overrides};
 use std::sync::Arc;
@@ -24,6 +24,7 @@ pub(super) fn bake(setup: &Setup, case: &str, kind: BackendKind) -> Result<Baked
         pattern: Pattern::Independent,
         points: PointSet::default(),
         denoise: Denoise::Off,
+        seams: Seams::Off,
         seed: 0,
         sky: bake::Sky::Uniform([1.0; 3]),
         draw_sky: true,

@@ -1,0 +1,131 @@
+//! Seams: where one surface goes on in another chart, a bilinear look-up must find the same light on both sides.
+//!
+//! Charts end at borders. Along a border a look-up mixes texels of the chart with texels of its gutter, and the chart on the other side does
+//! the same with other texels, so the two sides show a step even where both are right on the mean. Three things make it: noise, the gutter,
+//! and texels that the border cuts, whose mean is not the value at their centre.
+//!
+//! [`Seams::find`] pairs borders in space, whether of one object or of two that abut, and puts points on them, each with its place on
+//! both charts. `solve` then moves the texels that are looked up there, gutters too, to the least squares of
+//!
+//! * the difference of the two bilinear look-ups at every point,
+//! * the difference between the look-up at the middle of a texel's footprint and the texel's mean, in units of what is known about it,
+//! * the departure of a gutter texel from its neighbours' mean, weakly.
+//!
+//! The first use in a game: M. Iwanicki, "Lighting Technology of The Last of Us", SIGGRAPH 2013.
+
+mod border;
+mod grid;
+mod owner;
+mod pair;
+mod solve;
+mod system;
+
+pub(crate) use solve::Known;
+#[cfg(test)]
+mod tests;
+
+use crate::options::Seams as Scope;
+use atlas::{Atlas, PageRaster};
+use border::{Border, Chart};
+use glam::DVec2;
+use owner::Page;
+use rayon::prelude::*;
+use rays::World;
+use serde::{Deserialize, Serialize};
+use solve::System;
+
+/// Points of a seam on each texel of its length, on the chart that has more.
+const POINTS_PER_TEXEL: f64 = 2.0;
+
+/// A point on a seam, in texels of the page on both of its charts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SeamPoint {
+    pub sides: [DVec2; 2],
+    /// The charts of both sides.
+    pub charts: [Chart; 2],
+    /// Texels of seam that it stands for.
+    pub length: f64,
+}
+
+/// The seams of one page.
+#[derive(Debug, Default)]
+pub(crate) struct Seams {
+    points: Vec<SeamPoint>,
+    /// The chart of each triangle, mesh by mesh.
+    charts: Vec<Vec<u32>>,
+}
+
+/// How far the two sides of seams differ, over all points, for the diffuse term.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct SeamStats {
+    /// Points at which both sides were looked up.
+    pub points: u64,
+    /// Sum of squared differences before seams were solved, with gutters filled.
+    pub squares_before: f64,
+    /// The same after.
+    pub squares_after: f64,
+    /// The largest difference before.
+    pub max_before: f64,
+    /// The largest difference after.
+    pub max_after: f64,
+}
+
+impl SeamStats {
+    /// Counts those of another page.
+    pub fn append(&mut self, other: &Self) {
+        self.points += other.points;
+        self.squares_before += other.squares_before;
+        self.squares_after += other.squares_after;
+        self.max_before = self.max_before.max(other.max_before);
+        self.max_after = self.max_after.max(other.max_after);
+    }
+}
+
+impl Seams {
+    /// The seams between charts of a page. Two borders belong together where they run along one another within a tenth of a texel, both
+    /// surfaces' shading normals agree within 10 degrees, and each surface lies on its own side.
+    pub fn find(world: &World, atlas: &Atlas, page: u32, scope: Scope) -> Self {
+        if scope == Scope::Off {
+            return Self::default();
+        }
+        let charts: Vec<_> = atlas.meshes.par_iter().map(atlas::charts).collect();
+        let borders = border::borders(world, atlas, page, &charts);
+        let mut points = Vec::new();
+        for pair in grid::pairs(&borders, scope) {
+            let [first, second] = pair.borders.map(|border| &borders[border as usize]);
+            let run = |border: &Border, [from, to]: [f64; 2]| {
+                [border.texels_at(from), border.texels_at(to)]
+            };
+            let runs = [run(first, pair.spans[0]), run(second, pair.spans[1])];
+            let length = runs.map(|[from, to]| from.distance(to)).into_iter();
+            let length = length.fold(0.0, f64::max);
+            let count = (length * POINTS_PER_TEXEL).ceil().max(1.0);
+            for k in 0..count as u32 {
+                let t = (f64::from(k) + 0.5) / count;
+                points.push(SeamPoint {
+                    sides: runs.map(|[from, to]| from.lerp(to, t)),
+                    charts: [first.chart, second.chart],
+                    length: length / count,
+                });
+            }
+        }
+        Self { points, charts }
+    }
+
+    /// True where no chart of the page goes on in another.
+    pub fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+
+    /// A system that solves planes of the page. Points at which a look-up reads texels of other charts are left out: there are none where
+    /// gutters are as wide as they should be.
+    pub fn system(&self, world: &World, raster: &PageRaster<'_>, size: u32) -> System {
+        let page = Page {
+            scene: world.scene(),
+            charts: &self.charts,
+            raster,
+            size,
+        };
+        System::new(&self.points, &page)
+    }
+}

@@ -1,0 +1,106 @@
+//! When two borders are one seam.
+
+use super::border::Border;
+use crate::options::Seams as Scope;
+
+/// Two borders that run along one another, and from where to where.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Pair {
+    /// Their numbers.
+    pub borders: [u32; 2],
+    /// The common part, as shares of the way from each border's first end to its second; both spans begin at the same point in space.
+    pub spans: [[f64; 2]; 2],
+}
+
+/// Borders lie together where they are no farther apart than this, in texels of the finer one.
+const APART: f64 = 0.1;
+
+/// Coordinates of the same point, computed through two transforms, agree to this share of their size.
+const ROUNDING: f64 = 1e-6;
+
+/// Cosine of the largest angle between the shading normals of one surface: 10 degrees.
+const SAME_SURFACE: f64 = 0.984_807_753_012_208;
+
+/// Texels of one side are at most so many times as large as those of the other: a texel that spans much more cannot hold what the finer
+/// side shows, which would only be spoilt.
+const UNLIKE: f64 = 8.0;
+
+/// Common parts below this many texels are no seam.
+const SHORTEST: f64 = 1e-3;
+
+/// How far a border reaches for others, in scene units.
+pub(super) fn reach(border: &Border) -> f64 {
+    let size = border.ends[0].abs().max(border.ends[1].abs());
+    APART * border.texel() + ROUNDING * size.max_element()
+}
+
+/// The part that two borders have in common; `None` where they are no seam.
+pub(super) fn common(numbers: [u32; 2], a: &Border, b: &Border, scope: Scope) -> Option<Pair> {
+    if (scope == Scope::Object && a.chart[0] != b.chart[0]) || a.inward.dot(b.inward) > 0.0 {
+        return None;
+    }
+    let (finer, coarser) = (a.texel().min(b.texel()), a.texel().max(b.texel()));
+    if coarser > UNLIKE * finer {
+        return None;
+    }
+    let apart = reach(a).min(reach(b));
+    let place = |on: &Border, p: glam::DVec3| {
+        let way = on.ends[1] - on.ends[0];
+        (p - on.ends[0]).dot(way) / way.length_squared()
+    };
+    let ends = b.ends.map(|end| place(a, end));
+    let from = ends[0].min(ends[1]).max(0.0);
+    let to = ends[0].max(ends[1]).min(1.0);
+    if (to - from) * a.texels[0].distance(a.texels[1]) < SHORTEST {
+        return None;
+    }
+    let span = [from, to];
+    let other = span.map(|t| place(b, a.at(t)).clamp(0.0, 1.0));
+    let together = span.iter().zip(other).all(|(&t, u)| {
+        a.at(t).distance(b.at(u)) <= apart && a.normal_at(t).dot(b.normal_at(u)) >= SAME_SURFACE
+    });
+    together.then_some(Pair {
+        borders: numbers,
+        spans: [span, other],
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DVec2, DVec3};
+
+    fn along_x(from: f64, to: f64, inward: DVec3) -> Border {
+        Border {
+            chart: [0, 0],
+            ends: [DVec3::new(from, 0.0, 0.0), DVec3::new(to, 0.0, 0.0)],
+            texels: [DVec2::ZERO, DVec2::new((to - from).abs() * 10.0, 0.0)],
+            normals: [DVec3::Z; 2],
+            inward,
+        }
+    }
+
+    #[test]
+    fn a_long_border_shares_with_a_short_one_what_they_have_in_common() {
+        let (long, short) = (along_x(0.0, 4.0, DVec3::Y), along_x(3.0, 2.0, -DVec3::Y));
+        let pair = common([0, 1], &long, &short, Scope::Scene).unwrap();
+        assert_eq!(pair.spans, [[0.5, 0.75], [1.0, 0.0]]);
+    }
+
+    #[test]
+    fn borders_on_one_side_apart_or_of_unlike_normals_are_no_seam() {
+        let a = along_x(0.0, 1.0, DVec3::Y);
+        let b = along_x(0.0, 1.0, -DVec3::Y);
+        assert!(common([0, 1], &a, &a, Scope::Scene).is_none());
+        let mut far = b.clone();
+        far.ends = far.ends.map(|end| end + 0.02 * DVec3::Z);
+        assert!(common([0, 1], &a, &far, Scope::Scene).is_none());
+        let mut bent = b.clone();
+        bent.normals = [DVec3::new(0.0, 0.2, 0.98).normalize(); 2];
+        assert!(common([0, 1], &a, &bent, Scope::Scene).is_none());
+        let mut other = b.clone();
+        other.chart[0] = 1;
+        assert!(common([0, 1], &a, &other, Scope::Object).is_none());
+        assert!(common([0, 1], &a, &other, Scope::Scene).is_some());
+    }
+}

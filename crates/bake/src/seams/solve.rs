@@ -1,0 +1,287 @@
+//! The equations of a page's seams, and what their solution moves.
+
+use super::border::Chart;
+use super::owner::Page;
+use super::system::{Rows, conjugate_gradients};
+use super::{SeamPoint, SeamStats};
+use glam::DVec2;
+use rayon::prelude::*;
+
+/// What a difference of the two sides counts against, in units of the plane. Less would move texels for what nobody sees: at an eighth of
+/// it the look-ups of the test's sphere come out farther from the light than before.
+const STEP: f64 = 1.0 / 1024.0;
+
+/// A texel's mean is never taken to be known better than this, in units of the plane.
+const KNOWN: f64 = 1.0 / 1024.0;
+
+/// Share of the range about a texel by which its best value for a look-up may differ from its mean.
+const BEND: f64 = 0.1;
+
+/// How far a gutter texel may leave its neighbours' mean, in ranges about it.
+const GUTTER: f64 = 2.0;
+
+/// Standard errors that a texel may move, beside the range about it.
+const ERRORS: f64 = 4.0;
+
+/// Texels that leave their bounds are put there and the rest is solved again, so often at most.
+const ROUNDS: usize = 4;
+
+/// Texels and their weights in a bilinear look-up.
+type Taps = [(u32, f64); 4];
+
+/// Which texels seams read, and how.
+#[derive(Debug)]
+pub(crate) struct System {
+    size: usize,
+    /// The texels that may move, ascending.
+    texels: Vec<u32>,
+    /// For each point of a seam, its two look-ups, the second negative; indices into `texels`.
+    steps: Vec<[(u32, f64); 8]>,
+    /// Square root of each point's length.
+    lengths: Vec<f64>,
+    /// For each texel, the look-up that its mean stands for.
+    means: Vec<Taps>,
+}
+
+/// What is known about the texels of a plane.
+pub(crate) struct Known<'a> {
+    /// The values, texel by texel of the page.
+    pub values: &'a [f32],
+    /// Their standard errors; 0 for a texel that is exact and stays.
+    pub std_errs: &'a [f32],
+    /// What an open texel has, about.
+    pub unit: f64,
+}
+
+/// Where texels of a plane move.
+pub(crate) struct Moved {
+    /// Texel and value.
+    pub values: Vec<(u32, f32)>,
+    /// Differences before and after.
+    pub stats: SeamStats,
+}
+
+impl System {
+    pub(super) fn new(points: &[SeamPoint], page: &Page<'_>) -> Self {
+        let look = |point: &SeamPoint| point.sides.map(|p| taps(p, page.size));
+        let all = texels_of(points.par_iter().flat_map_iter(|point| look(point)));
+        let owners = page.owners(&all);
+        let owner = |texel: &u32| all.binary_search(texel).ok().and_then(|at| owners[at]);
+        let is_own = |side: &Taps, chart: Chart| {
+            let read = side.iter().filter(|tap| tap.1 != 0.0);
+            let mut owners = read.map(|tap| owner(&tap.0));
+            owners.all(|owner| owner.is_none_or(|owner| owner.chart == Some(chart)))
+        };
+        let points: Vec<&SeamPoint> = points
+            .par_iter()
+            .filter(|point| {
+                let mut sides = look(point).into_iter().zip(point.charts);
+                sides.all(|(side, chart)| is_own(&side, chart))
+            })
+            .collect();
+        let looked_up: Vec<[Taps; 2]> = points.par_iter().map(|point| look(point)).collect();
+        let read = texels_of(looked_up.par_iter().flatten().copied());
+        let own: Vec<Taps> = read
+            .iter()
+            .map(|texel| {
+                taps(
+                    owner(texel).map_or(page.centre(*texel), |o| o.middle),
+                    page.size,
+                )
+            })
+            .collect();
+        let within = looked_up.par_iter().flatten().chain(&own);
+        let texels = texels_of(within.copied());
+        let numbered = |(texel, weight): (u32, f64)| match texels.binary_search(&texel) {
+            Ok(number) if weight != 0.0 => (number as u32, weight),
+            _ => (0, 0.0),
+        };
+        let means =
+            texels
+                .iter()
+                .enumerate()
+                .map(|(number, texel)| match read.binary_search(texel) {
+                    Ok(at) => own[at].map(numbered),
+                    Err(_) => [(number as u32, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)],
+                });
+        let steps = looked_up.par_iter().map(|[a, b]| {
+            let side = |k: usize| match k {
+                0..4 => a[k],
+                _ => (b[k - 4].0, -b[k - 4].1),
+            };
+            std::array::from_fn(|k| numbered(side(k)))
+        });
+        Self {
+            size: page.size as usize,
+            steps: steps.collect(),
+            lengths: points.iter().map(|point| point.length.sqrt()).collect(),
+            means: means.collect(),
+            texels,
+        }
+    }
+
+    /// Moves the texels of a plane whose other texels stay. `coverage` is the page's.
+    pub fn solve(&self, known: &Known<'_>, coverage: &[f32]) -> Moved {
+        let about: Vec<About> = self
+            .texels
+            .par_iter()
+            .map(|&texel| About::of(texel as usize, known.values, coverage, self.size))
+            .collect();
+        let covered = |i: usize| coverage[self.texels[i] as usize] > 0.0;
+        let bounds: Vec<[f64; 2]> = (0..about.len())
+            .map(|i| {
+                let std_err = f64::from(known.std_errs[self.texels[i] as usize]);
+                about[i].bounds(covered(i), ERRORS * std_err)
+            })
+            .collect();
+        let mut fixed: Vec<bool> = (0..about.len())
+            .map(|i| covered(i) && known.std_errs[self.texels[i] as usize] == 0.0)
+            .collect();
+        let rows = self.rows(known, coverage, &about);
+        let start: Vec<f64> = about.iter().map(|about| about.value).collect();
+        let mut moved = start.clone();
+        for _ in 0..ROUNDS {
+            moved = conjugate_gradients(&rows, &moved, &fixed);
+            let mut beyond = false;
+            for (i, [low, high]) in bounds.iter().enumerate() {
+                if !fixed[i] && !(*low..=*high).contains(&moved[i]) {
+                    (moved[i], fixed[i], beyond) = (moved[i].clamp(*low, *high), true, true);
+                }
+            }
+            if !beyond {
+                break;
+            }
+        }
+        let (squares_before, max_before) = self.differences(&start);
+        let (squares_after, max_after) = self.differences(&moved);
+        let values = self.texels.iter().zip(moved);
+        Moved {
+            values: values
+                .map(|(&texel, value)| (texel, value as f32))
+                .collect(),
+            stats: SeamStats {
+                points: self.steps.len() as u64,
+                squares_before,
+                squares_after,
+                max_before,
+                max_after,
+            },
+        }
+    }
+
+    /// Sum of squares and largest of the differences of the two sides.
+    fn differences(&self, values: &[f64]) -> (f64, f64) {
+        let mut found = (0.0, 0.0f64);
+        for step in &self.steps {
+            let difference: f64 = step.iter().map(|&(i, w)| w * values[i as usize]).sum();
+            found = (
+                found.0 + difference * difference,
+                found.1.max(difference.abs()),
+            );
+        }
+        found
+    }
+
+    /// All equations of a plane, each divided by what it counts against.
+    fn rows(&self, known: &Known<'_>, coverage: &[f32], about: &[About]) -> Rows {
+        let mut rows = Rows::new(self.texels.len());
+        let floor = KNOWN * known.unit;
+        for (step, length) in self.steps.iter().zip(&self.lengths) {
+            rows.push(step, length / (STEP * known.unit), 0.0);
+        }
+        for (i, &texel) in self.texels.iter().enumerate() {
+            let range = about[i].high - about[i].low;
+            if coverage[texel as usize] > 0.0 {
+                let std_err = f64::from(known.std_errs[texel as usize]);
+                let sigma = (std_err.powi(2) + (BEND * range).powi(2) + floor.powi(2)).sqrt();
+                let weight = f64::from(coverage[texel as usize]).sqrt() / sigma;
+                rows.push(&self.means[i], weight, about[i].value);
+            } else {
+                let own = [(i as u32, 1.0)];
+                rows.push(&own, 1.0 / (GUTTER * (range + floor)), about[i].value);
+            }
+        }
+        rows.transpose();
+        rows
+    }
+}
+
+/// A texel and its neighbours in a plane.
+struct About {
+    /// Its value, or the mean of its covered neighbours where it has none.
+    value: f64,
+    /// The least and the largest value of itself and its covered neighbours.
+    low: f64,
+    high: f64,
+}
+
+impl About {
+    fn of(texel: usize, values: &[f32], coverage: &[f32], size: usize) -> Self {
+        let (x, y) = (texel % size, texel / size);
+        let mut about = Self {
+            value: f64::from(values[texel]),
+            low: f64::INFINITY,
+            high: f64::NEG_INFINITY,
+        };
+        let own = coverage[texel] > 0.0;
+        for radius in 1..=2 {
+            let (mut sum, mut count) = (0.0, 0);
+            for v in y.saturating_sub(radius)..(y + radius + 1).min(size) {
+                for u in x.saturating_sub(radius)..(x + radius + 1).min(size) {
+                    let other = v * size + u;
+                    if coverage[other] > 0.0 {
+                        let value = f64::from(values[other]);
+                        (sum, count) = (sum + value, count + 1);
+                        (about.low, about.high) = (about.low.min(value), about.high.max(value));
+                    }
+                }
+            }
+            if count > 0 {
+                if !own {
+                    about.value = sum / f64::from(count);
+                }
+                return about;
+            }
+        }
+        (about.low, about.high) = (about.value, about.value);
+        about
+    }
+
+    /// Between which values a texel may end: a covered one moves by its errors and the range about it, a gutter texel leaves that range by
+    /// its own width; neither is negative.
+    fn bounds(&self, covered: bool, errors: f64) -> [f64; 2] {
+        let room = self.high - self.low + errors;
+        let [low, high] = match covered {
+            true => [self.value, self.value],
+            false => [self.low, self.high],
+        };
+        [(low - room).max(0.0), (high + room).max(0.0)]
+    }
+}
+
+/// The texels that look-ups read, ascending.
+fn texels_of(looked_up: impl ParallelIterator<Item = Taps>) -> Vec<u32> {
+    let read = looked_up.flatten_iter().filter(|tap| tap.1 != 0.0);
+    let mut texels: Vec<u32> = read.map(|tap| tap.0).collect();
+    texels.par_sort_unstable();
+    texels.dedup();
+    texels
+}
+
+/// The four texels of a bilinear look-up at a place in texels of the page, whose edge is repeated outside. Texels that count nothing
+/// have the weight 0.
+pub(super) fn taps(p: DVec2, size: u32) -> Taps {
+    let low = (p - 0.5).floor();
+    let f = p - 0.5 - low;
+    let texel = |dx: f64, dy: f64| {
+        let last = f64::from(size - 1);
+        let at = (low + DVec2::new(dx, dy)).clamp(DVec2::ZERO, DVec2::splat(last));
+        at.y as u32 * size + at.x as u32
+    };
+    [
+        (texel(0.0, 0.0), (1.0 - f.x) * (1.0 - f.y)),
+        (texel(1.0, 0.0), f.x * (1.0 - f.y)),
+        (texel(0.0, 1.0), (1.0 - f.x) * f.y),
+        (texel(1.0, 1.0), f.x * f.y),
+    ]
+}

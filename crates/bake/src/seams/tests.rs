@@ -1,0 +1,193 @@
+//! A sphere of six charts that are turned, mirrored and of unlike density, under a smooth light: both sides of each seam must show the same.
+
+use super::{Known, SeamStats, Seams};
+use crate::options::{Options, Seams as Scope};
+use crate::plan::Plan;
+use atlas::{Atlas, PageRaster, UvMode};
+use glam::{DMat2, DVec2, DVec3};
+use rays::World;
+use scene::{Scene, authored};
+use std::sync::Arc;
+
+const SIZE: u32 = 64;
+/// Quads on the edge of each side.
+const CUTS: usize = 24;
+
+/// A side of the cube, and how its chart lies on the page: middle and edge in texels, turn, mirror.
+const CHARTS: [([f64; 2], f64, f64, bool); 6] = [
+    ([10.5, 10.3], 14.0, 0.0, false),
+    ([32.4, 11.2], 14.0, 13.0, false),
+    ([53.1, 10.7], 13.0, 45.0, false),
+    ([11.0, 32.7], 14.0, 90.0, true),
+    ([32.0, 33.0], 7.0, 0.0, false),
+    ([50.0, 44.0], 21.0, 20.0, false),
+];
+
+/// The sphere as one mesh, or with each side a mesh of its own, over the plane y = -1.2.
+fn sphere(apart: bool) -> Scene {
+    let mut meshes = vec![authored::Mesh::default()];
+    for (side, (middle, edge, turn, mirror)) in CHARTS.into_iter().enumerate() {
+        if apart && side > 0 {
+            meshes.push(authored::Mesh::default());
+        }
+        let Some(mesh) = meshes.last_mut() else {
+            continue;
+        };
+        let first = mesh.positions.len() as u32;
+        let axis = side % 3;
+        let sign = if side < 3 { 1.0 } else { -1.0 };
+        let turned = DMat2::from_angle(turn.to_radians());
+        for row in 0..=CUTS {
+            for column in 0..=CUTS {
+                let [s, t] = [column, row].map(|k| k as f64 / CUTS as f64 - 0.5);
+                // Equal angles, so that texels are nearly square.
+                let [a, b] = [s, t].map(|x| (x * std::f64::consts::FRAC_PI_2).tan());
+                let mut p = DVec3::ZERO;
+                (p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]) = (sign, sign * a, b);
+                let p = p.normalize();
+                mesh.positions.push(p.as_vec3().to_array());
+                mesh.normals.push(p.as_vec3().to_array());
+                let local = DVec2::new(if mirror { -s } else { s }, t) * edge;
+                let uv = (DVec2::from(middle) + turned * local) / f64::from(SIZE);
+                mesh.uvs.push(uv.as_vec2().to_array());
+            }
+        }
+        let at = |row: usize, column: usize| first + (row * (CUTS + 1) + column) as u32;
+        for row in 0..CUTS {
+            for column in 0..CUTS {
+                let [a, b] = [at(row, column), at(row, column + 1)];
+                let [c, d] = [at(row + 1, column + 1), at(row + 1, column)];
+                mesh.triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+    }
+    Scene::from_meshes(meshes, vec![]).unwrap()
+}
+
+/// Light over the sphere, in steps of up to 8/255 a texel: waves, by which the weights of the least squares were chosen, and the shadow
+/// of something near, which never was.
+const LIGHTS: [fn(DVec3) -> f64; 2] = [
+    |p| 0.5 + 0.4 * (2.0 * p.y + 0.7 * p.x * p.z).sin(),
+    |p| (1.0 - 0.9 / (1.0 + 6.0 * (p - DVec3::new(0.5, 0.6, 0.7)).length_squared())).powi(2),
+];
+
+struct Page {
+    world: World,
+    atlas: Atlas,
+    coverage: Vec<f32>,
+    values: Vec<f32>,
+    /// Points of the surface in texels of the page, with their light.
+    truth: Vec<(DVec2, f64)>,
+}
+
+/// The page with each texel the mean of the light over its footprint, plus an error of `noise`.
+fn page(scene: Scene, light: fn(DVec3) -> f64, noise: f64) -> Page {
+    let (_, world) = Plan::of(&Arc::new(scene), &Options::default()).unwrap();
+    let options = atlas::Options {
+        uv: UvMode::Keep,
+        page_size: SIZE,
+        density: None,
+    };
+    let atlas = atlas::layout(world.scene(), &options, &|| false).unwrap();
+    let raster = PageRaster::new(world.scene(), &atlas, 0);
+    let mut coverage = vec![0.0; (SIZE * SIZE) as usize];
+    let mut values = coverage.clone();
+    let mut truth = Vec::new();
+    for index in 0..raster.tiles().len() {
+        let tile = raster.tile(index);
+        for footprint in &tile.footprints {
+            let texel = (footprint.y * SIZE + footprint.x) as usize;
+            let mut sum = 0.0;
+            for k in 0..256u32 {
+                let u = [
+                    (f64::from(k % 16) + 0.5) / 16.0,
+                    (f64::from(k / 16) + 0.5) / 16.0,
+                ];
+                let point = tile.sample(footprint, u);
+                let weights = DVec3::from(point.weights);
+                let corners = world.corners(point.instance, point.triangle);
+                let value = light((0..3).map(|c| corners[c] * weights[c]).sum());
+                sum += value / 256.0;
+                if k % 17 == 3 {
+                    let (uv, _) =
+                        atlas::triangle_uv(world.scene(), &atlas, point.instance, point.triangle);
+                    let p: DVec2 = (0..3).map(|c| uv[c].as_dvec2() * weights[c]).sum();
+                    truth.push((p * f64::from(SIZE), value));
+                }
+            }
+            // A hash in -1..1: the error needs no law, only no likeness to the neighbours'.
+            let hash = (texel as u32).wrapping_mul(2_654_435_761) >> 8;
+            let error = noise * (f64::from(hash) / f64::from(1u32 << 23) - 1.0);
+            coverage[texel] = footprint.coverage;
+            values[texel] = (sum + error) as f32;
+        }
+    }
+    Page {
+        world,
+        atlas,
+        coverage,
+        values,
+        truth,
+    }
+}
+
+/// Root mean square of what a bilinear look-up is off, gutters filled from their neighbours.
+fn rmse(page: &Page, values: &[f32], gutters: &[(u32, f32)]) -> f64 {
+    let mut values = values.to_vec();
+    atlas::Dilation::new(&page.coverage, SIZE, 2).apply(&mut values);
+    for &(texel, value) in gutters {
+        values[texel as usize] = value;
+    }
+    let squares = page.truth.iter().map(|&(p, light)| {
+        let found: f64 = super::solve::taps(p, SIZE)
+            .iter()
+            .map(|&(texel, weight)| f64::from(values[texel as usize]) * weight)
+            .sum();
+        (found - light).powi(2)
+    });
+    (squares.sum::<f64>() / page.truth.len() as f64).sqrt()
+}
+
+/// What seams leave, and the error of look-ups before and after.
+fn solved(apart: bool, light: fn(DVec3) -> f64, noise: f64) -> (SeamStats, [f64; 2]) {
+    let page = page(sphere(apart), light, noise);
+    let seams = Seams::find(&page.world, &page.atlas, 0, Scope::Scene);
+    let raster = PageRaster::new(page.world.scene(), &page.atlas, 0);
+    let system = seams.system(&page.world, &raster, SIZE);
+    let std_errs = vec![noise.max(1e-4) as f32; page.values.len()];
+    let known = Known {
+        values: &page.values,
+        std_errs: &std_errs,
+        unit: 1.0,
+    };
+    let moved = system.solve(&known, &page.coverage);
+    let mut values = page.values.clone();
+    for &(texel, value) in &moved.values {
+        values[texel as usize] = value;
+    }
+    let errors = [
+        rmse(&page, &page.values, &[]),
+        rmse(&page, &values, &moved.values),
+    ];
+    (moved.stats, errors)
+}
+
+#[test]
+fn both_sides_of_turned_mirrored_and_finer_charts_show_the_same() {
+    for light in LIGHTS {
+        for (apart, noise) in [(false, 0.0), (false, 0.01), (true, 0.0), (true, 0.01)] {
+            let (stats, [before, after]) = solved(apart, light, noise);
+            assert!(stats.points > 12 * 20, "{stats:?}");
+            assert!(stats.max_before > 4.0 / 255.0, "{stats:?}");
+            assert!(stats.max_after <= 1.0 / 255.0, "{stats:?}");
+            assert!(after <= before, "{before} -> {after}");
+        }
+    }
+}
+
+#[test]
+fn objects_apart_have_no_seams_of_their_own() {
+    let page = page(sphere(true), LIGHTS[0], 0.0);
+    assert!(Seams::find(&page.world, &page.atlas, 0, Scope::Object).is_empty());
+    assert!(Seams::find(&page.world, &page.atlas, 0, Scope::Off).is_empty());
+}
