@@ -21,6 +21,8 @@ pub(super) struct Border {
     pub normals: [DVec3; 2],
     /// Unit direction within the surface, away from the edge.
     pub inward: DVec3,
+    /// Scene units that a texel spans away from the edge.
+    pub depth: f64,
 }
 
 impl Border {
@@ -31,6 +33,11 @@ impl Border {
     /// Scene units that a texel spans along the edge.
     pub fn texel(&self) -> f64 {
         self.length() / self.texels[0].distance(self.texels[1])
+    }
+
+    /// Scene units that a texel spans in the direction in which it spans more.
+    pub fn coarseness(&self) -> f64 {
+        self.texel().max(self.depth)
     }
 
     pub fn at(&self, t: f64) -> DVec3 {
@@ -82,18 +89,22 @@ fn border(
     let [a, b, c] = [side, (side + 1) % 3, (side + 2) % 3];
     let along = (corners[b] - corners[a]).try_normalize()?;
     let across = corners[c] - corners[a];
-    let inward = (across - along * across.dot(along)).try_normalize()?;
+    let away = across - along * across.dot(along);
+    let inward = away.try_normalize()?;
     let normals = match world.normals(instance, triangle) {
         Some(normals) => [normals[a], normals[b]],
         None => [face_normal(world, instance, corners)?; 2],
     };
     let texels = [a, b].map(|k| uv[k].as_dvec2() * size);
-    (texels[0] != texels[1]).then(|| Border {
+    let side = (texels[1] - texels[0]).try_normalize()?;
+    let height = side.perp_dot(uv[c].as_dvec2() * size - texels[0]).abs();
+    (height > 0.0).then(|| Border {
         chart,
         ends: [corners[a], corners[b]],
         texels,
         normals: normals.map(DVec3::normalize_or_zero),
         inward,
+        depth: away.length() / height,
     })
 }
 

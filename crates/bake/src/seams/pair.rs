@@ -18,8 +18,9 @@ const APART: f64 = 0.1;
 /// Coordinates of the same point, computed through two transforms, agree to this share of their size.
 const ROUNDING: f64 = 1e-6;
 
-/// Cosine of the largest angle between the shading normals of one surface: 10 degrees.
-const SAME_SURFACE: f64 = 0.984_807_753_012_208;
+/// Cosine of the largest angle between the shading normals of one surface: half a degree, about what normals of 8 bits are rounded by.
+/// Facets of a flat-shaded body that differ by more are meant to.
+const SAME_SURFACE: f64 = 0.999_961_923_064_171;
 
 /// Texels of one side are at most so many times as large as those of the other: a texel that spans much more cannot hold what the finer
 /// side shows, which would only be spoilt.
@@ -39,8 +40,8 @@ pub(super) fn common(numbers: [u32; 2], a: &Border, b: &Border, scope: Scope) ->
     if (scope == Scope::Object && a.chart[0] != b.chart[0]) || a.inward.dot(b.inward) > 0.0 {
         return None;
     }
-    let (finer, coarser) = (a.texel().min(b.texel()), a.texel().max(b.texel()));
-    if coarser > UNLIKE * finer {
+    let sizes = [a.coarseness(), b.coarseness()];
+    if sizes[0].max(sizes[1]) > UNLIKE * sizes[0].min(sizes[1]) {
         return None;
     }
     let apart = reach(a).min(reach(b));
@@ -77,6 +78,7 @@ mod tests {
             texels: [DVec2::ZERO, DVec2::new((to - from).abs() * 10.0, 0.0)],
             normals: [DVec3::Z; 2],
             inward,
+            depth: 0.1,
         }
     }
 
