@@ -2,13 +2,18 @@
 
 use crate::Error;
 use crate::measure::{mesh_area, world_area};
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3, Vec3};
 use rayon::prelude::*;
-use scene::Scene;
+use scene::{Mesh, Scene};
+use std::collections::HashMap;
 use uvunwrap::{Density, MeshInput, Packing};
 
 /// Charts of curved surfaces stay below this many triangles on average: flattening takes more than linear time.
 const SOLVABLE: f64 = 200_000.0;
+/// Height fields from so many triangles on are not flattened but seen from above.
+const MANY: usize = 20_000;
+/// Cosine of the steepest slope of a height field: 60 degrees, where a texel is twice as long as wide.
+const STEEPEST: f64 = 0.5;
 /// Edge of the pages on which charts are handed over, in texels, and the texels of a triangle there: coordinates are
 /// rounded to 32 bits, a thousandth of a texel.
 const HANDED: u32 = 8192;
@@ -107,7 +112,10 @@ fn sheet(
     }
     let unit = |p: &DVec3| ((*p - low) / size - 0.5).as_vec3().to_array();
     let positions: Vec<[f32; 3]> = shaped.iter().map(unit).collect();
-    let indices: Vec<u32> = data.triangles.iter().flatten().copied().collect();
+    let welded = weld(data, &positions);
+    let corners: Vec<u32> = data.triangles.iter().flatten().copied().collect();
+    let indices: Vec<u32> = corners.iter().map(|&v| welded[v as usize]).collect();
+    let projected = projection(&data.triangles, &positions);
     let area: f64 = data
         .triangles
         .iter()
@@ -135,7 +143,10 @@ fn sheet(
             max_chart_area: most,
             ..uvunwrap::Options::default()
         };
-        let input = MeshInput::new(&positions, &indices);
+        let input = MeshInput {
+            existing_uvs: projected.as_deref(),
+            ..MeshInput::new(&positions, &indices)
+        };
         match uvunwrap::generate_with_progress(&[input], &settings, |_| !cancel()) {
             Err(uvunwrap::Error::ChartTooLarge { .. }) if scale > 1.0 => scale *= 0.25,
             Err(uvunwrap::Error::Cancelled) => return Err(Error::Cancelled),
@@ -147,14 +158,21 @@ fn sheet(
     let page = DVec2::new(f64::from(made.width), f64::from(made.height)) * texel;
     let out = &made.meshes[0];
     assert_eq!(out.indices.len(), indices.len(), "indices of mesh {mesh}");
-    let triangles: Vec<[u32; 3]> = out
-        .indices
-        .chunks_exact(3)
-        .map(|t| [t[0], t[1], t[2]])
-        .collect();
+    // Corners of the unwrapper's vertices by the mesh's own, which it does not know apart.
+    let mut numbers = HashMap::new();
+    let mut vertices: Vec<(u32, usize)> = Vec::with_capacity(out.vertices.len());
+    let mut number = |(&made, &own): (&u32, &u32)| {
+        *numbers.entry((made, own)).or_insert_with(|| {
+            vertices.push((own, made as usize));
+            vertices.len() as u32 - 1
+        })
+    };
+    let split: Vec<u32> = out.indices.iter().zip(&corners).map(&mut number).collect();
+    let triangles: Vec<[u32; 3]> = split.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+    let chart_of = |v: u32| out.vertices[vertices[v as usize].1].chart;
     let mut charts = vec![Vec::new(); made.chart_count as usize];
     for (t, corners) in triangles.iter().enumerate() {
-        if let Some(chart) = out.vertices[corners[0] as usize].chart {
+        if let Some(chart) = chart_of(corners[0]) {
             charts[chart as usize].push(t as u32);
         }
     }
@@ -178,9 +196,56 @@ fn sheet(
         mesh,
         instances,
         scales,
-        sources: out.vertices.iter().map(|v| v.xref).collect(),
-        points,
+        sources: vertices.iter().map(|&(own, _)| own).collect(),
+        points: vertices.iter().map(|&(_, made)| points[made]).collect(),
         triangles,
         charts,
     })
+}
+
+/// For each vertex the first one at its place with its normal: the seams of textures are no borders of charts, hard edges are.
+fn weld(mesh: &Mesh, positions: &[[f32; 3]]) -> Vec<u32> {
+    let mut first = HashMap::with_capacity(positions.len());
+    let bits = |v: [f32; 3]| v.map(|x| (x + 0.0).to_bits());
+    let key = |v: usize| {
+        let normal = mesh.normals.get(v).map_or([0.0; 3], |n| n.to_array());
+        (bits(positions[v]), bits(normal))
+    };
+    (0..positions.len())
+        .map(|v| *first.entry(key(v)).or_insert(v as u32))
+        .collect()
+}
+
+/// The view along its mean normal of a mesh that is all seen from there: a height field needs no flattening, which takes
+/// seconds from some ten thousand triangles on.
+///
+/// Lengths along a slope shrink by its cosine, at least [`STEEPEST`], as in every lightmap of a terrain. `None` for a
+/// smaller mesh and for one of another shape. Where the view covers a place twice the unwrapper flattens that part itself.
+fn projection(triangles: &[[u32; 3]], positions: &[[f32; 3]]) -> Option<Vec<[f32; 2]>> {
+    if triangles.len() < MANY {
+        return None;
+    }
+    let at = |v: u32| Vec3::from(positions[v as usize]).as_dvec3();
+    let cross = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(at);
+        (b - a).cross(c - a)
+    };
+    let axis = triangles
+        .iter()
+        .map(cross)
+        .sum::<DVec3>()
+        .normalize_or_zero();
+    let steep = |t: &[u32; 3]| {
+        let normal = cross(t);
+        normal.dot(axis) < STEEPEST * normal.length()
+    };
+    if axis == DVec3::ZERO || triangles.iter().any(steep) {
+        return None;
+    }
+    let (u, v) = axis.any_orthonormal_pair();
+    let flat = |p: &[f32; 3]| {
+        let p = Vec3::from(*p).as_dvec3();
+        [p.dot(u) as f32, p.dot(v) as f32]
+    };
+    Some(positions.iter().map(flat).collect())
 }

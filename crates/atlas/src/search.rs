@@ -115,8 +115,13 @@ pub(crate) fn search<T: Send>(
     if least.is_finite() {
         pages = pages.max((least / page).ceil() as u32);
     }
+    // Pages that a density asked for brings about are not filled with the others: these have one page's texels at most.
+    let limit = match options.pages {
+        Pages::Auto if texels > 0.0 => texels + page,
+        _ => f64::INFINITY,
+    };
     while pages <= most && least.is_finite() {
-        let found = fullest(f64::from(pages) * page, &grown, &|budget| {
+        let found = fullest(f64::from(pages) * page, limit, &grown, &|budget| {
             attempt(densities(objects, budget, size), pages)
         })?;
         let coarse = |found: &Found<T>| {
@@ -140,15 +145,20 @@ pub(crate) fn search<T: Send>(
     })
 }
 
-/// The fullest layout: bisects the budget of texels between one that fits and one that does not.
+/// The fullest layout of at most `limit` texels: bisects the budget between one that fits and one that does not.
 fn fullest<T: Send>(
     capacity: f64,
+    limit: f64,
     grown: &dyn Fn(f64) -> Result<f64, Error>,
     attempt: &(dyn Fn(f64) -> Result<Option<Found<T>>, Error> + Sync),
 ) -> Result<Option<Found<T>>, Error> {
     // With gutters the shapes take more than their budget, so drafts say where to begin.
-    let (mut low, mut high) = (1.0, capacity);
-    while high > 1.01 * low {
+    let most = capacity.min(limit);
+    let (mut low, mut high) = (1.0, most);
+    if grown(most / 16.0)? <= FILL * capacity {
+        low = most / 16.0;
+    }
+    while high > 1.05 * low {
         let middle = f64::sqrt(low * high);
         match grown(middle)? <= FILL * capacity {
             true => low = middle,
@@ -176,7 +186,8 @@ fn fullest<T: Send>(
                 let third = (fails / fits).cbrt();
                 [fits * third, fits * third * third]
             }
-            Some((fits, _)) => [1.02 * fits, 1.05 * fits],
+            Some((fits, _)) if fits >= most => break,
+            Some((fits, _)) => [1.02, 1.05].map(|step| (step * fits).min(most)),
             None if fails <= 1.0 => break,
             None => [0.8, 0.9].map(|step| (step * fails).max(1.0)),
         };
