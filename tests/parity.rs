@@ -175,9 +175,8 @@ fn baked_layers_differ_only_where_a_listed_ray_explains_it() {
         ..Options::default()
     };
     let layout = |page_size| atlas::Options {
-        uv: atlas::UvMode::Auto,
         page_size,
-        density: None,
+        ..atlas::Options::default()
     };
     let mut faults = Vec::new();
     for file in scenes() {

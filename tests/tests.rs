@@ -11,6 +11,7 @@ mod figures;
 mod frames;
 mod furnace;
 mod hard_cases;
+mod layout;
 mod maps;
 mod methods;
 mod models;

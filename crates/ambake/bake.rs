@@ -3,7 +3,7 @@
 use crate::baked::Baked;
 use crate::error::Error;
 use crate::job::{Job, MakeBackend};
-use crate::options::{Backend, Effort, Options, Uv};
+use crate::options::{Backend, Effort, Options, Pages, Uv};
 use crate::scene::Scene;
 use crate::sky::Sky;
 use ::bake::{Choice, Denoise, Pattern, Seams, View};
@@ -72,9 +72,40 @@ impl Bake {
         self
     }
 
-    /// Texels per scene unit, above 0; pages are added as needed. By default the highest density that fits one page.
+    /// Texels per scene unit of every object, above 0; pages are added as needed. By default the texels of one page are shared
+    /// by a rule that no large plane can ruin.
     pub fn density(mut self, texels_per_unit: f64) -> Self {
         self.options.density = Some(texels_per_unit);
+        self
+    }
+
+    /// Texels per scene unit, above 0, of the objects that `name` fits; `*` and `?` are wildcards. Later calls win.
+    pub fn density_of(mut self, name: impl Into<String>, texels_per_unit: f64) -> Self {
+        self.options.density_of.push((name.into(), texels_per_unit));
+        self
+    }
+
+    /// Only objects that one of these names fits take texels; `*` and `?` are wildcards. The others still occlude.
+    pub fn include(mut self, name: impl Into<String>) -> Self {
+        self.options.include.push(name.into());
+        self
+    }
+
+    /// Objects that one of these names fits take no texels; `*` and `?` are wildcards. They still occlude.
+    pub fn exclude(mut self, name: impl Into<String>) -> Self {
+        self.options.exclude.push(name.into());
+        self
+    }
+
+    /// How many pages there are: by default one, and more where a density needs them or the charts do not fit.
+    pub fn pages(mut self, pages: Pages) -> Self {
+        self.options.pages = pages;
+        self
+    }
+
+    /// Makes it an error if a mesh does not fit on one page. By default its charts are then spread over several.
+    pub fn one_page_per_mesh(mut self, together: bool) -> Self {
+        self.options.one_page_per_mesh = together;
         self
     }
 

@@ -6,7 +6,7 @@ use crate::scene::Scene;
 use ::bake::{Baker, Decision, Pilot, Plan};
 use atlas::Atlas;
 use rays::{RayBackend, World};
-use report::{DecisionReport, PhaseReport};
+use report::{DecisionReport, LayoutReport, PhaseReport, WarningReport};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
@@ -23,6 +23,7 @@ pub struct Job {
     plan: Plan,
     world: World,
     atlas: Atlas,
+    layout: LayoutReport,
     backend: Box<dyn RayBackend>,
     pool: Option<rayon::ThreadPool>,
     started: Instant,
@@ -72,6 +73,7 @@ impl Job {
             let backend = time(&mut phases, "build", build)?;
             Ok::<_, Error>((plan, world, atlas, backend))
         })?;
+        let layout = LayoutReport::of(&scene, &atlas);
         Ok(Self {
             scene,
             options,
@@ -79,6 +81,7 @@ impl Job {
             plan,
             world,
             atlas,
+            layout,
             backend,
             pool,
             started,
@@ -132,6 +135,17 @@ impl Job {
     /// Where every texel lies.
     pub fn atlas(&self) -> &Atlas {
         &self.atlas
+    }
+
+    /// Where the texels went.
+    pub fn layout_report(&self) -> &LayoutReport {
+        &self.layout
+    }
+
+    /// Everything that was repaired, ignored or is doubtful before a ray was cast.
+    pub fn warnings(&self) -> Vec<WarningReport> {
+        let of_scene = self.scene.warnings.iter().map(Into::into);
+        of_scene.chain(self.layout.warnings()).collect()
     }
 
     /// What answers rays.

@@ -9,6 +9,7 @@ use rays::{BackendKind, Layout, Overrides};
 use serde_json::{Value, json};
 
 pub use ::bake::Effort;
+pub use atlas::Pages;
 
 /// Lightmap coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -58,8 +59,18 @@ impl Backend {
 pub struct Options {
     /// Page edge in texels, 1..=16384.
     pub size: u32,
-    /// Texels per scene unit; `None` for the highest that fits one page.
+    /// Texels per scene unit of every object; `None` shares the texels of the pages by a rule.
     pub density: Option<f64>,
+    /// Texels per scene unit of the objects that a name with wildcards fits; later ones win.
+    pub density_of: Vec<(String, f64)>,
+    /// Names, with wildcards, of the objects that take texels; empty for all.
+    pub include: Vec<String>,
+    /// Names, with wildcards, of objects that take no texels; they still occlude.
+    pub exclude: Vec<String>,
+    /// How many pages there are.
+    pub pages: Pages,
+    /// A mesh that does not fit on one page is an error.
+    pub one_page_per_mesh: bool,
     /// Lightmap coordinates.
     pub uv: Uv,
     /// How many rays a texel takes.
@@ -95,6 +106,11 @@ impl Default for Options {
         Self {
             size: 1024,
             density: None,
+            density_of: Vec::new(),
+            include: Vec::new(),
+            exclude: Vec::new(),
+            pages: Pages::Auto,
+            one_page_per_mesh: false,
             uv: Uv::Auto,
             effort: Effort::Rays(256),
             pattern: Pattern::Independent,
@@ -126,6 +142,12 @@ impl Options {
         }
         if !positive(self.density) {
             return fail("density", "must be above 0");
+        }
+        if !self.density_of.iter().all(|(_, d)| positive(Some(*d))) {
+            return fail("density-of", "each density must be above 0");
+        }
+        if self.pages == Pages::Most(0) {
+            return fail("pages", "must be auto or at least 1");
         }
         if !positive(self.max_distance.map(f64::from)) {
             return fail("max-distance", "must be above 0");
@@ -200,6 +222,11 @@ impl Options {
             },
             page_size: self.size,
             density: self.density,
+            density_of: self.density_of.clone(),
+            include: self.include.clone(),
+            exclude: self.exclude.clone(),
+            pages: self.pages,
+            one_page_per_mesh: self.one_page_per_mesh,
         }
     }
 
@@ -209,6 +236,11 @@ impl Options {
         let Self {
             size,
             density,
+            density_of,
+            include,
+            exclude,
+            pages,
+            one_page_per_mesh,
             uv,
             effort,
             pattern,
@@ -231,6 +263,14 @@ impl Options {
         json!({
             "size": size,
             "density": density,
+            "density_of": density_of.iter().map(|(name, d)| format!("{name}={d}")).collect::<Vec<_>>(),
+            "include": include,
+            "exclude": exclude,
+            "pages": match pages {
+                Pages::Auto => json!("auto"),
+                Pages::Most(pages) => json!(pages),
+            },
+            "one_page_per_mesh": one_page_per_mesh,
             "uv": match uv {
                 Uv::Auto => "auto",
                 Uv::Keep => "keep",

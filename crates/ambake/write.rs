@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::host::{REVISION, VERSION, peak_memory};
+use crate::interior::Brightness;
 use crate::job::Job;
 use ::bake::{BakedPage, SeamStats};
 use layers::Layer;
@@ -33,6 +34,7 @@ pub(crate) struct Writer<'a> {
     output: Output,
     pages: Vec<PageReport>,
     seams: SeamStats,
+    brightness: Brightness,
     /// One picture of the diffuse term a page; `None` where the bake has no such layer.
     pictures: Option<Vec<Vec<u8>>>,
 }
@@ -62,6 +64,7 @@ impl<'a> Writer<'a> {
             output,
             pages: Vec::new(),
             seams: SeamStats::default(),
+            brightness: Brightness::default(),
             pictures: Some(Vec::new()),
         })
     }
@@ -94,6 +97,9 @@ impl<'a> Writer<'a> {
             }
         }
         let diffuse = page.layer(Layer::Diffuse);
+        if let (Some(diffuse), Some(coverage)) = (diffuse, page.layer(Layer::Coverage)) {
+            self.brightness.add(diffuse, coverage);
+        }
         self.pictures = self
             .pictures
             .take()
@@ -121,6 +127,10 @@ impl<'a> Writer<'a> {
         names.push("bake.json".into());
         let mut report = report_of(self.job, &self.described, self.pages, names, phases);
         report.seams = seam_report(&self.seams);
+        let interior = self
+            .brightness
+            .interior(self.job.options().max_distance.is_some());
+        report.warnings.extend(interior);
         self.output
             .stage_bytes("bake.json", report.to_json().as_bytes())?;
         let stale = report::stale_files(self.output.dir(), &report.files);
@@ -195,6 +205,7 @@ fn report_of(
         convention: CONVENTION.into(),
         plan: job.decisions(),
         atlas: report::AtlasReport::of(job.atlas()),
+        layout: job.layout_report().clone(),
         rays: pages.iter().map(|page| page.rays).sum(),
         pages,
         seams: None,
@@ -202,7 +213,7 @@ fn report_of(
         timings: phases,
         seconds: job.started().elapsed().as_secs_f64(),
         peak_memory_bytes: peak_memory(),
-        warnings: scene.warnings.iter().map(Into::into).collect(),
+        warnings: job.warnings(),
         notes: job.atlas().notes.clone(),
         files,
     }

@@ -39,7 +39,8 @@ const ROW: u32 = SAMPLES * TILE;
 /// coordinates can tell, so charts that share a border do not overlap.
 pub(crate) fn audit(scene: &Scene, atlas: &Atlas) -> Findings {
     let mut findings = Findings::default();
-    for (instance, placement) in scene.instances.iter().zip(&atlas.placements) {
+    let objects = scene.instances.iter().zip(&atlas.placements);
+    for (instance, placement) in objects.filter(|(_, p)| p.is_somewhere()) {
         let layout = &atlas.meshes[instance.mesh as usize];
         let outside = |p: DVec2| !(p.min_element() >= 0.0 && p.max_element() <= 1.0);
         let flat = |t: &usize| twice_area(corners(layout, placement, *t, 1.0)) == 0.0;

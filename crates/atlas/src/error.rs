@@ -11,8 +11,31 @@ pub enum Error {
     /// The density is not a positive number.
     #[error("density {0} is out of range: give texels per scene unit above 0")]
     Density(f64),
+    /// No page at all.
+    #[error("0 pages hold nothing: give at least 1, or auto")]
+    Pages,
+    /// `extras.ambake.density` in the file is no positive number.
+    #[error(
+        "object `{object}`: extras.ambake.density is {given}: give texels per scene unit above 0"
+    )]
+    AuthoredDensity {
+        /// The object.
+        object: String,
+        /// What stands there.
+        given: String,
+    },
+    /// A name that was asked for fits no object.
+    #[error("{flag} {pattern}: no object has such a name; there are {}", list(.names))]
+    NoSuchObject {
+        /// The flag.
+        flag: &'static str,
+        /// The name with its wildcards.
+        pattern: String,
+        /// The first few names that there are.
+        names: Vec<String>,
+    },
     /// The scene places no triangles.
-    #[error("the scene places no triangles: there is nothing to lay out")]
+    #[error("the scene places no triangles that take texels: there is nothing to lay out")]
     Empty,
     /// `--uv keep` on a set that is no lightmap set.
     #[error("mesh `{mesh}`: TEXCOORD_{set} {why}: use `--uv auto` or `--uv unwrap`")]
@@ -25,14 +48,24 @@ pub enum Error {
         why: Why,
     },
     /// The charts do not fit on one page at any density.
-    #[error("the charts ({charts}) with their gutters do not fit on one page of {size}x{size} texels: {}", advice(.fits))]
+    #[error(
+        "the charts ({charts}) with their gutters do not fit on one page of {size}x{size} texels: raise `--size`, or use `--pages auto`"
+    )]
     PageFull {
         /// Number of charts, or of objects where their own charts are kept.
         charts: u32,
         /// Page edge in texels.
         size: u32,
-        /// A page edge that holds them, if any does.
-        fits: Option<u32>,
+    },
+    /// The charts do not fit on the pages that were allowed.
+    #[error(
+        "the charts with their gutters do not fit on {pages} page(s) of {size}x{size} texels: raise `--size` or `--pages`, or lower the density"
+    )]
+    PagesFull {
+        /// Pages that were allowed.
+        pages: u32,
+        /// Page edge in texels.
+        size: u32,
     },
     /// At the density asked for, one chart is larger than a page.
     #[error(
@@ -85,6 +118,9 @@ pub enum Why {
     /// Coordinates that are not finite or not within 0..1.
     #[error("has {0} coordinates outside 0..1")]
     Outside(u64),
+    /// Objects that share the set's square were given different densities.
+    #[error("is shared by objects of different densities")]
+    Shared,
     /// Triangles that have no area in the set.
     #[error("gives {0} triangles no area")]
     NoArea(u64),
@@ -101,9 +137,7 @@ pub enum Why {
     },
 }
 
-fn advice(fits: &Option<u32>) -> String {
-    match fits {
-        Some(size) => format!("use `--size {size}`, or `--density` for several pages"),
-        None => "use `--density` for several pages".into(),
-    }
+fn list(names: &[String]) -> String {
+    let quoted: Vec<String> = names.iter().map(|n| format!("`{n}`")).collect();
+    quoted.join(", ")
 }

@@ -1,14 +1,15 @@
 //! Layouts from a UV set of the file: as it stands, or with a rectangle for each object.
 
 use crate::audit::audit;
-use crate::measure::{AS_IT_STANDS, chart_count, density, uv_area, uv_bounds, world_area};
-use crate::rectangles::shelves;
+use crate::mask::Mask;
+use crate::measure::{AS_IT_STANDS, chart_count, density, uv_area, uv_bounds};
+use crate::objects::{Object, extent};
+use crate::search::{Cut, Found, search};
+use crate::uv::corners;
 use crate::{Atlas, Audit, Error, MeshLayout, Options, Placement, UvSource, Why};
 use glam::{DVec2, Vec2};
 use scene::{Mesh, Scene};
 
-/// Empty texels around each object's rectangle: two objects are twice as far apart.
-pub(crate) const GUTTER: u32 = 2;
 /// Coordinates this far outside 0..1 are taken for rounding and clamped: a sixtieth of a texel on the largest page.
 const ROUNDING: f32 = 1.0 / (1 << 20) as f32;
 /// More area than the page has, beyond rounding: triangles overlap.
@@ -18,11 +19,23 @@ const FULL: f64 = 1.0 + 1e-6;
 ///
 /// Without a density the set is kept as it stands where nothing overlaps over all objects together. Otherwise every
 /// object (all parts of a node, or a whole OBJ) gets a rectangle of its own with its charts as they were authored.
-pub(crate) fn keep(scene: &Scene, options: &Options, set: u32) -> Result<Atlas, Error> {
-    let meshes = layouts(scene, set)?;
+pub(crate) fn keep(
+    scene: &Scene,
+    objects: &[Object],
+    options: &Options,
+    set: u32,
+    cancel: &(dyn Fn() -> bool + Sync),
+) -> Result<Atlas, Error> {
+    let mut included = vec![true; scene.instances.len()];
+    for object in objects.iter().filter(|o| !o.included) {
+        for &i in &object.instances {
+            included[i as usize] = false;
+        }
+    }
+    let meshes = layouts(scene, &included, set)?;
     let areas: Vec<f64> = meshes.iter().map(uv_area).collect();
     let chart_count = meshes.iter().map(chart_count).sum();
-    let objects = objects(scene);
+    let squares = squares(scene, objects);
     let name = |mesh: u32| scene.meshes[mesh as usize].name.clone();
     let crowded = |instances: &[u32]| {
         let mesh_of = |&i: &u32| scene.instances[i as usize].mesh;
@@ -33,23 +46,27 @@ pub(crate) fn keep(scene: &Scene, options: &Options, set: u32) -> Result<Atlas, 
             why: Why::Crowded(pages),
         })
     };
-    for object in &objects {
-        crowded(object).map_or(Ok(()), Err)?;
+    for square in &squares {
+        crowded(&square.instances).map_or(Ok(()), Err)?;
     }
-    let all: Vec<u32> = (0..scene.instances.len() as u32).collect();
+    let all: Vec<u32> = squares.iter().flat_map(|s| &s.instances).copied().collect();
     let mut refusal = crowded(&all);
     let mut atlas = Atlas {
         page_size: options.page_size,
         page_count: 1,
         meshes,
-        placements: vec![AS_IT_STANDS; scene.instances.len()],
+        placements: included
+            .iter()
+            .map(|&i| if i { AS_IT_STANDS } else { Placement::NOWHERE })
+            .collect(),
         source: UvSource::Kept { set },
         audit: Audit::default(),
         density: 0.0,
         chart_count,
         notes: Vec::new(),
     };
-    if refusal.is_none() && options.density.is_none() {
+    let asked = objects.iter().any(|o| o.asked.is_some());
+    if refusal.is_none() && !asked {
         match checked(scene, &mut atlas, set) {
             Ok(()) => return Ok(atlas),
             Err(why) => refusal = Some(why),
@@ -57,7 +74,7 @@ pub(crate) fn keep(scene: &Scene, options: &Options, set: u32) -> Result<Atlas, 
     }
     // One object that overlaps with itself overlaps in any rectangle.
     if let Some(why) = refusal {
-        if objects.len() == 1 {
+        if squares.len() == 1 {
             return Err(why);
         }
         atlas.notes.push(format!(
@@ -66,7 +83,18 @@ pub(crate) fn keep(scene: &Scene, options: &Options, set: u32) -> Result<Atlas, 
         ));
     }
     atlas.source = UvSource::Repacked { set };
-    repack(scene, &mut atlas, &objects, &areas, options.density)?;
+    for square in &squares {
+        let mixed = |&i: &u32| objects[object_of(objects, i)].asked != square.asked;
+        if square.instances.iter().any(mixed) {
+            let mesh = name(scene.instances[square.instances[0] as usize].mesh);
+            return Err(Error::Unusable {
+                mesh,
+                set,
+                why: Why::Shared,
+            });
+        }
+    }
+    repack(scene, &mut atlas, &squares, &areas, options, cancel)?;
     checked(scene, &mut atlas, set)?;
     Ok(atlas)
 }
@@ -104,17 +132,14 @@ fn checked(scene: &Scene, atlas: &mut Atlas, set: u32) -> Result<(), Error> {
 }
 
 /// The set of every mesh that is placed, checked to be finite and within 0..1.
-fn layouts(scene: &Scene, set: u32) -> Result<Vec<MeshLayout>, Error> {
+fn layouts(scene: &Scene, included: &[bool], set: u32) -> Result<Vec<MeshLayout>, Error> {
     let mut used = vec![false; scene.meshes.len()];
-    for instance in &scene.instances {
-        used[instance.mesh as usize] = true;
+    for (instance, &included) in scene.instances.iter().zip(included) {
+        used[instance.mesh as usize] |= included;
     }
-    let layout = |(mesh, used): (&Mesh, bool)| {
-        if used {
-            own_layout(mesh, set)
-        } else {
-            Ok(MeshLayout::default())
-        }
+    let layout = |(mesh, used): (&Mesh, bool)| match used {
+        true => own_layout(mesh, set),
+        false => Ok(MeshLayout::without_texels(mesh)),
     };
     scene.meshes.iter().zip(used).map(layout).collect()
 }
@@ -153,80 +178,83 @@ fn own_layout(mesh: &Mesh, set: u32) -> Result<MeshLayout, Error> {
     })
 }
 
-/// Instances that share one authored square: the parts of one copy of a node. All of an OBJ is one.
-fn objects(scene: &Scene) -> Vec<Vec<u32>> {
-    let mut objects: Vec<Vec<u32>> = Vec::new();
-    let mut known = std::collections::HashMap::new();
-    for (i, instance) in scene.instances.iter().enumerate() {
-        let object = *known
-            .entry((instance.node, instance.copy))
-            .or_insert_with(|| {
-                objects.push(Vec::new());
-                objects.len() - 1
-            });
-        objects[object].push(i as u32);
-    }
+/// The object of an instance.
+fn object_of(objects: &[Object], instance: u32) -> usize {
+    let holds = |o: &Object| o.instances.binary_search(&instance).is_ok();
     objects
+        .iter()
+        .position(holds)
+        .expect("every instance has an object")
 }
 
-/// Gives each object a rectangle, all at one density: the one asked for, or the highest that fits one page.
+/// Objects that share one authored square, taken together: the parts of one copy of a node. All of an OBJ is one.
+fn squares(scene: &Scene, objects: &[Object]) -> Vec<Object> {
+    let mut squares: Vec<Object> = Vec::new();
+    let mut known = std::collections::HashMap::new();
+    for object in objects.iter().filter(|o| o.included) {
+        let first = &scene.instances[object.instances[0] as usize];
+        let square = *known.entry((first.node, first.copy)).or_insert_with(|| {
+            squares.push(Object {
+                instances: Vec::new(),
+                area: 0.0,
+                ..object.clone()
+            });
+            squares.len() - 1
+        });
+        squares[square].instances.extend(&object.instances);
+        squares[square].area += object.area;
+    }
+    for square in &mut squares {
+        square.instances.sort_unstable();
+        square.extent = extent(scene, &square.instances);
+    }
+    squares
+}
+
+/// Gives each square a place of its own at its density.
 fn repack(
     scene: &Scene,
     atlas: &mut Atlas,
-    objects: &[Vec<u32>],
+    squares: &[Object],
     areas: &[f64],
-    asked: Option<f64>,
+    options: &Options,
+    cancel: &(dyn Fn() -> bool + Sync),
 ) -> Result<(), Error> {
-    let shapes: Vec<Shape> = objects
+    let shapes: Vec<Shape> = squares
         .iter()
-        .map(|object| Shape::of(scene, atlas, object, areas))
+        .map(|square| Shape::of(scene, atlas, square, areas))
         .collect();
-    let size = atlas.page_size;
-    let attempt = |density: f64| {
-        let sizes: Vec<[u32; 2]> = shapes.iter().map(|s| s.texels(density, size)).collect();
-        let packed = shelves(&sizes, size);
-        (sizes, packed)
+    let size = options.page_size;
+    let cut = |densities: &[f64], _: bool| {
+        let cut = |((square, shape), &density): ((&Object, &Shape), &f64)| {
+            vec![shape.mask(scene, atlas, &square.instances, density, size)]
+        };
+        let shapes = squares
+            .iter()
+            .zip(&shapes)
+            .zip(densities)
+            .map(cut)
+            .collect();
+        Ok(Cut {
+            shapes,
+            groups: (0..squares.len() as u32).collect(),
+            kept: (),
+        })
     };
-    let density = match asked {
-        Some(density) => density,
-        None => {
-            let whole: f64 = shapes.iter().map(Shape::area).sum();
-            let (mut low, mut high) = (0.0, f64::from(size) / whole.sqrt());
-            for _ in 0..40 {
-                let middle = 0.5 * (low + high);
-                match attempt(middle).1 {
-                    Some((_, 1)) => low = middle,
-                    _ => high = middle,
-                }
-            }
-            low
-        }
-    };
-    let (sizes, packed) = attempt(density);
-    let Some((spots, pages)) = packed else {
-        let [width, height] = sizes
-            .into_iter()
-            .max_by_key(|s| s[0].max(s[1]))
-            .unwrap_or_default();
-        return Err(Error::ChartTooLarge {
-            width,
-            height,
-            size,
-        });
-    };
-    if asked.is_none() && (pages > 1 || density <= 0.0) {
-        let charts = objects.len() as u32;
-        let holds = |s: &u32| matches!(shelves(&sizes, *s), Some((_, 1)));
-        let fits = (1..=14).map(|k| 1 << k).filter(|&s| s > size).find(holds);
-        return Err(Error::PageFull { charts, size, fits });
-    }
-    atlas.page_count = pages;
-    for ((object, shape), spot) in objects.iter().zip(&shapes).zip(&spots) {
+    let Found {
+        densities, packed, ..
+    } = search(squares, options, cancel, cut)?;
+    atlas.page_count = packed.pages.max(1);
+    for (((square, shape), spot), density) in squares
+        .iter()
+        .zip(&shapes)
+        .zip(&packed.spots)
+        .zip(densities)
+    {
         let scale = shape.scale * density;
-        let corner =
-            DVec2::new(f64::from(spot.x + GUTTER), f64::from(spot.y + GUTTER)) + margin(size);
+        let corner = DVec2::new(f64::from(spot.x), f64::from(spot.y)) + margin(size);
         let offset = (corner - shape.low * scale) / f64::from(size);
-        for &i in object {
+        for &i in &square.instances {
             atlas.placements[i as usize] = Placement {
                 page: spot.page,
                 scale: [(scale / f64::from(size)) as f32; 2],
@@ -246,35 +274,44 @@ struct Shape {
 }
 
 impl Shape {
-    fn of(scene: &Scene, atlas: &Atlas, object: &[u32], areas: &[f64]) -> Shape {
-        let mesh = |i: u32| scene.instances[i as usize].mesh as usize;
-        let bounds = object
+    fn of(scene: &Scene, atlas: &Atlas, object: &Object, areas: &[f64]) -> Shape {
+        let mesh = |i: &u32| scene.instances[*i as usize].mesh as usize;
+        let instances = &object.instances;
+        let bounds = instances
             .iter()
-            .filter_map(|&i| uv_bounds(&atlas.meshes[mesh(i)]));
+            .filter_map(|i| uv_bounds(&atlas.meshes[mesh(i)]));
         let (low, high) = bounds
             .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
             .unwrap_or_default();
-        let world: f64 = object.iter().map(|&i| world_area(scene, i as usize)).sum();
-        let square: f64 = object.iter().map(|&i| areas[mesh(i)]).sum();
-        let scale = if square > 0.0 {
-            (world / square).sqrt()
-        } else {
-            0.0
+        let square: f64 = instances.iter().map(|i| areas[mesh(i)]).sum();
+        let scale = match square > 0.0 {
+            true => (object.area / square).sqrt(),
+            false => 0.0,
         };
         Shape { low, high, scale }
     }
 
-    /// Bounding area in square scene units.
-    fn area(&self) -> f64 {
-        (self.high - self.low).element_product() * self.scale * self.scale
-    }
-
-    /// Size of the rectangle with its gutter.
-    fn texels(&self, density: f64, size: u32) -> [u32; 2] {
-        let inner = ((self.high - self.low) * self.scale * density + 2.0 * margin(size)).ceil();
-        inner
-            .to_array()
-            .map(|t| (t.max(1.0) as u32).saturating_add(2 * GUTTER))
+    /// The texels that its charts touch at a density.
+    fn mask(
+        &self,
+        scene: &Scene,
+        atlas: &Atlas,
+        instances: &[u32],
+        density: f64,
+        size: u32,
+    ) -> Mask {
+        let scale = self.scale * density;
+        let room = ((self.high - self.low) * scale + 2.0 * margin(size))
+            .ceil()
+            .max(DVec2::ONE);
+        let triangles = instances.iter().flat_map(|&i| {
+            let layout = &atlas.meshes[scene.instances[i as usize].mesh as usize];
+            (0..layout.triangles.len()).map(move |t| {
+                corners(layout, &AS_IT_STANDS, t, 1.0)
+                    .map(|p| (p - self.low) * scale + margin(size))
+            })
+        });
+        Mask::of(triangles, room.x as u32, room.y as u32)
     }
 }
 

@@ -1,8 +1,9 @@
 //! The layout of a scene: which coordinates are kept, which are made.
 
+use crate::arrange::unwrap;
 use crate::keep::{keep, note};
-use crate::unwrap::unwrap;
-use crate::{Atlas, Error, Options, UvMode, Why};
+use crate::objects::objects;
+use crate::{Atlas, Error, Options, Pages, UvMode, Why};
 use scene::Scene;
 
 /// A place on a page for every triangle of every object, audited: nothing overlaps, nothing is missing or outside.
@@ -27,10 +28,10 @@ pub fn layout(
     {
         return Err(Error::Density(density));
     }
-    let placed = |mesh: u32| !scene.meshes[mesh as usize].triangles.is_empty();
-    if !scene.instances.iter().any(|i| placed(i.mesh)) {
-        return Err(Error::Empty);
+    if options.pages == Pages::Most(0) {
+        return Err(Error::Pages);
     }
+    let objects = objects(scene, options)?;
     let mut notes = Vec::new();
     if options.uv != UvMode::Unwrap {
         let mut refusal = None;
@@ -38,7 +39,7 @@ pub fn layout(
             if cancel() {
                 return Err(Error::Cancelled);
             }
-            match keep(scene, options, set) {
+            match keep(scene, &objects, options, set, cancel) {
                 Ok(mut atlas) => {
                     notes.append(&mut atlas.notes);
                     atlas.notes = notes;
@@ -48,6 +49,7 @@ pub fn layout(
                 Err(Error::Unusable {
                     why: Why::Absent, ..
                 }) if set == 1 => {}
+                Err(Error::Cancelled) => return Err(Error::Cancelled),
                 Err(why) => {
                     notes.push(note(&why));
                     refusal.get_or_insert(why);
@@ -61,7 +63,7 @@ pub fn layout(
     if cancel() {
         return Err(Error::Cancelled);
     }
-    let mut atlas = unwrap(scene, options, cancel)?;
+    let mut atlas = unwrap(scene, &objects, options, cancel)?;
     atlas.notes = notes;
     Ok(atlas)
 }

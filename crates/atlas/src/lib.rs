@@ -4,39 +4,52 @@
 //! triangles of a page into area-true texel footprints, a tile at a time. [`Dilation`] fills the gutters.
 //!
 //! ```
-//! use ambake_atlas::{Options, UvMode, layout};
+//! use ambake_atlas::{Options, layout};
 //! use scene::{Scene, authored};
 //!
 //! let mut triangle = authored::Mesh::default();
 //! triangle.positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 //! triangle.triangles = vec![[0, 1, 2]];
 //! let scene = Scene::from_meshes(vec![triangle], vec![authored::Material::default()])?;
-//! let options = Options { uv: UvMode::Auto, page_size: 64, density: None };
+//! let options = Options { page_size: 64, ..Options::default() };
 //! let atlas = layout(&scene, &options, &|| false)?;
 //! assert_eq!((atlas.page_count, atlas.chart_count), (1, 1));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 #![forbid(unsafe_code)]
 
+mod arrange;
 mod audit;
+mod charts;
 mod clip;
 mod dilate;
 mod error;
+mod facts;
 mod footprint;
+mod glob;
 mod keep;
 mod layout;
+mod mask;
 mod measure;
+mod objects;
+mod pack;
+mod pages;
 mod raster;
-mod rectangles;
+mod search;
+mod share;
 mod types;
-mod unwrap;
 mod uv;
 
 pub use dilate::{Dilation, RINGS};
 pub use error::{Error, Why};
+pub use facts::{Facts, ObjectFacts, facts};
 pub use footprint::{Footprint, Piece, TILE, Tile};
 pub use layout::layout;
 pub use measure::charts;
+pub use objects::{ObjectName, object_names};
 pub use raster::PageRaster;
 pub use types::*;
 pub use uv::triangle_uv;
+
+/// Empty texels around every chart: two charts are twice as far apart, so that bicubic look-ups read one of them.
+pub(crate) const GUTTER: u32 = 2;

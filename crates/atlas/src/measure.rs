@@ -15,8 +15,16 @@ pub(crate) const AS_IT_STANDS: Placement = Placement {
 
 /// Surface area of an object in the world, in square scene units.
 pub(crate) fn world_area(scene: &Scene, instance: usize) -> f64 {
+    world_triangle_areas(scene, instance).sum()
+}
+
+/// Areas of an object's triangles in the world, in square scene units.
+pub(crate) fn world_triangle_areas(
+    scene: &Scene,
+    instance: usize,
+) -> impl Iterator<Item = f64> + '_ {
     let instance = &scene.instances[instance];
-    triangle_areas(scene, instance.mesh as usize, &instance.transform).sum()
+    triangle_areas(scene, instance.mesh as usize, &instance.transform)
 }
 
 /// Surface area of a mesh in its own space.
@@ -112,7 +120,8 @@ pub(crate) fn density(
     size: u32,
 ) -> f64 {
     let (mut sum, mut total) = (0.0, 0.0);
-    for (instance, placement) in scene.instances.iter().zip(placements) {
+    let objects = scene.instances.iter().zip(placements);
+    for (instance, placement) in objects.filter(|(_, p)| p.is_somewhere()) {
         let layout = &meshes[instance.mesh as usize];
         let areas = triangle_areas(scene, instance.mesh as usize, &instance.transform);
         for (triangle, area) in areas.enumerate() {

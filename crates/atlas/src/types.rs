@@ -39,6 +39,18 @@ pub struct MeshLayout {
     pub triangle_pages: Vec<u16>,
 }
 
+impl MeshLayout {
+    /// The layout of a mesh that takes no texels: its own vertices and triangles, all at one place.
+    pub fn without_texels(mesh: &scene::Mesh) -> MeshLayout {
+        MeshLayout {
+            source_vertices: (0..mesh.positions.len() as u32).collect(),
+            uvs: vec![Vec2::ZERO; mesh.positions.len()],
+            triangles: mesh.triangles.clone(),
+            triangle_pages: Vec::new(),
+        }
+    }
+}
+
 /// One object's rectangle: page UV = `uv * scale + offset`, in 0..=1 of the page.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Placement {
@@ -48,6 +60,20 @@ pub struct Placement {
     pub scale: [f32; 2],
     /// Offset in u and v.
     pub offset: [f32; 2],
+}
+
+impl Placement {
+    /// The object takes no texels: it was excluded.
+    pub const NOWHERE: Placement = Placement {
+        page: u32::MAX,
+        scale: [0.0; 2],
+        offset: [0.0; 2],
+    };
+
+    /// True where the object takes texels.
+    pub fn is_somewhere(&self) -> bool {
+        self.page != u32::MAX
+    }
 }
 
 /// How the lightmap coordinates came about.
@@ -91,8 +117,44 @@ pub struct Options {
     pub uv: UvMode,
     /// `--size`: page edge in texels, 1..=16384.
     pub page_size: u32,
-    /// `--density`: texels per scene unit, with as many pages as needed; `None` fits everything on one page.
+    /// `--density`: texels per scene unit of every object; `None` shares the texels by the rule of `share.rs`.
     pub density: Option<f64>,
+    /// `--density-of`: names of objects, with wildcards, and their texels per scene unit. Later ones win.
+    pub density_of: Vec<(String, f64)>,
+    /// `--include`: only objects whose names fit one of these take texels; all where there is none.
+    pub include: Vec<String>,
+    /// `--exclude`: objects whose names fit one of these take no texels.
+    pub exclude: Vec<String>,
+    /// `--pages`.
+    pub pages: Pages,
+    /// `--one-page-per-mesh`: where a mesh does not fit on one page, that is an error.
+    pub one_page_per_mesh: bool,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options {
+            uv: UvMode::Auto,
+            page_size: 1024,
+            density: None,
+            density_of: Vec::new(),
+            include: Vec::new(),
+            exclude: Vec::new(),
+            pages: Pages::Auto,
+            one_page_per_mesh: false,
+        }
+    }
+}
+
+/// `--pages`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Pages {
+    /// As many as a density that was asked for needs; else one, and more only where the charts do not fit on it with four
+    /// texels across every object.
+    Auto,
+    /// So many at most, at least 1; without a density that was asked for, all of them are filled.
+    Most(u32),
 }
 
 /// `--uv`.

@@ -40,9 +40,25 @@ pub struct Job {
     /// Page edge in texels
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=16384))]
     pub size: u32,
-    /// Texels per scene unit; pages are added as needed [default: the highest that fits one page]
+    /// Texels per scene unit of every object; pages are added as needed [default: one page, shared so that no large object
+    /// ruins the rest]
     #[arg(long, value_name = "D", value_parser = positive)]
     pub density: Option<f64>,
+    /// Texels per scene unit of the objects with this name; * and ? are wildcards, and the flag may be repeated
+    #[arg(long, value_name = "NAME=D", value_parser = density_of)]
+    pub density_of: Vec<(String, f64)>,
+    /// Only objects with this name take texels, the others still occlude; * and ? are wildcards, and the flag may be repeated
+    #[arg(long, value_name = "NAME")]
+    pub include: Vec<String>,
+    /// Objects with this name take no texels, but still occlude; * and ? are wildcards, and the flag may be repeated
+    #[arg(long, value_name = "NAME")]
+    pub exclude: Vec<String>,
+    /// Pages of --size: auto takes one, and more where a density needs them or the charts do not fit; a number is the most
+    #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = pages)]
+    pub pages: ambake::Pages,
+    /// A mesh that does not fit on one page is an error; otherwise its charts are then spread over several
+    #[arg(long)]
+    pub one_page_per_mesh: bool,
     /// Rays per texel over the hemisphere; the specular lobe takes as many again where a material needs it
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=16_777_216))]
     pub rays: u32,
@@ -124,6 +140,22 @@ pub enum Uv {
     Auto,
     Keep,
     Unwrap,
+}
+
+fn density_of(text: &str) -> Result<(String, f64), String> {
+    // A name may hold the sign too.
+    let (name, density) = text
+        .rsplit_once('=')
+        .ok_or("expected NAME=D, such as `wall*=20`")?;
+    Ok((name.into(), positive(density)?))
+}
+
+fn pages(text: &str) -> Result<ambake::Pages, String> {
+    match text.parse() {
+        _ if text == "auto" => Ok(ambake::Pages::Auto),
+        Ok(pages) if pages > 0 => Ok(ambake::Pages::Most(pages)),
+        _ => Err("expected auto or a number of pages from 1".into()),
+    }
 }
 
 fn target_error(text: &str) -> Result<f64, String> {

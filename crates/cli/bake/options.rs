@@ -9,6 +9,11 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
     let mut options = Options::default();
     options.size = job.size;
     options.density = job.density;
+    options.density_of = job.density_of.clone();
+    options.include = job.include.clone();
+    options.exclude = job.exclude.clone();
+    options.pages = job.pages;
+    options.one_page_per_mesh = job.one_page_per_mesh;
     options.uv = match job.uv {
         args::Uv::Auto => Uv::Auto,
         args::Uv::Keep => Uv::Keep,

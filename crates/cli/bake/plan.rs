@@ -29,6 +29,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             "options": job.options().describe(),
             "plan": job.decisions(),
             "atlas": report::AtlasReport::of(job.atlas()),
+            "layout": job.layout_report(),
             "estimate": {
                 "texels": cost.texels,
                 "rays": cost.rays,
@@ -61,7 +62,7 @@ fn estimate(job: &Job) -> Estimate {
 }
 
 fn warnings(job: &Job) -> Vec<report::WarningReport> {
-    job.scene().warnings.iter().map(Into::into).collect()
+    job.warnings()
 }
 
 fn text(job: &Job, cost: &Estimate) -> String {
@@ -89,6 +90,7 @@ fn text(job: &Job, cost: &Estimate) -> String {
         cost.seconds,
         job.backend().describe(),
     );
+    text += &job.layout_report().text();
     for warning in warnings(job) {
         text += &format!(
             "warning: {} ({} times, {})\n",

@@ -33,6 +33,7 @@ pub fn summary(report: &BakeReport, verbose: bool, files: usize, dir: &Path) -> 
         report.atlas.page_size,
         report.atlas.source,
     );
+    text += &report.layout.text();
     for decision in report.plan.iter().filter(|_| verbose) {
         text += &format!("  {}: {}\n", decision.decision, decision.reason);
     }

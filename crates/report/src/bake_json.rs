@@ -28,6 +28,9 @@ pub struct BakeReport {
     pub plan: Vec<DecisionReport>,
     /// The layout.
     pub atlas: AtlasReport,
+    /// Where the texels went.
+    #[serde(default)]
+    pub layout: crate::LayoutReport,
     /// One entry for each page, in order.
     pub pages: Vec<PageReport>,
     /// How far the two sides of seams differ; absent where no seam was solved.
@@ -265,7 +268,11 @@ pub fn object_reports(scene: &scene::Scene, atlas: &atlas::Atlas) -> Vec<ObjectR
     let report = |(instance, placement): (&scene::Instance, &atlas::Placement)| ObjectReport {
         name: instance.name.clone(),
         triangles: scene.meshes[instance.mesh as usize].triangles.len() as u64,
-        page: placement.page,
+        page: if placement.is_somewhere() {
+            placement.page
+        } else {
+            0
+        },
     };
     objects.map(report).collect()
 }
@@ -348,6 +355,7 @@ pub(crate) mod tests {
                 density: 0.1 + 0.2,
                 ..AtlasReport::default()
             },
+            layout: crate::LayoutReport::default(),
             pages: vec![PageReport {
                 mean_error: 1.0 / 3.0,
                 ..PageReport::default()

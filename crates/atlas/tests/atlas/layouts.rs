@@ -1,7 +1,7 @@
 //! Layouts: kept, repacked, unwrapped.
 
 use crate::scenes::{ball, cube, mesh, moved, scaled, scene};
-use ambake_atlas::{Atlas, Error, Options, PageRaster, UvMode, UvSource, Why, layout};
+use ambake_atlas::{Atlas, Error, Options, PageRaster, Pages, UvMode, UvSource, Why, layout};
 use glam::{DAffine3, Vec2, Vec3};
 use scene::Scene;
 
@@ -10,6 +10,7 @@ fn options(uv: UvMode, page_size: u32, density: Option<f64>) -> Options {
         uv,
         page_size,
         density,
+        ..Options::default()
     }
 }
 
@@ -96,6 +97,7 @@ fn objects_that_share_the_square_get_rectangles_of_their_own() {
             (0, 0, DAffine3::IDENTITY),
             (0, 1, moved(3.0, 0.0, 0.0)),
             (0, 2, scaled(2.0, -2.0, 2.0)),
+            (0, 3, moved(6.0, 0.0, 0.0)),
         ],
     );
     for mode in [UvMode::Auto, UvMode::Keep] {
@@ -251,7 +253,7 @@ fn triangles_too_thin_to_unwrap_are_not_missing() {
         Vec3::new(3.0, 0.5, 1e-7),
     ]);
     ball.triangles.extend([[2, 3, n], [n + 1, n + 2, n + 3]]);
-    // A cube so small beside a ground so large that 32 bits flatten it.
+    // A cube so small beside a ground so large that 32 bits would flatten it at one density.
     let ground = mesh(
         "ground",
         [
@@ -269,10 +271,10 @@ fn triangles_too_thin_to_unwrap_are_not_missing() {
         vec![ground, cube()],
         &[(0, 0, DAffine3::IDENTITY), (1, 1, scaled(1e-4, 1e-4, 1e-4))],
     );
-    for (scene, least) in [(thin, 2), (small, 1)] {
+    for (scene, specks) in [(thin, 2), (small, 0)] {
         let atlas = layout(&scene, &options(UvMode::Unwrap, 256, None), &|| false).unwrap();
         assert_clean(&atlas);
-        assert!(atlas.audit.specks >= least, "{:?}", atlas.audit);
+        assert_eq!(atlas.audit.specks, specks, "{:?}", atlas.audit);
         // Each triangle has a piece somewhere.
         let mut seen: Vec<Vec<bool>> = scene
             .meshes
@@ -291,24 +293,23 @@ fn triangles_too_thin_to_unwrap_are_not_missing() {
 }
 
 #[test]
-fn a_page_too_small_says_what_size_would_do() {
+fn charts_that_one_page_cannot_hold_go_on_more_or_are_refused() {
     let copies: Vec<_> = (0..40)
         .map(|i| (0, i, moved(f64::from(i), 0.0, 0.0)))
         .collect();
     let scene = scene(vec![cube()], &copies);
     for mode in [UvMode::Keep, UvMode::Unwrap] {
-        match layout(&scene, &options(mode, 16, None), &|| false).unwrap_err() {
-            Error::PageFull {
-                size: 16,
-                fits: Some(fits),
-                ..
-            } => {
-                layout(&scene, &options(mode, fits, None), &|| false)
-                    .map(|a| assert_clean(&a))
-                    .unwrap();
-            }
-            other => panic!("{mode:?}: {other}"),
-        }
+        let auto = options(mode, 32, None);
+        let atlas = layout(&scene, &auto, &|| false).unwrap();
+        assert!(atlas.page_count > 1, "{mode:?}: {}", atlas.page_count);
+        assert_clean(&atlas);
+        assert!(apart(&scene, &atlas) > 4, "{}", apart(&scene, &atlas));
+        let one = Options {
+            pages: Pages::Most(1),
+            ..auto
+        };
+        let error = layout(&scene, &one, &|| false).unwrap_err();
+        assert!(matches!(error, Error::PageFull { size: 32, .. }), "{error}");
     }
     let error = layout(&scene, &options(UvMode::Unwrap, 16, Some(100.0)), &|| false).unwrap_err();
     assert!(

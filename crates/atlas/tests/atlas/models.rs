@@ -3,7 +3,7 @@
 #[path = "../../../../tests/skip.rs"]
 mod skip;
 
-use ambake_atlas::{Atlas, Options, PageRaster, UvMode, UvSource, layout};
+use ambake_atlas::{Atlas, Options, PageRaster, UvSource, layout};
 use rayon::prelude::*;
 use scene::Scene;
 
@@ -12,9 +12,8 @@ fn laid_out(model: &str) -> Option<(Scene, Atlas)> {
     let path = skip::model(model)?;
     let scene = scene::load(&path).unwrap();
     let options = Options {
-        uv: UvMode::Auto,
         page_size: 1024,
-        density: None,
+        ..Options::default()
     };
     let start = std::time::Instant::now();
     let atlas = layout(&scene, &options, &|| false).unwrap();

@@ -19,7 +19,7 @@ use geometry::Geometry;
 use material::Materials;
 use scene::Scene;
 use serde_json::Value;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 /// A reason, without the file: the caller adds it.
@@ -116,12 +116,22 @@ fn patch(
     }
     let plan = node::MeshPlan::of(document, users.iter().map(|(user, _)| *user))?;
     let originals = document.list("meshes")?.clone();
+    // Primitives of which some object takes no texels: it keeps its material.
+    let unlit: HashSet<(usize, usize)> = scene
+        .instances
+        .iter()
+        .zip(&atlas.placements)
+        .filter(|(_, placement)| !placement.is_somewhere())
+        .map(|(instance, _)| origins.meshes[instance.mesh as usize])
+        .collect();
     let mut materials = Materials::new(document, scene, occlusion, |mesh, primitive| {
-        plan.stays(mesh) || !origins.meshes.contains(&(mesh, primitive))
+        let place = (mesh, primitive);
+        plan.stays(mesh) || unlit.contains(&place) || !origins.meshes.contains(&place)
     })?;
     let as_placed = atlas
         .placements
         .iter()
+        .filter(|p| p.is_somewhere())
         .all(|p| p.scale == [1.0; 2] && p.offset == [0.0; 2]);
     let mut geometries: HashMap<u32, Geometry> = HashMap::new();
     let mut placed = Vec::with_capacity(users.len());
@@ -137,7 +147,10 @@ fn patch(
             .and_then(Value::as_array)
             .ok_or("a mesh has no primitives")?;
         for (p, primitive) in old.iter().enumerate() {
-            let Some(&object) = objects.get(&p) else {
+            let lit = objects
+                .get(&p)
+                .filter(|&&o| atlas.placements[o].is_somewhere());
+            let Some(&object) = lit else {
                 primitives.push(primitive.clone());
                 continue;
             };

@@ -1,0 +1,64 @@
+//! Finds out whether a scene is an interior: there the sky reaches little, and a limit of distance shows more.
+
+use report::WarningReport;
+
+/// Bins of the diffuse term, over 0..=1.
+const BINS: usize = 100;
+/// At this median of the diffuse term or below, half of the scene hardly sees the sky.
+const DARK: f64 = 0.1;
+
+/// How many texels have which diffuse term, over all pages.
+#[derive(Debug, Clone)]
+pub(crate) struct Brightness([u64; BINS]);
+
+impl Default for Brightness {
+    fn default() -> Self {
+        Self([0; BINS])
+    }
+}
+
+impl Brightness {
+    /// Adds the covered texels of a page.
+    pub fn add(&mut self, diffuse: &[f32], coverage: &[f32]) {
+        for (value, _) in diffuse.iter().zip(coverage).filter(|(_, c)| **c > 0.0) {
+            self.0[((value * BINS as f32) as usize).min(BINS - 1)] += 1;
+        }
+    }
+
+    /// The warning that names `--max-distance`, where the median is dark and no limit was given.
+    pub fn interior(&self, limited: bool) -> Option<WarningReport> {
+        let dark: u64 = self.0[..(DARK * BINS as f64) as usize].iter().sum();
+        let all: u64 = self.0.iter().sum();
+        (!limited && all > 0 && 2 * dark > all).then(|| WarningReport {
+            kind: "interior".into(),
+            place: "scene".into(),
+            count: dark,
+            message: format!(
+                "most texels see less than {:.0} % of the sky, as inside a building; `--max-distance D` shows corners and \
+                 contacts there, with D about a third of a room's height",
+                100.0 * DARK
+            ),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Brightness;
+
+    #[test]
+    fn a_dark_median_is_an_interior_unless_a_distance_was_given() {
+        let mut pages = Brightness::default();
+        pages.add(
+            &[0.02, 0.05, 0.7, 0.0, 0.0, 0.0],
+            &[1.0, 0.3, 1.0, 0.0, 0.0, 0.0],
+        );
+        let warning = pages
+            .interior(false)
+            .expect("two of three covered texels are dark");
+        assert!(warning.message.contains("--max-distance"));
+        assert!(pages.interior(true).is_none());
+        pages.add(&[0.9], &[1.0]);
+        assert!(pages.interior(false).is_none(), "half is not most");
+    }
+}

@@ -1,0 +1,306 @@
+//! From charts to an atlas: each chart at its object's density, packed by shape.
+
+use crate::audit::audit;
+use crate::charts::{Sheet, sheets};
+use crate::mask::Mask;
+use crate::measure::{AS_IT_STANDS, density};
+use crate::objects::Object;
+use crate::pack::{Frame, Shape, Spot, pack};
+use crate::search::{Cut, Found, search};
+use crate::uv::twice_area;
+use crate::{Atlas, Audit, Error, GUTTER, MeshLayout, Options, Placement, UvSource};
+use glam::{DVec2, Vec2};
+use rayon::prelude::*;
+use scene::Scene;
+
+/// Edge of a speck: two units in the last place of a coordinate in 0.5..1.
+const SPECK: f32 = 1.0 / (1 << 23) as f32;
+/// Instances of one mesh differ at most so much in their texels: smaller ones are laid out larger than asked, for all
+/// share one layout, whose gutter is wide enough for the smallest and this much wider in the largest.
+const SPREAD: f64 = 16.0;
+
+/// Unwraps every mesh that takes texels and packs all charts together.
+///
+/// A mesh placed once is unwrapped in its world shape, so its texels are square there, and its charts go wherever there
+/// is room. A mesh placed several times is unwrapped once in its own shape; each object gets a rectangle, scaled by the
+/// square root of its mean area scale.
+pub(crate) fn unwrap(
+    scene: &Scene,
+    objects: &[Object],
+    options: &Options,
+    cancel: &(dyn Fn() -> bool + Sync),
+) -> Result<Atlas, Error> {
+    let mut object_of = vec![0; scene.instances.len()];
+    for (o, object) in objects.iter().enumerate() {
+        for &i in &object.instances {
+            object_of[i as usize] = o;
+        }
+    }
+    let included: Vec<bool> = object_of.iter().map(|&o| objects[o].included).collect();
+    let sheets = sheets(scene, &included, cancel)?;
+    let cut = |densities: &[f64], draft: bool| {
+        let of = |instance: u32| densities[object_of[instance as usize]];
+        Ok(cut(&sheets, of, draft))
+    };
+    let Found {
+        densities,
+        packed,
+        kept,
+    } = search(objects, options, cancel, cut)?;
+    let size = f64::from(options.page_size);
+    let mut atlas = Atlas {
+        page_size: options.page_size,
+        page_count: packed.pages.max(1),
+        meshes: scene
+            .meshes
+            .iter()
+            .map(MeshLayout::without_texels)
+            .collect(),
+        placements: included
+            .iter()
+            .map(|&i| if i { AS_IT_STANDS } else { Placement::NOWHERE })
+            .collect(),
+        source: UvSource::Unwrapped,
+        audit: Audit::default(),
+        density: 0.0,
+        chart_count: sheets.iter().map(|s| s.charts.len() as u32).sum(),
+        notes: Vec::new(),
+    };
+    let mut specks = 0;
+    let mut spots = &packed.spots[..];
+    for (sheet, tile) in sheets.into_iter().zip(&kept) {
+        let mut layout = match tile {
+            None => {
+                let (own, rest) = spots.split_at(sheet.charts.len());
+                spots = rest;
+                let scale = densities[object_of[sheet.instances[0] as usize]];
+                sheet.layout(own, scale, DVec2::splat(size))
+            }
+            Some(tile) => {
+                let (own, rest) = spots.split_at(sheet.instances.len());
+                spots = rest;
+                for ((&i, spot), &scale) in sheet.instances.iter().zip(own).zip(&tile.scales) {
+                    let extent = tile.extent * (scale / tile.scale) / size;
+                    atlas.placements[i as usize] = Placement {
+                        page: spot.page,
+                        scale: extent.as_vec2().to_array(),
+                        offset: [spot.x, spot.y].map(|t| (f64::from(t) / size) as f32),
+                    };
+                }
+                sheet.layout(&tile.spots, tile.scale, tile.extent)
+            }
+        };
+        specks += add_specks(&mut layout) * sheet.instances.len() as u64;
+        atlas.meshes[sheet.mesh] = layout;
+    }
+    if cancel() {
+        return Err(Error::Cancelled);
+    }
+    let findings = audit(scene, &atlas);
+    if let Some(mesh) = findings.mesh().filter(|_| !findings.clean()) {
+        return Err(Error::Audit {
+            mesh: scene.meshes[mesh as usize].name.clone(),
+            overlaps: findings.audit.overlaps,
+            missing: findings.audit.missing,
+            outside: findings.audit.outside,
+        });
+    }
+    atlas.audit = Audit {
+        specks,
+        ..findings.audit
+    };
+    atlas.density = density(scene, &atlas.meshes, &atlas.placements, options.page_size);
+    Ok(atlas)
+}
+
+/// The charts of a mesh that stands in several places, arranged once for all of them.
+struct Tile {
+    /// Texels per mesh unit at which it was arranged: that of the smallest instance.
+    scale: f64,
+    /// Texels per mesh unit of each instance.
+    scales: Vec<f64>,
+    spots: Vec<Spot>,
+    /// Texels in use at `scale`.
+    extent: DVec2,
+}
+
+/// The shapes of all sheets, and the tiles of those that stand in several places.
+fn cut(
+    sheets: &[Sheet],
+    density: impl Fn(u32) -> f64 + Sync,
+    draft: bool,
+) -> Cut<Vec<Option<Tile>>> {
+    let cut = |sheet: &Sheet| match sheet.instances[..] {
+        [only] => (sheet.shapes(density(only), draft), None),
+        _ => {
+            let tile = Tile::of(sheet, &density);
+            let shape = |&scale: &f64| {
+                let size = (tile.extent * (scale / tile.scale) - 1e-6)
+                    .ceil()
+                    .max(DVec2::ONE);
+                vec![Mask::full(size.x as u32, size.y as u32)]
+            };
+            (tile.scales.iter().map(shape).collect(), Some(tile))
+        }
+    };
+    let parts: Vec<_> = sheets.par_iter().map(cut).collect();
+    let (mut shapes, mut groups, mut kept) = (Vec::new(), Vec::new(), Vec::new());
+    for (own, tile) in parts {
+        let first = groups.last().map_or(0, |g| g + 1);
+        // Every instance by itself; all charts of a mesh placed once together.
+        let group = |k: usize| first + if tile.is_some() { k as u32 } else { 0 };
+        groups.extend((0..own.len()).map(group));
+        shapes.extend(own);
+        kept.push(tile);
+    }
+    Cut {
+        shapes,
+        groups,
+        kept,
+    }
+}
+
+impl Tile {
+    fn of(sheet: &Sheet, density: impl Fn(u32) -> f64) -> Tile {
+        let instances = sheet.instances.iter().zip(&sheet.scales);
+        let mut scales: Vec<f64> = instances.map(|(&i, scale)| scale * density(i)).collect();
+        let largest = scales.iter().copied().fold(0.0, f64::max);
+        // The gutter of the smallest instance grows with the instance.
+        for scale in &mut scales {
+            *scale = scale.max(largest / SPREAD);
+        }
+        let scale = scales.iter().copied().fold(f64::INFINITY, f64::min);
+        let shapes = sheet.shapes(scale, false);
+        let all: Vec<usize> = (0..shapes.len()).collect();
+        let area: u64 = shapes.iter().map(|s| s[0].grown_area(GUTTER)).sum();
+        let widest = shapes
+            .iter()
+            .map(|s| s[0].width.max(s[0].height))
+            .max()
+            .unwrap_or(1);
+        let mut edge = ((area as f64).sqrt() as u32)
+            .saturating_sub(2 * GUTTER)
+            .max(1);
+        let spots = loop {
+            let (width, height) = (edge.max(widest), edge.max(widest));
+            match pack(
+                &shapes,
+                &all,
+                Frame {
+                    width,
+                    height,
+                    gutter: GUTTER,
+                    border: 0,
+                },
+            ) {
+                Ok(spots) => break spots,
+                Err(_) => edge += 1 + edge / 32,
+            }
+        };
+        let end = |(spot, shape): (&Spot, &Shape)| {
+            let mask = &shape[spot.turn as usize];
+            DVec2::new(
+                f64::from(spot.x + mask.width),
+                f64::from(spot.y + mask.height),
+            )
+        };
+        let extent = spots
+            .iter()
+            .zip(&shapes)
+            .map(end)
+            .fold(DVec2::ONE, DVec2::max);
+        Tile {
+            scale,
+            scales,
+            spots,
+            extent,
+        }
+    }
+}
+
+impl Sheet {
+    /// The texels of each chart at so many texels a unit, in all quarter turns; in a draft as they stand.
+    fn shapes(&self, scale: f64, draft: bool) -> Vec<Shape> {
+        let shape = |chart: usize| {
+            let [width, height] = self.size(chart, scale);
+            let mask = Mask::of(self.corners(chart, scale), width, height);
+            if draft {
+                return vec![mask];
+            }
+            let box_size = DVec2::new(f64::from(width), f64::from(height));
+            let turned = self
+                .corners(chart, scale)
+                .map(|t| t.map(|p| turn(p, 1, box_size)));
+            let quarter = Mask::of(turned, height, width);
+            let (half, last) = (mask.half_turn(), quarter.half_turn());
+            vec![mask, quarter, half, last]
+        };
+        (0..self.charts.len()).into_par_iter().map(shape).collect()
+    }
+
+    /// The layout with charts at these spots, in a square or page of `extent` texels. Vertices without a chart go to the
+    /// first corner, which the gutter keeps free.
+    fn layout(&self, spots: &[Spot], scale: f64, extent: DVec2) -> MeshLayout {
+        let mut uvs = vec![Vec2::ZERO; self.points.len()];
+        let mut pages = vec![0u16; self.triangles.len()];
+        for (chart, spot) in spots.iter().enumerate() {
+            let size = DVec2::from(self.size(chart, scale).map(f64::from));
+            let corner = DVec2::new(f64::from(spot.x), f64::from(spot.y));
+            for &t in &self.charts[chart] {
+                pages[t as usize] = spot.page as u16;
+                for v in self.triangles[t as usize] {
+                    let at = turn(self.points[v as usize] * scale, spot.turn, size) + corner;
+                    uvs[v as usize] = (at / extent).clamp(DVec2::ZERO, DVec2::ONE).as_vec2();
+                }
+            }
+        }
+        MeshLayout {
+            source_vertices: self.sources.clone(),
+            uvs,
+            triangles: self.triangles.clone(),
+            triangle_pages: if pages.iter().all(|&p| p == 0) {
+                Vec::new()
+            } else {
+                pages
+            },
+        }
+    }
+}
+
+/// A point of a box after quarter turns from +u to +v, in the turned box.
+fn turn(p: DVec2, quarters: u8, size: DVec2) -> DVec2 {
+    match quarters {
+        0 => p,
+        1 => DVec2::new(size.y - p.y, p.x),
+        2 => size - p,
+        _ => DVec2::new(p.y, size.x - p.x),
+    }
+}
+
+/// Gives every triangle without area a speck at its first corner, with vertices of its own, and counts them.
+///
+/// These are triangles that the unwrapper found too thin (under a millionth of the mesh's diagonal) and collapsed onto
+/// a neighbour's corner, and those that rounding to 32 bits flattened. A speck is smaller than what 32-bit coordinates
+/// can tell apart on a page, so it takes nothing from its neighbour.
+fn add_specks(layout: &mut MeshLayout) -> u64 {
+    let mut specks = 0;
+    for t in 0..layout.triangles.len() {
+        let corners = layout.triangles[t];
+        let uvs = corners.map(|v| layout.uvs[v as usize]);
+        if twice_area(uvs.map(Vec2::as_dvec2)) != 0.0 {
+            continue;
+        }
+        specks += 1;
+        // Toward the middle of the square, so that the speck stays inside.
+        let inward = |x: f32| if x < 0.5 { SPECK } else { -SPECK };
+        let at = uvs[0];
+        let (u, v) = (Vec2::new(inward(at.x), 0.0), Vec2::new(0.0, inward(at.y)));
+        let (first, second) = if u.x * v.y > 0.0 { (u, v) } else { (v, u) };
+        let next = layout.uvs.len() as u32;
+        layout.uvs.extend([at, at + first, at + second]);
+        let sources = corners.map(|c| layout.source_vertices[c as usize]);
+        layout.source_vertices.extend(sources);
+        layout.triangles[t] = [next, next + 1, next + 2];
+    }
+    specks
+}

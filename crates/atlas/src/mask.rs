@@ -1,0 +1,223 @@
+//! The texels that a shape touches, row by row.
+
+use glam::DVec2;
+
+/// Whole texels in rows of half-open spans.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Mask {
+    pub width: u32,
+    pub height: u32,
+    spans: Vec<[u32; 2]>,
+    /// Where each row's spans begin, one more than rows.
+    starts: Vec<u32>,
+    /// Length of each row's longest span.
+    pub longest: Vec<u32>,
+    /// Steps of so many rows, around the end, come to every row once and spread evenly from the first few on.
+    pub stride: u32,
+}
+
+/// Triangles are taken larger by this many texels, so that what 32 bits round off a coordinate stays inside the mask.
+const SLACK: f64 = 1.0 / 256.0;
+
+/// A box with a longer edge fits no page: its mask has no rows, so that none is too large for memory.
+const LARGEST: u32 = 16_384;
+
+impl Mask {
+    /// Every texel of a box of `width` x `height` that these triangles touch; they are in texels, inside the box.
+    pub fn of(triangles: impl Iterator<Item = [DVec2; 3]>, width: u32, height: u32) -> Mask {
+        if width.max(height) > LARGEST {
+            return Mask {
+                width,
+                height,
+                ..Mask::default()
+            };
+        }
+        let words = width.div_ceil(64) as usize;
+        let mut bits = vec![0u64; words * height as usize];
+        for corners in triangles {
+            rows(corners, height, |y, low, high| {
+                let first = (low.floor().max(0.0) as u32).min(width - 1);
+                let end = (high.ceil().max(1.0) as u32).clamp(first + 1, width);
+                let row = y as usize * words;
+                fill(&mut bits[row..row + words], first, end);
+            });
+        }
+        let mut mask = Mask {
+            width,
+            height,
+            starts: vec![0],
+            stride: stride(height),
+            ..Mask::default()
+        };
+        for row in bits.chunks_exact(words.max(1)) {
+            let (mut x, mut longest) = (0, 0);
+            loop {
+                let first = find(row, x, true);
+                if first >= width {
+                    break;
+                }
+                x = find(row, first, false).min(width);
+                mask.spans.push([first, x]);
+                longest = longest.max(x - first);
+            }
+            mask.starts.push(mask.spans.len() as u32);
+            mask.longest.push(longest);
+        }
+        mask
+    }
+
+    /// A full box.
+    pub fn full(width: u32, height: u32) -> Mask {
+        let rows = if width.max(height) > LARGEST {
+            0
+        } else {
+            height
+        };
+        Mask {
+            width,
+            height,
+            spans: vec![[0, width]; rows as usize],
+            starts: (0..=rows).collect(),
+            longest: vec![width; rows as usize],
+            stride: stride(height),
+        }
+    }
+
+    /// The spans of a row, ascending.
+    pub fn row(&self, y: u32) -> &[[u32; 2]] {
+        &self.spans[self.starts[y as usize] as usize..self.starts[y as usize + 1] as usize]
+    }
+
+    fn rows(&self) -> u32 {
+        self.longest.len() as u32
+    }
+
+    /// The same after half a turn.
+    pub fn half_turn(&self) -> Mask {
+        let mut mask = Mask {
+            width: self.width,
+            height: self.height,
+            starts: vec![0],
+            stride: self.stride,
+            ..Mask::default()
+        };
+        for y in (0..self.rows()).rev() {
+            let turned = self
+                .row(y)
+                .iter()
+                .rev()
+                .map(|&[a, b]| [self.width - b, self.width - a]);
+            mask.spans.extend(turned);
+            mask.starts.push(mask.spans.len() as u32);
+            mask.longest.push(self.longest[y as usize]);
+        }
+        mask
+    }
+
+    /// Texels within `reach` columns and rows of the mask's, itself included.
+    pub fn grown_area(&self, reach: u32) -> u64 {
+        if self.rows() < self.height {
+            return u64::from(self.width) * u64::from(self.height);
+        }
+        let mut area = 0;
+        let mut merged = Vec::new();
+        for y in 0..self.height + 2 * reach {
+            self.grown_row(y, reach, &mut merged);
+            area += merged.iter().map(|&[a, b]| u64::from(b - a)).sum::<u64>();
+        }
+        area
+    }
+
+    /// Row `y` of the mask grown by `reach` on every side; rows and columns count from the grown box's corner.
+    pub fn grown_row(&self, y: u32, reach: u32, merged: &mut Vec<[u32; 2]>) {
+        merged.clear();
+        for row in y.saturating_sub(2 * reach)..(y + 1).min(self.height) {
+            merged.extend(self.row(row).iter().map(|&[a, b]| [a, b + 2 * reach]));
+        }
+        merged.sort_unstable();
+        let mut last = 0;
+        for i in 1..merged.len() {
+            if merged[i][0] <= merged[last][1] {
+                merged[last][1] = merged[last][1].max(merged[i][1]);
+            } else {
+                last += 1;
+                merged[last] = merged[i];
+            }
+        }
+        merged.truncate(last + 1);
+    }
+}
+
+/// The number next to the golden section of `height` that has no divisor in common with it, 1 at least.
+fn stride(height: u32) -> u32 {
+    let divisor = |mut a: u32, mut b: u32| {
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        a
+    };
+    let golden = (f64::from(height) * 0.618) as u32;
+    (1..=golden)
+        .rev()
+        .find(|&s| divisor(s, height) == 1)
+        .unwrap_or(1)
+}
+
+/// Calls `found` with every row of a triangle below `height` and the columns between which it meets the row.
+fn rows(corners: [DVec2; 3], height: u32, mut found: impl FnMut(u32, f64, f64)) {
+    let [a, b, c] = corners;
+    let low = a.y.min(b.y).min(c.y) - SLACK;
+    let high = a.y.max(b.y).max(c.y) + SLACK;
+    let first = (low.floor().max(0.0) as u32).min(height - 1);
+    let last = (high.ceil().max(1.0) as u32).clamp(first + 1, height);
+    for y in first..last {
+        let (top, bottom) = (f64::from(y) - SLACK, f64::from(y) + 1.0 + SLACK);
+        let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (p, q) in [(a, b), (b, c), (c, a)] {
+            if p.y.max(q.y) < top || p.y.min(q.y) > bottom {
+                continue;
+            }
+            let at = |y: f64| match q.y - p.y {
+                0.0 => [p.x, q.x],
+                rise => [p.x + (q.x - p.x) * ((y - p.y) / rise).clamp(0.0, 1.0); 2],
+            };
+            for x in [at(top), at(bottom)].as_flattened() {
+                (left, right) = (left.min(*x), right.max(*x));
+            }
+        }
+        if left <= right {
+            found(y, left - SLACK, right + SLACK);
+        }
+    }
+}
+
+/// Sets the bits `first..end` of a row.
+pub(crate) fn fill(row: &mut [u64], first: u32, end: u32) {
+    if first >= end {
+        return;
+    }
+    let (from, to) = (first as usize / 64, (end as usize - 1) / 64);
+    let (low, high) = (!0u64 << (first % 64), !0u64 >> (63 - (end - 1) % 64));
+    if from == to {
+        row[from] |= low & high;
+    } else {
+        row[from] |= low;
+        row[from + 1..to].fill(!0);
+        row[to] |= high;
+    }
+}
+
+/// The first bit from `x` on that equals `set`; past the row's end if there is none.
+pub(crate) fn find(row: &[u64], x: u32, set: bool) -> u32 {
+    let turn = if set { 0 } else { !0 };
+    let mut at = x as usize / 64;
+    let mut keep = !0u64 << (x % 64);
+    while let Some(word) = row.get(at) {
+        let word = (word ^ turn) & keep;
+        if word != 0 {
+            return at as u32 * 64 + word.trailing_zeros();
+        }
+        (at, keep) = (at + 1, !0);
+    }
+    row.len() as u32 * 64
+}

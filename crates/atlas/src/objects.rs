@@ -1,0 +1,195 @@
+//! The objects of a layout: what shares one density, how large it is, and what was asked for it by name.
+
+use crate::glob::fits;
+use crate::measure::world_area;
+use crate::{Error, Options};
+use glam::DVec3;
+use scene::{Format, Scene};
+use std::collections::HashMap;
+
+/// What a user takes for one thing: a node of a glTF file (each copy of an instanced one), an object of an OBJ file with
+/// all its materials, a mesh of a built scene.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ObjectName {
+    /// The file's name for it; `#2`, `#3` and so on at the end of names that repeat.
+    pub name: String,
+    /// Indices into `Scene::instances`.
+    pub instances: Vec<u32>,
+}
+
+/// The objects of a scene in the order of their first instances.
+pub fn object_names(scene: &Scene) -> Vec<ObjectName> {
+    let mut objects: Vec<ObjectName> = Vec::new();
+    let mut known = HashMap::new();
+    let mut repeats: HashMap<String, usize> = HashMap::new();
+    for (i, instance) in scene.instances.iter().enumerate() {
+        let plain = plain_name(scene, i);
+        let key = match scene.format {
+            Format::Gltf | Format::Glb => (instance.node, instance.copy, ""),
+            Format::Obj => (0, None, plain),
+            Format::Memory => (i as u32, None, ""),
+        };
+        let object = *known.entry(key).or_insert_with(|| {
+            let count = repeats.entry(plain.into()).or_default();
+            *count += 1;
+            objects.push(ObjectName {
+                name: match *count {
+                    1 => plain.into(),
+                    k => format!("{plain}#{k}"),
+                },
+                instances: Vec::new(),
+            });
+            objects.len() - 1
+        });
+        objects[object].instances.push(i as u32);
+    }
+    objects
+}
+
+/// The name of an instance's object without the number of its repeat.
+fn plain_name(scene: &Scene, instance: usize) -> &str {
+    let instance = &scene.instances[instance];
+    let mesh = &scene.meshes[instance.mesh as usize].name;
+    // Readers of glTF name instances `node / mesh`.
+    let node = instance.name.strip_suffix(mesh.as_str());
+    node.and_then(|n| n.strip_suffix(" / "))
+        .unwrap_or(&instance.name)
+}
+
+/// What the layout knows of an object. All its parts share one density.
+#[derive(Debug, Clone)]
+pub(crate) struct Object {
+    /// Indices into `Scene::instances`.
+    pub instances: Vec<u32>,
+    /// Surface in the world, in square scene units.
+    pub area: f64,
+    /// Longest edge of the box around it in the world, in scene units.
+    pub extent: f64,
+    /// Texels per scene unit that were asked for this object.
+    pub asked: Option<f64>,
+    /// It takes texels; an object without only occludes.
+    pub included: bool,
+}
+
+/// The objects of a scene in the order of their first instances, with what the options say of them by name.
+///
+/// # Errors
+///
+/// A pattern that fits no name, `extras.ambake.density` that is no density, an object too large to measure, or a scene
+/// of which nothing is left to lay out.
+pub(crate) fn objects(scene: &Scene, options: &Options) -> Result<Vec<Object>, Error> {
+    let names = object_names(scene);
+    let chosen = |patterns: &[String], flag| -> Result<Vec<bool>, Error> {
+        let mut chosen = vec![false; names.len()];
+        for pattern in patterns {
+            mark(&names, pattern, flag, |i| chosen[i] = true)?;
+        }
+        Ok(chosen)
+    };
+    let included = chosen(&options.include, "--include")?;
+    let excluded = chosen(&options.exclude, "--exclude")?;
+    let mut asked = Vec::with_capacity(names.len());
+    for object in &names {
+        asked.push(authored_density(scene, object)?.or(options.density));
+    }
+    // Later patterns win, and all of them over what the file says.
+    for (pattern, density) in &options.density_of {
+        if !(density.is_finite() && *density > 0.0) {
+            return Err(Error::Density(*density));
+        }
+        mark(&names, pattern, "--density-of", |i| {
+            asked[i] = Some(*density)
+        })?;
+    }
+    let mut objects = Vec::with_capacity(names.len());
+    for (i, ObjectName { name, instances }) in names.into_iter().enumerate() {
+        let area = instances
+            .iter()
+            .map(|&i| world_area(scene, i as usize))
+            .sum();
+        let extent = extent(scene, &instances);
+        if !(f64::is_finite(area) && extent.is_finite()) {
+            return Err(Error::Extent(name));
+        }
+        objects.push(Object {
+            instances,
+            area,
+            extent,
+            asked: asked[i],
+            included: (options.include.is_empty() || included[i]) && !excluded[i],
+        });
+    }
+    match objects.iter().any(|o| o.included && o.area > 0.0) {
+        true => Ok(objects),
+        false => Err(Error::Empty),
+    }
+}
+
+/// Calls `chosen` with each object that `pattern` fits, by its name with or without the number of its repeat.
+fn mark(
+    names: &[ObjectName],
+    pattern: &str,
+    flag: &'static str,
+    mut chosen: impl FnMut(usize),
+) -> Result<(), Error> {
+    let plain = |name: &str| match name.rsplit_once('#') {
+        Some((plain, k)) if k.parse::<u32>().is_ok() => fits(pattern, plain),
+        _ => false,
+    };
+    let mut any = false;
+    for (i, object) in names.iter().enumerate() {
+        if fits(pattern, &object.name) || plain(&object.name) {
+            chosen(i);
+            any = true;
+        }
+    }
+    match any {
+        true => Ok(()),
+        false => Err(Error::NoSuchObject {
+            flag,
+            pattern: pattern.into(),
+            names: names.iter().take(4).map(|o| o.name.clone()).collect(),
+        }),
+    }
+}
+
+/// `extras.ambake.density` of the object's node, else of its mesh; `None` without it and without glTF.
+fn authored_density(scene: &Scene, object: &ObjectName) -> Result<Option<f64>, Error> {
+    let Some(source) = &scene.source else {
+        return Ok(None);
+    };
+    let instance = &scene.instances[object.instances[0] as usize];
+    let mesh = scene.meshes[instance.mesh as usize].origin.mesh;
+    for (list, index) in [("nodes", instance.node), ("meshes", mesh)] {
+        let holder = source.json.get(list).and_then(|l| l.get(index as usize));
+        let ambake = holder.and_then(|h| h.get("extras")?.get("ambake"));
+        let Some(density) = ambake.and_then(|a| a.get("density")) else {
+            continue;
+        };
+        match density.as_f64() {
+            Some(density) if density > 0.0 => return Ok(Some(density)),
+            _ => {
+                return Err(Error::AuthoredDensity {
+                    object: object.name.clone(),
+                    given: density.to_string(),
+                });
+            }
+        }
+    }
+    Ok(None)
+}
+
+/// Longest edge of the box around some instances in the world.
+pub(crate) fn extent(scene: &Scene, instances: &[u32]) -> f64 {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for &i in instances {
+        let instance = &scene.instances[i as usize];
+        let mesh = &scene.meshes[instance.mesh as usize];
+        for &v in mesh.triangles.iter().flatten() {
+            let at = mesh.positions[v as usize].as_dvec3();
+            let at = instance.transform.transform_point3(at);
+            (low, high) = (low.min(at), high.max(at));
+        }
+    }
+    (high - low).max_element().max(0.0)
+}

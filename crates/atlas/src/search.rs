@@ -1,0 +1,215 @@
+//! The highest densities at which everything fits its pages.
+
+use crate::objects::Object;
+use crate::pack::{Frame, Shape};
+use crate::pages::{Packed, Spread, spread};
+use crate::share::{FLOOR, densities};
+use crate::{Error, GUTTER, Options, Pages};
+
+/// Everything to place at some densities.
+pub(crate) struct Cut<T> {
+    pub shapes: Vec<Shape>,
+    /// The group of each shape: those of a group go on one page where they can.
+    pub groups: Vec<u32>,
+    /// What the caller needs besides to read the result.
+    pub kept: T,
+}
+
+/// A finished search.
+pub(crate) struct Found<T> {
+    pub densities: Vec<f64>,
+    pub packed: Packed,
+    pub kept: T,
+}
+
+/// Under `--pages auto` a page is added while an object has fewer texels across its extent, in page edges: a quarter of
+/// the floor, 4 at 1024².
+const LEAST_ACROSS: f64 = FLOOR / 4.0;
+/// Pages that `--pages auto` adds at most.
+const MOST_PAGES: u32 = 1024;
+/// Texels that can be laid out at most: the pages of such an atlas take 4 GiB a channel.
+const MOST_TEXELS: f64 = (1u64 << 30) as f64;
+/// The search ends when the budget is known to this factor.
+const CLOSE: f64 = 1.012;
+/// The share of the pages that shapes with their gutters fill about.
+const FILL: f64 = 0.93;
+
+/// Finds densities and places. `cut` makes the shapes at given densities (texels per scene unit, one an object); asked for
+/// a draft it may leave out all turns but the first.
+///
+/// # Errors
+///
+/// What was asked for does not fit, or the caller cancels.
+pub(crate) fn search<T: Send>(
+    objects: &[Object],
+    options: &Options,
+    cancel: &(dyn Fn() -> bool + Sync),
+    cut: impl Fn(&[f64], bool) -> Result<Cut<T>, Error> + Sync,
+) -> Result<Found<T>, Error> {
+    let size = options.page_size;
+    let frame = Frame {
+        width: size,
+        height: size,
+        gutter: GUTTER,
+        border: GUTTER,
+    };
+    let how = |pages| Spread {
+        frame,
+        pages,
+        together: options.one_page_per_mesh,
+    };
+    let most = match options.pages {
+        Pages::Auto => MOST_PAGES,
+        Pages::Most(pages) => pages,
+    };
+    let attempt = |densities: Vec<f64>, pages: u32| -> Result<Option<Found<T>>, Error> {
+        if cancel() {
+            return Err(Error::Cancelled);
+        }
+        let Cut {
+            shapes,
+            groups,
+            kept,
+        } = cut(&densities, false)?;
+        let packed = spread(&shapes, &groups, how(pages));
+        Ok(packed.map(|packed| Found {
+            densities,
+            packed,
+            kept,
+        }))
+    };
+    let texels: f64 = texels(objects, &densities(objects, 0.0, size));
+    if texels > MOST_TEXELS {
+        return Err(Error::TooManyTexels(texels as u64));
+    }
+    if objects
+        .iter()
+        .all(|o| o.asked.is_some() || !o.included || o.area <= 0.0)
+    {
+        let densities = densities(objects, 0.0, size);
+        let draft = cut(&densities, true)?;
+        too_large(&draft.shapes, size)?;
+        let found = attempt(densities, most)?;
+        return found.ok_or(Error::PagesFull { pages: most, size });
+    }
+    // The least that a layout can be: one texel and its gutter a chart.
+    let page = f64::from(size).powi(2);
+    let grown = |budget: f64| -> Result<f64, Error> {
+        if cancel() {
+            return Err(Error::Cancelled);
+        }
+        let draft = cut(&densities(objects, budget, size), true)?;
+        too_large(&draft.shapes, size).map_or(Ok(f64::INFINITY), |()| {
+            Ok(draft
+                .shapes
+                .iter()
+                .map(|s| s[0].grown_area(GUTTER) as f64)
+                .sum())
+        })
+    };
+    let least = grown(1.0)?;
+    let mut pages = match options.pages {
+        Pages::Auto => 1,
+        Pages::Most(pages) => pages,
+    };
+    if least.is_finite() {
+        pages = pages.max((least / page).ceil() as u32);
+    }
+    // Pages that a density asked for brings about are not filled with the others: these have one page's texels at most.
+    let limit = match options.pages {
+        Pages::Auto if texels > 0.0 => texels + page,
+        _ => f64::INFINITY,
+    };
+    while pages <= most && least.is_finite() {
+        let found = fullest(f64::from(pages) * page, limit, &grown, &|budget| {
+            attempt(densities(objects, budget, size), pages)
+        })?;
+        let coarse = |found: &Found<T>| {
+            let mut free = objects
+                .iter()
+                .zip(&found.densities)
+                .filter(|(o, _)| o.asked.is_none());
+            free.any(|(o, &d)| d > 0.0 && o.extent * d < LEAST_ACROSS * f64::from(size))
+        };
+        match found {
+            Some(found) if pages == most || !coarse(&found) => return Ok(found),
+            _ => pages += 1 + pages / 4,
+        }
+    }
+    Err(match options.pages {
+        Pages::Most(pages) if pages > 1 => Error::PagesFull { pages, size },
+        _ => Error::PageFull {
+            charts: cut(&densities(objects, 1.0, size), true)?.shapes.len() as u32,
+            size,
+        },
+    })
+}
+
+/// The fullest layout of at most `limit` texels: bisects the budget between one that fits and one that does not.
+fn fullest<T: Send>(
+    capacity: f64,
+    limit: f64,
+    grown: &dyn Fn(f64) -> Result<f64, Error>,
+    attempt: &(dyn Fn(f64) -> Result<Option<Found<T>>, Error> + Sync),
+) -> Result<Option<Found<T>>, Error> {
+    // With gutters the shapes take more than their budget, so drafts say where to begin.
+    let most = capacity.min(limit);
+    let (mut low, mut high) = (1.0, most);
+    if grown(most / 16.0)? <= FILL * capacity {
+        low = most / 16.0;
+    }
+    while high > 1.05 * low {
+        let middle = f64::sqrt(low * high);
+        match grown(middle)? <= FILL * capacity {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    let mut best: Option<(f64, Found<T>)> = None;
+    let mut fails = f64::INFINITY;
+    let mut pair = [0.95 * low, low].map(|b| b.max(1.0));
+    loop {
+        // Two at once, whatever the number of threads, so that the result is the same at any.
+        let (less, more) = rayon::join(|| attempt(pair[0]), || attempt(pair[1]));
+        for (budget, found) in pair.into_iter().zip([less?, more?]) {
+            match found {
+                Some(found) => best = Some((budget, found)),
+                None => {
+                    fails = fails.min(budget);
+                    break;
+                }
+            }
+        }
+        pair = match best {
+            Some((fits, _)) if fails < fits * CLOSE => break,
+            Some((fits, _)) if fails.is_finite() => {
+                let third = (fails / fits).cbrt();
+                [fits * third, fits * third * third]
+            }
+            Some((fits, _)) if fits >= most => break,
+            Some((fits, _)) => [1.02, 1.05].map(|step| (step * fits).min(most)),
+            None if fails <= 1.0 => break,
+            None => [0.8, 0.9].map(|step| (step * fails).max(1.0)),
+        };
+    }
+    Ok(best.map(|(_, found)| found))
+}
+
+/// Texels that the objects have at these densities.
+fn texels(objects: &[Object], densities: &[f64]) -> f64 {
+    let taken = |(o, d): (&Object, &f64)| if o.included { o.area * d * d } else { 0.0 };
+    objects.iter().zip(densities).map(taken).sum()
+}
+
+/// The error that names the largest shape, if one does not fit on a page.
+fn too_large(shapes: &[Shape], size: u32) -> Result<(), Error> {
+    let padded = |shape: &Shape| [shape[0].width + 2 * GUTTER, shape[0].height + 2 * GUTTER];
+    match shapes.iter().map(padded).max_by_key(|s| s[0].max(s[1])) {
+        Some([width, height]) if width.max(height) > size => Err(Error::ChartTooLarge {
+            width,
+            height,
+            size,
+        }),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,209 @@
+//! The `layout` of `bake.json` and `ambake plan --json`: where the texels went, in words and numbers.
+
+use crate::WarningReport;
+use serde::{Deserialize, Serialize};
+
+/// Where the texels of a layout went.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct LayoutReport {
+    /// Share of the pages' texels that a chart touches or that are its gutter, 0..=1.
+    pub page_use: f64,
+    /// Share of the pages' area inside charts, 0..=1.
+    pub covered: f64,
+    /// Texels per scene unit, over objects that take texels.
+    pub texels_per_unit: Spread,
+    /// Number of charts.
+    pub charts: u32,
+    /// Triangles with an area of less than one texel.
+    pub triangles_under_one_texel: u64,
+    /// Every object, in the order of the scene.
+    pub objects: Vec<ObjectLayout>,
+}
+
+/// The least, the middle and the greatest of some numbers.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Spread {
+    /// The least.
+    pub min: f64,
+    /// The middle one.
+    pub median: f64,
+    /// The greatest.
+    pub max: f64,
+}
+
+/// Where the texels of an object went.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct ObjectLayout {
+    /// Name of its node, with `#2` and so on for repeats.
+    pub name: String,
+    /// Area on the pages in texels; 0 for an excluded object.
+    pub texels: f64,
+    /// Texels per scene unit.
+    pub density: f64,
+    /// Its part of all objects' texels, 0..=1.
+    pub share: f64,
+    /// Texels across its longest extent.
+    pub across: f64,
+}
+
+/// From this part of all texels an object is named in a warning, if there are several.
+const LARGE_SHARE: f64 = 0.5;
+/// With fewer texels across its extent an object is named in a warning.
+const COARSE: f64 = 4.0;
+
+impl LayoutReport {
+    /// The facts of a layout.
+    pub fn of(scene: &scene::Scene, atlas: &atlas::Atlas) -> LayoutReport {
+        let facts = atlas::facts(scene, atlas);
+        let object = |o: atlas::ObjectFacts| ObjectLayout {
+            name: o.name,
+            texels: o.texels,
+            density: o.density,
+            share: o.share,
+            across: o.across,
+        };
+        let objects: Vec<ObjectLayout> = facts.objects.into_iter().map(object).collect();
+        let taking = objects.iter().filter(|o| o.texels > 0.0);
+        let mut densities: Vec<f64> = taking.map(|o| o.density).collect();
+        densities.sort_by(f64::total_cmp);
+        let at = |k: usize| densities.get(k).copied().unwrap_or(0.0);
+        LayoutReport {
+            page_use: facts.page_use,
+            covered: facts.covered,
+            texels_per_unit: Spread {
+                min: at(0),
+                median: at(densities.len() / 2),
+                max: at(densities.len().saturating_sub(1)),
+            },
+            charts: atlas.chart_count,
+            triangles_under_one_texel: facts.small_triangles,
+            objects,
+        }
+    }
+
+    /// What may be wrong with it, each with the flag that mends it.
+    pub fn warnings(&self) -> Vec<WarningReport> {
+        let mut warnings = Vec::new();
+        let taking: Vec<_> = self.objects.iter().filter(|o| o.texels > 0.0).collect();
+        if let [first, _, ..] = taking[..] {
+            let largest = taking
+                .iter()
+                .fold(first, |a, &b| if b.share > a.share { b } else { a });
+            if largest.share > LARGE_SHARE {
+                let name = &largest.name;
+                warnings.push(WarningReport {
+                    kind: "large-share".into(),
+                    place: format!("object `{name}`"),
+                    count: 1,
+                    message: format!(
+                        "one object has {:.0} % of the texels; `--density-of {name}=D` below {} leaves more for the others",
+                        100.0 * largest.share,
+                        short(largest.density),
+                    ),
+                });
+            }
+        }
+        let coarse: Vec<_> = taking.iter().filter(|o| o.across < COARSE).collect();
+        if let Some(first) = coarse.first() {
+            warnings.push(WarningReport {
+                kind: "coarse-objects".into(),
+                place: format!("object `{}`", first.name),
+                count: coarse.len() as u64,
+                message: format!(
+                    "objects have fewer than {COARSE} texels across; `--density-of {}=D` above {}, a larger `--size` or \
+                     more `--pages` gives them more",
+                    first.name,
+                    short(first.density),
+                ),
+            });
+        }
+        warnings
+    }
+
+    /// What an artist asks first, a few lines.
+    pub fn text(&self) -> String {
+        let Spread { min, median, max } = &self.texels_per_unit;
+        let mut text = format!(
+            "{:.1} % of the pages in use ({:.1} % inside charts), {} charts, {} triangles under one texel\n\
+             texels per unit: {} to {}, median {}\n",
+            100.0 * self.page_use,
+            100.0 * self.covered,
+            self.charts,
+            self.triangles_under_one_texel,
+            short(*min),
+            short(*max),
+            short(*median),
+        );
+        let mut largest: Vec<_> = self.objects.iter().collect();
+        largest.sort_by(|a, b| b.share.total_cmp(&a.share));
+        for object in largest.into_iter().take(5).filter(|o| o.share > 0.0) {
+            text += &format!(
+                "  {:>5.1} % {} ({} texels per unit, {:.0} across)\n",
+                100.0 * object.share,
+                object.name,
+                short(object.density),
+                object.across,
+            );
+        }
+        text
+    }
+}
+
+/// Three digits.
+fn short(value: f64) -> String {
+    let digits = 2 - value.abs().max(1e-6).log10().floor() as i32;
+    format!("{value:.*}", digits.max(0) as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn object(name: &str, texels: f64, across: f64) -> ObjectLayout {
+        ObjectLayout {
+            name: name.into(),
+            texels,
+            density: 2.0,
+            share: texels / 100.0,
+            across,
+        }
+    }
+
+    #[test]
+    fn a_large_share_and_coarse_objects_are_warned_of_with_a_flag() {
+        let mut layout = LayoutReport {
+            objects: vec![
+                object("ground", 58.0, 90.0),
+                object("cup", 2.0, 3.5),
+                object("cup#2", 1.0, 2.5),
+                object("house", 39.0, 40.0),
+                object("excluded", 0.0, 0.0),
+            ],
+            ..LayoutReport::default()
+        };
+        let warnings = layout.warnings();
+        assert_eq!(warnings.len(), 2, "{warnings:?}");
+        assert_eq!(warnings[0].place, "object `ground`");
+        assert!(warnings[0].message.contains("--density-of ground=D"));
+        assert_eq!(
+            (warnings[1].count, warnings[1].place.as_str()),
+            (2, "object `cup`")
+        );
+        // The only object has everything, and that is as it should be.
+        layout.objects = vec![object("ground", 100.0, 90.0)];
+        assert!(layout.warnings().is_empty());
+    }
+
+    #[test]
+    fn numbers_have_three_digits() {
+        for (value, text) in [
+            (0.0, "0.00000000"),
+            (0.01234, "0.0123"),
+            (1.0, "1.00"),
+            (123.4, "123"),
+            (9876.5, "9876"),
+        ] {
+            assert_eq!(short(value), text);
+        }
+    }
+}

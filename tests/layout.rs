@@ -1,0 +1,192 @@
+//! Where the texels go: the default rule, names, pages.
+
+use crate::support::{run, run_well, scene};
+use serde_json::Value;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// Boxes on a large ground: houses of 10 and crates of 1 on 2,000 units.
+fn town(folder: &Path) -> PathBuf {
+    let mut obj = String::from(
+        "o ground\nv -1000 0 -1000\nv -1000 0 1000\nv 1000 0 1000\nv 1000 0 -1000\nf 1 2 3 4\n",
+    );
+    let mut first = 5;
+    let mut put = |name: String, [x, z]: [f64; 2], edge: f64| {
+        writeln!(obj, "o {name}").expect("memory");
+        for corner in 0..8 {
+            let at = |bit: u32| if corner >> bit & 1 == 1 { edge } else { 0.0 };
+            writeln!(obj, "v {} {} {}", x + at(0), at(1), z + at(2)).expect("memory");
+        }
+        for face in [
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+        ] {
+            let [a, b, c, d] = face.map(|k| first + k);
+            writeln!(obj, "f {a} {b} {c} {d}").expect("memory");
+        }
+        first += 8;
+    };
+    for k in 0..20 {
+        let along = 15.0 * f64::from(k);
+        put(format!("house_{k}"), [along, 0.0], 10.0);
+        put(format!("crate_{k}"), [along, 20.0], 1.0);
+    }
+    let file = folder.join("town.obj");
+    std::fs::write(&file, obj).expect("a scene file");
+    file
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("a UTF-8 path")
+}
+
+/// The `layout` that `ambake plan --json` prints.
+fn planned(arguments: &[&str]) -> Value {
+    let printed = run_well([&["plan", "--json", "--rays=1"], arguments].concat());
+    let plan: Value = serde_json::from_str(&printed).expect("JSON");
+    plan["layout"].clone()
+}
+
+fn object<'a>(layout: &'a Value, name: &str) -> &'a Value {
+    let objects = layout["objects"].as_array().expect("a list of objects");
+    objects
+        .iter()
+        .find(|o| o["name"] == name)
+        .unwrap_or_else(|| panic!("{name} is not in {layout}"))
+}
+
+fn number(value: &Value) -> f64 {
+    value
+        .as_f64()
+        .unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+#[test]
+fn a_large_ground_does_not_ruin_a_town() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let layout = planned(&[text(&town(folder.path()))]);
+    assert!(
+        number(&object(&layout, "ground")["share"]) < 0.601,
+        "{layout}"
+    );
+    for name in ["house_0", "crate_0", "crate_19"] {
+        let across = number(&object(&layout, name)["across"]);
+        assert!(across >= 15.99, "{name} has {across} texels across");
+    }
+    assert!(number(&layout["page_use"]) > 0.85, "{}", layout["page_use"]);
+    let spread = &layout["texels_per_unit"];
+    assert_eq!(
+        number(&spread["min"]),
+        number(&object(&layout, "ground")["density"])
+    );
+    assert!(number(&spread["median"]) <= number(&spread["max"]));
+    assert_eq!(number(&layout["triangles_under_one_texel"]), 0.0);
+}
+
+#[test]
+fn a_density_by_name_is_law() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let file = town(folder.path());
+    let layout = planned(&[
+        text(&file),
+        "--density-of=house_*=3",
+        "--density-of=house_1?=2",
+        "--density-of=ground=0.05",
+    ]);
+    for (name, asked) in [("house_0", 3.0), ("house_13", 2.0), ("ground", 0.05)] {
+        let density = number(&object(&layout, name)["density"]);
+        assert!((density / asked - 1.0).abs() < 1e-3, "{name}: {density}");
+    }
+    let layout = planned(&[text(&file), "--density=0.4", "--size=512"]);
+    for name in ["ground", "house_0", "crate_0"] {
+        let density = number(&object(&layout, name)["density"]);
+        assert!((density / 0.4 - 1.0).abs() < 1e-3, "{name}: {density}");
+    }
+}
+
+#[test]
+fn an_excluded_object_has_no_texels_but_still_blocks_the_sky() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let out = folder.path().join("out");
+    let bake = |more: &[&str]| -> Value {
+        let file = scene("instances.gltf");
+        let start = [
+            "bake",
+            text(&file),
+            "-o",
+            text(&out),
+            "--size=128",
+            "--rays=16",
+            "--json",
+        ];
+        serde_json::from_str(&run_well([&start, more].concat())).expect("JSON")
+    };
+    let report = bake(&["--include=receiver_*"]);
+    let objects = report["layout"]["objects"].as_array().expect("objects");
+    let lit: Vec<&Value> = objects
+        .iter()
+        .filter(|o| number(&o["texels"]) > 0.0)
+        .collect();
+    assert_eq!(lit.len(), 1, "{lit:?}");
+    assert!(
+        report["plan"]
+            .to_string()
+            .contains("have nothing above them")
+            || report["rays"].as_u64() > Some(0)
+    );
+    // The GLB is whole: the excluded objects have their geometry and no lightmap.
+    let again = run(["plan", text(&out.join("instances.glb")), "--rays=1"]);
+    assert!(
+        again.status.success(),
+        "{}",
+        String::from_utf8_lossy(&again.stderr)
+    );
+}
+
+#[test]
+fn a_name_that_fits_nothing_is_one_line_that_says_what_there_is() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let file = town(folder.path());
+    for flag in ["--include=barn*", "--exclude=barn*", "--density-of=barn*=3"] {
+        let output = run(["plan", text(&file), flag]);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{flag}: {errors}");
+        assert_eq!(errors.lines().count(), 1, "{errors}");
+        assert!(
+            errors.contains("barn*") && errors.contains("`ground`"),
+            "{errors}"
+        );
+    }
+    for flag in [
+        "--density-of=ground",
+        "--density-of=ground=0",
+        "--pages=0",
+        "--pages=many",
+    ] {
+        let output = run(["plan", text(&file), flag]);
+        assert_eq!(output.status.code(), Some(2), "{flag}");
+    }
+}
+
+#[test]
+fn pages_are_added_where_one_is_too_small_and_limited_on_demand() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let file = town(folder.path());
+    let pages = |arguments: &[&str]| -> u64 {
+        let start = ["plan", text(&file), "--json", "--rays=1"];
+        let printed = run_well([&start, arguments].concat());
+        let plan: Value = serde_json::from_str(&printed).expect("JSON");
+        plan["atlas"]["pages"].as_u64().expect("a number of pages")
+    };
+    assert_eq!(pages(&["--size=256"]), 1);
+    assert!(pages(&["--size=64"]) > 1);
+    assert_eq!(pages(&["--size=256", "--pages=3"]), 3);
+    let output = run(["plan", text(&file), "--size=64", "--pages=1"]);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{errors}");
+    assert!(errors.contains("--pages auto"), "{errors}");
+}
