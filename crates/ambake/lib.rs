@@ -64,7 +64,8 @@ mod write;
 
 pub use crate::bake::Bake;
 pub use ::bake::{
-    BakedPage, Choice, Decision, Denoise, Method, PageStats, Pattern, Pilot, PointSet, View,
+    BakedPage, Choice, Decision, Denoise, Method, PageStats, Pattern, Pilot, PointSet, Shading,
+    View,
 };
 pub use baked::{Baked, Page};
 pub use error::Error;

@@ -3,7 +3,7 @@
 
 use crate::error::Error;
 use crate::sky::Sky;
-use ::bake::{Choice, Denoise, Pattern, PointSet, View};
+use ::bake::{Choice, Denoise, Pattern, PointSet, Shading, View};
 use layers::Layer;
 use rays::{BackendKind, Layout, Overrides};
 use serde_json::{Value, json};
@@ -74,6 +74,8 @@ pub struct Options {
     pub sky: Sky,
     /// Where the eye of the specular term stands.
     pub view: View,
+    /// What smooth shading sees below the plane of a facet.
+    pub shading: Shading,
     /// Occluders farther than this do not count, in scene units.
     pub max_distance: Option<f32>,
     /// Layers to produce, coverage first, without repeats.
@@ -100,6 +102,7 @@ impl Default for Options {
             seed: 0,
             sky: Sky::default(),
             view: View::Normal,
+            shading: Shading::Production,
             max_distance: None,
             layers: Layer::STANDARD.to_vec(),
             albedo: None,
@@ -175,6 +178,7 @@ impl Options {
             sky: self.sky.light.clone(),
             draw_sky: true,
             view: self.view,
+            shading: self.shading,
             max_distance: self.max_distance,
             layers: self.layers.clone(),
             overrides: Overrides {
@@ -212,6 +216,7 @@ impl Options {
             seed,
             sky,
             view: _,
+            shading,
             max_distance,
             layers,
             albedo,
@@ -245,6 +250,10 @@ impl Options {
             "seed": seed,
             "sky": sky,
             "view": self.view_rule(),
+            "shading": match shading {
+                Shading::Production => "production",
+                Shading::Exact => "exact",
+            },
             "max_distance": max_distance,
             "layers": layers,
             "albedo": albedo,

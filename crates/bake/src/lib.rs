@@ -36,6 +36,6 @@ mod survey;
 
 pub use choice::Choice;
 pub use integrate::{REPLICATES, Terms};
-pub use options::{Denoise, Effort, Options, Pattern, PointSet, Sky, View};
+pub use options::{Denoise, Effort, Options, Pattern, PointSet, Shading, Sky, View};
 pub use page::{BakedPage, Baker, ErrorSums, LayerPlanes, PageStats, Pilot};
 pub use plan::{Decision, Method, OpenTriangles, Plan};

@@ -27,6 +27,8 @@ pub struct Options {
     pub draw_sky: bool,
     /// View rule of the specular term.
     pub view: View,
+    /// What lies between a shading normal's horizon and the plane of its facet.
+    pub shading: Shading,
     /// Occluders farther than this do not count, in scene units; `None` for no limit.
     pub max_distance: Option<f32>,
     /// Layers to produce, without repeats.
@@ -125,6 +127,17 @@ pub enum View {
     Eye(DVec3),
 }
 
+/// What smooth shading sees in the wedge of directions above the horizon of the shading normal and below the plane of the facet.
+/// `docs/theory.md` derives both.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Shading {
+    /// Each direction of the wedge sees what its mirror image in the plane of the facet sees: a convex body does not darken itself.
+    #[default]
+    Production,
+    /// The facet hides the wedge: the integral over the triangles as they are.
+    Exact,
+}
+
 impl Default for Options {
     /// A plain bake: 256 rays a texel under a white sky, the standard layers.
     fn default() -> Self {
@@ -137,6 +150,7 @@ impl Default for Options {
             sky: Sky::Uniform([1.0; 3]),
             draw_sky: true,
             view: View::Normal,
+            shading: Shading::default(),
             max_distance: None,
             layers: Layer::STANDARD.to_vec(),
             overrides: Overrides::default(),

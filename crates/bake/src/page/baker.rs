@@ -155,6 +155,7 @@ impl<'a> Baker<'a> {
             pattern: options.pattern,
             points: options.points,
             view: options.view,
+            shading: options.shading,
             t_max: options.max_distance.unwrap_or(f32::INFINITY),
             mixture: self.plan.mixture,
             hemisphere: self.plan.models(Choice::Diffuse),

@@ -16,7 +16,7 @@ mod surfaces;
 
 use super::sums::{Replicates, Technique};
 use super::task::Task;
-use crate::options::View;
+use crate::options::{Shading, View};
 use crate::survey::Texel;
 use ambient::sampling::{LANES, Lobe, Stream, Streams, Wide};
 use lane_sums::LaneSums;
@@ -240,14 +240,25 @@ impl<'a> Gang<'a> {
             }
         };
         let geometric = &self.surfaces.geometric;
+        let folds = task.shading == Shading::Production;
         let mut above = 0;
         for l in 0..LANES {
             let dot = |a: &[Wide; 3]| {
                 a[0][l] * directions[0][l] + a[1][l] * directions[1][l] + a[2][l] * directions[2][l]
             };
-            above |= u32::from((dot(geometric) * side[l] > 0.0) & (dot(normal) > 0.0)) << l;
+            let (height, cosine) = (dot(geometric) * side[l], dot(normal));
+            let is_folded = folds & (height < 0.0);
+            above |= u32::from((is_folded | (height > 0.0)) & (cosine > 0.0)) << l;
+            // What the direction counts and whence its light comes stays its own; only its ray leaves on the side of its image.
+            let twice = if is_folded {
+                2.0 * height * side[l]
+            } else {
+                0.0
+            };
+            for a in 0..3 {
+                self.packet.direction[a][l] = directions[a][l] - twice * geometric[a][l];
+            }
         }
-        self.packet.direction = directions;
         Step {
             directions,
             weights,
