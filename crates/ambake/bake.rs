@@ -6,7 +6,7 @@ use crate::job::{Job, MakeBackend};
 use crate::options::{Backend, Effort, Options, Uv};
 use crate::scene::Scene;
 use crate::sky::Sky;
-use ::bake::{Choice, Denoise, Pattern, Shading, View};
+use ::bake::{Buried, Choice, Denoise, Pattern, Shading, View};
 use layers::{Layer, Progress};
 use rays::{RayBackend, World};
 use std::fmt;
@@ -132,6 +132,12 @@ impl Bake {
     /// Where the eye of the specular term stands: by default on every texel's normal.
     pub fn view(mut self, view: View) -> Self {
         self.options.view = view;
+        self
+    }
+
+    /// What happens to samples inside of solids; dropped by default.
+    pub fn buried(mut self, buried: Buried) -> Self {
+        self.options.buried = buried;
         self
     }
 

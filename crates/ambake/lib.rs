@@ -64,8 +64,8 @@ mod write;
 
 pub use crate::bake::Bake;
 pub use ::bake::{
-    BakedPage, Choice, Decision, Denoise, Method, PageStats, Pattern, Pilot, PointSet, Shading,
-    View,
+    BakedPage, Buried, Choice, Decision, Denoise, Method, PageStats, Pattern, Pilot, PointSet,
+    Shading, View,
 };
 pub use baked::{Baked, Page};
 pub use error::Error;

@@ -3,7 +3,7 @@
 
 use crate::error::Error;
 use crate::sky::Sky;
-use ::bake::{Choice, Denoise, Pattern, PointSet, Shading, View};
+use ::bake::{Buried, Choice, Denoise, Pattern, PointSet, Shading, View};
 use layers::Layer;
 use rays::{BackendKind, Layout, Overrides};
 use serde_json::{Value, json};
@@ -76,6 +76,8 @@ pub struct Options {
     pub view: View,
     /// What smooth shading sees below the plane of a facet.
     pub shading: Shading,
+    /// What happens to samples inside of solids.
+    pub buried: Buried,
     /// Occluders farther than this do not count, in scene units.
     pub max_distance: Option<f32>,
     /// Layers to produce, coverage first, without repeats.
@@ -103,6 +105,7 @@ impl Default for Options {
             sky: Sky::default(),
             view: View::Normal,
             shading: Shading::Production,
+            buried: Buried::Drop,
             max_distance: None,
             layers: Layer::STANDARD.to_vec(),
             albedo: None,
@@ -179,6 +182,7 @@ impl Options {
             draw_sky: true,
             view: self.view,
             shading: self.shading,
+            buried: self.buried,
             max_distance: self.max_distance,
             layers: self.layers.clone(),
             overrides: Overrides {
@@ -217,6 +221,7 @@ impl Options {
             sky,
             view: _,
             shading,
+            buried,
             max_distance,
             layers,
             albedo,
@@ -253,6 +258,10 @@ impl Options {
             "shading": match shading {
                 Shading::Production => "production",
                 Shading::Exact => "exact",
+            },
+            "buried": match buried {
+                Buried::Drop => "drop",
+                Buried::Keep => "keep",
             },
             "max_distance": max_distance,
             "layers": layers,

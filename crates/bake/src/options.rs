@@ -29,6 +29,8 @@ pub struct Options {
     pub view: View,
     /// What lies between a shading normal's horizon and the plane of its facet.
     pub shading: Shading,
+    /// What happens to samples inside of solids.
+    pub buried: Buried,
     /// Occluders farther than this do not count, in scene units; `None` for no limit.
     pub max_distance: Option<f32>,
     /// Layers to produce, without repeats.
@@ -138,6 +140,17 @@ pub enum Shading {
     Exact,
 }
 
+/// What happens to samples of a surface that lie inside of other solids, where nobody sees them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Buried {
+    /// They are dropped: a texel is the mean over what can be seen of it, and one that cannot be seen is filled from its
+    /// neighbours.
+    #[default]
+    Drop,
+    /// They count as what they are, dark.
+    Keep,
+}
+
 impl Default for Options {
     /// A plain bake: 256 rays a texel under a white sky, the standard layers.
     fn default() -> Self {
@@ -151,6 +164,7 @@ impl Default for Options {
             draw_sky: true,
             view: View::Normal,
             shading: Shading::default(),
+            buried: Buried::default(),
             max_distance: None,
             layers: Layer::STANDARD.to_vec(),
             overrides: Overrides::default(),

@@ -69,6 +69,9 @@ pub struct Job {
     /// What smooth shading sees between the horizon of its normal and the plane of the facet
     #[arg(long, value_enum, default_value_t = Shading::Production)]
     pub shading: Shading,
+    /// What happens to samples inside of other solids, where nobody sees them
+    #[arg(long, value_enum, default_value_t = Buried::Drop)]
+    pub buried: Buried,
     /// Occluders farther than this many scene units do not count [default: no limit]
     #[arg(long, value_name = "D", value_parser = positive)]
     pub max_distance: Option<f64>,
@@ -111,6 +114,14 @@ pub enum Shading {
     Production,
     /// Nothing: the facet hides it
     Exact,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Buried {
+    /// They do not count, and texels without others are filled from their neighbours
+    Drop,
+    /// They count as what they are, dark
+    Keep,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -28,12 +28,10 @@ mod gang;
 mod sums;
 mod task;
 mod terms;
-mod validity;
 
 pub use sums::REPLICATES;
 pub(crate) use task::Task;
 pub use terms::Terms;
-pub(crate) use validity::validity;
 
 use crate::options::{Effort, Pattern};
 use crate::survey::Texel;

@@ -5,15 +5,15 @@ use super::finish::{finish, working_layers};
 use super::planes::{BakedPage, LayerPlanes};
 use super::stats::PageStats;
 use crate::choice::Choice;
-use crate::integrate::{Task, integrate, validity};
-use crate::options::Options;
+use crate::integrate::{Task, integrate};
+use crate::options::{Buried, Options};
 use crate::plan::Plan;
 use crate::survey::{Surveyor, Texel};
 use atlas::{Atlas, PageRaster, Tile};
 use layers::{Layer, Progress};
 use pulp::Arch;
 use rayon::prelude::*;
-use rays::{PlaneErrors, RayBackend, World};
+use rays::{PlaneErrors, RayBackend, Solids, World};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -28,6 +28,8 @@ pub struct Baker<'a> {
     atlas: &'a Atlas,
     options: &'a Options,
     errors: PlaneErrors,
+    /// What buries samples; `None` where nothing can.
+    solids: Option<Solids>,
     /// Texels finished so far, over all pages.
     done: AtomicU64,
 }
@@ -52,7 +54,12 @@ impl<'a> Baker<'a> {
         atlas: &'a Atlas,
         options: &'a Options,
     ) -> Self {
+        let solids = match options.buried {
+            Buried::Drop => Some(Solids::of(world)).filter(|solids| solids.count() > 0),
+            Buried::Keep => None,
+        };
         Self {
+            solids,
             world,
             plan,
             backend,
@@ -72,7 +79,7 @@ impl<'a> Baker<'a> {
             size,
             tiles_done: 0,
             finished: false,
-            planes: working_layers(self.options, self.plan)
+            planes: working_layers(self.options, self.plan, self.solids.is_some())
                 .into_iter()
                 .map(|layer| LayerPlanes::void(layer, texels))
                 .collect(),
@@ -116,7 +123,7 @@ impl<'a> Baker<'a> {
                 page.tiles_done += 1;
             }
         }
-        finish(page, self.options, self.plan);
+        finish(page, self.options, self.plan, self.solids.is_some());
         page.stats.seconds += started.elapsed().as_secs_f64();
     }
 
@@ -168,12 +175,12 @@ impl<'a> Baker<'a> {
             errors: &self.errors,
             overrides: &options.overrides,
             plan: self.plan,
+            solids: self.solids.as_ref(),
         };
         let texels = surveyor.texels(tile, |x, y, term| task.stream(x, y, term, 0));
         let lobes = self.plan.models(Choice::Specular);
         let specular: Vec<bool> = texels.iter().map(|t| lobes && self.reflects(t)).collect();
         let terms = integrate(&task, &texels, &specular);
-        let validities = options.layers.contains(&Layer::Validity);
         texels
             .iter()
             .zip(terms)
@@ -186,11 +193,7 @@ impl<'a> Baker<'a> {
                 position: texel.position,
                 normal: texel.normal,
                 geometric: texel.geometric,
-                validity: if validities {
-                    validity(&task, texel, self.world)
-                } else {
-                    1.0
-                },
+                validity: texel.seen.share,
             })
             .collect()
     }
@@ -218,6 +221,8 @@ impl<'a> Baker<'a> {
             let stats = &mut result.stats;
             stats.texels += 1;
             stats.coverage += f64::from(texel.coverage);
+            stats.buried += u64::from(texel.validity == 0.0);
+            stats.buried_area += f64::from(texel.coverage) * (1.0 - f64::from(texel.validity));
             let place = [texel.index % size, texel.index / size];
             stats.errors.add(texel.terms.diffuse.std_err, place);
             stats.irradiance_squares += texel.terms.irradiance.std_err.powi(2);

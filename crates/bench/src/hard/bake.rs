@@ -3,7 +3,9 @@
 use super::error::Error;
 use super::setup::Setup;
 use crate::Subject;
-use bake::{BakedPage, Choice, Denoise, Effort, Options, Pattern, Plan, PointSet, Shading, View};
+use bake::{
+    BakedPage, Buried, Choice, Denoise, Effort, Options, Pattern, Plan, PointSet, Shading, View,
+};
 use layers::Layer;
 use rays::{BackendKind, Overrides};
 use std::sync::Arc;
@@ -31,6 +33,7 @@ pub(super) fn bake(setup: &Setup, case: &str, kind: BackendKind) -> Result<Baked
             .view
             .map_or(View::Normal, |v| View::Eye(setup.centre() + v * 1e6)),
         shading: Shading::Exact,
+        buried: Buried::default(),
         max_distance: None,
         layers,
         overrides: Overrides {
