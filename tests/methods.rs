@@ -91,8 +91,17 @@ fn plan_and_report_state_one_method_for_each_term() {
     }
     let folder = tempfile::tempdir().expect("a folder");
     let body = smooth_body(folder.path());
-    let found = stated(&body, &with(&["--exponent=9", "--view=0,0,9"]));
-    assert_eq!(found, [closed, closed, "rays"], "a smooth convex body");
+    for (shading, lobe) in [
+        ("--shading=production", closed),
+        ("--shading=exact", "rays"),
+    ] {
+        let found = stated(&body, &with(&["--exponent=9", "--view=0,0,9", shading]));
+        assert_eq!(
+            found,
+            [closed, closed, lobe],
+            "smooth convex body, {shading}"
+        );
+    }
 }
 
 #[test]
@@ -100,7 +109,13 @@ fn closed_forms_of_a_smooth_body_are_no_samples() {
     let folder = tempfile::tempdir().expect("a folder");
     let (baked, page) = bake(
         &smooth_body(folder.path()),
-        &["--size=128", "--rays=256", "--exponent=9", "--view=0,0,9"],
+        &[
+            "--size=128",
+            "--rays=256",
+            "--exponent=9",
+            "--view=0,0,9",
+            "--shading=exact",
+        ],
     );
     let [coverage, visibility, diffuse, errors] =
         ["coverage", "visibility", "diffuse", "error"].map(|name| page.plane(name));

@@ -20,6 +20,7 @@ mod parity;
 mod photo;
 mod readme;
 mod render;
+mod shading;
 mod sky;
 mod stopped;
 mod support;

@@ -6,7 +6,7 @@ use crate::job::{Job, MakeBackend};
 use crate::options::{Backend, Effort, Options, Pages, Uv};
 use crate::scene::Scene;
 use crate::sky::Sky;
-use ::bake::{Choice, Denoise, Pattern, Seams, View};
+use ::bake::{Buried, Choice, Denoise, Pattern, Seams, Shading, View};
 use layers::{Layer, Progress};
 use rays::{RayBackend, World};
 use std::fmt;
@@ -169,6 +169,18 @@ impl Bake {
     /// Where the eye of the specular term stands: by default on every texel's normal.
     pub fn view(mut self, view: View) -> Self {
         self.options.view = view;
+        self
+    }
+
+    /// What happens to samples inside of solids; dropped by default.
+    pub fn buried(mut self, buried: Buried) -> Self {
+        self.options.buried = buried;
+        self
+    }
+
+    /// What smooth shading sees between the horizon of a shading normal and the plane of its facet; production by default.
+    pub fn shading(mut self, shading: Shading) -> Self {
+        self.options.shading = shading;
         self
     }
 

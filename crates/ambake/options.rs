@@ -3,7 +3,7 @@
 
 use crate::error::Error;
 use crate::sky::Sky;
-use ::bake::{Choice, Denoise, Pattern, PointSet, Seams, View};
+use ::bake::{Buried, Choice, Denoise, Pattern, PointSet, Seams, Shading, View};
 use layers::Layer;
 use rays::{BackendKind, Layout, Overrides};
 use serde_json::{Value, json};
@@ -87,6 +87,10 @@ pub struct Options {
     pub sky: Sky,
     /// Where the eye of the specular term stands.
     pub view: View,
+    /// What smooth shading sees below the plane of a facet.
+    pub shading: Shading,
+    /// What happens to samples inside of solids.
+    pub buried: Buried,
     /// Occluders farther than this do not count, in scene units.
     pub max_distance: Option<f32>,
     /// Layers to produce, coverage first, without repeats.
@@ -119,6 +123,8 @@ impl Default for Options {
             seed: 0,
             sky: Sky::default(),
             view: View::Normal,
+            shading: Shading::Production,
+            buried: Buried::Drop,
             max_distance: None,
             layers: Layer::STANDARD.to_vec(),
             albedo: None,
@@ -201,6 +207,8 @@ impl Options {
             sky: self.sky.light.clone(),
             draw_sky: true,
             view: self.view,
+            shading: self.shading,
+            buried: self.buried,
             max_distance: self.max_distance,
             layers: self.layers.clone(),
             overrides: Overrides {
@@ -249,6 +257,8 @@ impl Options {
             seed,
             sky,
             view: _,
+            shading,
+            buried,
             max_distance,
             layers,
             albedo,
@@ -295,6 +305,14 @@ impl Options {
             "seed": seed,
             "sky": sky,
             "view": self.view_rule(),
+            "shading": match shading {
+                Shading::Production => "production",
+                Shading::Exact => "exact",
+            },
+            "buried": match buried {
+                Buried::Drop => "drop",
+                Buried::Keep => "keep",
+            },
             "max_distance": max_distance,
             "layers": layers,
             "albedo": albedo,

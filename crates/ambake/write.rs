@@ -159,6 +159,10 @@ fn page_report(job: &Job, page: &BakedPage) -> PageReport {
         page: page.page,
         texels: stats.texels,
         coverage_used: stats.coverage / f64::from(page.size).powi(2),
+        buried: report::BuriedReport {
+            texels: stats.buried,
+            share: stats.buried_area / stats.coverage.max(f64::MIN_POSITIVE),
+        },
         mean_error: stats.errors.sum / stats.texels.max(1) as f64,
         max_error: stats.errors.max,
         worst_texel: stats.errors.worst,
@@ -207,6 +211,7 @@ fn report_of(
         atlas: report::AtlasReport::of(job.atlas()),
         layout: job.layout_report().clone(),
         rays: pages.iter().map(|page| page.rays).sum(),
+        buried: report::BuriedReport::of(&pages),
         pages,
         seams: None,
         objects: report::object_reports(scene, job.atlas()),

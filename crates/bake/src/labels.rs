@@ -6,7 +6,5 @@ pub const SURVEY: u32 = 0;
 pub const HEMISPHERE: u32 = 1;
 /// Directions of the specular lobe.
 pub const LOBE: u32 = 2;
-/// Directions of the `validity` layer.
-pub const VALIDITY: u32 = 3;
 /// Directions drawn from an illumination map.
 pub const SKY: u32 = 4;

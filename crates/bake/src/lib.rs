@@ -29,6 +29,7 @@ mod choice;
 mod denoise;
 mod integrate;
 mod labels;
+mod mend;
 mod options;
 mod page;
 mod plan;
@@ -37,7 +38,7 @@ mod survey;
 
 pub use choice::Choice;
 pub use integrate::{REPLICATES, Terms};
-pub use options::{Denoise, Effort, Options, Pattern, PointSet, Seams, Sky, View};
+pub use options::{Buried, Denoise, Effort, Options, Pattern, PointSet, Seams, Shading, Sky, View};
 pub use page::{BakedPage, Baker, ErrorSums, LayerPlanes, PageStats, Pilot};
 pub use plan::{Decision, Method, OpenTriangles, Plan};
 pub use seams::SeamStats;

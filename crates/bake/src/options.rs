@@ -29,6 +29,10 @@ pub struct Options {
     pub draw_sky: bool,
     /// View rule of the specular term.
     pub view: View,
+    /// What lies between a shading normal's horizon and the plane of its facet.
+    pub shading: Shading,
+    /// What happens to samples inside of solids.
+    pub buried: Buried,
     /// Occluders farther than this do not count, in scene units; `None` for no limit.
     pub max_distance: Option<f32>,
     /// Layers to produce, without repeats.
@@ -139,6 +143,28 @@ pub enum View {
     Eye(DVec3),
 }
 
+/// What smooth shading sees in the wedge of directions above the horizon of the shading normal and below the plane of the facet.
+/// `docs/theory.md` derives both.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Shading {
+    /// Each direction of the wedge sees what its mirror image in the plane of the facet sees: a convex body does not darken itself.
+    #[default]
+    Production,
+    /// The facet hides the wedge: the integral over the triangles as they are.
+    Exact,
+}
+
+/// What happens to samples of a surface that lie inside of other solids, where nobody sees them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Buried {
+    /// They are dropped: a texel is the mean over what can be seen of it, and one that cannot be seen is filled from its
+    /// neighbours.
+    #[default]
+    Drop,
+    /// They count as what they are, dark.
+    Keep,
+}
+
 impl Default for Options {
     /// A plain bake: 256 rays a texel under a white sky, the standard layers.
     fn default() -> Self {
@@ -152,6 +178,8 @@ impl Default for Options {
             sky: Sky::Uniform([1.0; 3]),
             draw_sky: true,
             view: View::Normal,
+            shading: Shading::default(),
+            buried: Buried::default(),
             max_distance: None,
             layers: Layer::STANDARD.to_vec(),
             overrides: Overrides::default(),

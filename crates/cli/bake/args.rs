@@ -86,6 +86,12 @@ pub struct Job {
     /// View of the specular term: `normal` (V = N everywhere) or an eye point X,Y,Z in scene units
     #[arg(long, value_name = "normal|X,Y,Z", default_value = "normal", allow_hyphen_values = true, value_parser = view)]
     pub view: ambake::View,
+    /// What smooth shading sees between the horizon of its normal and the plane of the facet
+    #[arg(long, value_enum, default_value_t = Shading::Production)]
+    pub shading: Shading,
+    /// What happens to samples inside of other solids, where nobody sees them
+    #[arg(long, value_enum, default_value_t = Buried::Drop)]
+    pub buried: Buried,
     /// Occluders farther than this many scene units do not count [default: no limit]
     #[arg(long, value_name = "D", value_parser = positive)]
     pub max_distance: Option<f64>,
@@ -120,6 +126,22 @@ pub enum Pattern {
     Independent,
     /// Blocks of 4 x 4 texels share theirs
     Tiled,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Shading {
+    /// What its mirror image in the facet's plane sees: convex bodies do not darken themselves
+    Production,
+    /// Nothing: the facet hides it
+    Exact,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Buried {
+    /// They do not count, and texels without others are filled from their neighbours
+    Drop,
+    /// They count as what they are, dark
+    Keep,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

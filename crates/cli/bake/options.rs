@@ -2,7 +2,7 @@
 
 use super::args::{self, Job};
 use crate::common::{Backend, Common};
-use ambake::{Bake, Denoise, Effort, Options, Pattern, Seams, Uv};
+use ambake::{Bake, Buried, Denoise, Effort, Options, Pattern, Seams, Shading, Uv};
 
 /// The bake that was asked for.
 pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, ambake::Error> {
@@ -42,6 +42,14 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
     options.seed = common.seed;
     options.sky = job.sky.load()?;
     options.view = job.view;
+    options.shading = match job.shading {
+        args::Shading::Production => Shading::Production,
+        args::Shading::Exact => Shading::Exact,
+    };
+    options.buried = match job.buried {
+        args::Buried::Drop => Buried::Drop,
+        args::Buried::Keep => Buried::Keep,
+    };
     options.max_distance = job.max_distance.map(|d| d as f32);
     options.albedo = job.albedo;
     options.specular = job.specular;

@@ -178,7 +178,7 @@ const TABLE: [Row; 26] = [
     row(Bent, "bent", XYZ, UNIT_VECTOR, &[Term::Diffuse], "mean open direction, cosine-weighted"),
     row(Exponent, "exponent", ONE, (Unit::Number, Preview::OfLargest), &[], "lobe exponent of the material"),
     counted(row(Object, "object", ONE, (Unit::Count, Preview::None), &[], "index of the object, -1 for none")),
-    row(Validity, "validity", ONE, SHARE, &[], "share that does not see back faces first"),
+    row(Validity, "validity", ONE, SHARE, &[], "share of the texel that can be seen"),
     row(DifferenceLambert, "difference.lambert", RGB, (Unit::Radiance, Preview::Signed), &[Term::Visibility, Term::Diffuse], "traditional - lambert"),
     row(DifferencePhong, "difference.phong", RGB, (Unit::Radiance, Preview::Signed), &[Term::Visibility, Term::Diffuse, Term::Specular], "traditional - phong"),
     row(StdErrVisibility, "error.visibility", ONE, SHARE, &[Term::Visibility], "standard error of visibility"),

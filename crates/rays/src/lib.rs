@@ -39,6 +39,7 @@ mod obvhs_backend;
 #[cfg(test)]
 mod obvhs_tests;
 mod point;
+mod solid;
 mod surface;
 mod tree;
 mod triangle;
@@ -53,5 +54,6 @@ pub use material::{Overrides, PhongMaterial, is_mapped, material_at};
 pub use mix::Mix;
 pub use obvhs_backend::ObvhsBackend;
 pub use point::{SurfacePoint, Surfaces};
+pub use solid::Solids;
 pub use surface::{Patch, PlaneErrors};
 pub use world::{Bounds, Geometry, Part, Positions, World, WorldOptions};

@@ -44,6 +44,9 @@ pub struct BakeReport {
     pub seconds: f64,
     /// Rays cast in all.
     pub rays: u64,
+    /// What lies inside of solids.
+    #[serde(default)]
+    pub buried: BuriedReport,
     /// Largest resident memory in bytes, where the system tells it.
     pub peak_memory_bytes: Option<u64>,
     /// Everything that was repaired, ignored or doubtful.
@@ -130,6 +133,15 @@ pub struct AtlasReport {
     pub texels: u64,
 }
 
+/// What lies inside of solids, where nobody sees it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct BuriedReport {
+    /// Texels of which nothing can be seen.
+    pub texels: u64,
+    /// Share of the covered area that cannot be seen, 0..=1.
+    pub share: f64,
+}
+
 /// What happened on one page.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct PageReport {
@@ -139,6 +151,9 @@ pub struct PageReport {
     pub texels: u64,
     /// Sum of the coverage over all texels divided by their number, 0..=1.
     pub coverage_used: f64,
+    /// What lies inside of solids.
+    #[serde(default)]
+    pub buried: BuriedReport,
     /// Mean standard error of `diffuse` over covered texels.
     pub mean_error: f64,
     /// Largest standard error of `diffuse`.
@@ -288,6 +303,21 @@ impl From<&scene::Warning> for WarningReport {
     }
 }
 
+impl BuriedReport {
+    /// What lies inside of solids on all pages.
+    pub fn of(pages: &[PageReport]) -> Self {
+        let area: f64 = pages.iter().map(|page| page.coverage_used).sum();
+        let buried = |page: &PageReport| page.buried.share * page.coverage_used;
+        Self {
+            texels: pages.iter().map(|page| page.buried.texels).sum(),
+            share: match area > 0.0 {
+                true => pages.iter().map(buried).sum::<f64>() / area,
+                false => 0.0,
+            },
+        }
+    }
+}
+
 impl BakeReport {
     /// The file's text: indented JSON that ends with a line feed.
     pub fn to_json(&self) -> String {
@@ -365,6 +395,7 @@ pub(crate) mod tests {
             timings: vec![PhaseReport::default()],
             seconds: 1e-9,
             rays: u64::MAX - 1,
+            buried: BuriedReport::default(),
             peak_memory_bytes: None,
             warnings: vec![WarningReport::default()],
             notes: vec!["TEXCOORD_0 overlaps itself".into()],

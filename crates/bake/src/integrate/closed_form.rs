@@ -1,15 +1,17 @@
 //! Terms in closed form, for texels that nothing stands above.
 //!
-//! The horizon is the geometric plane; a shading normal may lean against it. Visibility, diffuse and bent normal have closed
-//! forms at any lean. The specular term has one where the surface is flat, for any eye, and where V = N, so that the lobe stands
-//! on the shading normal; seen from an eye over a leaning normal its region has three sides, and directions are drawn instead.
+//! A shading normal may lean against the geometric plane. In production shading a direction below the plane sees what its mirror
+//! image sees, here the sky: all terms are those of a flat surface with the shading normal. In exact shading the horizon is the
+//! geometric plane. Visibility, diffuse and bent normal have closed forms at any lean. The specular term then has one where the
+//! surface is flat, for any eye, and where V = N, so that the lobe stands on the shading normal; seen from an eye over a leaning
+//! normal its region has three sides, and directions are drawn instead.
 
 use super::estimate::variance_of_mean;
 use super::sums::REPLICATES;
 use super::task::Task;
 use super::terms::{Terms, uniform_light};
 use crate::labels;
-use crate::options::View;
+use crate::options::{Shading, View};
 use crate::survey::Texel;
 use ambient::Estimate;
 use ambient::closed_form::{phong_open, tilted_bent, tilted_diffuse, tilted_visibility};
@@ -19,8 +21,8 @@ use glam::DVec3;
 const POINTS: u32 = 64;
 
 /// True where the specular term of an open texel has a closed form.
-pub(super) fn has_specular(view: View, texel: &Texel) -> bool {
-    view == View::Normal || !texel.tilted
+pub(super) fn has_specular(task: &Task<'_>, texel: &Texel) -> bool {
+    task.shading == Shading::Production || task.view == View::Normal || !texel.tilted
 }
 
 /// The terms of an open texel under a uniform sky. `specular` asks for the specular term, which must have a closed form.
@@ -31,7 +33,8 @@ pub(super) fn terms(task: &Task<'_>, texel: &Texel, specular: bool) -> Terms {
         reflection: uniform_light(sky, terms.specular),
         ..terms
     };
-    if !texel.tilted && task.view == View::Normal {
+    let is_flat = task.shading == Shading::Production || !texel.tilted;
+    if is_flat && task.view == View::Normal {
         return with_light(Terms {
             visibility: Estimate::exact(1.0),
             diffuse: Estimate::exact(1.0),
@@ -48,19 +51,19 @@ pub(super) fn terms(task: &Task<'_>, texel: &Texel, specular: bool) -> Terms {
         for index in 0..points {
             let [_, _, p0, p1] = stream.point(index);
             let sample = texel.sample([p0, p1]);
-            let tilt = sample
-                .geometric
+            let plane = match task.shading {
+                Shading::Production => sample.normal,
+                Shading::Exact => sample.geometric,
+            };
+            let tilt = plane
                 .cross(sample.normal)
                 .length()
-                .atan2(sample.geometric.dot(sample.normal));
+                .atan2(plane.dot(sample.normal));
             let lobe = match specular {
                 false => 0.0,
                 true => {
                     let axis = task.mirrored_view(sample.position, sample.normal);
-                    let (cos, sin) = (
-                        sample.geometric.dot(axis),
-                        sample.geometric.cross(axis).length(),
-                    );
+                    let (cos, sin) = (plane.dot(axis), plane.cross(axis).length());
                     phong_open(texel.material.exponent, cos, sin)
                 }
             };
@@ -68,7 +71,7 @@ pub(super) fn terms(task: &Task<'_>, texel: &Texel, specular: bool) -> Terms {
             for (mean, value) in means.iter_mut().zip(values) {
                 mean[replicate as usize] += value / f64::from(points);
             }
-            bent += tilted_bent(sample.normal, sample.geometric);
+            bent += tilted_bent(sample.normal, plane);
         }
     }
     let [diffuse, visibility, specular] = means.map(|means| Estimate {

@@ -8,7 +8,10 @@
 //! squared and vanishes beside the variance (see the tests).
 //!
 //! **Specular term.** Its own directions from the lobe about the mirrored view R, density `(n+1)/2pi (R.L)^n`, so every
-//! open ray counts 1. Directions below the shading or the geometric horizon count 0 and cost no ray.
+//! open ray counts 1. Directions below the shading horizon count 0 and cost no ray.
+//!
+//! **Shading normals.** The ray of a direction below the geometric plane leaves along its mirror image in the plane; in exact shading
+//! it counts 0 and costs no ray.
 //!
 //! **Light of a map.** With an illumination map the radiance is a uniform floor, which the two terms above multiply, and what stands
 //! out of it, which hemisphere rays and directions drawn from the map share by the power heuristic with exponent 2 (E. Veach, L. Guibas,
@@ -25,12 +28,10 @@ mod gang;
 mod sums;
 mod task;
 mod terms;
-mod validity;
 
 pub use sums::REPLICATES;
 pub(crate) use task::Task;
 pub use terms::Terms;
-pub(crate) use validity::validity;
 
 use crate::options::{Effort, Pattern};
 use crate::survey::Texel;
@@ -56,7 +57,7 @@ pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) ->
     let closed_lobe: Vec<bool> = texels
         .iter()
         .zip(&closed)
-        .map(|(texel, closed)| *closed && closed_form::has_specular(task.view, texel))
+        .map(|(texel, closed)| *closed && closed_form::has_specular(task, texel))
         .collect();
     let which = |wanted: &dyn Fn(usize) -> bool| -> Vec<usize> {
         (0..texels.len()).filter(|&i| wanted(i)).collect()

@@ -2,7 +2,7 @@
 
 use super::sums::Technique;
 use crate::labels;
-use crate::options::{Effort, Pattern, Sky, View};
+use crate::options::{Effort, Pattern, Shading, Sky, View};
 use crate::survey::Texel;
 use ambient::sampling::{Mixture, PointSet, Stream};
 use glam::DVec3;
@@ -24,6 +24,7 @@ pub(crate) struct Task<'a> {
     pub pattern: Pattern,
     pub points: PointSet,
     pub view: View,
+    pub shading: Shading,
     pub t_max: f32,
     /// How hemisphere directions are drawn.
     pub mixture: Mixture,

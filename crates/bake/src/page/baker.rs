@@ -5,8 +5,8 @@ use super::finish::{finish, working_layers};
 use super::planes::{BakedPage, LayerPlanes};
 use super::stats::PageStats;
 use crate::choice::Choice;
-use crate::integrate::{Task, integrate, validity};
-use crate::options::Options;
+use crate::integrate::{Task, integrate};
+use crate::options::{Buried, Options};
 use crate::plan::Plan;
 use crate::seams::Seams;
 use crate::survey::{Surveyor, Texel};
@@ -14,7 +14,7 @@ use atlas::{Atlas, PageRaster, Tile};
 use layers::{Layer, Progress};
 use pulp::Arch;
 use rayon::prelude::*;
-use rays::{PlaneErrors, RayBackend, World};
+use rays::{PlaneErrors, RayBackend, Solids, World};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -29,6 +29,8 @@ pub struct Baker<'a> {
     atlas: &'a Atlas,
     options: &'a Options,
     errors: PlaneErrors,
+    /// What buries samples; `None` where nothing can.
+    solids: Option<Solids>,
     /// Texels finished so far, over all pages.
     done: AtomicU64,
 }
@@ -53,7 +55,12 @@ impl<'a> Baker<'a> {
         atlas: &'a Atlas,
         options: &'a Options,
     ) -> Self {
+        let solids = match options.buried {
+            Buried::Drop => Some(Solids::of(world)).filter(|solids| solids.count() > 0),
+            Buried::Keep => None,
+        };
         Self {
+            solids,
             world,
             plan,
             backend,
@@ -73,7 +80,7 @@ impl<'a> Baker<'a> {
             size,
             tiles_done: 0,
             finished: false,
-            planes: working_layers(self.options, self.plan)
+            planes: working_layers(self.options, self.plan, self.solids.is_some())
                 .into_iter()
                 .map(|layer| LayerPlanes::void(layer, texels))
                 .collect(),
@@ -118,7 +125,16 @@ impl<'a> Baker<'a> {
             }
         }
         let seams = Seams::find(self.world, self.atlas, page.page, self.options.seams);
-        finish(page, self.options, self.plan, self.world, &raster, &seams);
+        let mends = self.solids.is_some();
+        finish(
+            page,
+            self.options,
+            self.plan,
+            self.world,
+            &raster,
+            &seams,
+            mends,
+        );
         page.stats.seconds += started.elapsed().as_secs_f64();
     }
 
@@ -157,6 +173,7 @@ impl<'a> Baker<'a> {
             pattern: options.pattern,
             points: options.points,
             view: options.view,
+            shading: options.shading,
             t_max: options.max_distance.unwrap_or(f32::INFINITY),
             mixture: self.plan.mixture,
             hemisphere: self.plan.models(Choice::Diffuse),
@@ -169,12 +186,12 @@ impl<'a> Baker<'a> {
             errors: &self.errors,
             overrides: &options.overrides,
             plan: self.plan,
+            solids: self.solids.as_ref(),
         };
         let texels = surveyor.texels(tile, |x, y, term| task.stream(x, y, term, 0));
         let lobes = self.plan.models(Choice::Specular);
         let specular: Vec<bool> = texels.iter().map(|t| lobes && self.reflects(t)).collect();
         let terms = integrate(&task, &texels, &specular);
-        let validities = options.layers.contains(&Layer::Validity);
         texels
             .iter()
             .zip(terms)
@@ -187,11 +204,7 @@ impl<'a> Baker<'a> {
                 position: texel.position,
                 normal: texel.normal,
                 geometric: texel.geometric,
-                validity: if validities {
-                    validity(&task, texel, self.world)
-                } else {
-                    1.0
-                },
+                validity: texel.seen.share,
             })
             .collect()
     }
@@ -219,6 +232,8 @@ impl<'a> Baker<'a> {
             let stats = &mut result.stats;
             stats.texels += 1;
             stats.coverage += f64::from(texel.coverage);
+            stats.buried += u64::from(texel.validity == 0.0);
+            stats.buried_area += f64::from(texel.coverage) * (1.0 - f64::from(texel.validity));
             let place = [texel.index % size, texel.index / size];
             stats.errors.add(texel.terms.diffuse.std_err, place);
             stats.irradiance_squares += texel.terms.irradiance.std_err.powi(2);

@@ -86,8 +86,8 @@ pub(crate) struct BakedTexel {
     pub normal: DVec3,
     /// Mean geometric normal.
     pub geometric: DVec3,
-    /// Share of the footprint that does not see back faces first.
-    pub validity: f64,
+    /// Share of the footprint that can be seen.
+    pub validity: f32,
 }
 
 impl BakedTexel {
@@ -115,7 +115,7 @@ impl BakedTexel {
             Layer::Bent => three(terms.bent.normalize_or_zero()),
             Layer::Exponent => one(material.exponent),
             Layer::Object => one(f64::from(self.object)),
-            Layer::Validity => one(self.validity),
+            Layer::Validity => [self.validity, 0.0, 0.0],
             Layer::Albedo => three(material.albedo),
             Layer::Reflectance => three(material.specular),
             composed => unreachable!("layer {} is no fact", composed.name()),

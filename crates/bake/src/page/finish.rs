@@ -1,10 +1,11 @@
-//! The last steps of a page whose tiles are all finished, in this order: denoise, solve seams, dilate, compose.
+//! The last steps of a page whose tiles are all finished, in this order: mend, denoise, solve seams, dilate, compose.
 
 use super::compose::{Composition, is_composed, is_light};
 use super::planes::{BakedPage, LayerPlanes};
 use super::stats::ErrorSums;
 use crate::choice::Choice;
 use crate::denoise::{Field, denoise};
+use crate::mend::{Mends, Surface};
 use crate::options::{Denoise, Options, Seams as Scope, Sky};
 use crate::plan::Plan;
 use crate::seams::{Known, Seams};
@@ -47,7 +48,7 @@ fn terms(options: &Options, plan: &Plan) -> Vec<TermLayers> {
 }
 
 /// The layers that are kept while tiles are baked: the facts from which the asked layers follow when the page is finished.
-pub(super) fn working_layers(options: &Options, plan: &Plan) -> Vec<Layer> {
+pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec<Layer> {
     let mut layers = vec![Layer::Coverage];
     let mut add = |layer: Layer| {
         if !layers.contains(&layer) {
@@ -65,9 +66,12 @@ pub(super) fn working_layers(options: &Options, plan: &Plan) -> Vec<Layer> {
             add(std_err);
         }
     }
-    if options.denoise != Denoise::Off {
+    if options.denoise != Denoise::Off || mends {
         let geometry = [Layer::Position, Layer::Normal, Layer::Object];
         geometry.into_iter().for_each(&mut add);
+    }
+    if mends {
+        add(Layer::Validity);
     }
     if options.layers.iter().any(|&layer| is_composed(layer)) {
         add(Layer::Albedo);
@@ -76,7 +80,8 @@ pub(super) fn working_layers(options: &Options, plan: &Plan) -> Vec<Layer> {
     layers
 }
 
-/// Finishes the page, of which `raster` has the charts and `seams` where they go on in one another.
+/// Finishes the page, of which `raster` has the charts and `seams` where they go on in one another. `mends` says that solids may bury
+/// texels of it.
 pub(super) fn finish(
     page: &mut BakedPage,
     options: &Options,
@@ -84,7 +89,11 @@ pub(super) fn finish(
     world: &World,
     raster: &PageRaster<'_>,
     seams: &Seams,
+    mends: bool,
 ) {
+    if mends {
+        mend_terms(page, options, plan);
+    }
     if options.denoise == Denoise::Regression {
         denoise_terms(page, plan);
         count_errors(page);
@@ -93,6 +102,32 @@ pub(super) fn finish(
     fill_gutters(page, &gutters);
     compose_asked(page, options);
     page.finished = true;
+}
+
+/// Mends the terms of texels that are buried, wholly or in part.
+fn mend_terms(page: &mut BakedPage, options: &Options, plan: &Plan) {
+    let plane = |layer: Layer, channel| {
+        let missing = || panic!("mending needs the layer {}", layer.name());
+        page.channel(layer, channel).unwrap_or_else(missing)
+    };
+    let three = |layer| [0, 1, 2].map(|channel| plane(layer, channel));
+    let mends = Mends::of(&Surface {
+        size: page.size as usize,
+        coverage: plane(Layer::Coverage, 0),
+        validity: plane(Layer::Validity, 0),
+        position: three(Layer::Position),
+        normal: three(Layer::Normal),
+        object: plane(Layer::Object, 0),
+    });
+    let texels = page.texels();
+    for (term, std_err, _) in terms(options, plan) {
+        let most = if is_light(term) { f64::MAX } else { 1.0 };
+        let planes = page.planes_of(term).par_chunks_mut(texels);
+        planes.for_each(|plane| mends.apply(plane, 0.0, most));
+        if page.layer(std_err).is_some() {
+            mends.apply_to_errors(page.planes_of(std_err));
+        }
+    }
 }
 
 /// The values that seams give to gutter texels: layer, channel, texels.
@@ -245,7 +280,12 @@ impl<'a> Facts<'a> {
 /// Puts the asked layers in place of the facts. Facts that were not asked for go as soon as nothing needs them.
 fn compose_asked(page: &mut BakedPage, options: &Options) {
     let asked = |layer: Layer| layer == Layer::Coverage || options.layers.contains(&layer);
-    let geometry = [Layer::Position, Layer::Normal, Layer::Object];
+    let geometry = [
+        Layer::Position,
+        Layer::Normal,
+        Layer::Object,
+        Layer::Validity,
+    ];
     page.planes
         .retain(|planes| asked(planes.layer) || !geometry.contains(&planes.layer));
     let texels = page.texels();

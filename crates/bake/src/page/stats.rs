@@ -10,6 +10,10 @@ pub struct PageStats {
     pub texels: u64,
     /// Sum of their coverage: used area in texels.
     pub coverage: f64,
+    /// Texels of which nothing can be seen.
+    pub buried: u64,
+    /// Area in texels of what cannot be seen.
+    pub buried_area: f64,
     /// Standard errors of diffuse.
     pub errors: ErrorSums,
     /// Sum of the squared standard error of irradiance.
@@ -64,6 +68,8 @@ impl PageStats {
     pub(crate) fn append(&mut self, tile: &Self) {
         self.texels += tile.texels;
         self.coverage += tile.coverage;
+        self.buried += tile.buried;
+        self.buried_area += tile.buried_area;
         self.errors.append(&tile.errors);
         self.irradiance_squares += tile.irradiance_squares;
         self.rays += tile.rays;

@@ -5,7 +5,7 @@ mod open;
 pub use open::OpenTriangles;
 
 use crate::choice::Choice;
-use crate::options::{Options, Sky, View};
+use crate::options::{Options, Shading, Sky, View};
 use ambient::sampling::Mixture;
 use layers::Term;
 use rays::{Error, PlaneErrors, World, WorldOptions};
@@ -133,7 +133,8 @@ fn choice_of(term: Term) -> Choice {
 
 /// How a term comes about; the integrator follows the same rules texel by texel.
 fn method(term: Term, modelled: bool, triangles: &OpenTriangles, options: &Options) -> Method {
-    let lobe_is_closed = options.view == View::Normal || !triangles.tilted;
+    let lobe_is_closed =
+        options.shading == Shading::Production || options.view == View::Normal || !triangles.tilted;
     if !modelled {
         Method::Off
     } else if options.sky.map().is_none()
@@ -282,7 +283,8 @@ fn open(triangles: &OpenTriangles, options: &Options) -> Decision {
         );
     }
     let OpenTriangles { open, total, .. } = *triangles;
-    let form = match (options.sky.map(), options.view, triangles.tilted) {
+    let tilted = triangles.tilted && options.shading == Shading::Exact;
+    let form = match (options.sky.map(), options.view, tilted) {
         (Some(_), ..) => "directions are drawn but no ray is cast",
         (None, View::Normal, _) => "closed form, no rays",
         (None, View::Eye(_), false) => "closed form, the specular lobe by its lune, no rays",

@@ -86,7 +86,7 @@ fn page(scene: Scene, light: fn(DVec3) -> f64, noise: f64) -> Page {
     let options = atlas::Options {
         uv: UvMode::Keep,
         page_size: SIZE,
-        density: None,
+        ..atlas::Options::default()
     };
     let atlas = atlas::layout(world.scene(), &options, &|| false).unwrap();
     let raster = PageRaster::new(world.scene(), &atlas, 0);

@@ -9,6 +9,8 @@ use rays::Patch;
 pub(crate) struct Cell {
     /// Area in texels.
     pub area: f64,
+    /// The closed surface that it is part of.
+    pub body: Option<u32>,
     /// Shares of the footprint's area before the cell, and with it; 0 and 1 for an only cell.
     pub start: f32,
     pub end: f32,
@@ -35,27 +37,36 @@ pub(crate) struct Sample {
     pub normal: DVec3,
     /// Unit geometric normal, on the side of the shading normal.
     pub geometric: DVec3,
-    /// Ray origin.
-    pub origin: [f32; 3],
 }
 
 impl Cell {
     /// The cells of a piece of so much area in texels. Corners are kept the patch's inset away from the
     /// triangle's edges; a parallelogram that would need it at one corner becomes two triangles.
-    pub fn push(cells: &mut Vec<Cell>, patch: &Patch, piece: &Piece, area: f64) {
+    pub fn push(
+        cells: &mut Vec<Cell>,
+        (patch, body): (&Patch, Option<u32>),
+        piece: &Piece,
+        area: f64,
+    ) {
+        let mut push = |fold, weights, area| {
+            cells.push(Self {
+                body,
+                ..Self::of(patch, fold, weights, area)
+            })
+        };
         let [a, b, c] = piece.corners;
         if !piece.square {
-            cells.push(Self::of(patch, 0.5, [a, b, c].map(|w| patch.kept(w)), area));
+            push(0.5, [a, b, c].map(|w| patch.kept(w)), area);
             return;
         }
         let d = b + c - a;
         if [a, b, c, d].iter().all(|&w| patch.keeps(w)) {
-            cells.push(Self::of(patch, 0.0, [a, b, c], area));
+            push(0.0, [a, b, c], area);
             return;
         }
         let [a, b, c, d] = [a, b, c, d].map(|w| patch.kept(w));
-        cells.push(Self::of(patch, 0.5, [a, b, c], 0.5 * area));
-        cells.push(Self::of(patch, 0.5, [d, c, b], 0.5 * area));
+        push(0.5, [a, b, c], 0.5 * area);
+        push(0.5, [d, c, b], 0.5 * area);
     }
 
     fn of(patch: &Patch, fold: f32, weights: [DVec3; 3], area: f64) -> Self {
@@ -67,6 +78,7 @@ impl Cell {
             .fold(DVec3::ZERO, |reach, corner| reach.max(corner.abs()));
         Self {
             area,
+            body: None,
             start: 0.0,
             end: 1.0,
             inverse_share: 1.0,
@@ -124,6 +136,17 @@ impl Cell {
             && self.geometric == other.geometric
     }
 
+    /// Corners: of a triangle three, one of them twice; of a parallelogram four.
+    pub fn corners(&self) -> [DVec3; 4] {
+        let [a, along, across] = self.position;
+        let fourth = if self.fold == 0.0 {
+            a + along + across
+        } else {
+            a
+        };
+        [a, a + along, a + across, fourth]
+    }
+
     /// (s, t) of the centroid.
     pub fn centre(&self) -> [f32; 2] {
         if self.fold == 0.0 {
@@ -148,7 +171,6 @@ impl Cell {
             position,
             normal,
             geometric: side * self.geometric,
-            origin: (position + side * self.lift).as_vec3().to_array(),
         }
     }
 }

@@ -1,7 +1,9 @@
 //! What lies under each texel: cells of surface, the mean material, the mean position and normals.
 
 mod cell;
+mod seen;
 mod texel;
 
 pub(crate) use cell::{Cell, place_in};
+
 pub(crate) use texel::{Surveyor, Texel};

@@ -1,12 +1,13 @@
 //! What a texel's footprint is made of: its cells, its mean material and its mean position and normals.
 
 use super::cell::{Cell, Sample};
+use super::seen::Seen;
 use crate::labels;
 use crate::plan::Plan;
 use ambient::sampling::Stream;
 use atlas::{Footprint, Tile};
 use glam::DVec3;
-use rays::{Overrides, Patch, PhongMaterial, PlaneErrors, World, is_mapped, material_at};
+use rays::{Overrides, Patch, PhongMaterial, PlaneErrors, Solids, World, is_mapped, material_at};
 use std::collections::HashMap;
 
 /// Sample points over the footprint from which means of textured materials are taken.
@@ -33,6 +34,8 @@ pub(crate) struct Texel {
     pub open: bool,
     /// The shading normal leaves the geometric one somewhere.
     pub tilted: bool,
+    /// What does not lie inside of a solid: samples are drawn from it, and the means above are taken over it.
+    pub seen: Seen,
 }
 
 impl Texel {
@@ -42,12 +45,46 @@ impl Texel {
         self.ends.iter().map(|&end| usize::from(u0 >= end)).sum()
     }
 
-    /// The surface at a point of the unit square.
+    /// The surface at a point of the unit square, spread over what can be seen.
     pub fn sample(&self, u: [f64; 2]) -> Sample {
+        let [u, v] = self.seen.place(u.map(|u| u as f32));
+        self.sample_of([u.into(), v.into()]).0
+    }
+
+    /// The surface at a point of the unit square of the whole footprint, and the closed surface that it is part of.
+    pub fn sample_of(&self, u: [f64; 2]) -> (Sample, Option<u32>) {
         let u = u.map(|u| u as f32);
         let cell = &self.cells[self.choose(u[0])];
-        cell.sample(cell.place(u))
+        (cell.sample(cell.place(u)), cell.body)
     }
+
+    /// Looks for what can be seen, and takes the means over it.
+    fn look(&mut self, solids: &Solids, near: &[u32]) {
+        self.seen = Seen::of(self, solids, near);
+        if !self.seen.is_part() {
+            return;
+        }
+        let (mut position, mut normal, mut geometric) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
+        let mut count = 0.0;
+        for middle in self.seen.middles() {
+            let (sample, _) = self.sample_of(middle);
+            position += sample.position;
+            normal += sample.normal;
+            geometric += sample.geometric;
+            count += 1.0;
+        }
+        self.position = position / count;
+        self.normal = normal.try_normalize().unwrap_or(self.normal);
+        self.geometric = geometric.try_normalize().unwrap_or(self.geometric);
+    }
+}
+
+/// What is known about a triangle of a tile.
+struct Known {
+    patch: Patch,
+    open: bool,
+    /// The closed surface that it is part of.
+    body: Option<u32>,
 }
 
 /// Makes the texels of tiles.
@@ -56,26 +93,39 @@ pub(crate) struct Surveyor<'a> {
     pub errors: &'a PlaneErrors,
     pub overrides: &'a Overrides,
     pub plan: &'a Plan,
+    /// What may bury samples; `None` where nothing can.
+    pub solids: Option<&'a Solids>,
 }
 
 impl Surveyor<'_> {
     /// All texels of a tile. `stream` labels a texel's own points by its column and row.
     pub fn texels(&self, tile: &Tile, stream: impl Fn(u32, u32, u32) -> Stream) -> Vec<Texel> {
         let mut patches = HashMap::new();
-        tile.footprints
-            .iter()
-            .map(|footprint| {
-                let stream = stream(footprint.x, footprint.y, labels::SURVEY);
-                self.texel(tile, footprint, &mut patches, &stream)
-            })
-            .collect()
+        let texels = tile.footprints.iter().map(|footprint| {
+            let stream = stream(footprint.x, footprint.y, labels::SURVEY);
+            self.texel(tile, footprint, &mut patches, &stream)
+        });
+        let mut texels: Vec<Texel> = texels.collect();
+        if let Some(solids) = self.solids {
+            let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+            let cells = texels.iter().flat_map(|texel| &texel.cells);
+            let corners = cells.flat_map(Cell::corners);
+            let (low, high) = corners.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
+            let near = solids.about(low, high);
+            if !near.is_empty() {
+                texels
+                    .iter_mut()
+                    .for_each(|texel| texel.look(solids, &near));
+            }
+        }
+        texels
     }
 
     fn texel(
         &self,
         tile: &Tile,
         footprint: &Footprint,
-        patches: &mut HashMap<(u32, u32), (Patch, bool)>,
+        patches: &mut HashMap<(u32, u32), Known>,
         stream: &Stream,
     ) -> Texel {
         let pieces = &tile.pieces[footprint.pieces.start as usize..footprint.pieces.end as usize];
@@ -84,17 +134,17 @@ impl Surveyor<'_> {
         let mut largest = (0.0, 0);
         for piece in pieces {
             let key = (piece.instance, piece.triangle);
-            let (patch, above) = patches.entry(key).or_insert_with(|| {
-                (
-                    Patch::of(self.world, self.errors, key.0, key.1),
-                    self.plan.open.contains(key.0, key.1),
-                )
+            let known = patches.entry(key).or_insert_with(|| Known {
+                patch: Patch::of(self.world, self.errors, key.0, key.1),
+                open: self.plan.open.contains(key.0, key.1),
+                body: self.solids.and_then(|solids| solids.own(key.0, key.1)),
             });
-            open &= *above;
+            open &= known.open;
             if piece.cumulative - before > largest.0 {
                 largest = (piece.cumulative - before, piece.instance);
             }
-            Cell::push(&mut cells, patch, piece, piece.cumulative - before);
+            let surface = (&known.patch, known.body);
+            Cell::push(&mut cells, surface, piece, piece.cumulative - before);
             before = piece.cumulative;
         }
         Cell::share(&mut cells);
@@ -106,7 +156,7 @@ impl Surveyor<'_> {
             geometric += centre.geometric * cell.area;
         }
         let upward = patches[&(pieces[0].instance, pieces[0].triangle)]
-            .0
+            .patch
             .upward();
         Texel {
             x: footprint.x,
@@ -121,6 +171,7 @@ impl Surveyor<'_> {
             tilted: !cells.iter().all(Cell::is_flat),
             ends: cells[1..].iter().map(|cell| cell.start).collect(),
             cells,
+            seen: Seen::ALL,
         }
     }
 

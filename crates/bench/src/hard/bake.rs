@@ -3,7 +3,10 @@
 use super::error::Error;
 use super::setup::Setup;
 use crate::Subject;
-use bake::{BakedPage, Choice, Denoise, Effort, Options, Pattern, Plan, PointSet, Seams, View};
+use bake::{
+    BakedPage, Buried, Choice, Denoise, Effort, Options, Pattern, Plan, PointSet, Seams, Shading,
+    View,
+};
 use layers::Layer;
 use rays::{BackendKind, Overrides};
 use std::sync::Arc;
@@ -31,6 +34,8 @@ pub(super) fn bake(setup: &Setup, case: &str, kind: BackendKind) -> Result<Baked
         view: setup
             .view
             .map_or(View::Normal, |v| View::Eye(setup.centre() + v * 1e6)),
+        shading: Shading::Exact,
+        buried: Buried::default(),
         max_distance: None,
         layers,
         overrides: Overrides {

@@ -16,7 +16,7 @@ mod surfaces;
 
 use super::sums::{Replicates, Technique};
 use super::task::Task;
-use crate::options::View;
+use crate::options::{Shading, View};
 use crate::survey::Texel;
 use ambient::sampling::{LANES, Lobe, Stream, Streams, Wide};
 use lane_sums::LaneSums;
@@ -50,6 +50,8 @@ pub(crate) struct Gang<'a> {
     cell: [usize; LANES],
     /// Lanes whose cell must be looked up at each point: their texels have several.
     walkers: u32,
+    /// Lanes whose texels can be seen in part.
+    parted: u32,
     /// Lanes in use, and those among them that nothing stands above.
     used: u32,
     open: u32,
@@ -77,6 +79,7 @@ impl<'a> Gang<'a> {
             stale: true,
             cell: [0; LANES],
             walkers: 0,
+            parted: 0,
             used: 0,
             open: 0,
             lobe_scale: [1.0; LANES],
@@ -95,7 +98,8 @@ impl<'a> Gang<'a> {
         assert!(lanes.len() <= LANES, "{} lanes in a gang", lanes.len());
         self.lanes = lanes;
         self.cell = [0; LANES];
-        (self.walkers, self.used, self.open, self.lobes) = (0, 0, 0, 0);
+        (self.walkers, self.parted) = (0, 0);
+        (self.used, self.open, self.lobes) = (0, 0, 0);
         self.points = 0;
         self.sums = LaneSums::default();
         self.stale = true;
@@ -105,6 +109,7 @@ impl<'a> Gang<'a> {
             self.used |= 1 << l;
             self.open |= u32::from(texel.open) << l;
             self.walkers |= u32::from(texel.cells.len() > 1) << l;
+            self.parted |= u32::from(texel.seen.is_part()) << l;
             self.lobes |= u32::from(self.reflects[lane.texel]) << l;
             self.lobe_scale[l] = (1.0 / (texel.material.exponent + 1.0)) as f32;
             self.surfaces.set(l, &texel.cells[0]);
@@ -140,7 +145,14 @@ impl<'a> Gang<'a> {
     /// Casts one point of every lane.
     #[inline(always)]
     fn cast_point(&mut self, task: &Task<'_>, technique: Technique, step: u32) {
-        let [u0, u1, v0, v1] = self.streams.point(step);
+        let [u0, u1, mut v0, mut v1] = self.streams.point(step);
+        let mut parted = self.parted;
+        while parted != 0 {
+            let l = parted.trailing_zeros() as usize;
+            parted &= parted - 1;
+            let seen = &self.texels[self.lanes[l].texel].seen;
+            [v0[l], v1[l]] = seen.place([v0[l], v1[l]]);
+        }
         let mut at = self.surfaces.places(&v0, &v1);
         let mut walkers = self.walkers;
         while walkers != 0 {
@@ -240,14 +252,25 @@ impl<'a> Gang<'a> {
             }
         };
         let geometric = &self.surfaces.geometric;
+        let folds = task.shading == Shading::Production;
         let mut above = 0;
         for l in 0..LANES {
             let dot = |a: &[Wide; 3]| {
                 a[0][l] * directions[0][l] + a[1][l] * directions[1][l] + a[2][l] * directions[2][l]
             };
-            above |= u32::from((dot(geometric) * side[l] > 0.0) & (dot(normal) > 0.0)) << l;
+            let (height, cosine) = (dot(geometric) * side[l], dot(normal));
+            let is_folded = folds & (height < 0.0);
+            above |= u32::from((is_folded | (height > 0.0)) & (cosine > 0.0)) << l;
+            // What the direction counts and whence its light comes stays its own; only its ray leaves on the side of its image.
+            let twice = if is_folded {
+                2.0 * height * side[l]
+            } else {
+                0.0
+            };
+            for a in 0..3 {
+                self.packet.direction[a][l] = directions[a][l] - twice * geometric[a][l];
+            }
         }
-        self.packet.direction = directions;
         Step {
             directions,
             weights,

@@ -1,0 +1,192 @@
+//! Mends texels that are buried, wholly or in part, from their neighbours on the same surface.
+//!
+//! A texel that is seen in part holds the mean over that part, whose middle is not the texel's. A look-up between texels takes the
+//! value for one at the texel's middle, and where light changes across the edge of a body that would draw a ring around it. So the
+//! value is moved: a plane is fitted to the neighbours' values over their places on the surface, and its slope times the way from the
+//! middle of the seen part to the middle of the texel is added. A texel that is buried wholly has no value to move; it takes the
+//! plane's. One that has no seen texel within reach keeps what its rays found: nobody looks there, and no light is invented.
+//!
+//! Everything is a sum of neighbours' values with weights that depend on geometry alone. So one set of weights serves every term, a
+//! linear course of light is met exactly, and standard errors follow.
+
+mod fit;
+
+use fit::Place;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+/// Neighbours lie within so many texels along an axis.
+const REACH: i32 = 3;
+
+/// A neighbour's weight falls with its distance in texels as (1 - d / WIDTH)², and no further than to FAR². So a plane leans on the
+/// texels next to a contact line, and those at a corner of the other body, two texels on, hardly bend it.
+const WIDTH: f64 = 2.5;
+const FAR: f64 = 0.02;
+
+/// Neighbours are of one surface where their normals are within acos of this, some 37 degrees.
+const NORMAL_AGREEMENT: f64 = 0.8;
+
+/// What of a page decides how it is mended. Planes of `size * size` values, row 0 on top.
+pub(crate) struct Surface<'a> {
+    pub size: usize,
+    /// Share of a texel inside charts; 0 in the void.
+    pub coverage: &'a [f32],
+    /// Share of a footprint that can be seen.
+    pub validity: &'a [f32],
+    /// Middle of what can be seen, of all where nothing can.
+    pub position: [&'a [f32]; 3],
+    pub normal: [&'a [f32]; 3],
+    pub object: &'a [f32],
+}
+
+/// How the texels of a page are mended.
+#[derive(Debug, Default)]
+pub(crate) struct Mends(Vec<Mend>);
+
+/// One texel as a sum of others.
+#[derive(Debug)]
+struct Mend {
+    texel: usize,
+    terms: Vec<(usize, f64)>,
+}
+
+impl Mends {
+    /// What a page needs.
+    pub fn of(surface: &Surface<'_>) -> Self {
+        let texels = surface.size * surface.size;
+        let needs = |&texel: &usize| surface.coverage[texel] > 0.0 && surface.validity[texel] < 1.0;
+        let mend = |texel| {
+            let terms = surface.terms(texel)?;
+            Some(Mend { texel, terms })
+        };
+        let wanted: Vec<usize> = (0..texels).filter(needs).collect();
+        Self(wanted.into_par_iter().filter_map(mend).collect())
+    }
+
+    /// Mends a plane of values of at least `least` and at most `most`. A value stays within half the span of those it is made of.
+    pub fn apply(&self, plane: &mut [f32], least: f64, most: f64) {
+        let values = self.0.par_iter().map(|mend| {
+            let (mut sum, mut low, mut high) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
+            for &(texel, weight) in &mend.terms {
+                let value = f64::from(plane[texel]);
+                sum += weight * value;
+                (low, high) = (low.min(value), high.max(value));
+            }
+            let room = 0.5 * (high - low);
+            sum.clamp(low - room, high + room).clamp(least, most) as f32
+        });
+        let values: Vec<f32> = values.collect();
+        for (mend, value) in self.0.iter().zip(values) {
+            plane[mend.texel] = value;
+        }
+    }
+
+    /// Standard errors of the mended values from those of a plane, whose texels are independent.
+    pub fn apply_to_errors(&self, plane: &mut [f32]) {
+        let error = |mend: &Mend| {
+            let squares = mend.terms.iter().map(|&(texel, weight)| {
+                let error = weight * f64::from(plane[texel]);
+                error * error
+            });
+            squares.sum::<f64>().sqrt() as f32
+        };
+        let errors: Vec<f32> = self.0.par_iter().map(error).collect();
+        for (mend, error) in self.0.iter().zip(errors) {
+            plane[mend.texel] = error;
+        }
+    }
+}
+
+impl Surface<'_> {
+    /// The sum that a texel becomes; `None` where its neighbours do not say.
+    fn terms(&self, texel: usize) -> Option<Vec<(usize, f64)>> {
+        let neighbours = self.neighbours(texel);
+        // Texels whose place on the surface is their middle, to tell where this one's is.
+        let places: Vec<(Place, DVec3)> = neighbours
+            .iter()
+            .filter(|(near, _)| self.coverage[*near] > 0.999 && self.is_whole(*near))
+            .map(|&(near, at)| (Place { at, weight: 1.0 }, self.position(near)))
+            .collect();
+        let own = self.position(texel);
+        let middle = match self.validity[texel] > 0.0 {
+            true => fit::middle(&places)?,
+            false => own,
+        };
+        let normal = self.normal(texel);
+        let (u, v) = normal.try_normalize()?.any_orthonormal_pair();
+        let flat = |position: DVec3| DVec2::new(u.dot(position - middle), v.dot(position - middle));
+        let seen: Vec<(usize, Place)> = neighbours
+            .iter()
+            .filter(|(near, _)| self.validity[*near] > 0.0)
+            .map(|&(near, at)| {
+                let near_by = (1.0 - at.length() / WIDTH).max(FAR);
+                let weight =
+                    f64::from(self.coverage[near] * self.validity[near]) * near_by * near_by;
+                let at = flat(self.position(near));
+                (near, Place { at, weight })
+            })
+            .collect();
+        let places: Vec<Place> = seen.iter().map(|(_, place)| *place).collect();
+        match self.validity[texel] > 0.0 {
+            false => {
+                let weights = fit::value(&places)?;
+                Some(seen.iter().map(|(near, _)| *near).zip(weights).collect())
+            }
+            true => {
+                let weights = fit::slope(&places, -flat(own))?;
+                let moved = |((near, _), weight): (&(usize, Place), f64)| {
+                    let itself = if *near == texel { 1.0 } else { 0.0 };
+                    (*near, weight + itself)
+                };
+                Some(seen.iter().zip(weights).map(moved).collect())
+            }
+        }
+    }
+
+    /// The texels that hang together with this one on its surface within reach, itself too, and where they stand from it in texels.
+    fn neighbours(&self, texel: usize) -> Vec<(usize, DVec2)> {
+        const EDGE: usize = (2 * REACH + 1) as usize;
+        let (x, y) = ((texel % self.size) as i32, (texel / self.size) as i32);
+        let normal = self.normal(texel);
+        let mut reached = [false; EDGE * EDGE];
+        let mut pending = vec![(0i32, 0i32)];
+        let mut found = Vec::new();
+        let size = self.size as i32;
+        while let Some((dx, dy)) = pending.pop() {
+            if dx.abs() > REACH || dy.abs() > REACH {
+                continue;
+            }
+            let is_new = &mut reached[(dy + REACH) as usize * EDGE + (dx + REACH) as usize];
+            if std::mem::replace(is_new, true)
+                || !(0..size).contains(&(x + dx))
+                || !(0..size).contains(&(y + dy))
+            {
+                continue;
+            }
+            let near = ((y + dy) * size + x + dx) as usize;
+            let agrees = self.coverage[near] > 0.0
+                && self.object[near] == self.object[texel]
+                && self.normal(near).dot(normal) > NORMAL_AGREEMENT;
+            if !agrees {
+                continue;
+            }
+            found.push((near, DVec2::new(f64::from(dx), f64::from(dy))));
+            pending.extend([(dx - 1, dy), (dx + 1, dy), (dx, dy - 1), (dx, dy + 1)]);
+        }
+        found.sort_unstable_by_key(|(near, _)| *near);
+        found
+    }
+
+    /// True where the position is the middle of the whole footprint.
+    fn is_whole(&self, texel: usize) -> bool {
+        self.validity[texel] == 0.0 || self.validity[texel] == 1.0
+    }
+
+    fn position(&self, texel: usize) -> DVec3 {
+        DVec3::from(self.position.map(|plane| f64::from(plane[texel])))
+    }
+
+    fn normal(&self, texel: usize) -> DVec3 {
+        DVec3::from(self.normal.map(|plane| f64::from(plane[texel])))
+    }
+}

@@ -1,0 +1,140 @@
+//! The part of a texel's footprint that can be seen: what does not lie inside of a solid.
+//!
+//! A first look costs one test a texel: if no solid's surface comes near the footprint, it is buried as a whole or not at all.
+//! Elsewhere the unit square of sample points is cut into strata. One that lies in the open at its corners and its middle is kept,
+//! and samples are spread over those that are kept. So all rays of a texel serve what can be seen of it.
+
+use super::cell::Cell;
+use super::texel::Texel;
+use glam::DVec3;
+use rays::Solids;
+
+/// Strata along an edge of the unit square.
+const EDGE: usize = 8;
+
+/// How far off its surface a point is tested, per unit of the coordinates: clear of their rounding in the world and in a mesh's space.
+/// Faces that coincide are so told apart by the side that they face.
+const NUDGE: f64 = 8.0 / 16_777_216.0;
+
+/// What can be seen of a footprint.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Seen {
+    /// Its share, 0..=1.
+    pub share: f32,
+    /// The strata that samples are drawn from; empty for all.
+    strata: Vec<u8>,
+}
+
+impl Seen {
+    /// All of it.
+    pub const ALL: Self = Self {
+        share: 1.0,
+        strata: Vec::new(),
+    };
+
+    /// Looks at a texel among solids whose boxes may meet its own.
+    pub fn of(texel: &Texel, solids: &Solids, near: &[u32]) -> Self {
+        let none = Self {
+            share: 0.0,
+            ..Self::ALL
+        };
+        let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let corners = texel.cells.iter().flat_map(Cell::corners);
+        let (low, high) = corners.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
+        let near: Vec<u32> = near
+            .iter()
+            .copied()
+            .filter(|&body| solids.reaches(body, low, high))
+            .collect();
+        if near.is_empty() {
+            return Self::ALL;
+        }
+        let extent = near.iter().map(|&body| solids.extent(body));
+        let reach = extent.fold(low.abs().max(high.abs()).max_element(), f64::max);
+        let tested = |position: DVec3, geometric: DVec3| position + NUDGE * reach * geometric;
+        let corners = || {
+            texel.cells.iter().flat_map(|cell| {
+                let geometric = cell.sample(cell.centre()).geometric;
+                cell.corners().map(|corner| tested(corner, geometric))
+            })
+        };
+        let is_own = |body: u32| texel.cells.iter().any(|cell| cell.body == Some(body));
+        let is_open = |u: [f64; 2]| {
+            let (sample, body) = texel.sample_of(u);
+            let point = tested(sample.position, sample.geometric);
+            let depth = |&near: &u32| solids.depth(near, point, body == Some(near));
+            near.iter().map(depth).sum::<i32>() <= 0
+        };
+        let is_whole = near
+            .iter()
+            .all(|&body| !is_own(body) && !solids.meets(body, corners()));
+        if is_whole {
+            return if is_open([0.5; 2]) { Self::ALL } else { none };
+        }
+        let at = |k: usize| k as f64 / EDGE as f64;
+        // A coordinate of 1 would choose no cell.
+        let lattice: Vec<bool> = (0..=EDGE)
+            .flat_map(|row| (0..=EDGE).map(move |column| [column, row]))
+            .map(|place| is_open(place.map(|k| at(k).min(1.0 - 1e-7))))
+            .collect();
+        let middle = |stratum: usize| {
+            let half = 0.5 / EDGE as f64;
+            is_open([at(stratum % EDGE) + half, at(stratum / EDGE) + half])
+        };
+        let open: Vec<usize> = (0..EDGE * EDGE)
+            .filter(|&stratum| middle(stratum))
+            .collect();
+        let share = open.len() as f32 / (EDGE * EDGE) as f32;
+        let is_clear = |stratum: &usize| {
+            let first = stratum / EDGE * (EDGE + 1) + stratum % EDGE;
+            [0, 1, EDGE + 1, EDGE + 2]
+                .iter()
+                .all(|step| lattice[first + step])
+        };
+        let mut kept: Vec<usize> = open.into_iter().filter(is_clear).collect();
+        if kept.is_empty() {
+            return none;
+        }
+        if kept.len() == EDGE * EDGE {
+            return Self::ALL;
+        }
+        // From row to row without a jump, so that neighbouring numbers choose neighbouring strata.
+        kept.sort_by_key(|&stratum| {
+            let (row, column) = (stratum / EDGE, stratum % EDGE);
+            (row, if row % 2 == 0 { column } else { EDGE - column })
+        });
+        Self {
+            share,
+            strata: kept.into_iter().map(|stratum| stratum as u8).collect(),
+        }
+    }
+
+    /// True where samples are drawn from a part only.
+    pub fn is_part(&self) -> bool {
+        !self.strata.is_empty()
+    }
+
+    /// A point of the unit square moved into the part: uniform there for a uniform point.
+    #[inline]
+    pub fn place(&self, [u, v]: [f32; 2]) -> [f32; 2] {
+        if self.strata.is_empty() {
+            return [u, v];
+        }
+        let across = u * self.strata.len() as f32;
+        let index = (across as usize).min(self.strata.len() - 1);
+        let stratum = usize::from(self.strata[index]);
+        let within = (across - index as f32).clamp(0.0, 1.0 - f32::EPSILON);
+        let edge = EDGE as f32;
+        [
+            ((stratum % EDGE) as f32 + within) / edge,
+            ((stratum / EDGE) as f32 + v) / edge,
+        ]
+    }
+
+    /// The middles of the strata that samples are drawn from.
+    pub fn middles(&self) -> impl Iterator<Item = [f64; 2]> {
+        let middle = |k: usize| (k as f64 + 0.5) / EDGE as f64;
+        let strata = self.strata.iter().map(|&stratum| usize::from(stratum));
+        strata.map(move |stratum| [middle(stratum % EDGE), middle(stratum / EDGE)])
+    }
+}

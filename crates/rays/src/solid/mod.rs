@@ -1,0 +1,328 @@
+//! Solids: closed surfaces whose inside is not air. What lies in one is buried, and no light of a scene reaches it.
+//!
+//! **Which surfaces.** Triangles of a mesh that hang together over edges are a surface. Where a mesh leaves surfaces open, those of
+//! all meshes under one placement are joined once more, for a body of several materials is several meshes. A surface without a border
+//! and without cut-out triangles is closed and has an inside; an open one has none and buries nothing. `doubleSided` says how a
+//! surface is drawn and nothing about its inside, so it is not asked.
+//!
+//! **What is inside.** The sign of its volume says whether the front faces of a closed surface look outward or inward, in mesh
+//! space, so that a mirroring placement changes nothing.
+//!
+//! * Outward: a solid.
+//! * Inward, inside a solid: its cavity, which is air again.
+//! * Inward, and some whole other surface lies in it: a room. It is air.
+//! * Inward and nothing whole in it: a solid wound the wrong way.
+//!
+//! A point is buried where it lies in more solids than cavities. Distances do not matter: a limit on the distance of occluders limits
+//! what darkens a place, not where the place is.
+
+mod topology;
+mod tree;
+
+use crate::world::World;
+use glam::{DAffine3, DVec3};
+use rayon::prelude::*;
+use scene::Scene;
+use std::collections::HashMap;
+use std::sync::{Arc, OnceLock};
+use topology::{Face, Surface, corners};
+use tree::SurfaceTree;
+
+/// Surfaces of meshes that are placed together.
+#[derive(Debug)]
+struct Shape {
+    /// Surface of each triangle, by mesh.
+    surface_of: Vec<Vec<u32>>,
+    surfaces: Vec<Surface>,
+    /// Of closed surfaces, built when first asked.
+    trees: Vec<OnceLock<SurfaceTree>>,
+}
+
+/// What the inside of a closed surface counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Inside {
+    Solid,
+    Cavity,
+    Room,
+}
+
+/// A closed surface in the world.
+#[derive(Debug)]
+struct Body {
+    shape: u32,
+    surface: u32,
+    inverse: DAffine3,
+    low: DVec3,
+    high: DVec3,
+    inside: Inside,
+}
+
+/// The solids of a world.
+#[derive(Debug)]
+pub struct Solids {
+    scene: Arc<Scene>,
+    shapes: Vec<Shape>,
+    bodies: Vec<Body>,
+    /// Shape, number of the mesh in it, and placement of each instance.
+    instances: Vec<(u32, u32, u32)>,
+    /// Body of each placement's closed surfaces, in their order.
+    placements: HashMap<(u32, u32), u32>,
+}
+
+impl Solids {
+    /// The solids of a world.
+    pub fn of(world: &World) -> Self {
+        let scene = Arc::clone(world.scene());
+        let mut groups: Vec<Vec<u32>> = Vec::new();
+        let mut group_of = HashMap::new();
+        let mut times = HashMap::new();
+        for (index, instance) in scene.instances.iter().enumerate() {
+            let place = instance.transform.to_cols_array().map(f64::to_bits);
+            // A mesh that stands twice at one place is two bodies.
+            let time = times.entry((instance.mesh, place)).or_insert(0u32);
+            let key = (instance.node, instance.copy, place, *time);
+            *time += 1;
+            let group = *group_of.entry(key).or_insert(groups.len());
+            if group == groups.len() {
+                groups.push(Vec::new());
+            }
+            groups[group].push(index as u32);
+        }
+        let mut shape_of: HashMap<Vec<u32>, u32> = HashMap::new();
+        let mut lists: Vec<Vec<u32>> = Vec::new();
+        let mut instances = vec![(0, 0, 0); scene.instances.len()];
+        let mut shape_of_group = Vec::with_capacity(groups.len());
+        for (placement, group) in groups.iter().enumerate() {
+            let mesh_of = |&instance: &u32| scene.instances[instance as usize].mesh;
+            let meshes: Vec<u32> = group.iter().map(mesh_of).collect();
+            let shape = *shape_of.entry(meshes.clone()).or_insert_with(|| {
+                lists.push(meshes);
+                lists.len() as u32 - 1
+            });
+            for (mesh, &instance) in group.iter().enumerate() {
+                instances[instance as usize] = (shape, mesh as u32, placement as u32);
+            }
+            shape_of_group.push(shape);
+        }
+        let shapes: Vec<Shape> = lists
+            .into_par_iter()
+            .map(|meshes| Shape::of(&scene, meshes))
+            .collect();
+        let mut bodies = Vec::new();
+        let mut placements = HashMap::new();
+        for (placement, (group, &shape)) in groups.iter().zip(&shape_of_group).enumerate() {
+            let transform = scene.instances[group[0] as usize].transform;
+            for (surface, of) in shapes[shape as usize].surfaces.iter().enumerate() {
+                if of.volume == 0.0 {
+                    continue;
+                }
+                let (low, high) = placed_box(of, &transform);
+                placements.insert((placement as u32, surface as u32), bodies.len() as u32);
+                bodies.push(Body {
+                    shape,
+                    surface: surface as u32,
+                    inverse: transform.inverse(),
+                    low,
+                    high,
+                    inside: Inside::Solid,
+                });
+            }
+        }
+        let mut solids = Self {
+            scene,
+            shapes,
+            bodies,
+            instances,
+            placements,
+        };
+        solids.classify();
+        solids
+    }
+
+    /// How many there are, wrongly wound ones too.
+    pub fn count(&self) -> usize {
+        let solid = |body: &&Body| body.inside == Inside::Solid;
+        self.bodies.iter().filter(solid).count()
+    }
+
+    /// The closed surface that a triangle is part of.
+    pub fn own(&self, instance: u32, triangle: u32) -> Option<u32> {
+        let (shape, mesh, placement) = self.instances[instance as usize];
+        let surface = self.shapes[shape as usize].surface_of[mesh as usize][triangle as usize];
+        self.placements.get(&(placement, surface)).copied()
+    }
+
+    /// The closed surfaces, rooms left out, whose boxes meet this one.
+    pub fn about(&self, low: DVec3, high: DVec3) -> Vec<u32> {
+        (0..self.bodies.len() as u32)
+            .filter(|&body| self.bodies[body as usize].inside != Inside::Room)
+            .filter(|&body| self.reaches(body, low, high))
+            .collect()
+    }
+
+    /// The longest edge of a closed surface's box, in scene units.
+    pub fn extent(&self, body: u32) -> f64 {
+        let body = &self.bodies[body as usize];
+        (body.high - body.low).max_element()
+    }
+
+    /// True where this box meets that of a closed surface.
+    pub fn reaches(&self, body: u32, low: DVec3, high: DVec3) -> bool {
+        let body = &self.bodies[body as usize];
+        body.low.cmple(high).all() && body.high.cmpge(low).all()
+    }
+
+    /// True where a closed surface may meet the box of these points; false is certain.
+    pub fn meets(&self, body: u32, points: impl Iterator<Item = DVec3>) -> bool {
+        let body = &self.bodies[body as usize];
+        let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (low, high) = points
+            .map(|point| body.inverse.transform_point3(point))
+            .fold(limits, |(low, high), point| {
+                (low.min(point), high.max(point))
+            });
+        self.tree(body).meets(&self.scene, low, high)
+    }
+
+    /// What a closed surface counts at a point: 1 in a solid, -1 in a cavity, 0 outside. On its own triangles, `own`, the side of the
+    /// surface decides and not the point: a solid does not bury itself, and a cavity is open to its own walls.
+    pub fn depth(&self, body: u32, point: DVec3, own: bool) -> i32 {
+        let body = &self.bodies[body as usize];
+        match body.inside {
+            Inside::Room => 0,
+            Inside::Solid => i32::from(!own && self.holds(body, point)),
+            Inside::Cavity => -i32::from(own || self.holds(body, point)),
+        }
+    }
+
+    fn holds(&self, body: &Body, point: DVec3) -> bool {
+        let apart = point.cmplt(body.low) | point.cmpgt(body.high);
+        if apart.any() {
+            return false;
+        }
+        let volume = self.surface(body).volume;
+        let local = body.inverse.transform_point3(point);
+        let winding = self.tree(body).winding(&self.scene, local);
+        f64::from(winding) * volume > 0.0
+    }
+
+    fn surface(&self, body: &Body) -> &Surface {
+        &self.shapes[body.shape as usize].surfaces[body.surface as usize]
+    }
+
+    fn tree(&self, body: &Body) -> &SurfaceTree {
+        let tree = &self.shapes[body.shape as usize].trees[body.surface as usize];
+        tree.get_or_init(|| SurfaceTree::build(&self.scene, &self.surface(body).faces))
+    }
+
+    /// Tells cavities and rooms from solids.
+    fn classify(&mut self) {
+        let inward: Vec<usize> = (0..self.bodies.len())
+            .filter(|&body| self.surface(&self.bodies[body]).volume < 0.0)
+            .collect();
+        if inward.is_empty() {
+            return;
+        }
+        // Every placed surface: its body if it has one, its box and a few points on it.
+        let mut placed = Vec::new();
+        let mut seen = std::collections::HashSet::new();
+        for (index, &(shape, _, placement)) in self.instances.iter().enumerate() {
+            if !seen.insert(placement) {
+                continue;
+            }
+            let transform = self.scene.instances[index].transform;
+            let surfaces = self.shapes[shape as usize].surfaces.iter();
+            for (number, surface) in surfaces.enumerate() {
+                let body = self.placements.get(&(placement, number as u32));
+                let (low, high) = placed_box(surface, &transform);
+                let points = probes(&self.scene, surface).map(|p| transform.transform_point3(p));
+                placed.push((body.map(|&body| body as usize), low, high, points));
+            }
+        }
+        let within = |body: usize, (of, low, high, points): &(_, DVec3, DVec3, [DVec3; 5])| {
+            let outer = &self.bodies[body];
+            *of != Some(body)
+                && outer.low.cmple(*low).all()
+                && outer.high.cmpge(*high).all()
+                && points.iter().filter(|p| self.holds(outer, **p)).count() >= 3
+        };
+        let outward = |body: usize| self.surface(&self.bodies[body]).volume > 0.0;
+        let found: Vec<(usize, Inside)> = inward
+            .into_par_iter()
+            .map(|body| {
+                let own = placed.iter().find(|surface| surface.0 == Some(body));
+                let is_cavity = own.is_some_and(|own| {
+                    let mut outer = (0..self.bodies.len()).filter(|&outer| outward(outer));
+                    outer.any(|outer| within(outer, own))
+                });
+                let inside = match is_cavity {
+                    true => Inside::Cavity,
+                    false if placed.iter().any(|other| within(body, other)) => Inside::Room,
+                    false => Inside::Solid,
+                };
+                (body, inside)
+            })
+            .collect();
+        for (body, inside) in found {
+            self.bodies[body].inside = inside;
+        }
+    }
+}
+
+impl Shape {
+    fn of(scene: &Scene, meshes: Vec<u32>) -> Self {
+        let faces_of = |&mesh: &u32| -> Vec<Face> {
+            let count = scene.meshes[mesh as usize].triangles.len() as u32;
+            (0..count).map(|triangle| Face { mesh, triangle }).collect()
+        };
+        let mut surfaces = Vec::new();
+        let mut open = Vec::new();
+        for mesh in &meshes {
+            let found = topology::surfaces(scene, &faces_of(mesh));
+            for surface in found {
+                match surface.volume == 0.0 && meshes.len() > 1 {
+                    true => open.extend(surface.faces),
+                    false => surfaces.push(surface),
+                }
+            }
+        }
+        surfaces.extend(topology::surfaces(scene, &open));
+        let mut surface_of: Vec<Vec<u32>> = meshes
+            .iter()
+            .map(|&mesh| vec![0; scene.meshes[mesh as usize].triangles.len()])
+            .collect();
+        let place: HashMap<u32, usize> = meshes.iter().copied().zip(0..).collect();
+        for (index, surface) in surfaces.iter().enumerate() {
+            for face in &surface.faces {
+                surface_of[place[&face.mesh]][face.triangle as usize] = index as u32;
+            }
+        }
+        Self {
+            trees: surfaces.iter().map(|_| OnceLock::new()).collect(),
+            surface_of,
+            surfaces,
+        }
+    }
+}
+
+/// The box around a placed surface's box.
+fn placed_box(surface: &Surface, transform: &DAffine3) -> (DVec3, DVec3) {
+    let (low, high) = (surface.low.as_dvec3(), surface.high.as_dvec3());
+    let middle = transform.transform_point3((low + high) * 0.5);
+    let half = (high - low) * 0.5;
+    let m = transform.matrix3;
+    let reach = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
+    (middle - reach, middle + reach)
+}
+
+/// Centres of five faces spread over a surface.
+fn probes(scene: &Scene, surface: &Surface) -> [DVec3; 5] {
+    [0, 1, 2, 3, 4].map(|k: usize| {
+        let last = surface.faces.len() - 1;
+        let [a, b, c] = corners(scene, surface.faces[k * last / 4]).map(|p| p.as_dvec3());
+        (a + b + c) / 3.0
+    })
+}
+
+#[cfg(test)]
+mod tests;

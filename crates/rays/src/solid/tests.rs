@@ -1,0 +1,170 @@
+use super::*;
+use crate::fixture::{mask_left_half, mesh, placed_scene, scene, world};
+use glam::{DQuat, Vec3};
+use scene::Mesh;
+
+/// The box about `center` with these half edges, its faces outward, or inward where `inward`.
+fn block(center: Vec3, half: Vec3, inward: bool) -> Mesh {
+    let corner = |k: u32| {
+        let sign = |axis: u32| if k >> axis & 1 == 0 { -1.0 } else { 1.0 };
+        center + half * Vec3::new(sign(0), sign(1), sign(2))
+    };
+    let quads = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let triangles = quads.iter().flat_map(|&[a, b, c, d]| match inward {
+        false => [[a, b, c], [a, c, d]],
+        true => [[a, c, b], [a, d, c]],
+    });
+    mesh((0..8).map(corner).collect(), triangles.collect())
+}
+
+fn unit(inward: bool) -> Mesh {
+    block(Vec3::ZERO, Vec3::ONE, inward)
+}
+
+fn sheet() -> Mesh {
+    let corners = [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)];
+    let positions = corners.map(|(x, z)| Vec3::new(x, 0.0, z)).to_vec();
+    mesh(positions, vec![[0, 2, 1], [0, 3, 2]])
+}
+
+/// In how many more solids than cavities a point lies.
+fn depth(solids: &Solids, point: DVec3) -> i32 {
+    let near = solids.about(point, point);
+    near.iter()
+        .map(|&body| solids.depth(body, point, false))
+        .sum()
+}
+
+fn solids(meshes: Vec<Mesh>) -> Solids {
+    Solids::of(&world(scene(meshes)))
+}
+
+const INSIDE: DVec3 = DVec3::new(0.3, -0.2, 0.4);
+
+#[test]
+fn a_box_is_a_solid_however_it_is_wound() {
+    for inward in [false, true] {
+        let solids = solids(vec![unit(inward), sheet()]);
+        assert_eq!(solids.count(), 1, "inward {inward}");
+        for (point, expected) in [
+            (INSIDE, 1),
+            (DVec3::new(0.0, 0.999, 0.0), 1),
+            (DVec3::new(0.0, 1.001, 0.0), 0),
+            (DVec3::new(-1.001, 0.5, 0.2), 0),
+            (DVec3::new(5.0, 0.0, 0.0), 0),
+        ] {
+            assert_eq!(depth(&solids, point), expected, "inward {inward}, {point}");
+        }
+    }
+}
+
+#[test]
+fn a_mirrored_and_a_squeezed_placement_keep_their_inside() {
+    let turn = DQuat::from_rotation_y(0.3);
+    let at = DVec3::new(20.0, 1.0, -3.0);
+    let placed = [
+        DAffine3::IDENTITY,
+        DAffine3::from_scale_rotation_translation(DVec3::new(-2.0, 1.0, 0.1), turn, at),
+    ];
+    let scene = placed_scene(vec![unit(false)], &placed.map(|place| (0, place)));
+    let solids = Solids::of(&world(scene));
+    for place in placed {
+        assert_eq!(depth(&solids, place.transform_point3(INSIDE)), 1);
+        assert_eq!(depth(&solids, place.transform_point3(DVec3::Y * 1.01)), 0);
+    }
+    assert_eq!(solids.shapes.len(), 1, "both share one shape");
+}
+
+#[test]
+fn an_open_and_a_cut_out_box_bury_nothing() {
+    let mut open = unit(false);
+    open.triangles.pop();
+    assert_eq!(solids(vec![open]).count(), 0);
+    let mut masked = scene(vec![unit(false)]);
+    mask_left_half(&mut masked);
+    assert_eq!(Solids::of(&world(masked)).count(), 0);
+    let mut folded = unit(false);
+    folded.triangles = vec![[0, 1, 2], [0, 2, 1]];
+    assert_eq!(
+        solids(vec![folded]).count(),
+        0,
+        "a folded sheet has no inside"
+    );
+}
+
+#[test]
+fn a_body_of_two_materials_closes_over_both_meshes() {
+    let (mut lower, mut upper) = (unit(false), unit(false));
+    lower.triangles.truncate(5);
+    upper.triangles.drain(..5);
+    let solids = solids(vec![lower, sheet(), upper]);
+    assert_eq!(solids.count(), 1);
+    assert_eq!(depth(&solids, INSIDE), 1);
+    assert_eq!(solids.own(0, 0), solids.own(2, 0));
+    assert_eq!(solids.own(1, 0), None);
+}
+
+#[test]
+fn seams_of_vertices_do_not_cut_a_surface() {
+    let mut split = unit(false);
+    let corners: Vec<Vec3> = split
+        .triangles
+        .iter()
+        .flatten()
+        .map(|&v| split.positions[v as usize])
+        .collect();
+    split.triangles = (0..12).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    split.positions = corners;
+    assert_eq!(depth(&solids(vec![split]), INSIDE), 1);
+}
+
+#[test]
+fn a_lived_in_room_is_air_and_its_furniture_is_solid() {
+    let chair = block(Vec3::new(0.5, -0.8, 0.5), Vec3::splat(0.2), false);
+    let solids = solids(vec![unit(true), chair, sheet()]);
+    assert_eq!(depth(&solids, INSIDE), 0);
+    assert_eq!(depth(&solids, DVec3::new(0.5, -0.8, 0.45)), 1);
+}
+
+#[test]
+fn a_cavity_is_air_with_or_without_furniture() {
+    let shell = block(Vec3::ZERO, Vec3::splat(1.2), false);
+    let chair = block(Vec3::new(0.5, -0.8, 0.5), Vec3::splat(0.2), false);
+    for (furniture, at_chair) in [(vec![], 0), (vec![chair], 1)] {
+        let solids = solids([vec![shell.clone(), unit(true)], furniture].concat());
+        assert_eq!(depth(&solids, INSIDE), 0);
+        assert_eq!(depth(&solids, DVec3::new(0.5, -0.8, 0.45)), at_chair);
+        assert_eq!(depth(&solids, DVec3::new(1.1, 0.0, 0.0)), 1, "in the wall");
+        let own = solids.own(1, 0).expect("the cavity is closed");
+        assert_eq!(
+            solids.depth(own, DVec3::X, true),
+            -1,
+            "its own walls stand in the open"
+        );
+    }
+}
+
+#[test]
+fn a_solid_does_not_bury_itself_but_its_twin_may() {
+    let solids = solids(vec![unit(false), unit(false)]);
+    let own = solids.own(0, 0).expect("closed");
+    assert_eq!(solids.depth(own, INSIDE, true), 0);
+    assert_ne!(solids.own(1, 0), Some(own));
+    assert_eq!(depth(&solids, INSIDE), 2);
+}
+
+#[test]
+fn surfaces_far_from_a_box_do_not_meet_it() {
+    let solids = solids(vec![unit(false)]);
+    let corners = |low: DVec3, high: DVec3| [low, high].into_iter();
+    assert!(solids.meets(0, corners(DVec3::splat(0.9), DVec3::splat(1.1))));
+    assert!(!solids.meets(0, corners(DVec3::splat(-0.9), DVec3::splat(0.9))));
+    assert!(!solids.meets(0, corners(DVec3::splat(1.1), DVec3::splat(2.0))));
+}

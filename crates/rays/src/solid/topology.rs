@@ -1,0 +1,203 @@
+//! Surfaces of meshes: which triangles hang together, and whether they close.
+//!
+//! Corners are one where their positions are equal, so seams of normals or lightmap coordinates do not cut a surface. Triangles hang
+//! together over edges. A surface is closed where each edge is run through as often one way as the other: then it has no border,
+//! and around any point it winds a whole number of times.
+
+use glam::{DVec3, Vec3};
+use scene::{Alpha, Scene};
+use std::collections::HashMap;
+
+/// Volumes below this share of the box's are those of a folded sheet, which has no inside.
+const LEAST_VOLUME: f64 = 1e-6;
+
+/// A triangle of a list of meshes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Face {
+    pub mesh: u32,
+    pub triangle: u32,
+}
+
+/// Triangles that hang together, in the space of their meshes.
+#[derive(Debug, Clone)]
+pub(super) struct Surface {
+    pub faces: Vec<Face>,
+    pub low: Vec3,
+    pub high: Vec3,
+    /// What a closed surface of opaque triangles encloses: above 0 where its front faces look outward, below 0 where they look
+    /// inward. 0 for any other.
+    pub volume: f64,
+}
+
+/// Corners of a face.
+pub(super) fn corners(scene: &Scene, face: Face) -> [Vec3; 3] {
+    let mesh = &scene.meshes[face.mesh as usize];
+    mesh.triangles[face.triangle as usize].map(|vertex| mesh.positions[vertex as usize])
+}
+
+/// The surfaces that faces make, in the order of their first faces.
+pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
+    let welded = weld(scene, faces);
+    // Directed edges: the lesser corner, the greater, whether it runs from the greater, and the face.
+    let mut edges: Vec<(u64, u32)> = Vec::with_capacity(3 * faces.len());
+    for (index, [a, b, c]) in welded.iter().copied().enumerate() {
+        if a == b || b == c || c == a {
+            continue;
+        }
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            let key = u64::from(from.min(to)) << 32 | u64::from(from.max(to));
+            edges.push((key, (index as u32) << 1 | u32::from(from > to)));
+        }
+    }
+    edges.sort_unstable();
+    let mut roots: Vec<u32> = (0..faces.len() as u32).collect();
+    let mut borders = Vec::new();
+    for run in edges.chunk_by(|a, b| a.0 == b.0) {
+        let first = run[0].1 >> 1;
+        let turned = run.iter().filter(|edge| edge.1 & 1 == 1).count();
+        if 2 * turned != run.len() {
+            borders.push(first);
+        }
+        for edge in &run[1..] {
+            join(&mut roots, first, edge.1 >> 1);
+        }
+    }
+    let mut open = vec![false; faces.len()];
+    for face in borders {
+        let root = find(&mut roots, face);
+        open[root as usize] = true;
+    }
+    let mut place = vec![u32::MAX; faces.len()];
+    let mut found: Vec<(Surface, bool)> = Vec::new();
+    for (index, face) in faces.iter().enumerate() {
+        let root = find(&mut roots, index as u32) as usize;
+        if place[root] == u32::MAX {
+            place[root] = found.len() as u32;
+            found.push((Surface::empty(), open[root]));
+        }
+        found[place[root] as usize].0.add(scene, *face);
+    }
+    let finish = |(surface, open): (Surface, bool)| match open || surface.is_masked(scene) {
+        true => surface,
+        false => Surface {
+            volume: surface.enclosed(scene),
+            ..surface
+        },
+    };
+    found.into_iter().map(finish).collect()
+}
+
+/// The corners of faces as numbers that are equal where positions are.
+fn weld(scene: &Scene, faces: &[Face]) -> Vec<[u32; 3]> {
+    let mut numbers: HashMap<[u32; 3], u32, Quick> = HashMap::default();
+    let mut of_mesh: Vec<u32> = Vec::new();
+    let mut mesh = u32::MAX;
+    let mut welded = Vec::with_capacity(faces.len());
+    for face in faces {
+        let of = &scene.meshes[face.mesh as usize];
+        if face.mesh != mesh {
+            mesh = face.mesh;
+            of_mesh = vec![u32::MAX; of.positions.len()];
+        }
+        welded.push(of.triangles[face.triangle as usize].map(|vertex| {
+            let known = &mut of_mesh[vertex as usize];
+            if *known == u32::MAX {
+                // Adding 0 makes a negative zero positive.
+                let position = of.positions[vertex as usize] + 0.0;
+                let next = numbers.len() as u32;
+                *known = *numbers
+                    .entry(position.to_array().map(f32::to_bits))
+                    .or_insert(next);
+            }
+            *known
+        }));
+    }
+    welded
+}
+
+/// A fast hash of positions; nobody gains by collisions but in their own bake.
+type Quick = std::hash::BuildHasherDefault<Mixer>;
+
+#[derive(Default)]
+struct Mixer(u64);
+
+impl std::hash::Hasher for Mixer {
+    fn finish(&self) -> u64 {
+        self.0 ^ self.0 >> 29
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for chunk in bytes.chunks(4) {
+            let word = chunk
+                .iter()
+                .fold(0, |word, byte| word << 8 | u64::from(*byte));
+            self.write_u64(word);
+        }
+    }
+
+    fn write_u64(&mut self, word: u64) {
+        self.0 = (self.0.rotate_left(23) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    }
+}
+
+fn find(roots: &mut [u32], mut face: u32) -> u32 {
+    while roots[face as usize] != face {
+        roots[face as usize] = roots[roots[face as usize] as usize];
+        face = roots[face as usize];
+    }
+    face
+}
+
+/// The lesser root stays, so that the order of joins does not show.
+fn join(roots: &mut [u32], a: u32, b: u32) {
+    let (a, b) = (find(roots, a), find(roots, b));
+    roots[a.max(b) as usize] = a.min(b);
+}
+
+impl Surface {
+    fn empty() -> Self {
+        Self {
+            faces: Vec::new(),
+            low: Vec3::INFINITY,
+            high: Vec3::NEG_INFINITY,
+            volume: 0.0,
+        }
+    }
+
+    fn add(&mut self, scene: &Scene, face: Face) {
+        for corner in corners(scene, face) {
+            self.low = self.low.min(corner);
+            self.high = self.high.max(corner);
+        }
+        self.faces.push(face);
+    }
+
+    /// A cut-out surface lets light in somewhere.
+    fn is_masked(&self, scene: &Scene) -> bool {
+        let mut meshes: Vec<u32> = self.faces.iter().map(|face| face.mesh).collect();
+        meshes.dedup();
+        meshes.iter().any(|&mesh| {
+            let material = scene.meshes[mesh as usize].material;
+            !matches!(scene.materials[material as usize].alpha, Alpha::Opaque)
+        })
+    }
+
+    /// The signed volume by the divergence theorem, from the middle of the box; 0 where there is next to none.
+    fn enclosed(&self, scene: &Scene) -> f64 {
+        let (low, high) = (self.low.as_dvec3(), self.high.as_dvec3());
+        let middle: DVec3 = (low + high) * 0.5;
+        let six: f64 = self
+            .faces
+            .iter()
+            .map(|&face| {
+                let [a, b, c] = corners(scene, face).map(|corner| corner.as_dvec3() - middle);
+                a.dot(b.cross(c))
+            })
+            .sum();
+        let [x, y, z] = (high - low).to_array();
+        match six.abs() > 6.0 * LEAST_VOLUME * x * y * z {
+            true => six / 6.0,
+            false => 0.0,
+        }
+    }
+}

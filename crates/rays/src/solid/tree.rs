@@ -1,0 +1,175 @@
+//! A tree of boxes over the triangles of one closed surface: how often it winds around a point, and whether it comes near a box.
+
+use super::topology::{Face, corners};
+use crate::triangle::ShearedRay;
+use glam::{DVec3, Vec3};
+use scene::Scene;
+
+/// Triangles in a leaf.
+const LEAF: usize = 4;
+
+/// What a slab distance in f64 may be off by, relative (T. Ize, "Robust BVH Ray Traversal", 2013).
+const SLACK: f64 = 1.0 + 8.0 * f64::EPSILON;
+
+/// Lean of the rays against their axis: no edge of a model runs along them.
+const LEAN: [f64; 2] = [0.025_731_7, 0.041_193_1];
+
+/// A closed surface in the space of its meshes.
+#[derive(Debug)]
+pub(super) struct SurfaceTree {
+    nodes: Vec<Node>,
+    faces: Vec<Face>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Node {
+    low: Vec3,
+    high: Vec3,
+    /// First face of a leaf; the first of two children of another.
+    first: u32,
+    /// Faces of a leaf; 0 of another.
+    count: u32,
+}
+
+impl SurfaceTree {
+    pub fn build(scene: &Scene, faces: &[Face]) -> Self {
+        let mut items: Vec<(Face, [Vec3; 2])> = faces
+            .iter()
+            .map(|&face| {
+                let [a, b, c] = corners(scene, face);
+                (face, [a.min(b).min(c), a.max(b).max(c)])
+            })
+            .collect();
+        let mut nodes = vec![Node::around(&items, 0)];
+        let mut pending = vec![(0, 0, items.len())];
+        while let Some((node, start, end)) = pending.pop() {
+            let part = &mut items[start..end];
+            if part.len() <= LEAF {
+                continue;
+            }
+            let middle = |item: &(Face, [Vec3; 2])| item.1[0] + item.1[1];
+            let first = middle(&part[0]);
+            let (low, high) = part.iter().fold((first, first), |(low, high), item| {
+                (low.min(middle(item)), high.max(middle(item)))
+            });
+            let axis = (high - low).max_position();
+            let half = part.len() / 2;
+            part.select_nth_unstable_by(half, |a, b| {
+                let order = middle(a)[axis].total_cmp(&middle(b)[axis]);
+                order.then((a.0.mesh, a.0.triangle).cmp(&(b.0.mesh, b.0.triangle)))
+            });
+            let children = nodes.len() as u32;
+            nodes.push(Node::around(&part[..half], start));
+            nodes.push(Node::around(&part[half..], start + half));
+            (nodes[node].first, nodes[node].count) = (children, 0);
+            pending.push((children as usize, start, start + half));
+            pending.push((children as usize + 1, start + half, end));
+        }
+        Self {
+            nodes,
+            faces: items.into_iter().map(|(face, _)| face).collect(),
+        }
+    }
+
+    /// How often the surface winds around a point: above 0 inside of faces that look outward, below 0 inside of faces that look
+    /// inward, 0 outside. A point on the surface may count either way.
+    ///
+    /// Counted along one ray: faces met from behind less those met from their front. It goes to the nearest side of the box.
+    pub fn winding(&self, scene: &Scene, point: DVec3) -> i32 {
+        let root = &self.nodes[0];
+        let (low, high) = (root.low.as_dvec3(), root.high.as_dvec3());
+        if point.cmplt(low).any() || point.cmpgt(high).any() {
+            return 0;
+        }
+        let (below, above) = (point - low, high - point);
+        let nearest = below.min(above).min_position();
+        let mut direction = DVec3::ZERO;
+        let sign = if below[nearest] < above[nearest] {
+            -1.0
+        } else {
+            1.0
+        };
+        direction[nearest] = sign;
+        direction[(nearest + 1) % 3] = LEAN[0];
+        direction[(nearest + 2) % 3] = LEAN[1];
+        let sight = ShearedRay::new(point, direction);
+        let inverse = direction.recip();
+        let mut winding = 0;
+        let mut pending = [0u32; 64];
+        let mut depth = 1;
+        while depth > 0 {
+            depth -= 1;
+            let node = &self.nodes[pending[depth] as usize];
+            let a = (node.low.as_dvec3() - point) * inverse;
+            let b = (node.high.as_dvec3() - point) * inverse;
+            let enters = a.min(b).max_element();
+            let leaves = a.max(b).min_element() * SLACK;
+            if leaves < 0.0 || enters > leaves {
+                continue;
+            }
+            if node.count == 0 {
+                (pending[depth], pending[depth + 1]) = (node.first, node.first + 1);
+                depth += 2;
+                continue;
+            }
+            for &face in self.faces_of(node) {
+                let corners = corners(scene, face).map(|corner| corner.to_array());
+                match sight.cross(&corners) {
+                    Some(crossing) if crossing.t > 0.0 && crossing.front => winding -= 1,
+                    Some(crossing) if crossing.t > 0.0 => winding += 1,
+                    _ => {}
+                }
+            }
+        }
+        winding
+    }
+
+    /// True where a triangle of the surface may meet the box; false is certain.
+    pub fn meets(&self, scene: &Scene, low: DVec3, high: DVec3) -> bool {
+        let (middle, half) = ((low + high) * 0.5, (high - low) * 0.5);
+        let mut pending = [0u32; 64];
+        let mut depth = 1;
+        while depth > 0 {
+            depth -= 1;
+            let node = &self.nodes[pending[depth] as usize];
+            let apart = node.low.as_dvec3().cmpgt(high) | node.high.as_dvec3().cmplt(low);
+            if apart.any() {
+                continue;
+            }
+            if node.count == 0 {
+                (pending[depth], pending[depth + 1]) = (node.first, node.first + 1);
+                depth += 2;
+                continue;
+            }
+            for &face in self.faces_of(node) {
+                let [a, b, c] = corners(scene, face).map(|corner| corner.as_dvec3());
+                let apart = a.min(b).min(c).cmpgt(high) | a.max(b).max(c).cmplt(low);
+                let normal = (b - a).cross(c - a);
+                if !apart.any() && normal.dot(middle - a).abs() <= normal.abs().dot(half) {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    fn faces_of(&self, node: &Node) -> &[Face] {
+        &self.faces[node.first as usize..(node.first + node.count) as usize]
+    }
+}
+
+impl Node {
+    /// A leaf of items of which the first is number `first` of all.
+    fn around(items: &[(Face, [Vec3; 2])], first: usize) -> Self {
+        let whole = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        let [low, high] = items.iter().fold(whole, |[low, high], (_, [a, b])| {
+            [low.min(*a), high.max(*b)]
+        });
+        Self {
+            low,
+            high,
+            first: first as u32,
+            count: items.len() as u32,
+        }
+    }
+}
