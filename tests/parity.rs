@@ -178,6 +178,7 @@ fn baked_layers_differ_only_where_a_listed_ray_explains_it() {
         uv: atlas::UvMode::Auto,
         page_size,
         density: None,
+        gutter: 2,
     };
     let mut faults = Vec::new();
     for file in scenes() {

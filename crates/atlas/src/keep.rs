@@ -7,8 +7,6 @@ use crate::{Atlas, Audit, Error, MeshLayout, Options, Placement, UvSource, Why};
 use glam::{DVec2, Vec2};
 use scene::{Mesh, Scene};
 
-/// Empty texels around each object's rectangle: two objects are twice as far apart.
-pub(crate) const GUTTER: u32 = 2;
 /// Coordinates this far outside 0..1 are taken for rounding and clamped: a sixtieth of a texel on the largest page.
 const ROUNDING: f32 = 1.0 / (1 << 20) as f32;
 /// More area than the page has, beyond rounding: triangles overlap.
@@ -66,7 +64,7 @@ pub(crate) fn keep(scene: &Scene, options: &Options, set: u32) -> Result<Atlas, 
         ));
     }
     atlas.source = UvSource::Repacked { set };
-    repack(scene, &mut atlas, &objects, &areas, options.density)?;
+    repack(scene, &mut atlas, &objects, &areas, options)?;
     checked(scene, &mut atlas, set)?;
     Ok(atlas)
 }
@@ -169,21 +167,25 @@ fn objects(scene: &Scene) -> Vec<Vec<u32>> {
     objects
 }
 
-/// Gives each object a rectangle, all at one density: the one asked for, or the highest that fits one page.
+/// Gives each object a rectangle with a gutter, all at one density: the one asked for, or the highest that fits one page.
 fn repack(
     scene: &Scene,
     atlas: &mut Atlas,
     objects: &[Vec<u32>],
     areas: &[f64],
-    asked: Option<f64>,
+    options: &Options,
 ) -> Result<(), Error> {
+    let (asked, gutter) = (options.density, options.gutter);
     let shapes: Vec<Shape> = objects
         .iter()
         .map(|object| Shape::of(scene, atlas, object, areas))
         .collect();
     let size = atlas.page_size;
     let attempt = |density: f64| {
-        let sizes: Vec<[u32; 2]> = shapes.iter().map(|s| s.texels(density, size)).collect();
+        let sizes: Vec<[u32; 2]> = shapes
+            .iter()
+            .map(|s| s.texels(density, size, gutter))
+            .collect();
         let packed = shelves(&sizes, size);
         (sizes, packed)
     };
@@ -224,7 +226,7 @@ fn repack(
     for ((object, shape), spot) in objects.iter().zip(&shapes).zip(&spots) {
         let scale = shape.scale * density;
         let corner =
-            DVec2::new(f64::from(spot.x + GUTTER), f64::from(spot.y + GUTTER)) + margin(size);
+            DVec2::new(f64::from(spot.x + gutter), f64::from(spot.y + gutter)) + margin(size);
         let offset = (corner - shape.low * scale) / f64::from(size);
         for &i in object {
             atlas.placements[i as usize] = Placement {
@@ -270,11 +272,11 @@ impl Shape {
     }
 
     /// Size of the rectangle with its gutter.
-    fn texels(&self, density: f64, size: u32) -> [u32; 2] {
+    fn texels(&self, density: f64, size: u32, gutter: u32) -> [u32; 2] {
         let inner = ((self.high - self.low) * self.scale * density + 2.0 * margin(size)).ceil();
         inner
             .to_array()
-            .map(|t| (t.max(1.0) as u32).saturating_add(2 * GUTTER))
+            .map(|t| (t.max(1.0) as u32).saturating_add(2 * gutter))
     }
 }
 

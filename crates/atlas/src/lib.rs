@@ -11,7 +11,7 @@
 //! triangle.positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 //! triangle.triangles = vec![[0, 1, 2]];
 //! let scene = Scene::from_meshes(vec![triangle], vec![authored::Material::default()])?;
-//! let options = Options { uv: UvMode::Auto, page_size: 64, density: None };
+//! let options = Options { uv: UvMode::Auto, page_size: 64, density: None, gutter: 2 };
 //! let atlas = layout(&scene, &options, &|| false)?;
 //! assert_eq!((atlas.page_count, atlas.chart_count), (1, 1));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -23,6 +23,7 @@ mod clip;
 mod dilate;
 mod error;
 mod footprint;
+pub mod gutter;
 mod keep;
 mod layout;
 mod measure;

@@ -93,6 +93,9 @@ pub struct Options {
     pub page_size: u32,
     /// `--density`: texels per scene unit, with as many pages as needed; `None` fits everything on one page.
     pub density: Option<f64>,
+    /// Texels that stay empty around every chart that is packed, and around every object's rectangle: two charts are
+    /// twice as many apart, and a chart is as many from the page's edge.
+    pub gutter: u32,
 }
 
 /// `--uv`.

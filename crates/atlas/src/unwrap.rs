@@ -1,7 +1,6 @@
 //! Charts made and packed by `uvunwrap`, which nothing outside this file names. See vendor-notes/uvunwrap.md.
 
 use crate::audit::audit;
-use crate::keep::GUTTER;
 use crate::measure::{AS_IT_STANDS, density, mesh_area, world_area};
 use crate::uv::twice_area;
 use crate::{Atlas, Audit, Error, MeshLayout, Options, Placement, UvSource};
@@ -45,7 +44,7 @@ pub(crate) fn unwrap(
         };
         let settings = uvunwrap::Options {
             density,
-            padding: GUTTER,
+            padding: options.gutter,
             packing,
             max_chart_area,
             ..uvunwrap::Options::default()
@@ -60,7 +59,7 @@ pub(crate) fn unwrap(
         Err(_) => true,
     };
     let mut made = Err(Error::PageSize(size));
-    let mut edge = size.max(2 * GUTTER + 1);
+    let mut edge = size.max(2 * options.gutter + 1);
     while edge <= LARGEST {
         made = generate(&sources, edge, Packing::Fast);
         if holds(&made) {

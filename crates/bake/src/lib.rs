@@ -12,7 +12,7 @@
 //! let scene = std::sync::Arc::new(scene::load(file.as_ref())?);
 //! let options = Options { effort: ambake_bake::Effort::Rays(16), ..Options::default() };
 //! let (plan, world) = Plan::of(&scene, &options)?;
-//! let layout = atlas::Options { uv: atlas::UvMode::Auto, page_size: 64, density: None };
+//! let layout = atlas::Options { uv: atlas::UvMode::Auto, page_size: 64, density: None, gutter: 2 };
 //! let atlas = atlas::layout(&scene, &layout, &|| false)?;
 //! let backend = rays::build(rays::BackendKind::Obvhs(rays::Layout::default()), &world, 0)?;
 //!

@@ -10,6 +10,7 @@ fn options(uv: UvMode, page_size: u32, density: Option<f64>) -> Options {
         uv,
         page_size,
         density,
+        gutter: 2,
     }
 }
 

@@ -15,6 +15,7 @@ fn laid_out(model: &str) -> Option<(Scene, Atlas)> {
         uv: UvMode::Auto,
         page_size: 1024,
         density: None,
+        gutter: 2,
     };
     let start = std::time::Instant::now();
     let atlas = layout(&scene, &options, &|| false).unwrap();

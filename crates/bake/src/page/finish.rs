@@ -7,7 +7,7 @@ use crate::choice::Choice;
 use crate::denoise::{Field, denoise};
 use crate::options::{Denoise, Options};
 use crate::plan::Plan;
-use atlas::{Dilation, RINGS};
+use atlas::Dilation;
 use glam::{DVec3, Vec3};
 use layers::Layer;
 use rayon::prelude::*;
@@ -62,7 +62,7 @@ pub(super) fn finish(page: &mut BakedPage, options: &Options, plan: &Plan) {
         count_errors(page);
         compose_asked(page, options);
     }
-    fill_gutters(page);
+    fill_gutters(page, options.rings);
     page.finished = true;
 }
 
@@ -175,10 +175,10 @@ fn compose_asked(page: &mut BakedPage, options: &Options) {
     page.planes.sort_by_key(|planes| place(planes.layer));
 }
 
-/// Fills the gutter texels of every layer that dilates, and renews the length of directions there.
-fn fill_gutters(page: &mut BakedPage) {
+/// Fills so many rings of gutter texels of every layer that dilates, and renews the length of directions there.
+fn fill_gutters(page: &mut BakedPage, rings: u32) {
     let texels = page.texels();
-    let dilation = Dilation::new(&page.planes[0].values, page.size, RINGS);
+    let dilation = Dilation::new(&page.planes[0].values, page.size, rings);
     page.planes
         .par_iter_mut()
         .filter(|planes| planes.layer.dilates())

@@ -32,6 +32,7 @@ pub(super) fn bake(setup: &Setup, case: &str, kind: BackendKind) -> Result<Baked
             .map_or(View::Normal, |v| View::Eye(setup.centre() + v * 1e6)),
         max_distance: None,
         layers,
+        rings: atlas::RINGS,
         overrides: Overrides {
             exponent: setup.exponent,
             ..Overrides::default()
