@@ -2,6 +2,7 @@
 
 #![forbid(unsafe_code)]
 
+mod alpha;
 mod authored;
 mod broken;
 mod capture;
@@ -14,9 +15,11 @@ mod hard_cases;
 mod maps;
 mod methods;
 mod models;
+mod normal_maps;
 mod outputs;
 mod parity;
 mod photo;
+mod quads;
 mod readme;
 mod render;
 mod sky;

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::options::{Backend, Options};
-use crate::scene::Scene;
+use crate::scene::{Scene, Warning};
 use ::bake::{Baker, Decision, Pilot, Plan};
 use atlas::Atlas;
 use rays::{RayBackend, World};
@@ -89,6 +89,14 @@ impl Job {
     /// The scene.
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// What was repaired or ignored while loading, and matters to this bake.
+    pub fn warnings(&self) -> impl Iterator<Item = &Warning> {
+        let ignored = |warning: &&Warning| {
+            warning.kind == ::scene::WarningKind::IgnoredNormalMaps && self.options.normal_maps
+        };
+        self.scene.warnings.iter().filter(move |w| !ignored(w))
     }
 
     /// The options.

@@ -84,6 +84,8 @@ pub struct Options {
     pub max_distance: Option<f32>,
     /// Layers to produce, coverage first, without repeats.
     pub layers: Vec<Layer>,
+    /// Normal maps of materials bend the shading normals.
+    pub normal_maps: bool,
     /// Diffuse reflectance of every material, linear RGB.
     pub albedo: Option<[f32; 3]>,
     /// Specular reflectance of every material, linear RGB.
@@ -111,6 +113,7 @@ impl Default for Options {
             view: View::Normal,
             max_distance: None,
             layers: Layer::STANDARD.to_vec(),
+            normal_maps: false,
             albedo: None,
             specular: None,
             exponent: None,
@@ -200,6 +203,7 @@ impl Options {
             view: self.view,
             max_distance: self.max_distance,
             layers: self.layers.clone(),
+            normal_maps: self.normal_maps,
             rings: atlas::RINGS.max(self.layout().gutter),
             overrides: Overrides {
                 albedo: self.albedo,
@@ -242,6 +246,7 @@ impl Options {
             view: _,
             max_distance,
             layers,
+            normal_maps,
             albedo,
             specular,
             exponent,
@@ -278,6 +283,7 @@ impl Options {
             "view": self.view_rule(),
             "max_distance": max_distance,
             "layers": layers,
+            "normal_maps": normal_maps,
             "albedo": albedo,
             "specular": specular,
             "exponent": exponent,

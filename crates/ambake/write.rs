@@ -186,7 +186,7 @@ fn report_of(
         timings: phases,
         seconds: job.started().elapsed().as_secs_f64(),
         peak_memory_bytes: peak_memory(),
-        warnings: scene.warnings.iter().map(Into::into).collect(),
+        warnings: job.warnings().map(Into::into).collect(),
         notes: job.atlas().notes.clone(),
         files,
     }

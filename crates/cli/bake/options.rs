@@ -36,6 +36,7 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
     options.sky = job.sky.load()?;
     options.view = job.view;
     options.max_distance = job.max_distance.map(|d| d as f32);
+    options.normal_maps = job.normal_maps;
     options.albedo = job.albedo;
     options.specular = job.specular;
     options.exponent = job.exponent;

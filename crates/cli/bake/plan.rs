@@ -61,7 +61,7 @@ fn estimate(job: &Job) -> Estimate {
 }
 
 fn warnings(job: &Job) -> Vec<report::WarningReport> {
-    job.scene().warnings.iter().map(Into::into).collect()
+    job.warnings().map(Into::into).collect()
 }
 
 fn text(job: &Job, cost: &Estimate) -> String {

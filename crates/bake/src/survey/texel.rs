@@ -94,7 +94,14 @@ impl Surveyor<'_> {
             if piece.cumulative - before > largest.0 {
                 largest = (piece.cumulative - before, piece.instance);
             }
+            let first = cells.len();
             Cell::push(&mut cells, patch, piece, piece.cumulative - before);
+            if let Some(normal) = self
+                .world
+                .bent_normal(key.0, key.1, piece.corners, piece.square)
+            {
+                cells[first..].iter_mut().for_each(|cell| cell.bend(normal));
+            }
             before = piece.cumulative;
         }
         Cell::share(&mut cells);
