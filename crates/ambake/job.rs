@@ -142,10 +142,20 @@ impl Job {
         &self.layout
     }
 
-    /// Everything that was repaired, ignored or is doubtful before a ray was cast.
+    /// Everything that was repaired, ignored or is doubtful before a ray was cast, and matters to this bake.
     pub fn warnings(&self) -> Vec<WarningReport> {
-        let of_scene = self.scene.warnings.iter().map(Into::into);
-        of_scene.chain(self.layout.warnings()).collect()
+        let ignored = |warning: &&::scene::Warning| {
+            warning.kind == ::scene::WarningKind::IgnoredNormalMaps && self.options.normal_maps
+        };
+        let of_scene = self
+            .scene
+            .warnings
+            .iter()
+            .filter(|warning| !ignored(warning));
+        of_scene
+            .map(Into::into)
+            .chain(self.layout.warnings())
+            .collect()
     }
 
     /// What answers rays.

@@ -1,10 +1,10 @@
 //! What an artist asks of a layout first: where the texels went.
 
+use crate::Atlas;
 use crate::mask::Mask;
 use crate::measure::world_triangle_areas;
 use crate::objects::{extent, object_names};
 use crate::uv::{corners, page, twice_area};
-use crate::{Atlas, GUTTER};
 use scene::Scene;
 
 /// Where the texels of a layout went.
@@ -99,10 +99,11 @@ fn used(scene: &Scene, atlas: &Atlas, number: u32) -> u64 {
         });
     let mask = Mask::of(triangles, size, size);
     let mut row = Vec::new();
-    (GUTTER..size + GUTTER)
+    let gutter = atlas.gutter;
+    (gutter..size + gutter)
         .map(|y| {
-            mask.grown_row(y, GUTTER, &mut row);
-            let inside = |x: u32| x.clamp(GUTTER, size + GUTTER);
+            mask.grown_row(y, gutter, &mut row);
+            let inside = |x: u32| x.clamp(gutter, size + gutter);
             row.iter()
                 .map(|&[a, b]| u64::from(inside(b) - inside(a)))
                 .sum::<u64>()

@@ -54,6 +54,7 @@ pub(crate) fn keep(
     let mut atlas = Atlas {
         page_size: options.page_size,
         page_count: 1,
+        gutter: options.gutter,
         meshes,
         placements: included
             .iter()

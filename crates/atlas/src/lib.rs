@@ -27,6 +27,7 @@ mod error;
 mod facts;
 mod footprint;
 mod glob;
+pub mod gutter;
 mod keep;
 mod layout;
 mod mask;
@@ -50,6 +51,3 @@ pub use objects::{ObjectName, object_names};
 pub use raster::PageRaster;
 pub use types::*;
 pub use uv::triangle_uv;
-
-/// Empty texels around every chart: two charts are twice as far apart, so that bicubic look-ups read one of them.
-pub(crate) const GUTTER: u32 = 2;

@@ -10,6 +10,8 @@ pub struct Atlas {
     pub page_size: u32,
     /// Number of pages.
     pub page_count: u32,
+    /// Texels that were kept empty around charts, see [`Options::gutter`].
+    pub gutter: u32,
     /// Chart coordinates, one entry for each of `Scene::meshes`.
     pub meshes: Vec<MeshLayout>,
     /// Where each of `Scene::instances` lies.
@@ -119,6 +121,9 @@ pub struct Options {
     pub page_size: u32,
     /// `--density`: texels per scene unit of every object; `None` shares the texels by the rule of `share.rs`.
     pub density: Option<f64>,
+    /// Texels that stay empty around every chart that is packed, and around every object's rectangle: two charts are
+    /// twice as many apart, and a chart is as many from the page's edge.
+    pub gutter: u32,
     /// `--density-of`: names of objects, with wildcards, and their texels per scene unit. Later ones win.
     pub density_of: Vec<(String, f64)>,
     /// `--include`: only objects whose names fit one of these take texels; all where there is none.
@@ -137,6 +142,7 @@ impl Default for Options {
             uv: UvMode::Auto,
             page_size: 1024,
             density: None,
+            gutter: 2,
             density_of: Vec::new(),
             include: Vec::new(),
             exclude: Vec::new(),

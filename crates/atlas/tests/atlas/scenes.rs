@@ -9,6 +9,8 @@ pub fn mesh(name: &str, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh 
         name: name.into(),
         positions,
         normals: Vec::new(),
+        tangents: Vec::new(),
+        alphas: Vec::new(),
         uv_sets: Vec::new(),
         triangles,
         source_triangles: Vec::new(),
@@ -45,9 +47,11 @@ pub fn scene(meshes: Vec<Mesh>, instances: &[(u32, u32, DAffine3)]) -> Scene {
             },
             emission: Vec3::ZERO,
             alpha: Alpha::Opaque,
+            normal_map: None,
             double_sided: true,
         }],
         images: Vec::new(),
+        packed_images: Vec::new(),
         warnings: Vec::new(),
         content_hash: String::new(),
         source: None,
@@ -63,6 +67,7 @@ pub fn laid_out(texels: &[[f64; 2]], triangles: Vec<[u32; 3]>, page_size: u32) -
     let atlas = Atlas {
         page_size,
         page_count: 1,
+        gutter: 2,
         meshes: vec![MeshLayout {
             source_vertices: (0..uvs.len() as u32).collect(),
             uvs,

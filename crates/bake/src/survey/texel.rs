@@ -144,7 +144,14 @@ impl Surveyor<'_> {
                 largest = (piece.cumulative - before, piece.instance);
             }
             let surface = (&known.patch, known.body);
+            let first = cells.len();
             Cell::push(&mut cells, surface, piece, piece.cumulative - before);
+            if let Some(normal) = self
+                .world
+                .bent_normal(key.0, key.1, piece.corners, piece.square)
+            {
+                cells[first..].iter_mut().for_each(|cell| cell.bend(normal));
+            }
             before = piece.cumulative;
         }
         Cell::share(&mut cells);

@@ -49,6 +49,7 @@ pub fn layout(scene: &Scene, split: bool, pages: u32) -> Atlas {
     Atlas {
         page_size: 8,
         page_count: pages,
+        gutter: 2,
         meshes: scene.meshes.iter().map(mesh).collect(),
         placements: (0..scene.instances.len()).map(placement).collect(),
         source: UvSource::Unwrapped,
