@@ -29,7 +29,7 @@ mod validity;
 
 pub use sums::REPLICATES;
 pub(crate) use task::Task;
-pub use terms::Terms;
+pub use terms::{Halves, Terms};
 pub(crate) use validity::validity;
 
 use crate::options::{Effort, Pattern};
@@ -81,6 +81,7 @@ pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) ->
                     false => Terms {
                         specular: sampled.specular,
                         reflection: sampled.reflection,
+                        halves: sampled.halves,
                         rays: sampled.rays,
                         ..known
                     },
@@ -93,7 +94,15 @@ pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) ->
                     std_err: own.std_err.hypot(drawn.std_err),
                 },
             };
+            let (own, drawn) = (&hemisphere[i].halves, &sky[i].halves);
+            let halves = Halves {
+                specular: sampled.halves.specular,
+                irradiance: own.irradiance + drawn.irradiance,
+                reflection: sampled.halves.reflection + drawn.reflection,
+                ..*own
+            };
             Terms {
+                halves,
                 specular: sampled.specular,
                 irradiance: light(task.hemisphere, hemisphere[i].irradiance, sky[i].irradiance),
                 reflection: light(reflects[i], sampled.reflection, sky[i].reflection),
