@@ -220,7 +220,7 @@ impl<'a> Baker<'a> {
             stats.texels += 1;
             stats.coverage += f64::from(texel.coverage);
             let place = [texel.index % size, texel.index / size];
-            stats.errors.add(texel.terms.diffuse.std_err, place);
+            stats.errors.add(texel.terms.diffuse, place);
             stats.irradiance_squares += texel.terms.irradiance.std_err.powi(2);
             stats.rays += texel.terms.rays;
         }
