@@ -64,8 +64,8 @@ mod write;
 
 pub use crate::bake::Bake;
 pub use ::bake::{
-    BakedPage, Choice, Decision, Denoise, Method, PageStats, Pattern, Pilot, PointSet, SeamStats,
-    Seams, View,
+    BakedPage, Choice, Decision, Denoise, Footprint, Method, PageStats, Pattern, Pilot, PointSet,
+    SeamStats, Seams, View,
 };
 pub use baked::{Baked, Page};
 pub use error::Error;

@@ -3,7 +3,7 @@
 
 use crate::error::Error;
 use crate::sky::Sky;
-use ::bake::{Choice, Denoise, Pattern, PointSet, Seams, View};
+use ::bake::{Choice, Denoise, Footprint, Pattern, PointSet, Seams, View};
 use layers::Layer;
 use rays::{BackendKind, Layout, Overrides};
 use serde_json::{Value, json};
@@ -66,6 +66,8 @@ pub struct Options {
     pub effort: Effort,
     /// Which directions texels share.
     pub pattern: Pattern,
+    /// Where the samples of a texel lie.
+    pub footprint: Footprint,
     /// How integrated terms are denoised.
     pub denoise: Denoise,
     /// Where seams are solved.
@@ -98,6 +100,7 @@ impl Default for Options {
             uv: Uv::Auto,
             effort: Effort::Rays(256),
             pattern: Pattern::Independent,
+            footprint: Footprint::Texel,
             denoise: Denoise::Off,
             seams: Seams::default(),
             seed: 0,
@@ -176,6 +179,7 @@ impl Options {
             effort: self.effort,
             pattern: self.pattern,
             points: PointSet::default(),
+            footprint: self.footprint,
             denoise: self.denoise,
             seams: self.seams,
             seed: self.seed,
@@ -215,6 +219,7 @@ impl Options {
             uv,
             effort,
             pattern,
+            footprint,
             denoise,
             seams,
             seed,
@@ -253,6 +258,10 @@ impl Options {
             "pattern": match pattern {
                 Pattern::Independent => "independent",
                 Pattern::Tiled => "tiled",
+            },
+            "footprint": match footprint {
+                Footprint::Texel => "texel",
+                Footprint::Centre => "centre",
             },
             "denoise": match denoise {
                 Denoise::Off => "off",

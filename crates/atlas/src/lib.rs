@@ -19,6 +19,7 @@
 #![forbid(unsafe_code)]
 
 mod audit;
+mod centre;
 mod clip;
 mod dilate;
 mod error;

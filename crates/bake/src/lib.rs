@@ -37,7 +37,7 @@ mod survey;
 
 pub use choice::Choice;
 pub use integrate::{Halves, REPLICATES, Terms};
-pub use options::{Denoise, Effort, Options, Pattern, PointSet, Seams, Sky, View};
+pub use options::{Denoise, Effort, Footprint, Options, Pattern, PointSet, Seams, Sky, View};
 pub use page::{BakedPage, Baker, ErrorSums, LayerPlanes, PageStats, Pilot};
 pub use plan::{Decision, Method, OpenTriangles, Plan};
 pub use seams::SeamStats;

@@ -2,7 +2,7 @@
 #![forbid(unsafe_code)]
 
 use atlas::Atlas;
-use bake::{BakedPage, Baker, Options, Plan};
+use bake::{BakedPage, Baker, Options, Plan, Seams};
 use rays::{RayBackend, World};
 
 pub mod ceiling;

@@ -2,7 +2,7 @@
 
 use super::args::{self, Job};
 use crate::common::{Backend, Common};
-use ambake::{Bake, Denoise, Effort, Options, Pattern, Seams, Uv};
+use ambake::{Bake, Denoise, Effort, Footprint, Options, Pattern, Seams, Uv};
 
 /// The bake that was asked for.
 pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, ambake::Error> {
@@ -25,6 +25,10 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
     options.pattern = match job.pattern {
         args::Pattern::Independent => Pattern::Independent,
         args::Pattern::Tiled => Pattern::Tiled,
+    };
+    options.footprint = match job.footprint {
+        args::Footprint::Texel => Footprint::Texel,
+        args::Footprint::Centre => Footprint::Centre,
     };
     options.denoise = match job.denoise {
         args::Denoise::Off => Denoise::Off,
