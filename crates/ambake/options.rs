@@ -3,7 +3,7 @@
 
 use crate::error::Error;
 use crate::sky::Sky;
-use ::bake::{Buried, Choice, Denoise, Pattern, PointSet, Seams, Shading, View};
+use ::bake::{Buried, Choice, Denoise, Footprint, Pattern, PointSet, Seams, Shading, View};
 use layers::Layer;
 use rays::{BackendKind, Layout, Overrides};
 use serde_json::{Value, json};
@@ -83,6 +83,8 @@ pub struct Options {
     pub effort: Effort,
     /// Which directions texels share.
     pub pattern: Pattern,
+    /// Where the samples of a texel lie.
+    pub footprint: Footprint,
     /// How integrated terms are denoised.
     pub denoise: Denoise,
     /// Where seams are solved.
@@ -129,6 +131,7 @@ impl Default for Options {
             align: 1,
             effort: Effort::Rays(256),
             pattern: Pattern::Independent,
+            footprint: Footprint::Texel,
             denoise: Denoise::Off,
             seams: Seams::default(),
             seed: 0,
@@ -191,6 +194,9 @@ impl Options {
             Effort::Target { error, .. } if !(error > 0.0 && error < 1.0) => {
                 return fail("target-error", "must be above 0 and below 1");
             }
+            Effort::Target { relative, .. } if !(0.0..1.0).contains(&relative) => {
+                return fail("target-relative", "must be at least 0 and below 1");
+            }
             Effort::Target { max_rays, .. } if !(16..=16_777_216).contains(&max_rays) => {
                 return fail("max-rays", "must be between 16 and 16777216");
             }
@@ -214,8 +220,8 @@ impl Options {
             let problem = "needs independent errors: leave out --pattern tiled";
             return fail("--denoise regression", problem);
         }
-        if self.denoise != Denoise::Off && self.sky.is_map() {
-            let problem = "works under a uniform sky: leave it out with --sky FILE";
+        if self.denoise != Denoise::Off && matches!(self.effort, Effort::Rays(1)) {
+            let problem = "compares two halves of the rays: ask for 2 rays or more";
             return fail("--denoise regression", problem);
         }
         Ok(())
@@ -227,6 +233,7 @@ impl Options {
             effort: self.effort,
             pattern: self.pattern,
             points: PointSet::default(),
+            footprint: self.footprint,
             denoise: self.denoise,
             seams: self.seams,
             seed: self.seed,
@@ -284,6 +291,7 @@ impl Options {
             align,
             effort,
             pattern,
+            footprint,
             denoise,
             seams,
             seed,
@@ -299,9 +307,16 @@ impl Options {
             exponent,
             plan_off,
         } = self;
-        let (rays, target_error, max_rays) = match *effort {
-            Effort::Rays(rays) => (Some(rays), None, None),
-            Effort::Target { error, max_rays } => (None, Some(error), Some(max_rays)),
+        let (rays, target_error, target_relative, max_rays) = match *effort {
+            Effort::Rays(rays) => (Some(rays), None, None, None),
+            Effort::Target {
+                error,
+                relative,
+                max_rays,
+            } => {
+                let relative = (relative > 0.0).then_some(relative);
+                (None, Some(error), relative, Some(max_rays))
+            }
         };
         json!({
             "size": size,
@@ -324,10 +339,15 @@ impl Options {
             "align": align,
             "rays": rays,
             "target_error": target_error,
+            "target_relative": target_relative,
             "max_rays": max_rays,
             "pattern": match pattern {
                 Pattern::Independent => "independent",
                 Pattern::Tiled => "tiled",
+            },
+            "footprint": match footprint {
+                Footprint::Texel => "texel",
+                Footprint::Centre => "centre",
             },
             "denoise": match denoise {
                 Denoise::Off => "off",

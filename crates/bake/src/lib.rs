@@ -37,8 +37,10 @@ mod seams;
 mod survey;
 
 pub use choice::Choice;
-pub use integrate::{REPLICATES, Terms};
-pub use options::{Buried, Denoise, Effort, Options, Pattern, PointSet, Seams, Shading, Sky, View};
+pub use integrate::{Halves, REPLICATES, Terms};
+pub use options::{
+    Buried, Denoise, Effort, Footprint, Options, Pattern, PointSet, Seams, Shading, Sky, View,
+};
 pub use page::{BakedPage, Baker, ErrorSums, LayerPlanes, PageStats, Pilot};
 pub use plan::{Decision, Method, OpenTriangles, Plan};
 pub use seams::SeamStats;

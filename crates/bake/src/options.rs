@@ -17,6 +17,8 @@ pub struct Options {
     pub pattern: Pattern,
     /// Where sample points come from.
     pub points: PointSet,
+    /// Where in a texel samples lie.
+    pub footprint: Footprint,
     /// How integrated terms are denoised.
     pub denoise: Denoise,
     /// Where seams are solved.
@@ -56,6 +58,8 @@ pub enum Effort {
     Target {
         /// Largest standard error, above 0.
         error: f64,
+        /// Or so much of the value, where that is larger: 0 for nothing, below 1.
+        relative: f64,
         /// The most rays, at least 16; rounded down to a multiple of the replicates.
         max_rays: u32,
     },
@@ -81,13 +85,24 @@ pub enum Pattern {
     Tiled,
 }
 
+/// Where the samples of a texel lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Footprint {
+    /// All over the part of its square that charts cover: a texel is a mean over its area.
+    #[default]
+    Texel,
+    /// At the point of that part nearest to the texel's centre, as in bakers that know no areas.
+    Centre,
+}
+
 /// What happens to the terms of a page after they are integrated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Denoise {
     /// Nothing: every texel is unbiased and independent.
     #[default]
     Off,
-    /// Local regression over the texels of a surface. Needs [`Pattern::Independent`]: errors of neighbours must be.
+    /// Local regression over the texels of a surface, by two independent halves of the rays: at least 2 rays. Needs
+    /// [`Pattern::Independent`]: errors of neighbours must be.
     Regression,
 }
 
@@ -176,6 +191,7 @@ impl Default for Options {
             effort: Effort::Rays(256),
             pattern: Pattern::default(),
             points: PointSet::default(),
+            footprint: Footprint::default(),
             denoise: Denoise::default(),
             seams: Seams::default(),
             seed: 0,

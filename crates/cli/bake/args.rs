@@ -65,12 +65,19 @@ pub struct Job {
     /// Stop a texel when its standard error is at most E, instead of a fixed number of rays
     #[arg(long, value_name = "E", value_parser = target_error, conflicts_with = "rays")]
     pub target_error: Option<f64>,
+    /// With --target-error: stop a texel when its standard error is at most R times its value, where that is more than E
+    #[arg(long, value_name = "R", value_parser = target_error, requires = "target_error")]
+    pub target_relative: Option<f64>,
     /// With --target-error: the most rays that a texel may take, over the hemisphere and again over the lobe
     #[arg(long, value_name = "N", default_value_t = 16_384, requires = "target_error", value_parser = clap::value_parser!(u32).range(16..=16_777_216))]
     pub max_rays: u32,
     /// Whether blocks of 4 x 4 texels share their directions: a little faster, but errors show as blocks
     #[arg(long, value_enum, default_value_t = Pattern::Independent)]
     pub pattern: Pattern,
+    /// Where the samples of a texel lie: all over the part that charts cover, or at its point nearest to the texel's centre, to compare
+    /// with programs that sample centres
+    #[arg(long, value_enum, default_value_t = Footprint::Texel)]
+    pub footprint: Footprint,
     /// Local regression over the texels of a surface, which falls back to the plain value where it does not help: fewer rays
     /// for the same error, at a small bias that the error layer includes
     #[arg(long, value_enum, alias = "filter", default_value_t = Denoise::Off)]
@@ -156,6 +163,14 @@ pub enum Buried {
     Drop,
     /// They count as what they are, dark
     Keep,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Footprint {
+    /// All over its area
+    Texel,
+    /// At its centre
+    Centre,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -8,6 +8,8 @@ pub(crate) struct Field<'a> {
     /// Page edge in texels.
     pub size: usize,
     pub coverage: &'a [f32],
+    /// Share of each footprint that can be seen; what cannot be seen at all has no values of its own. `None` where all can.
+    pub validity: Option<&'a [f32]>,
     /// World positions.
     pub position: [&'a [f32]; 3],
     /// Unit shading normals.
@@ -16,8 +18,8 @@ pub(crate) struct Field<'a> {
 }
 
 impl Field<'_> {
-    pub fn covered(&self, texel: usize) -> bool {
-        self.coverage[texel] > 0.0
+    pub fn has_data(&self, texel: usize) -> bool {
+        self.coverage[texel] > 0.0 && self.validity.is_none_or(|valid| valid[texel] > 0.0)
     }
 
     pub fn position(&self, texel: usize) -> DVec3 {

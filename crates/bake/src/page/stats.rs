@@ -1,6 +1,7 @@
 //! Statistics of a page.
 
 use crate::seams::SeamStats;
+use ambient::Estimate;
 use serde::{Deserialize, Serialize};
 
 /// Sums over the finished texels of a page.
@@ -26,6 +27,9 @@ pub struct PageStats {
     pub seconds: f64,
 }
 
+/// Values from here on show in a picture of 8 bits.
+const SEEN: f64 = 1.0 / 255.0;
+
 /// Moments and maximum of standard errors over texels.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ErrorSums {
@@ -33,17 +37,23 @@ pub struct ErrorSums {
     pub sum: f64,
     /// Sum of squares.
     pub squares: f64,
-    /// Sum of fourth powers.
+    /// Sum of fourth powers, times the number of texels that share an error.
     pub fourths: f64,
     /// The largest.
     pub max: f64,
     /// The first texel (column, row) that has it.
     pub worst: [u32; 2],
+    /// The largest share of the value, of texels of at least [`SEEN`].
+    pub relative: f64,
 }
 
 impl ErrorSums {
-    /// Counts a texel's standard error.
-    pub(crate) fn add(&mut self, std_err: f64, texel: [u32; 2]) {
+    /// Counts a texel's value with its standard error.
+    pub(crate) fn add(&mut self, estimate: Estimate, texel: [u32; 2]) {
+        let Estimate { value, std_err } = estimate;
+        if value >= SEEN {
+            self.relative = self.relative.max(std_err / value);
+        }
         self.sum += std_err;
         self.squares += std_err * std_err;
         self.fourths += std_err.powi(4);
@@ -52,11 +62,20 @@ impl ErrorSums {
         }
     }
 
+    /// Counts texels as fewer after a smoothing that brought the sum of squares down from `before`: a mean of m texels has an m-th of
+    /// their variance, and m texels share it.
+    pub(crate) fn share(&mut self, before: f64) {
+        if self.squares > 0.0 {
+            self.fourths *= (before / self.squares).max(1.0);
+        }
+    }
+
     /// Counts those of later texels.
     fn append(&mut self, later: &Self) {
         self.sum += later.sum;
         self.squares += later.squares;
         self.fourths += later.fourths;
+        self.relative = self.relative.max(later.relative);
         if later.max > self.max {
             (self.max, self.worst) = (later.max, later.worst);
         }
