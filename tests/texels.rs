@@ -8,7 +8,7 @@ fn the_figures_of_a_town_name_its_ground_and_its_seams() {
     let file = scene("town.gltf");
     let file = file.to_str().expect("a UTF-8 path");
     let arguments = [
-        "bench", "--texels", file, "--size", "256", "--rays", "8", "--json",
+        "bench", "--texels", file, "--size", "512", "--rays", "4", "--json",
     ];
     let json: Value = serde_json::from_str(&run_well(arguments)).expect("JSON");
     let facts = &json["facts"];

@@ -1,6 +1,6 @@
 //! Parts of scenes: meshes whose lightmap coordinates are given in texels of a page.
 
-use glam::{DVec2, DVec3};
+use glam::{DAffine3, DQuat, DVec2, DVec3, Mat4};
 use scene::authored::{Material, Mesh};
 
 /// A rectangle of a page in texels: left, top, right, bottom.
@@ -74,10 +74,33 @@ pub(super) fn faces(half: DVec3) -> [[DVec3; 4]; 6] {
     ]
 }
 
-/// Every position of a mesh mapped, in 64-bit numbers.
-pub(super) fn map(mesh: &mut Mesh, f: impl Fn(DVec3) -> DVec3) {
-    for position in &mut mesh.positions {
-        *position = f(DVec3::from(position.map(f64::from))).as_vec3().to_array();
+/// Where a scene stands: scaled, then moved.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    pub scale: f64,
+    pub shift: DVec3,
+}
+
+impl Place {
+    /// As it was built.
+    pub const HOME: Place = Place {
+        scale: 1.0,
+        shift: DVec3::ZERO,
+    };
+
+    /// Puts a mesh there by its transform; its positions keep their digits.
+    pub fn put(&self, mesh: &mut Mesh) {
+        let place = DAffine3::from_scale_rotation_translation(
+            DVec3::splat(self.scale),
+            DQuat::IDENTITY,
+            self.shift,
+        );
+        mesh.transform = Mat4::from(place.as_affine3a()).to_cols_array_2d();
+    }
+
+    /// Where a point of the world was built.
+    pub fn home(&self, point: DVec3) -> DVec3 {
+        (point - self.shift) / self.scale
     }
 }
 

@@ -5,21 +5,34 @@ use super::{scene, sunk_box, wall};
 use crate::exact::polygon_form_factor;
 use crate::texels::Error;
 use crate::texels::bake::{Baked, Judged, Lab, PER_EDGE, Texels, largest, score};
-use crate::texels::build::{faces, map, mesh, polygon, quad};
+use crate::texels::build::{Place, faces, mesh, polygon, quad};
 use crate::texels::points::Point;
 use crate::texels::row::Row;
 use glam::{DVec2, DVec3};
 
-const PLACES: [(&str, f64, DVec3); 4] = [
-    ("as it is", 1.0, DVec3::ZERO),
-    ("scaled by 0.001", 1e-3, DVec3::ZERO),
-    ("scaled by 10,000", 1e4, DVec3::ZERO),
-    ("moved by 1e5, -3e4, 2e4", 1.0, DVec3::new(1e5, -3e4, 2e4)),
+const PLACES: [(&str, Place); 4] = [
+    ("at home", Place::HOME),
+    ("scaled by 0.001", scaled(1e-3)),
+    ("scaled by 10,000", scaled(1e4)),
+    (
+        "moved by 1e5, -3e4, 2e4",
+        Place {
+            scale: 1.0,
+            shift: DVec3::new(1e5, -3e4, 2e4),
+        },
+    ),
 ];
 
-/// Bakes a scene under a map of positions.
-type Bake = fn(&Lab, &dyn Fn(DVec3) -> DVec3) -> Result<Baked, Error>;
-/// The exact value of a point whose place before the map is given.
+const fn scaled(scale: f64) -> Place {
+    Place {
+        scale,
+        shift: DVec3::ZERO,
+    }
+}
+
+/// Bakes a scene at a place.
+type Bake = fn(&Lab, Place) -> Result<Baked, Error>;
+/// The exact value of a point whose place at home is given.
 type Truth = fn(&Point, DVec3) -> Option<f64>;
 
 pub(super) fn rows(lab: &Lab) -> Result<Vec<Row>, Error> {
@@ -38,9 +51,9 @@ pub(super) fn rows(lab: &Lab) -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
     for (name, bake, truth) in scenes {
         let mut first: Vec<Judged> = Vec::new();
-        for (variant, factor, shift) in PLACES {
-            let baked = bake(lab, &|p| p * factor + shift)?;
-            let judged = baked.judge(PER_EDGE, |p| truth(p, (p.position - shift) / factor));
+        for (variant, place) in PLACES {
+            let baked = bake(lab, place)?;
+            let judged = baked.judge(PER_EDGE, |p| truth(p, place.home(p.position)));
             if first.is_empty() {
                 first = judged;
                 continue;
@@ -55,7 +68,7 @@ pub(super) fn rows(lab: &Lab) -> Result<Vec<Row>, Error> {
                 format!("{name}, {variant}"),
                 score(&judged),
                 (
-                    "change against scale 1: 0.003 at 4,096 rays",
+                    "change against home: 0.003 at 4,096 rays",
                     if judged.len() == first.len() {
                         change
                     } else {
@@ -83,7 +96,11 @@ fn giant(lab: &Lab) -> Result<Row, Error> {
         let (x, y) = (40.0 + 11.0 * (k / 3) as f64, 4.0 + 11.0 * (k % 3) as f64);
         quad(&mut body, SIZE, face, [x, y, x + 8.0, y + 8.0]);
     }
-    map(&mut body, |p| p + HALF * DVec3::Z);
+    let raised = Place {
+        scale: 1.0,
+        shift: HALF * DVec3::Z,
+    };
+    raised.put(&mut body);
     let baked = lab.bake(
         "T8",
         scene("T8", vec![plane, body], vec![])?,

@@ -5,7 +5,7 @@ use crate::exact::polygon_form_factor;
 use crate::texels::Error;
 use crate::texels::bake::{Baked, Lab, PER_EDGE, STEP, Texels, largest, score, targets};
 use crate::texels::best::best_errors;
-use crate::texels::build::{faces, invert, level, map, material, mesh, quad, sheet};
+use crate::texels::build::{Place, faces, invert, level, material, mesh, quad, sheet};
 use crate::texels::points::Point;
 use crate::texels::row::Row;
 use glam::{DQuat, DVec2, DVec3};
@@ -33,8 +33,8 @@ fn turn() -> DQuat {
     DQuat::from_rotation_z(17f64.to_radians())
 }
 
-/// The scene, every position mapped.
-pub(super) fn bake(lab: &Lab, kind: Kind, place: impl Fn(DVec3) -> DVec3) -> Result<Baked, Error> {
+/// The scene.
+pub(super) fn bake(lab: &Lab, kind: Kind, place: Place) -> Result<Baked, Error> {
     let corners = level([-FLOOR, FLOOR], [-FLOOR, FLOOR], 0.0);
     let mut floor = sheet("floor", SIZE, corners, CHART);
     let mut body = mesh("box");
@@ -50,8 +50,8 @@ pub(super) fn bake(lab: &Lab, kind: Kind, place: impl Fn(DVec3) -> DVec3) -> Res
     if kind == Kind::Inverted {
         invert(&mut body);
     }
-    map(&mut floor, &place);
-    map(&mut body, &place);
+    place.put(&mut floor);
+    place.put(&mut body);
     let materials = vec![material(kind == Kind::DoubleSided)];
     lab.bake(
         "T3",
@@ -60,7 +60,7 @@ pub(super) fn bake(lab: &Lab, kind: Kind, place: impl Fn(DVec3) -> DVec3) -> Res
     )
 }
 
-/// The diffuse term of a point whose place before the map is given, `None` where it is inside the box or below the floor.
+/// The diffuse term of a point whose place at home is given, `None` where it is inside the box or below the floor.
 ///
 /// The box takes from the floor the form factors of its upright faces that look at the point; the floor takes its own
 /// from the upper half of the box. Neither is behind anything else.
@@ -107,7 +107,7 @@ pub(super) fn rows(lab: &Lab) -> Result<Vec<Row>, Error> {
         ("inverted box", Kind::Inverted),
         ("double-sided box", Kind::DoubleSided),
     ] {
-        let baked = bake(lab, kind, |p| p)?;
+        let baked = bake(lab, kind, Place::HOME)?;
         let judged = baked.judge(PER_EDGE, |point| truth(kind, point, point.position));
         let best = best_errors(SIZE, &targets(&judged));
         let limit = judged

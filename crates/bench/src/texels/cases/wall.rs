@@ -4,7 +4,7 @@ use super::scene;
 use crate::exact::shapes;
 use crate::texels::Error;
 use crate::texels::bake::{Baked, Lab, PER_EDGE, Texels, score};
-use crate::texels::build::{level, map, sheet};
+use crate::texels::build::{Place, level, sheet};
 use crate::texels::points::Point;
 use crate::texels::row::Row;
 use glam::DVec3;
@@ -16,12 +16,8 @@ const CHART: [f64; 4] = [4.37, 4.0, 52.37, 36.0];
 /// Height of the wall, and how far it reaches to both sides.
 const WALL: (f64, f64) = (1.0, 100.0);
 
-/// The floor at a density in texels per unit before its wall, every position mapped.
-pub(super) fn bake(
-    lab: &Lab,
-    density: f64,
-    place: impl Fn(DVec3) -> DVec3,
-) -> Result<Baked, Error> {
+/// The floor at a density in texels per unit before its wall.
+pub(super) fn bake(lab: &Lab, density: f64, place: Place) -> Result<Baked, Error> {
     let [left, top, right, bottom] = CHART;
     let half = 0.5 * (bottom - top) / density;
     let corners = level([0.0, (right - left) / density], [-half, half], 0.0);
@@ -39,8 +35,8 @@ pub(super) fn bake(
         corners.map(DVec3::from),
         [56.0, 4.0, 60.0, 60.0],
     );
-    map(&mut floor, &place);
-    map(&mut wall, &place);
+    place.put(&mut floor);
+    place.put(&mut wall);
     lab.bake(
         "T1",
         scene("T1", vec![floor, wall], vec![])?,
@@ -48,7 +44,7 @@ pub(super) fn bake(
     )
 }
 
-/// The diffuse term of a point of the floor whose place before the map is given. The wall is finite, and so is its
+/// The diffuse term of a point of the floor whose place at home is given. The wall is finite, and so is its
 /// formula.
 pub(super) fn truth(point: &Point, home: DVec3) -> Option<f64> {
     let (height, reach) = WALL;
@@ -60,7 +56,7 @@ pub(super) fn truth(point: &Point, home: DVec3) -> Option<f64> {
 pub(super) fn rows(lab: &Lab) -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
     for density in [16.0, 256.0] {
-        let baked = bake(lab, density, |p| p)?;
+        let baked = bake(lab, density, Place::HOME)?;
         let judged = baked.judge(PER_EDGE, |point| truth(point, point.position));
         let score = score(&judged);
         // The first column of texels lies 0.63 of a texel deep in the chart.
