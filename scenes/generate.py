@@ -963,6 +963,336 @@ def lamp():
 
 
 # ---------------------------------------------------------------------------------------------------
+# Scenes that failed: what a game level asks of a lightmap baker. Single-sided materials, so that a body has an inside.
+
+
+class Level:
+    """A glTF scene that takes the same calls as `Obj`: objects of one material, placed as often as asked."""
+
+    def __init__(self, answer, palette):
+        self.gltf, self.places, self.faces = Gltf(answer), {}, {}
+        self.names = list(palette)
+        self.gltf.json["materials"] = [
+            {"name": name, "pbrMetallicRoughness": {"baseColorFactor": [*color, 1], "metallicFactor": 0, "roughnessFactor": 1}}
+            for name, color in palette.items()
+        ]
+
+    def object(self, name, material, places=None):
+        """Faces from here on belong to `name`; `places` are (name, fields of a node) instead of one at the origin."""
+        self.faces[name] = (material, [])
+        self.places[name] = places or [(name, {})]
+        self.current = self.faces[name][1]
+
+    def face(self, points, uvs=None, normals=None):
+        self.current.append((points, uvs, normals))
+
+    def build(self):
+        for name, (material, faces) in self.faces.items():
+            known, rows, indices = {}, [], []
+            for points, uvs, normals in faces:
+                corners = []
+                for k, point in enumerate(points):
+                    key = tuple(single(x) for x in (*point, *normals[k], *(uvs[k] if uvs else ())))
+                    if key not in known:
+                        known[key] = len(rows)
+                        rows.append(key)
+                    corners.append(known[key])
+                for k in range(1, len(corners) - 1):
+                    indices += [corners[0], corners[k], corners[k + 1]]
+            uv_sets = [[row[6:] for row in rows]] if len(rows[0]) > 6 else []
+            mesh = self.gltf.mesh(name, [r[:3] for r in rows], [r[3:6] for r in rows], uv_sets, indices, self.names.index(material))
+            for node, fields in self.places[name]:
+                self.gltf.node(node, mesh=mesh, **fields)
+        return self.gltf
+
+
+def single(x):
+    """`x` to seven decimals as a 32-bit number, so that no processor's last digit shows."""
+    return struct.unpack("<f", struct.pack("<f", round(x, 7) + 0.0))[0]
+
+
+def stand(x, y, z, degrees=0.0, **fields):
+    """Fields of a node at a place, turned about +y."""
+    half = math.radians(degrees) / 2
+    place = {"translation": [x, y, z]}
+    if degrees:
+        place["rotation"] = [0, round(math.sin(half), 9), 0, round(math.cos(half), 9)]
+    return place | fields
+
+
+def box(level, low, high):
+    """A closed box, bottom included."""
+    block(level, low, high, bottom=True)
+
+
+def prism(level, outline, low, high):
+    """A closed body between z = low and z = high over a convex outline in x and y, counter-clockwise seen from +z."""
+    flat_face(level, [(x, y, high) for x, y in outline])
+    flat_face(level, [(x, y, low) for x, y in reversed(outline)])
+    for (xa, ya), (xb, yb) in zip(outline, outline[1:] + outline[:1]):
+        flat_face(level, [(xa, ya, high), (xa, ya, low), (xb, yb, low), (xb, yb, high)])
+
+
+def tube(level, centre, radius, low, high, segments):
+    """A closed cylinder along z, smooth round its axis."""
+    ring = [(math.cos(2 * math.pi * k / segments), math.sin(2 * math.pi * k / segments)) for k in range(segments)]
+    for k, (xa, ya) in enumerate(ring):
+        xb, yb = ring[(k + 1) % segments]
+        points = [(xa, ya, high), (xa, ya, low), (xb, yb, low), (xb, yb, high)]
+        points = [(centre[0] + radius * x, centre[1] + radius * y, centre[2] + z) for x, y, z in points]
+        level.face(points, None, [(xa, ya, 0), (xa, ya, 0), (xb, yb, 0), (xb, yb, 0)])
+    for z, turn in ((high, 1), (low, -1)):
+        flat_face(level, [(centre[0] + radius * x, centre[1] + radius * y, centre[2] + z) for x, y in ring[::turn]])
+
+
+TOWN_COLORS = {"grass": (0.25, 0.35, 0.15), "asphalt": (0.2, 0.2, 0.2), "paving": (0.5, 0.5, 0.48), "plaster": (0.7, 0.65, 0.55),
+               "tiles": (0.45, 0.2, 0.12), "wood": (0.35, 0.25, 0.15), "glass": (0.1, 0.12, 0.14)}
+
+
+def town():
+    level = Level(
+        "24 houses of three kinds along a street on a ground of 2 km x 2 km (y-up, metres): one plane holds 99.8 % of the area",
+        TOWN_COLORS,
+    )
+    level.object("ground", "grass")
+    flat_face(level, [(-1000, 0, -1000), (-1000, 0, 1000), (1000, 0, 1000), (1000, 0, -1000)])
+    level.object("street", "asphalt")
+    box(level, (-70, -0.2, -3), (70, 0.05, 3))
+    for side, name in [(-1, "north"), (1, "south")]:
+        level.object(f"pavement_{name}", "paving")
+        box(level, (-70, -0.2, min(3 * side, 5 * side)), (70, 0.17, max(3 * side, 5 * side)))
+    for kind, (width, depth, eaves, rise) in enumerate([(9, 7, 5.4, 2.6), (7, 8, 3.0, 3.4), (11, 7.5, 5.8, 2.0)]):
+        places = []
+        for k in range(8):
+            n = 3 * k + kind
+            side = 1 if n % 2 else -1
+            places.append((n, stand(-63.25 + 11.5 * (n // 2), 0, side * (11.5 + 0.4 * ((5 * n) % 4)), 180 if side > 0 else 0)))
+        def named(part):
+            return [(f"house_{n:02}_{part}", dict(fields)) for n, fields in sorted(places, key=lambda place: place[0])]
+
+        w, d = width / 2, depth / 2
+        level.object(f"walls_{kind}", "plaster", named("walls"))
+        # The outline of a gable along z, sunk in the ground.
+        prism(level, [(-w, -0.3), (w, -0.3), (w, eaves), (0, eaves + rise), (-w, eaves)], -d, d)
+        level.object(f"roof_{kind}", "tiles", named("roof"))
+        slope = rise / w
+        for s in (-1, 1):
+            # A slab 0.18 thick that overhangs by 0.45 and sinks 0.06 into the walls.
+            run = w + 0.45
+            slab = [(0, eaves + rise - 0.06), (s * run, eaves + rise - 0.06 - slope * run),
+                    (s * run, eaves + rise + 0.12 - slope * run), (0, eaves + rise + 0.12)]
+            prism(level, slab if s > 0 else slab[::-1], -d - 0.4, d + 0.4)
+        box(level, (w * 0.4, eaves + rise * 0.3, -0.9), (w * 0.4 + 0.6, eaves + rise + 0.8, -0.3))
+        level.object(f"frames_{kind}", "wood", named("frames"))
+        holes = []
+        for floor_y in (1.0, 3.6) if eaves > 4 else (1.0,):
+            for x in (-0.6 * w, 0, 0.6 * w):
+                if (x, floor_y) != (0, 1.0):
+                    holes.append((x, floor_y))
+        for x, y in holes:
+            for z, out in ((d, 1), (-d, -1)):
+                lo, hi = sorted((z - 0.1 * out, z + 0.07 * out))
+                box(level, (x - 0.6, y, lo), (x - 0.5, y + 1.3, hi))
+                box(level, (x + 0.5, y, lo), (x + 0.6, y + 1.3, hi))
+                box(level, (x - 0.7, y - 0.1, lo), (x + 0.7, y, hi + 0.08 * (out > 0)))
+                box(level, (x - 0.6, y + 1.3, lo), (x + 0.6, y + 1.4, hi))
+        box(level, (-0.55, 0, d - 0.1), (0.55, 2.1, d + 0.05))
+        box(level, (-0.9, -0.1, d - 0.1), (0.9, 0.15, d + 0.9))
+        level.object(f"panes_{kind}", "glass", named("panes"))
+        for x, y in holes:
+            for z, out in ((d, 1), (-d, -1)):
+                lo, hi = sorted((z - 0.1 * out, z + 0.02 * out))
+                box(level, (x - 0.5, y, lo), (x + 0.5, y + 1.3, hi))
+    return level.build()
+
+
+INTERIOR_COLORS = {"plaster": (0.75, 0.72, 0.66), "boards": (0.45, 0.3, 0.18), "wood": (0.5, 0.36, 0.22), "cloth": (0.4, 0.12, 0.1),
+                   "glaze": (0.2, 0.35, 0.5)}
+
+
+def interior():
+    level = Level(
+        "a furnished room of 6 m x 2.8 m x 4 m made of abutting panels 0.2 m thick, with a door opening and a window (y-up, metres)",
+        INTERIOR_COLORS,
+    )
+    tiles = [(f"{i}{j}", 2 * i - 2.0, 2 * j - 1.0) for i in range(3) for j in range(2)]
+    level.object("floor_panel", "boards", [(f"floor_{n}", stand(x, 0, z)) for n, x, z in tiles])
+    box(level, (-1, -0.2, -1), (1, 0, 1))
+    level.object("ceiling_panel", "plaster", [(f"ceiling_{n}", stand(x, 2.8, z)) for n, x, z in tiles])
+    box(level, (-1, 0, -1), (1, 0.2, 1))
+    # Panels look along +z from their origin; the back wall is whole, the front has the door, the left side the window.
+    back = [(f"wall_back_{i}", stand(2 * i - 2.0, 0, -2)) for i in range(3)]
+    front = [(f"wall_front_{i}", stand(2 * i - 2.0, 0, 2, 180)) for i in range(2)]
+    right = [(f"wall_right_{j}", stand(3, 0, 2 * j - 1.0, -90)) for j in range(2)]
+    level.object("wall_panel", "plaster", back + front + right + [("wall_left_1", stand(-3, 0, 1, 90))])
+    box(level, (-1, 0, -0.2), (1, 2.8, 0))
+    level.object("door_panel", "plaster", [("wall_front_2", stand(2, 0, 2, 180))])
+    for low, high in [((-1, 0), (-0.45, 2.8)), ((0.45, 0), (1, 2.8)), ((-0.45, 2.05), (0.45, 2.8))]:
+        box(level, (*low, -0.2), (*high, 0))
+    level.object("window_panel", "plaster", [("wall_left_0", stand(-3, 0, -1, 90))])
+    for low, high in [((-1, 0), (-0.6, 2.8)), ((0.6, 0), (1, 2.8)), ((-0.6, 0), (0.6, 0.9)), ((-0.6, 2.1), (0.6, 2.8))]:
+        box(level, (*low, -0.2), (*high, 0))
+    level.object("skirting", "wood")
+    box(level, (-3, 0, -2), (3, 0.08, -1.985))
+    level.object("table", "wood")
+    box(level, (-1.2, 0.72, -0.45), (0.4, 0.76, 0.45))
+    for x in (-1.15, 0.29):
+        for z in (-0.4, 0.34):
+            box(level, (x, 0, z), (x + 0.06, 0.73, z + 0.06))
+    seats = [(-0.8, 0.6, 180), (0.05, 0.62, 172), (-0.75, -0.62, 4), (0.0, -0.6, -9)]
+    level.object("chair", "wood", [(f"chair_{n}", stand(x, 0, z, turn)) for n, (x, z, turn) in enumerate(seats)])
+    box(level, (-0.21, 0.43, -0.21), (0.21, 0.46, 0.21))
+    for x in (-0.2, 0.16):
+        for z in (-0.2, 0.16):
+            box(level, (x, 0, z), (x + 0.04, 0.44 if z > 0 else 0.92, z + 0.04))
+    box(level, (-0.19, 0.62, -0.195), (0.19, 0.9, -0.175))
+    level.object("shelf", "wood")
+    for x in (1.4, 2.77):
+        box(level, (x, 0, -1.985), (x + 0.03, 2.0, -1.65))
+    for y in (0.05, 0.5, 0.95, 1.4, 1.85):
+        box(level, (1.42, y, -1.98), (2.78, y + 0.03, -1.66))
+    level.object("books", "cloth")
+    for n in range(14):
+        x, y = 1.5 + 0.06 * (n % 7) + 0.5 * (n // 7), 0.53 + 0.45 * (n // 7)
+        box(level, (x, y, -1.97), (x + 0.045, y + 0.22 + 0.02 * (n * n % 5), -1.76))
+    level.object("rug", "cloth")
+    box(level, (-1.9, 0, -1.1), (1.1, 0.012, 1.1))
+    level.object("vase", "glaze", [("vase_table", stand(-0.4, 0.76, 0)), ("vase_shelf", stand(2.1, 1.43, -1.82))])
+    lathe(level, (0, 0, 0), [(0, 0), (0.05, 0), (0.085, 0.07), (0.08, 0.13), (0.035, 0.2), (0.05, 0.24)], 24)
+    lathe(level, (0, 0, 0), [(0.05, 0.24), (0.03, 0.2), (0.07, 0.12), (0, 0.02)], 24)
+    return level.build()
+
+
+VEHICLE_COLORS = {"asphalt": (0.22, 0.22, 0.22), "kerb": (0.5, 0.5, 0.48), "red": (0.5, 0.06, 0.05), "white": (0.7, 0.7, 0.68),
+                  "rubber": (0.05, 0.05, 0.05), "chrome": (0.5, 0.5, 0.5), "dark": (0.1, 0.11, 0.13)}
+
+
+def vehicles():
+    level = Level(
+        "two cars and a van on a parking place, wheels sunk in bodies and ground, parts that stand in one another (y-up, metres)",
+        VEHICLE_COLORS,
+    )
+    level.object("parking", "asphalt")
+    flat_face(level, [(-9, 0, -6), (-9, 0, 6), (9, 0, 6), (9, 0, -6)])
+    level.object("kerb", "kerb")
+    box(level, (-9, -0.1, -5), (9, 0.14, -4.4))
+    parked = {"car": [("car_0", -4, 0.2, 86), ("car_1", -0.4, -0.1, 93)], "van": [("van", 3.6, -0.3, 90)]}
+
+    def on(kind, part):
+        return [(f"{name}_{part}", stand(x, 0, z, turn)) for name, x, z, turn in parked[kind]]
+
+    side = [(-2.1, 0.28), (2.1, 0.28), (2.15, 0.62), (1.9, 0.78), (-2.1, 0.86), (-2.15, 0.5)]
+    level.object("car_body", "red", on("car", "body"))
+    prism(level, side, -0.85, 0.85)
+    level.object("car_cabin", "dark", on("car", "cabin"))
+    # Sunk 0.2 into the body.
+    prism(level, [(-1.6, 0.6), (1.1, 0.6), (0.45, 1.4), (-1.1, 1.42)], -0.74, 0.74)
+    level.object("car_trim", "chrome", on("car", "trim"))
+    for x in (-2.2, 2.08):
+        box(level, (x, 0.36, -0.88), (x + 0.14, 0.52, 0.88))
+    box(level, (-1.15, 1.36, -0.8), (0.4, 1.46, -0.7))
+    box(level, (-1.15, 1.36, 0.7), (0.4, 1.46, 0.8))
+    tube(level, (-2.2, 0.3, 0.0), 0.04, -0.55, -0.47, 12)
+    for z in (-0.85, 0.85):
+        box(level, (0.7, 0.86, min(z, z * 1.2)), (0.82, 0.98, max(z, z * 1.2)))
+        box(level, (-0.2, 0.7, z - 0.02), (0.0, 0.74, z + 0.02))
+    level.object("van_body", "white", on("van", "body"))
+    prism(level, [(-2.6, 0.35), (2.6, 0.35), (2.65, 0.95), (1.9, 1.25), (1.5, 2.15), (-2.6, 2.2)], -0.98, 0.98)
+    level.object("van_trim", "dark", on("van", "trim"))
+    box(level, (-2.66, 0.4, -1.0), (-2.5, 0.62, 1.0))
+    box(level, (2.5, 0.4, -1.0), (2.72, 0.66, 1.0))
+    for x in (-2.2, -0.9, 0.4):
+        box(level, (x, 2.1, -0.9), (x + 0.08, 2.32, 0.9))
+    for z in (-0.8, 0.74):
+        box(level, (-2.4, 2.26, z), (0.8, 2.32, z + 0.06))
+    # A ladder that passes through the rack, and a box that stands half in the roof.
+    for z in (-0.3, 0.1):
+        box(level, (-2.9, 2.28, z), (1.4, 2.36, z + 0.06))
+    for k in range(9):
+        box(level, (-2.7 + 0.45 * k, 2.3, -0.3), (-2.66 + 0.45 * k, 2.34, 0.16))
+    box(level, (-1.9, 1.9, 0.25), (-0.9, 2.5, 0.7))
+    wheels = []
+    for kind, axles, track in [("car", (-1.35, 1.35), 0.78), ("van", (-1.7, 1.75), 0.9)]:
+        for name, x, z, turn in parked[kind]:
+            for a, along in enumerate(axles):
+                for b, across in enumerate((-track, track)):
+                    hub = add(turn_y((along, 0.29, across), turn), (x, 0, z))
+                    wheels.append((f"{name}_wheel_{a}{b}", stand(*(round(c, 6) for c in hub), turn)))
+    level.object("wheel", "rubber", wheels)
+    # 0.03 into the ground, half of its width in the body.
+    tube(level, (0, 0, 0), 0.32, -0.11, 0.11, 24)
+    level.object("rim", "chrome", [(name.replace("wheel", "rim"), dict(fields)) for name, fields in wheels])
+    tube(level, (0, 0, 0), 0.2, -0.125, 0.125, 16)
+    level.object("bollards", "kerb")
+    for x in (-6.5, 1.6, 7.4):
+        lathe(level, (x, -0.2, -3.9), [(0.11, 0), (0.11, 1.1), (0, 1.16)], 16)
+    return level.build()
+
+
+PALM_COLORS = {"water": (0.05, 0.2, 0.25), "sand": (0.7, 0.6, 0.4), "bark": (0.35, 0.27, 0.18), "leaf": (1, 1, 1)}
+
+
+def palm():
+    level = Level(
+        "three palms with alpha-masked leaves on a sandbank in a water plane of 4 km x 4 km (y-up, metres)", PALM_COLORS
+    )
+    leaf = level.gltf.json["materials"][3]
+    leaf |= {"alphaMode": "MASK", "alphaCutoff": 0.5, "doubleSided": True}
+    leaf["pbrMetallicRoughness"]["baseColorTexture"] = {"index": 0}
+    level.gltf.json["images"] = [{"uri": "palm_leaf.png"}]
+    level.gltf.json["samplers"] = [{"magFilter": 9729, "minFilter": 9987, "wrapS": 33071, "wrapT": 33071}]
+    level.gltf.json["textures"] = [{"source": 0, "sampler": 0}]
+    level.object("water", "water")
+    flat_face(level, [(-2000, 0, -2000), (-2000, 0, 2000), (2000, 0, 2000), (2000, 0, -2000)])
+    level.object("sandbank", "sand")
+    # The outer rings lie under the water.
+    lathe(level, (0, 0, 0), [(14, -1.6), (11, -0.5), (8.5, 0.05), (5, 0.7), (2, 0.95), (0, 1.0)], 32)
+    places = [("a", 0, 0.9, 0, 10, 1.0), ("b", 2.6, 0.75, 1.4, 140, 0.8), ("c", -2.2, 0.8, 1.9, 255, 0.7)]
+    trunk = [(f"palm_{n}_trunk", stand(x, y, z, turn, scale=[s, s, s])) for n, x, y, z, turn, s in places]
+    level.object("trunk", "bark", trunk)
+    rings = []
+    for k in range(13):
+        t = k / 12
+        r = 0.24 * (1 - 0.5 * t) + (0.14 * (1 - 6 * t) if k < 2 else 0)
+        turns = [-2 * math.pi * i / 14 for i in range(14)]
+        rings.append([(1.3 * t * t + r * math.cos(a), -0.3 + 6.8 * t, r * math.sin(a)) for a in turns])
+    loft(level, rings)
+    cap(level, rings[-1])
+    level.object("crown", "leaf", [(f"palm_{n}_crown", dict(fields)) for (n, *_), (_, fields) in zip(places, trunk)])
+    for n in range(13):
+        turn, lift = 360 * n / 13 + 9 * (n % 3), 0.5 - 0.28 * (n % 4)
+        spine = []
+        for k in range(6):
+            t = k / 5
+            spine.append((0.1 + 2.7 * t, 6.45 + 2.0 * lift * t - (1.2 + 0.3 * lift) * t * t))
+        for k, ((xa, ya), (xb, yb)) in enumerate(zip(spine, spine[1:])):
+            for s in (-1, 1):
+                # Two halves that hang like a roof.
+                inner, outer = (xa, ya, 0), (xa, ya - 0.22, s * 0.5)
+                points = [inner, outer, (xb, yb - 0.22, s * 0.5), (xb, yb, 0)]
+                uvs = [(k / 5, 0.5), (k / 5, 0.5 + 0.5 * s), ((k + 1) / 5, 0.5 + 0.5 * s), ((k + 1) / 5, 0.5)]
+                if s < 0:
+                    points, uvs = points[::-1], uvs[::-1]
+                points = [add(turn_y(p, turn), (1.3, 0, 0)) for p in points]
+                normal = unit(cross(sub(points[1], points[0]), sub(points[2], points[0])))
+                level.face(points, uvs, [normal] * 4)
+    return level.build()
+
+
+def palm_leaf():
+    """A feather leaf: the base left, the tip right, fronds slanting off the rib."""
+    width, height, rgba = 96, 48, []
+    for y in range(height):
+        for x in range(width):
+            along, off = (x + 0.5) / width, abs((y + 0.5) / height - 0.5) * 2
+            reach = 0.95 * math.sqrt(max(0.0, 1 - (1.6 * along - 0.7) ** 2)) if along > 0.06 else 0
+            frond = (16 * (along - 0.25 * off)) % 1 < 0.62
+            keep = off < 0.06 or (off < reach and frond)
+            rgba += [60 + 40 * frond, 110, 45, 255 if keep else 0]
+    return png(width, height, rgba)
+
+
+# ---------------------------------------------------------------------------------------------------
 # An environment
 
 
@@ -1036,6 +1366,11 @@ def scenes(detail):
     yield "lamp.obj", lamp().text()
     yield "lamp.mtl", LAMP_MATERIALS
     yield "sky.hdr", sky()
+    yield "town.gltf", town().text()
+    yield "interior.gltf", interior().text()
+    yield "vehicles.gltf", vehicles().text()
+    yield "palm.gltf", palm().text()
+    yield "palm_leaf.png", palm_leaf()
 
 
 def main():

@@ -27,3 +27,4 @@ mod shading;
 mod sky;
 mod stopped;
 mod support;
+mod texels;

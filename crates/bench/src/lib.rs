@@ -18,6 +18,7 @@ pub mod speed;
 pub mod summary;
 pub mod tables;
 mod tables_truth;
+pub mod texels;
 
 /// What is baked: page 0 of an atlas over a world.
 #[derive(Clone, Copy)]

@@ -35,7 +35,7 @@ pub struct Plan {
 }
 
 /// What decides the values of a bake.
-#[derive(ClapArgs)]
+#[derive(Clone, ClapArgs)]
 pub struct Job {
     /// Page edge in texels
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=16384))]

@@ -8,12 +8,12 @@ use std::path::PathBuf;
 #[derive(ClapArgs)]
 pub struct Args {
     /// Scene file: .obj, .gltf or .glb
-    #[arg(required_unless_present_any = ["samplers", "hard", "maps", "tables"])]
+    #[arg(required_unless_present_any = ["samplers", "hard", "maps", "tables", "texels"])]
     pub scene: Option<PathBuf>,
     #[command(flatten)]
     pub job: Job,
     /// Directory for bench.csv, bench.svg and bench.md; it is made if needed
-    #[arg(short = 'o', long = "output", value_name = "DIR", required_unless_present_any = ["samplers", "ceiling", "grain", "hard"])]
+    #[arg(short = 'o', long = "output", value_name = "DIR", required_unless_present_any = ["samplers", "ceiling", "grain", "hard", "texels"])]
     pub output: Option<PathBuf>,
     /// Only the ratio of a bake to the bare loop of rtcOccluded16 over its packets
     #[arg(long, conflicts_with = "samplers")]
@@ -34,6 +34,10 @@ pub struct Args {
     /// tables.md in DIR
     #[arg(long, conflicts_with_all = ["scene", "samplers", "ceiling", "hard", "maps"])]
     pub tables: bool,
+    /// Only the ten scenes that break lightmaps, judged on their surfaces: a Markdown table, with -o also texels.csv and
+    /// texels.md in DIR; exit 1 if one fails. With a scene: page use, buried texels, seams and grain of its bake
+    #[arg(long, conflicts_with_all = ["samplers", "ceiling", "hard", "maps", "tables"])]
+    pub texels: bool,
     /// Repeats of every measurement
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
     pub repeats: u32,

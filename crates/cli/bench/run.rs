@@ -29,6 +29,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if args.tables {
         return shading(args);
     }
+    if args.texels {
+        return super::texels::run(args);
+    }
     let scene = args.scene.as_deref().context("no scene was given")?;
     if args.ceiling {
         return to_ceiling(args, scene);

@@ -1,0 +1,69 @@
+//! The ten scenes at few rays: what holds whatever else is done to a page.
+
+use super::bake::Lab;
+use super::cases;
+use super::row::{Row, markdown};
+use rays::{BackendKind, Layout};
+
+fn rows(test: &str, rays: u32) -> Vec<Row> {
+    let lab = Lab {
+        kind: BackendKind::Obvhs(Layout::default()),
+        backend: "obvhs",
+        rays,
+    };
+    let number: usize = test[1..].parse().expect("T and a number");
+    let rows = cases::ALL[number - 1](&lab).expect("every scene is baked");
+    assert!(
+        rows.iter()
+            .all(|row| row.test == test && row.score.points > 0)
+    );
+    rows
+}
+
+/// Asserts that the rows of a scene hold that `pick` takes by their variant, and that there are some.
+fn holds(test: &str, rays: u32, pick: impl Fn(&str) -> bool) {
+    let mut rows = rows(test, rays);
+    rows.retain(|row| pick(&row.variant));
+    assert!(!rows.is_empty(), "{test}: no such variant");
+    let text = markdown(&rows);
+    assert!(rows.iter().all(Row::holds), "\n{text}");
+}
+
+#[test]
+fn first_texels_before_a_wall_hold_the_average_of_what_is_left_of_them() {
+    holds("T1", 64, |_| true);
+}
+
+#[test]
+fn a_sphere_that_touches_the_floor_leaves_no_light_at_the_contact() {
+    holds("T2", 16, |_| true);
+}
+
+#[test]
+fn a_closed_room_of_panels_is_dark_to_the_last_bit() {
+    holds("T4", 16, |variant| !variant.contains("overlap"));
+}
+
+#[test]
+fn a_seam_of_six_charts_is_found_and_solved_at_no_cost() {
+    // The step is held at the rays that the criterion is stated for; here the solver must not raise the error.
+    let rows = rows("T6", 64);
+    let (steps, errors): (Vec<_>, Vec<_>) = rows.iter().partition(|r| r.criterion.contains("step"));
+    assert!(steps.iter().all(|row| row.measured < 0.05), "{steps:?}");
+    assert!(errors.iter().all(|row| row.holds()), "{errors:?}");
+}
+
+#[test]
+fn triangles_smaller_than_a_texel_have_their_own_value() {
+    holds("T7", 16, |_| true);
+}
+
+#[test]
+fn scale_and_distance_change_nothing() {
+    holds("T8", 64, |_| true);
+}
+
+#[test]
+fn cards_plates_and_coincident_quads_read_as_they_should() {
+    holds("T9", 64, |_| true);
+}
