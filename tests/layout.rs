@@ -101,7 +101,7 @@ fn a_density_by_name_is_law() {
         let density = number(&object(&layout, name)["density"]);
         assert!((density / asked - 1.0).abs() < 1e-3, "{name}: {density}");
     }
-    let layout = planned(&[text(&file), "--density=0.4", "--size=512"]);
+    let layout = planned(&[text(&file), "--density=0.4", "--size=1024"]);
     for name in ["ground", "house_0", "crate_0"] {
         let density = number(&object(&layout, name)["density"]);
         assert!((density / 0.4 - 1.0).abs() < 1e-3, "{name}: {density}");

@@ -2,13 +2,14 @@
 
 use crate::audit::audit;
 use crate::charts::{Sheet, sheets};
+use crate::hidden::hide;
 use crate::mask::Mask;
 use crate::measure::{AS_IT_STANDS, density};
 use crate::objects::Object;
 use crate::pack::{Frame, Shape, Spot, pack};
 use crate::search::{Cut, Found, search};
 use crate::uv::twice_area;
-use crate::{Atlas, Audit, Error, MeshLayout, Options, Placement, UvSource};
+use crate::{Atlas, Audit, Error, MeshLayout, Options, Placement, Seen, UvSource};
 use glam::{DVec2, Vec2};
 use rayon::prelude::*;
 use scene::Scene;
@@ -28,6 +29,7 @@ pub(crate) fn unwrap(
     scene: &Scene,
     objects: &[Object],
     options: &Options,
+    seen: Option<&Seen<'_>>,
     cancel: &(dyn Fn() -> bool + Sync),
 ) -> Result<Atlas, Error> {
     let mut object_of = vec![0; scene.instances.len()];
@@ -37,7 +39,18 @@ pub(crate) fn unwrap(
         }
     }
     let included: Vec<bool> = object_of.iter().map(|&o| objects[o].included).collect();
-    let sheets = sheets(scene, &included, cancel)?;
+    let mut sheets = sheets(scene, &included, cancel)?;
+    let mut objects = objects.to_vec();
+    if let Some(seen) = seen {
+        hide(&mut sheets, seen);
+        for sheet in &sheets {
+            let hidden = sheet.hidden_area();
+            for (&i, scale) in sheet.instances.iter().zip(&sheet.scales) {
+                let area = &mut objects[object_of[i as usize]].area;
+                *area = (*area - hidden * scale * scale).max(0.0);
+            }
+        }
+    }
     let cut = |densities: &[f64], draft: bool| {
         let of = |instance: u32| densities[object_of[instance as usize]];
         Ok(cut(&sheets, options.gutter, of, draft))
@@ -46,7 +59,7 @@ pub(crate) fn unwrap(
         densities,
         packed,
         kept,
-    } = search(objects, options, cancel, cut)?;
+    } = search(&objects, options, cancel, cut)?;
     let size = f64::from(options.page_size);
     let mut atlas = Atlas {
         page_size: options.page_size,
@@ -248,6 +261,7 @@ impl Sheet {
         for (chart, spot) in spots.iter().enumerate() {
             let size = DVec2::from(self.size(chart, scale).map(f64::from));
             let corner = DVec2::new(f64::from(spot.x), f64::from(spot.y));
+            let scale = self.scale(chart, scale);
             for &t in &self.charts[chart] {
                 pages[t as usize] = spot.page as u16;
                 for v in self.triangles[t as usize] {

@@ -33,11 +33,30 @@ pub(crate) struct Sheet {
     pub triangles: Vec<[u32; 3]>,
     /// Triangles of each chart; some triangles have none.
     pub charts: Vec<Vec<u32>>,
+    /// Charts that nobody sees: they take one texel.
+    pub hidden: Vec<bool>,
 }
 
 impl Sheet {
+    /// The scale of a chart where its mesh has `scale`.
+    pub fn scale(&self, chart: usize, scale: f64) -> f64 {
+        if !self.hidden[chart] {
+            return scale;
+        }
+        let points = self.charts[chart]
+            .iter()
+            .flat_map(|&t| self.triangles[t as usize]);
+        let extent = points.fold(0.0, |e: f64, v| {
+            e.max(self.points[v as usize].max_element())
+        });
+        let texel = if extent > 0.0 { 1.0 / extent } else { 1.0 };
+        // An object of which nothing is seen has no density of its own.
+        if scale > 0.0 { scale.min(texel) } else { texel }
+    }
+
     /// The corners of a chart's triangles times `scale`.
     pub fn corners(&self, chart: usize, scale: f64) -> impl Iterator<Item = [DVec2; 3]> + '_ {
+        let scale = self.scale(chart, scale);
         let triangles = self.charts[chart].iter();
         triangles.map(move |&t| self.triangles[t as usize].map(|v| self.points[v as usize] * scale))
     }
@@ -199,6 +218,7 @@ fn sheet(
         sources: vertices.iter().map(|&(own, _)| own).collect(),
         points: vertices.iter().map(|&(_, made)| points[made]).collect(),
         triangles,
+        hidden: vec![false; charts.len()],
         charts,
     })
 }

@@ -3,8 +3,11 @@
 use crate::arrange::unwrap;
 use crate::keep::{keep, note};
 use crate::objects::objects;
-use crate::{Atlas, Error, Options, Pages, UvMode, Why};
+use crate::{Atlas, Error, Options, Pages, SurfacePoint, UvMode, Why};
 use scene::Scene;
+
+/// Tells whether a point of a surface can be seen. It is asked from any thread.
+pub type Seen<'a> = dyn Fn(SurfacePoint) -> bool + Sync + 'a;
 
 /// A place on a page for every triangle of every object, audited: nothing overlaps, nothing is missing or outside.
 ///
@@ -18,6 +21,20 @@ use scene::Scene;
 pub fn layout(
     scene: &Scene,
     options: &Options,
+    cancel: &(dyn Fn() -> bool + Sync),
+) -> Result<Atlas, Error> {
+    layout_seen(scene, options, None, cancel)
+}
+
+/// As [`layout`], with the smallest place for charts of which `seen` holds for no sample point: they take a texel.
+///
+/// # Errors
+///
+/// As [`layout`].
+pub fn layout_seen(
+    scene: &Scene,
+    options: &Options,
+    seen: Option<&Seen<'_>>,
     cancel: &(dyn Fn() -> bool + Sync),
 ) -> Result<Atlas, Error> {
     if !(1..=16384).contains(&options.page_size) {
@@ -41,6 +58,10 @@ pub fn layout(
             }
             match keep(scene, &objects, options, set, cancel) {
                 Ok(mut atlas) => {
+                    if seen.is_some() {
+                        let note = "the file's coordinates are kept, so charts that nobody sees keep their size";
+                        notes.push(note.into());
+                    }
                     notes.append(&mut atlas.notes);
                     atlas.notes = notes;
                     return Ok(atlas);
@@ -63,7 +84,7 @@ pub fn layout(
     if cancel() {
         return Err(Error::Cancelled);
     }
-    let mut atlas = unwrap(scene, &objects, options, cancel)?;
+    let mut atlas = unwrap(scene, &objects, options, seen, cancel)?;
     atlas.notes = notes;
     Ok(atlas)
 }

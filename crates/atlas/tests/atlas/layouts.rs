@@ -1,7 +1,10 @@
 //! Layouts: kept, repacked, unwrapped.
 
 use crate::scenes::{ball, cube, mesh, moved, scaled, scene};
-use ambake_atlas::{Atlas, Error, Options, PageRaster, Pages, UvMode, UvSource, Why, layout};
+use ambake_atlas::{
+    Atlas, Error, Options, PageRaster, Pages, SurfacePoint, UvMode, UvSource, Why, layout,
+    layout_seen,
+};
 use glam::{DAffine3, Vec2, Vec3};
 use scene::Scene;
 
@@ -352,4 +355,35 @@ fn a_layout_is_the_same_at_any_thread_count() {
         assert_eq!(a.uvs, b.uvs);
         assert_eq!(a.triangles, b.triangles);
     }
+}
+
+#[test]
+fn charts_that_nobody_sees_leave_their_texels_to_the_others() {
+    let scene = scene(vec![cube()], &[(0, 0, DAffine3::IDENTITY)]);
+    let options = options(UvMode::Unwrap, 256, None);
+    let area = |atlas: &Atlas, triangle: usize| {
+        let layout = &atlas.meshes[0];
+        let [a, b, c] = layout.triangles[triangle].map(|v| layout.uvs[v as usize] * 256.0);
+        0.5 * (b - a).perp_dot(c - a).abs()
+    };
+    let whole = layout(&scene, &options, &|| false).unwrap();
+    // The first face alone, triangles 0 and 1.
+    let seen = |point: SurfacePoint| point.triangle < 2;
+    let atlas = layout_seen(&scene, &options, Some(&seen), &|| false).unwrap();
+    assert_clean(&atlas);
+    assert!(
+        area(&atlas, 0) > 3.0 * area(&whole, 0),
+        "{} texels",
+        area(&atlas, 0)
+    );
+    for triangle in 2..12 {
+        let texels = area(&atlas, triangle);
+        assert!(
+            texels > 0.0 && texels <= 0.501,
+            "triangle {triangle} has {texels} texels"
+        );
+    }
+    // Nothing seen is still a layout.
+    let none = layout_seen(&scene, &options, Some(&|_| false), &|| false).unwrap();
+    assert_clean(&none);
 }
