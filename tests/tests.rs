@@ -4,6 +4,7 @@
 
 mod authored;
 mod broken;
+mod buried;
 mod capture;
 mod cli;
 mod exact;
