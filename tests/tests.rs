@@ -5,6 +5,7 @@
 mod alpha;
 mod authored;
 mod broken;
+mod buried;
 mod capture;
 mod cli;
 mod exact;

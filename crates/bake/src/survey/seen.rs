@@ -41,10 +41,14 @@ impl Seen {
         let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let corners = texel.cells.iter().flat_map(Cell::corners);
         let (low, high) = corners.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
+        let own = texel.cells[0].body;
+        let is_uniform = texel.cells.iter().all(|cell| cell.body == own);
+        // A solid does not bury itself.
+        let matters = |body: &u32| !(is_uniform && own == Some(*body) && solids.is_solid(*body));
         let near: Vec<u32> = near
             .iter()
             .copied()
-            .filter(|&body| solids.reaches(body, low, high))
+            .filter(|body| matters(body) && solids.reaches(*body, low, high))
             .collect();
         if near.is_empty() {
             return Self::ALL;
@@ -58,16 +62,14 @@ impl Seen {
                 cell.corners().map(|corner| tested(corner, geometric))
             })
         };
-        let is_own = |body: u32| texel.cells.iter().any(|cell| cell.body == Some(body));
         let is_open = |u: [f64; 2]| {
             let (sample, body) = texel.sample_of(u);
             let point = tested(sample.position, sample.geometric);
             let depth = |&near: &u32| solids.depth(near, point, body == Some(near));
             near.iter().map(depth).sum::<i32>() <= 0
         };
-        let is_whole = near
-            .iter()
-            .all(|&body| !is_own(body) && !solids.meets(body, corners()));
+        let is_far = |&body: &u32| own == Some(body) || !solids.meets(body, corners());
+        let is_whole = is_uniform && near.iter().all(is_far);
         if is_whole {
             return if is_open([0.5; 2]) { Self::ALL } else { none };
         }

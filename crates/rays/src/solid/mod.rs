@@ -160,6 +160,11 @@ impl Solids {
             .collect()
     }
 
+    /// True for a solid, false for a cavity or a room.
+    pub fn is_solid(&self, body: u32) -> bool {
+        self.bodies[body as usize].inside == Inside::Solid
+    }
+
     /// The longest edge of a closed surface's box, in scene units.
     pub fn extent(&self, body: u32) -> f64 {
         let body = &self.bodies[body as usize];
