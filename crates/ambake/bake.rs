@@ -115,6 +115,24 @@ impl Bake {
         self
     }
 
+    /// Texels that stay empty around every chart that is packed, at most 128; 2 by default.
+    pub fn gutter(mut self, texels: u32) -> Self {
+        self.options.gutter = texels;
+        self
+    }
+
+    /// Mip levels on which no look-up mixes packed charts, at most 6; 0 by default.
+    pub fn mips(mut self, levels: u32) -> Self {
+        self.options.mips = levels;
+        self
+    }
+
+    /// Edge in texels of the blocks that never hold texels of two packed charts, 1..=16; 1, for none, by default.
+    pub fn align(mut self, texels: u32) -> Self {
+        self.options.align = texels;
+        self
+    }
+
     /// Rays per texel over the hemisphere, at least 1; the specular lobe takes as many again where a material needs it.
     pub fn rays(mut self, rays: u32) -> Self {
         self.options.effort = Effort::Rays(rays);

@@ -73,6 +73,12 @@ pub struct Options {
     pub one_page_per_mesh: bool,
     /// Lightmap coordinates.
     pub uv: Uv,
+    /// Texels that stay empty around every chart that is packed, 0..=128.
+    pub gutter: u32,
+    /// Mip levels on which no look-up mixes packed charts, 0..=6: the gutter grows as needed.
+    pub mips: u32,
+    /// Edge in texels of the blocks that never hold texels of two packed charts, 1..=16; 1 for none.
+    pub align: u32,
     /// How many rays a texel takes.
     pub effort: Effort,
     /// Which directions texels share.
@@ -116,6 +122,9 @@ impl Default for Options {
             pages: Pages::Auto,
             one_page_per_mesh: false,
             uv: Uv::Auto,
+            gutter: 2,
+            mips: 0,
+            align: 1,
             effort: Effort::Rays(256),
             pattern: Pattern::Independent,
             denoise: Denoise::Off,
@@ -154,6 +163,20 @@ impl Options {
         }
         if self.pages == Pages::Most(0) {
             return fail("pages", "must be auto or at least 1");
+        }
+        if self.gutter > 128 {
+            return fail("gutter", "must be at most 128");
+        }
+        if self.mips > 6 {
+            return fail("mips", "must be at most 6");
+        }
+        if !self.size.is_multiple_of(1 << self.mips) {
+            let whole = 1 << self.mips;
+            let problem = format!("needs a page size that halves so often: a multiple of {whole}");
+            return fail("mips", &problem);
+        }
+        if !(1..=16).contains(&self.align) {
+            return fail("align", "must be between 1 and 16");
         }
         if !positive(self.max_distance.map(f64::from)) {
             return fail("max-distance", "must be above 0");
@@ -211,6 +234,7 @@ impl Options {
             buried: self.buried,
             max_distance: self.max_distance,
             layers: self.layers.clone(),
+            rings: atlas::RINGS.max(self.layout().gutter),
             overrides: Overrides {
                 albedo: self.albedo,
                 specular: self.specular,
@@ -235,6 +259,7 @@ impl Options {
             exclude: self.exclude.clone(),
             pages: self.pages,
             one_page_per_mesh: self.one_page_per_mesh,
+            gutter: atlas::gutter::needed(self.gutter, self.mips, self.align),
         }
     }
 
@@ -250,6 +275,9 @@ impl Options {
             pages,
             one_page_per_mesh,
             uv,
+            gutter,
+            mips,
+            align,
             effort,
             pattern,
             denoise,
@@ -286,6 +314,9 @@ impl Options {
                 Uv::Keep => "keep",
                 Uv::Unwrap => "unwrap",
             },
+            "gutter": gutter,
+            "mips": mips,
+            "align": align,
             "rays": rays,
             "target_error": target_error,
             "max_rays": max_rays,

@@ -8,7 +8,7 @@ use crate::objects::Object;
 use crate::pack::{Frame, Shape, Spot, pack};
 use crate::search::{Cut, Found, search};
 use crate::uv::twice_area;
-use crate::{Atlas, Audit, Error, GUTTER, MeshLayout, Options, Placement, UvSource};
+use crate::{Atlas, Audit, Error, MeshLayout, Options, Placement, UvSource};
 use glam::{DVec2, Vec2};
 use rayon::prelude::*;
 use scene::Scene;
@@ -124,16 +124,17 @@ struct Tile {
     extent: DVec2,
 }
 
-/// The shapes of all sheets, and the tiles of those that stand in several places.
+/// The shapes of all sheets, and the tiles, with gutters of their own, of those that stand in several places.
 fn cut(
     sheets: &[Sheet],
     density: impl Fn(u32) -> f64 + Sync,
     draft: bool,
+    gutter: u32,
 ) -> Cut<Vec<Option<Tile>>> {
     let cut = |sheet: &Sheet| match sheet.instances[..] {
         [only] => (sheet.shapes(density(only), draft), None),
         _ => {
-            let tile = Tile::of(sheet, &density);
+            let tile = Tile::of(sheet, &density, gutter);
             let shape = |&scale: &f64| {
                 let size = (tile.extent * (scale / tile.scale) - 1e-6)
                     .ceil()
@@ -161,7 +162,7 @@ fn cut(
 }
 
 impl Tile {
-    fn of(sheet: &Sheet, density: impl Fn(u32) -> f64) -> Tile {
+    fn of(sheet: &Sheet, density: impl Fn(u32) -> f64, gutter: u32) -> Tile {
         let instances = sheet.instances.iter().zip(&sheet.scales);
         let mut scales: Vec<f64> = instances.map(|(&i, scale)| scale * density(i)).collect();
         let largest = scales.iter().copied().fold(0.0, f64::max);
@@ -172,14 +173,14 @@ impl Tile {
         let scale = scales.iter().copied().fold(f64::INFINITY, f64::min);
         let shapes = sheet.shapes(scale, false);
         let all: Vec<usize> = (0..shapes.len()).collect();
-        let area: u64 = shapes.iter().map(|s| s[0].grown_area(GUTTER)).sum();
+        let area: u64 = shapes.iter().map(|s| s[0].grown_area(gutter)).sum();
         let widest = shapes
             .iter()
             .map(|s| s[0].width.max(s[0].height))
             .max()
             .unwrap_or(1);
         let mut edge = ((area as f64).sqrt() as u32)
-            .saturating_sub(2 * GUTTER)
+            .saturating_sub(2 * gutter)
             .max(1);
         let spots = loop {
             let (width, height) = (edge.max(widest), edge.max(widest));
@@ -189,7 +190,7 @@ impl Tile {
                 Frame {
                     width,
                     height,
-                    gutter: GUTTER,
+                    gutter,
                     border: 0,
                 },
             ) {

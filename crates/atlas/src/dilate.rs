@@ -1,7 +1,7 @@
 //! Gutters: texels outside every chart take the mean of filled neighbours, ring by ring, so that bilinear and bicubic
 //! look-ups near a chart's border never read void.
 
-/// Rings that a bake fills. Bicubic look-up reads 2; the rest serves the first mip levels.
+/// Rings that a bake fills at least. Bicubic look-up reads 2; the rest helps kept layouts on their first mip levels.
 pub const RINGS: u32 = 4;
 
 /// Which void texels of a page are filled, from which texels: found once, applied to every layer.

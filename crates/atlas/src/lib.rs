@@ -27,6 +27,7 @@ mod error;
 mod facts;
 mod footprint;
 mod glob;
+pub mod gutter;
 mod keep;
 mod layout;
 mod mask;
@@ -51,5 +52,5 @@ pub use raster::PageRaster;
 pub use types::*;
 pub use uv::triangle_uv;
 
-/// Empty texels around every chart: two charts are twice as far apart, so that bicubic look-ups read one of them.
+/// Empty texels around every chart where nothing else is asked for: two charts are twice as far apart, so that bicubic look-ups read one of them.
 pub(crate) const GUTTER: u32 = 2;

@@ -4,7 +4,7 @@ use crate::objects::Object;
 use crate::pack::{Frame, Shape};
 use crate::pages::{Packed, Spread, spread};
 use crate::share::{FLOOR, densities};
-use crate::{Error, GUTTER, Options, Pages};
+use crate::{Error, Options, Pages};
 
 /// Everything to place at some densities.
 pub(crate) struct Cut<T> {
@@ -46,12 +46,12 @@ pub(crate) fn search<T: Send>(
     cancel: &(dyn Fn() -> bool + Sync),
     cut: impl Fn(&[f64], bool) -> Result<Cut<T>, Error> + Sync,
 ) -> Result<Found<T>, Error> {
-    let size = options.page_size;
+    let (size, gutter) = (options.page_size, options.gutter);
     let frame = Frame {
         width: size,
         height: size,
-        gutter: GUTTER,
-        border: GUTTER,
+        gutter,
+        border: gutter,
     };
     let how = |pages| Spread {
         frame,
@@ -88,7 +88,7 @@ pub(crate) fn search<T: Send>(
     {
         let densities = densities(objects, 0.0, size);
         let draft = cut(&densities, true)?;
-        too_large(&draft.shapes, size)?;
+        too_large(&draft.shapes, size, gutter)?;
         let found = attempt(densities, most)?;
         return found.ok_or(Error::PagesFull { pages: most, size });
     }
@@ -99,11 +99,11 @@ pub(crate) fn search<T: Send>(
             return Err(Error::Cancelled);
         }
         let draft = cut(&densities(objects, budget, size), true)?;
-        too_large(&draft.shapes, size).map_or(Ok(f64::INFINITY), |()| {
+        too_large(&draft.shapes, size, gutter).map_or(Ok(f64::INFINITY), |()| {
             Ok(draft
                 .shapes
                 .iter()
-                .map(|s| s[0].grown_area(GUTTER) as f64)
+                .map(|s| s[0].grown_area(gutter) as f64)
                 .sum())
         })
     };
@@ -201,9 +201,9 @@ fn texels(objects: &[Object], densities: &[f64]) -> f64 {
     objects.iter().zip(densities).map(taken).sum()
 }
 
-/// The error that names the largest shape, if one does not fit on a page.
-fn too_large(shapes: &[Shape], size: u32) -> Result<(), Error> {
-    let padded = |shape: &Shape| [shape[0].width + 2 * GUTTER, shape[0].height + 2 * GUTTER];
+/// The error that names the largest shape, if one with its gutter does not fit on a page.
+fn too_large(shapes: &[Shape], size: u32, gutter: u32) -> Result<(), Error> {
+    let padded = |shape: &Shape| [shape[0].width + 2 * gutter, shape[0].height + 2 * gutter];
     match shapes.iter().map(padded).max_by_key(|s| s[0].max(s[1])) {
         Some([width, height]) if width.max(height) > size => Err(Error::ChartTooLarge {
             width,

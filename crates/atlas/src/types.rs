@@ -129,6 +129,9 @@ pub struct Options {
     pub pages: Pages,
     /// `--one-page-per-mesh`: where a mesh does not fit on one page, that is an error.
     pub one_page_per_mesh: bool,
+    /// Texels that stay empty around every chart that is packed, and around every object's own charts: two charts are
+    /// twice as many apart, and a chart is as many from the page's edge. See [`crate::gutter::needed`].
+    pub gutter: u32,
 }
 
 impl Default for Options {
@@ -142,6 +145,7 @@ impl Default for Options {
             exclude: Vec::new(),
             pages: Pages::Auto,
             one_page_per_mesh: false,
+            gutter: crate::GUTTER,
         }
     }
 }

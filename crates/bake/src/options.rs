@@ -37,6 +37,8 @@ pub struct Options {
     pub max_distance: Option<f32>,
     /// Layers to produce, without repeats.
     pub layers: Vec<Layer>,
+    /// Rings of void texels that are filled around charts, at most 250.
+    pub rings: u32,
     /// Values that replace the materials' own.
     pub overrides: Overrides,
     /// Planner choices that are switched off: what they would leave out is modelled all the same.
@@ -182,6 +184,7 @@ impl Default for Options {
             buried: Buried::default(),
             max_distance: None,
             layers: Layer::STANDARD.to_vec(),
+            rings: atlas::RINGS,
             overrides: Overrides::default(),
             switched_off: Vec::new(),
         }

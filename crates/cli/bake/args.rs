@@ -101,6 +101,17 @@ pub struct Job {
     /// Lightmap coordinates: keep the file's, unwrap, or keep them where they are usable
     #[arg(long, value_enum, default_value_t = Uv::Auto)]
     pub uv: Uv,
+    /// Texels kept empty around every chart that is packed: two charts are 2 N texels apart. All of them are filled
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=128))]
+    pub gutter: u32,
+    /// Mip levels of the page on which no bilinear, trilinear or bicubic look-up mixes packed charts: the gutter grows to 4, 9, 19,
+    /// 39 texels for 1, 2, 3, 4 levels
+    #[arg(long, value_name = "L", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=6))]
+    pub mips: u32,
+    /// Blocks of N x N texels never hold texels of two packed charts or their gutters, for compressed textures: 4 for BC, up to
+    /// 12 for ASTC
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
+    pub align: u32,
     #[arg(long, value_name = "A,B,C", value_delimiter = ',', value_parser = layer, help = layer_help("Further layers, separated by commas"))]
     pub layers: Vec<Layer>,
     /// Exactly these layers (coverage is always written); terms that none of them needs are not computed

@@ -19,6 +19,9 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
         args::Uv::Keep => Uv::Keep,
         args::Uv::Unwrap => Uv::Unwrap,
     };
+    options.gutter = job.gutter;
+    options.mips = job.mips;
+    options.align = job.align;
     options.effort = match job.target_error {
         None => Effort::Rays(job.rays),
         Some(error) => Effort::Target {

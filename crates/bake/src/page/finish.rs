@@ -9,7 +9,7 @@ use crate::mend::{Mends, Surface};
 use crate::options::{Denoise, Options, Seams as Scope, Sky};
 use crate::plan::Plan;
 use crate::seams::{Known, Seams};
-use atlas::{Dilation, PageRaster, RINGS};
+use atlas::{Dilation, PageRaster};
 use glam::{DVec3, Vec3};
 use layers::Layer;
 use rayon::prelude::*;
@@ -99,7 +99,7 @@ pub(super) fn finish(
         count_errors(page);
     }
     let gutters = solve_seams(page, options, plan, world, raster, seams);
-    fill_gutters(page, &gutters);
+    fill_gutters(page, options.rings, &gutters);
     compose_asked(page, options);
     page.finished = true;
 }
@@ -311,10 +311,10 @@ fn compose_asked(page: &mut BakedPage, options: &Options) {
     page.planes.sort_by_key(|planes| place(planes.layer));
 }
 
-/// Fills the gutter texels of every layer that dilates, and renews the length of directions there. Values that seams give stand.
-fn fill_gutters(page: &mut BakedPage, of_seams: &Gutters) {
+/// Fills so many rings of gutter texels of every layer that dilates, and renews the length of directions there. Values that seams give stand.
+fn fill_gutters(page: &mut BakedPage, rings: u32, of_seams: &Gutters) {
     let texels = page.texels();
-    let dilation = Dilation::new(&page.planes[0].values, page.size, RINGS);
+    let dilation = Dilation::new(&page.planes[0].values, page.size, rings);
     page.planes
         .par_iter_mut()
         .filter(|planes| planes.layer.dilates())

@@ -38,6 +38,7 @@ pub(super) fn bake(setup: &Setup, case: &str, kind: BackendKind) -> Result<Baked
         buried: Buried::default(),
         max_distance: None,
         layers,
+        rings: atlas::RINGS,
         overrides: Overrides {
             exponent: setup.exponent,
             ..Overrides::default()
