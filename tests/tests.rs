@@ -2,6 +2,7 @@
 
 #![forbid(unsafe_code)]
 
+mod alpha;
 mod authored;
 mod broken;
 mod capture;
@@ -15,9 +16,11 @@ mod layout;
 mod maps;
 mod methods;
 mod models;
+mod normal_maps;
 mod outputs;
 mod parity;
 mod photo;
+mod quads;
 mod readme;
 mod render;
 mod shading;

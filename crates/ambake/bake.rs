@@ -229,6 +229,12 @@ impl Bake {
         }
     }
 
+    /// Whether normal maps of materials bend the shading normals; not by default.
+    pub fn normal_maps(mut self, on: bool) -> Self {
+        self.options.normal_maps = on;
+        self
+    }
+
     /// Lobe exponent of every material, 0..=1e6.
     pub fn exponent(mut self, exponent: f64) -> Self {
         self.options.exponent = Some(exponent);

@@ -2,7 +2,8 @@
 
 use crate::error::Error;
 use crate::options::{Backend, Options};
-use crate::scene::Scene;
+use crate::scene::{Scene, Warning};
+use ::scene::WarningKind;
 use ::bake::{Baker, Decision, Pilot, Plan};
 use atlas::Atlas;
 use rays::{RayBackend, World};
@@ -144,8 +145,11 @@ impl Job {
 
     /// Everything that was repaired, ignored or is doubtful before a ray was cast.
     pub fn warnings(&self) -> Vec<WarningReport> {
-        let of_scene = self.scene.warnings.iter().map(Into::into);
-        of_scene.chain(self.layout.warnings()).collect()
+        let taken_in = |warning: &&Warning| {
+            self.options.normal_maps && warning.kind == WarningKind::IgnoredNormalMaps
+        };
+        let of_scene = self.scene.warnings.iter().filter(|w| !taken_in(w));
+        of_scene.map(Into::into).chain(self.layout.warnings()).collect()
     }
 
     /// What answers rays.

@@ -101,6 +101,8 @@ pub struct Options {
     pub max_distance: Option<f32>,
     /// Layers to produce, coverage first, without repeats.
     pub layers: Vec<Layer>,
+    /// Normal maps of materials bend the shading normals.
+    pub normal_maps: bool,
     /// Diffuse reflectance of every material, linear RGB.
     pub albedo: Option<[f32; 3]>,
     /// Specular reflectance of every material, linear RGB.
@@ -136,6 +138,7 @@ impl Default for Options {
             buried: Buried::Drop,
             max_distance: None,
             layers: Layer::STANDARD.to_vec(),
+            normal_maps: false,
             albedo: None,
             specular: None,
             exponent: None,
@@ -234,6 +237,7 @@ impl Options {
             buried: self.buried,
             max_distance: self.max_distance,
             layers: self.layers.clone(),
+            normal_maps: self.normal_maps,
             rings: atlas::RINGS.max(self.layout().gutter),
             overrides: Overrides {
                 albedo: self.albedo,
@@ -289,6 +293,7 @@ impl Options {
             buried,
             max_distance,
             layers,
+            normal_maps,
             albedo,
             specular,
             exponent,
@@ -346,6 +351,7 @@ impl Options {
             },
             "max_distance": max_distance,
             "layers": layers,
+            "normal_maps": normal_maps,
             "albedo": albedo,
             "specular": specular,
             "exponent": exponent,

@@ -39,6 +39,8 @@ pub struct Options {
     pub layers: Vec<Layer>,
     /// Rings of void texels that are filled around charts, at most 250.
     pub rings: u32,
+    /// Normal maps bend the shading normals.
+    pub normal_maps: bool,
     /// Values that replace the materials' own.
     pub overrides: Overrides,
     /// Planner choices that are switched off: what they would leave out is modelled all the same.
@@ -185,6 +187,7 @@ impl Default for Options {
             max_distance: None,
             layers: Layer::STANDARD.to_vec(),
             rings: atlas::RINGS,
+            normal_maps: false,
             overrides: Overrides::default(),
             switched_off: Vec::new(),
         }

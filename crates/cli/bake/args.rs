@@ -117,6 +117,9 @@ pub struct Job {
     /// Exactly these layers (coverage is always written); terms that none of them needs are not computed
     #[arg(long, value_name = "A,B,C", value_delimiter = ',', value_parser = layer, conflicts_with = "layers")]
     pub only: Vec<Layer>,
+    /// Let normal maps of materials bend the shading normals: a texel gets the mean of the bent normals over it
+    #[arg(long)]
+    pub normal_maps: bool,
     /// Lobe exponent of every material, 0 to 1e6
     #[arg(long, value_name = "N", value_parser = exponent)]
     pub exponent: Option<f64>,

@@ -13,6 +13,9 @@ pub enum Error {
         /// Name of the instance.
         instance: String,
     },
+    /// A normal map cannot be decoded.
+    #[error(transparent)]
+    NormalMap(#[from] scene::Error),
     /// Embree is absent, too old or refused the scene.
     #[error("embree backend: {0}; `--backend obvhs` needs no library")]
     Embree(#[from] embree::Error),

@@ -35,6 +35,7 @@ mod error;
 mod fixture;
 mod material;
 mod mix;
+mod normal_maps;
 mod obvhs_backend;
 #[cfg(test)]
 mod obvhs_tests;

@@ -5,6 +5,7 @@
 
 use crate::alpha_test::AlphaTest;
 use crate::error::Error;
+use crate::normal_maps::NormalMaps;
 use glam::{Affine3A, DAffine3, DMat3, DVec3, Vec3};
 use scene::{Mesh, Scene};
 use std::ops::Deref;
@@ -41,6 +42,7 @@ pub struct World {
     /// One part for each of the scene's instances, in the same order.
     pub parts: Vec<Part>,
     bounds: Bounds,
+    normal_maps: Option<NormalMaps>,
 }
 
 /// Triangles with one vertex array and one alpha test.
@@ -145,7 +147,34 @@ impl World {
             geometries,
             parts,
             bounds,
+            normal_maps: None,
         })
+    }
+
+    /// Takes in the normal maps of the materials, for [`World::bent_normal`]. Rays do not see them.
+    ///
+    /// # Errors
+    /// A map that a placed mesh reads is broken or in a format that is not read.
+    pub fn read_normal_maps(&mut self) -> Result<(), Error> {
+        self.normal_maps = Some(NormalMaps::of(&self.scene)?);
+        Ok(())
+    }
+
+    /// The unit mean of the shading normals over a piece of a triangle, bent by the normal map of its material; `None`
+    /// where it has none, or where [`World::read_normal_maps`] was not called.
+    ///
+    /// * `corners`: corner weights of the triangle at three corners of the piece.
+    /// * `square`: the piece is the parallelogram on them, not the triangle.
+    pub fn bent_normal(
+        &self,
+        instance: u32,
+        triangle: u32,
+        corners: [DVec3; 3],
+        square: bool,
+    ) -> Option<DVec3> {
+        let (part, geometry) = self.part(instance);
+        let maps = self.normal_maps.as_ref()?;
+        maps.mean(&self.scene, part, geometry.mesh, triangle, corners, square)
     }
 
     /// The scene this world was built from.
@@ -245,6 +274,11 @@ impl Part {
     /// True where the placement turns counter-clockwise into clockwise.
     pub fn mirrors(&self) -> bool {
         self.mirrored
+    }
+
+    /// A normal of the mesh's space in the world, not of unit length.
+    pub(crate) fn carry_normal(&self, normal: DVec3) -> DVec3 {
+        self.normals * normal
     }
 
     /// World space to the geometry's space, in f64; the identity for a flattened part.

@@ -43,6 +43,8 @@ pub(crate) fn world(sheets: &[Sheet]) -> (World, Box<dyn RayBackend>) {
             name: "sheet".into(),
             positions: vec![corner, corner + a, corner + a + b, corner + b],
             normals: vec![],
+            tangents: Vec::new(),
+            alphas: Vec::new(),
             uv_sets: vec![],
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             source_triangles: vec![],
@@ -71,6 +73,7 @@ pub(crate) fn world(sheets: &[Sheet]) -> (World, Box<dyn RayBackend>) {
         },
         emission: sheet.emission,
         alpha: Alpha::Opaque,
+        normal_map: None,
         double_sided: true,
     };
     let scene = Scene {
@@ -80,6 +83,7 @@ pub(crate) fn world(sheets: &[Sheet]) -> (World, Box<dyn RayBackend>) {
         instances: (0..sheets.len()).map(instance).collect(),
         materials: sheets.iter().map(material).collect(),
         images: vec![],
+        packed_images: Vec::new(),
         warnings: vec![],
         content_hash: String::new(),
         source: None,

@@ -11,6 +11,7 @@ mod gltf;
 mod image;
 mod lookup;
 mod material;
+mod normal_map;
 mod obj;
 mod source;
 mod types;
@@ -20,6 +21,7 @@ mod warning;
 pub use error::Error;
 pub use gltf::{Elements, EncodedImage, GltfDocument};
 pub use material::{MAX_EXPONENT, phong_from_metallic_roughness};
+pub use normal_map::{NormalMap, PackedImage};
 pub use types::*;
 pub use warning::{Warning, WarningKind};
 

@@ -32,7 +32,7 @@ impl Scene {
                 0.0,
             )
         };
-        self.texel(texture, uv, decode).truncate()
+        self.image(texture).texel(texture, uv, decode).truncate()
     }
 
     /// The red, green and blue of a texture that holds data, each code over 255, such as roughness in green and
@@ -41,7 +41,7 @@ impl Scene {
     /// # Panics
     /// If `texture` is not of this scene.
     pub fn linear_texel(&self, texture: &TextureRef, uv: Vec2) -> Vec3 {
-        self.texel(texture, uv, codes).truncate()
+        texture.data(self.image(texture), uv)
     }
 
     /// The alpha of a texture, 0..=1; `uv` as for [`Scene::color`].
@@ -49,11 +49,24 @@ impl Scene {
     /// # Panics
     /// If `texture` is not of this scene.
     pub fn alpha(&self, texture: &TextureRef, uv: Vec2) -> f32 {
-        self.texel(texture, uv, codes).w
+        self.image(texture).texel(texture, uv, codes).w
     }
 
+    fn image(&self, texture: &TextureRef) -> &Image {
+        &self.images[texture.image as usize]
+    }
+}
+
+impl TextureRef {
+    /// The red, green and blue, each code over 255, of an image that is used so; `uv` as for [`Scene::color`].
+    pub(crate) fn data(&self, image: &Image, uv: Vec2) -> Vec3 {
+        image.texel(self, uv, codes).truncate()
+    }
+}
+
+impl Image {
     fn texel(&self, texture: &TextureRef, uv: Vec2, decode: impl Fn([u8; 4]) -> Vec4) -> Vec4 {
-        let image = &self.images[texture.image as usize];
+        let image = self;
         let [u, v] = texture.transform.map(|[a, b, c]| {
             let t = a as f64 * uv.x as f64 + b as f64 * uv.y as f64 + c as f64;
             if t.is_finite() { t } else { 0.0 }
@@ -68,9 +81,14 @@ impl Scene {
         }
         let (x0, x1, fx) = pair(u, image.width, wrap_u);
         let (y0, y1, fy) = pair(v, image.height, wrap_v);
-        let row = |y| decode(pixel(image, x0, y)).lerp(decode(pixel(image, x1, y)), fx);
-        row(y0).lerp(row(y1), fy)
+        let row = |y| mix(decode(pixel(image, x0, y)), decode(pixel(image, x1, y)), fx);
+        mix(row(y0), row(y1), fy)
     }
+}
+
+/// Linear interpolation that leaves equal values as they are, so that an alpha of exactly the cutoff is kept.
+fn mix(a: Vec4, b: Vec4, t: f32) -> Vec4 {
+    a + (b - a) * t
 }
 
 fn codes(p: [u8; 4]) -> Vec4 {
@@ -139,6 +157,7 @@ mod tests {
                 height: 1,
                 pixels,
             }],
+            packed_images: vec![],
             warnings: vec![],
             content_hash: String::new(),
             source: None,
@@ -165,6 +184,18 @@ mod tests {
         // At u = 0 a repeated image is half way between its last and its first texel, a mirrored one is not.
         assert_eq!(scene.alpha(&texture(Wrap::Repeat, true), Vec2::ZERO), 0.5);
         assert_eq!(scene.alpha(&texture(Wrap::Mirror, true), Vec2::ZERO), 0.0);
+    }
+
+    #[test]
+    fn filtering_equal_texels_changes_nothing() {
+        let mut scene = scene();
+        scene.images[0].pixels = vec![[0, 0, 0, 127]; 2];
+        let alpha = 127.0 / 255.0;
+        for step in 0..1000 {
+            let uv = Vec2::new(step as f32 * 0.01713, step as f32 * 0.007);
+            let found = scene.alpha(&texture(Wrap::Mirror, true), uv);
+            assert_eq!(found, alpha, "at {uv}");
+        }
     }
 
     #[test]

@@ -112,6 +112,7 @@ pub(crate) fn untinted(name: &str) -> Material {
         },
         emission: Vec3::ZERO,
         alpha: Alpha::Opaque,
+        normal_map: None,
         double_sided: true,
     }
 }

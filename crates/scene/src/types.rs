@@ -4,8 +4,8 @@
 //! transforms, materials are mapped to the Phong model's parameters. Invariants that [`crate::load`] guarantees:
 //! every index is in range, every number is finite, every triangle has a non-zero area in mesh space, images are decoded.
 
-use crate::{GltfDocument, Warning};
-use glam::{DAffine3, Vec2, Vec3};
+use crate::{GltfDocument, NormalMap, PackedImage, Warning};
+use glam::{DAffine3, Vec2, Vec3, Vec4};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -25,6 +25,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Decoded images; [`TextureRef::image`] indexes here.
     pub images: Vec<Image>,
+    /// Images that are decoded only where they are asked for; [`NormalMap::texture`] indexes here.
+    pub packed_images: Vec<PackedImage>,
     /// Everything that was repaired or ignored while loading, counted.
     pub warnings: Vec<Warning>,
     /// Blake3 hash, in hex, of all the bytes read for this scene (the file, its buffers, images and material files), or
@@ -61,6 +63,11 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// Unit shading normals, one a vertex; empty where the file has none (shade with the geometric normal).
     pub normals: Vec<Vec3>,
+    /// Unit tangents along u of the normal map, one a vertex, `w` the side of the bitangent `w (normal x tangent)`: glTF
+    /// `TANGENT`; empty where the file has none.
+    pub tangents: Vec<Vec4>,
+    /// Alpha of the vertex colours (glTF `COLOR_0`), one a vertex; it multiplies the material's. Empty for 1 everywhere.
+    pub alphas: Vec<f32>,
     /// UV sets in the file's order (TEXCOORD_0, TEXCOORD_1, …), glTF orientation (v grows down), one a vertex each.
     /// OBJ's v is flipped on load.
     pub uv_sets: Vec<Vec<Vec2>>,
@@ -114,6 +121,8 @@ pub struct Material {
     pub emission: Vec3,
     /// How alpha lets rays pass.
     pub alpha: Alpha,
+    /// What bends the shading normal, where a bake asks for it.
+    pub normal_map: Option<NormalMap>,
     /// Both sides are visible surfaces (glTF `doubleSided`; OBJ is always double sided). Occluders always are.
     pub double_sided: bool,
 }
@@ -154,10 +163,17 @@ pub enum Surface {
 pub enum Alpha {
     /// Blocks every ray.
     Opaque,
-    /// Blocks a ray where `factor * alpha(map) >= cutoff` (glTF MASK; BLEND and OBJ `d`/`map_d` with cutoff 0.5).
+    /// Blocks a ray where `factor * alpha(map) >= cutoff` (glTF MASK; OBJ `map_d` with cutoff 0.5).
     Mask {
         /// The threshold.
         cutoff: f32,
+        /// Constant alpha.
+        factor: f32,
+        /// Alpha channel of this texture multiplies `factor`.
+        map: Option<TextureRef>,
+    },
+    /// Blocks the share `factor * alpha(map)` of the rays that meet it (glTF BLEND; OBJ `d` and `Tr` below 1).
+    Blend {
         /// Constant alpha.
         factor: f32,
         /// Alpha channel of this texture multiplies `factor`.

@@ -19,10 +19,10 @@
 
 use crate::source::{Input, short};
 use crate::{
-    Alpha, Error, Format, GltfDocument, Image, Instance, Material, Mesh, Scene, Surface,
-    TextureRef, WarningKind,
+    Alpha, Error, Format, GltfDocument, Image, Instance, Material, Mesh, NormalMap, PackedImage,
+    Scene, Surface, TextureRef, WarningKind,
 };
-use glam::{DAffine3, DVec3, Vec2, Vec3};
+use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -37,6 +37,7 @@ pub(crate) struct Parts {
     pub instances: Vec<Instance>,
     pub materials: Vec<Material>,
     pub images: Vec<Image>,
+    pub packed_images: Vec<PackedImage>,
     pub source: Option<Arc<GltfDocument>>,
 }
 
@@ -66,6 +67,7 @@ pub(crate) fn scene(mut input: Input, format: Format, mut parts: Parts) -> Resul
         mut instances,
         mut materials,
         mut images,
+        packed_images,
         source,
     } = parts;
     meshes.shrink_to_fit();
@@ -80,6 +82,7 @@ pub(crate) fn scene(mut input: Input, format: Format, mut parts: Parts) -> Resul
         instances,
         materials,
         images,
+        packed_images,
         warnings: input.warnings,
         content_hash,
         source,
@@ -115,6 +118,13 @@ pub(crate) fn mesh(input: &mut Input, mesh: &mut Mesh, place: &str) -> Result<bo
         return Ok(false);
     }
     bad_normals(input, mesh, place);
+    let good = |t: &Vec4| t.is_finite() && t.truncate() != Vec3::ZERO;
+    let bad = mesh.tangents.iter().filter(|t| !good(t)).count();
+    if bad > 0 {
+        mesh.tangents = Vec::new();
+        let message = "tangents that are zero or not finite: the mesh gets tangents from its UVs";
+        input.warn(WarningKind::BadTangents, place, bad as u64, message);
+    }
     for set in &mut mesh.uv_sets {
         let mut count = 0;
         for uv in set.iter_mut().filter(|uv| !uv.is_finite()) {
@@ -302,6 +312,11 @@ fn textures_without_uvs(input: &mut Input, parts: &mut Parts) {
                 dropped += 1;
             }
         }
+        let beyond = |map: &NormalMap| map.texture.uv_set as usize >= sets;
+        if material.normal_map.as_ref().is_some_and(beyond) {
+            material.normal_map = None;
+            dropped += 1;
+        }
         if dropped == 0 {
             continue;
         }
@@ -334,7 +349,7 @@ fn slots(material: &mut Material) -> impl Iterator<Item = &mut Option<TextureRef
     };
     let alpha = match &mut material.alpha {
         Alpha::Opaque => None,
-        Alpha::Mask { map, .. } => Some(map),
+        Alpha::Mask { map, .. } | Alpha::Blend { map, .. } => Some(map),
     };
     surface.into_iter().chain([alpha]).flatten()
 }

@@ -23,11 +23,11 @@ pub struct Warning {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum WarningKind {
-    /// Partial transparency (glTF BLEND; OBJ `d` or `Tr`) becomes a mask: a ray is blocked where alpha is at least 0.5.
-    AlphaAsMask,
     /// A normal that is zero or not finite becomes the area-weighted mean of the geometric normals around the vertex.
     /// Where every normal of a mesh is bad, the mesh has none and is shaded with its geometric normals.
     BadNormals,
+    /// Tangents of a mesh that are zero or not finite: all of the mesh's are made from its UVs.
+    BadTangents,
     /// A UV that is not finite becomes (0, 0).
     BadUvs,
     /// A factor of a material outside its range is clamped into it.
@@ -42,7 +42,8 @@ pub enum WarningKind {
     IgnoredLinesAndPoints,
     /// MTL: lines without the number or name they need.
     IgnoredMtlLines,
-    /// A normal or bump map (glTF `normalTexture`; MTL `map_Bump`, `bump`, `norm`) is left out: normals are the mesh's.
+    /// A normal or bump map (glTF `normalTexture`; MTL `map_Bump`, `bump`, `norm`), for a bake that does not ask for them:
+    /// normals are the mesh's.
     IgnoredNormalMaps,
     /// OBJ: corners name a `vn`, but none stands before them.
     IgnoredNormalReferences,
@@ -82,8 +83,8 @@ impl WarningKind {
     /// The stable word that scripts look for in `bake.json`, such as `zero-area-triangles`.
     pub fn name(self) -> &'static str {
         match self {
-            WarningKind::AlphaAsMask => "alpha-as-mask",
             WarningKind::BadNormals => "bad-normals",
+            WarningKind::BadTangents => "bad-tangents",
             WarningKind::BadUvs => "bad-uvs",
             WarningKind::ClampedFactors => "clamped-factors",
             WarningKind::ReflectanceScaled => "reflectance-scaled",

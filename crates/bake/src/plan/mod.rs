@@ -66,18 +66,22 @@ impl Plan {
     pub fn of(scene: &Arc<Scene>, options: &Options) -> Result<(Self, World), Error> {
         let instances = instances(scene, options);
         let alpha_test = alpha_test(scene, options);
-        let world = World::new(
+        let mut world = World::new(
             Arc::clone(scene),
             WorldOptions {
                 instancing: instances.modelled,
                 alpha_test_all: !options.allows(Choice::AlphaTest),
             },
         )?;
-        let open_triangles = if options.allows(Choice::Open) {
+        if options.normal_maps {
+            world.read_normal_maps()?;
+        }
+        let mut open_triangles = if options.allows(Choice::Open) {
             OpenTriangles::of(&world, &PlaneErrors::of(&world))
         } else {
             OpenTriangles::default()
         };
+        open_triangles.tilted |= options.normal_maps;
         let visibility = visibility(options);
         let mut decisions = vec![
             sky(options),
@@ -335,19 +339,14 @@ fn alpha_test(scene: &Scene, options: &Options) -> Decision {
     let masked = scene
         .meshes
         .iter()
-        .filter(|mesh| {
-            matches!(
-                scene.materials[mesh.material as usize].alpha,
-                Alpha::Mask { .. }
-            )
-        })
+        .filter(|mesh| !matches!(scene.materials[mesh.material as usize].alpha, Alpha::Opaque))
         .count();
     if masked > 0 {
         decision(
             Choice::AlphaTest,
             true,
             format!(
-                "{masked} meshes are alpha-masked: hits on them are tested against their alpha"
+                "{masked} meshes are cut out or see-through: hits on them are tested against their alpha"
             ),
         )
     } else if !options.allows(Choice::AlphaTest) {
@@ -360,7 +359,7 @@ fn alpha_test(scene: &Scene, options: &Options) -> Decision {
         decision(
             Choice::AlphaTest,
             false,
-            "no material is alpha-masked: no alpha test in the ray query",
+            "no material is cut out or see-through: no alpha test in the ray query",
         )
     }
 }

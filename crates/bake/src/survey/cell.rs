@@ -4,6 +4,9 @@ use atlas::Piece;
 use glam::DVec3;
 use rays::Patch;
 
+/// Least cosine between a bent normal and the surface: one degree above it.
+const LOWEST: f64 = 0.017_452_406_437_283_512;
+
 /// A triangle or parallelogram of a footprint. Positions are f64 until the ray is set; directions and normals are f32.
 #[derive(Debug, Clone)]
 pub(crate) struct Cell {
@@ -89,6 +92,23 @@ impl Cell {
             lift: patch.geometric * patch.offset(reach),
             smooth: normals[0] != normals[1] || normals[0] != normals[2],
         }
+    }
+
+    /// Takes `normal`, of unit length, as the one shading normal. It stays on the side of the surface that it shades: where a
+    /// map leans it further than [`LOWEST`] allows, it leans so far.
+    pub fn bend(&mut self, normal: DVec3) {
+        let centre = self.sample(self.centre());
+        let up = centre.geometric;
+        let along = normal - up * normal.dot(up);
+        let kept = match along.try_normalize() {
+            Some(along) if normal.dot(up) < LOWEST => {
+                up * LOWEST + along * (1.0 - LOWEST * LOWEST).sqrt()
+            }
+            Some(_) => normal,
+            None => up,
+        };
+        self.normal = [kept, DVec3::ZERO, DVec3::ZERO];
+        self.smooth = false;
     }
 
     /// Sets the shares of the cells of one footprint.

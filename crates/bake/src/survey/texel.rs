@@ -143,8 +143,15 @@ impl Surveyor<'_> {
             if piece.cumulative - before > largest.0 {
                 largest = (piece.cumulative - before, piece.instance);
             }
+            let first = cells.len();
             let surface = (&known.patch, known.body);
             Cell::push(&mut cells, surface, piece, piece.cumulative - before);
+            if let Some(normal) = self
+                .world
+                .bent_normal(key.0, key.1, piece.corners, piece.square)
+            {
+                cells[first..].iter_mut().for_each(|cell| cell.bend(normal));
+            }
             before = piece.cumulative;
         }
         Cell::share(&mut cells);

@@ -39,6 +39,7 @@ pub(super) fn bake(setup: &Setup, case: &str, kind: BackendKind) -> Result<Baked
         max_distance: None,
         layers,
         rings: atlas::RINGS,
+        normal_maps: false,
         overrides: Overrides {
             exponent: setup.exponent,
             ..Overrides::default()

@@ -240,6 +240,7 @@ mod tests {
                     map: Some(map),
                 },
             },
+            normal_map: None,
             double_sided: true,
         };
         let scene = Scene {
@@ -249,6 +250,8 @@ mod tests {
                 name: "square".into(),
                 positions: corners.map(|c| c.extend(0.0)).to_vec(),
                 normals: Vec::new(),
+                tangents: Vec::new(),
+                alphas: Vec::new(),
                 uv_sets: vec![corners.map(|c| (c + 1.0) * 0.5).to_vec()],
                 triangles: vec![[0, 1, 2], [0, 2, 3]],
                 source_triangles: Vec::new(),
@@ -273,6 +276,7 @@ mod tests {
                 height: 1,
                 pixels: vec![[255, 255, 255, 0], [255; 4]],
             }],
+            packed_images: Vec::new(),
             warnings: Vec::new(),
             content_hash: String::new(),
             source: None,

@@ -130,7 +130,9 @@ fn material_value(
     };
     let (factor, alpha_map) = match &material.alpha {
         Alpha::Opaque => (1.0, None),
-        Alpha::Mask { factor, map, .. } => (factor.clamp(0.0, 1.0), map.as_ref()),
+        Alpha::Mask { factor, map, .. } | Alpha::Blend { factor, map } => {
+            (factor.clamp(0.0, 1.0), map.as_ref())
+        }
     };
     let roughness = (2.0 * exponent + 1.0).powf(-0.25);
     let mut value = json!({
@@ -155,9 +157,13 @@ fn material_value(
             value["extensions"][STRENGTH] = json!({ "emissiveStrength": strength });
         }
     }
-    if let Alpha::Mask { cutoff, .. } = material.alpha {
-        value["alphaMode"] = "MASK".into();
-        value["alphaCutoff"] = cutoff.into();
+    match material.alpha {
+        Alpha::Opaque => {}
+        Alpha::Mask { cutoff, .. } => {
+            value["alphaMode"] = "MASK".into();
+            value["alphaCutoff"] = cutoff.into();
+        }
+        Alpha::Blend { .. } => value["alphaMode"] = "BLEND".into(),
     }
     if material.double_sided {
         value["doubleSided"] = true.into();

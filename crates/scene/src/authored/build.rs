@@ -102,6 +102,8 @@ fn add(input: &mut Input, parts: &mut Parts, number: usize, given: Mesh) -> Resu
         name: named(&given.name, || format!("mesh {number}")),
         positions: vectors(given.positions),
         normals: vectors(given.normals),
+        tangents: Vec::new(),
+        alphas: Vec::new(),
         uv_sets: Vec::new(),
         triangles: given.triangles,
         source_triangles: Vec::new(),
@@ -190,6 +192,7 @@ fn material(
             exponent,
         },
         emission,
+        normal_map: None,
         double_sided: given.double_sided,
     })
 }

@@ -4,7 +4,9 @@ use super::accessor::Data;
 use crate::image::{Failure, Pixels, decode};
 use crate::source::{Input, Uri, beside, short, uri};
 use crate::validate::{Parts, clamped};
-use crate::{Alpha, Error, Image, Material, Surface, TextureRef, WarningKind, Wrap};
+use crate::{
+    Alpha, Error, Image, Material, NormalMap, PackedImage, Surface, TextureRef, WarningKind, Wrap,
+};
 use glam::Vec3;
 use gltf::json::material::{AlphaMode, Material as Json};
 use gltf::json::texture::{Info, MagFilter, Sampler, WrappingMode};
@@ -29,11 +31,14 @@ pub(super) fn load(
     files: &mut BTreeMap<usize, Vec<u8>>,
 ) -> Result<(), Error> {
     let numbers = images(input, data, parts, files)?;
+    let packed = packed_images(input, data, parts, files)?;
     for (i, json) in data.root.materials.iter().enumerate() {
         let name = json.name.clone().unwrap_or_else(|| format!("material {i}"));
-        parts
-            .materials
-            .push(material(input, data, json, name, &numbers));
+        let normal_map = normal_map(input, data, json, &name, &packed)?;
+        parts.materials.push(Material {
+            normal_map,
+            ..material(input, data, json, name, &numbers)
+        });
     }
     Ok(())
 }
@@ -100,7 +105,7 @@ fn material(
         WarningKind::IgnoredNormalMaps,
         place.as_str(),
         json.normal_texture.is_some() as u64,
-        "normalTexture is not read; the mesh's normals stand alone",
+        "normalTexture is left out, the mesh's normals stand alone; --normal-maps takes it in",
     );
     for other in extensions
         .into_iter()
@@ -119,18 +124,16 @@ fn material(
         .base_color_texture
         .as_ref()
         .and_then(|info| texture(data, info, images));
-    let mask = |cutoff| Alpha::Mask {
-        cutoff,
-        factor: opacity,
-        map: base_map.clone(),
-    };
     let alpha = match json.alpha_mode {
-        Checked::Valid(AlphaMode::Mask) => mask(json.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0)),
-        Checked::Valid(AlphaMode::Blend) => {
-            let message = "BLEND becomes a mask: a ray is blocked where alpha is at least 0.5";
-            input.warn(WarningKind::AlphaAsMask, place, 1, message);
-            mask(0.5)
-        }
+        Checked::Valid(AlphaMode::Mask) => Alpha::Mask {
+            cutoff: json.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0),
+            factor: opacity,
+            map: base_map.clone(),
+        },
+        Checked::Valid(AlphaMode::Blend) => Alpha::Blend {
+            factor: opacity,
+            map: base_map.clone(),
+        },
         _ => Alpha::Opaque,
     };
     let metallic_roughness_map = pbr
@@ -151,8 +154,70 @@ fn material(
         surface,
         emission,
         alpha,
+        normal_map: None,
         double_sided: json.double_sided,
     }
+}
+
+/// The normal map of a material; `None` where it has none or its image was not loaded.
+fn normal_map(
+    input: &Input,
+    data: &Data,
+    json: &Json,
+    name: &str,
+    images: &HashMap<usize, u32>,
+) -> Result<Option<NormalMap>, Error> {
+    let Some(normal) = &json.normal_texture else {
+        return Ok(None);
+    };
+    // The parser reads the transform of every other texture; here it leaves it as JSON.
+    let info = serde_json::to_value(normal).and_then(serde_json::from_value::<Info>);
+    let info = info.map_err(|e| {
+        let problem = format!("normalTexture: {e}; export the file again");
+        input.invalid(format!("material `{}`", short(name)), problem)
+    })?;
+    Ok(texture(data, &info, images).map(|texture| NormalMap {
+        texture,
+        scale: if normal.scale.is_finite() {
+            normal.scale
+        } else {
+            1.0
+        },
+        heights: false,
+    }))
+}
+
+/// Reads the images of normal maps, undecoded; returns glTF image number to packed image number.
+fn packed_images(
+    input: &mut Input,
+    data: &Data,
+    parts: &mut Parts,
+    files: &mut BTreeMap<usize, Vec<u8>>,
+) -> Result<HashMap<usize, u32>, Error> {
+    let mut numbers = HashMap::new();
+    for json in &data.root.materials {
+        let index = json.normal_texture.as_ref().map(|normal| normal.index);
+        // A texture without a source has it in an extension, in a format that is not read.
+        let source = index
+            .and_then(|index| data.root.get(index))
+            .map(|texture| texture.source.value())
+            .filter(|&source| source < data.root.images.len() && !numbers.contains_key(&source));
+        let Some(source) = source else {
+            continue;
+        };
+        if let Some((name, bytes)) = encoded(input, data, source)? {
+            numbers.insert(source, parts.packed_images.len() as u32);
+            parts.packed_images.push(PackedImage {
+                name,
+                bytes: bytes.to_vec(),
+                file: input.path.clone(),
+            });
+            if let Cow::Owned(bytes) = bytes {
+                files.insert(source, bytes);
+            }
+        }
+    }
+    Ok(numbers)
 }
 
 /// A texture use; `None` where its image was not loaded.

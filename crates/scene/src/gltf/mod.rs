@@ -6,7 +6,7 @@
 //! byte ranges of `accessor.rs`; `vendor-notes/gltf.md` lists what was found.
 //!
 //! What is left out is counted as a warning: `points-and-lines`, `leftover-indices`, `uv-sets-after-a-gap`, `skins`,
-//! `morph-targets`, `alpha-as-mask` (BLEND), `ignored-extensions` (of materials), `unread-textures`,
+//! `morph-targets`, `ignored-extensions` (of materials), `unread-textures`,
 //! `missing-textures`, `clamped-factors`.
 
 mod accessor;

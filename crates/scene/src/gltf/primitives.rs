@@ -6,7 +6,7 @@ use super::nodes::Placement;
 use crate::source::Input;
 use crate::validate::{self, Parts};
 use crate::{Error, Mesh, MeshOrigin, WarningKind};
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use gltf::json::accessor::Type;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
@@ -95,6 +95,13 @@ fn read(
     let positions =
         positions.ok_or_else(|| invalid("it has no POSITION; export the file again".into()))?;
     let normals = attribute(Semantic::Normals, Type::Vec3)?;
+    let tangents = attribute(Semantic::Tangents, Type::Vec4)?;
+    let color = primitive
+        .attributes
+        .get(&Checked::Valid(Semantic::Colors(0)))
+        .map(|&index| data.open(index, &[Type::Vec3, Type::Vec4]))
+        .transpose()
+        .map_err(invalid)?;
     let mut uvs = Vec::new();
     while let Some(set) = attribute(Semantic::TexCoords(uvs.len() as u32), Type::Vec2)? {
         uvs.push(set);
@@ -102,6 +109,8 @@ fn read(
     for (what, other) in normals
         .iter()
         .map(|n| ("NORMAL", n))
+        .chain(tangents.iter().map(|t| ("TANGENT", t)))
+        .chain(color.iter().map(|c| ("COLOR_0", c)))
         .chain(uvs.iter().map(|u| ("TEXCOORD", u)))
     {
         if other.count != positions.count {
@@ -142,6 +151,13 @@ fn read(
         normals: normals
             .map(|normals| gather(&normals, &used, Vec3::from_array))
             .unwrap_or_default(),
+        tangents: tangents
+            .map(|tangents| gather(&tangents, &used, Vec4::from_array))
+            .unwrap_or_default(),
+        alphas: color
+            .filter(|color| color.lanes() == Some(4))
+            .map(|color| gather(&color, &used, alpha))
+            .unwrap_or_default(),
         uv_sets: uvs
             .iter()
             .map(|set| gather(set, &used, Vec2::from_array))
@@ -172,6 +188,15 @@ fn read(
         "indices that make no whole triangle are left out",
     );
     Ok(Some(mesh))
+}
+
+/// Alpha of a vertex colour; 1 where it is not finite.
+fn alpha([_, _, _, alpha]: [f32; 4]) -> f32 {
+    if alpha.is_nan() {
+        1.0
+    } else {
+        alpha.clamp(0.0, 1.0)
+    }
 }
 
 /// The triangles of section 3.7.2.1 of the specification, in its order of corners.

@@ -101,6 +101,8 @@ fn meshes(input: &mut Input, file: &mut File) -> Vec<Mesh> {
             name: name.clone(),
             positions: Vec::new(),
             normals: Vec::new(),
+            tangents: Vec::new(),
+            alphas: Vec::new(),
             uv_sets: Vec::new(),
             triangles: kept,
             source_triangles: Vec::new(),

@@ -2,7 +2,8 @@
 //!
 //! Read: `Kd`, `Ks`, `Ns`, `Ke`, `d`, `Tr`, `map_Kd`, `map_d`; missing ones are white, black, 0, black and opaque. Where
 //! Kd + Ks is above 1 in a channel, both are scaled down, for no surface reflects more than it receives. `Ka` is not used:
-//! the ambient term that is baked reflects with `Kd`. `map_Ks`, `map_Bump`, `bump` and `norm` are noted and left out.
+//! the ambient term that is baked reflects with `Kd`. `norm`, else `map_Bump` or `bump`, is the normal map. `map_Ks` is noted
+//! and left out.
 //! `illum` is not used either: which model is shown is chosen by layer.
 
 use super::options::Options;
@@ -10,7 +11,9 @@ use crate::image::{Failure, decode};
 use crate::material::{MAX_EXPONENT, conserving};
 use crate::source::{Input, beside, short};
 use crate::validate::{Parts, clamped};
-use crate::{Alpha, Error, Image, Material, Surface, TextureRef, WarningKind, Wrap};
+use crate::{
+    Alpha, Error, Image, Material, NormalMap, PackedImage, Surface, TextureRef, WarningKind, Wrap,
+};
 use glam::Vec3;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -193,7 +196,7 @@ fn material(
         WarningKind::IgnoredNormalMaps,
         place.as_str(),
         normal_maps,
-        "bump and normal maps are not read; the mesh's normals stand alone",
+        "bump and normal maps are left out, the mesh's normals stand alone; --normal-maps takes one in",
     );
     let specular_map = raw.specular_texture.is_some() as u64;
     input.warn(
@@ -209,23 +212,19 @@ fn material(
     };
     let albedo_map = map(&raw.diffuse_texture, Role::Color)?;
     let alpha_map = map(&raw.dissolve_texture, Role::Alpha)?;
-    let alpha = if opacity < 1.0 || alpha_map.is_some() {
-        let message =
-            "partial transparency becomes a mask: a ray is blocked where alpha is at least 0.5";
-        input.warn(
-            WarningKind::AlphaAsMask,
-            place,
-            (opacity > 0.0 && opacity < 1.0) as u64,
-            message,
-        );
-        Alpha::Mask {
-            cutoff: 0.5,
+    let alpha = match (opacity < 1.0, alpha_map) {
+        (true, map) => Alpha::Blend {
             factor: opacity,
-            map: alpha_map,
-        }
-    } else {
-        Alpha::Opaque
+            map,
+        },
+        (false, Some(map)) => Alpha::Mask {
+            cutoff: 0.5,
+            factor: 1.0,
+            map: Some(map),
+        },
+        (false, None) => Alpha::Opaque,
     };
+    let normal_map = normal_map(input, library, &place, raw, parts)?;
     let surface = Surface::Phong {
         albedo,
         albedo_map,
@@ -237,8 +236,70 @@ fn material(
         surface,
         emission,
         alpha,
+        normal_map,
         double_sided: true,
     })
+}
+
+/// The normal map of `norm`, else of `map_Bump` or `bump`; `None`, with a warning, where its file is absent.
+fn normal_map(
+    input: &mut Input,
+    library: &Path,
+    place: &str,
+    raw: &tobj::Material,
+    parts: &mut Parts,
+) -> Result<Option<NormalMap>, Error> {
+    let norm = raw.unknown_param.get("norm");
+    let Some(statement) = norm.or(raw.normal_texture.as_ref()) else {
+        return Ok(None);
+    };
+    let options = Options::of(statement);
+    let path = located(library, options.file);
+    let name = path.display().to_string();
+    if !path.is_file() {
+        let message = format!("texture {name} is absent; the mesh's normals stand alone");
+        input.warn(WarningKind::MissingTextures, place, 1, message);
+        return Ok(None);
+    }
+    let known = parts
+        .packed_images
+        .iter()
+        .position(|image| image.file == path);
+    let image = match known {
+        Some(known) => known,
+        None => {
+            let bytes = input.read(&path)?;
+            parts.packed_images.push(PackedImage {
+                name,
+                bytes,
+                file: path,
+            });
+            parts.packed_images.len() - 1
+        }
+    };
+    Ok(Some(NormalMap {
+        scale: options.bump,
+        heights: norm.is_none(),
+        texture: texture_ref(image as u32, &options),
+    }))
+}
+
+/// The use of an image that a statement's options ask for.
+fn texture_ref(image: u32, options: &Options) -> TextureRef {
+    let ([su, sv], [ou, ov]) = (options.scale, options.offset);
+    let wrap = if options.clamp {
+        Wrap::Clamp
+    } else {
+        Wrap::Repeat
+    };
+    TextureRef {
+        image,
+        uv_set: 0,
+        wrap: [wrap; 2],
+        linear: true,
+        // OBJ scales and shifts with v upward: 1 - ((1 - v) sv + ov).
+        transform: [[su, 0.0, ou], [0.0, sv, 1.0 - sv - ov]],
+    }
 }
 
 /// A texture statement: options, then a file name.
@@ -262,19 +323,7 @@ fn texture(
             *images.entry((path, role)).or_insert(number)
         }
     };
-    let ([su, sv], [ou, ov]) = (options.scale, options.offset);
-    Ok(image.map(|image| TextureRef {
-        image,
-        uv_set: 0,
-        wrap: [if options.clamp {
-            Wrap::Clamp
-        } else {
-            Wrap::Repeat
-        }; 2],
-        linear: true,
-        // OBJ scales and shifts with v upward: 1 - ((1 - v) sv + ov).
-        transform: [[su, 0.0, ou], [0.0, sv, 1.0 - sv - ov]],
-    }))
+    Ok(image.map(|image| texture_ref(image, &options)))
 }
 
 fn image(input: &mut Input, place: &str, path: &Path, role: Role) -> Result<Option<Image>, Error> {

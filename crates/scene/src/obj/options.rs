@@ -10,6 +10,8 @@ pub(super) struct Options<'a> {
     pub scale: [f32; 2],
     /// Added to u and v after scaling.
     pub offset: [f32; 2],
+    /// Multiplier of a bump map.
+    pub bump: f32,
 }
 
 impl Options<'_> {
@@ -20,6 +22,7 @@ impl Options<'_> {
             clamp: false,
             scale: [1.0; 2],
             offset: [0.0; 2],
+            bump: 1.0,
         };
         while options.file.starts_with('-') {
             let (name, mut rest) = word(options.file);
@@ -38,6 +41,7 @@ impl Options<'_> {
                     ("-o", Some(n)) if i < 2 => options.offset[i] = n,
                     ("-s", Some(n)) if i < 2 => options.scale[i] = n,
                     ("-o" | "-s" | "-t", None) => break,
+                    ("-bm", Some(n)) => options.bump = n,
                     ("-clamp", _) => options.clamp = argument == "on",
                     _ => {}
                 }
@@ -65,8 +69,8 @@ mod tests {
         let options = Options::of("-s 2 3 1 -blendu off -o 0.5 -clamp on -bm 0.2 my wall -1.png");
         assert_eq!(options.file, "my wall -1.png");
         assert_eq!(
-            (options.scale, options.offset, options.clamp),
-            ([2.0, 3.0], [0.5, 0.0], true)
+            (options.scale, options.offset, options.clamp, options.bump),
+            ([2.0, 3.0], [0.5, 0.0], true, 0.2)
         );
         assert_eq!(Options::of("-strange.png").file, "-strange.png");
     }

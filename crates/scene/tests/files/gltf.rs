@@ -251,8 +251,7 @@ fn materials_follow_the_file_and_a_primitive_without_one_is_untinted() {
     assert!(close, "{:?}", map.transform);
     assert!(matches!(
         tinted.alpha,
-        Alpha::Mask {
-            cutoff: 0.5,
+        Alpha::Blend {
             factor: 0.75,
             map: Some(_)
         }
@@ -274,14 +273,13 @@ fn materials_follow_the_file_and_a_primitive_without_one_is_untinted() {
         Surface::MetallicRoughness { base_map: None, .. }
     ));
     let kinds = [
-        WarningKind::AlphaAsMask,
         WarningKind::UnreadTextures,
         WarningKind::IgnoredExtensions,
         WarningKind::ClampedFactors,
         WarningKind::TexturesWithoutUvs,
         WarningKind::IgnoredNormalMaps,
     ];
-    assert_eq!(kinds.map(|kind| scene.warned(kind)), [1, 1, 1, 1, 2, 1]);
+    assert_eq!(kinds.map(|kind| scene.warned(kind)), [1, 1, 1, 2, 1]);
 }
 
 #[test]

@@ -108,7 +108,7 @@ fn groups_and_materials_make_parts_and_a_part_may_be_resumed() {
         panic!()
     };
     assert_eq!(albedo, Vec3::new(1.0, 1.0, 0.5));
-    assert!(matches!(scene.materials[1].alpha, Alpha::Mask { factor, .. } if factor == 0.25));
+    assert!(matches!(scene.materials[1].alpha, Alpha::Blend { factor, .. } if factor == 0.25));
     assert!(scene.materials.iter().all(|m| m.double_sided));
     assert_eq!(
         (

@@ -1,0 +1,225 @@
+//! Normal maps on surfaces: the mean normal of a piece of a triangle, bent by the map of its material.
+//!
+//! **Tangent space.** glTF's: tangents are the file's where it has them, else MikkTSpace's, made from the texture
+//! coordinates that the map is read at. Between corners normal and tangent are interpolated and brought to unit length,
+//! the bitangent is their cross product times the file's sign, so `n = x t + y b + z n0` points to where the map's red
+//! (to the image's right) and green (to its top) say.
+//!
+//! **Placement.** A normal is bent in the mesh's own space and then carried into the world by the inverse transpose, as
+//! every normal is. So relief is part of the shape: it is mirrored with a mirrored instance and flattened with a flattened
+//! one, and mirrored texture coordinates need only their sign.
+//!
+//! **Mean.** A texel has one normal over each piece of a triangle: the mean of the bent normals over it, of unit length
+//! again. `docs/theory.md` says what that keeps of the relief and what not.
+
+use crate::error::Error;
+use crate::world::Part;
+use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
+use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
+use rayon::prelude::*;
+use scene::{Image, Mesh, NormalMap, Scene};
+
+/// Points along the edge of a piece at which the map is read, at most.
+const MOST_POINTS: u32 = 16;
+
+/// The normal maps of a scene with what reading them needs.
+#[derive(Debug)]
+pub(crate) struct NormalMaps {
+    /// By packed image; `None` where no mesh that is placed reads it.
+    images: Vec<Option<Image>>,
+    /// By mesh: tangents of the corners of each triangle; empty for a mesh without a normal map.
+    tangents: Vec<Vec<[Vec4; 3]>>,
+}
+
+impl NormalMaps {
+    /// Decodes the maps that placed meshes read, and makes the tangents of these meshes.
+    pub fn of(scene: &Scene) -> Result<Self, Error> {
+        let mut placed = vec![false; scene.meshes.len()];
+        for instance in &scene.instances {
+            placed[instance.mesh as usize] = true;
+        }
+        let map = |mesh: &Mesh| scene.materials[mesh.material as usize].normal_map.as_ref();
+        let read = |image: usize| {
+            let meshes = scene.meshes.iter().zip(&placed);
+            let maps = meshes.filter_map(|(mesh, placed)| map(mesh).filter(|_| *placed));
+            maps.into_iter()
+                .find(|map| map.texture.image as usize == image)
+        };
+        let images = (0..scene.packed_images.len())
+            .into_par_iter()
+            .map(|image| read(image).map(|map| scene.normal_image(map)).transpose())
+            .collect::<Result<_, _>>()?;
+        let tangents = scene
+            .meshes
+            .par_iter()
+            .zip(&placed)
+            .map(|(mesh, placed)| match map(mesh) {
+                Some(map) if *placed => tangents(mesh, map),
+                _ => Vec::new(),
+            })
+            .collect();
+        Ok(Self { images, tangents })
+    }
+
+    /// The unit mean, in the world, of the bent shading normals over a piece of a triangle of a placed mesh; `None` where
+    /// the mesh has no normal map, or the normals cancel.
+    ///
+    /// * `corners`: corner weights of the triangle at three corners of the piece.
+    /// * `square`: the piece is the parallelogram on them, not the triangle.
+    pub fn mean(
+        &self,
+        scene: &Scene,
+        part: &Part,
+        mesh: u32,
+        triangle: u32,
+        corners: [DVec3; 3],
+        square: bool,
+    ) -> Option<DVec3> {
+        let tangents = self.tangents[mesh as usize].get(triangle as usize)?;
+        let mesh = &scene.meshes[mesh as usize];
+        let map = scene.materials[mesh.material as usize]
+            .normal_map
+            .as_ref()?;
+        let image = self.images[map.texture.image as usize].as_ref()?;
+        let surface = Corners::of(mesh, map, triangle, tangents)?;
+        let points = points(&surface, map, image, corners);
+        let fold = if square { 0.0 } else { 0.5 };
+        let mut sum = DVec3::ZERO;
+        for i in 0..points {
+            for j in 0..points {
+                let [s, t] = [i, j].map(|k| (f64::from(k) + 0.5) / f64::from(points));
+                // The square is folded onto the triangle, as samples are.
+                let folded = fold * s.min(t);
+                let (s, t) = (s - folded, t - folded);
+                let [a, b, c] = corners;
+                let bent = surface.bent(a + (b - a) * s + (c - a) * t, map, image);
+                sum += part.carry_normal(bent).normalize_or_zero();
+            }
+        }
+        sum.try_normalize()
+    }
+}
+
+/// What a triangle has at its corners, in the mesh's space.
+struct Corners<'a> {
+    normals: [Vec3; 3],
+    tangents: &'a [Vec4; 3],
+    uvs: [Vec2; 3],
+}
+
+impl<'a> Corners<'a> {
+    /// `None` where the mesh lacks the texture coordinates of the map.
+    fn of(
+        mesh: &Mesh,
+        map: &NormalMap,
+        triangle: u32,
+        tangents: &'a [Vec4; 3],
+    ) -> Option<Corners<'a>> {
+        let set = mesh.uv_sets.get(map.texture.uv_set as usize)?;
+        let vertices = mesh.triangles[triangle as usize];
+        Some(Corners {
+            normals: normals(mesh, triangle as usize),
+            tangents,
+            uvs: vertices.map(|v| set[v as usize]),
+        })
+    }
+
+    /// The bent normal with these corner weights.
+    fn bent(&self, weights: DVec3, map: &NormalMap, image: &Image) -> DVec3 {
+        let mean =
+            |of: &dyn Fn(usize) -> DVec3| of(0) * weights.x + of(1) * weights.y + of(2) * weights.z;
+        let normal = mean(&|i| self.normals[i].as_dvec3()).normalize_or_zero();
+        let tangent = mean(&|i| self.tangents[i].truncate().as_dvec3()).normalize_or_zero();
+        let bitangent = normal.cross(tangent) * f64::from(self.tangents[0].w);
+        let local = map.normal(image, self.uv(weights)).as_dvec3();
+        tangent * local.x + bitangent * local.y + normal * local.z
+    }
+
+    fn uv(&self, weights: DVec3) -> Vec2 {
+        let [a, b, c] = self.uvs.map(|uv| uv.as_dvec2());
+        (a * weights.x + b * weights.y + c * weights.z).as_vec2()
+    }
+}
+
+/// How many points along each edge of a piece meet about every pixel of the map, within 2..=[`MOST_POINTS`].
+fn points(surface: &Corners, map: &NormalMap, image: &Image, corners: [DVec3; 3]) -> u32 {
+    let size = DVec2::new(f64::from(image.width), f64::from(image.height));
+    let [a, b, c] = corners.map(|weights| {
+        let uv = surface.uv(weights);
+        let row = |[x, y, shift]: [f32; 3]| f64::from(x * uv.x + y * uv.y + shift);
+        DVec2::from(map.texture.transform.map(row)) * size
+    });
+    let pixels = (b - a).perp_dot(c - a).abs().sqrt();
+    (pixels.ceil() as u32)
+        .saturating_add(1)
+        .clamp(2, MOST_POINTS)
+}
+
+/// Unit normals at a triangle's corners in mesh space: the mesh's, else its own.
+fn normals(mesh: &Mesh, triangle: usize) -> [Vec3; 3] {
+    let vertices = mesh.triangles[triangle];
+    if mesh.normals.is_empty() {
+        let [a, b, c] = vertices.map(|v| mesh.positions[v as usize].as_dvec3());
+        return [(b - a).cross(c - a).normalize_or_zero().as_vec3(); 3];
+    }
+    vertices.map(|v| mesh.normals[v as usize])
+}
+
+/// Tangents of every triangle's corners: the file's, or MikkTSpace's. Of a mesh without normals of its own the file's are
+/// not used, as the glTF specification says.
+fn tangents(mesh: &Mesh, map: &NormalMap) -> Vec<[Vec4; 3]> {
+    if !mesh.tangents.is_empty() && !mesh.normals.is_empty() {
+        let corners = |triangle: &[u32; 3]| triangle.map(|v| mesh.tangents[v as usize]);
+        return mesh.triangles.iter().map(corners).collect();
+    }
+    let mut made = Made {
+        mesh,
+        map,
+        // Where a triangle has no texture area and no neighbour that has, the map does not bend it.
+        tangents: vec![[Vec4::W; 3]; mesh.triangles.len()],
+    };
+    // It knows no error today; triangles that it did not reach would stay unbent.
+    let _ = generate_tangents(&mut made);
+    made.tangents
+}
+
+/// A mesh as MikkTSpace reads and writes it.
+struct Made<'a> {
+    mesh: &'a Mesh,
+    map: &'a NormalMap,
+    tangents: Vec<[Vec4; 3]>,
+}
+
+impl Geometry for Made<'_> {
+    fn num_faces(&self) -> usize {
+        self.mesh.triangles.len()
+    }
+
+    fn num_vertices_of_face(&self, _: usize) -> usize {
+        3
+    }
+
+    fn position(&self, face: usize, vert: usize) -> [f32; 3] {
+        self.mesh.positions[self.mesh.triangles[face][vert] as usize].to_array()
+    }
+
+    fn normal(&self, face: usize, vert: usize) -> [f32; 3] {
+        normals(self.mesh, face)[vert].to_array()
+    }
+
+    /// Where the map is read, with v upward as its green is.
+    fn tex_coord(&self, face: usize, vert: usize) -> [f32; 2] {
+        let texture = &self.map.texture;
+        let set = self.mesh.uv_sets.get(texture.uv_set as usize);
+        let vertex = self.mesh.triangles[face][vert] as usize;
+        let uv = set.map_or(Vec2::ZERO, |set| set[vertex]);
+        let [u, v] = texture.transform.map(|[a, b, c]| a * uv.x + b * uv.y + c);
+        [u, 1.0 - v]
+    }
+
+    fn set_tangent(&mut self, space: Option<TangentSpace>, face: usize, vert: usize) {
+        if let Some(space) = space {
+            self.tangents[face][vert] = Vec4::from(space.tangent_encoded());
+        }
+    }
+}

@@ -1,0 +1,195 @@
+//! Normal maps bend the shading normal: a constant map on a lone level square, whose terms are known on paper.
+
+use crate::quads::{self, Quad};
+use crate::support::run_well;
+use ambake::{Bake, Layer, Scene, Uv};
+use glam::Vec3;
+use serde_json::{Value, json};
+use std::path::Path;
+use tempfile::TempDir;
+
+/// A map whose every normal leans by 30 degrees toward the right of the picture, and a little toward its top.
+const CODE: [u8; 4] = [182, 166, 237, 255];
+
+/// The normal of the code on a surface with these directions of the picture's right and top, and this normal.
+fn bent(scale: f32, right: Vec3, top: Vec3, normal: Vec3) -> Vec3 {
+    let [x, y, z] = [0, 1, 2].map(|i: usize| f32::from(CODE[i]) / 127.5 - 1.0);
+    (right * x * scale + top * y * scale + normal * z).normalize()
+}
+
+fn material(texture: Value) -> Value {
+    json!({
+        "materials": [{ "normalTexture": texture }],
+        "textures": [{ "source": 0 }],
+        "images": [{ "uri": "normals.png" }],
+    })
+}
+
+fn loaded(quad: Quad, texture: Value) -> (TempDir, Scene) {
+    let folder = quads::write(&[quad], material(texture));
+    quads::picture(&folder, "normals.png", [2, 2], &[CODE; 4]);
+    let scene = ambake::load(folder.path().join("scene.gltf")).expect("the scene loads");
+    (folder, scene)
+}
+
+/// The page of a bake has one normal, and the terms of an open surface that it shades.
+fn assert_bent(scene: &Scene, expected: Vec3, case: &str) {
+    let bake = Bake::new(scene).size(16).rays(16).uv(Uv::Unwrap);
+    let baked = bake
+        .normal_maps(true)
+        .layers([Layer::Normal])
+        .run(&())
+        .expect("it bakes");
+    let page = baked.page(0);
+    let coverage = page.layer(Layer::Coverage);
+    let diffuse = page.layer(Layer::Diffuse);
+    let visibility = page.layer(Layer::Visibility);
+    let cos = f64::from(expected.y.abs());
+    // What the plane of the square leaves of a hemisphere that leans, as of scenes/tilted_normal.obj.
+    let exact = [0.5 * (1.0 + cos), 1.0 - cos.acos() / std::f64::consts::PI];
+    for texel in (0..coverage.len()).filter(|&texel| coverage[texel] > 0.0) {
+        let normal = Vec3::from([0, 1, 2].map(|c| page.channel(Layer::Normal, c)[texel]));
+        assert!(
+            (normal - expected).length() < 1e-5,
+            "{case}: {normal} for {expected}"
+        );
+        let found = [diffuse[texel], visibility[texel]].map(f64::from);
+        for (found, exact) in found.iter().zip(exact) {
+            assert!((found - exact).abs() < 1e-5, "{case}: {found} for {exact}");
+        }
+    }
+}
+
+#[test]
+fn tangents_follow_the_picture_on_the_surface() {
+    let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
+    let square = || Quad::level(0.0, 2.0).with("NORMAL", &[0.0, 1.0, 0.0]);
+    // The picture's right is +x, its top -z.
+    let plain = || json!({ "index": 0 });
+    let (_folder, scene) = loaded(square(), plain());
+    assert_bent(&scene, bent(1.0, x, -z, y), "made tangents");
+
+    let (_folder, scene) = loaded(Quad::level(0.0, 2.0), plain());
+    assert_bent(&scene, bent(1.0, x, -z, y), "a flat mesh");
+
+    let (_folder, scene) = loaded(square(), json!({ "index": 0, "scale": 0.5 }));
+    assert_bent(&scene, bent(0.5, x, -z, y), "half the scale");
+
+    let mut mirrored = square();
+    mirrored.uvs[0] = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0]];
+    let (_folder, scene) = loaded(mirrored, plain());
+    assert_bent(&scene, bent(1.0, -x, -z, y), "mirrored coordinates");
+
+    let mut turned = square();
+    turned.uvs[1] = [[0.0, 1.0], [0.0, -1.0], [1.0, 0.0]];
+    let (_folder, scene) = loaded(turned, json!({ "index": 0, "texCoord": 1 }));
+    assert_bent(&scene, bent(1.0, z, x, y), "the second set, turned");
+
+    // A quarter turn counter-clockwise of the coordinates turns the picture clockwise: its right points to +z, its top to +x.
+    let transform = json!({ "KHR_texture_transform": { "rotation": std::f64::consts::FRAC_PI_2 } });
+    let (_folder, scene) = loaded(square(), json!({ "index": 0, "extensions": transform }));
+    assert_bent(&scene, bent(1.0, z, x, y), "a turned texture");
+}
+
+#[test]
+fn the_files_own_tangents_are_taken_with_their_sign() {
+    let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
+    for (sign, top) in [(1.0, x), (-1.0, -x)] {
+        let quad = Quad::level(0.0, 2.0)
+            .with("NORMAL", &[0.0, 1.0, 0.0])
+            .with("TANGENT", &[0.0, 0.0, 1.0, sign]);
+        let (_folder, scene) = loaded(quad, json!({ "index": 0 }));
+        // y x z = x.
+        assert_bent(&scene, bent(1.0, z, top, y), "tangents of the file");
+    }
+}
+
+#[test]
+fn relief_is_mirrored_and_stretched_with_the_instance() {
+    let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
+    let square = |scale| Quad {
+        scale,
+        ..Quad::level(0.0, 2.0).with("NORMAL", &[0.0, 1.0, 0.0])
+    };
+    let (_folder, scene) = loaded(square([-1.0, 1.0, 1.0]), json!({ "index": 0 }));
+    assert_bent(&scene, bent(1.0, -x, -z, y), "a mirrored instance");
+    // Flattened to half its height, relief leans half as much.
+    let (_folder, scene) = loaded(square([1.0, 0.5, 1.0]), json!({ "index": 0 }));
+    assert_bent(&scene, bent(0.5, x, -z, y), "a flattened instance");
+}
+
+fn bake(scene: &Path, folder: &Path, flags: &[&str]) -> Value {
+    let fixed = ["--size", "16", "--rays", "16", "--json", "-o"];
+    let mut arguments = vec!["bake".into(), scene.as_os_str().to_owned()];
+    arguments.extend(fixed.iter().map(Into::into));
+    arguments.push(folder.as_os_str().to_owned());
+    arguments.extend(flags.iter().map(Into::into));
+    serde_json::from_str(&run_well(arguments)).expect("JSON")
+}
+
+#[test]
+fn maps_are_counted_where_they_are_not_asked_for() {
+    let (folder, _) = loaded(Quad::level(0.0, 2.0), json!({ "index": 0 }));
+    let scene = folder.path().join("scene.gltf");
+    let counted = |flags: &[&str]| {
+        let report = bake(&scene, &folder.path().join("out"), flags);
+        let warnings = report["warnings"].as_array().expect("a list").clone();
+        let ignored = |warning: &&Value| warning["kind"] == "ignored-normal-maps";
+        (warnings.iter().filter(ignored).count(), report)
+    };
+    let (without, report) = counted(&[]);
+    assert_eq!(
+        (without, &report["options"]["normal_maps"]),
+        (1, &json!(false))
+    );
+    let (with, report) = counted(&["--normal-maps"]);
+    assert_eq!((with, &report["options"]["normal_maps"]), (0, &json!(true)));
+}
+
+#[test]
+fn obj_statements_give_normals_or_heights() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    quads::picture(&folder, "normals.png", [2, 2], &[CODE; 4]);
+    // Heights rise by 32/255 a pixel to the right.
+    let ramp: Vec<[u8; 4]> = (0..8u8).map(|i| [32 * i, 32 * i, 32 * i, 255]).collect();
+    quads::picture(&folder, "heights.png", [8, 1], &ramp);
+    let square = "mtllib a.mtl\nusemtl a\nv -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\n\
+                  vt 0.4 0\nvt 0.6 0\nvt 0.6 1\nvt 0.4 1\nf 1/1 2/2 3/3 4/4\n";
+    std::fs::write(folder.path().join("a.obj"), square).expect("a writable folder");
+    let baked = |statement: &str| {
+        let library = format!("newmtl a\nKd 1 1 1\n{statement}\n");
+        std::fs::write(folder.path().join("a.mtl"), library).expect("a writable folder");
+        ambake::load(folder.path().join("a.obj")).expect("the scene loads")
+    };
+    let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
+    for statement in [
+        "norm normals.png",
+        "map_Bump normals.png",
+        "bump -bm 1 normals.png",
+    ] {
+        assert_bent(&baked(statement), bent(1.0, x, -z, y), statement);
+    }
+    let half = baked("map_bump -bm 0.5 normals.png");
+    assert_bent(&half, bent(0.5, x, -z, y), "half the multiplier");
+    let slope = baked("map_Bump -bm 2 heights.png");
+    let page = Bake::new(&slope).size(16).rays(16).uv(Uv::Unwrap);
+    let baked = page.normal_maps(true).layers([Layer::Normal]).run(&());
+    let baked = baked.expect("it bakes");
+    let lean = |c| baked.page(0).channel(Layer::Normal, c)[8 * 16 + 8];
+    let found = lean(0) / lean(1);
+    // Coded in 8 bits.
+    assert!((found + 2.0 * 32.0 / 255.0).abs() < 0.01, "{found}");
+}
+
+#[test]
+fn a_broken_map_is_one_line_where_it_is_asked_for() {
+    let (folder, _) = loaded(Quad::level(0.0, 2.0), json!({ "index": 0 }));
+    std::fs::write(folder.path().join("normals.png"), b"no picture").expect("a writable folder");
+    let scene = ambake::load(folder.path().join("scene.gltf")).expect("no map is asked for");
+    let bake = Bake::new(&scene).size(16).normal_maps(true);
+    let error = bake.prepare().expect_err("the map is broken").to_string();
+    assert!(
+        error.contains("normals.png") && error.contains("--normal-maps") && !error.contains('\n'),
+        "{error}"
+    );
+}
