@@ -63,14 +63,20 @@ pub(crate) fn resume() {
 }
 
 /// Runs the closure. After a panic every further hit of the query is kept, so that it ends soon.
-unsafe extern "C" fn call(closure: *const c_void, primitive: u32, u: f32, v: f32) -> bool {
+unsafe extern "C" fn call(
+    closure: *const c_void,
+    primitive: u32,
+    u: f32,
+    v: f32,
+    ray: u32,
+) -> bool {
     // SAFETY: `closure` is the `Keep` of a `HitTest` that the scene owns; a query borrows the scene, and queries are
     // the only callers. The closure is Sync, so several threads may call it.
     let keep = unsafe { &*closure.cast::<Keep>() };
     if PANIC.with_borrow(Option::is_some) {
         return true;
     }
-    match panic::catch_unwind(AssertUnwindSafe(|| keep(primitive, [u, v]))) {
+    match panic::catch_unwind(AssertUnwindSafe(|| keep(primitive, [u, v], ray))) {
         Ok(kept) => kept,
         Err(payload) => {
             PANIC.set(Some(payload));

@@ -17,6 +17,18 @@ pub struct Ray {
     pub t_max: f32,
 }
 
+impl Ray {
+    /// A hash of origin and direction, bit by bit: what a hit test knows of the ray that it decides for, on every machine.
+    #[inline]
+    pub fn id(&self) -> u32 {
+        let numbers = self.origin.iter().chain(&self.direction);
+        numbers.fold(0, |hash: u32, x| {
+            let hash = (hash ^ x.to_bits()).wrapping_mul(0x9e37_79b1);
+            hash ^ (hash >> 15)
+        })
+    }
+}
+
 /// Stands for a packet width in bounds: `Lanes<N>: PacketWidth` holds for N = 8 and N = 16.
 #[derive(Debug, Clone, Copy)]
 pub struct Lanes<const N: usize>;

@@ -58,6 +58,7 @@ impl Drop for SceneParts {
 impl SceneParts {
     /// The scene, once the handle is committed.
     pub(crate) fn into_scene(self) -> Scene {
+        let tested = !self.hit_tests.is_empty() || self.placed.iter().any(|p| p.scene.0.tested);
         let mut b = [0.0; 6];
         // SAFETY: the scene is committed and alive; six floats are written.
         unsafe { sys::ambake_bounds(self.raw, b.as_mut_ptr()) };
@@ -67,8 +68,12 @@ impl SceneParts {
                 sys::AMBAKE_QUERY_ROBUST
             } else {
                 0
+            } | if tested {
+                sys::AMBAKE_QUERY_TELL_RAYS
+            } else {
+                0
             },
-            tested: !self.hit_tests.is_empty() || self.placed.iter().any(|p| p.scene.0.tested),
+            tested,
             reach: self
                 .placed
                 .iter()

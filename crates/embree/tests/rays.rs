@@ -4,7 +4,8 @@ mod common;
 
 use ambake_embree::{Coherence, Keep, Lanes, PacketWidth, Ray, RayPacket, Scene, SceneBuilder};
 use common::{Random, ask, device, ray, scene, soup};
-use std::sync::Arc;
+use std::collections::HashSet;
+use std::sync::{Arc, Mutex};
 
 /// Unit right triangle in the plane z = `height`, wound counter-clockwise seen from +z.
 fn triangle(height: f32) -> common::Mesh {
@@ -199,7 +200,8 @@ fn packets_equal_singles_on_a_million_rays() {
     let (positions, triangles) = soup(&mut random, 3000);
     let (opaque, masked) = triangles.split_at(1500);
     let rays: Vec<Ray> = (0..1 << 20).map(|_| ray(&mut random)).collect();
-    let keep: Keep = Arc::new(|primitive, [u, v]| primitive % 3 != 0 && u + v < 0.7);
+    let keep: Keep =
+        Arc::new(|primitive, [u, v], ray| primitive % 3 != 0 && u + v < 0.7 && ray % 5 != 0);
     for robust in [false, true] {
         let mut builder = SceneBuilder::new(&device).robust(robust);
         builder.triangles(&positions, opaque).expect("a mesh");
@@ -214,6 +216,65 @@ fn packets_equal_singles_on_a_million_rays() {
             + compare::<16>(&scene, &narrow[..1 << 17], Coherence::Coherent);
         println!("robust {robust}: {blocked} of the active lanes are blocked");
         assert!(blocked > 100_000, "{blocked} blocked lanes test nothing");
+    }
+}
+
+#[test]
+fn a_hit_test_is_told_the_ray_that_was_cast_also_inside_an_instance() {
+    let Some(device) = device() else { return };
+    let mut random = Random(5);
+    let (positions, triangles) = soup(&mut random, 1000);
+    let told = Arc::new(Mutex::new(HashSet::new()));
+    let keep: Keep = {
+        let told = Arc::clone(&told);
+        Arc::new(move |_, _, ray| {
+            told.lock().expect("no panic").insert(ray);
+            false
+        })
+    };
+    let mut inner = SceneBuilder::new(&device).robust(true);
+    inner
+        .masked_triangles(&positions, &triangles, keep)
+        .expect("a mesh");
+    let inner = inner.commit().expect("a scene");
+    let mut outer = SceneBuilder::new(&device).robust(true);
+    let moved = [
+        [0.0, 2.0, 0.0],
+        [-1.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [0.5, 0.0, 0.0],
+    ];
+    outer.instance(&inner, moved).expect("an instance");
+    let outer = outer.commit().expect("a scene");
+    for scene in [&inner, &outer] {
+        let rays: Vec<Ray> = (0..1600).map(|_| ray(&mut random)).collect();
+        let cast: HashSet<u32> = rays.iter().map(Ray::id).collect();
+        assert!(cast.len() > 1590, "{} ids of 1600 rays", cast.len());
+        let singly = |rays: &[Ray]| {
+            for ray in rays {
+                assert!(!scene.occluded(ray) && scene.closest(ray).is_none());
+            }
+        };
+        let in_packets = |rays: &[Ray]| {
+            for rays in rays.chunks(16) {
+                let mut packet = RayPacket::<16>::new();
+                rays.iter()
+                    .enumerate()
+                    .for_each(|(lane, ray)| packet.set(lane, ray));
+                scene.occluded_packet(&packet, u32::MAX, Coherence::Incoherent);
+            }
+        };
+        singly(&rays);
+        let by_singles = std::mem::take(&mut *told.lock().expect("no panic"));
+        in_packets(&rays);
+        let by_packets = std::mem::take(&mut *told.lock().expect("no panic"));
+        assert!(
+            by_singles.len() > 100,
+            "{} rays meet anything",
+            by_singles.len()
+        );
+        assert!(by_singles.is_subset(&cast));
+        assert_eq!(by_singles, by_packets);
     }
 }
 

@@ -171,7 +171,7 @@ fn only_kept_hits_count() {
     for robust in [false, true] {
         let mut builder = SceneBuilder::new(&device).robust(robust);
         // The corner weights of FLAT at (x, y) are ((x + 1) / 4, (y + 1) / 4).
-        let keep: Keep = Arc::new(|primitive, [u, v]| primitive == 1 || (u < 0.5 && v < 0.25));
+        let keep: Keep = Arc::new(|primitive, [u, v], _| primitive == 1 || (u < 0.5 && v < 0.25));
         let lower = FLAT.map(|[x, y, _]| [x, y, -1.0]);
         let positions = [FLAT, lower].concat();
         builder
@@ -211,7 +211,7 @@ fn a_filter_runs_only_for_its_own_geometry_and_active_lanes() {
     let calls = Arc::new(AtomicU32::new(0));
     let counted = Arc::clone(&calls);
     let mut builder = SceneBuilder::new(&device);
-    let keep: Keep = Arc::new(move |_, _| {
+    let keep: Keep = Arc::new(move |_, _, _| {
         counted.fetch_add(1, Ordering::Relaxed);
         false
     });
@@ -234,7 +234,7 @@ fn a_filter_runs_only_for_its_own_geometry_and_active_lanes() {
 fn a_panic_in_a_filter_reaches_the_caller_of_the_query() {
     let Some(device) = device() else { return };
     let mut builder = SceneBuilder::new(&device);
-    let keep: Keep = Arc::new(|_, _| std::panic::resume_unwind(Box::new("from the filter")));
+    let keep: Keep = Arc::new(|_, _, _| std::panic::resume_unwind(Box::new("from the filter")));
     builder
         .masked_triangles(&FLAT, &[[0, 1, 2]], keep)
         .expect("a mesh");
@@ -286,7 +286,7 @@ fn bad_meshes_are_errors_that_name_the_place() {
             matches!(error, Error::VertexOutOfRange { vertex: 2, .. }),
             "{error}"
         );
-        let keep: Keep = Arc::new(|_, _| true);
+        let keep: Keep = Arc::new(|_, _, _| true);
         let masked = builder.masked_triangles(&positions, &[[0, 1, 2]], keep);
         assert!(masked.is_err(), "{masked:?}");
     }
@@ -423,7 +423,7 @@ fn memory_returns_when_scenes_go() {
 #[test]
 fn a_scene_outlives_the_handles_it_was_made_from() {
     let Some(device) = device() else { return };
-    let keep: Keep = Arc::new(|primitive, _| primitive == 0);
+    let keep: Keep = Arc::new(|primitive, _, _| primitive == 0);
     let mut builder = SceneBuilder::new(&device);
     builder
         .masked_triangles(&FLAT, &[[0, 1, 2]], keep)

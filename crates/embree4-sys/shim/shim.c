@@ -19,6 +19,10 @@ _Static_assert(sizeof(struct RTCRay16) == 768 && _Alignof(struct RTCRay16) == 64
 _Static_assert(sizeof(struct ambake_ray) == 32, "ambake_ray is padded");
 _Static_assert(sizeof(struct ambake_packet8) == 256, "ambake_packet8 is padded");
 _Static_assert(sizeof(struct ambake_packet16) == 512, "ambake_packet16 is padded");
+OFFSET_IS(RTCRay, id, 40);
+OFFSET_IS(RTCRay4, id, 10 * 16);
+OFFSET_IS(RTCRay8, id, 10 * 32);
+OFFSET_IS(RTCRay16, id, 10 * 64);
 OFFSET_IS(RTCRayHit, hit, 48);
 OFFSET_IS(RTCHit, u, 12);
 OFFSET_IS(RTCHit, v, 16);
@@ -61,8 +65,8 @@ int64_t ambake_property(RTCDevice device, int property)
     return (int64_t)rtcGetDeviceProperty(device, (enum RTCDeviceProperty)property);
 }
 
-/* Embree calls this for one lane (single rays) or several. RTCHitN is a structure of arrays of N: the asserts above
- * pin rows 3, 4 and 5. Lanes whose valid is not -1 are not ours. */
+/* Embree calls this for one lane (single rays) or several. RTCRayN and RTCHitN are structures of arrays of N: the
+ * asserts above pin row 10 of the one, and rows 3, 4 and 5 of the other. Lanes whose valid is not -1 are not ours. */
 static void filter_lanes(const struct RTCFilterFunctionNArguments *arguments)
 {
     const struct ambake_filter *filter = arguments->geometryUserPtr;
@@ -72,11 +76,12 @@ static void filter_lanes(const struct RTCFilterFunctionNArguments *arguments)
         if (arguments->valid[i] != -1)
             continue;
         float u, v;
-        uint32_t primitive;
+        uint32_t primitive, ray;
+        memcpy(&ray, (const char *)arguments->ray + 4 * (10 * n + i), 4);
         memcpy(&u, hit + 4 * (3 * n + i), 4);
         memcpy(&v, hit + 4 * (4 * n + i), 4);
         memcpy(&primitive, hit + 4 * (5 * n + i), 4);
-        if (!filter->keep(filter->closure, primitive, u, v))
+        if (!filter->keep(filter->closure, primitive, u, v, ray))
             arguments->valid[i] = 0;
     }
 }
@@ -138,6 +143,20 @@ static inline float near_end(float t_min, int robust)
     return near;
 }
 
+/* Ray::id of crates/embree/src/ray.rs says the same. */
+static inline uint32_t mixed(uint32_t hash, float x)
+{
+    uint32_t bits;
+    memcpy(&bits, &x, 4);
+    hash = (hash ^ bits) * 0x9e3779b1u;
+    return hash ^ (hash >> 15);
+}
+
+static inline uint32_t ray_id(float ox, float oy, float oz, float dx, float dy, float dz)
+{
+    return mixed(mixed(mixed(mixed(mixed(mixed(0, ox), oy), oz), dx), dy), dz);
+}
+
 /* False for an empty interval and for a NaN end: such a ray meets nothing and is not traced. */
 static inline int is_open(float t_min, float t_max)
 {
@@ -171,6 +190,8 @@ static inline void fill_ray(struct RTCRay *out, const struct ambake_ray *ray, ui
     out->tfar = ray->t_max;
     out->mask = ~0u;
     out->id = 0;
+    if (query & AMBAKE_QUERY_TELL_RAYS)
+        out->id = ray_id(out->org_x, out->org_y, out->org_z, out->dir_x, out->dir_y, out->dir_z);
     out->flags = 0;
 }
 
@@ -199,6 +220,7 @@ int ambake_occluded1(RTCScene scene, const struct ambake_ray *ray, uint32_t quer
                             uint32_t *blocked, size_t count, uint32_t query, float reach)                        \
     {                                                                                                            \
         const int robust = (query & AMBAKE_QUERY_ROBUST) != 0;                                                   \
+        const int tell = (query & AMBAKE_QUERY_TELL_RAYS) != 0;                                                  \
         _Alignas(64) int valid[N];                                                                               \
         struct RTCRay##N r;                                                                                      \
         OCCLUDED_STATE(query);                                                                                   \
@@ -225,6 +247,8 @@ int ambake_occluded1(RTCScene scene, const struct ambake_ray *ray, uint32_t quer
                 r.id[i] = 0;                                                                                     \
                 r.flags[i] = 0;                                                                                  \
             }                                                                                                    \
+            for (int i = 0; tell && i < N; i++)                                                                  \
+                r.id[i] = ray_id(r.org_x[i], r.org_y[i], r.org_z[i], r.dir_x[i], r.dir_y[i], r.dir_z[i]);        \
             if (any)                                                                                             \
                 TRACE(rtcOccluded##N, valid, scene, &r);                                                         \
             uint32_t bits = 0;                                                                                   \

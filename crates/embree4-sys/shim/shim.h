@@ -51,14 +51,15 @@ struct ambake_hit {
     uint32_t instance;
 };
 
-/* What a filter geometry's user pointer points to. keep must not unwind and must be callable from any thread. */
+/* What a filter geometry's user pointer points to. ray is a hash of the ray's origin and direction as they were handed
+ * over, also inside an instance; 0 where the query does not say AMBAKE_QUERY_TELL_RAYS. keep must not unwind and must be callable from any thread. */
 struct ambake_filter {
-    bool (*keep)(const void *closure, uint32_t primitive, float u, float v);
+    bool (*keep)(const void *closure, uint32_t primitive, float u, float v, uint32_t ray);
     const void *closure;
 };
 
 /* Flags of a query. ROBUST must be set exactly where the scene was built with RTC_SCENE_FLAG_ROBUST. */
-enum ambake_query { AMBAKE_QUERY_COHERENT = 1, AMBAKE_QUERY_ROBUST = 2 };
+enum ambake_query { AMBAKE_QUERY_COHERENT = 1, AMBAKE_QUERY_ROBUST = 2, AMBAKE_QUERY_TELL_RAYS = 4 };
 
 /* In all queries: a ray meets nothing where a coordinate of its origin or direction is not below reach in magnitude
  * (or is a NaN). Debian's Embree 3 is built with its assertions and aborts on rays past 1.844e18, also in the space of

@@ -4,17 +4,17 @@
 //!
 //! **See-through surfaces** (glTF BLEND, OBJ `d`) let the share `1 - alpha` of the light pass. Ambient light is a mean over
 //! rays, so it is enough that this share of the rays passes, which needs no partial hits and is right behind any number of
-//! such surfaces. Chance would make a bake depend on its threads, and a threshold of its own for each ray could not be
-//! known to a ray library. So the surface is screened: each triangle is divided into [`GRID`] x [`GRID`] cells by its corner
-//! weights, each cell has a fixed threshold in 0..1 by a hash, and a hit stops the ray where alpha is above it. Cells are
-//! far smaller than what the rays of a texel tell apart; both ray libraries and every thread see the same ones.
+//! such surfaces. Which rays pass is no matter of chance, or a bake would depend on its threads: every ray and triangle
+//! have a threshold in 0..1 by a hash, and the ray is stopped where alpha is above it. Both ray libraries get the same
+//! rays, so they agree. Instances of one mesh in a row are told apart by where on the triangle the ray meets them.
 
 use glam::Vec2;
 use scene::{Alpha, Mesh, Scene, TextureRef};
 use std::sync::Arc;
 
-/// Cells of a see-through triangle along two of its edges: 1 cm on an edge of 160 m.
-const GRID: f32 = 16384.0;
+/// Cells of a see-through triangle along two of its edges, each with thresholds of its own: enough to tell instances apart,
+/// too few for the rounding of a hit to matter.
+const CELLS: f32 = 64.0;
 
 /// Decides hits on one mesh with a material that is not opaque. It owns what it reads, so a ray library may keep it.
 #[derive(Clone)]
@@ -36,7 +36,9 @@ impl AlphaTest {
 
     /// True where the surface stops a ray at the point with the weights `barycentric` of the triangle's second and third
     /// corners.
-    pub fn keep(&self, primitive: u32, barycentric: [f32; 2]) -> bool {
+    ///
+    /// * `ray`: [`crate::Ray::id`] of the ray as it was cast.
+    pub fn keep(&self, primitive: u32, barycentric: [f32; 2], ray: u32) -> bool {
         let mesh = &self.scene.meshes[self.mesh as usize];
         let alpha = |factor: f32, map: &Option<TextureRef>| {
             self.alpha(mesh, factor, map.as_ref(), primitive, barycentric)
@@ -49,7 +51,7 @@ impl AlphaTest {
                 map,
             } => alpha(*factor, map) >= *cutoff,
             Alpha::Blend { factor, map } => {
-                alpha(*factor, map) > threshold([self.mesh, primitive], barycentric)
+                alpha(*factor, map) > threshold([ray, self.mesh, primitive], barycentric)
             }
         }
     }
@@ -80,16 +82,17 @@ impl AlphaTest {
     }
 }
 
-/// The threshold of the cell that holds a point of a triangle, given by mesh and number: evenly spread over `0.0..1.0`, all multiples of 2^-24.
-fn threshold([mesh, triangle]: [u32; 2], barycentric: [f32; 2]) -> f32 {
-    let [u, v] = barycentric.map(|weight| (weight * GRID).floor() as i32 as u32);
+/// The threshold of a ray, a mesh and a triangle of it, where the ray meets it: evenly spread over `0.0..1.0`, all
+/// multiples of 2^-24.
+fn threshold([ray, mesh, triangle]: [u32; 3], barycentric: [f32; 2]) -> f32 {
+    let [u, v] = barycentric.map(|weight| (weight * CELLS).floor() as i32 as u32);
     // Rounds of the finaliser of MurmurHash3 (A. Appleby, 2008), one for each number.
     let mix = |mut h: u32| {
         h = (h ^ h >> 16).wrapping_mul(0x85eb_ca6b);
         h = (h ^ h >> 13).wrapping_mul(0xc2b2_ae35);
         h ^ h >> 16
     };
-    let numbers = [mesh, triangle, u, v];
+    let numbers = [ray, mesh, triangle, u, v];
     let hash = numbers.into_iter().fold(0x9e37_79b9_u32, |hash, number| {
         mix(hash.wrapping_add(number))
     });
@@ -110,27 +113,24 @@ mod tests {
 
     #[test]
     fn a_see_through_triangle_stops_its_share_of_rays_and_layers_are_independent() {
-        let (edge, alpha) = (500, 0.3);
-        let (mut one, mut both, mut count) = (0, 0, 0);
-        for i in 0..edge {
-            for j in 0..edge - i {
-                let at = [i, j].map(|k| (k as f32 + 0.5) / edge as f32);
-                let stops = |mesh| alpha > threshold([mesh, 3], at);
-                one += u32::from(stops(7));
-                both += u32::from(stops(7) && stops(8));
-                count += 1;
-            }
-        }
-        // Three standard errors of 125,250 independent cells are 0.004.
-        let share = |n: u32| f64::from(n) / f64::from(count);
-        assert!((share(one) - 0.3).abs() < 0.004, "{}", share(one));
-        assert!((share(both) - 0.09).abs() < 0.003, "{}", share(both));
+        let (rays, alpha) = (100_000, 0.3);
+        let stops = |ray, mesh, u| alpha > threshold([ray, mesh, 3], [u, 0.25]);
+        let share = |of: &dyn Fn(u32) -> bool| {
+            f64::from((0..rays).filter(|&ray| of(ray)).count() as u32) / f64::from(rays)
+        };
+        // Three standard errors of 100,000 independent rays are 0.0043.
+        let one = share(&|ray| stops(ray, 0, 0.5));
+        assert!((one - 0.3).abs() < 0.0043, "{one}");
+        let meshes = share(&|ray| stops(ray, 0, 0.5) && stops(ray, 1, 0.5));
+        assert!((meshes - 0.09).abs() < 0.0027, "{meshes}");
+        let instances = share(&|ray| stops(ray, 0, 0.5) && stops(ray, 0, 0.6));
+        assert!((instances - 0.09).abs() < 0.0027, "{instances}");
     }
 
     #[test]
-    fn alpha_0_and_1_are_decided_everywhere() {
-        for i in 0..10_000 {
-            let t = threshold([0, i], [i as f32 * 1e-4, 0.25]);
+    fn thresholds_lie_between_alpha_0_and_1() {
+        for ray in 0..10_000 {
+            let t = threshold([ray, 1, 2], [ray as f32 * 1e-4, 0.25]);
             assert!((0.0..1.0).contains(&t), "{t}");
         }
     }

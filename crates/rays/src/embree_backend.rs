@@ -82,8 +82,8 @@ fn add(builder: &mut SceneBuilder, geometry: &Geometry) -> Result<u32, embree::E
     match geometry.alpha.clone() {
         None => builder.triangles(&positions, geometry.triangles()),
         Some(alpha) => {
-            let keep = std::sync::Arc::new(move |primitive, barycentric| {
-                alpha.keep(primitive, barycentric)
+            let keep = std::sync::Arc::new(move |primitive, barycentric, ray| {
+                alpha.keep(primitive, barycentric, ray)
             });
             builder.masked_triangles(&positions, geometry.triangles(), keep)
         }

@@ -54,6 +54,8 @@ struct Query {
     sight: ShearedRay,
     t_min: f32,
     t_max: f32,
+    /// [`Ray::id`], for alpha tests.
+    id: u32,
 }
 
 impl ObvhsBackend {
@@ -128,7 +130,7 @@ impl ObvhsBackend {
         if part
             .alpha
             .as_ref()
-            .is_some_and(|alpha| !alpha.keep(leaf.triangle, barycentric))
+            .is_some_and(|alpha| !alpha.keep(leaf.triangle, barycentric, query.id))
         {
             return None;
         }
@@ -306,6 +308,7 @@ impl Query {
             sight: ShearedRay::new(origin, direction),
             t_min: if ray.t_min < 0.0 { 0.0 } else { ray.t_min },
             t_max: ray.t_max,
+            id: ray.id(),
         }
     }
 }

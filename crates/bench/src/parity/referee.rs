@@ -88,7 +88,7 @@ pub fn judge_triangle(world: &World, ray: &Ray, instance: u32, triangle: u32) ->
     };
     let mut margin = edge_margin.min(limit_margin);
     if margin > -1.0 {
-        margin = margin.min(view.alpha(world, instance, triangle));
+        margin = margin.min(view.alpha(world, ray, instance, triangle));
     }
     Margin {
         instance,
@@ -181,7 +181,7 @@ impl View {
     }
 
     /// Infinite where the alpha test is sure of itself around the point.
-    fn alpha(&self, world: &World, instance: u32, triangle: u32) -> f64 {
+    fn alpha(&self, world: &World, ray: &Ray, instance: u32, triangle: u32) -> f64 {
         let Some(alpha) = &world.part(instance).1.alpha else {
             return f64::INFINITY;
         };
@@ -192,6 +192,7 @@ impl View {
             alpha.keep(
                 triangle,
                 [(u + spread(i % 3)) as f32, (v + spread(i / 3)) as f32],
+                ray.id(),
             )
         };
         let kept = (0..9).filter(|&i| keep(i)).count();
