@@ -118,6 +118,33 @@ fn relief_is_mirrored_and_stretched_with_the_instance() {
     assert_bent(&scene, bent(0.5, x, -z, y), "a flattened instance");
 }
 
+#[test]
+fn a_texel_has_the_mean_normal_of_the_relief_within_it() {
+    // Ridges: the left half of the picture leans left, the right half right. A texel holds a part of one, or many.
+    let (left, right) = ([64, 128, 238, 255], [191, 128, 238, 255]);
+    let lean = |repeats: f32| {
+        let mut square = Quad::level(0.0, 2.0);
+        square.uvs[0] = [[0.0, 0.0], [repeats, 0.0], [0.0, repeats]];
+        let folder = quads::write(&[square], material(json!({ "index": 0 })));
+        let ridges: Vec<[u8; 4]> = (0..32).map(|i| if i < 16 { left } else { right }).collect();
+        quads::picture(&folder, "normals.png", [32, 1], &ridges);
+        let scene = ambake::load(folder.path().join("scene.gltf")).expect("the scene loads");
+        let bake = Bake::new(&scene).size(32).rays(16).uv(Uv::Unwrap);
+        let baked = bake.normal_maps(true).layers([Layer::Normal]).run(&());
+        let baked = baked.expect("it bakes");
+        let (page, mut most) = (baked.page(0), 0.0f32);
+        for (texel, &coverage) in page.layer(Layer::Coverage).iter().enumerate() {
+            if coverage > 0.0 {
+                most = most.max(page.channel(Layer::Normal, 0)[texel].abs());
+            }
+        }
+        most
+    };
+    // sin 30 degrees where a texel lies on one side of a ridge; nothing is left where it holds many.
+    assert!((lean(1.0) - 0.5).abs() < 0.005, "{}", lean(1.0));
+    assert!(lean(640.0) < 0.12, "{}", lean(640.0));
+}
+
 fn bake(scene: &Path, folder: &Path, flags: &[&str]) -> Value {
     let fixed = ["--size", "16", "--rays", "16", "--json", "-o"];
     let mut arguments = vec!["bake".into(), scene.as_os_str().to_owned()];

@@ -5,7 +5,7 @@ use glam::DVec3;
 use rays::Patch;
 
 /// Least cosine between a bent normal and the surface: one degree above it.
-const LOWEST: f64 = 0.017_452_406_437_283_512;
+const LOWEST: f64 = 0.017_452_406_437_283_51;
 
 /// A triangle or parallelogram of a footprint. Positions are f64 until the ray is set; directions and normals are f32.
 #[derive(Debug, Clone)]
