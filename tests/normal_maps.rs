@@ -2,7 +2,7 @@
 
 use crate::quads::{self, Quad};
 use crate::support::run_well;
-use ambake::{Bake, Layer, Scene, Uv};
+use ambake::{Bake, Layer, Scene, Shading, Uv};
 use glam::Vec3;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -37,6 +37,7 @@ fn assert_bent(scene: &Scene, expected: Vec3, case: &str) {
     let bake = Bake::new(scene).size(16).rays(16).uv(Uv::Unwrap);
     let baked = bake
         .normal_maps(true)
+        .shading(Shading::Exact)
         .layers([Layer::Normal])
         .run(&())
         .expect("it bakes");

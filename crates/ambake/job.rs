@@ -2,9 +2,9 @@
 
 use crate::error::Error;
 use crate::options::{Backend, Options};
-use crate::scene::{Scene, Warning};
-use ::scene::WarningKind;
+use crate::scene::Scene;
 use ::bake::{Baker, Decision, Pilot, Plan};
+use ::scene::WarningKind;
 use atlas::Atlas;
 use rays::{RayBackend, World};
 use report::{DecisionReport, LayoutReport, PhaseReport, WarningReport};
@@ -145,11 +145,14 @@ impl Job {
 
     /// Everything that was repaired, ignored or is doubtful before a ray was cast.
     pub fn warnings(&self) -> Vec<WarningReport> {
-        let taken_in = |warning: &&Warning| {
+        let taken_in = |warning: &&::scene::Warning| {
             self.options.normal_maps && warning.kind == WarningKind::IgnoredNormalMaps
         };
         let of_scene = self.scene.warnings.iter().filter(|w| !taken_in(w));
-        of_scene.map(Into::into).chain(self.layout.warnings()).collect()
+        of_scene
+            .map(Into::into)
+            .chain(self.layout.warnings())
+            .collect()
     }
 
     /// What answers rays.

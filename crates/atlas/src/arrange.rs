@@ -40,7 +40,7 @@ pub(crate) fn unwrap(
     let sheets = sheets(scene, &included, cancel)?;
     let cut = |densities: &[f64], draft: bool| {
         let of = |instance: u32| densities[object_of[instance as usize]];
-        Ok(cut(&sheets, of, draft))
+        Ok(cut(&sheets, of, draft, options.gutter))
     };
     let Found {
         densities,
