@@ -68,6 +68,7 @@ impl Lab {
             uv,
             page_size,
             density,
+            ..atlas::Options::default()
         };
         let mut options = Options {
             effort: Effort::Rays(self.rays),

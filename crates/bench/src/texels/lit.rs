@@ -18,6 +18,19 @@ pub struct Lit<'a> {
 }
 
 impl Lit<'_> {
+    /// Every triangle that has a place on a page, as instance and number.
+    pub(super) fn triangles(&self) -> Vec<(u32, u32)> {
+        let scene = self.world.scene();
+        let placed = (0u32..).zip(&scene.instances).zip(&self.atlas.placements);
+        placed
+            .filter(|(_, placement)| placement.is_somewhere())
+            .flat_map(|((instance, object), _)| {
+                let count = scene.meshes[object.mesh as usize].triangles.len() as u32;
+                (0..count).map(move |triangle| (instance, triangle))
+            })
+            .collect()
+    }
+
     /// Corners of a triangle in texels of its page, and the page.
     pub(super) fn places(&self, instance: u32, triangle: u32) -> ([DVec2; 3], u32) {
         let (uv, page) = triangle_uv(self.world.scene(), self.atlas, instance, triangle);

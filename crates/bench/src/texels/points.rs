@@ -24,15 +24,8 @@ pub(super) struct Point {
 /// The points of every triangle on a regular grid of `per_edge`² in each texel that it touches. A triangle between all
 /// points of the grid has one at its middle, so that none goes unseen.
 pub(super) fn points(lit: &Lit<'_>, per_edge: u32) -> Vec<Point> {
-    let scene = lit.world.scene();
-    let triangles = |instance: u32| {
-        let mesh = &scene.meshes[scene.instances[instance as usize].mesh as usize];
-        (0..mesh.triangles.len() as u32).map(move |triangle| (instance, triangle))
-    };
-    let all: Vec<(u32, u32)> = (0..scene.instances.len() as u32)
-        .flat_map(triangles)
-        .collect();
-    all.into_par_iter()
+    lit.triangles()
+        .into_par_iter()
         .flat_map_iter(|(instance, triangle)| of_triangle(lit, instance, triangle, per_edge))
         .collect()
 }

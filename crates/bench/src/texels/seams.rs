@@ -84,34 +84,31 @@ fn is_seam(a: &Side, b: &Side) -> bool {
 
 /// The sides of every edge that more than one triangle has, in the order of the scene.
 fn edges(lit: &Lit<'_>) -> Vec<Vec<Side>> {
-    let scene = lit.world.scene();
     let mut weld = Weld::new(WELD * lit.world.bounds().diagonal());
     let mut known: HashMap<(u32, u32), usize> = HashMap::new();
     let mut all: Vec<Vec<Side>> = Vec::new();
-    for (instance, placed) in (0u32..).zip(&scene.instances) {
-        for triangle in 0..scene.meshes[placed.mesh as usize].triangles.len() as u32 {
-            let corners = lit.world.corners(instance, triangle);
-            let ids = corners.map(|corner| weld.id(corner));
-            let (places, page) = lit.places(instance, triangle);
-            let (normals, _) = lit.normals(instance, triangle);
-            for k in 0..3 {
-                let l = (k + 1) % 3;
-                if ids[k] == ids[l] {
-                    continue;
-                }
-                let [i, j] = if ids[k] < ids[l] { [k, l] } else { [l, k] };
-                let side = Side {
-                    page,
-                    places: [places[i], places[j]],
-                    normals: [normals[i], normals[j]],
-                    ends: [corners[i], corners[j]],
-                };
-                let slot = *known.entry((ids[i], ids[j])).or_insert_with(|| {
-                    all.push(Vec::new());
-                    all.len() - 1
-                });
-                all[slot].push(side);
+    for (instance, triangle) in lit.triangles() {
+        let corners = lit.world.corners(instance, triangle);
+        let ids = corners.map(|corner| weld.id(corner));
+        let (places, page) = lit.places(instance, triangle);
+        let (normals, _) = lit.normals(instance, triangle);
+        for k in 0..3 {
+            let l = (k + 1) % 3;
+            if ids[k] == ids[l] {
+                continue;
             }
+            let [i, j] = if ids[k] < ids[l] { [k, l] } else { [l, k] };
+            let side = Side {
+                page,
+                places: [places[i], places[j]],
+                normals: [normals[i], normals[j]],
+                ends: [corners[i], corners[j]],
+            };
+            let slot = *known.entry((ids[i], ids[j])).or_insert_with(|| {
+                all.push(Vec::new());
+                all.len() - 1
+            });
+            all[slot].push(side);
         }
     }
     all.retain(|sides| sides.len() > 1);
