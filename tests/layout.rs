@@ -190,3 +190,30 @@ fn pages_are_added_where_one_is_too_small_and_limited_on_demand() {
     assert_eq!(output.status.code(), Some(1), "{errors}");
     assert!(errors.contains("--pages auto"), "{errors}");
 }
+
+#[test]
+fn what_no_eye_sees_takes_a_texel() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let file = town(folder.path());
+    let share = |eye: &str, name: &str| {
+        let layout = planned(&[text(&file), "--size=512", &format!("--seen-from={eye}")]);
+        number(&object(&layout, name)["share"])
+    };
+    // Low before the first house, looking along the row: the houses behind it show a side at most.
+    let whole = number(&object(&planned(&[text(&file), "--size=512"]), "house_10")["share"]);
+    assert!(share("-50,5,5", "house_10") < 0.2 * whole, "{whole}");
+    // From inside a house nothing else is seen, and a box around the town sees it all.
+    assert!(share("5,5,5", "house_10") < 1e-3);
+    assert!(share("-500,0.1,-500:500,100,500", "house_10") > 0.5 * whole);
+    for wrong in [
+        "--seen-from=1,2",
+        "--seen-from=1,2,3;",
+        "--seen-from=1,2,3:4",
+    ] {
+        assert_eq!(
+            run(["plan", text(&file), wrong]).status.code(),
+            Some(2),
+            "{wrong}"
+        );
+    }
+}

@@ -97,6 +97,12 @@ impl Bake {
         self
     }
 
+    /// Charts that can be seen from none of these points, in scene units, take one texel; their texels go to the others.
+    pub fn seen_from(mut self, eyes: impl IntoIterator<Item = [f64; 3]>) -> Self {
+        self.options.seen_from.extend(eyes);
+        self
+    }
+
     /// How many pages there are: by default one, and more where a density needs them or the charts do not fit.
     pub fn pages(mut self, pages: Pages) -> Self {
         self.options.pages = pages;

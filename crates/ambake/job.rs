@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::options::{Backend, Options};
 use crate::scene::Scene;
+use crate::seen::is_seen;
 use ::bake::{Baker, Decision, Pilot, Plan};
 use atlas::Atlas;
 use rays::{RayBackend, World};
@@ -61,16 +62,18 @@ impl Job {
         let baker = options.baker();
         let (plan, world, atlas, backend) = within(pool.as_ref(), || {
             let (plan, world) = time(&mut phases, "plan", || Plan::of(&scene.0, &baker))?;
-            let layout = || atlas::layout(&scene.0, &options.layout(), &|| false);
-            let atlas = time(&mut phases, "atlas", layout).map_err(|source| Error::Layout {
-                scene: scene.path.display().to_string(),
-                source,
-            })?;
             let build = || match &make_backend {
                 Some(make) => make(&world),
                 None => rays::build(backend.kind(), &world, rayon::current_num_threads()),
             };
             let backend = time(&mut phases, "build", build)?;
+            let seen = |point| is_seen(&options.seen_from, point, &world, backend.as_ref());
+            let seen = (!options.seen_from.is_empty()).then_some(&seen as &atlas::Seen<'_>);
+            let layout = || atlas::layout_seen(&scene.0, &options.layout(), seen, &|| false);
+            let atlas = time(&mut phases, "atlas", layout).map_err(|source| Error::Layout {
+                scene: scene.path.display().to_string(),
+                source,
+            })?;
             Ok::<_, Error>((plan, world, atlas, backend))
         })?;
         let layout = LayoutReport::of(&scene, &atlas);

@@ -60,6 +60,7 @@ mod options;
 mod resume;
 mod run;
 mod scene;
+mod seen;
 mod sky;
 mod write;
 

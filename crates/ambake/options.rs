@@ -67,6 +67,8 @@ pub struct Options {
     pub include: Vec<String>,
     /// Names, with wildcards, of objects that take no texels; they still occlude.
     pub exclude: Vec<String>,
+    /// Eye points in scene units: charts that none of them sees take one texel; empty for no such test.
+    pub seen_from: Vec<[f64; 3]>,
     /// How many pages there are.
     pub pages: Pages,
     /// A mesh that does not fit on one page is an error.
@@ -123,6 +125,7 @@ impl Default for Options {
             density_of: Vec::new(),
             include: Vec::new(),
             exclude: Vec::new(),
+            seen_from: Vec::new(),
             pages: Pages::Auto,
             one_page_per_mesh: false,
             uv: Uv::Auto,
@@ -166,6 +169,9 @@ impl Options {
         }
         if !self.density_of.iter().all(|(_, d)| positive(Some(*d))) {
             return fail("density-of", "each density must be above 0");
+        }
+        if !self.seen_from.iter().flatten().all(|v| v.is_finite()) {
+            return fail("seen-from", "each coordinate must be finite");
         }
         if self.pages == Pages::Most(0) {
             return fail("pages", "must be auto or at least 1");
@@ -283,6 +289,7 @@ impl Options {
             density_of,
             include,
             exclude,
+            seen_from,
             pages,
             one_page_per_mesh,
             uv,
@@ -324,6 +331,7 @@ impl Options {
             "density_of": density_of.iter().map(|(name, d)| format!("{name}={d}")).collect::<Vec<_>>(),
             "include": include,
             "exclude": exclude,
+            "seen_from": seen_from,
             "pages": match pages {
                 Pages::Auto => json!("auto"),
                 Pages::Most(pages) => json!(pages),

@@ -25,6 +25,8 @@ pub(crate) struct Found<T> {
 /// Under `--pages auto` a page is added while an object has fewer texels across its extent, in page edges: a quarter of
 /// the floor, 4 at 1024².
 const LEAST_ACROSS: f64 = FLOOR / 4.0;
+/// Where one page does not do, `--pages auto` adds pages until this share of them is inside charts.
+const LEAST_INSIDE: f64 = 0.25;
 /// Pages that `--pages auto` adds at most.
 const MOST_PAGES: u32 = 1024;
 /// Texels that can be laid out at most: the pages of such an atlas take 4 GiB a channel.
@@ -120,6 +122,7 @@ pub(crate) fn search<T: Send>(
         Pages::Auto if texels > 0.0 => texels + page,
         _ => f64::INFINITY,
     };
+    let mut before = 0.0;
     while pages <= most && least.is_finite() {
         let found = fullest(f64::from(pages) * page, limit, &grown, &|budget| {
             attempt(densities(objects, budget, size), pages)
@@ -131,8 +134,22 @@ pub(crate) fn search<T: Send>(
                 .filter(|(o, _)| o.asked.is_none());
             free.any(|(o, &d)| d > 0.0 && o.extent * d < LEAST_ACROSS * f64::from(size))
         };
+        // One page is what users expect, however full of gutters. Several that are mostly gutters help nobody, unless more
+        // would not help either, as where a page is small for a single chart.
+        let inside = |found: &Found<T>| match pages {
+            1 => 1.0,
+            _ => self::texels(objects, &found.densities) / (page * f64::from(pages)),
+        };
         match found {
-            Some(found) if pages == most || !coarse(&found) => return Ok(found),
+            Some(found) if pages == most => return Ok(found),
+            Some(found) if !coarse(&found) => {
+                let inside = inside(&found);
+                if inside >= LEAST_INSIDE || inside <= before || limit.is_finite() {
+                    return Ok(found);
+                }
+                before = inside;
+                pages += 1 + pages / 4;
+            }
             _ => pages += 1 + pages / 4,
         }
     }

@@ -53,6 +53,10 @@ pub struct Job {
     /// Objects with this name take no texels, but still occlude; * and ? are wildcards, and the flag may be repeated
     #[arg(long, value_name = "NAME")]
     pub exclude: Vec<String>,
+    /// Eye points in scene units, and boxes between two corners, separated by semicolons: charts that none of them sees take
+    /// one texel
+    #[arg(long, value_name = "X,Y,Z[:X,Y,Z][;..]", allow_hyphen_values = true, value_delimiter = ';', value_parser = eyes)]
+    pub seen_from: Vec<Vec<[f64; 3]>>,
     /// Pages of --size: auto takes one, and more where a density needs them or the charts do not fit; a number is the most
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = pages)]
     pub pages: ambake::Pages,
@@ -199,6 +203,17 @@ fn density_of(text: &str) -> Result<(String, f64), String> {
         .rsplit_once('=')
         .ok_or("expected NAME=D, such as `wall*=20`")?;
     Ok((name.into(), positive(density)?))
+}
+
+/// An eye point, or 27 of a box: corners, middles of edges and faces, and the centre.
+fn eyes(text: &str) -> Result<Vec<[f64; 3]>, String> {
+    let Some((low, high)) = text.split_once(':') else {
+        return Ok(vec![triple(text)?]);
+    };
+    let (low, high) = (triple(low)?, triple(high)?);
+    let at = |k: usize, axis: usize| low[axis] + (high[axis] - low[axis]) * 0.5 * k as f64;
+    let point = |k: usize| [at(k % 3, 0), at(k / 3 % 3, 1), at(k / 9, 2)];
+    Ok((0..27).map(point).collect())
 }
 
 fn pages(text: &str) -> Result<ambake::Pages, String> {
