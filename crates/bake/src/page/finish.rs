@@ -119,6 +119,18 @@ fn mend_terms(page: &mut BakedPage, options: &Options, plan: &Plan) {
 
 /// Denoises the terms that the plan models, over the surfaces of the page.
 fn denoise_terms(page: &mut BakedPage, plan: &Plan) {
+    // A texel that cannot be seen says nothing about its neighbours: to the denoiser it is void.
+    let mut coverage = page
+        .channel(Layer::Coverage, 0)
+        .unwrap_or_default()
+        .to_vec();
+    if let Some(validity) = page.channel(Layer::Validity, 0) {
+        let buried = coverage
+            .iter_mut()
+            .zip(validity)
+            .filter(|(_, v)| **v == 0.0);
+        buried.for_each(|(coverage, _)| *coverage = 0.0);
+    }
     for (term, std_err, choice) in SHARES {
         if !plan.models(choice) {
             continue;
@@ -130,7 +142,7 @@ fn denoise_terms(page: &mut BakedPage, plan: &Plan) {
         let three = |layer| [0, 1, 2].map(|channel| plane(layer, channel));
         let field = Field {
             size: page.size as usize,
-            coverage: plane(Layer::Coverage, 0),
+            coverage: &coverage,
             position: three(Layer::Position),
             normal: three(Layer::Normal),
             object: plane(Layer::Object, 0),
