@@ -1,7 +1,7 @@
 //! The part of a texel's footprint that can be seen: what does not lie inside of a solid.
 //!
 //! A first look costs one test a texel: if no solid's surface comes near the footprint, it is buried as a whole or not at all.
-//! Elsewhere the unit square of sample points is cut into strata. One that lies in the open at its corners and its middle is kept,
+//! Elsewhere the unit square of sample points is cut into strata. One whose corners lie in the open is kept,
 //! and samples are spread over those that are kept. So all rays of a texel serve what can be seen of it.
 
 use super::cell::Cell;
@@ -62,38 +62,36 @@ impl Seen {
                 cell.corners().map(|corner| tested(corner, geometric))
             })
         };
-        let is_open = |u: [f64; 2]| {
-            let (sample, body) = texel.sample_of(u);
+        let depth = |bodies: &[u32], u: [f64; 2]| {
+            let (sample, own) = texel.sample_of(u);
             let point = tested(sample.position, sample.geometric);
-            let depth = |&near: &u32| solids.depth(near, point, body == Some(near));
-            near.iter().map(depth).sum::<i32>() <= 0
+            let depth = |&body: &u32| solids.depth(body, point, own == Some(body));
+            bodies.iter().map(depth).sum::<i32>()
         };
-        let is_far = |&body: &u32| own == Some(body) || !solids.meets(body, corners());
-        let is_whole = is_uniform && near.iter().all(is_far);
-        if is_whole {
-            return if is_open([0.5; 2]) { Self::ALL } else { none };
+        // A body whose surface does not come near counts the same all over the texel.
+        let is_far =
+            |&body: &u32| is_uniform && (own == Some(body) || !solids.meets(body, corners()));
+        let (far, close): (Vec<u32>, Vec<u32>) = near.iter().partition(|body| is_far(body));
+        let base = depth(&far, [0.5; 2]);
+        if close.is_empty() {
+            return if base <= 0 { Self::ALL } else { none };
         }
-        let at = |k: usize| k as f64 / EDGE as f64;
         // A coordinate of 1 would choose no cell.
+        let at = |k: usize| (k as f64 / EDGE as f64).min(1.0 - 1e-7);
         let lattice: Vec<bool> = (0..=EDGE)
             .flat_map(|row| (0..=EDGE).map(move |column| [column, row]))
-            .map(|place| is_open(place.map(|k| at(k).min(1.0 - 1e-7))))
+            .map(|place| base + depth(&close, place.map(at)) <= 0)
             .collect();
-        let middle = |stratum: usize| {
-            let half = 0.5 / EDGE as f64;
-            is_open([at(stratum % EDGE) + half, at(stratum / EDGE) + half])
-        };
-        let open: Vec<usize> = (0..EDGE * EDGE)
-            .filter(|&stratum| middle(stratum))
-            .collect();
-        let share = open.len() as f32 / (EDGE * EDGE) as f32;
-        let is_clear = |stratum: &usize| {
+        let open_corners = |stratum: usize| {
             let first = stratum / EDGE * (EDGE + 1) + stratum % EDGE;
-            [0, 1, EDGE + 1, EDGE + 2]
-                .iter()
-                .all(|step| lattice[first + step])
+            let steps = [0, 1, EDGE + 1, EDGE + 2].iter();
+            steps.filter(|&step| lattice[first + step]).count()
         };
-        let mut kept: Vec<usize> = open.into_iter().filter(is_clear).collect();
+        let count: usize = (0..EDGE * EDGE).map(open_corners).sum();
+        let share = count as f32 / (4 * EDGE * EDGE) as f32;
+        let mut kept: Vec<usize> = (0..EDGE * EDGE)
+            .filter(|&stratum| open_corners(stratum) == 4)
+            .collect();
         if kept.is_empty() {
             return none;
         }
