@@ -341,7 +341,7 @@ fn a_bad_sky_is_one_line_and_leaves_nothing_behind() {
         (vec!["--sky", &at("sky.txt")], 1, "sky.txt"),
         (vec!["--sky", "1,1"], 2, "--sky"),
         (
-            vec!["--sky", &good, "--denoise", "regression"],
+            vec!["--sky", &good, "--rays", "1", "--denoise", "regression"],
             1,
             "--denoise",
         ),

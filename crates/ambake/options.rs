@@ -214,8 +214,8 @@ impl Options {
             let problem = "needs independent errors: leave out --pattern tiled";
             return fail("--denoise regression", problem);
         }
-        if self.denoise != Denoise::Off && self.sky.is_map() {
-            let problem = "works under a uniform sky: leave it out with --sky FILE";
+        if self.denoise != Denoise::Off && matches!(self.effort, Effort::Rays(1)) {
+            let problem = "compares two halves of the rays: ask for 2 rays or more";
             return fail("--denoise regression", problem);
         }
         Ok(())

@@ -37,7 +37,7 @@ mod seams;
 mod survey;
 
 pub use choice::Choice;
-pub use integrate::{REPLICATES, Terms};
+pub use integrate::{Halves, REPLICATES, Terms};
 pub use options::{Buried, Denoise, Effort, Options, Pattern, PointSet, Seams, Shading, Sky, View};
 pub use page::{BakedPage, Baker, ErrorSums, LayerPlanes, PageStats, Pilot};
 pub use plan::{Decision, Method, OpenTriangles, Plan};

@@ -87,7 +87,8 @@ pub enum Denoise {
     /// Nothing: every texel is unbiased and independent.
     #[default]
     Off,
-    /// Local regression over the texels of a surface. Needs [`Pattern::Independent`]: errors of neighbours must be.
+    /// Local regression over the texels of a surface, by two independent halves of the rays: at least 2 rays. Needs
+    /// [`Pattern::Independent`]: errors of neighbours must be.
     Regression,
 }
 

@@ -59,6 +59,16 @@ pub enum Layer {
     StdErrIrradiance,
     /// Standard error of the reflection, of the mean of its channels.
     StdErrReflection,
+    /// Half of the difference between the diffuse terms of two independent halves of the rays.
+    HalfDiffuse,
+    /// The same of the visibility.
+    HalfVisibility,
+    /// The same of the specular term.
+    HalfSpecular,
+    /// The same of the irradiance.
+    HalfIrradiance,
+    /// The same of the reflection.
+    HalfReflection,
 }
 
 /// An integral over the directions of a texel. A bake models those that its layers need.
@@ -158,11 +168,12 @@ const fn counted(row: Row) -> Row {
 const SHARE: (Unit, Preview) = (Unit::Share, Preview::Linear);
 const LIGHT: (Unit, Preview) = (Unit::Radiance, Preview::Srgb);
 const TINT: (Unit, Preview) = (Unit::Reflectance, Preview::Srgb);
+const HALF: (Unit, Preview) = (Unit::Radiance, Preview::Signed);
 const UNIT_VECTOR: (Unit, Preview) = (Unit::Direction, Preview::Signed);
 
 /// Every layer in the order of the enum.
 #[rustfmt::skip]
-const TABLE: [Row; 26] = [
+const TABLE: [Row; 31] = [
     counted(row(Coverage, "coverage", ONE, SHARE, &[], "fraction of the texel inside its chart")),
     row(Visibility, "visibility", ONE, SHARE, &[Term::Visibility], "open solid angle / 2 pi, the traditional occlusion factor"),
     row(Diffuse, "diffuse", ONE, SHARE, &[Term::Diffuse], "the Lambertian ambient term"),
@@ -189,6 +200,11 @@ const TABLE: [Row; 26] = [
     row(Reflection, "reflection", RGB, LIGHT, &[Term::Specular], "light that the lobe reflects, without its colour"),
     row(StdErrIrradiance, "error.irradiance", ONE, (Unit::Radiance, Preview::Linear), &[Term::Diffuse], "standard error of irradiance"),
     row(StdErrReflection, "error.reflection", ONE, (Unit::Radiance, Preview::Linear), &[Term::Specular], "standard error of reflection"),
+    row(HalfDiffuse, "half.diffuse", ONE, HALF, &[Term::Diffuse], "half the difference of diffuse between two halves of the rays"),
+    row(HalfVisibility, "half.visibility", ONE, HALF, &[Term::Visibility], "the same of visibility"),
+    row(HalfSpecular, "half.specular", ONE, HALF, &[Term::Specular], "the same of specular"),
+    row(HalfIrradiance, "half.irradiance", RGB, HALF, &[Term::Diffuse], "the same of irradiance"),
+    row(HalfReflection, "half.reflection", RGB, HALF, &[Term::Specular], "the same of reflection"),
 ];
 
 impl Layer {

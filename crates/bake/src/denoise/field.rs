@@ -16,7 +16,7 @@ pub(crate) struct Field<'a> {
 }
 
 impl Field<'_> {
-    pub fn covered(&self, texel: usize) -> bool {
+    pub fn has_data(&self, texel: usize) -> bool {
         self.coverage[texel] > 0.0
     }
 

@@ -1,109 +1,213 @@
-//! Least squares over a window: the weights with which its texels make up the centre's value.
+//! Smooth surfaces through the texels of a chart: polynomials over overlapping windows, blended.
 //!
-//! The value is modelled as a polynomial of the position in the centre's tangent plane plus a linear function of the
-//! normal. The estimate at the centre is the polynomial's constant, a linear combination `sum l_j y_j` of the texels'
-//! values; `l` depends on the geometry alone, so its variance follows from the texels' own.
+//! Corners stand `stride` texels apart. About each of them a polynomial is fitted to the texels of a window of `2 * stride` x
+//! `2 * stride`, by least squares with the weights of a tent, (1 - |u|)(1 - |v|). A texel's value is the mean of its four corners'
+//! polynomials with the same weights. These add up to 1 at every texel, so there are no seams between windows; and since the residuals
+//! of each fit add up to 0 under its weights, those of the blend add up to 0 over the chart: smoothing moves no chart's mean.
 
-use super::field::Field;
-use super::window::{TEXELS, Window};
-use ambient::Frame;
-use glam::DVec3;
+use super::plane::{Plane, TASK};
+use rayon::prelude::*;
 
-/// Functions of a regression: constant, position (2), normal (2), squares of the position (3).
-pub(super) const TERMS: usize = 8;
+/// Functions of a quadratic: 1, u, v, u², uv, v². The first three are the linear ones.
+const TERMS: usize = 6;
+const LINEAR: usize = 3;
 
-/// Functions of the linear regression.
-pub(super) const LINEAR: usize = 5;
+/// Exponents of u and v of each function.
+const POWERS: [[usize; 2]; TERMS] = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
 
 /// A function whose part that the ones before it do not explain is below this share of its sum of squares is left out.
-const DEPENDENT: f64 = 1e-3;
+const DEPENDENT: f32 = 1e-3;
 
-/// A turn of the normals whose sine's root mean square is below this is left out: it is rounding or tessellation.
-const FLAT: f64 = 0.01;
+/// Fits of several planes alike: quadratics first, linear ones second.
+pub(super) type Fits = [Vec<Plane>; 2];
 
-/// The regression functions at the texels of a window.
-pub(super) struct Design {
-    rows: [[f64; TERMS]; TEXELS],
+/// A corner's polynomials of one plane: the quadratic and the linear one.
+type Corner = [[f32; TERMS]; 2];
+
+/// Fits windows of `stride` to the planes of `data` where `mask` is 1, into `out`.
+pub(super) fn fit(mask: &Plane, data: &[Plane], stride: usize, out: &mut Fits) {
+    let (width, height) = (mask.width, mask.height());
+    let across = width.div_ceil(stride) + 1;
+    let down = height.div_ceil(stride) + 1;
+    let rows = TASK.div_ceil(across * stride * stride);
+    let powers: Vec<[f32; 6]> = (0..stride)
+        .map(|i| {
+            let t = (i as f32 + 0.5) / stride as f32;
+            [
+                1.0,
+                t,
+                t * t,
+                t * t * t,
+                (t * t) * (t * t),
+                (t * t) * (t * t * t),
+            ]
+        })
+        .collect();
+    // Row after row of corners, the planes of each side by side.
+    let corners: Vec<Corner> = (0..down)
+        .into_par_iter()
+        .with_min_len(rows)
+        .flat_map_iter(|row| corner_row(mask, data, &powers, row))
+        .collect();
+    for (degree, planes) in out.iter_mut().enumerate() {
+        for (index, plane) in planes.iter_mut().enumerate() {
+            let of = |y: usize, cell: usize, j: usize, i: usize| {
+                let corner = (y / stride + j) * across + cell + i;
+                &corners[corner * data.len() + index][degree]
+            };
+            let rows = plane.values.par_chunks_mut(width).enumerate();
+            rows.with_min_len(TASK.div_ceil(width))
+                .for_each(|(y, line)| {
+                    let q = powers[y % stride][1];
+                    let mask = mask.values[y * width..][..width].chunks(stride);
+                    for (cell, (line, mask)) in line.chunks_mut(stride).zip(mask).enumerate() {
+                        let of = |j, i| of(y, cell, j, i);
+                        let c = blend([[of(0, 0), of(0, 1)], [of(1, 0), of(1, 1)]], q);
+                        for ((value, mask), [_, t, ..]) in line.iter_mut().zip(mask).zip(&powers) {
+                            *value = mask * (c[0] + t * (c[1] + t * (c[2] + t * c[3])));
+                        }
+                    }
+                });
+        }
+    }
 }
 
-impl Design {
-    pub fn new() -> Self {
-        Self {
-            rows: [[0.0; TERMS]; TEXELS],
+/// The blend of four corners' polynomials along a row of their cell, as a cubic of the column, 0..1; `q`: the row, 0..1.
+fn blend(corners: [[&[f32; TERMS]; 2]; 2], q: f32) -> [f32; 4] {
+    let mut side = [[0.0; 3]; 2];
+    for (j, (tent, v)) in [(1.0 - q, q), (q, q - 1.0)].into_iter().enumerate() {
+        for (i, sum) in side.iter_mut().enumerate() {
+            let c = corners[j][i];
+            sum[0] += tent * (c[0] + v * (c[2] + v * c[5]));
+            sum[1] += tent * (c[1] + v * c[4]);
+            sum[2] += tent * c[3];
         }
     }
+    // (1 - t) a(t) + t b(t - 1)
+    let [a, b] = side;
+    let b = [b[0] - b[1] + b[2], b[1] - 2.0 * b[2], b[2]];
+    [a[0], a[1] - a[0] + b[0], a[2] - a[1] + b[1], b[2] - a[2]]
+}
 
-    /// Evaluates the functions at the texels of `window`.
-    pub fn fill(&mut self, field: &Field<'_>, window: &Window) {
-        let centre = window.texels[0];
-        let (origin, normal) = (field.position(centre), field.normal(centre));
-        let frame = Frame::from_normal(normal);
-        let (t, b) = (frame.to_world(DVec3::X), frame.to_world(DVec3::Y));
-        // Positions in units of the first step, so that a scene's scale does not matter.
-        let step = window
-            .texels
-            .get(1)
-            .map_or(1.0, |&next| field.position(next).distance(origin));
-        let scale = if step > 0.0 { 1.0 / step } else { 1.0 };
-        for (row, &texel) in self.rows.iter_mut().zip(&window.texels) {
-            let p = (field.position(texel) - origin) * scale;
-            let n = field.normal(texel);
-            let (u, v) = (p.dot(t), p.dot(b));
-            *row = [1.0, u, v, n.dot(t), n.dot(b), u * u, u * v, v * v];
-        }
-    }
-
-    /// Sums of products of the functions over the texels `from..to`, added to `sums`.
-    pub fn accumulate(&self, from: usize, to: usize, sums: &mut [[f64; TERMS]; TERMS]) {
-        for row in &self.rows[from..to] {
-            for (line, &r) in sums.iter_mut().zip(row) {
-                for (sum, &c) in line.iter_mut().zip(row) {
-                    *sum += r * c;
-                }
+/// The fits of one row of corners.
+fn corner_row(mask: &Plane, data: &[Plane], powers: &[[f32; 6]], row: usize) -> Vec<Corner> {
+    let (width, height, stride) = (mask.width, mask.height(), powers.len());
+    let across = width.div_ceil(stride) + 1;
+    // Sums of tent u^a v^b over each window: of the mask for a + b <= 4, of the planes for a + b <= 2.
+    let mut masses = vec![[[0.0; 5]; 5]; across];
+    let mut sums = vec![[[0.0; 3]; 3]; across * data.len()];
+    let first = (row * stride).saturating_sub(stride);
+    for y in first..(row * stride + stride).min(height) {
+        let v = (y as f32 + 0.5) / stride as f32 - row as f32;
+        let tent = 1.0 - v.abs();
+        let vs: [f32; 5] = [
+            tent,
+            tent * v,
+            tent * v * v,
+            tent * v * v * v,
+            tent * v * v * v * v,
+        ];
+        for (cell, x) in (0..width).step_by(stride).enumerate() {
+            let at = y * width + x..y * width + (x + stride).min(width);
+            let moments = row_moments::<6>(&mask.values[at.clone()], powers);
+            if moments[0] == 0.0 {
+                continue;
+            }
+            add(&mut masses[cell], left(&moments), &vs);
+            add(&mut masses[cell + 1], right(&moments), &vs);
+            for (index, plane) in data.iter().enumerate() {
+                let moments = row_moments::<4>(&plane.values[at.clone()], powers);
+                let sum = cell * data.len() + index;
+                add(&mut sums[sum], left(&moments), &vs);
+                add(&mut sums[sum + data.len()], right(&moments), &vs);
             }
         }
     }
+    let both = masses.iter().zip(sums.chunks(data.len()));
+    both.flat_map(|(mass, sums)| {
+        let lower = Lower::of(mass);
+        sums.iter().map(move |sums| lower.solve(sums))
+    })
+    .collect()
+}
 
-    /// The weight of texel `j` of the window for the constants `c` of [`constant`].
-    pub fn weight(&self, j: usize, c: &[f64; TERMS]) -> f64 {
-        self.rows[j].iter().zip(c).map(|(x, c)| x * c).sum()
+/// Sums of t^a times the numbers of a row of a cell.
+fn row_moments<const N: usize>(line: &[f32], powers: &[[f32; 6]]) -> [f32; N] {
+    let mut sums = [0.0; N];
+    for (value, powers) in line.iter().zip(powers) {
+        for (sum, power) in sums.iter_mut().zip(powers) {
+            *sum += value * power;
+        }
+    }
+    sums
+}
+
+/// Moments of u^a with the tent of the corner on the left: u = t, tent = 1 - t.
+fn left<const M: usize, const N: usize>(m: &[f32; M]) -> [f32; N] {
+    std::array::from_fn(|a| m[a] - m[a + 1])
+}
+
+/// Moments of u^a with the tent of the corner on the right: u = t - 1, tent = t.
+fn right<const M: usize, const N: usize>(m: &[f32; M]) -> [f32; N] {
+    const BINOMIAL: [[f32; 5]; 5] = [
+        [1.0, 0.0, 0.0, 0.0, 0.0],
+        [-1.0, 1.0, 0.0, 0.0, 0.0],
+        [1.0, -2.0, 1.0, 0.0, 0.0],
+        [-1.0, 3.0, -3.0, 1.0, 0.0],
+        [1.0, -4.0, 6.0, -4.0, 1.0],
+    ];
+    std::array::from_fn(|a| (0..=a).map(|k| BINOMIAL[a][k] * m[k + 1]).sum())
+}
+
+/// Adds the moments of a row, times v^b, to those of a window.
+fn add<const N: usize>(window: &mut [[f32; N]; N], row: [f32; N], vs: &[f32; 5]) {
+    for (b, line) in window.iter_mut().enumerate() {
+        for (sum, moment) in line.iter_mut().zip(&row[..N - b]) {
+            *sum += vs[b] * moment;
+        }
     }
 }
 
-/// The first column of the inverse of the leading `terms` of `sums`, functions that the earlier ones explain left out.
-pub(super) fn constant(sums: &[[f64; TERMS]; TERMS], terms: usize) -> [f64; TERMS] {
-    // Cholesky L L^T in place of the kept functions.
-    let mut lower = [[0.0; TERMS]; TERMS];
-    let mut kept = [false; TERMS];
-    let count = sums[0][0];
-    for i in 0..terms {
-        for j in 0..i {
-            if kept[j] {
-                let dot: f64 = (0..j).map(|k| lower[i][k] * lower[j][k]).sum();
-                lower[i][j] = (sums[i][j] - dot) / lower[j][j];
+/// The lower triangle of Cholesky's method over the functions of a window that are kept. The linear fit's is its leading part.
+struct Lower {
+    rows: [[f32; TERMS]; TERMS],
+    /// 1 over the diagonal; 0 where the function is left out.
+    inverse: [f32; TERMS],
+}
+
+impl Lower {
+    fn of(mass: &[[f32; 5]; 5]) -> Self {
+        let (mut rows, mut inverse) = ([[0.0; TERMS]; TERMS], [0.0; TERMS]);
+        for i in 0..TERMS {
+            let gram = |j: usize| mass[POWERS[i][1] + POWERS[j][1]][POWERS[i][0] + POWERS[j][0]];
+            let mut left = gram(i);
+            for j in 0..i {
+                let dot: f32 = (0..j).map(|k| rows[i][k] * rows[j][k]).sum();
+                rows[i][j] = (gram(j) - dot) * inverse[j];
+                left -= rows[i][j] * rows[i][j];
+            }
+            if left > DEPENDENT * gram(i) {
+                rows[i][i] = left.sqrt();
+                inverse[i] = 1.0 / rows[i][i];
             }
         }
-        let left = sums[i][i] - lower[i][..i].iter().map(|l| l * l).sum::<f64>();
-        let floor = if i == 3 || i == 4 {
-            count * FLAT * FLAT
-        } else {
-            0.0
-        };
-        kept[i] = left > DEPENDENT * sums[i][i] && left > floor;
-        if kept[i] {
-            lower[i][i] = left.sqrt();
+        Self { rows, inverse }
+    }
+
+    /// The coefficients of the quadratic and of the linear fit.
+    fn solve(&self, sums: &[[f32; 3]; 3]) -> Corner {
+        let mut z = [0.0; TERMS];
+        for i in 0..TERMS {
+            let dot: f32 = (0..i).map(|k| self.rows[i][k] * z[k]).sum();
+            z[i] = (sums[POWERS[i][1]][POWERS[i][0]] - dot) * self.inverse[i];
         }
+        [TERMS, LINEAR].map(|terms| {
+            let mut c = [0.0; TERMS];
+            for i in (0..terms).rev() {
+                let dot: f32 = (i + 1..terms).map(|k| self.rows[k][i] * c[k]).sum();
+                c[i] = (z[i] - dot) * self.inverse[i];
+            }
+            c
+        })
     }
-    // L z = e0, then L^T c = z.
-    let mut z = [0.0; TERMS];
-    for i in (0..terms).filter(|&i| kept[i]) {
-        let dot: f64 = (0..i).map(|k| lower[i][k] * z[k]).sum();
-        z[i] = (f64::from(i == 0) - dot) / lower[i][i];
-    }
-    let mut c = [0.0; TERMS];
-    for i in (0..terms).rev().filter(|&i| kept[i]) {
-        let dot: f64 = (i + 1..terms).map(|k| lower[k][i] * c[k]).sum();
-        c[i] = (z[i] - dot) / lower[i][i];
-    }
-    c
 }

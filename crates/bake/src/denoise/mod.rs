@@ -1,12 +1,124 @@
 //! Denoising: an integrated term smoothed over the texels of a surface where that lowers its error.
 //!
-//! Windows of several sizes and polynomials of two degrees compete per texel by Stein's unbiased estimate of their error; the plain
-//! value is among them, and wins where nothing helps. The standard errors that come back include the bias that is estimated.
+//! Each chart is fitted by polynomials over windows of several sizes ([`fit`]), and each texel takes the mean of these fits and of
+//! its plain value, weighted by estimates of their errors ([`choose`]) that need no model of the noise: two independent halves of
+//! its rays are fitted alike. Fits move no chart's mean. The standard errors that come back include the bias that is estimated.
 
+mod charts;
+mod choose;
 mod field;
 mod fit;
-mod regression;
-mod window;
+mod plane;
 
+use charts::{Chart, charts};
+use choose::{CHANNELS, choose};
 pub(crate) use field::Field;
-pub(crate) use regression::denoise;
+use plane::Plane;
+use rayon::prelude::*;
+
+/// Charts of fewer texels keep their plain values: too few to tell noise from detail.
+const FEWEST: usize = 16;
+
+/// Texels over which the standard error of a plain value pools its replicates.
+const POOLED: f32 = 9.0;
+
+/// One term of a page: planes of as many texels.
+#[derive(Debug)]
+pub(crate) struct Term<'a> {
+    /// One plane a channel, at most three.
+    pub values: Vec<&'a [f32]>,
+    /// Half of the difference between two independent halves of the rays, channel by channel.
+    pub halves: Vec<&'a [f32]>,
+    /// Standard error of the mean of the channels; 0 where the value is exact.
+    pub std_err: &'a [f32],
+    /// The largest value that there is; the least is 0.
+    pub largest: f32,
+}
+
+/// A texel's new values and standard error.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Denoised {
+    pub texel: u32,
+    pub values: [f32; CHANNELS],
+    pub std_err: f32,
+}
+
+/// The charts of a page, ready for the terms to be denoised.
+pub(crate) struct Denoiser {
+    size: usize,
+    charts: Vec<Chart>,
+}
+
+impl Denoiser {
+    /// Finds the charts of a page.
+    pub fn new(field: &Field<'_>) -> Self {
+        let mut charts = charts(field);
+        charts.retain(|chart| chart.texels.len() >= FEWEST);
+        Self {
+            size: field.size,
+            charts,
+        }
+    }
+
+    /// The texels of the term that change.
+    pub fn denoise(&self, term: &Term<'_>) -> Vec<Denoised> {
+        let charts = self.charts.par_iter();
+        charts
+            .flat_map_iter(|chart| self.chart(chart, term))
+            .collect()
+    }
+
+    fn chart(&self, chart: &Chart, term: &Term<'_>) -> Vec<Denoised> {
+        let local = |texel: u32| {
+            let (x, y) = (texel as usize % self.size, texel as usize / self.size);
+            (y - chart.at[1]) * chart.size[0] + x - chart.at[0]
+        };
+        let channels = term.values.len();
+        let mut mask = Plane::new(chart.size);
+        let mut data = vec![Plane::new(chart.size); channels + 1];
+        for &texel in &chart.texels {
+            let (i, texel) = (local(texel), texel as usize);
+            mask.values[i] = 1.0;
+            for (plane, values) in data.iter_mut().zip(&term.values) {
+                plane.values[i] = values[texel];
+            }
+            let halves = term.halves.iter().map(|half| half[texel]);
+            data[channels].values[i] = halves.sum::<f32>() / channels as f32;
+        }
+        let mut near = Plane::new(chart.size);
+        let Some(chosen) = choose(&mask, &data, &mut near) else {
+            return Vec::new();
+        };
+        let inexact = |texel: &&u32| term.std_err[**texel as usize] > 0.0;
+        let texels = chart.texels.iter().filter(inexact);
+        texels
+            .map(|&texel| {
+                let i = local(texel);
+                let mut values = [0.0; CHANNELS];
+                if chosen[i].plain == 0.0 {
+                    // All rays about it agree; the more they are, the less can have slipped between them.
+                    for (value, plane) in values.iter_mut().zip(&term.values) {
+                        *value = plane[texel as usize];
+                    }
+                    let std_err = term.std_err[texel as usize] * (POOLED / near.values[i]).min(1.0);
+                    return Denoised {
+                        texel,
+                        values,
+                        std_err,
+                    };
+                }
+                for (channel, value) in values[..channels].iter_mut().enumerate() {
+                    *value = chosen[i].value(channel).clamp(0.0, term.largest);
+                }
+                Denoised {
+                    texel,
+                    values,
+                    std_err: chosen[i].std_err(),
+                }
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests;

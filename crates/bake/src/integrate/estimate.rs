@@ -11,7 +11,7 @@
 //! agree.
 
 use super::sums::{REPLICATES, Replicates, Sums, Technique};
-use super::terms::{Terms, uniform_light};
+use super::terms::{Halves, Terms, uniform_light};
 use crate::options::Sky;
 use crate::survey::Texel;
 use ambient::Estimate;
@@ -125,6 +125,7 @@ impl<'a> Gathered<'a> {
         };
         let mut terms = Terms {
             bent: sums.bent,
+            halves: self.halves(i),
             rays: sums.rays,
             ..Terms::default()
         };
@@ -144,6 +145,30 @@ impl<'a> Gathered<'a> {
             }
         }
         terms
+    }
+
+    /// Half of what the two halves of a texel's replicates differ by, in all that the technique estimates.
+    fn halves(&self, i: usize) -> Halves {
+        let [a, b] = Sums::halves(&self.sums[i]);
+        let share = |quantity| match self.technique.shares().contains(&quantity) {
+            true => 0.5 * (value(self.sky, &a, quantity) - value(self.sky, &b, quantity)),
+            false => 0.0,
+        };
+        let (diffuse, specular) = (share(Diffuse), share(Specular));
+        let light = |quantity, share: f64| match self.sky.map() {
+            None => self.sky.floor() * share,
+            Some(_) if self.technique.lights().contains(&quantity) => {
+                0.5 * (light(self.sky, &a, quantity) - light(self.sky, &b, quantity))
+            }
+            Some(_) => DVec3::ZERO,
+        };
+        Halves {
+            diffuse,
+            visibility: share(Visibility),
+            specular,
+            irradiance: light(Irradiance, diffuse),
+            reflection: light(Reflection, specular),
+        }
     }
 
     /// What a texel's stopping depends on: the standard error of its first share, and of light in units of the sky's mean

@@ -31,7 +31,7 @@ mod terms;
 
 pub use sums::REPLICATES;
 pub(crate) use task::Task;
-pub use terms::Terms;
+pub use terms::{Halves, Terms};
 
 use crate::options::{Effort, Pattern};
 use crate::survey::Texel;
@@ -82,6 +82,7 @@ pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) ->
                     false => Terms {
                         specular: sampled.specular,
                         reflection: sampled.reflection,
+                        halves: sampled.halves,
                         rays: sampled.rays,
                         ..known
                     },
@@ -94,7 +95,15 @@ pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) ->
                     std_err: own.std_err.hypot(drawn.std_err),
                 },
             };
+            let (own, drawn) = (&hemisphere[i].halves, &sky[i].halves);
+            let halves = Halves {
+                specular: sampled.halves.specular,
+                irradiance: own.irradiance + drawn.irradiance,
+                reflection: sampled.halves.reflection + drawn.reflection,
+                ..*own
+            };
             Terms {
+                halves,
                 specular: sampled.specular,
                 irradiance: light(task.hemisphere, hemisphere[i].irradiance, sky[i].irradiance),
                 reflection: light(reflects[i], sampled.reflection, sky[i].reflection),

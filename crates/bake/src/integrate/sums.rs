@@ -76,6 +76,16 @@ impl AddAssign for Sums {
 }
 
 impl Sums {
+    /// The sums of two independent halves of the replicates; of fewer than two points the second half has none.
+    pub fn halves([a, b, c, d]: &Replicates) -> [Self; 2] {
+        // The first replicates have the points that four do not divide.
+        let pair = |mut sums: Self, other: &Self| {
+            sums += *other;
+            sums
+        };
+        [pair(*a, c), pair(*b, d)]
+    }
+
     /// The sums of all replicates.
     pub fn of(replicates: &Replicates) -> Self {
         let mut total = Self::default();

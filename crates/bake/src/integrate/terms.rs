@@ -18,8 +18,26 @@ pub struct Terms {
     pub irradiance: Estimate<DVec3>,
     /// ((n+1)/2pi) times the integral of L V (R.V)^n, linear RGB.
     pub reflection: Estimate<DVec3>,
+    /// What two independent halves of the rays differ by.
+    pub halves: Halves,
     /// Rays spent.
     pub rays: u64,
+}
+
+/// Half of the difference between the terms of two independent halves of the rays: a term plus and minus its half are two estimates
+/// of it. 0 where no ray was needed.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Halves {
+    /// Of [`Terms::diffuse`].
+    pub diffuse: f64,
+    /// Of [`Terms::visibility`].
+    pub visibility: f64,
+    /// Of [`Terms::specular`].
+    pub specular: f64,
+    /// Of [`Terms::irradiance`].
+    pub irradiance: DVec3,
+    /// Of [`Terms::reflection`].
+    pub reflection: DVec3,
 }
 
 /// The light of a term under a uniform sky: the sky's radiance times the term.

@@ -4,7 +4,7 @@ use super::compose::{Composition, is_composed, is_light};
 use super::planes::{BakedPage, LayerPlanes};
 use super::stats::ErrorSums;
 use crate::choice::Choice;
-use crate::denoise::{Field, denoise};
+use crate::denoise::{Denoiser, Field, Term};
 use crate::mend::{Mends, Surface};
 use crate::options::{Denoise, Options, Seams as Scope, Sky};
 use crate::plan::Plan;
@@ -47,6 +47,18 @@ fn terms(options: &Options, plan: &Plan) -> Vec<TermLayers> {
     terms.copied().collect()
 }
 
+/// The layer of what two halves of the rays differ by in a term.
+fn half_of(term: Layer) -> Layer {
+    match term {
+        Layer::Diffuse => Layer::HalfDiffuse,
+        Layer::Visibility => Layer::HalfVisibility,
+        Layer::Specular => Layer::HalfSpecular,
+        Layer::Irradiance => Layer::HalfIrradiance,
+        Layer::Reflection => Layer::HalfReflection,
+        other => unreachable!("layer {} is no term", other.name()),
+    }
+}
+
 /// The layers that are kept while tiles are baked: the facts from which the asked layers follow when the page is finished.
 pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec<Layer> {
     let mut layers = vec![Layer::Coverage];
@@ -64,6 +76,9 @@ pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec
         let steps = options.denoise != Denoise::Off || options.seams != Scope::Off;
         if steps || options.layers.iter().any(|&layer| is_light(layer)) {
             add(std_err);
+        }
+        if options.denoise != Denoise::Off {
+            add(half_of(term));
         }
     }
     if options.denoise != Denoise::Off || mends {
@@ -95,8 +110,8 @@ pub(super) fn finish(
         mend_terms(page, options, plan);
     }
     if options.denoise == Denoise::Regression {
-        denoise_terms(page, plan);
-        count_errors(page);
+        denoise_terms(page, options, plan);
+        count_errors(page, options);
     }
     let gutters = solve_seams(page, options, plan, world, raster, seams);
     fill_gutters(page, options.rings, &gutters);
@@ -187,43 +202,71 @@ fn solve_seams(
     gutters
 }
 
-/// Denoises the terms that the plan models, over the surfaces of the page.
-fn denoise_terms(page: &mut BakedPage, plan: &Plan) {
-    for (term, std_err, choice) in SHARES {
-        if !plan.models(choice) {
-            continue;
-        }
-        let plane = |layer: Layer, channel| {
-            let missing = || panic!("the denoiser needs the layer {}", layer.name());
-            page.channel(layer, channel).unwrap_or_else(missing)
-        };
+/// Denoises the terms that tiles integrated, over the surfaces of the page.
+fn denoise_terms(page: &mut BakedPage, options: &Options, plan: &Plan) {
+    let texels = page.texels();
+    let denoiser = {
+        let plane = |layer, channel| fact(page, layer, channel);
         let three = |layer| [0, 1, 2].map(|channel| plane(layer, channel));
-        let field = Field {
+        Denoiser::new(&Field {
             size: page.size as usize,
             coverage: plane(Layer::Coverage, 0),
             position: three(Layer::Position),
             normal: three(Layer::Normal),
             object: plane(Layer::Object, 0),
+        })
+    };
+    for (term, std_err, _) in terms(options, plan) {
+        let all = |layer: Layer| {
+            let channels = 0..layer.channels().len();
+            channels.map(|channel| fact(page, layer, channel)).collect()
         };
-        let found = denoise(&field, plane(term, 0), plane(std_err, 0));
-        page.planes_of(term).copy_from_slice(&found.values);
-        page.planes_of(std_err).copy_from_slice(&found.std_errs);
+        let found = denoiser.denoise(&Term {
+            values: all(term),
+            halves: all(half_of(term)),
+            std_err: fact(page, std_err, 0),
+            largest: if is_light(term) { f32::INFINITY } else { 1.0 },
+        });
+        let values = page.planes_of(term);
+        for denoised in &found {
+            for (channel, plane) in values.chunks_mut(texels).enumerate() {
+                plane[denoised.texel as usize] = denoised.values[channel];
+            }
+        }
+        let errors = page.planes_of(std_err);
+        for denoised in &found {
+            errors[denoised.texel as usize] = denoised.std_err;
+        }
     }
 }
 
+/// One channel of a fact that the page must have.
+fn fact(page: &BakedPage, layer: Layer, channel: usize) -> &[f32] {
+    let missing = || panic!("the denoiser needs the layer {}", layer.name());
+    page.channel(layer, channel).unwrap_or_else(missing)
+}
+
 /// Counts the errors of the page as they stand after denoising.
-fn count_errors(page: &mut BakedPage) {
+fn count_errors(page: &mut BakedPage, options: &Options) {
+    let Some(std_errs) = page.layer(Layer::StdErrDiffuse) else {
+        return;
+    };
     let mut errors = ErrorSums::default();
-    let (coverage, std_errs) = (
-        page.layer(Layer::Coverage).unwrap_or_default(),
-        page.layer(Layer::StdErrDiffuse).unwrap_or_default(),
-    );
-    for (texel, (coverage, std_err)) in (0u32..).zip(coverage.iter().zip(std_errs)) {
+    let mut lights = 0.0;
+    let light = page.layer(Layer::StdErrIrradiance);
+    for (texel, coverage) in fact(page, Layer::Coverage, 0).iter().enumerate() {
         if *coverage > 0.0 {
-            errors.add(f64::from(*std_err), [texel % page.size, texel / page.size]);
+            let place = [texel as u32 % page.size, texel as u32 / page.size];
+            errors.add(f64::from(std_errs[texel]), place);
+            lights += light.map_or(0.0, |light| f64::from(light[texel]).powi(2));
         }
     }
+    if options.sky.map().is_none() {
+        lights = (options.sky.mean().element_sum() / 3.0).powi(2) * errors.squares;
+    }
+    errors.share(page.stats.errors.squares);
     page.stats.errors = errors;
+    page.stats.irradiance_squares = lights;
 }
 
 /// The planes that layers are composed of; `None` for what is not modelled.

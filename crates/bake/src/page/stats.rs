@@ -33,7 +33,7 @@ pub struct ErrorSums {
     pub sum: f64,
     /// Sum of squares.
     pub squares: f64,
-    /// Sum of fourth powers.
+    /// Sum of fourth powers, times the number of texels that share an error.
     pub fourths: f64,
     /// The largest.
     pub max: f64,
@@ -49,6 +49,14 @@ impl ErrorSums {
         self.fourths += std_err.powi(4);
         if std_err > self.max {
             (self.max, self.worst) = (std_err, texel);
+        }
+    }
+
+    /// Counts texels as fewer after a smoothing that brought the sum of squares down from `before`: a mean of m texels has an m-th of
+    /// their variance, and m texels share it.
+    pub(crate) fn share(&mut self, before: f64) {
+        if self.squares > 0.0 {
+            self.fourths *= (before / self.squares).max(1.0);
         }
     }
 

@@ -1,0 +1,136 @@
+//! Which texels of a page belong to one surface, side by side.
+//!
+//! Two texels side by side are *linked* when nothing suggests that their surfaces differ: both have data, they belong to one
+//! object, their normals turn by less than a crease, and they are as near in space as their neighbours. Texels that a chain of
+//! links joins are one chart. Charts are what the denoiser works on: nothing crosses from one to another.
+
+use super::field::Field;
+use rayon::prelude::*;
+
+/// Cosine of the turn of the normal between neighbours that counts as a crease: 20 degrees.
+const CREASE: f64 = 0.939_692_620_785_908_4;
+
+/// Neighbours farther apart than this many times the steps beside theirs lie on different surfaces.
+const JUMP: f64 = 3.0;
+
+/// A chart: its texels in the order of the page, and the rectangle about them.
+#[derive(Debug)]
+pub(super) struct Chart {
+    pub texels: Vec<u32>,
+    /// First column and row.
+    pub at: [usize; 2],
+    /// Columns and rows.
+    pub size: [usize; 2],
+}
+
+/// The charts of a page, in the order of their first texels.
+pub(super) fn charts(field: &Field<'_>) -> Vec<Chart> {
+    const RIGHT: u8 = 1;
+    const DOWN: u8 = 2;
+    let size = field.size;
+    let mut bits = vec![0u8; size * size];
+    bits.par_chunks_mut(size).enumerate().for_each(|(y, row)| {
+        for (x, bits) in row.iter_mut().enumerate() {
+            let texel = y * size + x;
+            if x + 1 < size && linked(field, texel, texel + 1) {
+                *bits |= RIGHT;
+            }
+            if y + 1 < size && linked(field, texel, texel + size) {
+                *bits |= DOWN;
+            }
+        }
+    });
+    // Union-find; the lower index is the root, so a root comes before its texels.
+    let mut parent: Vec<u32> = (0..size as u32 * size as u32).collect();
+    for (texel, &bits) in bits.iter().enumerate() {
+        if bits & RIGHT != 0 {
+            join(&mut parent, texel, texel + 1);
+        }
+        if bits & DOWN != 0 {
+            join(&mut parent, texel, texel + size);
+        }
+    }
+    let mut charts: Vec<Chart> = Vec::new();
+    let mut number = vec![u32::MAX; size * size];
+    for texel in (0..size * size).filter(|&texel| field.has_data(texel)) {
+        let root = root(&mut parent, texel);
+        if root == texel {
+            number[texel] = charts.len() as u32;
+            charts.push(Chart {
+                texels: Vec::new(),
+                at: [usize::MAX; 2],
+                size: [0; 2],
+            });
+        }
+        let chart = &mut charts[number[root] as usize];
+        chart.texels.push(texel as u32);
+        for (k, place) in [texel % size, texel / size].into_iter().enumerate() {
+            chart.at[k] = chart.at[k].min(place);
+            // The last column or row until all are known.
+            chart.size[k] = chart.size[k].max(place);
+        }
+    }
+    for chart in &mut charts {
+        for k in 0..2 {
+            chart.size[k] = chart.size[k] + 1 - chart.at[k];
+        }
+    }
+    charts
+}
+
+fn root(parent: &mut [u32], texel: usize) -> usize {
+    let mut at = texel;
+    while parent[at] as usize != at {
+        parent[at] = parent[parent[at] as usize];
+        at = parent[at] as usize;
+    }
+    at
+}
+
+fn join(parent: &mut [u32], a: usize, b: usize) {
+    let (a, b) = (root(parent, a), root(parent, b));
+    parent[a.max(b)] = a.min(b) as u32;
+}
+
+fn linked(field: &Field<'_>, a: usize, b: usize) -> bool {
+    if !(field.has_data(a) && field.has_data(b)) || field.object[a] != field.object[b] {
+        return false;
+    }
+    if field.normal(a).dot(field.normal(b)) < CREASE {
+        return false;
+    }
+    let step = field.position(a).distance(field.position(b));
+    step <= JUMP * usual_step(field, a, b)
+}
+
+/// The shorter of the steps that continue the step from `a` to `b` on either side; where both lead into void, the
+/// shortest step across it.
+fn usual_step(field: &Field<'_>, a: usize, b: usize) -> f64 {
+    let size = field.size;
+    let (along, across) = if b - a == 1 { (1, size) } else { (size, 1) };
+    let step = |from: usize, stride: usize, forward: bool| -> f64 {
+        let room = if stride == 1 {
+            from % size
+        } else {
+            from / size
+        };
+        let to = match forward {
+            true if room + 1 < size => from + stride,
+            false if room > 0 => from - stride,
+            _ => return f64::INFINITY,
+        };
+        if field.has_data(to) && field.object[to] == field.object[from] {
+            field.position(from).distance(field.position(to))
+        } else {
+            f64::INFINITY
+        }
+    };
+    let usual = step(a, along, false).min(step(b, along, true));
+    if usual.is_finite() {
+        return usual;
+    }
+    [(a, false), (a, true), (b, false), (b, true)]
+        .into_iter()
+        .map(|(from, forward)| step(from, across, forward))
+        .fold(f64::INFINITY, f64::min)
+}

@@ -1,0 +1,154 @@
+//! Which fit a texel takes: estimates of each fit's squared error, and the mean of the fits weighted by them.
+//!
+//! The rays of a texel come in two independent halves. Their mean M and half their difference H are fitted alike, so H², averaged
+//! over neighbours, is the variance of a fit of M whatever the noise is like. From one candidate to the next smoother one the fit
+//! moves by dM; the halves being independent, dM² - dH² is the square of what the truth moves by, without a term of the noise. The
+//! error of each candidate follows from the one before: plus that square, minus the variance that was saved. Estimated so, from fine to
+//! coarse, errors are far less noisy than if each fit were held against the plain values. After F. Rousselle, C. Knaus, M. Zwicker,
+//! "Adaptive Rendering with Non-Local Means Filtering", 2012, who tell noise from detail by two halves.
+
+use super::fit::{Fits, fit};
+use super::plane::{Plane, TASK};
+use rayon::prelude::*;
+
+/// Strides of the fits; at each a quadratic and a linear one compete.
+const STRIDES: [usize; 4] = [2, 4, 8, 16];
+
+/// Texels to each side over which estimates are averaged.
+const RADIUS: usize = 5;
+
+/// Standard deviations of its own noise by which a move must stand out to count.
+const STANDS_OUT: f32 = 0.35;
+
+/// Variances of the plain value by which both halves of a single texel must leave a fit to refuse it: a contact of one texel.
+const REFUSES: f32 = 25.0;
+
+/// A fit cannot be better than this share of its variance.
+const FLOOR: f32 = 0.5;
+
+/// Channels of a term at most.
+pub(super) const CHANNELS: usize = 3;
+
+/// What is known of a texel while candidates are tried.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Texel {
+    /// Variance of the plain mean; 0 where no ray of the neighbourhood disagrees.
+    pub plain: f32,
+    /// Variance and squared error of the last candidate, mean of the channels.
+    variance: f32,
+    risk: f32,
+    /// Sums over the candidates by their weights.
+    weights: f32,
+    risks: f32,
+    values: [f32; CHANNELS],
+}
+
+impl Texel {
+    /// The mean of the candidates in one channel.
+    pub fn value(&self, channel: usize) -> f32 {
+        self.values[channel] / self.weights
+    }
+
+    /// Its standard error, mean of the channels.
+    pub fn std_err(&self) -> f32 {
+        (self.risks / self.weights).sqrt()
+    }
+
+    /// Counts a candidate of this error, in units of `unit`. Errors below 1e-5 of it weigh alike.
+    fn count(&mut self, risk: f32, unit: f32, value: impl Fn(usize) -> f32, channels: usize) {
+        let inverse = 1.0 / (risk / unit).max(1e-5);
+        let square = inverse * inverse;
+        let weight = square * square * square;
+        self.weights += weight;
+        self.risks += weight * risk;
+        for channel in 0..channels {
+            self.values[channel] += weight * value(channel);
+        }
+    }
+}
+
+/// The texels of a chart after all candidates; `None` where the halves agree everywhere. `data`: the channels of M, then the mean
+/// channel of H; `near` becomes the number of the chart's texels about each.
+pub(super) fn choose(mask: &Plane, data: &[Plane], near: &mut Plane) -> Option<Vec<Texel>> {
+    let channels = data.len() - 1;
+    let half = &data[channels];
+    let all_plain = squares(half);
+    if all_plain == 0.0 {
+        return None;
+    }
+    let mean = |planes: &[Plane], i: usize| match channels {
+        1 => planes[0].values[i],
+        _ => planes[..channels].iter().map(|p| p.values[i]).sum::<f32>() / channels as f32,
+    };
+    let new = || Plane::like(mask);
+    near.set_sums(RADIUS, |i| mask.values[i]);
+    let (mut variances, mut moves) = (new(), new());
+    variances.set_sums(RADIUS, |i| half.values[i] * half.values[i]);
+    let unit = (all_plain / squares(mask)) as f32;
+    let mut texels = vec![Texel::default(); mask.values.len()];
+    let each = |texels: &mut [Texel], update: &(dyn Fn(usize, &mut Texel) + Sync)| {
+        texels
+            .par_chunks_mut(TASK)
+            .enumerate()
+            .for_each(|(task, chunk)| {
+                for (k, texel) in chunk.iter_mut().enumerate() {
+                    let i = task * TASK + k;
+                    if mask.values[i] > 0.0 {
+                        update(i, texel);
+                    }
+                }
+            });
+    };
+    each(&mut texels, &|i, texel| {
+        texel.plain = variances.values[i] / near.values[i];
+        (texel.variance, texel.risk) = (texel.plain, texel.plain);
+        texel.count(
+            texel.risk,
+            unit,
+            |channel| data[channel].values[i],
+            channels,
+        );
+    });
+    let mut fits: Fits = [vec![new(); channels + 1], vec![new(); channels + 1]];
+    let mut last = data.to_vec();
+    for stride in STRIDES {
+        fit(mask, data, stride, &mut fits);
+        // Texels that share one move.
+        let shared = (stride * stride) as f32 / 4.0;
+        for degree in 0..2 {
+            let now = &fits[degree];
+            let before = if degree == 0 { &last } else { &fits[0] };
+            let moved = |i: usize, now: &[Plane], before: &[Plane]| {
+                let dm = mean(now, i) - mean(before, i);
+                let dh = now[channels].values[i] - before[channels].values[i];
+                dm * dm - dh * dh
+            };
+            variances.set_sums(RADIUS, |i| now[channels].values[i].powi(2));
+            moves.set_sums(RADIUS, |i| moved(i, now, before));
+            let reduced = (squares(&now[channels]) / all_plain) as f32;
+            each(&mut texels, &|i, texel| {
+                let near = near.values[i];
+                let variance = 0.5 * (variances.values[i] / near + reduced * texel.plain);
+                let saved = texel.variance - variance;
+                let noise = 2.0 * saved.max(0.0) * (shared / near).min(1.0).sqrt();
+                let bias = (moves.values[i] / near - STANDS_OUT * noise).max(0.0);
+                texel.risk = (texel.risk + bias - saved).max(FLOOR * variance);
+                texel.variance = variance;
+                // A texel of twice the value has twice the variance: two rays that meet in the dark are no detail.
+                let brighter = (mean(data, i) / mean(now, i).max(f32::MIN_POSITIVE)).max(1.0);
+                let alone = moved(i, now, data) - REFUSES * texel.plain * brighter;
+                let value = |channel: usize| now[channel].values[i];
+                texel.count(texel.risk.max(alone), unit, value, channels);
+            });
+        }
+        std::mem::swap(&mut last, &mut fits[1]);
+    }
+    Some(texels)
+}
+
+/// The sum of the squares, in a fixed order.
+fn squares(plane: &Plane) -> f64 {
+    let of = |part: &[f32]| part.iter().map(|v| f64::from(v * v)).sum::<f64>();
+    let parts: Vec<f64> = plane.values.par_chunks(TASK).map(of).collect();
+    parts.iter().sum()
+}
