@@ -9,6 +9,7 @@ pub mod ceiling;
 mod clock;
 pub mod exact;
 pub mod figures;
+pub mod grain;
 pub mod hard;
 pub mod maps;
 pub mod parity;

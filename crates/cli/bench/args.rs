@@ -13,11 +13,14 @@ pub struct Args {
     #[command(flatten)]
     pub job: Job,
     /// Directory for bench.csv, bench.svg and bench.md; it is made if needed
-    #[arg(short = 'o', long = "output", value_name = "DIR", required_unless_present_any = ["samplers", "ceiling", "hard"])]
+    #[arg(short = 'o', long = "output", value_name = "DIR", required_unless_present_any = ["samplers", "ceiling", "grain", "hard"])]
     pub output: Option<PathBuf>,
     /// Only the ratio of a bake to the bare loop of rtcOccluded16 over its packets
     #[arg(long, conflicts_with = "samplers")]
     pub ceiling: bool,
+    /// Only bakes of few rays, plain and denoised, against one of many: a Markdown table
+    #[arg(long, conflicts_with_all = ["samplers", "ceiling"])]
+    pub grain: bool,
     /// Only the error of the point sets on four exact scenes
     #[arg(long)]
     pub samplers: bool,

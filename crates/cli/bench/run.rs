@@ -9,7 +9,7 @@ use anyhow::Context;
 use bench::ceiling::{Pair, ceiling};
 use bench::speed::{quantity, speed};
 use bench::summary::{Spread, markdown, median, svg};
-use bench::{Subject, hard, maps, samplers, tables};
+use bench::{Subject, grain, hard, maps, samplers, tables};
 use rays::EmbreeBackend;
 use report::Output;
 use serde_json::json;
@@ -32,6 +32,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let scene = args.scene.as_deref().context("no scene was given")?;
     if args.ceiling {
         return to_ceiling(args, scene);
+    }
+    if args.grain {
+        return grain_of(args, scene);
     }
     against_error(args, scene)
 }
@@ -207,6 +210,21 @@ fn to_ceiling(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
         );
     }
     say(&text)?;
+    Ok(Outcome::Done)
+}
+
+/// Prints what denoising does to bakes of few rays.
+fn grain_of(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
+    let job = prepare(scene, &args.job, &args.common)?;
+    let (world, plan, atlas) = (job.world(), job.plan(), job.atlas());
+    let subject = Subject { world, plan, atlas };
+    let rows = grain::grain(subject, job.backend(), job.baker_options());
+    if args.common.json {
+        say_json(&json!({ "schema_version": 1, "rows": rows }))?;
+        return Ok(Outcome::Done);
+    }
+    let title = format!("{}, {} texels", job.scene().stem(), atlas.audit.texels);
+    say(&grain::markdown(&title, &rows))?;
     Ok(Outcome::Done)
 }
 
