@@ -141,14 +141,26 @@ impl Bake {
 
     /// Stops a texel when its standard error is at most `std_err`, above 0 and below 1, instead of at a fixed number of rays.
     pub fn target_error(mut self, std_err: f64) -> Self {
-        let max_rays = match self.options.effort {
-            Effort::Target { max_rays, .. } => max_rays,
-            Effort::Rays(_) => 16_384,
+        let (relative, max_rays) = match self.options.effort {
+            Effort::Target {
+                relative, max_rays, ..
+            } => (relative, max_rays),
+            Effort::Rays(_) => (0.0, 16_384),
         };
         self.options.effort = Effort::Target {
             error: std_err,
+            relative,
             max_rays,
         };
+        self
+    }
+
+    /// With [`Bake::target_error`], set before: stops a texel also when its standard error is at most `share` of its value, where that
+    /// is more; at least 0 and below 1, 0 by default.
+    pub fn target_relative(mut self, share: f64) -> Self {
+        if let Effort::Target { relative, .. } = &mut self.options.effort {
+            *relative = share;
+        }
         self
     }
 

@@ -191,6 +191,9 @@ impl Options {
             Effort::Target { error, .. } if !(error > 0.0 && error < 1.0) => {
                 return fail("target-error", "must be above 0 and below 1");
             }
+            Effort::Target { relative, .. } if !(0.0..1.0).contains(&relative) => {
+                return fail("target-relative", "must be at least 0 and below 1");
+            }
             Effort::Target { max_rays, .. } if !(16..=16_777_216).contains(&max_rays) => {
                 return fail("max-rays", "must be between 16 and 16777216");
             }
@@ -299,9 +302,16 @@ impl Options {
             exponent,
             plan_off,
         } = self;
-        let (rays, target_error, max_rays) = match *effort {
-            Effort::Rays(rays) => (Some(rays), None, None),
-            Effort::Target { error, max_rays } => (None, Some(error), Some(max_rays)),
+        let (rays, target_error, target_relative, max_rays) = match *effort {
+            Effort::Rays(rays) => (Some(rays), None, None, None),
+            Effort::Target {
+                error,
+                relative,
+                max_rays,
+            } => {
+                let relative = (relative > 0.0).then_some(relative);
+                (None, Some(error), relative, Some(max_rays))
+            }
         };
         json!({
             "size": size,
@@ -324,6 +334,7 @@ impl Options {
             "align": align,
             "rays": rays,
             "target_error": target_error,
+            "target_relative": target_relative,
             "max_rays": max_rays,
             "pattern": match pattern {
                 Pattern::Independent => "independent",

@@ -166,6 +166,7 @@ fn page_report(job: &Job, page: &BakedPage) -> PageReport {
         mean_error: stats.errors.sum / stats.texels.max(1) as f64,
         max_error: stats.errors.max,
         worst_texel: stats.errors.worst,
+        worst_relative: stats.errors.relative,
         rmse: stats.rmse(),
         rmse_bound: stats.rmse_bound(),
         irradiance_rmse: job.options().sky.is_map().then(|| stats.irradiance_rmse()),

@@ -56,6 +56,8 @@ pub enum Effort {
     Target {
         /// Largest standard error, above 0.
         error: f64,
+        /// Or so much of the value, where that is larger: 0 for nothing, below 1.
+        relative: f64,
         /// The most rays, at least 16; rounded down to a multiple of the replicates.
         max_rays: u32,
     },

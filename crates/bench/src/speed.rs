@@ -61,6 +61,7 @@ const TARGETS: &[Effort] = &[
 const fn target(error: f64) -> Effort {
     Effort::Target {
         error,
+        relative: 0.0,
         max_rays: 16_384,
     }
 }

@@ -26,6 +26,7 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
         None => Effort::Rays(job.rays),
         Some(error) => Effort::Target {
             error,
+            relative: job.target_relative.unwrap_or(0.0),
             max_rays: job.max_rays,
         },
     };

@@ -121,8 +121,16 @@ fn cast(effort: Effort, hemisphere: bool, lobe: bool, map: bool) -> String {
     };
     let each = match effort {
         Effort::Rays(rays) => format!("{rays} rays"),
-        Effort::Target { error, max_rays } => {
-            format!("rays to a standard error of {error}, at most {max_rays},")
+        Effort::Target {
+            error,
+            relative,
+            max_rays,
+        } => {
+            let or = match relative {
+                0.0 => String::new(),
+                _ => format!(" or of {relative} of the value"),
+            };
+            format!("rays to a standard error of {error}{or}, at most {max_rays},")
         }
     };
     let drawn = match map {
@@ -157,6 +165,7 @@ mod tests {
         );
         let target = Effort::Target {
             error: 0.01,
+            relative: 0.0,
             max_rays: 4096,
         };
         assert_eq!(

@@ -161,6 +161,9 @@ pub struct PageReport {
     /// Column and row of the first texel that has it.
     #[serde(default)]
     pub worst_texel: [u32; 2],
+    /// Largest standard error of `diffuse` over its value, of texels whose value is at least 1/255.
+    #[serde(default)]
+    pub worst_relative: f64,
     /// Estimated root mean square error of `diffuse` over covered texels.
     #[serde(default)]
     pub rmse: f64,

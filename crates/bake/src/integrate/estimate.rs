@@ -171,17 +171,22 @@ impl<'a> Gathered<'a> {
         }
     }
 
-    /// What a texel's stopping depends on: the standard error of its first share, and of light in units of the sky's mean
-    /// radiance.
-    pub fn watched(&self, i: usize, radius: i32) -> f64 {
+    /// True where the standard errors of a texel's first share, and of light in units of the sky's mean radiance, are at most
+    /// `error`, or at most `relative` times the value where that is larger.
+    pub fn is_met(&self, i: usize, radius: i32, error: f64, relative: f64) -> bool {
         let lights = match self.sky.map() {
             None => &[],
             Some(_) => self.technique.lights(),
         };
-        let watched = self.technique.shares().iter().take(1).chain(lights);
-        watched
-            .map(|&quantity| self.std_err(i, quantity, radius) / self.unit(quantity))
-            .fold(0.0, f64::max)
+        let sums = Sums::of(&self.sums[i]);
+        let mut watched = self.technique.shares().iter().take(1).chain(lights);
+        watched.all(|&quantity| {
+            let most = (error * self.unit(quantity)).max(match relative {
+                0.0 => 0.0,
+                _ => relative * value(self.sky, &sums, quantity),
+            });
+            self.std_err(i, quantity, radius) <= most
+        })
     }
 
     /// The value of a quantity that all points would see.

@@ -138,7 +138,11 @@ fn rounds(
                 points[i] = rays;
             }
         }
-        Effort::Target { error, max_rays } => {
+        Effort::Target {
+            error,
+            relative,
+            max_rays,
+        } => {
             let most = max_rays / REPLICATES;
             let mut range = 0..FIRST_ROUND.min(most);
             while !range.is_empty() && !which.is_empty() {
@@ -148,7 +152,7 @@ fn rounds(
                     points[i] = range.end * REPLICATES;
                 }
                 let gathered = Gathered::new(task.sky, technique, texels, &sums, &points);
-                which.retain(|&i| gathered.watched(i, STOP_RADIUS) > error);
+                which.retain(|&i| !gathered.is_met(i, STOP_RADIUS, error, relative));
                 range = range.end..next_round(range.end).min(most);
             }
         }

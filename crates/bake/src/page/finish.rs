@@ -9,6 +9,7 @@ use crate::mend::{Mends, Surface};
 use crate::options::{Denoise, Options, Seams as Scope, Sky};
 use crate::plan::Plan;
 use crate::seams::{Known, Seams};
+use ambient::Estimate;
 use atlas::{Dilation, PageRaster};
 use glam::{DVec3, Vec3};
 use layers::Layer;
@@ -251,13 +252,15 @@ fn count_errors(page: &mut BakedPage, options: &Options) {
     let Some(std_errs) = page.layer(Layer::StdErrDiffuse) else {
         return;
     };
+    let values = fact(page, Layer::Diffuse, 0);
     let mut errors = ErrorSums::default();
     let mut lights = 0.0;
     let light = page.layer(Layer::StdErrIrradiance);
     for (texel, coverage) in fact(page, Layer::Coverage, 0).iter().enumerate() {
         if *coverage > 0.0 {
             let place = [texel as u32 % page.size, texel as u32 / page.size];
-            errors.add(f64::from(std_errs[texel]), place);
+            let [value, std_err] = [values[texel], std_errs[texel]].map(f64::from);
+            errors.add(Estimate { value, std_err }, place);
             lights += light.map_or(0.0, |light| f64::from(light[texel]).powi(2));
         }
     }

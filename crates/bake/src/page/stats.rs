@@ -1,6 +1,7 @@
 //! Statistics of a page.
 
 use crate::seams::SeamStats;
+use ambient::Estimate;
 use serde::{Deserialize, Serialize};
 
 /// Sums over the finished texels of a page.
@@ -26,6 +27,9 @@ pub struct PageStats {
     pub seconds: f64,
 }
 
+/// Values from here on show in a picture of 8 bits.
+const SEEN: f64 = 1.0 / 255.0;
+
 /// Moments and maximum of standard errors over texels.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ErrorSums {
@@ -39,11 +43,17 @@ pub struct ErrorSums {
     pub max: f64,
     /// The first texel (column, row) that has it.
     pub worst: [u32; 2],
+    /// The largest share of the value, of texels of at least [`SEEN`].
+    pub relative: f64,
 }
 
 impl ErrorSums {
-    /// Counts a texel's standard error.
-    pub(crate) fn add(&mut self, std_err: f64, texel: [u32; 2]) {
+    /// Counts a texel's value with its standard error.
+    pub(crate) fn add(&mut self, estimate: Estimate, texel: [u32; 2]) {
+        let Estimate { value, std_err } = estimate;
+        if value >= SEEN {
+            self.relative = self.relative.max(std_err / value);
+        }
         self.sum += std_err;
         self.squares += std_err * std_err;
         self.fourths += std_err.powi(4);
@@ -65,6 +75,7 @@ impl ErrorSums {
         self.sum += later.sum;
         self.squares += later.squares;
         self.fourths += later.fourths;
+        self.relative = self.relative.max(later.relative);
         if later.max > self.max {
             (self.max, self.worst) = (later.max, later.worst);
         }
