@@ -6,7 +6,7 @@ use crate::job::{Job, MakeBackend};
 use crate::options::{Backend, Effort, Options, Pages, Uv};
 use crate::scene::Scene;
 use crate::sky::Sky;
-use ::bake::{Buried, Choice, Denoise, Pattern, Seams, Shading, View};
+use ::bake::{Buried, Choice, Denoise, Footprint, Pattern, Seams, Shading, View};
 use layers::{Layer, Progress};
 use rays::{RayBackend, World};
 use std::fmt;
@@ -175,6 +175,12 @@ impl Bake {
     /// Whether blocks of 4 x 4 texels share their directions; independent by default.
     pub fn pattern(mut self, pattern: Pattern) -> Self {
         self.options.pattern = pattern;
+        self
+    }
+
+    /// Where the samples of a texel lie; all over its area by default.
+    pub fn footprint(mut self, footprint: Footprint) -> Self {
+        self.options.footprint = footprint;
         self
     }
 

@@ -3,7 +3,7 @@
 
 use crate::error::Error;
 use crate::sky::Sky;
-use ::bake::{Buried, Choice, Denoise, Pattern, PointSet, Seams, Shading, View};
+use ::bake::{Buried, Choice, Denoise, Footprint, Pattern, PointSet, Seams, Shading, View};
 use layers::Layer;
 use rays::{BackendKind, Layout, Overrides};
 use serde_json::{Value, json};
@@ -83,6 +83,8 @@ pub struct Options {
     pub effort: Effort,
     /// Which directions texels share.
     pub pattern: Pattern,
+    /// Where the samples of a texel lie.
+    pub footprint: Footprint,
     /// How integrated terms are denoised.
     pub denoise: Denoise,
     /// Where seams are solved.
@@ -129,6 +131,7 @@ impl Default for Options {
             align: 1,
             effort: Effort::Rays(256),
             pattern: Pattern::Independent,
+            footprint: Footprint::Texel,
             denoise: Denoise::Off,
             seams: Seams::default(),
             seed: 0,
@@ -230,6 +233,7 @@ impl Options {
             effort: self.effort,
             pattern: self.pattern,
             points: PointSet::default(),
+            footprint: self.footprint,
             denoise: self.denoise,
             seams: self.seams,
             seed: self.seed,
@@ -287,6 +291,7 @@ impl Options {
             align,
             effort,
             pattern,
+            footprint,
             denoise,
             seams,
             seed,
@@ -339,6 +344,10 @@ impl Options {
             "pattern": match pattern {
                 Pattern::Independent => "independent",
                 Pattern::Tiled => "tiled",
+            },
+            "footprint": match footprint {
+                Footprint::Texel => "texel",
+                Footprint::Centre => "centre",
             },
             "denoise": match denoise {
                 Denoise::Off => "off",

@@ -1,9 +1,10 @@
 //! What ambake says of its own errors, held against exact values.
 
-use super::footprint::averages;
+use super::footprint::{Point, averages};
 use super::mesh::Mesh;
 use super::{View, error_layer, exact, pick};
 use crate::support::{bake, report, run, scene};
+use glam::DVec3;
 
 /// Scenes with their page edges: every texel of their receivers has a known value.
 const SCENES: [(&str, usize); 6] = [
@@ -123,6 +124,44 @@ fn a_share_of_the_value_is_enough_where_it_is_more() {
         (stated.unwrap_or(0.0) / worst - 1.0).abs() < 1e-3,
         "{stated:?} is not {worst}"
     );
+}
+
+#[test]
+fn a_texel_sampled_at_its_centre_has_the_value_of_that_point() {
+    let receivers = Mesh::read(&scene("wall_finite.obj"));
+    let only = "diffuse,error,position,normal";
+    let arguments = ["--size", "16", "--rays", "4096", "--footprint", "centre"];
+    let (_folder, page) = bake(
+        &scene("wall_finite.obj"),
+        &[&arguments[..], &["--only", only]].concat(),
+    );
+    let texels = averages(&receivers, 16, &|point| {
+        exact(&receivers, point, View::Normal, 5)
+    });
+    let mut apart = 0.0f64;
+    for (&(x, y), texel) in &texels {
+        let at = y * 16 + x;
+        let vector = |name: &str| {
+            DVec3::from(
+                ["X", "Y", "Z"].map(|axis| f64::from(page.plane(&format!("{name}.{axis}"))[at])),
+            )
+        };
+        let (position, normal) = (vector("position"), vector("normal"));
+        let point = Point {
+            position,
+            normal,
+            geometric: normal,
+        };
+        let value = exact(&receivers, &point, View::Normal, 5);
+        let error = f64::from(page.plane("diffuse")[at]) - pick(&value, "diffuse");
+        let allowed = 5.0 * f64::from(page.plane("error")[at]) + 1e-3;
+        assert!(
+            error.abs() < allowed,
+            "texel {x}, {y}: {error:+} beyond {allowed}"
+        );
+        apart = apart.max((pick(&value, "diffuse") - pick(&texel.mean, "diffuse")).abs());
+    }
+    assert!(apart > 0.002, "centres and means are only {apart} apart");
 }
 
 #[test]

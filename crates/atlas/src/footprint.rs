@@ -244,6 +244,12 @@ fn cells(low: f64, high: f64, count: u32) -> Range<u32> {
     }
 }
 
+/// Weights of a triangle's corners at `p`; `None` where it has no area.
+pub(crate) fn barycentric(corners: [DVec2; 3], p: DVec2) -> Option<DVec3> {
+    let signed = twice_area(corners);
+    (signed != 0.0).then(|| Weights::new(corners, signed).at(p))
+}
+
 /// Barycentric weights as affine functions of the position.
 struct Weights {
     origin: DVec2,

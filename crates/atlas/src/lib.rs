@@ -20,6 +20,7 @@
 
 mod arrange;
 mod audit;
+mod centre;
 mod charts;
 mod clip;
 mod dilate;

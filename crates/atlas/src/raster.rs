@@ -1,5 +1,6 @@
 //! An index of a page's triangles by tile. Footprints are cut out on demand, a tile at a time.
 
+use crate::centre::draw_together;
 use crate::footprint::{Collector, Footprint, TILE, Tile};
 use crate::uv::{corners, page, twice_area};
 use crate::{Atlas, MeshLayout, Placement};
@@ -99,6 +100,26 @@ impl<'a> PageRaster<'a> {
             before = piece.cumulative;
         }
         sum / before
+    }
+
+    /// The same with each footprint drawn together into its point nearest to the texel's centre.
+    ///
+    /// # Panics
+    ///
+    /// If `index` is not below the number of tiles.
+    pub fn centres(&self, index: usize) -> Tile {
+        let mut tile = self.tile(index);
+        draw_together(&mut tile, |instance, triangle| {
+            let layout = &self.layouts[self.meshes[instance as usize] as usize];
+            let placement = &self.placements[instance as usize];
+            corners(
+                layout,
+                placement,
+                triangle as usize,
+                f64::from(self.page_size),
+            )
+        });
+        tile
     }
 
     /// First column and row of a tile.

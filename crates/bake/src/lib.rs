@@ -38,7 +38,9 @@ mod survey;
 
 pub use choice::Choice;
 pub use integrate::{Halves, REPLICATES, Terms};
-pub use options::{Buried, Denoise, Effort, Options, Pattern, PointSet, Seams, Shading, Sky, View};
+pub use options::{
+    Buried, Denoise, Effort, Footprint, Options, Pattern, PointSet, Seams, Shading, Sky, View,
+};
 pub use page::{BakedPage, Baker, ErrorSums, LayerPlanes, PageStats, Pilot};
 pub use plan::{Decision, Method, OpenTriangles, Plan};
 pub use seams::SeamStats;

@@ -17,6 +17,8 @@ pub struct Options {
     pub pattern: Pattern,
     /// Where sample points come from.
     pub points: PointSet,
+    /// Where in a texel samples lie.
+    pub footprint: Footprint,
     /// How integrated terms are denoised.
     pub denoise: Denoise,
     /// Where seams are solved.
@@ -81,6 +83,16 @@ pub enum Pattern {
     Independent,
     /// Blocks of 4 x 4 texels share theirs, so that packets hold parallel rays: errors show as blocks.
     Tiled,
+}
+
+/// Where the samples of a texel lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Footprint {
+    /// All over the part of its square that charts cover: a texel is a mean over its area.
+    #[default]
+    Texel,
+    /// At the point of that part nearest to the texel's centre, as in bakers that know no areas.
+    Centre,
 }
 
 /// What happens to the terms of a page after they are integrated.
@@ -179,6 +191,7 @@ impl Default for Options {
             effort: Effort::Rays(256),
             pattern: Pattern::default(),
             points: PointSet::default(),
+            footprint: Footprint::default(),
             denoise: Denoise::default(),
             seams: Seams::default(),
             seed: 0,

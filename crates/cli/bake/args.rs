@@ -74,6 +74,10 @@ pub struct Job {
     /// Whether blocks of 4 x 4 texels share their directions: a little faster, but errors show as blocks
     #[arg(long, value_enum, default_value_t = Pattern::Independent)]
     pub pattern: Pattern,
+    /// Where the samples of a texel lie: all over the part that charts cover, or at its point nearest to the texel's centre, to compare
+    /// with programs that sample centres
+    #[arg(long, value_enum, default_value_t = Footprint::Texel)]
+    pub footprint: Footprint,
     /// Local regression over the texels of a surface, which falls back to the plain value where it does not help: fewer rays
     /// for the same error, at a small bias that the error layer includes
     #[arg(long, value_enum, alias = "filter", default_value_t = Denoise::Off)]
@@ -159,6 +163,14 @@ pub enum Buried {
     Drop,
     /// They count as what they are, dark
     Keep,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Footprint {
+    /// All over its area
+    Texel,
+    /// At its centre
+    Centre,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

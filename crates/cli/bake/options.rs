@@ -2,7 +2,7 @@
 
 use super::args::{self, Job};
 use crate::common::{Backend, Common};
-use ambake::{Bake, Buried, Denoise, Effort, Options, Pattern, Seams, Shading, Uv};
+use ambake::{Bake, Buried, Denoise, Effort, Footprint, Options, Pattern, Seams, Shading, Uv};
 
 /// The bake that was asked for.
 pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, ambake::Error> {
@@ -33,6 +33,10 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
     options.pattern = match job.pattern {
         args::Pattern::Independent => Pattern::Independent,
         args::Pattern::Tiled => Pattern::Tiled,
+    };
+    options.footprint = match job.footprint {
+        args::Footprint::Texel => Footprint::Texel,
+        args::Footprint::Centre => Footprint::Centre,
     };
     options.denoise = match job.denoise {
         args::Denoise::Off => Denoise::Off,

@@ -324,3 +324,44 @@ fn tiles_are_the_same_at_any_thread_count() {
         assert_eq!(a.pieces, b.pieces);
     }
 }
+
+#[test]
+fn centres_are_the_nearest_points_of_their_footprints() {
+    // Triangles that share edges inside texels, and one that is thinner than a texel.
+    let points = [
+        [1.3, 1.7],
+        [13.5, 2.5],
+        [9.4, 12.5],
+        [3.2, 14.9],
+        [1.1, 13.2],
+        [1.25, 13.3],
+    ];
+    let (scene, atlas) = laid_out(&points, vec![[0, 1, 2], [0, 2, 3], [0, 5, 4]], 16);
+    let raster = PageRaster::new(&scene, &atlas, 0);
+    let mut borders = 0;
+    for index in 0..raster.tiles().len() {
+        let (whole, drawn) = (raster.tile(index), raster.centres(index));
+        assert_eq!(whole.footprints.len(), drawn.footprints.len());
+        for (footprint, point) in whole.footprints.iter().zip(&drawn.footprints) {
+            assert_eq!(footprint.coverage, point.coverage);
+            assert_eq!(whole.area(footprint), drawn.area(point));
+            let centre = DVec2::new(f64::from(point.x) + 0.5, f64::from(point.y) + 0.5);
+            let at = |tile: &Tile, footprint: &Footprint, u| {
+                position(&scene, &atlas, &tile.sample(footprint, u))
+            };
+            let found = at(&drawn, point, [0.3, 0.7]);
+            assert!(found.distance(at(&drawn, point, [0.9, 0.1])) < 1e-9);
+            let own = found.distance(centre);
+            borders += usize::from(own > 1e-9);
+            for k in 0..400 {
+                let u = [f64::from(k % 20) / 20.0, f64::from(k / 20) / 20.0];
+                let other = at(&whole, footprint, u).distance(centre);
+                assert!(
+                    own <= other + 1e-9,
+                    "{own} from the centre, another {other}"
+                );
+            }
+        }
+    }
+    assert!(borders > 10, "{borders} footprints without their centre");
+}

@@ -6,7 +6,7 @@ use super::planes::{BakedPage, LayerPlanes};
 use super::stats::PageStats;
 use crate::choice::Choice;
 use crate::integrate::{Task, integrate};
-use crate::options::{Buried, Options};
+use crate::options::{Buried, Footprint, Options};
 use crate::plan::Plan;
 use crate::seams::Seams;
 use crate::survey::{Surveyor, Texel};
@@ -106,7 +106,7 @@ impl<'a> Baker<'a> {
                     if progress.cancelled() {
                         return None;
                     }
-                    let texels = self.tile(&raster.tile(index), page.page);
+                    let texels = self.tile(&self.cut(&raster, index), page.page);
                     let result = self.result(&columns, &texels);
                     let own = result.stats.texels;
                     let done = self.done.fetch_add(own, Ordering::Relaxed) + own;
@@ -149,7 +149,7 @@ impl<'a> Baker<'a> {
             let picked: Vec<usize> = (0..raster.tiles().len()).step_by(step).collect();
             let baked: Vec<BakedTexel> = picked
                 .into_par_iter()
-                .flat_map_iter(|index| self.tile(&raster.tile(index), page))
+                .flat_map_iter(|index| self.tile(&self.cut(&raster, index), page))
                 .collect();
             texels += baked.len() as u64;
             rays += baked.iter().map(|t| t.terms.rays).sum::<u64>();
@@ -158,6 +158,14 @@ impl<'a> Baker<'a> {
             texels,
             rays,
             seconds: started.elapsed().as_secs_f64(),
+        }
+    }
+
+    /// The footprints of a tile.
+    fn cut(&self, raster: &PageRaster<'_>, index: usize) -> Tile {
+        match self.options.footprint {
+            Footprint::Texel => raster.tile(index),
+            Footprint::Centre => raster.centres(index),
         }
     }
 

@@ -26,6 +26,7 @@ pub(super) fn bake(setup: &Setup, case: &str, kind: BackendKind) -> Result<Baked
         effort: Effort::Rays(RAYS),
         pattern: Pattern::Independent,
         points: PointSet::default(),
+        footprint: bake::Footprint::Texel,
         denoise: Denoise::Off,
         seams: Seams::Off,
         seed: 0,
