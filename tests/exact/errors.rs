@@ -98,8 +98,9 @@ fn asked_errors_are_met_without_waste() {
 #[test]
 fn a_share_of_the_value_is_enough_where_it_is_more() {
     let asked = |more: &[&str]| {
-        let base = ["--size", "32", "--target-error", "0.005", "--only"];
-        let only = ["diffuse,error,rays"];
+        // Seams move values after errors are counted.
+        let base = ["--size", "32", "--seams", "off", "--target-error", "0.005"];
+        let only = ["--only", "diffuse,error,rays"];
         bake(&scene("trench.obj"), &[&base[..], &only, more].concat())
     };
     let (_folder, strict) = asked(&[]);
@@ -202,8 +203,9 @@ fn the_denoiser_lowers_errors_and_states_those_that_are_left() {
         rmse(&plain),
         rmse(&denoised)
     );
-    assert!(rmse(&denoised) < 0.8 * rmse(&plain));
-    assert!((0.9..=1.15).contains(&ratio), "stated / true RMSE {ratio}");
+    assert!(rmse(&denoised) < 0.5 * rmse(&plain));
+    // Pages of so few texels tell no bias from noise to less than a fifth of the variance: the statement errs to the safe side.
+    assert!((0.9..=1.3).contains(&ratio), "stated / true RMSE {ratio}");
     assert!(share > 0.92, "{share} covered");
 }
 

@@ -9,16 +9,14 @@
 
 use super::fit::{Fits, fit};
 use super::plane::{Plane, TASK};
+use pulp::Arch;
 use rayon::prelude::*;
 
 /// Strides of the fits; at each a quadratic and a linear one compete.
 const STRIDES: [usize; 4] = [2, 4, 8, 16];
 
-/// Texels to each side over which estimates are averaged.
-const RADIUS: usize = 5;
-
 /// Standard deviations of its own noise by which a move must stand out to count.
-const STANDS_OUT: f32 = 0.35;
+const STANDS_OUT: f32 = 0.5;
 
 /// Variances of the plain value by which both halves of a single texel must leave a fit to refuse it: a contact of one texel.
 const REFUSES: f32 = 25.0;
@@ -81,25 +79,12 @@ pub(super) fn choose(mask: &Plane, data: &[Plane], near: &mut Plane) -> Option<V
         _ => planes[..channels].iter().map(|p| p.values[i]).sum::<f32>() / channels as f32,
     };
     let new = || Plane::like(mask);
-    near.set_sums(RADIUS, |i| mask.values[i]);
+    near.set_sums(|i| mask.values[i]);
     let (mut variances, mut moves) = (new(), new());
-    variances.set_sums(RADIUS, |i| half.values[i] * half.values[i]);
+    variances.set_sums(|i| half.values[i] * half.values[i]);
     let unit = (all_plain / squares(mask)) as f32;
     let mut texels = vec![Texel::default(); mask.values.len()];
-    let each = |texels: &mut [Texel], update: &(dyn Fn(usize, &mut Texel) + Sync)| {
-        texels
-            .par_chunks_mut(TASK)
-            .enumerate()
-            .for_each(|(task, chunk)| {
-                for (k, texel) in chunk.iter_mut().enumerate() {
-                    let i = task * TASK + k;
-                    if mask.values[i] > 0.0 {
-                        update(i, texel);
-                    }
-                }
-            });
-    };
-    each(&mut texels, &|i, texel| {
+    each(mask, &mut texels, |i, texel| {
         texel.plain = variances.values[i] / near.values[i];
         (texel.variance, texel.risk) = (texel.plain, texel.plain);
         texel.count(
@@ -123,10 +108,10 @@ pub(super) fn choose(mask: &Plane, data: &[Plane], near: &mut Plane) -> Option<V
                 let dh = now[channels].values[i] - before[channels].values[i];
                 dm * dm - dh * dh
             };
-            variances.set_sums(RADIUS, |i| now[channels].values[i].powi(2));
-            moves.set_sums(RADIUS, |i| moved(i, now, before));
+            variances.set_sums(|i| now[channels].values[i].powi(2));
+            moves.set_sums(|i| moved(i, now, before));
             let reduced = (squares(&now[channels]) / all_plain) as f32;
-            each(&mut texels, &|i, texel| {
+            each(mask, &mut texels, |i, texel| {
                 let near = near.values[i];
                 let variance = 0.5 * (variances.values[i] / near + reduced * texel.plain);
                 let saved = texel.variance - variance;
@@ -143,7 +128,33 @@ pub(super) fn choose(mask: &Plane, data: &[Plane], near: &mut Plane) -> Option<V
         }
         std::mem::swap(&mut last, &mut fits[1]);
     }
+    // One texel's estimate is uncertain; neighbours pool theirs, as the plain values' do.
+    variances.set_sums(|i| match mask.values[i] > 0.0 {
+        true => texels[i].risks / texels[i].weights,
+        false => 0.0,
+    });
+    each(mask, &mut texels, |i, texel| {
+        texel.risks = texel.weights * variances.values[i] / near.values[i];
+    });
     Some(texels)
+}
+
+/// Updates the texels of the chart.
+fn each(mask: &Plane, texels: &mut [Texel], update: impl Fn(usize, &mut Texel) + Sync) {
+    let tasks = texels.par_chunks_mut(TASK).enumerate();
+    tasks.for_each(|(task, chunk)| {
+        Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                for (k, texel) in chunk.iter_mut().enumerate() {
+                    let i = task * TASK + k;
+                    if mask.values[i] > 0.0 {
+                        update(i, texel);
+                    }
+                }
+            },
+        );
+    });
 }
 
 /// The sum of the squares, in a fixed order.

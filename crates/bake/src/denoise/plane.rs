@@ -1,6 +1,10 @@
 //! Numbers over the rectangle about a chart, and their local means.
 
+use pulp::Arch;
 use rayon::prelude::*;
+
+/// Texels to each side over which local means are taken.
+const RADIUS: usize = 5;
 
 /// Texels that one task takes at least.
 pub(super) const TASK: usize = 4096;
@@ -29,37 +33,55 @@ impl Plane {
         self.values.len() / self.width
     }
 
-    /// Sums of `of(index)` over the squares of `2 * radius + 1` texels about each texel, into `self`.
-    pub fn set_sums(&mut self, radius: usize, of: impl Fn(usize) -> f32 + Sync) {
+    /// Sums of `of(index)` over the square of 11 x 11 texels about each texel, into `self`. Every sum has the same order, whatever the
+    /// number of threads.
+    pub fn set_sums(&mut self, of: impl Fn(usize) -> f32 + Sync) {
         let (width, height) = (self.width, self.height());
         let rows = TASK.div_ceil(width);
-        self.values
-            .par_chunks_mut(width * rows)
-            .enumerate()
-            .for_each(|(task, out)| {
-                let first = task * rows;
-                let last = first + out.len() / width;
-                let from = first.saturating_sub(radius);
-                let to = (last + radius).min(height);
-                let source: Vec<f32> = (from * width..to * width).map(&of).collect();
-                let mut column = vec![0.0; width + 2 * radius];
-                for (y, out) in (first..last).zip(out.chunks_mut(width)) {
-                    let column = &mut column;
-                    column.fill(0.0);
-                    let near = y.saturating_sub(radius)..(y + radius + 1).min(height);
-                    for row in near {
-                        let row = &source[(row - from) * width..][..width];
-                        for (sum, value) in column[radius..].iter_mut().zip(row) {
-                            *sum += value;
+        let tasks = self.values.par_chunks_mut(width * rows).enumerate();
+        tasks.for_each(|(task, out)| {
+            Arch::new().dispatch(
+                #[inline(always)]
+                || {
+                    // With a border of zeros, or of what lies above and below.
+                    let wide = width + 2 * RADIUS;
+                    let count = out.len() / width;
+                    let mut source = vec![0.0; (count + 2 * RADIUS) * wide];
+                    for (k, line) in source.chunks_mut(wide).enumerate() {
+                        let y = (task * rows + k).wrapping_sub(RADIUS);
+                        if y < height {
+                            for (x, value) in line[RADIUS..][..width].iter_mut().enumerate() {
+                                *value = of(y * width + x);
+                            }
                         }
                     }
-                    out.fill(0.0);
-                    for shift in 0..2 * radius + 1 {
-                        for (sum, value) in out.iter_mut().zip(&column[shift..]) {
-                            *sum += value;
-                        }
+                    let mut spare = [source.clone(), source.clone()];
+                    eleven(&mut source, wide, &mut spare);
+                    eleven(&mut source, 1, &mut spare);
+                    for (out, line) in out.chunks_mut(width).zip(source.chunks(wide)) {
+                        out.copy_from_slice(&line[..width]);
                     }
-                }
-            });
+                },
+            );
+        });
+    }
+}
+
+/// Replaces each number by the sum of it and the ten that follow `step` apart; those without ten followers are left undefined.
+#[inline(always)]
+fn eleven(values: &mut [f32], step: usize, [two, eight]: &mut [Vec<f32>; 2]) {
+    #[inline(always)]
+    fn add(out: &mut [f32], a: &[f32], b: &[f32]) {
+        for ((out, a), b) in out.iter_mut().zip(a).zip(b) {
+            *out = a + b;
+        }
+    }
+    add(two, values, &values[step..]);
+    add(eight, two, &two[2 * step..]);
+    for i in 0..eight.len().saturating_sub(4 * step) {
+        eight[i] += eight[i + 4 * step];
+    }
+    for i in 0..values.len().saturating_sub(10 * step) {
+        values[i] = eight[i] + (two[i + 8 * step] + values[i + 10 * step]);
     }
 }

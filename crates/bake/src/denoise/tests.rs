@@ -129,7 +129,7 @@ fn a_slope_loses_five_sixths_of_its_noise() {
     let made = made(5, |x, y| 0.2 + 0.3 * x + 0.2 * y, |_, _| 0.02, one_object);
     let [plain, denoised, stated, covered] = made.judged();
     assert!(denoised < plain / 6.0, "{denoised} of {plain}");
-    // A move is known from 121 texels to 0.18 of the variance that it saves; 0.25 of that, the mean of what stands out by 0.35 of it,
+    // A move is known from 121 texels to 0.18 of the variance that it saves; 0.2 of that, the mean of what stands out by half of it,
     // counts as bias although there is none: some 0.2 of the plain error is stated at least, and 0.3 beside the chart's borders.
     assert!(
         (denoised..0.3 * plain).contains(&stated) && covered > 0.93,
