@@ -2,12 +2,13 @@
 
 use glam::DVec3;
 
-/// What is known of a page's texels, row by row; nothing is read where the coverage is 0.
+/// What is known of a page's texels, row by row; nothing is read where `data` is 0.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Field<'a> {
     /// Page edge in texels.
     pub size: usize,
-    pub coverage: &'a [f32],
+    /// Above 0 where the page has values of its own.
+    pub data: &'a [f32],
     /// World positions.
     pub position: [&'a [f32]; 3],
     /// Unit shading normals.
@@ -17,7 +18,7 @@ pub(crate) struct Field<'a> {
 
 impl Field<'_> {
     pub fn has_data(&self, texel: usize) -> bool {
-        self.coverage[texel] > 0.0
+        self.data[texel] > 0.0
     }
 
     pub fn position(&self, texel: usize) -> DVec3 {

@@ -68,7 +68,7 @@ impl Made {
     fn denoiser(&self) -> Denoiser {
         Denoiser::new(&Field {
             size: SIZE,
-            coverage: &self.coverage,
+            data: &self.coverage,
             position: [&self.position[0], &self.position[1], &self.position[2]],
             normal: [&self.normal[0], &self.normal[1], &self.normal[2]],
             object: &self.object,

@@ -111,7 +111,7 @@ pub(super) fn finish(
         mend_terms(page, options, plan);
     }
     if options.denoise == Denoise::Regression {
-        denoise_terms(page, options, plan);
+        denoise_terms(page, options, plan, mends);
         count_errors(page, options);
     }
     let gutters = solve_seams(page, options, plan, world, raster, seams);
@@ -203,15 +203,21 @@ fn solve_seams(
     gutters
 }
 
-/// Denoises the terms that tiles integrated, over the surfaces of the page.
-fn denoise_terms(page: &mut BakedPage, options: &Options, plan: &Plan) {
+/// Denoises the terms that tiles integrated, over the surfaces of the page. Texels that were wholly mended hold nothing of their own.
+fn denoise_terms(page: &mut BakedPage, options: &Options, plan: &Plan, mends: bool) {
     let texels = page.texels();
+    let mut data = fact(page, Layer::Coverage, 0).to_vec();
+    if mends {
+        for (data, validity) in data.iter_mut().zip(fact(page, Layer::Validity, 0)) {
+            *data = if *validity > 0.0 { *data } else { 0.0 };
+        }
+    }
     let denoiser = {
         let plane = |layer, channel| fact(page, layer, channel);
         let three = |layer| [0, 1, 2].map(|channel| plane(layer, channel));
         Denoiser::new(&Field {
             size: page.size as usize,
-            coverage: plane(Layer::Coverage, 0),
+            data: &data,
             position: three(Layer::Position),
             normal: three(Layer::Normal),
             object: plane(Layer::Object, 0),
