@@ -71,7 +71,8 @@ pub(super) fn choose(mask: &Plane, data: &[Plane], near: &mut Plane) -> Option<V
     let channels = data.len() - 1;
     let half = &data[channels];
     let all_plain = squares(half);
-    if all_plain == 0.0 {
+    let unit = (all_plain / squares(mask)) as f32;
+    if unit < f32::MIN_POSITIVE {
         return None;
     }
     let mean = |planes: &[Plane], i: usize| match channels {
@@ -82,7 +83,6 @@ pub(super) fn choose(mask: &Plane, data: &[Plane], near: &mut Plane) -> Option<V
     near.set_sums(|i| mask.values[i]);
     let (mut variances, mut moves) = (new(), new());
     variances.set_sums(|i| half.values[i] * half.values[i]);
-    let unit = (all_plain / squares(mask)) as f32;
     let mut texels = vec![Texel::default(); mask.values.len()];
     each(mask, &mut texels, |i, texel| {
         texel.plain = variances.values[i] / near.values[i];
