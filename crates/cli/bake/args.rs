@@ -66,7 +66,7 @@ pub struct Job {
     #[arg(long, value_name = "E", value_parser = target_error, conflicts_with = "rays")]
     pub target_error: Option<f64>,
     /// With --target-error: stop a texel when its standard error is at most R times its value, where that is more than E
-    #[arg(long, value_name = "R", value_parser = target_error, requires = "target_error")]
+    #[arg(long, value_name = "R", value_parser = target_error, requires = "target_error", conflicts_with = "rays")]
     pub target_relative: Option<f64>,
     /// With --target-error: the most rays that a texel may take, over the hemisphere and again over the lobe
     #[arg(long, value_name = "N", default_value_t = 16_384, requires = "target_error", value_parser = clap::value_parser!(u32).range(16..=16_777_216))]
