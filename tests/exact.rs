@@ -124,7 +124,7 @@ fn bake_terms(job: &Comparison<'_>, view: View, exponent: i32, terms: &[&str]) -
     #[rustfmt::skip]
     let arguments = [
         "--size", &job.size.to_string(), "--rays", "4096", "--backend", job.backend, "--view", &eye,
-        "--exponent", &exponent.to_string(), "--specular", "0.5,0.5,0.5", "--pattern", "independent", "--shading", "exact", "--only", &layers.join(","),
+        "--exponent", &exponent.to_string(), "--specular", "0.5,0.5,0.5", "--pattern", "independent", "--shading", "exact", "--seams", "off", "--only", &layers.join(","),
         "--seed", &std::env::var("AMBAKE_TEST_SEED").unwrap_or("0".into()),
     ];
     bake(job.file, &arguments).1

@@ -134,7 +134,7 @@ fn on_an_unoccluded_sphere_the_bake_and_both_reflection_maps_agree() {
     // Bilinear look-up errs by n h^2 / 8 of the peak: 4e-5 and 5e-5.
     let diffuse = maps::diffuse(&map, (360, 180)).expect("D");
     let specular = maps::specular(&map, 20.0, (1440, 720)).expect("S");
-    let arguments = "--size 64 --rays 16384 --exponent 20 --uv unwrap --layers \
+    let arguments = "--size 64 --rays 16384 --exponent 20 --uv unwrap --seams off --layers \
                      irradiance,reflection,error.irradiance,error.reflection,normal --sky";
     let mut arguments: Vec<&str> = arguments.split_whitespace().collect();
     arguments.push(path.to_str().expect("UTF-8"));
@@ -225,7 +225,8 @@ fn the_generated_sky_lights_an_open_plane_as_its_upper_half_says() {
 fn light_from_one_half_of_the_sky_is_blocked_by_the_wall_on_that_side_alone() {
     let folder = tempfile::tempdir().expect("a folder");
     for backend in backends() {
-        let common = "--size 64 --rays 4096 --layers irradiance,error.irradiance,position";
+        let common =
+            "--size 64 --rays 4096 --layers irradiance,error.irradiance,position --seams off";
         let with = |sky: &str| {
             let arguments = [common, "--backend", backend, "--sky", sky].join(" ");
             bake(

@@ -249,13 +249,13 @@ fn instances_bake_as_their_flattened_twin() {
     let twin = Mesh::read(&scene("instances_twin.obj"));
     let file = scene("instances.gltf");
     // ambake lays the objects out anew, so the written GLB says where the floor went.
-    let (folder, _page) = bake(&file, &["--size", "64", "--rays", "1"]);
+    let (folder, _page) = bake(&file, &["--size", "96", "--rays", "1"]);
     let floor = glb::receiver(&folder.path().join("instances.glb"), "receiver_floor");
     let mut jobs = vec![(scene("instances_twin.obj"), &twin, 16, backends()[0])];
     jobs.extend(
         backends()
             .into_iter()
-            .map(|backend| (file.clone(), &floor, 64, backend)),
+            .map(|backend| (file.clone(), &floor, 96, backend)),
     );
     for (file, receivers, size, backend) in jobs {
         let limit = f64::INFINITY;

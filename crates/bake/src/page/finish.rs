@@ -183,6 +183,7 @@ fn solve_seams(
                 values: plane(term, channel),
                 std_errs: plane(std_err, 0),
                 unit: if is_light(term) { light } else { 1.0 },
+                most: if is_light(term) { f64::INFINITY } else { 1.0 },
             };
             (term, channel, system.solve(&known, coverage))
         })

@@ -24,7 +24,7 @@ const GUTTER: f64 = 2.0;
 const ERRORS: f64 = 4.0;
 
 /// Texels that leave their bounds are put there and the rest is solved again, so often at most.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 3;
 
 /// Texels and their weights in a bilinear look-up.
 type Taps = [(u32, f64); 4];
@@ -51,6 +51,8 @@ pub(crate) struct Known<'a> {
     pub std_errs: &'a [f32],
     /// What an open texel has, about.
     pub unit: f64,
+    /// The largest value that the plane can have; infinite where there is none.
+    pub most: f64,
 }
 
 /// Where texels of a plane move.
@@ -131,7 +133,7 @@ impl System {
         let bounds: Vec<[f64; 2]> = (0..about.len())
             .map(|i| {
                 let std_err = f64::from(known.std_errs[self.texels[i] as usize]);
-                about[i].bounds(covered(i), ERRORS * std_err)
+                about[i].bounds(covered(i), ERRORS * std_err, known.most)
             })
             .collect();
         let mut fixed: Vec<bool> = (0..about.len())
@@ -248,14 +250,18 @@ impl About {
     }
 
     /// Between which values a texel may end: a covered one moves by its errors and the range about it, a gutter texel leaves that range by
-    /// its own width; neither is negative.
-    fn bounds(&self, covered: bool, errors: f64) -> [f64; 2] {
+    /// its own width. Neither is negative, nor above what a term can be or its neighbours are.
+    fn bounds(&self, covered: bool, errors: f64, most: f64) -> [f64; 2] {
         let room = self.high - self.low + errors;
         let [low, high] = match covered {
             true => [self.value, self.value],
             false => [self.low, self.high],
         };
-        [(low - room).max(0.0), (high + room).max(0.0)]
+        let most = most.max(self.high);
+        [
+            (low - room).clamp(0.0, most),
+            (high + room).clamp(0.0, most),
+        ]
     }
 }
 

@@ -6,9 +6,10 @@
 
 use rayon::prelude::*;
 
-/// Most steps, and the share of the first residual at which they end.
-const STEPS: usize = 300;
-const ENOUGH: f64 = 1e-5;
+/// Most steps, and the share of the first gradient at which they end. More steps buy nothing that is seen: on a helmet of 2,400 charts a
+/// thousandth of this left as large steps at seams, at seven times the cost.
+const STEPS: usize = 100;
+const ENOUGH: f64 = 1e-2;
 
 /// Values of a sum that are added up by one thread.
 const CHUNK: usize = 4096;
@@ -17,10 +18,10 @@ const CHUNK: usize = 4096;
 pub(super) struct Rows {
     unknowns: usize,
     starts: Vec<u32>,
-    entries: Vec<(u32, f64)>,
+    entries: Vec<(u32, f32)>,
     right: Vec<f64>,
     column_starts: Vec<u32>,
-    column_entries: Vec<(u32, f64)>,
+    column_entries: Vec<(u32, f32)>,
 }
 
 impl Rows {
@@ -38,7 +39,8 @@ impl Rows {
     /// Adds an equation, multiplied by a weight.
     pub fn push(&mut self, taps: &[(u32, f64)], weight: f64, right: f64) {
         let used = taps.iter().filter(|tap| tap.1 != 0.0);
-        self.entries.extend(used.map(|&(i, w)| (i, w * weight)));
+        self.entries
+            .extend(used.map(|&(i, w)| (i, (w * weight) as f32)));
         self.starts.push(self.entries.len() as u32);
         self.right.push(right * weight);
     }
@@ -64,18 +66,22 @@ impl Rows {
         (self.column_starts, self.column_entries) = (starts, columns);
     }
 
-    fn row(&self, row: usize) -> &[(u32, f64)] {
+    fn row(&self, row: usize) -> &[(u32, f32)] {
         &self.entries[self.starts[row] as usize..self.starts[row + 1] as usize]
     }
 
-    fn column(&self, i: usize) -> &[(u32, f64)] {
+    fn column(&self, i: usize) -> &[(u32, f32)] {
         &self.column_entries[self.column_starts[i] as usize..self.column_starts[i + 1] as usize]
     }
 
     /// Left sides of all rows.
     fn times(&self, x: &[f64], out: &mut [f64]) {
         out.par_iter_mut().enumerate().for_each(|(row, out)| {
-            *out = self.row(row).iter().map(|&(i, w)| w * x[i as usize]).sum();
+            *out = self
+                .row(row)
+                .iter()
+                .map(|&(i, w)| f64::from(w) * x[i as usize])
+                .sum();
         });
     }
 
@@ -85,7 +91,9 @@ impl Rows {
             let column = self.column(i).iter();
             *out = match fixed[i] {
                 true => 0.0,
-                false => column.map(|&(row, w)| w * of_rows[row as usize]).sum(),
+                false => column
+                    .map(|&(row, w)| f64::from(w) * of_rows[row as usize])
+                    .sum(),
             };
         });
     }
@@ -99,7 +107,7 @@ pub(super) fn conjugate_gradients(rows: &Rows, start: &[f64], fixed: &[bool]) ->
             1.0 / rows
                 .column(i)
                 .iter()
-                .map(|e| e.1 * e.1)
+                .map(|e| f64::from(e.1).powi(2))
                 .sum::<f64>()
                 .max(1e-300)
         })

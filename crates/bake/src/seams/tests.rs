@@ -159,6 +159,7 @@ fn solved(apart: bool, light: fn(DVec3) -> f64, noise: f64) -> (SeamStats, [f64;
         values: &page.values,
         std_errs: &std_errs,
         unit: 1.0,
+        most: 1.0,
     };
     let moved = system.solve(&known, &page.coverage);
     let mut values = page.values.clone();

@@ -25,6 +25,22 @@ pub(crate) struct Seen {
     strata: Vec<u8>,
 }
 
+/// The lattice with buried corners open where none beside them along a row or column is buried: a body that only touches the surface
+/// there, or is thinner than a stratum.
+fn without_touches(open: &[bool]) -> Vec<bool> {
+    let row = EDGE + 1;
+    let lonely = |at: usize| {
+        let beside = [
+            (at % row > 0).then(|| at - 1),
+            (at % row < EDGE).then(|| at + 1),
+            at.checked_sub(row),
+            (at + row < open.len()).then(|| at + row),
+        ];
+        beside.into_iter().flatten().all(|other| open[other])
+    };
+    (0..open.len()).map(|at| open[at] || lonely(at)).collect()
+}
+
 impl Seen {
     /// All of it.
     pub const ALL: Self = Self {
@@ -82,6 +98,7 @@ impl Seen {
             .flat_map(|row| (0..=EDGE).map(move |column| [column, row]))
             .map(|place| base + depth(&close, place.map(at)) <= 0)
             .collect();
+        let lattice = without_touches(&lattice);
         let open_corners = |stratum: usize| {
             let first = stratum / EDGE * (EDGE + 1) + stratum % EDGE;
             let steps = [0, 1, EDGE + 1, EDGE + 2].iter();
