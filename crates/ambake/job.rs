@@ -130,7 +130,7 @@ impl Job {
         inputs
     }
 
-    /// The triangles as the rays see them.
+    /// The triangles as the rays see them. Coordinates count from [`World::origin`].
     pub fn world(&self) -> &World {
         &self.world
     }

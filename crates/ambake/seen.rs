@@ -18,7 +18,9 @@ pub(crate) fn is_seen(
     let corners = world.corners(point.instance, point.triangle);
     let [a, b, c] = point.weights;
     let target = (corners[0] * a + corners[1] * b + corners[2] * c).to_array();
+    let origin = world.origin().to_array();
     eyes.iter().any(|eye| {
+        let eye: [f64; 3] = std::array::from_fn(|axis| eye[axis] - origin[axis]);
         let ray = Ray {
             origin: eye.map(|x| x as f32),
             direction: [0, 1, 2].map(|axis| (target[axis] - eye[axis]) as f32),

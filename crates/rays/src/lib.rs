@@ -39,6 +39,7 @@ mod normal_maps;
 mod obvhs_backend;
 #[cfg(test)]
 mod obvhs_tests;
+mod origin;
 mod point;
 mod solid;
 mod surface;

@@ -6,6 +6,7 @@
 use crate::alpha_test::AlphaTest;
 use crate::error::Error;
 use crate::normal_maps::NormalMaps;
+use crate::origin::brought_near;
 use glam::{Affine3A, DAffine3, DMat3, DVec3, Vec3};
 use scene::{Mesh, Scene};
 use std::ops::Deref;
@@ -42,6 +43,8 @@ pub struct World {
     /// One part for each of the scene's instances, in the same order.
     pub parts: Vec<Part>,
     bounds: Bounds,
+    /// See [`World::origin`].
+    origin: DVec3,
     normal_maps: Option<NormalMaps>,
 }
 
@@ -147,8 +150,27 @@ impl World {
             geometries,
             parts,
             bounds,
+            origin: DVec3::ZERO,
             normal_maps: None,
         })
+    }
+
+    /// The world of a scene, whose coordinates count from [`World::origin`]: a place near the scene where that is far from its own
+    /// origin.
+    ///
+    /// # Errors
+    /// See [`World::new`].
+    pub fn near(scene: Arc<Scene>, options: WorldOptions) -> Result<Self, Error> {
+        let (scene, origin) = brought_near(scene);
+        Ok(Self {
+            origin,
+            ..Self::new(scene, options)?
+        })
+    }
+
+    /// What world coordinates count from, in the coordinates of the file: 0 but for [`World::near`].
+    pub fn origin(&self) -> DVec3 {
+        self.origin
     }
 
     /// Takes in the normal maps of the materials, for [`World::bent_normal`]. Rays do not see them.

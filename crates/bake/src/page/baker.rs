@@ -6,7 +6,7 @@ use super::planes::{BakedPage, LayerPlanes};
 use super::stats::PageStats;
 use crate::choice::Choice;
 use crate::integrate::{Task, integrate};
-use crate::options::{Buried, Footprint, Options};
+use crate::options::{Buried, Footprint, Options, View};
 use crate::plan::Plan;
 use crate::seams::Seams;
 use crate::survey::{Surveyor, Texel};
@@ -180,7 +180,10 @@ impl<'a> Baker<'a> {
             effort: options.effort,
             pattern: options.pattern,
             points: options.points,
-            view: options.view,
+            view: match options.view {
+                View::Eye(eye) => View::Eye(eye - self.world.origin()),
+                View::Normal => View::Normal,
+            },
             shading: options.shading,
             t_max: options.max_distance.unwrap_or(f32::INFINITY),
             mixture: self.plan.mixture,

@@ -115,6 +115,7 @@ pub(super) fn finish(
         count_errors(page, options);
     }
     let gutters = solve_seams(page, options, plan, world, raster, seams);
+    place(page, world.origin());
     fill_gutters(page, options.rings, &gutters);
     compose_asked(page, options);
     page.finished = true;
@@ -146,6 +147,28 @@ fn mend_terms(page: &mut BakedPage, options: &Options, plan: &Plan) {
         if options.denoise != Denoise::Off {
             let halves = page.planes_of(half_of(term)).par_chunks_mut(texels);
             halves.for_each(|plane| mends.apply(plane, f64::MIN, f64::MAX));
+        }
+    }
+}
+
+/// Gives positions in the coordinates of the file, whatever world coordinates count from.
+fn place(page: &mut BakedPage, origin: DVec3) {
+    if origin == DVec3::ZERO || page.layer(Layer::Position).is_none() {
+        return;
+    }
+    let texels = page.texels();
+    let covered: Vec<bool> = fact(page, Layer::Coverage, 0)
+        .iter()
+        .map(|&c| c > 0.0)
+        .collect();
+    let planes = page.planes_of(Layer::Position).chunks_mut(texels);
+    for (plane, origin) in planes.zip(origin.to_array()) {
+        for (value, _) in plane
+            .iter_mut()
+            .zip(&covered)
+            .filter(|(_, covered)| **covered)
+        {
+            *value = (f64::from(*value) + origin) as f32;
         }
     }
 }

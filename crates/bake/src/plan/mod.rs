@@ -66,7 +66,7 @@ impl Plan {
     pub fn of(scene: &Arc<Scene>, options: &Options) -> Result<(Self, World), Error> {
         let instances = instances(scene, options);
         let alpha_test = alpha_test(scene, options);
-        let mut world = World::new(
+        let mut world = World::near(
             Arc::clone(scene),
             WorldOptions {
                 instancing: instances.modelled,

@@ -37,7 +37,7 @@ fn of_triangle(lit: &Lit<'_>, instance: u32, triangle: u32, per_edge: u32) -> Ve
     let point = |weights: [f64; 3]| {
         let mix = |v: [DVec3; 3]| v[0] * weights[0] + v[1] * weights[1] + v[2] * weights[2];
         Point {
-            position: mix(corners),
+            position: lit.world.origin() + mix(corners),
             normal: mix(normals).normalize_or_zero(),
             geometric,
             instance,
