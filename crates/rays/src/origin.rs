@@ -83,10 +83,9 @@ mod tests {
             origin.round(),
             "whole steps keep the bits of 32-bit corners"
         );
-        let (home, origin) = brought_near(quad([3.0, 2.0, 1.0]));
-        assert_eq!(
-            (home.instances[0].transform.translation, origin),
-            (DVec3::new(3.0, 2.0, 1.0), DVec3::ZERO)
-        );
+        let (scene, home) = at(DVec3::new(3.0, 2.0, 1.0));
+        let (near, origin) = brought_near(scene);
+        assert_eq!(near.instances[0].transform.translation, home);
+        assert_eq!(origin, DVec3::ZERO);
     }
 }
