@@ -35,7 +35,7 @@ impl Brightness {
             count: dark,
             message: format!(
                 "most texels see less than {:.0} % of the sky, as inside a building; `--max-distance D` shows corners and \
-                 contacts there, with D about a third of a room's height",
+                 contacts there, with D about a third of a room's height, and `--denoise regression` takes the grain off",
                 100.0 * DARK
             ),
         })

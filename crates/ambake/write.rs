@@ -163,7 +163,7 @@ fn page_report(job: &Job, page: &BakedPage) -> PageReport {
             texels: stats.buried,
             share: stats.buried_area / stats.coverage.max(f64::MIN_POSITIVE),
         },
-        mean_error: stats.errors.sum / stats.texels.max(1) as f64,
+        mean_error: stats.errors.sum / stats.seen().max(1) as f64,
         max_error: stats.errors.max,
         worst_texel: stats.errors.worst,
         worst_relative: stats.errors.relative,

@@ -246,8 +246,10 @@ impl<'a> Baker<'a> {
             stats.buried += u64::from(texel.validity == 0.0);
             stats.buried_area += f64::from(texel.coverage) * (1.0 - f64::from(texel.validity));
             let place = [texel.index % size, texel.index / size];
-            stats.errors.add(texel.terms.diffuse, place);
-            stats.irradiance_squares += texel.terms.irradiance.std_err.powi(2);
+            if texel.validity > 0.0 {
+                stats.errors.add(texel.terms.diffuse, place);
+                stats.irradiance_squares += texel.terms.irradiance.std_err.powi(2);
+            }
             stats.rays += texel.terms.rays;
         }
         result

@@ -285,8 +285,9 @@ fn count_errors(page: &mut BakedPage, options: &Options) {
     let mut errors = ErrorSums::default();
     let mut lights = 0.0;
     let light = page.layer(Layer::StdErrIrradiance);
+    let validity = page.layer(Layer::Validity);
     for (texel, coverage) in fact(page, Layer::Coverage, 0).iter().enumerate() {
-        if *coverage > 0.0 {
+        if *coverage > 0.0 && validity.is_none_or(|validity| validity[texel] > 0.0) {
             let place = [texel as u32 % page.size, texel as u32 / page.size];
             let [value, std_err] = [values[texel], std_errs[texel]].map(f64::from);
             errors.add(Estimate { value, std_err }, place);

@@ -94,14 +94,19 @@ impl PageStats {
         self.rays += tile.rays;
     }
 
-    /// Estimated root mean square error of the diffuse term over the texels.
+    /// Texels that can be seen, in part at least. Errors are those of these.
+    pub fn seen(&self) -> u64 {
+        self.texels - self.buried
+    }
+
+    /// Estimated root mean square error of the diffuse term over the texels that can be seen.
     pub fn rmse(&self) -> f64 {
-        (self.errors.squares / self.texels.max(1) as f64).sqrt()
+        (self.errors.squares / self.seen().max(1) as f64).sqrt()
     }
 
     /// Estimated root mean square error of the irradiance over the texels, mean of its channels.
     pub fn irradiance_rmse(&self) -> f64 {
-        (self.irradiance_squares / self.texels.max(1) as f64).sqrt()
+        (self.irradiance_squares / self.seen().max(1) as f64).sqrt()
     }
 
     /// What the true root mean square error stays below with 99.9 % confidence.

@@ -83,7 +83,7 @@ impl SeamStats {
 
 impl Seams {
     /// The seams between charts of a page. Two borders belong together where they run along one another within a tenth of a texel, both
-    /// surfaces' shading normals agree within half a degree, and each surface lies on its own side.
+    /// surfaces' shading normals agree within 3 degrees, and each surface lies on its own side.
     pub fn find(world: &World, atlas: &Atlas, page: u32, scope: Scope) -> Self {
         if scope == Scope::Off {
             return Self::default();

@@ -18,9 +18,9 @@ const APART: f64 = 0.1;
 /// Coordinates of the same point, computed through two transforms, agree to this share of their size.
 const ROUNDING: f64 = 1e-6;
 
-/// Cosine of the largest angle between the shading normals of one surface: half a degree, about what normals of 8 bits are rounded by.
-/// Facets of a flat-shaded body that differ by more are meant to.
-const SAME_SURFACE: f64 = 0.999_961_923_064_171;
+/// Cosine of the largest angle between the shading normals of one surface: 3 degrees. Facets of a flat-shaded body that differ by more are
+/// meant to; those that differ by less should look as smooth across charts as they do within one.
+const SAME_SURFACE: f64 = 0.998_629_534_754_574;
 
 /// Texels of one side are at most so many times as large as those of the other: a texel that spans much more cannot hold what the finer
 /// side shows, which would only be spoilt.
