@@ -142,7 +142,12 @@ fn mend_terms(page: &mut BakedPage, options: &Options, plan: &Plan) {
         let planes = page.planes_of(term).par_chunks_mut(texels);
         planes.for_each(|plane| mends.apply(plane, 0.0, most));
         if page.layer(std_err).is_some() {
-            mends.apply_to_errors(page.planes_of(std_err));
+            let std_errs = page.planes_of(std_err);
+            mends.apply_to_errors(std_errs);
+            // A plane that is carried on far has an error without meaning; a term cannot be off by more than it can be.
+            std_errs
+                .iter_mut()
+                .for_each(|std_err| *std_err = std_err.min(most as f32));
         }
         if options.denoise != Denoise::Off {
             let halves = page.planes_of(half_of(term)).par_chunks_mut(texels);

@@ -66,7 +66,7 @@ pub(crate) struct Moved {
 impl System {
     pub(super) fn new(points: &[SeamPoint], page: &Page<'_>) -> Self {
         let look = |point: &SeamPoint| point.sides.map(|p| taps(p, page.size));
-        let all = texels_of(points.par_iter().flat_map_iter(|point| look(point)));
+        let all = texels_of(points.par_iter().flat_map_iter(look));
         let owners = page.owners(&all);
         let owner = |texel: &u32| all.binary_search(texel).ok().and_then(|at| owners[at]);
         let is_own = |side: &Taps, chart: Chart| {

@@ -30,9 +30,10 @@ pub(crate) struct Seen {
 fn without_touches(open: &[bool]) -> Vec<bool> {
     let row = EDGE + 1;
     let lonely = |at: usize| {
+        let column = at % row;
         let beside = [
-            (at % row > 0).then(|| at - 1),
-            (at % row < EDGE).then(|| at + 1),
+            (column > 0).then(|| at - 1),
+            (column < EDGE).then(|| at + 1),
             at.checked_sub(row),
             (at + row < open.len()).then(|| at + row),
         ];
