@@ -43,7 +43,7 @@ pub struct ErrorSums {
     pub max: f64,
     /// The first texel (column, row) that has it.
     pub worst: [u32; 2],
-    /// The largest share of the value, of texels of at least [`SEEN`].
+    /// The largest share of the value, of texels whose value is at least 1/255.
     pub relative: f64,
 }
 
