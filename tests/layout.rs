@@ -188,7 +188,7 @@ fn pages_are_added_where_one_is_too_small_and_limited_on_demand() {
     let output = run(["plan", text(&file), "--size=64", "--pages=1"]);
     let errors = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{errors}");
-    assert!(errors.contains("--pages auto"), "{errors}");
+    assert!(errors.contains("`--size` or `--pages`"), "{errors}");
 }
 
 #[test]

@@ -47,9 +47,9 @@ pub enum Error {
         /// What is wrong with it.
         why: Why,
     },
-    /// The charts do not fit on one page at any density.
+    /// Some charts, or those of a mesh that is placed several times, do not fit on a page at any density.
     #[error(
-        "the charts ({charts}) with their gutters do not fit on one page of {size}x{size} texels: raise `--size`, or use `--pages auto`"
+        "the charts ({charts}) with their gutters do not fit on pages of {size}x{size} texels: raise `--size`"
     )]
     PageFull {
         /// Number of charts, or of objects where their own charts are kept.

@@ -154,8 +154,8 @@ pub(crate) fn search<T: Send>(
         }
     }
     Err(match options.pages {
-        Pages::Most(pages) if pages > 1 => Error::PagesFull { pages, size },
-        _ => Error::PageFull {
+        Pages::Most(pages) => Error::PagesFull { pages, size },
+        Pages::Auto => Error::PageFull {
             charts: cut(&densities(objects, 1.0, size), true)?.shapes.len() as u32,
             size,
         },

@@ -312,7 +312,10 @@ fn charts_that_one_page_cannot_hold_go_on_more_or_are_refused() {
             ..auto
         };
         let error = layout(&scene, &one, &|| false).unwrap_err();
-        assert!(matches!(error, Error::PageFull { size: 32, .. }), "{error}");
+        assert!(
+            matches!(error, Error::PagesFull { pages: 1, size: 32 }),
+            "{error}"
+        );
     }
     let error = layout(&scene, &options(UvMode::Unwrap, 16, Some(100.0)), &|| false).unwrap_err();
     assert!(
