@@ -40,6 +40,7 @@ mod obvhs_backend;
 #[cfg(test)]
 mod obvhs_tests;
 mod origin;
+mod part;
 mod point;
 mod solid;
 mod surface;
@@ -55,7 +56,8 @@ pub use error::Error;
 pub use material::{Overrides, PhongMaterial, is_mapped, material_at};
 pub use mix::Mix;
 pub use obvhs_backend::ObvhsBackend;
+pub use part::Part;
 pub use point::{SurfacePoint, Surfaces};
 pub use solid::Solids;
 pub use surface::{Patch, PlaneErrors};
-pub use world::{Bounds, Geometry, Part, Positions, World, WorldOptions};
+pub use world::{Bounds, Geometry, Positions, World, WorldOptions};

@@ -13,7 +13,7 @@
 //! again. `docs/theory.md` says what that keeps of the relief and what not.
 
 use crate::error::Error;
-use crate::world::Part;
+use crate::part::Part;
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use rayon::prelude::*;

@@ -88,7 +88,7 @@ impl ObvhsBackend {
                 group,
                 inverse: *part.inverse(),
             });
-            let outline = part.outline(geometry);
+            let outline = part.outline(geometry.extent);
             boxes.push([
                 outline.iter().copied().fold(DVec3::INFINITY, DVec3::min),
                 outline

@@ -7,13 +7,11 @@ use crate::alpha_test::AlphaTest;
 use crate::error::Error;
 use crate::normal_maps::NormalMaps;
 use crate::origin::brought_near;
-use glam::{Affine3A, DAffine3, DMat3, DVec3, Vec3};
+use crate::part::Part;
+use glam::{Affine3A, DAffine3, DVec3, Vec3};
 use scene::{Mesh, Scene};
 use std::ops::Deref;
 use std::sync::Arc;
-
-/// Unit roundoff of f32.
-const UNIT_ROUNDOFF: f64 = 1.0 / 16_777_216.0;
 
 /// How a [`World`] is built.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,7 +57,7 @@ pub struct Geometry {
     /// Decides which hits stop a ray; `None` where all do.
     pub alpha: Option<AlphaTest>,
     /// The box of the positions.
-    extent: Option<(Vec3, Vec3)>,
+    pub(crate) extent: Option<(Vec3, Vec3)>,
 }
 
 /// Vertex positions, read as a slice. Those that equal the mesh's own are not held twice.
@@ -69,19 +67,6 @@ pub enum Positions {
     Mesh(Arc<Scene>, u32),
     /// Placed in the world: computed in f64, rounded once.
     Placed(Vec<Vec3>),
-}
-
-/// One of the scene's instances as the rays see it.
-#[derive(Debug)]
-pub struct Part {
-    /// Index into [`World::geometries`].
-    pub geometry: u32,
-    /// Mesh space to world space as the backends take it; `None` where the geometry is in world space.
-    pub transform: Option<Affine3A>,
-    mirrored: bool,
-    placed: DAffine3,
-    inverse: DAffine3,
-    normals: DMat3,
 }
 
 /// An axis-aligned box in world space; both corners are 0 for a world without triangles.
@@ -135,7 +120,7 @@ impl World {
                 }
             };
             let part = Part::new(geometry, instanced.then_some(single), &instance.transform);
-            let corners = part.outline(&geometries[geometry as usize]);
+            let corners = part.outline(geometries[geometry as usize].extent);
             if corners.iter().any(|corner| !corner.as_vec3().is_finite()) {
                 return Err(Error::OutOfRange {
                     file: scene.path.display().to_string(),
@@ -217,7 +202,7 @@ impl World {
         geometry.triangles()[triangle as usize].map(|vertex| {
             let position = geometry.positions[vertex as usize].as_dvec3();
             part.transform
-                .map_or(position, |_| part.placed.transform_point3(position))
+                .map_or(position, |_| part.placed().transform_point3(position))
         })
     }
 
@@ -227,7 +212,7 @@ impl World {
         let mesh = geometry.mesh();
         (!mesh.normals.is_empty()).then(|| {
             mesh.triangles[triangle as usize].map(|vertex| {
-                (part.normals * mesh.normals[vertex as usize].as_dvec3()).normalize_or_zero()
+                (part.carry_normal(mesh.normals[vertex as usize].as_dvec3())).normalize_or_zero()
             })
         })
     }
@@ -246,7 +231,7 @@ impl World {
             let geometry = &self.geometries[part.geometry as usize];
             match part.transform {
                 None => points.extend(geometry.positions.iter().map(|p| p.as_dvec3())),
-                Some(_) => points.extend(part.outline(geometry)),
+                Some(_) => points.extend(part.outline(geometry.extent)),
             }
         }
         points
@@ -280,103 +265,11 @@ impl Geometry {
     }
 }
 
-impl Part {
-    fn new(geometry: u32, transform: Option<Affine3A>, exact: &DAffine3) -> Self {
-        let placed = transform.map_or(DAffine3::IDENTITY, |single| single.as_daffine3());
-        Self {
-            geometry,
-            transform,
-            mirrored: exact.matrix3.determinant() < 0.0,
-            placed,
-            inverse: placed.inverse(),
-            normals: exact.matrix3.inverse().transpose(),
-        }
-    }
-
-    /// True where the placement turns counter-clockwise into clockwise.
-    pub fn mirrors(&self) -> bool {
-        self.mirrored
-    }
-
-    /// A normal of the mesh's space in the world, not of unit length.
-    pub(crate) fn carry_normal(&self, normal: DVec3) -> DVec3 {
-        self.normals * normal
-    }
-
-    /// World space to the geometry's space, in f64; the identity for a flattened part.
-    pub fn inverse(&self) -> &DAffine3 {
-        &self.inverse
-    }
-
-    /// Geometry space to world space, in f64: exactly [`Part::transform`], or the identity.
-    pub fn placed(&self) -> &DAffine3 {
-        &self.placed
-    }
-
-    /// A bound on how much the part's transform lengthens a vector; 1 for a flattened part.
-    pub fn stretch(&self) -> f64 {
-        let columns = [
-            self.placed.matrix3.x_axis,
-            self.placed.matrix3.y_axis,
-            self.placed.matrix3.z_axis,
-        ];
-        match self.transform {
-            None => 1.0,
-            Some(_) => columns
-                .iter()
-                .map(|column| column.length_squared())
-                .sum::<f64>()
-                .sqrt(),
-        }
-    }
-
-    /// A bound, in world units along the unit vector `normal`, on what an f32 transformation of a ray into mesh space
-    /// moves it near these world-space corners; 0 for a flattened part.
-    ///
-    /// With M the transform, N its inverse and s the translation, a computed inverse and one transformed point differ
-    /// from the exact by at most `8 u |N| |M| |N| (|o| + |s|)` in mesh space, first order in u = 2^-24 (running error
-    /// analysis: Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, sections 3 and 14).
-    pub fn rounding(&self, normal: DVec3, corners: &[DVec3; 3]) -> f64 {
-        if self.transform.is_none() {
-            return 0.0;
-        }
-        let (forth, back) = (self.placed.matrix3, self.inverse.matrix3);
-        let reach = corners[0].abs().max(corners[1].abs()).max(corners[2].abs())
-            + self.placed.translation.abs();
-        let moved = back.abs() * (forth.abs() * (back.abs() * reach));
-        8.0 * UNIT_ROUNDOFF * (forth.transpose() * normal).abs().dot(moved)
-    }
-
-    /// Points whose box encloses the placed geometry.
-    pub(crate) fn outline(&self, geometry: &Geometry) -> Vec<DVec3> {
-        let Some((low, high)) = geometry.extent else {
-            return Vec::new();
-        };
-        let (low, high) = (low.as_dvec3(), high.as_dvec3());
-        if self.transform.is_none() {
-            return vec![low, high];
-        }
-        (0..8)
-            .map(|corner| {
-                let pick = |axis: usize| {
-                    if corner >> axis & 1 == 0 {
-                        low[axis]
-                    } else {
-                        high[axis]
-                    }
-                };
-                self.placed
-                    .transform_point3(DVec3::new(pick(0), pick(1), pick(2)))
-            })
-            .collect()
-    }
-}
-
 impl Bounds {
     fn of(geometries: &[Geometry], parts: &[Part]) -> Self {
         let mut corners = parts
             .iter()
-            .flat_map(|part| part.outline(&geometries[part.geometry as usize]));
+            .flat_map(|part| part.outline(geometries[part.geometry as usize].extent));
         let Some(first) = corners.next() else {
             return Self {
                 min: DVec3::ZERO,

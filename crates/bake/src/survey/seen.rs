@@ -4,8 +4,7 @@
 //! Elsewhere the unit square of sample points is cut into strata. One whose corners lie in the open is kept,
 //! and samples are spread over those that are kept. So all rays of a texel serve what can be seen of it.
 
-use super::cell::Cell;
-use super::texel::Texel;
+use super::cell::{Cell, Sample};
 use glam::DVec3;
 use rays::Solids;
 
@@ -49,17 +48,23 @@ impl Seen {
         strata: Vec::new(),
     };
 
-    /// Looks at a texel among solids whose boxes may meet its own.
-    pub fn of(texel: &Texel, solids: &Solids, near: &[u32]) -> Self {
+    /// Looks at a texel of these cells among solids whose boxes may meet its own. `sample_of` gives the surface at a point of the unit
+    /// square, and the closed surface that it is part of.
+    pub fn of(
+        cells: &[Cell],
+        sample_of: impl Fn([f64; 2]) -> (Sample, Option<u32>),
+        solids: &Solids,
+        near: &[u32],
+    ) -> Self {
         let none = Self {
             share: 0.0,
             ..Self::ALL
         };
         let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let corners = texel.cells.iter().flat_map(Cell::corners);
+        let corners = cells.iter().flat_map(Cell::corners);
         let (low, high) = corners.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
-        let own = texel.cells[0].body;
-        let is_uniform = texel.cells.iter().all(|cell| cell.body == own);
+        let own = cells[0].body;
+        let is_uniform = cells.iter().all(|cell| cell.body == own);
         // A solid does not bury itself.
         let matters = |body: &u32| !(is_uniform && own == Some(*body) && solids.is_solid(*body));
         let near: Vec<u32> = near
@@ -74,13 +79,13 @@ impl Seen {
         let reach = extent.fold(low.abs().max(high.abs()).max_element(), f64::max);
         let tested = |position: DVec3, geometric: DVec3| position + NUDGE * reach * geometric;
         let corners = || {
-            texel.cells.iter().flat_map(|cell| {
+            cells.iter().flat_map(|cell| {
                 let geometric = cell.sample(cell.centre()).geometric;
                 cell.corners().map(|corner| tested(corner, geometric))
             })
         };
         let depth = |bodies: &[u32], u: [f64; 2]| {
-            let (sample, own) = texel.sample_of(u);
+            let (sample, own) = sample_of(u);
             let point = tested(sample.position, sample.geometric);
             let depth = |&body: &u32| solids.depth(body, point, own == Some(body));
             bodies.iter().map(depth).sum::<i32>()

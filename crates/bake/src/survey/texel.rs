@@ -60,7 +60,7 @@ impl Texel {
 
     /// Looks for what can be seen, and takes the means over it.
     fn look(&mut self, solids: &Solids, near: &[u32]) {
-        self.seen = Seen::of(self, solids, near);
+        self.seen = Seen::of(&self.cells, |u| self.sample_of(u), solids, near);
         if !self.seen.is_part() {
             return;
         }
