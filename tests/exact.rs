@@ -23,7 +23,7 @@ use mesh::Mesh;
 use polygon::{Setting, Shares, open_shares, shares};
 use statistics::{Sample, judge};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 const RAYS: f64 = 4096.0;
 const EYE: DVec3 = DVec3::new(1.5, 3.0, 2.5);
@@ -64,12 +64,12 @@ fn setting(point: &Point, view: View, exponent: i32) -> Setting {
 
 /// What is baked, and how it is judged.
 struct Comparison<'a> {
-    file: &'a Path,
     /// The receiving faces with their page coordinates.
     receivers: &'a Mesh,
     /// Page edge in texels.
     size: usize,
-    backend: &'a str,
+    /// Scene files that hold those receivers, each with the backend that bakes it.
+    bakes: &'a [(PathBuf, &'a str)],
     /// The largest root mean square error that passes.
     limit: f64,
 }
@@ -84,29 +84,22 @@ fn agree_with(job: &Comparison<'_>, truth: &(dyn Fn(&Point, View, i32) -> Shares
                 (View::Normal, 5) => &["diffuse", "visibility", "specular"],
                 _ => &["specular"],
             };
-            let page = bake_terms(job, view, exponent, terms);
             let texels = averages(job.receivers, job.size, &|point| {
                 truth(point, view, exponent)
             });
-            check_coverage(job, &page, &texels);
-            for term in terms {
-                let samples: Vec<Sample> = texels
-                    .iter()
-                    .map(|(&(x, y), texel)| Sample {
-                        error: f64::from(page.plane(term)[y * job.size + x])
-                            - pick(&texel.mean, term),
-                        standard_error: f64::from(page.plane(error_layer(term))[y * job.size + x]),
-                    })
-                    .collect();
-                let verdict = judge(&samples, RAYS);
-                let name = job.file.file_name().expect("a name").to_string_lossy();
-                let row = format!(
-                    "{name:22} {:7} {view:?} n {exponent:2} {term:10} {verdict}",
-                    job.backend
-                );
-                println!("{row}");
-                if !verdict.passes(job.limit, 1.0 / RAYS) {
-                    failures.push(row);
+            for (file, backend) in job.bakes {
+                let page = bake_terms(file, job.size, backend, (view, exponent), terms);
+                check_coverage(file, &page, &texels);
+                let name = file.file_name().expect("a name").to_string_lossy();
+                for term in terms {
+                    let verdict = judge(&samples(&page, &texels, term), RAYS);
+                    let row = format!(
+                        "{name:22} {backend:7} {view:?} n {exponent:2} {term:10} {verdict}"
+                    );
+                    println!("{row}");
+                    if !verdict.passes(job.limit, 1.0 / RAYS) {
+                        failures.push(row);
+                    }
                 }
             }
         }
@@ -114,7 +107,22 @@ fn agree_with(job: &Comparison<'_>, truth: &(dyn Fn(&Point, View, i32) -> Shares
     assert!(failures.is_empty(), "\n{}", failures.join("\n"));
 }
 
-fn bake_terms(job: &Comparison<'_>, view: View, exponent: i32, terms: &[&str]) -> Page {
+/// What a term of `page` is off in every texel that the receivers meet.
+fn samples(page: &Page, texels: &BTreeMap<(usize, usize), Texel>, term: &str) -> Vec<Sample> {
+    let off = |(&(x, y), texel): (&(usize, usize), &Texel)| Sample {
+        error: f64::from(page.plane(term)[y * page.size + x]) - pick(&texel.mean, term),
+        standard_error: f64::from(page.plane(error_layer(term))[y * page.size + x]),
+    };
+    texels.iter().map(off).collect()
+}
+
+fn bake_terms(
+    file: &Path,
+    size: usize,
+    backend: &str,
+    (view, exponent): (View, i32),
+    terms: &[&str],
+) -> Page {
     let errors = terms.iter().map(|term| error_layer(term));
     let layers: Vec<&str> = terms.iter().copied().chain(errors).collect();
     let eye = match view {
@@ -123,22 +131,22 @@ fn bake_terms(job: &Comparison<'_>, view: View, exponent: i32, terms: &[&str]) -
     };
     #[rustfmt::skip]
     let arguments = [
-        "--size", &job.size.to_string(), "--rays", "4096", "--backend", job.backend, "--view", &eye,
+        "--size", &size.to_string(), "--rays", "4096", "--backend", backend, "--view", &eye,
         "--exponent", &exponent.to_string(), "--specular", "0.5,0.5,0.5", "--pattern", "independent", "--shading", "exact", "--seams", "off", "--only", &layers.join(","),
         "--seed", &std::env::var("AMBAKE_TEST_SEED").unwrap_or("0".into()),
     ];
-    bake(job.file, &arguments).1
+    bake(file, &arguments).1
 }
 
-fn check_coverage(job: &Comparison<'_>, page: &Page, texels: &BTreeMap<(usize, usize), Texel>) {
+fn check_coverage(file: &Path, page: &Page, texels: &BTreeMap<(usize, usize), Texel>) {
     assert!(texels.len() >= 32, "only {} texels receive", texels.len());
     for (&(x, y), texel) in texels {
-        let coverage = f64::from(page.plane("coverage")[y * job.size + x]);
+        let coverage = f64::from(page.plane("coverage")[y * page.size + x]);
         // Page coordinates are f32: each of four edges may lie half an ulp off.
         assert!(
-            (coverage - texel.coverage).abs() < job.size as f64 * 4.0 * 6e-8,
+            (coverage - texel.coverage).abs() < page.size as f64 * 4.0 * 6e-8,
             "{}: coverage {coverage} at {x}, {y}, where {} is exact",
-            job.file.display(),
+            file.display(),
             texel.coverage
         );
     }

@@ -12,7 +12,7 @@ use std::sync::Arc;
 // Run with `-- --nocapture` to see the table.
 
 /// Rays a scene through the default layout; the other gets an eighth.
-const RAYS: u64 = 2_000_000;
+const RAYS: u64 = 250_000;
 /// Disagreements, all within rounding, that a million generic rays may show.
 const ALLOWED_A_MILLION: u64 = 2;
 
@@ -188,11 +188,11 @@ fn baked_layers_differ_only_where_a_listed_ray_explains_it() {
         let scene = Arc::new(scene::load(&file).expect("the scene loads"));
         let (plan, world) = Plan::of(&scene, &options).expect("the scenes fit single precision");
         // A model of many charts needs a larger page, whose texels get fewer rays.
-        let atlas = [256, 512, 1024]
+        let atlas = [128, 256, 512, 1024]
             .into_iter()
             .find_map(|size| atlas::layout(&scene, &layout(size), &|| false).ok())
             .unwrap_or_else(|| panic!("{name} fits on no page of 1024 texels"));
-        options.effort = Effort::Rays((32 * 256 * 256 / atlas.page_size.pow(2)).max(4));
+        options.effort = Effort::Rays((32 * 128 * 128 / atlas.page_size.pow(2)).max(4));
         let wide =
             build(BackendKind::Obvhs(Layout::Cwbvh), &world, 0).expect("obvhs has no errors");
         let kind = if has_embree() {

@@ -227,7 +227,7 @@ fn light_from_one_half_of_the_sky_is_blocked_by_the_wall_on_that_side_alone() {
     let folder = tempfile::tempdir().expect("a folder");
     for backend in backends() {
         let common =
-            "--size 64 --rays 4096 --layers irradiance,error.irradiance,position --seams off";
+            "--size 64 --rays 1024 --layers irradiance,error.irradiance,position --seams off";
         let with = |sky: &str| {
             let arguments = [common, "--backend", backend, "--sky", sky].join(" ");
             bake(

@@ -8,20 +8,23 @@ use super::{Comparison, LIMIT, View, agree_with, exact, setting};
 use crate::support::{backends, bake, report, scene};
 use bench::exact::{Open, round, shapes};
 use glam::DVec3;
+use std::path::{Path, PathBuf};
 
 /// Holds the scene `name` on a page of `size` texels against its own faces, with these backends.
 fn agree(name: &str, size: usize, backends: &[&str]) {
     let (file, receivers) = (scene(name), Mesh::read(&scene(name)));
-    for backend in backends {
-        let job = Comparison {
-            file: &file,
-            receivers: &receivers,
-            size,
-            backend,
-            limit: LIMIT,
-        };
-        agree_with(&job, &|point, view, n| exact(&receivers, point, view, n));
-    }
+    let job = Comparison {
+        receivers: &receivers,
+        size,
+        bakes: &each(&file, backends),
+        limit: LIMIT,
+    };
+    agree_with(&job, &|point, view, n| exact(&receivers, point, view, n));
+}
+
+/// The scene in `file` with each of these backends.
+fn each<'a>(file: &Path, backends: &[&'a str]) -> Vec<(PathBuf, &'a str)> {
+    backends.iter().map(|b| (file.to_path_buf(), *b)).collect()
 }
 
 /// The exact shares of the plane y = 0 at (x, z), seen along the normal.
@@ -212,10 +215,9 @@ fn bowl_agrees_with_its_rim() {
         "{found:?}"
     );
     let job = Comparison {
-        file: &scene("bowl.obj"),
         receivers: &mesh,
         size: 32,
-        backend: backends()[0],
+        bakes: &each(&scene("bowl.obj"), &backends()[..1]),
         limit: LIMIT,
     };
     agree_with(&job, &truth);
@@ -224,24 +226,16 @@ fn bowl_agrees_with_its_rim() {
 #[test]
 fn alpha_mask_casts_the_shadow_of_its_kept_cells() {
     let twin = Mesh::read(&scene("masked_card_twin.obj"));
-    for (file, backend) in [
-        ("masked_card.gltf", 0),
-        ("masked_card.gltf", 1),
-        ("masked_card_twin.obj", 0),
-    ] {
-        let Some(backend) = backends().get(backend).copied() else {
-            continue;
-        };
-        let job = Comparison {
-            file: &scene(file),
-            receivers: &twin,
-            size: 16,
-            backend,
-            // 32 edges for each of the other scenes' four: their error is what the stored standard errors say.
-            limit: f64::INFINITY,
-        };
-        agree_with(&job, &|point, view, n| exact(&twin, point, view, n));
-    }
+    let mut bakes = each(&scene("masked_card.gltf"), &backends());
+    bakes.extend(each(&scene("masked_card_twin.obj"), &backends()[..1]));
+    let job = Comparison {
+        receivers: &twin,
+        size: 16,
+        bakes: &bakes,
+        // 32 edges for each of the other scenes' four: their error is what the stored standard errors say.
+        limit: f64::INFINITY,
+    };
+    agree_with(&job, &|point, view, n| exact(&twin, point, view, n));
 }
 
 #[test]
@@ -249,22 +243,15 @@ fn instances_bake_as_their_flattened_twin() {
     let twin = Mesh::read(&scene("instances_twin.obj"));
     let file = scene("instances.gltf");
     // ambake lays the objects out anew, so the written GLB says where the floor went.
-    let (folder, _page) = bake(&file, &["--size", "96", "--rays", "1"]);
+    let (folder, _page) = bake(&file, &["--size", "80", "--rays", "1"]);
     let floor = glb::receiver(&folder.path().join("instances.glb"), "receiver_floor");
-    let mut jobs = vec![(scene("instances_twin.obj"), &twin, 16, backends()[0])];
-    jobs.extend(
-        backends()
-            .into_iter()
-            .map(|backend| (file.clone(), &floor, 96, backend)),
-    );
-    for (file, receivers, size, backend) in jobs {
-        let limit = f64::INFINITY;
+    let flat = each(&scene("instances_twin.obj"), &backends()[..1]);
+    for (receivers, size, bakes) in [(&twin, 16, flat), (&floor, 80, each(&file, &backends()))] {
         let job = Comparison {
-            file: &file,
             receivers,
             size,
-            backend,
-            limit,
+            bakes: &bakes,
+            limit: f64::INFINITY,
         };
         agree_with(&job, &|point, view, n| exact(&twin, point, view, n));
     }
