@@ -107,8 +107,8 @@ impl SceneBuilder {
     ///   non-uniform scales are allowed.
     ///
     /// # Errors
-    /// [`Error::OtherDevice`], [`Error::NestedInstance`]; [`Error::TransformNotFinite`], [`Error::SingularTransform`] or
-    /// [`Error::InstanceOutOfRange`] for the transform; [`Error::OutOfMemory`].
+    /// [`Error::OtherDevice`], [`Error::NestedInstance`]; [`Error::TransformNotFinite`], [`Error::SingularTransform`],
+    /// [`Error::InstanceOutOfReach`] or [`Error::InstanceOutOfRange`] for the transform; [`Error::OutOfMemory`].
     pub fn instance(&mut self, scene: &Scene, transform: [[f32; 3]; 4]) -> Result<u32, Error> {
         if !scene.device().same(&self.device) {
             return Err(Error::OtherDevice);
@@ -118,6 +118,9 @@ impl SceneBuilder {
         }
         let inverse = check::inverse(&transform)?;
         let reach = check::reach(&inverse, transform[3]);
+        if reach <= 1.0 {
+            return Err(Error::InstanceOutOfReach(transform));
+        }
         if let Some(bounds) = scene.bounds() {
             check::placed(&transform, bounds)?;
         }

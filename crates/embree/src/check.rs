@@ -54,7 +54,8 @@ pub(crate) fn inverse(transform: &[[f32; 3]; 4]) -> Result<[[f64; 3]; 3], Error>
     let lengths = [a, b, c].map(|v| dot(v, v).sqrt());
     let relative = determinant.abs() / lengths.iter().product::<f64>();
     // Products of two and of three lengths then stay within single precision.
-    let usable = lengths.iter().all(|length| (1e-12..=1e12).contains(length));
+    let usable = lengths.iter().all(|length| (1e-12..=1e12).contains(length))
+        && determinant.abs() >= f64::from(f32::MIN_POSITIVE);
     // The comparison is false for 0 / 0 too.
     if usable && relative > f64::from(f32::EPSILON) {
         Ok(rows.map(|row| row.map(|x| x / determinant)))
@@ -88,6 +89,16 @@ pub(crate) fn reach(inverse: &[[f64; 3]; 3], translation: [f32; 3]) -> f32 {
         (half - shift).max(0.0) / (row[0] + row[1] + row[2])
     });
     reach.fold(half, f64::min) as f32
+}
+
+/// True where Embree serves an instance with this transform, columns first and the translation last, to rays whose origins
+/// and directions have no coordinate above `extent` in magnitude.
+///
+/// One instance that does not would cost every ray of the scene its hits: see [`reach`]. [`crate::SceneBuilder::instance`]
+/// refuses what serves no ray of unit direction; whoever knows the scene's size asks here first and places the vertices
+/// instead.
+pub fn serves(transform: &[[f32; 3]; 4], extent: f64) -> bool {
+    inverse(transform).is_ok_and(|inverse| f64::from(reach(&inverse, transform[3])) > extent)
 }
 
 /// `m` times `v`, rows first.
@@ -141,6 +152,21 @@ mod tests {
     }
 
     #[test]
+    fn far_and_tiny_instances_serve_no_ray() {
+        let place = |scale: f32, at: f32| {
+            let mut columns = [[0.0; 3]; 4];
+            (0..3).for_each(|axis| columns[axis][axis] = scale);
+            columns[3] = [at, 0.0, 0.0];
+            columns
+        };
+        for (scale, at) in [(1e-9, 1e9), (1e-6, 1e12), (1e-11, 1e7), (1.0, 9.5e17)] {
+            assert!(!serves(&place(scale, at), 1.0), "{scale:e} at {at:e}");
+        }
+        assert!(serves(&place(1e-6, 1e6), 1e6));
+        assert!(serves(&place(1e-9, 1e3), 1e8) && !serves(&place(1e-9, 1e3), 1e9));
+    }
+
+    #[test]
     fn transforms_without_an_inverse_are_refused() {
         let scale = |x, y, z| [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z], [0.0; 3]];
         for singular in [
@@ -148,6 +174,13 @@ mod tests {
             scale(0.0, 0.0, 0.0),
             scale(1e-13, 1e-13, 1e-13),
             scale(1e13, 1e13, 1e13),
+            // Each column is in range, the determinant is not a normal float.
+            [
+                [1e-12, 0.0, 0.0],
+                [0.0, 1e-12, 0.0],
+                [0.0, 1e-12, 1e-15],
+                [0.0; 3],
+            ],
             [[1.0, 2.0, 3.0], [2.0, 4.0, 6.0], [0.1, 0.7, 0.3], [0.0; 3]],
         ] {
             assert!(

@@ -92,6 +92,11 @@ pub enum Error {
     /// An instance that Embree would silently drop.
     #[error("the instance reaches {0:e} from the origin: coordinates must stay within 1.8e18")]
     InstanceOutOfRange(f64),
+    /// An instance so far away for its size that no ray can be carried into its space.
+    #[error(
+        "the instance is too far away for its size ({0:?}): place its vertices instead, or scale the scene"
+    )]
+    InstanceOutOfReach([[f32; 3]; 4]),
     /// An instance of a scene that itself holds instances.
     #[error(
         "the instanced scene holds instances itself: only one level is supported, flatten the transforms"

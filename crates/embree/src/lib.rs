@@ -52,6 +52,7 @@ pub use absent::{Device, Recording, Scene, SceneBuilder, header_version};
 pub use bare::Recording;
 #[cfg(embree)]
 pub use builder::SceneBuilder;
+pub use check::serves;
 pub use config::{DeviceConfig, DeviceInfo, Isa, Keep, Memory, Tasking, Version};
 #[cfg(embree)]
 pub use device::{Device, header_version};

@@ -88,13 +88,14 @@ impl World {
         for instance in &scene.instances {
             uses[instance.mesh as usize] += 1;
         }
+        let room = room(&scene);
         let mut shared: Vec<Option<u32>> = vec![None; scene.meshes.len()];
         let mut geometries = Vec::new();
         let mut parts = Vec::with_capacity(scene.instances.len());
         for instance in &scene.instances {
             let mesh = instance.mesh;
             let single = instance.transform.as_affine3a();
-            let instanced = options.instancing && uses[mesh as usize] > 1 && invertible(&single);
+            let instanced = options.instancing && uses[mesh as usize] > 1 && served(&single, room);
             let geometry = match shared[mesh as usize].filter(|_| instanced) {
                 Some(geometry) => geometry,
                 None => {
@@ -334,9 +335,38 @@ fn extent(positions: &[Vec3]) -> Option<(Vec3, Vec3)> {
     )
 }
 
-/// True where the f32 transform has an inverse that f32 holds, so that a backend can carry rays into mesh space.
-fn invertible(transform: &Affine3A) -> bool {
-    transform.is_finite() && transform.inverse().is_finite()
+/// How large the coordinates of rays get: twice the largest of the placed scene, and above the components of unit directions.
+fn room(scene: &Scene) -> f64 {
+    let extents: Vec<_> = scene.meshes.iter().map(|m| extent(&m.positions)).collect();
+    let farthest = |instance: &scene::Instance| {
+        let (low, high) = extents[instance.mesh as usize]?;
+        let corner = low.abs().max(high.abs()).as_dvec3();
+        let matrix = instance.transform.matrix3.abs();
+        Some((matrix * corner + instance.transform.translation.abs()).max_element())
+    };
+    let largest = scene.instances.iter().filter_map(farthest);
+    2.0 * largest.fold(1.0, f64::max)
+}
+
+/// How far instancing may raise the rounding of a ray's origin above that of vertices placed in the world: at 2^10 an origin
+/// stands off by 6e-5 of the scene's coordinates, which is what a surface may lose of what touches it.
+const MOST_ROUNDING: f64 = 1024.0;
+
+/// True where a mesh may be held once and rays be carried into its space by this f32 transform. Elsewhere its vertices are
+/// placed in the world, in f64, which costs memory and no accuracy.
+///
+/// * `room`: bound on the coordinates of rays.
+fn served(transform: &Affine3A, room: f64) -> bool {
+    let backends =
+        transform.inverse().is_finite() && embree::serves(&transform.to_cols_array_2d(), room);
+    // The matrix of the bound of `Part::rounding`, per unit roundoff and coordinate.
+    let (forth, back) = (
+        transform.matrix3.as_dmat3(),
+        transform.inverse().matrix3.as_dmat3(),
+    );
+    let there_and_back = forth.abs() * back.abs();
+    let rounding = there_and_back * (there_and_back * DVec3::ONE);
+    backends && 8.0 * rounding.max_element() <= MOST_ROUNDING
 }
 
 #[cfg(test)]
@@ -440,6 +470,35 @@ mod tests {
             assert!(error.starts_with("object object of fixture.obj"), "{error}");
             assert!(build(&[place, place], true).is_err());
         }
+    }
+
+    #[test]
+    fn what_rays_cannot_be_carried_into_is_flattened_and_nothing_else() {
+        let shape = |world: World| -> Vec<bool> {
+            (world.parts.iter().map(|part| part.transform.is_some())).collect()
+        };
+        let scaled = |scale: DVec3, x: f64| {
+            DAffine3::from_scale_rotation_translation(scale, glam::DQuat::IDENTITY, DVec3::X * x)
+        };
+        let mut shear = DAffine3::IDENTITY;
+        shear.matrix3.z_axis = DVec3::new(1.0, 1.0, 1e-8);
+        for odd in [
+            scaled(DVec3::splat(1e-9), 1e9),
+            scaled(DVec3::splat(1e-6), 1e12),
+            scaled(DVec3::splat(1e-11), 1e7),
+            scaled(DVec3::new(1.0, 1e-14, 1.0), 0.0),
+            scaled(DVec3::splat(1e13), 0.0),
+            shear,
+        ] {
+            let places = [DAffine3::IDENTITY, turned(DVec3::X), odd];
+            let world = build(&places, true).unwrap();
+            assert_eq!(shape(world), [true, true, false], "{odd:?}");
+        }
+        // Near the end of the range no instance has room for the rays of the scene.
+        let world = build(&[DAffine3::IDENTITY, scaled(DVec3::ONE, 9.5e17)], true).unwrap();
+        assert_eq!(shape(world), [false, false]);
+        let plain = [scaled(DVec3::new(1.0, 1e-6, 1.0), 1e5), turned(DVec3::Y)];
+        assert_eq!(shape(build(&plain, true).unwrap()), [true, true]);
     }
 
     #[test]
