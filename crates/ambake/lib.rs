@@ -56,6 +56,7 @@ mod error;
 mod host;
 mod interior;
 mod job;
+mod lit;
 mod options;
 mod resume;
 mod run;

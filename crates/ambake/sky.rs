@@ -47,6 +47,14 @@ impl Sky {
         })
     }
 
+    /// Mean radiance over the sphere, linear RGB.
+    pub fn mean(&self) -> [f64; 3] {
+        match &self.light {
+            ::bake::Sky::Uniform(radiance) => radiance.map(f64::from),
+            ::bake::Sky::Map(map) => map.mean(),
+        }
+    }
+
     /// True where the sky is an illumination map.
     pub fn is_map(&self) -> bool {
         self.file.is_some()

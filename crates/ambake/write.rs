@@ -4,6 +4,7 @@ use crate::error::Error;
 use crate::host::{REVISION, VERSION, peak_memory};
 use crate::interior::Brightness;
 use crate::job::Job;
+use crate::lit::LitScene;
 use ::bake::{BakedPage, SeamStats};
 use layers::Layer;
 use report::{BakeReport, Output, PageHeader, PageReport, PhaseReport, SeamReport};
@@ -35,6 +36,7 @@ pub(crate) struct Writer<'a> {
     pages: Vec<PageReport>,
     seams: SeamStats,
     brightness: Brightness,
+    lit: LitScene,
     /// One picture of the diffuse term a page; `None` where the bake has no such layer.
     pictures: Option<Vec<Vec<u8>>>,
 }
@@ -49,6 +51,7 @@ impl<'a> Writer<'a> {
         output.protect(job.inputs());
         let pages = 0..job.atlas().page_count;
         let mut names = vec!["bake.json".to_owned(), format!("{stem}.glb")];
+        names.push(lit_name(&stem));
         for page in pages {
             names.push(page_name(&stem, page));
             let layers = job.options().layers.iter();
@@ -65,6 +68,7 @@ impl<'a> Writer<'a> {
             pages: Vec::new(),
             seams: SeamStats::default(),
             brightness: Brightness::default(),
+            lit: LitScene::default(),
             pictures: Some(Vec::new()),
         })
     }
@@ -96,6 +100,7 @@ impl<'a> Writer<'a> {
                 self.output.stage_bytes(&name, &png)?;
             }
         }
+        self.lit.add(self.job, page);
         let diffuse = page.layer(Layer::Diffuse);
         if let (Some(diffuse), Some(coverage)) = (diffuse, page.layer(Layer::Coverage)) {
             self.brightness.add(diffuse, coverage);
@@ -123,6 +128,13 @@ impl<'a> Writer<'a> {
             phase: "gltf".into(),
             seconds: clock.elapsed().as_secs_f64(),
         });
+        if let Some(picture) = self.lit.picture() {
+            self.output.stage_bytes(&lit_name(&self.stem), &picture)?;
+        }
+        phases.push(PhaseReport {
+            phase: "lit".into(),
+            seconds: self.lit.seconds(),
+        });
         let mut names = self.output.names();
         names.push("bake.json".into());
         let mut report = report_of(self.job, &self.described, self.pages, names, phases);
@@ -146,6 +158,10 @@ fn page_name(stem: &str, page: u32) -> String {
 
 fn preview_name(stem: &str, page: u32, layer: Layer) -> String {
     format!("{stem}.{page}.{}.png", layer.name())
+}
+
+fn lit_name(stem: &str) -> String {
+    format!("{stem}.lit.png")
 }
 
 /// The scene with its lightmap coordinates and, where there are pictures of it, the diffuse term.

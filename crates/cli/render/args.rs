@@ -2,7 +2,7 @@
 
 use super::tables_args::Tables;
 use crate::common::{Backend, Common};
-use crate::parse::{color, exponent, field_of_view, light, positive, size, sun, triple};
+use crate::parse::{color, exponent, field_of_view, light, number, positive, size, sun, triple};
 use clap::{Args as ClapArgs, ValueEnum};
 use std::path::PathBuf;
 
@@ -37,12 +37,16 @@ pub struct Args {
     /// was made for (`bake --view`), not of this camera
     #[arg(long, value_name = "DIR")]
     pub bake: Option<PathBuf>,
-    /// Uniform sky radiance, linear, as R,G,B; also what is seen behind the scene
-    #[arg(long, value_name = "R,G,B", default_value = "1,1,1", value_parser = color)]
-    pub sky: [f32; 3],
-    /// Another radiance behind the scene, linear, as R,G,B [default: the sky's]
+    /// Uniform sky radiance, linear, as R,G,B; also what is seen behind the scene [default: 1,1,1; with --bake the mean of the bake's sky]
+    #[arg(long, value_name = "R,G,B", value_parser = color)]
+    pub sky: Option<[f32; 3]>,
+    /// Another radiance behind the scene, linear, as R,G,B [default: the sky's; a pale blue with --bake and without --eye]
     #[arg(long, value_name = "R,G,B", value_parser = color)]
     pub background: Option<[f32; 3]>,
+    /// Stops by which a PNG is brightened; auto brightens or darkens what could not be seen otherwise [default: 0; auto with --bake and
+    /// without --eye]
+    #[arg(long, value_name = "auto|STOPS", allow_hyphen_values = true, value_parser = exposure)]
+    pub exposure: Option<Exposure>,
     /// Distant light in the direction X,Y,Z with irradiance E (W/m², facing); may be repeated
     #[arg(long, value_name = "X,Y,Z,E", allow_hyphen_values = true, value_parser = sun)]
     pub sun: Vec<[f64; 4]>,
@@ -71,7 +75,8 @@ pub struct Args {
 /// Where the picture is taken from.
 #[derive(ClapArgs)]
 pub struct View {
-    /// Eye point in scene units [default: in front, above and to the right of the whole scene]
+    /// Eye point in scene units [default: in front, above and to the right of the whole scene; with --bake what fits best, inside where
+    /// the scene is a closed room, as in the bake's STEM.lit.png]
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = triple)]
     pub eye: Option<[f64; 3]>,
     /// Point that is looked at, in scene units [default: the middle of the scene]
@@ -80,15 +85,41 @@ pub struct View {
     /// Direction that is upward in the picture
     #[arg(long, value_name = "X,Y,Z", default_value = "0,1,0", allow_hyphen_values = true, value_parser = triple)]
     pub up: [f64; 3],
-    /// Vertical field of view in degrees, above 0 and below 180
-    #[arg(long, value_name = "F", default_value = "40", value_parser = field_of_view)]
-    pub fov_deg: f64,
+    /// Vertical field of view in degrees, above 0 and below 180 [default: 40; 65 where a fitted view stands inside of a room]
+    #[arg(long, value_name = "F", value_parser = field_of_view)]
+    pub fov_deg: Option<f64>,
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", default_value = "960x540", value_parser = size)]
     pub size: [u32; 2],
     /// Camera samples of a pixel: a regular grid of N x N
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub samples: u32,
+}
+
+impl View {
+    /// The vertical field of view in degrees.
+    pub fn fov_deg(&self) -> f64 {
+        self.fov_deg.unwrap_or(40.0)
+    }
+}
+
+/// How bright an 8-bit picture is.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Exposure {
+    /// Bright enough to be seen.
+    Auto,
+    /// Brightened by so many stops.
+    Stops(f64),
+}
+
+fn exposure(text: &str) -> Result<Exposure, String> {
+    match text {
+        "auto" => Ok(Exposure::Auto),
+        _ => match number(text) {
+            Ok(stops) if stops.abs() <= 30.0 => Ok(Exposure::Stops(stops)),
+            _ => Err("expected auto or a number of stops from -30 to 30".into()),
+        },
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -86,8 +86,8 @@ fn models(
         "samples": args.view.samples,
         "eye": camera.eye.to_array(),
         "forward": camera.forward.to_array(),
-        "fov_deg": args.view.fov_deg,
-        "sky": args.sky,
+        "fov_deg": args.view.fov_deg(),
+        "sky": options::sky(args),
         "seed": args.common.seed,
     });
     Ok(figure.files(&file::labels(&about.to_string()))?)

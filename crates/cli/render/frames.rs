@@ -123,7 +123,7 @@ fn about(
         "turn_deg": frame.angle.to_degrees(),
         "eye": frame.camera.eye.to_array(),
         "forward": frame.camera.forward.to_array(),
-        "fov_deg": args.view.fov_deg,
+        "fov_deg": args.view.fov_deg(),
     })
 }
 

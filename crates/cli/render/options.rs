@@ -15,7 +15,7 @@ pub fn framing(view: &View) -> Framing {
         eye: view.eye.map(Into::into),
         look: view.look.map(Into::into),
         up: view.up.into(),
-        fov: view.fov_deg.to_radians(),
+        fov: view.fov_deg().to_radians(),
         size: view.size,
     }
 }
@@ -27,6 +27,11 @@ pub fn model(name: ModelName) -> Model {
         ModelName::Lambert => Model::Lambert,
         ModelName::Phong => Model::Phong,
     }
+}
+
+/// The uniform sky, without a bake.
+pub fn sky(args: &Args) -> [f32; 3] {
+    args.sky.unwrap_or([1.0; 3])
 }
 
 /// What shades camera rays by integration.
@@ -43,8 +48,8 @@ pub fn direct<'a>(
         backend,
         model: model(args.model),
         rays: args.rays,
-        sky: rgb(args.sky),
-        background: rgb(args.background.unwrap_or(args.sky)),
+        sky: rgb(sky(args)),
+        background: rgb(args.background.unwrap_or(sky(args))),
         lights,
         max_distance: args.max_distance.map_or(f32::INFINITY, |d| d as f32),
         seed: args.common.seed,

@@ -1,14 +1,17 @@
 //! A picture by the ambient models and lights.
 
-use super::args::Args;
+use super::args::{Args, Exposure};
 use super::{file, options};
 use crate::common::lights;
 use crate::outcome::{Outcome, say, say_json};
 use crate::progress::watch;
 use crate::stop::Stop;
-use ::render::{Error, Lamps, Lightmap, Sample, picture};
+use ::render::{Error, Lamps, Lightmap, Sample, backdrop, exposed, exposure, picture};
+use anyhow::Context;
+use glam::DVec3;
 use rays::{RayBackend, Surfaces, World};
-use serde_json::json;
+use serde_json::{Value, json};
+use std::path::Path;
 use std::time::Instant;
 
 /// Makes the picture and writes it. Its ambient part is looked up in `lightmap` where there is one.
@@ -20,11 +23,26 @@ pub fn draw(
     stop: &Stop,
     started: Instant,
 ) -> anyhow::Result<Outcome> {
-    let camera = options::framing(&args.view).camera(world)?;
+    let framing = options::framing(&args.view);
+    // From a bake and without a view of one's own, the picture is that of STEM.lit.png.
+    let fitted = lightmap.is_some() && args.view.eye.is_none();
+    let camera = match fitted {
+        true => framing.fitted(world, backend, args.view.fov_deg.is_some())?,
+        false => framing.camera(world)?,
+    };
     let surfaces = Surfaces::new(world);
     let lights = lights(&args.sun, &args.point);
     let lamps = Lamps::of(world);
-    let direct = options::direct(args, &surfaces, backend, &lights, &lamps);
+    let mut direct = options::direct(args, &surfaces, backend, &lights, &lamps);
+    if let (Some(dir), None) = (&args.bake, args.sky) {
+        direct.sky = baked_sky(dir)?;
+    }
+    if args.background.is_none() {
+        direct.background = match fitted {
+            true => backdrop(direct.sky),
+            false => direct.sky,
+        };
+    }
     let radiance = |sample: &Sample| match lightmap {
         None => direct.radiance(sample),
         Some(map) => direct.radiance_baked(sample, map),
@@ -43,15 +61,24 @@ pub fn draw(
         "samples": args.view.samples,
         "eye": camera.eye.to_array(),
         "forward": camera.forward.to_array(),
-        "fov_deg": args.view.fov_deg,
-        "sky": args.sky,
+        "fov_deg": (1e9 * 2.0 * camera.slope.atan().to_degrees()).round() / 1e9,
+        "sky": direct.sky.to_array(),
         "sun": args.sun,
         "point": args.point,
         "seed": args.common.seed,
     });
     let inputs = file::inputs(args, world);
+    let stops = match args.exposure {
+        Some(Exposure::Stops(stops)) => stops,
+        None if !fitted => 0.0,
+        Some(Exposure::Auto) | None => f64::from(exposure(&picture, direct.background)),
+    };
     for path in &args.output {
-        file::write(path, &picture, &described.to_string(), &inputs)?;
+        let shown = match file::ending(path)? {
+            "png" => &exposed(picture.clone(), stops),
+            _ => &picture,
+        };
+        file::write(path, shown, &described.to_string(), &inputs)?;
     }
     if args.common.json {
         say_json(&json!({
@@ -75,4 +102,15 @@ pub fn draw(
         ))?;
     }
     Ok(Outcome::Done)
+}
+
+/// The mean radiance of the sky that a bake was lit by.
+fn baked_sky(dir: &Path) -> anyhow::Result<DVec3> {
+    let path = dir.join("bake.json");
+    let options = report::read_bake_report(&path)?.options;
+    let sky = options.get("sky").unwrap_or(&Value::Null);
+    let mean = sky.get("mean").unwrap_or(sky);
+    let mean: Option<[f64; 3]> = serde_json::from_value(mean.clone()).ok();
+    let mean = mean.with_context(|| format!("{}: it names no sky; bake again", path.display()))?;
+    Ok(mean.into())
 }

@@ -54,16 +54,23 @@ impl Camera {
         })
     }
 
-    /// The nearest eye in front, above and to the right from which all `points` fit into the picture with a margin of a
+    /// Unit direction in front, above and to the right.
+    pub const FRONT: DVec3 = DVec3::new(
+        0.408_248_290_463_863,
+        0.408_248_290_463_863,
+        0.816_496_580_927_726,
+    );
+
+    /// The nearest eye in the unit direction `toward` from which all `points` fit into the picture with a margin of a
     /// twentieth, `middle` looked at. The other arguments are those of [`Camera::new`].
     pub fn framing(
         points: impl Iterator<Item = DVec3>,
         middle: DVec3,
+        toward: DVec3,
         up: DVec3,
         fov: f64,
         size: [u32; 2],
     ) -> DVec3 {
-        let toward = DVec3::new(0.5, 0.5, 1.0).normalize();
         let right = up.cross(toward).normalize_or(DVec3::X);
         let upright = toward.cross(right);
         let slope = (0.5 * fov).tan();
@@ -125,7 +132,14 @@ mod tests {
         ];
         let middle = DVec3::new(1.0, 0.75, 1.0);
         for (size, fov) in [([100, 100], 0.7), ([960, 540], 0.7), ([100, 300], 1.4)] {
-            let eye = Camera::framing(points.into_iter(), middle, DVec3::Y, fov, size);
+            let eye = Camera::framing(
+                points.into_iter(),
+                middle,
+                Camera::FRONT,
+                DVec3::Y,
+                fov,
+                size,
+            );
             let camera = Camera::new(eye, middle, DVec3::Y, fov, size).unwrap();
             let wide = camera.slope * f64::from(size[0]) / f64::from(size[1]);
             let farthest = points.map(|point| {

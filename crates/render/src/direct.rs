@@ -4,7 +4,7 @@
 //! without those the result is exactly the model that a bake stores, seen from the true eye: the specular lobe stands
 //! about R = 2(N·E)N − E of every point.
 
-use crate::{Lamps, Light, Lightmap, Sample};
+use crate::{Lamps, Light, Lightmap, Sample, TexelPlace};
 use ambient::Frame;
 use ambient::models;
 use ambient::sampling::{Lobe, Mixture, Stream};
@@ -75,13 +75,30 @@ impl Direct<'_> {
         point.emission + self.ambient(&point, view, stream) + self.direct(&point, view)
     }
 
-    /// The same with the ambient model taken from a bake.
+    /// The same with the ambient model taken from a bake; surfaces without texels are integrated.
     pub fn radiance_baked(&self, sample: &Sample, map: &Lightmap) -> DVec3 {
+        let scene = self.surfaces.world().scene();
+        let (radiance, place) = self.beside_texels(sample, |hit| map.place(scene, hit));
+        radiance + place.map_or(DVec3::ZERO, |place| map.at(place))
+    }
+
+    /// The radiance of a sample but for what a bake holds, and the place in the bake that holds the rest.
+    pub(crate) fn beside_texels(
+        &self,
+        sample: &Sample,
+        place: impl Fn(&SurfaceHit) -> Option<TexelPlace>,
+    ) -> (DVec3, Option<TexelPlace>) {
         let Some((hit, point)) = self.surface(sample) else {
-            return self.background;
+            return (self.background, None);
         };
-        let ambient = map.at(self.surfaces.world().scene(), &hit);
-        point.emission + ambient + self.direct(&point, -sample.direction)
+        let place = place(&hit);
+        let view = -sample.direction;
+        let mut radiance = point.emission + self.direct(&point, view);
+        if place.is_none() {
+            let stream = |term| Stream::new(self.seed, 0, sample.pixel, term, sample.number);
+            radiance += self.ambient(&point, view, stream);
+        }
+        (radiance, place)
     }
 
     /// True where a sample shows a surface, not the background.

@@ -19,21 +19,40 @@ pub struct Framing {
     pub size: [u32; 2],
 }
 
+impl Default for Framing {
+    /// The whole scene in 960 x 540 pixels, y upward, 40 degrees.
+    fn default() -> Framing {
+        Framing {
+            eye: None,
+            look: None,
+            up: DVec3::Y,
+            fov: 40f64.to_radians(),
+            size: [960, 540],
+        }
+    }
+}
+
 impl Framing {
     /// The camera that frames what is left open.
     ///
     /// # Errors
     /// [`Error::Camera`], see [`Camera::new`].
     pub fn camera(&self, world: &World) -> Result<Camera, Error> {
+        let eye = self
+            .eye
+            .unwrap_or_else(|| self.eye_outside(world, Camera::FRONT));
+        let middle = world.bounds().center();
+        self.camera_at([eye, self.look.unwrap_or(middle)])
+    }
+
+    /// The nearest eye in a unit direction from the middle of the scene from which all of it is seen.
+    pub(crate) fn eye_outside(&self, world: &World, toward: DVec3) -> DVec3 {
         let middle = world.bounds().center();
         let corners = (0..world.scene().instances.len() as u32).flat_map(|instance| {
             let triangles = world.part(instance).1.triangles().len() as u32;
             (0..triangles).flat_map(move |triangle| world.corners(instance, triangle))
         });
-        let eye = self
-            .eye
-            .unwrap_or_else(|| Camera::framing(corners, middle, self.up, self.fov, self.size));
-        self.camera_at([eye, self.look.unwrap_or(middle)])
+        Camera::framing(corners, middle, toward, self.up, self.fov, self.size)
     }
 
     /// The camera at an eye that looks at a point, whatever stands here for them.

@@ -1,18 +1,55 @@
 //! The ambient models of a finished bake, looked up with the lightmap coordinates of the scene it wrote.
 
 use crate::Error;
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec2};
 use rays::SurfaceHit;
 use report::Page;
-use scene::Scene;
+use scene::{Mesh, Scene};
 use serde_json::Value;
 use std::path::Path;
+
+/// A point on a page.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TexelPlace {
+    /// Page number from 0.
+    pub page: u32,
+    /// Page coordinates, 0..=1.
+    pub uv: Vec2,
+}
+
+impl TexelPlace {
+    /// The place of a hit on a triangle with these page coordinates at its corners.
+    pub fn of(page: u32, hit: &SurfaceHit, corners: [Vec2; 3]) -> TexelPlace {
+        let [b, c] = hit.barycentric.map(f64::from);
+        let [p, q, r] = corners.map(|uv| uv.as_dvec2());
+        TexelPlace {
+            page,
+            uv: (p * (1.0 - b - c) + q * b + r * c).as_vec2(),
+        }
+    }
+
+    /// The value there of a page of `size * size` texels, three planes, bilinear.
+    pub fn bilinear(&self, size: u32, planes: [&[f32]; 3]) -> DVec3 {
+        let last = f64::from(size - 1);
+        let place = self.uv.as_dvec2() * f64::from(size) - 0.5;
+        let place = place.clamp(DVec2::ZERO, DVec2::splat(last));
+        let low = place.floor();
+        let part = place - low;
+        let high = (low + 1.0).min(DVec2::splat(last));
+        let texel = |x: f64, y: f64| {
+            let at = y as usize * size as usize + x as usize;
+            DVec3::from_array(planes.map(|plane| f64::from(plane[at])))
+        };
+        let row = |y| texel(low.x, y).lerp(texel(high.x, y), part.x);
+        row(low.y).lerp(row(high.y), part.y)
+    }
+}
 
 /// The layer of one model on every page, and where a mesh's texels lie.
 pub struct Lightmap {
     pages: Vec<Page>,
-    /// Page of each mesh.
-    page_of: Vec<usize>,
+    /// Page of each mesh; `None` for one that takes no texels.
+    page_of: Vec<Option<u32>>,
     layer: String,
 }
 
@@ -29,20 +66,20 @@ impl Lightmap {
         };
         let scene = scene::load(&path)?;
         let json = scene.source.as_ref().map_or(&Value::Null, |s| &s.json);
-        let mut page_of = Vec::with_capacity(scene.meshes.len());
-        for mesh in &scene.meshes {
-            let page = (mesh.uv_sets.len() > 1)
+        let page = |mesh: &Mesh| {
+            (mesh.uv_sets.len() > 1)
                 .then(|| page_number(json, mesh.origin.mesh, mesh.origin.primitive))
-                .flatten();
-            page_of.push(page.ok_or_else(|| {
-                let name = &mesh.name;
-                fail(format!(
-                    "`{name}` has no lightmap; name the GLB that ambake bake wrote"
-                ))
-            })?);
-        }
-        let count = page_of.iter().max().map_or(0, |last| last + 1);
-        let mut pages = Vec::with_capacity(count);
+                .flatten()
+        };
+        let page_of: Vec<Option<u32>> = scene.meshes.iter().map(page).collect();
+        let last = page_of.iter().flatten().max();
+        let count = last.map(|last| last + 1).ok_or_else(|| {
+            fail(
+                "no mesh has a lightmap; name the directory of a bake with the layer diffuse"
+                    .into(),
+            )
+        })?;
+        let mut pages = Vec::with_capacity(count as usize);
         for number in 0..count {
             let path = dir.join(format!("{stem}.{number}.exr"));
             let mut page = report::read_page_exr(&path)?.page;
@@ -67,30 +104,23 @@ impl Lightmap {
         ))
     }
 
-    /// The layer at a hit on the scene of [`Lightmap::load`], bilinear.
-    pub fn at(&self, scene: &Scene, hit: &SurfaceHit) -> DVec3 {
+    /// Where the texels of a hit on the scene of [`Lightmap::load`] lie; `None` where it has none.
+    pub fn place(&self, scene: &Scene, hit: &SurfaceHit) -> Option<TexelPlace> {
         let mesh_index = scene.instances[hit.instance as usize].mesh as usize;
         let mesh = &scene.meshes[mesh_index];
-        let [b, c] = hit.barycentric.map(f64::from);
         let corners = mesh.triangles[hit.triangle as usize];
-        let uv: DVec2 = corners
-            .iter()
-            .zip([1.0 - b - c, b, c])
-            .map(|(&corner, weight)| mesh.uv_sets[1][corner as usize].as_dvec2() * weight)
-            .sum();
-        let page = &self.pages[self.page_of[mesh_index]];
-        let last = f64::from(page.size - 1);
-        let place = (uv * f64::from(page.size) - 0.5).clamp(DVec2::ZERO, DVec2::splat(last));
-        let low = place.floor();
-        let part = place - low;
-        let high = (low + 1.0).min(DVec2::splat(last));
+        Some(TexelPlace::of(
+            self.page_of[mesh_index]?,
+            hit,
+            corners.map(|corner| mesh.uv_sets[1][corner as usize]),
+        ))
+    }
+
+    /// The layer at a place, bilinear.
+    pub fn at(&self, place: TexelPlace) -> DVec3 {
+        let page = &self.pages[place.page as usize];
         let channels = &page.layers[0].channels;
-        let texel = |x: f64, y: f64| {
-            let at = y as usize * page.size as usize + x as usize;
-            DVec3::from_array([0, 1, 2].map(|k: usize| f64::from(channels[k].values[at])))
-        };
-        let row = |y| texel(low.x, y).lerp(texel(high.x, y), part.x);
-        row(low.y).lerp(row(high.y), part.y)
+        place.bilinear(page.size, [0, 1, 2].map(|k: usize| &channels[k].values[..]))
     }
 
     /// Name of the layer.
@@ -100,7 +130,7 @@ impl Lightmap {
 }
 
 /// The page that a primitive's occlusion texture shows: its image is called `STEM.P.occlusion`.
-fn page_number(json: &Value, mesh: u32, primitive: u32) -> Option<usize> {
+fn page_number(json: &Value, mesh: u32, primitive: u32) -> Option<u32> {
     let item = |list: &str, index: &Value| json.get(list)?.get(index.as_u64()? as usize);
     let primitive = &json["meshes"][mesh as usize]["primitives"][primitive as usize];
     let material = item("materials", &primitive["material"])?;

@@ -19,6 +19,22 @@ pub struct Sample {
     pub direction: DVec3,
 }
 
+impl Sample {
+    /// A sample of a pixel's regular `grid` by `grid`.
+    pub(crate) fn of(camera: &Camera, grid: u32, pixel: u32, number: u32) -> Sample {
+        let width = camera.size[0];
+        let place = |at: u32, step: u32| f64::from(at) + (f64::from(step) + 0.5) / f64::from(grid);
+        let x = place(pixel % width, number % grid);
+        let y = place(pixel / width, number / grid);
+        Sample {
+            pixel,
+            number,
+            eye: camera.eye,
+            direction: camera.direction(x, y),
+        }
+    }
+}
+
 /// The picture whose pixels are means of `radiance` over a regular `grid` by `grid` of samples, a box filter.
 ///
 /// Sums are per pixel in the order of the samples, so the picture does not depend on the number of threads.
@@ -39,19 +55,8 @@ pub fn picture(
     assert!(grid > 0, "a pixel has samples");
     let [width, height] = camera.size;
     let mean = |pixel: usize| {
-        let pixel = pixel as u32;
-        let place = |at: u32, step: u32| f64::from(at) + (f64::from(step) + 0.5) / f64::from(grid);
         let sum: DVec3 = (0..grid * grid)
-            .map(|number| {
-                let x = place(pixel % width, number % grid);
-                let y = place(pixel / width, number / grid);
-                radiance(&Sample {
-                    pixel,
-                    number,
-                    eye: camera.eye,
-                    direction: camera.direction(x, y),
-                })
-            })
+            .map(|number| radiance(&Sample::of(camera, grid, pixel as u32, number)))
             .sum();
         (sum / f64::from(grid * grid)).as_vec3().to_array()
     };

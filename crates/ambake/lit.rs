@@ -1,0 +1,134 @@
+//! `STEM.lit.png`: the lit scene of a bake, from the view that fits it.
+
+use crate::job::Job;
+use crate::options::Effort;
+use ::bake::{BakedPage, LayerPlanes};
+use glam::{DVec3, Vec2};
+use rays::{Overrides, SurfaceHit, Surfaces};
+use render::{Direct, Framing, Lamps, Lit, Model, TexelPlace};
+use std::time::Instant;
+
+/// Layers that can light a scene, the best one first.
+const LAYERS: [&str; 7] = [
+    "ggx",
+    "phong",
+    "lambert",
+    "traditional",
+    "irradiance",
+    "diffuse",
+    "visibility",
+];
+
+/// Rays by which surfaces without texels are lit.
+const RAYS: u32 = 16;
+
+/// The picture while pages come in.
+#[derive(Default)]
+pub(crate) struct LitScene {
+    /// Found with the first page.
+    lit: Option<Lit>,
+    background: DVec3,
+    seconds: f64,
+}
+
+impl LitScene {
+    /// Adds the light of a page. A bake without any layer of light has no picture.
+    pub fn add(&mut self, job: &Job, page: &BakedPage) {
+        let clock = Instant::now();
+        let layer = LAYERS
+            .iter()
+            .find_map(|name| page.planes.iter().find(|p| p.layer.name() == *name));
+        if let Some(LayerPlanes { values, .. }) = layer {
+            if self.lit.is_none() {
+                self.background = render::backdrop(job.options().sky.mean().into());
+                self.lit = job.within(|| look(job, self.background));
+            }
+            let mut planes = values.chunks_exact(page.texels());
+            let red = planes.next().unwrap_or_default();
+            let [green, blue] = [0, 1].map(|_| planes.next().unwrap_or(red));
+            if let Some(lit) = &mut self.lit {
+                lit.add(page.page, page.size, [red, green, blue]);
+            }
+        }
+        self.seconds += clock.elapsed().as_secs_f64();
+    }
+
+    /// The picture as a PNG file; `None` where no layer can light it.
+    pub fn picture(&mut self) -> Option<Vec<u8>> {
+        let clock = Instant::now();
+        let picture = self.lit.as_ref()?.picture();
+        let stops = render::exposure(&picture, self.background);
+        let picture = render::exposed(picture, f64::from(stops));
+        let png = report::picture_png(picture.width, &picture.pixels);
+        self.seconds += clock.elapsed().as_secs_f64();
+        Some(png)
+    }
+
+    /// Seconds that it took so far.
+    pub fn seconds(&self) -> f64 {
+        self.seconds
+    }
+}
+
+/// What the fitted camera sees; `None` where the scene has no extent to look at.
+fn look(job: &Job, background: DVec3) -> Option<Lit> {
+    let (world, options) = (job.world(), job.options());
+    let (surfaces, lamps) = (Surfaces::new(world), Lamps::of(world));
+    let direct = Direct {
+        surfaces: &surfaces,
+        backend: job.backend(),
+        model: Model::Lambert,
+        rays: RAYS,
+        sky: options.sky.mean().into(),
+        background,
+        lights: &[],
+        max_distance: options.max_distance.unwrap_or(f32::INFINITY),
+        seed: options.seed,
+        overrides: Overrides {
+            albedo: options.albedo,
+            specular: options.specular,
+            exponent: options.exponent,
+        },
+        lamps: &lamps,
+    };
+    let (size, grid) = size(job);
+    let framing = Framing {
+        size,
+        ..Framing::default()
+    };
+    let camera = framing.fitted(world, job.backend(), false).ok()?;
+    Lit::look(&direct, &camera, grid, &(), |hit| place(job, hit)).ok()
+}
+
+/// Width, height and samples across a pixel: the picture's rays are a small part of the bake's.
+fn size(job: &Job) -> ([u32; 2], u32) {
+    let rays = match job.options().effort {
+        Effort::Rays(rays) => rays,
+        Effort::Target { .. } => 256,
+    };
+    match job.atlas().audit.texels * u64::from(rays) {
+        0..1_000_000 => ([320, 180], 1),
+        1_000_000..40_000_000 => ([480, 270], 2),
+        _ => ([800, 450], 2),
+    }
+}
+
+/// Where the texels of a hit lie.
+fn place(job: &Job, hit: &SurfaceHit) -> Option<TexelPlace> {
+    let atlas = job.atlas();
+    let placement = &atlas.placements[hit.instance as usize];
+    if !placement.is_somewhere() {
+        return None;
+    }
+    let mesh = job.world().scene().instances[hit.instance as usize].mesh;
+    let layout = &atlas.meshes[mesh as usize];
+    let pages = &layout.triangle_pages;
+    let further = pages.get(hit.triangle as usize).copied().unwrap_or(0);
+    let [scale, offset] = [placement.scale, placement.offset].map(Vec2::from);
+    let corners = layout.triangles[hit.triangle as usize];
+    Some(TexelPlace::of(
+        placement.page + u32::from(further),
+        hit,
+        corners.map(|corner| layout.uvs[corner as usize] * scale + offset),
+    ))
+}

@@ -1,0 +1,234 @@
+//! Where a scene is best looked at from when nobody says: around it, three quarters from above; inside it, where it is closed.
+
+use crate::{Camera, Error, Framing};
+use glam::{DQuat, DVec3};
+use rays::{Ray, RayBackend, SurfaceHit, World};
+use std::f64::consts::{PI, TAU};
+
+/// Vertical field of view inside of a room, in radians: 65 degrees.
+const WIDE: f64 = 65.0 * PI / 180.0;
+/// Directions in which a place looks around.
+const AROUND: u32 = 64;
+/// A place is closed where so many of them meet fronts of surfaces.
+const CLOSED: u32 = 58;
+/// A place is inside of a solid where so many meet backs.
+const SOLID: u32 = 12;
+/// A view from another side is taken where it shows so much more of the fronts of surfaces.
+const BETTER: f64 = 0.15;
+
+impl Framing {
+    /// The camera that shows a scene best: the one of [`Framing::camera`], from another side where that shows more fronts of
+    /// surfaces, and inside where most of the free space in the scene's box is closed. Inside, the field of view is at least
+    /// 65 degrees unless `keep_fov`.
+    ///
+    /// # Errors
+    /// [`Error::Camera`], see [`Camera::new`].
+    pub fn fitted(
+        &self,
+        world: &World,
+        backend: &dyn RayBackend,
+        keep_fov: bool,
+    ) -> Result<Camera, Error> {
+        if self.eye.is_some() || self.look.is_some() {
+            return self.camera(world);
+        }
+        let room = Room {
+            world,
+            backend,
+            up: self.up.normalize_or(DVec3::Y),
+        };
+        if let Some([eye, look]) = room.view() {
+            let fov = match keep_fov {
+                true => self.fov,
+                false => self.fov.max(WIDE),
+            };
+            return Framing { fov, ..*self }.camera_at([eye, look]);
+        }
+        let turned = |step: u32| {
+            let angle = TAU * f64::from(step) / 8.0;
+            DQuat::from_axis_angle(room.up, angle) * Camera::FRONT
+        };
+        let shown = (0..8).map(|step| (room.fronts(turned(step)), step));
+        let shown: Vec<(f64, u32)> = shown.collect();
+        let best = shown
+            .iter()
+            .fold(shown[0], |a, &b| if b.0 > a.0 { b } else { a });
+        let step = if best.0 > shown[0].0 + BETTER {
+            best.1
+        } else {
+            0
+        };
+        let eye = self.eye_outside(world, turned(step));
+        self.camera_at([eye, world.bounds().center()])
+    }
+}
+
+/// The scene as a place to look around in.
+struct Room<'a> {
+    world: &'a World,
+    backend: &'a dyn RayBackend,
+    up: DVec3,
+}
+
+impl Room<'_> {
+    fn first(&self, eye: DVec3, toward: DVec3) -> Option<SurfaceHit> {
+        self.backend.closest(&Ray {
+            origin: eye.as_vec3().to_array(),
+            direction: toward.as_vec3().to_array(),
+            t_min: 0.0,
+            t_max: f32::INFINITY,
+        })
+    }
+
+    /// The share of what parallel rays from a direction meet in the scene's box that are fronts of surfaces.
+    fn fronts(&self, toward: DVec3) -> f64 {
+        let bounds = self.world.bounds();
+        let radius = 0.5 * (bounds.max - bounds.min).length();
+        let right = self.up.cross(toward).normalize_or(DVec3::X);
+        let upright = toward.cross(right);
+        let (mut met, mut fronts) = (0u32, 0u32);
+        for index in 0..20 * 20 {
+            let [x, y] = [index % 20, index / 20].map(|k| (f64::from(k) + 0.5) / 10.0 - 1.0);
+            let eye = bounds.center() + radius * (2.0 * toward + x * right + y * upright);
+            if let Some(hit) = self.first(eye, -toward) {
+                met += 1;
+                fronts += u32::from(hit.front);
+            }
+        }
+        f64::from(fronts) / f64::from(met.max(1))
+    }
+
+    /// Eye and look-at point inside, where most of the free space is closed.
+    fn view(&self) -> Option<[DVec3; 2]> {
+        let bounds = self.world.bounds();
+        let extent = bounds.max - bounds.min;
+        let (mut free, mut closed) = (0, Vec::new());
+        for index in 0..5 * 5 * 5 {
+            let part = [index % 5, index / 5 % 5, index / 25].map(|k| (f64::from(k) + 0.5) / 5.0);
+            let eye = bounds.min + extent * DVec3::from_array(part);
+            let (mut fronts, mut backs) = (0, 0);
+            for k in 0..AROUND {
+                match self.first(eye, spiral(k)) {
+                    Some(hit) if hit.front => fronts += 1,
+                    Some(_) => backs += 1,
+                    None => {}
+                }
+            }
+            if backs < SOLID {
+                free += 1;
+                if fronts >= CLOSED {
+                    closed.push(eye);
+                }
+            }
+        }
+        if closed.len() < 2 || 5 * closed.len() < 3 * free {
+            return None;
+        }
+        let mut best: Option<(f64, [DVec3; 2])> = None;
+        for eye in closed {
+            for step in 0..12 {
+                let (score, far) = self.depth(eye, TAU * f64::from(step) / 12.0);
+                if best.is_none_or(|(most, _)| score > most) {
+                    best = Some((score, [eye, far]));
+                }
+            }
+        }
+        best.map(|(_, view)| view)
+    }
+
+    /// How much is to be seen in a horizontal direction, and a point to look at there: the mean logarithm of the distance of what
+    /// is met; things close to the eye and backs count nothing.
+    fn depth(&self, eye: DVec3, azimuth: f64) -> (f64, DVec3) {
+        let bounds = self.world.bounds();
+        let near = 0.03 * (bounds.max - bounds.min).length();
+        let ahead = self.up.any_orthonormal_vector();
+        let forward = DQuat::from_axis_angle(self.up, azimuth) * ahead - 0.15 * self.up;
+        let right = forward.cross(self.up).normalize_or(DVec3::X);
+        let mut sum = 0.0;
+        for index in 0..9 * 5 {
+            let [x, y] = [index % 9 - 4, index / 9 - 2].map(f64::from);
+            let toward = forward + right * (0.2 * x) + self.up * (0.2 * y);
+            if let Some(hit) = self.first(eye, toward).filter(|hit| hit.front) {
+                sum += (f64::from(hit.t) * toward.length() / near).max(1.0).ln();
+            }
+        }
+        (sum, eye + forward)
+    }
+}
+
+/// The k-th of [`AROUND`] directions on a spiral over the sphere.
+fn spiral(k: u32) -> DVec3 {
+    let z = 1.0 - 2.0 * (f64::from(k) + 0.5) / f64::from(AROUND);
+    let (sin, cos) = (f64::from(k) * PI * (3.0 - 5.0f64.sqrt())).sin_cos();
+    let r = (1.0 - z * z).sqrt();
+    DVec3::new(r * cos, r * sin, z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture::{white, world};
+    use glam::Vec3;
+
+    const FRAMING: Framing = Framing {
+        eye: None,
+        look: None,
+        up: DVec3::Y,
+        fov: 0.7,
+        size: [160, 90],
+    };
+
+    /// The six sides of a box from 0 to (8, 3, 6), fronts inward; only some of them.
+    fn room(sides: usize) -> Vec<crate::fixture::Sheet> {
+        let [x, y, z] = [Vec3::X * 8.0, Vec3::Y * 3.0, Vec3::Z * 6.0];
+        let sides_of = [
+            [Vec3::ZERO, z, x],
+            [Vec3::ZERO, y, z],
+            [Vec3::ZERO, x, y],
+            [x, z, y],
+            [z, y, x],
+            [y, x, z],
+        ];
+        sides_of.into_iter().take(sides).map(white).collect()
+    }
+
+    #[test]
+    fn a_closed_room_is_looked_at_from_inside_and_an_open_one_from_outside() {
+        for (sides, inside) in [(6, true), (5, false), (3, false)] {
+            let (world, backend) = world(&room(sides));
+            let camera = FRAMING.fitted(&world, backend.as_ref(), false).unwrap();
+            let bounds = world.bounds();
+            let within = camera.eye.cmpgt(bounds.min).all() && camera.eye.cmplt(bounds.max).all();
+            assert_eq!(within, inside, "{sides} sides: {camera:?}");
+            assert_eq!(camera.slope > 0.6, inside, "{sides} sides: {camera:?}");
+        }
+    }
+
+    #[test]
+    fn a_wall_that_shows_its_back_is_looked_at_from_the_other_side() {
+        let wall = |front: bool| {
+            let [a, b] = [Vec3::X * 4.0, Vec3::Y * 4.0];
+            world(&[white(if front {
+                [Vec3::ZERO, a, b]
+            } else {
+                [Vec3::ZERO, b, a]
+            })])
+        };
+        for (front, side) in [(true, 1.0), (false, -1.0)] {
+            let (world, backend) = wall(front);
+            let camera = FRAMING.fitted(&world, backend.as_ref(), false).unwrap();
+            assert!(camera.eye.z * side > 0.0, "{front}: {camera:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_given_stands() {
+        let (world, backend) = world(&room(6));
+        let framing = Framing {
+            look: Some(DVec3::ONE),
+            ..FRAMING
+        };
+        let camera = framing.fitted(&world, backend.as_ref(), false).unwrap();
+        assert_eq!(camera, framing.camera(&world).unwrap());
+    }
+}
