@@ -4,6 +4,7 @@
 
 mod alpha;
 mod authored;
+mod bounces;
 mod broken;
 mod buried;
 mod capture;

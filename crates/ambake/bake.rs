@@ -6,7 +6,7 @@ use crate::job::{Job, MakeBackend};
 use crate::options::{Backend, Effort, Options, Pages, Uv};
 use crate::scene::Scene;
 use crate::sky::Sky;
-use ::bake::{Buried, Choice, Denoise, Footprint, Pattern, Seams, Shading, View};
+use ::bake::{Bounces, Buried, Choice, Denoise, Footprint, Pattern, Seams, Shading, View};
 use layers::{Layer, Progress};
 use rays::{RayBackend, World};
 use std::fmt;
@@ -229,6 +229,12 @@ impl Bake {
     /// Occluders farther than this many scene units do not count; by default there is no limit.
     pub fn max_distance(mut self, distance: f32) -> Self {
         self.options.max_distance = Some(distance);
+        self
+    }
+
+    /// How often surfaces send on the light that they receive; never by default.
+    pub fn bounces(mut self, bounces: Bounces) -> Self {
+        self.options.bounces = bounces;
         self
     }
 

@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::job::Job;
 use crate::write::{Writer, glb};
-use ::bake::{BakedPage, PageStats};
+use ::bake::{BakedPage, BounceStats, PageStats};
 use layers::Layer;
 use report::Output;
 use std::path::{Path, PathBuf};
@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 pub struct Baked {
     job: Job,
     pages: Vec<Page>,
+    bounces: Option<BounceStats>,
 }
 
 /// One page of the atlas: square, row 0 is the top of the picture and v = 0.
@@ -56,8 +57,12 @@ impl Page {
 }
 
 impl Baked {
-    pub(crate) fn new(job: Job, pages: Vec<Page>) -> Self {
-        Self { job, pages }
+    pub(crate) fn new(job: Job, pages: Vec<Page>, bounces: Option<BounceStats>) -> Self {
+        Self {
+            job,
+            pages,
+            bounces,
+        }
     }
 
     /// The pages in order.
@@ -71,6 +76,11 @@ impl Baked {
     /// Where there is no such page; [`Baked::pages`] tells how many there are.
     pub fn page(&self, number: usize) -> &Page {
         &self.pages[number]
+    }
+
+    /// What the gathers of light that bounces added; `None` where they were not asked for.
+    pub fn bounces(&self) -> Option<&BounceStats> {
+        self.bounces.as_ref()
     }
 
     /// What was baked, and how.
@@ -88,7 +98,9 @@ impl Baked {
         for page in &self.pages {
             writer.page(&page.0)?;
         }
-        Ok(writer.finish(self.job.phases().to_vec())?.files)
+        Ok(writer
+            .finish(self.job.phases().to_vec(), self.bounces)?
+            .files)
     }
 
     /// Writes the scene as a GLB file: lightmap coordinates as `TEXCOORD_1` and, where diffuse was baked, the diffuse term as

@@ -1,5 +1,7 @@
 //! Finds out whether a scene is an interior: there the sky reaches little, and a limit of distance shows more.
 
+use crate::options::Options;
+use ::bake::Bounces;
 use report::WarningReport;
 
 /// Bins of the diffuse term, over 0..=1.
@@ -25,17 +27,19 @@ impl Brightness {
         }
     }
 
-    /// The warning that names `--max-distance`, where the median is dark and no limit was given.
-    pub fn interior(&self, limited: bool) -> Option<WarningReport> {
+    /// The warning that names `--bounces` and `--max-distance`, where the median is dark and neither was given.
+    pub fn interior(&self, options: &Options) -> Option<WarningReport> {
+        let helped = options.max_distance.is_some() || options.bounces != Bounces::Off;
         let dark: u64 = self.0[..(DARK * BINS as f64) as usize].iter().sum();
         let all: u64 = self.0.iter().sum();
-        (!limited && all > 0 && 2 * dark > all).then(|| WarningReport {
+        (!helped && all > 0 && 2 * dark > all).then(|| WarningReport {
             kind: "interior".into(),
             place: "scene".into(),
             count: dark,
             message: format!(
-                "most texels see less than {:.0} % of the sky, as inside a building; `--max-distance D` shows corners and \
-                 contacts there, with D about a third of a room's height, and `--denoise regression` takes the grain off",
+                "most texels see less than {:.0} % of the sky, as inside a building; `--bounces auto` lets light go on from surface to \
+                 surface there, `--max-distance D` shows corners and contacts, with D about a third of a room's height, and `--denoise \
+                 regression` takes the grain off",
                 100.0 * DARK
             ),
         })
@@ -47,18 +51,25 @@ mod tests {
     use super::Brightness;
 
     #[test]
-    fn a_dark_median_is_an_interior_unless_a_distance_was_given() {
+    fn a_dark_median_is_an_interior_unless_a_distance_or_bounces_were_given() {
         let mut pages = Brightness::default();
         pages.add(
             &[0.02, 0.05, 0.7, 0.0, 0.0, 0.0],
             &[1.0, 0.3, 1.0, 0.0, 0.0, 0.0],
         );
         let warning = pages
-            .interior(false)
+            .interior(&Options::default())
             .expect("two of three covered texels are dark");
         assert!(warning.message.contains("--max-distance"));
-        assert!(pages.interior(true).is_none());
+        assert!(warning.message.contains("--bounces"));
+        let (mut limited, mut bounced) = (Options::default(), Options::default());
+        (limited.max_distance, bounced.bounces) = (Some(1.0), Bounces::Auto);
+        assert!(pages.interior(&limited).is_none());
+        assert!(pages.interior(&bounced).is_none());
         pages.add(&[0.9], &[1.0]);
-        assert!(pages.interior(false).is_none(), "half is not most");
+        assert!(
+            pages.interior(&Options::default()).is_none(),
+            "half is not most"
+        );
     }
 }

@@ -67,8 +67,8 @@ mod write;
 
 pub use crate::bake::Bake;
 pub use ::bake::{
-    BakedPage, Buried, Choice, Decision, Denoise, Footprint, Method, PageStats, Pattern, Pilot,
-    PointSet, SeamStats, Seams, Shading, View,
+    BakedPage, BounceStats, Bounces, Buried, Choice, Decision, Denoise, Footprint, Method,
+    PageStats, Pattern, Pilot, PointSet, SeamStats, Seams, Shading, View,
 };
 pub use baked::{Baked, Page};
 pub use error::Error;

@@ -3,7 +3,9 @@
 
 use crate::error::Error;
 use crate::sky::Sky;
-use ::bake::{Buried, Choice, Denoise, Footprint, Pattern, PointSet, Seams, Shading, View};
+use ::bake::{
+    Bounces, Buried, Choice, Denoise, Footprint, Pattern, PointSet, Seams, Shading, View,
+};
 use layers::Layer;
 use rays::{BackendKind, Layout, Overrides};
 use serde_json::{Value, json};
@@ -103,6 +105,8 @@ pub struct Options {
     pub buried: Buried,
     /// Occluders farther than this do not count, in scene units.
     pub max_distance: Option<f32>,
+    /// How often surfaces send on the light that they receive.
+    pub bounces: Bounces,
     /// Layers to produce, coverage first, without repeats.
     pub layers: Vec<Layer>,
     /// Normal maps of materials bend the shading normals.
@@ -143,6 +147,7 @@ impl Default for Options {
             shading: Shading::Production,
             buried: Buried::Drop,
             max_distance: None,
+            bounces: Bounces::Off,
             layers: Layer::STANDARD.to_vec(),
             normal_maps: false,
             albedo: None,
@@ -249,6 +254,7 @@ impl Options {
             shading: self.shading,
             buried: self.buried,
             max_distance: self.max_distance,
+            bounces: self.bounces,
             layers: self.layers.clone(),
             normal_maps: self.normal_maps,
             rings: atlas::RINGS.max(self.layout().gutter),
@@ -307,6 +313,7 @@ impl Options {
             shading,
             buried,
             max_distance,
+            bounces,
             layers,
             normal_maps,
             albedo,
@@ -378,6 +385,11 @@ impl Options {
                 Buried::Keep => "keep",
             },
             "max_distance": max_distance,
+            "bounces": match bounces {
+                Bounces::Off => json!(0),
+                Bounces::Most(gathers) => json!(gathers),
+                Bounces::Auto => json!("auto"),
+            },
             "layers": layers,
             "normal_maps": normal_maps,
             "albedo": albedo,

@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::job::Job;
 use crate::resume::Saved;
 use crate::write::{Writer, Written};
+use ::bake::{BakedPage, BounceStats, Bounces};
 use layers::Progress;
 use report::{Output, PhaseReport};
 use serde_json::json;
@@ -18,24 +19,45 @@ impl Job {
     /// [`Error::Cancelled`] where the listener cancels.
     pub fn run(mut self, progress: &dyn Progress) -> Result<Baked, Error> {
         let started = Instant::now();
-        let pages = self.within(|| {
+        let mut pages = self.within(|| {
             let baker = self.baker();
             (0..self.atlas().page_count)
                 .map(|number| {
                     let mut page = baker.start(number);
                     baker.run(&mut page, progress);
                     match page.finished {
-                        true => Ok(Page(page)),
+                        true => Ok(page),
                         false => Err(Error::Cancelled),
                     }
                 })
                 .collect::<Result<Vec<_>, Error>>()
         })?;
+
         self.end_phase("bake", started.elapsed().as_secs_f64());
-        Ok(Baked::new(self, pages))
+        let started = Instant::now();
+        let bounces = self.bounce(&mut pages, progress)?;
+        if bounces.is_some() {
+            self.end_phase("bounce", started.elapsed().as_secs_f64());
+        }
+        let pages = pages.into_iter().map(Page).collect();
+        Ok(Baked::new(self, pages, bounces))
     }
 
-    /// Bakes into a directory: pages are written as they are finished, so that one page is in memory at a time. Nothing stands under a
+    /// Adds the light that surfaces send on to all pages, where that was asked for.
+    fn bounce(
+        &self,
+        pages: &mut [BakedPage],
+        progress: &dyn Progress,
+    ) -> Result<Option<BounceStats>, Error> {
+        if self.options().bounces == Bounces::Off {
+            return Ok(None);
+        }
+        let stats = self.within(|| self.baker().bounce(pages, progress));
+        stats.map(Some).ok_or(Error::Cancelled)
+    }
+
+    /// Bakes into a directory: pages are written as they are finished, so that one page is in memory at a time; where light bounces, all are,
+    /// because it does from page to page. Nothing stands under a
     /// final name until all of it is complete. Where the listener cancels, the state is saved, and the same call with `resume`
     /// continues it to the same bytes.
     ///
@@ -57,6 +79,8 @@ impl Job {
         });
         let saved = Saved::new(dir, &self.scene().stem(), key);
         let (mut baking, mut writing) = (0.0, 0.0);
+        let bounces = self.options().bounces != Bounces::Off;
+        let mut waiting = Vec::new();
         let baker = self.baker();
         for number in 0..self.atlas().page_count {
             let mut page = baker.start(number);
@@ -68,24 +92,41 @@ impl Job {
                 self.within(|| baker.run(&mut page, progress));
             }
             baking += clock.elapsed().as_secs_f64();
-            if !page.finished || self.atlas().page_count > 1 {
+            if !page.finished || self.atlas().page_count > 1 || bounces {
                 saved.write(&page)?;
             }
             if !page.finished {
                 return Err(Error::Cancelled);
             }
+            if bounces {
+                waiting.push(page);
+                continue;
+            }
             let clock = Instant::now();
             self.within(|| writer.page(&page))?;
             writing += clock.elapsed().as_secs_f64();
         }
+        let clock = Instant::now();
+        let bounced = self.bounce(&mut waiting, progress)?;
+        let bouncing = clock.elapsed().as_secs_f64();
+        let clock = Instant::now();
+        for page in waiting {
+            self.within(|| writer.page(&page))?;
+        }
+        writing += clock.elapsed().as_secs_f64();
         let mut phases = self.phases().to_vec();
-        for (phase, seconds) in [("bake", baking), ("write", writing)] {
+        let bounce = bounced.map(|_| ("bounce", bouncing));
+        for (phase, seconds) in [("bake", baking)]
+            .into_iter()
+            .chain(bounce)
+            .chain([("write", writing)])
+        {
             phases.push(PhaseReport {
                 phase: phase.into(),
                 seconds,
             });
         }
-        let written = writer.finish(phases)?;
+        let written = writer.finish(phases, bounced)?;
         saved.clear(self.atlas().page_count);
         Ok(written)
     }

@@ -5,7 +5,7 @@ use crate::host::{REVISION, VERSION, peak_memory};
 use crate::interior::Brightness;
 use crate::job::Job;
 use crate::lit::LitScene;
-use ::bake::{BakedPage, SeamStats};
+use ::bake::{BakedPage, BounceStats, Bounces, SeamStats};
 use layers::Layer;
 use report::{BakeReport, Output, PageHeader, PageReport, PhaseReport, SeamReport};
 use serde_json::Value;
@@ -119,7 +119,11 @@ impl<'a> Writer<'a> {
     }
 
     /// Writes the GLB and `bake.json` and gives every file its name.
-    pub fn finish(mut self, mut phases: Vec<PhaseReport>) -> Result<Written, Error> {
+    pub fn finish(
+        mut self,
+        mut phases: Vec<PhaseReport>,
+        bounces: Option<BounceStats>,
+    ) -> Result<Written, Error> {
         let clock = Instant::now();
         let bytes = glb(self.job, self.pictures.as_deref())?;
         self.output
@@ -139,9 +143,8 @@ impl<'a> Writer<'a> {
         names.push("bake.json".into());
         let mut report = report_of(self.job, &self.described, self.pages, names, phases);
         report.seams = seam_report(&self.seams);
-        let interior = self
-            .brightness
-            .interior(self.job.options().max_distance.is_some());
+        report.bounces = bounces.map(bounce_report);
+        let interior = self.brightness.interior(self.job.options());
         report.warnings.extend(interior);
         self.output
             .stage_bytes("bake.json", report.to_json().as_bytes())?;
@@ -185,10 +188,24 @@ fn page_report(job: &Job, page: &BakedPage) -> PageReport {
         worst_relative: stats.errors.relative,
         rmse: stats.rmse(),
         rmse_bound: stats.rmse_bound(),
-        irradiance_rmse: job.options().sky.is_map().then(|| stats.irradiance_rmse()),
+        irradiance_rmse: lights_vary(job).then(|| stats.irradiance_rmse()),
         rays: stats.rays,
         seconds: stats.seconds,
         rays_per_second: stats.rays as f64 / stats.seconds.max(1e-9),
+    }
+}
+
+/// True where irradiance has an error of its own, beside that of the diffuse term.
+fn lights_vary(job: &Job) -> bool {
+    job.options().sky.is_map() || job.options().bounces != Bounces::Off
+}
+
+fn bounce_report(stats: BounceStats) -> report::BounceReport {
+    report::BounceReport {
+        gathers: stats.gathers,
+        change: stats.change,
+        missing: stats.missing,
+        rays: stats.rays,
     }
 }
 
@@ -231,6 +248,7 @@ fn report_of(
         buried: report::BuriedReport::of(&pages),
         pages,
         seams: None,
+        bounces: None,
         objects: report::object_reports(scene, job.atlas()),
         timings: phases,
         seconds: job.started().elapsed().as_secs_f64(),

@@ -20,11 +20,13 @@ pub enum Choice {
     Instances,
     /// No alpha test in the ray query where no material is alpha-masked.
     AlphaTest,
+    /// No gathers where they are not asked for or no surface sends light to another.
+    Bounces,
 }
 
 impl Choice {
     /// Every choice, in the order in which the planner reports them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Sky,
         Self::Diffuse,
         Self::Visibility,
@@ -32,6 +34,7 @@ impl Choice {
         Self::Open,
         Self::Instances,
         Self::AlphaTest,
+        Self::Bounces,
     ];
 
     /// The name on the command line and in `bake.json`.
@@ -44,6 +47,7 @@ impl Choice {
             Self::Open => "open",
             Self::Instances => "instances",
             Self::AlphaTest => "alpha_test",
+            Self::Bounces => "bounces",
         }
     }
 

@@ -25,6 +25,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod bounce;
 mod choice;
 mod denoise;
 mod integrate;
@@ -36,10 +37,12 @@ mod plan;
 mod seams;
 mod survey;
 
+pub use bounce::BounceStats;
 pub use choice::Choice;
 pub use integrate::{Halves, REPLICATES, Terms};
 pub use options::{
-    Buried, Denoise, Effort, Footprint, Options, Pattern, PointSet, Seams, Shading, Sky, View,
+    Bounces, Buried, Denoise, Effort, Footprint, Options, Pattern, PointSet, Seams, Shading, Sky,
+    View,
 };
 pub use page::{BakedPage, Baker, ErrorSums, LayerPlanes, PageStats, Pilot};
 pub use plan::{Decision, Method, OpenTriangles, Plan};

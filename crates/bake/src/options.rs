@@ -37,6 +37,8 @@ pub struct Options {
     pub buried: Buried,
     /// Occluders farther than this do not count, in scene units; `None` for no limit.
     pub max_distance: Option<f32>,
+    /// How often surfaces send light on.
+    pub bounces: Bounces,
     /// Layers to produce, without repeats.
     pub layers: Vec<Layer>,
     /// Rings of void texels that are filled around charts, at most 250.
@@ -173,6 +175,18 @@ pub enum Shading {
     Exact,
 }
 
+/// How often surfaces send on the light that they receive, see [`crate::Baker::bounce`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Bounces {
+    /// Never: only the sky shines.
+    #[default]
+    Off,
+    /// So often, at least 1.
+    Most(u32),
+    /// Until what is missing is less than a target error, or half a step of 8 bits where there is none.
+    Auto,
+}
+
 /// What happens to samples of a surface that lie inside of other solids, where nobody sees them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Buried {
@@ -201,6 +215,7 @@ impl Default for Options {
             shading: Shading::default(),
             buried: Buried::default(),
             max_distance: None,
+            bounces: Bounces::default(),
             layers: Layer::STANDARD.to_vec(),
             rings: atlas::RINGS,
             normal_maps: false,
@@ -218,8 +233,44 @@ impl Options {
 
     /// True where an asked layer needs the term.
     pub(crate) fn wants(&self, term: Term) -> bool {
-        self.layers
+        self.kept()
             .iter()
             .any(|layer| layer.needs().contains(&term))
+    }
+
+    /// True where an asked layer shows light that bounces.
+    pub(crate) fn shows_bounces(&self) -> bool {
+        let shows = |layer: &Layer| {
+            matches!(
+                layer,
+                Layer::Irradiance
+                    | Layer::Reflection
+                    | Layer::StdErrIrradiance
+                    | Layer::StdErrReflection
+                    | Layer::Lambert
+                    | Layer::Phong
+                    | Layer::DifferenceLambert
+                    | Layer::DifferencePhong
+            )
+        };
+        self.bounces != Bounces::Off && self.layers.iter().any(shows)
+    }
+
+    /// The layers of a finished page: those that were asked for and, where light bounces, what that needs until it has.
+    pub(crate) fn kept(&self) -> Vec<Layer> {
+        let mut layers = self.layers.clone();
+        if self.shows_bounces() {
+            for layer in [
+                Layer::Irradiance,
+                Layer::Albedo,
+                Layer::Reflectance,
+                Layer::Validity,
+            ] {
+                if !layers.contains(&layer) {
+                    layers.push(layer);
+                }
+            }
+        }
+        layers
     }
 }

@@ -106,6 +106,10 @@ pub struct Job {
     /// Occluders farther than this many scene units do not count [default: no limit]
     #[arg(long, value_name = "D", value_parser = positive)]
     pub max_distance: Option<f64>,
+    /// How often surfaces send on the light that they receive: so many gathers, or auto until what is missing is less than the target
+    /// error, or than half a step of 8 bits. Surfaces that shine join in
+    #[arg(long, value_name = "N|auto", default_value = "0", value_parser = bounces)]
+    pub bounces: ambake::Bounces,
     /// Ray library [default: embree where it is built in, else obvhs]
     #[arg(long, value_enum)]
     pub backend: Option<Backend>,
@@ -140,7 +144,7 @@ pub struct Job {
     /// Specular reflectance of every material, linear, as R,G,B
     #[arg(long, value_name = "R,G,B", value_parser = color)]
     pub specular: Option<[f32; 3]>,
-    /// Planner choices to switch off: sky, diffuse, visibility, specular, open, instances, alpha_test
+    /// Planner choices to switch off: sky, diffuse, visibility, specular, open, instances, alpha_test, bounces
     #[arg(long, value_name = "NAME,..", value_delimiter = ',', value_parser = choice)]
     pub plan_off: Vec<Choice>,
 }
@@ -221,6 +225,15 @@ fn pages(text: &str) -> Result<ambake::Pages, String> {
         _ if text == "auto" => Ok(ambake::Pages::Auto),
         Ok(pages) if pages > 0 => Ok(ambake::Pages::Most(pages)),
         _ => Err("expected auto or a number of pages from 1".into()),
+    }
+}
+
+fn bounces(text: &str) -> Result<ambake::Bounces, String> {
+    match text.parse() {
+        _ if text == "auto" => Ok(ambake::Bounces::Auto),
+        Ok(0) => Ok(ambake::Bounces::Off),
+        Ok(gathers) if gathers <= 1000 => Ok(ambake::Bounces::Most(gathers)),
+        _ => Err("expected auto or a number of gathers from 0 to 1000".into()),
     }
 }
 

@@ -60,6 +60,7 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
         args::Buried::Keep => Buried::Keep,
     };
     options.max_distance = job.max_distance.map(|d| d as f32);
+    options.bounces = job.bounces;
     options.normal_maps = job.normal_maps;
     options.albedo = job.albedo;
     options.specular = job.specular;

@@ -84,6 +84,7 @@ pub(crate) fn placed_scene(meshes: Vec<Mesh>, placed: &[(u32, DAffine3)]) -> Sce
                 exponent: 0.0,
             },
             emission: Vec3::ZERO,
+            emission_map: None,
             alpha: Alpha::Opaque,
             normal_map: None,
             double_sided: true,

@@ -33,6 +33,7 @@ mod embree_backend;
 mod error;
 #[cfg(test)]
 mod fixture;
+mod lamps;
 mod material;
 mod mix;
 mod normal_maps;
@@ -53,7 +54,8 @@ pub use backend::{Coherence, Layout, Ray, RayBackend, RayPacket, SurfaceHit};
 pub use build::{BackendKind, build, has_embree};
 pub use embree_backend::EmbreeBackend;
 pub use error::Error;
-pub use material::{Overrides, PhongMaterial, is_mapped, material_at};
+pub use lamps::Lamps;
+pub use material::{Overrides, PhongMaterial, emission_at, is_mapped, material_at};
 pub use mix::Mix;
 pub use obvhs_backend::ObvhsBackend;
 pub use part::Part;

@@ -1,7 +1,7 @@
 //! The Phong parameters of a surface at a point: factors times maps, metallic-roughness mapped to Phong.
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
-use scene::{Scene, Surface};
+use scene::{Mesh, Scene, Surface};
 
 /// Parameters of the Phong model, of a point or averaged over an area.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -59,17 +59,7 @@ pub fn material_at(
     weights: [f64; 3],
 ) -> PhongMaterial {
     let mesh = &scene.meshes[scene.instances[instance as usize].mesh as usize];
-    let indices = mesh.triangles[triangle as usize];
-    let uv = |set: u32| -> Vec2 {
-        let Some(uvs) = mesh.uv_sets.get(set as usize) else {
-            return Vec2::ZERO;
-        };
-        let mut sum = DVec2::ZERO;
-        for (corner, weight) in indices.iter().zip(weights) {
-            sum += uvs[*corner as usize].as_dvec2() * weight;
-        }
-        sum.as_vec2()
-    };
+    let uv = |set: u32| uv_at(mesh, triangle, weights, set);
     match &scene.materials[mesh.material as usize].surface {
         Surface::Phong {
             albedo,
@@ -113,4 +103,36 @@ pub fn material_at(
             }
         }
     }
+}
+
+/// Radiance that a surface sends out by itself at a point, linear RGB.
+///
+/// * `weights`: of the triangle's corners; they add up to 1.
+pub fn emission_at(scene: &Scene, instance: u32, triangle: u32, weights: [f64; 3]) -> DVec3 {
+    let mesh = &scene.meshes[scene.instances[instance as usize].mesh as usize];
+    let material = &scene.materials[mesh.material as usize];
+    let picture = material.emission_map.as_ref().map_or(Vec3::ONE, |map| {
+        scene.color(map, uv_at(mesh, triangle, weights, map.uv_set))
+    });
+    (material.emission * picture).as_dvec3()
+}
+
+/// Radiance of a material with the mean of its picture.
+pub(crate) fn mean_emission(scene: &Scene, material: u32) -> DVec3 {
+    let material = &scene.materials[material as usize];
+    let picture = material.emission_map.as_ref();
+    let picture = picture.map_or(Vec3::ONE, |map| scene.mean_color(map));
+    (material.emission * picture).as_dvec3()
+}
+
+/// The coordinates of a set at a point of a mesh; 0 where it has no such set.
+fn uv_at(mesh: &Mesh, triangle: u32, weights: [f64; 3], set: u32) -> Vec2 {
+    let Some(uvs) = mesh.uv_sets.get(set as usize) else {
+        return Vec2::ZERO;
+    };
+    let mut sum = DVec2::ZERO;
+    for (corner, weight) in mesh.triangles[triangle as usize].iter().zip(weights) {
+        sum += uvs[*corner as usize].as_dvec2() * weight;
+    }
+    sum.as_vec2()
 }

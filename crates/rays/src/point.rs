@@ -1,10 +1,10 @@
 //! The surface where a ray met it, for callers that shade hits or send rays on.
 
 use crate::backend::SurfaceHit;
-use crate::material::{PhongMaterial, material_at};
+use crate::material::{PhongMaterial, emission_at, material_at};
 use crate::surface::{Patch, PlaneErrors};
 use crate::world::World;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 /// Turns hits into surface points.
 #[derive(Debug)]
@@ -58,7 +58,6 @@ impl<'a> Surfaces<'a> {
             .try_normalize()
             .unwrap_or(geometric);
         let scene = self.world.scene();
-        let mesh = self.world.part(hit.instance).1.mesh();
         SurfacePoint {
             position,
             geometric,
@@ -67,17 +66,14 @@ impl<'a> Surfaces<'a> {
                 .as_vec3()
                 .to_array(),
             material: material_at(scene, hit.instance, hit.triangle, weights.to_array()),
-            emission: emission(scene, mesh.material).as_dvec3(),
+            emission: emission_at(scene, hit.instance, hit.triangle, weights.to_array()),
         }
     }
 
     /// Radiance that the surface at a hit sends out by itself, linear RGB; both sides shine.
     pub fn emission(&self, hit: &SurfaceHit) -> DVec3 {
-        let mesh = self.world.part(hit.instance).1.mesh();
-        emission(self.world.scene(), mesh.material).as_dvec3()
+        let [b, c] = hit.barycentric.map(f64::from);
+        let weights = [1.0 - b - c, b, c];
+        emission_at(self.world.scene(), hit.instance, hit.triangle, weights)
     }
-}
-
-fn emission(scene: &scene::Scene, material: u32) -> Vec3 {
-    scene.materials[material as usize].emission
 }

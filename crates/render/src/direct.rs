@@ -227,7 +227,7 @@ impl Direct<'_> {
             return DVec3::ZERO;
         }
         let world = self.surfaces.world();
-        emission * (density / (density + self.lamps.pdf(world, hit, toward, emission)))
+        emission * (density / (density + self.lamps.pdf(world, hit, toward)))
     }
 
     /// The ambient ray from a point.

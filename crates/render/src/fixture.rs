@@ -72,6 +72,7 @@ pub(crate) fn world(sheets: &[Sheet]) -> (World, Box<dyn RayBackend>) {
             exponent: sheet.exponent,
         },
         emission: sheet.emission,
+        emission_map: None,
         alpha: Alpha::Opaque,
         normal_map: None,
         double_sided: true,

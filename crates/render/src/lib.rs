@@ -21,7 +21,6 @@ mod capture;
 #[cfg(test)]
 mod capture_tests;
 mod direct;
-mod direct_lamps;
 #[cfg(test)]
 mod direct_tests;
 mod error;
@@ -40,7 +39,6 @@ mod viewpoint;
 pub use camera::Camera;
 pub use capture::{PointForm, add_points, capture};
 pub use direct::{Direct, Model};
-pub use direct_lamps::Lamps;
 pub use error::Error;
 pub use framing::Framing;
 pub use light::Light;
@@ -48,3 +46,4 @@ pub use lightmap::{Lightmap, TexelPlace};
 pub use lit::{Lit, backdrop, exposed, exposure};
 pub use picture::{Sample, picture};
 pub use progress::Part;
+pub use rays::Lamps;

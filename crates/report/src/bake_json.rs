@@ -36,6 +36,9 @@ pub struct BakeReport {
     /// How far the two sides of seams differ; absent where no seam was solved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seams: Option<SeamReport>,
+    /// What light that bounces added; absent where it was not asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bounces: Option<BounceReport>,
     /// One entry for each object; the `object` layer holds its index.
     pub objects: Vec<ObjectReport>,
     /// Wall time by phase, in the order they ran.
@@ -194,6 +197,19 @@ pub struct SeamReport {
     pub max_before: f64,
     /// Largest step in the written pages.
     pub max_after: f64,
+}
+
+/// What the gathers of light that bounces added.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct BounceReport {
+    /// How many there were.
+    pub gathers: u32,
+    /// Share of all light that the last one added.
+    pub change: f64,
+    /// Estimated share of all light that is still missing; 1 where one gather alone tells nothing.
+    pub missing: f64,
+    /// Rays of all gathers.
+    pub rays: u64,
 }
 
 /// An object: one placement of a mesh.
@@ -394,6 +410,7 @@ pub(crate) mod tests {
                 ..PageReport::default()
             }],
             seams: Some(SeamReport::default()),
+            bounces: Some(BounceReport::default()),
             objects: vec![ObjectReport::default()],
             timings: vec![PhaseReport::default()],
             seconds: 1e-9,

@@ -35,6 +35,22 @@ impl Scene {
         self.image(texture).texel(texture, uv, decode).truncate()
     }
 
+    /// Mean linear RGB of a colour texture over its image; black for one without pixels.
+    ///
+    /// # Panics
+    /// If `texture` is not of this scene.
+    pub fn mean_color(&self, texture: &TextureRef) -> Vec3 {
+        let pixels = &self.image(texture).pixels;
+        let decode = |p: &[u8; 4]| [0, 1, 2].map(|c: usize| f64::from(LINEAR[p[c] as usize]));
+        let mut sum = [0.0; 3];
+        for pixel in pixels {
+            for (sum, value) in sum.iter_mut().zip(decode(pixel)) {
+                *sum += value;
+            }
+        }
+        Vec3::from_array(sum.map(|sum| (sum / pixels.len().max(1) as f64) as f32))
+    }
+
     /// The red, green and blue of a texture that holds data, each code over 255, such as roughness in green and
     /// metallic in blue; `uv` as for [`Scene::color`].
     ///

@@ -111,6 +111,7 @@ pub(crate) fn untinted(name: &str) -> Material {
             exponent: 0.0,
         },
         emission: Vec3::ZERO,
+        emission_map: None,
         alpha: Alpha::Opaque,
         normal_map: None,
         double_sided: true,

@@ -119,6 +119,8 @@ pub struct Material {
     pub surface: Surface,
     /// Radiance that the surface sends out by itself, linear (OBJ `Ke`; glTF `emissiveFactor` times its strength).
     pub emission: Vec3,
+    /// Colour texture that multiplies `emission` (glTF `emissiveTexture`).
+    pub emission_map: Option<TextureRef>,
     /// How alpha lets rays pass.
     pub alpha: Alpha,
     /// What bends the shading normal, where a bake asks for it.

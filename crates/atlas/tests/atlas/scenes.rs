@@ -46,6 +46,7 @@ pub fn scene(meshes: Vec<Mesh>, instances: &[(u32, u32, DAffine3)]) -> Scene {
                 exponent: 0.0,
             },
             emission: Vec3::ZERO,
+            emission_map: None,
             alpha: Alpha::Opaque,
             normal_map: None,
             double_sided: true,

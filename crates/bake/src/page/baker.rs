@@ -10,6 +10,7 @@ use crate::options::{Buried, Footprint, Options, View};
 use crate::plan::Plan;
 use crate::seams::Seams;
 use crate::survey::{Surveyor, Texel};
+use ambient::sampling::Stream;
 use atlas::{Atlas, PageRaster, Tile};
 use layers::{Layer, Progress};
 use pulp::Arch;
@@ -23,14 +24,14 @@ const BATCH: usize = 256;
 
 /// Everything that stays the same over the pages of a bake.
 pub struct Baker<'a> {
-    world: &'a World,
-    plan: &'a Plan,
-    backend: &'a dyn RayBackend,
-    atlas: &'a Atlas,
-    options: &'a Options,
+    pub(crate) world: &'a World,
+    pub(crate) plan: &'a Plan,
+    pub(crate) backend: &'a dyn RayBackend,
+    pub(crate) atlas: &'a Atlas,
+    pub(crate) options: &'a Options,
     errors: PlaneErrors,
     /// What buries samples; `None` where nothing can.
-    solids: Option<Solids>,
+    pub(crate) solids: Option<Solids>,
     /// Texels finished so far, over all pages.
     done: AtomicU64,
 }
@@ -162,7 +163,7 @@ impl<'a> Baker<'a> {
     }
 
     /// The footprints of a tile.
-    fn cut(&self, raster: &PageRaster<'_>, index: usize) -> Tile {
+    pub(crate) fn cut(&self, raster: &PageRaster<'_>, index: usize) -> Tile {
         match self.options.footprint {
             Footprint::Texel => raster.tile(index),
             Footprint::Centre => raster.centres(index),
@@ -192,14 +193,7 @@ impl<'a> Baker<'a> {
             sky: &options.sky,
             draw_sky: options.draw_sky,
         };
-        let surveyor = Surveyor {
-            world: self.world,
-            errors: &self.errors,
-            overrides: &options.overrides,
-            plan: self.plan,
-            solids: self.solids.as_ref(),
-        };
-        let texels = surveyor.texels(tile, |x, y, term| task.stream(x, y, term, 0));
+        let texels = self.survey(tile, page);
         let lobes = self.plan.models(Choice::Specular);
         let specular: Vec<bool> = texels.iter().map(|t| lobes && self.reflects(t)).collect();
         let terms = integrate(&task, &texels, &specular);
@@ -220,8 +214,23 @@ impl<'a> Baker<'a> {
             .collect()
     }
 
+    /// The texels of a tile, ready to be integrated.
+    pub(crate) fn survey(&self, tile: &Tile, page: u32) -> Vec<Texel> {
+        let surveyor = Surveyor {
+            world: self.world,
+            errors: &self.errors,
+            overrides: &self.options.overrides,
+            plan: self.plan,
+            solids: self.solids.as_ref(),
+        };
+        let (seed, size) = (self.options.seed, self.atlas.page_size);
+        surveyor.texels(tile, |x, y, term| {
+            Stream::new(seed, page, y * size + x, term, 0)
+        })
+    }
+
     /// True where the texel's specular term is worth its rays: its material reflects, or the term itself was asked for.
-    fn reflects(&self, texel: &Texel) -> bool {
+    pub(crate) fn reflects(&self, texel: &Texel) -> bool {
         texel.material.specular.max_element() > 0.0
             || self.options.overrides.exponent.is_some()
             || !self.options.allows(Choice::Specular)

@@ -1,5 +1,6 @@
 //! The last steps of a page whose tiles are all finished, in this order: mend, denoise, solve seams, dilate, compose.
 
+use super::baker::Baker;
 use super::compose::{Composition, is_composed, is_light};
 use super::planes::{BakedPage, LayerPlanes};
 use super::stats::ErrorSums;
@@ -40,7 +41,7 @@ const LIGHTS: [TermLayers; 2] = [
 fn terms(options: &Options, plan: &Plan) -> Vec<TermLayers> {
     let composed = |layer: &Layer| is_composed(*layer) || is_light(*layer);
     let lights: &[TermLayers] = match options.sky.map() {
-        Some(_) if options.layers.iter().any(composed) => &LIGHTS,
+        Some(_) if options.kept().iter().any(composed) => &LIGHTS,
         _ => &[],
     };
     let modelled = |term: &&TermLayers| plan.models(term.2);
@@ -70,12 +71,13 @@ pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec
     };
     let uniform = options.sky.map().is_none();
     let follows = |layer: Layer| is_composed(layer) || (uniform && is_light(layer));
-    let asked = options.layers.iter().copied();
+    let kept = options.kept();
+    let asked = kept.iter().copied();
     asked.filter(|&layer| !follows(layer)).for_each(&mut add);
     for (term, std_err, _) in terms(options, plan) {
         add(term);
         let steps = options.denoise != Denoise::Off || options.seams != Scope::Off;
-        if steps || options.layers.iter().any(|&layer| is_light(layer)) {
+        if steps || kept.iter().any(|&layer| is_light(layer)) {
             add(std_err);
         }
         if options.denoise != Denoise::Off {
@@ -107,22 +109,62 @@ pub(super) fn finish(
     seams: &Seams,
     mends: bool,
 ) {
+    let terms = terms(options, plan);
     if mends {
-        mend_terms(page, options, plan);
+        mend_terms(page, &terms);
     }
     if options.denoise == Denoise::Regression {
-        denoise_terms(page, options, plan);
+        denoise_terms(page, &terms);
         count_errors(page, options);
     }
-    let gutters = solve_seams(page, options, plan, world, raster, seams);
+    let light = options.sky.mean().element_sum() / 3.0;
+    let gutters = solve_seams(page, light, &terms, world, raster, seams);
     place(page, world.origin());
     fill_gutters(page, options.rings, &gutters);
     compose_asked(page, options);
     page.finished = true;
 }
 
+/// The light that gathers add: layer, standard error, half.
+pub(crate) fn light_terms(plan: &Plan) -> Vec<(Layer, Layer, Layer)> {
+    let modelled = LIGHTS.iter().filter(|term| plan.models(term.2));
+    modelled
+        .map(|&(term, std_err, _)| (term, std_err, half_of(term)))
+        .collect()
+}
+
+/// Finishes a page of light alone, in the same order, but for the layers that would follow from it.
+pub(crate) fn finish_light(page: &mut BakedPage, baker: &Baker<'_>) {
+    let (world, options) = (baker.world, baker.options);
+    let modelled = |term: &&TermLayers| baker.plan.models(term.2);
+    let terms: Vec<TermLayers> = LIGHTS.iter().filter(modelled).copied().collect();
+    if baker.solids.is_some() {
+        mend_terms(page, &terms);
+    }
+    if options.denoise == Denoise::Regression {
+        denoise_terms(page, &terms);
+    }
+    let covered = fact(page, Layer::Coverage, 0);
+    let lit = |channel| {
+        let plane = fact(page, Layer::Irradiance, channel).iter().zip(covered);
+        let lit = plane.filter(|(_, covered)| **covered > 0.0);
+        lit.map(|(light, _)| f64::from(*light)).sum::<f64>()
+    };
+    let texels = covered.iter().filter(|covered| **covered > 0.0).count();
+    let light = (0..3).map(lit).sum::<f64>() / (3 * texels.max(1)) as f64;
+    let raster = PageRaster::new(world.scene(), baker.atlas, page.page);
+    let gutters = if light > 0.0 {
+        let seams = Seams::find(world, baker.atlas, page.page, options.seams);
+        solve_seams(page, light, &terms, world, &raster, &seams)
+    } else {
+        Gutters::new()
+    };
+    fill_gutters(page, options.rings, &gutters);
+    page.finished = true;
+}
+
 /// Mends the terms of texels that are buried, wholly or in part.
-fn mend_terms(page: &mut BakedPage, options: &Options, plan: &Plan) {
+fn mend_terms(page: &mut BakedPage, terms: &[TermLayers]) {
     let plane = |layer: Layer, channel| {
         let missing = || panic!("mending needs the layer {}", layer.name());
         page.channel(layer, channel).unwrap_or_else(missing)
@@ -137,7 +179,7 @@ fn mend_terms(page: &mut BakedPage, options: &Options, plan: &Plan) {
         object: plane(Layer::Object, 0),
     });
     let texels = page.texels();
-    for (term, std_err, _) in terms(options, plan) {
+    for &(term, std_err, _) in terms {
         let most = if is_light(term) { f64::MAX } else { 1.0 };
         let planes = page.planes_of(term).par_chunks_mut(texels);
         planes.for_each(|plane| mends.apply(plane, 0.0, most));
@@ -149,7 +191,7 @@ fn mend_terms(page: &mut BakedPage, options: &Options, plan: &Plan) {
                 .iter_mut()
                 .for_each(|std_err| *std_err = std_err.min(most as f32));
         }
-        if options.denoise != Denoise::Off {
+        if page.layer(half_of(term)).is_some() {
             let halves = page.planes_of(half_of(term)).par_chunks_mut(texels);
             halves.for_each(|plane| mends.apply(plane, f64::MIN, f64::MAX));
         }
@@ -181,11 +223,11 @@ fn place(page: &mut BakedPage, origin: DVec3) {
 /// The values that seams give to gutter texels: layer, channel, texels.
 type Gutters = Vec<(Layer, usize, Vec<(u32, f32)>)>;
 
-/// Makes the terms agree across seams. Texels of charts move here, those of gutters when gutters are filled.
+/// Makes the terms agree across seams; `light` is what an open texel receives, about. Texels of charts move here, those of gutters when gutters are filled.
 fn solve_seams(
     page: &mut BakedPage,
-    options: &Options,
-    plan: &Plan,
+    light: f64,
+    terms: &[TermLayers],
     world: &World,
     raster: &PageRaster<'_>,
     seams: &Seams,
@@ -195,14 +237,10 @@ fn solve_seams(
     }
     let coverage = page.layer(Layer::Coverage).unwrap_or_default();
     let system = seams.system(world, raster, page.size);
-    let light = options.sky.mean().element_sum() / 3.0;
     let channels = |(term, std_err, _): TermLayers| {
         (0..term.channels().len()).map(move |channel| (term, std_err, channel))
     };
-    let planes: Vec<_> = terms(options, plan)
-        .into_iter()
-        .flat_map(channels)
-        .collect();
+    let planes: Vec<_> = terms.iter().copied().flat_map(channels).collect();
     let solved: Vec<_> = planes
         .into_par_iter()
         .map(|(term, std_err, channel)| {
@@ -237,7 +275,7 @@ fn solve_seams(
 }
 
 /// Denoises the terms that tiles integrated, over the surfaces of the page.
-fn denoise_terms(page: &mut BakedPage, options: &Options, plan: &Plan) {
+fn denoise_terms(page: &mut BakedPage, terms: &[TermLayers]) {
     let texels = page.texels();
     let denoiser = {
         let plane = |layer, channel| fact(page, layer, channel);
@@ -251,7 +289,7 @@ fn denoise_terms(page: &mut BakedPage, options: &Options, plan: &Plan) {
             object: plane(Layer::Object, 0),
         })
     };
-    for (term, std_err, _) in terms(options, plan) {
+    for &(term, std_err, _) in terms {
         let all = |layer: Layer| {
             let channels = 0..layer.channels().len();
             channels.map(|channel| fact(page, layer, channel)).collect()
@@ -360,7 +398,8 @@ impl<'a> Facts<'a> {
 
 /// Puts the asked layers in place of the facts. Facts that were not asked for go as soon as nothing needs them.
 fn compose_asked(page: &mut BakedPage, options: &Options) {
-    let asked = |layer: Layer| layer == Layer::Coverage || options.layers.contains(&layer);
+    let kept = options.kept();
+    let asked = |layer: Layer| layer == Layer::Coverage || kept.contains(&layer);
     let geometry = [
         Layer::Position,
         Layer::Normal,
@@ -371,7 +410,7 @@ fn compose_asked(page: &mut BakedPage, options: &Options) {
         .retain(|planes| asked(planes.layer) || !geometry.contains(&planes.layer));
     let texels = page.texels();
     let mut composed = Vec::new();
-    for &layer in &options.layers {
+    for &layer in &kept {
         if page.layer(layer).is_some() {
             continue;
         }
@@ -387,7 +426,7 @@ fn compose_asked(page: &mut BakedPage, options: &Options) {
     page.planes.append(&mut composed);
     let place = |layer: Layer| match layer {
         Layer::Coverage => 0,
-        other => 1 + options.layers.iter().position(|l| *l == other).unwrap_or(0),
+        other => 1 + kept.iter().position(|l| *l == other).unwrap_or(0),
     };
     page.planes.sort_by_key(|planes| place(planes.layer));
 }

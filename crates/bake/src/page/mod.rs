@@ -7,5 +7,6 @@ mod planes;
 mod stats;
 
 pub use baker::{Baker, Pilot};
+pub(crate) use finish::{finish_light, light_terms};
 pub use planes::{BakedPage, LayerPlanes};
 pub use stats::{ErrorSums, PageStats};

@@ -1,5 +1,6 @@
 //! The planner: decides what this scene needs, and says why. Printed by `ambake plan`, stored in `bake.json`.
 
+mod bounces;
 mod open;
 
 pub use open::OpenTriangles;
@@ -91,6 +92,7 @@ impl Plan {
             open(&open_triangles, options),
             instances,
             alpha_test,
+            bounces::decide(scene, options, &open_triangles),
         ];
         for term in Term::ALL {
             let decision = &mut decisions[place(choice_of(term))];

@@ -4,6 +4,6 @@ mod cell;
 mod seen;
 mod texel;
 
-pub(crate) use cell::{Cell, place_in};
+pub(crate) use cell::{Cell, Sample, place_in};
 
 pub(crate) use texel::{Surveyor, Texel};

@@ -51,6 +51,16 @@ impl Texel {
         self.sample_of([u.into(), v.into()]).0
     }
 
+    /// The surface at a point of the unit square, spread over what can be seen, and the origin of rays that leave it there.
+    pub fn start(&self, u: [f64; 2]) -> (Sample, [f32; 3]) {
+        let placed = self.seen.place(u.map(|u| u as f32));
+        let cell = &self.cells[self.choose(placed[0])];
+        let sample = cell.sample(cell.place(placed));
+        let side = sample.geometric.dot(cell.geometric).signum();
+        let origin = sample.position + cell.lift * side;
+        (sample, origin.as_vec3().to_array())
+    }
+
     /// The surface at a point of the unit square of the whole footprint, and the closed surface that it is part of.
     pub fn sample_of(&self, u: [f64; 2]) -> (Sample, Option<u32>) {
         let u = u.map(|u| u as f32);

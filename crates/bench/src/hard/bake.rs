@@ -38,6 +38,7 @@ pub(super) fn bake(setup: &Setup, case: &str, kind: BackendKind) -> Result<Baked
         shading: Shading::Exact,
         buried: Buried::default(),
         max_distance: None,
+        bounces: Default::default(),
         layers,
         rings: atlas::RINGS,
         normal_maps: false,

@@ -203,6 +203,7 @@ fn scene(meshes: Vec<Mesh>) -> Scene {
                 exponent: 0.0,
             },
             emission: Vec3::ZERO,
+            emission_map: None,
             alpha: Alpha::Opaque,
             normal_map: None,
             double_sided: true,

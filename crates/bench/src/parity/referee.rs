@@ -233,6 +233,7 @@ mod tests {
                 exponent: 0.0,
             },
             emission: glam::Vec3::ZERO,
+            emission_map: None,
             alpha: match masked {
                 false => Alpha::Opaque,
                 true => Alpha::Mask {

@@ -192,6 +192,7 @@ fn material(
             exponent,
         },
         emission,
+        emission_map: None,
         normal_map: None,
         double_sided: given.double_sided,
     })

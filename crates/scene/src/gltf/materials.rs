@@ -92,12 +92,6 @@ fn material(
     input.warn(
         WarningKind::UnreadTextures,
         place.as_str(),
-        json.emissive_texture.is_some() as u64,
-        "emissiveTexture is not read; emissiveFactor stands alone",
-    );
-    input.warn(
-        WarningKind::UnreadTextures,
-        place.as_str(),
         maps,
         "textures of KHR_materials_specular are not read",
     );
@@ -153,6 +147,11 @@ fn material(
         name,
         surface,
         emission,
+        emission_map: json
+            .emissive_texture
+            .as_ref()
+            .filter(|_| emission != Vec3::ZERO)
+            .and_then(|info| texture(data, info, images)),
         alpha,
         normal_map: None,
         double_sided: json.double_sided,
@@ -262,7 +261,7 @@ fn texture(data: &Data, info: &Info, images: &HashMap<usize, u32>) -> Option<Tex
     })
 }
 
-/// Decodes the images that base colours and metallic-roughness read; returns glTF image number to scene image number.
+/// Decodes the images that base colours, metallic-roughness and emission read; returns glTF image number to scene image number.
 fn images(
     input: &mut Input,
     data: &Data,
@@ -273,9 +272,13 @@ fn images(
     let mut seen = vec![false; data.root.images.len()];
     for (m, material) in data.root.materials.iter().enumerate() {
         let pbr = &material.pbr_metallic_roughness;
+        // A factor of 0 keeps its texture dark.
+        let shines = material.emissive_factor.0.iter().any(|e| *e > 0.0);
+        let emissive = material.emissive_texture.as_ref().filter(|_| shines);
         for info in [&pbr.base_color_texture, &pbr.metallic_roughness_texture]
             .into_iter()
             .flatten()
+            .chain(emissive)
         {
             // A texture without a source has it in an extension: KTX2, WebP or the like.
             let source = data

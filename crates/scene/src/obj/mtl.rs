@@ -235,6 +235,7 @@ fn material(
         name: raw.name.clone(),
         surface,
         emission,
+        emission_map: None,
         alpha,
         normal_map,
         double_sided: true,

@@ -6,12 +6,16 @@
 //! noisy, and nothing is counted twice. A ray whose rounding takes it over its triangle's edge is lost: 1e-7 of the
 //! distance from the rim of a lamp.
 
+use crate::backend::SurfaceHit;
+use crate::material::mean_emission;
+use crate::world::World;
 use glam::DVec3;
-use rays::{SurfaceHit, World};
 
 /// The luminous triangles of a world.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lamps {
+    /// Radiance of each of the scene's materials, its picture averaged, all channels together.
+    radiance: Vec<f64>,
     triangles: Vec<Place>,
     /// Running sum over the triangles of area times radiance, all channels together.
     power: Vec<f64>,
@@ -23,6 +27,7 @@ type Place = (u32, u32);
 impl Lamps {
     /// Nothing shines.
     pub const NONE: Lamps = Lamps {
+        radiance: Vec::new(),
         triangles: Vec::new(),
         power: Vec::new(),
     };
@@ -30,17 +35,22 @@ impl Lamps {
     /// The triangles of a world whose material shines; both sides of them do.
     pub fn of(world: &World) -> Lamps {
         let scene = world.scene();
-        let mut lamps = Lamps::NONE;
+        let mut lamps = Lamps {
+            radiance: (0..scene.materials.len())
+                .map(|material| mean_emission(scene, material as u32).element_sum())
+                .collect(),
+            ..Lamps::NONE
+        };
         let mut total = 0.0;
         for (instance, placed) in scene.instances.iter().enumerate() {
             let mesh = &scene.meshes[placed.mesh as usize];
-            let emission = scene.materials[mesh.material as usize].emission.as_dvec3();
-            if emission == DVec3::ZERO {
+            let radiance = lamps.radiance[mesh.material as usize];
+            if radiance == 0.0 {
                 continue;
             }
             for triangle in 0..mesh.triangles.len() {
                 let place = (instance as u32, triangle as u32);
-                total += 0.5 * face(world, place).length() * emission.element_sum();
+                total += 0.5 * face(world, place).length() * radiance;
                 lamps.triangles.push(place);
                 lamps.power.push(total);
             }
@@ -53,8 +63,8 @@ impl Lamps {
         self.total() == 0.0
     }
 
-    /// A point of a luminous triangle for a point of the unit square.
-    pub(crate) fn sample(&self, world: &World, u: [f64; 2]) -> (Place, DVec3) {
+    /// A point of a luminous triangle for a point of the unit square; something must shine.
+    pub fn sample(&self, world: &World, u: [f64; 2]) -> (Place, DVec3) {
         let wanted = u[0] * self.total();
         let chosen = self.power.partition_point(|sum| *sum <= wanted);
         let before = chosen.checked_sub(1).map_or(0.0, |last| self.power[last]);
@@ -69,17 +79,15 @@ impl Lamps {
         )
     }
 
-    /// Probability per steradian that a ray of the unit direction `toward` is aimed at this hit on a lamp of the radiance
-    /// `emission`; infinite where it grazes.
-    pub(crate) fn pdf(
-        &self,
-        world: &World,
-        hit: &SurfaceHit,
-        toward: DVec3,
-        emission: DVec3,
-    ) -> f64 {
+    /// Probability per steradian that a ray of the unit direction `toward` is aimed at this hit; infinite where it grazes, 0 where the
+    /// surface does not shine.
+    pub fn pdf(&self, world: &World, hit: &SurfaceHit, toward: DVec3) -> f64 {
+        let radiance = self.radiance[world.part(hit.instance).1.mesh().material as usize];
+        if radiance == 0.0 {
+            return 0.0;
+        }
         let normal = face(world, (hit.instance, hit.triangle)).normalize_or_zero();
-        let by_area = emission.element_sum() / self.total();
+        let by_area = radiance / self.total();
         by_area * f64::from(hit.t).powi(2) / normal.dot(toward).abs()
     }
 

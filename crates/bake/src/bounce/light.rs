@@ -1,0 +1,256 @@
+//! The light that gathers add up to: of a texel, of a page, and over all pages.
+
+use super::gather::Received;
+use super::mean;
+use super::radiosity::PageLight;
+use crate::integrate::REPLICATES;
+use crate::options::{Bounces, Denoise, Options};
+use crate::page::{BakedPage, Baker, LayerPlanes, finish_light, light_terms};
+use crate::plan::Plan;
+use crate::survey::Texel;
+use atlas::TILE;
+use glam::DVec3;
+use layers::Layer;
+use serde::{Deserialize, Serialize};
+
+/// Neighbours pool their variances where their normals are within acos of this, some 37 degrees.
+const NORMAL_AGREEMENT: f64 = 0.8;
+
+/// What one gather brought to a texel.
+#[derive(Debug, Clone)]
+pub(super) struct TexelLight {
+    pub index: u32,
+    pub irradiance: Received,
+    pub reflection: Received,
+    /// Variances of the means of both, of the mean of the channels.
+    variances: [f64; 2],
+    pub rays: u64,
+    coverage: f32,
+    position: DVec3,
+    normal: DVec3,
+    object: u32,
+    validity: f32,
+}
+
+impl TexelLight {
+    /// Nothing.
+    pub fn dark(texel: &Texel, index: u32) -> Self {
+        Self {
+            index,
+            irradiance: Received::default(),
+            reflection: Received::default(),
+            variances: [0.0; 2],
+            rays: 0,
+            coverage: texel.coverage,
+            position: texel.position,
+            normal: texel.normal,
+            object: texel.object,
+            validity: texel.seen.share,
+        }
+    }
+}
+
+fn total(received: &Received) -> DVec3 {
+    received.iter().sum::<DVec3>() / f64::from(REPLICATES)
+}
+
+/// Half of what two independent halves differ by.
+fn half([a, b, c, d]: Received) -> DVec3 {
+    ((a + c) - (b + d)) / 4.0
+}
+
+/// The variance of the mean of independent replicates.
+fn variance(received: &Received) -> f64 {
+    let (count, middle) = (f64::from(REPLICATES), mean(total(received)));
+    let squares = received.iter().map(|r| (mean(*r) - middle).powi(2));
+    squares.sum::<f64>() / (count * (count - 1.0))
+}
+
+/// Gives each texel of a tile the mean variance of its neighbourhood of 3 x 3 on the same surface: four replicates alone are uncertain
+/// by 80 %.
+pub(super) fn pool(texels: &mut [TexelLight], size: u32) {
+    let place = |texel: &TexelLight| (texel.index % size % TILE, texel.index / size % TILE);
+    let mut at = [usize::MAX; (TILE * TILE) as usize];
+    for (i, texel) in texels.iter().enumerate().filter(|(_, t)| t.rays > 0) {
+        let (x, y) = place(texel);
+        at[(y * TILE + x) as usize] = i;
+    }
+    let own: Vec<[f64; 2]> = texels
+        .iter()
+        .map(|texel| [&texel.irradiance, &texel.reflection].map(variance))
+        .collect();
+    for i in 0..texels.len() {
+        if texels[i].rays == 0 {
+            continue;
+        }
+        let (x, y) = place(&texels[i]);
+        let (mut sums, mut count) = ([0.0; 2], 0.0);
+        for row in y.saturating_sub(1)..(y + 2).min(TILE) {
+            for column in x.saturating_sub(1)..(x + 2).min(TILE) {
+                let other = at[(row * TILE + column) as usize];
+                if other != usize::MAX
+                    && texels[other].normal.dot(texels[i].normal) >= NORMAL_AGREEMENT
+                {
+                    sums[0] += own[other][0];
+                    sums[1] += own[other][1];
+                    count += 1.0;
+                }
+            }
+        }
+        texels[i].variances = sums.map(|sum| sum / f64::max(count, 1.0));
+    }
+}
+
+/// The light that gathers add to one page, as facts of its own.
+pub(super) struct LightPage {
+    page: BakedPage,
+    pub rays: u64,
+}
+
+impl LightPage {
+    /// A dark one.
+    pub fn new(page: &BakedPage, options: &Options, plan: &Plan, mends: bool) -> Self {
+        let denoises = options.denoise != Denoise::Off;
+        let mut layers = vec![Layer::Coverage, Layer::Rays];
+        for (term, std_err, half) in light_terms(plan) {
+            layers.extend([term, std_err]);
+            if denoises || options.layers.contains(&half) {
+                layers.push(half);
+            }
+        }
+        if denoises || mends {
+            layers.extend([Layer::Position, Layer::Normal, Layer::Object]);
+        }
+        if mends {
+            layers.push(Layer::Validity);
+        }
+        let texels = page.texels();
+        let void = |layer| LayerPlanes::void(layer, texels);
+        Self {
+            page: BakedPage {
+                planes: layers.into_iter().map(void).collect(),
+                finished: false,
+                stats: Default::default(),
+                ..*page
+            },
+            rays: 0,
+        }
+    }
+
+    /// What no gather has reached yet.
+    pub fn dark(&self) -> PageLight {
+        PageLight {
+            irradiance: vec![[0.0; 3]; self.page.texels()],
+            holds: vec![false; self.page.texels()],
+        }
+    }
+
+    /// Adds what a gather brought to a texel, here and to what the next one is sent.
+    pub fn add(&mut self, texel: &TexelLight, next: &mut PageLight) {
+        let index = texel.index as usize;
+        let irradiance = total(&texel.irradiance);
+        next.irradiance[index] = irradiance.as_vec3().to_array();
+        next.holds[index] = texel.validity > 0.0;
+        self.rays += texel.rays;
+        let texels = self.page.texels();
+        let one = |value: f64| DVec3::new(value, 0.0, 0.0);
+        for planes in &mut self.page.planes {
+            let (value, adds) = match planes.layer {
+                Layer::Coverage => (one(texel.coverage.into()), false),
+                Layer::Rays => (one(texel.rays as f64), true),
+                Layer::Irradiance => (irradiance, true),
+                Layer::Reflection => (total(&texel.reflection), true),
+                Layer::HalfIrradiance => (half(texel.irradiance), true),
+                Layer::HalfReflection => (half(texel.reflection), true),
+                Layer::StdErrIrradiance | Layer::StdErrReflection => {
+                    let which = usize::from(planes.layer == Layer::StdErrReflection);
+                    let before = f64::from(planes.values[index]);
+                    (
+                        one((before * before + texel.variances[which]).sqrt()),
+                        false,
+                    )
+                }
+                Layer::Position => (texel.position, false),
+                Layer::Normal => (texel.normal, false),
+                Layer::Object => (one(texel.object.into()), false),
+                Layer::Validity => (one(texel.validity.into()), false),
+                other => unreachable!("layer {} is no fact of gathers", other.name()),
+            };
+            for (channel, plane) in planes.values.chunks_mut(texels).enumerate() {
+                let before = if adds { f64::from(plane[index]) } else { 0.0 };
+                plane[index] = (before + value[channel]) as f32;
+            }
+        }
+    }
+
+    /// The page mended, denoised, without seams, its gutters filled.
+    pub fn finished(mut self, baker: &Baker<'_>) -> BakedPage {
+        finish_light(&mut self.page, baker);
+        self.page
+    }
+
+    /// The light of its texels, by their covered area.
+    fn power(&self) -> f64 {
+        power(&self.page)
+    }
+}
+
+/// The light that the seen texels of a page receive, by their covered area, in texels times radiance.
+fn power(page: &BakedPage) -> f64 {
+    let channel = |layer, channel| page.channel(layer, channel).unwrap_or_default();
+    let planes = [0, 1, 2].map(|c| channel(Layer::Irradiance, c));
+    let coverage = channel(Layer::Coverage, 0).iter().enumerate();
+    let texel = |(i, share): (usize, &f32)| {
+        f64::from(*share) * mean(DVec3::from(planes.map(|plane| f64::from(plane[i]))))
+    };
+    coverage.filter(|(_, share)| **share > 0.0).map(texel).sum()
+}
+
+/// What the gathers of a bake added.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct BounceStats {
+    /// How many there were.
+    pub gathers: u32,
+    /// Share of all light that the last one added.
+    pub change: f64,
+    /// Estimated share of all light that further ones would add, by the ratio of the last two; 1 after the first.
+    pub missing: f64,
+    /// Rays of all gathers.
+    pub rays: u64,
+    /// Light from the sky, that of all gathers, and that of the last one, in texels times radiance.
+    sky: f64,
+    added: f64,
+    last: f64,
+}
+
+impl BounceStats {
+    pub(super) fn start(&mut self, pages: &[BakedPage]) {
+        self.sky = pages.iter().map(power).sum();
+    }
+
+    /// True where another gather is due.
+    pub(super) fn goes_on(&self, bounces: Bounces, enough: f64) -> bool {
+        match bounces {
+            Bounces::Off => false,
+            Bounces::Most(most) => self.gathers < most,
+            Bounces::Auto => {
+                self.gathers == 0
+                    || (self.gathers < super::MOST && self.change.max(self.missing) > enough)
+            }
+        }
+    }
+
+    pub(super) fn end_gather(&mut self, light: &[LightPage]) {
+        let added: f64 = light.iter().map(LightPage::power).sum();
+        let last = added - self.added;
+        let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
+        let (first, ratio) = (self.gathers == 0, share(last, self.last).min(0.999));
+        self.change = share(last, self.sky + added);
+        self.missing = match first {
+            true if last > 0.0 => 1.0,
+            _ => self.change * ratio / (1.0 - ratio),
+        };
+        (self.added, self.last) = (added, last);
+        self.gathers += 1;
+    }
+}

@@ -1,0 +1,219 @@
+//! Light that bounces: surfaces send on what they receive, gather after gather.
+//!
+//! A gather integrates, at every texel, the radiosity of the surfaces that its rays meet: albedo at the hit, textures included, times
+//! the irradiance that the pages hold there. The first one meets the light of the sky that surfaces have received, and surfaces that shine by
+//! themselves; the next ones meet what the gather before has added. The sum of all is the Neumann series of the radiosity equation
+//! (C. Goral, K. Torrance, D. Greenberg, B. Battaile, "Modeling the Interaction of Light Between Diffuse Surfaces", 1984):
+//!
+//! ```text
+//! E0 = sky          E1 = gather(albedo E0 + emission)          Ek+1 = gather(albedo Ek)          E = E0 + E1 + E2 + ...
+//! ```
+//!
+//! Each gather has rays of its own, so that the errors of gathers are independent and add up in squares; what a gather inherits of the noise of the
+//! one before is in the spread of its own replicates, which meet different texels.
+//!
+//! All gathers together are one page of light beside each finished page. It is mended, denoised, made seamless and dilated as the terms are,
+//! and then added to the layers that show light.
+
+mod add;
+mod gather;
+mod kernel;
+mod light;
+mod radiosity;
+
+pub use light::BounceStats;
+
+use crate::choice::Choice;
+use crate::integrate::REPLICATES;
+use crate::labels;
+use crate::options::{Effort, View};
+use crate::page::{BakedPage, Baker};
+use crate::survey::Texel;
+use ambient::sampling::Stream;
+use atlas::PageRaster;
+use gather::{Gather, Integral};
+use glam::DVec3;
+use layers::{Layer, Progress};
+use light::{LightPage, TexelLight};
+use radiosity::{PageLight, Radiosity};
+use rayon::prelude::*;
+use rays::Lamps;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Tiles whose results are kept together.
+const BATCH: usize = 256;
+/// The most gathers of `auto`: a closed room of albedo 0.9 has sent on all but a thousandth of its light by then.
+const MOST: u32 = 64;
+/// `auto` stops where no more than this share of the light is missing: half a step of 8 bits. A target error takes its place.
+const ENOUGH: f64 = 1.0 / 512.0;
+/// Rays of a gather where a target decides those of the terms.
+const RAYS: u32 = 256;
+
+impl Baker<'_> {
+    /// Adds the light that surfaces send on to all pages of the bake, which must be finished, and drops the layers that only this needed.
+    /// `None` where the listener cancels; the pages then stand as they were.
+    pub fn bounce(&self, pages: &mut [BakedPage], progress: &dyn Progress) -> Option<BounceStats> {
+        let mut stats = BounceStats::default();
+        if self.plan.models(Choice::Bounces) {
+            let lamps = Lamps::of(self.world);
+            let lamps = (!lamps.is_empty()).then_some(&lamps);
+            let mut light: Vec<LightPage> = pages
+                .iter()
+                .map(|page| LightPage::new(page, self.options, self.plan, self.solids.is_some()))
+                .collect();
+            let mut sent: Vec<PageLight> = pages.iter().map(first_light).collect();
+            stats.start(pages);
+            while stats.goes_on(self.options.bounces, self.enough()) {
+                let gather = self.gather(&sent, stats.gathers, lamps);
+                sent = self.gathered(&gather, stats.gathers, &mut light, progress)?;
+                stats.end_gather(&light);
+            }
+            stats.rays = light.iter().map(|page| page.rays).sum();
+            for (page, light) in pages.iter_mut().zip(light) {
+                add::add(page, light.finished(self), self.options);
+            }
+        }
+        for page in pages {
+            let asked = |layer| layer == Layer::Coverage || self.options.layers.contains(&layer);
+            page.planes.retain(|planes| asked(planes.layer));
+        }
+        Some(stats)
+    }
+
+    /// The share of the light that may be missing under `auto`.
+    fn enough(&self) -> f64 {
+        match self.options.effort {
+            Effort::Rays(_) => ENOUGH,
+            Effort::Target { error, .. } => error,
+        }
+    }
+
+    /// What gather number `number`, from 0, reads. Later light is dimmer: the second gather takes half of the rays of the first, the
+    /// others a quarter.
+    fn gather<'g>(
+        &'g self,
+        sent: &'g [PageLight],
+        number: u32,
+        lamps: Option<&'g Lamps>,
+    ) -> Gather<'g> {
+        let rays = match self.options.effort {
+            Effort::Rays(rays) => rays,
+            Effort::Target { max_rays, .. } => RAYS.min(max_rays),
+        };
+        Gather {
+            backend: self.backend,
+            radiosity: Radiosity {
+                world: self.world,
+                atlas: self.atlas,
+                overrides: &self.options.overrides,
+                pages: sent,
+            },
+            lamps: lamps.filter(|_| number == 0),
+            points: ((rays >> number.min(2)) / REPLICATES).max(1),
+            shading: self.options.shading,
+            view: match self.options.view {
+                View::Eye(eye) => View::Eye(eye - self.world.origin()),
+                View::Normal => View::Normal,
+            },
+            t_max: self.options.max_distance.unwrap_or(f32::INFINITY),
+        }
+    }
+
+    /// Runs a gather over all pages, adds what it received to `light`, and returns it as what the next one is sent.
+    fn gathered(
+        &self,
+        gather: &Gather<'_>,
+        number: u32,
+        light: &mut [LightPage],
+        progress: &dyn Progress,
+    ) -> Option<Vec<PageLight>> {
+        let (done, total) = (AtomicU64::new(0), self.atlas.audit.texels);
+        let mut received = Vec::new();
+        for (page, light) in light.iter_mut().enumerate() {
+            let raster = PageRaster::new(self.world.scene(), self.atlas, page as u32);
+            let mut next = light.dark();
+            let tiles: Vec<usize> = (0..raster.tiles().len()).collect();
+            for batch in tiles.chunks(BATCH) {
+                let results: Option<Vec<Vec<TexelLight>>> = batch
+                    .par_iter()
+                    .map(|&index| {
+                        if progress.cancelled() {
+                            return None;
+                        }
+                        let texels = self.survey(&self.cut(&raster, index), page as u32);
+                        let texels: Vec<TexelLight> =
+                            self.tile_light(gather, number, page, &texels);
+                        let own = texels.len() as u64;
+                        let done = done.fetch_add(own, Ordering::Relaxed) + own;
+                        progress.rays(texels.iter().map(|texel| texel.rays).sum());
+                        progress.advance(done, total);
+                        Some(texels)
+                    })
+                    .collect();
+                for texel in results?.iter().flatten() {
+                    light.add(texel, &mut next);
+                }
+            }
+            received.push(next);
+        }
+        Some(received)
+    }
+
+    /// What the texels of a tile receive.
+    fn tile_light(
+        &self,
+        gather: &Gather<'_>,
+        number: u32,
+        page: usize,
+        texels: &[Texel],
+    ) -> Vec<TexelLight> {
+        let size = self.atlas.page_size;
+        let lobes = self.plan.models(Choice::Specular);
+        let mut light: Vec<TexelLight> = texels
+            .iter()
+            .map(|texel| {
+                let index = texel.y * size + texel.x;
+                let mut light = TexelLight::dark(texel, index);
+                // What nothing stands above sees no surface; what is buried is filled from its neighbours.
+                if texel.open || texel.seen.share == 0.0 {
+                    return light;
+                }
+                let stream = |integral: u32, aimed: bool, replicate: u32| {
+                    let label = labels::BOUNCE + 4 * number + 2 * integral + u32::from(aimed);
+                    Stream::new(self.options.seed, page as u32, index, label, replicate)
+                };
+                let diffuse = |aimed, replicate| stream(0, aimed, replicate);
+                let (irradiance, rays) = gather.receive(texel, Integral::Irradiance, diffuse);
+                (light.irradiance, light.rays) = (irradiance, rays);
+                if lobes && self.reflects(texel) {
+                    let lobe = |aimed, replicate| stream(1, aimed, replicate);
+                    let (reflection, rays) = gather.receive(texel, Integral::Reflection, lobe);
+                    light.reflection = reflection;
+                    light.rays += rays;
+                }
+                light
+            })
+            .collect();
+        light::pool(&mut light, size);
+        light
+    }
+}
+
+/// The light of a finished page that surfaces send on first: that of the sky.
+fn first_light(page: &BakedPage) -> PageLight {
+    let channel = |layer, channel| page.channel(layer, channel).unwrap_or_default();
+    let [r, g, b] = [0, 1, 2].map(|c| channel(Layer::Irradiance, c));
+    let (coverage, validity) = (channel(Layer::Coverage, 0), page.layer(Layer::Validity));
+    let seen = |texel: usize| validity.is_none_or(|validity| validity[texel] > 0.0);
+    PageLight {
+        irradiance: (0..page.texels()).map(|i| [r[i], g[i], b[i]]).collect(),
+        holds: (0..page.texels())
+            .map(|i| coverage[i] > 0.0 && seen(i))
+            .collect(),
+    }
+}
+
+/// The mean of the channels.
+fn mean(rgb: DVec3) -> f64 {
+    rgb.element_sum() / 3.0
+}
