@@ -41,7 +41,7 @@
 //!
 //! * [`load`], [`Scene`], [`Mesh`], [`Material`]: what is baked.
 //! * [`Bake`]: the options, named as the flags of the command line, and the start of a bake.
-//! * [`Baked`], [`Page`], [`Layer`]: the result in memory, and how it is written.
+//! * [`Baked`], [`Page`], [`Layer`], [`Object`]: the result in memory, where objects lie on it, and how it is written.
 //! * [`Progress`]: how a bake tells how far it is, and is told to stop; `()` is a silent one.
 //! * [`Job`]: a bake that is planned, laid out and ready, for programs that want to look before they start.
 //! * [`rays`]: the trait of ray backends, to bring one of your own ([`Bake::with_backend`]).
@@ -57,6 +57,7 @@ mod host;
 mod interior;
 mod job;
 mod lit;
+mod object;
 mod options;
 mod resume;
 mod run;
@@ -75,6 +76,7 @@ pub use error::Error;
 pub use host::{REVISION, VERSION, peak_memory};
 pub use job::Job;
 pub use layers::{Layer, Preview, Progress, Term, Unit};
+pub use object::Object;
 pub use options::{Backend, Effort, Options, Pages, Uv};
 pub use rays;
 pub use report::{BakeReport, PageReport};

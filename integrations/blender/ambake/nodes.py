@@ -1,0 +1,208 @@
+"""Node set-ups that show a lightmap, alike in Cycles and Eevee: an emission of the baked light beside the shader that the
+material had, and one switch between the two for the whole file."""
+
+import bpy
+import numpy as np
+
+from . import corners
+
+# Name of the node group, of its node in each material, and of the switch in the group.
+GROUP = "ambake"
+SWITCH = "Show Baked"
+
+
+def show(items, pages, images, layer):
+    """Lets the materials of `items` show `layer`. `pages` has the page of each polygon of each item."""
+    outside = _materials_outside(items)
+    made = {}
+    for item in items:
+        mesh = item.data
+        if not item.material_slots:
+            mesh.materials.append(None)
+        slots = np.empty(len(mesh.polygons), np.int32)
+        mesh.polygons.foreach_get("material_index", slots)
+        slots = slots.clip(0, len(item.material_slots) - 1)
+        before = [slot.material for slot in item.material_slots]
+        for index, source in enumerate(before):
+            used = np.unique(pages[item][(slots == index) & (pages[item] >= 0)])
+            for k, page in enumerate(used.tolist()):
+                material = _material(made, outside, source, page)
+                _wire(material, images[layer, page], layer)
+                if k == 0:
+                    item.material_slots[index].material = material
+                    continue
+                mesh.materials.append(material)
+                slots[(slots == index) & (pages[item] == page)] = len(mesh.materials) - 1
+        mesh.polygons.foreach_set("material_index", slots)
+        mesh.update()
+    switch(True)
+
+
+def switch(on=None):
+    """Shows the bake or what was there before, in every material; without `on` the other of the two. Returns what is shown
+    now, or None where nothing was baked."""
+    group = bpy.data.node_groups.get(GROUP)
+    if group is None:
+        return None
+    value = group.nodes[SWITCH].outputs[0]
+    value.default_value = float(on if on is not None else value.default_value < 0.5)
+    return value.default_value > 0.5
+
+
+def bypass(material):
+    """Leads the output of a material to the shader that it had before any bake, and returns what leads it back; an exporter
+    must see the material, not the bake."""
+    tree = material.node_tree
+    switcher = tree.nodes.get(GROUP) if tree else None
+    ends = [link.to_socket for link in switcher.outputs[0].links] if switcher else []
+    before = [link.from_socket for link in switcher.inputs["Shader"].links] if switcher else []
+    for end in ends:
+        for link in list(end.links):
+            tree.links.remove(link)
+        for socket in before:
+            tree.links.new(socket, end)
+
+    def restore():
+        for end in ends:
+            tree.links.new(switcher.outputs[0], end)
+
+    return restore
+
+
+def _materials_outside(items):
+    """Materials that objects outside of the bake use too: those must go on looking as they do."""
+    inside = set(items)
+    others = [item for item in bpy.data.objects if item not in inside]
+    return {slot.material for item in others for slot in item.material_slots if slot.material}
+
+
+def _material(made, outside, source, page):
+    """The material that shows a page in place of `source`: itself, or a copy where it must serve another page or others."""
+    key = (source, page)
+    if key not in made:
+        first = not any(of == source for of, _ in made)
+        if source is None:
+            material = bpy.data.materials.new("ambake")
+        elif first and source not in outside and source.is_editable:
+            material = source
+        else:
+            material = source.copy()
+            material.name = f"{source.name} page {page}"
+        made[key] = material
+    return made[key]
+
+
+def _wire(material, image, layer):
+    if material.node_tree is None or not material.use_nodes:
+        colour, material.use_nodes = tuple(material.diffuse_color), True
+        for node in material.node_tree.nodes:
+            if node.type == "BSDF_PRINCIPLED":
+                node.inputs["Base Color"].default_value = colour
+    tree = material.node_tree
+    output = tree.get_output_node("ALL") or tree.nodes.new("ShaderNodeOutputMaterial")
+    switcher = tree.nodes.get(GROUP)
+    if switcher is None:
+        switcher = _place(tree, output, layer)
+    picture = tree.nodes["ambake image"]
+    picture.image = image
+    picture.label = layer
+    _tint(tree, switcher, layer)
+
+
+def _place(tree, output, layer):
+    """Adds the nodes: UV map, image, and the group between the shader and the output."""
+    x, y = output.location
+    before = [link.from_socket for link in output.inputs["Surface"].links]
+    switcher = tree.nodes.new("ShaderNodeGroup")
+    switcher.name, switcher.node_tree, switcher.location = GROUP, _group(), (x, y + 160)
+    output.location = (x + 220, y)
+    picture = tree.nodes.new("ShaderNodeTexImage")
+    picture.name, picture.location, picture.extension = "ambake image", (x - 320, y + 420), "EXTEND"
+    place = tree.nodes.new("ShaderNodeUVMap")
+    place.name, place.location, place.uv_map = "ambake UV", (x - 520, y + 420), corners.UV_MAP
+    tree.links.new(place.outputs["UV"], picture.inputs["Vector"])
+    tree.links.new(picture.outputs["Color"], switcher.inputs["Light"])
+    for socket in before:
+        tree.links.new(socket, switcher.inputs["Shader"])
+    tree.links.new(switcher.outputs["Shader"], output.inputs["Surface"])
+    return switcher
+
+
+def _tint(tree, switcher, layer):
+    """Irradiance is multiplied by the base colour, the other layers stand for themselves. Alpha holds for all."""
+    surface = _surface(switcher)
+    colour, alpha = switcher.inputs["Base Color"], switcher.inputs["Alpha"]
+    for link in [*colour.links, *alpha.links]:
+        tree.links.remove(link)
+    colour.default_value, alpha.default_value = (1.0, 1.0, 1.0, 1.0), 1.0
+    if surface is None:
+        return
+    names = ("Base Color", "Color") if layer == "irradiance" else ()
+    _follow(tree, surface, names, colour)
+    _follow(tree, surface, ("Alpha",), alpha)
+
+
+def _follow(tree, node, names, socket):
+    for name in names:
+        source = node.inputs.get(name)
+        if source is None:
+            continue
+        if source.is_linked:
+            tree.links.new(source.links[0].from_socket, socket)
+        else:
+            socket.default_value = source.default_value
+        return
+
+
+def _surface(switcher):
+    """The node that gives the material its colour: the first of the shaders that the old output was made of."""
+    waiting = [link.from_node for link in switcher.inputs["Shader"].links]
+    seen = []
+    while waiting:
+        node = waiting.pop(0)
+        if node.inputs.get("Base Color") or node.type.startswith(("BSDF", "EMISSION")):
+            if node.type != "BSDF_TRANSPARENT":
+                return node
+        for socket in node.inputs:
+            if socket.type == "SHADER":
+                waiting.extend(link.from_node for link in socket.links if link.from_node not in seen)
+        seen.append(node)
+    return None
+
+
+def _group():
+    """The group that all materials share."""
+    group = bpy.data.node_groups.get(GROUP)
+    if group is not None:
+        return group
+    group = bpy.data.node_groups.new(GROUP, "ShaderNodeTree")
+    face = group.interface
+    face.new_socket("Shader", in_out="INPUT", socket_type="NodeSocketShader")
+    face.new_socket("Light", in_out="INPUT", socket_type="NodeSocketColor")
+    face.new_socket("Base Color", in_out="INPUT", socket_type="NodeSocketColor")
+    face.new_socket("Alpha", in_out="INPUT", socket_type="NodeSocketFloat").default_value = 1.0
+    face.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
+
+    def node(kind, x, y):
+        made = group.nodes.new(kind)
+        made.location = (x, y)
+        return made
+
+    start, end = node("NodeGroupInput", -600, 0), node("NodeGroupOutput", 600, 0)
+    times, glow = node("ShaderNodeVectorMath", -400, -80), node("ShaderNodeEmission", -200, -80)
+    times.operation = "MULTIPLY"
+    clear, cut = node("ShaderNodeBsdfTransparent", -200, -220), node("ShaderNodeMixShader", 0, -120)
+    choose, value = node("ShaderNodeMixShader", 300, 0), node("ShaderNodeValue", 0, 120)
+    value.name = value.label = SWITCH
+    link = group.links.new
+    link(start.outputs["Light"], times.inputs[0])
+    link(start.outputs["Base Color"], times.inputs[1])
+    link(times.outputs[0], glow.inputs["Color"])
+    link(start.outputs["Alpha"], cut.inputs[0])
+    link(clear.outputs[0], cut.inputs[1])
+    link(glow.outputs[0], cut.inputs[2])
+    link(value.outputs[0], choose.inputs[0])
+    link(start.outputs["Shader"], choose.inputs[1])
+    link(cut.outputs[0], choose.inputs[2])
+    link(choose.outputs[0], end.inputs["Shader"])
+    return group

@@ -1,0 +1,131 @@
+"""What the panel asks: the options of `ambake bake` under the names of their flags, kept with the scene."""
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    StringProperty,
+)
+
+SHOWN = [
+    ("irradiance", "Light", "Light that arrives, times the base colour of the material at its full resolution"),
+    ("diffuse", "Ambient occlusion", "The diffuse term: cosine-weighted share of the sky that is open"),
+    ("visibility", "Open sky", "Share of the hemisphere that is open: the traditional occlusion factor"),
+    ("lambert", "Lambert", "Light that a matt surface sends back, colour included"),
+    ("phong", "Phong", "Lambert and the highlight of the material"),
+    ("traditional", "Traditional", "Colour times occlusion factor: the baseline"),
+]
+
+
+def _plain(*words):
+    return [(word, word.capitalize(), "") for word in words]
+
+
+class AMBAKE_PG_settings(bpy.types.PropertyGroup):
+    targets: EnumProperty(
+        name="Bake",
+        items=[
+            ("VISIBLE", "Visible objects", "Every visible mesh gets a lightmap"),
+            ("SELECTED", "Selected objects", "Selected meshes get a lightmap, other visible objects cast shadows"),
+        ],
+    )
+    show: EnumProperty(name="Show", description="Layer that the materials show after the bake", items=SHOWN)
+    apply_modifiers: BoolProperty(
+        name="Apply Modifiers",
+        description="Apply modifiers that add or remove faces, so that the result can hold a lightmap. Otherwise such "
+        "objects only cast shadows",
+    )
+    size: IntProperty(name="Page Size", description="Page edge in texels", default=1024, min=1, max=16384)
+    density: FloatProperty(
+        name="Density", description="Texels per metre of every object; 0 shares one page by a rule", min=0.0
+    )
+    uv: EnumProperty(
+        name="UVs",
+        description="Keep the second UV map as layout where it is usable, insist on it, or unwrap anew",
+        items=_plain("auto", "keep", "unwrap"),
+    )
+    gutter: IntProperty(name="Gutter", description="Texels kept empty around every chart", default=2, min=0, max=128)
+    mips: IntProperty(name="Mip Levels", description="Mip levels that stay free of bleeding", min=0, max=6)
+    effort: EnumProperty(
+        name="Effort",
+        items=[
+            ("RAYS", "Rays", "The same number of rays for every texel"),
+            ("TARGET", "Target error", "Each texel stops at its own standard error"),
+        ],
+    )
+    rays: IntProperty(name="Rays", description="Rays per texel over the hemisphere", default=256, min=1, max=1 << 24)
+    target_error: FloatProperty(
+        name="Target Error", description="Standard error at which a texel stops", default=0.01, min=1e-5, max=0.99,
+        precision=4,
+    )
+    target_relative: FloatProperty(
+        name="Relative", description="A texel also stops at this share of its value, where that is more", min=0.0,
+        max=0.99, precision=4,
+    )
+    max_rays: IntProperty(
+        name="Most Rays", description="Most rays of a texel", default=16384, min=16, max=1 << 24
+    )
+    denoise: EnumProperty(name="Denoise", items=_plain("off", "regression"))
+    seams: EnumProperty(
+        name="Seams",
+        description="Charts between which look-ups are made to agree: none, those of one object, or of any objects",
+        items=_plain("off", "object", "scene"),
+        default="scene",
+    )
+    sky: FloatVectorProperty(
+        name="Sky", description="Radiance of the uniform sky, linear", subtype="COLOR", size=3, default=(1, 1, 1),
+        min=0.0, soft_max=1.0,
+    )
+    sky_file: StringProperty(
+        name="Sky Map", description="Illumination map (.hdr, .exr) in place of the uniform sky", subtype="FILE_PATH"
+    )
+    max_distance: FloatProperty(
+        name="Max Distance", description="Occluders farther than this many metres do not count; 0 for no limit",
+        min=0.0,
+    )
+    normal_maps: BoolProperty(name="Normal Maps", description="Normal maps bend the shading normals")
+    layers: StringProperty(
+        name="Layers", description="Further layers that come back as images, separated by commas, such as bent, error"
+    )
+    backend: EnumProperty(
+        name="Backend",
+        items=[("auto", "Automatic", "Embree where it is built in, else obvhs"), ("embree", "Embree", ""),
+               ("obvhs", "obvhs", "Pure Rust")],
+    )
+    threads: IntProperty(name="Threads", description="Worker threads; 0 for all cores", min=0, max=1024)
+    seed: IntProperty(name="Seed", description="Seed of the sample points", min=0)
+    further: StringProperty(
+        name="More Flags", description="Any further flags of `ambake bake`, as on the command line"
+    )
+    folder: StringProperty(
+        name="Folder", description="Where the EXR pages, the GLB and bake.json stay; empty to keep none of them. The images "
+        "are in the .blend either way", subtype="DIR_PATH",
+    )
+
+
+class AMBAKE_AP_preferences(bpy.types.AddonPreferences):
+    bl_idname = __package__
+
+    program: StringProperty(
+        name="Program", description="Path of the program ambake; empty to look for it on the PATH", subtype="FILE_PATH"
+    )
+
+    def draw(self, _context):
+        from . import command
+
+        self.layout.prop(self, "program")
+        try:
+            self.layout.label(text=f"Found: {command.find(self.program)}", icon="CHECKMARK")
+        except ValueError as problem:
+            self.layout.label(text=str(problem), icon="ERROR")
+
+
+def program(context):
+    """The program's path as preferred, else from the PATH."""
+    from . import command
+
+    addon = context.preferences.addons.get(__package__)
+    return command.find(addon.preferences.program if addon and addon.preferences else "")

@@ -1,0 +1,150 @@
+"""End to end, in Blender without a window: export, bake, return, and what Cycles then shows.
+
+    AMBAKE=target/debug/ambake python integrations/blender/tests/test_blender.py
+
+needs a Python that has `bpy`. Without it, it prints a skip."""
+
+import os
+import unittest
+
+import numpy as np
+import made
+import with_blender
+from with_blender import ROOT, BlenderTest, bpy, camera_above, look_up, render
+
+
+class MadeScene(BlenderTest):
+    def test_every_object_gets_its_own_part_of_the_page(self):
+        objects = made.make()
+        notes = " | ".join(self.bake(layers="position", size=128, rays=4))
+        received = [objects["floor"], *objects["twins"], objects["child"], objects["fan"]]
+        for item in received:
+            self.positions_agree(item, 1.5)
+        self.assertIn("mirrored only casts shadows: its modifiers", notes)
+        self.assertIn("instances of shelf here only cast shadows", notes)
+        self.assertIn("1 object got a mesh of their own", notes)
+        first, second = objects["twins"]
+        self.assertIsNot(first.data, second.data)
+        for item in (objects["doubled"], objects["instance"]):
+            self.assertNotIn("ambake", item.data.uv_layers, item.name)
+            self.assertNotIn("ambake", item.data.materials[0].node_tree.nodes, item.name)
+        for item in bpy.data.objects:
+            if item.type == "MESH":
+                self.assertNotIn("_AMBAKE_CORNER", item.data.attributes, item.name)
+        for image in bpy.data.images:
+            if image.users and image.type == "IMAGE":
+                self.assertTrue(image.packed_file, image.name)
+
+    def test_modifiers_are_applied_where_asked_and_kept_where_cancelled(self):
+        objects = made.make()
+        from ambake import bake
+
+        self.settings(apply_modifiers=True, rays=1 << 20, size=512)
+        meshes = len(bpy.data.meshes)
+        job = bake.Bake(bpy.context)
+        self.assertTrue(job.run.running())
+        job.cancel()
+        job.close()
+        self.assertEqual(len(objects["doubled"].modifiers), 1)
+        self.assertTrue(objects["doubled"].modifiers[0].show_viewport)
+        self.assertEqual(len(bpy.data.meshes), meshes)
+        self.bake(apply_modifiers=True, rays=4, size=128, layers="position")
+        self.assertEqual(len(objects["doubled"].modifiers), 0)
+        self.assertEqual(len(objects["doubled"].data.polygons), 12)
+        self.positions_agree(objects["doubled"], 1.5)
+
+    def test_several_pages_and_a_second_bake_show_each_face_on_its_page(self):
+        objects = made.make()
+        self.bake(layers="position", rays=1, density=12.0)
+        pages = {self.page_of(objects["floor"], p) for p in objects["floor"].data.polygons}
+        images = {i.name for i in bpy.data.images if " position " in i.name}
+        self.assertGreater(len(images), 1)
+        self.assertEqual(len(pages), 1)
+        for item in [objects["floor"], *objects["twins"], objects["child"]]:
+            self.positions_agree(item, 1.5)
+        self.bake(layers="position", rays=1, density=0.0, size=128)
+        for item in [objects["floor"], *objects["twins"], objects["child"]]:
+            self.positions_agree(item, 1.5)
+            self.assertEqual([u.name for u in item.data.uv_layers].count("ambake"), 1)
+
+    def test_a_later_bake_is_of_the_scene_and_not_of_an_earlier_bake(self):
+        made.make()
+        self.bake(show="lambert", size=64, rays=4)
+        first = self.image("lambert")
+        self.bake(show="lambert", size=64, rays=4)
+        second = self.image("lambert")
+        # The twins have meshes of their own now, so the layout of the first bake was another one. Colours are the same.
+        self.assertLess(abs(first[first > 0].mean() - second[second > 0].mean()), 0.02)
+        self.bake(show="lambert", size=64, rays=4)
+        np.testing.assert_array_equal(self.image("lambert"), second)
+
+    def test_only_selected_objects_change_and_the_others_cast_shadows(self):
+        objects = made.make()
+        bpy.ops.object.select_all(action="DESELECT")
+        objects["floor"].select_set(True)
+        self.bake(targets="SELECTED", show="diffuse", rays=64)
+        self.assertIn("ambake", objects["floor"].data.uv_layers)
+        self.assertNotIn("ambake", objects["twins"][0].data.uv_layers)
+        uvs = np.array([u.vector for u in objects["floor"].data.uv_layers["ambake"].uv])
+        values = self.image("diffuse")
+        # The floor spans -2..2. Its corner at (2, 2) is open; under the table it is dark.
+        place = lambda x, y: look_up(values, uvs[0] + (x / 4 + 0.5) * (uvs[1] - uvs[0]) + (y / 4 + 0.5) * (uvs[3] - uvs[0]))
+        self.assertGreater(place(1.9, 1.9)[0], 0.9)
+        self.assertLess(place(0.0, -0.2)[0], 0.7)
+
+    def test_mistakes_are_one_line_and_change_nothing(self):
+        made.make()
+        from ambake import bake
+
+        with self.assertRaisesRegex(ValueError, "no-such-flag"):
+            self.bake(further="--no-such-flag")
+        with self.assertRaisesRegex(ValueError, "no selected mesh has a face"):
+            bpy.ops.object.select_all(action="DESELECT")
+            self.bake(targets="SELECTED")
+        with self.assertRaisesRegex(ValueError, "save the file first"):
+            self.bake(folder="//maps", targets="VISIBLE")
+        before, os.environ["PATH"] = os.environ["PATH"], ""
+        try:
+            with self.assertRaisesRegex(ValueError, "was not found; install it"):
+                bake.Bake(bpy.context)
+        finally:
+            os.environ["PATH"] = before
+        self.assertFalse([i for i in bpy.data.objects if i.type == "MESH" and "ambake" in i.data.uv_layers])
+
+    def test_cycles_shows_what_ambake_says_and_agrees_by_itself(self):
+        made.make()
+        camera_above(4.0)
+        path = os.path.join(self.folder, "picture.exr")
+        own = render(path, samples=64)
+        self.bake(size=256, rays=64, apply_modifiers=True)
+        shown = render(path)
+        inside = (own[..., 3] > 0.99) & (shown[..., 3] > 0.99)
+        apart = (shown - own)[..., :3][inside]
+        self.assertGreater(inside.mean(), 0.9)
+        # Cycles' 64 samples leave a noise of 0.03; the mean over 2000 pixels one of 0.001. Texels are 1/40 m.
+        self.assertLess(abs(apart.mean()), 0.01, "mean of Cycles showing the bake less Cycles by itself")
+        self.assertLess(np.sqrt((apart**2).mean()), 0.06)
+        bpy.ops.ambake.switch()
+        again = render(path, samples=64)
+        self.assertLess(abs((again - own)[..., :3][inside].mean()), 0.01, "the materials as they were")
+
+
+class ForeignScene(BlenderTest):
+    def test_instances_of_a_gltf_file_come_back(self):
+        bpy.ops.import_scene.gltf(filepath=os.path.join(ROOT, "scenes", "instances.gltf"))
+        self.bake(layers="position", rays=4, size=128)
+        meshes = [i for i in bpy.data.objects if i.type == "MESH"]
+        for item in meshes:
+            self.positions_agree(item, 2.0)
+        self.assertEqual(len({i.data.name for i in meshes}), len(meshes))
+
+    def test_cut_out_leaves_stay_cut_out(self):
+        bpy.ops.import_scene.gltf(filepath=os.path.join(ROOT, "scenes", "masked_card.gltf"))
+        self.bake(rays=4)
+        nodes = [m.node_tree.nodes.get("ambake") for m in bpy.data.materials if m.node_tree]
+        linked = [n for n in nodes if n and n.inputs["Alpha"].is_linked]
+        self.assertTrue(linked, "a masked material keeps its alpha")
+
+
+if __name__ == "__main__":
+    with_blender.main()
