@@ -1,6 +1,6 @@
 //! Texels under and inside other bodies: dropped, mended and counted.
 
-use crate::support::{Page, backends, bake, report};
+use crate::support::{Page, backends, bake, report, run_well};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -308,4 +308,61 @@ fn coincident_sheets_and_boxes_do_not_bury_each_other() {
             holds(&page, "validity", 1.0, &case);
         }
     }
+}
+
+#[test]
+fn charts_inside_of_another_body_leave_their_texels_to_the_rest() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut text = String::new();
+    let mut first = 1;
+    // A large box, one inside of it, and one whose lower half is sunk into its top.
+    for (name, centre, half) in [
+        ("hull", [0.0, 0.0, 0.0], 1.0),
+        ("inside", [0.1, 0.2, 0.1], 0.5),
+        ("sunk", [0.1, 1.0, -0.2], 0.4),
+    ] {
+        writeln!(text, "o {name}").expect("a string");
+        for corner in 0..8 {
+            let at = |axis: usize| centre[axis] + half * f64::from((corner >> axis & 1) * 2 - 1);
+            writeln!(text, "v {} {} {}", at(0), at(1), at(2)).expect("a string");
+        }
+        for face in [
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+        ] {
+            let [a, b, c, d] = face.map(|k| first + k);
+            writeln!(text, "f {a} {b} {c} {d}").expect("a string");
+        }
+        first += 8;
+    }
+    let file = folder.path().join("boxes.obj");
+    std::fs::write(&file, text).expect("a file");
+    let texels = |buried: &str| {
+        let name = file.to_str().expect("UTF-8");
+        let plan = run_well(["plan", name, "--json", "--size", "128", "--buried", buried]);
+        let plan: serde_json::Value = serde_json::from_str(&plan).expect("JSON");
+        let objects = plan["layout"]["objects"]
+            .as_array()
+            .expect("objects")
+            .clone();
+        ["hull", "inside", "sunk"].map(|name| {
+            let object = objects.iter().find(|object| object["name"] == name);
+            object.expect("the object")["texels"]
+                .as_f64()
+                .expect("a number")
+        })
+    };
+    let (drop, keep) = (texels("drop"), texels("keep"));
+    assert!(keep[1] > 500.0, "{keep:?}");
+    // Six charts of one texel, each of which its edges may cut into four.
+    assert!(drop[1] <= 24.0, "{drop:?}");
+    // Four sides and a top are seen, and a bottom is not.
+    assert!(
+        drop[2] > keep[2] * 0.8 && drop[0] > keep[0],
+        "{drop:?} {keep:?}"
+    );
 }

@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::options::{Backend, Options};
 use crate::scene::Scene;
-use crate::seen::is_seen;
+use crate::seen::oracle;
 use ::bake::{Baker, Decision, Pilot, Plan};
 use atlas::Atlas;
 use rays::{RayBackend, World};
@@ -67,9 +67,10 @@ impl Job {
                 None => rays::build(backend.kind(), &world, rayon::current_num_threads()),
             };
             let backend = time(&mut phases, "build", build)?;
-            let seen = |point| is_seen(&options.seen_from, point, &world, backend.as_ref());
-            let seen = (!options.seen_from.is_empty()).then_some(&seen as &atlas::Seen<'_>);
-            let layout = || atlas::layout_seen(&scene.0, &options.layout(), seen, &|| false);
+            let layout = || {
+                let seen = oracle(&options, &world, backend.as_ref());
+                atlas::layout_seen(&scene.0, &options.layout(), seen.as_deref(), &|| false)
+            };
             let atlas = time(&mut phases, "atlas", layout).map_err(|source| Error::Layout {
                 scene: scene.path.display().to_string(),
                 source,

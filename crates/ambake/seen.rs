@@ -1,5 +1,7 @@
-//! `--seen-from`: whether a point of a surface can be seen from some places.
+//! Whether a point of a surface can be seen: by `--seen-from` from some places, and not inside of another body.
 
+use crate::options::Options;
+use ::bake::Buried;
 use atlas::SurfacePoint;
 use rays::{Ray, RayBackend, World};
 
@@ -7,9 +9,31 @@ use rays::{Ray, RayBackend, World};
 /// 32-bit numbers place it.
 const CLOSE: f32 = 1e-4;
 
+/// Tells the layout what can be seen; `None` where all can.
+pub(crate) fn oracle<'a>(
+    options: &'a Options,
+    world: &'a World,
+    backend: &'a dyn RayBackend,
+) -> Option<Box<atlas::Seen<'a>>> {
+    let solids = match options.buried {
+        Buried::Drop => Some(world.solids()).filter(|solids| solids.count() > 0),
+        Buried::Keep => None,
+    };
+    let eyes = &options.seen_from[..];
+    if solids.is_none() && eyes.is_empty() {
+        return None;
+    }
+    let is_open = move |point: SurfacePoint| {
+        !solids.is_some_and(|of| of.bury(world, point.instance, point.triangle, point.weights))
+    };
+    Some(Box::new(move |point| {
+        is_open(point) && (eyes.is_empty() || is_seen(eyes, point, world, backend))
+    }))
+}
+
 /// True where nothing stands between the point and one of the eyes, and the eye is on a side that can be seen: the front,
 /// or any side of a double-sided surface.
-pub(crate) fn is_seen(
+fn is_seen(
     eyes: &[[f64; 3]],
     point: SurfacePoint,
     world: &World,

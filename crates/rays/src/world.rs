@@ -8,10 +8,11 @@ use crate::error::Error;
 use crate::normal_maps::NormalMaps;
 use crate::origin::brought_near;
 use crate::part::Part;
+use crate::solid::Solids;
 use glam::{Affine3A, DAffine3, DVec3, Vec3};
 use scene::{Mesh, Scene};
 use std::ops::Deref;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// How a [`World`] is built.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,6 +45,8 @@ pub struct World {
     /// See [`World::origin`].
     origin: DVec3,
     normal_maps: Option<NormalMaps>,
+    /// See [`World::solids`].
+    solids: OnceLock<Solids>,
 }
 
 /// Triangles with one vertex array and one alpha test.
@@ -138,6 +141,7 @@ impl World {
             bounds,
             origin: DVec3::ZERO,
             normal_maps: None,
+            solids: OnceLock::new(),
         })
     }
 
@@ -188,6 +192,11 @@ impl World {
     /// The scene this world was built from.
     pub fn scene(&self) -> &Arc<Scene> {
         &self.scene
+    }
+
+    /// The solids of this world, found when first asked.
+    pub fn solids(&self) -> &Solids {
+        self.solids.get_or_init(|| Solids::of(self))
     }
 
     /// The part and the geometry of an instance.

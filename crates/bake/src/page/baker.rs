@@ -31,7 +31,7 @@ pub struct Baker<'a> {
     pub(crate) options: &'a Options,
     errors: PlaneErrors,
     /// What buries samples; `None` where nothing can.
-    pub(crate) solids: Option<Solids>,
+    pub(crate) solids: Option<&'a Solids>,
     /// Texels finished so far, over all pages.
     done: AtomicU64,
 }
@@ -57,7 +57,7 @@ impl<'a> Baker<'a> {
         options: &'a Options,
     ) -> Self {
         let solids = match options.buried {
-            Buried::Drop => Some(Solids::of(world)).filter(|solids| solids.count() > 0),
+            Buried::Drop => Some(world.solids()).filter(|solids| solids.count() > 0),
             Buried::Keep => None,
         };
         Self {
@@ -221,7 +221,7 @@ impl<'a> Baker<'a> {
             errors: &self.errors,
             overrides: &self.options.overrides,
             plan: self.plan,
-            solids: self.solids.as_ref(),
+            solids: self.solids,
         };
         let (seed, size) = (self.options.seed, self.atlas.page_size);
         surveyor.texels(tile, |x, y, term| {

@@ -6,14 +6,10 @@
 
 use super::cell::{Cell, Sample};
 use glam::DVec3;
-use rays::Solids;
+use rays::{NUDGE, Solids};
 
 /// Strata along an edge of the unit square.
 const EDGE: usize = 8;
-
-/// How far off its surface a point is tested, per unit of the coordinates: clear of their rounding in the world and in a mesh's space.
-/// Faces that coincide are so told apart by the side that they face.
-const NUDGE: f64 = 8.0 / 16_777_216.0;
 
 /// What can be seen of a footprint.
 #[derive(Debug, Clone, PartialEq)]

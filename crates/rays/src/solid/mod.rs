@@ -57,6 +57,10 @@ struct Body {
     inside: Inside,
 }
 
+/// How far off its surface a point is tested, per unit of the coordinates: clear of their rounding in the world and in a mesh's space.
+/// Faces that coincide are so told apart by the side that they face.
+pub const NUDGE: f64 = 8.0 / 16_777_216.0;
+
 /// The solids of a world.
 #[derive(Debug)]
 pub struct Solids {
@@ -198,6 +202,29 @@ impl Solids {
             Inside::Solid => i32::from(!own && self.holds(body, point)),
             Inside::Cavity => -i32::from(own || self.holds(body, point)),
         }
+    }
+
+    /// True where a point of a triangle lies in more solids than cavities. `weights`: its barycentric coordinates.
+    pub fn bury(&self, world: &World, instance: u32, triangle: u32, weights: [f64; 3]) -> bool {
+        let corners = world.corners(instance, triangle);
+        let position = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
+        let face = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        let sense = if world.part(instance).0.mirrors() {
+            -1.0
+        } else {
+            1.0
+        };
+        let upward = match world.normals(instance, triangle) {
+            Some([a, b, c]) if (a + b + c).dot(face * sense) < 0.0 => -sense,
+            _ => sense,
+        };
+        let near = self.about(position, position);
+        let extent = near.iter().map(|&body| self.extent(body));
+        let reach = extent.fold(position.abs().max_element(), f64::max);
+        let point = position + NUDGE * reach * upward * face.normalize_or_zero();
+        let own = self.own(instance, triangle);
+        let depth = |&body: &u32| self.depth(body, point, own == Some(body));
+        near.iter().map(depth).sum::<i32>() > 0
     }
 
     fn holds(&self, body: &Body, point: DVec3) -> bool {
