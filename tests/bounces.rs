@@ -247,7 +247,7 @@ fn bounced_bytes_do_not_depend_on_threads_and_none_is_a_plain_bake() {
         "--denoise",
         "regression",
         "--density",
-        "30",
+        "15",
     ];
     let one = bytes(&[&bounced[..], &["--threads", "1"]].concat());
     let three = bytes(&[&bounced[..], &["--threads", "3"]].concat());
