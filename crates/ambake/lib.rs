@@ -80,6 +80,6 @@ pub use object::Object;
 pub use options::{Backend, Effort, Options, Pages, Uv};
 pub use rays;
 pub use report::{BakeReport, PageReport};
-pub use scene::{Material, Mesh, Scene, Warning, load};
+pub use scene::{Files, Material, Mesh, Scene, Warning, load, load_with};
 pub use sky::Sky;
 pub use write::Written;

@@ -62,14 +62,15 @@ impl Job {
     /// continues it to the same bytes.
     ///
     /// # Errors
-    /// The directory cannot be written, an output would replace an input, or [`Error::Cancelled`].
+    /// The directory cannot be written, is too full or another bake's, an output would replace an input, or [`Error::Cancelled`].
     pub fn run_into(
         &self,
         dir: &Path,
         resume: bool,
         progress: &dyn Progress,
     ) -> Result<Written, Error> {
-        let output = Output::create(dir)?;
+        let output = Output::exclusive(dir)?;
+        report::check_space(dir, self.bytes_written())?;
         let mut writer = Writer::new(self, output)?;
         let key = json!({
             "version": crate::VERSION,

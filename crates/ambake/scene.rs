@@ -1,8 +1,8 @@
 //! What is baked.
 
 use crate::error::Error;
-pub use ::scene::Warning;
 pub use ::scene::authored::{Material, Mesh};
+pub use ::scene::{Files, Warning};
 use std::ops::Deref;
 use std::path::Path;
 use std::sync::Arc;
@@ -14,12 +14,20 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct Scene(pub(crate) Arc<::scene::Scene>);
 
-/// The scene in an OBJ, glTF or GLB file.
+/// The scene in an OBJ, glTF or GLB file. Files that it names are read only in its folder or below: see [`load_with`].
 ///
 /// # Errors
 /// One line that names the file, the place and the cure.
 pub fn load(path: impl AsRef<Path>) -> Result<Scene, Error> {
     Ok(Scene(Arc::new(::scene::load(path.as_ref())?)))
+}
+
+/// As [`load`], with a say in where the files may lie that the scene names.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_with(path: impl AsRef<Path>, allowed: Files) -> Result<Scene, Error> {
+    Ok(Scene(Arc::new(::scene::load_with(path.as_ref(), allowed)?)))
 }
 
 impl Scene {

@@ -146,6 +146,7 @@ impl<'a> Writer<'a> {
         report.bounces = bounces.map(bounce_report);
         let interior = self.brightness.interior(self.job.options());
         report.warnings.extend(interior);
+        report.warnings.extend(edited(self.job));
         self.output
             .stage_bytes("bake.json", report.to_json().as_bytes())?;
         let stale = report::stale_files(self.output.dir(), &report.files);
@@ -153,6 +154,26 @@ impl<'a> Writer<'a> {
         report::remove_stale(&stale);
         Ok(Written { report, files })
     }
+}
+
+impl Job {
+    /// About how many bytes a bake into a directory writes: each texel's values once in the saved state and once in the results, which
+    /// are compressed but repeat some as previews.
+    pub(crate) fn bytes_written(&self) -> u64 {
+        let layers = self.options().layers.iter();
+        let channels: usize = layers.map(|layer| layer.channels().len()).sum();
+        self.atlas().audit.texels * channels as u64 * 4 * 2
+    }
+}
+
+/// Says that the scene's files are no longer what was baked.
+fn edited(job: &Job) -> Option<report::WarningReport> {
+    job.scene().was_edited().then(|| report::WarningReport {
+        kind: "edited-scene".into(),
+        place: job.scene().path.display().to_string(),
+        count: 1,
+        message: "the scene's files were edited or removed during the bake; the results are those of the scene as it was read".into(),
+    })
 }
 
 fn page_name(stem: &str, page: u32) -> String {

@@ -17,6 +17,9 @@ pub struct Common {
     /// Seed of the sample points
     #[arg(long, value_name = "S", default_value_t = 0)]
     pub seed: u64,
+    /// Read files that the scene names outside of its folder too, for a scene that you trust
+    #[arg(long)]
+    pub allow_outside: bool,
     /// Print nothing but errors
     #[arg(long)]
     pub quiet: bool,
@@ -46,6 +49,16 @@ impl Backend {
             Some(Backend::Obvhs) => ambake::Backend::Obvhs,
             Some(Backend::ObvhsBvh2) => ambake::Backend::ObvhsBvh2,
             None => ambake::Backend::best(),
+        }
+    }
+}
+
+impl Common {
+    /// Where the files may lie that a scene names.
+    pub fn files(&self) -> scene::Files {
+        match self.allow_outside {
+            true => scene::Files::Anywhere,
+            false => scene::Files::Inside,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use anyhow::Context;
 use serde_json::Value;
+use std::borrow::Cow;
 use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 
@@ -21,7 +22,7 @@ pub fn exit_code(result: anyhow::Result<Outcome>) -> ExitCode {
         Ok(Outcome::Unusable) => ExitCode::FAILURE,
         Ok(Outcome::Stopped(signal)) => ExitCode::from(128 + signal as u8),
         Err(error) => {
-            eprintln!("ambake: {}", one_line(&error));
+            tell(&one_line(&error));
             ExitCode::FAILURE
         }
     }
@@ -38,8 +39,39 @@ fn one_line(error: &anyhow::Error) -> String {
     line.replace('\n', " ")
 }
 
+/// Prints a line on standard error under the program's name. Where nobody can read it, nothing else is to be done.
+pub fn tell(line: &str) {
+    note(&format!("ambake: {line}"));
+}
+
+/// As [`tell`], without the program's name.
+pub fn note(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{}", printable(line));
+}
+
+/// The text as it may stand on a terminal: control characters but the end of line, and marks that turn the direction of
+/// writing, become `\u{..}`. Names and numbers of a scene file come from strangers.
+pub fn printable(text: &str) -> Cow<'_, str> {
+    let odd = |c: char| {
+        (c.is_control() && c != '\n')
+            || matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    };
+    if !text.contains(odd) {
+        return text.into();
+    }
+    let escape = |c: char| match odd(c) {
+        true => format!("\\u{{{:x}}}", u32::from(c)),
+        false => c.to_string(),
+    };
+    text.chars().map(escape).collect()
+}
+
 /// Prints to standard output. A reader that has gone away is no failure.
 pub fn say(text: &str) -> anyhow::Result<()> {
+    write(&printable(text))
+}
+
+fn write(text: &str) -> anyhow::Result<()> {
     match std::io::stdout().lock().write_all(text.as_bytes()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(error).context("cannot write to standard output")
@@ -50,5 +82,26 @@ pub fn say(text: &str) -> anyhow::Result<()> {
 
 /// Prints a machine-readable summary to standard output.
 pub fn say_json(summary: &Value) -> anyhow::Result<()> {
-    say(&format!("{}\n", serde_json::to_string_pretty(summary)?))
+    say_json_text(&serde_json::to_string_pretty(summary)?)
+}
+
+/// Prints JSON to standard output. What is left of control characters in it stands in strings, where JSON has its own escapes.
+pub fn say_json_text(json: &str) -> anyhow::Result<()> {
+    let escape = |c: char| match c.is_control() && c != '\n' {
+        true => format!("\\u{:04x}", u32::from(c)),
+        false => c.to_string(),
+    };
+    write(&(json.chars().map(escape).collect::<String>() + "\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_never_holds_what_moves_a_cursor() {
+        let line = printable("a\u{1b}[2Jb\rc\u{9b}d\u{202e}e\nf");
+        assert_eq!(line, "a\\u{1b}[2Jb\\u{d}c\\u{9b}d\\u{202e}e\nf");
+        assert!(matches!(printable("Zimmer ä 50 %"), Cow::Borrowed(_)));
+    }
 }

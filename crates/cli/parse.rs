@@ -14,6 +14,7 @@ pub fn number(text: &str) -> Result<f64, String> {
 pub fn positive(text: &str) -> Result<f64, String> {
     match number(text)? {
         value if value > 0.0 && (value as f32).is_finite() && value as f32 > 0.0 => Ok(value),
+        value if value > 1.0 => Err("must be at most 3.4e38".into()),
         _ => Err("must be above 0".into()),
     }
 }
@@ -41,7 +42,7 @@ pub fn color(text: &str) -> Result<[f32; 3], String> {
     if values.iter().all(|v| v.is_finite() && *v >= 0.0) {
         Ok(values)
     } else {
-        Err("each must be 0 or above".into())
+        Err("each must be 0 or above, and at most 3.4e38".into())
     }
 }
 

@@ -1,5 +1,6 @@
 //! Progress on standard error: a bar on a terminal, otherwise a plain line now and then.
 
+use crate::outcome::note;
 use crate::stop::Stop;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use layers::Progress;
@@ -36,6 +37,7 @@ pub struct Show {
 pub fn watch<R>(show: Show, stop: &Stop, job: impl FnOnce(&dyn Progress) -> R) -> R {
     let meter = Meter::default();
     let done = AtomicBool::new(false);
+    let _ends_cleanly = stop.hold();
     std::thread::scope(|scope| {
         let watcher = scope.spawn(|| show.until(&done, stop, &meter));
         let result = job(&meter);
@@ -108,7 +110,7 @@ impl Show {
             bar.set_position(seen.done.min(seen.total));
             bar.set_message(status(seen, self.unit, elapsed));
             if !self.quiet && !terminal && lines.due(elapsed) {
-                eprintln!("{}", status(seen, self.unit, elapsed));
+                note(&status(seen, self.unit, elapsed));
             }
         }
         bar.finish_and_clear();

@@ -1,29 +1,54 @@
-//! Ctrl-C and SIGTERM: the first asks the job to stop at a place where nothing is half-written.
+//! Ctrl-C and SIGTERM. While a job runs that can stop cleanly, the first asks it to, at a place where nothing is half-written, and the
+//! second ends the program. Before and after such a job (load, plan, layout, build) nothing stands in a file, so the first ends it.
 
 use crate::outcome::Outcome;
 use anyhow::Context;
 use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// The signal that arrived, if any.
 #[derive(Clone)]
-pub struct Stop(Arc<AtomicUsize>);
+pub struct Stop {
+    caught: Arc<AtomicUsize>,
+    /// The next signal ends the program, with the signal's exit status.
+    at_once: Arc<AtomicBool>,
+}
+
+/// A time in which the first signal only asks.
+pub struct Held<'a>(&'a Stop);
 
 impl Stop {
     /// Starts to listen.
     pub fn listen() -> anyhow::Result<Self> {
-        let caught = Arc::new(AtomicUsize::new(0));
+        let stop = Self {
+            caught: Arc::default(),
+            at_once: Arc::new(AtomicBool::new(true)),
+        };
         for signal in [SIGINT, SIGTERM] {
-            signal_hook::flag::register_usize(signal, Arc::clone(&caught), signal as usize)
+            let (caught, at_once) = (&stop.caught, &stop.at_once);
+            // In this order: the one that arms the end of the program comes last, so that the second signal meets it.
+            flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(at_once))
+                .and_then(|_| flag::register_usize(signal, Arc::clone(caught), signal as usize))
+                .and_then(|_| flag::register(signal, Arc::clone(at_once)))
                 .context("cannot listen for signals")?;
         }
-        Ok(Self(caught))
+        Ok(stop)
+    }
+
+    /// Lets the next signal ask instead of ending the program, until the guard is dropped. Not where one has asked before.
+    pub fn hold(&self) -> Held<'_> {
+        self.at_once.store(false, Ordering::SeqCst);
+        if self.signal().is_some() {
+            self.at_once.store(true, Ordering::SeqCst);
+        }
+        Held(self)
     }
 
     /// The signal's number.
     pub fn signal(&self) -> Option<i32> {
-        match self.0.load(Ordering::Relaxed) {
+        match self.caught.load(Ordering::SeqCst) {
             0 => None,
             signal => Some(signal as i32),
         }
@@ -32,5 +57,11 @@ impl Stop {
     /// How a verb ends whose job was stopped.
     pub fn outcome(&self) -> Outcome {
         Outcome::Stopped(self.signal().unwrap_or(SIGINT))
+    }
+}
+
+impl Drop for Held<'_> {
+    fn drop(&mut self) {
+        self.0.at_once.store(true, Ordering::SeqCst);
     }
 }

@@ -11,7 +11,7 @@ use std::time::Instant;
 pub fn prepare(file: &Path, job: &Job, common: &Common) -> anyhow::Result<ambake::Job> {
     host::set_threads(common.threads)?;
     let started = Instant::now();
-    let scene = ambake::load(file)?;
+    let scene = ambake::load_with(file, common.files())?;
     let loading = started.elapsed().as_secs_f64();
     let mut prepared = options::bake(&scene, job, common)?.prepare()?;
     prepared.add_phase("load", loading);

@@ -3,7 +3,7 @@
 use super::args::Bake as Args;
 use super::prepare::prepare;
 use super::summary::summary;
-use crate::outcome::{Outcome, say};
+use crate::outcome::{Outcome, say, say_json_text, tell};
 use crate::progress::{Show, watch};
 use crate::stop::Stop;
 use report::Output;
@@ -11,8 +11,8 @@ use report::Output;
 /// Runs the verb.
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let stop = Stop::listen()?;
-    // A directory that cannot be written is found before the scene is loaded.
-    Output::create(&args.output)?;
+    // A directory that cannot be written, or is another bake's, is found before the scene is loaded.
+    drop(Output::exclusive(&args.output)?);
     let job = prepare(&args.scene, &args.job, &args.common)?;
     let show = Show {
         unit: "texels",
@@ -24,14 +24,14 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let written = match written {
         Err(ambake::Error::Cancelled) => {
             if !args.common.quiet {
-                eprintln!("ambake: stopped; continue with the same command and --resume");
+                tell("stopped; continue with the same command and --resume");
             }
             return Ok(stop.outcome());
         }
         other => other?,
     };
     if args.common.json {
-        say(&(written.report.to_json() + "\n"))?;
+        say_json_text(&written.report.to_json())?;
     } else if !args.common.quiet {
         say(&summary(
             &written.report,

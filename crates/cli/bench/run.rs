@@ -3,7 +3,7 @@
 use super::args::Args;
 use crate::bake::prepare::prepare;
 use crate::host;
-use crate::outcome::{Outcome, say, say_json};
+use crate::outcome::{Outcome, note, say, say_json};
 use ::bake::PointSet;
 use anyhow::Context;
 use bench::ceiling::{Pair, ceiling};
@@ -52,10 +52,10 @@ fn against_error(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
     let subject = Subject { world, plan, atlas };
     let rows = speed(subject, options, args.repeats, |row| {
         if !args.common.quiet {
-            eprintln!(
+            note(&format!(
                 "{} {}: RMSE {:.5}, {:.3} CPU s",
                 row.technique, row.effort, row.rmse, row.cpu_seconds
-            );
+            ));
         }
     })?;
     let ratio = match EmbreeBackend::build(world, rayon::current_num_threads()) {

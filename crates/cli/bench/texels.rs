@@ -4,7 +4,7 @@ use super::args::Args;
 use crate::bake::prepare::prepare;
 use crate::common::Backend;
 use crate::host;
-use crate::outcome::{Outcome, say, say_json};
+use crate::outcome::{Outcome, note, say, say_json};
 use ::bake::Baker;
 use anyhow::Context;
 use bench::texels::{self, Facts, Lit};
@@ -30,7 +30,10 @@ fn scenes(args: &Args) -> anyhow::Result<Outcome> {
     let rows = texels::run(kind, args.job.rays, &mut |rows| {
         if !args.common.quiet {
             for row in rows.iter().filter(|row| !row.holds()) {
-                eprintln!("{} {} ({}) fails", row.test, row.variant, row.backend);
+                note(&format!(
+                    "{} {} ({}) fails",
+                    row.test, row.variant, row.backend
+                ));
             }
         }
     })?;

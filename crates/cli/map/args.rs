@@ -197,6 +197,9 @@ pub struct Merge {
 pub struct Capture {
     /// Scene file: .obj, .gltf or .glb
     pub scene: PathBuf,
+    /// Read files that the scene names outside of its folder too, for a scene that you trust
+    #[arg(long)]
+    pub allow_outside: bool,
     /// The place, in scene units: the middle of the object that will be shaded
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = triple)]
     pub at: [f64; 3],

@@ -4,7 +4,7 @@ use super::args::{Capture, PointSource};
 use super::file::{Target, picture_size, write};
 use crate::common::{build, lights};
 use crate::host;
-use crate::outcome::{Outcome, say, say_json};
+use crate::outcome::{Outcome, say, say_json, tell};
 use crate::progress::{Show, watch};
 use crate::stop::Stop;
 use ::render::{Direct, Error, Lamps, Light, Model, PointForm, add_points, capture};
@@ -27,7 +27,11 @@ pub fn run(args: &Capture) -> anyhow::Result<Outcome> {
         None => args.to.size(4 * args.face as usize),
     };
     args.to.check(size.0, size.1)?;
-    let mut scene = scene::load(&args.scene)?;
+    let files = match args.allow_outside {
+        true => scene::Files::Anywhere,
+        false => scene::Files::Inside,
+    };
+    let mut scene = scene::load_with(&args.scene, files)?;
     hide(&mut scene, &args.hide)?;
     let (world, backend) = build(scene, args.backend, threads)?;
     let surfaces = Surfaces::new(&world);
@@ -36,7 +40,7 @@ pub fn run(args: &Capture) -> anyhow::Result<Outcome> {
     let sky = glam::Vec3::from(args.sky).as_dvec3();
     let black = sky == DVec3::ZERO && lamps.is_empty() && points.is_empty();
     if black && !args.common.quiet {
-        eprintln!("ambake: warning: nothing shines here, the map is black; give --sky or --point");
+        tell("warning: nothing shines here, the map is black; give --sky or --point");
     }
     let direct = Direct {
         surfaces: &surfaces,

@@ -20,7 +20,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         }
     }
     let (scene, lightmap) = match &args.bake {
-        None => (scene::load(&args.scene)?, None),
+        None => (scene::load_with(&args.scene, args.common.files())?, None),
         Some(dir) => {
             let stem = args.scene.file_stem().unwrap_or_default().to_string_lossy();
             let layer = options::model(args.model).name();

@@ -14,6 +14,25 @@ pub enum Error {
         /// What the system said.
         reason: String,
     },
+    /// Another job has the directory.
+    #[error("another bake into {} is running; wait for it, or choose another place with -o", path.display())]
+    Busy {
+        /// The directory asked for.
+        path: PathBuf,
+    },
+    /// The results will not fit.
+    #[error(
+        "{} has {} MiB free, and this bake needs about {} MiB there for its results and its saved state; free some space, lower --size, ask for fewer --layers, or choose another place with -o",
+        path.display(), free >> 20, needed.div_ceil(1 << 20)
+    )]
+    Full {
+        /// The directory asked for.
+        path: PathBuf,
+        /// Bytes that are free there.
+        free: u64,
+        /// Bytes that are needed.
+        needed: u64,
+    },
     /// A file cannot be written.
     #[error("cannot write {}: {source}; {}", path.display(), advice(source))]
     Write {

@@ -1,7 +1,7 @@
 //! The output directory: files are staged under temporary names and published together.
 
 use crate::Error;
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use tempfile::{NamedTempFile, TempPath};
@@ -16,7 +16,16 @@ pub struct Output {
     /// Files that no output may replace.
     inputs: Vec<PathBuf>,
     staged: Vec<(TempPath, PathBuf)>,
+    /// How names of temporary files begin.
+    prefix: &'static str,
+    /// Held for as long as nobody else may bake into `dir`; the system frees it where the process dies.
+    _lock: Option<File>,
 }
+
+/// Temporary files of an output that others share.
+const SHARED: &str = ".ambake-";
+/// Temporary files of an output that is one job's alone: what is left of them, a killed job left.
+const EXCLUSIVE: &str = ".ambake-bake-";
 
 impl Output {
     /// An empty set in `dir`, which is made with its parents where it is absent and is proved writable.
@@ -32,12 +41,40 @@ impl Output {
             return Err(fail("a file of that name exists".into()));
         }
         fs::create_dir_all(dir).map_err(|e| fail(e.to_string()))?;
-        temporary(dir).map_err(|e| fail(e.to_string()))?;
+        temporary(dir, SHARED).map_err(|e| fail(e.to_string()))?;
         Ok(Output {
             dir: dir.to_owned(),
             inputs: Vec::new(),
             staged: Vec::new(),
+            prefix: SHARED,
+            _lock: None,
         })
+    }
+
+    /// As [`Output::create`], for one job alone: a second one in `dir` is refused until this one is dropped or its process ends.
+    /// Temporary files that a killed job left there are removed.
+    ///
+    /// # Errors
+    /// As [`Output::create`]; [`Error::Busy`].
+    pub fn exclusive(dir: &Path) -> Result<Output, Error> {
+        let mut output = Output::create(dir)?;
+        // The directory itself is locked, so that no lock file is left behind. A file system without locks has none.
+        if let Ok(handle) = File::open(dir) {
+            match handle.try_lock() {
+                Err(TryLockError::WouldBlock) => return Err(Error::Busy { path: dir.into() }),
+                Err(TryLockError::Error(_)) | Ok(()) => output._lock = Some(handle),
+            }
+        }
+        output.prefix = EXCLUSIVE;
+        for entry in fs::read_dir(dir).into_iter().flatten().flatten() {
+            let name = entry.file_name();
+            let name = name.to_string_lossy();
+            if name.starts_with(EXCLUSIVE) && name.ends_with(".part") {
+                // One that cannot be removed is in nobody's way.
+                let _ = fs::remove_file(entry.path());
+            }
+        }
+        Ok(output)
     }
 
     /// An empty set in the directory of one file.
@@ -86,7 +123,7 @@ impl Output {
     ) -> Result<(), Error> {
         self.check(name)?;
         let path = self.dir.join(name);
-        let mut file = temporary(&self.dir).map_err(|e| Error::write(&path, e))?;
+        let mut file = temporary(&self.dir, self.prefix).map_err(|e| Error::write(&path, e))?;
         write(file.as_file_mut()).map_err(|error| match error {
             Error::Write {
                 path: empty,
@@ -180,9 +217,9 @@ pub fn remove_stale(files: &[PathBuf]) {
 }
 
 /// A new temporary file in `dir`, with the permissions any new file gets.
-fn temporary(dir: &Path) -> io::Result<NamedTempFile> {
+fn temporary(dir: &Path, prefix: &str) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".ambake-").suffix(".part");
+    builder.prefix(prefix).suffix(".part");
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -217,6 +254,32 @@ mod tests {
             [target.join("x.png"), target.join("bake.json")]
         );
         assert_eq!(names(&target), ["bake.json", "x.png"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_second_job_is_refused_and_leftovers_of_a_killed_one_go() {
+        let dir = tempfile::tempdir().unwrap();
+        let mut first = Output::exclusive(dir.path()).unwrap();
+        let error = Output::exclusive(dir.path()).unwrap_err().to_string();
+        assert!(
+            error.contains("another bake") && error.contains("-o"),
+            "{error}"
+        );
+        // A verb that adds a file beside the bake is no second bake.
+        let mut picture = Output::create(dir.path()).unwrap();
+        picture.stage_bytes("lit.png", b"one").unwrap();
+        first.stage_bytes("x.png", b"one").unwrap();
+        // As if the process were killed: the files stay, the lock goes.
+        for (temporary, _) in std::mem::take(&mut first.staged) {
+            temporary.keep().unwrap();
+        }
+        drop(first);
+        assert_eq!(names(dir.path()).len(), 2);
+        let _second = Output::exclusive(dir.path()).unwrap();
+        assert_eq!(names(dir.path()).len(), 1, "{:?}", names(dir.path()));
+        picture.publish().unwrap();
+        assert_eq!(names(dir.path()), ["lit.png"]);
     }
 
     #[test]

@@ -22,6 +22,17 @@ pub enum Error {
         /// The path as given.
         path: PathBuf,
     },
+    /// A scene names a file outside of its folder.
+    #[error(
+        "{}: it names {}, which lies outside of the scene's folder; copy it there, or pass --allow-outside if you trust the scene",
+        path.display(), named.display()
+    )]
+    Outside {
+        /// The scene file.
+        path: PathBuf,
+        /// The file that it names.
+        named: PathBuf,
+    },
     /// The file holds no byte.
     #[error("{} is empty; export the scene again", path.display())]
     Empty {

@@ -1,6 +1,6 @@
 //! Decodes image files to 8-bit RGBA.
 
-use image::{ImageFormat, ImageReader, Limits};
+use image::{ImageError, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
 
 /// Why an image gives no pixels.
@@ -9,7 +9,12 @@ pub(crate) enum Failure {
     Unsupported(String),
     /// The bytes are broken: the load stops.
     Broken(String),
+    /// A sound image of more pixels than are read: the load stops with [`TOO_LARGE`].
+    TooLarge,
 }
+
+/// What is said of [`Failure::TooLarge`].
+pub(crate) const TOO_LARGE: &str = "the image is wider or higher than 65,536 pixels or takes more than 1 GiB decoded; scale it down";
 
 /// Width, height and RGBA pixels.
 pub(crate) struct Pixels {
@@ -44,9 +49,10 @@ pub(crate) fn decode(bytes: &[u8], name: &str) -> Result<Pixels, Failure> {
     limits.max_image_height = Some(1 << 16);
     limits.max_alloc = Some(1 << 30);
     reader.limits(limits);
-    let image = reader
-        .decode()
-        .map_err(|e| Failure::Broken(e.to_string().replace('\n', " ")))?;
+    let image = reader.decode().map_err(|e| match e {
+        ImageError::Limits(_) => Failure::TooLarge,
+        other => Failure::Broken(other.to_string().replace('\n', " ")),
+    })?;
     let has_alpha = image.color().has_alpha();
     let image = image.into_rgba8();
     let (width, height) = image.dimensions();

@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 pub mod authored;
+mod edited;
 mod error;
 mod gltf;
 mod image;
@@ -22,6 +23,7 @@ pub use error::Error;
 pub use gltf::{Elements, EncodedImage, GltfDocument};
 pub use material::{MAX_EXPONENT, phong_from_metallic_roughness};
 pub use normal_map::{NormalMap, PackedImage};
+pub use source::Files;
 pub use types::*;
 pub use warning::{Warning, WarningKind};
 
@@ -30,7 +32,7 @@ use std::path::Path;
 /// The scene in a file, complete and validated: see [`Scene`] for what holds afterwards.
 ///
 /// A GLB file is known by its first bytes, `.obj` and `.gltf` by their ending. Files named inside (buffers, images,
-/// material libraries) are looked for beside the file that names them.
+/// material libraries) are looked for beside the file that names them, and are read only in its folder or below: see [`Files`].
 ///
 /// # Errors
 /// One line that names the file, the place and the cure; see [`Error`]. Nothing a file can hold makes this panic, and
@@ -42,8 +44,16 @@ use std::path::Path;
 /// # Ok::<(), ambake_scene::Error>(())
 /// ```
 pub fn load(path: &Path) -> Result<Scene, Error> {
+    load_with(path, Files::Inside)
+}
+
+/// As [`load`], with a say in where the files may lie that the scene names.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_with(path: &Path, allowed: Files) -> Result<Scene, Error> {
     let format = source::format_of(path)?;
-    let mut input = source::Input::new(path);
+    let mut input = source::Input::new(path, allowed);
     let parts = match format {
         Format::Obj => obj::load(&mut input)?,
         // A file is never `Format::Memory`.

@@ -1,6 +1,6 @@
 //! Normal maps of materials: kept as their files' bytes, decoded only for a bake that bends normals.
 
-use crate::image::{Failure, decode};
+use crate::image::{Failure, TOO_LARGE, decode};
 use crate::source::short;
 use crate::{Error, Image, Scene, TextureRef};
 use glam::{Vec2, Vec3};
@@ -48,6 +48,7 @@ impl Scene {
                 "{}; repair the image or leave out --normal-maps",
                 short(&problem)
             )),
+            Failure::TooLarge => fail(TOO_LARGE.into()),
         })?;
         let image = Image {
             name: packed.name.clone(),

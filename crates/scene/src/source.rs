@@ -8,9 +8,23 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+/// Where the files may lie that a scene file names: buffers, pictures, material libraries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Files {
+    /// In the folder of the scene file or below it, links resolved. A scene from elsewhere cannot have other files read.
+    #[default]
+    Inside,
+    /// Anywhere: for scenes that you trust.
+    Anywhere,
+}
+
+/// The most bytes that a file named by a scene may hold beyond what the scene says of it: 1 GiB.
+pub(crate) const MOST_BYTES: u64 = 1 << 30;
+
 /// The state of one load: which file, the hash of what was read, and the warnings so far.
 pub(crate) struct Input {
     pub path: PathBuf,
+    pub allowed: Files,
     pub hasher: blake3::Hasher,
     pub warnings: Vec<Warning>,
     /// Every file that was read, the main one first.
@@ -18,9 +32,10 @@ pub(crate) struct Input {
 }
 
 impl Input {
-    pub fn new(path: &Path) -> Input {
+    pub fn new(path: &Path, allowed: Files) -> Input {
         Input {
             path: path.to_path_buf(),
+            allowed,
             hasher: blake3::Hasher::new(),
             warnings: Vec::new(),
             files: Vec::new(),
@@ -55,19 +70,69 @@ impl Input {
         }
     }
 
-    /// All bytes of a file, hashed.
-    pub fn read(&mut self, path: &Path) -> Result<Vec<u8>, Error> {
-        let bytes = file(path)?;
+    /// All bytes of the main file, hashed.
+    pub fn read_main(&mut self) -> Result<Vec<u8>, Error> {
+        let path = self.path.clone();
+        let bytes = bytes_of(open(&path)?, &path)?;
+        self.hasher.update(&bytes);
+        self.files.push(path);
+        Ok(bytes)
+    }
+
+    /// All bytes of a file that the scene names, hashed.
+    ///
+    /// * `announced`: how many bytes the scene says that it has; 0 where it says nothing.
+    pub fn read(&mut self, path: &Path, announced: u64) -> Result<Vec<u8>, Error> {
+        let bytes = self.read_unhashed(path, announced)?;
         self.hasher.update(&bytes);
         self.files.push(path.to_owned());
         Ok(bytes)
     }
+
+    /// As [`Input::read`], for a file without influence on a bake.
+    pub fn read_unhashed(&self, path: &Path, announced: u64) -> Result<Vec<u8>, Error> {
+        self.check_place(path)?;
+        let file = open(path)?;
+        let length = file.metadata().map_or(0, |about| about.len());
+        if length > announced.saturating_add(MOST_BYTES) {
+            return Err(Error::Invalid {
+                path: path.into(),
+                place: format!("{length} bytes"),
+                problem: "no file that a scene names may be so long; check what it is".into(),
+            });
+        }
+        bytes_of(file, path)
+    }
+
+    /// Refuses a file outside of the folders of the main file: the one it was named in and the one it really lies in.
+    fn check_place(&self, path: &Path) -> Result<(), Error> {
+        // What is absent is somebody else's complaint.
+        let (Files::Inside, Ok(real)) = (self.allowed, path.canonicalize()) else {
+            return Ok(());
+        };
+        let named = match self.path.parent() {
+            Some(folder) if folder != Path::new("") => folder.canonicalize().ok(),
+            _ => Path::new(".").canonicalize().ok(),
+        };
+        let own = self.path.canonicalize().ok();
+        let own = own.and_then(|file| file.parent().map(Path::to_owned));
+        match [named, own]
+            .into_iter()
+            .flatten()
+            .any(|folder| real.starts_with(folder))
+        {
+            true => Ok(()),
+            false => Err(Error::Outside {
+                path: self.path.clone(),
+                named: path.into(),
+            }),
+        }
+    }
 }
 
-/// All bytes of a regular file.
-pub(crate) fn file(path: &Path) -> Result<Vec<u8>, Error> {
+fn bytes_of(mut file: File, path: &Path) -> Result<Vec<u8>, Error> {
     let mut bytes = Vec::new();
-    let read = open(path)?.read_to_end(&mut bytes);
+    let read = file.read_to_end(&mut bytes);
     read.map_err(|cause| Error::Read {
         path: path.into(),
         cause,
@@ -171,12 +236,6 @@ pub(crate) fn uri(text: &str) -> Result<Uri, String> {
     Ok(Uri::File(name.into_owned()))
 }
 
-/// The media type that a data URI declares.
-pub(crate) fn media_type(text: &str) -> Option<&str> {
-    let head = text.strip_prefix("data:")?.split([';', ',']).next()?;
-    (!head.is_empty()).then_some(head)
-}
-
 /// The start of a text without control characters, for a message on one line.
 pub(crate) fn short(text: &str) -> String {
     let clean: String = text
@@ -210,14 +269,6 @@ mod tests {
         assert_eq!(data("data:;base64,AAE="), [0, 1]);
         assert_eq!(data("data:,a%20b%2Fc%zz%"), b"a b/c%zz%");
         assert!(uri("data:;base64").is_err(), "no comma");
-    }
-
-    #[test]
-    fn a_media_type_is_what_a_data_uri_declares() {
-        assert_eq!(media_type("data:image/png;base64,AAEC"), Some("image/png"));
-        assert_eq!(media_type("data:text/plain,a"), Some("text/plain"));
-        assert_eq!(media_type("data:;base64,AAEC"), None);
-        assert_eq!(media_type("image/png;a.png"), None);
     }
 
     #[test]

@@ -41,7 +41,7 @@ impl Scene {
     /// # Ok::<(), ambake_scene::Error>(())
     /// ```
     pub fn from_meshes(meshes: Vec<Mesh>, materials: Vec<Material>) -> Result<Scene, Error> {
-        let mut input = Input::new(Path::new("scene"));
+        let mut input = Input::new(Path::new("scene"), crate::Files::Inside);
         hash::update(&mut input.hasher, &meshes, &materials);
         parts(&mut input, meshes, materials)
             .and_then(|parts| validate::scene(input, Format::Memory, parts))

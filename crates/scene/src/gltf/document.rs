@@ -3,10 +3,10 @@
 
 use super::root::unsupported;
 use crate::Error;
-use crate::source::{Input, Uri, beside, file, media_type, uri};
+use crate::source::{Input, Uri, beside, uri};
 use gltf::json::Root;
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 /// A glTF file in its raw parts. They are as [`crate::load`] read them; the file is not opened again.
 #[derive(Debug, Clone)]
@@ -16,15 +16,15 @@ pub struct GltfDocument {
     pub json: Value,
     /// The bytes of each of the JSON's `buffers`, each exactly `byteLength` long.
     pub buffers: Vec<Vec<u8>>,
-    /// For each of the JSON's `images` the content behind its `uri`. `None` where it lies in a buffer view, or where
-    /// its file is absent or of no known kind.
+    /// For each of the JSON's `images` the content behind its `uri`. `None` where it lies in a buffer view, where its file is
+    /// absent or nothing uses it, and where its bytes are not those of a picture: that stays a URI.
     pub images: Vec<Option<EncodedImage>>,
 }
 
 /// An image file's bytes, not decoded.
 #[derive(Debug, Clone)]
 pub struct EncodedImage {
-    /// Media type such as `image/png`.
+    /// Media type by its first bytes, such as `image/png`.
     pub mime_type: String,
     /// The whole file.
     pub bytes: Vec<u8>,
@@ -48,7 +48,10 @@ impl GltfDocument {
                 Some(text) => {
                     match uri(text).map_err(|problem| input.invalid(place.as_str(), problem))? {
                         Uri::Data(bytes) => bytes,
-                        Uri::File(name) => input.read(&beside(&input.path, &name))?,
+                        Uri::File(name) => {
+                            let path = beside(&input.path, &name);
+                            input.read(&path, buffer.byte_length.0)?
+                        }
                     }
                 }
                 None => match bin.take().filter(|_| i == 0) {
@@ -78,32 +81,42 @@ impl GltfDocument {
 
     /// Takes up the image files behind the JSON's URIs. `read` holds those that materials have read, by image number.
     /// The others have no influence on a bake, so they are not part of its hash, and one that cannot be read stays a
-    /// URI.
-    pub(super) fn take_images(&mut self, input: &mut Input, mut read: BTreeMap<usize, Vec<u8>>) {
-        let image = |(i, image): (usize, &mut Value)| {
-            let text = image.get("uri")?.as_str()?;
-            let bytes = match read.remove(&i) {
-                Some(bytes) => bytes,
-                None => match uri(text).ok()? {
-                    Uri::Data(bytes) => bytes,
-                    Uri::File(name) => {
-                        let path = beside(&input.path, &name);
-                        let bytes = file(&path).ok()?;
-                        input.files.push(path);
-                        bytes
+    /// URI. So does what is no picture, whatever the JSON calls it: a scene must not carry other files away.
+    ///
+    /// # Errors
+    /// A picture lies where the scene may not have files read.
+    pub(super) fn take_images(
+        &mut self,
+        input: &mut Input,
+        mut read: BTreeMap<usize, Vec<u8>>,
+    ) -> Result<(), Error> {
+        let used = used_images(&self.json);
+        let mut image = |(i, image): (usize, &mut Value)| -> Result<_, Error> {
+            let content = image.get("uri").and_then(Value::as_str).map(uri);
+            let bytes = match (read.remove(&i), content) {
+                (Some(bytes), _) | (None, Some(Ok(Uri::Data(bytes)))) => bytes,
+                (None, Some(Ok(Uri::File(name)))) if used.contains(&i) => {
+                    let path = beside(&input.path, &name);
+                    match input.read_unhashed(&path, 0) {
+                        Ok(bytes) => {
+                            input.files.push(path);
+                            bytes
+                        }
+                        Err(error @ Error::Outside { .. }) => return Err(error),
+                        Err(_) => return Ok(None),
                     }
-                },
+                }
+                _ => return Ok(None),
             };
-            let own = image.get("mimeType").and_then(Value::as_str);
-            let mime_type = own.or_else(|| sniff(&bytes)).or_else(|| media_type(text))?;
-            let mime_type = mime_type.to_owned();
-            cut_data_uri(image);
-            Some(EncodedImage { mime_type, bytes })
+            Ok(sniff(&bytes).map(|mime_type| {
+                cut_data_uri(image);
+                let mime_type = mime_type.to_owned();
+                EncodedImage { mime_type, bytes }
+            }))
         };
-        self.images = entries(&mut self.json, "images")
-            .enumerate()
-            .map(image)
-            .collect();
+        let images = entries(&mut self.json, "images").enumerate();
+        self.images = images.map(&mut image).collect::<Result<_, _>>()?;
+        Ok(())
     }
 }
 
@@ -117,6 +130,37 @@ fn no_content(input: &Input, root: &Root, place: String) -> Error {
             "it has neither a uri nor a binary chunk; export the file again",
         ),
     }
+}
+
+/// The images that a texture, an extension of one, or an extension of the whole document names.
+fn used_images(json: &Value) -> HashSet<usize> {
+    fn numbers(value: &Value, found: &mut HashSet<usize>) {
+        match value {
+            Value::Number(number) => found.extend(number.as_u64().map(|n| n as usize)),
+            Value::Array(list) => list.iter().for_each(|v| numbers(v, found)),
+            Value::Object(map) => map.values().for_each(|v| numbers(v, found)),
+            _ => {}
+        }
+    }
+    let mut used = HashSet::new();
+    for texture in json
+        .get("textures")
+        .and_then(Value::as_array)
+        .into_iter()
+        .flatten()
+    {
+        for key in ["source", "extensions"] {
+            numbers(texture.get(key).unwrap_or(&Value::Null), &mut used);
+        }
+    }
+    let of_document = json.get("extensions").unwrap_or(&Value::Null);
+    numbers(
+        of_document
+            .get("EXT_lights_image_based")
+            .unwrap_or(&Value::Null),
+        &mut used,
+    );
+    used
 }
 
 /// The elements of a top-level array.
@@ -143,6 +187,16 @@ fn sniff(bytes: &[u8]) -> Option<&'static str> {
         [0xff, 0xd8, 0xff, ..] => Some("image/jpeg"),
         [0xab, b'K', b'T', b'X', b' ', b'2', b'0', ..] => Some("image/ktx2"),
         [b'D', b'D', b'S', b' ', ..] => Some("image/vnd-ms.dds"),
+        // The length of its second header, and one plane.
+        [b'B', b'M', ..]
+            if matches!(
+                bytes.get(14..28),
+                Some([12 | 40 | 52 | 56 | 64 | 108 | 124, 0, 0, 0, .., 1, 0])
+            ) =>
+        {
+            Some("image/bmp")
+        }
+        _ if bytes.get(4..12) == Some(b"ftypavif") => Some("image/avif"),
         _ if bytes.starts_with(b"RIFF") && bytes.get(8..12) == Some(b"WEBP") => Some("image/webp"),
         _ => None,
     }

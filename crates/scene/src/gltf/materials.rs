@@ -1,7 +1,7 @@
 //! glTF materials and the images they read.
 
 use super::accessor::Data;
-use crate::image::{Failure, Pixels, decode};
+use crate::image::{Failure, Pixels, TOO_LARGE, decode};
 use crate::source::{Input, Uri, beside, short, uri};
 use crate::validate::{Parts, clamped};
 use crate::{
@@ -344,6 +344,7 @@ fn images(
                     format!("{}; repair or remove the image", short(&problem)),
                 ));
             }
+            Err(Failure::TooLarge) => return Err(input.invalid(place, TOO_LARGE)),
         }
     }
     Ok(numbers)
@@ -390,7 +391,7 @@ fn encoded<'a>(
             }
             Ok(Some((
                 json.name.clone().unwrap_or(file),
-                Cow::Owned(input.read(&path)?),
+                Cow::Owned(input.read(&path, 0)?),
             )))
         }
     }

@@ -32,7 +32,7 @@ use std::sync::Arc;
 
 /// Reads the glTF or GLB file of `input` with its buffers and images.
 pub(crate) fn load(input: &mut Input, format: Format) -> Result<Parts, Error> {
-    let mut bytes = input.read(&input.path.clone())?;
+    let mut bytes = input.read_main()?;
     let Chunks { json, bin } = match format {
         Format::Glb => {
             container::chunks(&bytes).map_err(|(place, problem)| input.invalid(place, problem))?
@@ -76,7 +76,7 @@ pub(crate) fn load(input: &mut Input, format: Format) -> Result<Parts, Error> {
         parts.materials.push(untinted("none"));
     }
     without.for_each(|mesh| mesh.material = untinted_index);
-    document.take_images(input, image_files);
+    document.take_images(input, image_files)?;
     parts.source = Some(Arc::new(document));
     Ok(parts)
 }

@@ -7,7 +7,7 @@
 //! `illum` is not used either: which model is shown is chosen by layer.
 
 use super::options::Options;
-use crate::image::{Failure, decode};
+use crate::image::{Failure, TOO_LARGE, decode};
 use crate::material::{MAX_EXPONENT, conserving};
 use crate::source::{Input, beside, short};
 use crate::validate::{Parts, clamped};
@@ -50,7 +50,7 @@ pub(super) fn load(
             );
             continue;
         }
-        let bytes = input.read(&path)?;
+        let bytes = input.read(&path, 0)?;
         for raw in parsed(input, &path, &bytes)? {
             if known.contains_key(&raw.name) {
                 continue;
@@ -269,7 +269,7 @@ fn normal_map(
     let image = match known {
         Some(known) => known,
         None => {
-            let bytes = input.read(&path)?;
+            let bytes = input.read(&path, 0)?;
             parts.packed_images.push(PackedImage {
                 name,
                 bytes,
@@ -334,7 +334,7 @@ fn image(input: &mut Input, place: &str, path: &Path, role: Role) -> Result<Opti
         input.warn(WarningKind::MissingTextures, place, 1, message);
         return Ok(None);
     }
-    let bytes = input.read(path)?;
+    let bytes = input.read(path, 0)?;
     match decode(&bytes, &name) {
         Ok(mut decoded) => {
             if role == Role::Alpha && !decoded.has_alpha {
@@ -357,6 +357,11 @@ fn image(input: &mut Input, place: &str, path: &Path, role: Role) -> Result<Opti
             path: path.into(),
             place: place.into(),
             problem: format!("{}; repair the image or remove it", short(&problem)),
+        }),
+        Err(Failure::TooLarge) => Err(Error::Invalid {
+            path: path.into(),
+            place: place.into(),
+            problem: TOO_LARGE.into(),
         }),
     }
 }
