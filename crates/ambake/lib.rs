@@ -53,6 +53,7 @@
 mod bake;
 mod baked;
 mod error;
+mod export;
 mod host;
 mod interior;
 mod job;
@@ -71,12 +72,13 @@ pub use ::bake::{
 };
 pub use baked::{Baked, Page};
 pub use error::Error;
+pub use export::{Exported, export};
 pub use host::{REVISION, VERSION, peak_memory};
 pub use job::Job;
 pub use layers::{Layer, Preview, Progress, Term, Unit};
 pub use options::{Backend, Effort, Options, Pages, Uv};
 pub use rays;
-pub use report::{BakeReport, PageReport};
+pub use report::{BakeReport, Engine, PageReport};
 pub use scene::{Material, Mesh, Scene, Warning, load};
 pub use sky::Sky;
 pub use write::Written;

@@ -6,8 +6,12 @@ use crate::interior::Brightness;
 use crate::job::Job;
 use ::bake::{BakedPage, SeamStats};
 use layers::Layer;
-use report::{BakeReport, Output, PageHeader, PageReport, PhaseReport, SeamReport};
-use serde_json::Value;
+use report::{
+    BakeReport, LightSource, LightmapReport, Output, PageHeader, PageLight, PageReport,
+    PhaseReport, SeamReport,
+};
+use serde_json::{Value, json};
+use std::borrow::Cow;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -35,6 +39,7 @@ pub(crate) struct Writer<'a> {
     pages: Vec<PageReport>,
     seams: SeamStats,
     brightness: Brightness,
+    lightmaps: Vec<LightmapReport>,
     /// One picture of the diffuse term a page; `None` where the bake has no such layer.
     pictures: Option<Vec<Vec<u8>>>,
 }
@@ -51,6 +56,7 @@ impl<'a> Writer<'a> {
         let mut names = vec!["bake.json".to_owned(), format!("{stem}.glb")];
         for page in pages {
             names.push(page_name(&stem, page));
+            names.extend(report::engine_files(&stem, page, &job.options().engines));
             let layers = job.options().layers.iter();
             names.extend(layers.map(|&layer| preview_name(&stem, page, layer)));
         }
@@ -65,6 +71,7 @@ impl<'a> Writer<'a> {
             pages: Vec::new(),
             seams: SeamStats::default(),
             brightness: Brightness::default(),
+            lightmaps: Vec::new(),
             pictures: Some(Vec::new()),
         })
     }
@@ -95,6 +102,12 @@ impl<'a> Writer<'a> {
                 let name = preview_name(&self.stem, page.page, planes.layer);
                 self.output.stage_bytes(&name, &png)?;
             }
+        }
+        if !options.engines.is_empty() {
+            let light = page_light(self.job, page)?;
+            let lightmaps =
+                report::stage_engines(&mut self.output, &self.stem, &light, &options.engines)?;
+            self.lightmaps.extend(lightmaps);
         }
         let diffuse = page.layer(Layer::Diffuse);
         if let (Some(diffuse), Some(coverage)) = (diffuse, page.layer(Layer::Coverage)) {
@@ -127,6 +140,7 @@ impl<'a> Writer<'a> {
         names.push("bake.json".into());
         let mut report = report_of(self.job, &self.described, self.pages, names, phases);
         report.seams = seam_report(&self.seams);
+        report.lightmaps = self.lightmaps;
         let interior = self
             .brightness
             .interior(self.job.options().max_distance.is_some());
@@ -138,6 +152,36 @@ impl<'a> Writer<'a> {
         report::remove_stale(&stale);
         Ok(Written { report, files })
     }
+}
+
+/// What engine files are made of: the same numbers that an export reads from the page's file.
+fn page_light<'a>(job: &Job, page: &'a BakedPage) -> Result<PageLight<'a>, Error> {
+    let options = job.options();
+    let plane = |layer: Layer, channel| page.channel(layer, channel).map(Cow::Borrowed);
+    let layer = |layer: Layer| {
+        let missing = || report::Error::MissingLayer {
+            layer: layer.name().into(),
+        };
+        plane(layer, 0).ok_or_else(missing)
+    };
+    let light = match [0, 1, 2].map(|c| plane(Layer::Irradiance, c)) {
+        [Some(r), Some(g), Some(b)] => Some([r, g, b]),
+        _ => None,
+    };
+    let source = match options.sky.light {
+        ::bake::Sky::Uniform(sky) => LightSource::Uniform(sky),
+        ::bake::Sky::Map(_) => LightSource::Irradiance,
+    };
+    let diffuse = layer(Layer::Diffuse)?;
+    Ok(PageLight {
+        page: page.page,
+        size: page.size,
+        rings: job.baker_options().rings,
+        mips: options.mips,
+        coverage: layer(Layer::Coverage)?,
+        light: source.light(light, &diffuse)?,
+        diffuse,
+    })
 }
 
 fn page_name(stem: &str, page: u32) -> String {
@@ -195,6 +239,10 @@ fn report_of(
     phases: Vec<PhaseReport>,
 ) -> BakeReport {
     let (scene, options) = (job.scene(), job.options());
+    let mut described = described.as_object().cloned().unwrap_or_default();
+    // It changes no value, so that no page's header and no saved state has it.
+    let engines: Vec<&str> = options.engines.iter().map(|engine| engine.name()).collect();
+    described.insert("for".into(), json!(engines));
     BakeReport {
         schema_version: report::BAKE_SCHEMA_VERSION,
         versions: report::Versions {
@@ -204,7 +252,7 @@ fn report_of(
             backend_version: job.backend().describe(),
         },
         scene: report::SceneReport::of(scene),
-        options: described.as_object().cloned().unwrap_or_default(),
+        options: described,
         seed: options.seed,
         view: options.view_rule(),
         convention: CONVENTION.into(),
@@ -221,6 +269,7 @@ fn report_of(
         peak_memory_bytes: peak_memory(),
         warnings: job.warnings(),
         notes: job.atlas().notes.clone(),
+        lightmaps: Vec::new(),
         files,
     }
 }
