@@ -9,6 +9,7 @@ use crate::sky::Sky;
 use ::bake::{Bounces, Buried, Choice, Denoise, Footprint, Pattern, Seams, Shading, View};
 use layers::{Layer, Progress};
 use rays::{RayBackend, World};
+use report::Engine;
 use std::fmt;
 use std::sync::Arc;
 
@@ -295,6 +296,16 @@ impl Bake {
         self
     }
 
+    /// Files for these engines beside the others: the flag `--for`. None by default.
+    pub fn for_engines(mut self, engines: impl IntoIterator<Item = Engine>) -> Self {
+        for engine in engines {
+            if !self.options.engines.contains(&engine) {
+                self.options.engines.push(engine);
+            }
+        }
+        self
+    }
+
     /// Which library answers rays; by default Embree where it is built in.
     pub fn backend(mut self, backend: Backend) -> Self {
         self.backend = backend;
@@ -323,9 +334,11 @@ impl Bake {
     /// An option is out of its range or excludes another, the charts do not fit, or a backend refuses the scene.
     pub fn prepare(&self) -> Result<Job, Error> {
         self.options.check()?;
+        let mut options = self.options.clone();
+        options.complete();
         Job::prepare(
             self.scene.clone(),
-            self.options.clone(),
+            options,
             self.backend,
             self.make_backend.clone(),
             self.threads,

@@ -53,6 +53,7 @@
 mod bake;
 mod baked;
 mod error;
+mod export;
 mod host;
 mod interior;
 mod job;
@@ -73,13 +74,14 @@ pub use ::bake::{
 };
 pub use baked::{Baked, Page};
 pub use error::Error;
+pub use export::{Exported, export};
 pub use host::{REVISION, VERSION, peak_memory};
 pub use job::Job;
 pub use layers::{Layer, Preview, Progress, Term, Unit};
 pub use object::Object;
 pub use options::{Backend, Effort, Options, Pages, Uv};
 pub use rays;
-pub use report::{BakeReport, PageReport};
+pub use report::{BakeReport, Engine, PageReport};
 pub use scene::{Files, Material, Mesh, Scene, Warning, load, load_with};
 pub use sky::Sky;
 pub use write::Written;

@@ -8,6 +8,7 @@ use ::bake::{
 };
 use layers::Layer;
 use rays::{BackendKind, Layout, Overrides};
+use report::Engine;
 use serde_json::{Value, json};
 
 pub use ::bake::Effort;
@@ -119,6 +120,8 @@ pub struct Options {
     pub exponent: Option<f64>,
     /// Planner choices that are switched off.
     pub plan_off: Vec<Choice>,
+    /// Engines that get files of their own; these change no value.
+    pub engines: Vec<Engine>,
 }
 
 impl Default for Options {
@@ -154,6 +157,7 @@ impl Default for Options {
             specular: None,
             exponent: None,
             plan_off: Vec::new(),
+            engines: Vec::new(),
         }
     }
 }
@@ -238,6 +242,24 @@ impl Options {
         Ok(())
     }
 
+    /// Adds the layers that engine files are made of and that no ray is cast for: the light, which no other layer holds under a
+    /// map or with bounces, in every bake of the models; all of it where engines are named.
+    pub(crate) fn complete(&mut self) {
+        let mut wanted = Vec::new();
+        if !self.engines.is_empty() {
+            wanted.push(Layer::Diffuse);
+        }
+        let light = self.layers.contains(&Layer::Lambert) || !self.engines.is_empty();
+        if light && (self.sky.is_map() || self.bounces != Bounces::Off) {
+            wanted.push(Layer::Irradiance);
+        }
+        for layer in wanted {
+            if !self.layers.contains(&layer) {
+                self.layers.push(layer);
+            }
+        }
+    }
+
     /// What the baker is given.
     pub(crate) fn baker(&self) -> ::bake::Options {
         ::bake::Options {
@@ -320,6 +342,7 @@ impl Options {
             specular,
             exponent,
             plan_off,
+            engines: _,
         } = self;
         let (rays, target_error, target_relative, max_rays) = match *effort {
             Effort::Rays(rays) => (Some(rays), None, None, None),

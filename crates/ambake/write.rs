@@ -7,8 +7,12 @@ use crate::job::Job;
 use crate::lit::LitScene;
 use ::bake::{BakedPage, BounceStats, Bounces, SeamStats};
 use layers::Layer;
-use report::{BakeReport, Output, PageHeader, PageReport, PhaseReport, SeamReport};
-use serde_json::Value;
+use report::{
+    BakeReport, LightSource, LightmapReport, Output, PageHeader, PageLight, PageReport,
+    PhaseReport, SeamReport,
+};
+use serde_json::{Value, json};
+use std::borrow::Cow;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -37,6 +41,7 @@ pub(crate) struct Writer<'a> {
     seams: SeamStats,
     brightness: Brightness,
     lit: LitScene,
+    lightmaps: Vec<LightmapReport>,
     /// One picture of the diffuse term a page; `None` where the bake has no such layer.
     pictures: Option<Vec<Vec<u8>>>,
 }
@@ -54,6 +59,7 @@ impl<'a> Writer<'a> {
         names.push(lit_name(&stem));
         for page in pages {
             names.push(page_name(&stem, page));
+            names.extend(report::engine_files(&stem, page, &job.options().engines));
             let layers = job.options().layers.iter();
             names.extend(layers.map(|&layer| preview_name(&stem, page, layer)));
         }
@@ -69,6 +75,7 @@ impl<'a> Writer<'a> {
             seams: SeamStats::default(),
             brightness: Brightness::default(),
             lit: LitScene::default(),
+            lightmaps: Vec::new(),
             pictures: Some(Vec::new()),
         })
     }
@@ -101,6 +108,12 @@ impl<'a> Writer<'a> {
             }
         }
         self.lit.add(self.job, page);
+        if !options.engines.is_empty() {
+            let light = page_light(self.job, page)?;
+            let lightmaps =
+                report::stage_engines(&mut self.output, &self.stem, &light, &options.engines)?;
+            self.lightmaps.extend(lightmaps);
+        }
         let diffuse = page.layer(Layer::Diffuse);
         if let (Some(diffuse), Some(coverage)) = (diffuse, page.layer(Layer::Coverage)) {
             self.brightness.add(diffuse, coverage);
@@ -144,6 +157,7 @@ impl<'a> Writer<'a> {
         let mut report = report_of(self.job, &self.described, self.pages, names, phases);
         report.seams = seam_report(&self.seams);
         report.bounces = bounces.map(bounce_report);
+        report.lightmaps = self.lightmaps;
         let interior = self.brightness.interior(self.job.options());
         report.warnings.extend(interior);
         report.warnings.extend(edited(self.job));
@@ -173,6 +187,36 @@ fn edited(job: &Job) -> Option<report::WarningReport> {
         place: job.scene().path.display().to_string(),
         count: 1,
         message: "the scene's files were edited or removed during the bake; the results are those of the scene as it was read".into(),
+    })
+}
+
+/// What engine files are made of: the same numbers that an export reads from the page's file.
+fn page_light<'a>(job: &Job, page: &'a BakedPage) -> Result<PageLight<'a>, Error> {
+    let options = job.options();
+    let plane = |layer: Layer, channel| page.channel(layer, channel).map(Cow::Borrowed);
+    let layer = |layer: Layer| {
+        let missing = || report::Error::MissingLayer {
+            layer: layer.name().into(),
+        };
+        plane(layer, 0).ok_or_else(missing)
+    };
+    let light = match [0, 1, 2].map(|c| plane(Layer::Irradiance, c)) {
+        [Some(r), Some(g), Some(b)] => Some([r, g, b]),
+        _ => None,
+    };
+    let source = match options.sky.light {
+        ::bake::Sky::Uniform(sky) if options.bounces == Bounces::Off => LightSource::Uniform(sky),
+        _ => LightSource::Irradiance,
+    };
+    let diffuse = layer(Layer::Diffuse)?;
+    Ok(PageLight {
+        page: page.page,
+        size: page.size,
+        rings: job.baker_options().rings,
+        mips: options.mips,
+        coverage: layer(Layer::Coverage)?,
+        light: source.light(light, &diffuse)?,
+        diffuse,
     })
 }
 
@@ -249,6 +293,10 @@ fn report_of(
     phases: Vec<PhaseReport>,
 ) -> BakeReport {
     let (scene, options) = (job.scene(), job.options());
+    let mut described = described.as_object().cloned().unwrap_or_default();
+    // It changes no value, so that no page's header and no saved state has it.
+    let engines: Vec<&str> = options.engines.iter().map(|engine| engine.name()).collect();
+    described.insert("for".into(), json!(engines));
     BakeReport {
         schema_version: report::BAKE_SCHEMA_VERSION,
         versions: report::Versions {
@@ -258,7 +306,7 @@ fn report_of(
             backend_version: job.backend().describe(),
         },
         scene: report::SceneReport::of(scene),
-        options: described.as_object().cloned().unwrap_or_default(),
+        options: described,
         seed: options.seed,
         view: options.view_rule(),
         convention: CONVENTION.into(),
@@ -276,6 +324,7 @@ fn report_of(
         peak_memory_bytes: peak_memory(),
         warnings: job.warnings(),
         notes: job.atlas().notes.clone(),
+        lightmaps: Vec::new(),
         files,
     }
 }

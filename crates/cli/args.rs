@@ -20,6 +20,8 @@ pub enum Verb {
     Plan(bake::args::Plan),
     /// Traditional against Lambert against Phong from a finished bake, or any two EXR pages
     Compare(Compare),
+    /// Files for engines from a finished bake
+    Export(Export),
     /// A picture of a scene through a camera, shaded by an ambient model and lights
     Render(Box<render::args::Args>),
     /// Illumination maps and reflection maps: convert, convolve, measure
@@ -39,6 +41,21 @@ pub struct Compare {
     /// Directory for the difference pictures [default: the bake's directory; with two pages, none are written]
     #[arg(short = 'o', long = "output", value_name = "DIR")]
     pub output: Option<PathBuf>,
+    /// Print a machine-readable summary on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+#[derive(ClapArgs)]
+pub struct Export {
+    /// A finished bake's directory; the files are written into it, and bake.json lists them
+    pub dir: PathBuf,
+    /// Engines, separated by commas: gltf, three, blender, bevy, godot, unity, unreal
+    #[arg(long = "for", value_name = "ENGINE,..", value_delimiter = ',', required = true, value_parser = bake::args::engine)]
+    pub engines: Vec<ambake::Engine>,
     /// Print a machine-readable summary on standard output
     #[arg(long)]
     pub json: bool,

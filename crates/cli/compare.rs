@@ -3,7 +3,7 @@
 use crate::args::Compare as Args;
 use crate::outcome::{Outcome, say};
 use anyhow::{Context, bail};
-use report::{BakeReport, Comparison, Difference, Error, Output, Page, PageFile};
+use report::{BakeReport, Comparison, Difference, Error, NamedPage, Output, Page, PageFile};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -32,7 +32,7 @@ fn compare_bake(args: &Args, dir: &Path) -> anyhow::Result<()> {
         );
     }
     let bake = report::read_bake_report(&dir.join("bake.json"))?;
-    let files = page_files(dir, &bake)?;
+    let files = report::page_files(dir, &bake)?;
     // Pages are read twice, one at a time: the pictures share a scale, which is known after the last page.
     let pages = || {
         files.iter().map(|file| {
@@ -50,7 +50,7 @@ fn compare_bake(args: &Args, dir: &Path) -> anyhow::Result<()> {
         .map(|comparison| report::nice_limit(comparison.all.maximum))
         .collect();
     for page in pages() {
-        let (file, page): (&Named, Page) = page?;
+        let (file, page): (&NamedPage, Page) = page?;
         for (&(a, b), &limit) in PAIRS.iter().zip(&limits) {
             let name = format!("{}.{}.difference.{b}.png", file.stem, file.page);
             output.stage_bytes(&name, &report::difference_png(&page, (a, b), limit)?)?;
@@ -80,39 +80,6 @@ fn in_bake(dir: &Path, error: Error) -> anyhow::Error {
         Error::Read { .. } => error.into(),
         other => anyhow::Error::new(other).context(dir.display().to_string()),
     }
-}
-
-/// One EXR page of a bake.
-struct Named {
-    name: String,
-    stem: String,
-    page: u32,
-}
-
-/// The pages that a bake names, `STEM.P.exr`, in order.
-fn page_files(dir: &Path, bake: &BakeReport) -> Result<Vec<Named>, Error> {
-    let broken = |reason: String| Error::Read {
-        path: dir.join("bake.json"),
-        reason,
-    };
-    let named = |page: u32| {
-        let ending = format!(".{page}.exr");
-        // A file beside bake.json: a name with a directory in it is not ours.
-        let plain = |name: &&String| Path::new(name).file_name() == Some(name.as_ref());
-        let mut names = bake.files.iter().filter(plain);
-        let found = names.find_map(|name| {
-            name.strip_suffix(&ending).map(|stem| Named {
-                name: name.clone(),
-                stem: stem.into(),
-                page,
-            })
-        });
-        found.ok_or_else(|| broken(format!("it names no file of page {page}; bake again")))
-    };
-    if bake.pages.is_empty() {
-        return Err(broken("it has no pages; bake again".into()));
-    }
-    bake.pages.iter().map(|page| named(page.page)).collect()
 }
 
 /// Any two pages.

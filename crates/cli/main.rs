@@ -13,6 +13,7 @@ mod bench;
 mod common;
 mod compare;
 mod doctor;
+mod export;
 mod host;
 mod map;
 mod outcome;
@@ -30,6 +31,7 @@ fn main() -> ExitCode {
         Verb::Bake(bake) => bake::run::run(bake),
         Verb::Plan(plan) => bake::plan::run(plan),
         Verb::Compare(compare) => compare::run(compare),
+        Verb::Export(export) => export::run(export),
         Verb::Render(render) => render::run::run(render),
         Verb::Map(map) => map::run::run(map),
         Verb::Bench(bench) => bench::run::run(bench),

@@ -17,6 +17,10 @@ pub struct Bake {
     /// Directory for the results; it is made if needed
     #[arg(short = 'o', long = "output", value_name = "DIR")]
     pub output: PathBuf,
+    /// Also write files for these engines, separated by commas: gltf, three, blender, bevy, godot, unity, unreal. `bake.json` says how each
+    /// is used
+    #[arg(long = "for", value_name = "ENGINE,..", value_delimiter = ',', value_parser = engine)]
+    pub engines: Vec<ambake::Engine>,
     /// Continue an interrupted bake of the same scene and options in DIR
     #[arg(long)]
     pub resume: bool,
@@ -257,6 +261,14 @@ fn layer(text: &str) -> Result<Layer, String> {
     Layer::from_name(text).ok_or_else(|| {
         let names: Vec<_> = Layer::all().map(Layer::name).collect();
         format!("unknown layer; there are {}", names.join(", "))
+    })
+}
+
+/// An engine by its name.
+pub fn engine(text: &str) -> Result<ambake::Engine, String> {
+    ambake::Engine::from_name(text).ok_or_else(|| {
+        let names: Vec<_> = ambake::Engine::all().map(ambake::Engine::name).collect();
+        format!("unknown engine; there are {}", names.join(", "))
     })
 }
 

@@ -1,7 +1,7 @@
 //! `ambake bake`: scene in, lightmaps out.
 
 use super::args::Bake as Args;
-use super::prepare::prepare;
+use super::prepare::prepare_for;
 use super::summary::summary;
 use crate::outcome::{Outcome, say, say_json_text, tell};
 use crate::progress::{Show, watch};
@@ -13,7 +13,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let stop = Stop::listen()?;
     // A directory that cannot be written, or is another bake's, is found before the scene is loaded.
     drop(Output::exclusive(&args.output)?);
-    let job = prepare(&args.scene, &args.job, &args.common)?;
+    let job = prepare_for(&args.scene, &args.job, &args.common, &args.engines)?;
     let show = Show {
         unit: "texels",
         quiet: args.common.quiet,

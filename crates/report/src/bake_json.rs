@@ -57,6 +57,9 @@ pub struct BakeReport {
     /// Why the file's own UV sets were not kept, a sentence each.
     #[serde(default)]
     pub notes: Vec<String>,
+    /// Lightmaps made for engines.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lightmaps: Vec<crate::LightmapReport>,
     /// Every file written beside this one, by name.
     pub files: Vec<String>,
 }
@@ -419,6 +422,7 @@ pub(crate) mod tests {
             peak_memory_bytes: None,
             warnings: vec![WarningReport::default()],
             notes: vec!["TEXCOORD_0 overlaps itself".into()],
+            lightmaps: Vec::new(),
             files: vec!["a.0.exr".into()],
         }
     }

@@ -8,6 +8,7 @@ mod bake_json;
 mod checkpoint;
 mod compare;
 mod difference;
+mod engines;
 mod error;
 mod exr_read;
 mod exr_write;
@@ -17,6 +18,7 @@ mod layout;
 mod origin;
 mod output;
 mod page;
+mod page_files;
 mod picture;
 mod preview;
 mod space;
@@ -27,6 +29,9 @@ pub use checkpoint::{
 };
 pub use compare::{Comparison, Difference, PageComparison, Worst, compare_layers, compare_pages};
 pub use difference::{difference_picture, difference_png, nice_limit};
+pub use engines::{
+    Engine, LightSource, LightmapReport, PageLight, engine_files, light_source, stage_engines,
+};
 pub use error::Error;
 pub use exr_read::{MAX_EDGE, PageFile, read_page_exr};
 pub use exr_write::{PageHeader, write_page_exr};
@@ -35,6 +40,7 @@ pub use layout::{LayoutReport, ObjectLayout, Spread};
 pub use origin::check_origin;
 pub use output::{Output, remove_stale, stale_files};
 pub use page::{Channel, Page, PageLayer};
+pub use page_files::{NamedPage, page_files};
 pub use picture::picture_png;
 pub use preview::{Encoding, occlusion_png, preview_png};
 pub use space::check_space;

@@ -1,0 +1,75 @@
+//! Files for engines from a finished bake.
+
+use crate::error::Error;
+use report::{BakeReport, Engine, NamedPage, Output, PageLight};
+use std::path::{Path, PathBuf};
+
+/// What an export left in the directory of a bake.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct Exported {
+    /// The content of `bake.json`, which now lists the new files too.
+    pub report: BakeReport,
+    /// Every file that was written, `bake.json` last.
+    pub files: Vec<PathBuf>,
+}
+
+/// Writes the files of `engines` beside the finished bake in `dir`, and lists them in its `bake.json`. They are the files, byte for byte,
+/// that the bake itself would have made for these engines; what was exported for others stays.
+///
+/// # Errors
+/// `dir` holds no finished bake, a page of it is absent or damaged or lacks a layer, or a file cannot be written. Nothing is left half
+/// written.
+pub fn export(
+    dir: impl AsRef<Path>,
+    engines: impl IntoIterator<Item = Engine>,
+) -> Result<Exported, Error> {
+    let dir = dir.as_ref();
+    let mut report = report::read_bake_report(&dir.join("bake.json"))?;
+    let mut chosen: Vec<Engine> = Vec::new();
+    for engine in engines {
+        if !chosen.contains(&engine) {
+            chosen.push(engine);
+        }
+    }
+    let pages = report::page_files(dir, &report)?;
+    let mut output = Output::create(dir)?;
+    let mut lightmaps = report.lightmaps.clone();
+    lightmaps.retain(|map| chosen.iter().all(|engine| engine.name() != map.engine));
+    for named in &pages {
+        let made = one_page(dir, &report, named, &chosen, &mut output)?;
+        lightmaps.extend(made);
+    }
+    report.lightmaps = lightmaps;
+    // `bake.json` stays the last.
+    report.files.retain(|name| name != "bake.json");
+    for name in output.names() {
+        if !report.files.contains(&name) {
+            report.files.push(name);
+        }
+    }
+    report.files.push("bake.json".into());
+    output.stage_bytes("bake.json", report.to_json().as_bytes())?;
+    let files = output.publish()?;
+    Ok(Exported { report, files })
+}
+
+/// Stages the files of one page.
+fn one_page(
+    dir: &Path,
+    report: &BakeReport,
+    named: &NamedPage,
+    engines: &[Engine],
+    output: &mut Output,
+) -> Result<Vec<report::LightmapReport>, Error> {
+    let path = dir.join(&named.name);
+    let file = report::read_page_exr(&path)?;
+    let light = PageLight::of(report, named.page, &file.page).map_err(|error| match error {
+        report::Error::MissingLayer { layer } => report::Error::Read {
+            path,
+            reason: format!("it has no layer {layer}; bake again with --layers {layer}"),
+        },
+        other => other,
+    })?;
+    Ok(report::stage_engines(output, &named.stem, &light, engines)?)
+}

@@ -1,0 +1,102 @@
+//! A KTX2 container of uncompressed half floats (Khronos, KTX File Format Specification 2.0).
+
+use super::Level;
+use half::f16;
+
+const IDENTIFIER: [u8; 12] = [
+    0xab, b'K', b'T', b'X', b' ', b'2', b'0', 0xbb, 13, 10, 26, 10,
+];
+/// `VK_FORMAT_R16G16B16A16_SFLOAT`.
+const FORMAT: u32 = 97;
+const TEXEL: usize = 8;
+/// Header, and where the other parts are.
+const HEADER: usize = 80;
+/// Offset, length and uncompressed length of a level.
+const LEVEL_INDEX: usize = 24;
+
+/// The bytes of the file. Levels stand from the largest in the index and from the smallest in the file, as the format
+/// wants it; alpha is 1.
+pub fn encode(levels: &[Level]) -> Vec<u8> {
+    let (descriptor, values) = (descriptor(), key_values());
+    let descriptor_at = HEADER + LEVEL_INDEX * levels.len();
+    let values_at = descriptor_at + descriptor.len();
+    let data_at = (values_at + values.len()).next_multiple_of(TEXEL);
+    let size = levels[0].size;
+
+    let mut file = IDENTIFIER.to_vec();
+    let mut words = |words: &[u32]| file.extend(words.iter().flat_map(|w| w.to_le_bytes()));
+    // Format, bytes of a number, width, height, depth, layers, faces, levels, supercompression.
+    words(&[FORMAT, 2, size, size, 0, 0, 1, levels.len() as u32, 0]);
+    words(&[descriptor_at, descriptor.len(), values_at, values.len()].map(|at| at as u32));
+    words(&[0; 4]); // no global data
+    let lengths: Vec<usize> = levels.iter().map(|l| l.pixels.len() * TEXEL).collect();
+    for i in 0..levels.len() {
+        let at = data_at + lengths[i + 1..].iter().sum::<usize>();
+        for number in [at, lengths[i], lengths[i]] {
+            file.extend((number as u64).to_le_bytes());
+        }
+    }
+    file.extend(descriptor);
+    file.extend(values);
+    file.resize(data_at, 0);
+    for level in levels.iter().rev() {
+        for &[r, g, b] in &level.pixels {
+            let texel = [r, g, b, 1.0].map(|v| f16::from_f32(v).to_le_bytes());
+            file.extend(texel.as_flattened());
+        }
+    }
+    file
+}
+
+/// The data format descriptor: linear RGBA with the primaries of BT.709, four signed 16-bit floats (Khronos Data Format
+/// Specification 1.3).
+fn descriptor() -> Vec<u8> {
+    const SAMPLES: u32 = 4;
+    let block = 24 + 16 * SAMPLES;
+    let mut bytes = Vec::new();
+    let mut words = |words: &[u32]| bytes.extend(words.iter().flat_map(|w| w.to_le_bytes()));
+    words(&[4 + block, 0, 2 | block << 16]); // total length; basic block of Khronos; version 2
+    words(&[1 | 1 << 8 | 1 << 16, 0]); // model RGBSDA, BT.709, linear; blocks of one texel
+    words(&[TEXEL as u32, 0]); // bytes of plane 0
+    for (i, channel) in [0u32, 1, 2, 15].into_iter().enumerate() {
+        let kind = 0x80 | 0x40 | channel; // float, signed
+        words(&[16 * i as u32 | 15 << 16 | kind << 24, 0]);
+        words(&[(-1.0f32).to_bits(), 1.0f32.to_bits()]);
+    }
+    bytes
+}
+
+/// Rows run down and columns to the right; who wrote the file.
+fn key_values() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for (key, value) in [("KTXorientation", "rd"), ("KTXwriter", "ambake")] {
+        let entry = format!("{key}\0{value}\0");
+        bytes.extend((entry.len() as u32).to_le_bytes());
+        bytes.extend(entry.bytes());
+        bytes.resize(bytes.len().next_multiple_of(4), 0);
+    }
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_index_leads_to_each_level() {
+        let level = |size: u32, value: f32| Level {
+            size,
+            pixels: vec![[value, 2.0 * value, 0.0]; (size * size) as usize],
+        };
+        let file = encode(&[level(4, 1.0), level(2, 0.25)]);
+        let number = |at: usize| u64::from_le_bytes(file[at..at + 8].try_into().unwrap()) as usize;
+        for (i, value) in [1.0f32, 0.25].into_iter().enumerate() {
+            let (at, length) = (number(HEADER + 24 * i), number(HEADER + 24 * i + 8));
+            assert_eq!((at % 8, length), (0, [128, 32][i]));
+            let half = |k: usize| f16::from_le_bytes([file[at + 2 * k], file[at + 2 * k + 1]]);
+            let texel = [0, 1, 2, 3].map(|k| half(k).to_f32());
+            assert_eq!(texel, [value, 2.0 * value, 0.0, 1.0]);
+        }
+        assert_eq!(file.len(), number(HEADER) + 128);
+    }
+}

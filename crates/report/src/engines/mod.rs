@@ -1,0 +1,95 @@
+//! Files that engines load as they are: lightmaps and ambient occlusion, a page at a time.
+//!
+//! Every engine gets the same light: what arrives at a matt surface without its albedo, E / pi, which is 1 under an open
+//! sky of radiance 1. What an engine multiplies by differs; [`Engine`]'s table says it, and `bake.json` repeats it.
+
+mod ao;
+mod half_exr;
+mod ktx2;
+mod light;
+mod mips;
+mod table;
+
+pub use light::{LightSource, PageLight, light_source};
+pub use table::Engine;
+
+use crate::{Error, Output};
+use maps::{Format, Image, Labels};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+use table::Kind;
+
+/// A lightmap in `bake.json`: which engine it is for, and how that engine shows it.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct LightmapReport {
+    /// The engine, as `--for` calls it.
+    pub engine: String,
+    /// The file, beside `bake.json`.
+    pub file: String,
+    /// What the file's numbers are.
+    pub unit: String,
+    /// What the engine multiplies by, so that a white surface under an open sky of 1 shows as 1.
+    pub scale: f64,
+    /// How to use it, in two sentences.
+    #[serde(rename = "use")]
+    pub how: String,
+}
+
+/// The names of all files that `engines` get of one page.
+pub fn engine_files(stem: &str, page: u32, engines: &[Engine]) -> Vec<String> {
+    let kinds = Kind::of(engines);
+    kinds.iter().map(|kind| kind.file(stem, page)).collect()
+}
+
+/// Stages the files that `engines` get of one page, and returns what `bake.json` says of them. The bytes are a function of
+/// the page alone: an export makes the same files as the bake.
+///
+/// # Errors
+/// A file cannot be staged.
+pub fn stage_engines(
+    output: &mut Output,
+    stem: &str,
+    page: &PageLight<'_>,
+    engines: &[Engine],
+) -> Result<Vec<LightmapReport>, Error> {
+    let kinds = Kind::of(engines);
+    if kinds.is_empty() {
+        return Ok(Vec::new());
+    }
+    let levels = mips::levels(page);
+    for kind in &kinds {
+        let bytes = match kind {
+            Kind::Exr => half_exr::encode(&levels[0]),
+            Kind::Hdr => hdr(&levels[0], &kind.file(stem, page.page))?,
+            Kind::Ktx2 => ktx2::encode(&levels),
+            Kind::Ao => ao::deep(page),
+            Kind::Ao8 => ao::dithered(page),
+        };
+        output.stage_bytes(&kind.file(stem, page.page), &bytes)?;
+    }
+    let entries = engines.iter().flat_map(|engine| {
+        let kinds = engine.kinds().iter().filter(|kind| kind.is_light());
+        kinds.map(|kind| engine.entry(*kind, kind.file(stem, page.page)))
+    });
+    Ok(entries.collect())
+}
+
+/// Light over a square, or a smaller level of it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Level {
+    /// Edge in texels.
+    pub size: u32,
+    /// E / pi, linear, row 0 on top; finite and at most what a half float holds.
+    pub pixels: Vec<[f32; 3]>,
+}
+
+/// A Radiance picture: 32-bit RGBE, run-length coded.
+fn hdr(level: &Level, name: &str) -> Result<Vec<u8>, Error> {
+    let image = Image {
+        width: level.size as usize,
+        height: level.size as usize,
+        pixels: level.pixels.clone(),
+    };
+    maps::encode(&image, Format::Hdr, &Labels::new())
+        .map_err(|error| Error::write(Path::new(name), std::io::Error::other(error.to_string())))
+}

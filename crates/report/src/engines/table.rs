@@ -1,0 +1,181 @@
+//! Every engine with its row of the table: the files that it gets, what it multiplies by, and how it takes them.
+
+use super::LightmapReport;
+use std::f64::consts::PI;
+
+/// A program that shows lightmaps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Engine {
+    /// Any reader of glTF.
+    Gltf,
+    /// three.js.
+    Three,
+    /// Blender.
+    Blender,
+    /// Bevy.
+    Bevy,
+    /// Godot 4.
+    Godot,
+    /// Unity.
+    Unity,
+    /// Unreal Engine.
+    Unreal,
+}
+
+/// A file that an engine gets of a page.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// OpenEXR, half floats, channels R, G, B.
+    Exr,
+    /// Radiance RGBE.
+    Hdr,
+    /// KTX2, uncompressed half floats, with the mip levels that the layout allows.
+    Ktx2,
+    /// Occlusion, 16-bit grey PNG.
+    Ao,
+    /// Occlusion, 8-bit grey PNG, dithered.
+    Ao8,
+}
+
+struct Row {
+    engine: Engine,
+    name: &'static str,
+    kinds: &'static [Kind],
+    /// What the engine multiplies by.
+    scale: f64,
+    how: &'static str,
+}
+
+/// What Bevy's default camera (EV100 9.7) divides luminance by: 1.2 * 2^9.7.
+const BEVY_WHITE: f64 = 998.095_744_642_541_7;
+
+use Kind::*;
+
+#[rustfmt::skip]
+const TABLE: [Row; 7] = [
+    Row { engine: Engine::Gltf, name: "gltf", kinds: &[Exr, Hdr, Ao], scale: 1.0,
+        how: "STEM.glb carries the occlusion on TEXCOORD_1 for every reader; glTF itself has no lightmaps. \
+              In your own shader add albedo x texel x scale, sampled with TEXCOORD_1, row 0 of the picture at v = 0." },
+    Row { engine: Engine::Three, name: "three", kinds: &[Exr, Hdr, Ktx2, Ao], scale: PI,
+        how: "material.lightMap = texture with texture.channel = 1 and material.lightMapIntensity = scale; three.js divides by pi. \
+              Set material.aoMap = null, which would darken the lightmap again; flipY = true after EXRLoader, false after HDRLoader and KTX2Loader." },
+    Row { engine: Engine::Blender, name: "blender", kinds: &[Exr, Ao], scale: 1.0,
+        how: "Image Texture (Linear Rec.709) on the second UV map, multiplied by the base colour, into Emission of strength scale. \
+              Import STEM.glb first: its second UV map is the layout." },
+    Row { engine: Engine::Bevy, name: "bevy", kinds: &[Ktx2, Exr, Ao, Ao8], scale: BEVY_WHITE,
+        how: "Lightmap { image, ..default() } on each mesh entity of STEM.glb, StandardMaterial::lightmap_exposure = scale. \
+              The scale undoes the default camera Exposure (EV100 9.7); for another take 1.2 * 2^EV100." },
+    Row { engine: Engine::Godot, name: "godot", kinds: &[Exr, Ao, Ao8], scale: 1.0,
+        how: "A spatial shader: EMISSION = albedo * texture(lightmap, UV2).rgb * scale with ambient light off, import the EXR without mipmaps. \
+              Or occlusion alone: STEM.P.ao8.png as AO texture with AO on UV2." },
+    Row { engine: Engine::Unity, name: "unity", kinds: &[Exr, Hdr, Ao], scale: 1.0,
+        how: "Import as a lightmap without mipmaps, sRGB off; it lies on uv2 of the imported STEM.glb, scale and offset 1,1,0,0. \
+              Set it in LightmapSettings, Non-Directional; the lit shader multiplies by albedo." },
+    Row { engine: Engine::Unreal, name: "unreal", kinds: &[Exr, Hdr, Ao], scale: 1.0,
+        how: "Texture with sRGB off, sampled at TexCoord[1]: base colour x texel x scale into Emissive Color of the material. \
+              STEM.P.ao.png goes into Ambient Occlusion, as a mask." },
+];
+
+impl Engine {
+    /// Every engine.
+    pub fn all() -> impl Iterator<Item = Self> {
+        TABLE.iter().map(|row| row.engine)
+    }
+
+    /// Its name on the command line and in `bake.json`.
+    pub fn name(self) -> &'static str {
+        self.row().name
+    }
+
+    /// The engine of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::all().find(|engine| engine.name() == name)
+    }
+
+    /// What the engine multiplies the light by, so that a white surface under an open sky of 1 shows as 1.
+    pub fn scale(self) -> f64 {
+        self.row().scale
+    }
+
+    pub(crate) fn kinds(self) -> &'static [Kind] {
+        self.row().kinds
+    }
+
+    pub(crate) fn entry(self, kind: Kind, file: String) -> LightmapReport {
+        LightmapReport {
+            engine: self.name().into(),
+            file,
+            unit: kind.unit().into(),
+            scale: self.scale(),
+            how: self.row().how.into(),
+        }
+    }
+
+    fn row(self) -> &'static Row {
+        &TABLE[self as usize]
+    }
+}
+
+impl Kind {
+    /// The files of several engines, each once, in a fixed order.
+    pub fn of(engines: &[Engine]) -> Vec<Kind> {
+        let wanted = |kind: &Kind| engines.iter().any(|engine| engine.kinds().contains(kind));
+        [Exr, Hdr, Ktx2, Ao, Ao8]
+            .into_iter()
+            .filter(wanted)
+            .collect()
+    }
+
+    /// The name of its file.
+    pub fn file(self, stem: &str, page: u32) -> String {
+        let ending = match self {
+            Exr => "lightmap.exr",
+            Hdr => "lightmap.hdr",
+            Ktx2 => "lightmap.ktx2",
+            Ao => "ao.png",
+            Ao8 => "ao8.png",
+        };
+        format!("{stem}.{page}.{ending}")
+    }
+
+    /// True for lightmaps, false for occlusion.
+    pub fn is_light(self) -> bool {
+        !matches!(self, Ao | Ao8)
+    }
+
+    fn unit(self) -> &'static str {
+        match self {
+            Ao | Ao8 => "open share of the cosine-weighted hemisphere, 0..1, linear",
+            _ => "E/pi, linear RGB without albedo, 1 under an open sky of 1",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_stands_in_the_order_of_the_enum_and_gives_each_engine_light_and_occlusion() {
+        for (index, row) in TABLE.iter().enumerate() {
+            assert_eq!(row.engine as usize, index, "{}", row.name);
+            assert_eq!(Engine::from_name(row.name), Some(row.engine));
+            assert!(
+                row.kinds.contains(&Exr) && row.kinds.contains(&Ao),
+                "{}",
+                row.name
+            );
+        }
+        assert_eq!(Engine::from_name("quake"), None);
+        assert!((BEVY_WHITE - 1.2 * 2f64.powf(9.7)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_file_that_two_engines_share_is_made_once() {
+        assert_eq!(
+            Kind::of(&[Engine::Three, Engine::Bevy]),
+            [Exr, Hdr, Ktx2, Ao, Ao8]
+        );
+        assert_eq!(Kind::of(&[]), []);
+    }
+}
