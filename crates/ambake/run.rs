@@ -58,6 +58,7 @@ impl Job {
         });
         let saved = Saved::new(dir, &self.scene().stem(), key);
         let (mut baking, mut writing) = (0.0, 0.0);
+        let mut last = None;
         let baker = self.baker();
         for number in 0..self.atlas().page_count {
             let mut page = baker.start(number);
@@ -76,8 +77,12 @@ impl Job {
                 return Err(Error::Cancelled);
             }
             let clock = Instant::now();
-            self.within(|| writer.page(&page))?;
+            if let Err(error) = self.within(|| writer.page(&page)) {
+                return Err(self.unwritten(error, saved.write(&page)));
+            }
             writing += clock.elapsed().as_secs_f64();
+            // Of several pages the states are there already.
+            last = (self.atlas().page_count == 1).then_some(page);
         }
         let mut phases = self.phases().to_vec();
         for (phase, seconds) in [("bake", baking), ("write", writing)] {
@@ -86,7 +91,10 @@ impl Job {
                 seconds,
             });
         }
-        let written = writer.finish(phases)?;
+        let written = writer.finish(phases).map_err(|error| {
+            let state = last.map_or(Ok(()), |page| saved.write(&page));
+            self.unwritten(error, state)
+        })?;
         saved.clear(self.atlas().page_count);
         Ok(written)
     }
