@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 
 mod alpha;
+mod armour;
 mod authored;
 mod bounces;
 mod broken;

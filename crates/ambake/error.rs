@@ -35,6 +35,16 @@ pub enum Error {
     /// A result cannot be written, or an earlier one cannot be read.
     #[error(transparent)]
     Output(#[from] report::Error),
+    /// A finished bake could not be written. Its state is saved.
+    #[error(
+        "{source}; what was baked is kept, the same command with --resume writes it (about {needed} MiB)"
+    )]
+    Unwritten {
+        /// Which file, and why not.
+        source: report::Error,
+        /// MiB that all files of the bake take, about.
+        needed: u64,
+    },
     /// The progress listener cancelled the bake.
     #[error("the bake was cancelled")]
     Cancelled,

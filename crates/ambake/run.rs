@@ -82,6 +82,7 @@ impl Job {
         let (mut baking, mut writing) = (0.0, 0.0);
         let bounces = self.options().bounces != Bounces::Off;
         let mut waiting = Vec::new();
+        let mut last = None;
         let baker = self.baker();
         for number in 0..self.atlas().page_count {
             let mut page = baker.start(number);
@@ -104,8 +105,12 @@ impl Job {
                 continue;
             }
             let clock = Instant::now();
-            self.within(|| writer.page(&page))?;
+            if let Err(error) = self.within(|| writer.page(&page)) {
+                return Err(self.unwritten(error, saved.write(&page)));
+            }
             writing += clock.elapsed().as_secs_f64();
+            // Of several pages the states are there already.
+            last = (self.atlas().page_count == 1).then_some(page);
         }
         let clock = Instant::now();
         let bounced = self.bounce(&mut waiting, progress)?;
@@ -127,7 +132,10 @@ impl Job {
                 seconds,
             });
         }
-        let written = writer.finish(phases, bounced)?;
+        let written = writer.finish(phases, bounced).map_err(|error| {
+            let state = last.map_or(Ok(()), |page| saved.write(&page));
+            self.unwritten(error, state)
+        })?;
         saved.clear(self.atlas().page_count);
         Ok(written)
     }

@@ -178,6 +178,17 @@ impl Job {
         let channels: usize = layers.map(|layer| layer.channels().len()).sum();
         self.atlas().audit.texels * channels as u64 * 4 * 2
     }
+
+    /// The error of a result that could not be written, once the state of the bake was saved, or was not.
+    pub(crate) fn unwritten(&self, error: Error, state: Result<(), Error>) -> Error {
+        match (error, state) {
+            (Error::Output(source @ report::Error::Write { .. }), Ok(())) => Error::Unwritten {
+                source,
+                needed: self.bytes_written().div_ceil(1 << 20),
+            },
+            (error, _) => error,
+        }
+    }
 }
 
 /// Says that the scene's files are no longer what was baked.

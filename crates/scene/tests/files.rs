@@ -16,5 +16,7 @@ mod gltf;
 mod memory;
 #[path = "files/obj.rs"]
 mod obj;
+#[path = "files/strangers.rs"]
+mod strangers;
 #[path = "files/support.rs"]
 mod support;
