@@ -7,10 +7,11 @@ needs a Python that has `bpy`. Without it, it prints a skip."""
 import os
 import unittest
 
-import numpy as np
-import made
-import with_blender
+import with_blender  # first: it prints a skip where Blender is absent
 from with_blender import ROOT, BlenderTest, bpy, camera_above, look_up, render
+
+import made
+import numpy as np
 
 
 class MadeScene(BlenderTest):
@@ -39,7 +40,7 @@ class MadeScene(BlenderTest):
         objects = made.make()
         from ambake import bake
 
-        self.settings(apply_modifiers=True, rays=1 << 20, size=512)
+        self.settings(apply_modifiers=True, rays=4096, size=2048)
         meshes = len(bpy.data.meshes)
         job = bake.Bake(bpy.context)
         self.assertTrue(job.run.running())

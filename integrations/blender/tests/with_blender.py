@@ -6,16 +6,9 @@ import sys
 import tempfile
 import unittest
 
-import numpy as np
-
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(HERE)))
 sys.path.insert(0, os.path.dirname(HERE))
-
-try:
-    import bpy
-except ImportError:
-    bpy = None
 
 
 def program():
@@ -23,15 +16,21 @@ def program():
     return shutil.which(os.environ.get("AMBAKE", "ambake"))
 
 
-def skip_reason():
-    if bpy is None:
-        return "Blender's Python package bpy is absent (pip install bpy==4.5.*)"
-    if program() is None:
-        return "the program ambake is not on the PATH, and AMBAKE does not name it"
-    return None
+def skip(reason):
+    """Ends the process: with success, unless AMBAKE_TEST_STRICT is 1."""
+    print(f"skip: {reason}")
+    sys.exit(1 if os.environ.get("AMBAKE_TEST_STRICT") == "1" else 0)
 
 
-@unittest.skipIf(skip_reason(), skip_reason())
+try:
+    import bpy
+    import numpy as np
+except ImportError:
+    skip("Blender's Python package bpy is absent (Python 3.11: pip install bpy==4.5.15)")
+if program() is None:
+    skip("the program ambake is not on the PATH, and AMBAKE does not name it")
+
+
 class BlenderTest(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.mkdtemp(prefix="ambake-test-")
@@ -150,11 +149,6 @@ def camera_above(scale, height=10.0):
 
 def main():
     """Runs the tests of the calling module. Blender as a module hangs at times when Python ends, so the process ends here."""
-    reason = skip_reason()
-    if reason:
-        print(f"skip: {reason}")
-        strict = os.environ.get("AMBAKE_TEST_STRICT") == "1"
-        sys.exit(1 if strict else 0)
     result = unittest.main(exit=False).result
     sys.stdout.flush()
     sys.stderr.flush()

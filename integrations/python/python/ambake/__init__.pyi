@@ -1,0 +1,95 @@
+import os
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Literal, TypedDict, Union
+
+import numpy as np
+import numpy.typing as npt
+from typing_extensions import Unpack
+
+_Path = Union[str, "os.PathLike[str]"]
+_Rgb = Sequence[float]
+_Plane = npt.NDArray[np.float32]
+
+__version__: str
+LAYERS: dict[str, list[str]]
+OPTIONS: tuple[str, ...]
+
+class Options(TypedDict, total=False):
+    size: int
+    density: float
+    density_of: Mapping[str, float]
+    include: Union[str, Sequence[str]]
+    exclude: Union[str, Sequence[str]]
+    seen_from: Sequence[_Rgb]
+    pages: Union[int, Literal["auto"]]
+    one_page_per_mesh: bool
+    uv: Literal["auto", "keep", "unwrap"]
+    gutter: int
+    mips: int
+    align: int
+    rays: int
+    target_error: float
+    target_relative: float
+    max_rays: int
+    pattern: Literal["independent", "tiled"]
+    footprint: Literal["texel", "centre"]
+    denoise: Literal["off", "regression"]
+    seams: Literal["off", "object", "scene"]
+    sky: Union[_Rgb, _Path]
+    view: Union[Literal["normal"], Sequence[float]]
+    buried: Literal["drop", "keep"]
+    shading: Literal["production", "exact"]
+    max_distance: float
+    layers: Union[str, Sequence[str]]
+    only: Union[str, Sequence[str]]
+    normal_maps: bool
+    exponent: float
+    albedo: _Rgb
+    specular: _Rgb
+    seed: int
+    backend: Literal["embree", "obvhs", "obvhs-bvh2"]
+    threads: int
+    plan_off: Union[str, Sequence[str]]
+
+class PageStats(TypedDict):
+    texels: int
+    rays: int
+    rmse: float
+
+class Object:
+    name: str
+    faces: npt.NDArray[np.int64]
+    pages: npt.NDArray[np.int64]
+    uvs: npt.NDArray[np.float32]
+
+class Baked(dict[str, Union[_Plane, list[_Plane]]]):
+    size: int
+    page_count: int
+    stats: list[PageStats]
+    warnings: list[str]
+    objects: list[Object]
+    @property
+    def uvs(self) -> npt.NDArray[np.float32]: ...
+    @property
+    def pages(self) -> npt.NDArray[np.int64]: ...
+    def write(self, folder: _Path) -> list[os.PathLike[str]]: ...
+    def write_gltf(self, path: _Path) -> None: ...
+
+_Progress = Callable[[int, int], Any]
+
+def bake(
+    vertices: Any,
+    faces: npt.ArrayLike | None = None,
+    *,
+    uvs: npt.ArrayLike | None = None,
+    normals: npt.ArrayLike | None = None,
+    name: str = "mesh",
+    progress: _Progress | None = None,
+    **options: Unpack[Options],
+) -> Baked: ...
+def bake_file(
+    source: Union[_Path, bytes, bytearray, memoryview],
+    *,
+    progress: _Progress | None = None,
+    **options: Unpack[Options],
+) -> Baked: ...

@@ -1,0 +1,238 @@
+//! Options by the names of their flags.
+
+use ambake::{
+    Backend, Bake, Buried, Choice, Denoise, Footprint, Layer, Pages, Pattern, Seams, Shading, Sky,
+    Uv, View,
+};
+use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString};
+
+/// Every option, as its flag is called with underscores.
+pub const NAMES: [&str; 34] = [
+    "size",
+    "density",
+    "density_of",
+    "include",
+    "exclude",
+    "seen_from",
+    "pages",
+    "one_page_per_mesh",
+    "uv",
+    "gutter",
+    "mips",
+    "align",
+    "rays",
+    "target_error",
+    "target_relative",
+    "max_rays",
+    "pattern",
+    "footprint",
+    "denoise",
+    "seams",
+    "sky",
+    "view",
+    "buried",
+    "shading",
+    "max_distance",
+    "layers",
+    "only",
+    "normal_maps",
+    "exponent",
+    "albedo",
+    "specular",
+    "seed",
+    "backend",
+    "threads",
+];
+
+/// Sets the options of a bake. Those that only mean something after `target_error` follow it in [`NAMES`].
+///
+/// # Errors
+/// TypeError for an unknown name or a value of a wrong kind, ValueError for a word or a number that an option cannot have.
+pub fn set(mut bake: Bake, options: &Bound<'_, PyDict>) -> PyResult<Bake> {
+    for name in options.keys() {
+        let name: String = name.extract()?;
+        if name != "plan_off" && !NAMES.contains(&name.as_str()) {
+            let known = NAMES.join(", ");
+            return Err(PyTypeError::new_err(format!(
+                "there is no option {name}; there are {known}, plan_off"
+            )));
+        }
+    }
+    let given = |name: &str| -> PyResult<Option<Bound<'_, PyAny>>> {
+        Ok(options.get_item(name)?.filter(|value| !value.is_none()))
+    };
+    if given("rays")?.is_some() && given("target_error")?.is_some() {
+        return Err(PyValueError::new_err(
+            "rays and target_error exclude each other; give one of them",
+        ));
+    }
+    for name in ["target_relative", "max_rays"] {
+        if given(name)?.is_some() && given("target_error")?.is_none() {
+            let problem = format!("{name} needs target_error beside it");
+            return Err(PyValueError::new_err(problem));
+        }
+    }
+    for name in NAMES.into_iter().chain(["plan_off"]) {
+        if let Some(value) = given(name)? {
+            bake = one(bake, name, &value).map_err(|error| named(options.py(), name, error))?;
+        }
+    }
+    Ok(bake)
+}
+
+/// The error of a value that cannot be converted, with the name of the option before it.
+fn named(py: Python<'_>, name: &str, error: PyErr) -> PyErr {
+    let problem = match error.is_instance_of::<PyOverflowError>(py) {
+        true => "below 0 or too large".into(),
+        false => error.value(py).to_string(),
+    };
+    let text = format!("{name}: {problem}");
+    match error.is_instance_of::<PyTypeError>(py) {
+        true => PyTypeError::new_err(text),
+        false => PyValueError::new_err(text),
+    }
+}
+
+fn one(bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
+    Ok(match name {
+        "size" => bake.size(value.extract()?),
+        "density" => bake.density(value.extract()?),
+        "density_of" => {
+            let each: Vec<(String, f64)> = value.cast::<PyDict>()?.items().extract()?;
+            each.into_iter()
+                .fold(bake, |bake, (name, density)| bake.density_of(name, density))
+        }
+        "include" => texts(value)?.into_iter().fold(bake, Bake::include),
+        "exclude" => texts(value)?.into_iter().fold(bake, Bake::exclude),
+        "seen_from" => bake.seen_from(value.extract::<Vec<[f64; 3]>>()?),
+        "pages" => bake.pages(match value.cast::<PyString>() {
+            Ok(_) => word(value, &[("auto", Pages::Auto)])?,
+            Err(_) => Pages::Most(value.extract()?),
+        }),
+        "one_page_per_mesh" => bake.one_page_per_mesh(value.extract()?),
+        "uv" => {
+            let words = [
+                ("auto", Uv::Auto),
+                ("keep", Uv::Keep),
+                ("unwrap", Uv::Unwrap),
+            ];
+            bake.uv(word(value, &words)?)
+        }
+        "gutter" => bake.gutter(value.extract()?),
+        "mips" => bake.mips(value.extract()?),
+        "align" => bake.align(value.extract()?),
+        "rays" => bake.rays(value.extract()?),
+        "target_error" => bake.target_error(value.extract()?),
+        "target_relative" => bake.target_relative(value.extract()?),
+        "max_rays" => bake.max_rays(value.extract()?),
+        "pattern" => {
+            let words = [
+                ("independent", Pattern::Independent),
+                ("tiled", Pattern::Tiled),
+            ];
+            bake.pattern(word(value, &words)?)
+        }
+        "footprint" => {
+            let words = [("texel", Footprint::Texel), ("centre", Footprint::Centre)];
+            bake.footprint(word(value, &words)?)
+        }
+        "denoise" => {
+            let words = [("off", Denoise::Off), ("regression", Denoise::Regression)];
+            bake.denoise(word(value, &words)?)
+        }
+        "seams" => {
+            let words = [
+                ("off", Seams::Off),
+                ("object", Seams::Object),
+                ("scene", Seams::Scene),
+            ];
+            bake.seams(word(value, &words)?)
+        }
+        "sky" => match value.extract::<[f32; 3]>() {
+            Ok(radiance) => bake.sky(radiance),
+            Err(_) => {
+                let file = value.extract::<std::path::PathBuf>().map_err(|_| {
+                    PyTypeError::new_err("expected (red, green, blue) or the path of a map")
+                })?;
+                bake.sky(Sky::load(file).map_err(|e| PyValueError::new_err(e.to_string()))?)
+            }
+        },
+        "view" => bake.view(match value.cast::<PyString>() {
+            Ok(_) => word(value, &[("normal", View::Normal)])?,
+            Err(_) => View::Eye(value.extract::<[f64; 3]>()?.into()),
+        }),
+        "buried" => bake.buried(word(
+            value,
+            &[("drop", Buried::Drop), ("keep", Buried::Keep)],
+        )?),
+        "shading" => {
+            let words = [
+                ("production", Shading::Production),
+                ("exact", Shading::Exact),
+            ];
+            bake.shading(word(value, &words)?)
+        }
+        "max_distance" => bake.max_distance(value.extract()?),
+        "layers" => bake.layers(layers(value)?),
+        "only" => bake.only(layers(value)?),
+        "normal_maps" => bake.normal_maps(value.extract()?),
+        "exponent" => bake.exponent(value.extract()?),
+        "albedo" => bake.albedo(value.extract()?),
+        "specular" => bake.specular(value.extract()?),
+        "seed" => bake.seed(value.extract()?),
+        "backend" => {
+            let words = [
+                ("embree", Backend::Embree),
+                ("obvhs", Backend::Obvhs),
+                ("obvhs-bvh2", Backend::ObvhsBvh2),
+            ];
+            bake.backend(word(value, &words)?)
+        }
+        "threads" => match value.extract()? {
+            0 => return Err(PyValueError::new_err("must be at least 1")),
+            threads => bake.threads(threads),
+        },
+        _ => {
+            let names = texts(value)?;
+            let choice = |name: &String| {
+                Choice::from_name(name)
+                    .ok_or_else(|| PyValueError::new_err(format!("there is no choice {name}")))
+            };
+            bake.plan_off(names.iter().map(choice).collect::<PyResult<Vec<_>>>()?)
+        }
+    })
+}
+
+/// The value that a word stands for.
+fn word<T: Clone>(value: &Bound<'_, PyAny>, words: &[(&str, T)]) -> PyResult<T> {
+    let text: String = value.extract()?;
+    match words.iter().find(|(word, _)| *word == text) {
+        Some((_, meaning)) => Ok(meaning.clone()),
+        None => {
+            let known: Vec<_> = words.iter().map(|(word, _)| *word).collect();
+            let problem = format!("{text:?} is none of {}", known.join(", "));
+            Err(PyValueError::new_err(problem))
+        }
+    }
+}
+
+/// One text or several.
+fn texts(value: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
+    match value.cast::<PyString>() {
+        Ok(text) => Ok(vec![text.extract()?]),
+        Err(_) => value.extract(),
+    }
+}
+
+fn layers(value: &Bound<'_, PyAny>) -> PyResult<Vec<Layer>> {
+    let layer = |name: &String| {
+        Layer::from_name(name).ok_or_else(|| {
+            let known: Vec<_> = Layer::all().map(Layer::name).collect();
+            let problem = format!("there is no layer {name:?}; there are {}", known.join(", "));
+            PyValueError::new_err(problem)
+        })
+    };
+    texts(value)?.iter().map(layer).collect()
+}

@@ -1,0 +1,127 @@
+//! Runs a bake beside Python: without its lock, with Ctrl-C heard.
+
+use crate::baked::Baked;
+use crate::{options, scene};
+use ambake::{Bake, Error, Progress, Scene};
+use pyo3::exceptions::{PyFileNotFoundError, PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
+
+/// Between two looks at Python's signals and the counters.
+const TICK: Duration = Duration::from_millis(50);
+
+/// Bakes meshes in memory.
+#[pyfunction]
+pub fn bake_meshes(
+    py: Python<'_>,
+    meshes: Vec<scene::Given<'_>>,
+    options: &Bound<'_, PyDict>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Baked> {
+    let scene = scene::of(meshes)?;
+    bake(py, scene, options, progress)
+}
+
+/// Bakes the scene in an OBJ, glTF or GLB file.
+#[pyfunction]
+pub fn bake_file(
+    py: Python<'_>,
+    path: PathBuf,
+    options: &Bound<'_, PyDict>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Baked> {
+    if !path.is_file() {
+        let problem = format!("there is no scene file {}", path.display());
+        return Err(PyFileNotFoundError::new_err(problem));
+    }
+    let scene = py.detach(|| ambake::load(&path)).map_err(error)?;
+    bake(py, scene, options, progress)
+}
+
+/// What is told from the bake's threads to Python's.
+#[derive(Default)]
+struct Meter {
+    done: AtomicU64,
+    total: AtomicU64,
+    cancelled: AtomicBool,
+}
+
+impl Progress for Meter {
+    fn advance(&self, done: u64, total: u64) {
+        self.done.fetch_max(done, Ordering::Relaxed);
+        self.total.store(total, Ordering::Relaxed);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+}
+
+fn bake(
+    py: Python<'_>,
+    scene: Scene,
+    given: &Bound<'_, PyDict>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Baked> {
+    let bake = options::set(Bake::new(&scene), given)?;
+    let meter = Meter::default();
+    let (mut interrupted, mut told) = (None, 0);
+    let result = std::thread::scope(|scope| {
+        let (bake, meter, python) = (&bake, &meter, std::thread::current());
+        let worker = scope.spawn(move || {
+            let result = bake.run(meter);
+            python.unpark();
+            result
+        });
+        while !worker.is_finished() {
+            py.detach(|| std::thread::park_timeout(TICK));
+            if interrupted.is_none()
+                && let Err(error) = look(py, meter, progress.as_ref(), &mut told)
+            {
+                meter.cancelled.store(true, Ordering::Relaxed);
+                interrupted = Some(error);
+            }
+        }
+        worker.join().ok()
+    });
+    if let Some(error) = interrupted {
+        return Err(error);
+    }
+    match result {
+        Some(result) => Ok(Baked(result.map_err(error)?)),
+        None => Err(PyRuntimeError::new_err(
+            "the bake broke off; this is a fault of ambake, please report it",
+        )),
+    }
+}
+
+/// Raises a pending KeyboardInterrupt, and tells how far the bake is.
+fn look(
+    py: Python<'_>,
+    meter: &Meter,
+    progress: Option<&Bound<'_, PyAny>>,
+    told: &mut u64,
+) -> PyResult<()> {
+    py.check_signals()?;
+    let (done, total) = (&meter.done, &meter.total);
+    let (done, total) = (done.load(Ordering::Relaxed), total.load(Ordering::Relaxed));
+    if let Some(progress) = progress
+        && done > *told
+    {
+        *told = done;
+        progress.call1((done, total))?;
+    }
+    Ok(())
+}
+
+/// The library's line as the exception that fits.
+pub fn error(error: Error) -> PyErr {
+    match error {
+        Error::Output(_) => pyo3::exceptions::PyOSError::new_err(error.to_string()),
+        Error::Threads(_) => PyRuntimeError::new_err(error.to_string()),
+        other => PyValueError::new_err(other.to_string()),
+    }
+}

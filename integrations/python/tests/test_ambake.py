@@ -1,0 +1,188 @@
+"""The package from outside: values known on paper, shapes, layouts, errors, threads and Ctrl-C."""
+
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import ambake
+import numpy as np
+import pytest
+
+SCENES = pathlib.Path(__file__).resolve().parents[3] / "scenes"
+
+# A floor of 2 x 2 m, y up.
+FLOOR = np.array([[-1, 0, -1], [-1, 0, 1], [1, 0, 1], [1, 0, -1]], float)
+QUAD = np.array([[0, 1, 2], [0, 2, 3]])
+
+
+def walled(height=1.0):
+    """The floor and a wall along its edge at x = -1."""
+    wall = np.array([[-1, 0, -1], [-1, height, -1], [-1, height, 1], [-1, 0, 1]])
+    return np.concatenate([FLOOR, wall]), np.concatenate([QUAD, QUAD + 4])
+
+
+def test_a_lone_floor_sees_the_whole_sky():
+    baked = ambake.bake(FLOOR, QUAD, size=32, rays=4)
+    inside = baked["coverage"] > 0
+    assert baked["diffuse"].shape == (32, 32) and baked["diffuse"].dtype == np.float32
+    assert baked["lambert"].shape == (32, 32, 3)
+    assert (baked["diffuse"][inside] == 1.0).all()
+    assert baked["diffuse"].flags.writeable
+    assert baked.stats[0]["rmse"] >= 0 and baked.stats[0]["texels"] == inside.sum()
+
+
+def test_a_wall_darkens_the_floor_as_on_paper():
+    # The wall is a rectangle of height h over an edge from -1 to 1: its form factor at a distance d is
+    # (1/2π) Σ atan(a/d) - d/r atan(a/r), with r² = d² + h² and a the two parts of the edge.
+    baked = ambake.bake(*walled(), size=64, rays=1024, seams="off", layers=["position", "normal"])
+    position, up = baked["position"], baked["normal"][..., 1] > 0.99
+    whole = up & (baked["coverage"] == 1.0)
+    d, z = position[..., 0][whole] + 1.0, position[..., 2][whole]
+    r = np.hypot(d, 1.0)
+    taken = sum(np.arctan(a / d) - d / r * np.arctan(a / r) for a in (1.0 - z, 1.0 + z)) / (2 * np.pi)
+    error = baked["diffuse"][whole] - (1.0 - taken)
+    assert whole.sum() > 500
+    # 1024 rays leave a standard error of about 0.002 a texel; a texel is 1/20 m wide, over which the term bends a little.
+    assert np.sqrt((error**2).mean()) < 0.005, np.abs(error).max()
+
+
+def test_the_corners_of_faces_lie_on_texels_of_their_positions():
+    vertices, faces = walled()
+    faces = np.insert(faces, 1, [[0, 0, 1]], axis=0)  # without area
+    baked = ambake.bake(vertices, faces, size=64, rays=1, layers="position")
+    assert baked.uvs.shape == (5, 3, 2) and baked.pages.tolist() == [0, -1, 0, 0, 0]
+    for face in (0, 2, 3, 4):
+        x, y = (baked.uvs[face].mean(axis=0) * 64).astype(int)
+        there = baked["position"][y, x]
+        assert np.abs(there - vertices[faces[face]].mean(axis=0)).max() < 0.1, (face, there)
+
+
+def test_several_pages_are_lists():
+    baked = ambake.bake_file(SCENES / "instances.gltf", size=64, rays=1, density=8.0)
+    assert baked.page_count > 1
+    assert [page.shape for page in baked["diffuse"]] == [(64, 64)] * baked.page_count
+    assert {page for item in baked.objects for page in item.pages} == set(range(baked.page_count))
+    with pytest.raises(ValueError, match="objects; see objects"):
+        baked.uvs
+
+
+def test_same_input_gives_the_same_bytes_at_any_number_of_threads():
+    vertices, faces = walled()
+    one, two = (ambake.bake(vertices, faces, size=32, rays=8, threads=n) for n in (1, 2))
+    for layer in one:
+        np.testing.assert_array_equal(one[layer], two[layer], err_msg=layer)
+
+
+def test_glb_bytes_and_files_are_written_and_read(tmp_path):
+    baked = ambake.bake(*walled(), size=32, rays=4, name="a wall 50 %")
+    baked.write_gltf(tmp_path / "wall.glb")
+    files = {os.path.basename(path) for path in baked.write(tmp_path / "out")}
+    assert {"bake.json", "scene.0.exr", "scene.glb"} <= files
+    again = ambake.bake_file((tmp_path / "wall.glb").read_bytes(), size=32, rays=4)
+    assert again.objects[0].name.startswith("a wall 50 %")
+    assert again.keys() == baked.keys()
+
+
+def test_trimesh_comes_with_its_materials():
+    trimesh = pytest.importorskip("trimesh")
+    mesh = trimesh.creation.box((1, 1, 1))
+    mesh.visual = trimesh.visual.TextureVisuals(
+        material=trimesh.visual.material.PBRMaterial(baseColorFactor=[255, 0, 0, 255], metallicFactor=0.0, roughnessFactor=1.0)
+    )
+    baked = ambake.bake(mesh, size=32, rays=4)
+    red = baked["lambert"][baked["coverage"] == 1.0].mean(axis=0)
+    assert red[0] > 10 * red[1], red
+    assert baked.uvs.shape == (12, 3, 2)
+    scene = trimesh.Scene({"box": mesh, "ball": trimesh.creation.icosphere(1)})
+    assert len(ambake.bake(scene, size=64, rays=1).objects) == 2
+
+
+@pytest.mark.parametrize(
+    ("call", "kind", "words"),
+    [
+        (lambda: ambake.bake(FLOOR[:, :2], QUAD), ValueError, r"vertices: expected shape \(n, 3\), got \(4, 2\)"),
+        (lambda: ambake.bake(FLOOR, QUAD + 1), ValueError, "faces: vertex 4 does not exist, there are 4"),
+        (lambda: ambake.bake(FLOOR, QUAD - 1), ValueError, "faces: vertex -1 does not exist"),
+        (lambda: ambake.bake(FLOOR, QUAD * 1.0), ValueError, "faces: expected whole numbers, got float64"),
+        (lambda: ambake.bake(FLOOR * np.nan, QUAD), ValueError, "finite"),
+        (lambda: ambake.bake(FLOOR, QUAD, uvs=FLOOR[:3, :2]), ValueError, "3 uvs for 4 positions"),
+        (lambda: ambake.bake(FLOOR, QUAD[:0]), ValueError, "no mesh has a triangle"),
+        (lambda: ambake.bake("floor"), TypeError, "faces: give them"),
+        (lambda: ambake.bake(FLOOR, QUAD, size=0), ValueError, "size: must be between 1 and 16384"),
+        (lambda: ambake.bake(FLOOR, QUAD, size=-1), ValueError, "size: below 0 or too large"),
+        (lambda: ambake.bake(FLOOR, QUAD, size="big"), TypeError, "size: "),
+        (lambda: ambake.bake(FLOOR, QUAD, sise=64), TypeError, "there is no option sise; there are size"),
+        (lambda: ambake.bake(FLOOR, QUAD, seams="all"), ValueError, 'seams: "all" is none of off, object, scene'),
+        (lambda: ambake.bake(FLOOR, QUAD, layers=["ao"]), ValueError, 'layers: there is no layer "ao"'),
+        (lambda: ambake.bake(FLOOR, QUAD, rays=4, target_error=0.1), ValueError, "rays and target_error exclude"),
+        (lambda: ambake.bake(FLOOR, QUAD, max_rays=64), ValueError, "max_rays needs target_error"),
+        (lambda: ambake.bake(FLOOR, QUAD, sky="no.hdr"), ValueError, "no.hdr"),
+        (lambda: ambake.bake_file("no such.obj"), FileNotFoundError, "there is no scene file no such.obj"),
+        (lambda: ambake.bake_file(b"no glb"), ValueError, "^scene.glb: "),
+    ],
+)
+def test_a_mistake_is_one_clear_line(call, kind, words):
+    with pytest.raises(kind, match=words) as caught:
+        call()
+    assert "\n" not in str(caught.value)
+
+
+def test_every_option_is_taken():
+    values = dict(
+        size=32, density=4.0, density_of={"m*": 4.0}, include="mesh", exclude=["other"], seen_from=[(0, 3, 0)], pages=2,
+        one_page_per_mesh=True, uv="unwrap", gutter=1, mips=1, align=2, target_error=0.3, target_relative=0.3, max_rays=16,
+        pattern="independent", footprint="centre", denoise="regression", seams="object", sky=(1, 0.5, 0.2), view=(0, 5, 0),
+        buried="keep", shading="exact", max_distance=2.0, only=["diffuse", "lambert"], normal_maps=True, exponent=8,
+        albedo=(0.5, 0.5, 0.5), specular=(0.1, 0.1, 0.1), seed=7, backend="obvhs", threads=1,
+    )
+    assert set(values) | {"rays", "layers"} == set(ambake.OPTIONS)
+    meshes = [v for v in values if v != "exclude"]
+    baked = ambake.bake(*walled(), **{name: values[name] for name in meshes})
+    assert set(baked) == {"coverage", "diffuse", "lambert"}
+
+
+def test_other_threads_run_and_progress_is_told():
+    ticks, told = [], []
+    done = threading.Event()
+
+    def tick():
+        while not done.wait(0.01):
+            ticks.append(time.monotonic())
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    ambake.bake(*walled(), size=128, rays=256, progress=lambda done, total: told.append((done, total)))
+    done.set()
+    thread.join()
+    assert len(ticks) > 3
+    assert told and all(0 < done <= total for done, total in told)
+
+
+def test_what_progress_raises_stops_the_bake():
+    def stop(_done, _total):
+        raise RuntimeError("enough")
+
+    started = time.monotonic()
+    with pytest.raises(RuntimeError, match="enough"):
+        ambake.bake(*walled(), size=2048, rays=4096, progress=stop)
+    assert time.monotonic() - started < 20
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals")
+def test_ctrl_c_is_a_keyboard_interrupt():
+    code = (
+        "import ambake, numpy as np\n"
+        "v = np.array([[-1,0,-1],[-1,0,1],[1,0,1],[-1,1,0]], float)\n"
+        "print('go', flush=True)\n"
+        "try: ambake.bake(v, np.array([[0,1,2],[0,1,3]]), size=2048, rays=4096)\n"
+        "except KeyboardInterrupt: print('interrupted')\n"
+    )
+    process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
+    assert process.stdout.readline() == "go\n"
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    assert process.communicate(timeout=30)[0] == "interrupted\n"
