@@ -25,6 +25,7 @@ mod quads;
 mod readme;
 mod render;
 mod shading;
+mod shards;
 mod sky;
 mod stopped;
 mod support;

@@ -1,6 +1,8 @@
 //! A bake between its plan and its result.
 
 use crate::error::Error;
+use crate::estimate;
+use crate::layout::read;
 use crate::options::{Backend, Options};
 use crate::scene::Scene;
 use crate::seen::is_seen;
@@ -8,7 +10,7 @@ use ::bake::{Baker, Decision, Pilot, Plan};
 use atlas::Atlas;
 use rays::{RayBackend, World};
 use report::{DecisionReport, LayoutReport, PhaseReport, WarningReport};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -48,6 +50,8 @@ impl Job {
         backend: Backend,
         make_backend: Option<MakeBackend>,
         threads: Option<usize>,
+        layout_file: Option<&Path>,
+        max_memory: Option<u64>,
     ) -> Result<Self, Error> {
         let started = Instant::now();
         let pool = match threads {
@@ -62,6 +66,13 @@ impl Job {
         let baker = options.baker();
         let (plan, world, atlas, backend) = within(pool.as_ref(), || {
             let (plan, world) = time(&mut phases, "plan", || Plan::of(&scene.0, &baker))?;
+            let triangles = scene
+                .0
+                .meshes
+                .iter()
+                .map(|mesh| mesh.triangles.len() as u64);
+            let layers = ::bake::layers_in_work(&baker, &plan);
+            estimate::check(&options, layers, triangles.sum(), max_memory)?;
             let build = || match &make_backend {
                 Some(make) => make(&world),
                 None => rays::build(backend.kind(), &world, rayon::current_num_threads()),
@@ -69,7 +80,10 @@ impl Job {
             let backend = time(&mut phases, "build", build)?;
             let seen = |point| is_seen(&options.seen_from, point, &world, backend.as_ref());
             let seen = (!options.seen_from.is_empty()).then_some(&seen as &atlas::Seen<'_>);
-            let layout = || atlas::layout_seen(&scene.0, &options.layout(), seen, &|| false);
+            let layout = || match layout_file.and_then(|path| read(path, &scene, &options)) {
+                Some(atlas) => Ok(atlas),
+                None => atlas::layout_seen(&scene.0, &options.layout(), seen, &|| false),
+            };
             let atlas = time(&mut phases, "atlas", layout).map_err(|source| Error::Layout {
                 scene: scene.path.display().to_string(),
                 source,

@@ -53,14 +53,18 @@
 mod bake;
 mod baked;
 mod error;
+mod estimate;
 mod host;
 mod interior;
 mod job;
+mod layout;
+mod merge;
 mod options;
 mod resume;
 mod run;
 mod scene;
 mod seen;
+mod shard;
 mod sky;
 mod write;
 
@@ -71,12 +75,16 @@ pub use ::bake::{
 };
 pub use baked::{Baked, Page};
 pub use error::Error;
+pub use estimate::Estimate;
 pub use host::{REVISION, VERSION, peak_memory};
 pub use job::Job;
 pub use layers::{Layer, Preview, Progress, Term, Unit};
+pub use layout::Layout;
+pub use merge::Parts;
 pub use options::{Backend, Effort, Options, Pages, Uv};
 pub use rays;
 pub use report::{BakeReport, PageReport};
 pub use scene::{Material, Mesh, Scene, Warning, load};
+pub use shard::{Part, Shard};
 pub use sky::Sky;
 pub use write::Written;

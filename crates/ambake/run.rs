@@ -4,6 +4,7 @@ use crate::baked::{Baked, Page};
 use crate::error::Error;
 use crate::job::Job;
 use crate::resume::Saved;
+use crate::shard::state_name;
 use crate::write::{Writer, Written};
 use layers::Progress;
 use report::{Output, PhaseReport};
@@ -36,8 +37,8 @@ impl Job {
     }
 
     /// Bakes into a directory: pages are written as they are finished, so that one page is in memory at a time. Nothing stands under a
-    /// final name until all of it is complete. Where the listener cancels, the state is saved, and the same call with `resume`
-    /// continues it to the same bytes.
+    /// final name until all of it is complete. What is baked is saved now and then; where the listener cancels, the process dies or a file
+    /// cannot be written, the same call with `resume` continues it to the same bytes.
     ///
     /// # Errors
     /// The directory cannot be written, an output would replace an input, or [`Error::Cancelled`].
@@ -49,33 +50,39 @@ impl Job {
     ) -> Result<Written, Error> {
         let output = Output::create(dir)?;
         let mut writer = Writer::new(self, output)?;
-        let key = json!({
-            "version": crate::VERSION,
-            "options": self.options().describe(),
-            "scene": self.scene().content_hash,
-            "backend": self.backend().describe(),
-        });
-        let saved = Saved::new(dir, &self.scene().stem(), key);
-        let (mut baking, mut writing) = (0.0, 0.0);
         let baker = self.baker();
+        let header = json!({"key": self.key()});
+        let columns = baker.layers();
+        let columns = columns.iter().map(|layer| layer.channels().len()).sum();
+        let state = dir.join(state_name(&self.scene().stem(), None));
+        let mut saved = Saved::new(state, header, columns);
+        if resume && let Some(damage) = saved.resume()? {
+            progress.note(&damage);
+        }
+        let (mut baking, mut writing) = (0.0, 0.0);
         for number in 0..self.atlas().page_count {
             let mut page = baker.start(number);
-            if resume {
-                saved.restore(&mut page)?;
-            }
+            saved.restore(number, |block| {
+                page.stats.seconds += block.seconds;
+                for tile in &block.tiles {
+                    page.store(tile);
+                }
+            })?;
             let clock = Instant::now();
-            if !page.finished {
-                self.within(|| baker.run(&mut page, progress));
-            }
+            self.within(|| {
+                baker.run_saved(&mut page, progress, &mut |tile| saved.add(number, tile))
+            })?;
             baking += clock.elapsed().as_secs_f64();
-            if !page.finished || self.atlas().page_count > 1 {
-                saved.write(&page)?;
-            }
             if !page.finished {
+                saved.flush()?;
                 return Err(Error::Cancelled);
             }
             let clock = Instant::now();
-            self.within(|| writer.page(&page))?;
+            if let Err(error) = self.within(|| writer.page(&page)) {
+                // What is baked is kept where that is possible at all.
+                let _ = saved.flush();
+                return Err(error);
+            }
             writing += clock.elapsed().as_secs_f64();
         }
         let mut phases = self.phases().to_vec();
@@ -85,8 +92,15 @@ impl Job {
                 seconds,
             });
         }
-        let written = writer.finish(phases)?;
-        saved.clear(self.atlas().page_count);
-        Ok(written)
+        match writer.finish(phases) {
+            Ok(written) => {
+                saved.remove();
+                Ok(written)
+            }
+            Err(error) => {
+                let _ = saved.flush();
+                Err(error)
+            }
+        }
     }
 }

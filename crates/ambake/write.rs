@@ -37,6 +37,8 @@ pub(crate) struct Writer<'a> {
     brightness: Brightness,
     /// One picture of the diffuse term a page; `None` where the bake has no such layer.
     pictures: Option<Vec<Vec<u8>>>,
+    /// The ray library that baked, where it was another process.
+    backend: Option<String>,
 }
 
 impl<'a> Writer<'a> {
@@ -66,7 +68,13 @@ impl<'a> Writer<'a> {
             seams: SeamStats::default(),
             brightness: Brightness::default(),
             pictures: Some(Vec::new()),
+            backend: None,
         })
+    }
+
+    /// Says which ray library baked, where it was not this process's.
+    pub fn baked_with(&mut self, backend: &str) {
+        self.backend = Some(backend.into());
     }
 
     /// Stages the files of a finished page; pages come in order.
@@ -126,6 +134,9 @@ impl<'a> Writer<'a> {
         let mut names = self.output.names();
         names.push("bake.json".into());
         let mut report = report_of(self.job, &self.described, self.pages, names, phases);
+        if let Some(backend) = self.backend {
+            report.versions.backend_version = backend;
+        }
         report.seams = seam_report(&self.seams);
         let interior = self
             .brightness

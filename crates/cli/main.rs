@@ -29,6 +29,8 @@ fn main() -> ExitCode {
     outcome::exit_code(match &args::Args::parse().verb {
         Verb::Bake(bake) => bake::run::run(bake),
         Verb::Plan(plan) => bake::plan::run(plan),
+        Verb::Layout(layout) => bake::layout::run(layout),
+        Verb::Merge(merge) => bake::merge::run(merge),
         Verb::Compare(compare) => compare::run(compare),
         Verb::Render(render) => render::run::run(render),
         Verb::Map(map) => map::run::run(map),

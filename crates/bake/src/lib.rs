@@ -41,6 +41,8 @@ pub use integrate::{Halves, REPLICATES, Terms};
 pub use options::{
     Buried, Denoise, Effort, Footprint, Options, Pattern, PointSet, Seams, Shading, Sky, View,
 };
-pub use page::{BakedPage, Baker, ErrorSums, LayerPlanes, PageStats, Pilot};
+pub use page::{
+    BakedPage, BakedTile, Baker, Deal, ErrorSums, LayerPlanes, PageStats, Pilot, layers_in_work,
+};
 pub use plan::{Decision, Method, OpenTriangles, Plan};
 pub use seams::SeamStats;

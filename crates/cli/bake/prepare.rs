@@ -9,11 +9,25 @@ use std::time::Instant;
 
 /// Loads the scene, plans its bake, lays its texels out and builds its ray scene.
 pub fn prepare(file: &Path, job: &Job, common: &Common) -> anyhow::Result<ambake::Job> {
+    prepare_in(None, file, job, common)
+}
+
+/// The same; a layout that `ambake layout` left in `dir` is taken.
+pub fn prepare_in(
+    dir: Option<&Path>,
+    file: &Path,
+    job: &Job,
+    common: &Common,
+) -> anyhow::Result<ambake::Job> {
     host::set_threads(common.threads)?;
     let started = Instant::now();
     let scene = ambake::load(file)?;
     let loading = started.elapsed().as_secs_f64();
-    let mut prepared = options::bake(&scene, job, common)?.prepare()?;
+    let mut bake = options::bake(&scene, job, common)?;
+    if let Some(dir) = dir {
+        bake = bake.layout_file(ambake::Layout::path(dir, &scene));
+    }
+    let mut prepared = bake.prepare()?;
     prepared.add_phase("load", loading);
     Ok(prepared)
 }

@@ -1,19 +1,26 @@
 //! `ambake bake`: scene in, lightmaps out.
 
 use super::args::Bake as Args;
-use super::prepare::prepare;
+use super::prepare::prepare_in;
+use super::shard;
 use super::summary::summary;
+use crate::common::Common;
 use crate::outcome::{Outcome, say};
 use crate::progress::{Show, watch};
 use crate::stop::Stop;
+use ambake::Written;
 use report::Output;
+use std::path::Path;
 
 /// Runs the verb.
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let stop = Stop::listen()?;
     // A directory that cannot be written is found before the scene is loaded.
     Output::create(&args.output)?;
-    let job = prepare(&args.scene, &args.job, &args.common)?;
+    let job = prepare_in(Some(&args.output), &args.scene, &args.job, &args.common)?;
+    if let Some(part) = args.shard {
+        return shard::run(args, &job, part, &stop);
+    }
     let show = Show {
         unit: "texels",
         quiet: args.common.quiet,
@@ -30,15 +37,16 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         }
         other => other?,
     };
-    if args.common.json {
+    tell(&written, &args.common, &args.output)
+}
+
+/// Says what was written.
+pub fn tell(written: &Written, common: &Common, dir: &Path) -> anyhow::Result<Outcome> {
+    if common.json {
         say(&(written.report.to_json() + "\n"))?;
-    } else if !args.common.quiet {
-        say(&summary(
-            &written.report,
-            args.common.verbose,
-            written.files.len(),
-            &args.output,
-        ))?;
+    } else if !common.quiet {
+        let files = written.files.len();
+        say(&summary(&written.report, common.verbose, files, dir))?;
     }
     Ok(Outcome::Done)
 }

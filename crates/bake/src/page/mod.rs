@@ -4,8 +4,13 @@ mod baker;
 mod compose;
 mod finish;
 mod planes;
+mod share;
 mod stats;
+mod tile;
 
 pub use baker::{Baker, Pilot};
+pub use finish::layers_in_work;
 pub use planes::{BakedPage, LayerPlanes};
+pub use share::Deal;
 pub use stats::{ErrorSums, PageStats};
+pub use tile::BakedTile;
