@@ -28,6 +28,7 @@ mod quads;
 mod readme;
 mod render;
 mod shading;
+mod shards;
 mod sky;
 mod stopped;
 mod support;

@@ -3,6 +3,7 @@
 use crate::baked::Baked;
 use crate::error::Error;
 use crate::job::{Job, MakeBackend};
+use crate::layout::Layout;
 use crate::options::{Backend, Effort, Options, Pages, Uv};
 use crate::scene::Scene;
 use crate::sky::Sky;
@@ -11,6 +12,7 @@ use layers::{Layer, Progress};
 use rays::{RayBackend, World};
 use report::Engine;
 use std::fmt;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// A bake of a scene, not yet started. The options are named as the flags of the command line; each has the default of its flag.
@@ -36,6 +38,8 @@ pub struct Bake {
     backend: Backend,
     make_backend: Option<MakeBackend>,
     threads: Option<usize>,
+    layout_file: Option<PathBuf>,
+    max_memory: Option<u64>,
 }
 
 impl fmt::Debug for Bake {
@@ -58,6 +62,8 @@ impl Bake {
             backend: Backend::best(),
             make_backend: None,
             threads: None,
+            layout_file: None,
+            max_memory: None,
         }
     }
 
@@ -328,6 +334,38 @@ impl Bake {
         self
     }
 
+    /// A file that [`Layout::write`](crate::Layout::write) made: its layout is taken where the file exists and is of this scene and these
+    /// options. It is what would be made anew.
+    pub fn layout_file(mut self, path: impl Into<PathBuf>) -> Self {
+        self.layout_file = Some(path.into());
+        self
+    }
+
+    /// Bytes of memory that the bake may take, in place of what the system has. A bake that would take more is refused before it starts.
+    pub fn max_memory(mut self, bytes: u64) -> Self {
+        self.max_memory = Some(bytes);
+        self
+    }
+
+    /// Lays the texels out, and nothing more.
+    ///
+    /// # Errors
+    /// As [`Bake::prepare`].
+    pub fn lay_out(&self) -> Result<Layout, Error> {
+        if !self.options.seen_from.is_empty() {
+            let job = self.prepare()?;
+            return Ok(Layout::new(&self.scene, &self.options, job.atlas().clone()));
+        }
+        self.options.check()?;
+        let options = self.options.layout();
+        let atlas = atlas::layout(&self.scene.0, &options, &|| false);
+        let atlas = atlas.map_err(|source| Error::Layout {
+            scene: self.scene.path.display().to_string(),
+            source,
+        })?;
+        Ok(Layout::new(&self.scene, &self.options, atlas))
+    }
+
     /// Plans the bake, lays its texels out and builds the ray scene.
     ///
     /// # Errors
@@ -342,6 +380,8 @@ impl Bake {
             self.backend,
             self.make_backend.clone(),
             self.threads,
+            self.layout_file.as_deref(),
+            self.max_memory,
         )
     }
 

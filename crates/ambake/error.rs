@@ -45,6 +45,26 @@ pub enum Error {
         /// MiB that all files of the bake take, about.
         needed: u64,
     },
+    /// The parts of a sharded bake cannot be merged.
+    #[error("{dir}: {problem}")]
+    Parts {
+        /// Their directory.
+        dir: String,
+        /// What is missing or does not fit, and what to do.
+        problem: String,
+    },
+    /// The bake would not fit into memory.
+    #[error("{}", too_large(*need, *limit, *given, *size))]
+    Memory {
+        /// Bytes that it would take.
+        need: u64,
+        /// Bytes that it may take.
+        limit: u64,
+        /// True where the limit was given, false where it is the system's.
+        given: bool,
+        /// A page edge in texels that fits, where there is one.
+        size: Option<u32>,
+    },
     /// The progress listener cancelled the bake.
     #[error("the bake was cancelled")]
     Cancelled,
@@ -58,4 +78,28 @@ impl Error {
             problem: problem.into(),
         }
     }
+}
+
+/// What to do about a bake that does not fit into memory.
+fn too_large(need: u64, limit: u64, given: bool, size: Option<u32>) -> String {
+    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    let whose = if given {
+        "--max-memory allows"
+    } else {
+        "this system has"
+    };
+    let advice = match (size, given) {
+        (Some(size), true) => format!("`--size {size}` fits"),
+        (Some(size), false) => {
+            format!("`--size {size}` fits, and `--max-memory` overrides this check")
+        }
+        (None, _) => {
+            "the scene alone does not fit; raise --max-memory, or take a machine with more".into()
+        }
+    };
+    format!(
+        "the bake takes about {:.2} GiB of memory and {whose} {:.2}; {advice}",
+        gib(need),
+        gib(limit),
+    )
 }

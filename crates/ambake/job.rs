@@ -1,6 +1,8 @@
 //! A bake between its plan and its result.
 
 use crate::error::Error;
+use crate::estimate;
+use crate::layout::read;
 use crate::options::{Backend, Options};
 use crate::scene::Scene;
 use crate::seen::oracle;
@@ -8,7 +10,7 @@ use ::bake::{Baker, Decision, Pilot, Plan};
 use atlas::Atlas;
 use rays::{RayBackend, World};
 use report::{DecisionReport, LayoutReport, PhaseReport, WarningReport};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -48,6 +50,8 @@ impl Job {
         backend: Backend,
         make_backend: Option<MakeBackend>,
         threads: Option<usize>,
+        layout_file: Option<&Path>,
+        max_memory: Option<u64>,
     ) -> Result<Self, Error> {
         let started = Instant::now();
         let pool = match threads {
@@ -62,14 +66,24 @@ impl Job {
         let baker = options.baker();
         let (plan, world, atlas, backend) = within(pool.as_ref(), || {
             let (plan, world) = time(&mut phases, "plan", || Plan::of(&scene.0, &baker))?;
+            let triangles = scene
+                .0
+                .meshes
+                .iter()
+                .map(|mesh| mesh.triangles.len() as u64);
+            let layers = ::bake::layers_in_work(&baker, &plan);
+            estimate::check(&options, layers, triangles.sum(), max_memory)?;
             let build = || match &make_backend {
                 Some(make) => make(&world),
                 None => rays::build(backend.kind(), &world, rayon::current_num_threads()),
             };
             let backend = time(&mut phases, "build", build)?;
-            let layout = || {
-                let seen = oracle(&options, &world, backend.as_ref());
-                atlas::layout_seen(&scene.0, &options.layout(), seen.as_deref(), &|| false)
+            let layout = || match layout_file.and_then(|path| read(path, &scene, &options)) {
+                Some(atlas) => Ok(atlas),
+                None => {
+                    let seen = oracle(&options, &world, backend.as_ref());
+                    atlas::layout_seen(&scene.0, &options.layout(), seen.as_deref(), &|| false)
+                }
             };
             let atlas = time(&mut phases, "atlas", layout).map_err(|source| Error::Layout {
                 scene: scene.path.display().to_string(),

@@ -1,90 +1,285 @@
-//! A page in work as a checkpoint, and back.
+//! Finished tiles as blocks of a journal, and back: what is kept while a bake runs, so that little is lost with it.
+//!
+//! A block is the page (u32), a line of JSON (the tiles and the seconds that they took), and for each tile its texels (u32) and their
+//! values (f32, texel by texel). Numbers are little-endian.
 
-use ::bake::{BakedPage, LayerPlanes, PageStats};
-use layers::Layer;
-use report::{
-    Checkpoint, Error, checkpoint_path, read_checkpoint, remove_checkpoint, write_checkpoint,
-};
-use serde_json::{Value, json};
+use crate::error::Error;
+use crate::estimate::WAITING;
+use ::bake::{BakedTile, PageStats};
+use report::Journal;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
-/// The place and the key of a bake's saved states.
+/// What was baked is on the disk after this time at most, and the time of one batch of tiles.
+const PERIOD: Duration = Duration::from_secs(20);
+/// Saving takes this part of the time at most, as long as memory allows.
+const SHARE: u32 = 50;
+/// A block is closed at this size in bytes.
+const BLOCK: usize = 4 << 20;
+
+/// A block that is being filled, or that was read.
+pub(crate) struct Block {
+    pub page: u32,
+    pub tiles: Vec<BakedTile>,
+    /// Seconds that its tiles took.
+    pub seconds: f64,
+}
+
+/// The line of a block.
+#[derive(Serialize, Deserialize)]
+struct Line {
+    seconds: f64,
+    tiles: Vec<LineTile>,
+}
+
+/// A tile in the line of a block.
+#[derive(Serialize, Deserialize)]
+struct LineTile {
+    index: u32,
+    texels: usize,
+    stats: PageStats,
+}
+
+impl Block {
+    fn encode(&self) -> Vec<u8> {
+        let tile = |tile: &BakedTile| LineTile {
+            index: tile.index,
+            texels: tile.texels.len(),
+            stats: tile.stats,
+        };
+        let line = Line {
+            seconds: self.seconds,
+            tiles: self.tiles.iter().map(tile).collect(),
+        };
+        let mut bytes = self.page.to_le_bytes().to_vec();
+        bytes.extend(serde_json::to_vec(&line).expect("plain structs become JSON"));
+        bytes.push(b'\n');
+        for tile in &self.tiles {
+            bytes.extend(tile.texels.iter().flat_map(|texel| texel.to_le_bytes()));
+            bytes.extend(tile.values.iter().flat_map(|value| value.to_le_bytes()));
+        }
+        bytes
+    }
+
+    /// The block in `bytes`, with so many values a texel; `None` where they are something else.
+    pub fn decode(bytes: &[u8], columns: usize) -> Option<Self> {
+        let (page, rest) = bytes.split_first_chunk()?;
+        let end = rest.iter().position(|&byte| byte == b'\n')?;
+        let line: Line = serde_json::from_slice(&rest[..end]).ok()?;
+        let mut rest = &rest[end + 1..];
+        let mut take = |count: usize| {
+            let (own, others) = rest.split_at_checked(count.checked_mul(4)?)?;
+            rest = others;
+            Some(own.as_chunks::<4>().0)
+        };
+        let mut tiles = Vec::with_capacity(line.tiles.len());
+        for LineTile {
+            index,
+            texels,
+            stats,
+        } in line.tiles
+        {
+            let places = take(texels)?.iter().map(|b| u32::from_le_bytes(*b));
+            let values = take(texels.checked_mul(columns)?)?.iter();
+            let values: Vec<f32> = values.map(|b| f32::from_le_bytes(*b)).collect();
+            tiles.push(BakedTile {
+                index,
+                texels: places.collect(),
+                values,
+                stats,
+            });
+        }
+        let seconds = line.seconds;
+        rest.is_empty().then_some(Self {
+            page: u32::from_le_bytes(*page),
+            tiles,
+            seconds,
+        })
+    }
+}
+
+/// The finished tiles of a bake or of one of its shards.
 pub(crate) struct Saved {
-    dir: PathBuf,
-    stem: String,
-    /// Everything that decides the values.
-    key: Value,
+    path: PathBuf,
+    /// What the journal says of itself; `key` in it decides the values.
+    header: Value,
+    /// Values a texel.
+    columns: usize,
+    journal: Option<Journal>,
+    /// Blocks of the journal by their page, as they were found.
+    found: BTreeMap<u32, Vec<usize>>,
+    waiting: Vec<Block>,
+    /// Bytes in `waiting`, about.
+    bytes: usize,
+    /// When the block in work was begun.
+    clock: Instant,
+    /// When the journal was written last, and how long that took.
+    written: (Instant, Duration),
 }
 
 impl Saved {
-    pub fn new(dir: &Path, stem: &str, key: Value) -> Self {
+    /// No tiles; the file is made when the first are written.
+    pub fn new(path: PathBuf, header: Value, columns: usize) -> Self {
         Self {
-            dir: dir.to_owned(),
-            stem: stem.into(),
-            key,
+            path,
+            header,
+            columns,
+            journal: None,
+            found: BTreeMap::new(),
+            waiting: Vec::new(),
+            bytes: 0,
+            clock: Instant::now(),
+            written: (Instant::now(), Duration::ZERO),
         }
     }
 
-    /// Saves a page.
-    pub fn write(&self, page: &BakedPage) -> Result<(), Error> {
-        let layers: Vec<Layer> = page.planes.iter().map(|planes| planes.layer).collect();
-        let planes = page.planes.iter().map(|planes| planes.values.clone());
-        let checkpoint = Checkpoint {
-            key: self.key.clone(),
-            state: json!({
-                "tiles_done": page.tiles_done,
-                "finished": page.finished,
-                "stats": page.stats,
-                "layers": layers,
-            }),
-            planes: planes.collect(),
+    /// Opens the file now and takes what it holds, where it is of the same bake. What tells of damage is returned: then the bake starts
+    /// anew.
+    ///
+    /// # Errors
+    /// The file cannot be written, or another run writes it.
+    pub fn resume(&mut self) -> Result<Option<String>, Error> {
+        let same = |found: &Value| {
+            ["key", "shard"]
+                .iter()
+                .all(|part| found[part] == self.header[part])
         };
-        write_checkpoint(&self.path(page.page), &checkpoint)
+        let (mut journal, mut damage) = Journal::resume(&self.path, &self.header, same)?;
+        for number in 0..journal.len() {
+            let bytes = journal.block(number)?;
+            let Some(block) = Block::decode(&bytes, self.columns) else {
+                let path = self.path.display();
+                damage = Some(format!("cannot read {path}: the file is damaged"));
+                drop(journal);
+                journal = Journal::resume(&self.path, &self.header, |_| false)?.0;
+                self.found.clear();
+                break;
+            };
+            self.found.entry(block.page).or_default().push(number);
+        }
+        self.journal = Some(journal);
+        Ok(damage.map(|damage| format!("{damage}; starting over")))
     }
 
-    /// Puts a saved state into a page that was just started; leaves it as it is where nothing fitting was saved.
-    pub fn restore(&self, page: &mut BakedPage) -> Result<(), Error> {
-        let Some(saved) = read_checkpoint(&self.path(page.page), &self.key)? else {
-            return Ok(());
-        };
-        let tiles = saved.state["tiles_done"].as_u64();
-        let finished = saved.state["finished"].as_bool();
-        let stats = serde_json::from_value::<PageStats>(saved.state["stats"].clone());
-        let layers = serde_json::from_value::<Vec<String>>(saved.state["layers"].clone());
-        let (Some(tiles), Some(finished), Ok(stats), Ok(layers)) = (tiles, finished, stats, layers)
-        else {
-            return Ok(());
-        };
-        let planes = layers.iter().zip(saved.planes).map(|(name, values)| {
-            let layer = Layer::from_name(name)?;
-            let fits = values.len() == page.texels() * layer.channels().len();
-            fits.then_some(LayerPlanes { layer, values })
-        });
-        let Some(planes) = planes.collect::<Option<Vec<LayerPlanes>>>() else {
-            return Ok(());
-        };
-        let same = planes.len() == page.planes.len()
-            && planes
-                .iter()
-                .zip(&page.planes)
-                .all(|(a, b)| a.layer == b.layer);
-        if finished || same {
-            page.planes = planes;
-            page.tiles_done = tiles as usize;
-            page.finished = finished;
-            page.stats = stats;
+    /// The tiles of a page that were found, block by block.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn restore(&mut self, page: u32, mut take: impl FnMut(Block)) -> Result<(), Error> {
+        let numbers = self.found.remove(&page).unwrap_or_default();
+        if let Some(journal) = &mut self.journal {
+            for number in numbers {
+                Block::decode(&journal.block(number)?, self.columns)
+                    .into_iter()
+                    .for_each(&mut take);
+            }
+        }
+        self.clock = Instant::now();
+        Ok(())
+    }
+
+    /// Takes a finished tile, and brings what waits to the disk when it is time.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn add(&mut self, page: u32, tile: BakedTile) -> Result<(), Error> {
+        let own = 4 * (tile.texels.len() + tile.values.len()) + size_of::<BakedTile>();
+        let full = |block: &Block| block.page != page || block.tiles.is_empty();
+        if self.waiting.last().is_none_or(full) || self.bytes % BLOCK + own >= BLOCK {
+            self.close();
+            self.waiting.push(Block {
+                page,
+                tiles: Vec::new(),
+                seconds: 0.0,
+            });
+        }
+        if let Some(block) = self.waiting.last_mut() {
+            block.tiles.push(tile);
+        }
+        self.bytes += own;
+        let (last, cost) = self.written;
+        if last.elapsed() >= PERIOD.max(cost * SHARE) || self.bytes as u64 > WAITING {
+            self.flush()?;
         }
         Ok(())
     }
 
-    /// Removes the states of `pages` pages.
-    pub fn clear(&self, pages: u32) {
-        for page in 0..pages {
-            remove_checkpoint(&self.path(page));
+    /// Gives the block in work the time that it took.
+    fn close(&mut self) {
+        if let Some(block) = self.waiting.last_mut() {
+            block.seconds = self.clock.elapsed().as_secs_f64();
         }
+        self.clock = Instant::now();
     }
 
-    fn path(&self, page: u32) -> PathBuf {
-        checkpoint_path(&self.dir, &self.stem, page)
+    /// Brings everything that waits to the disk.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn flush(&mut self) -> Result<(), Error> {
+        let started = Instant::now();
+        self.close();
+        let journal = match &mut self.journal {
+            Some(journal) => journal,
+            none => none.insert(Journal::resume(&self.path, &self.header, |_| false)?.0),
+        };
+        for block in self.waiting.drain(..) {
+            journal.append(&block.encode())?;
+        }
+        self.bytes = 0;
+        self.written = (Instant::now(), started.elapsed());
+        Ok(())
+    }
+
+    /// Brings everything to the disk with a last block, and gives the file its final name.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn end(mut self, last: &[u8], path: &Path) -> Result<(), Error> {
+        self.flush()?;
+        if let Some(journal) = &mut self.journal {
+            journal.append(last)?;
+            journal.rename(path)?;
+        }
+        Ok(())
+    }
+
+    /// Removes the file.
+    pub fn remove(self) {
+        report::remove_journal(&self.path);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_block_returns_bit_for_bit_and_no_other_bytes_are_taken() {
+        let tile = |index: u32, texels: u32| BakedTile {
+            index,
+            texels: (0..texels).collect(),
+            values: (0..3 * texels).map(|v| 0.1 * v as f32).collect(),
+            stats: PageStats {
+                coverage: 1.0 / f64::from(texels + 1),
+                ..PageStats::default()
+            },
+        };
+        let block = Block {
+            page: 7,
+            tiles: vec![tile(3, 5), tile(9, 0)],
+            seconds: 0.25,
+        };
+        let bytes = block.encode();
+        let back = Block::decode(&bytes, 3).expect("its own bytes");
+        assert_eq!((back.page, &back.tiles), (7, &block.tiles));
+        assert!(Block::decode(&bytes, 2).is_none(), "too many values");
+        assert!(Block::decode(&bytes, 4).is_none(), "too few");
+        for cut in 1..=bytes.len() {
+            assert!(Block::decode(&bytes[..bytes.len() - cut], 3).is_none());
+        }
     }
 }

@@ -4,6 +4,7 @@ use crate::baked::{Baked, Page};
 use crate::error::Error;
 use crate::job::Job;
 use crate::resume::Saved;
+use crate::shard::state_name;
 use crate::write::{Writer, Written};
 use ::bake::{BakedPage, BounceStats, Bounces};
 use layers::Progress;
@@ -44,7 +45,7 @@ impl Job {
     }
 
     /// Adds the light that surfaces send on to all pages, where that was asked for.
-    fn bounce(
+    pub(crate) fn bounce(
         &self,
         pages: &mut [BakedPage],
         progress: &dyn Progress,
@@ -56,10 +57,10 @@ impl Job {
         stats.map(Some).ok_or(Error::Cancelled)
     }
 
-    /// Bakes into a directory: pages are written as they are finished, so that one page is in memory at a time; where light bounces, all are,
-    /// because it does from page to page. Nothing stands under a
-    /// final name until all of it is complete. Where the listener cancels, the state is saved, and the same call with `resume`
-    /// continues it to the same bytes.
+    /// Bakes into a directory: pages are written as they are finished, so that one page is in memory at a time; where light bounces, all
+    /// are, because it does from page to page. Nothing stands under a final name until all of it is complete. What is baked is saved now
+    /// and then; where the listener cancels, the process dies or a file cannot be written, the same call with `resume` continues it to the
+    /// same bytes.
     ///
     /// # Errors
     /// The directory cannot be written, is too full or another bake's, an output would replace an input, or [`Error::Cancelled`].
@@ -72,32 +73,33 @@ impl Job {
         let output = Output::exclusive(dir)?;
         report::check_space(dir, self.bytes_written())?;
         let mut writer = Writer::new(self, output)?;
-        let key = json!({
-            "version": crate::VERSION,
-            "options": self.options().describe(),
-            "scene": self.scene().content_hash,
-            "backend": self.backend().describe(),
-        });
-        let saved = Saved::new(dir, &self.scene().stem(), key);
+        let baker = self.baker();
+        let header = json!({"key": self.key()});
+        let columns = baker.layers();
+        let columns = columns.iter().map(|layer| layer.channels().len()).sum();
+        let state = dir.join(state_name(&self.scene().stem(), None));
+        let mut saved = Saved::new(state, header, columns);
+        if resume && let Some(damage) = saved.resume()? {
+            progress.note(&damage);
+        }
         let (mut baking, mut writing) = (0.0, 0.0);
         let bounces = self.options().bounces != Bounces::Off;
         let mut waiting = Vec::new();
-        let mut last = None;
-        let baker = self.baker();
         for number in 0..self.atlas().page_count {
             let mut page = baker.start(number);
-            if resume {
-                saved.restore(&mut page)?;
-            }
+            saved.restore(number, |block| {
+                page.stats.seconds += block.seconds;
+                for tile in &block.tiles {
+                    page.store(tile);
+                }
+            })?;
             let clock = Instant::now();
-            if !page.finished {
-                self.within(|| baker.run(&mut page, progress));
-            }
+            self.within(|| {
+                baker.run_saved(&mut page, progress, &mut |tile| saved.add(number, tile))
+            })?;
             baking += clock.elapsed().as_secs_f64();
-            if !page.finished || self.atlas().page_count > 1 || bounces {
-                saved.write(&page)?;
-            }
             if !page.finished {
+                saved.flush()?;
                 return Err(Error::Cancelled);
             }
             if bounces {
@@ -106,18 +108,24 @@ impl Job {
             }
             let clock = Instant::now();
             if let Err(error) = self.within(|| writer.page(&page)) {
-                return Err(self.unwritten(error, saved.write(&page)));
+                return Err(self.unwritten(error, saved.flush()));
             }
             writing += clock.elapsed().as_secs_f64();
-            // Of several pages the states are there already.
-            last = (self.atlas().page_count == 1).then_some(page);
         }
         let clock = Instant::now();
-        let bounced = self.bounce(&mut waiting, progress)?;
+        let bounced = match self.bounce(&mut waiting, progress) {
+            Ok(bounced) => bounced,
+            Err(error) => {
+                saved.flush()?;
+                return Err(error);
+            }
+        };
         let bouncing = clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         for page in waiting {
-            self.within(|| writer.page(&page))?;
+            if let Err(error) = self.within(|| writer.page(&page)) {
+                return Err(self.unwritten(error, saved.flush()));
+            }
         }
         writing += clock.elapsed().as_secs_f64();
         let mut phases = self.phases().to_vec();
@@ -132,11 +140,12 @@ impl Job {
                 seconds,
             });
         }
-        let written = writer.finish(phases, bounced).map_err(|error| {
-            let state = last.map_or(Ok(()), |page| saved.write(&page));
-            self.unwritten(error, state)
-        })?;
-        saved.clear(self.atlas().page_count);
-        Ok(written)
+        match writer.finish(phases, bounced) {
+            Ok(written) => {
+                saved.remove();
+                Ok(written)
+            }
+            Err(error) => Err(self.unwritten(error, saved.flush())),
+        }
     }
 }

@@ -44,6 +44,8 @@ pub(crate) struct Writer<'a> {
     lightmaps: Vec<LightmapReport>,
     /// One picture of the diffuse term a page; `None` where the bake has no such layer.
     pictures: Option<Vec<Vec<u8>>>,
+    /// The ray library that baked, where it was another process.
+    backend: Option<String>,
 }
 
 impl<'a> Writer<'a> {
@@ -77,7 +79,13 @@ impl<'a> Writer<'a> {
             lit: LitScene::default(),
             lightmaps: Vec::new(),
             pictures: Some(Vec::new()),
+            backend: None,
         })
+    }
+
+    /// Says which ray library baked, where it was not this process's.
+    pub fn baked_with(&mut self, backend: &str) {
+        self.backend = Some(backend.into());
     }
 
     /// Stages the files of a finished page; pages come in order.
@@ -155,6 +163,9 @@ impl<'a> Writer<'a> {
         let mut names = self.output.names();
         names.push("bake.json".into());
         let mut report = report_of(self.job, &self.described, self.pages, names, phases);
+        if let Some(backend) = self.backend {
+            report.versions.backend_version = backend;
+        }
         report.seams = seam_report(&self.seams);
         report.bounces = bounces.map(bounce_report);
         report.lightmaps = self.lightmaps;

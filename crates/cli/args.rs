@@ -18,6 +18,10 @@ pub enum Verb {
     Bake(bake::args::Bake),
     /// Says what a bake of this scene would model and why, and what it would cost
     Plan(bake::args::Plan),
+    /// The atlas alone: the layout that a bake of this scene makes, to look at and for the shards of a bake
+    Layout(bake::args::Layout),
+    /// The parts of `bake --shard I/N` into the files of a whole bake
+    Merge(bake::args::Merge),
     /// Traditional against Lambert against Phong from a finished bake, or any two EXR pages
     Compare(Compare),
     /// Files for engines from a finished bake

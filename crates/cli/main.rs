@@ -30,6 +30,8 @@ fn main() -> ExitCode {
     outcome::exit_code(match &args::Args::parse().verb {
         Verb::Bake(bake) => bake::run::run(bake),
         Verb::Plan(plan) => bake::plan::run(plan),
+        Verb::Layout(layout) => bake::layout::run(layout),
+        Verb::Merge(merge) => bake::merge::run(merge),
         Verb::Compare(compare) => compare::run(compare),
         Verb::Export(export) => export::run(export),
         Verb::Render(render) => render::run::run(render),

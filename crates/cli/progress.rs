@@ -35,7 +35,10 @@ pub struct Show {
 
 /// Runs `job` with a listener, while another thread shows its progress and passes a caught signal on.
 pub fn watch<R>(show: Show, stop: &Stop, job: impl FnOnce(&dyn Progress) -> R) -> R {
-    let meter = Meter::default();
+    let meter = Meter {
+        quiet: show.quiet,
+        ..Meter::default()
+    };
     let done = AtomicBool::new(false);
     let _ends_cleanly = stop.hold();
     std::thread::scope(|scope| {
@@ -54,6 +57,7 @@ struct Meter {
     total: AtomicU64,
     rays: AtomicU64,
     cancelled: AtomicBool,
+    quiet: bool,
 }
 
 impl Progress for Meter {
@@ -65,6 +69,12 @@ impl Progress for Meter {
 
     fn rays(&self, cast: u64) {
         self.rays.fetch_add(cast, Ordering::Relaxed);
+    }
+
+    fn note(&self, line: &str) {
+        if !self.quiet {
+            eprintln!("ambake: {line}");
+        }
     }
 
     fn cancelled(&self) -> bool {

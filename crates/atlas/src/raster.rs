@@ -122,6 +122,22 @@ impl<'a> PageRaster<'a> {
         tile
     }
 
+    /// Instance and triangle of all that meets a tile, and about how many texels of it each covers: its own area, and at most that of
+    /// the part of its bounds inside of the tile.
+    ///
+    /// # Panics
+    ///
+    /// If `index` is not below the number of tiles.
+    pub fn areas(&self, index: usize) -> impl Iterator<Item = ([u32; 2], f64)> + '_ {
+        let origin = DVec2::from(self.tile_origin(index).map(f64::from));
+        self.triangles(index).map(move |(entry, p)| {
+            let low = p[0].min(p[1]).min(p[2]).max(origin);
+            let high = p[0].max(p[1]).max(p[2]).min(origin + f64::from(TILE));
+            let bounds = (high - low).max(DVec2::ZERO).element_product();
+            (entry, bounds.min(twice_area(p).abs() / 2.0))
+        })
+    }
+
     /// First column and row of a tile.
     pub(crate) fn tile_origin(&self, index: usize) -> [u32; 2] {
         let (number, across) = (self.tiles[index], self.page_size.div_ceil(TILE));

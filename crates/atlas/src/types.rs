@@ -1,7 +1,7 @@
 //! The plain data of an atlas: where every triangle of every object lies on which page.
 
 use glam::Vec2;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A finished layout. Pages are square, `page_size` texels on an edge, row 0 and v = 0 on top (glTF's UV space).
 #[derive(Debug, Clone)]
@@ -54,7 +54,7 @@ impl MeshLayout {
 }
 
 /// One object's rectangle: page UV = `uv * scale + offset`, in 0..=1 of the page.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Placement {
     /// First page.
     pub page: u32,
@@ -79,7 +79,7 @@ impl Placement {
 }
 
 /// How the lightmap coordinates came about.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum UvSource {
     /// The file's UV set (its number) was kept as it stands.
@@ -97,7 +97,7 @@ pub enum UvSource {
 }
 
 /// What the raster audit of a layout found. A usable layout has no overlap and nothing missing or outside.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Audit {
     /// Sub-texel sample points strictly inside more than one triangle.
     pub overlaps: u64,

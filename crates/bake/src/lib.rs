@@ -44,6 +44,8 @@ pub use options::{
     Bounces, Buried, Denoise, Effort, Footprint, Options, Pattern, PointSet, Seams, Shading, Sky,
     View,
 };
-pub use page::{BakedPage, Baker, ErrorSums, LayerPlanes, PageStats, Pilot};
+pub use page::{
+    BakedPage, BakedTile, Baker, Deal, ErrorSums, LayerPlanes, PageStats, Pilot, layers_in_work,
+};
 pub use plan::{Decision, Method, OpenTriangles, Plan};
 pub use seams::SeamStats;

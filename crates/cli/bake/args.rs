@@ -24,8 +24,43 @@ pub struct Bake {
     /// Continue an interrupted bake of the same scene and options in DIR
     #[arg(long)]
     pub resume: bool,
+    /// Bake part I of N of the texels, I from 1; all parts share DIR, in any order and on any machine, and `ambake merge DIR` makes one
+    /// bake of them. A part that was stopped continues
+    #[arg(long, value_name = "I/N", value_parser = shard)]
+    pub shard: Option<ambake::Shard>,
     #[command(flatten)]
     pub common: Common,
+}
+
+#[derive(ClapArgs)]
+pub struct Layout {
+    /// Scene file: .obj, .gltf or .glb
+    pub scene: PathBuf,
+    #[command(flatten)]
+    pub job: Job,
+    /// Directory for the results; it is made if needed
+    #[arg(short = 'o', long = "output", value_name = "DIR")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+#[derive(ClapArgs)]
+pub struct Merge {
+    /// The directory that all parts share; the results go there too
+    pub dir: PathBuf,
+    /// Worker threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub threads: Option<u32>,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print a machine-readable summary on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// Also print the plan and the time of each phase
+    #[arg(short = 'v', long)]
+    pub verbose: bool,
 }
 
 #[derive(ClapArgs)]
@@ -114,6 +149,10 @@ pub struct Job {
     /// error, or than half a step of 8 bits. Surfaces that shine join in
     #[arg(long, value_name = "N|auto", default_value = "0", value_parser = bounces)]
     pub bounces: ambake::Bounces,
+    /// Memory that the bake may take, such as 8G or 512M; one that would take more is refused before it starts [default: what the
+    /// system has]
+    #[arg(long, value_name = "SIZE", value_parser = memory)]
+    pub max_memory: Option<u64>,
     /// Ray library [default: embree where it is built in, else obvhs]
     #[arg(long, value_enum)]
     pub backend: Option<Backend>,
@@ -224,6 +263,45 @@ fn eyes(text: &str) -> Result<Vec<[f64; 3]>, String> {
     Ok((0..27).map(point).collect())
 }
 
+/// A number of bytes: `8G`, `512M`, `1.5GiB`; without a unit, bytes. Units are powers of 1024.
+fn memory(text: &str) -> Result<u64, String> {
+    let digits = text.find(|c: char| c.is_ascii_alphabetic());
+    let (value, unit) = text.split_at(digits.unwrap_or(text.len()));
+    let power = match unit
+        .to_ascii_uppercase()
+        .trim_end_matches('B')
+        .trim_end_matches('I')
+    {
+        "" => 0,
+        "K" => 1,
+        "M" => 2,
+        "G" => 3,
+        "T" => 4,
+        _ => return Err("expected a size such as 8G or 512M".into()),
+    };
+    let bytes = positive(value.trim())? * 1024f64.powi(power);
+    match bytes {
+        1.0..1e18 => Ok(bytes as u64),
+        _ => Err("expected a size such as 8G or 512M".into()),
+    }
+}
+
+/// Parts of a bake at most.
+const MAX_SHARDS: u32 = 100_000;
+
+fn shard(text: &str) -> Result<ambake::Shard, String> {
+    let number = |text: &str| text.parse::<u32>().ok();
+    let shard = text.split_once('/').map(|(i, n)| (number(i), number(n)));
+    match shard {
+        Some((Some(index), Some(of))) if (1..=of).contains(&index) && of <= MAX_SHARDS => {
+            Ok(ambake::Shard { index, of })
+        }
+        _ => Err(format!(
+            "expected I/N with I from 1 to N, such as 2/4, and N at most {MAX_SHARDS}"
+        )),
+    }
+}
+
 fn pages(text: &str) -> Result<ambake::Pages, String> {
     match text.parse() {
         _ if text == "auto" => Ok(ambake::Pages::Auto),
@@ -277,4 +355,20 @@ fn choice(text: &str) -> Result<Choice, String> {
         let names: Vec<_> = Choice::ALL.iter().map(|choice| choice.name()).collect();
         format!("unknown choice; there are {}", names.join(", "))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_size_has_a_unit_or_none() {
+        assert_eq!(memory("8G"), Ok(8 << 30));
+        assert_eq!(memory("1.5GiB"), Ok(3 << 29));
+        assert_eq!(memory("512m"), Ok(512 << 20));
+        assert_eq!(memory("4096"), Ok(4096));
+        for wrong in ["", "G", "-1G", "0", "8X", "1e30G", "nan", "8 G G"] {
+            assert!(memory(wrong).is_err(), "{wrong}");
+        }
+    }
 }

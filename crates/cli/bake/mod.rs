@@ -2,9 +2,12 @@
 
 pub mod args;
 mod layer_help;
+pub mod layout;
+pub mod merge;
 mod options;
 pub mod plan;
 pub mod prepare;
 pub mod run;
+pub mod shard;
 mod sky;
 mod summary;

@@ -66,9 +66,12 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
     options.specular = job.specular;
     options.exponent = job.exponent;
     options.plan_off = job.plan_off.clone();
-    let bake = Bake::new(scene)
+    let mut bake = Bake::new(scene)
         .options(options)
         .backend(Backend::chosen(job.backend));
+    if let Some(bytes) = job.max_memory {
+        bake = bake.max_memory(bytes);
+    }
     Ok(match job.only.is_empty() {
         true => bake.layers(job.layers.iter().copied()),
         false => bake.only(job.only.iter().copied()),

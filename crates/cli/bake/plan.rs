@@ -3,24 +3,13 @@
 use super::args::Plan as Args;
 use super::prepare::prepare;
 use crate::outcome::{Outcome, say, say_json};
-use ambake::{Choice, Effort, Job, Method, Term};
+use ambake::{Choice, Effort, Estimate, Job, Method, Term};
 use serde_json::json;
-
-/// Tiles baked to estimate the rate of the rest.
-const PILOT_TILES: usize = 24;
-
-/// What a bake would cost.
-struct Estimate {
-    texels: u64,
-    rays: u64,
-    memory_bytes: u64,
-    seconds: f64,
-}
 
 /// Runs the verb.
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let job = prepare(&args.scene, &args.job, &args.common)?;
-    let cost = estimate(&job);
+    let cost = job.estimate();
     if args.common.json {
         let warnings: Vec<report::WarningReport> = warnings(&job);
         say_json(&json!({
@@ -43,22 +32,6 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         say(&text(&job, &cost))?;
     }
     Ok(Outcome::Done)
-}
-
-/// The cost of the whole, from a few tiles of it.
-fn estimate(job: &Job) -> Estimate {
-    let pilot = job.pilot(PILOT_TILES);
-    let texels = job.atlas().audit.texels;
-    let share = texels as f64 / pilot.texels.max(1) as f64;
-    let channels = |layer: &ambake::Layer| layer.channels().len() as u64;
-    let channels: u64 = job.options().layers.iter().map(channels).sum();
-    let page_texels = u64::from(job.atlas().page_size).pow(2);
-    Estimate {
-        texels,
-        rays: (pilot.rays as f64 * share).round() as u64,
-        memory_bytes: ambake::peak_memory().unwrap_or(0) + page_texels * channels * 4 * 2,
-        seconds: pilot.seconds * share,
-    }
 }
 
 fn warnings(job: &Job) -> Vec<report::WarningReport> {

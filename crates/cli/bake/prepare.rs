@@ -9,11 +9,12 @@ use std::time::Instant;
 
 /// Loads the scene, plans its bake, lays its texels out and builds its ray scene.
 pub fn prepare(file: &Path, job: &Job, common: &Common) -> anyhow::Result<ambake::Job> {
-    prepare_for(file, job, common, &[])
+    prepare_in(None, file, job, common, &[])
 }
 
-/// The same of a bake that also writes files for engines.
-pub fn prepare_for(
+/// The same of a bake that also writes files for engines; a layout that `ambake layout` left in `dir` is taken.
+pub fn prepare_in(
+    dir: Option<&Path>,
     file: &Path,
     job: &Job,
     common: &Common,
@@ -23,7 +24,10 @@ pub fn prepare_for(
     let started = Instant::now();
     let scene = ambake::load_with(file, common.files())?;
     let loading = started.elapsed().as_secs_f64();
-    let bake = options::bake(&scene, job, common)?.for_engines(engines.iter().copied());
+    let mut bake = options::bake(&scene, job, common)?.for_engines(engines.iter().copied());
+    if let Some(dir) = dir {
+        bake = bake.layout_file(ambake::Layout::path(dir, &scene));
+    }
     let mut prepared = bake.prepare()?;
     prepared.add_phase("load", loading);
     Ok(prepared)

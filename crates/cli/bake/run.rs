@@ -1,19 +1,35 @@
 //! `ambake bake`: scene in, lightmaps out.
 
 use super::args::Bake as Args;
-use super::prepare::prepare_for;
+use super::prepare::prepare_in;
+use super::shard;
 use super::summary::summary;
+use crate::common::Common;
 use crate::outcome::{Outcome, say, say_json_text, tell};
 use crate::progress::{Show, watch};
 use crate::stop::Stop;
+use ambake::Written;
 use report::Output;
+use std::path::Path;
 
 /// Runs the verb.
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let stop = Stop::listen()?;
-    // A directory that cannot be written, or is another bake's, is found before the scene is loaded.
-    drop(Output::exclusive(&args.output)?);
-    let job = prepare_for(&args.scene, &args.job, &args.common, &args.engines)?;
+    // A directory that cannot be written, or is another bake's, is found before the scene is loaded. Shards share theirs.
+    drop(match args.shard {
+        Some(_) => Output::create(&args.output)?,
+        None => Output::exclusive(&args.output)?,
+    });
+    let job = prepare_in(
+        Some(&args.output),
+        &args.scene,
+        &args.job,
+        &args.common,
+        &args.engines,
+    )?;
+    if let Some(part) = args.shard {
+        return shard::run(args, &job, part, &stop);
+    }
     let show = Show {
         unit: "texels",
         quiet: args.common.quiet,
@@ -30,15 +46,16 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         }
         other => other?,
     };
-    if args.common.json {
+    tell_written(&written, &args.common, &args.output)
+}
+
+/// Says what was written.
+pub fn tell_written(written: &Written, common: &Common, dir: &Path) -> anyhow::Result<Outcome> {
+    if common.json {
         say_json_text(&written.report.to_json())?;
-    } else if !args.common.quiet {
-        say(&summary(
-            &written.report,
-            args.common.verbose,
-            written.files.len(),
-            &args.output,
-        ))?;
+    } else if !common.quiet {
+        let files = written.files.len();
+        say(&summary(&written.report, common.verbose, files, dir))?;
     }
     Ok(Outcome::Done)
 }

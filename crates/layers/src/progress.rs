@@ -24,6 +24,11 @@ pub trait Progress: Sync {
         let _ = cast;
     }
 
+    /// Something that the user should know now, in one line.
+    fn note(&self, line: &str) {
+        let _ = line;
+    }
+
     /// True to stop the job at the next place where it can stop.
     fn cancelled(&self) -> bool {
         false

@@ -15,6 +15,7 @@ mod exr_write;
 mod gltf;
 mod glyphs;
 mod layout;
+mod layout_file;
 mod origin;
 mod output;
 mod page;
@@ -24,9 +25,7 @@ mod preview;
 mod space;
 
 pub use bake_json::*;
-pub use checkpoint::{
-    Checkpoint, checkpoint_path, read_checkpoint, remove_checkpoint, write_checkpoint,
-};
+pub use checkpoint::{Journal, remove_journal};
 pub use compare::{Comparison, Difference, PageComparison, Worst, compare_layers, compare_pages};
 pub use difference::{difference_picture, difference_png, nice_limit};
 pub use engines::{
@@ -37,6 +36,7 @@ pub use exr_read::{MAX_EDGE, PageFile, read_page_exr};
 pub use exr_write::{PageHeader, write_page_exr};
 pub use gltf::write_gltf;
 pub use layout::{LayoutReport, ObjectLayout, Spread};
+pub use layout_file::{layout_hash, read_layout, write_layout};
 pub use origin::check_origin;
 pub use output::{Output, remove_stale, stale_files};
 pub use page::{Channel, Page, PageLayer};

@@ -128,10 +128,12 @@ impl LightPage {
         let void = |layer| LayerPlanes::void(layer, texels);
         Self {
             page: BakedPage {
+                page: page.page,
+                size: page.size,
+                tiles: Vec::new(),
                 planes: layers.into_iter().map(void).collect(),
                 finished: false,
                 stats: Default::default(),
-                ..*page
             },
             rays: 0,
         }

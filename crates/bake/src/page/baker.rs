@@ -4,6 +4,7 @@ use super::compose::BakedTexel;
 use super::finish::{finish, working_layers};
 use super::planes::{BakedPage, LayerPlanes};
 use super::stats::PageStats;
+use super::tile::{BakedTile, Columns};
 use crate::choice::Choice;
 use crate::integrate::{Task, integrate};
 use crate::options::{Buried, Footprint, Options, View};
@@ -16,11 +17,14 @@ use layers::{Layer, Progress};
 use pulp::Arch;
 use rayon::prelude::*;
 use rays::{PlaneErrors, RayBackend, Solids, World};
+use std::convert::Infallible;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-/// Tiles whose results are kept together: a bake stops between two of these batches.
+/// The most tiles that are handed on together.
 const BATCH: usize = 256;
+/// What a batch should take at most, so that what is handed on can be saved in time.
+const BATCH_TIME: Duration = Duration::from_secs(5);
 
 /// Everything that stays the same over the pages of a bake.
 pub struct Baker<'a> {
@@ -43,8 +47,10 @@ pub struct Pilot {
     pub texels: u64,
     /// Rays spent on them.
     pub rays: u64,
-    /// Seconds that they took.
+    /// Seconds that they took, spread over all threads.
     pub seconds: f64,
+    /// Their predicted part of the whole cost, 0..=1.
+    pub share: f64,
 }
 
 impl<'a> Baker<'a> {
@@ -79,9 +85,10 @@ impl<'a> Baker<'a> {
         BakedPage {
             page,
             size,
-            tiles_done: 0,
+            tiles: Vec::new(),
             finished: false,
-            planes: working_layers(self.options, self.plan, self.solids.is_some())
+            planes: self
+                .layers()
                 .into_iter()
                 .map(|layer| LayerPlanes::void(layer, texels))
                 .collect(),
@@ -89,41 +96,47 @@ impl<'a> Baker<'a> {
         }
     }
 
+    /// The layers that are kept while tiles are baked, coverage first.
+    pub fn layers(&self) -> Vec<Layer> {
+        working_layers(self.options, self.plan, self.solids.is_some())
+    }
+
     /// Continues a page until it is finished or the listener cancels. The result does not depend on the number of threads or on where
     /// the page was interrupted.
     pub fn run(&self, page: &mut BakedPage, progress: &dyn Progress) {
-        let total = self.atlas.audit.texels;
+        let Ok(()) = self.run_saved(page, progress, &mut |_| Ok::<_, Infallible>(()));
+    }
+
+    /// As [`Baker::run`]; every tile is handed to `save` once it is finished.
+    ///
+    /// # Errors
+    /// Those of `save`, which end the run.
+    pub fn run_saved<E>(
+        &self,
+        page: &mut BakedPage,
+        progress: &dyn Progress,
+        save: &mut dyn FnMut(BakedTile) -> Result<(), E>,
+    ) -> Result<(), E> {
         let raster = PageRaster::new(self.world.scene(), self.atlas, page.page);
-        let tiles = raster.tiles().len();
         let started = Instant::now();
-        self.done.fetch_add(page.stats.texels, Ordering::Relaxed);
-        while page.tiles_done < tiles {
-            let batch = page.tiles_done..(page.tiles_done + BATCH).min(tiles);
-            let columns = columns(page);
-            let results: Vec<Option<TileResult>> = batch
-                .clone()
-                .into_par_iter()
-                .map(|index| {
-                    if progress.cancelled() {
-                        return None;
-                    }
-                    let texels = self.tile(&self.cut(&raster, index), page.page);
-                    let result = self.result(&columns, &texels);
-                    let own = result.stats.texels;
-                    let done = self.done.fetch_add(own, Ordering::Relaxed) + own;
-                    progress.rays(result.stats.rays);
-                    progress.advance(done, total);
-                    Some(result)
-                })
-                .collect();
-            for result in results {
-                let Some(result) = result else {
-                    page.stats.seconds += started.elapsed().as_secs_f64();
-                    return;
-                };
-                result.store(&columns, page);
-                page.tiles_done += 1;
-            }
+        page.tiles.resize(raster.tiles().len(), None);
+        let before = page.tiles.iter().flatten().map(|tile| tile.texels).sum();
+        self.done.fetch_add(before, Ordering::Relaxed);
+        let wanted: Vec<u32> = (0..page.tiles.len() as u32)
+            .filter(|&tile| page.tiles[tile as usize].is_none())
+            .collect();
+        let total = self.atlas.audit.texels;
+        let number = page.page;
+        let whole = self.tiles(&raster, number, &wanted, (progress, total), &mut |tile| {
+            page.store(&tile);
+            save(tile)
+        })?;
+        if !whole {
+            page.stats.seconds += started.elapsed().as_secs_f64();
+            return Ok(());
+        }
+        for tile in std::mem::take(&mut page.tiles).iter().flatten() {
+            page.stats.append(tile);
         }
         let seams = Seams::find(self.world, self.atlas, page.page, self.options.seams);
         let mends = self.solids.is_some();
@@ -137,29 +150,118 @@ impl<'a> Baker<'a> {
             mends,
         );
         page.stats.seconds += started.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// Bakes tiles of a page, given by their index, and hands each to `take`; false where the listener cancelled before the last. `total`
+    /// texels are what progress is told of.
+    ///
+    /// # Errors
+    /// Those of `take`, which end the run.
+    pub fn run_tiles<E>(
+        &self,
+        page: u32,
+        wanted: &[u32],
+        (progress, total): (&dyn Progress, u64),
+        take: &mut dyn FnMut(BakedTile) -> Result<(), E>,
+    ) -> Result<bool, E> {
+        let raster = PageRaster::new(self.world.scene(), self.atlas, page);
+        self.tiles(&raster, page, wanted, (progress, total), take)
+    }
+
+    /// Tiles of a page that are not baked yet.
+    pub fn missing(&self, page: &BakedPage) -> usize {
+        let raster = PageRaster::new(self.world.scene(), self.atlas, page.page);
+        let tiles = raster.tiles().len();
+        tiles - page.tiles.iter().take(tiles).flatten().count()
+    }
+
+    /// Counts texels as done that an earlier run baked.
+    pub fn count_done(&self, texels: u64) {
+        self.done.fetch_add(texels, Ordering::Relaxed);
+    }
+
+    fn tiles<E>(
+        &self,
+        raster: &PageRaster<'_>,
+        page: u32,
+        mut wanted: &[u32],
+        (progress, total): (&dyn Progress, u64),
+        take: &mut dyn FnMut(BakedTile) -> Result<(), E>,
+    ) -> Result<bool, E> {
+        let columns = Columns::of(&self.layers());
+        let mut size = 32;
+        while !wanted.is_empty() {
+            let (batch, rest) = wanted.split_at(wanted.len().min(size));
+            let clock = Instant::now();
+            let results: Vec<Option<BakedTile>> = batch
+                .par_iter()
+                .map(|&index| {
+                    if progress.cancelled() {
+                        return None;
+                    }
+                    let texels = self.tile(&self.cut(raster, index as usize), page);
+                    let result = self.result(index, &columns, &texels);
+                    let own = result.stats.texels;
+                    let done = self.done.fetch_add(own, Ordering::Relaxed) + own;
+                    progress.rays(result.stats.rays);
+                    progress.advance(done.min(total), total);
+                    Some(result)
+                })
+                .collect();
+            let whole = results.iter().all(Option::is_some);
+            results.into_iter().flatten().try_for_each(&mut *take)?;
+            if !whole {
+                return Ok(false);
+            }
+            wanted = rest;
+            size = match clock.elapsed() {
+                time if time > BATCH_TIME => (size / 2).max(rayon::current_num_threads()),
+                time if time < BATCH_TIME / 4 => (size * 2).min(BATCH),
+                _ => size,
+            };
+        }
+        Ok(true)
     }
 
     /// Bakes up to `tiles` tiles spread over the atlas, for estimates.
     pub fn pilot(&self, tiles: usize) -> Pilot {
-        let started = Instant::now();
-        let (mut texels, mut rays) = (0, 0);
-        for page in 0..self.atlas.page_count {
+        let pages = 0..self.atlas.page_count;
+        let each = tiles.div_ceil(pages.len().max(1)).max(1);
+        let (mut cost, mut all) = (0.0, 0.0);
+        let mut pilot = Pilot {
+            texels: 0,
+            rays: 0,
+            seconds: 0.0,
+            share: 0.0,
+        };
+        for page in pages {
             let raster = PageRaster::new(self.world.scene(), self.atlas, page);
-            let share = tiles.div_ceil(self.atlas.page_count as usize).max(1);
-            let step = raster.tiles().len().div_ceil(share).max(1);
-            let picked: Vec<usize> = (0..raster.tiles().len()).step_by(step).collect();
-            let baked: Vec<BakedTexel> = picked
+            let costs = self.costs(page);
+            all += costs.iter().sum::<f64>();
+            // Equal steps through the tiles by cost, so that dear and cheap ones are picked as often as they are there.
+            let mut order: Vec<usize> = (0..costs.len()).collect();
+            order.sort_by(|&a, &b| costs[a].total_cmp(&costs[b]));
+            let step = order.len().div_ceil(each).max(1);
+            let picked: Vec<usize> = order.into_iter().skip(step / 2).step_by(step).collect();
+            cost += picked.iter().map(|&tile| costs[tile]).sum::<f64>();
+            let baked: Vec<(u64, u64, f64)> = picked
                 .into_par_iter()
-                .flat_map_iter(|index| self.tile(&self.cut(&raster, index), page))
+                .map(|index| {
+                    let clock = Instant::now();
+                    let texels = self.tile(&self.cut(&raster, index), page);
+                    let rays = texels.iter().map(|t| t.terms.rays).sum();
+                    (texels.len() as u64, rays, clock.elapsed().as_secs_f64())
+                })
                 .collect();
-            texels += baked.len() as u64;
-            rays += baked.iter().map(|t| t.terms.rays).sum::<u64>();
+            for (texels, rays, seconds) in baked {
+                pilot.texels += texels;
+                pilot.rays += rays;
+                pilot.seconds += seconds / rayon::current_num_threads() as f64;
+            }
         }
-        Pilot {
-            texels,
-            rays,
-            seconds: started.elapsed().as_secs_f64(),
-        }
+        pilot.share = if all > 0.0 { cost / all } else { 1.0 };
+        pilot
     }
 
     /// The footprints of a tile.
@@ -237,12 +339,15 @@ impl<'a> Baker<'a> {
     }
 
     /// What the page keeps of a tile.
-    fn result(&self, columns: &[Column], texels: &[BakedTexel]) -> TileResult {
+    fn result(&self, index: u32, columns: &Columns, texels: &[BakedTexel]) -> BakedTile {
         let size = self.atlas.page_size;
-        let mut result = TileResult::default();
+        let mut result = BakedTile {
+            index,
+            ..BakedTile::default()
+        };
         for texel in texels {
             let mut values = (Layer::Coverage, texel.values(Layer::Coverage));
-            for column in columns {
+            for column in &columns.0 {
                 if column.layer != values.0 {
                     values = (column.layer, texel.values(column.layer));
                 }
@@ -262,47 +367,5 @@ impl<'a> Baker<'a> {
             stats.rays += texel.terms.rays;
         }
         result
-    }
-}
-
-/// One channel of one layer that the page keeps.
-struct Column {
-    /// Index into the page's planes.
-    planes: usize,
-    layer: Layer,
-    channel: usize,
-}
-
-/// Every channel of a page, layer by layer.
-fn columns(page: &BakedPage) -> Vec<Column> {
-    let channels = |(planes, layer): (usize, Layer)| {
-        (0..layer.channels().len()).map(move |channel| Column {
-            planes,
-            layer,
-            channel,
-        })
-    };
-    let layers = page.planes.iter().map(|planes| planes.layer).enumerate();
-    layers.flat_map(channels).collect()
-}
-
-/// A finished tile: its texels, and the values of each in the order of the columns.
-#[derive(Default)]
-struct TileResult {
-    texels: Vec<u32>,
-    values: Vec<f32>,
-    stats: PageStats,
-}
-
-impl TileResult {
-    fn store(&self, columns: &[Column], page: &mut BakedPage) {
-        let plane = page.texels();
-        for (&texel, values) in self.texels.iter().zip(self.values.chunks(columns.len())) {
-            for (column, &value) in columns.iter().zip(values) {
-                let at = column.channel * plane + texel as usize;
-                page.planes[column.planes].values[at] = value;
-            }
-        }
-        page.stats.append(&self.stats);
     }
 }

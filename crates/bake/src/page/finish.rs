@@ -7,7 +7,7 @@ use super::stats::ErrorSums;
 use crate::choice::Choice;
 use crate::denoise::{Denoiser, Field, Term};
 use crate::mend::{Mends, Surface};
-use crate::options::{Denoise, Options, Seams as Scope, Sky};
+use crate::options::{Buried, Denoise, Options, Seams as Scope, Sky};
 use crate::plan::Plan;
 use crate::seams::{Known, Seams};
 use ambient::Estimate;
@@ -96,6 +96,11 @@ pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec
         add(Layer::Reflectance);
     }
     layers
+}
+
+/// The layers that are kept while tiles of a bake are baked, coverage first, where solids may bury texels.
+pub fn layers_in_work(options: &Options, plan: &Plan) -> Vec<Layer> {
+    working_layers(options, plan, options.buried == Buried::Drop)
 }
 
 /// Finishes the page, of which `raster` has the charts and `seams` where they go on in one another. `mends` says that solids may bury

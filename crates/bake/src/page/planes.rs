@@ -1,6 +1,7 @@
 //! A page in work or finished: its layers as planes of numbers.
 
 use super::stats::PageStats;
+use super::tile::{BakedTile, Columns};
 use layers::Layer;
 
 /// All values of one layer over a page.
@@ -19,14 +20,14 @@ pub struct BakedPage {
     pub page: u32,
     /// Edge in texels.
     pub size: u32,
-    /// Tiles finished, in the raster's order.
-    pub tiles_done: usize,
+    /// Sums over each tile in the raster's order, `None` for those that are not baked yet; empty when the page is finished.
+    pub tiles: Vec<Option<PageStats>>,
     /// True when every tile is finished and gutters are filled.
     pub finished: bool,
     /// The layers so far, [`Layer::Coverage`] first. While a page is in work these are facts, from which the asked layers follow; when
     /// it is finished, those that were asked for.
     pub planes: Vec<LayerPlanes>,
-    /// Sums over the finished texels.
+    /// Sums over all texels, once the page is finished.
     pub stats: PageStats,
 }
 
@@ -66,6 +67,30 @@ impl BakedPage {
         );
         self.layer(layer)
             .map(|values| &values[channel * texels..][..texels])
+    }
+
+    /// Puts a finished tile into the page; false, and nothing is done, where it does not fit: another number of values, a place outside
+    /// of the page, or a tile that is there already.
+    pub fn store(&mut self, tile: &BakedTile) -> bool {
+        let layers: Vec<Layer> = self.planes.iter().map(|planes| planes.layer).collect();
+        let columns = Columns::of(&layers);
+        let (plane, index) = (self.texels(), tile.index as usize);
+        let fits = index < plane
+            && self.tiles.get(index).is_none_or(Option::is_none)
+            && tile.values.len() == tile.texels.len() * columns.0.len()
+            && tile.texels.iter().all(|&texel| (texel as usize) < plane);
+        if self.finished || !fits {
+            return false;
+        }
+        for (&texel, values) in tile.texels.iter().zip(tile.values.chunks(columns.0.len())) {
+            for (column, &value) in columns.0.iter().zip(values) {
+                let at = column.channel * plane + texel as usize;
+                self.planes[column.planes].values[at] = value;
+            }
+        }
+        self.tiles.resize(self.tiles.len().max(index + 1), None);
+        self.tiles[index] = Some(tile.stats);
+        true
     }
 
     /// The planes of a layer that the page must have.

@@ -1,0 +1,232 @@
+//! What a bake will take: texels, rays, memory and time, before it is begun.
+
+use crate::error::Error;
+use crate::job::Job;
+use crate::options::Options;
+use ::bake::{Denoise, Seams};
+use layers::Layer;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Bytes of finished tiles that wait for the disk at most.
+pub(crate) const WAITING: u64 = 128 << 20;
+/// Bytes a page texel of pictures, masks and compressed lines while a page is finished and written.
+const WRITING: u64 = 12;
+/// Bytes a page texel that the denoiser takes beside the planes.
+const DENOISING: u64 = 68;
+/// Bytes a triangle of the ray library's trees, over all meshes.
+const TREE: u64 = 200;
+/// Seconds to finish and write a channel of a texel with one thread.
+const FINISHING: f64 = 1.2e-7;
+
+/// What a bake will take.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Estimate {
+    /// Texels that a chart touches, over all pages.
+    pub texels: u64,
+    /// Rays in all.
+    pub rays: u64,
+    /// Largest resident memory in bytes.
+    pub memory_bytes: u64,
+    /// Wall time of baking and writing in seconds, on this machine and with these threads.
+    pub seconds: f64,
+}
+
+impl Job {
+    /// What the bake will take, from about a hundredth of its tiles.
+    pub fn estimate(&self) -> Estimate {
+        let pilot = self.pilot(self.tiles_of_pilot());
+        let texels = self.atlas().audit.texels;
+        let share = pilot.share.max(f64::MIN_POSITIVE);
+        let memory = Memory::of(self.options(), self.baker().layers());
+        let page = u64::from(self.atlas().page_size).pow(2);
+        let pages = u64::from(self.atlas().page_count);
+        let used = resident().unwrap_or(0) + memory.page(page, texels.div_ceil(pages));
+        let threads = self.within(rayon::current_num_threads) as f64;
+        let written = (page * pages * memory.channels()) as f64;
+        Estimate {
+            texels,
+            rays: (pilot.rays as f64 / share).round() as u64,
+            memory_bytes: used.max(crate::peak_memory().unwrap_or(0)),
+            seconds: pilot.seconds / share + FINISHING * written / threads.sqrt(),
+        }
+    }
+
+    fn tiles_of_pilot(&self) -> usize {
+        let tile = u64::from(atlas::TILE).pow(2);
+        (self.atlas().audit.texels / tile / 100).clamp(48, 256) as usize
+    }
+}
+
+/// The memory of a page in work, by its planes.
+pub(crate) struct Memory {
+    working: Vec<Layer>,
+    asked: Vec<Layer>,
+    denoised: bool,
+    seams: bool,
+}
+
+impl Memory {
+    /// `working` are the layers that tiles are baked into.
+    pub fn of(options: &Options, working: Vec<Layer>) -> Self {
+        Self {
+            working,
+            asked: options.layers.clone(),
+            denoised: options.denoise != Denoise::Off,
+            seams: options.seams != Seams::Off,
+        }
+    }
+
+    /// Channels of the layers that are written.
+    fn channels(&self) -> u64 {
+        channels(&self.asked)
+    }
+
+    /// Bytes of a page of so many texels, of which charts touch `covered`, at its peak.
+    pub fn page(&self, texels: u64, covered: u64) -> u64 {
+        let composed = self.asked.iter().copied();
+        let composed: Vec<Layer> = composed.filter(|l| !self.working.contains(l)).collect();
+        let working = channels(&self.working);
+        let planes = 4 * (working + channels(&composed));
+        let seams = if self.seams { 8 } else { 0 };
+        let steps = match self.denoised {
+            true => DENOISING,
+            false => WRITING.max(seams),
+        };
+        let waiting = WAITING.min(covered * 4 * (working + 1));
+        texels * (planes + steps) + waiting
+    }
+}
+
+fn channels(layers: &[Layer]) -> u64 {
+    let count = |layer: &Layer| layer.channels().len() as u64;
+    layers.iter().map(count).sum()
+}
+
+/// Refuses a bake that would not fit into memory, before its layout is made: `limit` bytes, or what the system has where it is `None`.
+///
+/// # Errors
+/// [`Error::Memory`] names the page size that fits.
+pub(crate) fn check(
+    options: &Options,
+    working: Vec<Layer>,
+    triangles: u64,
+    limit: Option<u64>,
+) -> Result<(), Error> {
+    let Some(limit_bytes) = limit.or_else(available) else {
+        return Ok(());
+    };
+    let memory = Memory::of(options, working);
+    let base = resident().unwrap_or(0) + triangles * TREE;
+    let need = |size: u32| {
+        let texels = u64::from(size).pow(2);
+        base + memory.page(texels, texels / 2)
+    };
+    if need(options.size) <= limit_bytes {
+        return Ok(());
+    }
+    // Whole powers of two halve so that mips still fit.
+    let mut fits = options.size / 2;
+    while fits > 0 && need(fits) > limit_bytes {
+        fits /= 2;
+    }
+    Err(Error::Memory {
+        need: need(options.size),
+        limit: limit_bytes,
+        given: limit.is_some(),
+        size: Some(fits).filter(|&size| size > 0),
+    })
+}
+
+/// Memory of this process that is resident now, in bytes, where the system tells.
+fn resident() -> Option<u64> {
+    kib(&fs::read_to_string("/proc/self/status").ok()?, "VmRSS:")
+}
+
+/// Bytes that this process may have in all: what it has and what is free, within the limits of its control groups.
+pub(crate) fn available() -> Option<u64> {
+    let own = resident()?;
+    let free = kib(&fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")?;
+    Some(group_limit(own).map_or(own + free, |limit| limit.min(own + free)))
+}
+
+/// The bytes in a line `NAME 123 kB`.
+fn kib(text: &str, name: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix(name))?;
+    let number: u64 = line.split_whitespace().next()?.parse().ok()?;
+    number.checked_mul(1024)
+}
+
+/// Bytes that the control groups of this process leave it, of which it has `own`; `None` without a limit.
+fn group_limit(own: u64) -> Option<u64> {
+    let groups = fs::read_to_string("/proc/self/cgroup").ok()?;
+    let limits = groups.lines().filter_map(|line| {
+        let mut parts = line.splitn(3, ':');
+        let (_, kind, path) = (parts.next()?, parts.next()?, parts.next()?);
+        let (root, limit, usage) = match kind {
+            "" => ("/sys/fs/cgroup", "memory.max", "memory.current"),
+            kind if kind.split(',').any(|kind| kind == "memory") => (
+                "/sys/fs/cgroup/memory",
+                "memory.limit_in_bytes",
+                "memory.usage_in_bytes",
+            ),
+            _ => return None,
+        };
+        let path = path.trim_start_matches('/');
+        // In a container the path counts from the host's root, and the own group is what is mounted.
+        let mut folder: PathBuf = Path::new(root).join(path);
+        let mut least: Option<u64> = None;
+        loop {
+            let read = |name: &str| -> Option<u64> {
+                let text = fs::read_to_string(folder.join(name)).ok()?;
+                text.trim().parse().ok()
+            };
+            if let (Some(limit), Some(usage)) = (read(limit), read(usage)) {
+                let others = usage.saturating_sub(own);
+                let left = limit.saturating_sub(others);
+                least = Some(least.map_or(left, |least| least.min(left)));
+            }
+            if folder == Path::new(root) || !folder.pop() {
+                break;
+            }
+        }
+        least
+    });
+    limits.min()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_of_the_system_is_read_and_nothing_else() {
+        let text = "MemTotal:  10 kB\nMemAvailable:    3 kB\nVmRSS: x kB\n";
+        assert_eq!(kib(text, "MemAvailable:"), Some(3072));
+        assert_eq!(kib(text, "VmRSS:"), None);
+        assert_eq!(kib(text, "VmHWM:"), None);
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused_with_a_size_that_does() {
+        let mut options = Options::default();
+        options.size = 8192;
+        let layers = || vec![Layer::Coverage, Layer::Diffuse, Layer::StdErrDiffuse];
+        assert!(check(&options, layers(), 100, Some(1 << 40)).is_ok());
+        let error = check(&options, layers(), 100, Some(1 << 30)).unwrap_err();
+        let Error::Memory {
+            need,
+            size: Some(size),
+            ..
+        } = error
+        else {
+            panic!("{error}");
+        };
+        assert!(need > 1 << 30 && size < 8192, "{need} {size}");
+        options.size = size;
+        assert!(check(&options, layers(), 100, Some(1 << 30)).is_ok());
+        let none = check(&options, layers(), 100, Some(1 << 20)).unwrap_err();
+        assert!(none.to_string().contains("--max-memory"), "{none}");
+    }
+}

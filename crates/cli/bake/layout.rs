@@ -1,0 +1,32 @@
+//! `ambake layout`: the atlas alone.
+
+use super::args::Layout as Args;
+use super::options;
+use crate::host;
+use crate::outcome::{Outcome, say, say_json};
+use report::Output;
+
+/// Runs the verb.
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    Output::create(&args.output)?;
+    host::set_threads(args.common.threads)?;
+    let scene = ambake::load(&args.scene)?;
+    let layout = options::bake(&scene, &args.job, &args.common)?.lay_out()?;
+    let files = layout.write(&args.output)?;
+    if args.common.json {
+        say_json(&layout.describe())?;
+    } else if !args.common.quiet {
+        let atlas = layout.atlas();
+        say(&format!(
+            "{} page(s) of {}², {} texels, layout {}\n{}{} files in {}\n",
+            atlas.page_count,
+            atlas.page_size,
+            atlas.audit.texels,
+            layout.hash(),
+            layout.report().text(),
+            files.len(),
+            args.output.display(),
+        ))?;
+    }
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,63 @@
+//! `ambake merge`: the parts of a bake into its files.
+
+use super::args::{Bake, Merge as Args};
+use super::prepare::prepare_in;
+use super::run::tell_written;
+use crate::args::{Args as Line, Verb};
+use crate::common::Common;
+use crate::outcome::Outcome;
+use crate::progress::{Show, watch};
+use crate::stop::Stop;
+use ambake::Parts;
+use anyhow::{Context, bail};
+use clap::Parser;
+use serde_json::Value;
+
+/// Runs the verb.
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let stop = Stop::listen()?;
+    let dir = std::path::absolute(&args.dir).context("cannot tell the current folder")?;
+    let parts = Parts::find(&args.dir)?;
+    let bake = given(parts.given())?;
+    // The words may name files from the folder that they were given in. Where that is absent here, so are the files, and the scene's
+    // error says so.
+    if let Some(folder) = parts.given()["folder"].as_str() {
+        let _ = std::env::set_current_dir(folder);
+    }
+    let common = Common {
+        threads: args.threads,
+        seed: bake.common.seed,
+        allow_outside: bake.common.allow_outside,
+        quiet: args.quiet,
+        json: args.json,
+        verbose: args.verbose,
+    };
+    let job = prepare_in(Some(&dir), &bake.scene, &bake.job, &common, &bake.engines)?;
+    let show = Show {
+        unit: "texels",
+        quiet: args.quiet,
+    };
+    let written = watch(show, &stop, |progress| job.merge(parts, progress));
+    match written {
+        Err(ambake::Error::Cancelled) => {
+            if !args.quiet {
+                eprintln!("ambake: stopped; the parts are still there, merge again");
+            }
+            Ok(stop.outcome())
+        }
+        other => tell_written(&other?, &common, &args.dir),
+    }
+}
+
+/// The bake that the parts were made by.
+fn given(given: &Value) -> anyhow::Result<Bake> {
+    let words: Vec<String> = serde_json::from_value(given["words"].clone())
+        .context("the parts do not say how they were made; bake them with this program")?;
+    let words = std::iter::once("ambake".to_owned()).chain(words);
+    let line = Line::try_parse_from(words)
+        .context("this program does not know the command line of the parts")?;
+    match line.verb {
+        Verb::Bake(bake) => Ok(bake),
+        _ => bail!("the parts were not made by `ambake bake`"),
+    }
+}

@@ -1,0 +1,107 @@
+#!/bin/bash
+# Runs submit.sh on a cluster of one node that this script starts from Debian's packages (slurmctld, slurmd, slurm-client) and stops
+# again. One task is killed in the middle and requeued. The result must be the bytes of a plain bake.
+#
+#     integrations/slurm/test.sh [SCENE [flags of `ambake bake`]]
+#
+# AMBAKE is the program, else target/debug/ambake. Needs root, as slurmd does, and touches no configuration of the system.
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+root=$(cd "$here/../.." && pwd)
+AMBAKE=$(realpath "${AMBAKE:-$root/target/debug/ambake}")
+export AMBAKE
+
+skip() {
+    echo "skip: $*"
+    exit 0
+}
+for program in slurmctld slurmd sbatch scontrol squeue srun; do
+    command -v "$program" >/dev/null || skip "$program is absent: apt-get install slurmctld slurmd slurm-client"
+done
+[ "$(id -u)" = 0 ] || skip "slurmd needs root"
+[ -x "$AMBAKE" ] || skip "$AMBAKE is absent: cargo build"
+
+work=$(mktemp -d)
+daemons=()
+finish() {
+    for pid in "${daemons[@]}"; do kill "$pid" 2>/dev/null || true; done
+    wait 2>/dev/null || true
+    rm -rf "$work"
+}
+trap finish EXIT
+
+if [ $# -gt 0 ]; then
+    scene=$(realpath "$1")
+    shift
+else
+    scene=$root/scenes/courtyard.obj
+    set -- --size 256 --rays 256
+fi
+
+mkdir "$work/state" "$work/spool"
+cpus=$(nproc)
+cat >"$work/slurm.conf" <<CONF
+ClusterName=test
+SlurmctldHost=$(hostname -s)(127.0.0.1)
+SlurmUser=root
+SlurmdUser=root
+AuthType=auth/none
+CredType=cred/none
+MpiDefault=none
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_Core
+SchedulerParameters=batch_sched_delay=0,sched_min_interval=100000
+SlurmctldPort=16817
+SlurmdPort=16818
+SlurmctldPidFile=$work/slurmctld.pid
+SlurmdPidFile=$work/slurmd.pid
+SlurmctldLogFile=$work/slurmctld.log
+SlurmdLogFile=$work/slurmd.log
+StateSaveLocation=$work/state
+SlurmdSpoolDir=$work/spool
+ReturnToService=2
+MinJobAge=600
+NodeName=$(hostname -s) NodeAddr=127.0.0.1 CPUs=$cpus State=UNKNOWN
+PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
+CONF
+export SLURM_CONF=$work/slurm.conf
+slurmctld -D >"$work/ctld.out" 2>&1 &
+daemons+=($!)
+slurmd -D >"$work/slurmd.out" 2>&1 &
+daemons+=($!)
+up() { sinfo -h -o %T 2>/dev/null | grep -qE "idle|mixed"; }
+for _ in $(seq 60); do
+    up && break
+    sleep 0.5
+done
+up || { tail -n 5 "$work"/*.out "$work"/*.log; skip "slurmd does not start here"; }
+
+"$AMBAKE" bake "$scene" -o "$work/whole" --quiet "$@"
+
+jobs=$(PARTS=4 "$here/submit.sh" "$scene" -o "$work/parts" "$@")
+echo "submitted: $jobs"
+array=${jobs% *}
+merge=${jobs#* }
+# One task is killed while it runs, as by a lost node, and goes back into the queue.
+killed=no
+for _ in $(seq 200); do
+    if [ "$killed" = no ] && squeue -h -t R -o %i | grep -q "^${array}_2$"; then
+        sleep "${KILL_AFTER:-1}"
+        scontrol requeue "${array}_2" && killed=yes
+    fi
+    [ -n "$(squeue -h -t PD,R,CG,CF -j "$array,$merge" 2>/dev/null)" ] || break
+    # A requeued task waits two minutes by default.
+    scontrol update "JobId=${array}_2" StartTime=now 2>/dev/null || true
+    sleep 0.5
+done
+state=$(scontrol show job "$merge" | grep -o "JobState=[A-Z]*")
+restarts=$(scontrol show job "${array}_2" | grep -o "Restarts=[0-9]*" || true)
+echo "merge: $state, task 2: $restarts, killed: $killed"
+[ "$state" = JobState=COMPLETED ] || { cat "$work"/parts/.slurm*; exit 1; }
+
+rm -f "$work"/parts/.slurm*.log "$work"/parts/layout.json "$work"/parts/*.layout "$work"/parts/*.layout.png
+different=$(diff -rq -x bake.json "$work/whole" "$work/parts" || true)
+[ -z "$different" ] || { echo "$different"; exit 1; }
+echo "ok: the bytes of a plain bake ($(find "$work/parts" -type f | wc -l) files)"

@@ -1,0 +1,256 @@
+//! Bakes in parts: any order, interruptions and odd numbers of parts give the bytes of a whole bake, and what lacks is named.
+
+use crate::support::{ambake, files, report, run, run_well, scene};
+use serde_json::Value;
+use std::path::Path;
+use std::process::Output;
+
+/// Words of a `bake` into a folder.
+fn words(file: &Path, folder: &Path, more: &[&str]) -> Vec<String> {
+    let mut words = vec![
+        "bake".to_owned(),
+        file.display().to_string(),
+        "-o".into(),
+        folder.display().to_string(),
+        "--quiet".into(),
+    ];
+    words.extend(more.iter().map(ToString::to_string));
+    words
+}
+
+/// Bakes part `shard`.
+fn part(file: &Path, folder: &Path, shard: &str, more: &[&str]) {
+    let mut words = words(file, folder, more);
+    words.extend(["--shard".into(), shard.into()]);
+    run_well(words);
+}
+
+fn merge(folder: &Path) -> Output {
+    run(["merge".as_ref(), folder.as_os_str(), "--quiet".as_ref()])
+}
+
+fn merge_well(folder: &Path) {
+    let output = merge(folder);
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{text}");
+    assert_eq!(text, "");
+}
+
+/// The line that a failed merge prints; nothing but parts is in the folder.
+fn refused(folder: &Path) -> String {
+    let before = files(folder);
+    let output = merge(folder);
+    let text = String::from_utf8(output.stderr).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert_eq!(text.lines().count(), 1, "{text}");
+    assert_eq!(files(folder), before);
+    text
+}
+
+/// `bake.json` without times and what the host adds.
+fn facts(folder: &Path) -> Value {
+    let mut report = report(folder);
+    for name in ["timings", "seconds", "peak_memory_bytes"] {
+        report[name] = Value::Null;
+    }
+    for page in report["pages"].as_array_mut().expect("pages") {
+        page["seconds"] = Value::Null;
+        page["rays_per_second"] = Value::Null;
+    }
+    report
+}
+
+/// Both folders hold the same files of the same bytes.
+fn assert_same(whole: &Path, merged: &Path) {
+    assert_eq!(files(whole), files(merged));
+    for name in files(whole).iter().filter(|name| *name != "bake.json") {
+        let read = |folder: &Path| std::fs::read(folder.join(name)).expect("it is there");
+        assert!(read(whole) == read(merged), "{name} differs");
+    }
+    assert_eq!(facts(whole), facts(merged));
+}
+
+/// Bakes `file` whole and in the given parts, and compares.
+fn compare(file: &Path, shards: &[&str], more: &[&str]) {
+    let whole = tempfile::tempdir().expect("a folder");
+    run_well(words(file, whole.path(), more));
+    let parts = tempfile::tempdir().expect("a folder");
+    for shard in shards {
+        part(file, parts.path(), shard, more);
+    }
+    merge_well(parts.path());
+    assert_same(whole.path(), parts.path());
+}
+
+#[test]
+fn parts_in_any_order_make_the_bytes_of_a_whole_bake() {
+    let courtyard = scene("courtyard.obj");
+    let small = ["--size", "96", "--rays", "4"];
+    compare(&courtyard, &["3/3", "1/3", "2/3"], &small);
+    compare(&courtyard, &["1/1"], &small);
+    // A page of one tile: five parts are empty.
+    let tiny = ["--size", "16", "--rays", "4"];
+    let six = ["1/6", "2/6", "3/6", "4/6", "5/6", "6/6"];
+    compare(&scene("plane.obj"), &six, &tiny);
+}
+
+#[test]
+fn parts_hold_for_pages_skies_targets_and_the_denoiser() {
+    let sky = scene("sky.hdr").display().to_string();
+    let town = scene("town.gltf");
+    let two = ["2/2", "1/2"];
+    compare(
+        &town,
+        &two,
+        &["--size", "128", "--pages", "3", "--rays", "4"],
+    );
+    let lit = ["--size", "96", "--rays", "4", "--sky", &sky];
+    compare(&scene("courtyard.obj"), &two, &lit);
+    let until = ["--size", "96", "--target-error", "0.1", "--max-rays", "64"];
+    compare(&scene("courtyard.obj"), &two, &until);
+    let smooth = ["--size", "96", "--rays", "8", "--denoise", "regression"];
+    compare(&scene("courtyard.obj"), &two, &smooth);
+}
+
+#[test]
+fn what_lacks_is_named_and_nothing_is_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = scene("corner.obj");
+    let small = ["--size", "32", "--rays", "4"];
+    let text = refused(folder.path());
+    assert!(text.contains("no part"), "{text}");
+    part(&file, folder.path(), "1/3", &small);
+    let text = refused(folder.path());
+    assert!(text.contains("2/3") && text.contains("3/3"), "{text}");
+    part(&file, folder.path(), "3/3", &small);
+    let text = refused(folder.path());
+    assert!(text.contains("2/3") && !text.contains("3/3"), "{text}");
+    // Another seed: the part is whole, and of another bake.
+    part(
+        &file,
+        folder.path(),
+        "2/3",
+        &["--size", "32", "--rays", "5"],
+    );
+    let text = refused(folder.path());
+    assert!(text.contains("--rays"), "{text}");
+    part(&file, folder.path(), "2/3", &small);
+    // A flipped byte.
+    let path = folder.path().join("corner.2-of-3.part");
+    let sound = std::fs::read(&path).expect("a part");
+    let mut bytes = sound.clone();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(&path, &bytes).expect("a part");
+    let text = refused(folder.path());
+    assert!(
+        text.contains("--shard 2/3") && text.contains("damaged"),
+        "{text}"
+    );
+    // Cut short.
+    std::fs::write(&path, &sound[..sound.len() - 3]).expect("a part");
+    assert!(refused(folder.path()).contains("2/3"));
+    part(&file, folder.path(), "2/3", &small);
+    // Parts of another number beside them.
+    part(&file, folder.path(), "1/2", &small);
+    let text = refused(folder.path());
+    assert!(text.contains("several"), "{text}");
+    std::fs::remove_file(folder.path().join("corner.1-of-2.part")).expect("a part");
+    merge_well(folder.path());
+}
+
+#[test]
+fn a_scene_that_changed_under_its_parts_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("my scene 50%.obj");
+    std::fs::copy(scene("corner.obj"), &file).expect("a copy");
+    let out = folder.path().join("out");
+    let small = ["--size", "32", "--rays", "4"];
+    part(&file, &out, "1/2", &small);
+    let mut text = std::fs::read_to_string(&file).expect("a scene");
+    text.push_str("v 0 9 0\nv 1 9 0\nv 0 9 1\nf -1 -2 -3\n");
+    std::fs::write(&file, text).expect("a scene");
+    part(&file, &out, "2/2", &small);
+    let text = refused(&out);
+    assert!(text.contains("the scene differs"), "{text}");
+    part(&file, &out, "1/2", &small);
+    merge_well(&out);
+    assert!(out.join("my scene 50%.0.exr").exists());
+}
+
+#[test]
+fn a_wrong_part_is_a_wrong_command_line() {
+    let file = scene("plane.obj").display().to_string();
+    for wrong in ["0/4", "5/4", "1/0", "1", "a/b", "1/2/3", "-1/2", "1/100001"] {
+        let shard = format!("--shard={wrong}");
+        let output = run(["bake", &file, "-o", "never", &shard]);
+        assert_eq!(output.status.code(), Some(2), "{wrong}");
+    }
+}
+
+#[test]
+fn relative_paths_are_merged_from_anywhere() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::copy(scene("corner.obj"), folder.path().join("corner.obj")).expect("a copy");
+    std::fs::copy(scene("sky.hdr"), folder.path().join("sky.hdr")).expect("a copy");
+    let bake = |folder: &Path, words: &str| {
+        let words: Vec<&str> = words.split(' ').collect();
+        let output = ambake().current_dir(folder).args(words).output();
+        let output = output.expect("the program starts");
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{text}");
+    };
+    let small = "bake corner.obj --size 32 --rays 4 --sky sky.hdr --quiet";
+    bake(folder.path(), &format!("{small} -o whole"));
+    bake(folder.path(), &format!("{small} -o parts --shard 1/1"));
+    bake(&folder.path().join("parts"), "merge . --quiet");
+    assert_same(&folder.path().join("whole"), &folder.path().join("parts"));
+}
+
+#[test]
+fn a_layout_is_the_bake_s_and_is_taken_from_its_file() {
+    let file = scene("courtyard.obj");
+    let folder = tempfile::tempdir().expect("a folder");
+    let layout = |folder: &Path| -> Value {
+        let text = run_well([
+            "layout".as_ref(),
+            file.as_os_str(),
+            "-o".as_ref(),
+            folder.as_os_str(),
+            "--size".as_ref(),
+            "96".as_ref(),
+            "--json".as_ref(),
+        ]);
+        serde_json::from_str(&text).expect("JSON")
+    };
+    let said = layout(folder.path());
+    let names = ["courtyard.0.layout.png", "courtyard.layout", "layout.json"];
+    assert_eq!(files(folder.path()), names);
+    let text = std::fs::read_to_string(folder.path().join("layout.json")).expect("a file");
+    assert_eq!(said, serde_json::from_str::<Value>(&text).expect("JSON"));
+    let small = ["--size", "96", "--rays", "4"];
+    run_well(words(&file, folder.path(), &small));
+    let baked = report(folder.path());
+    assert_eq!(
+        (&baked["layout"], &baked["atlas"]),
+        (&said["layout"], &said["atlas"])
+    );
+    // The same bytes as without the file.
+    let bare = tempfile::tempdir().expect("a folder");
+    run_well(words(&file, bare.path(), &small));
+    for name in files(bare.path())
+        .iter()
+        .filter(|name| *name != "bake.json")
+    {
+        let read = |folder: &Path| std::fs::read(folder.join(name)).expect("it is there");
+        assert!(read(bare.path()) == read(folder.path()), "{name} differs");
+    }
+    // A damaged file is as good as none.
+    let path = folder.path().join("courtyard.layout");
+    let mut bytes = std::fs::read(&path).expect("a file");
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(&path, bytes).expect("a file");
+    run_well(words(&file, folder.path(), &small));
+    assert_eq!(report(folder.path())["layout"], said["layout"]);
+}
