@@ -18,7 +18,7 @@ pub struct Common {
     #[arg(long, value_name = "S", default_value_t = 0)]
     pub seed: u64,
     /// Print nothing but errors
-    #[arg(long)]
+    #[arg(short, long)]
     pub quiet: bool,
     /// Print a machine-readable summary on standard output
     #[arg(long)]

@@ -83,14 +83,14 @@ fn in_bake(dir: &Path, error: Error) -> anyhow::Error {
 }
 
 /// One EXR page of a bake.
-struct Named {
-    name: String,
-    stem: String,
-    page: u32,
+pub struct Named {
+    pub name: String,
+    pub stem: String,
+    pub page: u32,
 }
 
 /// The pages that a bake names, `STEM.P.exr`, in order.
-fn page_files(dir: &Path, bake: &BakeReport) -> Result<Vec<Named>, Error> {
+pub fn page_files(dir: &Path, bake: &BakeReport) -> Result<Vec<Named>, Error> {
     let broken = |reason: String| Error::Read {
         path: dir.join("bake.json"),
         reason,

@@ -10,8 +10,9 @@ use std::path::PathBuf;
 
 #[derive(ClapArgs)]
 pub struct Bake {
-    /// Scene file: .obj, .gltf or .glb
-    pub scene: PathBuf,
+    /// Scene file: .obj, .gltf or .glb, or - for standard input; several are baked into a folder each, DIR/STEM
+    #[arg(required = true)]
+    pub scene: Vec<PathBuf>,
     #[command(flatten)]
     pub job: Job,
     /// Directory for the results; it is made if needed
@@ -20,13 +21,16 @@ pub struct Bake {
     /// Continue an interrupted bake of the same scene and options in DIR
     #[arg(long)]
     pub resume: bool,
+    /// Also write DIR/report.html, one file to look at the bake in a browser, as `ambake view` does
+    #[arg(long)]
+    pub report: bool,
     #[command(flatten)]
     pub common: Common,
 }
 
 #[derive(ClapArgs)]
 pub struct Plan {
-    /// Scene file: .obj, .gltf or .glb
+    /// Scene file: .obj, .gltf or .glb, or - for standard input
     pub scene: PathBuf,
     #[command(flatten)]
     pub job: Job,

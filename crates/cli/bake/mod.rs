@@ -7,4 +7,5 @@ pub mod plan;
 pub mod prepare;
 pub mod run;
 mod sky;
+mod stdin;
 mod summary;

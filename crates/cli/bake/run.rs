@@ -1,27 +1,79 @@
-//! `ambake bake`: scene in, lightmaps out.
+//! `ambake bake`: scenes in, lightmaps out.
 
 use super::args::Bake as Args;
 use super::prepare::prepare;
 use super::summary::summary;
-use crate::outcome::{Outcome, say};
+use crate::outcome::{Outcome, one_line, say};
 use crate::progress::{Show, watch};
 use crate::stop::Stop;
+use crate::view;
+use anyhow::bail;
 use report::Output;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
 
-/// Runs the verb.
+/// Runs the verb: one scene into `-o DIR`, several into a folder each, `DIR/STEM`. Where one of several fails the others are baked
+/// all the same.
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let stop = Stop::listen()?;
+    let [scene] = args.scene.as_slice() else {
+        return several(args, &stop);
+    };
+    one(args, scene, &args.output, &stop)
+}
+
+fn several(args: &Args, stop: &Stop) -> anyhow::Result<Outcome> {
+    let mut folders: HashMap<PathBuf, &Path> = HashMap::new();
+    for scene in &args.scene {
+        let folder = folder_of(args, scene);
+        if let Some(other) = folders.insert(folder.clone(), scene) {
+            bail!(
+                "{} and {} would both be baked into {}; bake them one by one with different -o",
+                other.display(),
+                scene.display(),
+                folder.display()
+            );
+        }
+    }
+    let mut failed = 0;
+    for scene in &args.scene {
+        match one(args, scene, &folder_of(args, scene), stop) {
+            Ok(Outcome::Done) => {}
+            Ok(other) => return Ok(other),
+            Err(error) => {
+                failed += 1;
+                eprintln!("ambake: {}", one_line(&error));
+            }
+        }
+    }
+    match failed {
+        0 => Ok(Outcome::Done),
+        _ => bail!("{failed} of {} scenes were not baked", args.scene.len()),
+    }
+}
+
+/// The folder of one of several scenes.
+fn folder_of(args: &Args, scene: &Path) -> PathBuf {
+    let stem = match scene == Path::new("-") {
+        true => "scene".as_ref(),
+        false => scene.file_stem().unwrap_or_default(),
+    };
+    args.output.join(stem)
+}
+
+/// Bakes a scene into a folder.
+fn one(args: &Args, scene: &Path, output: &Path, stop: &Stop) -> anyhow::Result<Outcome> {
     // A directory that cannot be written is found before the scene is loaded.
-    Output::create(&args.output)?;
-    let job = prepare(&args.scene, &args.job, &args.common)?;
+    Output::create(output)?;
+    let job = prepare(scene, &args.job, &args.common)?;
     let show = Show {
         unit: "texels",
         quiet: args.common.quiet,
     };
-    let written = watch(show, &stop, |progress| {
-        job.run_into(&args.output, args.resume, progress)
+    let written = watch(show, stop, |progress| {
+        job.run_into(output, args.resume, progress)
     });
-    let written = match written {
+    let mut written = match written {
         Err(ambake::Error::Cancelled) => {
             if !args.common.quiet {
                 eprintln!("ambake: stopped; continue with the same command and --resume");
@@ -30,15 +82,15 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         }
         other => other?,
     };
+    if args.report {
+        let path = view::write(output)?;
+        written.report.files.push(report::REPORT_NAME.into());
+        written.files.push(path);
+    }
     if args.common.json {
         say(&(written.report.to_json() + "\n"))?;
     } else if !args.common.quiet {
-        say(&summary(
-            &written.report,
-            args.common.verbose,
-            written.files.len(),
-            &args.output,
-        ))?;
+        say(&summary(&written.report, args.common.verbose, output))?;
     }
     Ok(Outcome::Done)
 }

@@ -19,6 +19,7 @@ mod output;
 mod page;
 mod picture;
 mod preview;
+mod viewer;
 
 pub use bake_json::*;
 pub use checkpoint::{
@@ -36,3 +37,4 @@ pub use output::{Output, remove_stale, stale_files};
 pub use page::{Channel, Page, PageLayer};
 pub use picture::picture_png;
 pub use preview::{Encoding, occlusion_png, preview_png};
+pub use viewer::{EmbeddedPage, REPORT_NAME, Viewer};
