@@ -82,11 +82,8 @@ fn a_report_is_one_file_that_a_rebake_takes_along() {
     );
     let once = fs::read(&html).expect("the report");
     run_well(["view", &out, "--no-open", "-q"]);
-    assert_eq!(
-        once,
-        fs::read(&html).expect("the report"),
-        "the same bytes again"
-    );
+    let again = fs::read(&html).expect("the report");
+    assert!(once == again, "the same bytes again");
     run_well(words.into_iter().chain(["--quiet"]));
     assert!(!html.exists() && !files(Path::new(&out)).contains(&"report.html".into()));
     let none = folder.path().display().to_string();
@@ -129,7 +126,7 @@ fn a_browser_shows_the_report_and_picks_the_texel_that_is_there() {
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}\n{errors}");
     let found: Value = serde_json::from_str(&said).expect("JSON");
-    assert!(found["colors"].as_u64() > Some(500), "a picture: {found}");
+    assert!(found["colors"].as_u64() > Some(100), "a picture: {found}");
     assert_eq!(found["same"], true, "the first view comes back");
     assert!(
         found["turned"].as_f64() > Some(0.1),
@@ -140,6 +137,8 @@ fn a_browser_shows_the_report_and_picks_the_texel_that_is_there() {
         assert!(colors.as_u64() > Some(1), "{view}: {colors}");
     }
     let picks = found["picks"].as_array().expect("picks");
+    let densities = &report(folder.path())["layout"]["texels_per_unit"];
+    let texel_edge = 1.0 / densities["min"].as_f64().expect("a density");
     let mut good = 0;
     for pick in picks.iter().filter(|pick| pick["page"] == 0) {
         let at = |key: &str, k: usize| pick[key][k].as_f64().expect(key);
@@ -157,8 +156,10 @@ fn a_browser_shows_the_report_and_picks_the_texel_that_is_there() {
             .map(|k| (position[k] - at("point", k)).powi(2))
             .sum::<f64>()
             .sqrt();
-        // Texels of this bake are 0.25 units across at most.
-        assert!(apart < 0.5, "{pick}: the texel lies at {position:?}");
+        assert!(
+            apart < 1.5 * texel_edge,
+            "{pick}: the texel lies at {position:?}"
+        );
         good += 1;
     }
     assert!(good >= 3, "{picks:?}");

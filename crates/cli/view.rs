@@ -5,9 +5,10 @@ use crate::common::build;
 use crate::compare::page_files;
 use crate::outcome::{Outcome, say};
 use anyhow::{Context, bail};
-use maps::Image;
-use render::Framing;
-use report::{EmbeddedPage, Output, Page, REPORT_NAME, Viewer};
+use glam::DVec3;
+use rays::{Overrides, RayBackend, SurfaceHit, Surfaces, World};
+use render::{Camera, Direct, Framing, Lamps, Lit, Model, TexelPlace};
+use report::{EmbeddedPage, Output, REPORT_NAME, Viewer};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -16,7 +17,7 @@ use std::process::{Command, Stdio};
 const MOST_TEXELS: u64 = 1 << 25;
 /// Longest edge of an embedded page: what every WebGL 2 takes is less, what those in use take is this.
 const MOST_EDGE: u32 = 8192;
-/// Layers whose median decides how bright the first view is, the best one first.
+/// Layers that decide how bright the first view is, the best one first.
 const LIGHT: [&str; 6] = [
     "ggx",
     "phong",
@@ -48,6 +49,10 @@ pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
     let text = std::fs::read_to_string(&json_path)
         .with_context(|| format!("cannot read {}", json_path.display()))?;
     let mut json: Value = serde_json::from_str(&text)?;
+    let listed = bake.files.iter().any(|name| name == REPORT_NAME);
+    if let (false, Some(names)) = (listed, json["files"].as_array_mut()) {
+        names.push(REPORT_NAME.into());
+    }
     let files = page_files(dir, &bake)?;
     let stem = files.first().map_or("", |file| file.stem.as_str());
     let (scene, page_of) = render::baked_scene(dir, stem)?;
@@ -61,11 +66,17 @@ pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
     let look = camera.eye
         + camera.forward * distance.max(0.1 * (world.bounds().max - world.bounds().min).length());
 
+    let background = DVec3::NEG_ONE;
+    let mut lit = look_at(&world, backend.as_ref(), &camera, background, &page_of)?;
     let step = step(files.len() as u64, bake.atlas.page_size);
-    let (mut pages, mut bright) = (Vec::with_capacity(files.len()), Vec::new());
+    let mut pages = Vec::with_capacity(files.len());
     for file in &files {
         let page = report::read_page_exr(&dir.join(&file.name))?.page;
-        push_light(&mut bright, &page);
+        if let Some(layer) = LIGHT.iter().find_map(|name| page.layer(name)) {
+            let last = layer.channels.len() - 1;
+            let planes = [0, 1, 2].map(|k: usize| &layer.channels[k.min(last)].values[..]);
+            lit.add(file.page, page.size, planes);
+        }
         pages.push(EmbeddedPage::of(&page, step));
     }
     if pages.iter().all(EmbeddedPage::is_empty) {
@@ -74,11 +85,6 @@ pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
             dir.display()
         );
     }
-    let light = Image {
-        width: bright.len(),
-        height: 1,
-        pixels: bright,
-    };
     let viewer = Viewer {
         title: stem,
         scene: world.scene(),
@@ -86,15 +92,12 @@ pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
         pages: &pages,
         view: [camera.eye, look],
         fov: 2.0 * camera.slope.atan(),
-        stops: render::exposure(&light, glam::DVec3::NEG_ONE),
+        stops: render::exposure(&lit.picture(), background),
         bake: &json,
     };
-    let html = viewer.html();
     let mut output = Output::create(dir)?;
-    output.stage_bytes(REPORT_NAME, html.as_bytes())?;
-    let listed = json["files"].as_array_mut();
-    if let Some(listed) = listed.filter(|names| !names.contains(&REPORT_NAME.into())) {
-        listed.push(REPORT_NAME.into());
+    output.stage_bytes(REPORT_NAME, viewer.html().as_bytes())?;
+    if !listed {
         let text = serde_json::to_string_pretty(&json)? + "\n";
         output.stage_bytes("bake.json", text.as_bytes())?;
     }
@@ -111,16 +114,34 @@ fn step(pages: u64, edge: u32) -> u32 {
     (1..).find(|&step| fits(step) || step >= edge).unwrap_or(1)
 }
 
-/// Adds some of a page's covered texels, by the layer that lights the scene best.
-fn push_light(bright: &mut Vec<[f32; 3]>, page: &Page) {
-    let layer = LIGHT.iter().find_map(|name| page.layer(name));
-    let (Some(layer), Some(coverage)) = (layer, page.values("coverage")) else {
-        return;
+/// What the first view sees, in a few pixels: enough to know how bright it is.
+fn look_at(
+    world: &World,
+    backend: &dyn RayBackend,
+    camera: &Camera,
+    background: DVec3,
+    page_of: &[Option<u32>],
+) -> Result<Lit, render::Error> {
+    let (surfaces, lamps) = (Surfaces::new(world), Lamps::of(world));
+    let direct = Direct {
+        surfaces: &surfaces,
+        backend,
+        model: Model::Lambert,
+        rays: 1,
+        sky: DVec3::ONE,
+        background,
+        lights: &[],
+        max_distance: f32::INFINITY,
+        seed: 0,
+        overrides: Overrides::default(),
+        lamps: &lamps,
     };
-    let planes = [0, 1, 2].map(|k| &layer.channels[k.min(layer.channels.len() - 1)].values);
-    let covered = (0..coverage.len()).step_by(coverage.len() / 65_536 + 1);
-    let covered = covered.filter(|&i| coverage[i] > 0.0);
-    bright.extend(covered.map(|i| planes.map(|plane| plane[i])));
+    let camera = Camera {
+        size: [160, 120],
+        ..*camera
+    };
+    let place = |hit: &SurfaceHit| TexelPlace::in_scene(world.scene(), page_of, hit);
+    Lit::look(&direct, &camera, 1, &(), place)
 }
 
 /// Opens a file in the browser of the desktop; false where there is none.

@@ -41,7 +41,7 @@ const found = await page.evaluate(async () => {
   };
   const ready = await app.ready;
   await drawn();
-  const first = pixels("scene"), out = { ready, colors: colors(), views: {} };
+  const first = pixels("scene"), out = { ready, first: app.state.first, colors: colors(), views: {} };
   out.picks = [];
   for (const [x, y] of [[0, 0], [0.1, -0.2], [-0.15, -0.1], [0.2, 0.1]]) out.picks.push(await app.pickAt(x, y));
   out.texel = document.getElementById("texel").innerText;

@@ -28,6 +28,19 @@ impl TexelPlace {
         }
     }
 
+    /// The place of a hit on the scene of [`baked_scene`]; `None` where it has no texels.
+    pub fn in_scene(
+        scene: &Scene,
+        page_of: &[Option<u32>],
+        hit: &SurfaceHit,
+    ) -> Option<TexelPlace> {
+        let number = scene.instances[hit.instance as usize].mesh as usize;
+        let mesh = &scene.meshes[number];
+        let corners = mesh.triangles[hit.triangle as usize];
+        let uv = |corner: u32| mesh.uv_sets[1][corner as usize];
+        Some(TexelPlace::of(page_of[number]?, hit, corners.map(uv)))
+    }
+
     /// The value there of a page of `size * size` texels, three planes, bilinear.
     pub fn bilinear(&self, size: u32, planes: [&[f32]; 3]) -> DVec3 {
         let last = f64::from(size - 1);
@@ -88,14 +101,7 @@ impl Lightmap {
 
     /// Where the texels of a hit on the scene of [`Lightmap::load`] lie; `None` where it has none.
     pub fn place(&self, scene: &Scene, hit: &SurfaceHit) -> Option<TexelPlace> {
-        let mesh_index = scene.instances[hit.instance as usize].mesh as usize;
-        let mesh = &scene.meshes[mesh_index];
-        let corners = mesh.triangles[hit.triangle as usize];
-        Some(TexelPlace::of(
-            self.page_of[mesh_index]?,
-            hit,
-            corners.map(|corner| mesh.uv_sets[1][corner as usize]),
-        ))
+        TexelPlace::in_scene(scene, &self.page_of, hit)
     }
 
     /// The layer at a place, bilinear.

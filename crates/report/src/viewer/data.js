@@ -31,29 +31,26 @@ const HALVES = (() => {
   return table;
 })();
 
-/** The channels of a layer on a page, each `size * size` 16-bit floats; undone: high and low bytes apart, differences along rows. */
-const layerCache = new Map();
-function layerOn(page, layer) {
-  const id = `p${page}.${layer}`;
-  if (!layerCache.has(id)) {
-    layerCache.set(id, bytesOf(id).then((bytes) => {
-      const size = head.pages[page].size, texels = size * size;
-      const channels = [];
-      for (let c = 0; c < head.layers[layer].channels; c++) {
-        const high = 2 * texels * c, low = high + texels;
-        const values = new Uint16Array(texels);
-        let last = 0;
-        for (let i = 0; i < texels; i++) {
-          last = (last + (bytes[high + i] << 8 | bytes[low + i])) & 65535;
-          values[i] = last;
-        }
-        channels.push(values);
+const planeCache = new Map();
+/** A plane of a page as 16-bit floats; undone: high and low bytes apart, differences along rows. */
+function planeOn(page, plane) {
+  const id = `p${page}.${plane}`;
+  if (!planeCache.has(id)) {
+    planeCache.set(id, bytesOf(id).then((bytes) => {
+      const texels = bytes.length / 2, values = new Uint16Array(texels);
+      let last = 0;
+      for (let i = 0; i < texels; i++) {
+        last = (last + (bytes[i] << 8 | bytes[texels + i])) & 65535;
+        values[i] = last;
       }
-      return channels;
+      return values;
     }));
   }
-  return layerCache.get(id);
+  return planeCache.get(id);
 }
+
+/** The channels of a layer on a page. */
+const layerOn = (page, layer) => Promise.all(head.pages[page].planes[layer].map((plane) => planeOn(page, plane)));
 
 const coverCache = new Map();
 /** Which texels of a page charts touch. */

@@ -1,6 +1,6 @@
 //! Pages as the viewer embeds them.
 
-use crate::Page;
+use crate::{Channel, Page};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use exr::prelude::f16;
@@ -22,8 +22,10 @@ pub struct EmbeddedPage {
     pub(super) layers: Vec<EmbeddedLayer>,
     /// One byte a texel, 1 where charts are.
     pub(super) coverage: String,
-    /// One text for each of the layers.
-    pub(super) planes: Vec<String>,
+    /// For each of the layers, the plane of each of its channels; channels that are equal share one.
+    pub(super) planes: Vec<Vec<usize>>,
+    /// One text for each plane.
+    pub(super) texts: Vec<String>,
 }
 
 /// What the viewer must know of a layer.
@@ -78,14 +80,24 @@ impl EmbeddedPage {
             !(LEFT_OUT.contains(&name) || skipped)
         });
         let used: Vec<_> = used.collect();
-        let planes = used.par_iter().map(|layer| {
-            let mut bytes = Vec::with_capacity(2 * size * size * layer.channels.len());
-            for channel in &layer.channels {
-                let values = blocks(&|i| channel.values[i], &|i| near[i]);
-                push_halves(&mut bytes, &values);
-            }
-            blob(&bytes)
+        let channels: Vec<&Channel> = used.iter().flat_map(|layer| &layer.channels).collect();
+        let packed = channels.par_iter().map(|channel| {
+            let values = blocks(&|i| channel.values[i], &|i| near[i]);
+            blob(&halves(&values))
         });
+        let packed: Vec<String> = packed.collect();
+        let mut texts: Vec<String> = Vec::new();
+        let numbers = packed.into_iter().map(|text| {
+            let known = texts.iter().position(|other| *other == text);
+            known.unwrap_or_else(|| {
+                texts.push(text);
+                texts.len() - 1
+            })
+        });
+        let mut numbers = numbers.collect::<Vec<usize>>().into_iter();
+        let planes = used
+            .iter()
+            .map(|layer| numbers.by_ref().take(layer.channels.len()).collect());
         let planes = planes.collect();
         let layer = |layer: &&crate::PageLayer| EmbeddedLayer {
             name: layer.name.clone(),
@@ -98,6 +110,7 @@ impl EmbeddedPage {
             layers: used.iter().map(layer).collect(),
             coverage: blob(&mask),
             planes,
+            texts,
         }
     }
 }
@@ -128,8 +141,8 @@ fn near(edge: usize, covered: &dyn Fn(usize) -> bool) -> Vec<bool> {
     near
 }
 
-/// Appends values as 16-bit floats: differences along the rows, all high bytes before all low ones.
-fn push_halves(bytes: &mut Vec<u8>, values: &[f32]) {
+/// Values as 16-bit floats: differences along the rows, all high bytes before all low ones.
+fn halves(values: &[f32]) -> Vec<u8> {
     let mut last = 0u16;
     let steps = values.iter().map(|&value| {
         let bits = f16::from_f32(value.clamp(-65_504.0, 65_504.0)).to_bits();
@@ -138,8 +151,8 @@ fn push_halves(bytes: &mut Vec<u8>, values: &[f32]) {
         step
     });
     let steps: Vec<u16> = steps.collect();
-    bytes.extend(steps.iter().map(|step| (step >> 8) as u8));
-    bytes.extend(steps.iter().map(|step| *step as u8));
+    let high = steps.iter().map(|step| (step >> 8) as u8);
+    high.chain(steps.iter().map(|step| *step as u8)).collect()
 }
 
 /// Bytes deflated (RFC 1950) and in base64.
@@ -177,10 +190,12 @@ mod tests {
             PageLayer::scalar("coverage", coverage),
             PageLayer::scalar("diffuse", values.clone()),
             PageLayer::scalar("object", values.clone()),
+            PageLayer::scalar("visibility", values.clone()),
         ];
         let page = EmbeddedPage::of(&Page { size: 8, layers }, 1);
-        assert_eq!(page.layers.len(), 1);
-        let bytes = unpacked(&page.planes[0]);
+        assert_eq!(page.layers.len(), 2);
+        assert_eq!(page.planes, [[0], [0]], "equal channels are held once");
+        let bytes = unpacked(&page.texts[0]);
         let mut bits = 0u16;
         for (i, expected) in values.iter().enumerate() {
             let step = u16::from(bytes[i]) << 8 | u16::from(bytes[64 + i]);

@@ -1,6 +1,6 @@
 // The page: what is shown, what is picked, and the tables beside it.
 
-const state = { view: null, part: 0, picked: null, page: 0, ranges: new Map(), frames: 0 };
+const state = { view: null, part: 0, picked: null, page: 0, ranges: new Map(), first: null };
 const list = views();
 let painter, meshes, instances, camera;
 
@@ -78,7 +78,7 @@ function paint() {
   const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((n) => Math.max(1, Math.round(n * sharp)));
   if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [over.width, over.height] = [width, height];
   painter.draw(camera, instances, head.radius, look(), $("backs").checked);
-  state.frames += 1;
+  state.first ??= performance.now();
   const pen = over.getContext("2d");
   pen.clearRect(0, 0, width, height);
   if (state.picked) {
@@ -116,6 +116,8 @@ async function show() {
   }
   legend(view, current);
   redraw();
+  // The picture comes before what stands beside it.
+  await new Promise((drawn) => requestAnimationFrame(drawn));
   await Promise.all([sheet(), histogram()]);
 }
 

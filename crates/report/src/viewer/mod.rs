@@ -102,7 +102,7 @@ impl Viewer<'_> {
         let pages: Vec<Value> = self
             .pages
             .iter()
-            .map(|page| json!({ "size": page.size, "texels": page.texels }))
+            .map(|page| json!({ "size": page.size, "texels": page.texels, "planes": page.planes }))
             .collect();
         let head = json!({
             "title": self.title,
@@ -127,8 +127,8 @@ impl Viewer<'_> {
         data += &element("geometry", &blob(&geometry));
         for (number, page) in self.pages.iter().enumerate() {
             data += &element(&format!("c{number}"), &page.coverage);
-            for (layer, text) in page.planes.iter().enumerate() {
-                data += &element(&format!("p{number}.{layer}"), text);
+            for (plane, text) in page.texts.iter().enumerate() {
+                data += &element(&format!("p{number}.{plane}"), text);
             }
         }
         let script = format!("\"use strict\";\n{}", SCRIPT.concat());
