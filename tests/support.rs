@@ -8,7 +8,7 @@ use std::process::{Command, Output, Stdio};
 
 #[path = "skip.rs"]
 mod skip_reason;
-pub use skip_reason::{model, skip};
+pub use skip_reason::{model, say, skip};
 
 /// A command that starts the program, through the same loader prefix as the tests themselves where one is set.
 pub fn ambake() -> Command {

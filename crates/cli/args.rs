@@ -2,6 +2,7 @@
 
 use crate::{bake, bench, map, render};
 use clap::{Args as ClapArgs, Parser, Subcommand};
+use clap_complete::Shell;
 use std::path::PathBuf;
 
 /// Ambient-reflection lightmap baker that states its error.
@@ -33,6 +34,12 @@ pub enum Verb {
     Map(Box<map::args::Args>),
     /// Speed against error: CSV, SVG and a readable summary
     Bench(bench::args::Args),
+    /// Writes DIR/report.html, one file to look at a finished bake in a browser, and opens it
+    View(View),
+    /// Prints the completions of a shell
+    Completions(Completions),
+    /// Prints the manual page, or writes one for each verb
+    Man(Man),
     /// Tells which ray libraries were really loaded and what they can do; exit 1 if one is unusable
     Doctor(Doctor),
 }
@@ -49,7 +56,7 @@ pub struct Compare {
     #[arg(long)]
     pub json: bool,
     /// Print nothing but errors
-    #[arg(long)]
+    #[arg(short, long)]
     pub quiet: bool,
 }
 
@@ -64,8 +71,35 @@ pub struct Export {
     #[arg(long)]
     pub json: bool,
     /// Print nothing but errors
-    #[arg(long)]
+    #[arg(short, long)]
     pub quiet: bool,
+}
+
+#[derive(ClapArgs)]
+pub struct View {
+    /// A finished bake's directory
+    #[arg(value_name = "DIR")]
+    pub dir: PathBuf,
+    /// Write the file and open no browser
+    #[arg(long)]
+    pub no_open: bool,
+    /// Print nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+#[derive(ClapArgs)]
+pub struct Completions {
+    /// Shell that completes
+    #[arg(value_enum)]
+    pub shell: Shell,
+}
+
+#[derive(ClapArgs)]
+pub struct Man {
+    /// Directory for one page a verb, `ambake.1`, `ambake-bake.1`, … [default: `ambake.1` goes to standard output]
+    #[arg(short = 'o', long = "output", value_name = "DIR")]
+    pub output: Option<PathBuf>,
 }
 
 #[derive(ClapArgs)]

@@ -21,7 +21,7 @@ pub struct Common {
     #[arg(long)]
     pub allow_outside: bool,
     /// Print nothing but errors
-    #[arg(long)]
+    #[arg(short, long)]
     pub quiet: bool,
     /// Print a machine-readable summary on standard output
     #[arg(long)]

@@ -1,12 +1,17 @@
 //! Facts about this program and this process.
 
 pub use ambake::VERSION;
+use std::sync::OnceLock;
 
 /// Instruction set extensions the compiler was allowed to use.
 pub const TARGET_FEATURES: &str = env!("AMBAKE_TARGET_FEATURES");
 
-/// Installs the worker pool and returns its size.
+/// Installs the worker pool, the first time that it is called, and returns its size.
 pub fn set_threads(threads: Option<u32>) -> anyhow::Result<usize> {
+    static INSTALLED: OnceLock<usize> = OnceLock::new();
+    if let Some(&count) = INSTALLED.get() {
+        return Ok(count);
+    }
     let count = threads.map_or_else(
         || std::thread::available_parallelism().map_or(1, |n| n.get()),
         |n| n as usize,
@@ -14,5 +19,5 @@ pub fn set_threads(threads: Option<u32>) -> anyhow::Result<usize> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(count)
         .build_global()?;
-    Ok(count)
+    Ok(*INSTALLED.get_or_init(|| count))
 }

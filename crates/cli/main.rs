@@ -15,12 +15,15 @@ mod compare;
 mod doctor;
 mod export;
 mod host;
+mod manual;
 mod map;
 mod outcome;
 mod parse;
 mod progress;
+mod project;
 mod render;
 mod stop;
+mod view;
 
 use args::Verb;
 use clap::Parser;
@@ -37,6 +40,9 @@ fn main() -> ExitCode {
         Verb::Render(render) => render::run::run(render),
         Verb::Map(map) => map::run::run(map),
         Verb::Bench(bench) => bench::run::run(bench),
+        Verb::View(view) => view::run(view),
+        Verb::Completions(completions) => manual::completions(completions),
+        Verb::Man(man) => manual::pages(man),
         Verb::Doctor(doctor) => doctor::run(doctor),
     })
 }

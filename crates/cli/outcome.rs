@@ -29,7 +29,7 @@ pub fn exit_code(result: anyhow::Result<Outcome>) -> ExitCode {
 }
 
 /// The error with its causes on one line; a cause that the line already names is not repeated.
-fn one_line(error: &anyhow::Error) -> String {
+pub fn one_line(error: &anyhow::Error) -> String {
     let mut line = error.to_string();
     for cause in error.chain().skip(1).map(ToString::to_string) {
         if !line.contains(&cause) {

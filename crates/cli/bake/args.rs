@@ -10,8 +10,9 @@ use std::path::PathBuf;
 
 #[derive(ClapArgs)]
 pub struct Bake {
-    /// Scene file: .obj, .gltf or .glb
-    pub scene: PathBuf,
+    /// Scene file: .obj, .gltf or .glb, or - for standard input; several are baked into a folder each, DIR/STEM
+    #[arg(required = true)]
+    pub scene: Vec<PathBuf>,
     #[command(flatten)]
     pub job: Job,
     /// Directory for the results; it is made if needed
@@ -28,6 +29,9 @@ pub struct Bake {
     /// bake of them. A part that was stopped continues
     #[arg(long, value_name = "I/N", value_parser = shard)]
     pub shard: Option<ambake::Shard>,
+    /// Also write DIR/report.html, one file to look at the bake in a browser, as `ambake view` does
+    #[arg(long)]
+    pub report: bool,
     #[command(flatten)]
     pub common: Common,
 }
@@ -65,7 +69,7 @@ pub struct Merge {
 
 #[derive(ClapArgs)]
 pub struct Plan {
-    /// Scene file: .obj, .gltf or .glb
+    /// Scene file: .obj, .gltf or .glb, or - for standard input
     pub scene: PathBuf,
     #[command(flatten)]
     pub job: Job,

@@ -5,20 +5,25 @@ use super::prepare::prepare_in;
 use super::run::tell_written;
 use crate::args::{Args as Line, Verb};
 use crate::common::Common;
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, tell};
 use crate::progress::{Show, watch};
 use crate::stop::Stop;
 use ambake::Parts;
 use anyhow::{Context, bail};
 use clap::Parser;
 use serde_json::Value;
+use std::ffi::OsString;
 
 /// Runs the verb.
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let stop = Stop::listen()?;
     let dir = std::path::absolute(&args.dir).context("cannot tell the current folder")?;
     let parts = Parts::find(&args.dir)?;
-    let bake = given(parts.given())?;
+    let typed = typed(parts.given())?;
+    let bake = given(&typed)?;
+    let [scene] = bake.scene.as_slice() else {
+        bail!("the parts were made of several scenes; bake them with this program");
+    };
     // The words may name files from the folder that they were given in. Where that is absent here, so are the files, and the scene's
     // error says so.
     if let Some(folder) = parts.given()["folder"].as_str() {
@@ -32,7 +37,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         json: args.json,
         verbose: args.verbose,
     };
-    let job = prepare_in(Some(&dir), &bake.scene, &bake.job, &common, &bake.engines)?;
+    let job = prepare_in(Some(&dir), &typed, scene, &bake.job, &common, &bake.engines)?;
     let show = Show {
         unit: "texels",
         quiet: args.quiet,
@@ -41,7 +46,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     match written {
         Err(ambake::Error::Cancelled) => {
             if !args.quiet {
-                eprintln!("ambake: stopped; the parts are still there, merge again");
+                tell("stopped; the parts are still there, merge again");
             }
             Ok(stop.outcome())
         }
@@ -49,12 +54,17 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     }
 }
 
-/// The bake that the parts were made by.
-fn given(given: &Value) -> anyhow::Result<Bake> {
+/// The command line that the parts were made by.
+fn typed(given: &Value) -> anyhow::Result<Vec<OsString>> {
     let words: Vec<String> = serde_json::from_value(given["words"].clone())
         .context("the parts do not say how they were made; bake them with this program")?;
     let words = std::iter::once("ambake".to_owned()).chain(words);
-    let line = Line::try_parse_from(words)
+    Ok(words.map(OsString::from).collect())
+}
+
+/// The bake of that command line.
+fn given(typed: &[OsString]) -> anyhow::Result<Bake> {
+    let line = Line::try_parse_from(typed)
         .context("this program does not know the command line of the parts")?;
     match line.verb {
         Verb::Bake(bake) => Ok(bake),

@@ -10,4 +10,5 @@ pub mod prepare;
 pub mod run;
 pub mod shard;
 mod sky;
+mod stdin;
 mod summary;

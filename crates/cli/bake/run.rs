@@ -1,43 +1,103 @@
-//! `ambake bake`: scene in, lightmaps out.
+//! `ambake bake`: scenes in, lightmaps out.
 
 use super::args::Bake as Args;
 use super::prepare::prepare_in;
 use super::shard;
 use super::summary::summary;
 use crate::common::Common;
-use crate::outcome::{Outcome, say, say_json_text, tell};
+use crate::outcome::{Outcome, one_line, say, say_json_text, tell};
 use crate::progress::{Show, watch};
 use crate::stop::Stop;
+use crate::view;
 use ambake::Written;
+use anyhow::bail;
 use report::Output;
-use std::path::Path;
+use std::collections::HashMap;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 
-/// Runs the verb.
+/// Runs the verb: one scene into `-o DIR`, several into a folder each, `DIR/STEM`. Where one of several fails the others are baked
+/// all the same.
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let stop = Stop::listen()?;
+    let [scene] = args.scene.as_slice() else {
+        return several(args, &stop);
+    };
+    if args.shard.is_some() && scene == Path::new("-") {
+        bail!("--shard takes a scene file, which each shard and the merge can read again");
+    }
+    one(args, scene, &args.output, &stop)
+}
+
+fn several(args: &Args, stop: &Stop) -> anyhow::Result<Outcome> {
+    if args.shard.is_some() {
+        bail!("--shard takes one scene at a time");
+    }
+    let mut folders: HashMap<PathBuf, &Path> = HashMap::new();
+    for scene in &args.scene {
+        let folder = folder_of(args, scene);
+        if let Some(other) = folders.insert(folder.clone(), scene) {
+            bail!(
+                "{} and {} would both be baked into {}; bake them one by one with different -o",
+                other.display(),
+                scene.display(),
+                folder.display()
+            );
+        }
+    }
+    let mut failed = 0;
+    for scene in &args.scene {
+        match one(args, scene, &folder_of(args, scene), stop) {
+            Ok(Outcome::Done) => {}
+            Ok(other) => return Ok(other),
+            Err(error) => {
+                failed += 1;
+                tell(&one_line(&error));
+            }
+        }
+    }
+    match failed {
+        0 => Ok(Outcome::Done),
+        _ => bail!("{failed} of {} scenes were not baked", args.scene.len()),
+    }
+}
+
+/// The folder of one of several scenes.
+fn folder_of(args: &Args, scene: &Path) -> PathBuf {
+    let stem = match scene == Path::new("-") {
+        true => "scene".as_ref(),
+        false => scene.file_stem().unwrap_or_default(),
+    };
+    args.output.join(stem)
+}
+
+/// Bakes a scene into a folder.
+fn one(args: &Args, scene: &Path, output: &Path, stop: &Stop) -> anyhow::Result<Outcome> {
     // A directory that cannot be written, or is another bake's, is found before the scene is loaded. Shards share theirs.
     drop(match args.shard {
-        Some(_) => Output::create(&args.output)?,
-        None => Output::exclusive(&args.output)?,
+        Some(_) => Output::create(output)?,
+        None => Output::exclusive(output)?,
     });
+    let typed: Vec<OsString> = std::env::args_os().collect();
     let job = prepare_in(
-        Some(&args.output),
-        &args.scene,
+        Some(output),
+        &typed,
+        scene,
         &args.job,
         &args.common,
         &args.engines,
     )?;
     if let Some(part) = args.shard {
-        return shard::run(args, &job, part, &stop);
+        return shard::run(args, &job, part, stop);
     }
     let show = Show {
         unit: "texels",
         quiet: args.common.quiet,
     };
-    let written = watch(show, &stop, |progress| {
-        job.run_into(&args.output, args.resume, progress)
+    let written = watch(show, stop, |progress| {
+        job.run_into(output, args.resume, progress)
     });
-    let written = match written {
+    let mut written = match written {
         Err(ambake::Error::Cancelled) => {
             if !args.common.quiet {
                 tell("stopped; continue with the same command and --resume");
@@ -46,7 +106,12 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         }
         other => other?,
     };
-    tell_written(&written, &args.common, &args.output)
+    if args.report {
+        let path = view::write(output)?;
+        written.report.files.push(report::REPORT_NAME.into());
+        written.files.push(path);
+    }
+    tell_written(&written, &args.common, output)
 }
 
 /// Says what was written.
@@ -54,8 +119,7 @@ pub fn tell_written(written: &Written, common: &Common, dir: &Path) -> anyhow::R
     if common.json {
         say_json_text(&written.report.to_json())?;
     } else if !common.quiet {
-        let files = written.files.len();
-        say(&summary(&written.report, common.verbose, files, dir))?;
+        say(&summary(&written.report, common.verbose, dir))?;
     }
     Ok(Outcome::Done)
 }

@@ -1,7 +1,7 @@
 //! `ambake bake --shard I/N`: one part of a bake.
 
 use super::args::Bake as Args;
-use crate::outcome::{Outcome, say, say_json};
+use crate::outcome::{Outcome, say, say_json, tell};
 use crate::progress::{Show, watch};
 use crate::stop::Stop;
 use ambake::{Job, Shard};
@@ -23,7 +23,7 @@ pub fn run(args: &Args, job: &Job, shard: Shard, stop: &Stop) -> anyhow::Result<
     let part = match part {
         Err(ambake::Error::Cancelled) => {
             if !args.common.quiet {
-                eprintln!("ambake: stopped; the same command continues");
+                tell("stopped; the same command continues");
             }
             return Ok(stop.outcome());
         }

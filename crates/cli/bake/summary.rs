@@ -1,10 +1,10 @@
 //! What `ambake bake` says at its end.
 
-use report::BakeReport;
+use report::{BakeReport, REPORT_NAME};
 use std::path::Path;
 
 /// The summary of a finished bake; with `verbose` also the plan and the time of each phase.
-pub fn summary(report: &BakeReport, verbose: bool, files: usize, dir: &Path) -> String {
+pub fn summary(report: &BakeReport, verbose: bool, dir: &Path) -> String {
     let mut text = String::new();
     let rays: u64 = report.pages.iter().map(|page| page.rays).sum();
     let seconds: f64 = report.pages.iter().map(|page| page.seconds).sum();
@@ -74,6 +74,11 @@ pub fn summary(report: &BakeReport, verbose: bool, files: usize, dir: &Path) -> 
             warning.message, warning.count, warning.place
         );
     }
-    text += &format!("{files} files in {}\n", dir.display());
+    text += &format!("{} files in {}\n", report.files.len(), dir.display());
+    // Last, what can be looked at.
+    let ends = |end: &str| report.files.iter().find(|name| name.ends_with(end));
+    for name in [ends(".lit.png"), ends(REPORT_NAME)].into_iter().flatten() {
+        text += &format!("look at {}\n", dir.join(name).display());
+    }
     text
 }

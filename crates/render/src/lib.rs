@@ -42,7 +42,7 @@ pub use direct::{Direct, Model};
 pub use error::Error;
 pub use framing::Framing;
 pub use light::Light;
-pub use lightmap::{Lightmap, TexelPlace};
+pub use lightmap::{Lightmap, TexelPlace, baked_scene};
 pub use lit::{Lit, backdrop, exposed, exposure};
 pub use picture::{Sample, picture};
 pub use progress::Part;

@@ -28,6 +28,19 @@ impl TexelPlace {
         }
     }
 
+    /// The place of a hit on the scene of [`baked_scene`]; `None` where it has no texels.
+    pub fn in_scene(
+        scene: &Scene,
+        page_of: &[Option<u32>],
+        hit: &SurfaceHit,
+    ) -> Option<TexelPlace> {
+        let number = scene.instances[hit.instance as usize].mesh as usize;
+        let mesh = &scene.meshes[number];
+        let corners = mesh.triangles[hit.triangle as usize];
+        let uv = |corner: u32| mesh.uv_sets[1][corner as usize];
+        Some(TexelPlace::of(page_of[number]?, hit, corners.map(uv)))
+    }
+
     /// The value there of a page of `size * size` texels, three planes, bilinear.
     pub fn bilinear(&self, size: u32, planes: [&[f32]; 3]) -> DVec3 {
         let last = f64::from(size - 1);
@@ -59,26 +72,8 @@ impl Lightmap {
     /// # Errors
     /// A file is absent or damaged, a mesh has no lightmap coordinates, or a page lacks the layer.
     pub fn load(dir: &Path, stem: &str, layer: &str) -> Result<(Scene, Lightmap), Error> {
-        let path = dir.join(format!("{stem}.glb"));
-        let fail = |problem: String| Error::Bake {
-            path: path.clone(),
-            problem,
-        };
-        let scene = scene::load(&path)?;
-        let json = scene.source.as_ref().map_or(&Value::Null, |s| &s.json);
-        let page = |mesh: &Mesh| {
-            (mesh.uv_sets.len() > 1)
-                .then(|| page_number(json, mesh.origin.mesh, mesh.origin.primitive))
-                .flatten()
-        };
-        let page_of: Vec<Option<u32>> = scene.meshes.iter().map(page).collect();
-        let last = page_of.iter().flatten().max();
-        let count = last.map(|last| last + 1).ok_or_else(|| {
-            fail(
-                "no mesh has a lightmap; name the directory of a bake with the layer diffuse"
-                    .into(),
-            )
-        })?;
+        let (scene, page_of) = baked_scene(dir, stem)?;
+        let count = page_of.iter().flatten().max().map_or(0, |last| last + 1);
         let mut pages = Vec::with_capacity(count as usize);
         for number in 0..count {
             let path = dir.join(format!("{stem}.{number}.exr"));
@@ -106,14 +101,7 @@ impl Lightmap {
 
     /// Where the texels of a hit on the scene of [`Lightmap::load`] lie; `None` where it has none.
     pub fn place(&self, scene: &Scene, hit: &SurfaceHit) -> Option<TexelPlace> {
-        let mesh_index = scene.instances[hit.instance as usize].mesh as usize;
-        let mesh = &scene.meshes[mesh_index];
-        let corners = mesh.triangles[hit.triangle as usize];
-        Some(TexelPlace::of(
-            self.page_of[mesh_index]?,
-            hit,
-            corners.map(|corner| mesh.uv_sets[1][corner as usize]),
-        ))
+        TexelPlace::in_scene(scene, &self.page_of, hit)
     }
 
     /// The layer at a place, bilinear.
@@ -126,6 +114,35 @@ impl Lightmap {
     /// Name of the layer.
     pub fn layer(&self) -> &str {
         &self.layer
+    }
+}
+
+/// The scene `DIR/STEM.glb` of a bake, and the page of each of its meshes: `None` for one that takes no texels.
+///
+/// # Errors
+/// The file is absent or damaged, or no mesh has a page.
+pub fn baked_scene(dir: &Path, stem: &str) -> Result<(Scene, Vec<Option<u32>>), Error> {
+    let path = dir.join(format!("{stem}.glb"));
+    let scene = scene::load(&path)?;
+    let json = scene.source.as_ref().map_or(&Value::Null, |s| &s.json);
+    // Without a diffuse layer the file has no occlusion texture to tell pages by; one page needs none.
+    let single = !dir.join(format!("{stem}.1.exr")).exists();
+    let page = |mesh: &Mesh| {
+        let laid_out = mesh.uv_sets.len() > 1;
+        let told = || page_number(json, mesh.origin.mesh, mesh.origin.primitive);
+        laid_out.then(told).flatten()
+    };
+    let mut page_of: Vec<Option<u32>> = scene.meshes.iter().map(page).collect();
+    if page_of.iter().all(Option::is_none) && single {
+        let laid_out = |mesh: &Mesh| (mesh.uv_sets.len() > 1).then_some(0);
+        page_of = scene.meshes.iter().map(laid_out).collect();
+    }
+    match page_of.iter().any(Option::is_some) {
+        true => Ok((scene, page_of)),
+        false => Err(Error::Bake {
+            path,
+            problem: "no mesh has a lightmap; bake again with the layer diffuse".into(),
+        }),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{Camera, Error, Framing};
 use glam::{DQuat, DVec3};
-use rays::{Ray, RayBackend, SurfaceHit, World};
+use rays::{Bounds, Ray, RayBackend, SurfaceHit, World};
 use std::f64::consts::{PI, TAU};
 
 /// Vertical field of view inside of a room, in radians: 65 degrees.
@@ -15,6 +15,13 @@ const CLOSED: u32 = 58;
 const SOLID: u32 = 12;
 /// A view from another side is taken where it shows so much more of the fronts of surfaces.
 const BETTER: f64 = 0.15;
+
+/// Triangles that are looked at, at most, to find where the scene is.
+const SAMPLED: usize = 50_000;
+/// Thousandths of the triangles that may surround the scene on each side.
+const CUT: usize = 10;
+/// They do where the rest takes less than this part of the whole extent.
+const SMALL: f64 = 0.2;
 
 impl Framing {
     /// The camera that shows a scene best: the one of [`Framing::camera`], from another side where that shows more fronts of
@@ -32,10 +39,11 @@ impl Framing {
         if self.eye.is_some() || self.look.is_some() {
             return self.camera(world);
         }
+        let focus = focus(world);
         let room = Room {
-            world,
             backend,
             up: self.up.normalize_or(DVec3::Y),
+            focus: focus.unwrap_or(world.bounds()),
         };
         if let Some([eye, look]) = room.view() {
             let fov = match keep_fov {
@@ -58,16 +66,28 @@ impl Framing {
         } else {
             0
         };
-        let eye = self.eye_outside(world, turned(step));
-        self.camera_at([eye, world.bounds().center()])
+        let middle = room.focus.center();
+        let eye = match focus {
+            None => self.eye_outside(world, turned(step)),
+            Some(focus) => {
+                let corner = |k: usize| [focus.min, focus.max][k];
+                let corners = (0..8).map(|k| {
+                    let [x, y, z] = [k & 1, k >> 1 & 1, k >> 2].map(corner);
+                    DVec3::new(x.x, y.y, z.z)
+                });
+                Camera::framing(corners, middle, turned(step), self.up, self.fov, self.size)
+            }
+        };
+        self.camera_at([eye, middle])
     }
 }
 
 /// The scene as a place to look around in.
 struct Room<'a> {
-    world: &'a World,
     backend: &'a dyn RayBackend,
     up: DVec3,
+    /// The part of the scene that is looked at.
+    focus: Bounds,
 }
 
 impl Room<'_> {
@@ -82,7 +102,7 @@ impl Room<'_> {
 
     /// The share of what parallel rays from a direction meet in the scene's box that are fronts of surfaces.
     fn fronts(&self, toward: DVec3) -> f64 {
-        let bounds = self.world.bounds();
+        let bounds = self.focus;
         let radius = 0.5 * (bounds.max - bounds.min).length();
         let right = self.up.cross(toward).normalize_or(DVec3::X);
         let upright = toward.cross(right);
@@ -100,7 +120,7 @@ impl Room<'_> {
 
     /// Eye and look-at point inside, where most of the free space is closed.
     fn view(&self) -> Option<[DVec3; 2]> {
-        let bounds = self.world.bounds();
+        let bounds = self.focus;
         let extent = bounds.max - bounds.min;
         let (mut free, mut closed) = (0, Vec::new());
         for index in 0..5 * 5 * 5 {
@@ -139,7 +159,7 @@ impl Room<'_> {
     /// How much is to be seen in a horizontal direction, and a point to look at there: the mean logarithm of the distance of what
     /// is met; things close to the eye and backs count nothing.
     fn depth(&self, eye: DVec3, azimuth: f64) -> (f64, DVec3) {
-        let bounds = self.world.bounds();
+        let bounds = self.focus;
         let near = 0.03 * (bounds.max - bounds.min).length();
         let ahead = self.up.any_orthonormal_vector();
         let forward = DQuat::from_axis_angle(self.up, azimuth) * ahead - 0.15 * self.up;
@@ -154,6 +174,31 @@ impl Room<'_> {
         }
         (sum, eye + forward)
     }
+}
+
+/// The box of nearly all triangles, where it is far smaller than that of all: a few of them, such as a plane of water, then only
+/// surround the scene. `None` for other scenes.
+fn focus(world: &World) -> Option<Bounds> {
+    let instances = 0..world.scene().instances.len() as u32;
+    let count = |instance: u32| world.part(instance).1.triangles().len() as u32;
+    let total: usize = instances.clone().map(|i| count(i) as usize).sum();
+    let all = instances.flat_map(|i| (0..count(i)).map(move |triangle| (i, triangle)));
+    let middle = |(i, triangle)| world.corners(i, triangle).iter().sum::<DVec3>() / 3.0;
+    let middles: Vec<DVec3> = all.step_by(total / SAMPLED + 1).map(middle).collect();
+    let range = |axis: usize| {
+        let mut along: Vec<f64> = middles.iter().map(|middle| middle[axis]).collect();
+        along.sort_unstable_by(f64::total_cmp);
+        let cut = along.len() * CUT / 1000;
+        [along[cut], along[along.len() - 1 - cut]]
+    };
+    if middles.len() * CUT < 1000 {
+        return None;
+    }
+    let [x, y, z] = [0, 1, 2].map(range);
+    let (min, max) = (DVec3::new(x[0], y[0], z[0]), DVec3::new(x[1], y[1], z[1]));
+    let bounds = world.bounds();
+    ((max - min).length() < SMALL * (bounds.max - bounds.min).length())
+        .then_some(Bounds { min, max })
 }
 
 /// The k-th of [`AROUND`] directions on a spiral over the sphere.
@@ -219,6 +264,19 @@ mod tests {
             let camera = FRAMING.fitted(&world, backend.as_ref(), false).unwrap();
             assert!(camera.eye.z * side > 0.0, "{front}: {camera:?}");
         }
+    }
+
+    #[test]
+    fn a_plane_far_wider_than_the_scene_is_not_what_is_looked_at() {
+        let card = |k: i32| {
+            let place = Vec3::new((k % 10) as f32, (k / 10) as f32, 0.0);
+            white([place, Vec3::X, Vec3::Y])
+        };
+        let mut sheets: Vec<_> = (0..100).map(card).collect();
+        sheets.push(crate::fixture::ground());
+        let (world, backend) = world(&sheets);
+        let camera = FRAMING.fitted(&world, backend.as_ref(), false).unwrap();
+        assert!(camera.eye.length() < 100.0, "{camera:?}");
     }
 
     #[test]

@@ -23,6 +23,7 @@ mod page_files;
 mod picture;
 mod preview;
 mod space;
+mod viewer;
 
 pub use bake_json::*;
 pub use checkpoint::{Journal, remove_journal};
@@ -44,3 +45,4 @@ pub use page_files::{NamedPage, page_files};
 pub use picture::picture_png;
 pub use preview::{Encoding, occlusion_png, preview_png};
 pub use space::check_space;
+pub use viewer::{EmbeddedPage, REPORT_NAME, Viewer};

@@ -1,0 +1,142 @@
+// Drawing with WebGL 2: one vertex array for each mesh, one texture for each page and layer.
+
+const VERTEX = `#version 300 es
+in vec3 position; in vec2 uv;
+uniform mat4 camera, place;
+out vec2 at; out vec3 world;
+void main() { vec4 p = place * vec4(position, 1.0); world = p.xyz; at = uv; gl_Position = camera * p; }`;
+
+const FRAGMENT = `#version 300 es
+precision highp float;
+in vec2 at; in vec3 world;
+uniform sampler2D first, second, palette;
+uniform int kind; uniform float part, factor, low, high, size;
+out vec4 color;
+vec3 srgb(vec3 v) {
+  v = clamp(v, 0.0, 1.0);
+  return mix(12.92 * v, 1.055 * pow(v, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, v));
+}
+vec3 ramp(float x, float row) { return texture(palette, vec2(clamp(x, 0.0, 1.0) * 255.0 / 256.0 + 0.5 / 256.0, row)).rgb; }
+void main() {
+  vec3 a = texture(first, at).rgb, b = texture(second, at).rgb;
+  // Texels per unit: areas on the page and in the world, both per pixel of the screen.
+  vec2 ux = dFdx(at), uy = dFdy(at);
+  float texels = abs(ux.x * uy.y - ux.y * uy.x) * size * size;
+  float area = max(length(cross(dFdx(world), dFdy(world))), 1e-30);
+  vec3 d = a - b;
+  float most = abs(d.g) >= abs(d.r) ? d.g : d.r;
+  most = abs(d.b) > abs(most) ? d.b : most;
+  vec3 c;
+  if (kind == 0) c = srgb(mix(a, b, part) * factor);
+  else if (kind == 1) c = srgb(a.rrr * factor);
+  else if (kind == 2) c = a * 0.5 + 0.5;
+  else if (kind == 3) c = ramp((a.r - low) / (high - low), 0.25);
+  else if (kind == 4) c = ramp(most / high * 0.5 + 0.5, 0.75);
+  else if (kind == 5) c = ramp((0.5 * log2(texels / area) - low) / (high - low), 0.25);
+  else c = vec3(0.45);
+  color = vec4(c, 1.0);
+}`;
+const KINDS = { models: 0, color: 0, grey: 1, vector: 2, heat: 3, difference: 4, density: 5, none: 6 };
+
+class Painter {
+  constructor(canvas) {
+    const gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
+    if (!gl) throw new Error("this browser has no WebGL 2");
+    this.gl = gl;
+    this.program = gl.createProgram();
+    for (const [type, text] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
+      const shader = gl.createShader(type);
+      gl.shaderSource(shader, text);
+      gl.compileShader(shader);
+      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
+      gl.attachShader(this.program, shader);
+    }
+    gl.bindAttribLocation(this.program, 0, "position");
+    gl.bindAttribLocation(this.program, 1, "uv");
+    gl.linkProgram(this.program);
+    gl.useProgram(this.program);
+    this.at = (name) => gl.getUniformLocation(this.program, name);
+    this.places = Object.fromEntries(["camera", "place", "first", "second", "palette", "kind", "part", "factor", "low", "high", "size"]
+      .map((name) => [name, this.at(name)]));
+    this.textures = new Map();
+    this.palette = this.texture(gl.RGBA8, 256, 2, gl.UNSIGNED_BYTE, palettes());
+    this.limit = gl.getParameter(gl.MAX_TEXTURE_SIZE);
+    gl.enable(gl.DEPTH_TEST);
+    gl.clearColor(0.735, 0.825, 0.93, 1);
+  }
+
+  texture(format, width, height, type, values) {
+    const gl = this.gl, texture = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.texImage2D(gl.TEXTURE_2D, 0, format, width, height, 0, gl.RGBA, type, values);
+    for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.LINEAR);
+    for (const wrap of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, wrap, gl.CLAMP_TO_EDGE);
+    return texture;
+  }
+
+  take(meshes) {
+    const gl = this.gl;
+    this.meshes = meshes.map((mesh) => {
+      const array = gl.createVertexArray();
+      gl.bindVertexArray(array);
+      const fill = (target, values) => {
+        gl.bindBuffer(target, gl.createBuffer());
+        gl.bufferData(target, values, gl.STATIC_DRAW);
+      };
+      fill(gl.ARRAY_BUFFER, mesh.positions);
+      gl.enableVertexAttribArray(0);
+      gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
+      fill(gl.ARRAY_BUFFER, mesh.uvs);
+      gl.enableVertexAttribArray(1);
+      gl.vertexAttribPointer(1, 2, gl.UNSIGNED_SHORT, true, 0, 0);
+      fill(gl.ELEMENT_ARRAY_BUFFER, mesh.triangles);
+      return { array, count: mesh.triangles.length, page: mesh.page };
+    });
+  }
+
+  /** Makes the texture of a layer on a page, where it is not there yet. */
+  async need(page, layer) {
+    const key = `${page}.${layer}`;
+    if (this.textures.has(key)) return;
+    const channels = await layerOn(page, layer);
+    const size = head.pages[page].size, texels = size * size;
+    const values = new Uint16Array(4 * texels);
+    const [r, g, b] = channels.length >= 3 ? channels : [channels[0], channels[0], channels[0]];
+    for (let i = 0; i < texels; i++) {
+      values[4 * i] = r[i];
+      values[4 * i + 1] = g[i];
+      values[4 * i + 2] = b[i];
+      values[4 * i + 3] = 0x3c00;
+    }
+    this.textures.set(key, this.texture(this.gl.RGBA16F, size, size, this.gl.HALF_FLOAT, values));
+  }
+
+  /** Draws a look: { kind, first, second, part, factor, low, high }; false where a texture is not there yet. */
+  draw(camera, instances, radius, look, cull) {
+    const gl = this.gl, canvas = gl.canvas, p = this.places;
+    gl.viewport(0, 0, canvas.width, canvas.height);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.uniformMatrix4fv(p.camera, false, camera.matrix(canvas.width / canvas.height, radius));
+    for (const name of ["part", "factor", "low", "high"]) gl.uniform1f(p[name], look[name]);
+    const bind = (unit, place, texture) => {
+      gl.activeTexture(gl.TEXTURE0 + unit);
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      gl.uniform1i(place, unit);
+    };
+    bind(2, p.palette, this.palette);
+    (cull ? gl.enable : gl.disable).call(gl, gl.CULL_FACE);
+    for (const instance of instances) {
+      const mesh = this.meshes[instance.mesh];
+      const [a, b] = [look.first, look.second].map((layer) => this.textures.get(`${mesh.page}.${layer}`));
+      const lit = mesh.page >= 0 && (look.kind === "density" || (a && b));
+      gl.uniform1i(p.kind, lit ? KINDS[look.kind] : KINDS.none);
+      bind(0, p.first, a || this.palette);
+      bind(1, p.second, b || this.palette);
+      gl.uniform1f(p.size, mesh.page >= 0 ? head.pages[mesh.page].texels : 1);
+      gl.uniformMatrix4fv(p.place, false, instance.matrix);
+      gl.frontFace(instance.mirrored ? gl.CW : gl.CCW);
+      gl.bindVertexArray(mesh.array);
+      gl.drawElements(gl.TRIANGLES, mesh.count, gl.UNSIGNED_INT, 0);
+    }
+  }
+}

@@ -1,0 +1,167 @@
+//! `STEM.lit.png`, `report.html` and what opens it: `ambake view` and `bake --report`.
+
+use crate::support::{bake, files, page_path, report, run, run_well, say, scene};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+fn bytes(path: &Path) -> Vec<u8> {
+    let image = image::open(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    image.to_rgb8().into_raw()
+}
+
+#[test]
+fn every_bake_ends_with_a_picture_that_render_makes_again() {
+    let (folder, _) = bake(
+        &scene("interior.gltf"),
+        &["--size", "128", "--rays", "4", "--exclude", "*chair*"],
+    );
+    let lit = folder.path().join("interior.lit.png");
+    let listed = report(folder.path())["files"].to_string();
+    assert!(listed.contains("\"interior.lit.png\""), "{listed}");
+    let again = folder.path().join("again.png").display().to_string();
+    let bake = folder.path().display().to_string();
+    let interior = scene("interior.gltf").display().to_string();
+    let words = "--size 320x180 --samples 1 --quiet";
+    run_well(
+        ["render", &interior, "--bake", &bake, "-o", &again]
+            .into_iter()
+            .chain(words.split(' ')),
+    );
+    let (lit, again) = (bytes(&lit), bytes(Path::new(&again)));
+    assert_eq!(lit.len(), again.len());
+    // The GLB holds its page coordinates in f32, and excluded chairs are integrated with other rays.
+    let far = lit
+        .iter()
+        .zip(&again)
+        .filter(|(a, b)| a.abs_diff(**b) > 2)
+        .count();
+    assert!(far * 50 < lit.len(), "{far} of {} bytes differ", lit.len());
+    let mean = lit.iter().map(|&v| f64::from(v)).sum::<f64>() / lit.len() as f64;
+    assert!(
+        (20.0..235.0).contains(&mean),
+        "an interior that can be seen: {mean}"
+    );
+}
+
+#[test]
+fn a_report_is_one_file_that_a_rebake_takes_along() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out dir").display().to_string();
+    let wall = scene("wall_long.obj").display().to_string();
+    let words = ["bake", &wall, "-o", &out, "--size", "32", "--rays", "1"];
+    let said = run_well(words.into_iter().chain(["--report"]));
+    let html = Path::new(&out).join("report.html");
+    assert!(
+        said.trim_end()
+            .ends_with(&format!("look at {}", html.display())),
+        "{said}"
+    );
+    let first = fs::read_to_string(&html).expect("the report");
+    let size: u64 = ["wall_long.0.exr", "wall_long.glb"]
+        .map(|name| fs::metadata(Path::new(&out).join(name)).expect(name).len())
+        .iter()
+        .sum();
+    assert!(
+        (first.len() as u64) < size + (1 << 20),
+        "{} over {size}",
+        first.len()
+    );
+    // Without --report the file is an earlier bake's and goes; `view` makes it and lists it, so it goes again.
+    run_well(words.into_iter().chain(["--quiet"]));
+    assert!(!html.exists());
+    assert_eq!(
+        run_well(["view", &out, "--no-open"]).trim_end(),
+        html.display().to_string()
+    );
+    assert!(
+        report(Path::new(&out))["files"]
+            .to_string()
+            .contains("report.html")
+    );
+    let once = fs::read(&html).expect("the report");
+    run_well(["view", &out, "--no-open", "-q"]);
+    let again = fs::read(&html).expect("the report");
+    assert!(once == again, "the same bytes again");
+    run_well(words.into_iter().chain(["--quiet"]));
+    assert!(!html.exists() && !files(Path::new(&out)).contains(&"report.html".into()));
+    let none = folder.path().display().to_string();
+    let output = run(["view", &none]);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{errors}");
+    assert!(
+        errors.contains("bake.json") && errors.lines().count() == 1,
+        "{errors}"
+    );
+}
+
+#[test]
+fn a_browser_shows_the_report_and_picks_the_texel_that_is_there() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("a b%.obj");
+    let text = fs::read_to_string(scene("courtyard.obj")).expect("the courtyard");
+    let text = text.replacen("\no ", "\no </script><img_src=x_onerror=alert(1)>", 1);
+    fs::write(&file, text.replace("mtllib", "#")).expect("written");
+    let (folder, page) = bake(
+        &file,
+        &[
+            "--size", "128", "--rays", "4", "--report", "--layers", "position",
+        ],
+    );
+    let html = folder.path().join("report.html");
+    let tools = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/tools");
+    let mut node = Command::new("node");
+    let script = node
+        .arg(tools.join("view-report.mjs"))
+        .arg(&html)
+        .current_dir(&tools);
+    let Ok(output) = script.output() else {
+        return say("there is no Node.js to open a report with");
+    };
+    let said = String::from_utf8_lossy(&output.stdout);
+    if output.status.code() == Some(77) {
+        return say(said.trim());
+    }
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}\n{errors}");
+    let found: Value = serde_json::from_str(&said).expect("JSON");
+    assert!(found["colors"].as_u64() > Some(100), "a picture: {found}");
+    assert_eq!(found["same"], true, "the first view comes back");
+    assert!(
+        found["turned"].as_f64() > Some(0.1),
+        "keys and pointer turn it"
+    );
+    for (view, colors) in found["views"].as_object().expect("views") {
+        // `rays` is the same everywhere, a flat colour.
+        assert!(colors.as_u64() > Some(1), "{view}: {colors}");
+    }
+    let picks = found["picks"].as_array().expect("picks");
+    let densities = &report(folder.path())["layout"]["texels_per_unit"];
+    let texel_edge = 1.0 / densities["min"].as_f64().expect("a density");
+    let mut good = 0;
+    for pick in picks.iter().filter(|pick| pick["page"] == 0) {
+        let at = |key: &str, k: usize| pick[key][k].as_f64().expect(key);
+        let texel = at("texel", 1) as usize * page.size + at("texel", 0) as usize;
+        assert!(page.plane("coverage")[texel] > 0.0, "{pick}");
+        let value = pick["values"]["diffuse"][0].as_f64().expect("a value");
+        let stored = f64::from(page.plane("diffuse")[texel]);
+        assert!(
+            (value - stored).abs() <= stored / 1024.0,
+            "{value} for {stored}"
+        );
+        let position = ["position.X", "position.Y", "position.Z"]
+            .map(|name| f64::from(page.plane(name)[texel]));
+        let apart = (0..3)
+            .map(|k| (position[k] - at("point", k)).powi(2))
+            .sum::<f64>()
+            .sqrt();
+        assert!(
+            apart < 1.5 * texel_edge,
+            "{pick}: the texel lies at {position:?}"
+        );
+        good += 1;
+    }
+    assert!(good >= 3, "{picks:?}");
+    assert!(page_path(folder.path(), &file, 0).exists());
+}

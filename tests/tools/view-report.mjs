@@ -1,0 +1,75 @@
+// Opens report files in headless Chromium, without any network, and says what a person would find there.
+//
+//   node view-report.mjs REPORT.html [SHOT.png]   one JSON object on standard output; exit 1 where the page complains
+//
+// Exit 77, with a reason, where there is no Chromium or no playwright-core.
+import { existsSync } from "node:fs";
+import { pathToFileURL } from "node:url";
+import { resolve } from "node:path";
+
+const [report, shot] = process.argv.slice(2);
+const chromium = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find(existsSync);
+const skip = (reason) => { console.log(reason); process.exit(77); };
+if (!chromium) skip("there is no Chromium");
+const playwright = await import("playwright-core").catch(() => skip("tests/tools has no playwright-core; run npm ci there"));
+
+const browser = await playwright.chromium.launch({
+  executablePath: chromium,
+  args: ["--headless", "--no-sandbox", "--disable-background-networking", "--use-gl=angle", "--use-angle=swiftshader"],
+});
+const page = await browser.newPage({ viewport: { width: 1200, height: 760 } });
+const complaints = [], requests = [];
+page.on("console", (message) => { if (["error", "warning"].includes(message.type())) complaints.push(message.text()); });
+page.on("pageerror", (error) => complaints.push(String(error)));
+page.on("dialog", (dialog) => { complaints.push(`dialog ${dialog.message()}`); dialog.dismiss(); });
+page.on("request", (request) => requests.push(request.url()));
+const file = pathToFileURL(resolve(report)).href;
+await page.goto(file);
+const found = await page.evaluate(async () => {
+  const app = window.ambake, pixels = (id) => {
+    const canvas = document.getElementById(id), copy = document.createElement("canvas");
+    [copy.width, copy.height] = [canvas.width, canvas.height];
+    const pen = copy.getContext("2d");
+    pen.drawImage(canvas, 0, 0);
+    return pen.getImageData(0, 0, canvas.width, canvas.height).data;
+  };
+  const drawn = () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+  const colors = () => {
+    const seen = new Set(), data = pixels("scene");
+    for (let i = 0; i < data.length; i += 4) seen.add(data[i] << 16 | data[i + 1] << 8 | data[i + 2]);
+    return seen.size;
+  };
+  const ready = await app.ready;
+  await drawn();
+  const first = pixels("scene"), out = { ready, first: app.state.first, colors: colors(), views: {} };
+  out.picks = [];
+  for (const [x, y] of [[0, 0], [0.1, -0.2], [-0.15, -0.1], [0.2, 0.1]]) out.picks.push(await app.pickAt(x, y));
+  out.texel = document.getElementById("texel").innerText;
+  for (const view of app.views) {
+    await app.show(view.name);
+    await drawn();
+    out.views[view.name] = colors();
+  }
+  await app.show(app.views[0].name);
+  const eye = [...app.camera().eye];
+  document.getElementById("scene").focus();
+  out.eye = eye;
+  await drawn();
+  out.same = pixels("scene").every((value, i) => value === first[i]);
+  return out;
+});
+await page.keyboard.press("ArrowRight");
+await page.keyboard.press("1");
+await page.mouse.move(400, 400);
+await page.mouse.down();
+await page.mouse.move(460, 380, { steps: 4 });
+await page.mouse.up();
+found.turned = await page.evaluate((eye) => Math.hypot(...window.ambake.camera().eye.map((x, k) => x - eye[k])), found.eye);
+await page.evaluate(() => { window.ambake.press("Home"); window.ambake.press("3"); });
+await page.waitForTimeout(200);
+if (shot) await page.screenshot({ path: shot });
+found.complaints = complaints;
+found.requests = requests.filter((url) => url !== file && !url.startsWith("data:"));
+await browser.close();
+console.log(JSON.stringify(found));
+process.exit(complaints.length || found.requests.length ? 1 : 0);
