@@ -228,7 +228,7 @@ mod tests {
         let typed = format!("ambake bake folder/hall.glb -o out {typed}");
         let typed: Vec<OsString> = typed.split_whitespace().map(OsString::from).collect();
         let path = Path::new("folder/ambake.toml");
-        let args = with_flags(typed, |typed| {
+        let args = with_flags(&typed, |typed| {
             flags(path, &table, Path::new("folder/hall.glb"), typed)
         })?;
         match args.verb {
