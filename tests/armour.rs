@@ -38,7 +38,8 @@ fn floor_and_ceiling(folder: &Path, third: &Value) -> PathBuf {
 #[test]
 fn an_instance_that_rays_cannot_be_carried_into_costs_no_other_its_shadow() {
     let folder = tempfile::tempdir().expect("a folder");
-    let at = |scale: f64, x: f64| json!({ "scale": [scale; 3], "translation": [x, 0, 0] });
+    let at =
+        |scale: f64, x: f64| json!({ "scale": [scale, scale, scale], "translation": [x, 0, 0] });
     for third in [
         at(1e-9, 1e9),
         at(1e-6, 1e12),

@@ -9,6 +9,7 @@ mod broken;
 mod buried;
 mod capture;
 mod cli;
+mod corpus;
 mod exact;
 mod figures;
 mod frames;

@@ -78,7 +78,7 @@ impl Job {
             }
             let clock = Instant::now();
             if let Err(error) = self.within(|| writer.page(&page)) {
-                return Err(self.unwritten(error, saved.write(&page)));
+                return Err(self.unwritten(error, saved.write(&page).is_ok()));
             }
             writing += clock.elapsed().as_secs_f64();
             // Of several pages the states are there already.
@@ -92,8 +92,8 @@ impl Job {
             });
         }
         let written = writer.finish(phases).map_err(|error| {
-            let state = last.map_or(Ok(()), |page| saved.write(&page));
-            self.unwritten(error, state)
+            let kept = last.is_none_or(|page| saved.write(&page).is_ok());
+            self.unwritten(error, kept)
         })?;
         saved.clear(self.atlas().page_count);
         Ok(written)
