@@ -10,6 +10,7 @@ mod broken;
 mod buried;
 mod capture;
 mod cli;
+mod corpus;
 mod engines;
 mod exact;
 mod figures;

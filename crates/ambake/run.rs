@@ -108,7 +108,7 @@ impl Job {
             }
             let clock = Instant::now();
             if let Err(error) = self.within(|| writer.page(&page)) {
-                return Err(self.unwritten(error, saved.flush()));
+                return Err(self.unwritten(error, saved.flush().is_ok()));
             }
             writing += clock.elapsed().as_secs_f64();
         }
@@ -124,7 +124,7 @@ impl Job {
         let clock = Instant::now();
         for page in waiting {
             if let Err(error) = self.within(|| writer.page(&page)) {
-                return Err(self.unwritten(error, saved.flush()));
+                return Err(self.unwritten(error, saved.flush().is_ok()));
             }
         }
         writing += clock.elapsed().as_secs_f64();
@@ -145,7 +145,7 @@ impl Job {
                 saved.remove();
                 Ok(written)
             }
-            Err(error) => Err(self.unwritten(error, saved.flush())),
+            Err(error) => Err(self.unwritten(error, saved.flush().is_ok())),
         }
     }
 }

@@ -190,10 +190,10 @@ impl Job {
         self.atlas().audit.texels * channels as u64 * 4 * 2
     }
 
-    /// The error of a result that could not be written, once the state of the bake was saved, or was not.
-    pub(crate) fn unwritten(&self, error: Error, state: Result<(), Error>) -> Error {
-        match (error, state) {
-            (Error::Output(source @ report::Error::Write { .. }), Ok(())) => Error::Unwritten {
+    /// The error of a result that could not be written; `kept`: the state of the bake is saved.
+    pub(crate) fn unwritten(&self, error: Error, kept: bool) -> Error {
+        match (error, kept) {
+            (Error::Output(source @ report::Error::Write { .. }), true) => Error::Unwritten {
                 source,
                 needed: self.bytes_written().div_ceil(1 << 20),
             },

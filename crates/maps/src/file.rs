@@ -62,6 +62,12 @@ pub(crate) fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
         return Err(fail(path, "it is a directory; name a picture".into()));
     }
     decoder(path)?;
+    if path.exists() && !path.is_file() {
+        return Err(fail(
+            path,
+            "it is a pipe or a device; name a picture".into(),
+        ));
+    }
     let bytes = std::fs::read(path);
     bytes.map_err(|e| match e.kind() {
         std::io::ErrorKind::NotFound => fail(path, format!("{e}{}", absent_hint(path))),
@@ -162,4 +168,22 @@ fn ending(path: &Path) -> String {
     path.extension()
         .map(|e| e.to_string_lossy().to_ascii_lowercase())
         .unwrap_or_default()
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pipe_is_refused_and_not_waited_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("sky.hdr");
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+        assert!(made.unwrap().success());
+        let error = read(&pipe).unwrap_err().to_string();
+        assert!(
+            error.contains("sky.hdr") && error.contains("pipe"),
+            "{error}"
+        );
+    }
 }

@@ -30,7 +30,13 @@ pub(crate) fn decode_values(bytes: &[u8]) -> Result<(usize, usize, Vec<[u16; 3]>
     limits.max_image_height = Some(MAX_SIDE as u32);
     limits.max_alloc = Some(1 << 30);
     reader.limits(limits);
-    let picture = reader.decode().map_err(|e| damaged(&e))?.into_rgb16();
+    let picture = reader.decode().map_err(|e| match e {
+        image::ImageError::Limits(_) => {
+            format!("it is larger than {MAX_SIDE} pixels a side or 1 GiB decoded; scale it down")
+        }
+        other => damaged(&other),
+    })?;
+    let picture = picture.into_rgb16();
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     check_size(width, height)?;
     Ok((width, height, picture.pixels().map(|p| p.0).collect()))

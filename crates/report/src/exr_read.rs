@@ -40,6 +40,9 @@ pub fn read_page_exr(path: &Path) -> Result<PageFile, Error> {
             "it is a directory; name one of the EXR pages in it".into(),
         ));
     }
+    if path.exists() && !path.is_file() {
+        return Err(fail("it is a pipe or a device; name an EXR page".into()));
+    }
     let file = File::open(path).map_err(|e| fail(e.to_string()))?;
     let length = file.metadata().map_err(|e| fail(e.to_string()))?.len();
     let broken = |e: exr::error::Error| {

@@ -1,0 +1,166 @@
+"""Bake under damage, faults and signals, and print what came of it as the table of docs/robustness.md.
+
+Usage: robustness.py PROGRAM [SEED]. Needs a Unix system; takes about two minutes. Run it from the repository's root.
+"""
+
+import os
+import pathlib
+import random
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+PROGRAM = pathlib.Path(sys.argv[1]).resolve()
+DICE = random.Random(int(sys.argv[2]) if len(sys.argv) > 2 else 1)
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SCENE = ROOT / "scenes" / "courtyard.obj"
+WORK = ["--size", "128", "--rays", "64", "--only", "diffuse,visibility", "--quiet"]
+SMALL = ["--size", "16", "--rays", "1", "--quiet"]
+
+
+def bake(scene, out, words=WORK, **options):
+    command = [PROGRAM, "bake", scene, "-o", out, *words]
+    return subprocess.run(command, capture_output=True, timeout=120, **options)
+
+
+def results(out):
+    """The files of a finished bake but for its report, which holds times."""
+    return {f.name: f.read_bytes() for f in sorted(out.iterdir()) if f.name != "bake.json"}
+
+
+def told(run):
+    """True where a failure is one line, and no panic."""
+    text = run.stderr.decode("utf-8", "replace")
+    return text.startswith("ambake: ") and text.count("\n") == 1 and "panicked" not in text
+
+
+class Row:
+    def __init__(self, what):
+        self.what, self.tried, self.good, self.refused, self.lost = what, 0, 0, 0, 0
+
+    def judge(self, well, refused=False):
+        self.tried += 1
+        self.good += well and not refused
+        self.refused += well and refused
+        self.lost += not well
+
+
+def damaged(data):
+    data = bytearray(data)
+    for _ in range(DICE.randint(1, 4)):
+        if data:
+            data[DICE.randrange(len(data))] = DICE.choice([0, 255, *b"0123456789-.e{}[],", DICE.randrange(256)])
+    return bytes(data[: DICE.randrange(1, len(data) + 1)] if DICE.random() < 0.2 else data)
+
+
+def inputs(folder, kinds, copies):
+    row = Row(f"damaged {', '.join(kinds)} files")
+    for kind in kinds:
+        for seed in sorted((ROOT / "fuzz/corpus" / kind).iterdir()):
+            for _ in range(copies):
+                scene = folder / ("a." + kind)
+                scene.write_bytes(damaged(seed.read_bytes()))
+                run = bake(scene, folder / "out", SMALL)
+                row.judge(run.returncode == 0 or (run.returncode == 1 and told(run)), run.returncode != 0)
+                shutil.rmtree(folder / "out", ignore_errors=True)
+    return row
+
+
+def killed(folder, whole, name, times):
+    row = Row(f"{name} at a random moment, then `--resume`")
+    for number in range(times):
+        out = folder / f"{name}{number}"
+        child = subprocess.Popen([PROGRAM, "bake", SCENE, "-o", out, *WORK], stderr=subprocess.PIPE)
+        time.sleep(DICE.random() * 1.5 * SECONDS)
+        child.send_signal(getattr(signal, name))
+        child.communicate(timeout=60)
+        half = out.exists() and (out / "bake.json").exists() and child.returncode != 0
+        run = bake(SCENE, out, [*WORK, "--resume"])
+        row.judge(not half and run.returncode == 0 and results(out) == whole)
+    return row
+
+
+def failed_then_well(folder, whole, what, fault, mend):
+    """A bake that must fail in one line, and succeed with --resume once the fault is mended."""
+    row = Row(what)
+    out = folder / str(abs(hash(what)))
+    options = fault(out)
+    run = bake(SCENE, out, **options)
+    one_line = run.returncode == 1 and told(run) and not (out / "bake.json").is_file()
+    mend(out)
+    again = bake(SCENE, out, [*WORK, "--resume"])
+    row.judge(one_line and again.returncode == 0 and results(out) == whole, True)
+    return row
+
+
+def file_limit(bytes_):
+    def limit():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (bytes_, bytes_))
+
+    return lambda out: {"preexec_fn": limit}
+
+
+def blocked(name):
+    return lambda out: (out / name).mkdir(parents=True) or {}
+
+
+def streams(folder, whole):
+    row = Row("standard output or error closed or full")
+    for number, words in enumerate(["2>&-", "2>/dev/full", ">&-", ">&- 2>&-"]):
+        out = folder / f"streams{number}"
+        line = f'exec "$0" bake "$1" -o "$2" {" ".join(WORK[:-1])} {words}'
+        run = subprocess.run(["sh", "-c", line, PROGRAM, SCENE, out], capture_output=True, timeout=120)
+        row.judge(run.returncode == 0 and results(out) == whole and b"panicked" not in run.stderr)
+    return row
+
+
+def states(folder, whole, times):
+    row = Row("saved state damaged, then `--resume`")
+    for number in range(times):
+        out = folder / f"state{number}"
+        (out / "courtyard.glb").mkdir(parents=True)
+        bake(SCENE, out)
+        (out / "courtyard.glb").rmdir()
+        for state in out.glob(".*ambake-resume"):
+            data = bytearray(state.read_bytes())
+            data[DICE.randrange(len(data))] ^= 1 << DICE.randrange(8)
+            state.write_bytes(data)
+        run = bake(SCENE, out, [*WORK, "--resume"])
+        refused = run.returncode == 1 and told(run)
+        row.judge(refused or (run.returncode == 0 and results(out) == whole), refused)
+    return row
+
+
+with tempfile.TemporaryDirectory() as name:
+    folder = pathlib.Path(name)
+    started = time.time()
+    assert bake(SCENE, folder / "whole").returncode == 0
+    SECONDS = time.time() - started
+    whole = results(folder / "whole")
+    rows = [
+        inputs(folder, ["obj"], 40),
+        inputs(folder, ["gltf", "glb"], 40),
+        killed(folder, whole, "SIGKILL", 6),
+        killed(folder, whole, "SIGINT", 6),
+        killed(folder, whole, "SIGTERM", 6),
+        failed_then_well(folder, whole, "a directory where the GLB goes", blocked("courtyard.glb"),
+                         lambda out: (out / "courtyard.glb").rmdir()),
+        failed_then_well(folder, whole, "a directory where `bake.json` goes", blocked("bake.json"),
+                         lambda out: (out / "bake.json").rmdir()),
+        failed_then_well(folder, whole, "no file may grow beyond 20 kB", file_limit(20_000), lambda out: None),
+        failed_then_well(folder, whole, "no file may grow beyond 1 byte", file_limit(1), lambda out: None),
+        streams(folder, whole),
+        states(folder, whole, 12),
+    ]
+print("| what was done | times | right result | refused in one line | results lost or wrong |")
+print("|---|---|---|---|---|")
+for row in rows:
+    print(f"| {row.what} | {row.tried} | {row.good} | {row.refused} | {row.lost} |")
+total = [sum(getattr(row, key) for row in rows) for key in ("tried", "good", "refused", "lost")]
+print(f"| **all** | {' | '.join(map(str, total))} |")
+sys.exit(1 if total[3] else 0)
