@@ -2,8 +2,9 @@
 //!
 //! On such a triangle every ray of the upper hemisphere escapes, so the terms have closed forms and no ray is needed.
 //! A convex body standing alone is the case in which every triangle passes. The test asks for the scene's support in
-//! the direction of the normal, over a tree of boxes around its vertices, and stops at the first vertex above the
-//! plane. "Above" means by more than the rounding bound that ray origins keep from the surface anyway.
+//! the direction of the normal, over a tree of boxes around its vertices, the farthest boxes first, and stops at the first vertex above
+//! the plane. That vertex is tried first on the next triangle. "Above" means by more than the rounding bound that ray origins keep from
+//! the surface anyway.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -47,20 +48,23 @@ impl OpenTriangles {
                 let count = world.part(instance).1.triangles().len() as u32;
                 let flags: Vec<bool> = (0..count)
                     .into_par_iter()
-                    .map(|triangle| {
-                        let patch = Patch::of(world, errors, instance, triangle);
-                        let normal = patch.upward();
-                        let height = patch
-                            .corners
-                            .iter()
-                            .map(|c| c.dot(normal))
-                            .fold(f64::MIN, f64::max);
-                        let open = !tree.any_above(normal, height + patch.rounding());
-                        if open && !patch.is_flat() {
-                            tilted.store(true, Ordering::Relaxed);
-                        }
-                        open
-                    })
+                    .map_init(
+                        || 0,
+                        |witness, triangle| {
+                            let patch = Patch::of(world, errors, instance, triangle);
+                            let normal = patch.upward();
+                            let height = patch
+                                .corners
+                                .iter()
+                                .map(|c| c.dot(normal))
+                                .fold(f64::MIN, f64::max);
+                            let open = !tree.any_above(normal, height + patch.rounding(), witness);
+                            if open && !patch.is_flat() {
+                                tilted.store(true, Ordering::Relaxed);
+                            }
+                            open
+                        },
+                    )
                     .collect();
                 if flags.contains(&true) {
                     flags
@@ -109,26 +113,49 @@ impl SupportTree {
         Self { points, levels }
     }
 
-    /// True where some point p has `normal . p > height`.
-    fn any_above(&self, normal: DVec3, height: f64) -> bool {
+    /// True where some point p has `normal . p > height`. `witness` is a point to try first, and becomes the one that was found.
+    fn any_above(&self, normal: DVec3, height: f64, witness: &mut usize) -> bool {
+        if self
+            .points
+            .get(*witness)
+            .is_some_and(|p| normal.dot(*p) > height)
+        {
+            return true;
+        }
         let top = self.levels.len() - 1;
-        (0..self.levels[top].len()).any(|node| self.above(top, node, normal, height))
+        let found =
+            (0..self.levels[top].len()).find_map(|node| self.above(top, node, normal, height));
+        if let Some(found) = found {
+            *witness = found;
+        }
+        found.is_some()
     }
 
-    fn above(&self, level: usize, node: usize, normal: DVec3, height: f64) -> bool {
-        let (low, high) = self.levels[level][node];
-        let far = DVec3::select(normal.cmpge(DVec3::ZERO), high, low);
-        if normal.dot(far) <= height {
-            return false;
-        }
+    /// A point of the node above the plane, which the node's box may reach. The child that reaches farthest is looked at first.
+    fn above(&self, level: usize, node: usize, normal: DVec3, height: f64) -> Option<usize> {
         if level == 0 {
             let end = ((node + 1) * LEAF).min(self.points.len());
-            return self.points[node * LEAF..end]
-                .iter()
-                .any(|p| normal.dot(*p) > height);
+            return (node * LEAF..end).find(|&i| normal.dot(self.points[i]) > height);
         }
-        let end = ((node + 1) * FAN).min(self.levels[level - 1].len());
-        (node * FAN..end).any(|child| self.above(level - 1, child, normal, height))
+        let below = &self.levels[level - 1];
+        let first = node * FAN;
+        let mut reaches = [f64::NEG_INFINITY; FAN];
+        for (reach, (low, high)) in reaches.iter_mut().zip(&below[first..]) {
+            *reach = normal.dot(DVec3::select(normal.cmpge(DVec3::ZERO), *high, *low));
+        }
+        loop {
+            let (child, reach) = (0..FAN)
+                .map(|child| (child, reaches[child]))
+                .max_by(|a, b| a.1.total_cmp(&b.1))?;
+            match reach > height {
+                true => reaches[child] = f64::NEG_INFINITY,
+                false => return None,
+            }
+            let found = self.above(level - 1, first + child, normal, height);
+            if found.is_some() {
+                return found;
+            }
+        }
     }
 }
 
@@ -167,8 +194,11 @@ mod tests {
                 .iter()
                 .map(|p| p.dot(normal))
                 .fold(f64::MIN, f64::max);
-            assert!(!tree.any_above(normal, support), "normal {normal}");
-            assert!(tree.any_above(normal, support - 1e-9), "normal {normal}");
+            assert!(!tree.any_above(normal, support, &mut 0), "normal {normal}");
+            assert!(
+                tree.any_above(normal, support - 1e-9, &mut 7),
+                "normal {normal}"
+            );
         }
     }
 }
