@@ -110,23 +110,24 @@ def _cut(mesh, unfolded):
     """Replaces torn polygons by their triangles, which keep everything else that their corners had."""
     edit = bmesh.new()
     edit.from_mesh(mesh)
-    edit.faces.ensure_lookup_table()
-    uv = edit.loops.layers.uv[corners.UV_MAP]
+    # A new layer moves the data of all faces, so it comes before anything is looked up.
     page = edit.faces.layers.int.new("ambake page")
-    for face in edit.faces:
+    uv = edit.loops.layers.uv[corners.UV_MAP]
+    faces = list(edit.faces)
+    for face in faces:
         face[page] = int(unfolded.pages[face.index])
     old = []
-    starts = np.concatenate([[0], np.cumsum([len(face.loops) for face in edit.faces])])
+    starts = np.concatenate([[0], np.cumsum([len(face.loops) for face in faces])])
     for polygon, triangles in unfolded.cut.items():
-        face = edit.faces[polygon]
+        face = faces[polygon]
         loops = list(face.loops)
         for numbers, uvs, number in triangles:
             of = [loops[corner - starts[polygon]] for corner in numbers]
             new = edit.faces.new([loop.vert for loop in of], face)
             new[page] = number
-            for loop, source, place in zip(new.loops, of, uvs):
-                loop.copy_from(source)
-                loop[uv].uv = place
+            for k in range(3):
+                new.loops[k].copy_from(of[k])
+                new.loops[k][uv].uv = uvs[k]
         old.append(face)
     bmesh.ops.delete(edit, geom=old, context="FACES_ONLY")
     edit.faces.index_update()

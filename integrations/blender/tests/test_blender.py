@@ -139,6 +139,17 @@ class ForeignScene(BlenderTest):
             self.positions_agree(item, 2.0)
         self.assertEqual(len({i.data.name for i in meshes}), len(meshes))
 
+    def test_polygons_that_a_chart_cuts_become_triangles_and_the_others_stay(self):
+        bpy.ops.wm.obj_import(filepath=os.path.join(ROOT, "scenes", "courtyard.obj"))
+        meshes = [i for i in bpy.data.objects if i.type == "MESH"]
+        before = sum(len(i.data.polygons) for i in meshes)
+        self.bake(layers="position", rays=1, size=192, seams="off")
+        after = sum(len(i.data.polygons) for i in meshes)
+        self.assertGreater(after, before, "the test needs a cut polygon")
+        for item in meshes:
+            self.assertFalse(item.data.validate(), item.name)
+            self.positions_agree(item, 2.0)
+
     def test_cut_out_leaves_stay_cut_out(self):
         bpy.ops.import_scene.gltf(filepath=os.path.join(ROOT, "scenes", "masked_card.gltf"))
         self.bake(rays=4)
