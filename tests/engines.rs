@@ -1,8 +1,10 @@
 //! `--for` and `export`: files that engines load, the same from both, and what `bake.json` says of them.
 
-use crate::support::{Page, bake, files, report, run, run_well, scene};
+use crate::support::{Page, bake, files, report, run, run_well, scene, skip};
+use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 const ALL: &str = "gltf,three,blender,bevy,godot,unity,unreal";
 
@@ -62,6 +64,7 @@ fn an_export_makes_the_files_of_the_bake_byte_for_byte() {
         let bake_json = report(at_once.path());
         let listed = bake_json["files"].as_array().expect("a list");
         let maps = bake_json["lightmaps"].as_array().expect("a list");
+        assert!(listed.iter().any(|file| *file == "a room 50%.lit.glb"));
         for (number, _) in bake_json["pages"]
             .as_array()
             .expect("pages")
@@ -168,4 +171,146 @@ fn what_cannot_be_exported_is_said_in_one_line() {
     for arguments in [&["export", "x", "--for", "quake"][..], &["export", "x"]] {
         assert_eq!(run(arguments).status.code(), Some(2));
     }
+}
+
+/// What three.js in Chromium makes of a bake's files, beside the program's own picture of the same view; `None` with a printed line
+/// where a tool is absent.
+fn in_three(folder: &Path, scene: &Path, [eye, look, fov]: [&str; 3]) -> Option<Value> {
+    let picture = folder.join("view.exr");
+    let eye_flag = format!("--eye={eye}");
+    let look_flag = format!("--look={look}");
+    run_well([
+        "render",
+        text(scene),
+        "--bake",
+        text(folder),
+        "-o",
+        text(&picture),
+        "--model=lambert",
+        &eye_flag,
+        &look_flag,
+        "--fov-deg",
+        fov,
+        "--size=120x90",
+        "--samples=1",
+        "--background=0,0,0.5",
+        "--quiet",
+    ]);
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/tools/three.mjs");
+    let stem = scene.file_stem().expect("a stem");
+    let node = Command::new("node")
+        .arg(script)
+        .arg(folder)
+        .arg(stem)
+        .arg(&picture)
+        .args([eye, look, fov])
+        .output();
+    let node = match node {
+        Ok(node) if node.status.code() == Some(77) => {
+            skip(String::from_utf8_lossy(&node.stderr).trim());
+            return None;
+        }
+        Ok(node) => node,
+        Err(_) => {
+            skip("node is not installed");
+            return None;
+        }
+    };
+    let errors = String::from_utf8_lossy(&node.stderr);
+    assert!(node.status.success(), "{errors}");
+    Some(serde_json::from_slice(&node.stdout).expect("a line of JSON"))
+}
+
+/// three.js reads a mantissa of RGBE as a share of 255, not 256, so that its picture is 0.4 % brighter.
+const LOADERS: [(&str, f64); 3] = [("exr", 0.0), ("ktx2", 0.0), ("hdr", 1.0)];
+
+#[test]
+fn a_white_furnace_is_white_in_three_js() {
+    let plane = scene("plane.obj");
+    let (folder, _) = bake(&plane, &["--size=32", "--rays=4", "--for", "three"]);
+    let Some(seen) = in_three(folder.path(), &plane, ["0.3,2,0.4", "0,0,0", "30"]) else {
+        return;
+    };
+    assert_eq!(seen["errors"], json!([]));
+    for (loader, brighter) in LOADERS {
+        for c in 0..3 {
+            let white = seen[loader]["middle"][c].as_f64().expect("a number");
+            assert!(
+                (white - 1.0).abs() * 255.0 <= 1.0 + 0.01 * brighter,
+                "{loader}: {white}"
+            );
+        }
+    }
+}
+
+#[test]
+fn three_js_shows_the_picture_that_ambake_renders() {
+    let (_folder, room) = named_oddly("instances_twin.obj");
+    let options = [
+        "--size=64",
+        "--density=10",
+        "--gutter=4",
+        "--mips=1",
+        "--rays=16",
+        "--sky=0.9,0.6,0.3",
+        "--for=three",
+    ];
+    let (folder, _) = bake(&room, &options);
+    let pages = report(folder.path())["pages"].as_array().map(Vec::len);
+    assert!(pages > Some(1), "{pages:?} pages");
+    let Some(seen) = in_three(folder.path(), &room, ["6,5,8", "0,0.5,0", "40"]) else {
+        return;
+    };
+    assert_eq!(seen["errors"], json!([]));
+    for (loader, brighter) in LOADERS {
+        let told = &seen[loader];
+        assert!(told["pixels"].as_u64() > Some(200), "{told}");
+        let mean = told["mean"].as_f64().expect("a number");
+        assert!(
+            mean <= 0.5 + brighter,
+            "{loader}: {mean} of 255 on the mean"
+        );
+    }
+    assert_eq!(seen["ktx2"]["levels"], 2);
+}
+
+#[test]
+fn what_bevy_loads_with_reads_the_files() {
+    let plane = scene("plane.obj");
+    let (folder, _) = bake(
+        &plane,
+        &[
+            "--size=16",
+            "--rays=4",
+            "--mips=1",
+            "--sky=2,1,0.5",
+            "--for=bevy",
+        ],
+    );
+    // The crate `image` reads OpenEXR by this call.
+    let picture = exr::prelude::read_first_rgba_layer_from_file(
+        folder.path().join("plane.0.lightmap.exr"),
+        |size, _| vec![[0.0f32; 4]; size.area()],
+        |pixels: &mut Vec<[f32; 4]>, at, (r, g, b, a): (f32, f32, f32, f32)| {
+            pixels[at.1 * 16 + at.0] = [r, g, b, a];
+        },
+    );
+    let pixels = picture
+        .expect("channels R, G, B")
+        .layer_data
+        .channel_data
+        .pixels;
+    assert!(pixels.iter().all(|pixel| *pixel == [2.0, 1.0, 0.5, 1.0]));
+
+    let bytes = fs::read(folder.path().join("plane.0.lightmap.ktx2")).expect("written");
+    let container = ktx2::Reader::new(bytes).expect("a KTX2 container");
+    let header = container.header();
+    assert_eq!(header.format, Some(ktx2::Format::R16G16B16A16_SFLOAT));
+    assert_eq!(
+        (header.pixel_width, header.pixel_height, header.level_count),
+        (16, 16, 2)
+    );
+    let lengths: Vec<usize> = container.levels().map(|level| level.data.len()).collect();
+    assert_eq!(lengths, [16 * 16 * 8, 8 * 8 * 8]);
+    assert_eq!(container.dfd_blocks().count(), 1);
 }

@@ -1,7 +1,8 @@
 //! Files for engines from a finished bake.
 
 use crate::error::Error;
-use report::{BakeReport, Engine, NamedPage, Output, PageLight};
+use crate::write::stage_lit;
+use report::{BakeReport, Engine, LightmapReport, LitPicture, NamedPage, Output, PageLight};
 use std::path::{Path, PathBuf};
 
 /// What an export left in the directory of a bake.
@@ -36,9 +37,20 @@ pub fn export(
     let mut output = Output::create(dir)?;
     let mut lightmaps = report.lightmaps.clone();
     lightmaps.retain(|map| chosen.iter().all(|engine| engine.name() != map.engine));
+    let mut lit = Vec::new();
     for named in &pages {
-        let made = one_page(dir, &report, named, &chosen, &mut output)?;
+        let (made, picture) = one_page(dir, &report, named, &chosen, &mut output)?;
         lightmaps.extend(made);
+        lit.extend(picture);
+    }
+    let stem = &pages[0].stem;
+    if !lit.is_empty() {
+        let path = dir.join(format!("{stem}.glb"));
+        let glb = std::fs::read(&path).map_err(|error| report::Error::Read {
+            path,
+            reason: format!("{error}; bake again"),
+        })?;
+        lightmaps.extend(stage_lit(&mut output, stem, &glb, &lit, &chosen)?);
     }
     report.lightmaps = lightmaps;
     // `bake.json` stays the last.
@@ -61,7 +73,7 @@ fn one_page(
     named: &NamedPage,
     engines: &[Engine],
     output: &mut Output,
-) -> Result<Vec<report::LightmapReport>, Error> {
+) -> Result<(Vec<LightmapReport>, Option<LitPicture>), Error> {
     let path = dir.join(&named.name);
     let file = report::read_page_exr(&path)?;
     let light = PageLight::of(report, named.page, &file.page).map_err(|error| match error {
@@ -71,5 +83,8 @@ fn one_page(
         },
         other => other,
     })?;
-    Ok(report::stage_engines(output, &named.stem, &light, engines)?)
+    let wanted = engines.iter().any(|engine| engine.wants_lit_glb());
+    let picture = wanted.then(|| LitPicture::of(&light)).flatten();
+    let made = report::stage_engines(output, &named.stem, &light, engines)?;
+    Ok((made, picture))
 }

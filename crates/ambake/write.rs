@@ -8,8 +8,8 @@ use crate::lit::LitScene;
 use ::bake::{BakedPage, BounceStats, Bounces, SeamStats};
 use layers::Layer;
 use report::{
-    BakeReport, LightSource, LightmapReport, Output, PageHeader, PageLight, PageReport,
-    PhaseReport, SeamReport,
+    BakeReport, Engine, LightSource, LightmapReport, LitPicture, Output, PageHeader, PageLight,
+    PageReport, PhaseReport, SeamReport,
 };
 use serde_json::{Value, json};
 use std::borrow::Cow;
@@ -42,6 +42,8 @@ pub(crate) struct Writer<'a> {
     brightness: Brightness,
     lit: LitScene,
     lightmaps: Vec<LightmapReport>,
+    /// One picture of the light that leaves surfaces a page, where an engine wants them.
+    lit_pictures: Vec<LitPicture>,
     /// One picture of the diffuse term a page; `None` where the bake has no such layer.
     pictures: Option<Vec<Vec<u8>>>,
     /// The ray library that baked, where it was another process.
@@ -59,6 +61,10 @@ impl<'a> Writer<'a> {
         let pages = 0..job.atlas().page_count;
         let mut names = vec!["bake.json".to_owned(), format!("{stem}.glb")];
         names.push(lit_name(&stem));
+        let engines = &job.options().engines;
+        if engines.iter().any(|engine| engine.wants_lit_glb()) {
+            names.push(lit_glb_name(&stem));
+        }
         for page in pages {
             names.push(page_name(&stem, page));
             names.extend(report::engine_files(&stem, page, &job.options().engines));
@@ -78,6 +84,7 @@ impl<'a> Writer<'a> {
             brightness: Brightness::default(),
             lit: LitScene::default(),
             lightmaps: Vec::new(),
+            lit_pictures: Vec::new(),
             pictures: Some(Vec::new()),
             backend: None,
         })
@@ -121,6 +128,9 @@ impl<'a> Writer<'a> {
             let lightmaps =
                 report::stage_engines(&mut self.output, &self.stem, &light, &options.engines)?;
             self.lightmaps.extend(lightmaps);
+            if options.engines.iter().any(|engine| engine.wants_lit_glb()) {
+                self.lit_pictures.extend(LitPicture::of(&light));
+            }
         }
         let diffuse = page.layer(Layer::Diffuse);
         if let (Some(diffuse), Some(coverage)) = (diffuse, page.layer(Layer::Coverage)) {
@@ -149,6 +159,15 @@ impl<'a> Writer<'a> {
         let bytes = glb(self.job, self.pictures.as_deref())?;
         self.output
             .stage_bytes(&format!("{}.glb", self.stem), &bytes)?;
+        let engines = &self.job.options().engines;
+        let lit = stage_lit(
+            &mut self.output,
+            &self.stem,
+            &bytes,
+            &self.lit_pictures,
+            engines,
+        )?;
+        self.lightmaps.extend(lit);
         phases.push(PhaseReport {
             phase: "gltf".into(),
             seconds: clock.elapsed().as_secs_f64(),
@@ -238,8 +257,36 @@ fn page_light<'a>(job: &Job, page: &'a BakedPage) -> Result<PageLight<'a>, Error
         mips: options.mips,
         coverage: layer(Layer::Coverage)?,
         light: source.light(light, &diffuse)?,
+        lit: match [0, 1, 2].map(|c| plane(Layer::Lambert, c)) {
+            [Some(r), Some(g), Some(b)] => Some([r, g, b]),
+            _ => None,
+        },
         diffuse,
     })
+}
+
+/// Stages `STEM.lit.glb`, made from the scene's GLB, where there is light for it, and returns what `bake.json` says of it.
+pub(crate) fn stage_lit(
+    output: &mut Output,
+    stem: &str,
+    glb: &[u8],
+    lit: &[LitPicture],
+    engines: &[Engine],
+) -> Result<Vec<LightmapReport>, Error> {
+    if lit.is_empty() {
+        return Ok(Vec::new());
+    }
+    let name = lit_glb_name(stem);
+    let path = output.dir().join(format!("{stem}.glb"));
+    output.stage_bytes(&name, &report::lit_glb(glb, lit, &path)?)?;
+    let wanting = engines.iter().filter(|engine| engine.wants_lit_glb());
+    Ok(wanting
+        .map(|engine| engine.lit_entry(name.clone()))
+        .collect())
+}
+
+fn lit_glb_name(stem: &str) -> String {
+    format!("{stem}.lit.glb")
 }
 
 fn page_name(stem: &str, page: u32) -> String {

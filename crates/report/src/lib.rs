@@ -30,7 +30,8 @@ pub use checkpoint::{Journal, remove_journal};
 pub use compare::{Comparison, Difference, PageComparison, Worst, compare_layers, compare_pages};
 pub use difference::{difference_picture, difference_png, nice_limit};
 pub use engines::{
-    Engine, LightSource, LightmapReport, PageLight, engine_files, light_source, stage_engines,
+    Engine, LightSource, LightmapReport, LitPicture, PageLight, engine_files, light_source,
+    lit_glb, stage_engines,
 };
 pub use error::Error;
 pub use exr_read::{MAX_EDGE, PageFile, read_page_exr};

@@ -5,7 +5,7 @@ use std::io::Cursor;
 
 /// Why an image gives no pixels.
 pub(crate) enum Failure {
-    /// A format that is not read here (KTX2, WebP, …): the texture is left out with a warning.
+    /// A format that is not read here (KTX2, AVIF, …): the texture is left out with a warning.
     Unsupported(String),
     /// The bytes are broken: the load stops.
     Broken(String),
@@ -25,7 +25,7 @@ pub(crate) struct Pixels {
     pub has_alpha: bool,
 }
 
-/// Decodes PNG, JPEG, BMP (by content) and TGA (by the ending of `name`, for it has no signature).
+/// Decodes PNG, JPEG, WebP, BMP (by content) and TGA (by the ending of `name`, for it has no signature).
 pub(crate) fn decode(bytes: &[u8], name: &str) -> Result<Pixels, Failure> {
     if bytes.is_empty() {
         return Err(Failure::Broken("the image is empty".into()));
@@ -35,14 +35,18 @@ pub(crate) fn decode(bytes: &[u8], name: &str) -> Result<Pixels, Failure> {
     }
     let mut reader = ImageReader::new(Cursor::new(bytes));
     match image::guess_format(bytes) {
-        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Bmp)) => {
-            reader.set_format(format)
-        }
+        Ok(
+            format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP | ImageFormat::Bmp),
+        ) => reader.set_format(format),
         Ok(other) => return Err(Failure::Unsupported(format!("{other:?}"))),
         Err(_) if name.to_ascii_lowercase().ends_with(".tga") => {
             reader.set_format(ImageFormat::Tga)
         }
-        Err(_) => return Err(Failure::Broken("neither PNG, JPEG, BMP nor TGA".into())),
+        Err(_) => {
+            return Err(Failure::Broken(
+                "neither PNG, JPEG, WebP, BMP nor TGA".into(),
+            ));
+        }
     }
     let mut limits = Limits::default();
     limits.max_image_width = Some(1 << 16);

@@ -69,7 +69,7 @@ pub enum WarningKind {
     TexturesWithoutUvs,
     /// OBJ: a material that is in no library that was read; its parts stay untinted.
     UnknownMaterials,
-    /// A texture of a kind or in a format that is not read (KTX2, WebP): the factor stands alone.
+    /// A texture of a kind or in a format that is not read (KTX2, AVIF): the factor stands alone.
     UnreadTextures,
     /// A vertex that is not finite or out of reach, and that no triangle uses, is moved onto a used one.
     UnusedBadVertices,

@@ -94,6 +94,7 @@ mod tests {
             coverage: Cow::Owned(vec![1.0; 64 * 64]),
             light: [plane.clone(), plane.clone(), plane.clone()],
             diffuse: plane,
+            lit: None,
         }
     }
 

@@ -21,6 +21,8 @@ pub struct PageLight<'a> {
     pub diffuse: Cow<'a, [f32]>,
     /// E / pi by channel.
     pub light: [Cow<'a, [f32]>; 3],
+    /// The layer `lambert` by channel, where there is one.
+    pub lit: Option<[Cow<'a, [f32]>; 3]>,
 }
 
 /// Where the light of a bake stands.
@@ -80,11 +82,8 @@ impl<'a> PageLight<'a> {
             page.values(name).map(Cow::Borrowed).ok_or_else(missing)
         };
         let diffuse = layer("diffuse")?;
-        let channels = page
-            .layer("irradiance")
-            .map(|layer| layer.channels.as_slice());
-        let light = match channels {
-            Some([r, g, b]) => Some([r, g, b].map(|c| Cow::Borrowed(c.values.as_slice()))),
+        let three = |name: &str| match page.layer(name)?.channels.as_slice() {
+            [r, g, b] => Some([r, g, b].map(|c| Cow::Borrowed(c.values.as_slice()))),
             _ => None,
         };
         let option = |name: &str, default: u32| {
@@ -99,7 +98,8 @@ impl<'a> PageLight<'a> {
             rings: atlas::RINGS.max(gutter).min(250),
             mips,
             coverage: layer("coverage")?,
-            light: light_source(bake).light(light, &diffuse)?,
+            light: light_source(bake).light(three("irradiance"), &diffuse)?,
+            lit: three("lambert"),
             diffuse,
         })
     }

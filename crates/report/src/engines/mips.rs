@@ -139,6 +139,7 @@ mod tests {
             coverage: Cow::Owned(coverage),
             diffuse: Cow::Owned(light.clone()),
             light: [0, 1, 2].map(|_| Cow::Owned(light.clone())),
+            lit: None,
         }
     }
 

@@ -7,10 +7,12 @@ mod ao;
 mod half_exr;
 mod ktx2;
 mod light;
+mod lit_glb;
 mod mips;
 mod table;
 
 pub use light::{LightSource, PageLight, light_source};
+pub use lit_glb::{LitPicture, lit_glb};
 pub use table::Engine;
 
 use crate::{Error, Output};

@@ -58,10 +58,10 @@ const TABLE: [Row; 7] = [
               In your own shader add albedo x texel x scale, sampled with TEXCOORD_1, row 0 of the picture at v = 0." },
     Row { engine: Engine::Three, name: "three", kinds: &[Exr, Hdr, Ktx2, Ao], scale: PI,
         how: "material.lightMap = texture with texture.channel = 1 and material.lightMapIntensity = scale; three.js divides by pi. \
-              Set material.aoMap = null, which would darken the lightmap again; flipY = true after EXRLoader, false after HDRLoader and KTX2Loader." },
+              Set material.aoMap = null, which would darken the lightmap again; flipY = true after EXRLoader, false after HDRLoader; after KTX2Loader set linear filters." },
     Row { engine: Engine::Blender, name: "blender", kinds: &[Exr, Ao], scale: 1.0,
         how: "Image Texture (Linear Rec.709) on the second UV map, multiplied by the base colour, into Emission of strength scale. \
-              Import STEM.glb first: its second UV map is the layout." },
+              Import STEM.glb first: its second UV map is the layout. Or import STEM.lit.glb, which is lit as it is." },
     Row { engine: Engine::Bevy, name: "bevy", kinds: &[Ktx2, Exr, Ao, Ao8], scale: BEVY_WHITE,
         how: "Lightmap { image, ..default() } on each mesh entity of STEM.glb, StandardMaterial::lightmap_exposure = scale. \
               The scale undoes the default camera Exposure (EV100 9.7); for another take 1.2 * 2^EV100." },
@@ -80,6 +80,24 @@ impl Engine {
     /// Every engine.
     pub fn all() -> impl Iterator<Item = Self> {
         TABLE.iter().map(|row| row.engine)
+    }
+
+    /// True for engines that get `STEM.lit.glb`, the scene with its light as emission.
+    pub fn wants_lit_glb(self) -> bool {
+        matches!(self, Self::Gltf | Self::Blender)
+    }
+
+    /// The entry of `STEM.lit.glb` in `bake.json`.
+    pub fn lit_entry(self, file: String) -> LightmapReport {
+        LightmapReport {
+            engine: self.name().into(),
+            file,
+            unit: "radiance that leaves the surface, albedo included, as emission on TEXCOORD_1".into(),
+            scale: 1.0,
+            how: "Open or import it: it is lit as it is, without lamps and sky. \
+                  Its light is 8-bit sRGB times emissive strength; the float lightmap is STEM.P.lightmap.exr."
+                .into(),
+        }
     }
 
     /// Its name on the command line and in `bake.json`.

@@ -199,7 +199,7 @@ fn packed_images(
         // A texture without a source has it in an extension, in a format that is not read.
         let source = index
             .and_then(|index| data.root.get(index))
-            .map(|texture| texture.source.value())
+            .map(|texture| source_of(data, texture))
             .filter(|&source| source < data.root.images.len() && !numbers.contains_key(&source));
         let Some(source) = source else {
             continue;
@@ -219,10 +219,35 @@ fn packed_images(
     Ok(numbers)
 }
 
+/// The number of a texture's image: the core's, else one in a format that only an extension may name and that is decoded here.
+fn source_of(data: &Data, texture: &gltf::json::Texture) -> usize {
+    let own = texture.source.value();
+    let webp = || {
+        let others = &texture.extensions.as_ref()?.others;
+        others.get("EXT_texture_webp")?.get("source")?.as_u64()
+    };
+    match own < data.root.images.len() {
+        true => own,
+        false => webp().map_or(own, |source| source as usize),
+    }
+}
+
+/// The format in which an extension names a texture's image.
+fn named_format(texture: &gltf::json::Texture) -> &'static str {
+    let others = texture.extensions.as_ref().map(|e| &e.others);
+    let has = |name: &str| others.is_some_and(|others| others.contains_key(name));
+    match () {
+        () if has("KHR_texture_basisu") => "a format (KTX2, by KHR_texture_basisu)",
+        () if has("EXT_texture_avif") => "a format (AVIF, by EXT_texture_avif)",
+        () if has("MSFT_texture_dds") => "a format (DDS, by MSFT_texture_dds)",
+        () => "a format",
+    }
+}
+
 /// A texture use; `None` where its image was not loaded.
 fn texture(data: &Data, info: &Info, images: &HashMap<usize, u32>) -> Option<TextureRef> {
     let texture = data.root.get(info.index)?;
-    let image = *images.get(&texture.source.value())?;
+    let image = *images.get(&source_of(data, texture))?;
     let sampler = texture.sampler.and_then(|sampler| data.root.get(sampler));
     let wrap = |mode: Option<Checked<WrappingMode>>| match mode {
         Some(Checked::Valid(WrappingMode::ClampToEdge)) => Wrap::Clamp,
@@ -280,14 +305,13 @@ fn images(
             .flatten()
             .chain(emissive)
         {
-            // A texture without a source has it in an extension: KTX2, WebP or the like.
-            let source = data
-                .root
-                .get(info.index)
-                .map_or(usize::MAX, |texture| texture.source.value());
+            // A texture without a source has it in an extension: KTX2, AVIF or the like.
+            let texture = data.root.get(info.index);
+            let source = texture.map_or(usize::MAX, |texture| source_of(data, texture));
             let Some(seen) = seen.get_mut(source) else {
+                let format = texture.map_or("a format", named_format);
                 let message = format!(
-                    "texture {} is in a format that is not read; convert it to PNG",
+                    "texture {} is in {format} that is not read, the factor stands alone; convert it to PNG",
                     info.index
                 );
                 input.warn(

@@ -5,9 +5,12 @@ use crate::source::{Input, short};
 use gltf::json::validation::{Error as Finding, Validate};
 use gltf::json::{Path as JsonPath, Root};
 
-/// Required extensions that hold no obstacle: they are implemented, or have no influence on ambient reflection.
-const SUPPORTED: [&str; 10] = [
+/// Required extensions that hold no obstacle: they are implemented, have no influence on ambient reflection, or name textures in a
+/// format without which a scene can be baked, with a warning.
+const SUPPORTED: [&str; 14] = [
     "EXT_mesh_gpu_instancing",
+    "EXT_texture_avif",
+    "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -15,8 +18,10 @@ const SUPPORTED: [&str; 10] = [
     "KHR_materials_unlit",
     "KHR_materials_variants",
     "KHR_mesh_quantization",
+    "KHR_texture_basisu",
     "KHR_texture_transform",
     "KHR_xmp_json_ld",
+    "MSFT_texture_dds",
 ];
 
 /// The parsed and validated JSON.
@@ -95,12 +100,6 @@ pub(super) fn unsupported(input: &Input, extension: &str) -> Error {
     let advice = match extension {
         "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
             "decode the meshes first: `npx @gltf-transform/cli copy IN OUT`"
-        }
-        "KHR_texture_basisu" => {
-            "decode the textures first: `npx @gltf-transform/cli ktxdecompress IN OUT`"
-        }
-        "EXT_texture_webp" | "EXT_texture_avif" => {
-            "convert the textures first: `npx @gltf-transform/cli png IN OUT --formats \"*\"`"
         }
         _ => "export the file without it",
     };

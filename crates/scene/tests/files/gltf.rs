@@ -1,7 +1,7 @@
 //! glTF and GLB.
 
 use super::support::{Document, F32, Folder, U8, U16, U32, png, push};
-use ambake_scene::{Alpha, Surface, WarningKind};
+use ambake_scene::{Alpha, Surface, Warning, WarningKind};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use glam::{DVec3, Vec2, Vec3};
@@ -318,4 +318,57 @@ fn bad_normals_fall_back_to_the_geometry_and_bad_uvs_to_the_origin() {
         ),
         (2, 1)
     );
+}
+
+/// A triangle whose base colour is texture 0.
+fn textured(
+    textures: serde_json::Value,
+    images: impl FnOnce(&mut Document) -> serde_json::Value,
+) -> Document {
+    let mut document = Document::triangle();
+    let uvs = document.floats("VEC2", &[0.; 6]);
+    document.json["images"] = images(&mut document);
+    document.json["textures"] = textures;
+    document.json["materials"] =
+        json!([{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }]);
+    document.primitive()["attributes"]["TEXCOORD_0"] = json!(uvs);
+    document.primitive()["material"] = json!(0);
+    document
+}
+
+#[test]
+fn webp_is_decoded_where_its_extension_alone_names_it() {
+    let mut webp = Vec::new();
+    image::codecs::webp::WebPEncoder::new_lossless(&mut webp)
+        .encode(&[10, 20, 30, 255], 1, 1, image::ExtendedColorType::Rgba8)
+        .unwrap();
+    let textures = json!([{ "extensions": { "EXT_texture_webp": { "source": 0 } } }]);
+    let mut document = textured(textures, |document| {
+        let view = document.view(&webp);
+        json!([{ "bufferView": view, "mimeType": "image/webp" }])
+    });
+    document.json["extensionsUsed"] = json!(["EXT_texture_webp"]);
+    document.json["extensionsRequired"] = json!(["EXT_texture_webp"]);
+    let scene = document.load().unwrap();
+    assert_eq!(scene.images[0].pixels, [[10, 20, 30, 255]]);
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+}
+
+#[test]
+fn textures_that_are_not_read_are_warned_of_and_the_scene_is_loaded() {
+    for (extension, format) in [
+        ("KHR_texture_basisu", "KTX2"),
+        ("EXT_texture_avif", "AVIF"),
+        ("MSFT_texture_dds", "DDS"),
+    ] {
+        let textures = json!([{ "extensions": { extension: { "source": 0 } } }]);
+        let mut document = textured(textures, |_| json!([{ "uri": "gone.bin" }]));
+        document.json["extensionsUsed"] = json!([extension]);
+        document.json["extensionsRequired"] = json!([extension]);
+        let scene = document.load().unwrap();
+        let unread = |w: &&Warning| w.kind == WarningKind::UnreadTextures;
+        let warning = scene.warnings.iter().find(unread).expect(extension);
+        assert!(warning.message.contains(format), "{}", warning.message);
+        assert!(scene.images.is_empty());
+    }
 }

@@ -1,0 +1,148 @@
+// Opens a bake's files with three.js' own loaders in headless Chromium and prints what they give as one JSON line.
+//
+// Usage: three.mjs DIR STEM PICTURE.exr EYE LOOK FOV   (EYE and LOOK as X,Y,Z; FOV vertical, in degrees)
+// PICTURE.exr is ambake's own render of the view from the same bake. For each loader: edge, levels and the mean and the largest
+// difference of the scene, lit by that lightmap as bake.json says, to the picture, away from silhouettes; both in 1/255.
+// Exit status 77 where playwright-core, three or Chromium is absent (`npm install` in this folder; Debian's package chromium).
+
+import { createServer } from "node:http";
+import { readFile } from "node:fs/promises";
+import { existsSync } from "node:fs";
+import { createRequire } from "node:module";
+import path from "node:path";
+
+const executablePath = process.env.CHROMIUM ?? "/usr/bin/chromium";
+let chromium, three;
+try {
+  chromium = (await import("playwright-core")).chromium;
+  three = path.dirname(path.dirname(createRequire(import.meta.url).resolve("three")));
+} catch {
+  console.error("playwright-core or three is absent; run npm install in tests/tools");
+  process.exit(77);
+}
+if (!existsSync(executablePath)) {
+  console.error(`${executablePath} is absent; install Debian's package chromium`);
+  process.exit(77);
+}
+
+const [dir, stem, picture, eye, look, fov] = process.argv.slice(2);
+const point = (text) => text.split(",").map(Number);
+
+const page = `<!doctype html><script type="importmap">
+{ "imports": { "three": "/three/build/three.module.js", "three/addons/": "/three/examples/jsm/" } }</script>
+<script type="module">
+import * as THREE from "three";
+import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
+import { EXRLoader } from "three/addons/loaders/EXRLoader.js";
+import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
+let HDR;
+try { HDR = (await import("three/addons/loaders/HDRLoader.js")).HDRLoader; }
+catch { HDR = (await import("three/addons/loaders/RGBELoader.js")).RGBELoader; }
+
+window.measure = async ({ stem, eye, look, fov, pages, scale }) => {
+  const renderer = new THREE.WebGLRenderer();
+  const at = (name) => "/bake/" + encodeURIComponent(name);
+  const wanted = await new EXRLoader().setDataType(THREE.FloatType).loadAsync("/picture");
+  const { width, height, data } = wanted.image;
+  const camera = new THREE.PerspectiveCamera(fov, width / height, 0.001, 1e5);
+  camera.position.fromArray(eye);
+  camera.lookAt(...look);
+  const target = new THREE.WebGLRenderTarget(width, height, { type: THREE.FloatType, colorSpace: THREE.LinearSRGBColorSpace });
+  const loaders = {
+    exr: [new EXRLoader(), true], hdr: [new HDR(), false], ktx2: [new KTX2Loader().detectSupport(renderer), false],
+  };
+  const { scene } = await new GLTFLoader().loadAsync(at(stem + ".glb"));
+  const told = {};
+  for (const [ending, [loader, flip]] of Object.entries(loaders)) {
+    const maps = [];
+    for (let page = 0; page < pages; page++) {
+      const map = await loader.loadAsync(at(stem + "." + page + ".lightmap." + ending));
+      map.channel = 1;
+      map.flipY = flip;
+      // KTX2Loader leaves pictures without compression unfiltered.
+      map.magFilter = THREE.LinearFilter;
+      map.minFilter = map.mipmaps.length > 1 ? THREE.LinearMipmapLinearFilter : THREE.LinearFilter;
+      map.generateMipmaps = false;
+      map.needsUpdate = true;
+      maps.push(map);
+    }
+    scene.traverse((object) => {
+      if (!object.isMesh || (!object.material.aoMap && !object.material.lightMap)) return;
+      const material = object.material;
+      material.userData.page ??= Number(material.aoMap.name.split(".").at(-2));
+      material.aoMap = null;
+      material.lightMap = maps[material.userData.page];
+      material.lightMapIntensity = scale;
+      material.needsUpdate = true;
+    });
+    renderer.setRenderTarget(target);
+    renderer.setClearColor(0xff00ff, 1);
+    renderer.render(scene, camera);
+    const found = new Float32Array(width * height * 4);
+    renderer.readRenderTargetPixels(target, 0, 0, width, height, found);
+    // EXRLoader keeps the last row first, as the render target does.
+    const sky = (i) => found[4 * i] === 1 && found[4 * i + 1] === 0 && found[4 * i + 2] === 1;
+    let sum = 0, most = 0, count = 0;
+    for (let y = 1; y < height - 1; y++) for (let x = 1; x < width - 1; x++) {
+      const i = y * width + x;
+      // Edges are drawn with other sampling: away from them neighbours agree.
+      let edge = false;
+      for (const j of [i - 1, i + 1, i - width, i + width, i]) {
+        edge ||= sky(j);
+        for (let c = 0; c < 3; c++) edge ||= Math.abs(data[4 * i + c] - data[4 * j + c]) > 0.1;
+      }
+      if (edge) continue;
+      for (let c = 0; c < 3; c++) {
+        const difference = 255 * Math.abs(found[4 * i + c] - data[4 * i + c]);
+        sum += difference; most = Math.max(most, difference); count++;
+      }
+    }
+    const middle = 4 * (Math.floor(height / 2) * width + Math.floor(width / 2));
+    told[ending] = {
+      size: maps[0].image.width, levels: Math.max(1, maps[0].mipmaps.length), pixels: count / 3,
+      mean: sum / count, most, middle: [...found.slice(middle, middle + 3)], wanted: [...data.slice(middle, middle + 3)],
+    };
+  }
+  return told;
+};
+window.ready = true;
+</script>`;
+
+const types = { ".js": "text/javascript", ".html": "text/html" };
+const server = createServer(async (request, response) => {
+  const { pathname } = new URL(request.url, "http://127.0.0.1");
+  try {
+    if (pathname === "/") return response.setHeader("content-type", "text/html").end(page);
+    const [, root, ...rest] = pathname.split("/").map(decodeURIComponent);
+    const file = { three: path.join(three, ...rest), bake: path.join(dir, ...rest), picture }[root];
+    if (!file) throw new Error("unknown");
+    const body = await readFile(file);
+    response.setHeader("content-type", types[path.extname(file)] ?? "application/octet-stream").end(body);
+  } catch {
+    response.writeHead(404).end();
+  }
+});
+await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
+
+const bake = JSON.parse(await readFile(path.join(dir, "bake.json"), "utf8"));
+const scale = bake.lightmaps.find((map) => map.engine === "three").scale;
+const browser = await chromium.launch({
+  executablePath,
+  args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking"],
+});
+try {
+  const tab = await browser.newPage();
+  const errors = [];
+  tab.on("pageerror", (error) => errors.push(String(error)));
+  tab.on("console", (message) => message.type() === "error" && errors.push(message.text()));
+  await tab.goto(`http://127.0.0.1:${server.address().port}/`);
+  await tab.waitForFunction(() => window.ready, null, { timeout: 60000 });
+  const told = await tab.evaluate((job) => window.measure(job), {
+    stem, eye: point(eye), look: point(look), fov: Number(fov), pages: bake.pages.length, scale,
+  });
+  // A browser asks for an icon, which nobody has.
+  console.log(JSON.stringify({ ...told, errors: errors.filter((e) => !e.includes("404")) }));
+} finally {
+  await browser.close();
+  server.close();
+}
