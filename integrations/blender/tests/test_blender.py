@@ -2,7 +2,7 @@
 
     AMBAKE=target/debug/ambake python integrations/blender/tests/test_blender.py
 
-needs a Python that has `bpy`. Without it, it prints a skip."""
+needs Python 3.11 with the packages of requirements.txt. Without them it prints a skip."""
 
 import os
 import unittest
