@@ -17,7 +17,7 @@ use serde_json::Value;
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let stop = Stop::listen()?;
     let dir = std::path::absolute(&args.dir).context("cannot tell the current folder")?;
-    let parts = Parts::find(&args.dir)?;
+    let parts = Parts::find(&dir)?;
     let bake = given(parts.given())?;
     // The words may name files from the folder that they were given in. Where that is absent here, so are the files, and the scene's
     // error says so.
@@ -31,7 +31,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         json: args.json,
         verbose: args.verbose,
     };
-    let job = prepare_in(Some(&dir), &bake.scene, &bake.job, &common)?;
+    let job = prepare_in(&dir, false, &bake.scene, &bake.job, &common)?;
     let show = Show {
         unit: "texels",
         quiet: args.quiet,

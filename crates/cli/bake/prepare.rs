@@ -4,17 +4,35 @@ use super::args::Job;
 use super::options;
 use crate::common::Common;
 use crate::host;
+use ambake::{Bake, Scene};
 use std::path::Path;
 use std::time::Instant;
 
 /// Loads the scene, plans its bake, lays its texels out and builds its ray scene.
 pub fn prepare(file: &Path, job: &Job, common: &Common) -> anyhow::Result<ambake::Job> {
-    prepare_in(None, file, job, common)
+    prepare_with(|bake, _| bake, file, job, common)
 }
 
-/// The same; a layout that `ambake layout` left in `dir` is taken.
+/// The same for a bake into `dir`: a layout that `ambake layout` left there is taken, and what does not fit into memory is refused.
 pub fn prepare_in(
-    dir: Option<&Path>,
+    dir: &Path,
+    parts: bool,
+    file: &Path,
+    job: &Job,
+    common: &Common,
+) -> anyhow::Result<ambake::Job> {
+    let with = |bake: Bake, scene: &Scene| {
+        let bake = bake.layout_file(ambake::Layout::path(dir, scene));
+        match parts {
+            true => bake.within_memory().in_parts(),
+            false => bake.within_memory(),
+        }
+    };
+    prepare_with(with, file, job, common)
+}
+
+fn prepare_with(
+    with: impl FnOnce(Bake, &Scene) -> Bake,
     file: &Path,
     job: &Job,
     common: &Common,
@@ -23,11 +41,8 @@ pub fn prepare_in(
     let started = Instant::now();
     let scene = ambake::load(file)?;
     let loading = started.elapsed().as_secs_f64();
-    let mut bake = options::bake(&scene, job, common)?;
-    if let Some(dir) = dir {
-        bake = bake.layout_file(ambake::Layout::path(dir, &scene));
-    }
-    let mut prepared = bake.prepare()?;
+    let bake = options::bake(&scene, job, common)?;
+    let mut prepared = with(bake, &scene).prepare()?;
     prepared.add_phase("load", loading);
     Ok(prepared)
 }

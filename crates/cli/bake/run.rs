@@ -17,7 +17,13 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let stop = Stop::listen()?;
     // A directory that cannot be written is found before the scene is loaded.
     Output::create(&args.output)?;
-    let job = prepare_in(Some(&args.output), &args.scene, &args.job, &args.common)?;
+    let job = prepare_in(
+        &args.output,
+        args.shard.is_some(),
+        &args.scene,
+        &args.job,
+        &args.common,
+    )?;
     if let Some(part) = args.shard {
         return shard::run(args, &job, part, &stop);
     }
