@@ -70,8 +70,8 @@ fn assert_same(whole: &Path, merged: &Path) {
     assert_eq!(facts(whole), facts(merged));
 }
 
-/// Bakes `file` whole and in the given parts, and compares.
-fn compare(file: &Path, shards: &[&str], more: &[&str]) {
+/// Bakes `file` whole and in the given parts, and compares; the number of pages.
+fn compare(file: &Path, shards: &[&str], more: &[&str]) -> usize {
     let whole = tempfile::tempdir().expect("a folder");
     run_well(words(file, whole.path(), more));
     let parts = tempfile::tempdir().expect("a folder");
@@ -80,14 +80,15 @@ fn compare(file: &Path, shards: &[&str], more: &[&str]) {
     }
     merge_well(parts.path());
     assert_same(whole.path(), parts.path());
+    facts(parts.path())["pages"].as_array().map_or(0, Vec::len)
 }
 
 #[test]
 fn parts_in_any_order_make_the_bytes_of_a_whole_bake() {
-    let courtyard = scene("courtyard.obj");
-    let small = ["--size", "96", "--rays", "4"];
-    compare(&courtyard, &["3/3", "1/3", "2/3"], &small);
-    compare(&courtyard, &["1/1"], &small);
+    let lamp = scene("lamp.obj");
+    let small = ["--size", "64", "--rays", "4"];
+    compare(&lamp, &["3/3", "1/3", "2/3"], &small);
+    compare(&lamp, &["1/1"], &small);
     // A page of one tile: five parts are empty.
     let tiny = ["--size", "16", "--rays", "4"];
     let six = ["1/6", "2/6", "3/6", "4/6", "5/6", "6/6"];
@@ -97,19 +98,17 @@ fn parts_in_any_order_make_the_bytes_of_a_whole_bake() {
 #[test]
 fn parts_hold_for_pages_skies_targets_and_the_denoiser() {
     let sky = scene("sky.hdr").display().to_string();
-    let town = scene("town.gltf");
+    let sphere = scene("resting_sphere.obj");
     let two = ["2/2", "1/2"];
-    compare(
-        &town,
-        &two,
-        &["--size", "128", "--pages", "3", "--rays", "4"],
-    );
-    let lit = ["--size", "96", "--rays", "4", "--sky", &sky];
-    compare(&scene("courtyard.obj"), &two, &lit);
-    let until = ["--size", "96", "--target-error", "0.1", "--max-rays", "64"];
-    compare(&scene("courtyard.obj"), &two, &until);
-    let smooth = ["--size", "96", "--rays", "8", "--denoise", "regression"];
-    compare(&scene("courtyard.obj"), &two, &smooth);
+    let small = ["--size", "64", "--rays", "4"];
+    let pages = compare(&scene("airliner.obj"), &two, &small);
+    assert!(pages > 1, "{pages}");
+    let lit = ["--size", "48", "--rays", "4", "--sky", &sky];
+    compare(&sphere, &two, &lit);
+    let until = ["--size", "48", "--target-error", "0.1", "--max-rays", "64"];
+    compare(&sphere, &two, &until);
+    let smooth = ["--size", "48", "--rays", "8", "--denoise", "regression"];
+    compare(&sphere, &two, &smooth);
 }
 
 #[test]
@@ -178,6 +177,73 @@ fn a_scene_that_changed_under_its_parts_is_refused() {
     assert!(out.join("my scene 50%.0.exr").exists());
 }
 
+/// A part as it lies there while it is in work: its last block is cut off.
+fn begun(folder: &Path, stem: &str) -> std::path::PathBuf {
+    let done = folder.join(format!("{stem}.1-of-1.part"));
+    let work = folder.join(format!(".{stem}.1-of-1.ambake-resume"));
+    let bytes = std::fs::read(&done).expect("a part");
+    std::fs::remove_file(done).expect("a part");
+    std::fs::write(&work, &bytes[..bytes.len() - 1]).expect("a state");
+    work
+}
+
+#[test]
+fn a_part_that_was_killed_goes_on_unless_it_is_damaged_or_of_another_scene() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("corner.obj");
+    std::fs::copy(scene("corner.obj"), &file).expect("a copy");
+    let out = folder.path().join("out");
+    let small = ["--size", "32", "--rays", "4"];
+    let go_on = || -> (u64, String) {
+        let mut words = words(&file, &out, &small);
+        words.retain(|word| word != "--quiet");
+        words.extend(["--shard", "1/1", "--json"].map(String::from));
+        let output = run(words);
+        let said: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let text = String::from_utf8(output.stderr).expect("UTF-8");
+        (said["texels"].as_u64().expect("a number"), text)
+    };
+    let (all, _) = go_on();
+    assert!(all > 0);
+    assert_eq!(go_on(), (0, String::new()), "it was complete already");
+    begun(&out, "corner");
+    assert_eq!(go_on(), (0, String::new()), "every tile was saved");
+    let work = begun(&out, "corner");
+    let mut bytes = std::fs::read(&work).expect("a state");
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(&work, bytes).expect("a state");
+    let (texels, text) = go_on();
+    assert_eq!((texels, text.lines().count()), (all, 1), "{text}");
+    assert!(
+        text.contains("damaged") && text.contains("starting over"),
+        "{text}"
+    );
+    // The same options, a scene of the same size: nothing of it may be taken.
+    begun(&out, "corner");
+    let text = std::fs::read_to_string(&file).expect("a scene");
+    std::fs::write(&file, format!("{text}# another scene\n")).expect("a scene");
+    assert_eq!(go_on(), (all, String::new()));
+}
+
+#[test]
+fn what_does_not_fit_into_memory_is_refused_with_a_size_that_does() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = scene("plane.obj");
+    let bake = |size: &str, memory: &str| {
+        let more = ["--rays", "1", "--size", size, "--max-memory", memory];
+        run(words(&file, folder.path(), &more))
+    };
+    let output = bake("8192", "400M");
+    let text = String::from_utf8(output.stderr).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert_eq!(text.lines().count(), 1, "{text}");
+    assert!(text.contains("GiB") && text.contains("--size "), "{text}");
+    assert_eq!(files(folder.path()), Vec::<String>::new());
+    assert!(bake("64", "400M").status.success());
+    assert_eq!(bake("64", "400X").status.code(), Some(2));
+}
+
 #[test]
 fn a_wrong_part_is_a_wrong_command_line() {
     let file = scene("plane.obj").display().to_string();
@@ -209,7 +275,7 @@ fn relative_paths_are_merged_from_anywhere() {
 
 #[test]
 fn a_layout_is_the_bake_s_and_is_taken_from_its_file() {
-    let file = scene("courtyard.obj");
+    let file = scene("corner.obj");
     let folder = tempfile::tempdir().expect("a folder");
     let layout = |folder: &Path| -> Value {
         let text = run_well([
@@ -218,17 +284,17 @@ fn a_layout_is_the_bake_s_and_is_taken_from_its_file() {
             "-o".as_ref(),
             folder.as_os_str(),
             "--size".as_ref(),
-            "96".as_ref(),
+            "64".as_ref(),
             "--json".as_ref(),
         ]);
         serde_json::from_str(&text).expect("JSON")
     };
     let said = layout(folder.path());
-    let names = ["courtyard.0.layout.png", "courtyard.layout", "layout.json"];
+    let names = ["corner.0.layout.png", "corner.layout", "layout.json"];
     assert_eq!(files(folder.path()), names);
     let text = std::fs::read_to_string(folder.path().join("layout.json")).expect("a file");
     assert_eq!(said, serde_json::from_str::<Value>(&text).expect("JSON"));
-    let small = ["--size", "96", "--rays", "4"];
+    let small = ["--size", "64", "--rays", "4"];
     run_well(words(&file, folder.path(), &small));
     let baked = report(folder.path());
     assert_eq!(
@@ -246,7 +312,7 @@ fn a_layout_is_the_bake_s_and_is_taken_from_its_file() {
         assert!(read(bare.path()) == read(folder.path()), "{name} differs");
     }
     // A damaged file is as good as none.
-    let path = folder.path().join("courtyard.layout");
+    let path = folder.path().join("corner.layout");
     let mut bytes = std::fs::read(&path).expect("a file");
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;

@@ -2,6 +2,7 @@
 
 use crate::baked::Baked;
 use crate::error::Error;
+use crate::estimate::Limit;
 use crate::job::{Job, MakeBackend};
 use crate::layout::Layout;
 use crate::options::{Backend, Effort, Options, Pages, Uv};
@@ -39,7 +40,7 @@ pub struct Bake {
     make_backend: Option<MakeBackend>,
     threads: Option<usize>,
     layout_file: Option<PathBuf>,
-    max_memory: Option<u64>,
+    limit: Limit,
 }
 
 impl fmt::Debug for Bake {
@@ -63,7 +64,7 @@ impl Bake {
             make_backend: None,
             threads: None,
             layout_file: None,
-            max_memory: None,
+            limit: Limit::default(),
         }
     }
 
@@ -341,9 +342,21 @@ impl Bake {
         self
     }
 
-    /// Bytes of memory that the bake may take, in place of what the system has. A bake that would take more is refused before it starts.
+    /// Bytes of memory that the bake may take: [`Bake::prepare`] refuses one that would take more.
     pub fn max_memory(mut self, bytes: u64) -> Self {
-        self.max_memory = Some(bytes);
+        self.limit.given = Some(bytes);
+        self
+    }
+
+    /// Where no memory is given, [`Bake::prepare`] refuses a bake that would take more than the system has.
+    pub fn within_memory(mut self) -> Self {
+        self.limit.system = true;
+        self
+    }
+
+    /// Only [`Job::run_shard`](crate::Job::run_shard) will be called: no memory is needed for pages.
+    pub fn in_parts(mut self) -> Self {
+        self.limit.without_pages = true;
         self
     }
 
@@ -381,7 +394,7 @@ impl Bake {
             self.make_backend.clone(),
             self.threads,
             self.layout_file.as_deref(),
-            self.max_memory,
+            self.limit,
         )
     }
 

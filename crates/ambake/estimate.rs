@@ -104,7 +104,18 @@ fn channels(layers: &[Layer]) -> u64 {
     layers.iter().map(count).sum()
 }
 
-/// Refuses a bake that would not fit into memory, before its layout is made: `limit` bytes, or what the system has where it is `None`.
+/// How much memory a bake may take.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Limit {
+    /// Bytes that were given.
+    pub given: Option<u64>,
+    /// Where none were given, what the system has.
+    pub system: bool,
+    /// No page is held: a shard.
+    pub without_pages: bool,
+}
+
+/// Refuses a bake that would not fit into memory, before its layout is made.
 ///
 /// # Errors
 /// [`Error::Memory`] names the page size that fits.
@@ -112,29 +123,33 @@ pub(crate) fn check(
     options: &Options,
     working: Vec<Layer>,
     triangles: u64,
-    limit: Option<u64>,
+    limit: Limit,
 ) -> Result<(), Error> {
-    let Some(limit_bytes) = limit.or_else(available) else {
+    let system = || limit.system.then(available).flatten();
+    let Some(most) = limit.given.or_else(system) else {
         return Ok(());
     };
     let memory = Memory::of(options, working);
     let base = resident().unwrap_or(0) + triangles * TREE;
     let need = |size: u32| {
-        let texels = u64::from(size).pow(2);
+        let texels = match limit.without_pages {
+            true => return base + WAITING,
+            false => u64::from(size).pow(2),
+        };
         base + memory.page(texels, texels / 2)
     };
-    if need(options.size) <= limit_bytes {
+    if need(options.size) <= most {
         return Ok(());
     }
     // Whole powers of two halve so that mips still fit.
     let mut fits = options.size / 2;
-    while fits > 0 && need(fits) > limit_bytes {
-        fits /= 2;
+    while fits > 0 && need(fits) > most {
+        fits = if limit.without_pages { 0 } else { fits / 2 };
     }
     Err(Error::Memory {
         need: need(options.size),
-        limit: limit_bytes,
-        given: limit.is_some(),
+        limit: most,
+        given: limit.given.is_some(),
         size: Some(fits).filter(|&size| size > 0),
     })
 }
@@ -212,9 +227,13 @@ mod tests {
     fn what_does_not_fit_is_refused_with_a_size_that_does() {
         let mut options = Options::default();
         options.size = 8192;
+        let given = |bytes: u64| Limit {
+            given: Some(bytes),
+            ..Limit::default()
+        };
         let layers = || vec![Layer::Coverage, Layer::Diffuse, Layer::StdErrDiffuse];
-        assert!(check(&options, layers(), 100, Some(1 << 40)).is_ok());
-        let error = check(&options, layers(), 100, Some(1 << 30)).unwrap_err();
+        assert!(check(&options, layers(), 100, given(1 << 40)).is_ok());
+        let error = check(&options, layers(), 100, given(1 << 30)).unwrap_err();
         let Error::Memory {
             need,
             size: Some(size),
@@ -225,8 +244,8 @@ mod tests {
         };
         assert!(need > 1 << 30 && size < 8192, "{need} {size}");
         options.size = size;
-        assert!(check(&options, layers(), 100, Some(1 << 30)).is_ok());
-        let none = check(&options, layers(), 100, Some(1 << 20)).unwrap_err();
+        assert!(check(&options, layers(), 100, given(1 << 30)).is_ok());
+        let none = check(&options, layers(), 100, given(1 << 20)).unwrap_err();
         assert!(none.to_string().contains("--max-memory"), "{none}");
     }
 }

@@ -51,7 +51,7 @@ impl Job {
         make_backend: Option<MakeBackend>,
         threads: Option<usize>,
         layout_file: Option<&Path>,
-        max_memory: Option<u64>,
+        limit: estimate::Limit,
     ) -> Result<Self, Error> {
         let started = Instant::now();
         let pool = match threads {
@@ -72,7 +72,7 @@ impl Job {
                 .iter()
                 .map(|mesh| mesh.triangles.len() as u64);
             let layers = ::bake::layers_in_work(&baker, &plan);
-            estimate::check(&options, layers, triangles.sum(), max_memory)?;
+            estimate::check(&options, layers, triangles.sum(), limit)?;
             let build = || match &make_backend {
                 Some(make) => make(&world),
                 None => rays::build(backend.kind(), &world, rayon::current_num_threads()),

@@ -5,6 +5,7 @@
 
 use crate::error::Error;
 use crate::estimate::WAITING;
+use crate::shard::END;
 use ::bake::{BakedTile, PageStats};
 use report::Journal;
 use serde::{Deserialize, Serialize};
@@ -149,6 +150,10 @@ impl Saved {
         };
         let (mut journal, mut damage) = Journal::resume(&self.path, &self.header, same)?;
         for number in 0..journal.len() {
+            // A part that was killed between its last block and its name.
+            if journal.tag(number)? == Some(END) {
+                continue;
+            }
             let bytes = journal.block(number)?;
             let Some(block) = Block::decode(&bytes, self.columns) else {
                 let path = self.path.display();

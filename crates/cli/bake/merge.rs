@@ -1,7 +1,7 @@
 //! `ambake merge`: the parts of a bake into its files.
 
 use super::args::{Bake, Merge as Args};
-use super::prepare::prepare_in;
+use super::prepare::{Target, prepare_in};
 use super::run::tell_written;
 use crate::args::{Args as Line, Verb};
 use crate::common::Common;
@@ -18,7 +18,7 @@ use std::ffi::OsString;
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let stop = Stop::listen()?;
     let dir = std::path::absolute(&args.dir).context("cannot tell the current folder")?;
-    let parts = Parts::find(&args.dir)?;
+    let parts = Parts::find(&dir)?;
     let typed = typed(parts.given())?;
     let bake = given(&typed)?;
     let [scene] = bake.scene.as_slice() else {
@@ -37,7 +37,13 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         json: args.json,
         verbose: args.verbose,
     };
-    let job = prepare_in(Some(&dir), &typed, scene, &bake.job, &common, &bake.engines)?;
+    let target = Target {
+        dir: &dir,
+        parts: false,
+        engines: &bake.engines,
+        typed: &typed,
+    };
+    let job = prepare_in(&target, scene, &bake.job, &common)?;
     let show = Show {
         unit: "texels",
         quiet: args.quiet,

@@ -4,6 +4,7 @@ use super::args::Job;
 use super::{options, stdin};
 use crate::common::Common;
 use crate::{host, project};
+use ambake::{Bake, Engine, Scene};
 use std::ffi::OsString;
 use std::path::Path;
 use std::time::Instant;
@@ -12,18 +13,44 @@ use std::time::Instant;
 /// the scene completes what was typed.
 pub fn prepare(file: &Path, job: &Job, common: &Common) -> anyhow::Result<ambake::Job> {
     let typed: Vec<OsString> = std::env::args_os().collect();
-    prepare_in(None, &typed, file, job, common, &[])
+    prepare_with(|bake, _| bake, &typed, file, job, common)
 }
 
-/// The same of a bake that also writes files for engines; a layout that `ambake layout` left in `dir` is taken. `typed` is the command
-/// line that asks for it.
+/// What a bake into a directory says beside its options.
+pub struct Target<'a> {
+    pub dir: &'a Path,
+    /// True for one part of a bake.
+    pub parts: bool,
+    pub engines: &'a [Engine],
+    /// The command line that asks for the bake.
+    pub typed: &'a [OsString],
+}
+
+/// The same for a bake into a directory: a layout that `ambake layout` left there is taken, and what does not fit into memory is refused.
 pub fn prepare_in(
-    dir: Option<&Path>,
+    target: &Target<'_>,
+    file: &Path,
+    job: &Job,
+    common: &Common,
+) -> anyhow::Result<ambake::Job> {
+    let with = |bake: Bake, scene: &Scene| {
+        let bake = bake
+            .for_engines(target.engines.iter().copied())
+            .layout_file(ambake::Layout::path(target.dir, scene));
+        match target.parts {
+            true => bake.within_memory().in_parts(),
+            false => bake.within_memory(),
+        }
+    };
+    prepare_with(with, target.typed, file, job, common)
+}
+
+fn prepare_with(
+    with: impl FnOnce(Bake, &Scene) -> Bake,
     typed: &[OsString],
     file: &Path,
     job: &Job,
     common: &Common,
-    engines: &[ambake::Engine],
 ) -> anyhow::Result<ambake::Job> {
     let completed = project::completed(file, typed)?;
     let (job, common) = match &completed {
@@ -37,11 +64,8 @@ pub fn prepare_in(
         false => ambake::load_with(file, common.files())?,
     };
     let loading = started.elapsed().as_secs_f64();
-    let mut bake = options::bake(&scene, job, common)?.for_engines(engines.iter().copied());
-    if let Some(dir) = dir {
-        bake = bake.layout_file(ambake::Layout::path(dir, &scene));
-    }
-    let mut prepared = bake.prepare()?;
+    let bake = options::bake(&scene, job, common)?;
+    let mut prepared = with(bake, &scene).prepare()?;
     prepared.add_phase("load", loading);
     Ok(prepared)
 }

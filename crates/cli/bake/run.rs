@@ -1,7 +1,7 @@
 //! `ambake bake`: scenes in, lightmaps out.
 
 use super::args::Bake as Args;
-use super::prepare::prepare_in;
+use super::prepare::{Target, prepare_in};
 use super::shard;
 use super::summary::summary;
 use crate::common::Common;
@@ -79,14 +79,13 @@ fn one(args: &Args, scene: &Path, output: &Path, stop: &Stop) -> anyhow::Result<
         None => Output::exclusive(output)?,
     });
     let typed: Vec<OsString> = std::env::args_os().collect();
-    let job = prepare_in(
-        Some(output),
-        &typed,
-        scene,
-        &args.job,
-        &args.common,
-        &args.engines,
-    )?;
+    let target = Target {
+        dir: output,
+        parts: args.shard.is_some(),
+        engines: &args.engines,
+        typed: &typed,
+    };
+    let job = prepare_in(&target, scene, &args.job, &args.common)?;
     if let Some(part) = args.shard {
         return shard::run(args, &job, part, stop);
     }
