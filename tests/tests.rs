@@ -13,6 +13,7 @@ mod exact;
 mod figures;
 mod frames;
 mod furnace;
+mod ggx;
 mod hard_cases;
 mod layout;
 mod maps;

@@ -6,7 +6,7 @@ use crate::job::{Job, MakeBackend};
 use crate::options::{Backend, Effort, Options, Pages, Uv};
 use crate::scene::Scene;
 use crate::sky::Sky;
-use ::bake::{Bounces, Buried, Choice, Denoise, Footprint, Pattern, Seams, Shading, View};
+use ::bake::{Bounces, Buried, Choice, Denoise, Footprint, Model, Pattern, Seams, Shading, View};
 use layers::{Layer, Progress};
 use rays::{RayBackend, World};
 use std::fmt;
@@ -232,6 +232,12 @@ impl Bake {
         self
     }
 
+    /// What the highlight is: the paper's Phong lobe by default, or GGX, whose layer then stands in place of [`Layer::Phong`].
+    pub fn model(mut self, model: Model) -> Self {
+        self.options.model = model;
+        self
+    }
+
     /// How often surfaces send on the light that they receive; never by default.
     pub fn bounces(mut self, bounces: Bounces) -> Self {
         self.options.bounces = bounces;
@@ -325,7 +331,7 @@ impl Bake {
         self.options.check()?;
         Job::prepare(
             self.scene.clone(),
-            self.options.clone(),
+            self.options.clone().settled(),
             self.backend,
             self.make_backend.clone(),
             self.threads,
