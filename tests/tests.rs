@@ -16,6 +16,7 @@ mod exact;
 mod figures;
 mod frames;
 mod furnace;
+mod ggx;
 mod habits;
 mod hard_cases;
 mod layout;

@@ -8,7 +8,7 @@ use crate::layout::Layout;
 use crate::options::{Backend, Effort, Options, Pages, Uv};
 use crate::scene::Scene;
 use crate::sky::Sky;
-use ::bake::{Bounces, Buried, Choice, Denoise, Footprint, Pattern, Seams, Shading, View};
+use ::bake::{Bounces, Buried, Choice, Denoise, Footprint, Model, Pattern, Seams, Shading, View};
 use layers::{Layer, Progress};
 use rays::{RayBackend, World};
 use report::Engine;
@@ -240,6 +240,12 @@ impl Bake {
         self
     }
 
+    /// What the highlight is: the paper's Phong lobe by default, or GGX, whose layer then stands in place of [`Layer::Phong`].
+    pub fn model(mut self, model: Model) -> Self {
+        self.options.model = model;
+        self
+    }
+
     /// How often surfaces send on the light that they receive; never by default.
     pub fn bounces(mut self, bounces: Bounces) -> Self {
         self.options.bounces = bounces;
@@ -385,7 +391,7 @@ impl Bake {
     /// An option is out of its range or excludes another, the charts do not fit, or a backend refuses the scene.
     pub fn prepare(&self) -> Result<Job, Error> {
         self.options.check()?;
-        let mut options = self.options.clone();
+        let mut options = self.options.clone().settled();
         options.complete();
         Job::prepare(
             self.scene.clone(),

@@ -48,7 +48,7 @@ impl Brightness {
 
 #[cfg(test)]
 mod tests {
-    use super::{Bounces, Brightness, Options};
+    use super::*;
 
     #[test]
     fn a_dark_median_is_an_interior_unless_a_distance_or_bounces_were_given() {

@@ -4,7 +4,7 @@
 use crate::error::Error;
 use crate::sky::Sky;
 use ::bake::{
-    Bounces, Buried, Choice, Denoise, Footprint, Pattern, PointSet, Seams, Shading, View,
+    Bounces, Buried, Choice, Denoise, Footprint, Model, Pattern, PointSet, Seams, Shading, View,
 };
 use layers::Layer;
 use rays::{BackendKind, Layout, Overrides};
@@ -106,6 +106,8 @@ pub struct Options {
     pub buried: Buried,
     /// Occluders farther than this do not count, in scene units.
     pub max_distance: Option<f32>,
+    /// What the highlight is; under GGX the layer `ggx` stands in place of `phong`.
+    pub model: Model,
     /// How often surfaces send on the light that they receive.
     pub bounces: Bounces,
     /// Layers to produce, coverage first, without repeats.
@@ -150,6 +152,7 @@ impl Default for Options {
             shading: Shading::Production,
             buried: Buried::Drop,
             max_distance: None,
+            model: Model::Phong,
             bounces: Bounces::Off,
             layers: Layer::STANDARD.to_vec(),
             normal_maps: false,
@@ -231,6 +234,13 @@ impl Options {
         {
             return fail("sky", "each channel must be finite and 0 or above");
         }
+        let asks = |layers: &[Layer]| self.layers.iter().any(|layer| layers.contains(layer));
+        if self.model == Model::Phong && asks(&[Layer::Ggx, Layer::Base]) {
+            return fail("layers", "`ggx` and `base` need --model ggx");
+        }
+        if self.model == Model::Ggx && asks(&[Layer::DifferencePhong]) {
+            return fail("layers", "`difference.phong` needs --model phong");
+        }
         if self.denoise != Denoise::Off && self.pattern == Pattern::Tiled {
             let problem = "needs independent errors: leave out --pattern tiled";
             return fail("--denoise regression", problem);
@@ -260,6 +270,22 @@ impl Options {
         }
     }
 
+    /// The same with the layer of the model in place of another's.
+    pub(crate) fn settled(mut self) -> Self {
+        if self.model == Model::Ggx {
+            let has = self.layers.contains(&Layer::Ggx);
+            self.layers.retain(|layer| !(has && *layer == Layer::Phong));
+            for layer in self
+                .layers
+                .iter_mut()
+                .filter(|layer| **layer == Layer::Phong)
+            {
+                *layer = Layer::Ggx;
+            }
+        }
+        self
+    }
+
     /// What the baker is given.
     pub(crate) fn baker(&self) -> ::bake::Options {
         ::bake::Options {
@@ -276,6 +302,7 @@ impl Options {
             shading: self.shading,
             buried: self.buried,
             max_distance: self.max_distance,
+            model: self.model,
             bounces: self.bounces,
             layers: self.layers.clone(),
             normal_maps: self.normal_maps,
@@ -335,6 +362,7 @@ impl Options {
             shading,
             buried,
             max_distance,
+            model,
             bounces,
             layers,
             normal_maps,
@@ -408,6 +436,10 @@ impl Options {
                 Buried::Keep => "keep",
             },
             "max_distance": max_distance,
+            "model": match model {
+                Model::Phong => "phong",
+                Model::Ggx => "ggx",
+            },
             "bounces": match bounces {
                 Bounces::Off => json!(0),
                 Bounces::Most(gathers) => json!(gathers),

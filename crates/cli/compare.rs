@@ -7,8 +7,15 @@ use report::{BakeReport, Comparison, Difference, Error, NamedPage, Output, Page,
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// What is compared within a bake: traditional minus an integrated model.
-const PAIRS: [(&str, &str); 2] = [("traditional", "lambert"), ("traditional", "phong")];
+/// What is compared within a bake: traditional minus the integrated models that it has.
+fn pairs(bake: &BakeReport) -> [(&'static str, &'static str); 2] {
+    let ggx = bake
+        .options
+        .get("model")
+        .is_some_and(|model| model == "ggx");
+    let highlight = if ggx { "ggx" } else { "phong" };
+    [("traditional", "lambert"), ("traditional", highlight)]
+}
 
 /// Runs the verb.
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
@@ -33,6 +40,7 @@ fn compare_bake(args: &Args, dir: &Path) -> anyhow::Result<()> {
     }
     let bake = report::read_bake_report(&dir.join("bake.json"))?;
     let files = report::page_files(dir, &bake)?;
+    let pairs = pairs(&bake);
     // Pages are read twice, one at a time: the pictures share a scale, which is known after the last page.
     let pages = || {
         files.iter().map(|file| {
@@ -41,7 +49,7 @@ fn compare_bake(args: &Args, dir: &Path) -> anyhow::Result<()> {
         })
     };
     let numbered = pages().map(|page| page.map(|(file, page)| (file.page, page)));
-    let comparisons = report::compare_layers(numbered, bake.objects.len(), &PAIRS)
+    let comparisons = report::compare_layers(numbered, bake.objects.len(), &pairs)
         .map_err(|error| in_bake(dir, error))?;
 
     let mut output = Output::create(args.output.as_deref().unwrap_or(dir))?;
@@ -51,7 +59,7 @@ fn compare_bake(args: &Args, dir: &Path) -> anyhow::Result<()> {
         .collect();
     for page in pages() {
         let (file, page): (&NamedPage, Page) = page?;
-        for (&(a, b), &limit) in PAIRS.iter().zip(&limits) {
+        for (&(a, b), &limit) in pairs.iter().zip(&limits) {
             let name = format!("{}.{}.difference.{b}.png", file.stem, file.page);
             output.stage_bytes(&name, &report::difference_png(&page, (a, b), limit)?)?;
         }
@@ -65,7 +73,7 @@ fn compare_bake(args: &Args, dir: &Path) -> anyhow::Result<()> {
         return Ok(());
     }
     let mut text = String::new();
-    for (&(a, b), comparison) in PAIRS.iter().zip(&comparisons) {
+    for (&(a, b), comparison) in pairs.iter().zip(&comparisons) {
         text += &object_table(&format!("{a} - {b}"), comparison, &bake);
     }
     if comparisons.iter().any(|c| c.objects.is_empty()) {
@@ -176,7 +184,8 @@ fn bake_json(
     limits: &[f64],
     written: &[PathBuf],
 ) -> Value {
-    let models = PAIRS.iter().zip(comparisons).zip(limits);
+    let pairs = pairs(bake);
+    let models = pairs.iter().zip(comparisons).zip(limits);
     let models: Vec<Value> = models
         .map(|((&(a, b), comparison), limit)| {
             let objects = comparison.objects.iter().zip(&bake.objects);

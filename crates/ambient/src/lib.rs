@@ -28,6 +28,7 @@ pub mod closed_form;
 pub mod convention;
 mod estimate;
 pub mod frame;
+pub mod ggx;
 pub mod lanes;
 pub mod models;
 pub mod quadrature;

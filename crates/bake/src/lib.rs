@@ -41,8 +41,8 @@ pub use bounce::BounceStats;
 pub use choice::Choice;
 pub use integrate::{Halves, REPLICATES, Terms};
 pub use options::{
-    Bounces, Buried, Denoise, Effort, Footprint, Options, Pattern, PointSet, Seams, Shading, Sky,
-    View,
+    Bounces, Buried, Denoise, Effort, Footprint, Model, Options, Pattern, PointSet, Seams, Shading,
+    Sky, View,
 };
 pub use page::{
     BakedPage, BakedTile, Baker, Deal, ErrorSums, LayerPlanes, PageStats, Pilot, layers_in_work,

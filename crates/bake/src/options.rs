@@ -37,6 +37,8 @@ pub struct Options {
     pub buried: Buried,
     /// Occluders farther than this do not count, in scene units; `None` for no limit.
     pub max_distance: Option<f32>,
+    /// What the highlight is.
+    pub model: Model,
     /// How often surfaces send light on.
     pub bounces: Bounces,
     /// Layers to produce, without repeats.
@@ -175,6 +177,16 @@ pub enum Shading {
     Exact,
 }
 
+/// The model of the highlight.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Model {
+    /// The lobe of the paper, (R·V)^n.
+    #[default]
+    Phong,
+    /// Microfacets: GGX, with [`Layer::Ggx`] in place of [`Layer::Phong`].
+    Ggx,
+}
+
 /// How often surfaces send on the light that they receive, see [`crate::Baker::bounce`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Bounces {
@@ -215,6 +227,7 @@ impl Default for Options {
             shading: Shading::default(),
             buried: Buried::default(),
             max_distance: None,
+            model: Model::default(),
             bounces: Bounces::default(),
             layers: Layer::STANDARD.to_vec(),
             rings: atlas::RINGS,
@@ -249,6 +262,7 @@ impl Options {
                     | Layer::StdErrReflection
                     | Layer::Lambert
                     | Layer::Phong
+                    | Layer::Ggx
                     | Layer::DifferenceLambert
                     | Layer::DifferencePhong
             )
@@ -260,12 +274,14 @@ impl Options {
     pub(crate) fn kept(&self) -> Vec<Layer> {
         let mut layers = self.layers.clone();
         if self.shows_bounces() {
-            for layer in [
+            let base = (self.model == Model::Ggx).then_some(Layer::Base);
+            let light = [
                 Layer::Irradiance,
                 Layer::Albedo,
                 Layer::Reflectance,
                 Layer::Validity,
-            ] {
+            ];
+            for layer in light.into_iter().chain(base) {
                 if !layers.contains(&layer) {
                     layers.push(layer);
                 }

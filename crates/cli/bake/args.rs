@@ -149,6 +149,10 @@ pub struct Job {
     /// Occluders farther than this many scene units do not count [default: no limit]
     #[arg(long, value_name = "D", value_parser = positive)]
     pub max_distance: Option<f64>,
+    /// What the highlight is: the paper's lobe about the mirrored view, or microfacets of the roughness that the exponent stands for;
+    /// the layer `ggx` then stands in place of `phong`
+    #[arg(long, value_enum, default_value_t = Model::Phong)]
+    pub model: Model,
     /// How often surfaces send on the light that they receive: so many gathers, or auto until what is missing is less than the target
     /// error, or than half a step of 8 bits. Surfaces that shine join in
     #[arg(long, value_name = "N|auto", default_value = "0", value_parser = bounces)]
@@ -194,6 +198,12 @@ pub struct Job {
     /// Planner choices to switch off: sky, diffuse, visibility, specular, open, instances, alpha_test, bounces
     #[arg(long, value_name = "NAME,..", value_delimiter = ',', value_parser = choice)]
     pub plan_off: Vec<Choice>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Model {
+    Phong,
+    Ggx,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -2,7 +2,9 @@
 
 use super::args::{self, Job};
 use crate::common::{Backend, Common};
-use ambake::{Bake, Buried, Denoise, Effort, Footprint, Options, Pattern, Seams, Shading, Uv};
+use ambake::{
+    Bake, Buried, Denoise, Effort, Footprint, Model, Options, Pattern, Seams, Shading, Uv,
+};
 
 /// The bake that was asked for.
 pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, ambake::Error> {
@@ -60,6 +62,10 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
         args::Buried::Keep => Buried::Keep,
     };
     options.max_distance = job.max_distance.map(|d| d as f32);
+    options.model = match job.model {
+        args::Model::Phong => Model::Phong,
+        args::Model::Ggx => Model::Ggx,
+    };
     options.bounces = job.bounces;
     options.normal_maps = job.normal_maps;
     options.albedo = job.albedo;

@@ -19,6 +19,8 @@ pub enum Layer {
     Traditional,
     /// Albedo x irradiance; under a uniform sky x albedo x diffuse.
     Lambert,
+    /// Base x irradiance plus specular reflectance x reflection, of the microfacet model.
+    Ggx,
     /// Lambert plus specular reflectance x reflection; under a uniform sky x specular reflectance x specular.
     Phong,
     /// Standard error of the diffuse term.
@@ -49,8 +51,10 @@ pub enum Layer {
     StdErrSpecular,
     /// Diffuse reflectance, linear.
     Albedo,
-    /// Specular reflectance, linear.
+    /// Specular reflectance, linear; under the microfacet model that of an open texel for its view.
     Reflectance,
+    /// Diffuse reflectance under the coat of the microfacet model, linear.
+    Base,
     /// (1/pi) times the integral of L V cos, L the sky's radiance.
     Irradiance,
     /// ((n+1)/2pi) times the integral of L V (R.V)^n; 0 where the material does not reflect specularly.
@@ -173,13 +177,14 @@ const UNIT_VECTOR: (Unit, Preview) = (Unit::Direction, Preview::Signed);
 
 /// Every layer in the order of the enum.
 #[rustfmt::skip]
-const TABLE: [Row; 31] = [
+const TABLE: [Row; 33] = [
     counted(row(Coverage, "coverage", ONE, SHARE, &[], "fraction of the texel inside its chart")),
     row(Visibility, "visibility", ONE, SHARE, &[Term::Visibility], "open solid angle / 2 pi, the traditional occlusion factor"),
     row(Diffuse, "diffuse", ONE, SHARE, &[Term::Diffuse], "the Lambertian ambient term"),
     row(Specular, "specular", ONE, SHARE, &[Term::Specular], "the Phong ambient term"),
     row(Traditional, "traditional", RGB, LIGHT, &[Term::Visibility], "mean sky x albedo x visibility"),
     row(Lambert, "lambert", RGB, LIGHT, &[Term::Diffuse], "albedo x light that arrives"),
+    row(Ggx, "ggx", RGB, LIGHT, &[Term::Diffuse, Term::Specular], "light that a microfacet surface sends out (--model ggx)"),
     row(Phong, "phong", RGB, LIGHT, &[Term::Diffuse, Term::Specular], "lambert plus specular reflectance x reflected light"),
     row(StdErrDiffuse, "error", ONE, SHARE, &[Term::Diffuse], "standard error of diffuse"),
     counted(row(Rays, "rays", ONE, (Unit::Count, Preview::OfLargest), &[], "rays spent")),
@@ -196,6 +201,7 @@ const TABLE: [Row; 31] = [
     row(StdErrSpecular, "error.specular", ONE, SHARE, &[Term::Specular], "standard error of specular"),
     row(Albedo, "albedo", RGB, TINT, &[], "diffuse reflectance"),
     row(Reflectance, "reflectance", RGB, TINT, &[], "specular reflectance"),
+    row(Base, "base", RGB, TINT, &[], "diffuse reflectance under a coat (--model ggx)"),
     row(Irradiance, "irradiance", RGB, LIGHT, &[Term::Diffuse], "light that arrives, E / pi, without albedo"),
     row(Reflection, "reflection", RGB, LIGHT, &[Term::Specular], "light that the lobe reflects, without its colour"),
     row(StdErrIrradiance, "error.irradiance", ONE, (Unit::Radiance, Preview::Linear), &[Term::Diffuse], "standard error of irradiance"),

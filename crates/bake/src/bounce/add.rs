@@ -24,6 +24,11 @@ pub(super) fn add(page: &mut BakedPage, light: BakedPage, options: &Options) {
         light.layer(Layer::Irradiance),
         light.layer(Layer::Reflection),
     );
+    let base = facts(Layer::Base);
+    let ggx = |texel| {
+        rgb(base.as_deref(), texel) * rgb(irradiance, texel)
+            + rgb(reflectance.as_deref(), texel) * rgb(reflection, texel)
+    };
     let lambert = |texel| rgb(albedo.as_deref(), texel) * rgb(irradiance, texel);
     let phong =
         |texel| lambert(texel) + rgb(reflectance.as_deref(), texel) * rgb(reflection, texel);
@@ -46,6 +51,7 @@ pub(super) fn add(page: &mut BakedPage, light: BakedPage, options: &Options) {
                 }
                 Layer::Lambert => before + lambert(texel)[channel],
                 Layer::Phong => before + phong(texel)[channel],
+                Layer::Ggx => before + ggx(texel)[channel],
                 Layer::DifferenceLambert => before - lambert(texel)[channel],
                 Layer::DifferencePhong => before - phong(texel)[channel],
                 _ => before,

@@ -7,8 +7,9 @@
 use super::kernel::{Kernel, leaving};
 use super::radiosity::Radiosity;
 use crate::integrate::REPLICATES;
-use crate::options::{Shading, View};
+use crate::options::{Model, Shading, View};
 use crate::survey::{Sample, Texel};
+use ambient::ggx::{Ggx, alpha_of};
 use ambient::sampling::Stream;
 use glam::DVec3;
 use rays::{Lamps, Ray, RayBackend, emission_at};
@@ -27,6 +28,7 @@ pub(super) struct Gather<'a> {
     pub shading: Shading,
     /// In the world's coordinates.
     pub view: View,
+    pub model: Model,
     pub t_max: f32,
 }
 
@@ -46,6 +48,16 @@ impl Gather<'_> {
         stream: impl Fn(bool, u32) -> Stream,
     ) -> (Received, u64) {
         let mut rays = 0;
+        // What an open texel reflects, by which its lobe is divided.
+        let mirror = match (self.model, integral) {
+            (Model::Ggx, Integral::Reflection) => {
+                let view = self.view_from(texel.position, texel.normal);
+                let ggx = Ggx::new(alpha_of(texel.material.exponent), texel.normal.dot(view));
+                let open = ggx.open();
+                open.tinted + open.white
+            }
+            _ => 1.0,
+        };
         let received = std::array::from_fn(|replicate| {
             let own = stream(false, replicate as u32);
             let aimed = stream(true, replicate as u32);
@@ -53,7 +65,7 @@ impl Gather<'_> {
             for point in 0..self.points {
                 let [u0, u1, v0, v1] = own.point(point);
                 let (surface, origin) = texel.start([v0, v1]);
-                let kernel = self.kernel(texel, &surface, integral);
+                let kernel = self.kernel(texel, &surface, integral, mirror);
                 let direction = kernel.sample([u0, u1]);
                 if let Some(ray) = leaving(&surface, self.shading, direction) {
                     rays += 1;
@@ -62,7 +74,7 @@ impl Gather<'_> {
                 if let Some(lamps) = self.lamps {
                     let [u0, u1, v0, v1] = aimed.point(point);
                     let (surface, origin) = texel.start([v0, v1]);
-                    let kernel = self.kernel(texel, &surface, integral);
+                    let kernel = self.kernel(texel, &surface, integral, mirror);
                     if let Some(light) = self.aimed(lamps, &kernel, &surface, origin, [u0, u1]) {
                         rays += 1;
                         sum += light;
@@ -74,21 +86,28 @@ impl Gather<'_> {
         (received, rays)
     }
 
-    fn kernel(&self, texel: &Texel, surface: &Sample, integral: Integral) -> Kernel {
+    fn kernel(&self, texel: &Texel, surface: &Sample, integral: Integral, mirror: f64) -> Kernel {
         let normal = surface.normal;
         match integral {
             Integral::Irradiance => Kernel::cosine(normal),
             Integral::Reflection => {
-                let view = match self.view {
-                    View::Normal => normal,
-                    View::Eye(eye) => (eye - surface.position).try_normalize().unwrap_or(normal),
-                };
+                let view = self.view_from(surface.position, normal);
+                if self.model == Model::Ggx {
+                    return Kernel::ggx(normal, view, texel.material.exponent, mirror);
+                }
                 let axis = 2.0 * normal.dot(view) * normal - view;
                 Kernel::lobe(
                     axis.try_normalize().unwrap_or(normal),
                     texel.material.exponent,
                 )
             }
+        }
+    }
+
+    fn view_from(&self, position: DVec3, normal: DVec3) -> DVec3 {
+        match self.view {
+            View::Normal => normal,
+            View::Eye(eye) => (eye - position).try_normalize().unwrap_or(normal),
         }
     }
 
@@ -107,16 +126,17 @@ impl Gather<'_> {
             return DVec3::ZERO;
         };
         let sent = self.radiosity.sent(&hit, ray);
-        let Some(lamps) = self.lamps else {
-            return sent;
-        };
         let world = self.radiosity.world;
-        let by_lamps = lamps.pdf(world, &hit, ray);
+        let by_lamps = self.lamps.map_or(0.0, |lamps| lamps.pdf(world, &hit, ray));
+        let own = kernel.weight(surface, self.shading, ray);
+        if own.y <= 0.0 {
+            return DVec3::ZERO;
+        }
+        let sent = sent * (own.x / own.y);
         if by_lamps == 0.0 {
             return sent;
         }
-        let own = kernel.weight(surface, self.shading, ray);
-        sent + self.emission(&hit) * (own / (own + by_lamps))
+        sent + self.emission(&hit) * (own.x / (own.y + by_lamps))
     }
 
     /// Light along a ray that is aimed at a lamp; `None` where none needs to be cast.
@@ -133,14 +153,14 @@ impl Gather<'_> {
         let start = DVec3::from(origin.map(f64::from));
         let ray = (target - start).try_normalize()?;
         let own = kernel.weight(surface, self.shading, ray);
-        if own == 0.0 {
+        if own.x == 0.0 {
             return None;
         }
         let hit = self.backend.closest(&self.ray(origin, ray));
         let light = hit.filter(|hit| (hit.instance, hit.triangle) == place);
         Some(light.map_or(DVec3::ZERO, |hit| {
             let by_lamps = lamps.pdf(world, &hit, ray);
-            self.emission(&hit) * (own / (own + by_lamps))
+            self.emission(&hit) * (own.x / (own.y + by_lamps))
         }))
     }
 

@@ -1,10 +1,12 @@
 //! What a texel weighs incoming light by: the cosine of its irradiance, or the specular lobe.
 
+use crate::integrate::ggx::frame;
 use crate::options::Shading;
 use crate::survey::Sample;
 use ambient::Frame;
+use ambient::ggx::{Ggx, alpha_of};
 use ambient::sampling::{Lobe, Mixture};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// A weight of directions about a surface point, of integral 1 over the directions that it is drawn from.
 pub(super) struct Kernel {
@@ -15,6 +17,8 @@ pub(super) struct Kernel {
 enum Shape {
     Cosine,
     Lobe(Lobe),
+    /// With the albedo of a white mirror.
+    Ggx(Ggx, f64),
 }
 
 impl Kernel {
@@ -34,28 +38,42 @@ impl Kernel {
         }
     }
 
-    /// The direction of a point of the unit square, with the kernel as its density.
+    /// The GGX lobe of a white mirror, seen along `view`, over its `albedo`.
+    pub fn ggx(normal: DVec3, view: DVec3, exponent: f64, albedo: f64) -> Self {
+        let ggx = Ggx::new(alpha_of(exponent), normal.dot(view));
+        Self {
+            shape: Shape::Ggx(ggx, albedo),
+            frame: frame(normal, view),
+        }
+    }
+
+    /// The direction of a point of the unit square.
     pub fn sample(&self, u: [f64; 2]) -> DVec3 {
         self.frame.to_world(match self.shape {
             Shape::Cosine => Mixture::COSINE.sample(u),
             Shape::Lobe(lobe) => lobe.sample(u),
+            Shape::Ggx(ggx, _) => ggx.sample(u).direction,
         })
     }
 
-    /// The weight of all directions whose ray leaves in the unit direction `ray`: that direction itself and, where the wedge below the
-    /// facet looks along its mirror image, the one that is folded onto it.
-    pub fn weight(&self, surface: &Sample, shading: Shading, ray: DVec3) -> f64 {
+    /// The weight of all directions whose ray leaves in the unit direction `ray`, and the density with which they are drawn: that direction
+    /// itself and, where the wedge below the facet looks along its mirror image, the one that is folded onto it.
+    pub fn weight(&self, surface: &Sample, shading: Shading, ray: DVec3) -> DVec2 {
         let height = ray.dot(surface.geometric);
         if height <= 0.0 {
-            return 0.0;
+            return DVec2::ZERO;
         }
         let one = |direction: DVec3| match direction.dot(surface.normal) > 0.0 {
-            false => 0.0,
+            false => DVec2::ZERO,
             true => {
                 let local = self.frame.to_local(direction);
                 match self.shape {
-                    Shape::Cosine => Mixture::COSINE.pdf(local),
-                    Shape::Lobe(lobe) => lobe.pdf(local),
+                    Shape::Cosine => DVec2::splat(Mixture::COSINE.pdf(local)),
+                    Shape::Lobe(lobe) => DVec2::splat(lobe.pdf(local)),
+                    Shape::Ggx(ggx, albedo) => {
+                        let density = ggx.pdf(local);
+                        DVec2::new(density * ggx.weight(local) / albedo, density)
+                    }
                 }
             }
         };
@@ -68,7 +86,7 @@ impl Kernel {
 
 /// The direction in which the ray of `direction` leaves a surface; `None` where it counts 0: below the horizon of the shading normal, or
 /// in exact shading below the facet.
-pub(super) fn leaving(surface: &Sample, shading: Shading, direction: DVec3) -> Option<DVec3> {
+pub(crate) fn leaving(surface: &Sample, shading: Shading, direction: DVec3) -> Option<DVec3> {
     if direction.dot(surface.normal) <= 0.0 {
         return None;
     }

@@ -21,6 +21,7 @@ mod kernel;
 mod light;
 mod radiosity;
 
+pub(crate) use kernel::leaving;
 pub use light::BounceStats;
 
 use crate::choice::Choice;
@@ -115,6 +116,7 @@ impl Baker<'_> {
                 View::Eye(eye) => View::Eye(eye - self.world.origin()),
                 View::Normal => View::Normal,
             },
+            model: self.options.model,
             t_max: self.options.max_distance.unwrap_or(f32::INFINITY),
         }
     }

@@ -25,6 +25,7 @@
 mod closed_form;
 mod estimate;
 mod gang;
+pub(crate) mod ggx;
 mod sums;
 mod task;
 mod terms;

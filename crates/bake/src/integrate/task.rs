@@ -61,6 +61,14 @@ impl Task<'_> {
         }
     }
 
+    /// The unit vector to the eye.
+    pub fn view_from(&self, position: DVec3, normal: DVec3) -> DVec3 {
+        match self.view {
+            View::Normal => normal,
+            View::Eye(eye) => (eye - position).try_normalize().unwrap_or(normal),
+        }
+    }
+
     /// R = 2 (N.V) N - V, the axis of the specular lobe.
     pub fn mirrored_view(&self, position: DVec3, normal: DVec3) -> DVec3 {
         match self.view {

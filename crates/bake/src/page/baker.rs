@@ -6,8 +6,8 @@ use super::planes::{BakedPage, LayerPlanes};
 use super::stats::PageStats;
 use super::tile::{BakedTile, Columns};
 use crate::choice::Choice;
-use crate::integrate::{Task, integrate};
-use crate::options::{Buried, Footprint, Options, View};
+use crate::integrate::{Task, ggx, integrate};
+use crate::options::{Buried, Footprint, Model, Options, View};
 use crate::plan::Plan;
 use crate::seams::Seams;
 use crate::survey::{Surveyor, Texel};
@@ -298,16 +298,42 @@ impl<'a> Baker<'a> {
         let texels = self.survey(tile, page);
         let lobes = self.plan.models(Choice::Specular);
         let specular: Vec<bool> = texels.iter().map(|t| lobes && self.reflects(t)).collect();
-        let terms = integrate(&task, &texels, &specular);
+        let microfacets = options.model == Model::Ggx;
+        let terms = match microfacets {
+            false => integrate(&task, &texels, &specular),
+            true => {
+                let mut terms = integrate(&task, &texels, &vec![false; texels.len()]);
+                let reflecting = terms.iter_mut().zip(&texels).zip(&specular);
+                for ((terms, texel), _) in reflecting.filter(|(_, reflects)| **reflects) {
+                    let lobe = ggx::terms(&task, texel);
+                    (terms.specular, terms.reflection) = (lobe.specular, lobe.reflection);
+                    terms.halves.specular = lobe.halves.specular;
+                    terms.halves.reflection = lobe.halves.reflection;
+                    terms.rays += lobe.rays;
+                }
+                terms
+            }
+        };
+        let coloured = |texel: &Texel| {
+            let mut material = texel.material;
+            let mut base = material.albedo;
+            if microfacets {
+                let view = task.view_from(texel.position, texel.normal);
+                [base, material.specular] = ggx::colours(&material, texel.normal.dot(view));
+            }
+            (material, base)
+        };
         texels
             .iter()
             .zip(terms)
-            .map(|(texel, terms)| BakedTexel {
+            .map(|(texel, terms)| (texel, terms, coloured(texel)))
+            .map(|(texel, terms, (material, base))| BakedTexel {
                 index: texel.y * self.atlas.page_size + texel.x,
                 coverage: texel.coverage,
                 object: texel.object,
                 terms,
-                material: texel.material,
+                material,
+                base,
                 position: texel.position,
                 normal: texel.normal,
                 geometric: texel.geometric,

@@ -21,6 +21,8 @@ pub(crate) struct Composition {
     pub albedo: DVec3,
     /// Specular reflectance.
     pub specular: DVec3,
+    /// Diffuse reflectance under the coat of the microfacet model.
+    pub base: DVec3,
 }
 
 impl Composition {
@@ -41,6 +43,10 @@ impl Composition {
             Layer::Traditional => traditional(),
             Layer::Lambert => lambert(),
             Layer::Phong => phong(),
+            Layer::Ggx => {
+                let (irradiance, reflection) = (self.irradiance, self.reflection);
+                models::phong(irradiance, reflection, self.base, self.specular)
+            }
             Layer::DifferenceLambert => traditional() - lambert(),
             Layer::DifferencePhong => traditional() - phong(),
             fact => unreachable!("layer {} is a fact", fact.name()),
@@ -55,6 +61,7 @@ pub(crate) fn is_composed(layer: Layer) -> bool {
         Layer::Traditional
             | Layer::Lambert
             | Layer::Phong
+            | Layer::Ggx
             | Layer::DifferenceLambert
             | Layer::DifferencePhong
     )
@@ -80,6 +87,8 @@ pub(crate) struct BakedTexel {
     pub terms: Terms,
     /// Mean over the footprint.
     pub material: PhongMaterial,
+    /// Diffuse reflectance under the coat of the microfacet model.
+    pub base: DVec3,
     /// Mean world position.
     pub position: DVec3,
     /// Mean shading normal.
@@ -123,6 +132,7 @@ impl BakedTexel {
             Layer::HalfReflection => three(terms.halves.reflection),
             Layer::Albedo => three(material.albedo),
             Layer::Reflectance => three(material.specular),
+            Layer::Base => three(self.base),
             composed => unreachable!("layer {} is no fact", composed.name()),
         }
     }

@@ -7,7 +7,7 @@ use super::stats::ErrorSums;
 use crate::choice::Choice;
 use crate::denoise::{Denoiser, Field, Term};
 use crate::mend::{Mends, Surface};
-use crate::options::{Buried, Denoise, Options, Seams as Scope, Sky};
+use crate::options::{Buried, Denoise, Model, Options, Seams as Scope, Sky};
 use crate::plan::Plan;
 use crate::seams::{Known, Seams};
 use ambient::Estimate;
@@ -42,6 +42,7 @@ fn terms(options: &Options, plan: &Plan) -> Vec<TermLayers> {
     let composed = |layer: &Layer| is_composed(*layer) || is_light(*layer);
     let lights: &[TermLayers] = match options.sky.map() {
         Some(_) if options.kept().iter().any(composed) => &LIGHTS,
+        None if options.model == Model::Ggx => &LIGHTS[1..],
         _ => &[],
     };
     let modelled = |term: &&TermLayers| plan.models(term.2);
@@ -70,7 +71,11 @@ pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec
         }
     };
     let uniform = options.sky.map().is_none();
-    let follows = |layer: Layer| is_composed(layer) || (uniform && is_light(layer));
+    let ggx = options.model == Model::Ggx;
+    let integrated =
+        |layer: Layer| ggx && matches!(layer, Layer::Reflection | Layer::StdErrReflection);
+    let follows =
+        |layer: Layer| is_composed(layer) || (uniform && is_light(layer) && !integrated(layer));
     let kept = options.kept();
     let asked = kept.iter().copied();
     asked.filter(|&layer| !follows(layer)).for_each(&mut add);
@@ -94,6 +99,9 @@ pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec
     if options.layers.iter().any(|&layer| is_composed(layer)) {
         add(Layer::Albedo);
         add(Layer::Reflectance);
+        if ggx {
+            add(Layer::Base);
+        }
     }
     layers
 }
@@ -361,6 +369,7 @@ struct Facts<'a> {
     reflection: [Option<&'a [f32]>; 3],
     albedo: [Option<&'a [f32]>; 3],
     reflectance: [Option<&'a [f32]>; 3],
+    base: [Option<&'a [f32]>; 3],
 }
 
 impl<'a> Facts<'a> {
@@ -376,15 +385,17 @@ impl<'a> Facts<'a> {
             reflection: three(Layer::Reflection),
             albedo: three(Layer::Albedo),
             reflectance: three(Layer::Reflectance),
+            base: three(Layer::Base),
         }
     }
 
     /// What a texel is composed of.
-    fn at(&self, texel: usize, sky: &Sky) -> Composition {
+    fn at(&self, texel: usize, sky: &Sky, model: Model) -> Composition {
         let one = |plane: Option<&[f32]>| plane.map_or(0.0, |plane| f64::from(plane[texel]));
         let rgb = |planes: [Option<&[f32]>; 3]| DVec3::from(planes.map(one));
         let mean = sky.mean();
         let [irradiance, reflection] = match sky.map() {
+            None if model == Model::Ggx => [mean * one(self.diffuse), rgb(self.reflection)],
             None => [mean * one(self.diffuse), mean * one(self.specular)],
             Some(_) => [rgb(self.irradiance), rgb(self.reflection)],
         };
@@ -397,6 +408,7 @@ impl<'a> Facts<'a> {
             specular_error: one(self.specular_error),
             albedo: rgb(self.albedo),
             specular: rgb(self.reflectance),
+            base: rgb(self.base),
         }
     }
 }
@@ -423,7 +435,9 @@ fn compose_asked(page: &mut BakedPage, options: &Options) {
         let mut planes = LayerPlanes::void(layer, texels);
         let values = planes.values.par_iter_mut().enumerate();
         values.for_each(|(at, value)| {
-            *value = facts.at(at % texels, &options.sky).value(layer)[at / texels] as f32;
+            *value = facts
+                .at(at % texels, &options.sky, options.model)
+                .value(layer)[at / texels] as f32;
         });
         composed.push(planes);
     }

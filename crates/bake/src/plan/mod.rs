@@ -6,7 +6,7 @@ mod open;
 pub use open::OpenTriangles;
 
 use crate::choice::Choice;
-use crate::options::{Options, Shading, Sky, View};
+use crate::options::{Model, Options, Shading, Sky, View};
 use ambient::sampling::Mixture;
 use layers::Term;
 use rays::{Error, PlaneErrors, World, WorldOptions};
@@ -139,8 +139,9 @@ fn choice_of(term: Term) -> Choice {
 
 /// How a term comes about; the integrator follows the same rules texel by texel.
 fn method(term: Term, modelled: bool, triangles: &OpenTriangles, options: &Options) -> Method {
+    let along_normal = options.view == View::Normal && options.model == Model::Phong;
     let lobe_is_closed =
-        options.shading == Shading::Production || options.view == View::Normal || !triangles.tilted;
+        options.shading == Shading::Production || along_normal || !triangles.tilted;
     if !modelled {
         Method::Off
     } else if options.sky.map().is_none()

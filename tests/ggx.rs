@@ -1,0 +1,203 @@
+//! The microfacet model: furnaces, and a wall against a quadrature of its own.
+
+use crate::support::{Page, bake, run};
+use serde_json::{Value, json};
+use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
+
+/// A scene of squares of one glTF material: each is its corner and two edges, whose cross product is its normal. The first is called
+/// `floor`, the others `wall`.
+fn squares(folder: &Path, material: Value, squares: &[[[f32; 3]; 3]]) -> PathBuf {
+    let mut bytes: Vec<u8> = [0u16, 1, 2, 0, 2, 3]
+        .iter()
+        .flat_map(|i| i.to_le_bytes())
+        .collect();
+    let (mut accessors, mut meshes, mut nodes) = (
+        vec![json!({ "bufferView": 0, "componentType": 5123, "count": 6, "type": "SCALAR" })],
+        vec![],
+        vec![],
+    );
+    for (number, [corner, a, b]) in squares.iter().enumerate() {
+        let corners = [[0., 0.], [1., 0.], [1., 1.], [0., 1.]]
+            .map(|[s, t]| [0, 1, 2].map(|c: usize| corner[c] + a[c] * s + b[c] * t));
+        let bound = |pick: fn(f32, f32) -> f32| {
+            [0, 1, 2].map(|c| corners.iter().map(|p| p[c]).reduce(pick).expect("a corner"))
+        };
+        accessors.push(
+            json!({ "bufferView": 1, "byteOffset": 48 * number, "componentType": 5126, "count": 4,
+            "type": "VEC3", "min": bound(f32::min), "max": bound(f32::max) }),
+        );
+        bytes.extend(corners.iter().flatten().flat_map(|c| c.to_le_bytes()));
+        let name = if number == 0 { "floor" } else { "wall" };
+        meshes.push(json!({ "name": name, "primitives": [{ "attributes": { "POSITION": number + 1 }, "indices": 0, "material": 0 }] }));
+        nodes.push(json!({ "name": name, "mesh": number }));
+    }
+    std::fs::write(folder.join("a.bin"), &bytes).expect("a file");
+    let json = json!({
+        "asset": { "version": "2.0" },
+        "buffers": [{ "uri": "a.bin", "byteLength": bytes.len() }],
+        "bufferViews": [{ "buffer": 0, "byteLength": 12 },
+                        { "buffer": 0, "byteOffset": 12, "byteLength": bytes.len() - 12 }],
+        "accessors": accessors,
+        "meshes": meshes,
+        "scenes": [{ "nodes": (0..squares.len()).collect::<Vec<_>>() }],
+        "nodes": nodes,
+        "materials": [material],
+    });
+    let path = folder.join("a.gltf");
+    std::fs::write(&path, json.to_string()).expect("a file");
+    path
+}
+
+fn pbr(base: [f64; 3], metallic: f64, roughness: f64) -> Value {
+    json!({ "pbrMetallicRoughness": { "baseColorFactor": [base[0], base[1], base[2], 1],
+        "metallicFactor": metallic, "roughnessFactor": roughness } })
+}
+
+/// The mean of a channel over the covered texels that lie at the height `y = 0`, and the largest distance from it.
+fn floor(page: &Page, channel: &str) -> (f64, f64) {
+    let values = page
+        .plane(channel)
+        .iter()
+        .zip(page.plane("coverage"))
+        .zip(page.plane("position.Y"));
+    let values: Vec<f64> = values
+        .filter(|((_, coverage), y)| **coverage > 0.0 && **y == 0.0)
+        .map(|((value, _), _)| f64::from(*value))
+        .collect();
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    (
+        mean,
+        values
+            .iter()
+            .fold(0.0, |worst, v| f64::max(worst, (v - mean).abs())),
+    )
+}
+
+const FLOOR: [[f32; 3]; 3] = [[1., 0., 0.], [0., 0., 1.], [1., 0., 0.]];
+
+#[test]
+fn white_surfaces_return_all_that_they_receive_at_every_roughness_and_view() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    for (metallic, roughness, view) in [
+        (1.0, 0.0, "normal"),
+        (1.0, 0.5, "normal"),
+        (1.0, 1.0, "normal"),
+        (0.0, 0.3, "normal"),
+        (0.5, 1.0, "normal"),
+        (1.0, 0.7, "200,40,0.5"),
+        (0.0, 0.3, "200,20,0.5"),
+    ] {
+        let path = squares(folder.path(), pbr([1.0; 3], metallic, roughness), &[FLOOR]);
+        let words = [
+            "--size", "8", "--model", "ggx", "--layers", "position", "--view", view,
+        ];
+        let (_folder, page) = bake(&path, &words);
+        assert!(!page.names().contains(&"phong.R"), "{:?}", page.names());
+        let (specular, _) = floor(&page, "specular");
+        let (found, spread) = floor(&page, "ggx.G");
+        let place = format!("metallic {metallic}, roughness {roughness}, view {view}");
+        assert_eq!(specular, 1.0, "{place}");
+        assert!(
+            (found - 1.0).abs() < 1e-6 && spread < 1e-6,
+            "{place}: {found} ± {spread}"
+        );
+    }
+}
+
+/// J of the half space x > 0 by a midpoint rule over directions: D, G2 and F as the books print them.
+fn half_space(f0: f64, roughness: f64, cos: f64) -> f64 {
+    let alpha2 = roughness.powi(4);
+    let v = [(1.0 - cos * cos).sqrt(), cos, 0.0];
+    let lambda = |c: f64| 0.5 * ((1.0 + alpha2 * (1.0 / (c * c) - 1.0)).sqrt() - 1.0);
+    let (rows, columns) = (700, 700);
+    let (mut blocked, mut all, mut white) = (0.0, 0.0, 0.0);
+    for row in 0..rows {
+        for column in 0..columns {
+            let theta = PI / 2.0 * (f64::from(row) + 0.5) / f64::from(rows);
+            let phi = 2.0 * PI * (f64::from(column) + 0.5) / f64::from(columns);
+            let l = [
+                theta.sin() * phi.cos(),
+                theta.cos(),
+                theta.sin() * phi.sin(),
+            ];
+            let h = [0, 1, 2].map(|c| l[c] + v[c]);
+            let length = h.iter().map(|c| c * c).sum::<f64>().sqrt();
+            let (nh, vh) = (
+                h[1] / length,
+                (0..3).map(|c| v[c] * h[c]).sum::<f64>() / length,
+            );
+            let d = alpha2 / (PI * (nh * nh * (alpha2 - 1.0) + 1.0).powi(2));
+            let g2 = 1.0 / (1.0 + lambda(cos) + lambda(l[1]));
+            let step = theta.sin() * PI / 2.0 / f64::from(rows) * 2.0 * PI / f64::from(columns);
+            let value = d * g2 / (4.0 * cos) * step;
+            let f = f0 + (1.0 - f0) * (1.0 - vh).powi(5);
+            white += value;
+            all += value * f;
+            if l[0] < 0.0 {
+                blocked += value * f;
+            }
+        }
+    }
+    (all - blocked) * (1.0 + f0 * (1.0 / white - 1.0))
+}
+
+#[test]
+fn lobe_beside_a_wall_is_the_integral_over_the_open_half_space() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    // A wall in the plane x = 0 without end, as the floor sees it; the eye is far away on the open side, so the lobe leans to the wall.
+    let wall = [[0., 0., -1e4], [0., 1e4, 0.], [0., 0., 2e4]];
+    let base = [1.0, 0.77, 0.34];
+    for (roughness, view, cos) in [
+        (0.5, "normal", 1.0),
+        (0.5, "5e5,5e5,0.5", 0.5_f64.sqrt()),
+        (0.9, "8e5,6e5,0.5", 0.6),
+    ] {
+        let path = squares(folder.path(), pbr(base, 1.0, roughness), &[FLOOR, wall]);
+        let words = [
+            "--size",
+            "16",
+            "--rays",
+            "256",
+            "--model",
+            "ggx",
+            "--exclude",
+            "wall",
+            "--view",
+            view,
+        ];
+        let words = [&words[..], &["--layers", "position,error.reflection"]].concat();
+        let (_folder, page) = bake(&path, &words);
+        for (channel, f0) in ["ggx.R", "ggx.G", "ggx.B"].into_iter().zip(base) {
+            let exact = half_space(f0, roughness, cos);
+            let (found, _) = floor(&page, channel);
+            let (std_err, _) = floor(&page, "error.reflection");
+            // The wall's own albedo sends nothing: no bounces were asked for.
+            assert!(
+                (found - exact).abs() < 3.0 * std_err + 1e-3,
+                "{roughness} {view} {channel}: {found}, not {exact} ± {std_err}"
+            );
+        }
+    }
+}
+
+#[test]
+fn layers_of_one_model_are_refused_under_the_other() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let path = squares(folder.path(), pbr([1.0; 3], 1.0, 0.5), &[FLOOR]);
+    let out = folder.path().join("out");
+    for (model, layer) in [("phong", "ggx"), ("ggx", "difference.phong")] {
+        let words = [
+            "bake",
+            path.to_str().expect("UTF-8"),
+            "-o",
+            out.to_str().expect("UTF-8"),
+        ];
+        let output = run(words
+            .into_iter()
+            .chain(["--model", model, "--layers", layer]));
+        assert_eq!(output.status.code(), Some(1));
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert!(text.contains("--model"), "{text}");
+    }
+}
