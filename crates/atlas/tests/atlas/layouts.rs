@@ -390,16 +390,3 @@ fn charts_that_nobody_sees_leave_their_texels_to_the_others() {
     let none = layout_seen(&scene, &options, Some(&|_| false), &|| false).unwrap();
     assert_clean(&none);
 }
-
-#[test]
-fn a_sliver_of_any_length_is_an_error_that_names_its_width() {
-    let mut sliver = scene::authored::Mesh::default();
-    sliver.positions = vec![[0.0, 0.0, 0.0], [1e12, 0.0, 0.0], [0.0, 1e-6, 0.0]];
-    sliver.triangles = vec![[0, 1, 2]];
-    let scene = scene::Scene::from_meshes(vec![sliver], vec![]).unwrap();
-    let options = Options {
-        density: Some(0.1),
-        ..Options::default()
-    };
-    layout(&scene, &options, &|| false).unwrap_err();
-}
