@@ -261,7 +261,7 @@ fn an_edit_during_the_bake_is_a_warning_and_the_result_is_of_what_was_read() {
             out.as_os_str(),
         ]);
         command.args([
-            "--size", "128", "--rays", "256", "--only", "diffuse", "--quiet",
+            "--size", "64", "--rays", "64", "--only", "diffuse", "--quiet",
         ]);
         command
     };
@@ -344,9 +344,9 @@ fn closed_and_full_streams_are_no_panic_and_control_characters_never_reach_a_ter
 fn a_write_that_fails_keeps_what_was_baked() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");
-    let blocked = out.join("courtyard.glb");
+    let blocked = out.join("corner.glb");
     std::fs::create_dir_all(&blocked).expect("the folder is writable");
-    let path = scene("courtyard.obj");
+    let path = scene("corner.obj");
     let mut words = vec![
         "bake".as_ref(),
         path.as_os_str(),
@@ -361,7 +361,7 @@ fn a_write_that_fails_keeps_what_was_baked() {
     let line = String::from_utf8_lossy(&failed.stderr);
     assert_eq!(failed.status.code(), Some(1), "{line}");
     assert!(
-        line.contains("courtyard.glb") && line.contains("--resume"),
+        line.contains("corner.glb") && line.contains("--resume"),
         "{line}"
     );
     let left = files(&out);
@@ -370,7 +370,7 @@ fn a_write_that_fails_keeps_what_was_baked() {
     std::fs::remove_dir(&blocked).expect("it is empty");
     words.push("--resume".as_ref());
     run_well(&words);
-    assert!(files(&out).contains(&"courtyard.glb".into()));
+    assert!(files(&out).contains(&"corner.glb".into()));
     assert!(
         !files(&out).iter().any(|name| name.contains("resume")),
         "{:?}",

@@ -220,7 +220,10 @@ fn texels(objects: &[Object], densities: &[f64]) -> f64 {
 
 /// The error that names the largest shape, if one does not fit on a page.
 fn too_large(shapes: &[Shape], size: u32, gutter: u32) -> Result<(), Error> {
-    let padded = |shape: &Shape| [shape[0].width + 2 * gutter, shape[0].height + 2 * gutter];
+    // Of a sliver of any length the width is that of the largest number.
+    let padded = |shape: &Shape| {
+        [shape[0].width, shape[0].height].map(|edge| edge.saturating_add(2 * gutter))
+    };
     match shapes.iter().map(padded).max_by_key(|s| s[0].max(s[1])) {
         Some([width, height]) if width.max(height) > size => Err(Error::ChartTooLarge {
             width,

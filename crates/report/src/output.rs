@@ -4,6 +4,7 @@ use crate::Error;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 use tempfile::{NamedTempFile, TempPath};
 
 /// An output directory with a set of staged files.
@@ -60,10 +61,15 @@ impl Output {
         let mut output = Output::create(dir)?;
         // The directory itself is locked, so that no lock file is left behind. A file system without locks has none.
         if let Ok(handle) = File::open(dir) {
-            match handle.try_lock() {
-                Err(TryLockError::WouldBlock) => return Err(Error::Busy { path: dir.into() }),
-                Err(TryLockError::Error(_)) | Ok(()) => output._lock = Some(handle),
+            // A run that only looks whether it may begin holds the lock for a moment.
+            let taken = |attempt: u64| {
+                std::thread::sleep(Duration::from_millis(20 * attempt));
+                matches!(handle.try_lock(), Err(TryLockError::WouldBlock))
+            };
+            if (0..5).all(taken) {
+                return Err(Error::Busy { path: dir.into() });
             }
+            output._lock = Some(handle);
         }
         output.prefix = EXCLUSIVE;
         for entry in fs::read_dir(dir).into_iter().flatten().flatten() {
