@@ -262,14 +262,12 @@ fn three_js_shows_the_picture_that_ambake_renders() {
         return;
     };
     assert_eq!(seen["errors"], json!([]));
-    for (loader, brighter) in LOADERS {
+    // Without mip levels both look up the same texels; RGBE is brighter, and a mip level is a blur.
+    for (loader, most) in [("exr", 0.5), ("hdr", 2.0), ("ktx2", 2.0)] {
         let told = &seen[loader];
         assert!(told["pixels"].as_u64() > Some(200), "{told}");
         let mean = told["mean"].as_f64().expect("a number");
-        assert!(
-            mean <= 0.5 + brighter,
-            "{loader}: {mean} of 255 on the mean"
-        );
+        assert!(mean <= most, "{loader}: {mean} of 255 on the mean");
     }
     assert_eq!(seen["ktx2"]["levels"], 2);
 }
