@@ -371,18 +371,8 @@ impl Bake {
     /// # Errors
     /// As [`Bake::prepare`].
     pub fn lay_out(&self) -> Result<Layout, Error> {
-        if !self.options.seen_from.is_empty() {
-            let job = self.prepare()?;
-            return Ok(Layout::new(&self.scene, &self.options, job.atlas().clone()));
-        }
-        self.options.check()?;
-        let options = self.options.layout();
-        let atlas = atlas::layout(&self.scene.0, &options, &|| false);
-        let atlas = atlas.map_err(|source| Error::Layout {
-            scene: self.scene.path.display().to_string(),
-            source,
-        })?;
-        Ok(Layout::new(&self.scene, &self.options, atlas))
+        let job = self.prepare()?;
+        Ok(Layout::new(&self.scene, &self.options, job.atlas().clone()))
     }
 
     /// Plans the bake, lays its texels out and builds the ray scene.
