@@ -54,7 +54,7 @@ fn damaged(bytes: &[u8], copy: u64) -> Vec<u8> {
             };
         }
     }
-    if copy % 3 == 0 {
+    if copy.is_multiple_of(3) {
         damaged.truncate(below(bytes.len()));
     }
     damaged

@@ -172,21 +172,26 @@ fn a_rebake_removes_what_the_earlier_one_listed_and_keeps_the_rest() {
 
 #[test]
 fn every_layer_that_is_asked_for_has_its_preview_and_its_line_of_help() {
-    let names: Vec<&str> = layers::Layer::all().map(layers::Layer::name).collect();
-    let (folder, page) = bake(
-        &scene("plane.obj"),
-        &["--size=32", "--rays=4", "--layers", &names.join(",")],
-    );
-    let there = files(folder.path());
-    for layer in layers::Layer::all() {
-        let name = layer.name();
-        let preview = there.contains(&format!("plane.0.{name}.png"));
-        let wanted = layer.preview() != layers::Preview::None;
-        assert_eq!(preview, wanted, "preview of {name}");
-        for channel in 0..layer.channels().len() {
-            page.plane(&layer.channel_name(channel));
+    // Each model has layers that the other has not.
+    let is_ggx = |layer: &layers::Layer| matches!(layer, layers::Layer::Ggx | layers::Layer::Base);
+    let (ggx, phong): (Vec<_>, Vec<_>) = layers::Layer::all().partition(is_ggx);
+    for (model, layers) in [("phong", phong), ("ggx", ggx)] {
+        let names: Vec<&str> = layers.iter().map(|layer| layer.name()).collect();
+        #[rustfmt::skip]
+        let arguments = ["--size=32", "--rays=4", "--model", model, "--layers", &names.join(",")];
+        let (folder, page) = bake(&scene("plane.obj"), &arguments);
+        let there = files(folder.path());
+        for layer in layers {
+            let name = layer.name();
+            let preview = there.contains(&format!("plane.0.{name}.png"));
+            let wanted = layer.preview() != layers::Preview::None;
+            assert_eq!(preview, wanted, "preview of {name}");
+            for channel in 0..layer.channels().len() {
+                page.plane(&layer.channel_name(channel));
+            }
         }
     }
+    let names = layers::Layer::all().map(layers::Layer::name);
     let help = run_well(["bake", "--help"]);
     let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
     for name in names {

@@ -225,8 +225,10 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_is_refused_with_a_size_that_does() {
-        let mut options = Options::default();
-        options.size = 8192;
+        let mut options = Options {
+            size: 8192,
+            ..Options::default()
+        };
         let given = |bytes: u64| Limit {
             given: Some(bytes),
             ..Limit::default()

@@ -60,7 +60,7 @@ fn descriptor() -> Vec<u8> {
     words(&[TEXEL as u32, 0]); // bytes of plane 0
     for (i, channel) in [0u32, 1, 2, 15].into_iter().enumerate() {
         let kind = 0x80 | 0x40 | channel; // float, signed
-        words(&[16 * i as u32 | 15 << 16 | kind << 24, 0]);
+        words(&[(16 * i as u32) | (15 << 16) | (kind << 24), 0]);
         words(&[(-1.0f32).to_bits(), 1.0f32.to_bits()]);
     }
     bytes
