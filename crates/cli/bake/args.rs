@@ -57,7 +57,7 @@ pub struct Merge {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
     /// Print nothing but errors
-    #[arg(long)]
+    #[arg(short, long)]
     pub quiet: bool,
     /// Print a machine-readable summary on standard output
     #[arg(long)]
