@@ -313,6 +313,10 @@ fn bad_instances_are_errors() {
     let mut far = IDENTITY;
     far[3][1] = 3e18;
     let error = builder.instance(&part, far).expect_err("too far");
+    assert!(matches!(error, Error::InstanceOutOfReach(_)), "{error}");
+    let error = builder
+        .instance(&part, scaled(1e18))
+        .expect_err("too large");
     assert!(matches!(error, Error::InstanceOutOfRange(_)), "{error}");
     builder.instance(&part, IDENTITY).expect("an instance");
     let placed = builder.commit().expect("a scene");
