@@ -314,9 +314,11 @@ fn bad_instances_are_errors() {
     far[3][1] = 3e18;
     let error = builder.instance(&part, far).expect_err("too far");
     assert!(matches!(error, Error::InstanceOutOfReach(_)), "{error}");
+    let mut far = scaled(1e6);
+    far[3][1] = 3e18;
     let error = builder
-        .instance(&part, scaled(1e18))
-        .expect_err("too large");
+        .instance(&part, far)
+        .expect_err("large enough, and too far");
     assert!(matches!(error, Error::InstanceOutOfRange(_)), "{error}");
     builder.instance(&part, IDENTITY).expect("an instance");
     let placed = builder.commit().expect("a scene");
