@@ -15,16 +15,13 @@ pub(crate) fn oracle<'a>(
     world: &'a World,
     backend: &'a dyn RayBackend,
 ) -> Option<Box<atlas::Seen<'a>>> {
-    let solids = match options.buried {
-        Buried::Drop => Some(world.solids()).filter(|solids| solids.count() > 0),
-        Buried::Keep => None,
-    };
+    let buries = options.buried == Buried::Drop && world.solids().count() > 0;
     let eyes = &options.seen_from[..];
-    if solids.is_none() && eyes.is_empty() {
+    if !buries && eyes.is_empty() {
         return None;
     }
     let is_open = move |point: SurfacePoint| {
-        !solids.is_some_and(|of| of.bury(world, point.instance, point.triangle, point.weights))
+        !buries || !world.is_buried(point.instance, point.triangle, point.weights)
     };
     Some(Box::new(move |point| {
         is_open(point) && (eyes.is_empty() || is_seen(eyes, point, world, backend))

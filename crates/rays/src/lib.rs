@@ -29,6 +29,7 @@
 mod alpha_test;
 mod backend;
 mod build;
+mod buried;
 mod embree_backend;
 mod error;
 #[cfg(test)]

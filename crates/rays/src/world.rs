@@ -196,7 +196,7 @@ impl World {
 
     /// The solids of this world, found when first asked.
     pub fn solids(&self) -> &Solids {
-        self.solids.get_or_init(|| Solids::of(self))
+        self.solids.get_or_init(|| Solids::of(&self.scene))
     }
 
     /// The part and the geometry of an instance.

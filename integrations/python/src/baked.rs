@@ -1,6 +1,6 @@
 //! A finished bake as Python sees it.
 
-use crate::run::error;
+use crate::error::error;
 use ambake::{Layer, Page};
 use pyo3::prelude::*;
 use pyo3::types::PyByteArray;

@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 
 mod baked;
+mod error;
 mod options;
 mod run;
 mod scene;

@@ -1,9 +1,10 @@
 //! Runs a bake beside Python: without its lock, with Ctrl-C heard.
 
 use crate::baked::Baked;
+use crate::error::error;
 use crate::{options, scene};
-use ambake::{Bake, Error, Progress, Scene};
-use pyo3::exceptions::{PyFileNotFoundError, PyRuntimeError, PyValueError};
+use ambake::{Bake, Progress, Scene};
+use pyo3::exceptions::{PyFileNotFoundError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -115,13 +116,4 @@ fn look(
         progress.call1((done, total))?;
     }
     Ok(())
-}
-
-/// The library's line as the exception that fits.
-pub fn error(error: Error) -> PyErr {
-    match error {
-        Error::Output(_) => pyo3::exceptions::PyOSError::new_err(error.to_string()),
-        Error::Threads(_) => PyRuntimeError::new_err(error.to_string()),
-        other => PyValueError::new_err(other.to_string()),
-    }
 }

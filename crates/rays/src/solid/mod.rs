@@ -19,7 +19,6 @@
 mod topology;
 mod tree;
 
-use crate::world::World;
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 use scene::Scene;
@@ -61,7 +60,7 @@ struct Body {
 /// Faces that coincide are so told apart by the side that they face.
 pub const NUDGE: f64 = 8.0 / 16_777_216.0;
 
-/// The solids of a world.
+/// The solids of a scene, in its own space.
 #[derive(Debug)]
 pub struct Solids {
     scene: Arc<Scene>,
@@ -74,9 +73,9 @@ pub struct Solids {
 }
 
 impl Solids {
-    /// The solids of a world.
-    pub fn of(world: &World) -> Self {
-        let scene = Arc::clone(world.scene());
+    /// The solids of a scene.
+    pub fn of(scene: &Arc<Scene>) -> Self {
+        let scene = Arc::clone(scene);
         let mut groups: Vec<Vec<u32>> = Vec::new();
         let mut group_of = HashMap::new();
         let mut times = HashMap::new();
@@ -202,29 +201,6 @@ impl Solids {
             Inside::Solid => i32::from(!own && self.holds(body, point)),
             Inside::Cavity => -i32::from(own || self.holds(body, point)),
         }
-    }
-
-    /// True where a point of a triangle lies in more solids than cavities. `weights`: its barycentric coordinates.
-    pub fn bury(&self, world: &World, instance: u32, triangle: u32, weights: [f64; 3]) -> bool {
-        let corners = world.corners(instance, triangle);
-        let position = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
-        let face = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-        let sense = if world.part(instance).0.mirrors() {
-            -1.0
-        } else {
-            1.0
-        };
-        let upward = match world.normals(instance, triangle) {
-            Some([a, b, c]) if (a + b + c).dot(face * sense) < 0.0 => -sense,
-            _ => sense,
-        };
-        let near = self.about(position, position);
-        let extent = near.iter().map(|&body| self.extent(body));
-        let reach = extent.fold(position.abs().max_element(), f64::max);
-        let point = position + NUDGE * reach * upward * face.normalize_or_zero();
-        let own = self.own(instance, triangle);
-        let depth = |&body: &u32| self.depth(body, point, own == Some(body));
-        near.iter().map(depth).sum::<i32>() > 0
     }
 
     fn holds(&self, body: &Body, point: DVec3) -> bool {

@@ -43,7 +43,7 @@ fn depth(solids: &Solids, point: DVec3) -> i32 {
 }
 
 fn solids(meshes: Vec<Mesh>) -> Solids {
-    Solids::of(&world(scene(meshes)))
+    Solids::of(world(scene(meshes)).scene())
 }
 
 const INSIDE: DVec3 = DVec3::new(0.3, -0.2, 0.4);
@@ -74,7 +74,7 @@ fn a_mirrored_and_a_squeezed_placement_keep_their_inside() {
         DAffine3::from_scale_rotation_translation(DVec3::new(-2.0, 1.0, 0.1), turn, at),
     ];
     let scene = placed_scene(vec![unit(false)], &placed.map(|place| (0, place)));
-    let solids = Solids::of(&world(scene));
+    let solids = Solids::of(world(scene).scene());
     for place in placed {
         assert_eq!(depth(&solids, place.transform_point3(INSIDE)), 1);
         assert_eq!(depth(&solids, place.transform_point3(DVec3::Y * 1.01)), 0);
@@ -89,7 +89,7 @@ fn an_open_and_a_cut_out_box_bury_nothing() {
     assert_eq!(solids(vec![open]).count(), 0);
     let mut masked = scene(vec![unit(false)]);
     mask_left_half(&mut masked);
-    assert_eq!(Solids::of(&world(masked)).count(), 0);
+    assert_eq!(Solids::of(world(masked).scene()).count(), 0);
     let mut folded = unit(false);
     folded.triangles = vec![[0, 1, 2], [0, 2, 1]];
     assert_eq!(
