@@ -377,3 +377,112 @@ fn a_write_that_fails_keeps_what_was_baked() {
         files(&out)
     );
 }
+
+/// The status and the words of a command that must end soon; `None` where it hangs.
+#[cfg(unix)]
+fn ended(mut child: std::process::Child) -> Option<(Option<i32>, String)> {
+    let start = Instant::now();
+    while start.elapsed() < Duration::from_secs(60) {
+        if child.try_wait().expect("a status").is_some() {
+            let output = child.wait_with_output().expect("a status");
+            let text = String::from_utf8_lossy(&output.stderr).into_owned();
+            return Some((output.status.code(), text));
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    // SIGTERM may be what it does not obey.
+    child.kill().expect("it runs");
+    child.wait().expect("a status");
+    None
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_in_the_place_of_a_file_of_the_output_folder_hangs_nothing() {
+    let path = scene("plane.obj").display().to_string();
+    let work = ["--size", "8", "--rays", "1", "--quiet", "-o"];
+    for (name, words, status) in [
+        ("plane.layout", &["bake"][..], 0),
+        (".plane.ambake-resume", &["bake", "--resume"], 1),
+        ("plane.1-of-1.part", &["bake", "--shard", "1/1"], 0),
+        ("plane.1-of-1.part", &["merge"], 1),
+        ("bake.json", &["view"], 1),
+        ("bake.json", &["export", "--for", "gltf"], 1),
+        ("bake.json", &["compare"], 1),
+    ] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let pipe = folder.path().join(name);
+        let made = Command::new("mkfifo").arg(&pipe).status();
+        assert!(made.expect("mkfifo runs").success());
+        let mut command = ambake();
+        command.args(words);
+        if words[0] == "bake" {
+            command.arg(&path).args(work);
+        }
+        let child = command
+            .arg(folder.path())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the program starts");
+        let (code, text) = ended(child).unwrap_or_else(|| panic!("{words:?} waits for {name}"));
+        assert_eq!(code, Some(status), "{words:?} {name}: {text}");
+        assert!(
+            status == 0 || text.lines().count() == 1 && text.contains("a pipe or a device"),
+            "{words:?} {name}: {text}"
+        );
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_signal_before_the_first_tile_ends_the_program() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // A terrain of 90,000 triangles without coordinates: a second or more to load, plan, unwrap and build.
+    let side = 212;
+    let mut text = String::new();
+    for (i, j) in (0..side).flat_map(|i| (0..side).map(move |j| (i, j))) {
+        text += &format!("v {i} {} {j}\n", (i * i + 3 * j * i) % 7);
+    }
+    for (i, j) in (1..side).flat_map(|i| (1..side).map(move |j| (i, j))) {
+        let a = (i - 1) * side + j;
+        text += &format!(
+            "f {a} {} {}\nf {a} {} {}\n",
+            a + 1,
+            a + side + 1,
+            a + side + 1,
+            a + side
+        );
+    }
+    let terrain = folder.path().join("terrain.obj");
+    std::fs::write(&terrain, text).expect("the folder is writable");
+    let out = folder.path().join("out");
+    // From standard input nothing comes: it loads until the signal.
+    for (scene, milliseconds) in [("-", 300), ("terrain.obj", 250), ("terrain.obj", 700)] {
+        let mut child = ambake()
+            .current_dir(folder.path())
+            .args(["bake", scene, "-o", "out", "--quiet", "--uv", "unwrap"])
+            .args(["--size", "512", "--rays", "4096"])
+            .stdin(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the program starts");
+        let input = child.stdin.take();
+        std::thread::sleep(Duration::from_millis(milliseconds));
+        let start = Instant::now();
+        signal("-INT", child.id());
+        let (code, text) = ended(child).unwrap_or_else(|| panic!("{scene} goes on"));
+        let seconds = start.elapsed().as_secs_f64();
+        drop(input);
+        // On a busy machine the signal may come before it listens.
+        assert!(matches!(code, Some(130) | None), "{scene}: {code:?} {text}");
+        // A second, and what other processes take of a busy machine.
+        assert!(seconds < 5.0, "{scene}: {seconds} s");
+        let left = if out.exists() {
+            files(&out)
+        } else {
+            Vec::new()
+        };
+        assert!(left.iter().all(|name| name.starts_with('.')), "{left:?}");
+    }
+}

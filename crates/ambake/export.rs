@@ -46,7 +46,8 @@ pub fn export(
     let stem = &pages[0].stem;
     if !lit.is_empty() {
         let path = dir.join(format!("{stem}.glb"));
-        let glb = std::fs::read(&path).map_err(|error| report::Error::Read {
+        let read = report::check_regular(&path).and_then(|()| std::fs::read(&path));
+        let glb = read.map_err(|error| report::Error::Read {
             path,
             reason: format!("{error}; bake again"),
         })?;

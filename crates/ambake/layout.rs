@@ -140,6 +140,7 @@ pub(crate) fn read(path: &Path, scene: &Scene, options: &Options) -> Option<Atla
     report::read_layout(path, &key(scene, options), scene)
         .ok()
         .flatten()
+        .filter(|atlas| atlas.page_size == options.size)
 }
 
 /// Everything that decides a layout.

@@ -262,9 +262,8 @@ impl Saved {
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_block_returns_bit_for_bit_and_no_other_bytes_are_taken() {
-        let tile = |index: u32, texels: u32| BakedTile {
+    fn tile(index: u32, texels: u32) -> BakedTile {
+        BakedTile {
             index,
             texels: (0..texels).collect(),
             values: (0..3 * texels).map(|v| 0.1 * v as f32).collect(),
@@ -272,7 +271,58 @@ mod tests {
                 coverage: 1.0 / f64::from(texels + 1),
                 ..PageStats::default()
             },
+        }
+    }
+
+    #[test]
+    fn what_was_baked_is_on_the_disk_after_a_period_whoever_ends_the_program() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("state");
+        let header = serde_json::json!({"key": "a", "shard": null});
+        let mut saved = Saved::new(path.clone(), header.clone(), 3);
+        saved.add(0, tile(0, 4)).expect("a file");
+        assert!(!path.exists(), "the disk is spared until then");
+        // As if the last time lay a period back.
+        let (written, cost) = saved.written;
+        saved.written = (written - PERIOD, cost);
+        saved.add(1, tile(5, 2)).expect("a file");
+        // No `flush`, no `Drop`: as a killed program leaves it.
+        std::mem::forget(saved);
+        let mut again = Saved::new(folder.path().join("copy"), header, 3);
+        std::fs::copy(&path, &again.path).expect("a copy");
+        assert_eq!(again.resume().expect("a file"), None);
+        for (page, index) in [(0, 0), (1, 5)] {
+            let mut found = Vec::new();
+            let mut take = |block: Block| found.extend(block.tiles.into_iter().map(|t| t.index));
+            again.restore(page, &mut take).expect("a file");
+            assert_eq!(found, [index], "page {page}");
+        }
+    }
+
+    #[test]
+    fn a_saved_state_is_of_its_key_and_its_shard_alone() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("state");
+        let header = |scene: &str, shard: u32| serde_json::json!({"key": {"scene": scene}, "shard": [shard, 2], "given": "anything"});
+        let blocks = |header: Value| {
+            let mut saved = Saved::new(path.clone(), header, 3);
+            assert_eq!(saved.resume().expect("a file"), None);
+            let found = saved.found.len();
+            saved.add(0, tile(0, 4)).expect("a file");
+            saved.flush().expect("a file");
+            found
         };
+        assert_eq!(blocks(header("a", 1)), 0);
+        assert_eq!(blocks(header("a", 1)), 1);
+        assert_eq!(blocks(header("b", 1)), 0, "of another scene");
+        assert_eq!(blocks(header("b", 2)), 0, "of another shard");
+        let mut other = header("b", 2);
+        other["given"] = "else".into();
+        assert_eq!(blocks(other), 1, "what was given along decides nothing");
+    }
+
+    #[test]
+    fn a_block_returns_bit_for_bit_and_no_other_bytes_are_taken() {
         let block = Block {
             page: 7,
             tiles: vec![tile(3, 5), tile(9, 0)],

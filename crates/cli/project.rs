@@ -55,8 +55,9 @@ pub fn completed(scene: &Path, typed: &[OsString]) -> anyhow::Result<Option<(Job
 
 /// The file's tables.
 fn read(path: &Path) -> anyhow::Result<Table> {
-    let text =
-        std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let text = report::check_regular(path)
+        .and_then(|()| std::fs::read_to_string(path))
+        .with_context(|| format!("cannot read {}", path.display()))?;
     text.parse::<Table>().map_err(|error| {
         let before = error
             .span()

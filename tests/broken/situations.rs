@@ -133,6 +133,11 @@ fn wrong_command_lines_end_with_status_2() {
         wrong("an absurd exponent", &["--exponent", "1e9"], "--exponent"),
         wrong("a sky of two numbers", &["--sky", "1,1"], "--sky"),
         wrong("an infinite sky", &["--sky", "1,1,inf"], "--sky"),
+        wrong(
+            "a sky that 32 bits do not hold",
+            &["--sky", "1e39,1,1"],
+            "at most 3.4e38",
+        ),
         wrong("a view in words", &["--view", "above"], "--view"),
         wrong("an unknown layer", &["--layers", "diffuse,shiny"], "shiny"),
         wrong("an unknown backend", &["--backend", "voxels"], "voxels"),

@@ -1,6 +1,6 @@
 """Bake under damage, faults and signals, and print what came of it as the table of docs/robustness.md.
 
-Usage: robustness.py PROGRAM [SEED]. Needs a Unix system; takes about two minutes. Run it from the repository's root.
+Usage: robustness.py PROGRAM [SEED]. Needs a Unix system; takes about three minutes. Run it from the repository's root.
 """
 
 import os
@@ -24,7 +24,7 @@ SMALL = ["--size", "16", "--rays", "1", "--quiet"]
 
 def bake(scene, out, words=WORK, **options):
     command = [PROGRAM, "bake", scene, "-o", out, *words]
-    return subprocess.run(command, capture_output=True, timeout=120, **options)
+    return subprocess.run(command, capture_output=True, **{"timeout": 120, **options})
 
 
 def results(out):
@@ -83,6 +83,37 @@ def killed(folder, whole, name, times):
         half = (out / "bake.json").exists() and plain() != whole
         run = bake(SCENE, out, [*WORK, "--resume"])
         row.judge(not half and run.returncode == 0 and results(out) == whole)
+    return row
+
+
+def killed_after_a_save(folder, times):
+    """Kills a bake once its state has been saved, which is 20 seconds after its first tile."""
+    row = Row("SIGKILL after a save, then `--resume`")
+    rays = str(max(64, int(30 / SECONDS) * 64))
+    words = ["--size", "128", "--rays", rays, "--only", "diffuse,visibility", "--quiet"]
+    whole = folder / "long"
+    for number in range(times):
+        out = folder / f"save{number}"
+        child = subprocess.Popen([PROGRAM, "bake", SCENE, "-o", out, *words], stderr=subprocess.PIPE)
+        saved = lambda: any(state.stat().st_size > 100_000 for state in out.glob(".*ambake-resume"))
+        while child.poll() is None and not saved():
+            time.sleep(0.05)
+        ended = child.poll() is not None
+        child.kill()
+        child.communicate()
+        kept = saved()
+        run = bake(SCENE, out, [*words, "--resume"], timeout=600)
+        if not whole.exists():
+            bake(SCENE, whole, words, timeout=600)
+        # A machine that is faster than a moment before may end the bake before it is saved.
+        row.judge((ended or kept) and run.returncode == 0 and results(out) == results(whole))
+    return row
+
+
+def hopeless(folder, what, out, words):
+    row = Row(what)
+    run = bake(SCENE, out or folder / "hopeless", [*WORK, *words])
+    row.judge(run.returncode == 1 and told(run) and not (folder / "hopeless" / "bake.json").exists(), True)
     return row
 
 
@@ -148,6 +179,8 @@ with tempfile.TemporaryDirectory() as name:
         inputs(folder, ["obj"], 40),
         inputs(folder, ["gltf", "glb"], 40),
         killed(folder, whole, "SIGKILL", 6),
+        killed(folder, whole, "SIGHUP", 6),
+        killed_after_a_save(folder, 1),
         killed(folder, whole, "SIGINT", 6),
         killed(folder, whole, "SIGTERM", 6),
         failed_then_well(folder, whole, "a directory where the GLB goes", blocked("corner.glb"),
@@ -156,6 +189,8 @@ with tempfile.TemporaryDirectory() as name:
                          lambda out: (out / "bake.json").rmdir()),
         failed_then_well(folder, whole, "no file may grow beyond 20 kB", file_limit(20_000), lambda out: None),
         failed_then_well(folder, whole, "no file may grow beyond 1 byte", file_limit(1), lambda out: None),
+        hopeless(folder, "a folder that takes no files", "/proc/ambake", []),
+        hopeless(folder, "a limit of 20 MB of memory", None, ["--max-memory", "20M"]),
         streams(folder, whole),
         states(folder, whole, 12),
     ]

@@ -233,3 +233,27 @@ fn too_large(shapes: &[Shape], size: u32, gutter: u32) -> Result<(), Error> {
         _ => Ok(()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mask::Mask;
+
+    #[test]
+    fn a_sliver_wider_than_any_number_is_an_error() {
+        let sliver = vec![Mask::full(u32::MAX, 1)];
+        let error = too_large(&[vec![Mask::full(3, 3)], sliver], 16, 2).unwrap_err();
+        let Error::ChartTooLarge {
+            width,
+            height,
+            size,
+        } = error
+        else {
+            panic!("{error}");
+        };
+        assert_eq!((width, height, size), (u32::MAX, 5, 16));
+        // A chart and its gutters just fill the page.
+        assert!(too_large(&[vec![Mask::full(12, 3)]], 16, 2).is_ok());
+        assert!(too_large(&[vec![Mask::full(13, 3)]], 16, 2).is_err());
+    }
+}

@@ -1,6 +1,6 @@
 //! `bake.json`: what was asked, what was modelled and why, what came out and what it cost.
 
-use crate::Error;
+use crate::{Error, check_regular};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -358,7 +358,8 @@ pub fn read_bake_report(path: &Path) -> Result<BakeReport, Error> {
     struct Head {
         schema_version: u32,
     }
-    let text = std::fs::read_to_string(path)
+    let text = check_regular(path)
+        .and_then(|()| std::fs::read_to_string(path))
         .map_err(|e| Error::read(path, format!("{e}; name the directory of a finished bake")))?;
     let broken =
         |e: serde_json::Error| Error::read(path, format!("{e}; the file is damaged, bake again"));

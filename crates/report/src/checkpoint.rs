@@ -6,7 +6,7 @@
 //! little-endian u64 and the bytes. A file that ends within a block was cut short by a crash: its whole blocks count. A hash that does
 //! not fit is damage.
 
-use crate::Error;
+use crate::{Error, check_regular};
 use serde_json::Value;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -42,6 +42,12 @@ impl Journal {
         fits: impl Fn(&Value) -> bool,
     ) -> Result<(Self, Option<String>), Error> {
         let fail = |source| Error::write(path, source);
+        match check_regular(path) {
+            Err(error) if error.kind() != ErrorKind::NotFound => {
+                return Err(Error::read(path, format!("{error}; remove it")));
+            }
+            _ => {}
+        }
         let mut options = OpenOptions::new();
         let file = options
             .read(true)
@@ -84,7 +90,7 @@ impl Journal {
     /// # Errors
     /// [`Error::Read`] where it is damaged.
     pub fn open(path: &Path) -> Result<Option<Self>, Error> {
-        let file = match File::open(path) {
+        let file = match check_regular(path).and_then(|()| File::open(path)) {
             Ok(file) => file,
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(Error::read(path, error.to_string())),

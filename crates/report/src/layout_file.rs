@@ -82,7 +82,7 @@ pub fn read_layout(path: &Path, key: &Value, scene: &scene::Scene) -> Result<Opt
         }
         meshes.push(layout);
     }
-    if head.placements.len() != scene.instances.len() {
+    if !fits_pages(&head, &meshes, scene) {
         return Err(wrong());
     }
     Ok(Some(Atlas {
@@ -97,6 +97,23 @@ pub fn read_layout(path: &Path, key: &Value, scene: &scene::Scene) -> Result<Opt
         chart_count: head.chart_count,
         notes: head.notes,
     }))
+}
+
+/// True where every object of the scene has a place, on pages that there are. No page is empty, so that there are no more of them than
+/// triangles.
+fn fits_pages(head: &Head, meshes: &[MeshLayout], scene: &scene::Scene) -> bool {
+    let most = scene.instances.iter();
+    let most = most.map(|i| scene.meshes[i.mesh as usize].triangles.len() as u64);
+    let placed = |(instance, placement): (&scene::Instance, &atlas::Placement)| {
+        let more = meshes[instance.mesh as usize].triangle_pages.iter().max();
+        let last = u64::from(placement.page) + more.map_or(0, |&more| u64::from(more));
+        let finite = placement.scale.iter().chain(&placement.offset);
+        *placement == atlas::Placement::NOWHERE
+            || last < u64::from(head.page_count) && finite.copied().all(f32::is_finite)
+    };
+    head.placements.len() == scene.instances.len()
+        && (1..=most.sum::<u64>().max(1)).contains(&u64::from(head.page_count))
+        && scene.instances.iter().zip(&head.placements).all(placed)
 }
 
 fn head(atlas: &Atlas) -> Vec<u8> {

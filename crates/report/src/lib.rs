@@ -22,6 +22,7 @@ mod page;
 mod page_files;
 mod picture;
 mod preview;
+mod regular;
 mod space;
 mod viewer;
 
@@ -45,5 +46,6 @@ pub use page::{Channel, Page, PageLayer};
 pub use page_files::{NamedPage, page_files};
 pub use picture::picture_png;
 pub use preview::{Encoding, occlusion_png, preview_png};
+pub use regular::check_regular;
 pub use space::check_space;
 pub use viewer::{EmbeddedPage, REPORT_NAME, Viewer};
