@@ -229,3 +229,14 @@ fn an_option_that_changes_the_values_is_never_resumed() {
         assert!(options.get(key).is_some(), "bake.json does not name {key}");
     }
 }
+
+#[test]
+fn a_mesh_without_material_stays_white_when_its_glb_is_baked_again() {
+    let options = ["--size=32", "--rays=4"];
+    let (first, _) = bake(&scene("masked_card.gltf"), &options);
+    // glTF's own default material, which the file names nowhere, would make the floor a metal: its albedo is black.
+    let (_again, page) = bake(&first.path().join("masked_card.glb"), &options);
+    let (diffuse, lit) = (page.plane("diffuse"), page.plane("lambert.R"));
+    let white = diffuse.iter().zip(lit).filter(|(d, l)| **d > 0.5 && d == l);
+    assert!(white.count() > 200, "no white floor");
+}

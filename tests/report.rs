@@ -96,6 +96,63 @@ fn a_report_is_one_file_that_a_rebake_takes_along() {
     );
 }
 
+/// What a browser finds in the report of a bake; `None` with a printed line where a tool is absent.
+fn in_browser(folder: &Path) -> Option<Value> {
+    let tools = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/tools");
+    let mut node = Command::new("node");
+    let script = node
+        .arg(tools.join("view-report.mjs"))
+        .arg(folder.join("report.html"))
+        .current_dir(&tools);
+    let Ok(output) = script.output() else {
+        say("there is no Node.js to open a report with");
+        return None;
+    };
+    let said = String::from_utf8_lossy(&output.stdout);
+    if output.status.code() == Some(77) {
+        say(said.trim());
+        return None;
+    }
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}\n{errors}");
+    Some(serde_json::from_str(&said).expect("JSON"))
+}
+
+#[test]
+fn a_browser_sees_through_the_holes_of_a_cut_out_and_plots_a_benchmark() {
+    let options = ["--size", "64", "--rays", "4"];
+    let (folder, _) = bake(&scene("masked_card.gltf"), &options);
+    fs::create_dir(folder.path().join("bench")).expect("a folder");
+    let rows = "technique,effort,repeat,rmse,estimated_rmse,cpu_seconds,wall_seconds,rays,texels\n\
+                \"a, <b>\",rays 4,0,0.1,0.1,0.5,0.3,4,1\n\"a, <b>\",rays 16,0,0.05,0.05,2,1,16,1\n";
+    fs::write(folder.path().join("bench/bench.csv"), rows).expect("written");
+    let place = folder.path().display().to_string();
+    run_well(["view", &place, "--no-open", "-q"]);
+    let Some(found) = in_browser(folder.path()) else {
+        return;
+    };
+    let plotted = found["benchmark"].as_str().expect("a text");
+    assert!(plotted.contains("a, <b>: 0.05 after 2 s"), "{plotted}");
+    // The card at height 1 keeps the cells of its 8 x 8 board whose numbers have an even sum; the floor is seen through the others.
+    let (mut kept, mut through) = (0, 0);
+    for pick in found["grid"].as_array().expect("picks") {
+        let [x, y, z] = [0, 1, 2].map(|k| pick["point"][k].as_f64().unwrap_or(f64::NAN));
+        if y > 0.5 {
+            let cells = [x, z].map(|at| (at + 2.0) / 0.5);
+            let edge = cells.iter().any(|cell| (cell - cell.round()).abs() < 0.02);
+            let even = cells.map(|cell| cell.floor() as i64).iter().sum::<i64>() % 2 == 0;
+            assert!(edge || even, "a hole was hit: {pick}");
+            kept += 1;
+        } else if y > -0.5 {
+            through += 1;
+        }
+    }
+    assert!(
+        kept >= 5 && through >= 5,
+        "{kept} on the card, {through} through it: {found}"
+    );
+}
+
 #[test]
 fn a_browser_shows_the_report_and_picks_the_texel_that_is_there() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -109,23 +166,10 @@ fn a_browser_shows_the_report_and_picks_the_texel_that_is_there() {
             "--size", "128", "--rays", "4", "--report", "--layers", "position",
         ],
     );
-    let html = folder.path().join("report.html");
-    let tools = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/tools");
-    let mut node = Command::new("node");
-    let script = node
-        .arg(tools.join("view-report.mjs"))
-        .arg(&html)
-        .current_dir(&tools);
-    let Ok(output) = script.output() else {
-        return say("there is no Node.js to open a report with");
+    let Some(found) = in_browser(folder.path()) else {
+        return;
     };
-    let said = String::from_utf8_lossy(&output.stdout);
-    if output.status.code() == Some(77) {
-        return say(said.trim());
-    }
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}\n{errors}");
-    let found: Value = serde_json::from_str(&said).expect("JSON");
+    assert_eq!(found["benchmark"], "", "no benchmark stands beside it");
     assert!(found["colors"].as_u64() > Some(100), "a picture: {found}");
     assert_eq!(found["same"], true, "the first view comes back");
     assert!(

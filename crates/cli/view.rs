@@ -84,6 +84,7 @@ pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
             dir.display()
         );
     }
+    let bench = benchmark(dir);
     let viewer = Viewer {
         title: stem,
         scene: world.scene(),
@@ -93,6 +94,7 @@ pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
         fov: 2.0 * camera.slope.atan(),
         stops: render::exposure(&lit.picture(), background),
         bake: &json,
+        bench: bench.as_deref(),
     };
     let mut output = Output::create(dir)?;
     output.stage_bytes(REPORT_NAME, viewer.html().as_bytes())?;
@@ -102,6 +104,15 @@ pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
     }
     output.publish()?;
     Ok(dir.join(REPORT_NAME))
+}
+
+/// The rows of a benchmark that stands in the folder of the bake or in its `bench`, where there is one.
+fn benchmark(dir: &Path) -> Option<String> {
+    let places = ["bench.csv", "bench/bench.csv"].map(|name| dir.join(name));
+    let mut texts = places
+        .iter()
+        .filter_map(|path| std::fs::read_to_string(path).ok());
+    texts.find(|text| text.starts_with("technique,effort,"))
 }
 
 /// Texels across, of which one is embedded.

@@ -45,6 +45,11 @@ const found = await page.evaluate(async () => {
   out.picks = [];
   for (const [x, y] of [[0, 0], [0.1, -0.2], [-0.15, -0.1], [0.2, 0.1]]) out.picks.push(await app.pickAt(x, y));
   out.texel = document.getElementById("texel").innerText;
+  // What lies under a grid of places, and what is said of a benchmark.
+  out.grid = [];
+  for (const x of [-0.4, -0.2, 0, 0.2, 0.4]) for (const y of [-0.3, -0.15, 0, 0.15, 0.3]) out.grid.push(await app.pickAt(x, y));
+  const benchmark = document.getElementById("benchmark");
+  out.benchmark = benchmark.hidden ? "" : benchmark.innerText;
   for (const view of app.views) {
     await app.show(view.name);
     await drawn();

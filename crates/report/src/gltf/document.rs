@@ -178,6 +178,15 @@ impl<'a> Document<'a> {
         self.push("accessors", accessor)
     }
 
+    /// Lists an extension among those that the document uses, once.
+    pub fn use_extension(&mut self, name: &str) -> Result<(), Reason> {
+        let listed = self.json["extensionsUsed"].as_array();
+        if !listed.is_some_and(|names| names.iter().any(|known| known == name)) {
+            self.push("extensionsUsed", name.into())?;
+        }
+        Ok(())
+    }
+
     /// Takes `name` off the lists of used and required extensions where no object holds it any more.
     pub fn drop_unused_extension(&mut self, name: &str) {
         fn holds(value: &Value, name: &str) -> bool {

@@ -6,6 +6,8 @@ use scene::Scene;
 use serde_json::{Map, Value, json};
 use std::collections::{HashMap, HashSet};
 
+const SPECULAR: &str = "KHR_materials_specular";
+
 /// How a primitive uses a material.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Uses {
@@ -89,7 +91,7 @@ impl<'a> Materials<'a> {
                 .get(i)
                 .ok_or_else(|| format!("material {i} is absent"))?
                 .clone(),
-            None => json!({ "name": "default" }),
+            None => matt(),
         };
         let map = material
             .as_object_mut()
@@ -122,6 +124,9 @@ impl<'a> Materials<'a> {
             }
             _ => document.push("materials", material)?,
         };
+        if uses.original.is_none() {
+            document.use_extension(SPECULAR)?;
+        }
         self.clones.insert((uses, page), slot);
         Ok(slot)
     }
@@ -153,6 +158,16 @@ impl<'a> Materials<'a> {
         self.textures.insert(page, texture);
         Ok(texture)
     }
+}
+
+/// The material that a primitive without one gets: white and matt, as the bake takes it. glTF's own default is a rough metal,
+/// which a lightmap and occlusion leave black.
+fn matt() -> Value {
+    json!({
+        "name": "default",
+        "pbrMetallicRoughness": { "metallicFactor": 0.0, "roughnessFactor": 1.0 },
+        "extensions": { SPECULAR: { "specularFactor": 0.0 } },
+    })
 }
 
 /// Leads every texture of a material that reads UV set 1 to the set `to`; true where there was one. A texture names

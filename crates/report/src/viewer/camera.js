@@ -85,7 +85,7 @@ class Camera {
 }
 
 /** The first triangle on a ray: { instance, triangle, point, uv }, or null. */
-function pick(meshes, instances, eye, toward, fronts) {
+function pick(meshes, pictures, instances, eye, toward, fronts) {
   let best = null, nearest = Infinity;
   for (let index = 0; index < instances.length; index++) {
     const { mesh: number, undo } = instances[index];
@@ -114,7 +114,7 @@ function pick(meshes, instances, eye, toward, fronts) {
       const v = (d[0] * qx + d[1] * qy + d[2] * qz) / det;
       if (v < 0 || u + v > 1) continue;
       const at = (x2 * qx + y2 * qy + z2 * qz) / det;
-      if (at > 1e-4 && at < nearest) {
+      if (at > 1e-4 && at < nearest && solidAt(mesh, pictures, [t[k], t[k + 1], t[k + 2]], [1 - u - v, u, v])) {
         nearest = at;
         best = { instance: index, triangle: k / 3, u, v };
       }

@@ -2,7 +2,8 @@
 // What the file carries: a JSON head, the geometry, and for every page a coverage mask and its layers as 16-bit floats.
 
 const $ = (id) => document.getElementById(id);
-const head = JSON.parse($("head").textContent);
+/** What the file says of itself; known once the browser has read it to the end. */
+let head;
 
 /** The bytes of an embedded blob. */
 async function bytesOf(id) {
@@ -75,14 +76,39 @@ async function geometry() {
     const positions = take(Float32Array, mesh.vertices * 3);
     const uvs = take(Uint16Array, mesh.vertices * 2);
     const triangles = take(Uint32Array, mesh.triangles * 3);
+    const alphas = mesh.cutout ? take(Float32Array, mesh.vertices * 3) : null;
     const box = { min: [Infinity, Infinity, Infinity], max: [-Infinity, -Infinity, -Infinity] };
     for (let i = 0; i < positions.length; i++) {
       const axis = i % 3;
       box.min[axis] = Math.min(box.min[axis], positions[i]);
       box.max[axis] = Math.max(box.max[axis], positions[i]);
     }
-    return { positions, uvs, triangles, box, page: mesh.page };
+    return { positions, uvs, triangles, alphas, box, page: mesh.page, cutout: mesh.cutout };
   });
+}
+
+/** The alpha pictures, one byte a pixel. */
+const alphaPictures = () => Promise.all(head.alphas.map(async (picture, k) => ({ ...picture, bytes: await bytesOf(`a${k}`) })));
+
+/** The pixel of an axis of a picture that a coordinate falls in. */
+function pixelAt(t, size, wrap) {
+  const i = Math.floor(t * size);
+  if (wrap === "CLAMP_TO_EDGE") return Math.min(Math.max(i, 0), size - 1);
+  const period = wrap === "REPEAT" ? size : 2 * size, at = ((i % period) + period) % period;
+  return at < size ? at : period - 1 - at;
+}
+
+/** True where a surface is there at a point of a triangle: not in the holes of a cut-out, nor where it is clear. */
+function solidAt(mesh, pictures, corners, weights) {
+  if (!mesh.cutout) return true;
+  const [u, v, own] = [0, 1, 2].map((k) => corners.reduce((sum, corner, i) => sum + weights[i] * mesh.alphas[3 * corner + k], 0));
+  const picture = pictures[mesh.cutout.picture];
+  let alpha = own;
+  if (picture) {
+    const [x, y] = [u, v].map((t, axis) => pixelAt(t, picture.size[axis], picture.wrap[axis]));
+    alpha *= picture.bytes[y * picture.size[0] + x] / 255;
+  }
+  return mesh.cutout.cutoff < 0 ? alpha > 0 : alpha >= mesh.cutout.cutoff - 1e-6;
 }
 
 /** A number with four digits. */

@@ -82,6 +82,10 @@ function option(parent, value, label) {
 }
 
 async function start() {
+  painter = new Painter($("scene"));
+  if (document.readyState === "loading") await new Promise((read) => document.addEventListener("DOMContentLoaded", read, { once: true }));
+  head = JSON.parse($("head").textContent);
+  list = views();
   document.title = `${head.title} - ambake`;
   $("title").textContent = head.title;
   list.forEach((view) => option($("view"), view.name, view.label));
@@ -95,14 +99,14 @@ async function start() {
   }
   $("exposure").value = head.stops;
   $("stops").textContent = $("exposure").value;
-  painter = new Painter($("scene"));
-  meshes = await geometry();
+  [meshes, pictures] = await Promise.all([geometry(), alphaPictures()]);
   instances = head.instances.map((instance) => ({ ...instance, undo: inverse(instance.matrix) }));
-  painter.take(meshes);
+  painter.take(meshes, pictures);
   camera = new Camera(head.camera);
   listen();
-  tables();
   await show();
+  tables();
+  plot();
   return performance.now();
 }
 
@@ -112,4 +116,4 @@ const ready = start().catch((error) => {
   throw error;
 });
 // For scripts and tests.
-window.ambake = { ready, pickAt, press, state, views: list, camera: () => camera, show: (name) => { $("view").value = name; return show(); } };
+window.ambake = { ready, pickAt, press, state, get views() { return list; }, camera: () => camera, show: (name) => { $("view").value = name; return show(); } };

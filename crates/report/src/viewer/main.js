@@ -1,8 +1,7 @@
 // The page: what is shown, what is picked, and the tables beside it.
 
 const state = { view: null, part: 0, picked: null, page: 0, ranges: new Map(), first: null };
-const list = views();
-let painter, meshes, instances, camera;
+let list, painter, meshes, pictures, instances, camera;
 
 /** The layers and the numbers that a view asks of the painter. */
 function look() {
@@ -11,7 +10,9 @@ function look() {
   if (view.kind === "models") {
     const slide = Math.min(Number($("model").value) / 2 * (view.models.length - 1), view.models.length - 1);
     const left = Math.min(Math.floor(slide), view.models.length - 2);
-    return { ...base, first: view.models[left].layer, second: view.models[left + 1].layer, part: slide - left };
+    // At an end of the slider one model is enough.
+    const [first, second] = [left + (slide - left === 1), left + (slide > left)].map((at) => view.models[at].layer);
+    return { ...base, first, second, part: slide - left };
   }
   const [low, high] = state.ranges.get(view.name) || [0, 1];
   const first = view.layers[0] ?? 0;
@@ -112,7 +113,8 @@ async function show() {
   const current = look();
   const used = new Set(meshes.map((mesh) => mesh.page).filter((page) => page >= 0));
   if (view.kind !== "density") {
-    for (const page of used) for (const layer of new Set([current.first, current.second])) await painter.need(page, layer);
+    const layers = new Set([current.first, current.second]);
+    await Promise.all([...used].flatMap((page) => [...layers].map((layer) => painter.need(page, layer))));
   }
   legend(view, current);
   redraw();
@@ -177,7 +179,7 @@ async function histogram() {
 /** Picks what is at a place of the canvas, -1 to 1 to the right and up. */
 async function pickAt(x, y) {
   const aspect = $("scene").clientWidth / $("scene").clientHeight;
-  const hit = pick(meshes, instances, camera.eye, camera.ray(x, y, aspect), $("backs").checked);
+  const hit = pick(meshes, pictures, instances, camera.eye, camera.ray(x, y, aspect), $("backs").checked);
   state.picked = hit;
   redraw();
   if (!hit) {

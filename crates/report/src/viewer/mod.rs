@@ -4,10 +4,12 @@
 //! JSON head, the geometry, and every page's layers as 16-bit floats, deflated and in base64. Names cannot end the script
 //! element that they stand in, because the head has no `<`.
 
+mod cutouts;
 mod embed;
 
 pub use embed::EmbeddedPage;
 
+use cutouts::Cutouts;
 use embed::blob;
 use glam::{DAffine3, DVec3};
 use scene::Scene;
@@ -18,12 +20,13 @@ pub const REPORT_NAME: &str = "report.html";
 
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("style.css");
-const SCRIPT: [&str; 6] = [
+const SCRIPT: [&str; 7] = [
     include_str!("data.js"),
     include_str!("colors.js"),
     include_str!("camera.js"),
     include_str!("gl.js"),
     include_str!("main.js"),
+    include_str!("plot.js"),
     include_str!("input.js"),
 ];
 
@@ -45,6 +48,8 @@ pub struct Viewer<'a> {
     pub stops: i32,
     /// The content of `bake.json`.
     pub bake: &'a Value,
+    /// The rows of a benchmark that stands beside the bake, as its `bench.csv` has them.
+    pub bench: Option<&'a str>,
 }
 
 impl Viewer<'_> {
@@ -52,9 +57,11 @@ impl Viewer<'_> {
     pub fn html(&self) -> String {
         let origin = self.view[1];
         let centres: Vec<DVec3> = self.scene.meshes.iter().map(centre).collect();
+        let cutouts = Cutouts::of(self.scene);
         let mut geometry = Vec::new();
         for (mesh, &centre) in self.scene.meshes.iter().zip(&centres) {
             push_mesh(&mut geometry, mesh, centre);
+            geometry.extend(cutouts.vertices(mesh));
         }
         let mut radius = 0.0f64;
         let instances: Vec<Value> = self
@@ -96,6 +103,7 @@ impl Viewer<'_> {
                     "vertices": mesh.positions.len(),
                     "triangles": mesh.triangles.len(),
                     "page": page.map_or(-1, i64::from),
+                    "cutout": cutouts.head(mesh),
                 })
             })
             .collect();
@@ -104,6 +112,8 @@ impl Viewer<'_> {
             .iter()
             .map(|page| json!({ "size": page.size, "texels": page.texels, "planes": page.planes }))
             .collect();
+        let (alphas, alpha_texts): (Vec<Value>, Vec<String>) =
+            cutouts.pictures().into_iter().unzip();
         let head = json!({
             "title": self.title,
             "origin": origin.to_array(),
@@ -116,15 +126,20 @@ impl Viewer<'_> {
             "stops": self.stops,
             "meshes": meshes,
             "instances": instances,
+            "alphas": alphas,
             "pages": pages,
             "layers": self.pages.first().map_or(&[][..], |page| &page.layers),
             "bake": self.bake,
+            "bench": self.bench,
         });
         let mut data = format!(
             "<script type=\"application/json\" id=\"head\">{}</script>\n",
             harmless(&head)
         );
         data += &element("geometry", &blob(&geometry));
+        for (number, text) in alpha_texts.iter().enumerate() {
+            data += &element(&format!("a{number}"), text);
+        }
         for (number, page) in self.pages.iter().enumerate() {
             data += &element(&format!("c{number}"), &page.coverage);
             for (plane, text) in page.texts.iter().enumerate() {
@@ -208,6 +223,7 @@ mod tests {
             fov: 0.7,
             stops: 0,
             bake: &json!({ "warnings": ["</script>"] }),
+            bench: Some("technique\n</script>\n"),
         };
         let html = viewer.html();
         assert_eq!(html, viewer.html());
@@ -215,8 +231,8 @@ mod tests {
         assert!(html.contains("\\u003c/script>\\u003cscript>alert(1)"));
         // The head, geometry, coverage, one layer and the code.
         assert_eq!(html.matches("</script>").count(), 5);
-        let (_, after) = html.split_once("</script>").unwrap();
-        assert!(!after.contains("{{"), "only the name holds braces");
+        let braces = html.matches("{{").count();
+        assert_eq!(braces, 1, "only the name holds braces");
         for word in ["http://", "https://", "src=", "@import", "fetch("] {
             assert!(!html.contains(word), "{word}");
         }
