@@ -5,8 +5,9 @@ use crate::host::{REVISION, VERSION, peak_memory};
 use crate::interior::Brightness;
 use crate::job::Job;
 use crate::lit::LitScene;
-use ::bake::{BakedPage, BounceStats, Bounces, SeamStats};
+use ::bake::{BakedPage, BounceStats, Bounces, LayerPlanes, SeamStats};
 use layers::Layer;
+use rayon::prelude::*;
 use report::{
     BakeReport, Engine, LightSource, LightmapReport, LitPicture, Output, PageHeader, PageLight,
     PageReport, PhaseReport, SeamReport,
@@ -112,15 +113,27 @@ impl<'a> Writer<'a> {
             let values = planes.values.chunks(page.texels()).enumerate();
             channels.extend(values.map(|(c, values)| (planes.layer.channel_name(c), values)));
         }
-        self.output
-            .stage(&page_name(&self.stem, page.page), |file| {
-                report::write_page_exr(file, page.size, &channels, &header)
-            })?;
-        for planes in &page.planes {
-            if let Some(png) = report::preview_png(page.size, planes.layer, &planes.values) {
-                let name = preview_name(&self.stem, page.page, planes.layer);
-                self.output.stage_bytes(&name, &png)?;
-            }
+        let preview = |planes: &LayerPlanes| {
+            report::preview_png(page.size, planes.layer, &planes.values)
+                .map(|png| (preview_name(&self.stem, page.page, planes.layer), png))
+        };
+        let diffuse = page.layer(Layer::Diffuse);
+        let mut occlusion = None;
+        let (written, previews) = rayon::join(
+            || {
+                self.output
+                    .stage(&page_name(&self.stem, page.page), |file| {
+                        report::write_page_exr(file, page.size, &channels, &header)
+                    })
+            },
+            || -> Vec<(String, Vec<u8>)> {
+                occlusion = diffuse.map(|diffuse| report::occlusion_png(page.size, diffuse));
+                page.planes.par_iter().filter_map(preview).collect()
+            },
+        );
+        written?;
+        for (name, png) in previews {
+            self.output.stage_bytes(&name, &png)?;
         }
         self.lit.add(self.job, page);
         if !options.engines.is_empty() {
@@ -132,16 +145,15 @@ impl<'a> Writer<'a> {
                 self.lit_pictures.extend(LitPicture::of(&light));
             }
         }
-        let diffuse = page.layer(Layer::Diffuse);
         if let (Some(diffuse), Some(coverage)) = (diffuse, page.layer(Layer::Coverage)) {
             self.brightness.add(diffuse, coverage);
         }
         self.pictures = self
             .pictures
             .take()
-            .zip(diffuse)
-            .map(|(mut pictures, diffuse)| {
-                pictures.push(report::occlusion_png(page.size, diffuse));
+            .zip(occlusion)
+            .map(|(mut pictures, picture)| {
+                pictures.push(picture);
                 pictures
             });
         self.pages.push(page_report(self.job, page));

@@ -63,7 +63,7 @@ pub(crate) fn audit(scene: &Scene, atlas: &Atlas) -> Findings {
             .into_par_iter()
             .map(|i| {
                 let (overlaps, instance) = overlaps(&raster, i, atlas.page_size);
-                (overlaps, instance, raster.tile(i).footprints.len() as u64)
+                (overlaps, instance, raster.texels(i))
             })
             .collect();
         for (overlaps, instance, texels) in tiles {

@@ -18,7 +18,7 @@ pub(crate) struct Corner {
 const CAPACITY: usize = 16;
 
 /// A convex polygon on the stack.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(crate) struct Polygon {
     len: usize,
     corners: [Corner; CAPACITY],
@@ -32,22 +32,38 @@ pub(crate) enum Side {
 }
 
 impl Polygon {
+    /// No corner.
+    pub const EMPTY: Self = Self {
+        len: 0,
+        corners: [Corner {
+            p: DVec2::ZERO,
+            w: DVec3::ZERO,
+        }; CAPACITY],
+    };
+
     pub fn triangle(p: [DVec2; 3]) -> Polygon {
-        let mut corners = [Corner::default(); CAPACITY];
-        for (k, w) in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().enumerate() {
-            corners[k] = Corner { p: p[k], w };
+        let mut polygon = Self::EMPTY;
+        for (p, w) in p.into_iter().zip([DVec3::X, DVec3::Y, DVec3::Z]) {
+            polygon.push(Corner { p, w });
         }
-        Polygon { len: 3, corners }
+        polygon
     }
 
     pub fn corners(&self) -> &[Corner] {
         &self.corners[..self.len]
     }
 
-    /// The part between `low` and `high` along `axis`; empty when nothing or only a line is left.
-    pub fn between(&self, axis: usize, low: f64, high: f64) -> Polygon {
-        self.cut(axis, low, Side::Above)
-            .cut(axis, high, Side::Below)
+    /// The part between `low` and `high` along `axis`; empty when nothing or only a line is left. What is cut stands in `scratch`: a
+    /// polygon that the limits do not touch is not copied.
+    pub fn between<'a>(
+        &'a self,
+        axis: usize,
+        low: f64,
+        high: f64,
+        [first, second]: &'a mut [Polygon; 2],
+    ) -> &'a Polygon {
+        self.cut(axis, low, Side::Above, first)
+            .cut(axis, high, Side::Below, second)
     }
 
     /// Smallest and largest coordinate along `axis`.
@@ -60,7 +76,7 @@ impl Polygon {
     }
 
     /// The part on one side of the line `coordinate(axis) = limit`.
-    fn cut(&self, axis: usize, limit: f64, side: Side) -> Polygon {
+    fn cut<'a>(&'a self, axis: usize, limit: f64, side: Side, out: &'a mut Polygon) -> &'a Polygon {
         let distance = |c: &Corner| match side {
             Side::Above => c.p[axis] - limit,
             Side::Below => limit - c.p[axis],
@@ -71,12 +87,9 @@ impl Polygon {
             Side::Below => (high <= limit, low < limit),
         };
         if inside && touches {
-            return *self;
+            return self;
         }
-        let mut out = Polygon {
-            len: 0,
-            corners: [Corner::default(); CAPACITY],
-        };
+        out.len = 0;
         if !touches {
             return out;
         }

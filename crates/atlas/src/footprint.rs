@@ -3,7 +3,7 @@
 //! Source of the square-to-triangle map: E. Heitz, "A Low-Distortion Map Between Triangle and Square", 2019.
 
 use crate::SurfacePoint;
-use crate::clip::{Polygon, share};
+use crate::cutter::{Cutter, Weights};
 use crate::uv::twice_area;
 use glam::{DVec2, DVec3};
 use std::ops::Range;
@@ -109,17 +109,9 @@ fn square_to_triangle([s, t]: [f64; 2]) -> [f64; 2] {
 
 /// Collects the pieces of one tile, triangle by triangle.
 pub(crate) struct Collector {
-    x0: u32,
-    y0: u32,
-    /// Texels beyond the page's edge are left out.
-    width: u32,
-    height: u32,
+    cutter: Cutter,
     found: Vec<Found>,
 }
-
-/// A part below this share of its triangle is the rounding of a clip along a texel's border, not a part: without it an
-/// edge that runs on the border would leave texels beyond it that see only the edge. The rest of the triangle stands.
-const SLIVER: f64 = 1e-14;
 
 /// A piece not yet sorted to its texel.
 struct Found {
@@ -134,113 +126,79 @@ struct Found {
 impl Collector {
     pub fn new(x0: u32, y0: u32, page_size: u32) -> Collector {
         Collector {
-            x0,
-            y0,
-            width: TILE.min(page_size - x0),
-            height: TILE.min(page_size - y0),
+            cutter: Cutter::new(x0, y0, page_size),
             found: Vec::new(),
         }
     }
 
     /// Clips a triangle (corners in texels of the page) to every texel of the tile that it meets.
     pub fn add(&mut self, instance: u32, triangle: u32, corners: [DVec2; 3]) {
-        let signed = twice_area(corners);
-        if signed == 0.0 {
-            return;
-        }
-        let area = 0.5 * signed.abs();
-        let origin = DVec2::new(f64::from(self.x0), f64::from(self.y0));
-        let p = corners.map(|c| c - origin);
-        let part = Polygon::triangle(p)
-            .between(1, 0.0, f64::from(self.height))
-            .between(0, 0.0, f64::from(self.width));
-        let plane = Weights::new(p, signed);
-        let (top, bottom) = part.range(1);
-        for y in cells(top, bottom, self.height) {
-            let row = part.between(1, f64::from(y), f64::from(y + 1));
-            let (left, right) = row.range(0);
-            for x in cells(left, right, self.width) {
-                let texel = (y * TILE + x) as u16;
-                let corner = DVec2::new(f64::from(x), f64::from(y));
-                let mut piece = Piece {
+        let found = &mut self.found;
+        let everywhere = |_| true;
+        self.cutter.cut(corners, everywhere, |part| {
+            found.push(Found {
+                texel: part.texel,
+                centre: part.centre,
+                piece: Piece {
                     instance,
                     triangle,
-                    square: true,
-                    corners: plane.square(corner),
-                    cumulative: 1.0,
-                };
-                if plane.holds_square(piece.corners) {
-                    self.found.push(Found {
-                        texel,
-                        centre: corner.x + 0.5,
-                        piece,
-                    });
-                    continue;
-                }
-                piece.square = false;
-                let cell = row.between(0, f64::from(x), f64::from(x + 1));
-                let c = cell.corners();
-                for k in 2..c.len() {
-                    piece.corners = [c[0].w, c[k - 1].w, c[k].w];
-                    let part = share(c[0].w, c[k - 1].w, c[k].w);
-                    piece.cumulative = area * part;
-                    if part > SLIVER && piece.cumulative > 0.0 {
-                        let centre = (c[0].p.x + c[k - 1].p.x + c[k].p.x) / 3.0;
-                        self.found.push(Found {
-                            texel,
-                            centre,
-                            piece,
-                        });
-                    }
-                }
-            }
-        }
+                    square: part.square,
+                    corners: part.corners,
+                    cumulative: part.area,
+                },
+            });
+        });
     }
 
     /// The finished tile.
-    pub fn finish(mut self) -> Tile {
-        // Stable: equal centres keep the order of instances and triangles.
-        self.found.sort_by(|a, b| {
-            a.texel
-                .cmp(&b.texel)
-                .then_with(|| a.centre.total_cmp(&b.centre))
-        });
+    pub fn finish(self) -> Tile {
+        // Sorted by texel in one pass that keeps the order of instances and triangles, then each texel's few by their centres.
+        let mut ends = [0u32; (TILE * TILE) as usize + 1];
+        for found in &self.found {
+            ends[usize::from(found.texel) + 1] += 1;
+        }
+        for texel in 1..ends.len() {
+            ends[texel] += ends[texel - 1];
+        }
+        let mut order = vec![0u32; self.found.len()];
+        for (index, found) in self.found.iter().enumerate() {
+            let place = &mut ends[usize::from(found.texel)];
+            order[*place as usize] = index as u32;
+            *place += 1;
+        }
         let mut tile = Tile {
-            x0: self.x0,
-            y0: self.y0,
-            footprints: Vec::new(),
-            pieces: Vec::with_capacity(self.found.len()),
+            x0: self.cutter.x0,
+            y0: self.cutter.y0,
+            footprints: Vec::with_capacity(order.len().min((TILE * TILE) as usize)),
+            pieces: Vec::with_capacity(order.len()),
         };
-        for texel in self.found.chunk_by(|a, b| a.texel == b.texel) {
-            let start = tile.pieces.len() as u32;
+        let mut start = 0;
+        for (at, &end) in (0..TILE * TILE).zip(&ends) {
+            let texel = &mut order[start as usize..end as usize];
+            if texel.is_empty() {
+                continue;
+            }
+            let centre = |&index: &u32| self.found[index as usize].centre;
+            // Stable: equal centres keep their order.
+            texel.sort_by(|a, b| centre(a).total_cmp(&centre(b)));
             let mut cumulative = 0.0;
-            for found in texel {
-                cumulative += found.piece.cumulative;
+            for &index in texel.iter() {
+                let piece = self.found[index as usize].piece;
+                cumulative += piece.cumulative;
                 tile.pieces.push(Piece {
                     cumulative,
-                    ..found.piece
+                    ..piece
                 });
             }
-            let at = u32::from(texel[0].texel);
             tile.footprints.push(Footprint {
-                x: self.x0 + at % TILE,
-                y: self.y0 + at / TILE,
+                x: self.cutter.x0 + at % TILE,
+                y: self.cutter.y0 + at / TILE,
                 coverage: (cumulative as f32).clamp(f32::MIN_POSITIVE, 1.0),
-                pieces: start..tile.pieces.len() as u32,
+                pieces: start..end,
             });
+            start = end;
         }
         tile
-    }
-}
-
-/// Cells of a row of `count` that an interval meets; none for the range of an empty polygon.
-fn cells(low: f64, high: f64, count: u32) -> Range<u32> {
-    if low <= high {
-        // Both ends lie in 0..=count: the polygon was cut to the tile. A needle may have rounded to no width.
-        let first = low.floor() as u32;
-        first..(high.ceil() as u32).max(first + 1).min(count)
-    } else {
-        0..0
     }
 }
 
@@ -248,40 +206,4 @@ fn cells(low: f64, high: f64, count: u32) -> Range<u32> {
 pub(crate) fn barycentric(corners: [DVec2; 3], p: DVec2) -> Option<DVec3> {
     let signed = twice_area(corners);
     (signed != 0.0).then(|| Weights::new(corners, signed).at(p))
-}
-
-/// Barycentric weights as affine functions of the position.
-struct Weights {
-    origin: DVec2,
-    du: DVec3,
-    dv: DVec3,
-}
-
-impl Weights {
-    fn new([a, b, c]: [DVec2; 3], twice_area: f64) -> Weights {
-        let slope =
-            |from: DVec2, to: DVec2| DVec2::new(-(to.y - from.y), to.x - from.x) / twice_area;
-        let (w0, w1, w2) = (slope(b, c), slope(c, a), slope(a, b));
-        Weights {
-            origin: a,
-            du: DVec3::new(w0.x, w1.x, w2.x),
-            dv: DVec3::new(w0.y, w1.y, w2.y),
-        }
-    }
-
-    fn at(&self, p: DVec2) -> DVec3 {
-        let d = p - self.origin;
-        DVec3::X + self.du * d.x + self.dv * d.y
-    }
-
-    /// Weights at the upper left, upper right and lower left corner of the unit square at `p`.
-    fn square(&self, p: DVec2) -> [DVec3; 3] {
-        [self.at(p), self.at(p + DVec2::X), self.at(p + DVec2::Y)]
-    }
-
-    /// All four corners of the square lie in the triangle.
-    fn holds_square(&self, [a, b, c]: [DVec3; 3]) -> bool {
-        let d = b + c - a;
-        a.min(b).min(c).min(d).min_element() >= 0.0
-    }
 }

@@ -23,6 +23,7 @@ mod audit;
 mod centre;
 mod charts;
 mod clip;
+mod cutter;
 mod dilate;
 mod error;
 mod facts;

@@ -1,6 +1,7 @@
 //! An index of a page's triangles by tile. Footprints are cut out on demand, a tile at a time.
 
 use crate::centre::draw_together;
+use crate::cutter::{Cutter, covered};
 use crate::footprint::{Collector, Footprint, TILE, Tile};
 use crate::uv::{corners, page, twice_area};
 use crate::{Atlas, MeshLayout, Placement};
@@ -75,6 +76,17 @@ impl<'a> PageRaster<'a> {
             collector.add(entry[0], entry[1], corners);
         }
         collector.finish()
+    }
+
+    /// How many texels of a tile triangles cover: as many as [`PageRaster::tile`] has footprints.
+    ///
+    /// # Panics
+    ///
+    /// If `index` is not below the number of tiles.
+    pub fn texels(&self, index: usize) -> u64 {
+        let [x0, y0] = self.tile_origin(index);
+        let cutter = Cutter::new(x0, y0, self.page_size);
+        covered(cutter, self.triangles(index).map(|(_, corners)| corners))
     }
 
     /// The centroid of a footprint, in texels of the page.

@@ -2,6 +2,24 @@
 
 use layers::{Layer, Preview};
 use png::{BitDepth, ColorType, Encoder, ScaledFloat, SrgbRenderingIntent};
+use std::sync::LazyLock;
+
+/// The least value that becomes each byte above 0 on the sRGB curve: a search among them costs less than the curve's power.
+static SRGB_STEPS: LazyLock<[f32; 255]> = LazyLock::new(|| {
+    std::array::from_fn(|step| {
+        let reaches = |bits| usize::from(Encoding::Srgb.byte(f32::from_bits(bits))) > step;
+        // Bits of positive numbers are in the order of the numbers, and 1 becomes 255.
+        let (mut low, mut high) = (0, 1f32.to_bits());
+        while high - low > 1 {
+            let middle = low + (high - low) / 2;
+            match reaches(middle) {
+                true => high = middle,
+                false => low = middle,
+            }
+        }
+        f32::from_bits(high)
+    })
+});
 
 /// How a value becomes a byte.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,9 +103,20 @@ pub fn preview_png(size: u32, layer: Layer, values: &[f32]) -> Option<Vec<u8>> {
         1 => ColorType::Grayscale,
         _ => ColorType::Rgb,
     };
-    let pixels: Vec<u8> = (0..texels)
-        .flat_map(|i| (0..channels).map(move |c| encoding.byte(values[c * texels + i])))
-        .collect();
+    let mut pixels = vec![0; channels * texels];
+    for (c, plane) in values.chunks(texels.max(1)).enumerate() {
+        let bytes = pixels.iter_mut().skip(c).step_by(channels);
+        match encoding {
+            Encoding::Srgb => {
+                let steps = &*SRGB_STEPS;
+                let byte = |value: f32| steps.partition_point(|&least| value >= least) as u8;
+                bytes.zip(plane).for_each(|(to, &value)| *to = byte(value));
+            }
+            _ => bytes
+                .zip(plane)
+                .for_each(|(to, &value)| *to = encoding.byte(value)),
+        }
+    }
     let title = format!("{}: {}", layer.name(), encoding.description());
     Some(encode(
         [size, size],
@@ -158,6 +187,27 @@ mod tests {
             [0, 128, 255]
         );
         assert_eq!(Encoding::Scaled(64.0).byte(64.0), 255);
+    }
+
+    #[test]
+    fn previews_on_the_srgb_curve_are_rounded_to_the_nearest_byte() {
+        let steps = SRGB_STEPS.iter().flat_map(|step| {
+            let bits = step.to_bits();
+            [bits - 1, bits, bits + 1].map(f32::from_bits)
+        });
+        let odd = [-1.0, 0.0, 0.5, 1.0, 7.0, f32::MAX, 1e-30];
+        let mut values: Vec<f32> = steps.chain(odd).collect();
+        values.resize(32 * 32 * 3, 0.25);
+        let bytes = preview_png(32, Layer::Phong, &values).unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes))
+            .read_info()
+            .unwrap();
+        let mut pixels = vec![0; values.len()];
+        reader.next_frame(&mut pixels).unwrap();
+        for (at, &byte) in pixels.iter().enumerate() {
+            let value = values[at % 3 * 1024 + at / 3];
+            assert_eq!(byte, Encoding::Srgb.byte(value), "{value}");
+        }
     }
 
     #[test]

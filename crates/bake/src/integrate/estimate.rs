@@ -112,15 +112,16 @@ impl<'a> Gathered<'a> {
             return Terms::default();
         }
         let sums = Sums::of(&self.sums[i]);
+        let pool = self.pool(i, 1);
         let share = |quantity| Estimate {
             value: value(self.sky, &sums, quantity),
-            std_err: self.std_err(i, quantity, 1),
+            std_err: self.std_err(&pool, quantity),
         };
         let light = |quantity, term| match self.sky.map() {
             None => uniform_light(self.sky.floor(), term),
             Some(_) => Estimate {
                 value: light(self.sky, &sums, quantity),
-                std_err: self.std_err(i, quantity, 1),
+                std_err: self.std_err(&pool, quantity),
             },
         };
         let mut terms = Terms {
@@ -179,13 +180,14 @@ impl<'a> Gathered<'a> {
             Some(_) => self.technique.lights(),
         };
         let sums = Sums::of(&self.sums[i]);
+        let pool = self.pool(i, radius);
         let mut watched = self.technique.shares().iter().take(1).chain(lights);
         watched.all(|&quantity| {
             let most = (error * self.unit(quantity)).max(match relative {
                 0.0 => 0.0,
                 _ => relative * value(self.sky, &sums, quantity),
             });
-            self.std_err(i, quantity, radius) <= most
+            self.std_err(&pool, quantity) <= most
         })
     }
 
@@ -197,21 +199,44 @@ impl<'a> Gathered<'a> {
         }
     }
 
-    /// Standard error of one of a texel's quantities. Variances pool over texels no more than `radius` away along an axis.
-    fn std_err(&self, i: usize, quantity: Quantity, radius: i32) -> f64 {
-        let (mut variances, mut count, mut agreeing) = (0.0, 0.0, 0.0);
+    /// The variances of the texels about one, no more than `radius` away along an axis.
+    fn pool(&self, i: usize, radius: i32) -> Pool {
+        let mut pool = Pool::default();
         for j in neighbours(self.texels, &self.at, i, radius) {
-            let ratio = f64::from(self.points[j]) / f64::from(self.points[i]);
-            variances += self.own[j][quantity as usize] * ratio * ratio.sqrt();
-            count += 1.0;
-            agreeing += f64::from(self.points[j]);
+            let (ratio, root) = match self.points[j] == self.points[i] {
+                true => (1.0, 1.0),
+                false => {
+                    let ratio = f64::from(self.points[j]) / f64::from(self.points[i]);
+                    (ratio, ratio.sqrt())
+                }
+            };
+            for (sum, own) in pool.variances.iter_mut().zip(&self.own[j]) {
+                *sum += own * ratio * root;
+            }
+            pool.texels += 1.0;
+            pool.points += f64::from(self.points[j]);
         }
-        if variances > 0.0 {
-            f64::sqrt(variances / count)
+        pool
+    }
+
+    /// Standard error of one of a texel's quantities.
+    fn std_err(&self, pool: &Pool, quantity: Quantity) -> f64 {
+        let variance = pool.variances[quantity as usize];
+        if variance > 0.0 {
+            f64::sqrt(variance / pool.texels)
         } else {
-            1.5 / agreeing * self.unit(quantity)
+            1.5 / pool.points * self.unit(quantity)
         }
     }
+}
+
+/// What texels of one surface share.
+#[derive(Default)]
+struct Pool {
+    /// Sums of the variances of each quantity's mean, as if all had the points of the texel that asks.
+    variances: [f64; 5],
+    texels: f64,
+    points: f64,
 }
 
 /// The texel and those about it in the tile that are of the same surface and have points.

@@ -73,9 +73,10 @@ pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) ->
         Technique::Sky,
         which(&|i| !closed[i] && lit && task.draw_sky),
     );
+    let of = |terms: &[Terms], i: usize| terms.get(i).copied().unwrap_or_default();
     (0..texels.len())
         .map(|i| {
-            let sampled = lobe[i];
+            let sampled = of(&lobe, i);
             if closed[i] {
                 let known = closed_form::terms(task, &texels[i], reflects[i] && closed_lobe[i]);
                 return match closed_lobe[i] {
@@ -96,7 +97,8 @@ pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) ->
                     std_err: own.std_err.hypot(drawn.std_err),
                 },
             };
-            let (own, drawn) = (&hemisphere[i].halves, &sky[i].halves);
+            let (above, aimed) = (of(&hemisphere, i), of(&sky, i));
+            let (own, drawn) = (&above.halves, &aimed.halves);
             let halves = Halves {
                 specular: sampled.halves.specular,
                 irradiance: own.irradiance + drawn.irradiance,
@@ -106,16 +108,17 @@ pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) ->
             Terms {
                 halves,
                 specular: sampled.specular,
-                irradiance: light(task.hemisphere, hemisphere[i].irradiance, sky[i].irradiance),
-                reflection: light(reflects[i], sampled.reflection, sky[i].reflection),
-                rays: hemisphere[i].rays + sampled.rays + sky[i].rays,
-                ..hemisphere[i]
+                irradiance: light(task.hemisphere, above.irradiance, aimed.irradiance),
+                reflection: light(reflects[i], sampled.reflection, aimed.reflection),
+                rays: above.rays + sampled.rays + aimed.rays,
+                ..above
             }
         })
         .collect()
 }
 
-/// Casts the rays of one technique for the texels `which`, in rounds where a target is set.
+/// Casts the rays of one technique for the texels `which`, in rounds where a target is set. The terms of all texels; none where `which`
+/// is empty.
 fn rounds(
     task: &Task<'_>,
     texels: &[Texel],
@@ -126,6 +129,12 @@ fn rounds(
     let cast = |lanes: &[Lane], range, sums: &mut [Replicates]| {
         cast(task, texels, reflects, technique, lanes, range, sums);
     };
+    if which.is_empty() {
+        return Vec::new();
+    }
+    // Texels of one packet stand side by side; what is left of them after a round still does.
+    let edge = packet_edge(task.pattern);
+    which.sort_by_key(|&i| (texels[i].y / edge, texels[i].x / edge, i));
     let mut sums = vec![Replicates::default(); texels.len()];
     let mut points = vec![0; texels.len()];
     match task.effort {
@@ -172,23 +181,25 @@ fn next_round(points: u32) -> u32 {
     }
 }
 
-/// The lanes of the texels `which`, neighbours side by side.
-///
-/// A packet holds four replicates of 2 x 2 texels, which are independent, or one replicate of 4 x 4 texels, which share it.
+/// Edge of the blocks of texels that go into one packet: four replicates of 2 x 2 texels, which are independent, or one replicate of
+/// 4 x 4 texels, which share it.
+fn packet_edge(pattern: Pattern) -> u32 {
+    match pattern {
+        Pattern::Independent => 2,
+        Pattern::Tiled => SHARE,
+    }
+}
+
+/// The lanes of the texels `which`, block by block.
 fn lanes(
     task: &Task<'_>,
     texels: &[Texel],
     which: &[usize],
     replicates: Range<usize>,
 ) -> Vec<Lane> {
-    let edge = match task.pattern {
-        Pattern::Independent => 2,
-        Pattern::Tiled => SHARE,
-    };
+    let edge = packet_edge(task.pattern);
     let group = |i: usize| (texels[i].y / edge, texels[i].x / edge);
-    let mut order = which.to_vec();
-    order.sort_by_key(|&i| (group(i), i));
-    order
+    which
         .chunk_by(|&a, &b| group(a) == group(b))
         .flat_map(|group| {
             replicates.clone().flat_map(move |replicate| {

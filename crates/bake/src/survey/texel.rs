@@ -8,7 +8,7 @@ use ambient::sampling::Stream;
 use atlas::{Footprint, Tile};
 use glam::DVec3;
 use rays::{Overrides, Patch, PhongMaterial, PlaneErrors, Solids, World, is_mapped, material_at};
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 /// Sample points over the footprint from which means of textured materials are taken.
 const SURVEY_POINTS: u32 = 16;
@@ -97,6 +97,29 @@ struct Known {
     body: Option<u32>,
 }
 
+/// What the texels of a tile have in common.
+#[derive(Default)]
+struct Shared {
+    /// By instance and triangle.
+    triangles: FxHashMap<(u32, u32), Known>,
+    /// Of the last instance that was asked for, one without maps.
+    material: Option<(u32, PhongMaterial)>,
+}
+
+impl Shared {
+    /// The material of an instance that has no maps.
+    fn plain(&mut self, world: &World, instance: u32, triangle: u32) -> PhongMaterial {
+        match self.material {
+            Some((known, material)) if known == instance => material,
+            _ => {
+                let material = material_at(world.scene(), instance, triangle, [1.0, 0.0, 0.0]);
+                self.material = Some((instance, material));
+                material
+            }
+        }
+    }
+}
+
 /// Makes the texels of tiles.
 pub(crate) struct Surveyor<'a> {
     pub world: &'a World,
@@ -110,10 +133,10 @@ pub(crate) struct Surveyor<'a> {
 impl Surveyor<'_> {
     /// All texels of a tile. `stream` labels a texel's own points by its column and row.
     pub fn texels(&self, tile: &Tile, stream: impl Fn(u32, u32, u32) -> Stream) -> Vec<Texel> {
-        let mut patches = HashMap::new();
+        let mut shared = Shared::default();
         let texels = tile.footprints.iter().map(|footprint| {
             let stream = stream(footprint.x, footprint.y, labels::SURVEY);
-            self.texel(tile, footprint, &mut patches, &stream)
+            self.texel(tile, footprint, &mut shared, &stream)
         });
         let mut texels: Vec<Texel> = texels.collect();
         if let Some(solids) = self.solids {
@@ -135,20 +158,22 @@ impl Surveyor<'_> {
         &self,
         tile: &Tile,
         footprint: &Footprint,
-        patches: &mut HashMap<(u32, u32), Known>,
+        shared: &mut Shared,
         stream: &Stream,
     ) -> Texel {
         let pieces = &tile.pieces[footprint.pieces.start as usize..footprint.pieces.end as usize];
         let mut cells = Vec::with_capacity(pieces.len());
+        let mut upward = None;
         let (mut open, mut before) = (true, 0.0);
         let mut largest = (0.0, 0);
         for piece in pieces {
             let key = (piece.instance, piece.triangle);
-            let known = patches.entry(key).or_insert_with(|| Known {
+            let known = shared.triangles.entry(key).or_insert_with(|| Known {
                 patch: Patch::of(self.world, self.errors, key.0, key.1),
                 open: self.plan.open.contains(key.0, key.1),
                 body: self.solids.and_then(|solids| solids.own(key.0, key.1)),
             });
+            upward.get_or_insert_with(|| known.patch.upward());
             open &= known.open;
             if piece.cumulative - before > largest.0 {
                 largest = (piece.cumulative - before, piece.instance);
@@ -172,14 +197,12 @@ impl Surveyor<'_> {
             normal += centre.normal * cell.area;
             geometric += centre.geometric * cell.area;
         }
-        let upward = patches[&(pieces[0].instance, pieces[0].triangle)]
-            .patch
-            .upward();
+        let upward = upward.unwrap_or(DVec3::Z);
         Texel {
             x: footprint.x,
             y: footprint.y,
             coverage: footprint.coverage,
-            material: self.material(tile, footprint, stream),
+            material: self.material(tile, footprint, shared, stream),
             position: position / before,
             normal: normal.try_normalize().unwrap_or(upward),
             geometric: geometric.try_normalize().unwrap_or(upward),
@@ -193,7 +216,13 @@ impl Surveyor<'_> {
     }
 
     /// The mean material: by area where no map is looked up, else from points over the footprint.
-    fn material(&self, tile: &Tile, footprint: &Footprint, stream: &Stream) -> PhongMaterial {
+    fn material(
+        &self,
+        tile: &Tile,
+        footprint: &Footprint,
+        shared: &mut Shared,
+        stream: &Stream,
+    ) -> PhongMaterial {
         let scene = self.world.scene();
         let pieces = &tile.pieces[footprint.pieces.start as usize..footprint.pieces.end as usize];
         let surface = |instance: u32| {
@@ -222,7 +251,7 @@ impl Surveyor<'_> {
             let (area, mut before) = (tile.area(footprint), 0.0);
             for piece in pieces {
                 add(
-                    material_at(scene, piece.instance, piece.triangle, [1.0, 0.0, 0.0]),
+                    shared.plain(self.world, piece.instance, piece.triangle),
                     (piece.cumulative - before) / area,
                 );
                 before = piece.cumulative;
