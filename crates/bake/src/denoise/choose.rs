@@ -4,11 +4,13 @@
 //! over neighbours, is the variance of a fit of M whatever the noise is like. From one candidate to the next smoother one the fit
 //! moves by dM; the halves being independent, dM² - dH² is the square of what the truth moves by, without a term of the noise. The
 //! error of each candidate follows from the one before: plus that square, minus the variance that was saved. Estimated so, from fine to
-//! coarse, errors are far less noisy than if each fit were held against the plain values. After F. Rousselle, C. Knaus, M. Zwicker,
+//! coarse, errors are far less noisy than if each fit were held against the plain values. They only choose; what is stated is another
+//! matter ([`super::stated`]). After F. Rousselle, C. Knaus, M. Zwicker,
 //! "Adaptive Rendering with Non-Local Means Filtering", 2012, who tell noise from detail by two halves.
 
 use super::fit::{Fits, fit};
 use super::plane::{Plane, TASK};
+use super::stated::Squares;
 use pulp::Arch;
 use rayon::prelude::*;
 
@@ -21,9 +23,6 @@ const STANDS_OUT: f32 = 0.5;
 /// Variances of the plain value by which both halves of a single texel must leave a fit to refuse it: a contact of one texel.
 const REFUSES: f32 = 25.0;
 
-/// A fit cannot be better than this share of its variance.
-const FLOOR: f32 = 0.5;
-
 /// Channels of a term at most.
 pub(super) const CHANNELS: usize = 3;
 
@@ -32,12 +31,15 @@ pub(super) const CHANNELS: usize = 3;
 pub(super) struct Texel {
     /// Variance of the plain mean; 0 where no ray of the neighbourhood disagrees.
     pub plain: f32,
-    /// Variance and squared error of the last candidate, mean of the channels.
+    /// Squared bias that is seen of the texels about it.
+    pub near_bias: f32,
+    /// Variance and squared bias of the last candidate, mean of the channels.
     variance: f32,
-    risk: f32,
+    bias: f32,
     /// Sums over the candidates by their weights.
     weights: f32,
-    risks: f32,
+    variances: f32,
+    half: f32,
     values: [f32; CHANNELS],
 }
 
@@ -47,18 +49,35 @@ impl Texel {
         self.values[channel] / self.weights
     }
 
-    /// Its standard error, mean of the channels.
-    pub fn std_err(&self) -> f32 {
-        (self.risks / self.weights).sqrt()
+    /// What is predicted of its error and what its halves show; `plain` and `half` are the values before.
+    pub fn squares(&self, plain: f32, half: f32, channels: usize) -> Squares {
+        let moved =
+            self.values[..channels].iter().sum::<f32>() / (channels as f32 * self.weights) - plain;
+        let left = self.half / self.weights;
+        Squares {
+            plain: self.plain,
+            variance: self.variances,
+            near_bias: self.near_bias,
+            seen_variance: left * left,
+            seen_bias: moved * moved - (left - half) * (left - half),
+        }
     }
 
     /// Counts a candidate of this error, in units of `unit`. Errors below 1e-5 of it weigh alike.
-    fn count(&mut self, risk: f32, unit: f32, value: impl Fn(usize) -> f32, channels: usize) {
+    fn count(
+        &mut self,
+        risk: f32,
+        unit: f32,
+        half: f32,
+        value: impl Fn(usize) -> f32,
+        channels: usize,
+    ) {
         let inverse = 1.0 / (risk / unit).max(1e-5);
         let square = inverse * inverse;
         let weight = square * square * square;
         self.weights += weight;
-        self.risks += weight * risk;
+        self.variances += weight * self.variance;
+        self.half += weight * half;
         for channel in 0..channels {
             self.values[channel] += weight * value(channel);
         }
@@ -86,10 +105,11 @@ pub(super) fn choose(mask: &Plane, data: &[Plane], near: &mut Plane) -> Option<V
     let mut texels = vec![Texel::default(); mask.values.len()];
     each(mask, &mut texels, |i, texel| {
         texel.plain = variances.values[i] / near.values[i];
-        (texel.variance, texel.risk) = (texel.plain, texel.plain);
+        texel.variance = texel.plain;
         texel.count(
-            texel.risk,
+            texel.plain,
             unit,
+            half.values[i],
             |channel| data[channel].values[i],
             channels,
         );
@@ -116,25 +136,39 @@ pub(super) fn choose(mask: &Plane, data: &[Plane], near: &mut Plane) -> Option<V
                 let variance = 0.5 * (variances.values[i] / near + reduced * texel.plain);
                 let saved = texel.variance - variance;
                 let noise = 2.0 * saved.max(0.0) * (shared / near).min(1.0).sqrt();
-                let bias = (moves.values[i] / near - STANDS_OUT * noise).max(0.0);
-                texel.risk = (texel.risk + bias - saved).max(FLOOR * variance);
+                // Its own noise must not speak for or against a texel's choice.
+                let own = moved(i, now, before);
+                let moves = (moves.values[i] - own) / (near - 1.0).max(1.0);
+                texel.bias += (moves - STANDS_OUT * noise).max(0.0);
                 texel.variance = variance;
                 // A texel of twice the value has twice the variance: two rays that meet in the dark are no detail.
                 let brighter = (mean(data, i) / mean(now, i).max(f32::MIN_POSITIVE)).max(1.0);
                 let alone = moved(i, now, data) - REFUSES * texel.plain * brighter;
                 let value = |channel: usize| now[channel].values[i];
-                texel.count(texel.risk.max(alone), unit, value, channels);
+                let risk = (texel.variance + texel.bias).max(alone);
+                texel.count(risk, unit, now[channels].values[i], value, channels);
             });
         }
         std::mem::swap(&mut last, &mut fits[1]);
     }
-    // One texel's estimate is uncertain; neighbours pool theirs, as the plain values' do.
+    // One texel's prediction is rough; neighbours pool theirs, as the plain values' do.
     variances.set_sums(|i| match mask.values[i] > 0.0 {
-        true => texels[i].risks / texels[i].weights,
+        true => texels[i].variances / texels[i].weights,
         false => 0.0,
     });
+    moves.set_ring_sums(|i| match mask.values[i] > 0.0 && texels[i].weights > 0.0 {
+        true => {
+            texels[i]
+                .squares(mean(data, i), half.values[i], channels)
+                .seen_bias
+        }
+        false => 0.0,
+    });
+    let mut ring = new();
+    ring.set_ring_sums(|i| mask.values[i]);
     each(mask, &mut texels, |i, texel| {
-        texel.risks = texel.weights * variances.values[i] / near.values[i];
+        texel.variances = variances.values[i] / near.values[i];
+        texel.near_bias = moves.values[i] / ring.values[i].max(1.0);
     });
     Some(texels)
 }

@@ -2,19 +2,22 @@
 //!
 //! Each chart is fitted by polynomials over windows of several sizes ([`fit`]), and each texel takes the mean of these fits and of
 //! its plain value, weighted by estimates of their errors ([`choose`]) that need no model of the noise: two independent halves of
-//! its rays are fitted alike. Fits move no chart's mean. The standard errors that come back include the bias that is estimated.
+//! its rays are fitted alike. Fits move no chart's mean. The standard errors that come back include the bias that is estimated; what
+//! texels predict of it is held against what the halves show of the whole page ([`stated`]).
 
 mod charts;
 mod choose;
 mod field;
 mod fit;
 mod plane;
+mod stated;
 
 use charts::{Chart, charts};
 use choose::{CHANNELS, choose};
 pub(crate) use field::Field;
 use plane::Plane;
 use rayon::prelude::*;
+use stated::{Squares, Stated};
 
 /// Charts of fewer texels keep their plain values: too few to tell noise from detail.
 const FEWEST: usize = 16;
@@ -63,12 +66,25 @@ impl Denoiser {
     /// The texels of the term that change.
     pub fn denoise(&self, term: &Term<'_>) -> Vec<Denoised> {
         let charts = self.charts.par_iter();
-        charts
-            .flat_map_iter(|chart| self.chart(chart, term))
-            .collect()
+        let chosen: Vec<Vec<Chosen>> = charts.map(|chart| self.chart(chart, term)).collect();
+        // In the order of the charts, whatever the number of threads.
+        let stated = Stated::of(
+            chosen
+                .iter()
+                .flatten()
+                .filter_map(|texel| texel.squares.as_ref()),
+        );
+        let denoised = |texel: &Chosen| Denoised {
+            std_err: match &texel.squares {
+                Some(squares) => stated.std_err(squares),
+                None => texel.denoised.std_err,
+            },
+            ..texel.denoised
+        };
+        chosen.iter().flatten().map(denoised).collect()
     }
 
-    fn chart(&self, chart: &Chart, term: &Term<'_>) -> Vec<Denoised> {
+    fn chart(&self, chart: &Chart, term: &Term<'_>) -> Vec<Chosen> {
         let local = |texel: u32| {
             let (x, y) = (texel as usize % self.size, texel as usize / self.size);
             (y - chart.at[1]) * chart.size[0] + x - chart.at[0]
@@ -95,29 +111,41 @@ impl Denoiser {
             .map(|&texel| {
                 let i = local(texel);
                 let mut values = [0.0; CHANNELS];
-                if chosen[i].plain == 0.0 {
-                    // All rays about it agree; the more they are, the less can have slipped between them.
-                    for (value, plane) in values.iter_mut().zip(&term.values) {
-                        *value = plane[texel as usize];
-                    }
-                    let std_err = term.std_err[texel as usize] * (POOLED / near.values[i]).min(1.0);
-                    return Denoised {
-                        texel,
-                        values,
-                        std_err,
-                    };
+                for (value, plane) in values.iter_mut().zip(&term.values) {
+                    *value = plane[texel as usize];
                 }
-                for (channel, value) in values[..channels].iter_mut().enumerate() {
-                    *value = chosen[i].value(channel).clamp(0.0, term.largest);
-                }
-                Denoised {
+                let plain = values[..channels].iter().sum::<f32>() / channels as f32;
+                let std_err = term.std_err[texel as usize];
+                let mut denoised = Denoised {
                     texel,
                     values,
-                    std_err: chosen[i].std_err(),
+                    std_err,
+                };
+                if chosen[i].plain == 0.0 {
+                    // All rays about it agree; the more they are, the less can have slipped between them.
+                    denoised.std_err *= (POOLED / near.values[i]).min(1.0);
+                    return Chosen {
+                        denoised,
+                        squares: None,
+                    };
+                }
+                for (channel, value) in denoised.values[..channels].iter_mut().enumerate() {
+                    *value = chosen[i].value(channel).clamp(0.0, term.largest);
+                }
+                let half = data[channels].values[i];
+                Chosen {
+                    denoised,
+                    squares: Some(chosen[i].squares(plain, half, channels)),
                 }
             })
             .collect()
     }
+}
+
+/// A texel whose value is chosen; `None` where all rays about it agree, and its error is known.
+struct Chosen {
+    denoised: Denoised,
+    squares: Option<Squares>,
 }
 
 #[cfg(test)]

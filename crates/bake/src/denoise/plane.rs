@@ -36,6 +36,24 @@ impl Plane {
     /// Sums of `of(index)` over the square of 11 x 11 texels about each texel, into `self`. Every sum has the same order, whatever the
     /// number of threads.
     pub fn set_sums(&mut self, of: impl Fn(usize) -> f32 + Sync) {
+        self.set_sums_by(of, eleven);
+    }
+
+    /// The same without the 7 x 7 texels in the middle.
+    pub fn set_ring_sums(&mut self, of: impl Fn(usize) -> f32 + Sync) {
+        let mut middle = Self::like(self);
+        middle.set_sums_by(&of, seven);
+        self.set_sums_by(of, eleven);
+        for (sum, middle) in self.values.iter_mut().zip(&middle.values) {
+            *sum -= middle;
+        }
+    }
+
+    fn set_sums_by(
+        &mut self,
+        of: impl Fn(usize) -> f32 + Sync,
+        line: impl Fn(&mut [f32], usize, &mut [Vec<f32>; 2]) + Sync,
+    ) {
         let (width, height) = (self.width, self.height());
         let rows = TASK.div_ceil(width);
         let tasks = self.values.par_chunks_mut(width * rows).enumerate();
@@ -56,8 +74,8 @@ impl Plane {
                         }
                     }
                     let mut spare = [source.clone(), source.clone()];
-                    eleven(&mut source, wide, &mut spare);
-                    eleven(&mut source, 1, &mut spare);
+                    line(&mut source, wide, &mut spare);
+                    line(&mut source, 1, &mut spare);
                     for (out, line) in out.chunks_mut(width).zip(source.chunks(wide)) {
                         out.copy_from_slice(&line[..width]);
                     }
@@ -83,5 +101,17 @@ fn eleven(values: &mut [f32], step: usize, [two, eight]: &mut [Vec<f32>; 2]) {
     }
     for i in 0..values.len().saturating_sub(10 * step) {
         values[i] = eight[i] + (two[i + 8 * step] + values[i + 10 * step]);
+    }
+}
+
+/// Replaces each number by the sum of the seven in the middle of it and the ten that follow `step` apart.
+#[inline(always)]
+fn seven(values: &mut [f32], step: usize, [two, _]: &mut [Vec<f32>; 2]) {
+    for (out, (a, b)) in two.iter_mut().zip(values.iter().zip(&values[step..])) {
+        *out = a + b;
+    }
+    for i in 0..values.len().saturating_sub(10 * step) {
+        values[i] =
+            (two[i + 2 * step] + two[i + 4 * step]) + (two[i + 6 * step] + values[i + 8 * step]);
     }
 }

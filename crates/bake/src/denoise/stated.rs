@@ -1,0 +1,111 @@
+//! What a denoised page states: the errors that its texels predict, held against what the halves of the rays show of them all.
+//!
+//! A texel's error has a part of noise and a part of bias. What few texels tell of either is rough, and fits were chosen for the least
+//! of such numbers, so it is also too hopeful. But every texel bears witness of its own. Its value moved by dm, and half the
+//! difference of its halves by dh, to h: dm² - dh² has the mean of the squared bias, and h² that of the variance that is left (C. Stein,
+//! "Estimation of the Mean of a Multivariate Normal Distribution", 1981, with halves in place of a known variance). One such
+//! number says nothing, thousands do. Texels are therefore sorted by what their neighbours lead one to expect of them, and all texels of a
+//! bin state what they show together.
+
+/// What is known of a texel's error, in squares.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Squares {
+    /// Variance of the plain value, above 0.
+    pub plain: f32,
+    /// Variance that the fits predict.
+    pub variance: f32,
+    /// Squared bias that neighbours show whose fits share none of the texel's noise; of either sign.
+    pub near_bias: f32,
+    /// What the texel shows itself, the bias of either sign.
+    pub seen_variance: f32,
+    pub seen_bias: f32,
+}
+
+/// Standard deviation of what one texel shows of its squared bias, in plain variances: the product of two halves of twice the
+/// variance each.
+const NOISE_OF_BIAS: f64 = 2.0;
+
+/// The same of its variance, in that variance: the square of a normal number.
+const NOISE_OF_VARIANCE: f64 = std::f64::consts::SQRT_2;
+
+/// What the texels of a page show of their errors, as shares of the plain variance.
+pub(super) struct Stated {
+    variance: [f32; BINS],
+    bias: [f32; BINS],
+}
+
+impl Stated {
+    /// Of all texels of the page, in a fixed order.
+    pub fn of<'a>(texels: impl Iterator<Item = &'a Squares>) -> Self {
+        let mut variance = [Bin::default(); BINS];
+        let mut bias = [Bin::default(); BINS];
+        for texel in texels {
+            count(&mut variance, texel.variance, texel.seen_variance, texel);
+            count(&mut bias, texel.near_bias, texel.seen_bias, texel);
+        }
+        Self {
+            variance: variance.map(|bin| bin.share(|variance| NOISE_OF_VARIANCE * variance)),
+            bias: bias.map(|bin| bin.share(|_| NOISE_OF_BIAS)),
+        }
+    }
+
+    /// The standard error of a texel.
+    pub fn std_err(&self, texel: &Squares) -> f32 {
+        let share = at(&self.variance, texel.variance / texel.plain)
+            + at(&self.bias, texel.near_bias / texel.plain);
+        (share * texel.plain).sqrt()
+    }
+}
+
+/// Bins of what is expected, as a share of the plain variance; even in asinh(FINE x), from 0 to 4.
+const BINS: usize = 12;
+const FINE: f32 = 256.0;
+const WIDTH: f32 = 0.7;
+
+/// Sums over the texels of a bin.
+#[derive(Debug, Clone, Copy, Default)]
+struct Bin {
+    seen: f64,
+    variance: f64,
+    plain: f64,
+    texels: f64,
+}
+
+impl Bin {
+    /// The mean of what is seen, 0 at least. Before anything is seen, as much is held true as the fits have of variance, where bias and
+    /// variance are in balance, and held for as uncertain as it is large; `noise` is the standard deviation of what one texel shows.
+    fn share(&self, noise: impl Fn(f64) -> f64) -> f32 {
+        if self.plain == 0.0 {
+            return 0.0;
+        }
+        let (seen, expected) = (self.seen / self.plain, self.variance / self.plain);
+        // Texels that it takes to know as much.
+        let worth = (noise(expected) / expected.max(1e-6)).powi(2);
+        let share = (self.texels * seen + worth * expected) / (self.texels + worth);
+        share.max(0.0) as f32
+    }
+}
+
+/// Counts a texel in the two bins beside what is expected of it.
+fn count(bins: &mut [Bin; BINS], expected: f32, seen: f32, texel: &Squares) {
+    let (bin, part) = place(expected / texel.plain);
+    for (bin, part) in [(bin, 1.0 - part), (bin + 1, part)] {
+        let (bin, part) = (&mut bins[bin], f64::from(part));
+        bin.seen += part * f64::from(seen);
+        bin.variance += part * f64::from(texel.variance);
+        bin.plain += part * f64::from(texel.plain);
+        bin.texels += part;
+    }
+}
+
+/// The bin of a share, and how far it lies toward the next.
+fn place(share: f32) -> (usize, f32) {
+    let at = ((FINE * share.max(0.0)).asinh() / WIDTH).min((BINS - 1) as f32 - 1e-3);
+    (at as usize, at.fract())
+}
+
+/// What the bins hold between them.
+fn at(bins: &[f32; BINS], share: f32) -> f32 {
+    let (bin, part) = place(share);
+    bins[bin] * (1.0 - part) + bins[bin + 1] * part
+}
