@@ -37,3 +37,4 @@ mod sky;
 mod stopped;
 mod support;
 mod texels;
+mod update;

@@ -3,7 +3,7 @@
 use crate::baked::Baked;
 use crate::error::Error;
 use crate::estimate::Limit;
-use crate::job::{Job, MakeBackend};
+use crate::job::{Given, Job, MakeBackend};
 use crate::layout::Layout;
 use crate::options::{Backend, Effort, Options, Pages, Uv};
 use crate::scene::Scene;
@@ -40,6 +40,8 @@ pub struct Bake {
     make_backend: Option<MakeBackend>,
     threads: Option<usize>,
     layout_file: Option<PathBuf>,
+    update: Option<PathBuf>,
+    verify: bool,
     limit: Limit,
 }
 
@@ -64,6 +66,8 @@ impl Bake {
             make_backend: None,
             threads: None,
             layout_file: None,
+            update: None,
+            verify: false,
             limit: Limit::default(),
         }
     }
@@ -348,6 +352,20 @@ impl Bake {
         self
     }
 
+    /// The folder of an earlier bake of this scene, before it changed: charts of what is the same keep their places, and texels that no
+    /// change can reach keep their values. The result is that of a whole bake with that layout, bit for bit. Where another version,
+    /// options or ray library baked it, all is baked, and `bake.json` says why.
+    pub fn update(mut self, dir: impl Into<PathBuf>) -> Self {
+        self.update = Some(dir.into());
+        self
+    }
+
+    /// With [`Bake::update`]: bakes one in a hundred of the kept tiles again; where a bit differs, the bake fails.
+    pub fn verify(mut self, on: bool) -> Self {
+        self.verify = on;
+        self
+    }
+
     /// Bytes of memory that the bake may take: [`Bake::prepare`] refuses one that would take more.
     pub fn max_memory(mut self, bytes: u64) -> Self {
         self.limit.given = Some(bytes);
@@ -389,7 +407,11 @@ impl Bake {
             self.backend,
             self.make_backend.clone(),
             self.threads,
-            self.layout_file.as_deref(),
+            Given {
+                layout_file: self.layout_file.as_deref(),
+                update: self.update.as_deref(),
+                verify: self.verify,
+            },
             self.limit,
         )
     }

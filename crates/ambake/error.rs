@@ -65,6 +65,25 @@ pub enum Error {
         /// A page edge in texels that fits, where there is one.
         size: Option<u32>,
     },
+    /// A file of an earlier bake holds something else than it should.
+    #[error("cannot read {path}: the file is damaged")]
+    Damaged {
+        /// The file.
+        path: String,
+    },
+    /// What an update kept is not what a bake gives.
+    #[error(
+        "page {page}: the texels about {}, {} that were kept of {dir} differ from those of a new bake; nothing was written, bake without --update",
+        texel[0], texel[1]
+    )]
+    Differs {
+        /// The earlier bake.
+        dir: String,
+        /// The page.
+        page: u32,
+        /// Column and row of the first texel of the tile.
+        texel: [u32; 2],
+    },
     /// The progress listener cancelled the bake.
     #[error("the bake was cancelled")]
     Cancelled,

@@ -6,6 +6,7 @@ use crate::layout::read;
 use crate::options::{Backend, Options};
 use crate::scene::Scene;
 use crate::seen::oracle;
+use crate::update::Earlier;
 use ::bake::{Baker, Decision, Pilot, Plan};
 use atlas::Atlas;
 use rays::{RayBackend, World};
@@ -18,6 +19,17 @@ use std::time::Instant;
 pub(crate) type MakeBackend =
     Arc<dyn Fn(&World) -> Result<Box<dyn RayBackend>, rays::Error> + Send + Sync>;
 
+/// Earlier work that a bake may take up.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Given<'a> {
+    /// A layout made before.
+    pub layout_file: Option<&'a Path>,
+    /// A finished bake of which is kept what still holds.
+    pub update: Option<&'a Path>,
+    /// Some of what is kept is baked again and compared.
+    pub verify: bool,
+}
+
 /// A bake that is planned and laid out and whose ray scene is built.
 pub struct Job {
     scene: Scene,
@@ -27,6 +39,8 @@ pub struct Job {
     world: World,
     atlas: Atlas,
     layout: LayoutReport,
+    /// What is updated.
+    earlier: Option<Earlier>,
     backend: Box<dyn RayBackend>,
     pool: Option<rayon::ThreadPool>,
     started: Instant,
@@ -50,10 +64,14 @@ impl Job {
         backend: Backend,
         make_backend: Option<MakeBackend>,
         threads: Option<usize>,
-        layout_file: Option<&Path>,
+        given: Given<'_>,
         limit: estimate::Limit,
     ) -> Result<Self, Error> {
         let started = Instant::now();
+        let mut earlier = match given.update {
+            Some(dir) => Some(Earlier::open(dir, &scene, given.verify)?),
+            None => None,
+        };
         let pool = match threads {
             None => None,
             Some(count) => Some(
@@ -78,7 +96,13 @@ impl Job {
                 None => rays::build(backend.kind(), &world, rayon::current_num_threads()),
             };
             let backend = time(&mut phases, "build", build)?;
-            let layout = || match layout_file.and_then(|path| read(path, &scene, &options)) {
+            let stable = earlier.as_mut().and_then(|of| of.layout(&scene, &options));
+            let file = || {
+                given
+                    .layout_file
+                    .and_then(|path| read(path, &scene, &options))
+            };
+            let layout = || match stable.or_else(file) {
                 Some(atlas) => Ok(atlas),
                 None => {
                     let seen = oracle(&options, &world, backend.as_ref());
@@ -100,6 +124,7 @@ impl Job {
             world,
             atlas,
             layout,
+            earlier,
             backend,
             pool,
             started,
@@ -153,6 +178,11 @@ impl Job {
     /// Where every texel lies.
     pub fn atlas(&self) -> &Atlas {
         &self.atlas
+    }
+
+    /// The bake that this one updates.
+    pub(crate) fn earlier(&self) -> Option<&Earlier> {
+        self.earlier.as_ref()
     }
 
     /// Where the texels went.

@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 
 /// The options that decide a layout, as [`Options::describe`] calls them.
-const DECIDING: [&str; 13] = [
+pub(crate) const DECIDING: [&str; 13] = [
     "size",
     "density",
     "density_of",

@@ -69,6 +69,8 @@ mod scene;
 mod seen;
 mod shard;
 mod sky;
+mod state;
+mod update;
 mod write;
 
 pub use crate::bake::Bake;

@@ -4,6 +4,7 @@ use crate::error::Error;
 use crate::job::Job;
 use crate::resume::Block;
 use crate::shard::{END, Shard, is_complete, part_name, state_name};
+use crate::update::Tracker;
 use crate::write::{Writer, Written};
 use ::bake::Bounces;
 use layers::Progress;
@@ -159,7 +160,7 @@ fn parse(name: &str) -> Option<(String, Shard)> {
 }
 
 /// What two bakes differ by, in words.
-fn difference(a: &Value, b: &Value) -> Option<String> {
+pub(crate) fn difference(a: &Value, b: &Value) -> Option<String> {
     let words = [
         ("version", "ambake's version"),
         ("revision", "ambake's revision"),
@@ -198,6 +199,10 @@ impl Job {
         }
         let mut writer = Writer::new(self, Output::exclusive(&parts.dir)?)?;
         let baker = self.baker();
+        let mut tracker = Tracker::of(self, &baker);
+        if let Some(backend) = theirs["backend"].as_str() {
+            tracker.baked_with(backend);
+        }
         let columns = baker.layers();
         let columns = columns.iter().map(|layer| layer.channels().len()).sum();
         let (mut finishing, mut writing) = (0.0, 0.0);
@@ -231,6 +236,8 @@ impl Job {
                 );
                 return Err(parts.fail(problem));
             }
+            let tiles = self.within(|| tracker.keep(&mut page, &|_| ()));
+            self.within(|| writer.tiles(&page, tracker.key(), &tiles))?;
             self.within(|| baker.run(&mut page, progress));
             finishing += clock.elapsed().as_secs_f64();
             if !page.finished || progress.cancelled() {
@@ -262,6 +269,7 @@ impl Job {
         if let Some(backend) = theirs["backend"].as_str() {
             writer.baked_with(backend);
         }
+        writer.tracked(tracker)?;
         let written = writer.finish(phases, bounced)?;
         for part in &parts.parts {
             report::remove_journal(part.journal.path());

@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::job::Job;
 use crate::resume::Saved;
 use crate::shard::state_name;
+use crate::update::Tracker;
 use crate::write::{Writer, Written};
 use ::bake::{BakedPage, BounceStats, Bounces};
 use layers::Progress;
@@ -22,9 +23,14 @@ impl Job {
         let started = Instant::now();
         let mut pages = self.within(|| {
             let baker = self.baker();
+            let mut tracker = self.earlier().map(|_| Tracker::of(&self, &baker));
             (0..self.atlas().page_count)
                 .map(|number| {
                     let mut page = baker.start(number);
+                    if let Some(tracker) = &mut tracker {
+                        let tiles = tracker.keep(&mut page, &|line| progress.note(line));
+                        tracker.verify(&page, &tiles)?;
+                    }
                     baker.run(&mut page, progress);
                     match page.finished {
                         true => Ok(page),
@@ -82,6 +88,10 @@ impl Job {
         if resume && let Some(damage) = saved.resume()? {
             progress.note(&damage);
         }
+        let mut tracker = Tracker::of(self, &baker);
+        if let Some(reason) = tracker.reason() {
+            progress.note(&format!("--update keeps less than it could: {reason}"));
+        }
         let (mut baking, mut writing) = (0.0, 0.0);
         let bounces = self.options().bounces != Bounces::Off;
         let mut waiting = Vec::new();
@@ -94,14 +104,19 @@ impl Job {
                 }
             })?;
             let clock = Instant::now();
-            self.within(|| {
-                baker.run_saved(&mut page, progress, &mut |tile| saved.add(number, tile))
-            })?;
-            baking += clock.elapsed().as_secs_f64();
-            if !page.finished {
+            let tiles = self.within(|| tracker.keep(&mut page, &|line| progress.note(line)));
+            let whole = self
+                .within(|| baker.fill(&mut page, progress, &mut |tile| saved.add(number, tile)))?;
+            if !whole {
                 saved.flush()?;
                 return Err(Error::Cancelled);
             }
+            self.within(|| tracker.verify(&page, &tiles))?;
+            if let Err(error) = self.within(|| writer.tiles(&page, tracker.key(), &tiles)) {
+                return Err(self.unwritten(error, saved.flush().is_ok()));
+            }
+            self.within(|| baker.finish(&mut page));
+            baking += clock.elapsed().as_secs_f64();
             if bounces {
                 waiting.push(page);
                 continue;
@@ -140,6 +155,7 @@ impl Job {
                 seconds,
             });
         }
+        writer.tracked(tracker)?;
         match writer.finish(phases, bounced) {
             Ok(written) => {
                 saved.remove();

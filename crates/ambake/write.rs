@@ -5,12 +5,14 @@ use crate::host::{REVISION, VERSION, peak_memory};
 use crate::interior::Brightness;
 use crate::job::Job;
 use crate::lit::LitScene;
-use ::bake::{BakedPage, BounceStats, Bounces, LayerPlanes, SeamStats};
+use crate::state::{self, Head};
+use crate::update::Tracker;
+use ::bake::{BakedPage, BounceStats, Bounces, Fingerprint, LayerPlanes, SeamStats};
 use layers::Layer;
 use rayon::prelude::*;
 use report::{
     BakeReport, Engine, LightSource, LightmapReport, LitPicture, Output, PageHeader, PageLight,
-    PageReport, PhaseReport, SeamReport,
+    PageReport, PhaseReport, SeamReport, UpdateReport,
 };
 use serde_json::{Value, json};
 use std::borrow::Cow;
@@ -49,6 +51,8 @@ pub(crate) struct Writer<'a> {
     pictures: Option<Vec<Vec<u8>>>,
     /// The ray library that baked, where it was another process.
     backend: Option<String>,
+    /// What is kept for later updates, and what this one kept.
+    state: Option<(Head, Option<UpdateReport>)>,
 }
 
 impl<'a> Writer<'a> {
@@ -62,12 +66,14 @@ impl<'a> Writer<'a> {
         let pages = 0..job.atlas().page_count;
         let mut names = vec!["bake.json".to_owned(), format!("{stem}.glb")];
         names.push(lit_name(&stem));
+        names.push(state::head_name(&stem));
         let engines = &job.options().engines;
         if engines.iter().any(|engine| engine.wants_lit_glb()) {
             names.push(lit_glb_name(&stem));
         }
         for page in pages {
             names.push(page_name(&stem, page));
+            names.push(state::tiles_name(&stem, page));
             names.extend(report::engine_files(&stem, page, &job.options().engines));
             let layers = job.options().layers.iter();
             names.extend(layers.map(|&layer| preview_name(&stem, page, layer)));
@@ -88,12 +94,32 @@ impl<'a> Writer<'a> {
             lit_pictures: Vec::new(),
             pictures: Some(Vec::new()),
             backend: None,
+            state: None,
         })
     }
 
     /// Says which ray library baked, where it was not this process's.
     pub fn baked_with(&mut self, backend: &str) {
         self.backend = Some(backend.into());
+    }
+
+    /// Stages the tiles of a page that has all of them and is not finished, for later updates.
+    pub fn tiles(
+        &mut self,
+        page: &BakedPage,
+        key: &Value,
+        tiles: &[(u32, Fingerprint)],
+    ) -> Result<(), Error> {
+        let name = state::tiles_name(&self.stem, page.page);
+        self.output
+            .stage(&name, |file| state::write_tiles(file, key, page, tiles))?;
+        Ok(())
+    }
+
+    /// Takes what later updates need, and what this one has to say.
+    pub fn tracked(&mut self, tracker: Tracker<'_>) -> Result<(), Error> {
+        self.state = Some((tracker.head()?, tracker.report()));
+        Ok(())
     }
 
     /// Stages the files of a finished page; pages come in order.
@@ -191,12 +217,19 @@ impl<'a> Writer<'a> {
             phase: "lit".into(),
             seconds: self.lit.seconds(),
         });
+        let mut update = None;
+        if let Some((head, report)) = self.state.take() {
+            let name = state::head_name(&self.stem);
+            self.output.stage(&name, |file| head.write(file))?;
+            update = report;
+        }
         let mut names = self.output.names();
         names.push("bake.json".into());
         let mut report = report_of(self.job, &self.described, self.pages, names, phases);
         if let Some(backend) = self.backend {
             report.versions.backend_version = backend;
         }
+        report.update = update;
         report.seams = seam_report(&self.seams);
         report.bounces = bounces.map(bounce_report);
         report.lightmaps = self.lightmaps;
@@ -399,6 +432,7 @@ fn report_of(
         pages,
         seams: None,
         bounces: None,
+        update: None,
         objects: report::object_reports(scene, job.atlas()),
         timings: phases,
         seconds: job.started().elapsed().as_secs_f64(),

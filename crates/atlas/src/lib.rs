@@ -39,8 +39,10 @@ mod objects;
 mod pack;
 mod pages;
 mod raster;
+mod reuse;
 mod search;
 mod share;
+mod tile_part;
 mod types;
 mod uv;
 
@@ -52,5 +54,7 @@ pub use layout::{Seen, layout, layout_seen};
 pub use measure::charts;
 pub use objects::{ObjectName, object_names};
 pub use raster::PageRaster;
+pub use reuse::{Claim, claims, reuse};
+pub use tile_part::TilePart;
 pub use types::*;
 pub use uv::triangle_uv;

@@ -34,6 +34,7 @@ mod mend;
 mod options;
 mod page;
 mod plan;
+mod reach;
 mod seams;
 mod survey;
 
@@ -48,4 +49,5 @@ pub use page::{
     BakedPage, BakedTile, Baker, Deal, ErrorSums, LayerPlanes, PageStats, Pilot, layers_in_work,
 };
 pub use plan::{Decision, Method, OpenTriangles, Plan};
+pub use reach::{Fingerprint, Reach};
 pub use seams::SeamStats;

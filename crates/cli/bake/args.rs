@@ -29,6 +29,13 @@ pub struct Bake {
     /// bake of them. A part that was stopped continues
     #[arg(long, value_name = "I/N", value_parser = shard)]
     pub shard: Option<ambake::Shard>,
+    /// Start from the finished bake in OLD of an earlier version of the scene: only texels that the change can reach are baked, all others
+    /// keep their values bit for bit, and charts keep their places. OLD is only read, and it may be DIR itself
+    #[arg(long, value_name = "OLD")]
+    pub update: Option<PathBuf>,
+    /// With --update: bake one in a hundred of the kept texels again; a bit that differs is an error
+    #[arg(long, requires = "update")]
+    pub verify: bool,
     /// Also write DIR/report.html, one file to look at the bake in a browser, as `ambake view` does
     #[arg(long)]
     pub report: bool,

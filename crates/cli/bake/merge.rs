@@ -41,6 +41,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         dir: &dir,
         parts: false,
         engines: &bake.engines,
+        update: None,
+        verify: false,
         typed: &typed,
     };
     let job = prepare_in(&target, scene, &bake.job, &common)?;

@@ -22,6 +22,9 @@ pub struct Target<'a> {
     /// True for one part of a bake.
     pub parts: bool,
     pub engines: &'a [Engine],
+    /// A finished bake that this one updates, and whether what is kept of it is tried.
+    pub update: Option<&'a Path>,
+    pub verify: bool,
     /// The command line that asks for the bake.
     pub typed: &'a [OsString],
 }
@@ -36,7 +39,12 @@ pub fn prepare_in(
     let with = |bake: Bake, scene: &Scene| {
         let bake = bake
             .for_engines(target.engines.iter().copied())
-            .layout_file(ambake::Layout::path(target.dir, scene));
+            .layout_file(ambake::Layout::path(target.dir, scene))
+            .verify(target.verify);
+        let bake = match target.update {
+            Some(dir) => bake.update(dir),
+            None => bake,
+        };
         match target.parts {
             true => bake.within_memory().in_parts(),
             false => bake.within_memory(),

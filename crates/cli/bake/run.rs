@@ -26,12 +26,20 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if args.shard.is_some() && scene == Path::new("-") {
         bail!("--shard takes a scene file, which each shard and the merge can read again");
     }
+    if args.shard.is_some() && args.update.is_some() {
+        bail!(
+            "--update keeps what --shard would bake; leave out one of them: a merged bake can be updated"
+        );
+    }
     one(args, scene, &args.output, &stop)
 }
 
 fn several(args: &Args, stop: &Stop) -> anyhow::Result<Outcome> {
     if args.shard.is_some() {
         bail!("--shard takes one scene at a time");
+    }
+    if args.update.is_some() {
+        bail!("--update takes one scene at a time");
     }
     let mut folders: HashMap<PathBuf, &Path> = HashMap::new();
     for scene in &args.scene {
@@ -83,6 +91,8 @@ fn one(args: &Args, scene: &Path, output: &Path, stop: &Stop) -> anyhow::Result<
         dir: output,
         parts: args.shard.is_some(),
         engines: &args.engines,
+        update: args.update.as_deref(),
+        verify: args.verify,
         typed: &typed,
     };
     let job = prepare_in(&target, scene, &args.job, &args.common)?;

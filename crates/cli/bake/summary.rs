@@ -65,6 +65,13 @@ pub fn summary(report: &BakeReport, verbose: bool, dir: &Path) -> String {
             seams.rms_after, seams.max_after, seams.rms_before, seams.max_before
         );
     }
+    if let Some(update) = &report.update {
+        text += &format!(
+            "update: {:.1} % of the texels baked, the others kept; {} object(s) changed\n",
+            100.0 * update.share,
+            update.changed.len()
+        );
+    }
     for phase in report.timings.iter().filter(|_| verbose) {
         text += &format!("  {:>8.3} s {}\n", phase.seconds, phase.phase);
     }

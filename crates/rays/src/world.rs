@@ -205,6 +205,14 @@ impl World {
         (part, &self.geometries[part.geometry as usize])
     }
 
+    /// A box around everything of an instance that a ray can meet; `None` where its mesh has no vertices.
+    pub fn box_of(&self, instance: u32) -> Option<(DVec3, DVec3)> {
+        let (part, geometry) = self.part(instance);
+        let outline = part.outline(geometry.extent);
+        let boxes = outline.into_iter().map(|corner| (corner, corner));
+        boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    }
+
     /// World positions of a triangle's corners as the rays see them: the f32 values of a flattened mesh, or the f32
     /// transform applied in f64 to the f32 values of an instanced one.
     pub fn corners(&self, instance: u32, triangle: u32) -> [DVec3; 3] {

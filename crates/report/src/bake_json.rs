@@ -39,6 +39,9 @@ pub struct BakeReport {
     /// What light that bounces added; absent where it was not asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bounces: Option<BounceReport>,
+    /// What `--update` kept of an earlier bake; absent without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub update: Option<UpdateReport>,
     /// One entry for each object; the `object` layer holds its index.
     pub objects: Vec<ObjectReport>,
     /// Wall time by phase, in the order they ran.
@@ -62,6 +65,23 @@ pub struct BakeReport {
     pub lightmaps: Vec<crate::LightmapReport>,
     /// Every file written beside this one, by name.
     pub files: Vec<String>,
+}
+
+/// What an update baked and what it kept.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct UpdateReport {
+    /// Texels baked anew.
+    pub baked: u64,
+    /// Texels whose values were kept, bit for bit.
+    pub kept: u64,
+    /// Share of the texels that was baked anew, 0..=1.
+    pub share: f64,
+    /// Names of the objects that changed, came or went, in order.
+    pub changed: Vec<String>,
+    /// Why nothing of the earlier bake could serve, or its layout could not; absent where all of it did.
+    pub reason: Option<String>,
+    /// Kept texels that `--verify` baked again and found the same.
+    pub verified: u64,
 }
 
 /// Versions of the program and of what it relied on.
@@ -415,6 +435,7 @@ pub(crate) mod tests {
             }],
             seams: Some(SeamReport::default()),
             bounces: Some(BounceReport::default()),
+            update: None,
             objects: vec![ObjectReport::default()],
             timings: vec![PhaseReport::default()],
             seconds: 1e-9,

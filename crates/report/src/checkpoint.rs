@@ -9,7 +9,7 @@
 use crate::{Error, check_regular};
 use serde_json::Value;
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{self, BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufRead, BufReader, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 const MAGIC: &str = "ambake-part 1\n";
@@ -212,6 +212,30 @@ impl Journal {
         (self.blocks, self.end) = (Vec::new(), text.len() as u64);
         Ok(())
     }
+}
+
+/// Writes a whole journal into an empty file, which whoever stages it brings to the disk.
+///
+/// # Errors
+/// [`Error::Write`] without a path.
+pub fn write_journal(
+    file: &mut File,
+    header: &Value,
+    blocks: impl IntoIterator<Item = Vec<u8>>,
+) -> Result<(), Error> {
+    let write = || {
+        let mut file = BufWriter::new(file);
+        let text = format!("{MAGIC}{header}\n");
+        let hash = blake3::hash(text.as_bytes()).to_hex();
+        file.write_all(format!("{text}{hash}\n").as_bytes())?;
+        for (number, block) in blocks.into_iter().enumerate() {
+            file.write_all(&(block.len() as u64).to_le_bytes())?;
+            file.write_all(&block)?;
+            file.write_all(&hash_of(number, &block))?;
+        }
+        file.flush()
+    };
+    write().map_err(|e| Error::write(Path::new(""), e))
 }
 
 /// Removes a journal where there is one. One that cannot be removed is harmless: its header is checked before it is used.

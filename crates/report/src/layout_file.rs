@@ -43,11 +43,34 @@ pub fn layout_hash(atlas: &Atlas) -> String {
 /// [`Error::Write`].
 pub fn write_layout(path: &Path, key: &Value, atlas: &Atlas) -> Result<(), Error> {
     let (mut journal, _) = Journal::resume(path, key, |_| false)?;
-    journal.append(&head(atlas))?;
-    for layout in &atlas.meshes {
-        journal.append(&mesh(layout))?;
+    for block in layout_blocks(atlas) {
+        journal.append(&block)?;
     }
     Ok(())
+}
+
+/// An atlas as blocks of a journal.
+pub fn layout_blocks(atlas: &Atlas) -> impl Iterator<Item = Vec<u8>> + '_ {
+    std::iter::once(head(atlas)).chain(atlas.meshes.iter().map(mesh))
+}
+
+/// The atlas in these blocks; `None` where they hold something else. Whether it fits a scene is not asked.
+pub fn layout_of_blocks(blocks: &[Vec<u8>]) -> Option<Atlas> {
+    let (first, rest) = blocks.split_first()?;
+    let head: Head = serde_json::from_slice(first).ok()?;
+    if rest.len() != head.meshes.len() {
+        return None;
+    }
+    let sound = |layout: &MeshLayout| {
+        let vertices = layout.uvs.len() as u32;
+        layout.triangles.iter().flatten().all(|&v| v < vertices)
+            && layout.uvs.iter().all(|uv| uv.is_finite())
+            && [0, layout.triangles.len()].contains(&layout.triangle_pages.len())
+    };
+    let meshes = rest.iter().zip(&head.meshes);
+    let meshes = meshes.map(|(bytes, counts)| mesh_of(bytes, *counts).filter(sound));
+    let meshes: Vec<MeshLayout> = meshes.collect::<Option<_>>()?;
+    Some(head.with(meshes))
 }
 
 /// The atlas in the file at `path`; `None` where there is no such file, it was cut short, or `key` does not decide it.
@@ -85,18 +108,24 @@ pub fn read_layout(path: &Path, key: &Value, scene: &scene::Scene) -> Result<Opt
     if !fits_pages(&head, &meshes, scene) {
         return Err(wrong());
     }
-    Ok(Some(Atlas {
-        page_size: head.page_size,
-        page_count: head.page_count,
-        gutter: head.gutter,
-        meshes,
-        placements: head.placements,
-        source: head.source,
-        audit: head.audit,
-        density: head.density,
-        chart_count: head.chart_count,
-        notes: head.notes,
-    }))
+    Ok(Some(head.with(meshes)))
+}
+
+impl Head {
+    fn with(self, meshes: Vec<MeshLayout>) -> Atlas {
+        Atlas {
+            page_size: self.page_size,
+            page_count: self.page_count,
+            gutter: self.gutter,
+            meshes,
+            placements: self.placements,
+            source: self.source,
+            audit: self.audit,
+            density: self.density,
+            chart_count: self.chart_count,
+            notes: self.notes,
+        }
+    }
 }
 
 /// True where every object of the scene has a place, on pages that there are. No page is empty, so that there are no more of them than

@@ -27,7 +27,7 @@ mod space;
 mod viewer;
 
 pub use bake_json::*;
-pub use checkpoint::{Journal, remove_journal};
+pub use checkpoint::{Journal, remove_journal, write_journal};
 pub use compare::{Comparison, Difference, PageComparison, Worst, compare_layers, compare_pages};
 pub use difference::{difference_picture, difference_png, nice_limit};
 pub use engines::{
@@ -39,7 +39,7 @@ pub use exr_read::{MAX_EDGE, PageFile, read_page_exr};
 pub use exr_write::{PageHeader, write_page_exr};
 pub use gltf::write_gltf;
 pub use layout::{LayoutReport, ObjectLayout, Spread};
-pub use layout_file::{layout_hash, read_layout, write_layout};
+pub use layout_file::{layout_blocks, layout_hash, layout_of_blocks, read_layout, write_layout};
 pub use origin::check_origin;
 pub use output::{Output, remove_stale, stale_files};
 pub use page::{Channel, Page, PageLayer};

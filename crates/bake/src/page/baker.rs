@@ -33,7 +33,7 @@ pub struct Baker<'a> {
     pub(crate) backend: &'a dyn RayBackend,
     pub(crate) atlas: &'a Atlas,
     pub(crate) options: &'a Options,
-    errors: PlaneErrors,
+    pub(crate) errors: PlaneErrors,
     /// What buries samples; `None` where nothing can.
     pub(crate) solids: Option<&'a Solids>,
     /// Texels finished so far, over all pages.
@@ -117,6 +117,23 @@ impl<'a> Baker<'a> {
         progress: &dyn Progress,
         save: &mut dyn FnMut(BakedTile) -> Result<(), E>,
     ) -> Result<(), E> {
+        if self.fill(page, progress, save)? {
+            self.finish(page);
+        }
+        Ok(())
+    }
+
+    /// Bakes the tiles that a page lacks; false where the listener cancelled before the last. The page holds facts then, see
+    /// [`BakedPage::planes`], until it is finished.
+    ///
+    /// # Errors
+    /// Those of `save`, which end the run.
+    pub fn fill<E>(
+        &self,
+        page: &mut BakedPage,
+        progress: &dyn Progress,
+        save: &mut dyn FnMut(BakedTile) -> Result<(), E>,
+    ) -> Result<bool, E> {
         let raster = PageRaster::new(self.world.scene(), self.atlas, page.page);
         let started = Instant::now();
         page.tiles.resize(raster.tiles().len(), None);
@@ -131,10 +148,14 @@ impl<'a> Baker<'a> {
             page.store(&tile);
             save(tile)
         })?;
-        if !whole {
-            page.stats.seconds += started.elapsed().as_secs_f64();
-            return Ok(());
-        }
+        page.stats.seconds += started.elapsed().as_secs_f64();
+        Ok(whole)
+    }
+
+    /// Makes the layers that were asked for of a page that has all its tiles.
+    pub fn finish(&self, page: &mut BakedPage) {
+        let raster = PageRaster::new(self.world.scene(), self.atlas, page.page);
+        let started = Instant::now();
         for tile in std::mem::take(&mut page.tiles).iter().flatten() {
             page.stats.append(tile);
         }
@@ -150,7 +171,6 @@ impl<'a> Baker<'a> {
             mends,
         );
         page.stats.seconds += started.elapsed().as_secs_f64();
-        Ok(())
     }
 
     /// Bakes tiles of a page, given by their index, and hands each to `take`; false where the listener cancelled before the last. `total`

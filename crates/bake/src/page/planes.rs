@@ -1,7 +1,8 @@
 //! A page in work or finished: its layers as planes of numbers.
 
 use super::stats::PageStats;
-use super::tile::{BakedTile, Columns};
+use super::tile::{BakedTile, Column, Columns};
+use atlas::TILE;
 use layers::Layer;
 
 /// All values of one layer over a page.
@@ -52,6 +53,37 @@ impl BakedPage {
     pub fn layer(&self, layer: Layer) -> Option<&[f32]> {
         let found = self.planes.iter().find(|planes| planes.layer == layer);
         found.map(|planes| planes.values.as_slice())
+    }
+
+    /// A tile as it was stored; `None` where it is not in the page, or the page is finished. `number` is its row-major number over the
+    /// page, which the raster knows.
+    pub fn stored(&self, index: u32, number: u32) -> Option<BakedTile> {
+        let stats = (*self.tiles.get(index as usize)?)?;
+        let across = self.size.div_ceil(TILE);
+        let [left, top] = [number % across * TILE, number / across * TILE];
+        let rows = top..(top + TILE).min(self.size);
+        let columns = left..(left + TILE).min(self.size);
+        let places = rows.flat_map(|y| columns.clone().map(move |x| y * self.size + x));
+        let coverage = self.layer(Layer::Coverage)?;
+        let texels: Vec<u32> = places
+            .filter(|&texel| coverage[texel as usize] > 0.0)
+            .collect();
+        let plane = self.texels();
+        let layers: Vec<Layer> = self.planes.iter().map(|planes| planes.layer).collect();
+        let columns = Columns::of(&layers).0;
+        let value = |texel: u32, column: &Column| {
+            self.planes[column.planes].values[column.channel * plane + texel as usize]
+        };
+        let values = texels
+            .iter()
+            .flat_map(|&texel| columns.iter().map(move |column| value(texel, column)))
+            .collect();
+        (texels.len() as u64 == stats.texels).then_some(BakedTile {
+            index,
+            texels,
+            values,
+            stats,
+        })
     }
 
     /// The values of one channel of a layer: `size * size` of them.

@@ -203,6 +203,33 @@ impl Solids {
         }
     }
 
+    /// How many closed surfaces there are, solids or not.
+    pub fn bodies(&self) -> u32 {
+        self.bodies.len() as u32
+    }
+
+    /// Hands over, as bytes, all that decides what a closed surface counts at a point.
+    pub fn content(&self, body: u32, take: &mut dyn FnMut(&[u8])) {
+        let body = &self.bodies[body as usize];
+        take(&[body.inside as u8]);
+        let columns = body.inverse.to_cols_array();
+        let limits = [body.low.to_array(), body.high.to_array()];
+        for number in columns.iter().chain(limits.as_flattened()) {
+            take(&number.to_le_bytes());
+        }
+        let surface = self.surface(body);
+        take(&surface.volume.to_le_bytes());
+        for face in &surface.faces {
+            let corners = corners(&self.scene, *face).map(|corner| corner.to_array());
+            take(
+                corners
+                    .map(|p| p.map(f32::to_le_bytes))
+                    .as_flattened()
+                    .as_flattened(),
+            );
+        }
+    }
+
     fn holds(&self, body: &Body, point: DVec3) -> bool {
         let apart = point.cmplt(body.low) | point.cmpgt(body.high);
         if apart.any() {

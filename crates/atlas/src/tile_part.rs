@@ -1,0 +1,57 @@
+//! What of a triangle meets a tile: enough to say what the tile's footprints depend on, and cheaper than to cut them out.
+
+use crate::PageRaster;
+use crate::clip::Polygon;
+use crate::footprint::TILE;
+use glam::{DVec2, DVec3};
+
+/// A tile's part is cut this much larger, in texels, than the tile is.
+const SLACK: f64 = 1e-3;
+
+/// A triangle that meets a tile.
+#[derive(Debug, Clone)]
+pub struct TilePart {
+    /// Index into `Scene::instances`.
+    pub instance: u32,
+    /// Triangle of the instance's mesh.
+    pub triangle: u32,
+    /// Its corners in texels of the page.
+    pub corners: [DVec2; 3],
+    /// Barycentric weights of points whose convex hull holds everything of the triangle that lies in the tile.
+    pub hull: Vec<DVec3>,
+}
+
+impl PageRaster<'_> {
+    /// All triangles that meet the tile `self.tiles()[index]`, in the order in which its footprints take them.
+    ///
+    /// # Panics
+    ///
+    /// If `index` is not below the number of tiles.
+    pub fn parts(&self, index: usize) -> impl Iterator<Item = TilePart> + '_ {
+        let origin = self.tile_origin(index).map(f64::from);
+        let range = move |axis: usize| {
+            let low = origin[axis];
+            (low - SLACK, low + f64::from(TILE) + SLACK)
+        };
+        self.triangles(index).map(move |(entry, corners)| {
+            let ((left, right), (top, bottom)) = (range(0), range(1));
+            let whole = Polygon::triangle(corners);
+            let (mut wide, mut tall) = ([Polygon::EMPTY; 2], [Polygon::EMPTY; 2]);
+            let part = whole
+                .between(0, left, right, &mut wide)
+                .between(1, top, bottom, &mut tall);
+            // One that only touches the tile leaves nothing; it counts whole.
+            let kept = if part.corners().is_empty() {
+                &whole
+            } else {
+                part
+            };
+            TilePart {
+                instance: entry[0],
+                triangle: entry[1],
+                corners,
+                hull: kept.corners().iter().map(|corner| corner.w).collect(),
+            }
+        })
+    }
+}

@@ -1,0 +1,162 @@
+//! The content of a scene's objects as hashes: what rays see of them, and what their own texels take from them.
+
+use blake3::Hasher;
+use rayon::prelude::*;
+use rays::World;
+use scene::{Alpha, Scene, Surface, TextureRef};
+
+/// 128 bits of a blake3 hash: two different contents share one by chance in 2^64 scenes.
+pub type Fingerprint = [u8; 16];
+
+/// The first 128 bits.
+pub(super) fn short(hasher: &Hasher) -> Fingerprint {
+    let mut bytes = [0; 16];
+    hasher.finalize_xof().fill(&mut bytes);
+    bytes
+}
+
+/// An object's content.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Content {
+    /// Everything: triangles, normals, coordinates, material with its pictures, placement.
+    pub own: Fingerprint,
+    /// What a ray can meet: the triangles in the world and where they let rays through.
+    pub seen: Fingerprint,
+}
+
+/// The content of each instance of the world's scene.
+pub(super) fn contents(world: &World) -> Vec<Content> {
+    let scene = world.scene();
+    let images: Vec<Fingerprint> = scene
+        .images
+        .par_iter()
+        .map(|image| {
+            let mut hasher = Hasher::new();
+            hasher.update(&[image.width, image.height].map(u32::to_le_bytes).concat());
+            hasher.update(image.pixels.as_flattened());
+            short(&hasher)
+        })
+        .collect();
+    let materials: Vec<Fingerprint> = (0..scene.materials.len())
+        .into_par_iter()
+        .map(|material| surface(scene, material, &images))
+        .collect();
+    let meshes: Vec<Fingerprint> = scene.meshes.par_iter().map(mesh).collect();
+    (0..scene.instances.len() as u32)
+        .into_par_iter()
+        .map(|instance| {
+            let seen = seen(world, instance, &images);
+            let placed = &scene.instances[instance as usize];
+            let material = scene.meshes[placed.mesh as usize].material as usize;
+            let mut own = Hasher::new();
+            own.update(&seen);
+            own.update(&meshes[placed.mesh as usize]);
+            own.update(&materials[material]);
+            own.update(&numbers(&placed.transform.to_cols_array()));
+            Content {
+                own: short(&own),
+                seen,
+            }
+        })
+        .collect()
+}
+
+/// What a ray can meet of an instance.
+fn seen(world: &World, instance: u32, images: &[Fingerprint]) -> Fingerprint {
+    let (part, geometry) = world.part(instance);
+    let mut hasher = Hasher::new();
+    for position in geometry.positions.iter() {
+        hasher.update(position.to_array().map(f32::to_le_bytes).as_flattened());
+    }
+    for triangle in geometry.triangles() {
+        hasher.update(triangle.map(u32::to_le_bytes).as_flattened());
+    }
+    if let Some(transform) = part.transform {
+        hasher.update(b"carried");
+        hasher.update(
+            transform
+                .to_cols_array()
+                .map(f32::to_le_bytes)
+                .as_flattened(),
+        );
+    }
+    let mesh = geometry.mesh();
+    let alpha = &world.scene().materials[mesh.material as usize].alpha;
+    let map = match alpha {
+        Alpha::Opaque => return short(&hasher),
+        Alpha::Mask { map, .. } | Alpha::Blend { map, .. } => map,
+    };
+    // Which rays a see-through triangle stops depends on the number of its mesh.
+    hasher.update(&geometry.mesh.to_le_bytes());
+    hasher.update(format!("{alpha:?}").as_bytes());
+    for value in &mesh.alphas {
+        hasher.update(&value.to_le_bytes());
+    }
+    if let Some(map) = map {
+        hasher.update(&images[map.image as usize]);
+        for uv in mesh.uv_sets.get(map.uv_set as usize).into_iter().flatten() {
+            hasher.update(uv.to_array().map(f32::to_le_bytes).as_flattened());
+        }
+    }
+    short(&hasher)
+}
+
+/// Every array of a mesh.
+fn mesh(mesh: &scene::Mesh) -> Fingerprint {
+    let mut hasher = Hasher::new();
+    let mut array = |values: &mut dyn Iterator<Item = [f32; 4]>| {
+        let mut count = 0u64;
+        for value in values {
+            hasher.update(value.map(f32::to_le_bytes).as_flattened());
+            count += 1;
+        }
+        hasher.update(&count.to_le_bytes());
+    };
+    array(&mut mesh.positions.iter().map(|p| [p.x, p.y, p.z, 0.0]));
+    array(&mut mesh.normals.iter().map(|n| [n.x, n.y, n.z, 0.0]));
+    array(&mut mesh.tangents.iter().map(|t| t.to_array()));
+    array(&mut mesh.alphas.iter().map(|&a| [a, 0.0, 0.0, 0.0]));
+    for set in &mesh.uv_sets {
+        array(&mut set.iter().map(|uv| [uv.x, uv.y, 0.0, 0.0]));
+    }
+    for triangle in &mesh.triangles {
+        hasher.update(triangle.map(u32::to_le_bytes).as_flattened());
+    }
+    short(&hasher)
+}
+
+/// A material but for its name, with the pictures that it reads. The words name every field, so that a new one cannot be forgotten here;
+/// the numbers of pictures in them may cost a bake where pictures change places, and never keep what changed.
+fn surface(scene: &Scene, material: usize, images: &[Fingerprint]) -> Fingerprint {
+    let mut material = scene.materials[material].clone();
+    material.name.clear();
+    let mut hasher = Hasher::new();
+    hasher.update(format!("{material:?}").as_bytes());
+    let alpha = match &material.alpha {
+        Alpha::Opaque => &None,
+        Alpha::Mask { map, .. } | Alpha::Blend { map, .. } => map,
+    };
+    let colours: [&Option<TextureRef>; 2] = match &material.surface {
+        Surface::Phong { albedo_map, .. } => [albedo_map, &None],
+        Surface::MetallicRoughness {
+            base_map,
+            metallic_roughness_map,
+            ..
+        } => [base_map, metallic_roughness_map],
+    };
+    let maps = [alpha, &material.emission_map].into_iter().chain(colours);
+    for map in maps.flatten() {
+        hasher.update(&images[map.image as usize]);
+    }
+    if let Some(map) = &material.normal_map
+        && let Some(image) = scene.packed_images.get(map.texture.image as usize)
+    {
+        hasher.update(&image.bytes);
+    }
+    short(&hasher)
+}
+
+/// Numbers as bytes.
+pub(super) fn numbers(values: &[f64]) -> Vec<u8> {
+    values.iter().flat_map(|v| v.to_le_bytes()).collect()
+}

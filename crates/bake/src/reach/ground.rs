@@ -1,0 +1,45 @@
+//! A piece of surface that rays leave from, and what they can reach.
+//!
+//! Rays leave into the half-space above the plane of their triangle: a direction below it is mirrored there (`--shading production`) or
+//! takes no ray (`exact`). They end at `--max-distance`. So a box is out of reach where it lies wholly below the plane, or where its
+//! distance from the box of the piece is larger than the longest ray. Slack covers the rounding of origins and directions.
+
+use glam::DVec3;
+
+/// A piece of surface in the world.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ground {
+    /// The box of all ray origins.
+    pub low: DVec3,
+    pub high: DVec3,
+    /// The unit normal on the side that rays leave to, and the least height along it of what they can meet; `None` where they may leave
+    /// to both sides.
+    pub plane: Option<(DVec3, f64)>,
+    /// The longest ray.
+    pub distance: f64,
+}
+
+impl Ground {
+    /// False where no ray can meet anything in this box.
+    pub fn may_see(&self, low: DVec3, high: DVec3) -> bool {
+        let apart = (low - self.high).max(self.low - high).max(DVec3::ZERO);
+        apart.length() <= self.distance
+            && self
+                .plane
+                .is_none_or(|(normal, least)| support(normal, low, high) >= least)
+    }
+
+    /// True where [`Ground::may_see`] holds for every box within this one.
+    pub fn sees_all(&self, low: DVec3, high: DVec3) -> bool {
+        let apart = (high - self.low).max(self.high - low).max(DVec3::ZERO);
+        apart.length() <= self.distance
+            && self
+                .plane
+                .is_none_or(|(normal, least)| -support(-normal, low, high) >= least)
+    }
+}
+
+/// The largest height of a box along a direction.
+fn support(direction: DVec3, low: DVec3, high: DVec3) -> f64 {
+    (direction * low).max(direction * high).element_sum()
+}

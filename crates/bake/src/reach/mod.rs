@@ -1,0 +1,192 @@
+//! What the values of a tile depend on, as a fingerprint: tiles of two bakes with the same fingerprint hold the same values, bit for bit.
+//!
+//! **What goes in.** What the plan decided for the whole bake; the page and the tile's place on it, which number its sample points; of
+//! each triangle that meets the tile its coordinates, the content of its object and whether anything stands above it; the closed
+//! surfaces whose boxes meet the tile's piece of surface, which may bury it; and the sum over all objects that its rays can reach, by
+//! [`ground`].
+//!
+//! **Why that is all.** A texel's values are sums over its sample points, which its place numbers, its pieces of surface place and its
+//! rays judge. A ray that is not in reach of an object cannot meet it, so leaving it out or moving it there changes no answer; the
+//! ray libraries find every triangle that a ray meets whatever tree they hold (their box tests are conservative), and whether a ray
+//! meets a triangle is a function of these two alone. What a texel shares with its neighbours it shares within its tile. What is done
+//! to whole pages (mending, denoising, seams, gutters, bounces) is done anew in any case.
+
+mod content;
+mod ground;
+mod tree;
+
+pub use content::Fingerprint;
+
+use crate::choice::Choice;
+use crate::page::Baker;
+use atlas::{PageRaster, TilePart};
+use blake3::Hasher;
+use content::{Content, contents, numbers, short};
+use glam::DVec3;
+use ground::Ground;
+use layers::Layer;
+use rayon::prelude::*;
+use rays::Patch;
+use std::sync::OnceLock;
+use tree::{BoxTree, Item};
+
+/// Slack of all tests of reach, per unit of the scene's coordinates: far above the rounding of 32-bit rays.
+const SLACK: f64 = 1e-5;
+/// Above this change of corner weights, samples that keep away from edges may leave the hull of their piece: it counts whole.
+const MOVED: f64 = 0.01;
+
+/// The contents of a scene, ready to be asked by tiles.
+pub struct Reach<'a> {
+    baker: &'a Baker<'a>,
+    contents: Vec<Content>,
+    tree: BoxTree,
+    bodies: Vec<OnceLock<Fingerprint>>,
+    /// What every tile depends on.
+    common: Hasher,
+    /// The `object` layer holds the numbers of objects.
+    numbered: bool,
+    slack: f64,
+}
+
+impl<'a> Reach<'a> {
+    /// Hashes the scene of a bake.
+    pub fn of(baker: &'a Baker<'a>) -> Self {
+        let world = baker.world;
+        let contents = contents(world);
+        let items = contents.iter().zip(0..).filter_map(|(content, instance)| {
+            let (low, high) = world.box_of(instance)?;
+            Some(Item {
+                low,
+                high,
+                sum: u128::from_le_bytes(content.seen),
+            })
+        });
+        let layers = baker.layers();
+        let decided = [
+            Choice::Sky,
+            Choice::Diffuse,
+            Choice::Visibility,
+            Choice::Specular,
+        ]
+        .map(|choice| baker.plan.models(choice));
+        let mut common = Hasher::new();
+        common.update(&numbers(&world.origin().to_array()));
+        let words = (&layers, decided, baker.plan.mixture, baker.solids.is_some());
+        common.update(format!("{words:?}").as_bytes());
+        let bodies = baker.solids.map_or(0, |solids| solids.bodies());
+        Self {
+            baker,
+            tree: BoxTree::build(items.collect()),
+            contents,
+            bodies: (0..bodies).map(|_| OnceLock::new()).collect(),
+            common,
+            numbered: layers.contains(&Layer::Object),
+            slack: SLACK * (world.scale_bound() + world.bounds().diagonal()),
+        }
+    }
+
+    /// The content of each instance of the scene: geometry, coordinates, placement and material.
+    pub fn instances(&self) -> impl Iterator<Item = Fingerprint> + '_ {
+        self.contents.iter().map(|content| content.own)
+    }
+
+    /// The row-major number of every tile of a page, in the order of their indices, and what its values depend on.
+    pub fn tiles(&self, page: u32) -> Vec<(u32, Fingerprint)> {
+        let raster = PageRaster::new(self.baker.world.scene(), self.baker.atlas, page);
+        let tile = |index: usize| (raster.tiles()[index], self.tile(&raster, page, index));
+        (0..raster.tiles().len())
+            .into_par_iter()
+            .map(tile)
+            .collect()
+    }
+
+    fn tile(&self, raster: &PageRaster<'_>, page: u32, index: usize) -> Fingerprint {
+        let mut hasher = self.common.clone();
+        hasher.update(&page.to_le_bytes());
+        hasher.update(&raster.tiles()[index].to_le_bytes());
+        let mut grounds = Vec::new();
+        for part in raster.parts(index) {
+            let TilePart {
+                instance, triangle, ..
+            } = part;
+            if self.numbered {
+                hasher.update(&instance.to_le_bytes());
+            }
+            hasher.update(&self.contents[instance as usize].own);
+            hasher.update(&triangle.to_le_bytes());
+            hasher.update(&numbers(part.corners.map(|p| p.to_array()).as_flattened()));
+            hasher.update(&[self.baker.plan.open.contains(instance, triangle).into()]);
+            let own = self.baker.solids.and_then(|of| of.own(instance, triangle));
+            hasher.update(&own.map_or([0; 16], |body| self.body(body)));
+            grounds.push(self.ground(&part));
+        }
+        let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (low, high) = grounds.iter().fold(limits, |(low, high), ground| {
+            (low.min(ground.low), high.max(ground.high))
+        });
+        let about = self.baker.solids.map(|solids| solids.about(low, high));
+        let mut about: Vec<Fingerprint> = about
+            .into_iter()
+            .flatten()
+            .map(|body| self.body(body))
+            .collect();
+        about.sort_unstable();
+        hasher.update(about.as_flattened());
+        hasher.update(&self.tree.sum(&grounds).to_le_bytes());
+        short(&hasher)
+    }
+
+    /// Where rays leave a part of a triangle.
+    fn ground(&self, part: &TilePart) -> Ground {
+        let baker = self.baker;
+        let patch = Patch::of(baker.world, &baker.errors, part.instance, part.triangle);
+        let moved = |w: DVec3| (patch.kept(w) - w).abs().max_element();
+        let moved = [DVec3::X, DVec3::Y, DVec3::Z]
+            .map(moved)
+            .into_iter()
+            .fold(0.0, f64::max);
+        let corners = patch.corners;
+        let at = |w: &DVec3| corners[0] * w.x + corners[1] * w.y + corners[2] * w.z;
+        let around = |points: &mut dyn Iterator<Item = DVec3>| {
+            let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+            points.fold(limits, |(low, high), p| (low.min(p), high.max(p)))
+        };
+        let whole = around(&mut corners.iter().copied());
+        let (low, high) = match moved > MOVED {
+            true => whole,
+            false => around(&mut part.hull.iter().map(at)),
+        };
+        let slack = self.slack + patch.rounding() + 4.0 * moved * (whole.1 - whole.0).length();
+        let normals = baker.world.normals(part.instance, part.triangle);
+        let sides = normals.map(|n| n.map(|n| n.dot(patch.geometric)));
+        let up = match sides {
+            None => Some(patch.geometric),
+            Some(sides) if sides.iter().all(|&side| side > 0.0) => Some(patch.geometric),
+            Some(sides) if sides.iter().all(|&side| side < 0.0) => Some(-patch.geometric),
+            Some(_) => None,
+        };
+        let least = |up: DVec3| {
+            let heights = corners.map(|corner| corner.dot(up));
+            heights.into_iter().fold(f64::INFINITY, f64::min) - slack
+        };
+        let distance = baker.options.max_distance.map_or(f64::INFINITY, f64::from);
+        Ground {
+            low: low - slack,
+            high: high + slack,
+            plane: up.map(|up| (up, least(up))),
+            distance: distance * (1.0 + SLACK) + slack,
+        }
+    }
+
+    fn body(&self, body: u32) -> Fingerprint {
+        *self.bodies[body as usize].get_or_init(|| {
+            let mut hasher = Hasher::new();
+            if let Some(solids) = self.baker.solids {
+                solids.content(body, &mut |bytes| {
+                    hasher.update(bytes);
+                });
+            }
+            short(&hasher)
+        })
+    }
+}

@@ -1,0 +1,222 @@
+//! `--update`: what a change cannot reach is kept, and the result is that of a whole bake, byte for byte.
+
+use crate::support::{files, report, run, run_well, scene};
+use serde_json::Value;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// A box of a scene.
+#[derive(Clone)]
+struct Prop {
+    name: &'static str,
+    at: [f32; 3],
+    size: f32,
+    material: &'static str,
+}
+
+fn prop(name: &'static str, x: f32, z: f32) -> Prop {
+    Prop {
+        name,
+        at: [x, 0.1, z],
+        size: 1.0,
+        material: "grey",
+    }
+}
+
+/// Four boxes in a row.
+fn row() -> Vec<Prop> {
+    vec![
+        prop("first 50%", 1.0, 1.0),
+        prop("second", 4.0, 1.0),
+        prop("third", 7.0, 1.0),
+        prop("fourth", 10.0, 1.0),
+    ]
+}
+
+/// Writes boxes on a floor into `folder`, the floor's red channel given, and returns the scene's path.
+fn write(folder: &Path, red: f32, props: &[Prop]) -> PathBuf {
+    let mut text = String::from("mtllib row.mtl\n");
+    let mut first = 1;
+    let mut object = |name: &str, material: &str, corners: &[[f32; 3]], faces: &[[usize; 4]]| {
+        writeln!(text, "o {name}\nusemtl {material}").expect("memory");
+        for [x, y, z] in corners {
+            writeln!(text, "v {x} {y} {z}").expect("memory");
+        }
+        for [a, b, c, d] in faces.iter().map(|face| face.map(|v| v + first)) {
+            writeln!(text, "f {a} {b} {c} {d}").expect("memory");
+        }
+        first += corners.len();
+    };
+    let floor = [[0., 0., 0.], [0., 0., 3.], [12., 0., 3.], [12., 0., 0.]];
+    object("floor", "floor", &floor, &[[0, 1, 2, 3]]);
+    for Prop {
+        name,
+        at: [x, y, z],
+        size,
+        material,
+    } in props
+    {
+        let corner = |k: u8| {
+            let step = |bit: u8| f32::from(k >> bit & 1) * size;
+            [x + step(2), y + step(1), z + step(0)]
+        };
+        let corners: Vec<_> = (0..8).map(corner).collect();
+        let sides = [
+            [0, 1, 3, 2],
+            [4, 6, 7, 5],
+            [0, 4, 5, 1],
+            [2, 3, 7, 6],
+            [0, 2, 6, 4],
+            [1, 5, 7, 3],
+        ];
+        object(name, material, &corners, &sides);
+    }
+    let materials = format!("newmtl floor\nKd {red} 0.5 0.5\nnewmtl grey\nKd 0.5 0.5 0.5\n");
+    std::fs::create_dir_all(folder).expect("a folder");
+    std::fs::write(folder.join("row.mtl"), materials).expect("a file");
+    let path = folder.join("row.obj");
+    std::fs::write(&path, text).expect("a file");
+    path
+}
+
+const SMALL: &[&str] = &["--size", "96", "--rays", "8", "--max-distance", "1"];
+
+fn bake(scene: &Path, folder: &Path, more: &[&str]) {
+    let mut words = vec![
+        "bake".into(),
+        scene.display().to_string(),
+        "-o".into(),
+        folder.display().to_string(),
+        "--quiet".into(),
+    ];
+    words.extend(more.iter().map(|word| String::from(*word)));
+    run_well(words);
+}
+
+/// Updates `old` into `new`, trying what was kept; what `bake.json` says of it.
+fn update(scene: &Path, old: &Path, new: &Path, more: &[&str]) -> Value {
+    let old = old.display().to_string();
+    let own = ["--update", &old, "--verify"];
+    bake(scene, new, &[more, &own].concat());
+    report(new)["update"].clone()
+}
+
+/// Both folders hold the same files, and all but `bake.json` have the same bytes.
+fn assert_same(a: &Path, b: &Path) {
+    assert_eq!(files(a), files(b));
+    for name in files(a).iter().filter(|name| *name != "bake.json") {
+        let read = |folder: &Path| std::fs::read(folder.join(name)).expect("it is there");
+        assert!(read(a) == read(b), "{name} differs");
+    }
+}
+
+/// Bakes `before`, updates it to `after`, bakes `after` whole, and compares; what the update says.
+fn compare(before: (f32, &[Prop]), after: (f32, &[Prop]), more: &[&str]) -> Value {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    let old = write(&at("a"), before.0, before.1);
+    let new = write(&at("b"), after.0, after.1);
+    bake(&old, &at("old"), more);
+    let said = update(&new, &at("old"), &at("new"), more);
+    bake(&new, &at("whole"), more);
+    assert_same(&at("whole"), &at("new"));
+    said
+}
+
+#[test]
+fn a_moved_object_costs_what_it_reaches_and_nothing_else() {
+    let (before, mut after) = (row(), row());
+    after[3].at[0] += 0.25;
+    let said = compare((0.5, &before), (0.5, &after), SMALL);
+    let share = said["share"].as_f64().expect("a share");
+    assert!(share > 0.0 && share < 0.6, "{said}");
+    assert_eq!(said["changed"], serde_json::json!(["fourth"]), "{said}");
+    assert_eq!(said["reason"], Value::Null, "{said}");
+    assert!(said["verified"].as_u64() > Some(0), "{said}");
+    let texels = said["baked"].as_u64().expect("texels") + said["kept"].as_u64().expect("texels");
+    assert!(texels > 1000, "{said}");
+}
+
+#[test]
+fn whole_pages_are_finished_anew_with_bounces_denoiser_and_map() {
+    let (before, mut after) = (row(), row());
+    after[0].at[1] = 0.3;
+    let sky = scene("sky.hdr").display().to_string();
+    for more in [
+        &["--denoise", "regression"][..],
+        &["--bounces", "2"],
+        &["--sky", &sky, "--view", "3,4,5", "--exponent", "20"],
+    ] {
+        let said = compare((0.5, &before), (0.5, &after), &[SMALL, more].concat());
+        assert!(said["kept"].as_u64() > Some(0), "{more:?}: {said}");
+    }
+}
+
+#[test]
+fn a_material_costs_its_own_texels_and_no_change_costs_none() {
+    let row = row();
+    let said = compare((0.5, &row), (0.7, &row), SMALL);
+    assert_eq!(said["changed"], serde_json::json!(["floor"]));
+    let share = said["share"].as_f64().expect("a share");
+    assert!(share > 0.1 && share < 0.9, "{said}");
+    let said = compare((0.5, &row), (0.5, &row), SMALL);
+    assert_eq!(
+        (&said["baked"], &said["share"]),
+        (&0.into(), &0.0.into()),
+        "{said}"
+    );
+}
+
+#[test]
+fn other_options_or_a_folder_without_state_bake_everything_and_say_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    let row = write(&at("a"), 0.5, &row());
+    bake(&row, &at("old"), SMALL);
+    let more = [SMALL, &["--seed", "7"]].concat();
+    let said = update(&row, &at("old"), &at("new"), &more);
+    assert_eq!(said["kept"], 0);
+    assert!(
+        said["reason"]
+            .as_str()
+            .is_some_and(|why| why.contains("--seed")),
+        "{said}"
+    );
+    // In place, and without a state.
+    std::fs::remove_file(at("old").join("row.state")).expect("it was there");
+    let said = update(&row, &at("old"), &at("old"), SMALL);
+    assert_eq!(said["kept"], 0);
+    assert!(
+        said["reason"]
+            .as_str()
+            .is_some_and(|why| why.contains("row.state")),
+        "{said}"
+    );
+    // The state is there again, and a damaged one is told of.
+    let said = update(&row, &at("old"), &at("old"), SMALL);
+    assert_eq!(said["baked"], 0, "{said}");
+    let state = at("old").join("row.0.state");
+    let mut bytes = std::fs::read(&state).expect("it is there");
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(&state, bytes).expect("it is written");
+    let said = update(&row, &at("old"), &at("new"), SMALL);
+    assert!(said["baked"].as_u64() > Some(0), "{said}");
+}
+
+#[test]
+fn an_update_of_nothing_or_in_shards_is_refused_in_one_line() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let row = write(folder.path(), 0.5, &row()).display().to_string();
+    let [old, new] = ["old", "new"].map(|name| folder.path().join(name).display().to_string());
+    for (more, word) in [
+        (&["--update", &old][..], "no finished bake"),
+        (&["--update", &old, "--shard", "1/2"], "--shard"),
+    ] {
+        let words = ["bake", &row, "-o", &new, "--quiet"];
+        let output = run(words.iter().chain(more));
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{text}");
+        assert!(text.contains(word) && text.lines().count() == 1, "{text}");
+    }
+}
