@@ -12,6 +12,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 
@@ -27,6 +28,8 @@ def build():
     """The folder of the built targets."""
     # Embree is not what is fuzzed, and knows no sanitizer.
     env = {**os.environ, "AMBAKE_NO_EMBREE": "1"}
+    # What is fuzzed is what is shipped: the same versions of everything.
+    shutil.copy(HERE.parent / "Cargo.lock", HERE / "Cargo.lock")
     subprocess.run(["cargo", "+nightly", "fuzz", "build"], cwd=HERE.parent, env=env, check=True)
     return next((HERE / "target").glob("*/release/obj")).parent
 

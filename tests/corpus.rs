@@ -1,4 +1,5 @@
-//! The corpus of the fuzz targets, replayed as it stands and with each file damaged a few times: every reader returns.
+//! The corpus of the fuzz targets, replayed as it stands and with each file damaged a few times: every reader returns. With
+//! `AMBAKE_CORPUS_COPIES=10000` it is a plain fuzzer that needs no nightly Rust; `AMBAKE_CORPUS_FIRST` numbers the first copy.
 
 #[path = "../fuzz/formats.rs"]
 #[allow(dead_code)]
@@ -6,12 +7,19 @@ mod formats;
 
 use std::path::Path;
 
-/// Damaged copies of each file.
+/// Damaged copies of each file, where the environment names no other number.
 const COPIES: u64 = 24;
+
+fn number(variable: &str, default: u64) -> u64 {
+    let given = std::env::var(variable).ok();
+    given.map_or(default, |text| text.parse().expect("a number"))
+}
 
 #[test]
 fn every_reader_returns_from_every_file_of_the_corpus() {
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus");
+    let first = number("AMBAKE_CORPUS_FIRST", 1);
+    let copies = first..first + number("AMBAKE_CORPUS_COPIES", COPIES);
     for (name, read) in formats::FORMATS {
         let folder = corpus.join(name);
         let mut files: Vec<_> = std::fs::read_dir(&folder)
@@ -25,7 +33,7 @@ fn every_reader_returns_from_every_file_of_the_corpus() {
             assert!(bytes.len() <= 8192, "{} is no small seed", path.display());
             println!("{}", path.display());
             read(&bytes);
-            for copy in 1..=COPIES {
+            for copy in copies.clone() {
                 read(&damaged(&bytes, copy));
             }
         }

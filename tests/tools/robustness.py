@@ -190,7 +190,7 @@ with tempfile.TemporaryDirectory() as name:
         failed_then_well(folder, whole, "no file may grow beyond 20 kB", file_limit(20_000), lambda out: None),
         failed_then_well(folder, whole, "no file may grow beyond 1 byte", file_limit(1), lambda out: None),
         hopeless(folder, "a folder that takes no files", "/proc/ambake", []),
-        hopeless(folder, "a limit of 20 MB of memory", None, ["--max-memory", "20M"]),
+        hopeless(folder, "a limit of 10 MB of memory", None, ["--max-memory", "10M"]),
         streams(folder, whole),
         states(folder, whole, 12),
     ]
