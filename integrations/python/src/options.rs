@@ -1,8 +1,8 @@
 //! Options by the names of their flags.
 
 use ambake::{
-    Backend, Bake, Bounces, Buried, Choice, Denoise, Footprint, Layer, Model, Pages, Pattern, Seams,
-    Shading, Sky, Uv, View,
+    Backend, Bake, Bounces, Buried, Choice, Denoise, Footprint, Layer, Model, Pages, Pattern,
+    Seams, Shading, Sky, Uv, View,
 };
 use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
