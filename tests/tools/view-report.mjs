@@ -17,7 +17,7 @@ const browser = await playwright.chromium.launch({
   executablePath: chromium,
   args: ["--headless", "--no-sandbox", "--disable-background-networking", "--use-gl=angle", "--use-angle=swiftshader"],
 });
-const page = await browser.newPage({ viewport: { width: 1200, height: 760 } });
+const page = await browser.newPage({ viewport: shot ? { width: 1200, height: 760 } : { width: 820, height: 420 } });
 const complaints = [], requests = [];
 page.on("console", (message) => { if (["error", "warning"].includes(message.type())) complaints.push(message.text()); });
 page.on("pageerror", (error) => complaints.push(String(error)));

@@ -1,15 +1,15 @@
 //! Options by the names of their flags.
 
 use ambake::{
-    Backend, Bake, Buried, Choice, Denoise, Footprint, Layer, Pages, Pattern, Seams, Shading, Sky,
-    Uv, View,
+    Backend, Bake, Bounces, Buried, Choice, Denoise, Footprint, Layer, Model, Pages, Pattern,
+    Seams, Shading, Sky, Uv, View,
 };
 use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 /// Every option, as its flag is called with underscores.
-pub const NAMES: [&str; 34] = [
+pub const NAMES: [&str; 36] = [
     "size",
     "density",
     "density_of",
@@ -35,6 +35,8 @@ pub const NAMES: [&str; 34] = [
     "buried",
     "shading",
     "max_distance",
+    "model",
+    "bounces",
     "layers",
     "only",
     "normal_maps",
@@ -175,6 +177,17 @@ fn one(bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
             bake.shading(word(value, &words)?)
         }
         "max_distance" => bake.max_distance(value.extract()?),
+        "model" => bake.model(word(
+            value,
+            &[("phong", Model::Phong), ("ggx", Model::Ggx)],
+        )?),
+        "bounces" => bake.bounces(match value.cast::<PyString>() {
+            Ok(_) => word(value, &[("auto", Bounces::Auto)])?,
+            Err(_) => match value.extract()? {
+                0 => Bounces::Off,
+                most => Bounces::Most(most),
+            },
+        }),
         "layers" => bake.layers(layers(value)?),
         "only" => bake.only(layers(value)?),
         "normal_maps" => bake.normal_maps(value.extract()?),

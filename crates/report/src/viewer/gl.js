@@ -3,12 +3,12 @@
 const VERTEX = `#version 300 es
 in vec3 position, hole; in vec2 uv;
 uniform mat4 camera, place;
-out vec2 at; out vec3 world, cut;
+out vec2 at; out vec3 world; centroid out vec3 cut;
 void main() { vec4 p = place * vec4(position, 1.0); world = p.xyz; at = uv; cut = hole; gl_Position = camera * p; }`;
 
 const FRAGMENT = `#version 300 es
 precision highp float;
-in vec2 at; in vec3 world, cut;
+in vec2 at; in vec3 world; centroid in vec3 cut;
 uniform sampler2D first, second, palette, alphas;
 uniform int kind, grey; uniform float part, factor, low, high, size, cutoff;
 out vec4 color;

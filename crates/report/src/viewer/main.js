@@ -239,7 +239,7 @@ function tables() {
     $("tables").append(details);
   };
   const text = (value) => typeof value === "string" ? value : JSON.stringify(value);
-  fold("Warnings", ["what", "times", "where"], (bake.warnings || []).map((w) => [w.message, w.count, w.place]), true);
+  fold("Warnings", ["what", "times", "where"], (bake.warnings || []).map((w) => [w.message, w.count, w.place].map((cell) => typeof cell === "string" ? cell.replaceAll("`", "") : cell)), true);
   fold("Plan", ["term", "how", "why"], (bake.plan || []).map((p) => [p.decision, p.method || (p.modelled ? "modelled" : "left out"), p.reason]));
   fold("Pages", ["page", "texels", "use", "RMSE", "worst"], (bake.pages || []).map((p) => [p.page, p.texels, `${(100 * p.coverage_used).toFixed(1)} %`, p.rmse, p.max_error]));
   fold("Objects", ["name", "texels", "per unit", "share"], (layout.objects || []).map((o) => [o.name, o.texels, o.density, o.share]));

@@ -1,7 +1,7 @@
 // Speed against error: the medians of a benchmark's repeats, both axes logarithmic.
 
-// Colours that people with any colour vision tell apart (Okabe and Ito, 2008), and dashes beside them.
-const LINES = ["#f0e442", "#56b4e9", "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#ffffff", "#7f9fff"];
+// Colours that people with any colour vision tell apart (Okabe and Ito, 2008); dashes and numbers say the same.
+const LINES = ["#f0e442", "#56b4e9", "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#ffffff"];
 const DASHES = [[], [8, 4], [2, 4], [8, 4, 2, 4]];
 
 /** Rows of `bench.csv` as objects. Only names are quoted; none holds a quote. */
@@ -56,7 +56,7 @@ function plot() {
   for (const tick of x.ticks) { line([[x.at(tick), box.top], [x.at(tick), box.bottom]], { lineWidth: 1 }); pen.fillText(digits(tick), x.at(tick), box.bottom + 28); }
   pen.textAlign = "right";
   for (const tick of y.ticks) { line([[box.left, y.at(tick)], [box.right, y.at(tick)]], { lineWidth: 1 }); pen.fillText(digits(tick), box.left - 8, y.at(tick) + 8); }
-  const legend = document.createElement("ul");
+  const legend = document.createElement("ol");
   curves.forEach((curve, k) => {
     const color = LINES[k % LINES.length], places = curve.points.map((p) => [x.at(p.seconds), y.at(p.rmse)]);
     pen.setLineDash(DASHES[k % DASHES.length]);
@@ -64,6 +64,9 @@ function plot() {
     pen.setLineDash([]);
     pen.fillStyle = color;
     for (const [a, b] of places) { pen.beginPath(); pen.arc(a, b, 6, 0, 7); pen.fill(); }
+    const [endX, endY] = places[places.length - 1];
+    pen.textAlign = "left";
+    pen.fillText(k + 1, Math.min(endX + 10, box.right), endY + 8);
     const item = document.createElement("li"), best = curve.points[curve.points.length - 1];
     item.style.color = color;
     item.textContent = `${curve.name}: ${digits(best.rmse)} after ${digits(best.seconds)} s`;

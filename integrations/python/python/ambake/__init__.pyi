@@ -40,6 +40,8 @@ class Options(TypedDict, total=False):
     buried: Literal["drop", "keep"]
     shading: Literal["production", "exact"]
     max_distance: float
+    model: Literal["phong", "ggx"]
+    bounces: Union[int, Literal["auto"]]
     layers: Union[str, Sequence[str]]
     only: Union[str, Sequence[str]]
     normal_maps: bool
