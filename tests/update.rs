@@ -1,9 +1,11 @@
 //! `--update`: what a change cannot reach is kept, and the result is that of a whole bake, byte for byte.
 
-use crate::support::{files, report, run, run_well, scene};
+use crate::support::{ambake, files, report, run, run_well, scene};
 use serde_json::Value;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 /// A box of a scene.
 #[derive(Clone)]
@@ -110,7 +112,7 @@ fn assert_same(a: &Path, b: &Path) {
     }
 }
 
-/// Bakes `before`, updates it to `after`, bakes `after` whole, and compares; what the update says.
+/// Bakes `before`, updates it to `after`, bakes all of `after` in the same layout, and compares; what the update says.
 fn compare(before: (f32, &[Prop]), after: (f32, &[Prop]), more: &[&str]) -> Value {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name);
@@ -118,7 +120,11 @@ fn compare(before: (f32, &[Prop]), after: (f32, &[Prop]), more: &[&str]) -> Valu
     let new = write(&at("b"), after.0, after.1);
     bake(&old, &at("old"), more);
     let said = update(&new, &at("old"), &at("new"), more);
-    bake(&new, &at("whole"), more);
+    // Another seed keeps the layout and nothing else.
+    bake(&old, &at("layout"), &[more, &["--seed", "9"]].concat());
+    let layout = at("layout").display().to_string();
+    bake(&new, &at("whole"), &[more, &["--update", &layout]].concat());
+    assert_eq!(report(&at("whole"))["update"]["kept"], 0);
     assert_same(&at("whole"), &at("new"));
     said
 }
@@ -183,7 +189,9 @@ fn other_options_or_a_folder_without_state_bake_everything_and_say_so() {
         "{said}"
     );
     // In place, and without a state.
-    std::fs::remove_file(at("old").join("row.state")).expect("it was there");
+    for name in ["row.state", "row.0.state"] {
+        std::fs::remove_file(at("old").join(name)).expect("it was there");
+    }
     let said = update(&row, &at("old"), &at("old"), SMALL);
     assert_eq!(said["kept"], 0);
     assert!(
@@ -219,4 +227,69 @@ fn an_update_of_nothing_or_in_shards_is_refused_in_one_line() {
         assert_eq!(output.status.code(), Some(1), "{text}");
         assert!(text.contains(word) && text.lines().count() == 1, "{text}");
     }
+}
+
+#[test]
+fn watch_bakes_again_on_a_save_survives_a_broken_one_and_ends_on_a_signal() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    let mut props = row();
+    let path = write(folder.path(), 0.5, &props);
+    let words = ["--size", "48", "--rays", "16", "--max-distance", "1"];
+    let child = ambake()
+        .arg("watch")
+        .arg(&path)
+        .arg("-o")
+        .arg(&out)
+        .args(words)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    // Until the bake of all rays is the one in the folder, and `done` holds for it.
+    let wait = |what: &str, done: &dyn Fn(&Value) -> bool| {
+        let clock = Instant::now();
+        loop {
+            let text = std::fs::read_to_string(out.join("bake.json")).unwrap_or_default();
+            let now: Value = serde_json::from_str(&text).unwrap_or_default();
+            if now["options"]["rays"] == 16 && done(&now) && out.join("report.html").is_file() {
+                return;
+            }
+            assert!(
+                clock.elapsed() < Duration::from_secs(120),
+                "{what} never came"
+            );
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    };
+    wait("the first bake", &|_| true);
+    std::fs::write(&path, "f 1 2 3\n").expect("it is written");
+    std::thread::sleep(Duration::from_secs(1));
+    props[1].size = 0.5;
+    write(folder.path(), 0.5, &props);
+    wait("the second bake", &|now| {
+        now["update"]["changed"][0] == "second"
+    });
+    let sent = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .expect("kill runs");
+    assert!(sent.success());
+    let output = child.wait_with_output().expect("a status");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{errors}");
+    let told = errors
+        .lines()
+        .filter(|line| line.contains("waiting for the next save"));
+    assert_eq!(told.count(), 1, "{errors}");
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        said.contains("1 rays:") && said.contains("16 rays:"),
+        "{said}"
+    );
+    assert!(
+        !files(&out).iter().any(|name| name.starts_with('.')),
+        "{:?}",
+        files(&out)
+    );
 }

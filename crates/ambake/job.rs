@@ -164,7 +164,7 @@ impl Job {
     }
 
     /// Every file that the bake is made from.
-    pub(crate) fn inputs(&self) -> Vec<PathBuf> {
+    pub fn inputs(&self) -> Vec<PathBuf> {
         let mut inputs = self.scene().inputs.clone();
         inputs.extend(self.options().sky.file.clone());
         inputs

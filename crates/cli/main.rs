@@ -33,6 +33,7 @@ fn main() -> ExitCode {
     outcome::exit_code(match &args::Args::parse().verb {
         Verb::Bake(bake) => bake::run::run(bake),
         Verb::Plan(plan) => bake::plan::run(plan),
+        Verb::Watch(watch) => bake::watch::run(watch),
         Verb::Layout(layout) => bake::layout::run(layout),
         Verb::Merge(merge) => bake::merge::run(merge),
         Verb::Compare(compare) => compare::run(compare),

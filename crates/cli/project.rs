@@ -49,6 +49,7 @@ pub fn completed(scene: &Path, typed: &[OsString]) -> anyhow::Result<Option<(Job
     match args.verb {
         Verb::Bake(bake) => Ok(Some((bake.job, bake.common))),
         Verb::Plan(plan) => Ok(Some((plan.job, plan.common))),
+        Verb::Watch(watch) => Ok(Some((watch.job, watch.common))),
         _ => Ok(None),
     }
 }

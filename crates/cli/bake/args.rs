@@ -75,6 +75,22 @@ pub struct Merge {
 }
 
 #[derive(ClapArgs)]
+pub struct Watch {
+    /// Scene file: .obj, .gltf or .glb
+    pub scene: PathBuf,
+    #[command(flatten)]
+    pub job: Job,
+    /// Directory for the results; it is made if needed
+    #[arg(short = 'o', long = "output", value_name = "DIR")]
+    pub output: PathBuf,
+    /// Also write files for these engines, separated by commas: gltf, three, blender, bevy, godot, unity, unreal
+    #[arg(long = "for", value_name = "ENGINE,..", value_delimiter = ',', value_parser = engine)]
+    pub engines: Vec<ambake::Engine>,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+#[derive(ClapArgs)]
 pub struct Plan {
     /// Scene file: .obj, .gltf or .glb, or - for standard input
     pub scene: PathBuf,

@@ -12,3 +12,4 @@ pub mod shard;
 mod sky;
 mod stdin;
 mod summary;
+pub mod watch;

@@ -36,21 +36,40 @@ pub fn prepare_in(
     job: &Job,
     common: &Common,
 ) -> anyhow::Result<ambake::Job> {
-    let with = |bake: Bake, scene: &Scene| {
+    let with = |bake: Bake, scene: &Scene| target.complete(bake, scene);
+    prepare_with(with, target.typed, file, job, common)
+}
+
+/// The same for arguments that the project file has completed.
+pub fn prepare_completed(
+    target: &Target<'_>,
+    file: &Path,
+    job: &Job,
+    common: &Common,
+) -> anyhow::Result<ambake::Job> {
+    loaded(
+        |bake, scene| target.complete(bake, scene),
+        file,
+        job,
+        common,
+    )
+}
+
+impl Target<'_> {
+    fn complete(&self, bake: Bake, scene: &Scene) -> Bake {
         let bake = bake
-            .for_engines(target.engines.iter().copied())
-            .layout_file(ambake::Layout::path(target.dir, scene))
-            .verify(target.verify);
-        let bake = match target.update {
+            .for_engines(self.engines.iter().copied())
+            .layout_file(ambake::Layout::path(self.dir, scene))
+            .verify(self.verify);
+        let bake = match self.update {
             Some(dir) => bake.update(dir),
             None => bake,
         };
-        match target.parts {
+        match self.parts {
             true => bake.within_memory().in_parts(),
             false => bake.within_memory(),
         }
-    };
-    prepare_with(with, target.typed, file, job, common)
+    }
 }
 
 fn prepare_with(
@@ -66,6 +85,15 @@ fn prepare_with(
         None => (job, common),
     };
     host::set_threads(common.threads)?;
+    loaded(with, file, job, common)
+}
+
+fn loaded(
+    with: impl FnOnce(Bake, &Scene) -> Bake,
+    file: &Path,
+    job: &Job,
+    common: &Common,
+) -> anyhow::Result<ambake::Job> {
     let started = Instant::now();
     let scene = match file == Path::new("-") {
         true => stdin::load()?,

@@ -41,7 +41,7 @@ pub use gltf::write_gltf;
 pub use layout::{LayoutReport, ObjectLayout, Spread};
 pub use layout_file::{layout_blocks, layout_hash, layout_of_blocks, read_layout, write_layout};
 pub use origin::check_origin;
-pub use output::{Output, remove_stale, stale_files};
+pub use output::{Output, copy_files, remove_stale, stale_files};
 pub use page::{Channel, Page, PageLayer};
 pub use page_files::{NamedPage, page_files};
 pub use picture::picture_png;

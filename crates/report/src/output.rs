@@ -222,6 +222,23 @@ pub fn remove_stale(files: &[PathBuf]) {
     }
 }
 
+/// Copies of some files of a directory in another, which is made where it is absent; all of them or none.
+///
+/// # Errors
+/// A file cannot be read or written.
+pub fn copy_files(from: &Path, names: &[&str], into: &Path) -> Result<(), Error> {
+    let mut output = Output::create(into)?;
+    for name in names {
+        let path = from.join(name);
+        let mut source = File::open(&path).map_err(|e| Error::read(&path, e.to_string()))?;
+        output.stage(name, |file| {
+            let copied = io::copy(&mut source, file);
+            copied.map_err(|e| Error::write(Path::new(""), e)).map(drop)
+        })?;
+    }
+    output.publish().map(drop)
+}
+
 /// A new temporary file in `dir`, with the permissions any new file gets.
 fn temporary(dir: &Path, prefix: &str) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
