@@ -137,7 +137,8 @@ impl Page {
     }
 }
 
-/// Bakes `scene` into a fresh directory; returns it and the first page.
+/// Bakes `scene` into a fresh directory; returns it and the first page. Texels stand for themselves, unless the arguments say how they
+/// are denoised.
 pub fn bake(scene: &Path, arguments: &[&str]) -> (tempfile::TempDir, Page) {
     let folder = tempfile::tempdir().expect("a temporary directory");
     let mut all = vec![
@@ -147,6 +148,9 @@ pub fn bake(scene: &Path, arguments: &[&str]) -> (tempfile::TempDir, Page) {
         folder.path().as_os_str(),
         "--quiet".as_ref(),
     ];
+    if !arguments.contains(&"--denoise") {
+        all.extend(["--denoise", "off"].map(std::ffi::OsStr::new));
+    }
     all.extend(arguments.iter().map(std::ffi::OsStr::new));
     run_well(all);
     let page = Page::read(&page_path(folder.path(), scene, 0));

@@ -11,6 +11,7 @@ mod buried;
 mod capture;
 mod cli;
 mod corpus;
+mod denoise;
 mod engines;
 mod exact;
 mod figures;

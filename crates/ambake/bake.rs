@@ -57,7 +57,7 @@ impl fmt::Debug for Bake {
 }
 
 impl Bake {
-    /// A plain bake of the scene: 1024² texels a page, 256 rays a texel, a white sky.
+    /// The default bake of the scene: 1024² texels a page, 256 rays a texel, denoised, a white sky.
     pub fn new(scene: &Scene) -> Self {
         Self {
             scene: scene.clone(),
@@ -202,9 +202,9 @@ impl Bake {
         self
     }
 
-    /// How integrated terms are denoised; off by default.
+    /// How integrated terms are denoised; by regression by default, but for one ray a texel and [`Pattern::Tiled`].
     pub fn denoise(mut self, denoise: Denoise) -> Self {
-        self.options.denoise = denoise;
+        self.options.denoise = Some(denoise);
         self
     }
 

@@ -38,8 +38,7 @@ impl Brightness {
             count: dark,
             message: format!(
                 "most texels see less than {:.0} % of the sky, as inside a building; `--bounces auto` lets light go on from surface to \
-                 surface there, `--max-distance D` shows corners and contacts, with D about a third of a room's height, and `--denoise \
-                 regression` takes the grain off",
+                 surface there, and `--max-distance D` shows corners and contacts, with D about a third of a room's height",
                 100.0 * DARK
             ),
         })

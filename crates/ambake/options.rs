@@ -90,8 +90,8 @@ pub struct Options {
     pub pattern: Pattern,
     /// Where the samples of a texel lie.
     pub footprint: Footprint,
-    /// How integrated terms are denoised.
-    pub denoise: Denoise,
+    /// How integrated terms are denoised; `None`: see [`Options::denoises`].
+    pub denoise: Option<Denoise>,
     /// Where seams are solved.
     pub seams: Seams,
     /// Seed of every sample stream.
@@ -144,7 +144,7 @@ impl Default for Options {
             effort: Effort::Rays(256),
             pattern: Pattern::Independent,
             footprint: Footprint::Texel,
-            denoise: Denoise::Off,
+            denoise: None,
             seams: Seams::default(),
             seed: 0,
             sky: Sky::default(),
@@ -241,15 +241,33 @@ impl Options {
         if self.model == Model::Ggx && asks(&[Layer::DifferencePhong]) {
             return fail("layers", "`difference.phong` needs --model phong");
         }
-        if self.denoise != Denoise::Off && self.pattern == Pattern::Tiled {
+        let denoises = self.denoises() == Denoise::Regression;
+        if denoises && self.pattern == Pattern::Tiled {
             let problem = "needs independent errors: leave out --pattern tiled";
             return fail("--denoise regression", problem);
         }
-        if self.denoise != Denoise::Off && matches!(self.effort, Effort::Rays(1)) {
+        if denoises && matches!(self.effort, Effort::Rays(1)) {
             let problem = "compares two halves of the rays: ask for 2 rays or more";
             return fail("--denoise regression", problem);
         }
+        if self.denoises() == Denoise::Oidn {
+            // A picture of one colour tells whether the library works before an hour is spent on rays.
+            let tried = oidn::load().and_then(|it| it.denoise(&[[0.5; 3]; 256], [16, 16], 1));
+            if let Err(error) = tried {
+                return fail("--denoise oidn", &error.to_string());
+            }
+        }
         Ok(())
+    }
+
+    /// How terms are denoised: as was asked, else by regression wherever it can be. A single ray has no halves to compare, and
+    /// tiles that share their directions have no independent errors.
+    pub fn denoises(&self) -> Denoise {
+        let compares = self.pattern == Pattern::Independent && self.effort != Effort::Rays(1);
+        self.denoise.unwrap_or(match compares {
+            true => Denoise::Regression,
+            false => Denoise::Off,
+        })
     }
 
     /// Adds the layers that engine files are made of and that no ray is cast for: the light, which no other layer holds under a
@@ -293,7 +311,7 @@ impl Options {
             pattern: self.pattern,
             points: PointSet::default(),
             footprint: self.footprint,
-            denoise: self.denoise,
+            denoise: self.denoises(),
             seams: self.seams,
             seed: self.seed,
             sky: self.sky.light.clone(),
@@ -354,7 +372,7 @@ impl Options {
             effort,
             pattern,
             footprint,
-            denoise,
+            denoise: _,
             seams,
             seed,
             sky,
@@ -415,9 +433,10 @@ impl Options {
                 Footprint::Texel => "texel",
                 Footprint::Centre => "centre",
             },
-            "denoise": match denoise {
+            "denoise": match self.denoises() {
                 Denoise::Off => "off",
                 Denoise::Regression => "regression",
+                Denoise::Oidn => "oidn",
             },
             "seams": match seams {
                 Seams::Off => "off",

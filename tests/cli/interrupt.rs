@@ -6,7 +6,8 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-const WORK: [&str; 6] = ["--size", "256", "--rays", "512", "--threads", "2"];
+#[rustfmt::skip]
+const WORK: [&str; 8] = ["--size", "256", "--rays", "512", "--threads", "2", "--denoise", "regression"];
 
 /// Starts a bake of the courtyard and sends `signal` after `delay`; the exit status, or `None` where the bake was done
 /// before.

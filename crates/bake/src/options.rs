@@ -108,6 +108,8 @@ pub enum Denoise {
     /// Local regression over the texels of a surface, by two independent halves of the rays: at least 2 rays. Needs
     /// [`Pattern::Independent`]: errors of neighbours must be.
     Regression,
+    /// Intel Open Image Denoise, which [`oidn::load`] must find. Standard errors stay those of the plain values.
+    Oidn,
 }
 
 /// Between which charts a look-up is made to agree across the edge that they share.

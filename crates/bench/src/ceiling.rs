@@ -1,7 +1,7 @@
 //! How far a bake is from the bare loop of `rtcOccluded16` over the very same packets.
 
 use crate::Subject;
-use bake::Options;
+use bake::{Denoise, Options};
 use rayon::prelude::*;
 use rays::{Coherence, EmbreeBackend, Ray, RayBackend, RayPacket, SurfaceHit};
 use serde::Serialize;
@@ -86,6 +86,11 @@ pub fn ceiling(
     threads: &[usize],
     repeats: usize,
 ) -> Result<Vec<Pair>, rayon::ThreadPoolBuildError> {
+    // What is done after the rays is no part of the ratio.
+    let options = &Options {
+        denoise: Denoise::Off,
+        ..options.clone()
+    };
     let recorder = Recorder {
         inner: embree,
         packets: Mutex::default(),

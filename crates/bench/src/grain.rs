@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 const REFERENCE: (u32, u64) = (4096, 0x5eed);
 
 /// Rays of the rows.
-const RAYS: [u32; 5] = [16, 32, 64, 128, 256];
+const RAYS: [u32; 6] = [16, 32, 64, 128, 256, 1024];
 
 /// Edge of the blocks whose means show stains, and the least texels of one object that a mean is taken of.
 const BLOCK: usize = 8;

@@ -139,7 +139,7 @@ pub struct Job {
     #[arg(long, value_name = "R", value_parser = target_error, requires = "target_error", conflicts_with = "rays")]
     pub target_relative: Option<f64>,
     /// With --target-error: the most rays that a texel may take, over the hemisphere and again over the lobe
-    #[arg(long, value_name = "N", default_value_t = 16_384, requires = "target_error", value_parser = clap::value_parser!(u32).range(16..=16_777_216))]
+    #[arg(long, value_name = "N", default_value_t = 16_384, requires = "target_error", conflicts_with = "rays", value_parser = clap::value_parser!(u32).range(16..=16_777_216))]
     pub max_rays: u32,
     /// Whether blocks of 4 x 4 texels share their directions: a little faster, but errors show as blocks
     #[arg(long, value_enum, default_value_t = Pattern::Independent)]
@@ -148,10 +148,11 @@ pub struct Job {
     /// with programs that sample centres
     #[arg(long, value_enum, default_value_t = Footprint::Texel)]
     pub footprint: Footprint,
-    /// Local regression over the texels of a surface, which falls back to the plain value where it does not help: fewer rays
-    /// for the same error, at a small bias that the error layer includes
-    #[arg(long, value_enum, alias = "filter", default_value_t = Denoise::Off)]
-    pub denoise: Denoise,
+    /// What takes the grain off. `regression` fits the texels of a surface and keeps the plain value where that does not help, at a
+    /// small bias that the layer `error` includes; `oidn` is Intel Open Image Denoise where it is installed (docs/using.md); `off` leaves every texel the unbiased mean of its own rays [default: regression;
+    /// off with --rays 1 and --pattern tiled, which leave no two halves to compare]
+    #[arg(long, value_enum, alias = "filter")]
+    pub denoise: Option<Denoise>,
     /// Between which charts a bilinear look-up is made to agree across the edge that they share: none, those of one object, or those of
     /// any objects that abut
     #[arg(long, value_enum, default_value_t = Seams::Scene)]
@@ -265,6 +266,7 @@ pub enum Footprint {
 pub enum Denoise {
     Off,
     Regression,
+    Oidn,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -41,10 +41,11 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
         args::Footprint::Texel => Footprint::Texel,
         args::Footprint::Centre => Footprint::Centre,
     };
-    options.denoise = match job.denoise {
+    options.denoise = job.denoise.map(|denoise| match denoise {
         args::Denoise::Off => Denoise::Off,
         args::Denoise::Regression => Denoise::Regression,
-    };
+        args::Denoise::Oidn => Denoise::Oidn,
+    });
     options.seams = match job.seams {
         args::Seams::Off => Seams::Off,
         args::Seams::Object => Seams::Object,

@@ -68,7 +68,7 @@ class AMBAKE_PG_settings(bpy.types.PropertyGroup):
     max_rays: IntProperty(
         name="Most Rays", description="Most rays of a texel", default=16384, min=16, max=1 << 24
     )
-    denoise: EnumProperty(name="Denoise", items=_plain("off", "regression"))
+    denoise: EnumProperty(name="Denoise", items=_plain("regression", "off", "oidn"))
     seams: EnumProperty(
         name="Seams",
         description="Charts between which look-ups are made to agree: none, those of one object, or of any objects",

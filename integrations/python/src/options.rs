@@ -141,7 +141,11 @@ fn one(bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
             bake.footprint(word(value, &words)?)
         }
         "denoise" => {
-            let words = [("off", Denoise::Off), ("regression", Denoise::Regression)];
+            let words = [
+                ("off", Denoise::Off),
+                ("regression", Denoise::Regression),
+                ("oidn", Denoise::Oidn),
+            ];
             bake.denoise(word(value, &words)?)
         }
         "seams" => {

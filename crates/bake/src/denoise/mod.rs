@@ -9,6 +9,7 @@ mod charts;
 mod choose;
 mod field;
 mod fit;
+pub(crate) mod oidn;
 mod plane;
 mod stated;
 

@@ -81,6 +81,13 @@ impl Mends {
         }
     }
 
+    /// Those of texels of which nothing can be seen: they are made of others alone, so they may be mended again when these change.
+    pub fn of_unseen(mut self) -> Self {
+        let unseen = |mend: &Mend| mend.terms.iter().all(|&(texel, _)| texel != mend.texel);
+        self.0.retain(unseen);
+        self
+    }
+
     /// Standard errors of the mended values from those of a plane, whose texels are independent.
     pub fn apply_to_errors(&self, plane: &mut [f32]) {
         let error = |mend: &Mend| {

@@ -5,7 +5,7 @@ use super::compose::{Composition, is_composed, is_light};
 use super::planes::{BakedPage, LayerPlanes};
 use super::stats::ErrorSums;
 use crate::choice::Choice;
-use crate::denoise::{Denoiser, Field, Term};
+use crate::denoise::{Denoiser, Field, Term, oidn};
 use crate::mend::{Mends, Surface};
 use crate::options::{Buried, Denoise, Model, Options, Seams as Scope, Sky};
 use crate::plan::Plan;
@@ -85,7 +85,7 @@ pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec
         if steps || kept.iter().any(|&layer| is_light(layer)) {
             add(std_err);
         }
-        if options.denoise != Denoise::Off {
+        if options.denoise == Denoise::Regression {
             add(half_of(term));
         }
     }
@@ -123,11 +123,9 @@ pub(super) fn finish(
     mends: bool,
 ) {
     let terms = terms(options, plan);
-    if mends {
-        mend_terms(page, &terms);
-    }
-    if options.denoise == Denoise::Regression {
-        denoise_terms(page, &terms);
+    let mended = mends.then(|| mend_terms(page, &terms));
+    if options.denoise != Denoise::Off {
+        denoise_terms(page, &terms, options.denoise, mended);
         count_errors(page, options);
     }
     let light = options.sky.mean().element_sum() / 3.0;
@@ -151,11 +149,10 @@ pub(crate) fn finish_light(page: &mut BakedPage, baker: &Baker<'_>) {
     let (world, options) = (baker.world, baker.options);
     let modelled = |term: &&TermLayers| baker.plan.models(term.2);
     let terms: Vec<TermLayers> = LIGHTS.iter().filter(modelled).copied().collect();
-    if baker.solids.is_some() {
-        mend_terms(page, &terms);
-    }
-    if options.denoise == Denoise::Regression {
-        denoise_terms(page, &terms);
+    let mends = baker.solids.is_some();
+    let mended = mends.then(|| mend_terms(page, &terms));
+    if options.denoise != Denoise::Off {
+        denoise_terms(page, &terms, options.denoise, mended);
     }
     let covered = fact(page, Layer::Coverage, 0);
     let lit = |channel| {
@@ -176,8 +173,8 @@ pub(crate) fn finish_light(page: &mut BakedPage, baker: &Baker<'_>) {
     page.finished = true;
 }
 
-/// Mends the terms of texels that are buried, wholly or in part.
-fn mend_terms(page: &mut BakedPage, terms: &[TermLayers]) {
+/// Mends the terms of texels that are buried, wholly or in part. Returns how.
+fn mend_terms(page: &mut BakedPage, terms: &[TermLayers]) -> Mends {
     let plane = |layer: Layer, channel| {
         let missing = || panic!("mending needs the layer {}", layer.name());
         page.channel(layer, channel).unwrap_or_else(missing)
@@ -209,6 +206,7 @@ fn mend_terms(page: &mut BakedPage, terms: &[TermLayers]) {
             halves.for_each(|plane| mends.apply(plane, f64::MIN, f64::MAX));
         }
     }
+    mends
 }
 
 /// Gives positions in the coordinates of the file, whatever world coordinates count from.
@@ -287,42 +285,58 @@ fn solve_seams(
     gutters
 }
 
-/// Denoises the terms that tiles integrated, over the surfaces of the page.
-fn denoise_terms(page: &mut BakedPage, terms: &[TermLayers]) {
+/// Denoises the terms that tiles integrated, over the surfaces of the page. Texels of which nothing can be seen have no part in that:
+/// they were carried on from noisy neighbours, and are carried on again, lest a rim of grain stays along every contact.
+fn denoise_terms(page: &mut BakedPage, terms: &[TermLayers], how: Denoise, mended: Option<Mends>) {
+    let unseen = mended.map(Mends::of_unseen);
     let texels = page.texels();
-    let denoiser = {
-        let plane = |layer, channel| fact(page, layer, channel);
-        let three = |layer| [0, 1, 2].map(|channel| plane(layer, channel));
-        Denoiser::new(&Field {
-            size: page.size as usize,
-            coverage: plane(Layer::Coverage, 0),
-            validity: page.layer(Layer::Validity),
-            position: three(Layer::Position),
-            normal: three(Layer::Normal),
-            object: plane(Layer::Object, 0),
-        })
-    };
+    let regression = (how == Denoise::Regression).then(|| Denoiser::new(&field(page)));
     for &(term, std_err, _) in terms {
         let all = |layer: Layer| {
             let channels = 0..layer.channels().len();
             channels.map(|channel| fact(page, layer, channel)).collect()
         };
-        let found = denoiser.denoise(&Term {
+        let planes = Term {
             values: all(term),
-            halves: all(half_of(term)),
+            halves: regression
+                .as_ref()
+                .map_or(Vec::new(), |_| all(half_of(term))),
             std_err: fact(page, std_err, 0),
             largest: if is_light(term) { f32::INFINITY } else { 1.0 },
-        });
+        };
+        let found = match &regression {
+            Some(denoiser) => denoiser.denoise(&planes),
+            None => oidn::denoise(&field(page), &planes),
+        };
         let values = page.planes_of(term);
         for denoised in &found {
             for (channel, plane) in values.chunks_mut(texels).enumerate() {
                 plane[denoised.texel as usize] = denoised.values[channel];
             }
         }
+        if let Some(unseen) = &unseen {
+            let most = if is_light(term) { f64::MAX } else { 1.0 };
+            let planes = values.par_chunks_mut(texels);
+            planes.for_each(|plane| unseen.apply(plane, 0.0, most));
+        }
         let errors = page.planes_of(std_err);
         for denoised in &found {
             errors[denoised.texel as usize] = denoised.std_err;
         }
+    }
+}
+
+/// The texels of the page as the denoiser sees them.
+fn field(page: &BakedPage) -> Field<'_> {
+    let plane = |layer, channel| fact(page, layer, channel);
+    let three = |layer| [0, 1, 2].map(|channel| plane(layer, channel));
+    Field {
+        size: page.size as usize,
+        coverage: plane(Layer::Coverage, 0),
+        validity: page.layer(Layer::Validity),
+        position: three(Layer::Position),
+        normal: three(Layer::Normal),
+        object: plane(Layer::Object, 0),
     }
 }
 

@@ -33,7 +33,7 @@ class Options(TypedDict, total=False):
     max_rays: int
     pattern: Literal["independent", "tiled"]
     footprint: Literal["texel", "centre"]
-    denoise: Literal["off", "regression"]
+    denoise: Literal["off", "regression", "oidn"]
     seams: Literal["off", "object", "scene"]
     sky: Union[_Rgb, _Path]
     view: Union[Literal["normal"], Sequence[float]]

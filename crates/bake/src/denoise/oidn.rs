@@ -1,0 +1,44 @@
+//! Terms through Intel's denoiser: the page as one picture, its gutters filled, since void would bleed into charts.
+
+use super::{Denoised, Field, Term};
+use atlas::Dilation;
+
+/// Rings of the void that are filled for the picture.
+const RINGS: u32 = 32;
+
+/// The texels of the term that change. Standard errors stay those of the plain values: the library states none.
+///
+/// # Panics
+/// If the library fails, which took a picture before the bake began ([`oidn::load`]).
+pub(crate) fn denoise(field: &Field<'_>, term: &Term<'_>) -> Vec<Denoised> {
+    let filled = Dilation::new(field.coverage, field.size as u32, RINGS);
+    let planes: Vec<Vec<f32>> = term
+        .values
+        .iter()
+        .map(|values| {
+            let mut plane = values.to_vec();
+            filled.apply(&mut plane);
+            plane
+        })
+        .collect();
+    let texels = field.size * field.size;
+    let of = |texel: usize| [0, 1, 2].map(|channel| planes[channel.min(planes.len() - 1)][texel]);
+    let picture: Vec<[f32; 3]> = (0..texels).map(of).collect();
+    let denoised = oidn::load().and_then(|library| {
+        library.denoise(&picture, [field.size; 2], rayon::current_num_threads())
+    });
+    let denoised = denoised.unwrap_or_else(|error| panic!("{error}"));
+    let inexact = |&texel: &usize| field.has_data(texel) && term.std_err[texel] > 0.0;
+    let value = |value: [f32; 3]| match planes.len() {
+        1 => [value.iter().sum::<f32>() / 3.0, 0.0, 0.0],
+        _ => value,
+    };
+    (0..texels)
+        .filter(inexact)
+        .map(|texel| Denoised {
+            texel: texel as u32,
+            values: value(denoised[texel]).map(|value| value.clamp(0.0, term.largest)),
+            std_err: term.std_err[texel],
+        })
+        .collect()
+}

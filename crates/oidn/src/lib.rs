@@ -1,0 +1,247 @@
+//! Intel Open Image Denoise, loaded at run time: nothing is linked, and a program without the library runs as well.
+//!
+//! Versions 1 and 2 of its C interface agree in all functions that are called here, but for the name of one. The processor's device
+//! is used, whose bits do not depend on the number of threads; another version of the library, or another set of vector
+//! instructions, may give others. Its documentation is <https://www.openimagedenoise.org/documentation.html>.
+
+use libloading::Library;
+use std::ffi::{CStr, OsString, c_char, c_int, c_void};
+use std::path::Path;
+use std::ptr;
+use std::sync::OnceLock;
+
+/// The variable that names a folder with the library in it, or in its `lib`.
+pub const FOLDER: &str = "OIDN_DIR";
+
+/// Names of the library, the newest version first.
+const NAMES: [&str; 6] = [
+    "libOpenImageDenoise.so.2",
+    "libOpenImageDenoise.so.1",
+    "libOpenImageDenoise.so.0",
+    "libOpenImageDenoise.so",
+    "libOpenImageDenoise.dylib",
+    "OpenImageDenoise.dll",
+];
+
+/// `OIDN_DEVICE_TYPE_CPU`.
+const CPU: c_int = 1;
+/// `OIDN_FORMAT_FLOAT3`.
+const FLOAT3: c_int = 3;
+
+/// Why nothing was denoised.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Error {
+    /// The library is nowhere.
+    #[error(
+        "Intel Open Image Denoise is not installed: `pip download --no-deps pyoidn==2.5.1.0`, unzip the file and set OIDN_DIR to its folder \
+         pyoidn/oidn, or leave the denoiser to `--denoise regression`"
+    )]
+    Absent,
+    /// A library of that name lacks a function.
+    #[error("{file} is no Intel Open Image Denoise of version 1 or 2: it lacks {function}")]
+    Foreign {
+        /// Name or path of the library.
+        file: String,
+        /// The first function that is missing.
+        function: &'static str,
+    },
+    /// The library refused.
+    #[error("Intel Open Image Denoise: {0}")]
+    Refused(String),
+}
+
+type Handle = *mut c_void;
+
+/// The functions that are called, by their C types.
+struct Api {
+    new_device: unsafe extern "C" fn(c_int) -> Handle,
+    set_device_int: unsafe extern "C" fn(Handle, *const c_char, c_int),
+    commit_device: unsafe extern "C" fn(Handle),
+    device_error: unsafe extern "C" fn(Handle, *mut *const c_char) -> c_int,
+    release_device: unsafe extern "C" fn(Handle),
+    new_filter: unsafe extern "C" fn(Handle, *const c_char) -> Handle,
+    #[expect(clippy::type_complexity, reason = "a C function, as its header has it")]
+    set_image: unsafe extern "C" fn(
+        Handle,
+        *const c_char,
+        *mut c_void,
+        c_int,
+        usize,
+        usize,
+        usize,
+        usize,
+        usize,
+    ),
+    commit_filter: unsafe extern "C" fn(Handle),
+    execute_filter: unsafe extern "C" fn(Handle),
+    release_filter: unsafe extern "C" fn(Handle),
+}
+
+/// The loaded library, which stays until the program ends.
+pub struct Oidn(Api);
+
+/// The library: of the folder that [`FOLDER`] names where it is set, else of the system. It is looked for once.
+///
+/// # Errors
+/// [`Error::Absent`] or [`Error::Foreign`].
+pub fn load() -> Result<&'static Oidn, Error> {
+    static LOADED: OnceLock<Result<Oidn, Error>> = OnceLock::new();
+    let loaded = LOADED.get_or_init(|| {
+        let places: Vec<OsString> = match std::env::var_os(FOLDER) {
+            Some(folder) => ["lib", ""]
+                .iter()
+                .flat_map(|inner| NAMES.map(|name| Path::new(&folder).join(inner).join(name)))
+                .map(OsString::from)
+                .collect(),
+            None => NAMES.map(OsString::from).to_vec(),
+        };
+        for place in places {
+            // SAFETY: this runs the initialisers of a library that the user installed under this name; nothing of ours depends on
+            // what they do, and nobody unloads it.
+            if let Ok(library) = unsafe { Library::new(&place) } {
+                let library: &'static Library = Box::leak(Box::new(library));
+                let file = place.to_string_lossy().into_owned();
+                return Api::of(library)
+                    .map(Oidn)
+                    .map_err(|function| Error::Foreign { file, function });
+            }
+        }
+        Err(Error::Absent)
+    });
+    loaded.as_ref().map_err(Clone::clone)
+}
+
+impl Api {
+    /// The functions of a library, or the name of the first that it lacks.
+    fn of(library: &'static Library) -> Result<Self, &'static str> {
+        /// The function of the first name that the library has.
+        fn function<T: Copy>(
+            library: &'static Library,
+            names: &[&'static str],
+        ) -> Result<T, &'static str> {
+            for name in names {
+                // SAFETY: `T` is the C type that versions 1 and 2 of the header declare for these names; the library is never
+                // unloaded, so the pointer stays good.
+                if let Ok(found) = unsafe { library.get::<T>(name.as_bytes()) } {
+                    return Ok(*found);
+                }
+            }
+            Err(names[0])
+        }
+        Ok(Self {
+            new_device: function(library, &["oidnNewDevice"])?,
+            set_device_int: function(library, &["oidnSetDeviceInt", "oidnSetDevice1i"])?,
+            commit_device: function(library, &["oidnCommitDevice"])?,
+            device_error: function(library, &["oidnGetDeviceError"])?,
+            release_device: function(library, &["oidnReleaseDevice"])?,
+            new_filter: function(library, &["oidnNewFilter"])?,
+            set_image: function(library, &["oidnSetSharedFilterImage"])?,
+            commit_filter: function(library, &["oidnCommitFilter"])?,
+            execute_filter: function(library, &["oidnExecuteFilter"])?,
+            release_filter: function(library, &["oidnReleaseFilter"])?,
+        })
+    }
+}
+
+impl Oidn {
+    /// The picture through the filter for lightmaps, row by row, linear, 0 and above; with at most so many threads.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] with what the library says.
+    ///
+    /// # Panics
+    /// If `picture` is not `width * height` long.
+    pub fn denoise(
+        &self,
+        picture: &[[f32; 3]],
+        [width, height]: [usize; 2],
+        threads: usize,
+    ) -> Result<Vec<[f32; 3]>, Error> {
+        assert_eq!(picture.len(), width * height, "texels of the picture");
+        let api = &self.0;
+        let mut denoised = picture.to_vec();
+        let threads = c_int::try_from(threads).unwrap_or(c_int::MAX);
+        // SAFETY: the functions have the types of their header. Device and filter are made here, used by this thread alone, never null
+        // where they are used, and released below, the filter first. The pictures hold width x height x 3 floats without gaps, which
+        // is what strides of 0 mean, and outlive the filter; `color` is only read.
+        unsafe {
+            let device = (api.new_device)(CPU);
+            if device.is_null() {
+                return Err(Error::Refused("no device for this processor".to_owned()));
+            }
+            (api.set_device_int)(device, c"numThreads".as_ptr(), threads);
+            (api.commit_device)(device);
+            let filter = (api.new_filter)(device, c"RTLightmap".as_ptr());
+            if !filter.is_null() {
+                for (name, pointer) in [
+                    (c"color", picture.as_ptr().cast_mut().cast()),
+                    (c"output", denoised.as_mut_ptr().cast()),
+                ] {
+                    (api.set_image)(
+                        filter,
+                        name.as_ptr(),
+                        pointer,
+                        FLOAT3,
+                        width,
+                        height,
+                        0,
+                        0,
+                        0,
+                    );
+                }
+                (api.commit_filter)(filter);
+                (api.execute_filter)(filter);
+                (api.release_filter)(filter);
+            }
+            let mut message = ptr::null();
+            let code = (api.device_error)(device, &raw mut message);
+            let said = match message.is_null() {
+                true => format!("error {code}"),
+                false => CStr::from_ptr(message).to_string_lossy().replace('\n', " "),
+            };
+            (api.release_device)(device);
+            match code {
+                0 => Ok(denoised),
+                _ => Err(Error::Refused(said)),
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_goes_and_a_step_stays_with_any_number_of_threads() {
+        let Ok(oidn) = load() else {
+            println!("skip: {}", Error::Absent);
+            return;
+        };
+        let mut state = 1u32;
+        let mut noise = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / 16_777_216.0 - 0.5
+        };
+        let truth = |i: usize| if i % 64 < 32 { 0.2f32 } else { 0.7 };
+        let picture: Vec<_> = (0..64 * 64)
+            .map(|i| [truth(i) + 0.2 * noise(); 3])
+            .collect();
+        let error = |picture: &[[f32; 3]]| {
+            let squares = picture
+                .iter()
+                .enumerate()
+                .map(|(i, v)| (v[0] - truth(i)).powi(2));
+            (squares.sum::<f32>() / 4096.0).sqrt()
+        };
+        let one = oidn.denoise(&picture, [64, 64], 1).expect("it denoises");
+        let two = oidn.denoise(&picture, [64, 64], 2).expect("it denoises");
+        assert!(
+            error(&one) < 0.4 * error(&picture),
+            "{} of {}",
+            error(&one),
+            error(&picture)
+        );
+        assert_eq!(one, two);
+    }
+}

@@ -1,0 +1,97 @@
+//! Denoising from outside: what is done by default, and what each word of `--denoise` means.
+
+use crate::support::{Page, ambake, bake, page_path, report, run, run_well, scene};
+
+/// Bakes without a word about denoising.
+fn by_default(name: &str, arguments: &[&str]) -> (tempfile::TempDir, Page) {
+    let (folder, path) = (tempfile::tempdir().expect("a folder"), scene(name));
+    let out = folder.path().display().to_string();
+    let path_text = path.display().to_string();
+    run_well([&["bake", &path_text, "-o", &out, "--quiet"][..], arguments].concat());
+    let page = Page::read(&page_path(folder.path(), &path, 0));
+    (folder, page)
+}
+
+#[test]
+fn bakes_are_denoised_unless_a_single_ray_leaves_nothing_to_compare() {
+    let few = ["--size", "48", "--rays", "8", "--only", "diffuse,error"];
+    let (folder, default) = by_default("trench.obj", &few);
+    let (_folder, asked) = bake(
+        &scene("trench.obj"),
+        &[&few[..], &["--denoise", "regression"]].concat(),
+    );
+    let (_folder, plain) = bake(&scene("trench.obj"), &few);
+    assert_eq!(report(folder.path())["options"]["denoise"], "regression");
+    assert_eq!(default.plane("diffuse"), asked.plane("diffuse"));
+    assert_ne!(default.plane("diffuse"), plain.plane("diffuse"));
+    for single in [&["--rays", "1"][..], &["--rays", "8", "--pattern", "tiled"]] {
+        let (folder, _) = by_default("plane.obj", &[&["--size", "16"], single].concat());
+        assert_eq!(report(folder.path())["options"]["denoise"], "off");
+    }
+}
+
+#[test]
+fn no_rim_of_grain_stays_along_buried_texels() {
+    let few = [
+        "--size",
+        "256",
+        "--rays",
+        "16",
+        "--only",
+        "diffuse,validity",
+    ];
+    let (_folder, plain) = bake(&scene("interior.gltf"), &few);
+    let (_folder, smooth) = by_default("interior.gltf", &few);
+    // How far texels of which nothing is seen stand from the mean of the neighbours that carry them.
+    let rough = |page: &Page| {
+        let [values, valid, covered] = ["diffuse", "validity", "coverage"].map(|l| page.plane(l));
+        let size = page.size;
+        let (mut squares, mut count) = (0.0, 0.0);
+        for i in size..size * (size - 1) {
+            let beside = [i - size, i - 1, i + 1, i + size];
+            let seen: Vec<_> = beside.into_iter().filter(|&j| valid[j] > 0.99).collect();
+            if covered[i] > 0.0 && valid[i] == 0.0 && !seen.is_empty() {
+                let mean = seen.iter().map(|&j| values[j]).sum::<f32>() / seen.len() as f32;
+                squares += f64::from(values[i] - mean).powi(2);
+                count += 1.0;
+            }
+        }
+        assert!(count > 50.0, "{count} buried texels");
+        (squares / count).sqrt()
+    };
+    let (plain, smooth) = (rough(&plain), rough(&smooth));
+    assert!(smooth < 0.7 * plain, "{smooth} of {plain}");
+}
+
+#[test]
+fn a_missing_library_is_one_line_that_says_how_to_get_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    let output = ambake()
+        .args([
+            "bake".as_ref(),
+            scene("plane.obj").as_os_str(),
+            "-o".as_ref(),
+        ])
+        .args([out.as_os_str(), "--denoise".as_ref(), "oidn".as_ref()])
+        .env("OIDN_DIR", folder.path())
+        .output()
+        .expect("the program starts");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{errors}");
+    assert_eq!(errors.trim().lines().count(), 1, "{errors}");
+    assert!(
+        errors.contains("pyoidn") && errors.contains("OIDN_DIR"),
+        "{errors}"
+    );
+    assert!(!out.join("bake.json").exists());
+}
+
+#[test]
+fn most_rays_beside_a_fixed_number_are_refused() {
+    let path = scene("plane.obj").display().to_string();
+    let output = run(["plan", &path, "--rays", "16", "--max-rays", "64"]);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{errors}");
+    assert!(errors.contains("--max-rays"), "{errors}");
+}
