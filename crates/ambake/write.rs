@@ -1,5 +1,6 @@
 //! What a finished bake writes: EXR pages, PNG previews, a GLB and `bake.json`.
 
+use crate::any_view;
 use crate::error::Error;
 use crate::host::{REVISION, VERSION, peak_memory};
 use crate::interior::Brightness;
@@ -60,6 +61,9 @@ impl<'a> Writer<'a> {
         output.protect(job.inputs());
         let pages = 0..job.atlas().page_count;
         let mut names = vec!["bake.json".to_owned(), format!("{stem}.glb")];
+        if job.baker_options().any_view().is_some() {
+            names.extend(report::any_view_files(&stem));
+        }
         names.push(lit_name(&stem));
         let engines = &job.options().engines;
         if engines.iter().any(|engine| engine.wants_lit_glb()) {
@@ -179,6 +183,7 @@ impl<'a> Writer<'a> {
             phase: "lit".into(),
             seconds: self.lit.seconds(),
         });
+        let any_view = any_view::stage(self.job, &mut self.output, &self.stem)?;
         let mut names = self.output.names();
         names.push("bake.json".into());
         let mut report = report_of(self.job, &self.described, self.pages, names, phases);
@@ -187,6 +192,7 @@ impl<'a> Writer<'a> {
         }
         report.seams = seam_report(&self.seams);
         report.bounces = bounces.map(bounce_report);
+        report.any_view = any_view;
         report.lightmaps = self.lightmaps;
         let interior = self.brightness.interior(self.job.options());
         report.warnings.extend(interior);
@@ -387,6 +393,7 @@ fn report_of(
         pages,
         seams: None,
         bounces: None,
+        any_view: None,
         objects: report::object_reports(scene, job.atlas()),
         timings: phases,
         seconds: job.started().elapsed().as_secs_f64(),

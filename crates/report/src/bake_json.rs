@@ -39,6 +39,9 @@ pub struct BakeReport {
     /// What light that bounces added; absent where it was not asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bounces: Option<BounceReport>,
+    /// What layers for any view hold; absent where none was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub any_view: Option<crate::AnyViewReport>,
     /// One entry for each object; the `object` layer holds its index.
     pub objects: Vec<ObjectReport>,
     /// Wall time by phase, in the order they ran.
@@ -414,6 +417,7 @@ pub(crate) mod tests {
             }],
             seams: Some(SeamReport::default()),
             bounces: Some(BounceReport::default()),
+            any_view: Some(crate::AnyViewReport::default()),
             objects: vec![ObjectReport::default()],
             timings: vec![PhaseReport::default()],
             seconds: 1e-9,

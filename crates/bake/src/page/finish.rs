@@ -103,6 +103,9 @@ pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec
             add(Layer::Base);
         }
     }
+    if options.layers.contains(&Layer::TraditionalClosed) {
+        add(Layer::OpenSpecular);
+    }
     layers
 }
 
@@ -207,6 +210,12 @@ fn mend_terms(page: &mut BakedPage, terms: &[TermLayers]) {
         if page.layer(half_of(term)).is_some() {
             let halves = page.planes_of(half_of(term)).par_chunks_mut(texels);
             halves.for_each(|plane| mends.apply(plane, f64::MIN, f64::MAX));
+        }
+    }
+    for layer in [Layer::AnyView, Layer::AnyView8] {
+        if page.layer(layer).is_some() {
+            let harmonics = page.planes_of(layer).par_chunks_mut(texels);
+            harmonics.for_each(|plane| mends.apply(plane, f64::MIN, f64::MAX));
         }
     }
 }
@@ -370,6 +379,7 @@ struct Facts<'a> {
     albedo: [Option<&'a [f32]>; 3],
     reflectance: [Option<&'a [f32]>; 3],
     base: [Option<&'a [f32]>; 3],
+    open_specular: Option<&'a [f32]>,
 }
 
 impl<'a> Facts<'a> {
@@ -386,6 +396,7 @@ impl<'a> Facts<'a> {
             albedo: three(Layer::Albedo),
             reflectance: three(Layer::Reflectance),
             base: three(Layer::Base),
+            open_specular: page.layer(Layer::OpenSpecular),
         }
     }
 
@@ -409,6 +420,7 @@ impl<'a> Facts<'a> {
             albedo: rgb(self.albedo),
             specular: rgb(self.reflectance),
             base: rgb(self.base),
+            open_specular: one(self.open_specular),
         }
     }
 }
