@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 
 mod alpha;
+mod any_view;
 mod armour;
 mod authored;
 mod bounces;
@@ -10,11 +11,13 @@ mod broken;
 mod buried;
 mod capture;
 mod cli;
+mod closed;
 mod corpus;
 mod denoise;
 mod engines;
 mod exact;
 mod figures;
+mod fit;
 mod frames;
 mod furnace;
 mod ggx;

@@ -50,6 +50,7 @@
 //! are 1 for an open texel under a sky of radiance 1.
 #![forbid(unsafe_code)]
 
+mod any_view;
 mod bake;
 mod baked;
 mod error;

@@ -1,5 +1,6 @@
 //! What a finished bake writes: EXR pages, PNG previews, a GLB and `bake.json`.
 
+use crate::any_view;
 use crate::error::Error;
 use crate::host::{REVISION, VERSION, peak_memory};
 use crate::interior::Brightness;
@@ -65,6 +66,9 @@ impl<'a> Writer<'a> {
         output.protect(job.inputs());
         let pages = 0..job.atlas().page_count;
         let mut names = vec!["bake.json".to_owned(), format!("{stem}.glb")];
+        if job.baker_options().any_view().is_some() {
+            names.extend(report::any_view_files(&stem));
+        }
         names.push(lit_name(&stem));
         names.push(state::head_name(&stem));
         let engines = &job.options().engines;
@@ -223,6 +227,7 @@ impl<'a> Writer<'a> {
             self.output.stage(&name, |file| head.write(file))?;
             update = report;
         }
+        let any_view = any_view::stage(self.job, &mut self.output, &self.stem)?;
         let mut names = self.output.names();
         names.push("bake.json".into());
         let mut report = report_of(self.job, &self.described, self.pages, names, phases);
@@ -232,6 +237,7 @@ impl<'a> Writer<'a> {
         report.update = update;
         report.seams = seam_report(&self.seams);
         report.bounces = bounces.map(bounce_report);
+        report.any_view = any_view;
         report.lightmaps = self.lightmaps;
         let interior = self.brightness.interior(self.job.options());
         report.warnings.extend(interior);
@@ -433,6 +439,7 @@ fn report_of(
         seams: None,
         bounces: None,
         update: None,
+        any_view: None,
         objects: report::object_reports(scene, job.atlas()),
         timings: phases,
         seconds: job.started().elapsed().as_secs_f64(),

@@ -1,6 +1,6 @@
 //! What was typed: the verbs. Each has its own arguments.
 
-use crate::{bake, bench, map, render};
+use crate::{bake, bench, fit, map, render};
 use clap::{Args as ClapArgs, Parser, Subcommand};
 use clap_complete::Shell;
 use std::path::PathBuf;
@@ -31,6 +31,8 @@ pub enum Verb {
     Export(Export),
     /// A picture of a scene through a camera, shaded by an ambient model and lights
     Render(Box<render::args::Args>),
+    /// Diffuse and specular reflectance and exponent of a known shape, from pictures of it in ambient light
+    Fit(Box<fit::Args>),
     /// Illumination maps and reflection maps: convert, convolve, measure
     #[command(subcommand)]
     Map(Box<map::args::Args>),

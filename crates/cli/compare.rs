@@ -7,14 +7,28 @@ use report::{BakeReport, Comparison, Difference, Error, NamedPage, Output, Page,
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// What is compared within a bake: traditional minus the integrated models that it has.
-fn pairs(bake: &BakeReport) -> [(&'static str, &'static str); 2] {
+/// What is compared within a bake: the baselines that it has minus its integrated models.
+fn pairs(bake: &BakeReport) -> Vec<(&'static str, &'static str)> {
     let ggx = bake
         .options
         .get("model")
         .is_some_and(|model| model == "ggx");
     let highlight = if ggx { "ggx" } else { "phong" };
-    [("traditional", "lambert"), ("traditional", highlight)]
+    let mut pairs = vec![("traditional", "lambert"), ("traditional", highlight)];
+    let layers = bake.options.get("layers").and_then(Value::as_array);
+    if layers.is_some_and(|layers| layers.iter().any(|name| name == CLOSED)) {
+        pairs.push((CLOSED, highlight));
+    }
+    pairs
+}
+
+/// The second baseline.
+const CLOSED: &str = "traditional.closed";
+
+/// The picture of a difference.
+fn picture_name(file: &NamedPage, (a, b): (&str, &str)) -> String {
+    let from = if a == CLOSED { "closed." } else { "" };
+    format!("{}.{}.difference.{from}{b}.png", file.stem, file.page)
 }
 
 /// Runs the verb.
@@ -60,7 +74,7 @@ fn compare_bake(args: &Args, dir: &Path) -> anyhow::Result<()> {
     for page in pages() {
         let (file, page): (&NamedPage, Page) = page?;
         for (&(a, b), &limit) in pairs.iter().zip(&limits) {
-            let name = format!("{}.{}.difference.{b}.png", file.stem, file.page);
+            let name = picture_name(file, (a, b));
             output.stage_bytes(&name, &report::difference_png(&page, (a, b), limit)?)?;
         }
     }

@@ -14,6 +14,7 @@ mod common;
 mod compare;
 mod doctor;
 mod export;
+mod fit;
 mod host;
 mod manual;
 mod map;
@@ -38,6 +39,7 @@ fn main() -> ExitCode {
         Verb::Merge(merge) => bake::merge::run(merge),
         Verb::Compare(compare) => compare::run(compare),
         Verb::Export(export) => export::run(export),
+        Verb::Fit(fit) => fit::run(fit),
         Verb::Render(render) => render::run::run(render),
         Verb::Map(map) => map::run::run(map),
         Verb::Bench(bench) => bench::run::run(bench),

@@ -139,24 +139,33 @@ impl Ggx {
     /// A and B under an open sky of 1, by quadrature over the points of [`Ggx::sample`], up to where the mirrored direction meets the
     /// horizon: within 1e-6 from the normal to 45 degrees, and within 1e-4 beyond.
     pub fn open(&self) -> Albedos {
-        let mut sum = [0.0; 2];
+        let [mut tinted, mut white] = [0.0; 2];
+        let mut add = |drawn: Drawn, weight: f64| {
+            tinted += weight * drawn.weight * (1.0 - drawn.fresnel);
+            white += weight * drawn.weight * drawn.fresnel;
+        };
         if self.view.x < 1e-9 {
             // Seen along the normal, it looks the same all around.
-            self.add_turn(0.0, 1.0, &mut sum);
+            self.integrate_turn(0.0, 1.0, &mut add);
         } else {
-            // The horizon is another curve on the side of the eye.
-            for (start, end) in [(0.0, 0.25), (0.25, 0.5)] {
-                for (u1, weight) in nodes(start, end) {
-                    self.add_turn(u1, 2.0 * weight, &mut sum);
-                }
-            }
+            self.integrate(&mut add);
         }
-        let [tinted, white] = sum;
         Albedos { tinted, white }
     }
 
-    /// Adds A and B of one azimuth, times `weight`.
-    fn add_turn(&self, u1: f64, weight: f64, sum: &mut [f64; 2]) {
+    /// Hands the directions of one half of the points of [`Ggx::sample`] that rise above the surface, u1 <= 1/2, to `add`, with weights
+    /// whose sum is the share of those points. The other half is its mirror image in the plane of the view.
+    pub fn integrate(&self, add: &mut impl FnMut(Drawn, f64)) {
+        // The horizon is another curve on the side of the eye.
+        for (start, end) in [(0.0, 0.25), (0.25, 0.5)] {
+            for (u1, weight) in nodes(start, end) {
+                self.integrate_turn(u1, 2.0 * weight, add);
+            }
+        }
+    }
+
+    /// Integrates one azimuth, times `weight`.
+    fn integrate_turn(&self, u1: f64, weight: f64, add: &mut impl FnMut(Drawn, f64)) {
         let rises = |u0: f64| self.sample([u0, u1]).direction.z > 0.0;
         let mut ends = vec![];
         // Light may sink below the horizon and rise again on the side of the eye. Places are squares, finer toward the rim.
@@ -191,9 +200,7 @@ impl Ggx {
                     // Squared, so that a steep end at the horizon is met by many nodes.
                     let length = pair[1] - pair[0];
                     let drawn = self.sample([pair[0] + length * t * t, u1]);
-                    let value = drawn.weight * share * 2.0 * t * length * weight;
-                    sum[0] += value * (1.0 - drawn.fresnel);
-                    sum[1] += value * drawn.fresnel;
+                    add(drawn, share * 2.0 * t * length * weight);
                 }
             }
         }

@@ -24,6 +24,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod any_view;
 pub mod closed_form;
 pub mod convention;
 mod estimate;

@@ -38,9 +38,10 @@ mod reach;
 mod seams;
 mod survey;
 
+pub use ambient::any_view::KernelTable;
 pub use bounce::BounceStats;
 pub use choice::Choice;
-pub use integrate::{Halves, REPLICATES, Terms};
+pub use integrate::{AnyView, Halves, REPLICATES, Terms};
 pub use options::{
     Bounces, Buried, Denoise, Effort, Footprint, Model, Options, Pattern, PointSet, Seams, Shading,
     Sky, View,

@@ -253,6 +253,18 @@ impl Options {
             .any(|layer| layer.needs().contains(&term))
     }
 
+    /// The order of the harmonics that the asked layers hold; `None` where none does.
+    pub fn any_view(&self) -> Option<usize> {
+        let asks = |layer| self.layers.contains(&layer);
+        if asks(Layer::AnyView8) {
+            Some(8)
+        } else if asks(Layer::AnyView) || asks(Layer::StdErrAnyView) {
+            Some(4)
+        } else {
+            None
+        }
+    }
+
     /// True where an asked layer shows light that bounces.
     pub(crate) fn shows_bounces(&self) -> bool {
         let shows = |layer: &Layer| {

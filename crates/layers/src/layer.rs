@@ -73,6 +73,16 @@ pub enum Layer {
     HalfIrradiance,
     /// The same of the reflection.
     HalfReflection,
+    /// Harmonics of the open directions up to order 4, from which the specular term follows for any view.
+    AnyView,
+    /// The same up to order 8.
+    AnyView8,
+    /// Root mean square error over all views of the specular term that they give.
+    StdErrAnyView,
+    /// What the specular term of an open texel is for its view, in closed form.
+    OpenSpecular,
+    /// Sky x visibility x what an open texel reflects: the second baseline.
+    TraditionalClosed,
 }
 
 /// An integral over the directions of a texel. A bake models those that its layers need.
@@ -139,6 +149,12 @@ use Layer::*;
 const RGB: &[&str] = &["R", "G", "B"];
 const XYZ: &[&str] = &["X", "Y", "Z"];
 const ONE: &[&str] = &[""];
+#[rustfmt::skip]
+const NUMBERS: &[&str] = &[
+    "00", "01", "02", "03", "04", "05", "06", "07", "08", "09", "10", "11", "12", "13", "14",
+    "15", "16", "17", "18", "19", "20", "21", "22", "23", "24", "25", "26", "27", "28", "29",
+    "30", "31", "32", "33", "34", "35", "36", "37", "38", "39", "40", "41", "42", "43", "44",
+];
 
 /// A row whose gutters are dilated.
 const fn row(
@@ -177,7 +193,7 @@ const UNIT_VECTOR: (Unit, Preview) = (Unit::Direction, Preview::Signed);
 
 /// Every layer in the order of the enum.
 #[rustfmt::skip]
-const TABLE: [Row; 33] = [
+const TABLE: [Row; 38] = [
     counted(row(Coverage, "coverage", ONE, SHARE, &[], "fraction of the texel inside its chart")),
     row(Visibility, "visibility", ONE, SHARE, &[Term::Visibility], "open solid angle / 2 pi, the traditional occlusion factor"),
     row(Diffuse, "diffuse", ONE, SHARE, &[Term::Diffuse], "the Lambertian ambient term"),
@@ -211,6 +227,11 @@ const TABLE: [Row; 33] = [
     row(HalfSpecular, "half.specular", ONE, HALF, &[Term::Specular], "the same of specular"),
     row(HalfIrradiance, "half.irradiance", RGB, HALF, &[Term::Diffuse], "the same of irradiance"),
     row(HalfReflection, "half.reflection", RGB, HALF, &[Term::Specular], "the same of reflection"),
+    row(AnyView, "any-view", NUMBERS.first_chunk::<15>().unwrap(), (Unit::Number, Preview::None), &[Term::Visibility], "15 numbers that give specular for any view"),
+    row(AnyView8, "any-view.8", NUMBERS, (Unit::Number, Preview::None), &[Term::Visibility], "45 numbers, for narrower lobes"),
+    row(StdErrAnyView, "error.any-view", ONE, SHARE, &[Term::Visibility], "error over all views of what they give"),
+    row(OpenSpecular, "specular.open", ONE, SHARE, &[Term::Specular], "specular of an open texel, in closed form"),
+    row(TraditionalClosed, "traditional.closed", RGB, LIGHT, &[Term::Visibility, Term::Specular], "the closed form of an open texel x visibility"),
 ];
 
 impl Layer {
@@ -263,6 +284,16 @@ impl Layer {
     /// How its 8-bit preview stores a value.
     pub const fn preview(self) -> Preview {
         TABLE[self as usize].preview
+    }
+
+    /// True for harmonics of the open directions.
+    pub const fn is_any_view(self) -> bool {
+        matches!(self, AnyView | AnyView8)
+    }
+
+    /// True where a file holds its values as halves.
+    pub const fn is_half(self) -> bool {
+        self.is_any_view()
     }
 
     /// True where gutter texels take the mean of their neighbours; coverage, counts and indices keep their void value.
@@ -337,7 +368,7 @@ mod tests {
                 Preview::Linear => matches!(unit, Unit::Share | Unit::Radiance),
                 Preview::OfLargest => matches!(unit, Unit::Count | Unit::Number),
                 Preview::Signed => matches!(unit, Unit::Direction | Unit::Radiance),
-                Preview::None => matches!(unit, Unit::SceneUnits | Unit::Count),
+                Preview::None => matches!(unit, Unit::SceneUnits | Unit::Count | Unit::Number),
             };
             assert!(suits, "{}: {preview:?} of {unit:?}", layer.name());
         }

@@ -24,6 +24,7 @@ mod direct;
 #[cfg(test)]
 mod direct_tests;
 mod error;
+mod fit;
 #[cfg(test)]
 mod fixture;
 mod framing;
@@ -40,6 +41,7 @@ pub use camera::Camera;
 pub use capture::{PointForm, add_points, capture};
 pub use direct::{Direct, Model};
 pub use error::Error;
+pub use fit::{Fit, Shot, fit};
 pub use framing::Framing;
 pub use light::Light;
 pub use lightmap::{Lightmap, TexelPlace, baked_scene};

@@ -42,6 +42,9 @@ pub struct BakeReport {
     /// What `--update` kept of an earlier bake; absent without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub update: Option<UpdateReport>,
+    /// What layers for any view hold; absent where none was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub any_view: Option<crate::AnyViewReport>,
     /// One entry for each object; the `object` layer holds its index.
     pub objects: Vec<ObjectReport>,
     /// Wall time by phase, in the order they ran.
@@ -436,6 +439,7 @@ pub(crate) mod tests {
             seams: Some(SeamReport::default()),
             bounces: Some(BounceReport::default()),
             update: None,
+            any_view: Some(crate::AnyViewReport::default()),
             objects: vec![ObjectReport::default()],
             timings: vec![PhaseReport::default()],
             seconds: 1e-9,

@@ -1,4 +1,4 @@
-//! One OpenEXR file per page: single part, flat, float32, ZIP, channels in the order of their names.
+//! One OpenEXR file per page: single part, flat, float32 (harmonics: half), ZIP, channels in the order of their names.
 //!
 //! The bytes are a function of the page and the header alone. The `exr` crate keeps attributes in a hash map and so
 //! writes them in a random order; [`sort_attributes`] puts them in the order of their names, as OpenEXR's own library
@@ -90,6 +90,7 @@ pub fn write_page_exr(
         sample_data: Plane {
             width: edge,
             values,
+            half: is_half(name),
         },
         quantize_linearly: false,
         sampling: Vec2(1, 1),
@@ -177,17 +178,29 @@ fn attribute_records(bytes: &[u8]) -> Option<Vec<&[u8]>> {
     Some(records)
 }
 
+/// True for channels of layers that are stored as halves.
+fn is_half(name: &str) -> bool {
+    let layer = name
+        .rsplit_once('.')
+        .and_then(|(layer, _)| layers::Layer::from_name(layer));
+    layer.is_some_and(layers::Layer::is_half)
+}
+
 /// A borrowed channel.
 struct Plane<'a> {
     width: usize,
     values: &'a [f32],
+    half: bool,
 }
 
 impl<'a> WritableSamples<'a> for Plane<'_> {
     type Writer = PlaneWriter<'a>;
 
     fn sample_type(&self) -> SampleType {
-        SampleType::F32
+        match self.half {
+            true => SampleType::F16,
+            false => SampleType::F32,
+        }
     }
 
     fn infer_level_modes(&self) -> (LevelMode, RoundingMode) {
@@ -198,6 +211,7 @@ impl<'a> WritableSamples<'a> for Plane<'_> {
         PlaneWriter {
             width: self.width,
             values: self.values,
+            half: self.half,
         }
     }
 }
@@ -205,13 +219,20 @@ impl<'a> WritableSamples<'a> for Plane<'_> {
 struct PlaneWriter<'a> {
     width: usize,
     values: &'a [f32],
+    half: bool,
 }
 
 impl SamplesWriter for PlaneWriter<'_> {
     fn extract_line(&self, line: LineRefMut<'_>) {
         let start = line.location.position.y() * self.width + line.location.position.x();
         let samples = &self.values[start..start + line.location.sample_count];
-        line.write_samples_from_slice(samples)
-            .expect("a buffer in memory takes its line");
+        let written = match self.half {
+            false => line.write_samples_from_slice(samples),
+            true => {
+                let halves: Vec<_> = samples.iter().map(|&s| half::f16::from_f32(s)).collect();
+                line.write_samples_from_slice(&halves)
+            }
+        };
+        written.expect("a buffer in memory takes its line");
     }
 }

@@ -4,6 +4,7 @@
 //! in memory or under a temporary name; [`Output`] gives them their final names only when the whole set is complete.
 #![forbid(unsafe_code)]
 
+mod any_view;
 mod bake_json;
 mod checkpoint;
 mod compare;
@@ -26,6 +27,7 @@ mod regular;
 mod space;
 mod viewer;
 
+pub use any_view::{AnyViewReport, any_view_files, stage_any_view};
 pub use bake_json::*;
 pub use checkpoint::{Journal, remove_journal, write_journal};
 pub use compare::{Comparison, Difference, PageComparison, Worst, compare_layers, compare_pages};

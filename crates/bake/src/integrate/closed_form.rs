@@ -9,11 +9,12 @@
 use super::estimate::variance_of_mean;
 use super::sums::REPLICATES;
 use super::task::Task;
-use super::terms::{Terms, uniform_light};
+use super::terms::{AnyView, Terms, uniform_light};
 use crate::labels;
 use crate::options::{Shading, View};
 use crate::survey::Texel;
 use ambient::Estimate;
+use ambient::any_view::Coefficients;
 use ambient::closed_form::{phong_open, tilted_bent, tilted_diffuse, tilted_visibility};
 use glam::DVec3;
 
@@ -33,6 +34,14 @@ pub(super) fn terms(task: &Task<'_>, texel: &Texel, specular: bool) -> Terms {
         reflection: uniform_light(sky, terms.specular),
         ..terms
     };
+    // Nothing is blocked but what leans away; such texels are not closed where any view is asked for.
+    let any_view = match task.any_view {
+        Some(_) => AnyView {
+            coefficients: Coefficients::OPEN,
+            std_err: 0.0,
+        },
+        None => AnyView::default(),
+    };
     let is_flat = task.shading == Shading::Production || !texel.tilted;
     if is_flat && task.view == View::Normal {
         return with_light(Terms {
@@ -40,6 +49,7 @@ pub(super) fn terms(task: &Task<'_>, texel: &Texel, specular: bool) -> Terms {
             diffuse: Estimate::exact(1.0),
             specular: Estimate::exact(f64::from(u8::from(specular))),
             bent: texel.normal,
+            any_view,
             ..Terms::default()
         });
     }
@@ -83,6 +93,7 @@ pub(super) fn terms(task: &Task<'_>, texel: &Texel, specular: bool) -> Terms {
         visibility,
         specular,
         bent,
+        any_view,
         ..Terms::default()
     })
 }

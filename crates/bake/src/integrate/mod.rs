@@ -32,14 +32,14 @@ mod terms;
 
 pub use sums::REPLICATES;
 pub(crate) use task::Task;
-pub use terms::{Halves, Terms};
+pub use terms::{AnyView, Halves, Terms};
 
-use crate::options::{Effort, Pattern};
+use crate::options::{Effort, Pattern, Shading};
 use crate::survey::Texel;
 use ambient::Estimate;
 use ambient::sampling::LANES;
 use estimate::Gathered;
-use gang::{Gang, Lane};
+use gang::{Gang, Lane, Moments};
 use glam::DVec3;
 use std::ops::Range;
 use sums::{Replicates, Technique};
@@ -54,7 +54,11 @@ const STOP_RADIUS: i32 = 2;
 /// Integrates the texels of one tile. `reflects` says which of them need the specular term.
 pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) -> Vec<Terms> {
     let lit = task.sky.map().is_some();
-    let closed: Vec<bool> = texels.iter().map(|texel| texel.open && !lit).collect();
+    let is_closed = |texel: &Texel| {
+        let leans = task.shading == Shading::Exact && texel.tilted;
+        texel.open && !lit && !(task.any_view.is_some() && leans)
+    };
+    let closed: Vec<bool> = texels.iter().map(is_closed).collect();
     let closed_lobe: Vec<bool> = texels
         .iter()
         .zip(&closed)
@@ -63,7 +67,14 @@ pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) ->
     let which = |wanted: &dyn Fn(usize) -> bool| -> Vec<usize> {
         (0..texels.len()).filter(|&i| wanted(i)).collect()
     };
-    let cast = |technique, which| rounds(task, texels, reflects, technique, which);
+    let mut moments = vec![<[Moments; REPLICATES as usize]>::default(); moments_of(task, texels)];
+    let mut cast = |technique, which| {
+        let moments = match technique {
+            Technique::Hemisphere => moments.as_mut_slice(),
+            _ => &mut [],
+        };
+        rounds(task, texels, reflects, technique, which, moments)
+    };
     let hemisphere = cast(
         Technique::Hemisphere,
         which(&|i| !closed[i] && task.hemisphere),
@@ -107,6 +118,7 @@ pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) ->
             };
             Terms {
                 halves,
+                any_view: any_view(task, &texels[i], moments.get(i)),
                 specular: sampled.specular,
                 irradiance: light(task.hemisphere, above.irradiance, aimed.irradiance),
                 reflection: light(reflects[i], sampled.reflection, aimed.reflection),
@@ -117,6 +129,28 @@ pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) ->
         .collect()
 }
 
+/// How many texels gather harmonics: all or none.
+fn moments_of(task: &Task<'_>, texels: &[Texel]) -> usize {
+    task.any_view.map_or(0, |_| texels.len())
+}
+
+/// What a texel's harmonics are and leave.
+fn any_view(
+    task: &Task<'_>,
+    texel: &Texel,
+    moments: Option<&[Moments; REPLICATES as usize]>,
+) -> AnyView {
+    let (Some(order), Some(moments)) = (task.any_view, moments) else {
+        return AnyView::default();
+    };
+    let (coefficients, variances) = gang::coefficients(moments);
+    let exponent = texel.material.exponent;
+    AnyView {
+        coefficients,
+        std_err: ambient::any_view::stated(&coefficients, &variances, order, exponent),
+    }
+}
+
 /// Casts the rays of one technique for the texels `which`, in rounds where a target is set. The terms of all texels; none where `which`
 /// is empty.
 fn rounds(
@@ -125,9 +159,18 @@ fn rounds(
     reflects: &[bool],
     technique: Technique,
     mut which: Vec<usize>,
+    moments: &mut [[Moments; REPLICATES as usize]],
 ) -> Vec<Terms> {
-    let cast = |lanes: &[Lane], range, sums: &mut [Replicates]| {
-        cast(task, texels, reflects, technique, lanes, range, sums);
+    let mut cast = |lanes: &[Lane], range, sums: &mut [Replicates]| {
+        cast(
+            task,
+            texels,
+            reflects,
+            technique,
+            lanes,
+            range,
+            (sums, moments),
+        );
     };
     if which.is_empty() {
         return Vec::new();
@@ -217,14 +260,18 @@ fn cast(
     technique: Technique,
     lanes: &[Lane],
     range: Range<u32>,
-    sums: &mut [Replicates],
+    (sums, moments): (&mut [Replicates], &mut [[Moments; REPLICATES as usize]]),
 ) {
     let mut gang = Gang::new(task, texels, reflects);
+    if let (Some(order), false) = (task.any_view, moments.is_empty()) {
+        gang = gang.with_moments(order);
+    }
     for lanes in lanes.chunks(LANES) {
         gang.load(lanes, |texel, replicate| {
             task.pattern_stream(texel, technique, replicate)
         });
         gang.cast(task, technique, range.clone());
         gang.collect(technique, sums);
+        gang.collect_moments(moments);
     }
 }

@@ -32,6 +32,8 @@ pub(crate) struct Task<'a> {
     pub hemisphere: bool,
     /// The bent normal is asked for.
     pub bent: bool,
+    /// Order of the harmonics that any view is evaluated from, where it is asked for.
+    pub any_view: Option<usize>,
     pub sky: &'a Sky,
     /// See [`crate::Options::draw_sky`].
     pub draw_sky: bool,

@@ -1,6 +1,7 @@
 //! The integrated terms of one texel.
 
 use ambient::Estimate;
+use ambient::any_view::Coefficients;
 use glam::DVec3;
 
 /// Terms of a texel with their standard errors, normalised as the file contract says: 1 is open.
@@ -18,10 +19,21 @@ pub struct Terms {
     pub irradiance: Estimate<DVec3>,
     /// ((n+1)/2pi) times the integral of L V (R.V)^n, linear RGB.
     pub reflection: Estimate<DVec3>,
+    /// The open directions, for any view; zeros where they are not asked for.
+    pub any_view: AnyView,
     /// What two independent halves of the rays differ by.
     pub halves: Halves,
     /// Rays spent.
     pub rays: u64,
+}
+
+/// Harmonics of the open directions of a texel with what they leave.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct AnyView {
+    /// The coefficients.
+    pub coefficients: Coefficients,
+    /// Root mean square error of the specular term over all views.
+    pub std_err: f64,
 }
 
 /// Half of the difference between the terms of two independent halves of the rays: a term plus and minus its half are two estimates

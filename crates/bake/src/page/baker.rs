@@ -11,6 +11,7 @@ use crate::options::{Buried, Footprint, Model, Options, View};
 use crate::plan::Plan;
 use crate::seams::Seams;
 use crate::survey::{Surveyor, Texel};
+use ambient::closed_form::phong_open;
 use ambient::sampling::Stream;
 use atlas::{Atlas, PageRaster, Tile};
 use layers::{Layer, Progress};
@@ -312,6 +313,7 @@ impl<'a> Baker<'a> {
             mixture: self.plan.mixture,
             hemisphere: self.plan.models(Choice::Diffuse),
             bent: options.layers.contains(&Layer::Bent),
+            any_view: options.any_view(),
             sky: &options.sky,
             draw_sky: options.draw_sky,
         };
@@ -343,11 +345,24 @@ impl<'a> Baker<'a> {
             }
             (material, base)
         };
+        let open_specular = |texel: &Texel| {
+            let view = task.view_from(texel.position, texel.normal);
+            match microfacets {
+                true => 1.0,
+                false => phong_open(
+                    texel.material.exponent,
+                    texel.normal.dot(view),
+                    texel.normal.cross(view).length(),
+                ),
+            }
+        };
         texels
             .iter()
             .zip(terms)
-            .map(|(texel, terms)| (texel, terms, coloured(texel)))
-            .map(|(texel, terms, (material, base))| BakedTexel {
+            .zip(&specular)
+            .map(|((texel, terms), reflects)| (texel, terms, coloured(texel), *reflects))
+            .map(|(texel, terms, (material, base), reflects)| BakedTexel {
+                open_specular: if reflects { open_specular(texel) } else { 0.0 },
                 index: texel.y * self.atlas.page_size + texel.x,
                 coverage: texel.coverage,
                 object: texel.object,
@@ -397,7 +412,10 @@ impl<'a> Baker<'a> {
                 if column.layer != values.0 {
                     values = (column.layer, texel.values(column.layer));
                 }
-                result.values.push(values.1[column.channel]);
+                result.values.push(match column.layer.is_any_view() {
+                    false => values.1[column.channel],
+                    true => texel.terms.any_view.coefficients.0[column.channel] as f32,
+                });
             }
             result.texels.push(texel.index);
             let stats = &mut result.stats;

@@ -23,6 +23,8 @@ pub(crate) struct Composition {
     pub specular: DVec3,
     /// Diffuse reflectance under the coat of the microfacet model.
     pub base: DVec3,
+    /// The specular term of an open texel.
+    pub open_specular: f64,
 }
 
 impl Composition {
@@ -41,6 +43,19 @@ impl Composition {
             Layer::StdErrIrradiance => uniform(self.diffuse_error),
             Layer::StdErrReflection => uniform(self.specular_error),
             Layer::Traditional => traditional(),
+            Layer::TraditionalClosed => {
+                // Under microfacets the coat takes from the base what it reflects.
+                let matte = if self.base == DVec3::ZERO {
+                    self.albedo
+                } else {
+                    self.base
+                };
+                models::traditional(
+                    self.sky,
+                    matte + self.specular * self.open_specular,
+                    self.visibility,
+                )
+            }
             Layer::Lambert => lambert(),
             Layer::Phong => phong(),
             Layer::Ggx => {
@@ -59,6 +74,7 @@ pub(crate) fn is_composed(layer: Layer) -> bool {
     matches!(
         layer,
         Layer::Traditional
+            | Layer::TraditionalClosed
             | Layer::Lambert
             | Layer::Phong
             | Layer::Ggx
@@ -97,6 +113,8 @@ pub(crate) struct BakedTexel {
     pub geometric: DVec3,
     /// Share of the footprint that can be seen.
     pub validity: f32,
+    /// The specular term of an open texel with this material and view; 0 where it does not reflect specularly.
+    pub open_specular: f64,
 }
 
 impl BakedTexel {
@@ -125,6 +143,10 @@ impl BakedTexel {
             Layer::Exponent => one(material.exponent),
             Layer::Object => one(f64::from(self.object)),
             Layer::Validity => [self.validity, 0.0, 0.0],
+            Layer::OpenSpecular => one(self.open_specular),
+            Layer::StdErrAnyView => one(terms.any_view.std_err),
+            // Its channels are read from the terms.
+            Layer::AnyView | Layer::AnyView8 => [0.0; 3],
             Layer::HalfDiffuse => one(terms.halves.diffuse),
             Layer::HalfVisibility => one(terms.halves.visibility),
             Layer::HalfSpecular => one(terms.halves.specular),

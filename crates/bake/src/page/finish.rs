@@ -103,6 +103,9 @@ pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec
             add(Layer::Base);
         }
     }
+    if options.layers.contains(&Layer::TraditionalClosed) {
+        add(Layer::OpenSpecular);
+    }
     layers
 }
 
@@ -204,6 +207,12 @@ fn mend_terms(page: &mut BakedPage, terms: &[TermLayers]) -> Mends {
         if page.layer(half_of(term)).is_some() {
             let halves = page.planes_of(half_of(term)).par_chunks_mut(texels);
             halves.for_each(|plane| mends.apply(plane, f64::MIN, f64::MAX));
+        }
+    }
+    for layer in [Layer::AnyView, Layer::AnyView8] {
+        if page.layer(layer).is_some() {
+            let harmonics = page.planes_of(layer).par_chunks_mut(texels);
+            harmonics.for_each(|plane| mends.apply(plane, f64::MIN, f64::MAX));
         }
     }
     mends
@@ -384,6 +393,7 @@ struct Facts<'a> {
     albedo: [Option<&'a [f32]>; 3],
     reflectance: [Option<&'a [f32]>; 3],
     base: [Option<&'a [f32]>; 3],
+    open_specular: Option<&'a [f32]>,
 }
 
 impl<'a> Facts<'a> {
@@ -400,6 +410,7 @@ impl<'a> Facts<'a> {
             albedo: three(Layer::Albedo),
             reflectance: three(Layer::Reflectance),
             base: three(Layer::Base),
+            open_specular: page.layer(Layer::OpenSpecular),
         }
     }
 
@@ -423,6 +434,7 @@ impl<'a> Facts<'a> {
             albedo: rgb(self.albedo),
             specular: rgb(self.reflectance),
             base: rgb(self.base),
+            open_specular: one(self.open_specular),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The planner: decides what this scene needs, and says why. Printed by `ambake plan`, stored in `bake.json`.
 
+mod any_view;
 mod bounces;
 mod open;
 
@@ -83,7 +84,7 @@ impl Plan {
             OpenTriangles::default()
         };
         open_triangles.tilted |= options.normal_maps;
-        let visibility = visibility(options);
+        let visibility = visibility(scene, options);
         let mut decisions = vec![
             sky(options),
             diffuse(options, visibility.modelled),
@@ -203,14 +204,14 @@ fn diffuse(options: &Options, visibility: bool) -> Decision {
     }
 }
 
-fn visibility(options: &Options) -> Decision {
+fn visibility(scene: &Scene, options: &Options) -> Decision {
     if !options.allows(Choice::Visibility) {
         off(Choice::Visibility)
     } else if options.wants(Term::Visibility) {
         decision(
             Choice::Visibility,
             true,
-            "an asked layer needs the open solid angle: half of the hemisphere directions are drawn uniformly",
+            "an asked layer needs the open solid angle: half of the hemisphere directions are drawn uniformly".to_owned() + &any_view::words(scene, options),
         )
     } else {
         decision(

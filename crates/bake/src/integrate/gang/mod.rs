@@ -11,16 +11,19 @@
 
 mod lane_sums;
 mod light;
+mod moments;
 mod step;
 mod surfaces;
 
-use super::sums::{Replicates, Technique};
+use super::sums::{REPLICATES, Replicates, Technique};
 use super::task::Task;
 use crate::options::{Shading, View};
 use crate::survey::Texel;
 use ambient::sampling::{LANES, Lobe, Stream, Streams, Wide};
 use lane_sums::LaneSums;
 use light::{Lobes, add_map_light};
+use moments::LaneMoments;
+pub(crate) use moments::{Moments, coefficients};
 use pulp::{Simd, WithSimd};
 use rays::{Coherence, RayPacket};
 use std::ops::Range;
@@ -64,6 +67,8 @@ pub(crate) struct Gang<'a> {
     sums: LaneSums<f64>,
     /// Sums over the block in work: short, so f32 holds them.
     block: LaneSums<f32>,
+    /// Harmonics of the open directions, where any view is asked for.
+    moments: Option<LaneMoments>,
 }
 
 impl<'a> Gang<'a> {
@@ -88,9 +93,16 @@ impl<'a> Gang<'a> {
             points: 0,
             sums: LaneSums::default(),
             block: LaneSums::default(),
+            moments: None,
         };
         gang.packet.t_max = [task.t_max; LANES];
         gang
+    }
+
+    /// Gathers harmonics up to an order too.
+    pub fn with_moments(mut self, order: usize) -> Self {
+        self.moments = Some(LaneMoments::new(order));
+        self
     }
 
     /// Takes at most sixteen lanes, each at the start of its stream, and forgets those before.
@@ -103,6 +115,9 @@ impl<'a> Gang<'a> {
         self.points = 0;
         self.sums = LaneSums::default();
         self.stale = true;
+        if let Some(moments) = &mut self.moments {
+            moments.clear();
+        }
         for (l, lane) in lanes.iter().enumerate() {
             let texel = &self.texels[lane.texel];
             self.streams.set(l, &stream(texel, lane.replicate as u32));
@@ -113,6 +128,9 @@ impl<'a> Gang<'a> {
             self.lobes |= u32::from(self.reflects[lane.texel]) << l;
             self.lobe_scale[l] = (1.0 / (texel.material.exponent + 1.0)) as f32;
             self.surfaces.set(l, &texel.cells[0]);
+            if let Some(moments) = &mut self.moments {
+                moments.set(l, texel);
+            }
         }
     }
 
@@ -139,6 +157,9 @@ impl<'a> Gang<'a> {
             }
             self.sums.absorb(&self.block);
             self.block = LaneSums::default();
+            if let Some(moments) = &mut self.moments {
+                moments.absorb();
+            }
         }
     }
 
@@ -175,6 +196,9 @@ impl<'a> Gang<'a> {
                 .occluded16(&self.packet, cast, Coherence::Coherent)
         };
         self.block.add(&step, active & !blocked, cast, task.bent);
+        if let Some(moments) = &mut self.moments {
+            moments.add(&step, active & !blocked);
+        }
         if let Some(sky) = task.sky.map() {
             let lobes = Lobes {
                 scale: &self.lobe_scale,
@@ -283,6 +307,16 @@ impl<'a> Gang<'a> {
     pub fn collect(&self, technique: Technique, sums: &mut [Replicates]) {
         for (l, lane) in self.lanes.iter().enumerate() {
             sums[lane.texel][lane.replicate] += self.sums.of_lane(technique, l, self.points);
+        }
+    }
+
+    /// Adds the harmonics that the lanes have gathered to their texels' replicates.
+    pub fn collect_moments(&self, replicates: &mut [[Moments; REPLICATES as usize]]) {
+        let Some(moments) = &self.moments else {
+            return;
+        };
+        for (l, lane) in self.lanes.iter().enumerate() {
+            moments.collect(l, &mut replicates[lane.texel][lane.replicate]);
         }
     }
 }

@@ -1,0 +1,123 @@
+//! The files beside pages of harmonics: the kernels as a picture, and functions for shaders.
+
+use crate::{Error, Output};
+use exr::image::write::WritableImage;
+use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, Layer};
+use exr::meta::attribute::{LineOrder, Text};
+use exr::meta::header::LayerAttributes;
+use serde::{Deserialize, Serialize};
+use std::io::Cursor;
+
+const GLSL: &str = include_str!("any-view.glsl");
+const WGSL: &str = include_str!("any-view.wgsl");
+
+/// What `bake.json` says of layers for any view.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct AnyViewReport {
+    /// Largest order of the harmonics: 4 or 8.
+    pub order: u32,
+    /// Numbers a texel.
+    pub numbers: u32,
+    /// Bytes a texel in the EXR file before it is compressed.
+    pub bytes_per_texel: u32,
+    /// The picture of the kernels.
+    pub kernel: String,
+    /// Which row of it a lobe is.
+    pub row: String,
+    /// The functions for shaders.
+    pub shaders: Vec<String>,
+}
+
+/// The names of the files: kernels, GLSL, WGSL.
+pub fn any_view_files(stem: &str) -> [String; 3] {
+    ["exr", "glsl", "wgsl"].map(|ending| format!("{stem}.any-view.{ending}"))
+}
+
+/// Stages the files for harmonics up to `order`, with a picture of kernels `columns` wide, rows from the top.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn stage_any_view(
+    output: &mut Output,
+    stem: &str,
+    order: u32,
+    columns: usize,
+    kernels: Vec<f32>,
+) -> Result<(), Error> {
+    let [kernel, glsl, wgsl] = any_view_files(stem);
+    output.stage_bytes(&kernel, &encode(columns, kernels))?;
+    for (name, text) in [(glsl, GLSL), (wgsl, WGSL)] {
+        output.stage_bytes(&name, shader(text, order).as_bytes())?;
+    }
+    Ok(())
+}
+
+/// A shader's text for an order.
+fn shader(text: &str, order: u32) -> String {
+    text.replace("= 4; // 8 for any-view.8", &format!("= {order};"))
+}
+
+/// One channel, `Y`, 32-bit floats. The header names its writer and no more, so that the bytes depend on the values alone.
+fn encode(columns: usize, values: Vec<f32>) -> Vec<u8> {
+    let size = (columns, values.len() / columns);
+    let channels = AnyChannels::sort(vec![AnyChannel::new("Y", FlatSamples::F32(values))].into());
+    let attributes = LayerAttributes {
+        software_name: Some(Text::from("ambake")),
+        ..LayerAttributes::default()
+    };
+    let encoding = Encoding {
+        compression: exr::compression::Compression::ZIP16,
+        blocks: Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
+    };
+    let mut bytes = Cursor::new(Vec::new());
+    Image::from_layer(Layer::new(size, attributes, encoding, channels))
+        .write()
+        .to_unbuffered(&mut bytes)
+        .expect("a picture of one channel, in memory");
+    bytes.into_inner()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shaders_are_short_take_their_order_and_say_the_same() {
+        for text in [GLSL, WGSL] {
+            assert!(text.lines().count() < 60);
+            let eighth = shader(text, 8);
+            assert!(eighth.contains("= 8;") && !eighth.contains("= 4;"));
+        }
+        // The same steps, whatever the language calls its types.
+        let plain = |text: &str| {
+            let body = &text[text.find("axis =").expect("a frame")..];
+            let words = [
+                "vec3<f32>",
+                "vec2<f32>",
+                "vec3",
+                "vec2",
+                "let",
+                "var",
+                "float",
+                " ",
+            ];
+            let mut body = body.replace("(*c)", "c");
+            for word in words {
+                body = body.replace(word, "");
+            }
+            body
+        };
+        let (glsl, wgsl) = (plain(GLSL), plain(WGSL));
+        for step in [
+            "tangent=along-(axis+n)*(dot(n,along)/(1.0+dot(axis,n)));",
+            "twice=(turn.x*turn.x-turn.y*turn.y,2.0*turn.x*turn.y);",
+            "x=(angle*(columns-1.0)+0.5)/columns;",
+            "sum+=k*(power.x*c[first+(l+m)/2]+odd);",
+            "power=(power.x*twice.x-power.y*twice.y,power.x*twice.y+power.y*twice.x);",
+            "returnclamp(sum,0.0,open);",
+        ] {
+            assert!(glsl.contains(step) && wgsl.contains(step), "{step}");
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! One bake for every view, against bakes for each view.
+
+use crate::support::{Page, bake, files, report, run, scene};
+use ambient::any_view::{COUNT, Coefficients, Lobe, count};
+use glam::DVec3;
+use std::path::Path;
+
+/// The numbers of a texel, its normal and its place.
+fn texel(page: &Page, layer: &str, numbers: usize, at: usize) -> (Coefficients, DVec3, DVec3) {
+    let mut coefficients = Coefficients::default();
+    for k in 0..numbers {
+        coefficients.0[k] = f64::from(page.plane(&format!("{layer}.{k:02}"))[at]);
+    }
+    let three = |layer: &str| {
+        DVec3::from(
+            ["X", "Y", "Z"].map(|axis| f64::from(page.plane(&format!("{layer}.{axis}"))[at])),
+        )
+    };
+    (coefficients, three("normal"), three("position"))
+}
+
+fn covered(page: &Page) -> Vec<usize> {
+    let coverage = page.plane("coverage");
+    (0..coverage.len())
+        .filter(|&at| coverage[at] > 0.0)
+        .collect()
+}
+
+#[test]
+fn one_bake_is_thirty_bakes_of_single_views() {
+    let scene = scene("wall_long.obj");
+    let small = [
+        "--size",
+        "32",
+        "--rays",
+        "128",
+        "--seams",
+        "off",
+        "--exponent",
+        "20",
+        "--specular",
+        "1,1,1",
+    ];
+    let more = [
+        "--only",
+        "any-view.8,error.any-view,normal,position,visibility",
+    ];
+    let (folder, page) = bake(&scene, &[&small[..], &more[..]].concat());
+    let texels = covered(&page);
+    let (mut squares, mut stated, mut views) = (0.0, 0.0, 0);
+    for view in 0..30 {
+        let theta = 80f64.to_radians() * (f64::from(view) + 0.5) / 30.0;
+        let (s, c) = (2.4 * f64::from(view)).sin_cos();
+        let eye = 1e4 * DVec3::new(theta.sin() * c, theta.cos(), theta.sin() * s);
+        let eye_text = format!("{},{},{}", eye.x, eye.y, eye.z);
+        let (_folder, single) = bake(
+            &scene,
+            &[
+                &small[..],
+                &["--only", "specular,error.specular", "--view", &eye_text],
+            ]
+            .concat(),
+        );
+        for &at in texels.iter().step_by(29) {
+            let (numbers, normal, position) = texel(&page, "any-view.8", count(8), at);
+            let direction = (eye - position).normalize();
+            if direction.dot(normal) <= 0.1 {
+                continue;
+            }
+            let found = numbers.specular(8, Lobe::Phong(20.0), normal, direction);
+            squares += (found - f64::from(single.plane("specular")[at])).powi(2);
+            stated += f64::from(page.plane("error.any-view")[at]).powi(2);
+            stated += f64::from(single.plane("error.specular")[at]).powi(2);
+            views += 1;
+        }
+    }
+    assert!(views > 300, "{views}");
+    let [rms, stated] = [squares, stated].map(|sum| f64::sqrt(sum / f64::from(views)));
+    println!("rms {rms:.4} where {stated:.4} is stated");
+    assert!(rms < 0.05, "{rms}");
+    assert!(
+        rms < 1.3 * stated && stated < 4.0 * rms,
+        "{rms}: {stated} is stated"
+    );
+    let held = &report(folder.path())["any_view"];
+    assert_eq!(
+        (held["order"].as_u64(), held["numbers"].as_u64()),
+        (Some(8), Some(45))
+    );
+    let names = files(folder.path());
+    for name in [
+        "wall_long.any-view.exr",
+        "wall_long.any-view.glsl",
+        "wall_long.any-view.wgsl",
+    ] {
+        assert!(
+            names.iter().any(|found| found.ends_with(name)),
+            "{name} of {names:?}"
+        );
+    }
+}
+
+#[test]
+fn open_texels_hold_one_and_zeros_and_orders_are_nested() {
+    let small = ["--size", "32", "--rays", "16", "--seams", "off"];
+    let (_folder, page) = bake(
+        &scene("plane.obj"),
+        &[&small[..], &["--layers", "any-view"]].concat(),
+    );
+    for at in covered(&page) {
+        assert_eq!(page.plane("any-view.00")[at], 1.0);
+        for k in 1..count(4) {
+            assert_eq!(page.plane(&format!("any-view.{k:02}"))[at], 0.0);
+        }
+    }
+    let layers = ["--layers", "any-view,any-view.8"];
+    let (_folder, page) = bake(&scene("wall_long.obj"), &[&small[..], &layers].concat());
+    for k in 0..count(4) {
+        assert_eq!(
+            page.plane(&format!("any-view.{k:02}")),
+            page.plane(&format!("any-view.8.{k:02}"))
+        );
+    }
+    // The first number is the visibility, rounded to a half.
+    for at in covered(&page) {
+        let (first, visibility) = (page.plane("any-view.00")[at], page.plane("visibility")[at]);
+        assert!((first - visibility).abs() < 3e-4, "{first} {visibility}");
+    }
+    assert_eq!(count(8), COUNT);
+}
+
+#[test]
+fn plan_says_what_the_numbers_hold() {
+    let path = scene("wall_long.obj");
+    let words = |more: &[&str]| {
+        let path: &Path = &path;
+        let arguments = [
+            &["plan", path.to_str().expect("a name"), "--json"][..],
+            more,
+        ]
+        .concat();
+        String::from_utf8(run(arguments).stdout).expect("UTF-8")
+    };
+    let sharp = words(&["--layers", "any-view", "--exponent", "40"]);
+    assert!(sharp.contains("15 numbers a texel for any view: lobes are as narrow as n = 40, which `any-view.8` holds better"), "{sharp}");
+    assert!(!words(&[]).contains("any view"));
+}
