@@ -60,7 +60,6 @@ struct Api {
     device_error: unsafe extern "C" fn(Handle, *mut *const c_char) -> c_int,
     release_device: unsafe extern "C" fn(Handle),
     new_filter: unsafe extern "C" fn(Handle, *const c_char) -> Handle,
-    #[expect(clippy::type_complexity, reason = "a C function, as its header has it")]
     set_image: unsafe extern "C" fn(
         Handle,
         *const c_char,

@@ -1,4 +1,4 @@
-//! Bakes a scene as the product does by default.
+//! Bakes a scene as the product does by default, but for its denoiser: criteria hold texels to their own rays.
 
 use super::error::Error;
 use super::lit::Lit;
@@ -6,7 +6,7 @@ use super::points::{Point, points};
 use super::row::Row;
 use super::score::Score;
 use atlas::{Atlas, UvMode};
-use bake::{BakedPage, Baker, Denoise, Effort, Options, Plan};
+use bake::{BakedPage, Baker, Effort, Options, Plan};
 use glam::DVec2;
 use layers::Layer;
 use rayon::prelude::*;
@@ -72,7 +72,6 @@ impl Lab {
         };
         let mut options = Options {
             effort: Effort::Rays(self.rays),
-            denoise: Denoise::Regression,
             layers: vec![Layer::Coverage, Layer::Diffuse, Layer::StdErrDiffuse],
             ..Options::default()
         };
