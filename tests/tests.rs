@@ -30,6 +30,7 @@ mod models;
 mod normal_maps;
 mod outputs;
 mod parity;
+mod peers;
 mod photo;
 mod quads;
 mod readme;

@@ -2,6 +2,7 @@
 
 import json
 import struct
+import zlib
 
 import numpy as np
 
@@ -66,3 +67,44 @@ def texel_centres(positions, uv, faces, size):
     normal = np.cross(at[:, 1] - at[:, 0], at[:, 2] - at[:, 0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     return texel, (at * weight[:, :, None]).sum(1), normal
+
+
+def read_exr(path):
+    """Channels by name, (rows, columns) float32, of a page that ambake writes: one part, rows of ZIP blocks of 16."""
+    data = open(path, "rb").read()
+
+    def text(at):
+        end = data.index(b"\0", at)
+        return data[at:end].decode(), end + 1
+
+    at, names, size = 8, [], None
+    while data[at]:
+        name, at = text(at)
+        kind, at = text(at)
+        length = struct.unpack_from("<i", data, at)[0]
+        value, at = at + 4, at + 4 + length
+        if name == "channels":
+            while data[value]:
+                channel, value = text(value)
+                names.append(channel)
+                value += 16
+        elif name == "dataWindow":
+            x0, y0, x1, y1 = struct.unpack_from("<4i", data, value)
+            size = (y1 - y0 + 1, x1 - x0 + 1)
+    height, width = size
+    planes = {name: np.empty(size, np.float32) for name in names}
+    for block, offset in enumerate(struct.unpack_from(f"<{-(-height // 16)}Q", data, at + 1)):
+        rows = min(16, height - 16 * block)
+        length = struct.unpack_from("<i", data, offset + 4)[0]
+        packed, plain = data[offset + 8 : offset + 8 + length], rows * width * 4 * len(names)
+        if length < plain:
+            steps = np.frombuffer(zlib.decompress(packed), np.uint8).astype(np.int64)
+            steps[1:] -= 128
+            halves = np.cumsum(steps).astype(np.uint8)
+            packed = np.empty(plain, np.uint8)
+            middle = (plain + 1) // 2
+            packed[0::2], packed[1::2] = halves[:middle], halves[middle:]
+        values = np.frombuffer(packed, np.float32).reshape(rows, len(names), width)
+        for channel, name in enumerate(names):
+            planes[name][16 * block : 16 * block + rows] = values[:, channel]
+    return planes

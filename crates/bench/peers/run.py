@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
-"""Bakes the same texels with ambake, Cycles and Mitsuba: AMBAKE=PATH run.py SCENES WORK OUT [--repeats 3] [--before CMD].
+"""Bakes the same texels with ambake and what else is installed: AMBAKE=PATH run.py SCENES WORK OUT [--size 512] [--rays 256].
 
-SCENES holds room.obj and displaced.obj (../scenes/generate.py). WORK keeps intermediate files and the converged bakes,
-which are made once. OUT receives rows.csv and summary.md. CMD is put before each timed bake (a lock on the machine).
-Run it with the Python that has bpy, mitsuba and numpy (README.md).
+SCENES holds room.obj and displaced.obj, and colonnade.obj if it is to be run (../scenes/generate.py). WORK keeps intermediate files and
+the converged bakes, which are made once. OUT receives peers.csv, peers.svg and peers.md. CMD is put before each timed bake (a lock on the
+machine). Peers are the packages bpy, mitsuba and open3d of the Python that runs this; one that is missing is a printed skip.
+`ambake bench --peers -o DIR` sets all of that up and runs it.
 """
 
 import argparse
 import csv
+import importlib.util
 import json
 import math
 import os
@@ -18,24 +20,37 @@ import subprocess
 import sys
 from pathlib import Path
 
-import mitsuba as mi
 import numpy as np
 
 sys.dont_write_bytecode = True
 import mesh as meshes  # noqa: E402
 
 HERE = Path(__file__).parent
-SIZE, THREADS, PEER_RAYS = 512, 2, 256
+THREADS = 2
 AMBAKE_RAYS = [16, 32, 64, 128, 256, 512, 1024]
-CONVERGED = {"ambake": 16384, "mitsuba": 4096, "combined": 1024, "ao": 1024}
+# Of a run with 256 rays; fewer rays, fewer here.
+CONVERGED = {"ambake": 16384, "mitsuba": 4096, "open3d": 4096, "combined": 1024, "ao": 1024}
 FAR = 1e10
 # scene, distance, peers. A closed room is black under a white world, so COMBINED is asked without its ceiling.
 CASES = [
-    ("room", 1.0, ["ao", "mitsuba"]),
-    ("roofless", FAR, ["combined", "ao", "mitsuba"]),
-    ("displaced", FAR, ["combined", "ao", "mitsuba"]),
+    ("room", 1.0, ["ao", "mitsuba", "open3d"]),
+    ("roofless", FAR, ["combined", "ao", "mitsuba", "open3d"]),
+    ("displaced", FAR, ["combined", "ao", "mitsuba", "open3d"]),
+    ("colonnade", FAR, ["combined", "ao", "mitsuba", "open3d"]),
 ]
-NAMES = {"combined": "Cycles COMBINED", "ao": "Cycles AO", "mitsuba": "Mitsuba ray test", "ambake": "ambake"}
+NAMES = {
+    "combined": "Cycles COMBINED",
+    "ao": "Cycles AO",
+    "mitsuba": "Mitsuba ray test",
+    "open3d": "Open3D ray test",
+    "ambake": "ambake",
+}
+SCRIPTS = {"combined": "cycles", "ao": "cycles", "mitsuba": "mitsuba", "open3d": "open3d"}
+PACKAGES = {"cycles": "bpy", "mitsuba": "mitsuba", "open3d": "open3d"}
+
+
+def installed(kind):
+    return importlib.util.find_spec(PACKAGES[SCRIPTS[kind]]) is not None
 
 
 def remove_ceiling(room, out):
@@ -53,6 +68,7 @@ class Job:
 
     def __init__(self, scene, distance, arguments):
         self.scene, self.distance, self.before = scene, distance, shlex.split(arguments.before)
+        self.size, self.rays = arguments.size, arguments.rays
         self.source = (arguments.work if scene == "roofless" else arguments.scenes) / f"{scene}.obj"
         self.work = arguments.work / scene
         self.work.mkdir(parents=True, exist_ok=True)
@@ -67,32 +83,32 @@ class Job:
         log.seek(0)
         text = log.read().decode(errors="replace")
         if process.returncode != 0:
-            sys.exit(f"{command[0]} failed on {self.scene}:\n{text}")
+            lines = [line for line in text.splitlines() if line.strip()] or [f"status {process.returncode}"]
+            said = [line for line in lines if "rror" in line] or lines
+            raise RuntimeError(f"{self.scene}: {said[-1].strip()[:200]}")
         return text, usage.ru_utime + usage.ru_stime
 
     def ambake(self, rays, seed, before):
         out = self.work / "ambake"
-        command = [os.environ["AMBAKE"], "bake", self.source, "-o", out, "--size", SIZE, "--rays", rays, "--seed", seed]
-        command += ["--threads", THREADS, "--quiet", "--only", "diffuse"]
+        command = [os.environ["AMBAKE"], "bake", self.source, "-o", out, "--size", self.size, "--rays", rays, "--seed", seed]
+        command += ["--threads", THREADS, "--quiet", "--only", "diffuse", "--denoise", "off"]
         if self.distance != FAR:
             command += ["--max-distance", self.distance]
         _, process = self.timed(command, before)
         report = json.loads((out / "bake.json").read_text())
         phases = {entry["phase"]: entry["seconds"] for entry in report["timings"]}
         wall = sum(phases[name] for name in ("plan", "build", "bake"))
-        image = mi.Bitmap(str(out / f"{self.scene}.0.exr"))
-        names = [field.name for field in image.struct_()]
-        pixels = np.array(image).reshape(SIZE * SIZE, len(names))
-        values = pixels[:, names.index("diffuse")].copy()
-        values[pixels[:, names.index("coverage")] < 0.999] = np.nan
+        planes = meshes.read_exr(out / f"{self.scene}.0.exr")
+        values = planes["diffuse"].ravel().copy()
+        values[planes["coverage"].ravel() < 0.999] = np.nan
         # The report times by the wall clock; its phases cannot have used more than all threads.
         return values, min(process, THREADS * wall), process, wall, f"ambake {report['versions']['ambake']}, {report['versions']['backend_version']}"
 
     def peer(self, kind, rays, seed, before):
         out = self.work / "peer.npy"
-        script = "bake_mitsuba.py" if kind == "mitsuba" else "bake_cycles.py"
-        command = [sys.executable, HERE / script, self.mesh, out, SIZE, rays, seed, THREADS]
-        command += [self.distance] if kind == "mitsuba" else [kind, self.distance]
+        script = f"bake_{SCRIPTS[kind]}.py"
+        command = [sys.executable, HERE / script, self.mesh, out, self.size, rays, seed, THREADS]
+        command += [kind, self.distance] if SCRIPTS[kind] == "cycles" else [self.distance]
         text, process = self.timed(command, before)
         said = json.loads(next(line for line in text.splitlines() if line.startswith("PEER "))[5:])
         return np.load(out), said["cpu"], process, said["wall"], said["version"]
@@ -102,16 +118,17 @@ class Job:
 
     def converged(self, kind):
         """Made once, under a seed that no timed bake uses."""
-        path = self.work / f"converged.{kind}.{CONVERGED[kind]}.npy"
+        rays = max(CONVERGED[kind] * self.rays // 256, 16)
+        path = self.work / f"converged.{kind}.{self.size}.{rays}.npy"
         if not path.exists():
-            np.save(path, self.bake(kind, CONVERGED[kind], 9999, [])[0])
+            np.save(path, self.bake(kind, rays, 9999, [])[0])
         return np.load(path)
 
     def prepare(self):
         """The mesh and lightmap coordinates that ambake writes become the mesh of every peer."""
         self.ambake(16, 0, [])
         positions, uv, faces = meshes.read_glb(self.work / "ambake" / f"{self.scene}.glb")
-        texel, at, normal = meshes.texel_centres(positions, uv, faces, SIZE)
+        texel, at, normal = meshes.texel_centres(positions, uv, faces, self.size)
         np.savez(self.mesh, positions=positions, uv=uv, faces=faces, texel=texel, at=at, normal=normal)
 
 
@@ -121,15 +138,20 @@ def rms(difference):
 
 def measure(job, peers, repeats):
     job.prepare()
+    truth = {"ambake": job.converged("ambake")}
+    for kind in list(peers):
+        try:
+            job.bake(kind, 16, 1, [])  # the first run of a peer compiles its kernels and warms the files
+            truth[kind] = job.converged(kind)
+        except RuntimeError as error:
+            print(f"skip {NAMES[kind]}: {error}", flush=True)
+            peers.remove(kind)
     kinds = ["ambake", *peers]
-    truth = {kind: job.converged(kind) for kind in kinds}
-    for kind in peers:  # the first run of a peer compiles its kernels and warms the files
-        job.bake(kind, 16, 1, [])
     common = np.all([np.isfinite(image) for image in truth.values()], axis=0)
     rows, images = [], {}
     for repeat in range(repeats):
         for kind in kinds:
-            for rays in AMBAKE_RAYS if kind == "ambake" else [PEER_RAYS]:
+            for rays in AMBAKE_RAYS if kind == "ambake" else [job.rays]:
                 values, cpu, process, wall, version = job.bake(kind, rays, 100 + repeat, job.before)
                 images[kind, rays, repeat] = values
                 rows.append({
@@ -159,7 +181,7 @@ def at_rmse(points, target):
     return None
 
 
-def summarise(rows, bias):
+def summarise(rows, bias, arguments):
     def median(scene, kind, rays, column):
         return statistics.median(r[column] for r in rows if (r["scene"], r["baker"], r["rays"]) == (scene, kind, rays))
 
@@ -169,10 +191,10 @@ def summarise(rows, bias):
         ("rmse_ambake", "Error against ambake's converged average over the texel: the peers' different definition counts as error."),
     ):
         lines += ["", title, "",
-                  "| scene | peer, 256 rays | RMSE | ambake rays | peer bake s | ambake bake s | ratio | peer process s | ambake process s | ratio |",
+                  f"| scene | peer, {arguments.rays} rays | RMSE | ambake rays | peer bake s | ambake bake s | ratio | peer process s | ambake process s | ratio |",
                   "|---|---|---|---|---|---|---|---|---|---|"]  # fmt: skip
         for scene, kind in bias:
-            target = median(scene, kind, PEER_RAYS, error)
+            target = median(scene, kind, arguments.rays, error)
             cells = [scene, NAMES[kind], f"{target:.5f}"]
 
             def reach(column):
@@ -181,8 +203,10 @@ def summarise(rows, bias):
             rays = reach("rays")
             cells.append(f"{rays:.0f}" if rays else "not measured")
             for column in ("cpu_bake", "cpu_process"):
-                peer, own = median(scene, kind, PEER_RAYS, column), reach(column)
-                cells += [f"{peer:.2f}", f"{own:.3f}", f"{peer / own:.1f}"] if own else [f"{peer:.2f}", "not measured", ""]
+                peer, own = median(scene, kind, arguments.rays, column), reach(column)
+                each = [r[column] / own for r in rows if (r["scene"], r["baker"]) == (scene, kind)] if own else []
+                ratio = f"{peer / own:.1f} ({min(each):.1f} to {max(each):.1f})" if own else ""
+                cells += [f"{peer:.2f}", f"{own:.3f}" if own else "not measured", ratio]
             lines.append("| " + " | ".join(cells) + " |")
     lines += ["", "ambake alone:", "", "| scene | rays | sampling error | against converged | bake s | process s |", "|---|---|---|---|---|---|"]
     for scene in dict.fromkeys(r["scene"] for r in rows):
@@ -194,8 +218,45 @@ def summarise(rows, bias):
     for (scene, kind), (mean, middle, high, spread) in bias.items():
         lines.append(f"| {scene} | {NAMES[kind]} | {mean:+.5f} | {middle:.5f} | {high:.4f} | {spread:.4f} |")
     versions = sorted({r["version"] for r in rows})
-    lines += ["", f"Python {platform.python_version()}, {os.cpu_count()} CPUs, {THREADS} threads, {SIZE}x{SIZE} texels. " + "; ".join(versions) + "."]
+    lines += ["", f"Python {platform.python_version()}, {os.cpu_count()} CPUs, {THREADS} threads, {arguments.size}x{arguments.size} texels. " + "; ".join(versions) + "."]
     return "\n".join(lines) + "\n"
+
+
+def picture(rows):
+    """RMSE against CPU seconds of the bake, one frame a scene: ambake a line, each peer a dot."""
+    scenes = list(dict.fromkeys(r["scene"] for r in rows))
+    kinds = list(dict.fromkeys(r["baker"] for r in rows))
+    colours = dict(zip(kinds, ["#1b6ca8", "#d1495b", "#edae49", "#66a182", "#7b5ea7"]))
+    edge, pad = 260, 50
+    points = {}
+    for r in rows:
+        points.setdefault((r["scene"], r["baker"], r["rays"]), []).append((r["cpu_bake"], r["rmse_ambake"]))
+    points = {key: [statistics.median(axis) for axis in zip(*values)] for key, values in points.items()}
+    spans = [[min(axis), max(axis)] for axis in zip(*points.values())]
+
+    def place(axis, value):
+        low, high = (math.log10(max(v, 1e-9)) for v in spans[axis])
+        share = (math.log10(max(value, 1e-9)) - low) / max(high - low, 1e-9)
+        return pad + (edge - 2 * pad) * (share if axis == 0 else 1 - share)
+
+    parts = []
+    for column, scene in enumerate(scenes):
+        parts.append(f'<g transform="translate({column * edge})"><text x="{pad}" y="20">{scene}</text>')
+        parts.append(f'<rect x="{pad - 8}" y="{pad - 8}" width="{edge - 2 * pad + 16}" height="{edge - 2 * pad + 16}" fill="none" stroke="#888"/>')
+        parts.append(f'<text x="{pad}" y="{edge - 14}">CPU s, {spans[0][0]:.2g} to {spans[0][1]:.2g}</text>')
+        parts.append(f'<text x="{pad}" y="36">RMSE, {spans[1][0]:.2g} to {spans[1][1]:.2g}</text>')
+        for kind in kinds:
+            at = [[place(0, c), place(1, e)] for (s, k, _), (c, e) in sorted(points.items(), key=str) if (s, k) == (scene, kind)]
+            at.sort()
+            line = " ".join(f"{x:.1f},{y:.1f}" for x, y in at)
+            parts.append(f'<polyline points="{line}" fill="none" stroke="{colours[kind]}"/>')
+            parts += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{colours[kind]}"/>' for x, y in at]
+        parts.append("</g>")
+    for row, kind in enumerate(kinds):
+        parts.append(f'<text x="{pad + 120 * row}" y="{edge + 14}" fill="{colours[kind]}">{NAMES[kind]}</text>')
+    width = max(edge * len(scenes), pad + 120 * len(kinds))
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{edge + 24}" font-family="sans-serif" font-size="11">'
+    return "\n".join([head, f'<rect width="{width}" height="{edge + 24}" fill="white"/>', *parts, "</svg>"]) + "\n"
 
 
 def main():
@@ -204,26 +265,33 @@ def main():
         parser.add_argument(name, type=Path)
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--before", default="")
+    parser.add_argument("--size", type=int, default=512)
+    parser.add_argument("--rays", type=int, default=256, help="of the peers")
     arguments = parser.parse_args()
     if arguments.repeats < 2:
         parser.error("--repeats must be 2 or more: the sampling error comes from pairs of bakes")
     if "AMBAKE" not in os.environ:
         sys.exit("set AMBAKE to the path of a release build of ambake")
-    mi.set_variant("scalar_rgb")
     arguments.work.mkdir(parents=True, exist_ok=True)
     arguments.out.mkdir(parents=True, exist_ok=True)
     remove_ceiling(arguments.scenes / "room.obj", arguments.work / "roofless.obj")
+    missing = sorted({PACKAGES[SCRIPTS[kind]] for kind in SCRIPTS if not installed(kind)})
+    for package in missing:
+        print(f"skip {package}: this Python does not have it", flush=True)
     rows, bias = [], {}
     for scene, distance, peers in CASES:
-        more, measured = measure(Job(scene, distance, arguments), peers, arguments.repeats)
+        job = Job(scene, distance, arguments)
+        if not job.source.exists():
+            continue
+        more, measured = measure(job, [kind for kind in peers if installed(kind)], arguments.repeats)
         rows += more
         bias |= {(scene, kind): values for kind, values in measured.items()}
-        with open(arguments.out / "rows.csv", "w", newline="") as file:
+        with open(arguments.out / "peers.csv", "w", newline="") as file:
             writer = csv.DictWriter(file, rows[0], lineterminator="\n")
             writer.writeheader()
             writer.writerows(rows)
-        (arguments.out / "summary.md").write_text(summarise(rows, bias))
-    print(summarise(rows, bias))
+        (arguments.out / "peers.svg").write_text(picture(rows))
+        (arguments.out / "peers.md").write_text(summarise(rows, bias, arguments))
 
 
 if __name__ == "__main__":

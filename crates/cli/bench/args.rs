@@ -8,7 +8,7 @@ use std::path::PathBuf;
 #[derive(ClapArgs)]
 pub struct Args {
     /// Scene file: .obj, .gltf or .glb
-    #[arg(required_unless_present_any = ["samplers", "hard", "maps", "tables", "texels"])]
+    #[arg(required_unless_present_any = ["samplers", "hard", "maps", "peers", "tables", "texels"])]
     pub scene: Option<PathBuf>,
     #[command(flatten)]
     pub job: Job,
@@ -38,6 +38,18 @@ pub struct Args {
     /// texels.md in DIR; exit 1 if one fails. With a scene: page use, buried texels, seams and grain of its bake
     #[arg(long, conflicts_with_all = ["samplers", "ceiling", "hard", "maps", "tables"])]
     pub texels: bool,
+    /// Only other programs on the same texels of three generated scenes: peers.csv, peers.svg and peers.md in DIR. They are installed
+    /// from PyPI into DIR/peers.work (bpy, mitsuba, open3d); what cannot be is skipped
+    #[arg(long, conflicts_with_all = ["scene", "samplers", "ceiling", "grain", "hard", "maps", "tables", "texels"])]
+    pub peers: bool,
+    /// The Python that --peers runs; its version decides which bpy fits
+    #[arg(
+        long,
+        value_name = "PATH",
+        default_value = "python3",
+        requires = "peers"
+    )]
+    pub python: PathBuf,
     /// Repeats of every measurement
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
     pub repeats: u32,

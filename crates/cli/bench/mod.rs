@@ -1,5 +1,6 @@
 //! `ambake bench`: speed against error.
 
 pub mod args;
+mod peers;
 pub mod run;
 mod texels;

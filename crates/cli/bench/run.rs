@@ -32,6 +32,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if args.texels {
         return super::texels::run(args);
     }
+    if args.peers {
+        return super::peers::run(args);
+    }
     let scene = args.scene.as_deref().context("no scene was given")?;
     if args.ceiling {
         return to_ceiling(args, scene);

@@ -61,6 +61,6 @@ pub use mix::Mix;
 pub use obvhs_backend::ObvhsBackend;
 pub use part::Part;
 pub use point::{SurfacePoint, Surfaces};
-pub use solid::{NUDGE, Solids};
+pub use solid::{NUDGE, Near, Solids};
 pub use surface::{Patch, PlaneErrors};
 pub use world::{Bounds, Geometry, Positions, World, WorldOptions};

@@ -6,7 +6,7 @@
 
 use super::cell::{Cell, Sample};
 use glam::DVec3;
-use rays::{NUDGE, Solids};
+use rays::{NUDGE, Near, Solids};
 
 /// Strata along an edge of the unit square.
 const EDGE: usize = 8;
@@ -80,25 +80,35 @@ impl Seen {
                 cell.corners().map(|corner| tested(corner, geometric))
             })
         };
-        let depth = |bodies: &[u32], u: [f64; 2]| {
+        let point_at = |u: [f64; 2]| {
             let (sample, own) = sample_of(u);
-            let point = tested(sample.position, sample.geometric);
-            let depth = |&body: &u32| solids.depth(body, point, own == Some(body));
-            bodies.iter().map(depth).sum::<i32>()
+            (tested(sample.position, sample.geometric), own)
         };
         // A body whose surface does not come near counts the same all over the texel.
         let is_far =
             |&body: &u32| is_uniform && (own == Some(body) || !solids.meets(body, corners()));
         let (far, close): (Vec<u32>, Vec<u32>) = near.iter().partition(|body| is_far(body));
-        let base = depth(&far, [0.5; 2]);
+        let (middle, within) = point_at([0.5; 2]);
+        let base: i32 = far
+            .iter()
+            .map(|&body| solids.depth(body, middle, within == Some(body)))
+            .sum();
         if close.is_empty() {
             return if base <= 0 { Self::ALL } else { none };
         }
         // A coordinate of 1 would choose no cell.
         let at = |k: usize| (k as f64 / EDGE as f64).min(1.0 - 1e-7);
+        let mut close: Vec<Near> = close
+            .into_iter()
+            .map(|body| solids.near(body, corners()))
+            .collect();
         let lattice: Vec<bool> = (0..=EDGE)
             .flat_map(|row| (0..=EDGE).map(move |column| [column, row]))
-            .map(|place| base + depth(&close, place.map(at)) <= 0)
+            .map(|place| {
+                let (point, own) = point_at(place.map(at));
+                let depth = |near: &mut Near| near.depth(point, own == Some(near.body()));
+                base + close.iter_mut().map(depth).sum::<i32>() <= 0
+            })
             .collect();
         let lattice = without_touches(&lattice);
         let open_corners = |stratum: usize| {

@@ -25,7 +25,7 @@ use scene::Scene;
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 use topology::{Face, Surface, corners};
-use tree::SurfaceTree;
+use tree::{SurfaceTree, climb};
 
 /// Surfaces of meshes that are placed together.
 #[derive(Debug)]
@@ -192,15 +192,33 @@ impl Solids {
         self.tree(body).meets(&self.scene, low, high)
     }
 
+    /// A closed surface about the box of some points, for the depth at many points in it.
+    pub fn near(&self, body: u32, points: impl Iterator<Item = DVec3>) -> Near<'_> {
+        let of = &self.bodies[body as usize];
+        let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (low, high) = points
+            .map(|point| of.inverse.transform_point3(point))
+            .fold(limits, |(low, high), point| {
+                (low.min(point), high.max(point))
+            });
+        // Points between those given are rounded too.
+        let slack = 1e-6 * (high - low).max_element();
+        let (low, high) = (low - slack, high + slack);
+        Near {
+            solids: self,
+            body,
+            low,
+            high,
+            faces: self.tree(of).about(&self.scene, low, high),
+            known: None,
+        }
+    }
+
     /// What a closed surface counts at a point: 1 in a solid, -1 in a cavity, 0 outside. On its own triangles, `own`, the side of the
     /// surface decides and not the point: a solid does not bury itself, and a cavity is open to its own walls.
     pub fn depth(&self, body: u32, point: DVec3, own: bool) -> i32 {
         let body = &self.bodies[body as usize];
-        match body.inside {
-            Inside::Room => 0,
-            Inside::Solid => i32::from(!own && self.holds(body, point)),
-            Inside::Cavity => -i32::from(own || self.holds(body, point)),
-        }
+        body.depth(own, || self.holds(body, point))
     }
 
     /// How many closed surfaces there are, solids or not.
@@ -231,14 +249,18 @@ impl Solids {
     }
 
     fn holds(&self, body: &Body, point: DVec3) -> bool {
+        let winding = |local| self.tree(body).winding(&self.scene, local);
+        self.holds_by(body, point, winding)
+    }
+
+    /// True where the body holds a point, with what winds around it in the body's space.
+    fn holds_by(&self, body: &Body, point: DVec3, winding: impl FnOnce(DVec3) -> i32) -> bool {
         let apart = point.cmplt(body.low) | point.cmpgt(body.high);
         if apart.any() {
             return false;
         }
-        let volume = self.surface(body).volume;
-        let local = body.inverse.transform_point3(point);
-        let winding = self.tree(body).winding(&self.scene, local);
-        f64::from(winding) * volume > 0.0
+        let winding = winding(body.inverse.transform_point3(point));
+        f64::from(winding) * self.surface(body).volume > 0.0
     }
 
     fn surface(&self, body: &Body) -> &Surface {
@@ -301,6 +323,60 @@ impl Solids {
         for (body, inside) in found {
             self.bodies[body].inside = inside;
         }
+    }
+}
+
+impl Body {
+    /// What the body counts at a point, by whether it holds it.
+    fn depth(&self, own: bool, holds: impl FnOnce() -> bool) -> i32 {
+        match self.inside {
+            Inside::Room => 0,
+            Inside::Solid => i32::from(!own && holds()),
+            Inside::Cavity => -i32::from(own || holds()),
+        }
+    }
+}
+
+/// A closed surface about a box. The first point is looked at from far away, as [`Solids::depth`] does; from there to the others, what
+/// lies between is counted.
+#[derive(Debug)]
+pub struct Near<'a> {
+    solids: &'a Solids,
+    body: u32,
+    /// The box, in the body's space.
+    low: DVec3,
+    high: DVec3,
+    /// All faces that may meet it.
+    faces: Vec<[[f32; 3]; 3]>,
+    /// A point in the body's space, and how often the surface winds around it.
+    known: Option<(DVec3, i32)>,
+}
+
+impl Near<'_> {
+    /// The closed surface.
+    pub fn body(&self) -> u32 {
+        self.body
+    }
+
+    /// As [`Solids::depth`]; soon known of points in the box.
+    pub fn depth(&mut self, point: DVec3, own: bool) -> i32 {
+        let (solids, body) = (self.solids, &self.solids.bodies[self.body as usize]);
+        body.depth(own, || {
+            solids.holds_by(body, point, |local| self.winding(body, local))
+        })
+    }
+
+    fn winding(&mut self, body: &Body, point: DVec3) -> i32 {
+        let far = || self.solids.tree(body).winding(&self.solids.scene, point);
+        if point.cmplt(self.low).any() || point.cmpgt(self.high).any() {
+            return far();
+        }
+        let climbed = self
+            .known
+            .and_then(|(from, winding)| Some(winding + climb(&self.faces, from, point)?));
+        let winding = climbed.unwrap_or_else(far);
+        self.known.get_or_insert((point, winding));
+        winding
     }
 }
 

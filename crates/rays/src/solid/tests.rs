@@ -168,3 +168,39 @@ fn surfaces_far_from_a_box_do_not_meet_it() {
     assert!(!solids.meets(0, corners(DVec3::splat(-0.9), DVec3::splat(0.9))));
     assert!(!solids.meets(0, corners(DVec3::splat(1.1), DVec3::splat(2.0))));
 }
+
+#[test]
+fn depths_near_a_surface_are_those_seen_from_far() {
+    // Edges and corners on the lattice, a leaning one, and one in another.
+    let turned = DQuat::from_rotation_z(0.3) * DQuat::from_rotation_x(0.7);
+    let mut leaning = unit(false);
+    for position in &mut leaning.positions {
+        *position = (turned * position.as_dvec3()).as_vec3();
+    }
+    let cases = [
+        vec![unit(false)],
+        vec![unit(true)],
+        vec![leaning],
+        vec![block(Vec3::ZERO, Vec3::splat(3.0), false), unit(true)],
+    ];
+    for (case, meshes) in cases.into_iter().enumerate() {
+        let solids = solids(meshes);
+        for middle in [
+            DVec3::new(1.0, 1.0, 0.5),
+            DVec3::new(0.9, 0.1, 1.2),
+            DVec3::ZERO,
+        ] {
+            let at = |k: u32| f64::from(k % 9) / 4.0 - 1.0;
+            let points: Vec<DVec3> = (0..729)
+                .map(|k| middle + 0.5 * DVec3::new(at(k), at(k / 9), at(k / 81)))
+                .collect();
+            for body in 0..2.min(solids.bodies.len() as u32) {
+                let mut near = solids.near(body, points.iter().copied());
+                for &point in &points {
+                    let expected = solids.depth(body, point, false);
+                    assert_eq!(near.depth(point, false), expected, "case {case}, {point}");
+                }
+            }
+        }
+    }
+}

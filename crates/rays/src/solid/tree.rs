@@ -14,6 +14,32 @@ const SLACK: f64 = 1.0 + 8.0 * f64::EPSILON;
 /// Lean of the rays against their axis: no edge of a model runs along them.
 const LEAN: [f64; 2] = [0.025_731_7, 0.041_193_1];
 
+/// A crossing nearer than this, by its weights or as a share of the way, to an edge or an end decides nothing.
+const CLEAR: f64 = 1e-9;
+
+/// How much higher the winding number is at the end of a straight way than at its start, where all that the way may cross are these
+/// triangles; `None` where it comes too near to an edge, or ends too near to a triangle, to tell.
+pub(super) fn climb(faces: &[[[f32; 3]; 3]], from: DVec3, to: DVec3) -> Option<i32> {
+    let way = ShearedRay::new(from, to - from);
+    let mut climb = 0;
+    for face in faces {
+        let Some(crossing) = way.cross(face) else {
+            continue;
+        };
+        if crossing.t < -CLEAR || crossing.t > 1.0 + CLEAR {
+            continue;
+        }
+        let [u, v] = crossing.barycentric;
+        let margin = u.min(v).min(1.0 - u - v);
+        if margin < CLEAR || crossing.t.min(1.0 - crossing.t) < CLEAR {
+            return None;
+        }
+        // Outward faces seen from their front lead inward.
+        climb += if crossing.front { 1 } else { -1 };
+    }
+    Some(climb)
+}
+
 /// A closed surface in the space of its meshes.
 #[derive(Debug)]
 pub(super) struct SurfaceTree {
@@ -126,6 +152,27 @@ impl SurfaceTree {
 
     /// True where a triangle of the surface may meet the box; false is certain.
     pub fn meets(&self, scene: &Scene, low: DVec3, high: DVec3) -> bool {
+        self.any_about(scene, low, high, |_| true)
+    }
+
+    /// The corners of all triangles that may meet the box.
+    pub fn about(&self, scene: &Scene, low: DVec3, high: DVec3) -> Vec<[[f32; 3]; 3]> {
+        let mut found = Vec::new();
+        self.any_about(scene, low, high, |corners| {
+            found.push(corners);
+            false
+        });
+        found
+    }
+
+    /// Hands over the corners of triangles that may meet the box until one is taken; false where none is.
+    fn any_about(
+        &self,
+        scene: &Scene,
+        low: DVec3,
+        high: DVec3,
+        mut take: impl FnMut([[f32; 3]; 3]) -> bool,
+    ) -> bool {
         let (middle, half) = ((low + high) * 0.5, (high - low) * 0.5);
         let mut pending = [0u32; 64];
         let mut depth = 1;
@@ -142,10 +189,12 @@ impl SurfaceTree {
                 continue;
             }
             for &face in self.faces_of(node) {
-                let [a, b, c] = corners(scene, face).map(|corner| corner.as_dvec3());
+                let exact = corners(scene, face);
+                let [a, b, c] = exact.map(|corner| corner.as_dvec3());
                 let apart = a.min(b).min(c).cmpgt(high) | a.max(b).max(c).cmplt(low);
                 let normal = (b - a).cross(c - a);
-                if !apart.any() && normal.dot(middle - a).abs() <= normal.abs().dot(half) {
+                let may = !apart.any() && normal.dot(middle - a).abs() <= normal.abs().dot(half);
+                if may && take(exact.map(|corner| corner.to_array())) {
                     return true;
                 }
             }
