@@ -434,7 +434,7 @@ pub(crate) mod tests {
             }],
             seams: Some(SeamReport::default()),
             bounces: Some(BounceReport::default()),
-            update: None,
+            update: Some(UpdateReport::default()),
             objects: vec![ObjectReport::default()],
             timings: vec![PhaseReport::default()],
             seconds: 1e-9,
