@@ -438,7 +438,7 @@ pub(crate) mod tests {
             }],
             seams: Some(SeamReport::default()),
             bounces: Some(BounceReport::default()),
-            update: None,
+            update: Some(UpdateReport::default()),
             any_view: Some(crate::AnyViewReport::default()),
             objects: vec![ObjectReport::default()],
             timings: vec![PhaseReport::default()],
