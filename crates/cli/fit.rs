@@ -46,7 +46,7 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
     pub samples: u32,
     /// Rays over the hemisphere of every camera sample, and as many over each lobe that is tried
-    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub rays: u32,
     /// Ray library [default: embree where it is built in, else obvhs]
     #[arg(long, value_enum)]
@@ -111,17 +111,20 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         overrides: Overrides::default(),
         lamps: &lamps,
     };
-    let show = Show {
-        unit: "pixels",
-        quiet: args.common.quiet,
-    };
     let how = (args.samples, args.exposure);
-    let found = watch(show, &stop, |progress| {
-        fit(&mut direct, &shots, how, progress)
-    });
+    let mut with = |rays: u32| {
+        direct.rays = rays;
+        watch(show(args), &stop, |progress| {
+            fit(&mut direct, &shots, how, progress)
+        })
+    };
+    let found = with(args.rays).and_then(|fine| Ok((with(args.rays.div_ceil(4))?, fine)));
     let found = match found {
         Err(Error::Cancelled) => return Ok(stop.outcome()),
-        found => found.with_context(|| args.scene.display().to_string())?,
+        found => {
+            let (coarse, fine) = found.with_context(|| args.scene.display().to_string())?;
+            widened(fine, &coarse)
+        }
     };
     if args.common.json {
         say_json(&described(&found, args))?;
@@ -129,6 +132,30 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         say(&words(&found))?;
     }
     Ok(Outcome::Done)
+}
+
+fn show(args: &Args) -> Show {
+    Show {
+        unit: "pixels",
+        quiet: args.common.quiet,
+    }
+}
+
+/// The fit with what noise of its own rays may have moved it by: that pulls slopes toward 0, at a quarter of the rays about four times
+/// as far. All of the difference counts, because chance may have made it small.
+fn widened(mut fine: Fit, coarse: &Fit) -> Fit {
+    let widen = |fine: &mut Estimate, coarse: &Estimate| {
+        let moved = (fine.value - coarse.value).abs();
+        fine.std_err = fine.std_err.hypot(moved);
+    };
+    let own = fine.albedo.iter_mut().chain(&mut fine.specular);
+    for (fine, coarse) in own.zip(coarse.albedo.iter().chain(&coarse.specular)) {
+        widen(fine, coarse);
+    }
+    if let (Some(fine), Some(coarse)) = (&mut fine.exponent, &coarse.exponent) {
+        widen(fine, coarse);
+    }
+    fine
 }
 
 /// 95 of 100 intervals hold the true value where what the pixels leave is noise.

@@ -54,10 +54,11 @@ impl Basis<f64> {
             let scale = (twice * (2 * l + 1) as f64 / factorials).sqrt();
             // The m-th derivative of the Legendre polynomial P_l: what P_l^m is without its sin^m.
             let legendre = legendre(l);
-            for k in 0..=(l - m) / 2 {
+            let q = &mut polynomials[pair(l, m)];
+            for (k, coefficient) in q.iter_mut().enumerate().take((l - m) / 2 + 1) {
                 let power = 2 * k + m;
                 let derived: f64 = (2 * k + 1..=power).map(|k| k as f64).product();
-                polynomials[pair(l, m)][k] = scale * derived * legendre[power];
+                *coefficient = scale * derived * legendre[power];
             }
         }
         Self { polynomials }
