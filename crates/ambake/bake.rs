@@ -2,9 +2,9 @@
 
 use crate::baked::Baked;
 use crate::error::Error;
-use crate::estimate::Limit;
 use crate::job::{Given, Job, MakeBackend};
 use crate::layout::Layout;
+use crate::memory::Limit;
 use crate::options::{Backend, Effort, Options, Pages, Uv};
 use crate::scene::Scene;
 use crate::sky::Sky;

@@ -1,12 +1,12 @@
 //! A bake between its plan and its result.
 
+use crate::earlier::Earlier;
 use crate::error::Error;
-use crate::estimate;
 use crate::layout::read;
+use crate::memory;
 use crate::options::{Backend, Options};
 use crate::scene::Scene;
 use crate::seen::oracle;
-use crate::update::Earlier;
 use ::bake::{Baker, Decision, Pilot, Plan};
 use atlas::Atlas;
 use rays::{RayBackend, World};
@@ -65,7 +65,7 @@ impl Job {
         make_backend: Option<MakeBackend>,
         threads: Option<usize>,
         given: Given<'_>,
-        limit: estimate::Limit,
+        limit: memory::Limit,
     ) -> Result<Self, Error> {
         let started = Instant::now();
         let mut earlier = match given.update {
@@ -90,7 +90,7 @@ impl Job {
                 .iter()
                 .map(|mesh| mesh.triangles.len() as u64);
             let layers = ::bake::layers_in_work(&baker, &plan);
-            estimate::check(&options, layers, triangles.sum(), limit)?;
+            memory::check(&options, layers, triangles.sum(), limit)?;
             let build = || match &make_backend {
                 Some(make) => make(&world),
                 None => rays::build(backend.kind(), &world, rayon::current_num_threads()),

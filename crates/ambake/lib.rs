@@ -53,6 +53,8 @@
 mod any_view;
 mod bake;
 mod baked;
+mod differ;
+mod earlier;
 mod error;
 mod estimate;
 mod export;
@@ -61,6 +63,7 @@ mod interior;
 mod job;
 mod layout;
 mod lit;
+mod memory;
 mod merge;
 mod object;
 mod options;

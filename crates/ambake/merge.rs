@@ -1,9 +1,10 @@
 //! The parts of a sharded bake into its files.
 
+use crate::differ::difference;
 use crate::error::Error;
 use crate::job::Job;
-use crate::resume::Block;
-use crate::shard::{END, Shard, is_complete, part_name, state_name};
+use crate::resume::{Block, END};
+use crate::shard::{Shard, is_complete, part_name, state_name};
 use crate::update::Tracker;
 use crate::write::{Writer, Written};
 use ::bake::Bounces;
@@ -157,28 +158,6 @@ fn parse(name: &str) -> Option<(String, Shard)> {
     (1..=shard.of)
         .contains(&shard.index)
         .then(|| (stem.into(), shard))
-}
-
-/// What two bakes differ by, in words.
-pub(crate) fn difference(a: &Value, b: &Value) -> Option<String> {
-    let words = [
-        ("version", "ambake's version"),
-        ("revision", "ambake's revision"),
-        ("scene", "the scene"),
-        ("options", "options"),
-        ("layout", "the layout"),
-        ("backend", "the ray library or the processor it runs on"),
-    ];
-    let (key, word) = words.into_iter().find(|(key, _)| a[key] != b[key])?;
-    if key != "options" {
-        return Some(word.into());
-    }
-    let (a, b) = (a[key].as_object()?, b[key].as_object()?);
-    let names = a.keys().filter(|name| a.get(*name) != b.get(*name));
-    let names: Vec<String> = names
-        .map(|name| format!("--{}", name.replace('_', "-")))
-        .collect();
-    Some(names.join(", "))
 }
 
 impl Job {

@@ -4,8 +4,7 @@
 //! values (f32, texel by texel). Numbers are little-endian.
 
 use crate::error::Error;
-use crate::estimate::WAITING;
-use crate::shard::END;
+use crate::memory::WAITING;
 use ::bake::{BakedTile, PageStats};
 use report::Journal;
 use serde::{Deserialize, Serialize};
@@ -13,6 +12,9 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+
+/// The tag of the block that ends a part; no page has this number.
+pub(crate) const END: u32 = u32::MAX;
 
 /// What was baked is on the disk after this time at most, and the time of one batch of tiles.
 const PERIOD: Duration = Duration::from_secs(20);

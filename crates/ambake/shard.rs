@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::job::Job;
-use crate::resume::Saved;
+use crate::resume::{END, Saved};
 use ::bake::Deal;
 use layers::Progress;
 use report::{Journal, Output};
@@ -10,9 +10,6 @@ use serde_json::{Value, json};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-/// The tag of the block that ends a part; no page has this number.
-pub(crate) const END: u32 = u32::MAX;
 
 /// Which part of a bake: `index` of `of`, from 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

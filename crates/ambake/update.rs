@@ -1,94 +1,19 @@
 //! `--update`: what of an earlier bake still holds after the scene has changed.
 
+use crate::differ::difference;
 use crate::error::Error;
 use crate::job::Job;
-use crate::layout::DECIDING;
-use crate::merge::difference;
-use crate::options::Options;
-use crate::scene::Scene;
 use crate::state::{self, Facts, Head};
 use ::bake::{BakedPage, BakedTile, Baker, Fingerprint, Reach};
-use atlas::{Atlas, Claim};
+use atlas::Claim;
 use blake3::Hasher;
 use report::UpdateReport;
 use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::convert::Infallible;
-use std::path::{Path, PathBuf};
 
 /// One of so many kept tiles is baked again by `--verify`, and one a page at least.
 const VERIFIED: usize = 100;
-
-/// The finished bake that an update starts from.
-pub(crate) struct Earlier {
-    dir: PathBuf,
-    /// How the names of its files begin.
-    stem: String,
-    head: Option<Head>,
-    /// Why it cannot serve.
-    reason: Option<String>,
-    /// Some of what is kept is baked again and compared.
-    pub verify: bool,
-}
-
-impl Earlier {
-    /// The bake in `dir`, of a scene of any name.
-    ///
-    /// # Errors
-    /// No finished bake is there.
-    pub fn open(dir: &Path, scene: &Scene, verify: bool) -> Result<Self, Error> {
-        let report = report::read_bake_report(&dir.join("bake.json")).map_err(|error| {
-            let problem = format!("no finished bake to update from: {error}");
-            Error::option("--update", problem)
-        })?;
-        let own = state::head_name(&scene.stem());
-        let states = report.files.iter().filter(|name| {
-            Path::new(name).file_name() == Some(name.as_ref()) && name.ends_with(".state")
-        });
-        // Names of pages are longer than the head's.
-        let head = match report.files.contains(&own) {
-            true => Some(&own),
-            false => states.min_by_key(|name| name.len()),
-        };
-        let mut earlier = Self {
-            dir: dir.into(),
-            stem: String::new(),
-            head: None,
-            reason: None,
-            verify,
-        };
-        let Some(name) = head else {
-            let dir = dir.display();
-            earlier.reason = Some(format!("{dir} keeps no state; this bake does"));
-            return Ok(earlier);
-        };
-        earlier.stem = name.trim_end_matches(".state").into();
-        match Head::read(&dir.join(name)) {
-            Ok(Some(head)) => earlier.head = Some(head),
-            Ok(None) => earlier.reason = Some(format!("{name} is missing")),
-            Err(error) => earlier.reason = Some(error.to_string()),
-        }
-        Ok(earlier)
-    }
-
-    /// The earlier layout, as far as it serves this scene.
-    pub fn layout(&mut self, scene: &Scene, options: &Options) -> Option<Atlas> {
-        let head = self.head.as_ref()?;
-        let described = options.describe();
-        let changed = |name: &&str| head.key["options"][*name] != described[*name];
-        if let Some(name) = DECIDING.into_iter().find(changed) {
-            self.reason = Some(format!("--{} is another", name.replace('_', "-")));
-            return None;
-        }
-        let now = atlas::claims(scene, &options.layout()).ok()?;
-        let kept = atlas::reuse(&head.atlas, &head.facts.claims, &scene.0, &now);
-        if kept.is_none() {
-            let reason = "an object is new or has another shape, so the texels were laid out anew";
-            self.reason = Some(reason.into());
-        }
-        kept
-    }
-}
 
 /// What the tiles of a bake depend on, and which of them an earlier bake has.
 pub(crate) struct Tracker<'a> {

@@ -1,7 +1,7 @@
 //! The raster audit of a layout: overlaps, missing triangles, coordinates outside the page.
 
-use crate::footprint::TILE;
 use crate::raster::PageRaster;
+use crate::types::TILE;
 use crate::uv::{corners, place, twice_area};
 use crate::{Atlas, Audit};
 use glam::DVec2;

@@ -1,7 +1,7 @@
 //! Cuts triangles into their parts in the texels of a tile.
 
 use crate::clip::{Polygon, share};
-use crate::footprint::TILE;
+use crate::types::TILE;
 use crate::uv::twice_area;
 use glam::{DVec2, DVec3};
 use std::ops::Range;

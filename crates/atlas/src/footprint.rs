@@ -4,12 +4,10 @@
 
 use crate::SurfacePoint;
 use crate::cutter::{Cutter, Weights};
+use crate::types::TILE;
 use crate::uv::twice_area;
 use glam::{DVec2, DVec3};
 use std::ops::Range;
-
-/// Texels on the edge of a tile.
-pub const TILE: u32 = 16;
 
 /// The footprints of one tile of a page.
 #[derive(Debug, Clone)]

@@ -49,7 +49,7 @@ mod uv;
 pub use dilate::{Dilation, RINGS};
 pub use error::{Error, Why};
 pub use facts::{Facts, ObjectFacts, facts};
-pub use footprint::{Footprint, Piece, TILE, Tile};
+pub use footprint::{Footprint, Piece, Tile};
 pub use layout::{Seen, layout, layout_seen};
 pub use measure::charts;
 pub use objects::{ObjectName, object_names};

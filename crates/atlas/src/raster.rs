@@ -2,7 +2,8 @@
 
 use crate::centre::draw_together;
 use crate::cutter::{Cutter, covered};
-use crate::footprint::{Collector, Footprint, TILE, Tile};
+use crate::footprint::{Collector, Footprint, Tile};
+use crate::types::TILE;
 use crate::uv::{corners, page, twice_area};
 use crate::{Atlas, MeshLayout, Placement};
 use glam::DVec2;

@@ -2,7 +2,7 @@
 
 use crate::PageRaster;
 use crate::clip::Polygon;
-use crate::footprint::TILE;
+use crate::types::TILE;
 use glam::{DVec2, DVec3};
 
 /// A tile's part is cut this much larger, in texels, than the tile is.

@@ -3,6 +3,9 @@
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
 
+/// Texels on the edge of a tile.
+pub const TILE: u32 = 16;
+
 /// A finished layout. Pages are square, `page_size` texels on an edge, row 0 and v = 0 on top (glTF's UV space).
 #[derive(Debug, Clone)]
 pub struct Atlas {

@@ -4,7 +4,7 @@
 //! that shine are aimed at too, by as many rays, and both ways of meeting them are weighed by the balance heuristic (E. Veach,
 //! L. Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", 1995), so that neither a small lamp nor a near one is noisy.
 
-use super::kernel::{Kernel, leaving};
+use super::kernel::Kernel;
 use super::radiosity::Radiosity;
 use crate::integrate::REPLICATES;
 use crate::options::{Model, Shading, View};
@@ -67,7 +67,7 @@ impl Gather<'_> {
                 let (surface, origin) = texel.start([v0, v1]);
                 let kernel = self.kernel(texel, &surface, integral, mirror);
                 let direction = kernel.sample([u0, u1]);
-                if let Some(ray) = leaving(&surface, self.shading, direction) {
+                if let Some(ray) = surface.leaving(self.shading, direction) {
                     rays += 1;
                     sum += self.met(&kernel, &surface, origin, ray);
                 }

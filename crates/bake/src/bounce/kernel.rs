@@ -83,17 +83,3 @@ impl Kernel {
         }
     }
 }
-
-/// The direction in which the ray of `direction` leaves a surface; `None` where it counts 0: below the horizon of the shading normal, or
-/// in exact shading below the facet.
-pub(crate) fn leaving(surface: &Sample, shading: Shading, direction: DVec3) -> Option<DVec3> {
-    if direction.dot(surface.normal) <= 0.0 {
-        return None;
-    }
-    let height = direction.dot(surface.geometric);
-    match shading {
-        _ if height > 0.0 => Some(direction),
-        Shading::Production if height < 0.0 => Some(direction - 2.0 * height * surface.geometric),
-        _ => None,
-    }
-}

@@ -187,7 +187,7 @@ impl LightPage {
 
     /// The page mended, denoised, without seams, its gutters filled.
     pub fn finished(mut self, baker: &Baker<'_>) -> BakedPage {
-        finish_light(&mut self.page, baker);
+        finish_light(&mut self.page, &baker.site());
         self.page
     }
 

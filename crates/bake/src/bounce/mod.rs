@@ -21,7 +21,6 @@ mod kernel;
 mod light;
 mod radiosity;
 
-pub(crate) use kernel::leaving;
 pub use light::BounceStats;
 
 use crate::choice::Choice;

@@ -7,7 +7,6 @@
 use super::sums::REPLICATES;
 use super::task::Task;
 use super::terms::Terms;
-use crate::bounce::leaving;
 use crate::labels;
 use crate::options::{Effort, Shading};
 use crate::survey::Texel;
@@ -195,7 +194,7 @@ fn add(task: &Task<'_>, texel: &Texel, [u0, u1, v0, v1]: [f64; 4], sums: &mut Su
     sums.all += drawn.weight;
     sums.tint += tint;
     let direction = frame(surface.normal, view).to_world(drawn.direction);
-    let Some(ray) = leaving(&surface, task.shading, direction) else {
+    let Some(ray) = surface.leaving(task.shading, direction) else {
         return false;
     };
     let blocked = !texel.open

@@ -1,7 +1,7 @@
 //! Bakes pages of an atlas: tiles in parallel, results into planes in a fixed order.
 
 use super::compose::BakedTexel;
-use super::finish::{finish, working_layers};
+use super::finish::{Site, finish, working_layers};
 use super::planes::{BakedPage, LayerPlanes};
 use super::stats::PageStats;
 use super::tile::{BakedTile, Columns};
@@ -9,7 +9,6 @@ use crate::choice::Choice;
 use crate::integrate::{Task, ggx, integrate};
 use crate::options::{Buried, Footprint, Model, Options, View};
 use crate::plan::Plan;
-use crate::seams::Seams;
 use crate::survey::{Surveyor, Texel};
 use ambient::closed_form::phong_open;
 use ambient::sampling::Stream;
@@ -153,24 +152,24 @@ impl<'a> Baker<'a> {
         Ok(whole)
     }
 
+    /// What the last steps of its pages need.
+    pub(crate) fn site(&self) -> Site<'a> {
+        Site {
+            world: self.world,
+            plan: self.plan,
+            atlas: self.atlas,
+            options: self.options,
+            mends: self.solids.is_some(),
+        }
+    }
+
     /// Makes the layers that were asked for of a page that has all its tiles.
     pub fn finish(&self, page: &mut BakedPage) {
-        let raster = PageRaster::new(self.world.scene(), self.atlas, page.page);
         let started = Instant::now();
         for tile in std::mem::take(&mut page.tiles).iter().flatten() {
             page.stats.append(tile);
         }
-        let seams = Seams::find(self.world, self.atlas, page.page, self.options.seams);
-        let mends = self.solids.is_some();
-        finish(
-            page,
-            self.options,
-            self.plan,
-            self.world,
-            &raster,
-            &seams,
-            mends,
-        );
+        finish(page, &self.site());
         page.stats.seconds += started.elapsed().as_secs_f64();
     }
 

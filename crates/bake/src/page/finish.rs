@@ -1,6 +1,5 @@
 //! The last steps of a page whose tiles are all finished, in this order: mend, denoise, solve seams, dilate, compose.
 
-use super::baker::Baker;
 use super::compose::{Composition, is_composed, is_light};
 use super::planes::{BakedPage, LayerPlanes};
 use super::stats::ErrorSums;
@@ -11,7 +10,7 @@ use crate::options::{Buried, Denoise, Model, Options, Seams as Scope, Sky};
 use crate::plan::Plan;
 use crate::seams::{Known, Seams};
 use ambient::Estimate;
-use atlas::{Dilation, PageRaster};
+use atlas::{Atlas, Dilation, PageRaster};
 use glam::{DVec3, Vec3};
 use layers::Layer;
 use rayon::prelude::*;
@@ -114,17 +113,27 @@ pub fn layers_in_work(options: &Options, plan: &Plan) -> Vec<Layer> {
     working_layers(options, plan, options.buried == Buried::Drop)
 }
 
-/// Finishes the page, of which `raster` has the charts and `seams` where they go on in one another. `mends` says that solids may bury
-/// texels of it.
-pub(super) fn finish(
-    page: &mut BakedPage,
-    options: &Options,
-    plan: &Plan,
-    world: &World,
-    raster: &PageRaster<'_>,
-    seams: &Seams,
-    mends: bool,
-) {
+/// What the last steps of a page need to know of its bake.
+pub(crate) struct Site<'a> {
+    pub world: &'a World,
+    pub plan: &'a Plan,
+    pub atlas: &'a Atlas,
+    pub options: &'a Options,
+    /// Solids may bury texels.
+    pub mends: bool,
+}
+
+/// Finishes a page that has all its tiles.
+pub(super) fn finish(page: &mut BakedPage, site: &Site<'_>) {
+    let Site {
+        world,
+        plan,
+        atlas,
+        options,
+        mends,
+    } = *site;
+    let raster = &PageRaster::new(world.scene(), atlas, page.page);
+    let seams = &Seams::find(world, atlas, page.page, options.seams);
     let terms = terms(options, plan);
     let mended = mends.then(|| mend_terms(page, &terms));
     if options.denoise != Denoise::Off {
@@ -148,11 +157,16 @@ pub(crate) fn light_terms(plan: &Plan) -> Vec<(Layer, Layer, Layer)> {
 }
 
 /// Finishes a page of light alone, in the same order, but for the layers that would follow from it.
-pub(crate) fn finish_light(page: &mut BakedPage, baker: &Baker<'_>) {
-    let (world, options) = (baker.world, baker.options);
-    let modelled = |term: &&TermLayers| baker.plan.models(term.2);
+pub(crate) fn finish_light(page: &mut BakedPage, site: &Site<'_>) {
+    let Site {
+        world,
+        plan,
+        atlas,
+        options,
+        mends,
+    } = *site;
+    let modelled = |term: &&TermLayers| plan.models(term.2);
     let terms: Vec<TermLayers> = LIGHTS.iter().filter(modelled).copied().collect();
-    let mends = baker.solids.is_some();
     let mended = mends.then(|| mend_terms(page, &terms));
     if options.denoise != Denoise::Off {
         denoise_terms(page, &terms, options.denoise, mended);
@@ -165,9 +179,9 @@ pub(crate) fn finish_light(page: &mut BakedPage, baker: &Baker<'_>) {
     };
     let texels = covered.iter().filter(|covered| **covered > 0.0).count();
     let light = (0..3).map(lit).sum::<f64>() / (3 * texels.max(1)) as f64;
-    let raster = PageRaster::new(world.scene(), baker.atlas, page.page);
+    let raster = PageRaster::new(world.scene(), atlas, page.page);
     let gutters = if light > 0.0 {
-        let seams = Seams::find(world, baker.atlas, page.page, options.seams);
+        let seams = Seams::find(world, atlas, page.page, options.seams);
         solve_seams(page, light, &terms, world, &raster, &seams)
     } else {
         Gutters::new()

@@ -1,5 +1,6 @@
 //! One piece of a texel's footprint inside one triangle, ready to be sampled: everything is affine in (s, t).
 
+use crate::options::Shading;
 use atlas::Piece;
 use glam::DVec3;
 use rays::Patch;
@@ -40,6 +41,22 @@ pub(crate) struct Sample {
     pub normal: DVec3,
     /// Unit geometric normal, on the side of the shading normal.
     pub geometric: DVec3,
+}
+
+impl Sample {
+    /// The direction in which the ray of `direction` leaves the surface; `None` where it counts 0: below the horizon of the shading normal,
+    /// or in exact shading below the facet.
+    pub fn leaving(&self, shading: Shading, direction: DVec3) -> Option<DVec3> {
+        if direction.dot(self.normal) <= 0.0 {
+            return None;
+        }
+        let height = direction.dot(self.geometric);
+        match shading {
+            _ if height > 0.0 => Some(direction),
+            Shading::Production if height < 0.0 => Some(direction - 2.0 * height * self.geometric),
+            _ => None,
+        }
+    }
 }
 
 impl Cell {

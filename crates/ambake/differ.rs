@@ -1,0 +1,25 @@
+//! What two bakes differ by: parts that are to be merged, or a bake and the one it is updated from.
+
+use serde_json::Value;
+
+/// What two bakes differ by, in words.
+pub(crate) fn difference(a: &Value, b: &Value) -> Option<String> {
+    let words = [
+        ("version", "ambake's version"),
+        ("revision", "ambake's revision"),
+        ("scene", "the scene"),
+        ("options", "options"),
+        ("layout", "the layout"),
+        ("backend", "the ray library or the processor it runs on"),
+    ];
+    let (key, word) = words.into_iter().find(|(key, _)| a[key] != b[key])?;
+    if key != "options" {
+        return Some(word.into());
+    }
+    let (a, b) = (a[key].as_object()?, b[key].as_object()?);
+    let names = a.keys().filter(|name| a.get(*name) != b.get(*name));
+    let names: Vec<String> = names
+        .map(|name| format!("--{}", name.replace('_', "-")))
+        .collect();
+    Some(names.join(", "))
+}
