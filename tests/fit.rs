@@ -27,7 +27,18 @@ fn pictures(folder: &Path, material: &[&str]) -> Vec<String> {
 fn fitted(images: &[String], more: &[&str]) -> Value {
     let scene = scene("resting_sphere.obj").display().to_string();
     let mut words = vec![
-        "fit", &scene, "--eye", EYES[0], "--eye", EYES[1], "--look", "0,0.6,0", "--rays", "512",
+        "fit",
+        &scene,
+        "--eye",
+        EYES[0],
+        "--eye",
+        EYES[1],
+        "--look",
+        "0,0.6,0",
+        "--samples",
+        "1",
+        "--rays",
+        "512",
         "--json",
     ];
     words.extend(more);

@@ -43,7 +43,7 @@ pub struct Args {
     #[arg(long, value_name = "E", default_value_t = 1.0, value_parser = positive)]
     pub exposure: f64,
     /// Camera samples of a pixel: a regular grid of N x N
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=16))]
     pub samples: u32,
     /// Rays over the hemisphere of every camera sample, and as many over each lobe that is tried
     #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=65_536))]
