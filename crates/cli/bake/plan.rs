@@ -2,6 +2,7 @@
 
 use super::args::Plan as Args;
 use super::prepare::prepare;
+use super::summary;
 use crate::outcome::{Outcome, say, say_json};
 use ambake::{Choice, Effort, Estimate, Job, Method, Term};
 use serde_json::json;
@@ -65,10 +66,7 @@ fn text(job: &Job, cost: &Estimate) -> String {
     );
     text += &job.layout_report().text();
     for warning in warnings(job) {
-        text += &format!(
-            "warning: {} ({} times, {})\n",
-            warning.message, warning.count, warning.place
-        );
+        text += &summary::line(&warning);
     }
     text
 }

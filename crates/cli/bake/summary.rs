@@ -1,6 +1,6 @@
 //! What `ambake bake` says at its end.
 
-use report::{BakeReport, REPORT_NAME};
+use report::{BakeReport, REPORT_NAME, WarningReport};
 use std::path::Path;
 
 /// The summary of a finished bake; with `verbose` also the plan and the time of each phase.
@@ -76,10 +76,7 @@ pub fn summary(report: &BakeReport, verbose: bool, dir: &Path) -> String {
         text += &format!("  {:>8.3} s {}\n", phase.seconds, phase.phase);
     }
     for warning in &report.warnings {
-        text += &format!(
-            "warning: {} ({} times, {})\n",
-            warning.message, warning.count, warning.place
-        );
+        text += &line(warning);
     }
     text += &format!("{} files in {}\n", report.files.len(), dir.display());
     // Last, what can be looked at.
@@ -88,4 +85,13 @@ pub fn summary(report: &BakeReport, verbose: bool, dir: &Path) -> String {
         text += &format!("look at {}\n", dir.join(name).display());
     }
     text
+}
+
+/// A warning as it is printed: how often it holds, and where first.
+pub fn line(warning: &WarningReport) -> String {
+    let often = match warning.count {
+        1 => String::new(),
+        count => format!("{count} times, "),
+    };
+    format!("warning: {} ({often}{})\n", warning.message, warning.place)
 }
