@@ -3,7 +3,7 @@
 
 Usage: run.py [--minutes N] [--slice N] [--until HH:MM] [TARGET..]. Needs nightly Rust and cargo-fuzz. It stops when each target has had N
 CPU minutes (30), over all runs so far, or at a time of day. What it finds stands in fuzz/artifacts, what it learns in fuzz/work, and its
-counts in fuzz/work/counts.json; they are printed as a table.
+counts in counts.json beside it; they are printed as a table.
 """
 
 import argparse

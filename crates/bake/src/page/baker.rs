@@ -1,9 +1,10 @@
 //! Bakes pages of an atlas: tiles in parallel, results into planes in a fixed order.
 
 use super::compose::BakedTexel;
-use super::finish::{Site, finish, working_layers};
+use super::finish::{Site, finish};
 use super::planes::{BakedPage, LayerPlanes};
 use super::stats::PageStats;
+use super::terms::working_layers;
 use super::tile::{BakedTile, Columns};
 use crate::choice::Choice;
 use crate::integrate::{Task, ggx, integrate};

@@ -1,12 +1,12 @@
 //! The last steps of a page whose tiles are all finished, in this order: mend, denoise, solve seams, dilate, compose.
 
-use super::compose::{Composition, is_composed, is_light};
+use super::compose::{Composition, is_light};
 use super::planes::{BakedPage, LayerPlanes};
 use super::stats::ErrorSums;
-use crate::choice::Choice;
+use super::terms::{TermLayers, half_of, lights, terms};
 use crate::denoise::{Denoiser, Field, Term, oidn};
 use crate::mend::{Mends, Surface};
-use crate::options::{Buried, Denoise, Model, Options, Seams as Scope, Sky};
+use crate::options::{Denoise, Model, Options, Sky};
 use crate::plan::Plan;
 use crate::seams::{Known, Seams};
 use ambient::Estimate;
@@ -15,103 +15,6 @@ use glam::{DVec3, Vec3};
 use layers::Layer;
 use rayon::prelude::*;
 use rays::World;
-
-/// A term, its standard error and the choice that models it.
-type TermLayers = (Layer, Layer, Choice);
-
-/// What no sky changes.
-const SHARES: [TermLayers; 3] = [
-    (Layer::Diffuse, Layer::StdErrDiffuse, Choice::Diffuse),
-    (
-        Layer::Visibility,
-        Layer::StdErrVisibility,
-        Choice::Visibility,
-    ),
-    (Layer::Specular, Layer::StdErrSpecular, Choice::Specular),
-];
-
-/// The light of a map, which tiles integrate beside the shares.
-const LIGHTS: [TermLayers; 2] = [
-    (Layer::Irradiance, Layer::StdErrIrradiance, Choice::Diffuse),
-    (Layer::Reflection, Layer::StdErrReflection, Choice::Specular),
-];
-
-/// The terms that tiles integrate for what was asked.
-fn terms(options: &Options, plan: &Plan) -> Vec<TermLayers> {
-    let composed = |layer: &Layer| is_composed(*layer) || is_light(*layer);
-    let lights: &[TermLayers] = match options.sky.map() {
-        Some(_) if options.kept().iter().any(composed) => &LIGHTS,
-        None if options.model == Model::Ggx => &LIGHTS[1..],
-        _ => &[],
-    };
-    let modelled = |term: &&TermLayers| plan.models(term.2);
-    let terms = SHARES.iter().chain(lights).filter(modelled);
-    terms.copied().collect()
-}
-
-/// The layer of what two halves of the rays differ by in a term.
-fn half_of(term: Layer) -> Layer {
-    match term {
-        Layer::Diffuse => Layer::HalfDiffuse,
-        Layer::Visibility => Layer::HalfVisibility,
-        Layer::Specular => Layer::HalfSpecular,
-        Layer::Irradiance => Layer::HalfIrradiance,
-        Layer::Reflection => Layer::HalfReflection,
-        other => unreachable!("layer {} is no term", other.name()),
-    }
-}
-
-/// The layers that are kept while tiles are baked: the facts from which the asked layers follow when the page is finished.
-pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec<Layer> {
-    let mut layers = vec![Layer::Coverage];
-    let mut add = |layer: Layer| {
-        if !layers.contains(&layer) {
-            layers.push(layer);
-        }
-    };
-    let uniform = options.sky.map().is_none();
-    let ggx = options.model == Model::Ggx;
-    let integrated =
-        |layer: Layer| ggx && matches!(layer, Layer::Reflection | Layer::StdErrReflection);
-    let follows =
-        |layer: Layer| is_composed(layer) || (uniform && is_light(layer) && !integrated(layer));
-    let kept = options.kept();
-    let asked = kept.iter().copied();
-    asked.filter(|&layer| !follows(layer)).for_each(&mut add);
-    for (term, std_err, _) in terms(options, plan) {
-        add(term);
-        let steps = options.denoise != Denoise::Off || options.seams != Scope::Off;
-        if steps || kept.iter().any(|&layer| is_light(layer)) {
-            add(std_err);
-        }
-        if options.denoise == Denoise::Regression {
-            add(half_of(term));
-        }
-    }
-    if options.denoise != Denoise::Off || mends {
-        let geometry = [Layer::Position, Layer::Normal, Layer::Object];
-        geometry.into_iter().for_each(&mut add);
-    }
-    if mends {
-        add(Layer::Validity);
-    }
-    if options.layers.iter().any(|&layer| is_composed(layer)) {
-        add(Layer::Albedo);
-        add(Layer::Reflectance);
-        if ggx {
-            add(Layer::Base);
-        }
-    }
-    if options.layers.contains(&Layer::TraditionalClosed) {
-        add(Layer::OpenSpecular);
-    }
-    layers
-}
-
-/// The layers that are kept while tiles of a bake are baked, coverage first, where solids may bury texels.
-pub fn layers_in_work(options: &Options, plan: &Plan) -> Vec<Layer> {
-    working_layers(options, plan, options.buried == Buried::Drop)
-}
 
 /// What the last steps of a page need to know of its bake.
 pub(crate) struct Site<'a> {
@@ -148,14 +51,6 @@ pub(super) fn finish(page: &mut BakedPage, site: &Site<'_>) {
     page.finished = true;
 }
 
-/// The light that gathers add: layer, standard error, half.
-pub(crate) fn light_terms(plan: &Plan) -> Vec<(Layer, Layer, Layer)> {
-    let modelled = LIGHTS.iter().filter(|term| plan.models(term.2));
-    modelled
-        .map(|&(term, std_err, _)| (term, std_err, half_of(term)))
-        .collect()
-}
-
 /// Finishes a page of light alone, in the same order, but for the layers that would follow from it.
 pub(crate) fn finish_light(page: &mut BakedPage, site: &Site<'_>) {
     let Site {
@@ -165,8 +60,7 @@ pub(crate) fn finish_light(page: &mut BakedPage, site: &Site<'_>) {
         options,
         mends,
     } = *site;
-    let modelled = |term: &&TermLayers| plan.models(term.2);
-    let terms: Vec<TermLayers> = LIGHTS.iter().filter(modelled).copied().collect();
+    let terms = lights(plan);
     let mended = mends.then(|| mend_terms(page, &terms));
     if options.denoise != Denoise::Off {
         denoise_terms(page, &terms, options.denoise, mended);

@@ -6,12 +6,14 @@ mod finish;
 mod planes;
 mod share;
 mod stats;
+mod terms;
 mod tile;
 
 pub use baker::{Baker, Pilot};
-pub use finish::layers_in_work;
-pub(crate) use finish::{finish_light, light_terms};
+pub(crate) use finish::finish_light;
 pub use planes::{BakedPage, LayerPlanes};
 pub use share::Deal;
 pub use stats::{ErrorSums, PageStats};
+pub use terms::layers_in_work;
+pub(crate) use terms::light_terms;
 pub use tile::BakedTile;

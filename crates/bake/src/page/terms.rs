@@ -1,0 +1,118 @@
+//! Which layers a page is baked into: the terms that are integrated, and the facts from which the asked layers follow.
+
+use super::compose::{is_composed, is_light};
+use crate::choice::Choice;
+use crate::options::{Buried, Denoise, Model, Options, Seams};
+use crate::plan::Plan;
+use layers::Layer;
+
+/// A term, its standard error and the choice that models it.
+pub(super) type TermLayers = (Layer, Layer, Choice);
+
+/// What no sky changes.
+const SHARES: [TermLayers; 3] = [
+    (Layer::Diffuse, Layer::StdErrDiffuse, Choice::Diffuse),
+    (
+        Layer::Visibility,
+        Layer::StdErrVisibility,
+        Choice::Visibility,
+    ),
+    (Layer::Specular, Layer::StdErrSpecular, Choice::Specular),
+];
+
+/// The light of a map, which tiles integrate beside the shares.
+const LIGHTS: [TermLayers; 2] = [
+    (Layer::Irradiance, Layer::StdErrIrradiance, Choice::Diffuse),
+    (Layer::Reflection, Layer::StdErrReflection, Choice::Specular),
+];
+
+/// The terms that tiles integrate for what was asked.
+pub(super) fn terms(options: &Options, plan: &Plan) -> Vec<TermLayers> {
+    let composed = |layer: &Layer| is_composed(*layer) || is_light(*layer);
+    let lights: &[TermLayers] = match options.sky.map() {
+        Some(_) if options.kept().iter().any(composed) => &LIGHTS,
+        None if options.model == Model::Ggx => &LIGHTS[1..],
+        _ => &[],
+    };
+    let modelled = |term: &&TermLayers| plan.models(term.2);
+    let terms = SHARES.iter().chain(lights).filter(modelled);
+    terms.copied().collect()
+}
+
+/// The layer of what two halves of the rays differ by in a term.
+pub(super) fn half_of(term: Layer) -> Layer {
+    match term {
+        Layer::Diffuse => Layer::HalfDiffuse,
+        Layer::Visibility => Layer::HalfVisibility,
+        Layer::Specular => Layer::HalfSpecular,
+        Layer::Irradiance => Layer::HalfIrradiance,
+        Layer::Reflection => Layer::HalfReflection,
+        other => unreachable!("layer {} is no term", other.name()),
+    }
+}
+
+/// The layers that are kept while tiles are baked: the facts from which the asked layers follow when the page is finished.
+pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec<Layer> {
+    let mut layers = vec![Layer::Coverage];
+    let mut add = |layer: Layer| {
+        if !layers.contains(&layer) {
+            layers.push(layer);
+        }
+    };
+    let uniform = options.sky.map().is_none();
+    let ggx = options.model == Model::Ggx;
+    let integrated =
+        |layer: Layer| ggx && matches!(layer, Layer::Reflection | Layer::StdErrReflection);
+    let follows =
+        |layer: Layer| is_composed(layer) || (uniform && is_light(layer) && !integrated(layer));
+    let kept = options.kept();
+    let asked = kept.iter().copied();
+    asked.filter(|&layer| !follows(layer)).for_each(&mut add);
+    for (term, std_err, _) in terms(options, plan) {
+        add(term);
+        let steps = options.denoise != Denoise::Off || options.seams != Seams::Off;
+        if steps || kept.iter().any(|&layer| is_light(layer)) {
+            add(std_err);
+        }
+        if options.denoise == Denoise::Regression {
+            add(half_of(term));
+        }
+    }
+    if options.denoise != Denoise::Off || mends {
+        let geometry = [Layer::Position, Layer::Normal, Layer::Object];
+        geometry.into_iter().for_each(&mut add);
+    }
+    if mends {
+        add(Layer::Validity);
+    }
+    if options.layers.iter().any(|&layer| is_composed(layer)) {
+        add(Layer::Albedo);
+        add(Layer::Reflectance);
+        if ggx {
+            add(Layer::Base);
+        }
+    }
+    if options.layers.contains(&Layer::TraditionalClosed) {
+        add(Layer::OpenSpecular);
+    }
+    layers
+}
+
+/// The layers that are kept while tiles of a bake are baked, coverage first, where solids may bury texels.
+pub fn layers_in_work(options: &Options, plan: &Plan) -> Vec<Layer> {
+    working_layers(options, plan, options.buried == Buried::Drop)
+}
+
+/// The terms of light alone.
+pub(super) fn lights(plan: &Plan) -> Vec<TermLayers> {
+    let modelled = |term: &&TermLayers| plan.models(term.2);
+    LIGHTS.iter().filter(modelled).copied().collect()
+}
+
+/// The light that gathers add: layer, standard error, half.
+pub(crate) fn light_terms(plan: &Plan) -> Vec<(Layer, Layer, Layer)> {
+    let lights = lights(plan).into_iter();
+    lights
+        .map(|(term, std_err, _)| (term, std_err, half_of(term)))
+        .collect()
+}
