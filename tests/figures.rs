@@ -33,7 +33,7 @@ fn mean(pixels: &[[f32; 3]]) -> (f64, f64) {
 }
 
 #[test]
-fn fig3_holds_three_models_and_their_signed_differences() {
+fn fig3_holds_five_models_and_their_signed_differences() {
     let folder = tempfile::tempdir().expect("a folder");
     let view = "--eye=-60,23,-68 --look=-2,3,-2 --fov-deg 30 --rays 8";
     let airliner = scene("airliner.obj");
@@ -50,7 +50,7 @@ fn fig3_holds_three_models_and_their_signed_differences() {
         &format!("{view} --threads 2"),
     );
     let names = files(&one);
-    assert_eq!(names.len(), 11, "{names:?}");
+    assert_eq!(names.len(), 19, "{names:?}");
     for name in &names {
         let same = fs::read(one.join(name)).ok() == fs::read(two.join(name)).ok();
         assert!(same, "{name} depends on the threads");
@@ -72,7 +72,7 @@ fn fig3_holds_three_models_and_their_signed_differences() {
         .fold((0.0f32, 0.0f32), |(low, high), v| (low.min(v), high.max(v)));
     assert!(range.0 < -0.05 && range.1 > 0.05, "{range:?}");
     let table = fs::read_to_string(one.join("fig3.csv")).expect("a table");
-    assert_eq!(table.lines().count(), 6, "{table}");
+    assert_eq!(table.lines().count(), 10, "{table}");
 }
 
 #[test]

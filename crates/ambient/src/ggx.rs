@@ -15,6 +15,7 @@
 //! GGX Normals with Spherical Caps", HPG 2023; R. Fdez-Agüera, "A Multiple-Scattering Microfacet Model for Real-Time Image-based
 //! Lighting", JCGT 2019, and Turquin, "Practical Multiple Scattering Compensation for Microfacet Models", 2018 (the factor).
 
+use crate::Frame;
 use crate::quadrature::GAUSS_32;
 use crate::sampling::turn_sin_cos;
 use glam::DVec3;
@@ -218,9 +219,39 @@ fn nodes(start: f64, end: f64) -> impl Iterator<Item = (f64, f64)> {
 impl Albedos {
     /// Directional albedo of a surface of the reflectance `f0` at normal view, light between facets included; at most 1.
     pub fn of(&self, f0: DVec3) -> DVec3 {
-        let mirror = self.tinted + self.white;
-        (f0 * self.tinted + self.white) * (1.0 + f0 * (1.0 / mirror - 1.0))
+        (f0 * self.tinted + self.white) * self.gain(f0)
     }
+
+    /// What light that meets several facets adds: a factor, at least 1.
+    pub fn gain(&self, f0: DVec3) -> DVec3 {
+        let mirror = self.tinted + self.white;
+        1.0 + f0 * (1.0 / mirror - 1.0)
+    }
+}
+
+/// The frame of a surface: z is its normal, the view lies in the xz plane.
+pub fn frame(normal: DVec3, view: DVec3) -> Frame {
+    let along = view - normal * normal.dot(view);
+    match along.try_normalize() {
+        Some(tangent) if along.length_squared() > 1e-24 => Frame {
+            tangent,
+            bitangent: normal.cross(tangent),
+            normal,
+        },
+        _ => Frame::from_normal(normal),
+    }
+}
+
+/// Diffuse reflectance under a coat that reflects `coat` toward the eye: what the coat takes, the base lacks, so that a white material
+/// returns all that it receives.
+///
+/// * `albedo`: diffuse reflectance of the material seen along its normal, where the coat reflects `f0`.
+pub fn base(albedo: DVec3, f0: DVec3, coat: DVec3) -> DVec3 {
+    if f0 == DVec3::ZERO {
+        return albedo;
+    }
+    let left = albedo * (DVec3::ONE - coat).max(DVec3::ZERO) / (DVec3::ONE - f0);
+    DVec3::select(f0.cmplt(DVec3::ONE), left, DVec3::ZERO)
 }
 
 fn fresnel(along: f64) -> f64 {

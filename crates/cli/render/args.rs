@@ -126,17 +126,22 @@ fn exposure(text: &str) -> Result<Exposure, String> {
 pub enum ModelName {
     /// Constant times the open share of the hemisphere
     Traditional,
+    /// The same constant times what an open surface reflects, in closed form
+    #[value(name = "traditional.closed")]
+    TraditionalClosed,
     /// The Lambertian ambient term
     Lambert,
     /// Lambertian and specular terms
     Phong,
+    /// Lambertian and microfacet terms
+    Ggx,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Figure {
     /// Specular ambient term against view angle and exponent: fig1.svg and fig1.csv
     Fig1,
-    /// The scene in ambient light only by the three models, with their differences: fig3_*.exr, fig3_*.png and fig3.csv
+    /// The scene in ambient light only by five models, with their differences: fig3_*.exr, fig3_*.png and fig3.csv
     Fig3,
     /// The scene in six materials before --environment: balls.png and balls.exr
     Balls,

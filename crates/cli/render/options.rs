@@ -24,8 +24,10 @@ pub fn framing(view: &View) -> Framing {
 pub fn model(name: ModelName) -> Model {
     match name {
         ModelName::Traditional => Model::Traditional,
+        ModelName::TraditionalClosed => Model::TraditionalClosed,
         ModelName::Lambert => Model::Lambert,
         ModelName::Phong => Model::Phong,
+        ModelName::Ggx => Model::Ggx,
     }
 }
 

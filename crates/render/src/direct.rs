@@ -4,8 +4,10 @@
 //! without those the result is exactly the model that a bake stores, seen from the true eye: the specular lobe stands
 //! about R = 2(N·E)N − E of every point.
 
+use crate::microfacets::Coat;
 use crate::{Lamps, Light, Lightmap, Sample, TexelPlace};
 use ambient::Frame;
+use ambient::closed_form::phong_open;
 use ambient::models;
 use ambient::sampling::{Lobe, Mixture, Stream};
 use glam::DVec3;
@@ -16,10 +18,14 @@ use rays::{Coherence, Overrides, Ray, RayBackend, RayPacket, SurfaceHit, Surface
 pub enum Model {
     /// A constant times the open share of the hemisphere.
     Traditional,
+    /// The same constant times what an open surface reflects, matte and specular, in closed form.
+    TraditionalClosed,
     /// Equation (5) of the paper.
     Lambert,
     /// Equation (9) of the paper.
     Phong,
+    /// GGX microfacets over a matte base.
+    Ggx,
 }
 
 impl Model {
@@ -27,8 +33,10 @@ impl Model {
     pub fn name(self) -> &'static str {
         match self {
             Model::Traditional => "traditional",
+            Model::TraditionalClosed => "traditional.closed",
             Model::Lambert => "lambert",
             Model::Phong => "phong",
+            Model::Ggx => "ggx",
         }
     }
 }
@@ -64,6 +72,9 @@ pub struct Direct<'a> {
 const HEMISPHERE: u32 = 1;
 const LOBE: u32 = 2;
 
+/// Points of a coat where no rays are asked for.
+const LEAST_POINTS: u32 = 64;
+
 impl Direct<'_> {
     /// The radiance that reaches the eye of a sample.
     pub fn radiance(&self, sample: &Sample) -> DVec3 {
@@ -72,7 +83,9 @@ impl Direct<'_> {
         };
         let stream = |term| Stream::new(self.seed, 0, sample.pixel, term, sample.number);
         let view = -sample.direction;
-        point.emission + self.ambient(&point, view, stream) + self.direct(&point, view)
+        let coat = self.coat(&point, view, stream(LOBE));
+        let ambient = self.ambient(&point, view, coat.as_ref(), stream);
+        point.emission + ambient + self.direct(&point, view, coat.as_ref())
     }
 
     /// The same with the ambient model taken from a bake; surfaces without texels are integrated.
@@ -93,10 +106,11 @@ impl Direct<'_> {
         };
         let place = place(&hit);
         let view = -sample.direction;
-        let mut radiance = point.emission + self.direct(&point, view);
+        let stream = |term| Stream::new(self.seed, 0, sample.pixel, term, sample.number);
+        let coat = self.coat(&point, view, stream(LOBE));
+        let mut radiance = point.emission + self.direct(&point, view, coat.as_ref());
         if place.is_none() {
-            let stream = |term| Stream::new(self.seed, 0, sample.pixel, term, sample.number);
-            radiance += self.ambient(&point, view, stream);
+            radiance += self.ambient(&point, view, coat.as_ref(), stream);
         }
         (radiance, place)
     }
@@ -119,18 +133,49 @@ impl Direct<'_> {
         Some((hit, point))
     }
 
+    /// The coat of a point for a unit direction to the eye, where the model has one and the material shines.
+    fn coat(&self, point: &SurfacePoint, view: DVec3, stream: Stream) -> Option<Coat> {
+        let material = &point.material;
+        if self.model != Model::Ggx || material.specular == DVec3::ZERO {
+            return None;
+        }
+        let count = if self.rays == 0 {
+            LEAST_POINTS
+        } else {
+            self.rays
+        };
+        let points = (0..count).map(|index| {
+            let [u0, u1, ..] = stream.point(index);
+            [u0, u1]
+        });
+        Some(Coat::of(material, point.normal, view, points))
+    }
+
     /// Ambient light reflected toward the unit direction `view`.
-    fn ambient(&self, point: &SurfacePoint, view: DVec3, stream: impl Fn(u32) -> Stream) -> DVec3 {
+    fn ambient(
+        &self,
+        point: &SurfacePoint,
+        view: DVec3,
+        coat: Option<&Coat>,
+        stream: impl Fn(u32) -> Stream,
+    ) -> DVec3 {
         if self.rays == 0 {
             return DVec3::ZERO;
         }
         let frame = Frame::from_normal(point.normal);
+        let (normal, material) = (point.normal, &point.material);
         let mixture = match self.model {
-            Model::Traditional => Mixture::UNIFORM,
-            Model::Lambert | Model::Phong => Mixture::COSINE,
+            Model::Traditional | Model::TraditionalClosed => Mixture::UNIFORM,
+            Model::Lambert | Model::Phong | Model::Ggx => Mixture::COSINE,
         };
-        let material = &point.material;
-        let hemisphere = if material.albedo == DVec3::ZERO {
+        let matte = match self.model {
+            Model::TraditionalClosed => {
+                let [cos, sin] = [normal.dot(view), normal.cross(view).length()];
+                material.albedo + material.specular * phong_open(material.exponent, cos, sin)
+            }
+            _ => coat.map_or(material.albedo, |coat| coat.base),
+        };
+        let hemisphere = if matte == DVec3::ZERO {
             DVec3::ZERO
         } else {
             self.arriving(
@@ -138,47 +183,63 @@ impl Direct<'_> {
                 stream(HEMISPHERE),
                 |u| frame.to_world(mixture.sample(u)),
                 |toward| mixture.pdf(frame.to_local(toward)),
+                |_| DVec3::ONE,
             )
         };
-        let reflected = models::lambert(hemisphere, material.albedo);
+        let reflected = models::lambert(hemisphere, matte);
+        if let Some(coat) = coat {
+            return reflected
+                + self.arriving(
+                    point,
+                    stream(LOBE),
+                    |u| coat.sample(u),
+                    |toward| coat.pdf(toward),
+                    |toward| coat.weight(toward),
+                );
+        }
         if self.model != Model::Phong || material.specular == DVec3::ZERO {
             return reflected;
         }
-        let about = Frame::from_normal(mirrored(point.normal, view));
+        let about = Frame::from_normal(mirrored(normal, view));
         let lobe = Lobe::new(material.exponent);
         let specular = self.arriving(
             point,
             stream(LOBE),
             |u| about.to_world(lobe.sample(u)),
             |toward| lobe.pdf(about.to_local(toward)),
+            |_| DVec3::ONE,
         );
         reflected + material.specular * specular
     }
 
-    /// Mean radiance from directions of a distribution; those below the shading or the geometric horizon bring none.
+    /// Mean weighted radiance from directions of a distribution; those below the shading or the geometric horizon bring none.
     ///
     /// * `pdf`: the distribution's probability per steradian of a unit direction.
+    /// * `weight`: what radiance from a unit direction counts.
     fn arriving(
         &self,
         point: &SurfacePoint,
         stream: Stream,
         direction: impl Fn([f64; 2]) -> DVec3,
         pdf: impl Fn(DVec3) -> f64,
+        weight: impl Fn(DVec3) -> DVec3,
     ) -> DVec3 {
         let mut sum = DVec3::ZERO;
         let mut packet = RayPacket::<16>::new();
+        let mut weights = [DVec3::ZERO; 16];
         let mut lanes = 0;
-        let mut open = 0u32;
+        let mut open = DVec3::ZERO;
         for index in 0..self.rays {
             let [u0, u1, u2, u3] = stream.point(index);
             let toward = direction([u0, u1]);
             if !self.lamps.is_empty() {
-                sum += self.luminous(point, toward, &pdf);
-                sum += self.aimed(point, [u2, u3], &pdf);
+                sum += self.luminous(point, toward, &pdf, &weight);
+                sum += self.aimed(point, [u2, u3], &pdf, &weight);
                 continue;
             }
             if above(point, toward) {
                 packet.set(lanes, &self.ray(point, toward));
+                weights[lanes] = weight(toward);
                 lanes += 1;
             }
             if lanes == 16 || (index + 1 == self.rays && lanes > 0) {
@@ -186,26 +247,40 @@ impl Direct<'_> {
                 let blocked = self
                     .backend
                     .occluded16(&packet, active, Coherence::Incoherent);
-                open += (active & !blocked).count_ones();
+                let lit = (0..lanes).filter(|lane| blocked >> lane & 1 == 0);
+                open += lit.map(|lane| weights[lane]).sum::<DVec3>();
                 lanes = 0;
             }
         }
-        (sum + self.sky * f64::from(open)) / f64::from(self.rays)
+        (sum + self.sky * open) / f64::from(self.rays)
     }
 
     /// What a ray of the distribution brings: the sky, or its share of a lamp's radiance.
-    fn luminous(&self, point: &SurfacePoint, toward: DVec3, pdf: impl Fn(DVec3) -> f64) -> DVec3 {
+    fn luminous(
+        &self,
+        point: &SurfacePoint,
+        toward: DVec3,
+        pdf: impl Fn(DVec3) -> f64,
+        weight: impl Fn(DVec3) -> DVec3,
+    ) -> DVec3 {
         if !above(point, toward) {
             return DVec3::ZERO;
         }
-        let Some(hit) = self.backend.closest(&self.ray(point, toward)) else {
-            return self.sky;
+        let radiance = match self.backend.closest(&self.ray(point, toward)) {
+            None => self.sky,
+            Some(hit) => self.shared(&hit, toward, pdf(toward)),
         };
-        self.shared(&hit, toward, pdf(toward))
+        weight(toward) * radiance
     }
 
     /// What a ray toward a lamp brings: the other share, where that lamp is what it meets first.
-    fn aimed(&self, point: &SurfacePoint, u: [f64; 2], pdf: impl Fn(DVec3) -> f64) -> DVec3 {
+    fn aimed(
+        &self,
+        point: &SurfacePoint,
+        u: [f64; 2],
+        pdf: impl Fn(DVec3) -> f64,
+        weight: impl Fn(DVec3) -> DVec3,
+    ) -> DVec3 {
         let (place, target) = self.lamps.sample(self.surfaces.world(), u);
         let toward = (target - point.position).normalize_or_zero();
         let density = pdf(toward);
@@ -214,7 +289,7 @@ impl Direct<'_> {
         }
         match self.backend.closest(&self.ray(point, toward)) {
             Some(hit) if (hit.instance, hit.triangle) == place => {
-                self.shared(&hit, toward, density)
+                weight(toward) * self.shared(&hit, toward, density)
             }
             _ => DVec3::ZERO,
         }
@@ -241,12 +316,15 @@ impl Direct<'_> {
     }
 
     /// Light of the lights reflected toward the unit direction `view`.
-    fn direct(&self, point: &SurfacePoint, view: DVec3) -> DVec3 {
+    fn direct(&self, point: &SurfacePoint, view: DVec3, coat: Option<&Coat>) -> DVec3 {
         let mut sum = DVec3::ZERO;
         for light in self.lights {
             let arrival = light.at(point.position);
-            let mut reflected = arrival.diffuse(point.normal, point.material.albedo);
-            if self.model == Model::Phong {
+            let matte = coat.map_or(point.material.albedo, |coat| coat.base);
+            let mut reflected = arrival.diffuse(point.normal, matte);
+            if let Some(coat) = coat {
+                reflected += coat.reflected(arrival.toward) * arrival.irradiance;
+            } else if self.model == Model::Phong {
                 let mirror = mirrored(point.normal, view);
                 reflected += arrival.specular(point.normal, mirror, &point.material);
             }

@@ -3,6 +3,7 @@
 use crate::fixture::{Sheet, ground, white, world};
 use crate::{Camera, Direct, Lamps, Light, Model, Sample, picture};
 use ambient::closed_form::phong_open;
+use ambient::ggx::Ggx;
 use glam::{DVec3, Vec3};
 use maps::Image;
 use rays::{Overrides, RayBackend, Surfaces};
@@ -77,6 +78,98 @@ fn a_wall_darkens_the_floor_as_its_closed_forms_say() {
             "{model:?}: {value} ± {error} for {exact}"
         );
     }
+}
+
+#[test]
+fn a_white_microfacet_plane_returns_all_that_it_receives_at_every_roughness_and_angle() {
+    for (albedo, specular) in [(0.0, 1.0), (0.96, 0.04)] {
+        for exponent in [0.0, 1.0, 30.0, 5000.0] {
+            let mut sheet = ground();
+            sheet.albedo = Vec3::splat(albedo);
+            sheet.specular = Vec3::splat(specular);
+            sheet.exponent = exponent;
+            let (world, backend) = world(&[sheet]);
+            let surfaces = Surfaces::new(&world);
+            let shader = direct(&surfaces, backend.as_ref(), Model::Ggx);
+            for theta in [0.0, 0.8, 1.5_f64] {
+                let eye = DVec3::new(4.0 * theta.sin(), 4.0 * theta.cos(), 0.0);
+                let value = shader.radiance(&seen(eye, DVec3::ZERO, 0)).x;
+                // Albedos are rounded to 32 bits.
+                assert!(
+                    (value - 1.0).abs() < 1e-6,
+                    "{specular} n {exponent}, {theta}: {value}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_wall_beside_a_microfacet_plane_takes_half_of_what_is_seen_from_above() {
+    let mut floor = ground();
+    floor.albedo = Vec3::ZERO;
+    floor.specular = Vec3::ONE;
+    floor.exponent = 2.0;
+    let wall = white([Vec3::new(0.0, 0.0, -4096.0), Vec3::Y, Vec3::Z * 8192.0]);
+    let (world, backend) = world(&[floor, wall]);
+    let surfaces = Surfaces::new(&world);
+    let shader = direct(&surfaces, backend.as_ref(), Model::Ggx);
+    let target = DVec3::new(0.001, 0.0, 0.3);
+    let (value, error) = mean(&shader, target + DVec3::Y * 0.5, target);
+    // The wall ends a thousandth of a radian from the zenith.
+    assert!(
+        (value - 0.5).abs() < 5.0 * error + 1e-3,
+        "{value} ± {error}"
+    );
+}
+
+#[test]
+fn a_sun_above_a_microfacet_mirror_shows_the_peak_of_its_lobe() {
+    // Toward = view = normal: D = 1/(π α²), G2 = 1, F = F0.
+    let (alpha, f0) = (0.1_f64, 0.5);
+    let mut sheet = ground();
+    sheet.albedo = Vec3::ZERO;
+    sheet.specular = Vec3::splat(f0);
+    sheet.exponent = 0.5 * (1.0 / (alpha * alpha) - 1.0);
+    let (world, backend) = world(&[sheet]);
+    let surfaces = Surfaces::new(&world);
+    let sun = [Light::Distant {
+        toward: DVec3::Y,
+        irradiance: 2.0,
+    }];
+    let shader = Direct {
+        rays: 0,
+        lights: &sun,
+        ..direct(&surfaces, backend.as_ref(), Model::Ggx)
+    };
+    let value = shader.radiance(&seen(DVec3::Y * 3.0, DVec3::ZERO, 0)).x;
+    let gain = Ggx::new(alpha, 1.0).open().gain(DVec3::splat(0.5)).x;
+    let exact = gain * 2.0 * f64::from(f0) / (4.0 * PI * alpha * alpha);
+    // The mean over 64 points stands for the integral: one of them counts 1/64 of it, times F0.
+    assert!(
+        (value / exact - 1.0).abs() < f64::from(f0) / 64.0,
+        "{value} for {exact}"
+    );
+}
+
+#[test]
+fn the_closed_baseline_is_the_closed_form_of_the_open_plane_times_visibility() {
+    let mut floor = ground();
+    (floor.albedo, floor.specular) = (Vec3::splat(0.25), Vec3::splat(0.5));
+    floor.exponent = 5.0;
+    let wall = white([Vec3::new(0.0, 0.0, -4096.0), Vec3::Y, Vec3::Z * 8192.0]);
+    let (world, backend) = world(&[floor, wall]);
+    let surfaces = Surfaces::new(&world);
+    let shader = direct(&surfaces, backend.as_ref(), Model::TraditionalClosed);
+    let target = DVec3::new(0.5, 0.0, 0.3);
+    let (sin, cos) = f64::sin_cos(0.7);
+    let (value, error) = mean(&shader, target + DVec3::new(sin, cos, 0.0), target);
+    let open = 1.0 - 2.0_f64.atan() / PI;
+    let exact = open * (0.25 + 0.5 * phong_open(5.0, cos, sin));
+    assert!(
+        (value - exact).abs() < 5.0 * error + 1e-4,
+        "{value} ± {error} for {exact}"
+    );
 }
 
 #[test]

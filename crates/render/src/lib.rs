@@ -31,6 +31,7 @@ mod framing;
 mod light;
 mod lightmap;
 mod lit;
+mod microfacets;
 mod picture;
 mod progress;
 pub mod tables;

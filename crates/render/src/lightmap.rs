@@ -81,10 +81,10 @@ impl Lightmap {
             page.layers
                 .retain(|kept| kept.name == layer && kept.channels.len() == 3);
             if page.layers.is_empty() {
-                return Err(Error::Bake {
-                    path,
-                    problem: format!("it has no layer {layer}; bake again with --layers {layer}"),
-                });
+                let problem = format!(
+                    "it has no layer {layer}; bake again with --layers {layer}, or take another --model"
+                );
+                return Err(Error::Bake { path, problem });
             }
             pages.push(page);
         }

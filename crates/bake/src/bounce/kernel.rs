@@ -1,10 +1,9 @@
 //! What a texel weighs incoming light by: the cosine of its irradiance, or the specular lobe.
 
-use crate::integrate::ggx::frame;
 use crate::options::Shading;
 use crate::survey::Sample;
 use ambient::Frame;
-use ambient::ggx::{Ggx, alpha_of};
+use ambient::ggx::{Ggx, alpha_of, frame};
 use ambient::sampling::{Lobe, Mixture};
 use glam::{DVec2, DVec3};
 

@@ -10,9 +10,9 @@ use super::terms::Terms;
 use crate::labels;
 use crate::options::{Effort, Shading};
 use crate::survey::Texel;
-use ambient::ggx::{Ggx, alpha_of};
+use ambient::Estimate;
+use ambient::ggx::{Ggx, alpha_of, base, frame};
 use ambient::sampling::LANES;
-use ambient::{Estimate, Frame};
 use glam::DVec3;
 use rays::{PhongMaterial, Ray};
 
@@ -59,38 +59,14 @@ impl Sums {
     }
 }
 
-/// A point of the lobe's own frame: z is the normal, the view lies in the xz plane.
-pub(crate) fn frame(normal: DVec3, view: DVec3) -> Frame {
-    let along = view - normal * normal.dot(view);
-    match along.try_normalize() {
-        Some(tangent) if along.length_squared() > 1e-24 => Frame {
-            tangent,
-            bitangent: normal.cross(tangent),
-            normal,
-        },
-        _ => Frame::from_normal(normal),
-    }
-}
-
-/// Diffuse and specular reflectance of an open texel with this material, whose view makes `cos` with its normal. Where the coat reflects more,
-/// the base gets less, so that a white material returns all that it receives.
+/// Diffuse and specular reflectance of an open texel with this material, whose view makes `cos` with its normal.
 pub(crate) fn colours(material: &PhongMaterial, cos: f64) -> [DVec3; 2] {
     let f0 = material.specular.min(DVec3::ONE);
-    let coat = Ggx::new(alpha_of(material.exponent), cos).open().of(f0);
     if f0 == DVec3::ZERO {
         return [material.albedo, DVec3::ZERO];
     }
-    let base = |albedo: f64, f0: f64, coat: f64| match f0 < 1.0 {
-        true => albedo * (1.0 - coat).max(0.0) / (1.0 - f0),
-        false => 0.0,
-    };
-    let [a, f, c] = [material.albedo, f0, coat];
-    let base = DVec3::new(
-        base(a.x, f.x, c.x),
-        base(a.y, f.y, c.y),
-        base(a.z, f.z, c.z),
-    );
-    [base, coat]
+    let coat = Ggx::new(alpha_of(material.exponent), cos).open().of(f0);
+    [base(material.albedo, f0, coat), coat]
 }
 
 /// The specular terms of a texel; the others are 0.

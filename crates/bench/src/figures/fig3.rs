@@ -1,4 +1,5 @@
-//! Fig. 3 of X. Zhang, Y. Gao, ICIP 2009: one scene in ambient light only, by the three ambient models.
+//! Fig. 3 of X. Zhang, Y. Gao, ICIP 2009: one scene in ambient light only, by its three ambient models; beside them the closed form
+//! of their section 4 times occlusion, and the microfacets that they name as future work.
 
 use glam::DVec3;
 use layers::Progress;
@@ -9,27 +10,30 @@ use std::fmt::Write;
 /// The pictures of the figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fig3 {
-    /// (a) traditional, (b) Lambert, (c) Phong.
-    pub models: [Image; 3],
-    /// b - a and c - b, signed.
-    pub differences: [Image; 2],
+    /// In the order of [`MODELS`].
+    pub models: [Image; MODELS.len()],
+    /// In the order of [`DIFFERENCES`], signed.
+    pub differences: [Image; DIFFERENCES.len()],
     /// Share of each pixel's camera samples that meet a surface.
     pub coverage: Vec<f32>,
 }
 
-/// The names of the models, then of the differences.
-const NAMES: [&str; 5] = [
-    "traditional",
-    "lambert",
-    "phong",
-    "lambert-traditional",
-    "phong-lambert",
+/// The models of the figure.
+pub const MODELS: [Model; 5] = [
+    Model::Traditional,
+    Model::Lambert,
+    Model::Phong,
+    Model::TraditionalClosed,
+    Model::Ggx,
 ];
+
+/// Which pictures are subtracted, the second from the first, as places in [`MODELS`].
+pub const DIFFERENCES: [[usize; 2]; 4] = [[1, 0], [2, 1], [2, 3], [4, 2]];
 
 /// The figure as `direct` sees it: its model is replaced, its lights are left out.
 ///
-/// All models get the same sample streams, so that c - b is the specular term alone. `progress` hears of the pixels of
-/// four pictures: the models and the coverage.
+/// All models get the same sample streams, so that Phong - Lambert is the specular term alone. `progress` hears of the pixels of
+/// the models and of the coverage.
 ///
 /// # Errors
 /// [`Error::Cancelled`].
@@ -43,29 +47,36 @@ pub fn fig3(
     let part = |index| Part {
         whole: progress,
         index,
-        count: 4,
+        count: MODELS.len() as u64 + 1,
     };
     let mut shot = |model, index| {
         direct.model = model;
         picture(camera, grid, &part(index), |sample| direct.radiance(sample))
     };
-    let a = shot(Model::Traditional, 0)?;
-    let b = shot(Model::Lambert, 1)?;
-    let c = shot(Model::Phong, 2)?;
+    let [a, b, c, d, e] = MODELS;
+    let models = [
+        shot(a, 0)?,
+        shot(b, 1)?,
+        shot(c, 2)?,
+        shot(d, 3)?,
+        shot(e, 4)?,
+    ];
     let meets = |sample: &Sample| DVec3::splat(f64::from(u8::from(direct.meets(sample))));
-    let coverage = picture(camera, grid, &part(3), meets)?.pixels;
+    let coverage = picture(camera, grid, &part(5), meets)?.pixels;
     Ok(Fig3 {
-        differences: [minus(&b, &a), minus(&c, &b)],
+        differences: DIFFERENCES.map(|[more, less]| minus(&models[more], &models[less])),
         coverage: coverage.into_iter().map(|[share, ..]| share).collect(),
-        models: [a, b, c],
+        models,
     })
 }
 
 impl Fig3 {
     /// Every picture with its name.
-    pub fn pictures(&self) -> impl Iterator<Item = (&'static str, &Image)> {
+    pub fn pictures(&self) -> impl Iterator<Item = (String, &Image)> {
+        let models = MODELS.map(|model| model.name().to_owned());
+        let differences = DIFFERENCES.map(|pair| pair.map(|at| MODELS[at].name()).join("-"));
         let all = self.models.iter().chain(&self.differences);
-        NAMES.into_iter().zip(all)
+        models.into_iter().chain(differences).zip(all)
     }
 
     /// The files of the figure, names and bytes: every picture as EXR with these labels, the models as PNG in sRGB, the
@@ -80,7 +91,7 @@ impl Fig3 {
             files.push((format!("fig3_{name}.exr"), exr));
             let png = match number < self.models.len() {
                 true => report::picture_png(image.width, &image.pixels),
-                false => difference_png(name, image),
+                false => difference_png(&name, image),
             };
             files.push((format!("fig3_{name}.png"), png));
         }
