@@ -174,6 +174,19 @@ fn a_material_costs_its_own_texels_and_no_change_costs_none() {
 }
 
 #[test]
+fn a_new_object_and_one_of_another_shape_go_where_the_pages_are_free() {
+    let (before, mut after) = (row(), row());
+    after[1].size = 0.5;
+    after.remove(3);
+    after.insert(0, prop("new", 9.5, 1.5));
+    let said = compare((0.5, &before), (0.5, &after), SMALL);
+    assert_eq!(said["reason"], Value::Null, "{said}");
+    let changed = serde_json::json!(["new", "second", "fourth"]);
+    assert_eq!(said["changed"], changed, "{said}");
+    assert!(said["kept"].as_u64() > Some(0), "{said}");
+}
+
+#[test]
 fn other_options_or_a_folder_without_state_bake_everything_and_say_so() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name);

@@ -5,7 +5,7 @@ use crate::layout::DECIDING;
 use crate::options::Options;
 use crate::scene::Scene;
 use crate::state::{self, Head};
-use atlas::Atlas;
+use atlas::{Atlas, Seen};
 use std::path::{Path, PathBuf};
 
 /// The finished bake that an update starts from.
@@ -60,8 +60,15 @@ impl Earlier {
         Ok(earlier)
     }
 
-    /// The earlier layout, as far as it serves this scene.
-    pub fn layout(&mut self, scene: &Scene, options: &Options) -> Option<Atlas> {
+    /// The earlier layout for this scene, with places for what is new; `None` where it does not serve.
+    ///
+    /// * `seen`: as [`atlas::layout_seen`] takes it.
+    pub fn layout(
+        &mut self,
+        scene: &Scene,
+        options: &Options,
+        seen: Option<&Seen<'_>>,
+    ) -> Option<Atlas> {
         let head = self.head.as_ref()?;
         let described = options.describe();
         let changed = |name: &&str| head.key["options"][*name] != described[*name];
@@ -69,10 +76,12 @@ impl Earlier {
             self.reason = Some(format!("--{} is another", name.replace('_', "-")));
             return None;
         }
-        let now = atlas::claims(scene, &options.layout()).ok()?;
-        let kept = atlas::reuse(&head.atlas, &head.facts.claims, &scene.0, &now);
+        let options = options.layout();
+        let now = atlas::claims(scene, &options).ok()?;
+        let claims = &head.facts.claims;
+        let kept = atlas::reuse(&head.atlas, claims, &scene.0, &now, &options, seen);
         if kept.is_none() {
-            let reason = "an object is new or has another shape, so the texels were laid out anew";
+            let reason = "an object is new or has another shape and no place among the others, so the texels were laid out anew";
             self.reason = Some(reason.into());
         }
         kept

@@ -96,17 +96,21 @@ impl Job {
                 None => rays::build(backend.kind(), &world, rayon::current_num_threads()),
             };
             let backend = time(&mut phases, "build", build)?;
-            let stable = earlier.as_mut().and_then(|of| of.layout(&scene, &options));
             let file = || {
                 given
                     .layout_file
                     .and_then(|path| read(path, &scene, &options))
             };
-            let layout = || match stable.or_else(file) {
-                Some(atlas) => Ok(atlas),
-                None => {
-                    let seen = oracle(&options, &world, backend.as_ref());
-                    atlas::layout_seen(&scene.0, &options.layout(), seen.as_deref(), &|| false)
+            let layout = || {
+                let seen = oracle(&options, &world, backend.as_ref());
+                let stable = earlier
+                    .as_mut()
+                    .and_then(|of| of.layout(&scene, &options, seen.as_deref()));
+                match stable.or_else(file) {
+                    Some(atlas) => Ok(atlas),
+                    None => {
+                        atlas::layout_seen(&scene.0, &options.layout(), seen.as_deref(), &|| false)
+                    }
                 }
             };
             let atlas = time(&mut phases, "atlas", layout).map_err(|source| Error::Layout {

@@ -60,7 +60,6 @@ pub(crate) fn unwrap(
         packed,
         kept,
     } = search(&objects, options, cancel, cut)?;
-    let size = f64::from(options.page_size);
     let mut atlas = Atlas {
         page_size: options.page_size,
         page_count: packed.pages.max(1),
@@ -80,33 +79,8 @@ pub(crate) fn unwrap(
         chart_count: sheets.iter().map(|s| s.charts.len() as u32).sum(),
         notes: Vec::new(),
     };
-    let mut specks = 0;
-    let mut spots = &packed.spots[..];
-    for (sheet, tile) in sheets.into_iter().zip(&kept) {
-        let mut layout = match tile {
-            None => {
-                let (own, rest) = spots.split_at(sheet.charts.len());
-                spots = rest;
-                let scale = densities[object_of[sheet.instances[0] as usize]];
-                sheet.layout(own, scale, DVec2::splat(size))
-            }
-            Some(tile) => {
-                let (own, rest) = spots.split_at(sheet.instances.len());
-                spots = rest;
-                for ((&i, spot), &scale) in sheet.instances.iter().zip(own).zip(&tile.scales) {
-                    let extent = tile.extent * (scale / tile.scale) / size;
-                    atlas.placements[i as usize] = Placement {
-                        page: spot.page,
-                        scale: extent.as_vec2().to_array(),
-                        offset: [spot.x, spot.y].map(|t| (f64::from(t) / size) as f32),
-                    };
-                }
-                sheet.layout(&tile.spots, tile.scale, tile.extent)
-            }
-        };
-        specks += add_specks(&mut layout) * sheet.instances.len() as u64;
-        atlas.meshes[sheet.mesh] = layout;
-    }
+    let of = |instance: u32| densities[object_of[instance as usize]];
+    let specks = settle(&mut atlas, &sheets, &kept, &packed.spots, of);
     if cancel() {
         return Err(Error::Cancelled);
     }
@@ -127,8 +101,49 @@ pub(crate) fn unwrap(
     Ok(atlas)
 }
 
+/// Writes the places of all sheets into an atlas, and counts the specks.
+///
+/// * `tiles`, `spots`: of [`cut`], and where its shapes went.
+pub(crate) fn settle(
+    atlas: &mut Atlas,
+    sheets: &[Sheet],
+    tiles: &[Option<Tile>],
+    mut spots: &[Spot],
+    density: impl Fn(u32) -> f64,
+) -> u64 {
+    let size = f64::from(atlas.page_size);
+    let mut specks = 0;
+    for (sheet, tile) in sheets.iter().zip(tiles) {
+        let mut layout = match tile {
+            None => {
+                let (own, rest) = spots.split_at(sheet.charts.len());
+                spots = rest;
+                let only = sheet.instances[0];
+                atlas.placements[only as usize] = AS_IT_STANDS;
+                sheet.layout(own, density(only), DVec2::splat(size))
+            }
+            Some(tile) => {
+                let (own, rest) = spots.split_at(sheet.instances.len());
+                spots = rest;
+                for ((&i, spot), &scale) in sheet.instances.iter().zip(own).zip(&tile.scales) {
+                    let extent = tile.extent * (scale / tile.scale) / size;
+                    atlas.placements[i as usize] = Placement {
+                        page: spot.page,
+                        scale: extent.as_vec2().to_array(),
+                        offset: [spot.x, spot.y].map(|t| (f64::from(t) / size) as f32),
+                    };
+                }
+                sheet.layout(&tile.spots, tile.scale, tile.extent)
+            }
+        };
+        specks += add_specks(&mut layout) * sheet.instances.len() as u64;
+        atlas.meshes[sheet.mesh] = layout;
+    }
+    specks
+}
+
 /// The charts of a mesh that stands in several places, arranged once for all of them.
-struct Tile {
+pub(crate) struct Tile {
     /// Texels per mesh unit at which it was arranged: that of the smallest instance.
     scale: f64,
     /// Texels per mesh unit of each instance.
@@ -139,7 +154,7 @@ struct Tile {
 }
 
 /// The shapes of all sheets, and the tiles of those that stand in several places.
-fn cut(
+pub(crate) fn cut(
     sheets: &[Sheet],
     gutter: u32,
     density: impl Fn(u32) -> f64 + Sync,

@@ -28,6 +28,7 @@ mod dilate;
 mod error;
 mod facts;
 mod footprint;
+mod free;
 mod glob;
 pub mod gutter;
 mod hidden;

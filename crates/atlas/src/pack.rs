@@ -31,7 +31,8 @@ pub(crate) struct Frame {
 }
 
 /// A frame that is being filled.
-struct Page {
+#[derive(Clone)]
+pub(crate) struct Page {
     frame: Frame,
     words: usize,
     /// Texels that are taken.
@@ -43,7 +44,8 @@ struct Page {
 }
 
 impl Page {
-    fn new(frame: Frame) -> Page {
+    /// An empty frame.
+    pub fn new(frame: Frame) -> Page {
         let words = frame.width.div_ceil(64) as usize;
         let inner = [frame.border, frame.width.saturating_sub(frame.border)];
         let mut page = Page {
@@ -60,6 +62,18 @@ impl Page {
             fill(row, inner[1], words as u32 * 64);
         }
         page
+    }
+
+    /// What it was made of.
+    pub fn frame(&self) -> Frame {
+        self.frame
+    }
+
+    /// Texels that shapes may still touch.
+    pub fn free(&self) -> u64 {
+        let runs = self.free.iter().flatten();
+        runs.map(|&[first, end]| u64::from(end.saturating_sub(first)))
+            .sum()
     }
 
     /// The lowest place at or above row `from` for a shape whose last row ends at or before `below`, leftmost first.
@@ -138,7 +152,7 @@ impl Page {
     }
 
     /// Takes the texels of a mask and those within two gutters.
-    fn insert(&mut self, mask: &Mask, [x, y]: [u32; 2]) {
+    pub fn insert(&mut self, mask: &Mask, [x, y]: [u32; 2]) {
         let reach = 2 * self.frame.gutter;
         let mut merged = std::mem::take(&mut self.merged);
         for grown in 0..mask.height + 2 * reach {
@@ -189,12 +203,20 @@ fn class(mask: &Mask, turn: usize) -> [u32; 3] {
 ///
 /// How many shapes were placed before one did not fit.
 pub(crate) fn pack(shapes: &[Shape], chosen: &[usize], frame: Frame) -> Result<Vec<Spot>, usize> {
+    add(&mut Page::new(frame), shapes, chosen)
+}
+
+/// The same in what a page has left.
+///
+/// # Errors
+///
+/// As [`pack`]; what was placed stays taken.
+pub(crate) fn add(page: &mut Page, shapes: &[Shape], chosen: &[usize]) -> Result<Vec<Spot>, usize> {
     let mut order: Vec<usize> = (0..chosen.len()).collect();
     order.sort_by_key(|&k| {
         let mask = &shapes[chosen[k]][0];
         (Reverse(mask.width + mask.height), k)
     });
-    let mut page = Page::new(frame);
     let mut spots = vec![Spot::default(); chosen.len()];
     // The row where the last shape of a class went: lower rows have no room for one like it.
     let mut begin: HashMap<[u32; 3], u32> = HashMap::new();
@@ -215,7 +237,7 @@ pub(crate) fn pack(shapes: &[Shape], chosen: &[usize], frame: Frame) -> Result<V
                     };
                     best = Some((y + mask.height, spot));
                 }
-                None if best.is_none() => *from = frame.height,
+                None if best.is_none() => *from = page.frame.height,
                 None => {}
             }
         }

@@ -1,9 +1,11 @@
 //! The layout of an earlier version of a scene, for what is the same in both: charts stay where they are.
 
 use crate::audit::audit;
-use crate::measure::{chart_count, density, world_triangle_areas};
-use crate::objects::{object_names, objects};
-use crate::{Atlas, Error, MeshLayout, Options};
+use crate::free::{Newcomers, insert};
+use crate::measure::{AS_IT_STANDS, chart_count, density, uv_area, world_triangle_areas};
+use crate::objects::{extent, object_names, objects};
+use crate::share::{CEILING, FLOOR};
+use crate::{Atlas, Error, MeshLayout, Options, Placement, Seen, UvSource};
 use scene::{Mesh, Scene};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -54,12 +56,105 @@ pub fn claims(scene: &Scene, options: &Options) -> Result<Vec<Claim>, Error> {
     Ok(claims.into_iter().flatten().collect())
 }
 
-/// The places of an earlier layout for a scene all of whose instances it knows; `None` where one is new, has another shape or is asked
-/// for at another density. Earlier instances that are gone leave their places free.
-pub fn reuse(earlier: &Atlas, before: &[Claim], scene: &Scene, now: &[Claim]) -> Option<Atlas> {
+/// The layout of a scene that keeps the places which an earlier one gave to what is the same in both.
+///
+/// Instances that are gone leave their places free. What is new, has another shape or is asked for at another density goes into free
+/// space, and on further pages where there is none. It gets the density that its object had, else the median of the earlier objects',
+/// within what [`crate::layout`] gives every object at least and at most. A mesh that stood once and now stands twice is laid out anew for both.
+///
+/// `None` where all of the scene must be laid out anew: the file's own coordinates were kept and something is new, or it does not fit.
+pub fn reuse(
+    earlier: &Atlas,
+    before: &[Claim],
+    scene: &Scene,
+    now: &[Claim],
+    options: &Options,
+    seen: Option<&Seen<'_>>,
+) -> Option<Atlas> {
     if before.len() != earlier.placements.len() || now.len() != scene.instances.len() {
         return None;
     }
+    let places = same(before, now);
+    let mut meshes: Vec<MeshLayout> = Vec::with_capacity(scene.meshes.len());
+    let mut placements = vec![Placement::NOWHERE; now.len()];
+    let mut anew = vec![false; now.len()];
+    let mut copies = Vec::new();
+    let mut users = vec![Vec::new(); scene.meshes.len()];
+    for (instance, claim) in now.iter().enumerate() {
+        users[claim.mesh as usize].push(instance);
+    }
+    for (mesh, users) in scene.meshes.iter().zip(users) {
+        let known = || users.iter().filter_map(|&i| Some((i, places[i]?)));
+        let mut sources = known().map(|(_, place)| before[place].mesh);
+        let source = sources.next().and_then(|source| {
+            // All instances of a mesh share its coordinates.
+            let layout = earlier.meshes.get(source as usize)?;
+            let same = sources.all(|other| other == source);
+            let fits = layout.triangles.len() == mesh.triangles.len()
+                && layout
+                    .source_vertices
+                    .iter()
+                    .all(|&v| (v as usize) < mesh.positions.len());
+            (same && fits).then_some(layout)
+        });
+        // One that stood alone has its charts all over the page.
+        let tile = known().find(|&(_, place)| {
+            let at = earlier.placements[place];
+            at.is_somewhere() && at != AS_IT_STANDS
+        });
+        let news = users
+            .iter()
+            .filter(|&&i| places[i].is_none() && now[i].included);
+        match (source, tile) {
+            (Some(layout), _) if news.clone().next().is_none() => meshes.push(layout.clone()),
+            (Some(layout), Some((sibling, _))) => {
+                meshes.push(layout.clone());
+                let edge = |i: usize| now[i].shape[0].sqrt();
+                let least = known().map(|(i, _)| edge(i)).fold(f64::INFINITY, f64::min);
+                for &i in news {
+                    // No smaller than the smallest, whose gutters are just wide enough.
+                    copies.push((i as u32, sibling as u32, edge(i).max(least) / edge(sibling)));
+                }
+            }
+            _ => {
+                meshes.push(MeshLayout::without_texels(mesh));
+                users.iter().for_each(|&i| anew[i] = now[i].included);
+                continue;
+            }
+        }
+        for (i, place) in known() {
+            placements[i] = earlier.placements[place];
+        }
+    }
+    let mut atlas = Atlas {
+        placements,
+        meshes,
+        ..earlier.clone()
+    };
+    if anew.contains(&true) || !copies.is_empty() {
+        if earlier.source != UvSource::Unwrapped {
+            return None;
+        }
+        let densities = densities(earlier, before, scene, now, options);
+        let new = Newcomers {
+            anew: &anew,
+            copies: &copies,
+            densities: &densities,
+        };
+        insert(&mut atlas, scene, &new, options, seen, &|| false)?;
+    }
+    let findings = audit(scene, &atlas);
+    if !findings.clean() {
+        return None;
+    }
+    atlas.chart_count = atlas.meshes.iter().map(chart_count).sum();
+    atlas.audit.texels = findings.audit.texels;
+    atlas.density = density(scene, &atlas.meshes, &atlas.placements, atlas.page_size);
+    Some(atlas)
+}
+
+/// The earlier instance that each one is; `None` for what is new or differs.
+fn same(before: &[Claim], now: &[Claim]) -> Vec<Option<usize>> {
     let mut known: HashMap<_, Vec<usize>> = HashMap::new();
     for (place, claim) in before.iter().enumerate().rev() {
         let key = (&claim.object, &claim.charts);
@@ -67,52 +162,67 @@ pub fn reuse(earlier: &Atlas, before: &[Claim], scene: &Scene, now: &[Claim]) ->
     }
     let mut places = Vec::with_capacity(now.len());
     for claim in now {
-        let place = known.get_mut(&(&claim.object, &claim.charts))?.pop()?;
-        if !claim.stays(&before[place]) {
-            return None;
-        }
-        places.push(place);
+        let own = known.get_mut(&(&claim.object, &claim.charts));
+        let place = own.and_then(Vec::pop);
+        places.push(place.filter(|&place| claim.stays(&before[place])));
     }
-    let layout_of = |(mesh, own): (usize, &Mesh)| {
-        let mut placed = (0..now.len()).filter(|&instance| now[instance].mesh as usize == mesh);
-        let Some(first) = placed.next() else {
-            return Some(MeshLayout::without_texels(own));
+    places
+}
+
+/// Texels per scene unit of each instance, if it is laid out anew, and true where nobody asked for them.
+fn densities(
+    earlier: &Atlas,
+    before: &[Claim],
+    scene: &Scene,
+    now: &[Claim],
+    options: &Options,
+) -> Vec<(f64, bool)> {
+    let edge = f64::from(earlier.page_size);
+    // Texels and surface of each object that had any.
+    let mut had: HashMap<&str, [f64; 2]> = HashMap::new();
+    for (claim, placement) in before.iter().zip(&earlier.placements) {
+        let layout = earlier.meshes.get(claim.mesh as usize);
+        if let Some(layout) = layout.filter(|_| placement.is_somewhere()) {
+            let [u, v] = placement.scale.map(f64::from);
+            let sums = had.entry(&claim.object).or_default();
+            sums[0] += uv_area(layout) * u * v * edge * edge;
+            sums[1] += claim.shape[0];
+        }
+    }
+    let of = |[texels, surface]: [f64; 2]| (texels / surface).sqrt();
+    let mut all: Vec<f64> = had
+        .values()
+        .copied()
+        .map(of)
+        .filter(|d| d.is_normal())
+        .collect();
+    all.sort_by(f64::total_cmp);
+    let median = all.get(all.len() / 2).copied().unwrap_or(1.0);
+    let mut densities = vec![(0.0, false); now.len()];
+    for object in object_names(scene) {
+        let extent = extent(scene, &object.instances);
+        let floor = if extent > 0.0 {
+            FLOOR * edge / extent
+        } else {
+            0.0
         };
-        let source = |instance: usize| before[places[instance]].mesh;
-        // All instances of a mesh share its coordinates.
-        if placed.any(|other| source(other) != source(first)) {
-            return None;
+        let surface: f64 = (object.instances.iter())
+            .map(|&instance| now[instance as usize].shape[0])
+            .sum();
+        let most = (CEILING / surface).sqrt() * edge;
+        for &instance in &object.instances {
+            let claim = &now[instance as usize];
+            let own = had
+                .get(&*claim.object)
+                .copied()
+                .map(of)
+                .filter(|d| d.is_normal());
+            let asked = claim.asked.or(options.density);
+            let density = asked.or(own).unwrap_or(median.max(floor).min(most));
+            densities[instance as usize] = (density, asked.is_none());
         }
-        let layout = earlier.meshes.get(source(first) as usize)?;
-        let fits = layout.triangles.len() == own.triangles.len()
-            && layout
-                .source_vertices
-                .iter()
-                .all(|&v| (v as usize) < own.positions.len());
-        fits.then(|| layout.clone())
-    };
-    let meshes: Vec<MeshLayout> = scene
-        .meshes
-        .iter()
-        .enumerate()
-        .map(layout_of)
-        .collect::<Option<_>>()?;
-    let mut atlas = Atlas {
-        placements: places
-            .iter()
-            .map(|&place| earlier.placements[place])
-            .collect(),
-        chart_count: meshes.iter().map(chart_count).sum(),
-        meshes,
-        ..earlier.clone()
-    };
-    let findings = audit(scene, &atlas);
-    if !findings.clean() {
-        return None;
     }
-    atlas.audit.texels = findings.audit.texels;
-    atlas.density = density(scene, &atlas.meshes, &atlas.placements, atlas.page_size);
-    Some(atlas)
+    densities
 }
 
 impl Claim {

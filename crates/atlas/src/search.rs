@@ -28,7 +28,7 @@ const LEAST_ACROSS: f64 = FLOOR / 4.0;
 /// Where one page does not do, `--pages auto` adds pages until this share of them is inside charts.
 const LEAST_INSIDE: f64 = 0.25;
 /// Pages that `--pages auto` adds at most.
-const MOST_PAGES: u32 = 1024;
+pub(crate) const MOST_PAGES: u32 = 1024;
 /// Texels that can be laid out at most: the pages of such an atlas take 4 GiB a channel.
 const MOST_TEXELS: f64 = (1u64 << 30) as f64;
 /// The search ends when the budget is known to this factor.

@@ -20,7 +20,7 @@ use crate::objects::Object;
 /// Objects count as the largest down to this part of the largest extent: tiles of one ground, walls of one house.
 const ALIKE: f64 = 4.0;
 /// Largest share of the texels that the largest objects together, or any object, take from the others.
-const CEILING: f64 = 0.6;
+pub(crate) const CEILING: f64 = 0.6;
 /// Least texels across an object's extent, in page edges.
 pub(crate) const FLOOR: f64 = 1.0 / 64.0;
 /// From so many texels across its extent, in page edges, an object needs no more than its equal share.

@@ -22,14 +22,14 @@ fn auto(scene: &Scene, page_size: u32) -> Atlas {
 }
 
 /// Nothing overlaps, is missing or lies outside.
-fn assert_clean(atlas: &Atlas) {
+pub fn assert_clean(atlas: &Atlas) {
     let a = atlas.audit;
     assert_eq!((a.overlaps, a.missing, a.outside), (0, 0, 0), "{a:?}");
     assert!(a.texels > 0);
 }
 
 /// Smallest Chebyshev distance, in texels, between texels of different objects.
-fn apart(scene: &Scene, atlas: &Atlas) -> i64 {
+pub fn apart(scene: &Scene, atlas: &Atlas) -> i64 {
     let size = atlas.page_size as usize;
     let mut least = i64::MAX;
     for page in 0..atlas.page_count {

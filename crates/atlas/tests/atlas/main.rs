@@ -4,4 +4,5 @@ mod footprints;
 mod gutters;
 mod layouts;
 mod models;
+mod reused;
 mod scenes;
