@@ -28,10 +28,10 @@ HERE = Path(__file__).parent
 THREADS = 2
 # ambake as it is by default, plain, and both with samples at texel centres alone: options and rays a texel.
 MODES = {
-    "ambake": ([], [16, 32, 64, 128]),
-    "plain": (["--denoise", "off"], [64, 256, 512]),
-    "centre": (["--footprint", "centre"], [16, 32, 64, 128]),
-    "centre plain": (["--footprint", "centre", "--denoise", "off"], [64, 256, 512]),
+    "ambake": ([], [16, 32, 64, 128, 256]),
+    "plain": (["--denoise", "off"], [64, 256, 512, 1024]),
+    "centre": (["--footprint", "centre"], [16, 32, 64, 128, 256]),
+    "centre plain": (["--footprint", "centre", "--denoise", "off"], [64, 256, 512, 1024]),
 }
 # Rays of the two plain bakes of ambake that every error is against, area averages and texel centres.
 CONVERGED = 2048

@@ -28,14 +28,14 @@ def at_rmse(points, target):
 
 
 def summarise(rows, bias, names, arguments):
-    cells, rays = {}, {}
+    cells, rays, repeats = {}, {}, {}
     for row in rows:
+        repeats[row["scene"]] = range(max(row["repeat"] + 1, len(repeats.get(row["scene"], ()))))
         cells[row["scene"], row["baker"], row["rays"], row["repeat"]] = row
         rays.setdefault((row["scene"], row["baker"]), set()).add(row["rays"])
-    repeats = range(max(row["repeat"] for row in rows) + 1)
 
     def median(scene, kind, count, column):
-        return statistics.median(cells[scene, kind, count, k][column] for k in repeats)
+        return statistics.median(cells[scene, kind, count, k][column] for k in repeats[scene])
 
     lines = ["# CPU seconds at equal RMSE", "",
              "User + system, medians of the repeats. `bake` is the bake alone, `process` the whole program with reading, layout and writing.",
@@ -54,15 +54,15 @@ def summarise(rows, bias, names, arguments):
                     points = [(cells[scene, mode, n, k][ours], cells[scene, mode, n, k][column]) for n in rays[scene, mode]]
                     return at_rmse(points, cells[scene, kind, count, k][theirs])
 
-                own = [reach("rays", k) for k in repeats]
+                own = [reach("rays", k) for k in repeats[scene]]
                 if None in own:
                     lines.append("| " + " | ".join([*peer, names[mode], *["-"] * 5]) + " |")
                     continue
                 least = any(bounded for _, bounded in own)
                 line = [*peer, names[mode], f"{statistics.median(n for n, _ in own):.0f}"]
                 for column in ("cpu_bake", "cpu_process"):
-                    costs = [reach(column, k)[0] for k in repeats]
-                    ratios = [cells[scene, kind, count, k][column] / cost for k, cost in zip(repeats, costs)]
+                    costs = [reach(column, k)[0] for k in repeats[scene]]
+                    ratios = [cells[scene, kind, count, k][column] / cost for k, cost in zip(repeats[scene], costs)]
                     ratio = f"{statistics.median(ratios):.1f} ({min(ratios):.1f} to {max(ratios):.1f})"
                     line += [f"{statistics.median(costs):.2f}", f"at least {ratio}" if least else ratio]
                 lines.append("| " + " | ".join(line) + " |")
