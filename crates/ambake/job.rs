@@ -10,7 +10,7 @@ use crate::seen::oracle;
 use ::bake::{Baker, Decision, Pilot, Plan};
 use atlas::Atlas;
 use rays::{RayBackend, World};
-use report::{DecisionReport, LayoutReport, PhaseReport, WarningReport};
+use report::{DecisionReport, LayoutReport, PhaseReport, WarningReport, cpu_seconds};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -235,6 +235,7 @@ impl Job {
         self.phases.push(PhaseReport {
             phase: phase.into(),
             seconds,
+            ..PhaseReport::default()
         });
     }
 
@@ -243,6 +244,7 @@ impl Job {
         let report = PhaseReport {
             phase: phase.into(),
             seconds,
+            ..PhaseReport::default()
         };
         self.phases.insert(0, report);
         self.started -= std::time::Duration::from_secs_f64(seconds);
@@ -275,11 +277,12 @@ fn within<R: Send>(pool: Option<&rayon::ThreadPool>, job: impl FnOnce() -> R + S
 
 /// Runs and times one phase.
 fn time<R>(phases: &mut Vec<PhaseReport>, phase: &str, job: impl FnOnce() -> R) -> R {
-    let started = Instant::now();
+    let (started, cpu) = (Instant::now(), cpu_seconds());
     let result = job();
     phases.push(PhaseReport {
         phase: phase.into(),
         seconds: started.elapsed().as_secs_f64(),
+        cpu_seconds: cpu.and_then(|before| Some(cpu_seconds()? - before)),
     });
     result
 }

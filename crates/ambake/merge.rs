@@ -243,6 +243,7 @@ impl Job {
             phases.push(PhaseReport {
                 phase: phase.into(),
                 seconds,
+                ..PhaseReport::default()
             });
         }
         if let Some(backend) = theirs["backend"].as_str() {

@@ -9,7 +9,7 @@ use crate::update::Tracker;
 use crate::write::{Writer, Written};
 use ::bake::{BakedPage, BounceStats, Bounces};
 use layers::Progress;
-use report::{Output, PhaseReport};
+use report::{Output, PhaseReport, cpu_seconds};
 use serde_json::json;
 use std::path::Path;
 use std::time::Instant;
@@ -93,6 +93,7 @@ impl Job {
             progress.note(&format!("--update keeps less than it could: {reason}"));
         }
         let (mut baking, mut writing) = (0.0, 0.0);
+        let mut processors = Some(0.0);
         let bounces = self.options().bounces != Bounces::Off;
         let mut waiting = Vec::new();
         for number in 0..self.atlas().page_count {
@@ -103,7 +104,7 @@ impl Job {
                     page.store(tile);
                 }
             })?;
-            let clock = Instant::now();
+            let (clock, cpu) = (Instant::now(), cpu_seconds());
             let tiles = self.within(|| tracker.keep(&mut page, &|line| progress.note(line)));
             let whole = self
                 .within(|| baker.fill(&mut page, progress, &mut |tile| saved.add(number, tile)))?;
@@ -117,6 +118,7 @@ impl Job {
             }
             self.within(|| baker.finish(&mut page));
             baking += clock.elapsed().as_secs_f64();
+            processors = processors.and_then(|sum| Some(sum + cpu_seconds()? - cpu?));
             if bounces {
                 waiting.push(page);
                 continue;
@@ -145,14 +147,16 @@ impl Job {
         writing += clock.elapsed().as_secs_f64();
         let mut phases = self.phases().to_vec();
         let bounce = bounced.map(|_| ("bounce", bouncing));
-        for (phase, seconds) in [("bake", baking)]
-            .into_iter()
-            .chain(bounce)
-            .chain([("write", writing)])
-        {
+        phases.push(PhaseReport {
+            phase: "bake".into(),
+            seconds: baking,
+            cpu_seconds: processors,
+        });
+        for (phase, seconds) in bounce.into_iter().chain([("write", writing)]) {
             phases.push(PhaseReport {
                 phase: phase.into(),
                 seconds,
+                ..PhaseReport::default()
             });
         }
         writer.tracked(tracker)?;

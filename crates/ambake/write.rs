@@ -213,6 +213,7 @@ impl<'a> Writer<'a> {
         phases.push(PhaseReport {
             phase: "gltf".into(),
             seconds: clock.elapsed().as_secs_f64(),
+            ..PhaseReport::default()
         });
         if let Some(picture) = self.lit.picture() {
             self.output.stage_bytes(&lit_name(&self.stem), &picture)?;
@@ -220,6 +221,7 @@ impl<'a> Writer<'a> {
         phases.push(PhaseReport {
             phase: "lit".into(),
             seconds: self.lit.seconds(),
+            ..PhaseReport::default()
         });
         let mut update = None;
         if let Some((head, report)) = self.state.take() {

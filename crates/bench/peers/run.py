@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Bakes the same texels with ambake and what else is installed: AMBAKE=PATH run.py SCENES WORK OUT [--size 512] [--rays 256].
+"""Bakes the same texels with ambake and what else is installed: AMBAKE=PATH run.py SCENES WORK OUT [--size 512] [--rays 256] [--only SCENE].
 
-SCENES holds room.obj and displaced.obj, and colonnade.obj if it is to be run (../scenes/generate.py). WORK keeps intermediate files and
-the converged bakes, which are made once. OUT receives peers.csv, peers.svg and peers.md. CMD is put before each timed bake (a lock on the
-machine). Peers are the packages bpy, mitsuba and open3d of the Python that runs this; one that is missing is a printed skip.
+SCENES holds room.obj, displaced.obj and colonnade.obj, or those of them that are to be run (../scenes/generate.py). WORK keeps intermediate
+files and the converged bakes, which are made once. OUT receives peers.csv, peers.svg and peers.md. CMD is put before each timed bake (a lock
+on the machine). Peers are the packages bpy, mitsuba and open3d of the Python that runs this; one that is missing is a printed skip.
 `ambake bench --peers -o DIR` sets all of that up and runs it.
 """
 
@@ -13,9 +13,7 @@ import importlib.util
 import json
 import math
 import os
-import platform
 import shlex
-import statistics
 import subprocess
 import sys
 from pathlib import Path
@@ -24,19 +22,28 @@ import numpy as np
 
 sys.dont_write_bytecode = True
 import mesh as meshes  # noqa: E402
+from summary import picture, summarise  # noqa: E402
 
 HERE = Path(__file__).parent
 THREADS = 2
-AMBAKE_RAYS = [16, 32, 64, 128, 256, 512, 1024]
-# Of a run with 256 rays; fewer rays, fewer here.
-CONVERGED = {"ambake": 16384, "mitsuba": 4096, "open3d": 4096, "combined": 1024, "ao": 1024}
+# ambake as it is by default, plain, and both with samples at texel centres alone: options and rays a texel.
+MODES = {
+    "ambake": ([], [16, 32, 64, 128, 256]),
+    "plain": (["--denoise", "off"], [64, 256, 512, 1024]),
+    "centre": (["--footprint", "centre"], [16, 32, 64, 128, 256]),
+    "centre plain": (["--footprint", "centre", "--denoise", "off"], [64, 256, 512, 1024]),
+}
+# Rays of the two plain bakes of ambake that every error is against, area averages and texel centres.
+CONVERGED = 2048
 FAR = 1e10
+# A texel that a peer's first 16 rays find so far off is left out. By chance that needs five standard errors.
+GUESS = 0.625
 # scene, distance, peers. A closed room is black under a white world, so COMBINED is asked without its ceiling.
 CASES = [
+    ("roofless", FAR, ["combined", "mitsuba", "open3d"]),
+    ("displaced", FAR, ["combined", "mitsuba", "open3d"]),
+    ("colonnade", FAR, ["combined", "mitsuba", "open3d"]),
     ("room", 1.0, ["ao", "mitsuba", "open3d"]),
-    ("roofless", FAR, ["combined", "ao", "mitsuba", "open3d"]),
-    ("displaced", FAR, ["combined", "ao", "mitsuba", "open3d"]),
-    ("colonnade", FAR, ["combined", "ao", "mitsuba", "open3d"]),
 ]
 NAMES = {
     "combined": "Cycles COMBINED",
@@ -44,6 +51,9 @@ NAMES = {
     "mitsuba": "Mitsuba ray test",
     "open3d": "Open3D ray test",
     "ambake": "ambake",
+    "plain": "ambake --denoise off",
+    "centre": "ambake --footprint centre",
+    "centre plain": "ambake --footprint centre --denoise off",
 }
 SCRIPTS = {"combined": "cycles", "ao": "cycles", "mitsuba": "mitsuba", "open3d": "open3d"}
 PACKAGES = {"cycles": "bpy", "mitsuba": "mitsuba", "open3d": "open3d"}
@@ -88,21 +98,21 @@ class Job:
             raise RuntimeError(f"{self.scene}: {said[-1].strip()[:200]}")
         return text, usage.ru_utime + usage.ru_stime
 
-    def ambake(self, rays, seed, before):
+    def ambake(self, mode, rays, seed, before):
+        """Diffuse, the seconds of a bake, its version, and the share of each texel that is charted and not buried."""
         out = self.work / "ambake"
         command = [os.environ["AMBAKE"], "bake", self.source, "-o", out, "--size", self.size, "--rays", rays, "--seed", seed]
-        command += ["--threads", THREADS, "--quiet", "--only", "diffuse", "--denoise", "off"]
+        command += ["--threads", THREADS, "--quiet", "--only", "diffuse,validity", "--seams", "off", "--pages", 1, *MODES[mode][0]]
         if self.distance != FAR:
             command += ["--max-distance", self.distance]
         _, process = self.timed(command, before)
         report = json.loads((out / "bake.json").read_text())
-        phases = {entry["phase"]: entry["seconds"] for entry in report["timings"]}
-        wall = sum(phases[name] for name in ("plan", "build", "bake"))
+        phases = [entry for entry in report["timings"] if entry["phase"] in ("plan", "build", "bake")]
+        cpu, wall = (sum(entry[key] for entry in phases) for key in ("cpu_seconds", "seconds"))
         planes = meshes.read_exr(out / f"{self.scene}.0.exr")
-        values = planes["diffuse"].ravel().copy()
-        values[planes["coverage"].ravel() < 0.999] = np.nan
-        # The report times by the wall clock; its phases cannot have used more than all threads.
-        return values, min(process, THREADS * wall), process, wall, f"ambake {report['versions']['ambake']}, {report['versions']['backend_version']}"
+        seen = np.minimum(planes["coverage"], planes["validity"]).ravel()
+        version = f"ambake {report['versions']['ambake']}, {report['versions']['backend_version']}"
+        return planes["diffuse"].ravel(), cpu, process, wall, version, seen
 
     def peer(self, kind, rays, seed, before):
         out = self.work / "peer.npy"
@@ -114,22 +124,33 @@ class Job:
         return np.load(out), said["cpu"], process, said["wall"], said["version"]
 
     def bake(self, kind, rays, seed, before):
-        return self.ambake(rays, seed, before) if kind == "ambake" else self.peer(kind, rays, seed, before)
+        return self.ambake(kind, rays, seed, before)[:5] if kind in MODES else self.peer(kind, rays, seed, before)
 
-    def converged(self, kind):
-        """Made once, under a seed that no timed bake uses."""
-        rays = max(CONVERGED[kind] * self.rays // 256, 16)
-        path = self.work / f"converged.{kind}.{self.size}.{rays}.npy"
+    def converged(self, mode):
+        """Made once, under a seed that no timed bake uses. Texels that a chart or the air does not wholly fill are left out."""
+        path = self.work / f"converged.{mode}.{self.size}.npy".replace(" ", "_")
         if not path.exists():
-            np.save(path, self.bake(kind, rays, 9999, [])[0])
+            values, *_, seen = self.ambake(mode, CONVERGED, 9999, [])
+            values = values.copy()
+            values[seen < 0.999] = np.nan
+            np.save(path, values)
         return np.load(path)
 
     def prepare(self):
         """The mesh and lightmap coordinates that ambake writes become the mesh of every peer."""
-        self.ambake(16, 0, [])
+        self.ambake("plain", 16, 0, [])
         positions, uv, faces = meshes.read_glb(self.work / "ambake" / f"{self.scene}.glb")
         texel, at, normal = meshes.texel_centres(positions, uv, faces, self.size)
         np.savez(self.mesh, positions=positions, uv=uv, faces=faces, texel=texel, at=at, normal=normal)
+
+
+def find_llvm():
+    """Names Mitsuba's compiler, where Debian has one that it accepts and nobody named another: 15 and 16 crash under AVX-512."""
+    found = sorted(Path("/usr/lib").glob("*/libLLVM.so.19*")) + sorted(Path("/usr/lib").glob("llvm-19/lib/libLLVM.so*"))
+    if found:
+        os.environ.setdefault("DRJIT_LIBLLVM_PATH", str(found[0]))
+    elif "DRJIT_LIBLLVM_PATH" not in os.environ and installed("mitsuba"):
+        print("Mitsuba needs LLVM: apt-get install libllvm19, or DRJIT_LIBLLVM_PATH", flush=True)
 
 
 def rms(difference):
@@ -137,126 +158,42 @@ def rms(difference):
 
 
 def measure(job, peers, repeats):
+    """Rows of every bake, and what each peer converges to: mean and RMS of its difference to area averages and to texel centres."""
     job.prepare()
-    truth = {"ambake": job.converged("ambake")}
+    area, centre = job.converged("plain"), job.converged("centre plain")
+    common = np.isfinite(area)
     for kind in list(peers):
         try:
-            job.bake(kind, 16, 1, [])  # the first run of a peer compiles its kernels and warms the files
-            truth[kind] = job.converged(kind)
+            # The first run of a peer compiles its kernels, warms the files and shows which texels it covers.
+            # Where surfaces coincide, such as the tops of equally high boxes that overlap, what is open is anybody's guess.
+            common &= np.abs(job.bake(kind, 16, 1, [])[0] - area) < GUESS
         except RuntimeError as error:
             print(f"skip {NAMES[kind]}: {error}", flush=True)
             peers.remove(kind)
-    kinds = ["ambake", *peers]
-    common = np.all([np.isfinite(image) for image in truth.values()], axis=0)
     rows, images = [], {}
     for repeat in range(repeats):
-        for kind in kinds:
-            for rays in AMBAKE_RAYS if kind == "ambake" else [job.rays]:
+        for kind in [*peers, *MODES]:
+            for rays in MODES[kind][1] if kind in MODES else [job.rays]:
                 values, cpu, process, wall, version = job.bake(kind, rays, 100 + repeat, job.before)
-                images[kind, rays, repeat] = values
+                images[kind, rays, repeat] = values[common]
                 rows.append({
                     "scene": job.scene, "baker": kind, "version": version, "rays": rays, "repeat": repeat, "texels": int(common.sum()),
                     "cpu_bake": round(cpu, 4), "cpu_process": round(process, 4), "wall_bake": round(wall, 4),
-                    "rmse_ambake": round(rms((values - truth["ambake"])[common]), 6),
+                    "rmse_area": round(rms((values - area)[common]), 6), "rmse_centre": round(rms((values - centre)[common]), 6),
                 })  # fmt: skip
                 print(rows[-1], flush=True)
     for row in rows:
         # Two bakes under different seeds differ by the root of 2 times the sampling error, free of any reference's own.
         pair = [images[row["baker"], row["rays"], (row["repeat"] + k) % repeats] for k in (0, 1)]
-        row["rmse_own"] = round(rms((pair[0] - pair[1])[common]) / math.sqrt(2), 6)
+        row["rmse_own"] = round(rms(pair[0] - pair[1]) / math.sqrt(2), 6)
     bias = {}
     for kind in peers:
-        difference = (truth[kind] - truth["ambake"])[common]
-        bias[kind] = (float(difference.mean()), float(np.median(np.abs(difference))), float(np.quantile(np.abs(difference), 0.99)), rms(difference))
+        # The noise of two bakes is independent, so that the product of their differences is what they have in common.
+        first, second = (images[kind, job.rays, k] for k in (0, 1))
+        for truth in (area, centre):
+            a, b = first - truth[common], second - truth[common]
+            bias.setdefault(kind, []).extend([float((a + b).mean() / 2), math.sqrt(max(float(np.mean(a * b)), 0))])
     return rows, bias
-
-
-def at_rmse(points, target):
-    """Seconds at an RMSE, logarithms interpolated between ray counts. None outside of what was measured."""
-    points = sorted(points, reverse=True)
-    for (e0, c0), (e1, c1) in zip(points, points[1:]):
-        if e0 >= target >= e1:
-            t = math.log(target / e0) / math.log(e1 / e0)
-            return c0 ** (1 - t) * c1**t
-    return None
-
-
-def summarise(rows, bias, arguments):
-    def median(scene, kind, rays, column):
-        return statistics.median(r[column] for r in rows if (r["scene"], r["baker"], r["rays"]) == (scene, kind, rays))
-
-    lines = ["# CPU seconds at equal RMSE", "", "User + system, medians. `bake` is the bake alone, `process` the whole program."]
-    for error, title in (
-        ("rmse_own", "Sampling error alone: each baker against the value that it converges to."),
-        ("rmse_ambake", "Error against ambake's converged average over the texel: the peers' different definition counts as error."),
-    ):
-        lines += ["", title, "",
-                  f"| scene | peer, {arguments.rays} rays | RMSE | ambake rays | peer bake s | ambake bake s | ratio | peer process s | ambake process s | ratio |",
-                  "|---|---|---|---|---|---|---|---|---|---|"]  # fmt: skip
-        for scene, kind in bias:
-            target = median(scene, kind, arguments.rays, error)
-            cells = [scene, NAMES[kind], f"{target:.5f}"]
-
-            def reach(column):
-                return at_rmse([(median(scene, "ambake", n, error), median(scene, "ambake", n, column)) for n in AMBAKE_RAYS], target)
-
-            rays = reach("rays")
-            cells.append(f"{rays:.0f}" if rays else "not measured")
-            for column in ("cpu_bake", "cpu_process"):
-                peer, own = median(scene, kind, arguments.rays, column), reach(column)
-                each = [r[column] / own for r in rows if (r["scene"], r["baker"]) == (scene, kind)] if own else []
-                ratio = f"{peer / own:.1f} ({min(each):.1f} to {max(each):.1f})" if own else ""
-                cells += [f"{peer:.2f}", f"{own:.3f}" if own else "not measured", ratio]
-            lines.append("| " + " | ".join(cells) + " |")
-    lines += ["", "ambake alone:", "", "| scene | rays | sampling error | against converged | bake s | process s |", "|---|---|---|---|---|---|"]
-    for scene in dict.fromkeys(r["scene"] for r in rows):
-        for n in AMBAKE_RAYS:
-            e, a, b, p = (median(scene, "ambake", n, c) for c in ("rmse_own", "rmse_ambake", "cpu_bake", "cpu_process"))
-            lines.append(f"| {scene} | {n} | {e:.5f} | {a:.5f} | {b:.3f} | {p:.3f} |")
-    lines += ["", "Converged values, peer minus ambake, over texels wholly inside a chart:", "",
-              "| scene | peer | mean | median of abs | 99 % of abs | RMS |", "|---|---|---|---|---|---|"]  # fmt: skip
-    for (scene, kind), (mean, middle, high, spread) in bias.items():
-        lines.append(f"| {scene} | {NAMES[kind]} | {mean:+.5f} | {middle:.5f} | {high:.4f} | {spread:.4f} |")
-    versions = sorted({r["version"] for r in rows})
-    lines += ["", f"Python {platform.python_version()}, {os.cpu_count()} CPUs, {THREADS} threads, {arguments.size}x{arguments.size} texels. " + "; ".join(versions) + "."]
-    return "\n".join(lines) + "\n"
-
-
-def picture(rows):
-    """RMSE against CPU seconds of the bake, one frame a scene: ambake a line, each peer a dot."""
-    scenes = list(dict.fromkeys(r["scene"] for r in rows))
-    kinds = list(dict.fromkeys(r["baker"] for r in rows))
-    colours = dict(zip(kinds, ["#1b6ca8", "#d1495b", "#edae49", "#66a182", "#7b5ea7"]))
-    edge, pad = 260, 50
-    points = {}
-    for r in rows:
-        points.setdefault((r["scene"], r["baker"], r["rays"]), []).append((r["cpu_bake"], r["rmse_ambake"]))
-    points = {key: [statistics.median(axis) for axis in zip(*values)] for key, values in points.items()}
-    spans = [[min(axis), max(axis)] for axis in zip(*points.values())]
-
-    def place(axis, value):
-        low, high = (math.log10(max(v, 1e-9)) for v in spans[axis])
-        share = (math.log10(max(value, 1e-9)) - low) / max(high - low, 1e-9)
-        return pad + (edge - 2 * pad) * (share if axis == 0 else 1 - share)
-
-    parts = []
-    for column, scene in enumerate(scenes):
-        parts.append(f'<g transform="translate({column * edge})"><text x="{pad}" y="20">{scene}</text>')
-        parts.append(f'<rect x="{pad - 8}" y="{pad - 8}" width="{edge - 2 * pad + 16}" height="{edge - 2 * pad + 16}" fill="none" stroke="#888"/>')
-        parts.append(f'<text x="{pad}" y="{edge - 14}">CPU s, {spans[0][0]:.2g} to {spans[0][1]:.2g}</text>')
-        parts.append(f'<text x="{pad}" y="36">RMSE, {spans[1][0]:.2g} to {spans[1][1]:.2g}</text>')
-        for kind in kinds:
-            at = [[place(0, c), place(1, e)] for (s, k, _), (c, e) in sorted(points.items(), key=str) if (s, k) == (scene, kind)]
-            at.sort()
-            line = " ".join(f"{x:.1f},{y:.1f}" for x, y in at)
-            parts.append(f'<polyline points="{line}" fill="none" stroke="{colours[kind]}"/>')
-            parts += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{colours[kind]}"/>' for x, y in at]
-        parts.append("</g>")
-    for row, kind in enumerate(kinds):
-        parts.append(f'<text x="{pad + 120 * row}" y="{edge + 14}" fill="{colours[kind]}">{NAMES[kind]}</text>')
-    width = max(edge * len(scenes), pad + 120 * len(kinds))
-    head = f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{edge + 24}" font-family="sans-serif" font-size="11">'
-    return "\n".join([head, f'<rect width="{width}" height="{edge + 24}" fill="white"/>', *parts, "</svg>"]) + "\n"
 
 
 def main():
@@ -267,6 +204,7 @@ def main():
     parser.add_argument("--before", default="")
     parser.add_argument("--size", type=int, default=512)
     parser.add_argument("--rays", type=int, default=256, help="of the peers")
+    parser.add_argument("--only", action="append", choices=[scene for scene, _, _ in CASES], help="a scene; all that are there without it")
     arguments = parser.parse_args()
     if arguments.repeats < 2:
         parser.error("--repeats must be 2 or more: the sampling error comes from pairs of bakes")
@@ -275,13 +213,14 @@ def main():
     arguments.work.mkdir(parents=True, exist_ok=True)
     arguments.out.mkdir(parents=True, exist_ok=True)
     remove_ceiling(arguments.scenes / "room.obj", arguments.work / "roofless.obj")
+    find_llvm()
     missing = sorted({PACKAGES[SCRIPTS[kind]] for kind in SCRIPTS if not installed(kind)})
     for package in missing:
         print(f"skip {package}: this Python does not have it", flush=True)
     rows, bias = [], {}
     for scene, distance, peers in CASES:
         job = Job(scene, distance, arguments)
-        if not job.source.exists():
+        if scene not in (arguments.only or [scene]) or not job.source.exists():
             continue
         more, measured = measure(job, [kind for kind in peers if installed(kind)], arguments.repeats)
         rows += more
@@ -290,8 +229,8 @@ def main():
             writer = csv.DictWriter(file, rows[0], lineterminator="\n")
             writer.writeheader()
             writer.writerows(rows)
-        (arguments.out / "peers.svg").write_text(picture(rows))
-        (arguments.out / "peers.md").write_text(summarise(rows, bias, arguments))
+        (arguments.out / "peers.svg").write_text(picture(rows, NAMES))
+        (arguments.out / "peers.md").write_text(summarise(rows, bias, NAMES, arguments))
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
 //! CPU and wall time of a job.
 
+use report::cpu_seconds;
 use std::time::Instant;
 
 /// Seconds that a job took.
@@ -21,17 +22,6 @@ pub fn time<R>(job: impl FnOnce() -> R) -> (R, Spent) {
         _ => wall,
     };
     (result, Spent { cpu, wall })
-}
-
-/// Seconds on a CPU of every thread that this process has or had.
-fn cpu_seconds() -> Option<f64> {
-    #[cfg(unix)]
-    {
-        let spent = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-        Some(spent.tv_sec as f64 + spent.tv_nsec as f64 * 1e-9)
-    }
-    #[cfg(not(unix))]
-    None
 }
 
 #[cfg(all(test, unix))]

@@ -11,13 +11,14 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// The scripts, by file name.
-const SCRIPTS: [(&str, &str); 6] = [
+const SCRIPTS: [(&str, &str); 7] = [
     (
         "generate.py",
         include_str!("../../bench/scenes/generate.py"),
     ),
     ("run.py", include_str!("../../bench/peers/run.py")),
     ("mesh.py", include_str!("../../bench/peers/mesh.py")),
+    ("summary.py", include_str!("../../bench/peers/summary.py")),
     (
         "bake_cycles.py",
         include_str!("../../bench/peers/bake_cycles.py"),

@@ -256,6 +256,9 @@ pub struct PhaseReport {
     pub phase: String,
     /// Seconds.
     pub seconds: f64,
+    /// Seconds that threads of the process had a processor meanwhile, user and system, where that was measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cpu_seconds: Option<f64>,
 }
 
 /// Something that was repaired, ignored or is doubtful.

@@ -8,6 +8,7 @@ mod any_view;
 mod bake_json;
 mod checkpoint;
 mod compare;
+mod cpu;
 mod difference;
 mod engines;
 mod error;
@@ -31,6 +32,7 @@ pub use any_view::{AnyViewReport, any_view_files, stage_any_view};
 pub use bake_json::*;
 pub use checkpoint::{Journal, remove_journal, write_journal};
 pub use compare::{Comparison, Difference, PageComparison, Worst, compare_layers, compare_pages};
+pub use cpu::cpu_seconds;
 pub use difference::{difference_picture, difference_png, nice_limit};
 pub use engines::{
     Engine, LightSource, LightmapReport, LitPicture, PageLight, engine_files, light_source,

@@ -15,6 +15,45 @@ pub(super) fn short(hasher: &Hasher) -> Fingerprint {
     bytes
 }
 
+/// A hash that takes small pieces: it hashes many blocks side by side, which needs long ones.
+#[derive(Default)]
+pub(super) struct Feed {
+    hasher: Hasher,
+    waiting: Vec<u8>,
+}
+
+impl Feed {
+    /// Bytes that are hashed at a time.
+    const BLOCK: usize = 1 << 16;
+
+    /// Goes on where another hash is.
+    pub fn after(hasher: &Hasher) -> Self {
+        Self {
+            hasher: hasher.clone(),
+            waiting: Vec::new(),
+        }
+    }
+
+    pub fn update(&mut self, bytes: &[u8]) {
+        self.waiting.extend_from_slice(bytes);
+        if self.waiting.len() >= Self::BLOCK {
+            self.hasher.update(&self.waiting);
+            self.waiting.clear();
+        }
+    }
+
+    pub fn numbers(&mut self, values: &[f64]) {
+        for value in values {
+            self.update(&value.to_le_bytes());
+        }
+    }
+
+    pub fn short(mut self) -> Fingerprint {
+        self.hasher.update(&self.waiting);
+        short(&self.hasher)
+    }
+}
+
 /// An object's content.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Content {
@@ -64,7 +103,7 @@ pub(super) fn contents(world: &World) -> Vec<Content> {
 /// What a ray can meet of an instance.
 fn seen(world: &World, instance: u32, images: &[Fingerprint]) -> Fingerprint {
     let (part, geometry) = world.part(instance);
-    let mut hasher = Hasher::new();
+    let mut hasher = Feed::default();
     for position in geometry.positions.iter() {
         hasher.update(position.to_array().map(f32::to_le_bytes).as_flattened());
     }
@@ -83,7 +122,7 @@ fn seen(world: &World, instance: u32, images: &[Fingerprint]) -> Fingerprint {
     let mesh = geometry.mesh();
     let alpha = &world.scene().materials[mesh.material as usize].alpha;
     let map = match alpha {
-        Alpha::Opaque => return short(&hasher),
+        Alpha::Opaque => return hasher.short(),
         Alpha::Mask { map, .. } | Alpha::Blend { map, .. } => map,
     };
     // Which rays a see-through triangle stops depends on the number of its mesh.
@@ -98,12 +137,12 @@ fn seen(world: &World, instance: u32, images: &[Fingerprint]) -> Fingerprint {
             hasher.update(uv.to_array().map(f32::to_le_bytes).as_flattened());
         }
     }
-    short(&hasher)
+    hasher.short()
 }
 
 /// Every array of a mesh.
 fn mesh(mesh: &scene::Mesh) -> Fingerprint {
-    let mut hasher = Hasher::new();
+    let mut hasher = Feed::default();
     let mut array = |values: &mut dyn Iterator<Item = [f32; 4]>| {
         let mut count = 0u64;
         for value in values {
@@ -122,7 +161,7 @@ fn mesh(mesh: &scene::Mesh) -> Fingerprint {
     for triangle in &mesh.triangles {
         hasher.update(triangle.map(u32::to_le_bytes).as_flattened());
     }
-    short(&hasher)
+    hasher.short()
 }
 
 /// A material but for its name, with the pictures that it reads. The words name every field, so that a new one cannot be forgotten here;
@@ -159,4 +198,21 @@ fn surface(scene: &Scene, material: usize, images: &[Fingerprint]) -> Fingerprin
 /// Numbers as bytes.
 pub(super) fn numbers(values: &[f64]) -> Vec<u8> {
     values.iter().flat_map(|v| v.to_le_bytes()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_feed_of_small_pieces_hashes_what_lies_end_to_end() {
+        let bytes: Vec<u8> = (0..200_000u32).map(|k| (k * 7 % 251) as u8).collect();
+        let mut begun = Hasher::new();
+        begun.update(&bytes[..100]);
+        let mut feed = Feed::after(&begun);
+        bytes[100..].chunks(12).for_each(|piece| feed.update(piece));
+        let mut whole = Hasher::new();
+        whole.update(&bytes);
+        assert_eq!(feed.short(), short(&whole));
+    }
 }

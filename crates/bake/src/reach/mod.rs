@@ -21,7 +21,7 @@ use crate::choice::Choice;
 use crate::page::Baker;
 use atlas::{PageRaster, TilePart};
 use blake3::Hasher;
-use content::{Content, contents, numbers, short};
+use content::{Content, Feed, contents, numbers};
 use glam::DVec3;
 use ground::Ground;
 use layers::Layer;
@@ -101,7 +101,7 @@ impl<'a> Reach<'a> {
     }
 
     fn tile(&self, raster: &PageRaster<'_>, page: u32, index: usize) -> Fingerprint {
-        let mut hasher = self.common.clone();
+        let mut hasher = Feed::after(&self.common);
         hasher.update(&page.to_le_bytes());
         hasher.update(&raster.tiles()[index].to_le_bytes());
         let mut grounds = Vec::new();
@@ -114,7 +114,7 @@ impl<'a> Reach<'a> {
             }
             hasher.update(&self.contents[instance as usize].own);
             hasher.update(&triangle.to_le_bytes());
-            hasher.update(&numbers(part.corners.map(|p| p.to_array()).as_flattened()));
+            hasher.numbers(part.corners.map(|p| p.to_array()).as_flattened());
             hasher.update(&[self.baker.plan.open.contains(instance, triangle).into()]);
             let own = self.baker.solids.and_then(|of| of.own(instance, triangle));
             hasher.update(&own.map_or([0; 16], |body| self.body(body)));
@@ -133,7 +133,7 @@ impl<'a> Reach<'a> {
         about.sort_unstable();
         hasher.update(about.as_flattened());
         hasher.update(&self.tree.sum(&grounds).to_le_bytes());
-        short(&hasher)
+        hasher.short()
     }
 
     /// Where rays leave a part of a triangle.
@@ -180,13 +180,13 @@ impl<'a> Reach<'a> {
 
     fn body(&self, body: u32) -> Fingerprint {
         *self.bodies[body as usize].get_or_init(|| {
-            let mut hasher = Hasher::new();
+            let mut hasher = Feed::default();
             if let Some(solids) = self.baker.solids {
                 solids.content(body, &mut |bytes| {
                     hasher.update(bytes);
                 });
             }
-            short(&hasher)
+            hasher.short()
         })
     }
 }
