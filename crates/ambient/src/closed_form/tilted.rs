@@ -97,7 +97,7 @@ mod tests {
             );
             // A cell at the horizon of N counts wholly or not at all.
             assert!(
-                (found - exact).length() < 5e-4,
+                (found - exact).length() < 2e-5,
                 "{degrees}: {found} {exact}"
             );
         }
