@@ -312,3 +312,64 @@ fn what_bevy_loads_with_reads_the_files() {
     assert_eq!(lengths, [16 * 16 * 8, 8 * 8 * 8]);
     assert_eq!(container.dfd_blocks().count(), 1);
 }
+
+#[test]
+fn light_by_direction_gives_back_the_light_in_both_packings() {
+    let plane = scene("plane.obj");
+    let options = ["--size=16", "--rays=4", "--sky=2,1,0", "--layers=sh"];
+    let (folder, _) = bake(&plane, &[&options[..], &["--for=godot,bevy"]].concat());
+    let (later, _) = bake(&plane, &options);
+    run_well(["export", text(later.path()), "--for=godot,bevy", "--quiet"]);
+    assert_eq!(differing(folder.path(), later.path()), Vec::<String>::new());
+    let maps = report(folder.path())["lightmaps"].clone();
+    for (engine, file) in [("godot", "plane.0.sh.exr"), ("bevy", "plane.0.sh.ktx2")] {
+        let named = |map: &&Value| map["engine"] == engine && map["file"] == file;
+        assert!(
+            maps.as_array()
+                .is_some_and(|maps| maps.iter().any(|map| named(&map)))
+        );
+    }
+    // An open plane that faces +y: E/pi of a normal n is (1 + n.y) / 2 of the sky.
+    let picture = exr::prelude::read_first_rgba_layer_from_file(
+        folder.path().join("plane.0.sh.exr"),
+        |size, _| (size, vec![[0.0f32; 3]; size.area()]),
+        |(size, pixels): &mut (exr::math::Vec2<usize>, Vec<[f32; 3]>),
+         at,
+         (r, g, b, _): (f32, f32, f32, f32)| {
+            pixels[at.1 * size.0 + at.0] = [r, g, b];
+        },
+    );
+    let (size, pixels) = picture
+        .expect("channels R, G, B")
+        .layer_data
+        .channel_data
+        .pixels;
+    assert_eq!((size.0, size.1), (16, 64), "four slices");
+    let sky = [2.0, 1.0, 0.0];
+    for n in [[0.0, 1.0, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, -1.0]] {
+        for (c, sky) in sky.iter().enumerate() {
+            let slice = |k: usize| pixels[16 * 16 * k + 40][c];
+            let sides = (slice(1) - 0.5) * n[1] + (slice(2) - 0.5) * n[2] + (slice(3) - 0.5) * n[0];
+            let found = slice(0) * (1.0 + 8.0 * sides);
+            assert!(
+                (found - sky * (1.0 + n[1]) / 2.0).abs() < 2e-3,
+                "{n:?}: {found}"
+            );
+        }
+    }
+    let bytes = fs::read(folder.path().join("plane.0.sh.ktx2")).expect("written");
+    let container = ktx2::Reader::new(bytes).expect("a KTX2 container");
+    let header = container.header();
+    assert_eq!((header.layer_count, header.level_count), (4, 1));
+    let level = container.levels().next().expect("a level");
+    assert_eq!(level.data.len(), 4 * 16 * 16 * 8);
+    let number = |layer: usize, c: usize| {
+        let at = (layer * 256 + 40) * 8 + 2 * c;
+        exr::prelude::f16::from_le_bytes([level.data[at], level.data[at + 1]]).to_f32()
+    };
+    let layers: Vec<[f32; 3]> = (0..4).map(|k| [0, 1, 2].map(|c| number(k, c))).collect();
+    assert_eq!(
+        layers,
+        [[1.0, 0.5, 0.0], [0.0; 3], [0.5, 0.25, 0.0], [0.0; 3]]
+    );
+}

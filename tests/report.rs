@@ -209,3 +209,86 @@ fn a_browser_shows_the_report_and_picks_the_texel_that_is_there() {
     assert!(good >= 3, "{picks:?}");
     assert!(page_path(folder.path(), &file, 0).exists());
 }
+
+#[test]
+fn a_browser_turns_the_highlight_as_render_integrates_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("shiny.obj");
+    let material = "newmtl shiny\nKd 0.3 0.2 0.1\nKs 0.6 0.6 0.6\nNs 12\n";
+    let body = "o floor\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nv -2 0 -2\nf 1 2 3 4\n\
+                o wall\nv -2 0 -2\nv 2 0 -2\nv 2 1.5 -2\nv -2 1.5 -2\nf 5 6 7 8\n";
+    fs::write(folder.path().join("shiny.mtl"), material).expect("written");
+    fs::write(&path, format!("mtllib shiny.mtl\nusemtl shiny\n{body}")).expect("written");
+    let layers = "--layers=any-view.8,normal,exponent,reflectance";
+    let (out, _) = bake(&path, &["--size=64", "--rays=256", layers, "--report"]);
+    let [width, height] = [96usize; 2];
+    let eyes = [[3.0, 2.0, 4.0], [-4.0, 1.0, 3.0], [0.5, 5.0, 3.0]];
+    let views = eyes.map(|eye: [f64; 3]| {
+        let picture = out.path().join("view.exr");
+        let eye_flag = format!("--eye={},{},{}", eye[0], eye[1], eye[2]);
+        let size = format!("--size={width}x{height}");
+        run_well([
+            "render",
+            path.to_str().expect("UTF-8"),
+            "-o",
+            picture.to_str().expect("UTF-8"),
+            "--model=phong",
+            &eye_flag,
+            "--look=0,0,0",
+            "--fov-deg=40",
+            &size,
+            "--samples=1",
+            "--rays=64",
+            "--background=0,0,77",
+            "--quiet",
+        ]);
+        let picture = crate::support::Page::read(&picture);
+        let [r, g, b] = ["R", "G", "B"].map(|c| picture.plane(c));
+        let byte = |v: f32| match v.clamp(0.0, 1.0) {
+            v if v <= 0.003_130_8 => 255.0 * 12.92 * v,
+            v => 255.0 * (1.055 * v.powf(1.0 / 2.4) - 0.055),
+        };
+        let bytes: Vec<Value> = (0..width * height)
+            .flat_map(|i| {
+                let empty = b[i] == 77.0;
+                [r[i], g[i], b[i]].map(|v| if empty { Value::Null } else { byte(v).into() })
+            })
+            .collect();
+        serde_json::json!({ "eye": eye, "look": [0, 0, 0], "fov": 40, "bytes": bytes })
+    });
+    let list = out.path().join("views.json");
+    fs::write(&list, Value::from(views.to_vec()).to_string()).expect("written");
+    let tools = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/tools");
+    let mut node = Command::new("node");
+    node.arg(tools.join("view-live.mjs"))
+        .arg(out.path().join("report.html"));
+    node.args([width.to_string(), height.to_string()])
+        .arg(&list)
+        .current_dir(&tools);
+    let Ok(output) = node.output() else {
+        say("there is no Node.js to open a report with");
+        return;
+    };
+    let said = String::from_utf8_lossy(&output.stdout);
+    if output.status.code() == Some(77) {
+        say(said.trim());
+        return;
+    }
+    assert!(
+        output.status.success(),
+        "{said}\n{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let found: Value = serde_json::from_str(&said).expect("JSON");
+    assert_eq!(found["complaints"], serde_json::json!([]));
+    let views = found["views"]
+        .as_array()
+        .unwrap_or_else(|| panic!("no live view: {found}"));
+    for view in views {
+        assert!(view["pixels"].as_u64() > Some(500), "{found}");
+        // The numbers are not denoised: 256 rays leave some 2 of 255. What is left on the mean is the order's, 0.01 at exponent 12.
+        assert!(view["mean"].as_f64() <= Some(4.0), "{found}");
+        let bias = view["bias"].as_f64().expect("a number");
+        assert!(bias.abs() <= 0.75, "{found}");
+    }
+}

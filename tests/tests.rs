@@ -14,6 +14,7 @@ mod cli;
 mod closed;
 mod corpus;
 mod denoise;
+mod directional;
 mod engines;
 mod exact;
 mod figures;

@@ -78,7 +78,9 @@ impl<'a> Writer<'a> {
         for page in pages {
             names.push(page_name(&stem, page));
             names.push(state::tiles_name(&stem, page));
-            names.extend(report::engine_files(&stem, page, &job.options().engines));
+            let directional = job.options().layers.contains(&Layer::Sh);
+            let engines = &job.options().engines;
+            names.extend(report::engine_files(&stem, page, engines, directional));
             let layers = job.options().layers.iter();
             names.extend(layers.map(|&layer| preview_name(&stem, page, layer)));
         }
@@ -314,6 +316,10 @@ fn page_light<'a>(job: &Job, page: &'a BakedPage) -> Result<PageLight<'a>, Error
             [Some(r), Some(g), Some(b)] => Some([r, g, b]),
             _ => None,
         },
+        sh: page.layer(Layer::Sh).map(|values| {
+            let planes = values.chunks(page.texels());
+            planes.map(Cow::Borrowed).collect()
+        }),
         diffuse,
     })
 }

@@ -7,7 +7,7 @@ use anyhow::{Context, bail};
 use glam::DVec3;
 use rays::{Overrides, RayBackend, SurfaceHit, Surfaces, World};
 use render::{Camera, Direct, Framing, Lamps, Lit, Model, TexelPlace};
-use report::{EmbeddedPage, Output, REPORT_NAME, Viewer};
+use report::{EmbeddedPage, Kernel, Output, REPORT_NAME, Viewer};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -93,6 +93,7 @@ pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
         view: [camera.eye, look],
         fov: 2.0 * camera.slope.atan(),
         stops: render::exposure(&lit.picture(), background),
+        kernel: kernel(&bake),
         bake: &json,
         bench: bench.as_deref(),
     };
@@ -104,6 +105,19 @@ pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
     }
     output.publish()?;
     Ok(dir.join(REPORT_NAME))
+}
+
+/// What the harmonics of a bake by the Phong model are evaluated with, where it has any. The colours of microfacets change with the view,
+/// which pages do not hold.
+fn kernel(bake: &report::BakeReport) -> Option<Kernel> {
+    let order = bake.any_view.as_ref()?.order;
+    let phong = bake.options.get("model").is_none_or(|model| model != "ggx");
+    let table = phong.then(|| bake::KernelTable::new(order as usize, false))?;
+    Some(Kernel {
+        order,
+        columns: table.columns(),
+        values: table.values,
+    })
 }
 
 /// The rows of a benchmark that stands in the folder of the bake or in its `bench`, where there is one.

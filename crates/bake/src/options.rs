@@ -265,6 +265,11 @@ impl Options {
         }
     }
 
+    /// True where an asked layer says where texels are open or whence their light comes.
+    pub(crate) fn is_directional(&self) -> bool {
+        self.layers.contains(&Layer::Bent) || self.layers.contains(&Layer::Sh)
+    }
+
     /// True where an asked layer shows light that bounces.
     pub(crate) fn shows_bounces(&self) -> bool {
         let shows = |layer: &Layer| {
@@ -279,6 +284,7 @@ impl Options {
                     | Layer::Ggx
                     | Layer::DifferenceLambert
                     | Layer::DifferencePhong
+                    | Layer::Sh
             )
         };
         self.bounces != Bounces::Off && self.layers.iter().any(shows)
@@ -295,7 +301,8 @@ impl Options {
                 Layer::Reflectance,
                 Layer::Validity,
             ];
-            for layer in light.into_iter().chain(base) {
+            let normal = self.layers.contains(&Layer::Sh).then_some(Layer::Normal);
+            for layer in light.into_iter().chain(base).chain(normal) {
                 if !layers.contains(&layer) {
                     layers.push(layer);
                 }

@@ -83,6 +83,13 @@ pub enum Layer {
     OpenSpecular,
     /// Sky x visibility x what an open texel reflects: the second baseline.
     TraditionalClosed,
+    /// Spherical harmonics of the light that arrives, up to order 1: (1/4pi) times the integral of L V, and the same times each axis of
+    /// the direction. E/pi of a normal n is about the first plus twice the dot product of n and the others.
+    Sh,
+    /// The same of [`Layer::Bent`], of the diffuse term plus each axis of the cosine-weighted sum.
+    HalfBent,
+    /// The same of [`Layer::Sh`], of the first plus each of the others.
+    HalfSh,
 }
 
 /// An integral over the directions of a texel. A bake models those that its layers need.
@@ -150,6 +157,8 @@ const RGB: &[&str] = &["R", "G", "B"];
 const XYZ: &[&str] = &["X", "Y", "Z"];
 const ONE: &[&str] = &[""];
 #[rustfmt::skip]
+const SH: &[&str] = &["0.R", "0.G", "0.B", "x.R", "x.G", "x.B", "y.R", "y.G", "y.B", "z.R", "z.G", "z.B"];
+#[rustfmt::skip]
 const NUMBERS: &[&str] = &[
     "00", "01", "02", "03", "04", "05", "06", "07", "08", "09", "10", "11", "12", "13", "14",
     "15", "16", "17", "18", "19", "20", "21", "22", "23", "24", "25", "26", "27", "28", "29",
@@ -193,7 +202,7 @@ const UNIT_VECTOR: (Unit, Preview) = (Unit::Direction, Preview::Signed);
 
 /// Every layer in the order of the enum.
 #[rustfmt::skip]
-const TABLE: [Row; 38] = [
+const TABLE: [Row; 41] = [
     counted(row(Coverage, "coverage", ONE, SHARE, &[], "fraction of the texel inside its chart")),
     row(Visibility, "visibility", ONE, SHARE, &[Term::Visibility], "open solid angle / 2 pi, the traditional occlusion factor"),
     row(Diffuse, "diffuse", ONE, SHARE, &[Term::Diffuse], "the Lambertian ambient term"),
@@ -232,6 +241,9 @@ const TABLE: [Row; 38] = [
     row(StdErrAnyView, "error.any-view", ONE, SHARE, &[Term::Visibility], "error over all views of what they give"),
     row(OpenSpecular, "specular.open", ONE, SHARE, &[Term::Specular], "specular of an open texel, in closed form"),
     row(TraditionalClosed, "traditional.closed", RGB, LIGHT, &[Term::Visibility, Term::Specular], "the closed form of an open texel x visibility"),
+    row(Sh, "sh", SH, (Unit::Radiance, Preview::None), &[Term::Diffuse, Term::Visibility], "light by direction, spherical harmonics of order 1 in 4 x 3 numbers"),
+    row(HalfBent, "half.bent", XYZ, HALF, &[Term::Diffuse], "the same of the sum that bent is the direction of"),
+    row(HalfSh, "half.sh", SH, (Unit::Radiance, Preview::None), &[Term::Diffuse, Term::Visibility], "the same of sh"),
 ];
 
 impl Layer {
@@ -368,7 +380,10 @@ mod tests {
                 Preview::Linear => matches!(unit, Unit::Share | Unit::Radiance),
                 Preview::OfLargest => matches!(unit, Unit::Count | Unit::Number),
                 Preview::Signed => matches!(unit, Unit::Direction | Unit::Radiance),
-                Preview::None => matches!(unit, Unit::SceneUnits | Unit::Count | Unit::Number),
+                Preview::None => {
+                    matches!(unit, Unit::SceneUnits | Unit::Count | Unit::Number)
+                        || layer.channels() == SH
+                }
             };
             assert!(suits, "{}: {preview:?} of {unit:?}", layer.name());
         }

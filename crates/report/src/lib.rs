@@ -52,4 +52,4 @@ pub use picture::picture_png;
 pub use preview::{Encoding, occlusion_png, preview_png};
 pub use regular::check_regular;
 pub use space::check_space;
-pub use viewer::{EmbeddedPage, REPORT_NAME, Viewer};
+pub use viewer::{EmbeddedPage, Kernel, REPORT_NAME, Viewer};

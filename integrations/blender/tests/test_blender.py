@@ -56,14 +56,14 @@ class MadeScene(BlenderTest):
 
     def test_several_pages_and_a_second_bake_show_each_face_on_its_page(self):
         objects = made.make()
-        self.bake(layers="position", rays=1, density=12.0)
+        self.bake(layers="position", rays=2, density=12.0)
         pages = {self.page_of(objects["floor"], p) for p in objects["floor"].data.polygons}
         images = {i.name for i in bpy.data.images if " position " in i.name}
         self.assertGreater(len(images), 1)
         self.assertEqual(len(pages), 1)
         for item in [objects["floor"], *objects["twins"], objects["child"]]:
             self.positions_agree(item, 1.5)
-        self.bake(layers="position", rays=1, density=0.0, size=128)
+        self.bake(layers="position", rays=2, density=0.0, size=128)
         for item in [objects["floor"], *objects["twins"], objects["child"]]:
             self.positions_agree(item, 1.5)
             self.assertEqual([u.name for u in item.data.uv_layers].count("ambake"), 1)
@@ -143,7 +143,7 @@ class ForeignScene(BlenderTest):
         bpy.ops.wm.obj_import(filepath=os.path.join(ROOT, "scenes", "courtyard.obj"))
         meshes = [i for i in bpy.data.objects if i.type == "MESH"]
         before = sum(len(i.data.polygons) for i in meshes)
-        self.bake(layers="position", rays=1, size=192, seams="off")
+        self.bake(layers="position", rays=2, size=192, seams="off")
         after = sum(len(i.data.polygons) for i in meshes)
         self.assertGreater(after, before, "the test needs a cut polygon")
         for item in meshes:

@@ -53,7 +53,7 @@ def test_a_wall_darkens_the_floor_as_on_paper():
 def test_the_corners_of_faces_lie_on_texels_of_their_positions():
     vertices, faces = walled()
     faces = np.insert(faces, 1, [[0, 0, 1]], axis=0)  # without area
-    baked = ambake.bake(vertices, faces, size=64, rays=1, layers="position")
+    baked = ambake.bake(vertices, faces, size=64, rays=2, layers="position")
     assert baked.uvs.shape == (5, 3, 2) and baked.pages.tolist() == [0, -1, 0, 0, 0]
     for face in (0, 2, 3, 4):
         x, y = (baked.uvs[face].mean(axis=0) * 64).astype(int)
@@ -62,7 +62,7 @@ def test_the_corners_of_faces_lie_on_texels_of_their_positions():
 
 
 def test_several_pages_are_lists():
-    baked = ambake.bake_file(SCENES / "instances.gltf", size=64, rays=1, density=8.0)
+    baked = ambake.bake_file(SCENES / "instances.gltf", size=64, rays=2, density=8.0)
     assert baked.page_count > 1
     assert [page.shape for page in baked["diffuse"]] == [(64, 64)] * baked.page_count
     assert {page for item in baked.objects for page in item.pages} == set(range(baked.page_count))
@@ -98,7 +98,7 @@ def test_trimesh_comes_with_its_materials():
     assert red[0] > 10 * red[1], red
     assert baked.uvs.shape == (12, 3, 2)
     scene = trimesh.Scene({"box": mesh, "ball": trimesh.creation.icosphere(1)})
-    assert len(ambake.bake(scene, size=64, rays=1).objects) == 2
+    assert len(ambake.bake(scene, size=64, rays=2).objects) == 2
 
 
 @pytest.mark.parametrize(

@@ -9,4 +9,4 @@ mod tilted;
 
 pub use open::{phong_open, phong_open_angle, phong_open_cosine};
 pub use sums::{specular_convex, specular_factor};
-pub use tilted::{tilted_bent, tilted_diffuse, tilted_specular, tilted_visibility};
+pub use tilted::{tilted_bent, tilted_diffuse, tilted_mean, tilted_specular, tilted_visibility};

@@ -32,6 +32,15 @@ pub fn tilted_bent(normal: DVec3, geometric: DVec3) -> DVec3 {
     (normal * along + across * (0.5 * sin * sin)) * (4.0 / (3.0 * PI))
 }
 
+/// Mean open direction of an open plane over the whole sphere, not of unit length: (1/4π) ∫ L dω over N·L, Ng·L >= 0.
+///
+/// * `normal`, `geometric`: unit vectors N and Ng, at an angle of less than π.
+///
+/// On the lune of [`tilted_bent`] ∫ sin²θ dθ = π/2 and ∫ (cos φ, sin φ) dφ = (1 + cos δ, sin δ), which is N + Ng.
+pub fn tilted_mean(normal: DVec3, geometric: DVec3) -> DVec3 {
+    (normal + geometric) / 8.0
+}
+
 /// Specular term seen along a shading normal tilted by `delta` radians, `0..=π`: the lobe stands on the shading normal and
 /// the geometric plane cuts it. `exponent` is finite and `>= 0`.
 pub fn tilted_specular(exponent: f64, delta: f64) -> f64 {
@@ -63,7 +72,7 @@ mod tests {
         for degrees in [0.0_f64, 10.0, 45.0, 90.0, 130.0, 180.0] {
             let (sin, cos) = degrees.to_radians().sin_cos();
             let normal = DVec3::new(sin, 0.0, cos);
-            let (mut sum, n) = (DVec3::ZERO, 1000);
+            let (mut sum, mut mean, n) = (DVec3::ZERO, DVec3::ZERO, 1000);
             // Midpoints in the cosine of the zenith angle and in the azimuth: equal solid angles.
             for i in 0..n {
                 let z = (f64::from(i) + 0.5) / f64::from(n);
@@ -72,11 +81,21 @@ mod tests {
                     let (s, c) = ((f64::from(j) + 0.5) / f64::from(n) * 2.0 * PI).sin_cos();
                     let l = DVec3::new(r * c, r * s, z);
                     sum += l * l.dot(normal).max(0.0);
+                    mean += l * f64::from(u8::from(l.dot(normal) > 0.0));
                 }
             }
             let exact = sum * (2.0 / f64::from(n * n));
             let found = tilted_bent(normal, geometric);
             // The kink at the horizon of N leaves an error of the order of a cell's width squared.
+            assert!(
+                (found - exact).length() < 2e-5,
+                "{degrees}: {found} {exact}"
+            );
+            let (found, exact) = (
+                tilted_mean(normal, geometric),
+                mean * (0.5 / f64::from(n * n)),
+            );
+            // A cell at the horizon of N counts wholly or not at all.
             assert!(
                 (found - exact).length() < 2e-5,
                 "{degrees}: {found} {exact}"

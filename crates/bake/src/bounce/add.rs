@@ -32,6 +32,15 @@ pub(super) fn add(page: &mut BakedPage, light: BakedPage, options: &Options) {
     let lambert = |texel| rgb(albedo.as_deref(), texel) * rgb(irradiance, texel);
     let phong =
         |texel| lambert(texel) + rgb(reflectance.as_deref(), texel) * rgb(reflection, texel);
+    let normal = facts(Layer::Normal);
+    // What surfaces send counts as even over the hemisphere: it has the irradiance that was gathered, and no side that it comes from more.
+    let even = |texel: usize, channel: usize| {
+        let axis = match channel / 3 {
+            0 => 0.5,
+            k => 0.25 * rgb(normal.as_deref(), texel)[k - 1],
+        };
+        rgb(irradiance, texel)[channel % 3] * axis
+    };
     for planes in &mut planes {
         let layer = planes.layer;
         let added = |texel: usize, channel: usize, before: f64| -> f64 {
@@ -52,6 +61,7 @@ pub(super) fn add(page: &mut BakedPage, light: BakedPage, options: &Options) {
                 Layer::Lambert => before + lambert(texel)[channel],
                 Layer::Phong => before + phong(texel)[channel],
                 Layer::Ggx => before + ggx(texel)[channel],
+                Layer::Sh => before + even(texel, channel),
                 Layer::DifferenceLambert => before - lambert(texel)[channel],
                 Layer::DifferencePhong => before - phong(texel)[channel],
                 _ => before,

@@ -9,13 +9,15 @@
 use super::estimate::variance_of_mean;
 use super::sums::REPLICATES;
 use super::task::Task;
-use super::terms::{AnyView, Terms, uniform_light};
+use super::terms::{AnyView, Directional, Terms, uniform_light};
 use crate::labels;
 use crate::options::{Shading, View};
 use crate::survey::Texel;
 use ambient::Estimate;
 use ambient::any_view::Coefficients;
-use ambient::closed_form::{phong_open, tilted_bent, tilted_diffuse, tilted_visibility};
+use ambient::closed_form::{
+    phong_open, tilted_bent, tilted_diffuse, tilted_mean, tilted_visibility,
+};
 use glam::DVec3;
 
 /// Points over the footprint: closed forms hold at a point, so they are averaged.
@@ -48,13 +50,13 @@ pub(super) fn terms(task: &Task<'_>, texel: &Texel, specular: bool) -> Terms {
             visibility: Estimate::exact(1.0),
             diffuse: Estimate::exact(1.0),
             specular: Estimate::exact(f64::from(u8::from(specular))),
-            bent: texel.normal,
+            directional: Directional::open(sky, texel.normal),
             any_view,
             ..Terms::default()
         });
     }
     let mut means = [[0.0; REPLICATES as usize]; 3];
-    let mut bent = DVec3::ZERO;
+    let mut directions = [DVec3::ZERO; 2];
     let points = POINTS / REPLICATES;
     for replicate in 0..REPLICATES {
         let stream = task.stream(texel.x, texel.y, labels::HEMISPHERE, replicate);
@@ -81,7 +83,8 @@ pub(super) fn terms(task: &Task<'_>, texel: &Texel, specular: bool) -> Terms {
             for (mean, value) in means.iter_mut().zip(values) {
                 mean[replicate as usize] += value / f64::from(points);
             }
-            bent += tilted_bent(sample.normal, plane);
+            directions[0] += tilted_bent(sample.normal, plane) / f64::from(POINTS);
+            directions[1] += tilted_mean(sample.normal, plane) / f64::from(POINTS);
         }
     }
     let [diffuse, visibility, specular] = means.map(|means| Estimate {
@@ -92,7 +95,10 @@ pub(super) fn terms(task: &Task<'_>, texel: &Texel, specular: bool) -> Terms {
         diffuse,
         visibility,
         specular,
-        bent,
+        directional: Directional {
+            bent: directions[0],
+            light: Directional::even(sky, 0.5 * visibility.value, directions[1]),
+        },
         any_view,
         ..Terms::default()
     })

@@ -125,7 +125,6 @@ impl<'a> Gathered<'a> {
             },
         };
         let mut terms = Terms {
-            bent: sums.bent,
             halves: self.halves(i),
             rays: sums.rays,
             ..Terms::default()
@@ -169,6 +168,7 @@ impl<'a> Gathered<'a> {
             specular,
             irradiance: light(Irradiance, diffuse),
             reflection: light(Reflection, specular),
+            ..Halves::default()
         }
     }
 

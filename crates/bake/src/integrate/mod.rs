@@ -32,17 +32,17 @@ mod terms;
 
 pub use sums::REPLICATES;
 pub(crate) use task::Task;
-pub use terms::{AnyView, Halves, Terms};
+pub use terms::{AnyView, Directional, Halves, Terms};
 
 use crate::options::{Effort, Pattern, Shading};
 use crate::survey::Texel;
 use ambient::Estimate;
 use ambient::sampling::LANES;
 use estimate::Gathered;
-use gang::{Gang, Lane, Moments};
+use gang::{DirectionSums, Gang, Lane, Moments};
 use glam::DVec3;
 use std::ops::Range;
-use sums::{Replicates, Technique};
+use sums::{Replicates, Sums, Technique};
 use task::SHARE;
 
 /// Points of each replicate in the first round of a bake with a target.
@@ -114,11 +114,13 @@ pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) ->
                 specular: sampled.halves.specular,
                 irradiance: own.irradiance + drawn.irradiance,
                 reflection: sampled.halves.reflection + drawn.reflection,
+                directional: own.directional.with(&drawn.directional, |a, b| a + b),
                 ..*own
             };
             Terms {
                 halves,
                 any_view: any_view(task, &texels[i], moments.get(i)),
+                directional: above.directional.with(&aimed.directional, |a, b| a + b),
                 specular: sampled.specular,
                 irradiance: light(task.hemisphere, above.irradiance, aimed.irradiance),
                 reflection: light(reflects[i], sampled.reflection, aimed.reflection),
@@ -161,20 +163,16 @@ fn rounds(
     mut which: Vec<usize>,
     moments: &mut [[Moments; REPLICATES as usize]],
 ) -> Vec<Terms> {
-    let mut cast = |lanes: &[Lane], range, sums: &mut [Replicates]| {
-        cast(
-            task,
-            texels,
-            reflects,
-            technique,
-            lanes,
-            range,
-            (sums, moments),
-        );
-    };
     if which.is_empty() {
         return Vec::new();
     }
+    let gathers = task.directional && technique != Technique::Lobe;
+    let none = <[DirectionSums; REPLICATES as usize]>::default();
+    let mut directions = vec![none; if gathers { texels.len() } else { 0 }];
+    let mut cast = |lanes: &[Lane], range, sums: &mut [Replicates]| {
+        let sums = (sums, &mut *moments, directions.as_mut_slice());
+        cast(task, texels, reflects, technique, lanes, range, sums);
+    };
     // Texels of one packet stand side by side; what is left of them after a round still does.
     let edge = packet_edge(task.pattern);
     which.sort_by_key(|&i| (texels[i].y / edge, texels[i].x / edge, i));
@@ -211,7 +209,25 @@ fn rounds(
         }
     }
     let gathered = Gathered::new(task.sky, technique, texels, &sums, &points);
-    (0..texels.len()).map(|i| gathered.terms(i)).collect()
+    let mut terms: Vec<Terms> = (0..texels.len()).map(|i| gathered.terms(i)).collect();
+    for (i, directions) in directions
+        .iter()
+        .enumerate()
+        .filter(|(i, _)| points[*i] > 0)
+    {
+        let normal = texels[i].normal;
+        let of = |sums: &Sums, pick: &[usize]| {
+            let mut total = DirectionSums::default();
+            pick.iter()
+                .for_each(|&replicate| total += directions[replicate]);
+            total.terms(task, technique, normal, sums)
+        };
+        terms[i].directional = of(&Sums::of(&sums[i]), &[0, 1, 2, 3]);
+        let [a, b] = Sums::halves(&sums[i]);
+        let halves = of(&a, &[0, 2]).with(&of(&b, &[1, 3]), |a, b| 0.5 * (a - b));
+        terms[i].halves.directional = halves;
+    }
+    terms
 }
 
 /// How many points a replicate has after the round that follows `points`: 4, 8, 16, 24, 32, 48 ... so that the rounds of easy
@@ -260,7 +276,11 @@ fn cast(
     technique: Technique,
     lanes: &[Lane],
     range: Range<u32>,
-    (sums, moments): (&mut [Replicates], &mut [[Moments; REPLICATES as usize]]),
+    (sums, moments, directions): (
+        &mut [Replicates],
+        &mut [[Moments; REPLICATES as usize]],
+        &mut [[DirectionSums; REPLICATES as usize]],
+    ),
 ) {
     let mut gang = Gang::new(task, texels, reflects);
     if let (Some(order), false) = (task.any_view, moments.is_empty()) {
@@ -273,5 +293,8 @@ fn cast(
         gang.cast(task, technique, range.clone());
         gang.collect(technique, sums);
         gang.collect_moments(moments);
+        if !directions.is_empty() {
+            gang.collect_directions(directions);
+        }
     }
 }

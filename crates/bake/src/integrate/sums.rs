@@ -30,8 +30,6 @@ pub(crate) struct Sums {
     pub diffuse: Weights,
     pub visibility: Weights,
     pub specular: Weights,
-    /// Open directions by their diffuse weight.
-    pub bent: DVec3,
     /// Light above the sky's floor divided by the sky's scale.
     pub irradiance: DVec3,
     /// The same of the lobe.
@@ -67,7 +65,6 @@ impl AddAssign for Sums {
         self.diffuse += other.diffuse;
         self.visibility += other.visibility;
         self.specular += other.specular;
-        self.bent += other.bent;
         self.irradiance += other.irradiance;
         self.reflection += other.reflection;
         self.points += other.points;

@@ -30,8 +30,8 @@ pub(crate) struct Task<'a> {
     pub mixture: Mixture,
     /// A layer needs the hemisphere.
     pub hemisphere: bool,
-    /// The bent normal is asked for.
-    pub bent: bool,
+    /// Where texels are open, or whence their light comes, is asked for.
+    pub directional: bool,
     /// Order of the harmonics that any view is evaluated from, where it is asked for.
     pub any_view: Option<usize>,
     pub sky: &'a Sky,

@@ -13,8 +13,8 @@ pub struct Terms {
     pub diffuse: Estimate,
     /// ((n+1)/2pi) times the integral of V (R.V)^n.
     pub specular: Estimate,
-    /// Cosine-weighted mean open direction, not normalised.
-    pub bent: DVec3,
+    /// Where the texel is open and whence its light comes; zeros where neither is asked for.
+    pub directional: Directional,
     /// (1/pi) times the integral of L V cos, linear RGB.
     pub irradiance: Estimate<DVec3>,
     /// ((n+1)/2pi) times the integral of L V (R.V)^n, linear RGB.
@@ -36,6 +36,16 @@ pub struct AnyView {
     pub std_err: f64,
 }
 
+/// Where a texel is open, and whence the light of the sky comes.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Directional {
+    /// (1/pi) times the integral of V cos times the direction: two thirds of the normal for an open texel.
+    pub bent: DVec3,
+    /// Harmonics of the light up to order 1, linear RGB: (1/4pi) times the integral of L V over the sphere, and the same times each
+    /// axis of the direction. A direction's length is 1, so the vector of the last three is at most as long as the first.
+    pub light: [DVec3; 4],
+}
+
 /// Half of the difference between the terms of two independent halves of the rays: a term plus and minus its half are two estimates
 /// of it. 0 where no ray was needed.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -50,6 +60,32 @@ pub struct Halves {
     pub irradiance: DVec3,
     /// Of [`Terms::reflection`].
     pub reflection: DVec3,
+    /// Of [`Terms::directional`].
+    pub directional: Directional,
+}
+
+impl Directional {
+    /// Under a sky of radiance `sky` all over, of which the share `open` of the sphere is open, with the mean `direction` over the sphere.
+    pub fn even(sky: DVec3, open: f64, direction: DVec3) -> [DVec3; 4] {
+        let [x, y, z] = direction.to_array().map(|axis| sky * axis);
+        [sky * open, x, y, z]
+    }
+
+    /// Of a flat, open texel under a uniform sky.
+    pub fn open(sky: DVec3, normal: DVec3) -> Self {
+        Self {
+            bent: normal * (2.0 / 3.0),
+            light: Self::even(sky, 0.5, 0.25 * normal),
+        }
+    }
+
+    /// `by` on each pair of numbers.
+    pub(crate) fn with(&self, other: &Self, by: impl Fn(DVec3, DVec3) -> DVec3) -> Self {
+        Self {
+            bent: by(self.bent, other.bent),
+            light: std::array::from_fn(|k| by(self.light[k], other.light[k])),
+        }
+    }
 }
 
 /// The light of a term under a uniform sky: the sky's radiance times the term.

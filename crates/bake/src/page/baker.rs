@@ -1,6 +1,7 @@
 //! Bakes pages of an atlas: tiles in parallel, results into planes in a fixed order.
 
 use super::compose::BakedTexel;
+use super::directional;
 use super::finish::{Site, finish};
 use super::planes::{BakedPage, LayerPlanes};
 use super::stats::PageStats;
@@ -312,7 +313,7 @@ impl<'a> Baker<'a> {
             t_max: options.max_distance.unwrap_or(f32::INFINITY),
             mixture: self.plan.mixture,
             hemisphere: self.plan.models(Choice::Diffuse),
-            bent: options.layers.contains(&Layer::Bent),
+            directional: options.is_directional(),
             any_view: options.any_view(),
             sky: &options.sky,
             draw_sky: options.draw_sky,
@@ -412,9 +413,14 @@ impl<'a> Baker<'a> {
                 if column.layer != values.0 {
                     values = (column.layer, texel.values(column.layer));
                 }
-                result.values.push(match column.layer.is_any_view() {
-                    false => values.1[column.channel],
-                    true => texel.terms.any_view.coefficients.0[column.channel] as f32,
+                result.values.push(match column.layer {
+                    Layer::AnyView | Layer::AnyView8 => {
+                        texel.terms.any_view.coefficients.0[column.channel] as f32
+                    }
+                    layer if directional::holds(layer) => {
+                        directional::packed(&texel.terms, layer, column.channel) as f32
+                    }
+                    _ => values.1[column.channel],
                 });
             }
             result.texels.push(texel.index);

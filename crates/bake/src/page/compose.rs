@@ -139,14 +139,14 @@ impl BakedTexel {
             Layer::Position => three(self.position),
             Layer::Normal => three(self.normal),
             Layer::Geometric => three(self.geometric),
-            Layer::Bent => three(terms.bent.normalize_or_zero()),
             Layer::Exponent => one(material.exponent),
             Layer::Object => one(f64::from(self.object)),
             Layer::Validity => [self.validity, 0.0, 0.0],
             Layer::OpenSpecular => one(self.open_specular),
             Layer::StdErrAnyView => one(terms.any_view.std_err),
-            // Its channels are read from the terms.
+            // Their channels are read from the terms.
             Layer::AnyView | Layer::AnyView8 => [0.0; 3],
+            layer if super::directional::holds(layer) => [0.0; 3],
             Layer::HalfDiffuse => one(terms.halves.diffuse),
             Layer::HalfVisibility => one(terms.halves.visibility),
             Layer::HalfSpecular => one(terms.halves.specular),

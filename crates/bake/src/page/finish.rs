@@ -1,9 +1,11 @@
 //! The last steps of a page whose tiles are all finished, in this order: mend, denoise, solve seams, dilate, compose.
 
 use super::compose::{Composition, is_light};
+use super::directional;
 use super::planes::{BakedPage, LayerPlanes};
 use super::stats::ErrorSums;
 use super::terms::{TermLayers, half_of, lights, terms};
+use crate::choice::Choice;
 use crate::denoise::{Denoiser, Field, Term, oidn};
 use crate::mend::{Mends, Surface};
 use crate::options::{Denoise, Model, Options, Sky};
@@ -47,6 +49,7 @@ pub(super) fn finish(page: &mut BakedPage, site: &Site<'_>) {
     let gutters = solve_seams(page, light, &terms, world, raster, seams);
     place(page, world.origin());
     fill_gutters(page, options.rings, &gutters);
+    directional::unpack(page);
     compose_asked(page, options);
     page.finished = true;
 }
@@ -123,6 +126,7 @@ fn mend_terms(page: &mut BakedPage, terms: &[TermLayers]) -> Mends {
             harmonics.for_each(|plane| mends.apply(plane, f64::MIN, f64::MAX));
         }
     }
+    directional::mend(page, &mends);
     mends
 }
 
@@ -168,7 +172,11 @@ fn solve_seams(
     let channels = |(term, std_err, _): TermLayers| {
         (0..term.channels().len()).map(move |channel| (term, std_err, channel))
     };
-    let planes: Vec<_> = terms.iter().copied().flat_map(channels).collect();
+    let directional = directional::of(page)
+        .into_iter()
+        .map(|(layer, _)| (layer, Layer::StdErrDiffuse, Choice::Diffuse));
+    let terms = terms.iter().copied().chain(directional);
+    let planes: Vec<_> = terms.flat_map(channels).collect();
     let solved: Vec<_> = planes
         .into_par_iter()
         .map(|(term, std_err, channel)| {
@@ -176,8 +184,16 @@ fn solve_seams(
             let known = Known {
                 values: plane(term, channel),
                 std_errs: plane(std_err, 0),
-                unit: if is_light(term) { light } else { 1.0 },
-                most: if is_light(term) { f64::INFINITY } else { 1.0 },
+                unit: if is_light(term) || term == Layer::Sh {
+                    light
+                } else {
+                    1.0
+                },
+                most: if is_light(term) || directional::holds(term) {
+                    f64::INFINITY
+                } else {
+                    1.0
+                },
             };
             (term, channel, system.solve(&known, coverage))
         })
@@ -241,10 +257,11 @@ fn denoise_terms(page: &mut BakedPage, terms: &[TermLayers], how: Denoise, mende
             errors[denoised.texel as usize] = denoised.std_err;
         }
     }
+    directional::denoise(page, regression.as_ref(), unseen.as_ref());
 }
 
 /// The texels of the page as the denoiser sees them.
-fn field(page: &BakedPage) -> Field<'_> {
+pub(super) fn field(page: &BakedPage) -> Field<'_> {
     let plane = |layer, channel| fact(page, layer, channel);
     let three = |layer| [0, 1, 2].map(|channel| plane(layer, channel));
     Field {
@@ -402,7 +419,7 @@ fn fill_gutters(page: &mut BakedPage, rings: u32, of_seams: &Gutters) {
             plane[texel as usize] = value;
         }
     }
-    for layer in [Layer::Normal, Layer::Geometric, Layer::Bent] {
+    for layer in [Layer::Normal, Layer::Geometric] {
         let Some(planes) = page.planes.iter_mut().find(|p| p.layer == layer) else {
             continue;
         };

@@ -2,6 +2,7 @@
 
 mod baker;
 mod compose;
+mod directional;
 mod finish;
 mod planes;
 mod share;

@@ -92,6 +92,11 @@ pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec
             add(Layer::Base);
         }
     }
+    for (layer, half) in super::directional::LAYERS {
+        if options.layers.contains(&layer) && options.denoise == Denoise::Regression {
+            add(half);
+        }
+    }
     if options.layers.contains(&Layer::TraditionalClosed) {
         add(Layer::OpenSpecular);
     }

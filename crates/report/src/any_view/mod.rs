@@ -52,6 +52,13 @@ pub fn stage_any_view(
     Ok(())
 }
 
+/// The function for GLSL, for an order, without the lines of comment above it.
+pub fn glsl(order: u32) -> String {
+    let text = shader(GLSL, order);
+    let code = text.lines().filter(|line| !line.starts_with("//"));
+    code.map(|line| format!("{line}\n")).collect()
+}
+
 /// A shader's text for an order.
 fn shader(text: &str, order: u32) -> String {
     text.replace("= 4; // 8 for any-view.8", &format!("= {order};"))

@@ -95,6 +95,7 @@ mod tests {
             light: [plane.clone(), plane.clone(), plane.clone()],
             diffuse: plane,
             lit: None,
+            sh: None,
         }
     }
 

@@ -1,6 +1,5 @@
 //! An OpenEXR file as engines expect it: channels R, G and B alone, half floats, ZIP.
 
-use super::Level;
 use exr::image::write::WritableImage;
 use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, Layer};
 use exr::meta::attribute::{LineOrder, Text};
@@ -9,9 +8,9 @@ use half::f16;
 use std::io::Cursor;
 
 /// The bytes of the file. The header names its writer and no more, so that they depend on the pixels alone.
-pub fn encode(level: &Level) -> Vec<u8> {
+pub fn encode([width, height]: [u32; 2], pixels: &[[f32; 3]]) -> Vec<u8> {
     let channels = [("B", 2), ("G", 1), ("R", 0)].map(|(name, c): (_, usize)| {
-        let values = level.pixels.iter().map(|p| f16::from_f32(p[c]));
+        let values = pixels.iter().map(|p| f16::from_f32(p[c]));
         AnyChannel::new(name, FlatSamples::F16(values.collect()))
     });
     let attributes = LayerAttributes {
@@ -23,9 +22,8 @@ pub fn encode(level: &Level) -> Vec<u8> {
         blocks: Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };
-    let edge = level.size as usize;
     let layer = Layer::new(
-        (edge, edge),
+        (width as usize, height as usize),
         attributes,
         encoding,
         AnyChannels::sort(channels.into_iter().collect()),
@@ -34,6 +32,6 @@ pub fn encode(level: &Level) -> Vec<u8> {
     Image::from_layer(layer)
         .write()
         .to_unbuffered(&mut bytes)
-        .expect("a square picture of three channels, in memory");
+        .expect("a picture of three channels, in memory");
     bytes.into_inner()
 }

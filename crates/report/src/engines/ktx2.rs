@@ -15,8 +15,10 @@ const HEADER: usize = 80;
 const LEVEL_INDEX: usize = 24;
 
 /// The bytes of the file. Levels stand from the largest in the index and from the smallest in the file, as the format
-/// wants it; alpha is 1.
-pub fn encode(levels: &[Level]) -> Vec<u8> {
+/// wants it; alpha is 1. Of an array of several `layers` each level holds one after another.
+pub fn encode(levels: &[Level], layers: u32) -> Vec<u8> {
+    // 0 is no array.
+    let array = if layers == 1 { 0 } else { layers };
     let (descriptor, values) = (descriptor(), key_values());
     let descriptor_at = HEADER + LEVEL_INDEX * levels.len();
     let values_at = descriptor_at + descriptor.len();
@@ -26,7 +28,7 @@ pub fn encode(levels: &[Level]) -> Vec<u8> {
     let mut file = IDENTIFIER.to_vec();
     let mut words = |words: &[u32]| file.extend(words.iter().flat_map(|w| w.to_le_bytes()));
     // Format, bytes of a number, width, height, depth, layers, faces, levels, supercompression.
-    words(&[FORMAT, 2, size, size, 0, 0, 1, levels.len() as u32, 0]);
+    words(&[FORMAT, 2, size, size, 0, array, 1, levels.len() as u32, 0]);
     words(&[descriptor_at, descriptor.len(), values_at, values.len()].map(|at| at as u32));
     words(&[0; 4]); // no global data
     let lengths: Vec<usize> = levels.iter().map(|l| l.pixels.len() * TEXEL).collect();
@@ -88,7 +90,7 @@ mod tests {
             size,
             pixels: vec![[value, 2.0 * value, 0.0]; (size * size) as usize],
         };
-        let file = encode(&[level(4, 1.0), level(2, 0.25)]);
+        let file = encode(&[level(4, 1.0), level(2, 0.25)], 1);
         let number = |at: usize| u64::from_le_bytes(file[at..at + 8].try_into().unwrap()) as usize;
         for (i, value) in [1.0f32, 0.25].into_iter().enumerate() {
             let (at, length) = (number(HEADER + 24 * i), number(HEADER + 24 * i + 8));

@@ -23,6 +23,8 @@ pub struct PageLight<'a> {
     pub light: [Cow<'a, [f32]>; 3],
     /// The layer `lambert` by channel, where there is one.
     pub lit: Option<[Cow<'a, [f32]>; 3]>,
+    /// The layer `sh`, plane after plane, where there is one.
+    pub sh: Option<Vec<Cow<'a, [f32]>>>,
 }
 
 /// Where the light of a bake stands.
@@ -100,6 +102,11 @@ impl<'a> PageLight<'a> {
             coverage: layer("coverage")?,
             light: light_source(bake).light(three("irradiance"), &diffuse)?,
             lit: three("lambert"),
+            sh: ["sh.0", "sh.x", "sh.y", "sh.z"]
+                .into_iter()
+                .map(three)
+                .collect::<Option<Vec<_>>>()
+                .map(|planes| planes.into_iter().flatten().collect()),
             diffuse,
         })
     }

@@ -140,6 +140,7 @@ mod tests {
             diffuse: Cow::Owned(light.clone()),
             light: [0, 1, 2].map(|_| Cow::Owned(light.clone())),
             lit: None,
+            sh: None,
         }
     }
 

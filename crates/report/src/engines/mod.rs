@@ -9,6 +9,7 @@ mod ktx2;
 mod light;
 mod lit_glb;
 mod mips;
+mod sh;
 mod table;
 
 pub use light::{LightSource, PageLight, light_source};
@@ -37,9 +38,9 @@ pub struct LightmapReport {
     pub how: String,
 }
 
-/// The names of all files that `engines` get of one page.
-pub fn engine_files(stem: &str, page: u32, engines: &[Engine]) -> Vec<String> {
-    let kinds = Kind::of(engines);
+/// The names of all files that `engines` get of one page; `directional`: of one that has the layer `sh`.
+pub fn engine_files(stem: &str, page: u32, engines: &[Engine], directional: bool) -> Vec<String> {
+    let kinds = Kind::of(engines, directional);
     kinds.iter().map(|kind| kind.file(stem, page)).collect()
 }
 
@@ -54,24 +55,27 @@ pub fn stage_engines(
     page: &PageLight<'_>,
     engines: &[Engine],
 ) -> Result<Vec<LightmapReport>, Error> {
-    let kinds = Kind::of(engines);
+    let kinds = Kind::of(engines, page.sh.is_some());
     if kinds.is_empty() {
         return Ok(Vec::new());
     }
     let levels = mips::levels(page);
     for kind in &kinds {
         let bytes = match kind {
-            Kind::Exr => half_exr::encode(&levels[0]),
+            Kind::Exr => half_exr::encode([page.size; 2], &levels[0].pixels),
             Kind::Hdr => hdr(&levels[0], &kind.file(stem, page.page))?,
-            Kind::Ktx2 => ktx2::encode(&levels),
+            Kind::Ktx2 => ktx2::encode(&levels, 1),
+            Kind::Sh => sh::slices(page).unwrap_or_default(),
+            Kind::ShKtx2 => sh::array(page).unwrap_or_default(),
             Kind::Ao => ao::deep(page),
             Kind::Ao8 => ao::dithered(page),
         };
         output.stage_bytes(&kind.file(stem, page.page), &bytes)?;
     }
     let entries = engines.iter().flat_map(|engine| {
-        let kinds = engine.kinds().iter().filter(|kind| kind.is_light());
-        kinds.map(|kind| engine.entry(*kind, kind.file(stem, page.page)))
+        let kinds = Kind::of(&[*engine], page.sh.is_some()).into_iter();
+        let light = kinds.filter(|kind| kind.is_light());
+        light.map(|kind| engine.entry(kind, kind.file(stem, page.page)))
     });
     Ok(entries.collect())
 }

@@ -31,6 +31,10 @@ pub(crate) enum Kind {
     Hdr,
     /// KTX2, uncompressed half floats, with the mip levels that the layout allows.
     Ktx2,
+    /// Light by direction in Godot's packing: OpenEXR, half floats, four slices under one another.
+    Sh,
+    /// Light by direction as plain numbers: KTX2, an array of four pictures.
+    ShKtx2,
     /// Occlusion, 16-bit grey PNG.
     Ao,
     /// Occlusion, 8-bit grey PNG, dithered.
@@ -115,6 +119,23 @@ impl Engine {
         self.row().scale
     }
 
+    /// What it gets of a page that has light by direction, and how it takes that.
+    fn directional(self) -> Option<(Kind, &'static str)> {
+        match self {
+            Self::Godot => Some((
+                Sh,
+                "Import as Texture2DArray, one column and four rows, without mipmaps and compression; a spatial shader samples it with UV2. \
+                 Slices s0..s3 hold Godot's own packing: E/pi = s0 * (1 + 8 * ((s1 - 0.5) * n.y + (s2 - 0.5) * n.z + (s3 - 0.5) * n.x)), n the normal in the world.",
+            )),
+            Self::Bevy => Some((
+                ShKtx2,
+                "A texture_2d_array<f32> in a material extension, sampled with the second coordinates; n is the normal in the world. \
+                 Layers a0..a3: E/pi = a0 + 2 * (a1 * n.x + a2 * n.y + a3 * n.z); times base colour and scale it is what Lightmap adds.",
+            )),
+            _ => None,
+        }
+    }
+
     pub(crate) fn kinds(self) -> &'static [Kind] {
         self.row().kinds
     }
@@ -125,7 +146,10 @@ impl Engine {
             file,
             unit: kind.unit().into(),
             scale: self.scale(),
-            how: self.row().how.into(),
+            how: match self.directional() {
+                Some((directional, how)) if directional == kind => how.into(),
+                _ => self.row().how.into(),
+            },
         }
     }
 
@@ -135,10 +159,15 @@ impl Engine {
 }
 
 impl Kind {
-    /// The files of several engines, each once, in a fixed order.
-    pub fn of(engines: &[Engine]) -> Vec<Kind> {
-        let wanted = |kind: &Kind| engines.iter().any(|engine| engine.kinds().contains(kind));
-        [Exr, Hdr, Ktx2, Ao, Ao8]
+    /// The files of several engines, each once, in a fixed order; `directional`: of a page that has light by direction.
+    pub fn of(engines: &[Engine], directional: bool) -> Vec<Kind> {
+        let wanted = |kind: &Kind| {
+            engines.iter().any(|engine| {
+                let own = engine.directional().filter(|_| directional);
+                engine.kinds().contains(kind) || own.is_some_and(|(own, _)| own == *kind)
+            })
+        };
+        [Exr, Hdr, Ktx2, Sh, ShKtx2, Ao, Ao8]
             .into_iter()
             .filter(wanted)
             .collect()
@@ -150,6 +179,8 @@ impl Kind {
             Exr => "lightmap.exr",
             Hdr => "lightmap.hdr",
             Ktx2 => "lightmap.ktx2",
+            Sh => "sh.exr",
+            ShKtx2 => "sh.ktx2",
             Ao => "ao.png",
             Ao8 => "ao8.png",
         };
@@ -164,6 +195,9 @@ impl Kind {
     fn unit(self) -> &'static str {
         match self {
             Ao | Ao8 => "open share of the cosine-weighted hemisphere, 0..1, linear",
+            Sh | ShKtx2 => {
+                "spherical harmonics of order 1 of the light that arrives, from which E/pi follows for any normal"
+            }
             _ => "E/pi, linear RGB without albedo, 1 under an open sky of 1",
         }
     }
@@ -191,9 +225,12 @@ mod tests {
     #[test]
     fn a_file_that_two_engines_share_is_made_once() {
         assert_eq!(
-            Kind::of(&[Engine::Three, Engine::Bevy]),
+            Kind::of(&[Engine::Three, Engine::Bevy], false),
             [Exr, Hdr, Ktx2, Ao, Ao8]
         );
-        assert_eq!(Kind::of(&[]), []);
+        let all: Vec<Engine> = Engine::all().collect();
+        assert_eq!(Kind::of(&all, true), [Exr, Hdr, Ktx2, Sh, ShKtx2, Ao, Ao8]);
+        assert_eq!(Kind::of(&[Engine::Three], true), [Exr, Hdr, Ktx2, Ao]);
+        assert_eq!(Kind::of(&[], true), []);
     }
 }

@@ -40,7 +40,7 @@ function palettes() {
   return bytes;
 }
 
-// What can be shown. `kind` is color, grey, vector, heat, difference or density; `layers` are the indices that it reads.
+// What can be shown. `kind` is color, grey, vector, heat, difference, density or live; `layers` are the indices that it reads.
 function views() {
   const list = [];
   const models = ["traditional", "lambert", "ggx", "phong"].map((name) => ({ name, layer: layerIndex(name) }))
@@ -56,8 +56,10 @@ function views() {
     const label = kind === "heat" ? `Heat map: ${layer.name}` : layer.name;
     list.push({ name: layer.name, label, kind, layers: [index] });
   });
+  const live = liveView();
+  if (live) list.push(live);
   const rank = (view) => view.name === "error" ? 0 : view.kind === "heat" ? 1 : 2;
-  const fixed = list.filter((view) => view.kind === "models" || view.kind === "difference");
+  const fixed = list.filter((view) => ["models", "difference", "live"].includes(view.kind));
   const others = list.filter((view) => !fixed.includes(view)).sort((a, b) => rank(a) - rank(b));
   fixed.push(...others.filter((view) => rank(view) === 0));
   fixed.push({ name: "density", label: "Heat map: density (texels per unit)", kind: "density", layers: [] });

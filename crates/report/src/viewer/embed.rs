@@ -13,6 +13,9 @@ use std::io::Write;
 /// Layers that a viewer has no use for: positions and objects come from the geometry, differences from the models.
 const LEFT_OUT: [&str; 4] = ["coverage", "position", "object", "geometric"];
 
+/// How the channels of layers for any view begin, the larger layer first.
+const HARMONICS: [&str; 2] = ["any-view.8.", "any-view."];
+
 /// A page, ready to be embedded.
 pub struct EmbeddedPage {
     /// Edge of the embedded page.
@@ -24,6 +27,8 @@ pub struct EmbeddedPage {
     pub(super) coverage: String,
     /// For each of the layers, the plane of each of its channels; channels that are equal share one.
     pub(super) planes: Vec<Vec<usize>>,
+    /// The planes of the harmonics for any view, where the page has all that a view needs; else none.
+    pub(super) harmonics: Vec<usize>,
     /// One text for each plane.
     pub(super) texts: Vec<String>,
 }
@@ -77,10 +82,12 @@ impl EmbeddedPage {
         let used = page.layers.iter().filter(|layer| {
             let name = layer.name.as_str();
             let skipped = name.starts_with("half.") || name.starts_with("difference.");
-            !(LEFT_OUT.contains(&name) || skipped)
+            !(LEFT_OUT.contains(&name) || skipped || name.starts_with(HARMONICS[1]))
         });
         let used: Vec<_> = used.collect();
-        let channels: Vec<&Channel> = used.iter().flat_map(|layer| &layer.channels).collect();
+        let harmonics = harmonics(page);
+        let shown = used.iter().flat_map(|layer| &layer.channels);
+        let channels: Vec<&Channel> = shown.chain(harmonics).collect();
         let packed = channels.par_iter().map(|channel| {
             let values = blocks(&|i| channel.values[i], &|i| near[i]);
             blob(&halves(&values))
@@ -99,6 +106,7 @@ impl EmbeddedPage {
             .iter()
             .map(|layer| numbers.by_ref().take(layer.channels.len()).collect());
         let planes = planes.collect();
+        let harmonics = numbers.collect();
         let layer = |layer: &&crate::PageLayer| EmbeddedLayer {
             name: layer.name.clone(),
             channels: layer.channels.len(),
@@ -110,9 +118,28 @@ impl EmbeddedPage {
             layers: used.iter().map(layer).collect(),
             coverage: blob(&mask),
             planes,
+            harmonics,
             texts,
         }
     }
+}
+
+/// The channels of the layer for any view with the most numbers; none where the page lacks the normal or the exponent, without which
+/// no view can be evaluated.
+fn harmonics(page: &Page) -> Vec<&Channel> {
+    if page.layer("normal").is_none() || page.layer("exponent").is_none() {
+        return Vec::new();
+    }
+    let of = |prefix: &str| -> Vec<&Channel> {
+        let name = |number: usize| format!("{prefix}{number:02}");
+        let layers = (0..).map_while(|number| page.layer(&name(number)));
+        layers.flat_map(|layer| &layer.channels).collect()
+    };
+    let found = HARMONICS.into_iter().map(of);
+    found
+        .into_iter()
+        .find(|channels| !channels.is_empty())
+        .unwrap_or_default()
 }
 
 /// How a layer is shown.

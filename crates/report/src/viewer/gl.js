@@ -12,6 +12,7 @@ in vec2 at; in vec3 world; centroid in vec3 cut;
 uniform sampler2D first, second, palette, alphas;
 uniform int kind, grey; uniform float part, factor, low, high, size, cutoff;
 out vec4 color;
+${LIVE_HEAD}
 vec3 srgb(vec3 v) {
   v = clamp(v, 0.0, 1.0);
   return mix(12.92 * v, 1.055 * pow(v, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, v));
@@ -34,14 +35,14 @@ void main() {
   else if (kind == 2) c = a * 0.5 + 0.5;
   else if (kind == 3) c = ramp((a.r - low) / (high - low), 0.25);
   else if (kind == 4) c = ramp(most / high * 0.5 + 0.5, 0.75);
-  else if (kind == 5) c = ramp((0.5 * log2(texels / area) - low) / (high - low), 0.25);
+  else if (kind == 5) c = ramp((0.5 * log2(texels / area) - low) / (high - low), 0.25);${LIVE_BODY}
   else c = vec3(0.45);
   // A cut-out has holes below its cutoff; a see-through surface, whose cutoff is negative, covers its share of a pixel.
   float alpha = cut.z * texture(alphas, cut.xy).r;
   if (alpha < cutoff - 1e-6) discard;
   color = vec4(c, cutoff < 0.0 ? alpha : 1.0);
 }`;
-const KINDS = { models: 0, color: 0, grey: 1, vector: 2, heat: 3, difference: 4, density: 5, none: 6 };
+const KINDS = { models: 0, color: 0, grey: 1, vector: 2, heat: 3, difference: 4, density: 5, none: 6, live: 7 };
 
 class Painter {
   /** Sets the graphics to work. Nothing is asked of them yet, so that the browser reads on while they compile. */
@@ -79,6 +80,7 @@ class Painter {
       if (!linear) for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
       return texture;
     });
+    this.live = ANY_VIEW && new Live(this);
     this.whole = this.texture(gl.R8, gl.RED, 1, 1, gl.UNSIGNED_BYTE, new Uint8Array([255]));
     gl.enable(gl.DEPTH_TEST);
     gl.clearColor(0.735, 0.825, 0.93, 1);
@@ -162,6 +164,7 @@ class Painter {
       bind(1, p.second, b ? b.texture : this.palette);
       gl.uniform1i(p.grey, lit && a ? a.grey + 2 * b.grey : 0);
       const cutout = mesh.cutout, clear = cutout && cutout.cutoff < 0;
+      if (this.live) this.live.bind(look, camera, mesh.page);
       bind(3, p.alphas, cutout && cutout.picture >= 0 ? this.pictures[cutout.picture] : this.whole);
       gl.uniform1f(p.cutoff, cutout ? cutout.cutoff : 0);
       (clear ? gl.enable : gl.disable).call(gl, gl.SAMPLE_ALPHA_TO_COVERAGE);

@@ -16,6 +16,7 @@ function look() {
   }
   const [low, high] = state.ranges.get(view.name) || [0, 1];
   const first = view.layers[0] ?? 0;
+  if (view.kind === "live") Object.assign(base, { layers: view.layers, coloured: view.coloured, sky: view.sky });
   return { ...base, first, second: view.layers[1] ?? first, low, high };
 }
 
@@ -113,7 +114,8 @@ async function show() {
   const current = look();
   const used = new Set(meshes.map((mesh) => mesh.page).filter((page) => page >= 0));
   if (view.kind !== "density") {
-    const layers = new Set([current.first, current.second]);
+    const layers = new Set([current.first, current.second, ...(current.layers || [])]);
+    if (view.kind === "live") await Promise.all([...used].map((page) => painter.live.need(page)));
     await Promise.all([...used].flatMap((page) => [...layers].map((layer) => painter.need(page, layer))));
   }
   legend(view, current);
@@ -142,7 +144,7 @@ function legend(view, current) {
 /** Draws the page with the picked texel. */
 async function sheet() {
   const canvas = $("sheet"), pen = canvas.getContext("2d"), edge = canvas.width;
-  const page = state.page, size = head.pages[page].size, view = state.view.kind === "density" ? list[0] : state.view;
+  const page = state.page, size = head.pages[page].size, view = ["density", "live"].includes(state.view.kind) ? list[0] : state.view;
   const [cover, channels] = await Promise.all([coverOn(page), channelsOf(view, page)]);
   const picture = pen.createImageData(edge, edge), current = look();
   for (let y = 0; y < edge; y++) for (let x = 0; x < edge; x++) {
@@ -156,7 +158,7 @@ async function sheet() {
 
 /** Draws how many texels of all pages have which value. */
 async function histogram() {
-  const view = state.view.kind === "density" ? list[0] : state.view, bins = new Float64Array(85), values = [];
+  const view = ["density", "live"].includes(state.view.kind) ? list[0] : state.view, bins = new Float64Array(85), values = [];
   for (let page = 0; page < head.pages.length; page++) {
     const [cover, channels] = [await coverOn(page), await channelsOf(view, page)];
     for (let i = 0; i < cover.length; i += 1 + (cover.length >> 18)) {

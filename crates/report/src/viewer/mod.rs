@@ -20,10 +20,11 @@ pub const REPORT_NAME: &str = "report.html";
 
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("style.css");
-const SCRIPT: [&str; 7] = [
+const SCRIPT: [&str; 8] = [
     include_str!("data.js"),
     include_str!("colors.js"),
     include_str!("camera.js"),
+    include_str!("live.js"),
     include_str!("gl.js"),
     include_str!("main.js"),
     include_str!("plot.js"),
@@ -48,8 +49,20 @@ pub struct Viewer<'a> {
     pub stops: i32,
     /// The content of `bake.json`.
     pub bake: &'a Value,
+    /// What the harmonics of the pages are evaluated with, where they hold any.
+    pub kernel: Option<Kernel>,
     /// The rows of a benchmark that stands beside the bake, as its `bench.csv` has them.
     pub bench: Option<&'a str>,
+}
+
+/// The kernels of harmonics for any view.
+pub struct Kernel {
+    /// Their largest order, 4 or 8.
+    pub order: u32,
+    /// Width of their picture.
+    pub columns: usize,
+    /// Its values, row after row.
+    pub values: Vec<f32>,
 }
 
 impl Viewer<'_> {
@@ -110,7 +123,7 @@ impl Viewer<'_> {
         let pages: Vec<Value> = self
             .pages
             .iter()
-            .map(|page| json!({ "size": page.size, "texels": page.texels, "planes": page.planes }))
+            .map(|page| json!({ "size": page.size, "texels": page.texels, "planes": page.planes, "harmonics": page.harmonics }))
             .collect();
         let (alphas, alpha_texts): (Vec<Value>, Vec<String>) =
             cutouts.pictures().into_iter().unzip();
@@ -129,6 +142,7 @@ impl Viewer<'_> {
             "alphas": alphas,
             "pages": pages,
             "layers": self.pages.first().map_or(&[][..], |page| &page.layers),
+            "kernel": self.kernel.as_ref().map(|kernel| json!({ "order": kernel.order, "columns": kernel.columns })),
             "bake": self.bake,
             "bench": self.bench,
         });
@@ -137,6 +151,10 @@ impl Viewer<'_> {
             harmless(&head)
         );
         data += &element("geometry", &blob(&geometry));
+        if let Some(kernel) = &self.kernel {
+            let bytes: Vec<u8> = kernel.values.iter().flat_map(|v| v.to_le_bytes()).collect();
+            data += &element("kernel", &blob(&bytes));
+        }
         for (number, text) in alpha_texts.iter().enumerate() {
             data += &element(&format!("a{number}"), text);
         }
@@ -146,7 +164,11 @@ impl Viewer<'_> {
                 data += &element(&format!("p{number}.{plane}"), text);
             }
         }
-        let script = format!("\"use strict\";\n{}", SCRIPT.concat());
+        let live = self
+            .kernel
+            .as_ref()
+            .map_or(String::new(), |kernel| crate::any_view::glsl(kernel.order));
+        let script = format!("\"use strict\";\n{}", SCRIPT.concat()).replace("{{anyView}}", &live);
         // The data comes last, so that nothing in it is taken for a place to fill.
         let parts = PAGE.split_once("{{data}}").unwrap_or((PAGE, ""));
         let fill = |part: &str| {
@@ -222,6 +244,7 @@ mod tests {
             view: [DVec3::ONE, DVec3::ZERO],
             fov: 0.7,
             stops: 0,
+            kernel: None,
             bake: &json!({ "warnings": ["</script>"] }),
             bench: Some("technique\n</script>\n"),
         };

@@ -10,12 +10,11 @@ use crate::integrate::sums::{Sums, Technique, Weights};
 use ambient::lanes::LANES;
 use glam::DVec3;
 
-/// Sums over a lane's rays: weights of all rays and of the open ones, for two quantities; bent normal; rays cast.
+/// Sums over a lane's rays: weights of all rays and of the open ones, for two quantities; rays cast.
 #[derive(Clone, Copy, Default)]
 pub(super) struct LaneSums<T> {
     pub all: [[T; LANES]; 2],
     pub open: [[T; LANES]; 2],
-    pub bent: [[T; LANES]; 3],
     /// Light of a map above its floor: by the normal, or of the only quantity, and by the lobe.
     pub light: [[[T; LANES]; 3]; 2],
     pub rays: [u32; LANES],
@@ -23,7 +22,7 @@ pub(super) struct LaneSums<T> {
 
 impl LaneSums<f32> {
     #[inline(always)]
-    pub fn add(&mut self, step: &Step, open: u32, cast: u32, bent: bool) {
+    pub fn add(&mut self, step: &Step, open: u32, cast: u32) {
         let mut is_open = [0.0; LANES];
         for l in 0..LANES {
             is_open[l] = (open >> l & 1) as f32;
@@ -34,13 +33,6 @@ impl LaneSums<f32> {
                 let w = step.weights[k][l];
                 self.all[k][l] += w;
                 self.open[k][l] += w * is_open[l];
-            }
-        }
-        if bent {
-            for a in 0..3 {
-                for l in 0..LANES {
-                    self.bent[a][l] += step.weights[0][l] * is_open[l] * step.directions[a][l];
-                }
             }
         }
     }
@@ -55,7 +47,6 @@ impl LaneSums<f64> {
                 self.open[k][l] += f64::from(block.open[k][l]);
             }
             for a in 0..3 {
-                self.bent[a][l] += f64::from(block.bent[a][l]);
                 for k in 0..2 {
                     self.light[k][a][l] += f64::from(block.light[k][a][l]);
                 }
@@ -79,7 +70,6 @@ impl LaneSums<f64> {
         match technique {
             Technique::Hemisphere => {
                 (sums.diffuse, sums.visibility) = (weights(0), weights(1));
-                sums.bent = vector(&self.bent);
                 sums.irradiance = vector(&self.light[0]);
             }
             Technique::Lobe => {

@@ -5,6 +5,7 @@
     reason = "a lane is one index into many arrays"
 )]
 
+use super::directional::LaneDirections;
 use super::step::{Drawn, Step};
 use crate::integrate::task::Task;
 use ambient::lanes::{LANES, Wide};
@@ -25,7 +26,7 @@ pub(super) fn add_map_light(
     open: u32,
     normal: &[Wide; 3],
     lobes: Lobes<'_>,
-    sums: &mut [[Wide; 3]; 2],
+    (sums, directions): (&mut [[Wide; 3]; 2], Option<&mut LaneDirections>),
 ) {
     use std::f32::consts::{FRAC_1_PI, TAU};
     let [cosine, uniform] = {
@@ -73,6 +74,26 @@ pub(super) fn add_map_light(
             let density = lobe_density(lobes.scale[l], axis, direction);
             kernels[1][l] = density * share_of(by_sky, density);
         }
+    }
+    if let Some(directions) = directions {
+        let (mut shares, mut density) = ([0.0; LANES], [0.0; LANES]);
+        for l in 0..LANES {
+            let by_sky = drawn * (light[0][l] + light[1][l] + light[2][l]);
+            match &step.drawn {
+                Drawn::Hemisphere => {
+                    density[l] = 1.0 / (TAU * step.weights[1][l]);
+                    shares[l] = share(density[l], by_sky);
+                }
+                Drawn::Lobe(_) => {}
+                Drawn::Sky(..) => {
+                    let mu = normal[0][l] * step.directions[0][l]
+                        + normal[1][l] * step.directions[1][l]
+                        + normal[2][l] * step.directions[2][l];
+                    shares[l] = share_of(by_sky, cosine * mu + uniform);
+                }
+            }
+        }
+        directions.add_light(step, &light, &shares, &density);
     }
     for k in 0..2 {
         for c in 0..3 {

@@ -9,6 +9,7 @@
     reason = "a lane is one index into many arrays"
 )]
 
+mod directional;
 mod lane_sums;
 mod light;
 mod moments;
@@ -20,6 +21,8 @@ use super::task::Task;
 use crate::options::{Shading, View};
 use crate::survey::Texel;
 use ambient::sampling::{LANES, Lobe, Stream, Streams, Wide};
+pub(crate) use directional::DirectionSums;
+use directional::LaneDirections;
 use lane_sums::LaneSums;
 use light::{Lobes, add_map_light};
 use moments::LaneMoments;
@@ -69,6 +72,8 @@ pub(crate) struct Gang<'a> {
     block: LaneSums<f32>,
     /// Harmonics of the open directions, where any view is asked for.
     moments: Option<LaneMoments>,
+    /// Where lanes are open and whence their light comes, where a layer asks for it.
+    directions: Option<LaneDirections>,
 }
 
 impl<'a> Gang<'a> {
@@ -94,6 +99,7 @@ impl<'a> Gang<'a> {
             sums: LaneSums::default(),
             block: LaneSums::default(),
             moments: None,
+            directions: task.directional.then(LaneDirections::new),
         };
         gang.packet.t_max = [task.t_max; LANES];
         gang
@@ -117,6 +123,9 @@ impl<'a> Gang<'a> {
         self.stale = true;
         if let Some(moments) = &mut self.moments {
             moments.clear();
+        }
+        if let Some(directions) = &mut self.directions {
+            directions.clear();
         }
         for (l, lane) in lanes.iter().enumerate() {
             let texel = &self.texels[lane.texel];
@@ -160,6 +169,9 @@ impl<'a> Gang<'a> {
             if let Some(moments) = &mut self.moments {
                 moments.absorb();
             }
+            if let Some(directions) = &mut self.directions {
+                directions.absorb();
+            }
         }
     }
 
@@ -195,9 +207,12 @@ impl<'a> Gang<'a> {
             task.backend
                 .occluded16(&self.packet, cast, Coherence::Coherent)
         };
-        self.block.add(&step, active & !blocked, cast, task.bent);
+        self.block.add(&step, active & !blocked, cast);
         if let Some(moments) = &mut self.moments {
             moments.add(&step, active & !blocked);
+        }
+        if let Some(directions) = &mut self.directions {
+            directions.add(&step, active & !blocked);
         }
         if let Some(sky) = task.sky.map() {
             let lobes = Lobes {
@@ -206,7 +221,8 @@ impl<'a> Gang<'a> {
             };
             let normal = &self.frames.normal;
             let open = active & !blocked;
-            add_map_light(task, sky, &step, open, normal, lobes, &mut self.block.light);
+            let sums = (&mut self.block.light, self.directions.as_mut());
+            add_map_light(task, sky, &step, open, normal, lobes, sums);
         }
     }
 
@@ -317,6 +333,16 @@ impl<'a> Gang<'a> {
         };
         for (l, lane) in self.lanes.iter().enumerate() {
             moments.collect(l, &mut replicates[lane.texel][lane.replicate]);
+        }
+    }
+
+    /// Adds the directions that the lanes have gathered to their texels' replicates.
+    pub fn collect_directions(&self, replicates: &mut [[DirectionSums; REPLICATES as usize]]) {
+        let Some(directions) = &self.directions else {
+            return;
+        };
+        for (l, lane) in self.lanes.iter().enumerate() {
+            directions.collect(l, &mut replicates[lane.texel][lane.replicate]);
         }
     }
 }
