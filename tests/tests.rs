@@ -29,6 +29,7 @@ mod methods;
 mod models;
 mod normal_maps;
 mod outputs;
+mod pages;
 mod parity;
 mod peers;
 mod photo;
