@@ -76,8 +76,9 @@ impl Window {
         let mut normal = vec![0.0; unknowns * unknowns];
         for Equation { taps, weight, .. } in &equations {
             let own = taps.iter().filter(|tap| tap.1 != 0.0);
-            let own =
-                own.filter_map(|&(slot, w)| (number[slot] < unknowns).then(|| (number[slot], w)));
+            let own = own
+                .map(|&(slot, w)| (number[slot], w))
+                .filter(|(i, _)| *i < unknowns);
             for (i, a) in own.clone() {
                 for (j, b) in own.clone() {
                     normal[i * unknowns + j] += weight * a * b;

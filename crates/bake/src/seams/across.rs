@@ -36,13 +36,16 @@ pub(super) struct Outer {
     pub later: bool,
 }
 
+/// The light of bounces or not, a term by its name, a channel.
+type Plane = (bool, &'static str, usize);
+
 /// The seams between the pages of a bake, and what was found on them.
 #[derive(Debug, Default)]
 pub(crate) struct Across {
     points: OnceLock<Vec<AcrossPoint>>,
     /// By term and channel, for each point what the finished page holds there; NaN before, and where a look-up would mix charts. The light of
     /// bounces is kept apart from terms.
-    found: Mutex<BTreeMap<(bool, &'static str, usize), Vec<f32>>>,
+    found: Mutex<BTreeMap<Plane, Vec<f32>>>,
 }
 
 impl Across {
