@@ -156,8 +156,9 @@ fn a_sunk_box_draws_no_ring_however_it_is_wound() {
             let (rms, mean) = ring(&page, degrees);
             let case =
                 format!("{backend}, {degrees} degrees, inward {inward}: rms {rms}, mean {mean}");
-            // A texel spans up to an eighth of the range of values here: planes follow it to 1.5/255.
-            assert!(rms < 2.0 / 255.0 && mean.abs() < 0.5 / 255.0, "{case}");
+            // Look-ups through means are off by an eighth of the second difference of the light, where there is no contact too: here that is
+            // -0.5/255 in the mean. The rest of the RMS is noise and how it varies.
+            assert!(rms < 1.5 / 255.0 && mean.abs() < 1.0 / 255.0, "{case}");
             let (_baked, kept) = bake(&file, &options(backend, &["--buried=keep"]));
             assert!(
                 ring(&kept, degrees).0 > 10.0 / 255.0,

@@ -30,6 +30,7 @@ mod methods;
 mod models;
 mod normal_maps;
 mod outputs;
+mod pages;
 mod parity;
 mod peers;
 mod photo;

@@ -8,7 +8,8 @@ use crate::options::{Backend, Options};
 use crate::scene::Scene;
 use crate::seen::oracle;
 use ::bake::{Baker, Decision, Pilot, Plan};
-use atlas::Atlas;
+use atlas::{Atlas, Pages, UvSource};
+use layers::Layer;
 use rays::{RayBackend, World};
 use report::{DecisionReport, LayoutReport, PhaseReport, WarningReport, cpu_seconds};
 use std::path::{Path, PathBuf};
@@ -197,8 +198,20 @@ impl Job {
     /// Everything that was repaired, ignored or is doubtful before a ray was cast, and matters to this bake.
     pub fn warnings(&self) -> Vec<WarningReport> {
         let ignored = |warning: &&::scene::Warning| {
-            warning.kind == ::scene::WarningKind::IgnoredNormalMaps && self.options.normal_maps
+            let tinted = [Layer::Lambert, Layer::Traditional];
+            match warning.kind {
+                ::scene::WarningKind::IgnoredNormalMaps => self.options.normal_maps,
+                // Light without a tint is not black on them.
+                ::scene::WarningKind::BlackMetals => !tinted
+                    .iter()
+                    .any(|layer| self.options.layers.contains(layer)),
+                _ => false,
+            }
         };
+        let layout = self.options.layout();
+        let alone = layout.pages == Pages::Auto && !layout.one_page_per_mesh;
+        let small_page = (layout.is_shared() && self.atlas.source == UvSource::Unwrapped)
+            .then(|| self.layout.small_page(&self.scene, &self.atlas, alone));
         let of_scene = self
             .scene
             .warnings
@@ -207,6 +220,7 @@ impl Job {
         of_scene
             .map(Into::into)
             .chain(self.layout.warnings())
+            .chain(small_page.flatten())
             .collect()
     }
 

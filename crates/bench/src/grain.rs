@@ -55,6 +55,7 @@ pub fn grain(subject: Subject<'_>, backend: &dyn RayBackend, options: &Options) 
                 Layer::Diffuse,
                 Layer::StdErrDiffuse,
                 Layer::Object,
+                Layer::Validity,
             ],
             ..options.clone()
         };
@@ -76,14 +77,15 @@ pub fn grain(subject: Subject<'_>, backend: &dyn RayBackend, options: &Options) 
     rows
 }
 
-/// The errors of a page against the reference.
+/// The errors of a page against the reference, over texels that can be seen.
 fn judge(page: &BakedPage, reference: &BakedPage) -> Row {
     let plane = |page: &'_ BakedPage, layer| page.layer(layer).unwrap_or_default().to_vec();
-    let [coverage, value, std_err, object] = [
+    let [coverage, value, std_err, object, validity] = [
         Layer::Coverage,
         Layer::Diffuse,
         Layer::StdErrDiffuse,
         Layer::Object,
+        Layer::Validity,
     ]
     .map(|layer| plane(page, layer));
     let [truth, own] = [Layer::Diffuse, Layer::StdErrDiffuse].map(|layer| plane(reference, layer));
@@ -92,7 +94,8 @@ fn judge(page: &BakedPage, reference: &BakedPage) -> Row {
     let mut errors = Vec::new();
     // Sums of errors, of texels and of the reference's variances.
     let mut blocks: BTreeMap<(usize, usize, u32), [f64; 3]> = BTreeMap::new();
-    for i in (0..size * size).filter(|&i| coverage[i] > 0.0) {
+    let seen = |i: &usize| coverage[*i] > 0.0 && validity[*i] > 0.0;
+    for i in (0..size * size).filter(seen) {
         let error = f64::from(value[i]) - f64::from(truth[i]);
         let [std_err, own] = [std_err[i], own[i]].map(f64::from);
         squares += error * error - own * own;

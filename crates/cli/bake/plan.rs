@@ -65,9 +65,7 @@ fn text(job: &Job, cost: &Estimate) -> String {
         job.backend().describe(),
     );
     text += &job.layout_report().text();
-    for warning in warnings(job) {
-        text += &summary::line(&warning);
-    }
+    text += &summary::lines(&warnings(job));
     text
 }
 

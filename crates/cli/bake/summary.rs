@@ -75,9 +75,7 @@ pub fn summary(report: &BakeReport, verbose: bool, dir: &Path) -> String {
     for phase in report.timings.iter().filter(|_| verbose) {
         text += &format!("  {:>8.3} s {}\n", phase.seconds, phase.phase);
     }
-    for warning in &report.warnings {
-        text += &line(warning);
-    }
+    text += &lines(&report.warnings);
     text += &format!("{} files in {}\n", report.files.len(), dir.display());
     // Last, what can be looked at.
     let ends = |end: &str| report.files.iter().find(|name| name.ends_with(end));
@@ -87,11 +85,94 @@ pub fn summary(report: &BakeReport, verbose: bool, dir: &Path) -> String {
     text
 }
 
-/// A warning as it is printed: how often it holds, and where first.
-pub fn line(warning: &WarningReport) -> String {
-    let often = match warning.count {
-        1 => String::new(),
-        count => format!("{count} times, "),
+/// Places of one warning that are named; the others are counted.
+const NAMED: usize = 3;
+
+/// Warnings as they are printed: a line for each thing to say, with how often it holds and where.
+pub fn lines(warnings: &[WarningReport]) -> String {
+    let mut said: Vec<(&str, Vec<&WarningReport>)> = Vec::new();
+    for warning in warnings {
+        match said
+            .iter_mut()
+            .find(|(message, _)| *message == warning.message)
+        {
+            Some((_, same)) => same.push(warning),
+            None => said.push((&warning.message, vec![warning])),
+        }
+    }
+    let line = |(message, same): &(&str, Vec<&WarningReport>)| {
+        let times: u64 = same.iter().map(|warning| warning.count).sum();
+        let places: Vec<&str> = same.iter().map(|warning| warning.place.as_str()).collect();
+        let often = match times {
+            1 => String::new(),
+            _ if times == places.len() as u64 => String::new(),
+            _ => format!("{times} times, "),
+        };
+        format!("warning: {message} ({often}{})\n", named(&places))
     };
-    format!("warning: {} ({often}{})\n", warning.message, warning.place)
+    said.iter().map(line).collect()
+}
+
+/// Places in words: one as it is, several counted and the first ones named.
+fn named(places: &[&str]) -> String {
+    if let [place] = places {
+        return (*place).into();
+    }
+    // All are of one sort as a rule: material `a`, material `b`.
+    let sort = |place: &str| place.split_once(' ').map(|(sort, _)| sort.to_owned());
+    let first = sort(places[0]).filter(|_| places.iter().all(|place| place.contains(" `")));
+    let common = first.filter(|first| {
+        places
+            .iter()
+            .all(|place| sort(place).as_ref() == Some(first))
+    });
+    let plural = common
+        .as_ref()
+        .map_or("places".into(), |sort| match sort.as_str() {
+            "mesh" => "meshes".into(),
+            sort => format!("{sort}s"),
+        });
+    let skip = common.map_or(0, |sort| sort.len() + 1);
+    let some: Vec<&str> = places
+        .iter()
+        .take(NAMED)
+        .map(|place| &place[skip..])
+        .collect();
+    let more = if places.len() > NAMED { ", …" } else { "" };
+    format!("{} {plural}: {}{more}", places.len(), some.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn warning(message: &str, place: &str, count: u64) -> WarningReport {
+        WarningReport {
+            kind: "kind".into(),
+            place: place.into(),
+            count,
+            message: message.into(),
+        }
+    }
+
+    #[test]
+    fn equal_warnings_are_one_line_that_names_the_first_places() {
+        let mut warnings: Vec<_> = ["Glass", "two words", "100%", "d"]
+            .map(|name| warning("left out", &format!("material `{name}`"), 1))
+            .into();
+        warnings.insert(1, warning("dropped", "mesh `m` primitive 0", 7));
+        warnings.push(warning("left out", "material `e`", 2));
+        assert_eq!(
+            lines(&warnings),
+            "warning: left out (6 times, 5 materials: `Glass`, `two words`, `100%`, …)\n\
+             warning: dropped (7 times, mesh `m` primitive 0)\n"
+        );
+        warnings.truncate(3);
+        assert!(
+            lines(&warnings).starts_with("warning: left out (2 materials: `Glass`, `two words`)\n")
+        );
+        let mixed = [warning("x", "scene", 1), warning("x", "node 3", 1)];
+        assert_eq!(lines(&mixed), "warning: x (2 places: scene, node 3)\n");
+        assert_eq!(lines(&mixed[..1]), "warning: x (scene)\n");
+    }
 }

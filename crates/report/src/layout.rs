@@ -50,6 +50,8 @@ pub struct ObjectLayout {
 const LARGE_SHARE: f64 = 0.5;
 /// With fewer texels across its extent an object is named in a warning.
 const COARSE: f64 = 4.0;
+/// With less of the texels in use inside charts, the page is named in a warning.
+const LEAST_INSIDE: f64 = 0.25;
 
 impl LayoutReport {
     /// The facts of a layout.
@@ -118,6 +120,37 @@ impl LayoutReport {
             });
         }
         warnings
+    }
+
+    /// Where the page is too small for its charts: mostly gutters, or, where `alone` is asked for, more than one. `None` also where no page
+    /// is large enough.
+    pub fn small_page(
+        &self,
+        scene: &scene::Scene,
+        atlas: &atlas::Atlas,
+        alone: bool,
+    ) -> Option<WarningReport> {
+        let spread = alone && atlas.page_count > 1;
+        let inside = self.covered / self.page_use.max(f64::MIN_POSITIVE);
+        if !spread && inside >= LEAST_INSIDE {
+            return None;
+        }
+        let size = atlas::roomy_size(scene, atlas).filter(|&size| size > atlas.page_size)?;
+        let what = match spread {
+            true => format!("the charts are spread over {} pages", atlas.page_count),
+            false => format!(
+                "gutters take {:.0} % of the texels in use",
+                100.0 * (1.0 - inside).min(0.99)
+            ),
+        };
+        Some(WarningReport {
+            kind: "small-page".into(),
+            place: format!("pages of {}²", atlas.page_size),
+            count: 1,
+            message: format!(
+                "{what}: a page this small is mostly gutters; `--size {size}` gives the texels to the charts"
+            ),
+        })
     }
 
     /// What an artist asks first, a few lines.

@@ -23,6 +23,9 @@ pub struct Warning {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum WarningKind {
+    /// glTF: a material that is all metal, by `metallicFactor` 1 or without one, and no texture says otherwise. A metal has no albedo, so that
+    /// Lambert's and the traditional model are black on it.
+    BlackMetals,
     /// A normal that is zero or not finite becomes the area-weighted mean of the geometric normals around the vertex.
     /// Where every normal of a mesh is bad, the mesh has none and is shaded with its geometric normals.
     BadNormals,
@@ -83,6 +86,7 @@ impl WarningKind {
     /// The stable word that scripts look for in `bake.json`, such as `zero-area-triangles`.
     pub fn name(self) -> &'static str {
         match self {
+            WarningKind::BlackMetals => "black-metals",
             WarningKind::BadNormals => "bad-normals",
             WarningKind::BadTangents => "bad-tangents",
             WarningKind::BadUvs => "bad-uvs",

@@ -44,8 +44,8 @@ impl Stated {
             count(&mut bias, texel.near_bias, texel.seen_bias, texel);
         }
         Self {
-            variance: variance.map(|bin| bin.share(|variance| NOISE_OF_VARIANCE * variance)),
-            bias: bias.map(|bin| bin.share(|_| NOISE_OF_BIAS)),
+            variance: shares(&variance, |variance| NOISE_OF_VARIANCE * variance),
+            bias: shares(&bias, |_| NOISE_OF_BIAS),
         }
     }
 
@@ -72,18 +72,34 @@ struct Bin {
 }
 
 impl Bin {
-    /// The mean of what is seen, 0 at least. Before anything is seen, as much is held true as the fits have of variance, where bias and
-    /// variance are in balance, and held for as uncertain as it is large; `noise` is the standard deviation of what one texel shows.
-    fn share(&self, noise: impl Fn(f64) -> f64) -> f32 {
+    /// The mean of what is seen, 0 at least. Before anything is seen, `prior` times as much is held true as the fits have of variance,
+    /// and held for as uncertain as that variance is large; `noise` is the standard deviation of what one texel shows.
+    fn share(&self, prior: f64, noise: impl Fn(f64) -> f64) -> f32 {
         if self.plain == 0.0 {
             return 0.0;
         }
         let (seen, expected) = (self.seen / self.plain, self.variance / self.plain);
         // Texels that it takes to know as much.
         let worth = (noise(expected) / expected.max(1e-6)).powi(2);
-        let share = (self.texels * seen + worth * expected) / (self.texels + worth);
+        let share = (self.texels * seen + worth * prior * expected) / (self.texels + worth);
         share.max(0.0) as f32
     }
+}
+
+/// What the texels of each bin state. What the page shows as a whole is held true of each bin before it has shown anything itself, and
+/// of the page, that bias and variance are in balance.
+fn shares(bins: &[Bin; BINS], noise: impl Fn(f64) -> f64) -> [f32; BINS] {
+    let all = bins.iter().fold(Bin::default(), |all, bin| Bin {
+        seen: all.seen + bin.seen,
+        variance: all.variance + bin.variance,
+        plain: all.plain + bin.plain,
+        texels: all.texels + bin.texels,
+    });
+    if all.variance == 0.0 {
+        return [0.0; BINS];
+    }
+    let of_page = f64::from(all.share(1.0, &noise)) * all.plain / all.variance;
+    bins.map(|bin| bin.share(of_page, &noise))
 }
 
 /// Counts a texel in the two bins beside what is expected of it.

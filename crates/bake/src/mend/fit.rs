@@ -42,6 +42,13 @@ impl Spread {
         let inverse = DMat2::from_cols(DVec2::new(yy, -xy), DVec2::new(-xy, xx)) * (1.0 / det);
         Some(Self { mean, inverse })
     }
+
+    /// Weights of the values in the fitted plane's rise over a step.
+    fn slope(&self, places: &[Place], step: DVec2) -> Vec<f64> {
+        let along = self.inverse * step;
+        let weight = |place: &Place| place.weight * along.dot(place.at - self.mean);
+        places.iter().map(weight).collect()
+    }
 }
 
 /// Weights of the values in the fitted value at 0; where no plane is told, those of their mean. `None` where nothing is near.
@@ -62,12 +69,7 @@ pub(super) fn value(places: &[Place]) -> Option<Vec<f64>> {
 
 /// Weights of the values in the fitted plane's rise over a step.
 pub(super) fn slope(places: &[Place], step: DVec2) -> Option<Vec<f64>> {
-    let spread = Spread::of(places)?;
-    let along = spread.inverse * step;
-    let weights = places
-        .iter()
-        .map(|place| place.weight * along.dot(place.at - spread.mean));
-    Some(weights.collect())
+    Some(Spread::of(places)?.slope(places, step))
 }
 
 /// The position that a plane through positions has at 0.
@@ -81,6 +83,43 @@ pub(super) fn middle(places: &[(Place, DVec3)]) -> Option<DVec3> {
             .map(|((_, position), weight)| weight * *position)
             .sum(),
     )
+}
+
+/// Where on a chart a position of its surface is: the plane of positions over places, turned round.
+pub(super) struct Chart {
+    origin: DVec3,
+    steps: [DVec3; 2],
+    inverse: DMat2,
+}
+
+impl Chart {
+    /// From places with their positions; `None` where they do not tell a plane.
+    pub fn of(places: &[(Place, DVec3)]) -> Option<Self> {
+        let at: Vec<Place> = places.iter().map(|(place, _)| *place).collect();
+        let spread = Spread::of(&at)?;
+        let sum = |weights: Vec<f64>| -> DVec3 {
+            let terms = places.iter().zip(weights);
+            terms
+                .map(|((_, position), weight)| weight * *position)
+                .sum()
+        };
+        let origin = sum(value(&at)?);
+        let step = |axis| spread.slope(&at, axis);
+        let steps = [sum(step(DVec2::X)), sum(step(DVec2::Y))];
+        let [x, y] = steps;
+        let squares = DMat2::from_cols_array(&[x.dot(x), x.dot(y), x.dot(y), y.dot(y)]);
+        (squares.determinant() > 0.0).then(|| Self {
+            origin,
+            steps,
+            inverse: squares.inverse(),
+        })
+    }
+
+    /// The place of a position, in texels.
+    pub fn place(&self, position: DVec3) -> DVec2 {
+        let way = position - self.origin;
+        self.inverse * DVec2::from(self.steps.map(|step| step.dot(way)))
+    }
 }
 
 #[cfg(test)]

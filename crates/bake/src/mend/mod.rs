@@ -1,16 +1,19 @@
 //! Mends texels that are buried, wholly or in part, from their neighbours on the same surface.
 //!
 //! A texel that is seen in part holds the mean over that part, whose middle is not the texel's. A look-up between texels takes the
-//! value for one at the texel's middle, and where light changes across the edge of a body that would draw a ring around it. So the
-//! value is moved: a plane is fitted to the neighbours' values over their places on the surface, and its slope times the way from the
-//! middle of the seen part to the middle of the texel is added. A texel that is buried wholly has no value to move; it takes the
-//! plane's. One that has no seen texel within reach keeps what its rays found: nobody looks there, and no light is invented.
+//! value for one at the texel's middle, and where light changes across the edge of a body that would draw a ring around it. So what
+//! look-ups beside a contact read is solved for: they are to find the means where they were measured ([`contact`]). That is tried for
+//! texels that are seen in part and for unseen ones beside seen ones. Others, and those whose surface is too narrow to tell where on
+//! it they are, take the value of a plane through the neighbours' values over their places on the surface ([`fit`]). A texel that has no
+//! seen texel within reach keeps what its rays found: nobody looks there, and no light is invented.
 //!
 //! Everything is a sum of neighbours' values with weights that depend on geometry alone. So one set of weights serves every term, a
 //! linear course of light is met exactly, and standard errors follow.
 
+mod contact;
 mod fit;
 
+use contact::{Holds, Window};
 use fit::Place;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -37,6 +40,8 @@ pub(crate) struct Surface<'a> {
     pub position: [&'a [f32]; 3],
     pub normal: [&'a [f32]; 3],
     pub object: &'a [f32],
+    /// Texels that are seen in part hold the value at their middle by now, not the mean over what is seen.
+    pub moved: bool,
 }
 
 /// How the texels of a page are mended.
@@ -53,8 +58,23 @@ struct Mend {
 impl Mends {
     /// What a page needs.
     pub fn of(surface: &Surface<'_>) -> Self {
+        Self::up_to(surface, 1.0)
+    }
+
+    /// What the texels of which nothing can be seen need once the others have changed, whose values stand for their middles by then.
+    pub fn of_unseen(surface: &Surface<'_>) -> Self {
+        Self::up_to(surface, f32::MIN_POSITIVE)
+    }
+
+    /// What texels need of which less than this share can be seen.
+    fn up_to(surface: &Surface<'_>, share: f32) -> Self {
         let texels = surface.size * surface.size;
-        let needs = |&texel: &usize| surface.coverage[texel] > 0.0 && surface.validity[texel] < 1.0;
+        let needs =
+            |&texel: &usize| surface.coverage[texel] > 0.0 && surface.validity[texel] < share;
+        let surface = &Surface {
+            moved: share < 1.0,
+            ..*surface
+        };
         let mend = |texel| {
             let terms = surface.terms(texel)?;
             Some(Mend { texel, terms })
@@ -63,9 +83,10 @@ impl Mends {
         Self(wanted.into_par_iter().filter_map(mend).collect())
     }
 
-    /// Mends a plane of values of at least `least` and at most `most`. A value stays within half the span of those it is made of.
-    pub fn apply(&self, plane: &mut [f32], least: f64, most: f64) {
-        let values = self.0.par_iter().map(|mend| {
+    /// Mends a plane of values of at least `least` and at most `most`. A value stays within half the span of those it is made of. Returns
+    /// each one's span.
+    pub fn apply(&self, plane: &mut [f32], least: f64, most: f64) -> Vec<f64> {
+        let mended = self.0.par_iter().map(|mend| {
             let (mut sum, mut low, mut high) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
             for &(texel, weight) in &mend.terms {
                 let value = f64::from(plane[texel]);
@@ -73,31 +94,30 @@ impl Mends {
                 (low, high) = (low.min(value), high.max(value));
             }
             let room = 0.5 * (high - low);
-            sum.clamp(low - room, high + room).clamp(least, most) as f32
+            let value = sum.clamp(low - room, high + room).clamp(least, most);
+            (value as f32, high - low)
         });
-        let values: Vec<f32> = values.collect();
+        let (values, spans): (Vec<f32>, Vec<f64>) = mended.unzip();
         for (mend, value) in self.0.iter().zip(values) {
             plane[mend.texel] = value;
         }
+        spans
     }
 
-    /// Those of texels of which nothing can be seen: they are made of others alone, so they may be mended again when these change.
-    pub fn of_unseen(mut self) -> Self {
-        let unseen = |mend: &Mend| mend.terms.iter().all(|&(texel, _)| texel != mend.texel);
-        self.0.retain(unseen);
-        self
-    }
-
-    /// Standard errors of the mended values from those of a plane, whose texels are independent.
-    pub fn apply_to_errors(&self, plane: &mut [f32]) {
-        let error = |mend: &Mend| {
+    /// Standard errors of the mended values from those of a plane, whose texels are independent. What is kept within two spans has a
+    /// standard deviation of one at most (T. Popoviciu, 1935).
+    pub fn apply_to_errors(&self, plane: &mut [f32], spans: &[f64]) {
+        let error = |(mend, span): (&Mend, &f64)| {
             let squares = mend.terms.iter().map(|&(texel, weight)| {
-                let error = weight * f64::from(plane[texel]);
-                error * error
+                let error = f64::from(plane[texel]);
+                (weight * error * weight * error, error)
             });
-            squares.sum::<f64>().sqrt() as f32
+            let (sum, most) = squares.fold((0.0, 0.0f64), |(sum, most), (square, error)| {
+                (sum + square, most.max(error))
+            });
+            sum.sqrt().min(span.max(most)) as f32
         };
-        let errors: Vec<f32> = self.0.par_iter().map(error).collect();
+        let errors: Vec<f32> = self.0.par_iter().zip(spans).map(error).collect();
         for (mend, error) in self.0.iter().zip(errors) {
             plane[mend.texel] = error;
         }
@@ -108,6 +128,9 @@ impl Surface<'_> {
     /// The sum that a texel becomes; `None` where its neighbours do not say.
     fn terms(&self, texel: usize) -> Option<Vec<(usize, f64)>> {
         let neighbours = self.neighbours(texel);
+        if let Some(terms) = self.at_contact(texel, &neighbours) {
+            return Some(terms);
+        }
         // Texels whose place on the surface is their middle, to tell where this one's is.
         let places: Vec<(Place, DVec3)> = neighbours
             .iter()
@@ -148,6 +171,42 @@ impl Surface<'_> {
                 Some(seen.iter().zip(weights).map(moved).collect())
             }
         }
+    }
+
+    /// The sum for a texel that look-ups beside a contact read: one that is seen in part, or beside one that is seen.
+    fn at_contact(&self, texel: usize, neighbours: &[(usize, DVec2)]) -> Option<Vec<(usize, f64)>> {
+        let is_beside = |&(near, at): &(usize, DVec2)| {
+            self.validity[near] > 0.0 && at.abs().max_element() < 1.5
+        };
+        if !neighbours.iter().any(is_beside) {
+            return None;
+        }
+        let whole: Vec<(Place, DVec3)> = neighbours
+            .iter()
+            .filter(|(near, _)| self.coverage[*near] > 0.999 && self.is_whole(*near))
+            .map(|&(near, at)| (Place { at, weight: 1.0 }, self.position(near)))
+            .collect();
+        let chart = fit::Chart::of(&whole)?;
+        let holds = |&(near, at): &(usize, DVec2)| {
+            let holds = match self.validity[near] {
+                0.0 => Holds::Nothing,
+                share if self.coverage[near] > 0.999 && (share == 1.0 || self.moved) => {
+                    Holds::Value
+                }
+                _ => {
+                    let half = DVec2::splat(0.5);
+                    Holds::Mean(chart.place(self.position(near)).clamp(at - half, at + half))
+                }
+            };
+            (at.as_ivec2(), holds)
+        };
+        let sum = Window::of(neighbours.iter().map(holds)).middle()?;
+        let size = self.size as i64;
+        let terms = sum.into_iter().map(|(at, weight)| {
+            let near = texel as i64 + i64::from(at.y) * size + i64::from(at.x);
+            (near as usize, weight)
+        });
+        Some(terms.collect())
     }
 
     /// The texels that hang together with this one on its surface within reach, itself too, and where they stand from it in texels.

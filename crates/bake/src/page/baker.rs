@@ -11,6 +11,7 @@ use crate::choice::Choice;
 use crate::integrate::{Task, ggx, integrate};
 use crate::options::{Buried, Footprint, Model, Options, View};
 use crate::plan::Plan;
+use crate::seams::Across;
 use crate::survey::{Surveyor, Texel};
 use ambient::closed_form::phong_open;
 use ambient::sampling::Stream;
@@ -38,6 +39,9 @@ pub struct Baker<'a> {
     pub(crate) errors: PlaneErrors,
     /// What buries samples; `None` where nothing can.
     pub(crate) solids: Option<&'a Solids>,
+    /// What finished pages hold on seams that they share with others. Pages are finished in their order; one that is finished without those
+    /// before it is not tied to them.
+    across: Across,
     /// Texels finished so far, over all pages.
     done: AtomicU64,
 }
@@ -76,6 +80,7 @@ impl<'a> Baker<'a> {
             atlas,
             options,
             errors: PlaneErrors::of(world),
+            across: Across::default(),
             done: AtomicU64::new(0),
         }
     }
@@ -155,13 +160,14 @@ impl<'a> Baker<'a> {
     }
 
     /// What the last steps of its pages need.
-    pub(crate) fn site(&self) -> Site<'a> {
+    pub(crate) fn site(&self) -> Site<'_> {
         Site {
             world: self.world,
             plan: self.plan,
             atlas: self.atlas,
             options: self.options,
             mends: self.solids.is_some(),
+            across: &self.across,
         }
     }
 

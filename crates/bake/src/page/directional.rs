@@ -49,7 +49,7 @@ pub(super) fn mend(page: &mut BakedPage, mends: &Mends) {
         for (layer, least) in [(layer, 0.0), (half, f64::MIN)] {
             if page.layer(layer).is_some() {
                 let planes = page.planes_of(layer).par_chunks_mut(texels);
-                planes.for_each(|plane| mends.apply(plane, least, f64::MAX));
+                planes.for_each(|plane| drop(mends.apply(plane, least, f64::MAX)));
             }
         }
     }

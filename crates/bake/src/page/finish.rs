@@ -5,12 +5,11 @@ use super::directional;
 use super::planes::{BakedPage, LayerPlanes};
 use super::stats::ErrorSums;
 use super::terms::{TermLayers, half_of, lights, terms};
-use crate::choice::Choice;
 use crate::denoise::{Denoiser, Field, Term, oidn};
 use crate::mend::{Mends, Surface};
 use crate::options::{Denoise, Model, Options, Sky};
 use crate::plan::Plan;
-use crate::seams::{Known, Seams};
+use crate::seams::{Across, Known, Seams, System};
 use ambient::Estimate;
 use atlas::{Atlas, Dilation, PageRaster};
 use glam::{DVec3, Vec3};
@@ -26,6 +25,8 @@ pub(crate) struct Site<'a> {
     pub options: &'a Options,
     /// Solids may bury texels.
     pub mends: bool,
+    /// Seams between pages.
+    pub across: &'a Across,
 }
 
 /// Finishes a page that has all its tiles.
@@ -36,19 +37,29 @@ pub(super) fn finish(page: &mut BakedPage, site: &Site<'_>) {
         atlas,
         options,
         mends,
+        across,
     } = *site;
     let raster = &PageRaster::new(world.scene(), atlas, page.page);
-    let seams = &Seams::find(world, atlas, page.page, options.seams);
+    let seams = &Seams::find(world, atlas, page.page, options.seams, across);
     let terms = terms(options, plan);
-    let mended = mends.then(|| mend_terms(page, &terms));
+    if mends {
+        mend_terms(page, &terms);
+    }
     if options.denoise != Denoise::Off {
-        denoise_terms(page, &terms, options.denoise, mended);
+        denoise_terms(page, &terms, options.denoise, mends);
         count_errors(page, options);
     }
     let light = options.sky.mean().element_sum() / 3.0;
-    let gutters = solve_seams(page, light, &terms, world, raster, seams);
+    let joined = (!seams.is_empty()).then(|| seams.system(world, raster, page.size));
+    let joined = joined.as_ref().map(|system| Joined {
+        system,
+        across,
+        light: false,
+    });
+    let gutters = solve_seams(page, light, &terms, joined);
     place(page, world.origin());
     fill_gutters(page, options.rings, &gutters);
+    keep_sides(page, &terms, joined);
     directional::unpack(page);
     compose_asked(page, options);
     page.finished = true;
@@ -62,11 +73,14 @@ pub(crate) fn finish_light(page: &mut BakedPage, site: &Site<'_>) {
         atlas,
         options,
         mends,
+        across,
     } = *site;
     let terms = lights(plan);
-    let mended = mends.then(|| mend_terms(page, &terms));
+    if mends {
+        mend_terms(page, &terms);
+    }
     if options.denoise != Denoise::Off {
-        denoise_terms(page, &terms, options.denoise, mended);
+        denoise_terms(page, &terms, options.denoise, mends);
     }
     let covered = fact(page, Layer::Coverage, 0);
     let lit = |channel| {
@@ -77,57 +91,66 @@ pub(crate) fn finish_light(page: &mut BakedPage, site: &Site<'_>) {
     let texels = covered.iter().filter(|covered| **covered > 0.0).count();
     let light = (0..3).map(lit).sum::<f64>() / (3 * texels.max(1)) as f64;
     let raster = PageRaster::new(world.scene(), atlas, page.page);
-    let gutters = if light > 0.0 {
-        let seams = Seams::find(world, atlas, page.page, options.seams);
-        solve_seams(page, light, &terms, world, &raster, &seams)
-    } else {
-        Gutters::new()
-    };
+    let system = (light > 0.0)
+        .then(|| Seams::find(world, atlas, page.page, options.seams, across))
+        .filter(|seams| !seams.is_empty())
+        .map(|seams| seams.system(world, &raster, page.size));
+    let joined = system.as_ref().map(|system| Joined {
+        system,
+        across,
+        light: true,
+    });
+    let gutters = solve_seams(page, light, &terms, joined);
     fill_gutters(page, options.rings, &gutters);
+    keep_sides(page, &terms, joined);
     page.finished = true;
 }
 
-/// Mends the terms of texels that are buried, wholly or in part. Returns how.
-fn mend_terms(page: &mut BakedPage, terms: &[TermLayers]) -> Mends {
-    let plane = |layer: Layer, channel| {
-        let missing = || panic!("mending needs the layer {}", layer.name());
-        page.channel(layer, channel).unwrap_or_else(missing)
-    };
-    let three = |layer| [0, 1, 2].map(|channel| plane(layer, channel));
-    let mends = Mends::of(&Surface {
+/// What of a page decides how it is mended.
+fn surface(page: &BakedPage) -> Surface<'_> {
+    let three = |layer| [0, 1, 2].map(|channel| fact(page, layer, channel));
+    Surface {
         size: page.size as usize,
-        coverage: plane(Layer::Coverage, 0),
-        validity: plane(Layer::Validity, 0),
+        coverage: fact(page, Layer::Coverage, 0),
+        validity: fact(page, Layer::Validity, 0),
         position: three(Layer::Position),
         normal: three(Layer::Normal),
-        object: plane(Layer::Object, 0),
-    });
+        object: fact(page, Layer::Object, 0),
+        moved: false,
+    }
+}
+
+/// Mends the terms of texels that are buried, wholly or in part.
+fn mend_terms(page: &mut BakedPage, terms: &[TermLayers]) {
+    let mends = Mends::of(&surface(page));
     let texels = page.texels();
     for &(term, std_err, _) in terms {
         let most = if is_light(term) { f64::MAX } else { 1.0 };
-        let planes = page.planes_of(term).par_chunks_mut(texels);
-        planes.for_each(|plane| mends.apply(plane, 0.0, most));
-        if page.layer(std_err).is_some() {
-            let std_errs = page.planes_of(std_err);
-            mends.apply_to_errors(std_errs);
-            // A plane that is carried on far has an error without meaning; a term cannot be off by more than it can be.
-            std_errs
+        // The span of a term of several channels is the largest of theirs.
+        let mut spans: Vec<f64> = Vec::new();
+        for plane in page.planes_of(term).chunks_mut(texels) {
+            let own = mends.apply(plane, 0.0, most);
+            spans.resize(own.len(), 0.0);
+            spans
                 .iter_mut()
-                .for_each(|std_err| *std_err = std_err.min(most as f32));
+                .zip(own)
+                .for_each(|(span, own)| *span = span.max(own));
+        }
+        if page.layer(std_err).is_some() {
+            mends.apply_to_errors(page.planes_of(std_err), &spans);
         }
         if page.layer(half_of(term)).is_some() {
             let halves = page.planes_of(half_of(term)).par_chunks_mut(texels);
-            halves.for_each(|plane| mends.apply(plane, f64::MIN, f64::MAX));
+            halves.for_each(|plane| drop(mends.apply(plane, f64::MIN, f64::MAX)));
         }
     }
     for layer in [Layer::AnyView, Layer::AnyView8] {
         if page.layer(layer).is_some() {
             let harmonics = page.planes_of(layer).par_chunks_mut(texels);
-            harmonics.for_each(|plane| mends.apply(plane, f64::MIN, f64::MAX));
+            harmonics.for_each(|plane| drop(mends.apply(plane, f64::MIN, f64::MAX)));
         }
     }
     directional::mend(page, &mends);
-    mends
 }
 
 /// Gives positions in the coordinates of the file, whatever world coordinates count from.
@@ -155,33 +178,34 @@ fn place(page: &mut BakedPage, origin: DVec3) {
 /// The values that seams give to gutter texels: layer, channel, texels.
 type Gutters = Vec<(Layer, usize, Vec<(u32, f32)>)>;
 
+/// The seams of a page, and those that it shares with other pages: of terms, or of the light of bounces.
+#[derive(Clone, Copy)]
+struct Joined<'a> {
+    system: &'a System,
+    across: &'a Across,
+    light: bool,
+}
+
 /// Makes the terms agree across seams; `light` is what an open texel receives, about. Texels of charts move here, those of gutters when gutters are filled.
 fn solve_seams(
     page: &mut BakedPage,
     light: f64,
     terms: &[TermLayers],
-    world: &World,
-    raster: &PageRaster<'_>,
-    seams: &Seams,
+    joined: Option<Joined<'_>>,
 ) -> Gutters {
-    if seams.is_empty() {
+    let Some(joined) = joined else {
         return Vec::new();
-    }
-    let coverage = page.layer(Layer::Coverage).unwrap_or_default();
-    let system = seams.system(world, raster, page.size);
-    let channels = |(term, std_err, _): TermLayers| {
-        (0..term.channels().len()).map(move |channel| (term, std_err, channel))
     };
-    let directional = directional::of(page)
-        .into_iter()
-        .map(|(layer, _)| (layer, Layer::StdErrDiffuse, Choice::Diffuse));
-    let terms = terms.iter().copied().chain(directional);
-    let planes: Vec<_> = terms.flat_map(channels).collect();
-    let solved: Vec<_> = planes
+    let system = joined.system;
+    let tied = system.tied();
+    let coverage = page.layer(Layer::Coverage).unwrap_or_default();
+    let solved: Vec<_> = seamed(page, terms)
         .into_par_iter()
         .map(|(term, std_err, channel)| {
             let plane = |layer, channel| page.channel(layer, channel).unwrap_or_default();
+            let tied = joined.across.found(joined.light, term, channel, &tied);
             let known = Known {
+                tied: &tied,
                 values: plane(term, channel),
                 std_errs: plane(std_err, 0),
                 unit: if is_light(term) || term == Layer::Sh {
@@ -218,10 +242,40 @@ fn solve_seams(
     gutters
 }
 
+/// The planes that must agree across seams: layer, the layer of its standard error, channel.
+fn seamed(page: &BakedPage, terms: &[TermLayers]) -> Vec<(Layer, Layer, usize)> {
+    let terms = terms.iter().map(|&(term, std_err, _)| (term, std_err));
+    let directional = directional::of(page).into_iter();
+    terms
+        .chain(directional.map(|(layer, _)| (layer, Layer::StdErrDiffuse)))
+        .flat_map(|(term, std_err)| {
+            (0..term.channels().len()).map(move |channel| (term, std_err, channel))
+        })
+        .collect()
+}
+
+/// Keeps what the page holds on seams with pages that are finished later.
+fn keep_sides(page: &BakedPage, terms: &[TermLayers], joined: Option<Joined<'_>>) {
+    let Some(Joined {
+        system,
+        across,
+        light,
+    }) = joined
+    else {
+        return;
+    };
+    for (term, _, channel) in seamed(page, terms) {
+        let kept = system.kept(fact(page, term, channel));
+        if !kept.is_empty() {
+            across.keep(light, term, channel, &kept);
+        }
+    }
+}
+
 /// Denoises the terms that tiles integrated, over the surfaces of the page. Texels of which nothing can be seen have no part in that:
 /// they were carried on from noisy neighbours, and are carried on again, lest a rim of grain stays along every contact.
-fn denoise_terms(page: &mut BakedPage, terms: &[TermLayers], how: Denoise, mended: Option<Mends>) {
-    let unseen = mended.map(Mends::of_unseen);
+fn denoise_terms(page: &mut BakedPage, terms: &[TermLayers], how: Denoise, mends: bool) {
+    let unseen = mends.then(|| Mends::of_unseen(&surface(page)));
     let texels = page.texels();
     let regression = (how == Denoise::Regression).then(|| Denoiser::new(&field(page)));
     for &(term, std_err, _) in terms {
@@ -250,7 +304,7 @@ fn denoise_terms(page: &mut BakedPage, terms: &[TermLayers], how: Denoise, mende
         if let Some(unseen) = &unseen {
             let most = if is_light(term) { f64::MAX } else { 1.0 };
             let planes = values.par_chunks_mut(texels);
-            planes.for_each(|plane| unseen.apply(plane, 0.0, most));
+            planes.for_each(|plane| drop(unseen.apply(plane, 0.0, most)));
         }
         let errors = page.planes_of(std_err);
         for denoised in &found {
@@ -276,7 +330,7 @@ pub(super) fn field(page: &BakedPage) -> Field<'_> {
 
 /// One channel of a fact that the page must have.
 fn fact(page: &BakedPage, layer: Layer, channel: usize) -> &[f32] {
-    let missing = || panic!("the denoiser needs the layer {}", layer.name());
+    let missing = || panic!("the last steps need the layer {}", layer.name());
     page.channel(layer, channel).unwrap_or_else(missing)
 }
 

@@ -11,6 +11,7 @@ pub(super) type Chart = [u32; 2];
 /// An edge of a triangle on the border of its chart.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Border {
+    pub page: u32,
     /// The chart.
     pub chart: Chart,
     /// Both ends in the world.
@@ -53,8 +54,13 @@ impl Border {
     }
 }
 
-/// All borders on a page, in the order of objects and triangles. `charts` has the chart of each triangle, mesh by mesh.
-pub(super) fn borders(world: &World, atlas: &Atlas, page: u32, charts: &[Vec<u32>]) -> Vec<Border> {
+/// All borders on a page, or on all pages, in the order of objects and triangles. `charts` has the chart of each triangle, mesh by mesh.
+pub(super) fn borders(
+    world: &World,
+    atlas: &Atlas,
+    page: Option<u32>,
+    charts: &[Vec<u32>],
+) -> Vec<Border> {
     let scene = world.scene();
     let edges: Vec<Vec<[u32; 2]>> = atlas.meshes.par_iter().map(border_edges).collect();
     let objects = scene.instances.par_iter().enumerate();
@@ -74,14 +80,14 @@ pub(super) fn borders(world: &World, atlas: &Atlas, page: u32, charts: &[Vec<u32
 fn border(
     world: &World,
     atlas: &Atlas,
-    page: u32,
+    page: Option<u32>,
     chart: Chart,
     triangle: u32,
     side: usize,
 ) -> Option<Border> {
     let instance = chart[0];
     let (uv, own) = triangle_uv(world.scene(), atlas, instance, triangle);
-    if own != page {
+    if page.is_some_and(|page| page != own) {
         return None;
     }
     let size = f64::from(atlas.page_size);
@@ -99,6 +105,7 @@ fn border(
     let side = (texels[1] - texels[0]).try_normalize()?;
     let height = side.perp_dot(uv[c].as_dvec2() * size - texels[0]).abs();
     (height > 0.0).then(|| Border {
+        page: own,
         chart,
         ends: [corners[a], corners[b]],
         texels,

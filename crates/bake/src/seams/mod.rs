@@ -13,6 +13,7 @@
 //!
 //! The first use in a game: M. Iwanicki, "Lighting Technology of The Last of Us", SIGGRAPH 2013.
 
+mod across;
 mod border;
 mod grid;
 mod owner;
@@ -25,17 +26,16 @@ pub(crate) use solve::Known;
 mod tests;
 
 use crate::options::Seams as Scope;
+pub(crate) use across::Across;
+use across::Outer;
 use atlas::{Atlas, PageRaster};
-use border::{Border, Chart};
+use border::Chart;
 use glam::DVec2;
 use owner::Page;
 use rayon::prelude::*;
 use rays::World;
 use serde::{Deserialize, Serialize};
-use solve::System;
-
-/// Points of a seam on each texel of its length, on the chart that has more.
-const POINTS_PER_TEXEL: f64 = 2.0;
+pub(crate) use solve::System;
 
 /// A point on a seam, in texels of the page on both of its charts.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,6 +51,8 @@ pub(crate) struct SeamPoint {
 #[derive(Debug, Default)]
 pub(crate) struct Seams {
     points: Vec<SeamPoint>,
+    /// Where its charts go on on other pages.
+    outer: Vec<Outer>,
     /// The chart of each triangle, mesh by mesh.
     charts: Vec<Vec<u32>>,
 }
@@ -82,39 +84,29 @@ impl SeamStats {
 }
 
 impl Seams {
-    /// The seams between charts of a page. Two borders belong together where they run along one another within a tenth of a texel, both
+    /// The seams of the charts of a page, with each other and with those of other pages. Two borders belong together where they run along one another within a tenth of a texel, both
     /// surfaces' shading normals agree within 3 degrees, and each surface lies on its own side.
-    pub fn find(world: &World, atlas: &Atlas, page: u32, scope: Scope) -> Self {
+    pub fn find(world: &World, atlas: &Atlas, page: u32, scope: Scope, across: &Across) -> Self {
         if scope == Scope::Off {
             return Self::default();
         }
         let charts: Vec<_> = atlas.meshes.par_iter().map(atlas::charts).collect();
-        let borders = border::borders(world, atlas, page, &charts);
+        let borders = border::borders(world, atlas, Some(page), &charts);
         let mut points = Vec::new();
         for pair in grid::pairs(&borders, scope) {
-            let [first, second] = pair.borders.map(|border| &borders[border as usize]);
-            let run = |border: &Border, [from, to]: [f64; 2]| {
-                [border.texels_at(from), border.texels_at(to)]
-            };
-            let runs = [run(first, pair.spans[0]), run(second, pair.spans[1])];
-            let length = runs.map(|[from, to]| from.distance(to)).into_iter();
-            let length = length.fold(0.0, f64::max);
-            let count = (length * POINTS_PER_TEXEL).ceil().max(1.0);
-            for k in 0..count as u32 {
-                let t = (f64::from(k) + 0.5) / count;
-                points.push(SeamPoint {
-                    sides: runs.map(|[from, to]| from.lerp(to, t)),
-                    charts: [first.chart, second.chart],
-                    length: length / count,
-                });
-            }
+            points.extend(pair.points(&borders));
         }
-        Self { points, charts }
+        let outer = across.of_page((world, atlas), page, scope, &charts);
+        Self {
+            points,
+            outer,
+            charts,
+        }
     }
 
     /// True where no chart of the page goes on in another.
     pub fn is_empty(&self) -> bool {
-        self.points.is_empty()
+        self.points.is_empty() && self.outer.is_empty()
     }
 
     /// A system that solves planes of the page. Points at which a look-up reads texels of other charts are left out: there are none where
@@ -126,6 +118,6 @@ impl Seams {
             raster,
             size,
         };
-        System::new(&self.points, &page)
+        System::new(&self.points, &self.outer, &page)
     }
 }

@@ -1,5 +1,6 @@
 //! When two borders are one seam.
 
+use super::SeamPoint;
 use super::border::Border;
 use crate::options::Seams as Scope;
 
@@ -11,6 +12,31 @@ pub(super) struct Pair {
     /// The common part, as shares of the way from each border's first end to its second; both spans begin at the same point in space.
     pub spans: [[f64; 2]; 2],
 }
+
+impl Pair {
+    /// Points on the common part, so many a texel of its length.
+    pub fn points(&self, borders: &[Border]) -> impl Iterator<Item = SeamPoint> + use<> {
+        let [first, second] = self.borders.map(|border| &borders[border as usize]);
+        let run =
+            |border: &Border, [from, to]: [f64; 2]| [border.texels_at(from), border.texels_at(to)];
+        let runs = [run(first, self.spans[0]), run(second, self.spans[1])];
+        let length = runs.map(|[from, to]| from.distance(to)).into_iter();
+        let length = length.fold(0.0, f64::max);
+        let count = (length * POINTS_PER_TEXEL).ceil().max(1.0);
+        let charts = [first.chart, second.chart];
+        (0..count as u32).map(move |k| {
+            let t = (f64::from(k) + 0.5) / count;
+            SeamPoint {
+                sides: runs.map(|[from, to]| from.lerp(to, t)),
+                charts,
+                length: length / count,
+            }
+        })
+    }
+}
+
+/// Points of a seam on each texel of its length, on the chart that has more.
+const POINTS_PER_TEXEL: f64 = 2.0;
 
 /// Borders lie together where they are no farther apart than this, in texels of the finer one.
 const APART: f64 = 0.1;
@@ -73,6 +99,7 @@ mod tests {
 
     fn along_x(from: f64, to: f64, inward: DVec3) -> Border {
         Border {
+            page: 0,
             chart: [0, 0],
             ends: [DVec3::new(from, 0.0, 0.0), DVec3::new(to, 0.0, 0.0)],
             texels: [DVec2::ZERO, DVec2::new((to - from).abs() * 10.0, 0.0)],

@@ -1,5 +1,6 @@
 //! The equations of a page's seams, and what their solution moves.
 
+use super::across::Outer;
 use super::border::Chart;
 use super::owner::Page;
 use super::system::{Rows, conjugate_gradients};
@@ -39,12 +40,28 @@ pub(crate) struct System {
     steps: Vec<[(u32, f64); 8]>,
     /// Square root of each point's length.
     lengths: Vec<f64>,
+    /// Points whose other side is on a page that is finished before, and those of which this page is finished before the other.
+    ties: Vec<Tie>,
+    kept: Vec<(usize, Taps)>,
     /// For each texel, the look-up that its mean stands for.
     means: Vec<Taps>,
 }
 
+/// A look-up that is to find what another page holds.
+#[derive(Debug)]
+struct Tie {
+    /// Number of the point.
+    number: usize,
+    /// Indices into the texels of the system.
+    taps: Taps,
+    /// Square root of its length.
+    length: f64,
+}
+
 /// What is known about the texels of a plane.
 pub(crate) struct Known<'a> {
+    /// What other pages hold at the points of [`System::tied`], NaN where that is not known.
+    pub tied: &'a [f64],
     /// The values, texel by texel of the page.
     pub values: &'a [f32],
     /// Their standard errors; 0 for a texel that is exact and stays.
@@ -64,9 +81,11 @@ pub(crate) struct Moved {
 }
 
 impl System {
-    pub(super) fn new(points: &[SeamPoint], page: &Page<'_>) -> Self {
+    pub(super) fn new(points: &[SeamPoint], outer: &[Outer], page: &Page<'_>) -> Self {
         let look = |point: &SeamPoint| point.sides.map(|p| taps(p, page.size));
-        let all = texels_of(points.par_iter().flat_map_iter(look));
+        let on_page = |outer: &Outer| taps(outer.side, page.size);
+        let single = outer.par_iter().map(on_page);
+        let all = texels_of(points.par_iter().flat_map_iter(look).chain(single));
         let owners = page.owners(&all);
         let owner = |texel: &u32| all.binary_search(texel).ok().and_then(|at| owners[at]);
         let is_own = |side: &Taps, chart: Chart| {
@@ -82,7 +101,13 @@ impl System {
             })
             .collect();
         let looked_up: Vec<[Taps; 2]> = points.par_iter().map(|point| look(point)).collect();
-        let read = texels_of(looked_up.par_iter().flatten().copied());
+        let (later, earlier): (Vec<_>, Vec<_>) = outer
+            .iter()
+            .map(|outer| (outer, on_page(outer)))
+            .filter(|(outer, side)| is_own(side, outer.chart))
+            .partition(|(outer, _)| outer.later);
+        let tied = later.par_iter().map(|(_, side)| *side);
+        let read = texels_of(looked_up.par_iter().flatten().copied().chain(tied.clone()));
         let own: Vec<Taps> = read
             .iter()
             .map(|texel| {
@@ -93,7 +118,7 @@ impl System {
             })
             .collect();
         let within = looked_up.par_iter().flatten().chain(&own);
-        let texels = texels_of(within.copied());
+        let texels = texels_of(within.copied().chain(tied));
         let numbered = |(texel, weight): (u32, f64)| match texels.binary_search(&texel) {
             Ok(number) if weight != 0.0 => (number as u32, weight),
             _ => (0, 0.0),
@@ -117,9 +142,36 @@ impl System {
             size: page.size as usize,
             steps: steps.collect(),
             lengths: points.iter().map(|point| point.length.sqrt()).collect(),
+            ties: later
+                .iter()
+                .map(|(outer, side)| Tie {
+                    number: outer.number,
+                    taps: side.map(numbered),
+                    length: outer.length.sqrt(),
+                })
+                .collect(),
+            kept: earlier
+                .iter()
+                .map(|(outer, side)| (outer.number, *side))
+                .collect(),
             means: means.collect(),
             texels,
         }
+    }
+
+    /// Numbers of the points whose other side is on pages that are finished before.
+    pub fn tied(&self) -> Vec<usize> {
+        self.ties.iter().map(|tie| tie.number).collect()
+    }
+
+    /// What a finished plane holds at points whose other side is on pages that are finished later.
+    pub fn kept(&self, plane: &[f32]) -> Vec<(usize, f32)> {
+        let value = |side: &Taps| {
+            let of_tap = |&(texel, w): &(u32, f64)| w * f64::from(plane[texel as usize]);
+            side.iter().map(of_tap).sum::<f64>() as f32
+        };
+        let kept = self.kept.iter();
+        kept.map(|(number, side)| (*number, value(side))).collect()
     }
 
     /// Moves the texels of a plane whose other texels stay. `coverage` is the page's.
@@ -154,15 +206,16 @@ impl System {
                 break;
             }
         }
-        let (squares_before, max_before) = self.differences(&start);
-        let (squares_after, max_after) = self.differences(&moved);
+        let (squares_before, max_before) = self.differences(&start, known.tied);
+        let (squares_after, max_after) = self.differences(&moved, known.tied);
+        let tied = known.tied.iter().filter(|value| !value.is_nan()).count();
         let values = self.texels.iter().zip(moved);
         Moved {
             values: values
                 .map(|(&texel, value)| (texel, value as f32))
                 .collect(),
             stats: SeamStats {
-                points: self.steps.len() as u64,
+                points: (self.steps.len() + tied) as u64,
                 squares_before,
                 squares_after,
                 max_before,
@@ -172,10 +225,18 @@ impl System {
     }
 
     /// Sum of squares and largest of the differences of the two sides.
-    fn differences(&self, values: &[f64]) -> (f64, f64) {
+    fn differences(&self, values: &[f64], tied: &[f64]) -> (f64, f64) {
         let mut found = (0.0, 0.0f64);
-        for step in &self.steps {
-            let difference: f64 = step.iter().map(|&(i, w)| w * values[i as usize]).sum();
+        let look = |taps: &[(u32, f64)]| -> f64 {
+            taps.iter().map(|&(i, w)| w * values[i as usize]).sum()
+        };
+        let steps = self.steps.iter().map(|step| look(step));
+        let ties = self
+            .ties
+            .iter()
+            .zip(tied)
+            .map(|(tie, other)| look(&tie.taps) - other);
+        for difference in steps.chain(ties.filter(|difference| !difference.is_nan())) {
             found = (
                 found.0 + difference * difference,
                 found.1.max(difference.abs()),
@@ -190,6 +251,11 @@ impl System {
         let floor = KNOWN * known.unit;
         for (step, length) in self.steps.iter().zip(&self.lengths) {
             rows.push(step, length / (STEP * known.unit), 0.0);
+        }
+        for (tie, other) in self.ties.iter().zip(known.tied) {
+            if !other.is_nan() {
+                rows.push(&tie.taps, tie.length / (STEP * known.unit), *other);
+            }
         }
         for (i, &texel) in self.texels.iter().enumerate() {
             let range = about[i].high - about[i].low;

@@ -1,6 +1,6 @@
 //! A sphere of six charts that are turned, mirrored and of unlike density, under a smooth light: both sides of each seam must show the same.
 
-use super::{Known, SeamStats, Seams};
+use super::{Across, Known, SeamStats, Seams};
 use crate::options::{Options, Seams as Scope};
 use crate::plan::Plan;
 use atlas::{Atlas, PageRaster, UvMode};
@@ -151,11 +151,18 @@ fn rmse(page: &Page, values: &[f32], gutters: &[(u32, f32)]) -> f64 {
 /// What seams leave, and the error of look-ups before and after.
 fn solved(apart: bool, light: fn(DVec3) -> f64, noise: f64) -> (SeamStats, [f64; 2]) {
     let page = page(sphere(apart), light, noise);
-    let seams = Seams::find(&page.world, &page.atlas, 0, Scope::Scene);
+    let seams = Seams::find(
+        &page.world,
+        &page.atlas,
+        0,
+        Scope::Scene,
+        &Across::default(),
+    );
     let raster = PageRaster::new(page.world.scene(), &page.atlas, 0);
     let system = seams.system(&page.world, &raster, SIZE);
     let std_errs = vec![noise.max(1e-4) as f32; page.values.len()];
     let known = Known {
+        tied: &[],
         values: &page.values,
         std_errs: &std_errs,
         unit: 1.0,
@@ -189,6 +196,15 @@ fn both_sides_of_turned_mirrored_and_finer_charts_show_the_same() {
 #[test]
 fn objects_apart_have_no_seams_of_their_own() {
     let page = page(sphere(true), LIGHTS[0], 0.0);
-    assert!(Seams::find(&page.world, &page.atlas, 0, Scope::Object).is_empty());
-    assert!(Seams::find(&page.world, &page.atlas, 0, Scope::Off).is_empty());
+    assert!(
+        Seams::find(
+            &page.world,
+            &page.atlas,
+            0,
+            Scope::Object,
+            &Across::default()
+        )
+        .is_empty()
+    );
+    assert!(Seams::find(&page.world, &page.atlas, 0, Scope::Off, &Across::default()).is_empty());
 }

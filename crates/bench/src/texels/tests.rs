@@ -40,6 +40,11 @@ fn a_sphere_that_touches_the_floor_leaves_no_light_at_the_contact() {
 }
 
 #[test]
+fn look_ups_beside_a_sunk_box_find_the_light_that_is_there() {
+    holds("T3", 4096, |_| true);
+}
+
+#[test]
 fn a_closed_room_of_panels_is_dark_to_the_last_bit() {
     holds("T4", 16, |variant| !variant.contains("overlap"));
 }

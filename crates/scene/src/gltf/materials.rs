@@ -13,7 +13,7 @@ use gltf::json::texture::{Info, MagFilter, Sampler, WrappingMode};
 use gltf::json::validation::Checked;
 use rayon::prelude::*;
 use std::borrow::Cow;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Material extensions without influence on ambient reflection, or read here; the others are counted.
 const SILENT: [&str; 3] = [
@@ -32,9 +32,22 @@ pub(super) fn load(
 ) -> Result<(), Error> {
     let numbers = images(input, data, parts, files)?;
     let packed = packed_images(input, data, parts, files)?;
+    let primitives = data.root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    let used: BTreeSet<usize> = primitives
+        .filter_map(|primitive| primitive.material.map(|index| index.value()))
+        .collect();
     for (i, json) in data.root.materials.iter().enumerate() {
         let name = json.name.clone().unwrap_or_else(|| format!("material {i}"));
         let normal_map = normal_map(input, data, json, &name, &packed)?;
+        let pbr = &json.pbr_metallic_roughness;
+        let is_metal = pbr.metallic_factor.0 >= 1.0 && pbr.metallic_roughness_texture.is_none();
+        input.warn(
+            WarningKind::BlackMetals,
+            format!("material `{name}`"),
+            u64::from(is_metal && used.contains(&i)),
+            "all metal, so its albedo and `lambert` are black, as glTF has it where no metallicFactor is given; give it a metallicFactor \
+             of 0 (Metallic 0 in Blender) unless it is one",
+        );
         parts.materials.push(Material {
             normal_map,
             ..material(input, data, json, name, &numbers)

@@ -329,8 +329,7 @@ fn textured(
     let uvs = document.floats("VEC2", &[0.; 6]);
     document.json["images"] = images(&mut document);
     document.json["textures"] = textures;
-    document.json["materials"] =
-        json!([{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }]);
+    document.json["materials"] = json!([{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 }, "metallicFactor": 0 } }]);
     document.primitive()["attributes"]["TEXCOORD_0"] = json!(uvs);
     document.primitive()["material"] = json!(0);
     document
@@ -370,5 +369,38 @@ fn textures_that_are_not_read_are_warned_of_and_the_scene_is_loaded() {
         let warning = scene.warnings.iter().find(unread).expect(extension);
         assert!(warning.message.contains(format), "{}", warning.message);
         assert!(scene.images.is_empty());
+    }
+}
+
+#[test]
+fn metals_by_omission_are_named_where_they_are_used() {
+    let metals = |pbr: serde_json::Value, used: usize| {
+        let mut document = textured(json!([{ "source": 0 }]), |document| {
+            let view = document.view(&png(&[[255; 4]]));
+            json!([{ "bufferView": view, "mimeType": "image/png" }])
+        });
+        document.json["materials"] = json!([
+            { "name": "two words %", "pbrMetallicRoughness": pbr },
+            { "pbrMetallicRoughness": { "metallicFactor": 0 } }
+        ]);
+        document.primitive()["material"] = json!(used);
+        document.load().unwrap().warnings
+    };
+    for black in [
+        json!({}),
+        json!({ "metallicFactor": 1, "roughnessFactor": 0.3 }),
+    ] {
+        let warnings = metals(black.clone(), 0);
+        let [warning] = &warnings[..] else {
+            panic!("{black}: {warnings:?}")
+        };
+        assert_eq!(warning.kind, WarningKind::BlackMetals);
+        assert_eq!(warning.place, "material `two words %`");
+        assert!(warning.message.contains("metallicFactor"), "{warning:?}");
+        assert!(metals(black, 1).is_empty(), "nothing wears it");
+    }
+    let mapped = json!({ "metallicRoughnessTexture": { "index": 0 } });
+    for other in [mapped, json!({ "metallicFactor": 0.99 })] {
+        assert!(metals(other.clone(), 0).is_empty(), "{other}");
     }
 }
