@@ -147,14 +147,20 @@ impl Lines {
     }
 }
 
+/// Rays per second in words: `3.0 million rays/s`, `40 thousand rays/s`.
+pub fn ray_rate(rays: u64, seconds: f64) -> String {
+    let rate = rays as f64 / seconds.max(1e-9);
+    match rate {
+        1e6.. => format!("{:.1} million rays/s", rate / 1e6),
+        _ => format!("{:.0} thousand rays/s", rate / 1e3),
+    }
+}
+
 fn status(seen: Seen, unit: &str, elapsed: Duration) -> String {
     let Seen { done, total, rays } = seen;
     let rate = match rays {
         0 => String::new(),
-        rays => format!(
-            "{:.1} million rays/s, ",
-            rays as f64 / elapsed.as_secs_f64().max(1e-9) / 1e6
-        ),
+        rays => format!("{}, ", ray_rate(rays, elapsed.as_secs_f64())),
     };
     let left = match done {
         0 => "?".to_owned(),
@@ -190,6 +196,7 @@ mod tests {
             status(seen, "texels", elapsed),
             "25 of 100 texels, 3.0 million rays/s, 30 seconds left"
         );
+        assert_eq!(ray_rate(120_000, 3.0), "40 thousand rays/s");
         assert_eq!(
             status(Seen::default(), "pixels", elapsed),
             "0 of 0 pixels, ? left"

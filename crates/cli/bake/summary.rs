@@ -1,5 +1,6 @@
 //! What `ambake bake` says at its end.
 
+use crate::progress::ray_rate;
 use report::{BakeReport, REPORT_NAME, WarningReport};
 use std::path::Path;
 
@@ -38,8 +39,8 @@ pub fn summary(report: &BakeReport, verbose: bool, dir: &Path) -> String {
         text += &format!("  {}: {}\n", decision.decision, decision.reason);
     }
     text += &format!(
-        "{texels} texels, {rays} rays in {seconds:.2} s ({:.1} million rays/s, {})\n",
-        rays as f64 / seconds.max(1e-9) / 1e6,
+        "{texels} texels, {rays} rays in {seconds:.2} s ({}, {})\n",
+        ray_rate(rays, seconds),
         report.versions.backend_version,
     );
     if report
