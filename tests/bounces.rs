@@ -289,3 +289,32 @@ fn plan_says_why_light_bounces_or_does_not() {
     let wrong = run(["bake", "a.obj", "-o", "b", "--bounces", "many"]);
     assert_eq!(wrong.status.code(), Some(2));
 }
+
+#[test]
+fn a_plan_counts_the_rays_of_the_gathers_within_30_percent() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // Half of a ball with walls of albedo 0.7: all that is received comes from the opening.
+    let bowl = obj(
+        folder.path(),
+        "newmtl lamp\nKd 0.7 0.7 0.7\nnewmtl wall\nKd 0.7 0.7 0.7\n",
+        &bowl(0.0, -1.0),
+    );
+    let bowl = bowl.display().to_string();
+    for bounces in ["1", "3", "auto"] {
+        let words = [&["plan", &bowl, "--json", "--bounces", bounces][..], &SMALL].concat();
+        let planned: serde_json::Value = serde_json::from_str(&run_well(words)).expect("JSON");
+        let (baked, _) = bake(
+            Path::new(&bowl),
+            &[&["--bounces", bounces][..], &SMALL].concat(),
+        );
+        let [planned, took] = [
+            planned["estimate"]["rays"].as_f64(),
+            report(baked.path())["rays"].as_f64(),
+        ]
+        .map(|rays| rays.expect("rays"));
+        assert!(
+            (planned / took - 1.0).abs() < 0.3,
+            "{bounces}: {planned} for {took}"
+        );
+    }
+}

@@ -4,7 +4,8 @@
 #
 #     integrations/slurm/test.sh [SCENE [flags of `ambake bake`]]
 #
-# AMBAKE is the program, else target/debug/ambake. Needs root, as slurmd does, and touches no configuration of the system.
+# AMBAKE is the program, else target/debug/ambake. WAIT is how many seconds the jobs may take (100). Needs root, as slurmd does, and touches
+# no configuration of the system.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(cd "$here/../.." && pwd)
@@ -86,7 +87,7 @@ array=${jobs% *}
 merge=${jobs#* }
 # One task is killed while it runs, as by a lost node, and goes back into the queue.
 killed=no
-for _ in $(seq 200); do
+for _ in $(seq $((2 * ${WAIT:-100}))); do
     if [ "$killed" = no ] && squeue -h -t R -o %i | grep -q "^${array}_2$"; then
         sleep "${KILL_AFTER:-1}"
         scontrol requeue "${array}_2" && killed=yes

@@ -243,11 +243,15 @@ impl BounceStats {
     }
 
     pub(super) fn end_gather(&mut self, light: &[LightPage]) {
-        let added: f64 = light.iter().map(LightPage::power).sum();
+        self.end(self.sky, light.iter().map(LightPage::power).sum());
+    }
+
+    /// Counts a gather after which all of them have added so much to the light of the sky.
+    pub(super) fn end(&mut self, sky: f64, added: f64) {
         let last = added - self.added;
         let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
         let (first, ratio) = (self.gathers == 0, share(last, self.last).min(0.999));
-        self.change = share(last, self.sky + added);
+        self.change = share(last, sky + added);
         self.missing = match first {
             true if last > 0.0 => 1.0,
             _ => self.change * ratio / (1.0 - ratio),

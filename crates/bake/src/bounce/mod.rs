@@ -19,9 +19,11 @@ mod add;
 mod gather;
 mod kernel;
 mod light;
+mod pilot;
 mod radiosity;
 
 pub use light::BounceStats;
+pub(crate) use pilot::{GatherPilot, Taken};
 
 use crate::choice::Choice;
 use crate::integrate::REPLICATES;

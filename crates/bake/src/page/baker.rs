@@ -7,6 +7,7 @@ use super::planes::{BakedPage, LayerPlanes};
 use super::stats::PageStats;
 use super::terms::working_layers;
 use super::tile::{BakedTile, Columns};
+use crate::bounce::{GatherPilot, Taken};
 use crate::choice::Choice;
 use crate::integrate::{Task, ggx, integrate};
 use crate::options::{Buried, Footprint, Model, Options, View};
@@ -257,6 +258,9 @@ impl<'a> Baker<'a> {
         let pages = 0..self.atlas.page_count;
         let each = tiles.div_ceil(pages.len().max(1)).max(1);
         let (mut cost, mut all) = (0.0, 0.0);
+        let gather = GatherPilot::of(self);
+        let mut gathered = Vec::new();
+        let threads = rayon::current_num_threads() as f64;
         let mut pilot = Pilot {
             texels: 0,
             rays: 0,
@@ -273,20 +277,30 @@ impl<'a> Baker<'a> {
             let step = order.len().div_ceil(each).max(1);
             let picked: Vec<usize> = order.into_iter().skip(step / 2).step_by(step).collect();
             cost += picked.iter().map(|&tile| costs[tile]).sum::<f64>();
-            let baked: Vec<(u64, u64, f64)> = picked
+            let baked: Vec<(u64, u64, f64, Option<Taken>)> = picked
                 .into_par_iter()
                 .map(|index| {
                     let clock = Instant::now();
                     let texels = self.tile(&self.cut(&raster, index), page);
                     let rays = texels.iter().map(|t| t.terms.rays).sum();
-                    (texels.len() as u64, rays, clock.elapsed().as_secs_f64())
+                    let seconds = clock.elapsed().as_secs_f64();
+                    let taken = gather
+                        .as_ref()
+                        .map(|gather| gather.tile(&raster, page, index));
+                    (texels.len() as u64, rays, seconds, taken)
                 })
                 .collect();
-            for (texels, rays, seconds) in baked {
+            for (texels, rays, seconds, taken) in baked {
                 pilot.texels += texels;
                 pilot.rays += rays;
-                pilot.seconds += seconds / rayon::current_num_threads() as f64;
+                pilot.seconds += seconds / threads;
+                gathered.extend(taken);
             }
+        }
+        if let Some(gather) = gather {
+            let (rays, seconds) = gather.all(&gathered.into_iter().sum());
+            pilot.rays += rays;
+            pilot.seconds += seconds / threads;
         }
         pilot.share = if all > 0.0 { cost / all } else { 1.0 };
         pilot

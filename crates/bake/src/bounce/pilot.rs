@@ -1,0 +1,118 @@
+//! What gathers will take, from the first one on a few tiles in light that is even everywhere.
+
+use super::light::BounceStats;
+use super::radiosity::PageLight;
+use super::{Gather, mean};
+use crate::choice::Choice;
+use crate::integrate::REPLICATES;
+use crate::options::Bounces;
+use crate::page::Baker;
+use atlas::PageRaster;
+use glam::DVec3;
+use rays::Lamps;
+use std::iter::Sum;
+use std::time::Instant;
+
+/// The first gather as a pilot runs it.
+pub(crate) struct GatherPilot<'a> {
+    baker: &'a Baker<'a>,
+    lamps: Lamps,
+    sent: Vec<PageLight>,
+}
+
+/// What tiles took in the pilot.
+#[derive(Default)]
+pub(crate) struct Taken {
+    rays: f64,
+    /// Seconds before a ray is cast, and those of the rays.
+    survey: f64,
+    light: f64,
+    /// What the texels received, and its squares.
+    received: [f64; 2],
+}
+
+impl<'a> GatherPilot<'a> {
+    /// `None` where no light bounces.
+    pub fn of(baker: &'a Baker<'a>) -> Option<Self> {
+        let texels = (baker.atlas.page_size as usize).pow(2);
+        let even = || PageLight {
+            irradiance: vec![[1.0; 3]; texels],
+            holds: vec![true; texels],
+        };
+        baker.plan.models(Choice::Bounces).then(|| Self {
+            baker,
+            lamps: Lamps::of(baker.world),
+            sent: (0..baker.atlas.page_count).map(|_| even()).collect(),
+        })
+    }
+
+    /// Runs a tile.
+    pub fn tile(&self, raster: &PageRaster<'_>, page: u32, index: usize) -> Taken {
+        let lamps = (!self.lamps.is_empty()).then_some(&self.lamps);
+        let gather: Gather<'_> = self.baker.gather(&self.sent, 0, lamps);
+        let clock = Instant::now();
+        let texels = self.baker.survey(&self.baker.cut(raster, index), page);
+        let survey = clock.elapsed().as_secs_f64();
+        let light = self.baker.tile_light(&gather, 0, page as usize, &texels);
+        let received = |rgb: &[DVec3]| mean(rgb.iter().sum::<DVec3>()) / f64::from(REPLICATES);
+        let received: Vec<f64> = light
+            .iter()
+            .map(|texel| received(&texel.irradiance))
+            .collect();
+        Taken {
+            rays: light.iter().map(|texel| texel.rays as f64).sum(),
+            survey,
+            light: clock.elapsed().as_secs_f64() - survey,
+            received: [received.iter().sum(), received.iter().map(|r| r * r).sum()],
+        }
+    }
+
+    /// Rays and seconds of all gathers over the tiles of the pilot.
+    pub fn all(&self, taken: &Taken) -> (u64, f64) {
+        // A step of the power iteration: light gathers where most of it comes back.
+        let [sum, squares] = taken.received;
+        let ratio = if sum > 0.0 { squares / sum } else { 0.0 };
+        let gathers = gathers(self.baker.options.bounces, ratio, self.baker.enough());
+        // In units of the first.
+        let work: f64 = (0..gathers).map(|k| 0.5_f64.powi(k.min(2) as i32)).sum();
+        let seconds = f64::from(gathers) * taken.survey + work * taken.light;
+        ((taken.rays * work) as u64, seconds)
+    }
+}
+
+/// How many gathers there are if each brings `ratio` times the light of the one before.
+fn gathers(bounces: Bounces, ratio: f64, enough: f64) -> u32 {
+    let mut stats = BounceStats::default();
+    let (mut last, mut added) = (1.0, 0.0);
+    while stats.goes_on(bounces, enough) {
+        last *= ratio;
+        added += last;
+        stats.end(1.0, added);
+    }
+    stats.gathers
+}
+
+impl Sum for Taken {
+    fn sum<I: Iterator<Item = Self>>(tiles: I) -> Self {
+        tiles.fold(Self::default(), |a, b| Self {
+            rays: a.rays + b.rays,
+            survey: a.survey + b.survey,
+            light: a.light + b.light,
+            received: [0, 1].map(|k| a.received[k] + b.received[k]),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gathers_go_on_until_the_rest_of_the_series_is_small() {
+        assert_eq!(gathers(Bounces::Off, 0.5, 1e-2), 0);
+        assert_eq!(gathers(Bounces::Most(3), 0.5, 1e-2), 3);
+        // 1 + 1/2 + 1/4 + ...: after k gathers 2^-k of 2 - 2^-k is the last, and as much is missing.
+        assert_eq!(gathers(Bounces::Auto, 0.5, 1.0 / 512.0), 9);
+        assert_eq!(gathers(Bounces::Auto, 0.0, 1.0 / 512.0), 1);
+    }
+}
