@@ -5,7 +5,7 @@
 //! treats light. What is asked for is made of them when gutters are filled: a bent normal gets its unit length last.
 
 use super::planes::BakedPage;
-use crate::denoise::{Denoiser, Term, oidn};
+use crate::denoise::{Denoiser, Field, Term, oidn};
 use crate::integrate::Terms;
 use crate::mend::Mends;
 use glam::Vec3;
@@ -56,7 +56,14 @@ pub(super) fn mend(page: &mut BakedPage, mends: &Mends) {
 }
 
 /// Denoises them, by the learned filter where there is no `regression`. What is exact of the diffuse term is exact here.
-pub(super) fn denoise(page: &mut BakedPage, regression: Option<&Denoiser>, unseen: Option<&Mends>) {
+///
+/// * `field`: what the learned filter sees of a page.
+pub(super) fn denoise(
+    page: &mut BakedPage,
+    regression: Option<&Denoiser>,
+    unseen: Option<&Mends>,
+    field: impl Fn(&BakedPage) -> Field<'_>,
+) {
     let texels = page.texels();
     for (layer, half) in of(page) {
         // Colours of one direction go together; axes of a vector have noise of their own.
@@ -75,7 +82,7 @@ pub(super) fn denoise(page: &mut BakedPage, regression: Option<&Denoiser>, unsee
             };
             let found = match regression {
                 Some(denoiser) => denoiser.denoise(&term),
-                None => oidn::denoise(&super::finish::field(page), &term),
+                None => oidn::denoise(&field(page), &term),
             };
             let values = &mut page.planes_of(layer)[first * texels..][..together * texels];
             for (channel, plane) in values.chunks_mut(texels).enumerate() {

@@ -2,6 +2,7 @@
 
 use super::compose::{Composition, is_light};
 use super::directional;
+use super::joined::{Gutters, Joined, keep_sides, solve_seams};
 use super::planes::{BakedPage, LayerPlanes};
 use super::stats::ErrorSums;
 use super::terms::{TermLayers, half_of, lights, terms};
@@ -9,7 +10,7 @@ use crate::denoise::{Denoiser, Field, Term, oidn};
 use crate::mend::{Mends, Surface};
 use crate::options::{Denoise, Model, Options, Sky};
 use crate::plan::Plan;
-use crate::seams::{Across, Known, Seams, System};
+use crate::seams::{Across, Seams};
 use ambient::Estimate;
 use atlas::{Atlas, Dilation, PageRaster};
 use glam::{DVec3, Vec3};
@@ -175,103 +176,6 @@ fn place(page: &mut BakedPage, origin: DVec3) {
     }
 }
 
-/// The values that seams give to gutter texels: layer, channel, texels.
-type Gutters = Vec<(Layer, usize, Vec<(u32, f32)>)>;
-
-/// The seams of a page, and those that it shares with other pages: of terms, or of the light of bounces.
-#[derive(Clone, Copy)]
-struct Joined<'a> {
-    system: &'a System,
-    across: &'a Across,
-    light: bool,
-}
-
-/// Makes the terms agree across seams; `light` is what an open texel receives, about. Texels of charts move here, those of gutters when gutters are filled.
-fn solve_seams(
-    page: &mut BakedPage,
-    light: f64,
-    terms: &[TermLayers],
-    joined: Option<Joined<'_>>,
-) -> Gutters {
-    let Some(joined) = joined else {
-        return Vec::new();
-    };
-    let system = joined.system;
-    let tied = system.tied();
-    let coverage = page.layer(Layer::Coverage).unwrap_or_default();
-    let solved: Vec<_> = seamed(page, terms)
-        .into_par_iter()
-        .map(|(term, std_err, channel)| {
-            let plane = |layer, channel| page.channel(layer, channel).unwrap_or_default();
-            let tied = joined.across.found(joined.light, term, channel, &tied);
-            let known = Known {
-                tied: &tied,
-                values: plane(term, channel),
-                std_errs: plane(std_err, 0),
-                unit: if is_light(term) || term == Layer::Sh {
-                    light
-                } else {
-                    1.0
-                },
-                most: if is_light(term) || directional::holds(term) {
-                    f64::INFINITY
-                } else {
-                    1.0
-                },
-            };
-            (term, channel, system.solve(&known, coverage))
-        })
-        .collect();
-    let is_gutter: Vec<bool> = coverage.iter().map(|&coverage| coverage == 0.0).collect();
-    let texels = page.texels();
-    let mut gutters = Vec::new();
-    for (term, channel, moved) in solved {
-        if term == Layer::Diffuse {
-            page.stats.seams = moved.stats;
-        }
-        let (gutter, own): (Vec<_>, Vec<_>) = moved
-            .values
-            .into_iter()
-            .partition(|(texel, _)| is_gutter[*texel as usize]);
-        let plane = &mut page.planes_of(term)[channel * texels..][..texels];
-        for (texel, value) in own {
-            plane[texel as usize] = value;
-        }
-        gutters.push((term, channel, gutter));
-    }
-    gutters
-}
-
-/// The planes that must agree across seams: layer, the layer of its standard error, channel.
-fn seamed(page: &BakedPage, terms: &[TermLayers]) -> Vec<(Layer, Layer, usize)> {
-    let terms = terms.iter().map(|&(term, std_err, _)| (term, std_err));
-    let directional = directional::of(page).into_iter();
-    terms
-        .chain(directional.map(|(layer, _)| (layer, Layer::StdErrDiffuse)))
-        .flat_map(|(term, std_err)| {
-            (0..term.channels().len()).map(move |channel| (term, std_err, channel))
-        })
-        .collect()
-}
-
-/// Keeps what the page holds on seams with pages that are finished later.
-fn keep_sides(page: &BakedPage, terms: &[TermLayers], joined: Option<Joined<'_>>) {
-    let Some(Joined {
-        system,
-        across,
-        light,
-    }) = joined
-    else {
-        return;
-    };
-    for (term, _, channel) in seamed(page, terms) {
-        let kept = system.kept(fact(page, term, channel));
-        if !kept.is_empty() {
-            across.keep(light, term, channel, &kept);
-        }
-    }
-}
-
 /// Denoises the terms that tiles integrated, over the surfaces of the page. Texels of which nothing can be seen have no part in that:
 /// they were carried on from noisy neighbours, and are carried on again, lest a rim of grain stays along every contact.
 fn denoise_terms(page: &mut BakedPage, terms: &[TermLayers], how: Denoise, mends: bool) {
@@ -311,11 +215,11 @@ fn denoise_terms(page: &mut BakedPage, terms: &[TermLayers], how: Denoise, mends
             errors[denoised.texel as usize] = denoised.std_err;
         }
     }
-    directional::denoise(page, regression.as_ref(), unseen.as_ref());
+    directional::denoise(page, regression.as_ref(), unseen.as_ref(), field);
 }
 
 /// The texels of the page as the denoiser sees them.
-pub(super) fn field(page: &BakedPage) -> Field<'_> {
+fn field(page: &BakedPage) -> Field<'_> {
     let plane = |layer, channel| fact(page, layer, channel);
     let three = |layer| [0, 1, 2].map(|channel| plane(layer, channel));
     Field {

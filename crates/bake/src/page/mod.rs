@@ -4,6 +4,7 @@ mod baker;
 mod compose;
 mod directional;
 mod finish;
+mod joined;
 mod planes;
 mod share;
 mod stats;

@@ -1,0 +1,107 @@
+//! Terms of a page across its seams, and across those that it shares with other pages.
+
+use super::compose::is_light;
+use super::directional;
+use super::planes::BakedPage;
+use super::terms::TermLayers;
+use crate::seams::{Across, Known, System};
+use layers::Layer;
+use rayon::prelude::*;
+
+/// The values that seams give to gutter texels: layer, channel, texels.
+pub(super) type Gutters = Vec<(Layer, usize, Vec<(u32, f32)>)>;
+
+/// The seams of a page, and those that it shares with other pages: of terms, or of the light of bounces.
+#[derive(Clone, Copy)]
+pub(super) struct Joined<'a> {
+    pub system: &'a System,
+    pub across: &'a Across,
+    /// Of the light of bounces.
+    pub light: bool,
+}
+
+/// Makes the terms agree across seams; `light` is what an open texel receives, about. Texels of charts move here, those of gutters when gutters are filled.
+pub(super) fn solve_seams(
+    page: &mut BakedPage,
+    light: f64,
+    terms: &[TermLayers],
+    joined: Option<Joined<'_>>,
+) -> Gutters {
+    let Some(joined) = joined else {
+        return Vec::new();
+    };
+    let system = joined.system;
+    let tied = system.tied();
+    let coverage = page.layer(Layer::Coverage).unwrap_or_default();
+    let solved: Vec<_> = seamed(page, terms)
+        .into_par_iter()
+        .map(|(term, std_err, channel)| {
+            let plane = |layer, channel| page.channel(layer, channel).unwrap_or_default();
+            let tied = joined.across.found(joined.light, term, channel, &tied);
+            let known = Known {
+                tied: &tied,
+                values: plane(term, channel),
+                std_errs: plane(std_err, 0),
+                unit: if is_light(term) || term == Layer::Sh {
+                    light
+                } else {
+                    1.0
+                },
+                most: if is_light(term) || directional::holds(term) {
+                    f64::INFINITY
+                } else {
+                    1.0
+                },
+            };
+            (term, channel, system.solve(&known, coverage))
+        })
+        .collect();
+    let is_gutter: Vec<bool> = coverage.iter().map(|&coverage| coverage == 0.0).collect();
+    let texels = page.texels();
+    let mut gutters = Vec::new();
+    for (term, channel, moved) in solved {
+        if term == Layer::Diffuse {
+            page.stats.seams = moved.stats;
+        }
+        let (gutter, own): (Vec<_>, Vec<_>) = moved
+            .values
+            .into_iter()
+            .partition(|(texel, _)| is_gutter[*texel as usize]);
+        let plane = &mut page.planes_of(term)[channel * texels..][..texels];
+        for (texel, value) in own {
+            plane[texel as usize] = value;
+        }
+        gutters.push((term, channel, gutter));
+    }
+    gutters
+}
+
+/// The planes that must agree across seams: layer, the layer of its standard error, channel.
+fn seamed(page: &BakedPage, terms: &[TermLayers]) -> Vec<(Layer, Layer, usize)> {
+    let terms = terms.iter().map(|&(term, std_err, _)| (term, std_err));
+    let directional = directional::of(page).into_iter();
+    terms
+        .chain(directional.map(|(layer, _)| (layer, Layer::StdErrDiffuse)))
+        .flat_map(|(term, std_err)| {
+            (0..term.channels().len()).map(move |channel| (term, std_err, channel))
+        })
+        .collect()
+}
+
+/// Keeps what the page holds on seams with pages that are finished later.
+pub(super) fn keep_sides(page: &BakedPage, terms: &[TermLayers], joined: Option<Joined<'_>>) {
+    let Some(Joined {
+        system,
+        across,
+        light,
+    }) = joined
+    else {
+        return;
+    };
+    for (term, _, channel) in seamed(page, terms) {
+        let kept = system.kept(page.channel(term, channel).unwrap_or_default());
+        if !kept.is_empty() {
+            across.keep(light, term, channel, &kept);
+        }
+    }
+}
