@@ -10,16 +10,16 @@ use std::fmt::Write;
 /// The pictures of the figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fig3 {
-    /// In the order of [`MODELS`].
+    /// Traditional, Lambert, Phong, traditional with the closed form, microfacets.
     pub models: [Image; MODELS.len()],
-    /// In the order of [`DIFFERENCES`], signed.
+    /// Lambert - traditional, Phong - Lambert, Phong - closed form, microfacets - Phong, signed.
     pub differences: [Image; DIFFERENCES.len()],
     /// Share of each pixel's camera samples that meet a surface.
     pub coverage: Vec<f32>,
 }
 
 /// The models of the figure.
-pub const MODELS: [Model; 5] = [
+const MODELS: [Model; 5] = [
     Model::Traditional,
     Model::Lambert,
     Model::Phong,
@@ -28,7 +28,7 @@ pub const MODELS: [Model; 5] = [
 ];
 
 /// Which pictures are subtracted, the second from the first, as places in [`MODELS`].
-pub const DIFFERENCES: [[usize; 2]; 4] = [[1, 0], [2, 1], [2, 3], [4, 2]];
+const DIFFERENCES: [[usize; 2]; 4] = [[1, 0], [2, 1], [2, 3], [4, 2]];
 
 /// The figure as `direct` sees it: its model is replaced, its lights are left out.
 ///
