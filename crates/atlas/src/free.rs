@@ -106,7 +106,10 @@ fn taken(scene: &Scene, atlas: &Atlas, gutter: u32) -> Vec<Page> {
     for (i, (instance, placement)) in placed.filter(|(_, (_, at))| at.is_somewhere()) {
         let layout = &atlas.meshes[instance.mesh as usize];
         for t in 0..layout.triangles.len() {
-            triangles[page(layout, placement, t) as usize].push((i as u32, t as u32));
+            // A damaged file may name a page that is none; the audit refuses it.
+            if let Some(on) = triangles.get_mut(page(layout, placement, t) as usize) {
+                on.push((i as u32, t as u32));
+            }
         }
     }
     let page = |on: &Vec<(u32, u32)>| {
