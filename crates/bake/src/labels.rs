@@ -8,5 +8,7 @@ pub const HEMISPHERE: u32 = 1;
 pub const LOBE: u32 = 2;
 /// Directions drawn from an illumination map.
 pub const SKY: u32 = 4;
+/// Hemisphere directions by a guide.
+pub const GUIDED: u32 = 5;
 /// Light that surfaces send on: four labels a gather, from here on.
 pub const BOUNCE: u32 = 16;

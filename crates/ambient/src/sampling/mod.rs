@@ -6,6 +6,7 @@
 //! than a concentric one: jittered and Owen-scrambled points have an error that grows with the length of the
 //! visibility boundary in the unit square, and that was shorter under the polar map for three of four measured scenes.
 
+mod guide;
 mod hemisphere;
 mod lattice;
 mod lobe;
@@ -15,6 +16,7 @@ mod turn;
 mod wide;
 
 pub use crate::lanes::{LANES, Wide};
+pub use guide::{Counts, Guide};
 pub use hemisphere::Mixture;
 pub use lobe::Lobe;
 pub use stream::Stream;

@@ -10,7 +10,7 @@
 //! the rule of three its share is below 3/N with 95 % confidence, which is two standard errors of 1.5/N, with N all points that
 //! agree.
 
-use super::sums::{REPLICATES, Replicates, Sums, Technique};
+use super::sums::{REPLICATES, Replicates, Sums, Technique, Weights};
 use super::terms::{Halves, Terms, uniform_light};
 use crate::options::Sky;
 use crate::survey::Texel;
@@ -89,8 +89,7 @@ impl<'a> Gathered<'a> {
             .map(|i| {
                 let mut own = [0.0; 5];
                 for &quantity in technique.shares().iter().chain(lights) {
-                    own[quantity as usize] =
-                        own_variance(&sums[i], points[i], |s| value(sky, s, quantity));
+                    own[quantity as usize] = own_variance(sky, &sums[i], points[i], quantity);
                 }
                 own
             })
@@ -280,7 +279,30 @@ fn light(sky: &Sky, sums: &Sums, quantity: Quantity) -> DVec3 {
     sky.floor() * share + above * (scale / sums.points.max(1) as f64)
 }
 
-fn own_variance(replicates: &Replicates, points: u32, of: impl Fn(&Sums) -> f64) -> f64 {
+/// Variance of a quantity's mean. A share is a ratio of sums, whose error is, to first order, that of its numerator less the share times
+/// its denominator; ratios of single replicates would spread by more.
+fn own_variance(sky: &Sky, replicates: &Replicates, points: u32, quantity: Quantity) -> f64 {
+    let total = Sums::of(replicates);
+    let weights = |sums: &Sums| match quantity {
+        Diffuse => sums.diffuse,
+        Visibility => sums.visibility,
+        Specular => sums.specular,
+        Irradiance | Reflection => Weights::default(),
+    };
+    let all = weights(&total).all;
+    if all == 0.0 {
+        return spread(replicates, points, |sums| value(sky, sums, quantity));
+    }
+    let share = weights(&total).share();
+    let each = all / total.points as f64;
+    spread(replicates, points, |sums| {
+        let own = weights(sums);
+        (own.open - share * own.all) / (each * sums.points as f64)
+    })
+}
+
+/// Variance of the mean of the replicates that have points.
+fn spread(replicates: &Replicates, points: u32, of: impl Fn(&Sums) -> f64) -> f64 {
     let used = points.min(REPLICATES) as usize;
     let mut values = [0.0; REPLICATES as usize];
     for (value, sums) in values.iter_mut().zip(replicates) {

@@ -7,6 +7,8 @@
 //! exactly 1 and a closed one exactly 0; the ratio's bias is of the order of the weights' own integration error
 //! squared and vanishes beside the variance (see the tests).
 //!
+//! Where a surface is dark, the points are warped toward the few directions that are open (`guides.rs`), and weights with them.
+//!
 //! **Specular term.** Its own directions from the lobe about the mirrored view R, density `(n+1)/2pi (R.L)^n`, so every
 //! open ray counts 1. Directions below the shading horizon count 0 and cost no ray.
 //!
@@ -22,10 +24,12 @@
 //! [`Gang`]; `estimate.rs` makes standard errors of their spread. With a target, texels whose error is not yet small enough take
 //! more points of the same streams, round by round.
 
+mod cast;
 mod closed_form;
 mod estimate;
 mod gang;
 pub(crate) mod ggx;
+mod guides;
 mod sums;
 mod task;
 mod terms;
@@ -34,22 +38,14 @@ pub use sums::REPLICATES;
 pub(crate) use task::Task;
 pub use terms::{AnyView, Directional, Halves, Terms};
 
-use crate::options::{Effort, Pattern, Shading};
+use crate::options::{Effort, Shading};
 use crate::survey::Texel;
 use ambient::Estimate;
-use ambient::sampling::LANES;
+use cast::{Caster, Target};
 use estimate::Gathered;
-use gang::{DirectionSums, Gang, Lane, Moments};
+use gang::{DirectionSums, Moments};
 use glam::DVec3;
-use std::ops::Range;
 use sums::{Replicates, Sums, Technique};
-use task::SHARE;
-
-/// Points of each replicate in the first round of a bake with a target.
-const FIRST_ROUND: u32 = 4;
-
-/// Texels this far away along an axis pool their variances when a texel decides to stop.
-const STOP_RADIUS: i32 = 2;
 
 /// Integrates the texels of one tile. `reflects` says which of them need the specular term.
 pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) -> Vec<Terms> {
@@ -160,7 +156,7 @@ fn rounds(
     texels: &[Texel],
     reflects: &[bool],
     technique: Technique,
-    mut which: Vec<usize>,
+    which: Vec<usize>,
     moments: &mut [[Moments; REPLICATES as usize]],
 ) -> Vec<Terms> {
     if which.is_empty() {
@@ -168,46 +164,37 @@ fn rounds(
     }
     let gathers = task.directional && technique != Technique::Lobe;
     let none = <[DirectionSums; REPLICATES as usize]>::default();
-    let mut directions = vec![none; if gathers { texels.len() } else { 0 }];
-    let mut cast = |lanes: &[Lane], range, sums: &mut [Replicates]| {
-        let sums = (sums, &mut *moments, directions.as_mut_slice());
-        cast(task, texels, reflects, technique, lanes, range, sums);
+    let mut caster = Caster {
+        task,
+        texels,
+        reflects,
+        technique,
+        sums: vec![Replicates::default(); texels.len()],
+        points: vec![0; texels.len()],
+        moments,
+        directions: vec![none; if gathers { texels.len() } else { 0 }],
     };
-    // Texels of one packet stand side by side; what is left of them after a round still does.
-    let edge = packet_edge(task.pattern);
-    which.sort_by_key(|&i| (texels[i].y / edge, texels[i].x / edge, i));
-    let mut sums = vec![Replicates::default(); texels.len()];
-    let mut points = vec![0; texels.len()];
     match task.effort {
-        Effort::Rays(rays) => {
-            let (each, rest) = (rays / REPLICATES, (rays % REPLICATES) as usize);
-            let all = lanes(task, texels, &which, 0..REPLICATES as usize);
-            cast(&all, 0..each, &mut sums);
-            let more = lanes(task, texels, &which, 0..rest);
-            cast(&more, each..each + 1, &mut sums);
-            for &i in &which {
-                points[i] = rays;
-            }
-        }
+        Effort::Rays(rays) => caster.spend(rays, &which),
         Effort::Target {
             error,
             relative,
             max_rays,
         } => {
-            let most = max_rays / REPLICATES;
-            let mut range = 0..FIRST_ROUND.min(most);
-            while !range.is_empty() && !which.is_empty() {
-                let lanes = lanes(task, texels, &which, 0..REPLICATES as usize);
-                cast(&lanes, range.clone(), &mut sums);
-                for &i in &which {
-                    points[i] = range.end * REPLICATES;
-                }
-                let gathered = Gathered::new(task.sky, technique, texels, &sums, &points);
-                which.retain(|&i| !gathered.is_met(i, STOP_RADIUS, error, relative));
-                range = range.end..next_round(range.end).min(most);
-            }
+            let target = Target {
+                error,
+                relative,
+                max_rays,
+            };
+            caster.reach(target, &which);
         }
     }
+    let Caster {
+        sums,
+        points,
+        directions,
+        ..
+    } = caster;
     let gathered = Gathered::new(task.sky, technique, texels, &sums, &points);
     let mut terms: Vec<Terms> = (0..texels.len()).map(|i| gathered.terms(i)).collect();
     for (i, directions) in directions
@@ -228,73 +215,4 @@ fn rounds(
         terms[i].halves.directional = halves;
     }
     terms
-}
-
-/// How many points a replicate has after the round that follows `points`: 4, 8, 16, 24, 32, 48 ... so that the rounds of easy
-/// texels are few and hard ones overshoot by half at most.
-fn next_round(points: u32) -> u32 {
-    let whole = 1 << points.ilog2();
-    match points {
-        0..16 => 2 * points,
-        _ => points + whole / 2,
-    }
-}
-
-/// Edge of the blocks of texels that go into one packet: four replicates of 2 x 2 texels, which are independent, or one replicate of
-/// 4 x 4 texels, which share it.
-fn packet_edge(pattern: Pattern) -> u32 {
-    match pattern {
-        Pattern::Independent => 2,
-        Pattern::Tiled => SHARE,
-    }
-}
-
-/// The lanes of the texels `which`, block by block.
-fn lanes(
-    task: &Task<'_>,
-    texels: &[Texel],
-    which: &[usize],
-    replicates: Range<usize>,
-) -> Vec<Lane> {
-    let edge = packet_edge(task.pattern);
-    let group = |i: usize| (texels[i].y / edge, texels[i].x / edge);
-    which
-        .chunk_by(|&a, &b| group(a) == group(b))
-        .flat_map(|group| {
-            replicates.clone().flat_map(move |replicate| {
-                group.iter().map(move |&texel| Lane { texel, replicate })
-            })
-        })
-        .collect()
-}
-
-/// Casts the points `range` of every lane.
-fn cast(
-    task: &Task<'_>,
-    texels: &[Texel],
-    reflects: &[bool],
-    technique: Technique,
-    lanes: &[Lane],
-    range: Range<u32>,
-    (sums, moments, directions): (
-        &mut [Replicates],
-        &mut [[Moments; REPLICATES as usize]],
-        &mut [[DirectionSums; REPLICATES as usize]],
-    ),
-) {
-    let mut gang = Gang::new(task, texels, reflects);
-    if let (Some(order), false) = (task.any_view, moments.is_empty()) {
-        gang = gang.with_moments(order);
-    }
-    for lanes in lanes.chunks(LANES) {
-        gang.load(lanes, |texel, replicate| {
-            task.pattern_stream(texel, technique, replicate)
-        });
-        gang.cast(task, technique, range.clone());
-        gang.collect(technique, sums);
-        gang.collect_moments(moments);
-        if !directions.is_empty() {
-            gang.collect_directions(directions);
-        }
-    }
 }

@@ -45,9 +45,17 @@ impl Task<'_> {
         Stream::new(self.seed, self.page, y * self.size + x, label, replicate)
     }
 
-    /// A texel's stream under the pattern: tiled texels share directions, never places.
-    pub fn pattern_stream(&self, texel: &Texel, technique: Technique, replicate: u32) -> Stream {
+    /// A texel's stream under the pattern: tiled texels share directions, never places. Guided points are independent of those that
+    /// their guide was made of.
+    pub fn pattern_stream(
+        &self,
+        texel: &Texel,
+        technique: Technique,
+        replicate: u32,
+        is_guided: bool,
+    ) -> Stream {
         let label = match technique {
+            Technique::Hemisphere if is_guided => labels::GUIDED,
             Technique::Hemisphere => labels::HEMISPHERE,
             Technique::Lobe => labels::LOBE,
             Technique::Sky => labels::SKY,

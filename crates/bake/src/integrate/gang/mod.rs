@@ -20,7 +20,7 @@ use super::sums::{REPLICATES, Replicates, Technique};
 use super::task::Task;
 use crate::options::{Shading, View};
 use crate::survey::Texel;
-use ambient::sampling::{LANES, Lobe, Stream, Streams, Wide};
+use ambient::sampling::{Counts, Guide, LANES, Lobe, Stream, Streams, Wide};
 pub(crate) use directional::DirectionSums;
 use directional::LaneDirections;
 use lane_sums::LaneSums;
@@ -74,6 +74,10 @@ pub(crate) struct Gang<'a> {
     moments: Option<LaneMoments>,
     /// Where lanes are open and whence their light comes, where a layer asks for it.
     directions: Option<LaneDirections>,
+    /// Where hemisphere directions are sent, if not everywhere alike.
+    guide: Option<&'a Guide>,
+    /// Which points of the hemisphere were open, while that is being learnt.
+    counts: Option<&'a mut Counts>,
 }
 
 impl<'a> Gang<'a> {
@@ -100,6 +104,8 @@ impl<'a> Gang<'a> {
             block: LaneSums::default(),
             moments: None,
             directions: task.directional.then(LaneDirections::new),
+            guide: None,
+            counts: None,
         };
         gang.packet.t_max = [task.t_max; LANES];
         gang
@@ -108,6 +114,18 @@ impl<'a> Gang<'a> {
     /// Gathers harmonics up to an order too.
     pub fn with_moments(mut self, order: usize) -> Self {
         self.moments = Some(LaneMoments::new(order));
+        self
+    }
+
+    /// Sends hemisphere directions by a guide.
+    pub fn with_guide(mut self, guide: &'a Guide) -> Self {
+        self.guide = Some(guide);
+        self
+    }
+
+    /// Notes which points are open.
+    pub fn with_counts(mut self, counts: &'a mut Counts) -> Self {
+        self.counts = Some(counts);
         self
     }
 
@@ -178,7 +196,8 @@ impl<'a> Gang<'a> {
     /// Casts one point of every lane.
     #[inline(always)]
     fn cast_point(&mut self, task: &Task<'_>, technique: Technique, step: u32) {
-        let [u0, u1, mut v0, mut v1] = self.streams.point(step);
+        let [mut u0, mut u1, mut v0, mut v1] = self.streams.point(step);
+        let guided = self.guide.map(|guide| guide.warp16(&mut u0, &mut u1));
         let mut parted = self.parted;
         while parted != 0 {
             let l = parted.trailing_zeros() as usize;
@@ -198,7 +217,14 @@ impl<'a> Gang<'a> {
                 self.walk(l, cell);
             }
         }
-        let step = self.step(task, technique, [&u0, &u1], &at);
+        let mut step = self.step(task, technique, [&u0, &u1], &at);
+        if let Some(guided) = guided {
+            for weights in &mut step.weights {
+                for l in 0..LANES {
+                    weights[l] *= guided[l];
+                }
+            }
+        }
         let active = step.above & self.used;
         let cast = active & !self.open;
         let blocked = if cast == 0 {
@@ -208,6 +234,11 @@ impl<'a> Gang<'a> {
                 .occluded16(&self.packet, cast, Coherence::Coherent)
         };
         self.block.add(&step, active & !blocked, cast);
+        if let Some(counts) = &mut self.counts {
+            for l in 0..self.lanes.len() {
+                counts.add([u0[l], u1[l]], (active & !blocked) >> l & 1 == 1);
+            }
+        }
         if let Some(moments) = &mut self.moments {
             moments.add(&step, active & !blocked);
         }

@@ -1,0 +1,273 @@
+//! A warp of the square of sample points that sends more of them where they are known to matter.
+
+#![allow(
+    clippy::needless_range_loop,
+    reason = "a lane is one index into many arrays"
+)]
+
+use super::{LANES, Wide};
+
+/// Cells of a guide along each axis.
+const EDGE: usize = 16;
+
+/// Digits of a cell's number along an axis.
+const DIGITS: u32 = EDGE.ilog2();
+
+/// Share of the points that go everywhere alike, so that no weight is above its inverse.
+const EVEN: f32 = 0.3;
+
+/// How often points of each cell of the square were seen to count.
+#[derive(Clone, Debug)]
+pub struct Counts {
+    /// Points of each cell that count, and all; rows of `u0`.
+    hits: [[u32; EDGE]; EDGE],
+    points: [[u32; EDGE]; EDGE],
+}
+
+impl Default for Counts {
+    fn default() -> Self {
+        Self {
+            hits: [[0; EDGE]; EDGE],
+            points: [[0; EDGE]; EDGE],
+        }
+    }
+}
+
+impl Counts {
+    /// Notes the point `[u0, u1]`, both inside (0, 1), and whether it counts.
+    #[inline(always)]
+    pub fn add(&mut self, [u0, u1]: [f32; 2], hit: bool) {
+        let cell = |u: f32| (u * EDGE as f32) as usize & (EDGE - 1);
+        let (row, column) = (cell(u0), cell(u1));
+        self.hits[row][column] += u32::from(hit);
+        self.points[row][column] += 1;
+    }
+
+    /// Points that count.
+    pub fn hits(&self) -> u64 {
+        self.hits.as_flattened().iter().map(|&n| u64::from(n)).sum()
+    }
+
+    /// Share of the points that count; 0 without points.
+    pub fn share(&self) -> f64 {
+        let points = self.points.as_flattened().iter().map(|&n| u64::from(n));
+        self.hits() as f64 / points.sum::<u64>().max(1) as f64
+    }
+
+    /// The share of each cell and those about it, the azimuth going round.
+    fn shares(&self) -> [[f32; EDGE]; EDGE] {
+        std::array::from_fn(|row| {
+            std::array::from_fn(|column| {
+                let (mut hits, mut points) = (0, 0);
+                for r in row.saturating_sub(1)..(row + 2).min(EDGE) {
+                    for c in column + EDGE - 1..column + EDGE + 2 {
+                        // A cell weighs as much as the ring about it.
+                        let weight = match r == row && c == column + EDGE {
+                            true => 8,
+                            false => 1,
+                        };
+                        hits += weight * self.hits[r][c % EDGE];
+                        points += weight * self.points[r][c % EDGE];
+                    }
+                }
+                hits as f32 / points.max(1) as f32
+            })
+        })
+    }
+}
+
+/// A piecewise constant density over the square, and the map that draws from it.
+///
+/// The map is monotone along each axis, so that well-spread points stay so. The density of a cell is proportional to the root of
+/// the share that counts there, which gives the sum of weighted hits the least variance where hits inside a cell are left to
+/// chance; a share of the points goes everywhere alike. After the warps of M. Pharr, W. Jakob, G. Humphreys, "Physically Based Rendering",
+/// section 13.6.7.
+#[derive(Clone, Debug)]
+pub struct Guide {
+    /// Where each row begins and how wide it is, in points.
+    rows: Axis,
+    /// The same of each column, row by row.
+    columns: [Axis; EDGE],
+    /// What a hit without a guide has of variance, over what it has with it.
+    gain: f64,
+}
+
+/// The cells along one axis.
+#[derive(Clone, Copy, Debug)]
+struct Axis {
+    /// Where each cell begins, the cells in the order of a search by halves; the first is not read.
+    middles: [f32; EDGE],
+    begins: [f32; EDGE],
+    widths: [f32; EDGE],
+    inverse: [f32; EDGE],
+}
+
+impl Axis {
+    fn of(weights: &[f32; EDGE]) -> Self {
+        let sum: f64 = weights.iter().map(|&w| f64::from(w)).sum();
+        let (mut begins, mut before) = ([0.0; EDGE], 0.0);
+        for (begin, weight) in begins.iter_mut().zip(weights) {
+            *begin = (before / sum) as f32;
+            before += f64::from(*weight);
+        }
+        let widths: [f32; EDGE] =
+            std::array::from_fn(|k| begins.get(k + 1).unwrap_or(&1.0) - begins[k]);
+        let middle = |node: usize| {
+            let level = node.max(1).ilog2();
+            let step = EDGE >> level;
+            begins[(node - (1 << level)) * step + step / 2]
+        };
+        Self {
+            middles: std::array::from_fn(|node| if node == 0 { 0.0 } else { middle(node) }),
+            begins,
+            widths,
+            inverse: widths.map(|w| 1.0 / w),
+        }
+    }
+
+    /// The cell of a point, and where the point goes.
+    #[inline(always)]
+    fn place(&self, u: f32) -> (usize, f32) {
+        let mut node = 1;
+        for _ in 0..DIGITS {
+            node = 2 * node + usize::from(u >= self.middles[node & (EDGE - 1)]);
+        }
+        let cell = node & (EDGE - 1);
+        let within = (u - self.begins[cell]) * self.inverse[cell];
+        let most = 1.0 - f32::EPSILON;
+        (
+            cell,
+            ((cell as f32 + within) * (1.0 / EDGE as f32)).min(most),
+        )
+    }
+}
+
+impl Guide {
+    /// The guide to where points were seen to count.
+    pub fn new(counts: &Counts) -> Self {
+        let shares = counts.shares();
+        let roots = shares.map(|row| row.map(f32::sqrt));
+        let sum: f32 = roots.as_flattened().iter().sum();
+        let cells = (EDGE * EDGE) as f32;
+        let density = |root: f32| match sum > 0.0 {
+            true => EVEN + (1.0 - EVEN) * root * cells / sum,
+            false => 1.0,
+        };
+        let densities = roots.map(|row| row.map(density));
+        let rows = densities.map(|row| row.iter().sum());
+        let second: f32 = shares
+            .as_flattened()
+            .iter()
+            .zip(densities.as_flattened())
+            .map(|(share, density)| share / density)
+            .sum();
+        let first: f32 = shares.as_flattened().iter().sum();
+        let (first, second) = (f64::from(first / cells), f64::from(second / cells));
+        Self {
+            rows: Axis::of(&rows),
+            columns: densities.each_ref().map(Axis::of),
+            gain: match second > first * first {
+                true => (first - first * first) / (second - first * first),
+                false => 1.0,
+            },
+        }
+    }
+
+    /// The variance of the mean of hits without the guide, over that with it, by what the guide was made of.
+    pub fn gain(&self) -> f64 {
+        self.gain
+    }
+
+    /// Where the points of `u0` and `u1` go, and the inverse of the density there: what each of them weighs.
+    #[inline(always)]
+    pub fn warp16(&self, u0: &mut Wide, u1: &mut Wide) -> Wide {
+        let mut weights = [0.0; LANES];
+        for l in 0..LANES {
+            let (row, to) = self.rows.place(u0[l]);
+            let columns = &self.columns[row];
+            u0[l] = to;
+            let (column, to) = columns.place(u1[l]);
+            u1[l] = to;
+            let share = self.rows.widths[row] * columns.widths[column];
+            weights[l] = 1.0 / ((EDGE * EDGE) as f32 * share);
+        }
+        weights
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::Stream;
+
+    /// Points that count inside a disc.
+    fn disc([u0, u1]: [f32; 2]) -> bool {
+        (u0 - 0.3).hypot(u1 - 0.7) < 0.12
+    }
+
+    fn counts() -> Counts {
+        let mut counts = Counts::default();
+        let stream = Stream::new(3, 0, 0, 0, 0);
+        for i in 0..2048 {
+            let [u0, u1, ..] = stream.point(i).map(|u| u as f32);
+            counts.add([u0, u1], disc([u0, u1]));
+        }
+        counts
+    }
+
+    /// Mean of weighted hits and of weights over the points of a stream, and the second moment of weighted hits.
+    fn means(guide: &Guide, texel: u32, points: u32) -> [f64; 3] {
+        let stream = Stream::new(9, 0, texel, 0, 0);
+        let mut sums = [0.0; 3];
+        for i in 0..points {
+            let [u0, u1, ..] = stream.point(i).map(|u| u as f32);
+            let (mut u0, mut u1) = ([u0; LANES], [u1; LANES]);
+            let weight = f64::from(guide.warp16(&mut u0, &mut u1)[0]);
+            assert!(u0[0] > 0.0 && u0[0] < 1.0 && u1[0] > 0.0 && u1[0] < 1.0);
+            assert!(weight <= f64::from(1.0 / EVEN) * 1.0001);
+            let hit = f64::from(u8::from(disc([u0[0], u1[0]])));
+            sums[0] += weight * hit;
+            sums[1] += weight;
+            sums[2] += weight * weight * hit;
+        }
+        sums.map(|sum| sum / f64::from(points))
+    }
+
+    #[test]
+    fn weighted_points_keep_areas() {
+        let area = std::f64::consts::PI * 0.12 * 0.12;
+        for counts in [counts(), Counts::default()] {
+            let guide = Guide::new(&counts);
+            let [hits, all, _] = means(&guide, 1, 1 << 16);
+            assert!((hits - area).abs() < 3e-4, "{hits} {area}");
+            assert!((all - 1.0).abs() < 1e-3, "{all}");
+        }
+    }
+
+    #[test]
+    fn a_guide_lowers_the_variance_as_it_says() {
+        let counts = counts();
+        let guide = Guide::new(&counts);
+        let area = counts.share();
+        let [_, _, second] = means(&guide, 2, 1 << 16);
+        let gain = (area - area * area) / (second - area * area);
+        assert!(gain > 4.0, "{gain}");
+        assert!(
+            (guide.gain() / gain - 1.0).abs() < 0.3,
+            "{} {gain}",
+            guide.gain()
+        );
+    }
+
+    #[test]
+    fn nothing_known_changes_nothing() {
+        let guide = Guide::new(&Counts::default());
+        for i in 0..100 {
+            let [a, b, ..] = Stream::new(1, 0, 0, 0, 0).point(i).map(|u| u as f32);
+            let (mut u0, mut u1) = ([a; LANES], [b; LANES]);
+            let weights = guide.warp16(&mut u0, &mut u1);
+            assert!((u0[3] - a).abs() < 1e-6 && (u1[3] - b).abs() < 1e-6);
+            assert!((weights[3] - 1.0).abs() < 1e-6);
+        }
+    }
+}
