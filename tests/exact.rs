@@ -7,6 +7,7 @@
 //! `AMBAKE_TEST_SEED=7 cargo test exact` repeats it all with other points: what fails with every seed is bias, what
 //! fails with one in some hundred rows is chance.
 
+mod dark;
 mod errors;
 mod footprint;
 mod glb;
