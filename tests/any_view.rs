@@ -129,6 +129,44 @@ fn open_texels_hold_one_and_zeros_and_orders_are_nested() {
     assert_eq!(count(8), COUNT);
 }
 
+/// What naga, which is Bevy's and wgpu's compiler of shaders, says against a module.
+fn complaint(module: &naga::Module) -> Option<String> {
+    use naga::valid::{Capabilities, ValidationFlags, Validator};
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+    let found = validator.validate(module);
+    found.err().map(|error| error.emit_to_string(""))
+}
+
+#[test]
+fn shaders_compile_as_they_are_written() {
+    let small = ["--size", "16", "--rays", "4"];
+    for (layer, order) in [("any-view", 4), ("any-view.8", 8)] {
+        let flags = [&small[..], &["--layers", layer]].concat();
+        let (folder, _) = bake(&scene("plane.obj"), &flags);
+        let read = |ending: &str| {
+            let path = folder.path().join(format!("plane.any-view.{ending}"));
+            std::fs::read_to_string(path).expect("written")
+        };
+        let wgsl = naga::front::wgsl::parse_str(&read("wgsl"));
+        let module = wgsl.unwrap_or_else(|e| panic!("{}", e.emit_to_string(&read("wgsl"))));
+        assert_eq!(complaint(&module), None, "WGSL, order {order}");
+        let function = module.functions.iter().next().expect("a function").1;
+        assert_eq!(function.name.as_deref(), Some("any_view"));
+
+        // Vulkan's GLSL, which alone naga reads, keeps picture and sampler apart; browsers run the file as it is.
+        let glsl = read("glsl")
+            .replace("sampler2D kernel", "texture2D kernel, sampler linear")
+            .replace("(kernel,", "(sampler2D(kernel, linear),");
+        let glsl = format!("#version 450\n{glsl}\nvoid main() {{}}\n");
+        let options = naga::front::glsl::Options::from(naga::ShaderStage::Fragment);
+        let module = naga::front::glsl::Frontend::default().parse(&options, &glsl);
+        let module = module.unwrap_or_else(|e| panic!("{}", e.emit_to_string(&glsl)));
+        assert_eq!(complaint(&module), None, "GLSL, order {order}");
+    }
+    let broken = naga::front::wgsl::parse_str("fn f() -> f32 { return 1i; }");
+    assert!(!broken.is_ok_and(|module| complaint(&module).is_none()));
+}
+
 #[test]
 fn plan_says_what_the_numbers_hold() {
     let path = scene("wall_long.obj");

@@ -165,3 +165,79 @@ fn what_bounces_has_the_irradiance_of_its_own_and_no_side() {
     }
     assert!(most > 0.01, "{most}");
 }
+
+/// A square of 1 x 1, a corner of it near the origin, with texture coordinates along two of its sides, and a wall beside it on request.
+fn square(folder: &Path, sides: [[f64; 3]; 2], uvs: Option<[[f64; 2]; 4]>, wall: bool) -> PathBuf {
+    let [a, b] = sides;
+    let corner = |x: f64, y: f64| [0, 1, 2].map(|k| x * a[k] + y * b[k]);
+    let mut text = "o floor\n".to_owned();
+    for p in [(0.001, 0.0), (1.0, 0.0), (1.0, 1.0), (0.001, 1.0)].map(|(x, y)| corner(x, y)) {
+        text += &format!("v {} {} {}\n", p[0], p[1], p[2]);
+    }
+    for [u, v] in uvs.into_iter().flatten() {
+        text += &format!("vt {u} {v}\n");
+    }
+    text += if uvs.is_some() {
+        "f 1/1 2/2 3/3 4/4\n"
+    } else {
+        "f 1 2 3 4\n"
+    };
+    if wall {
+        text += "o wall\nv 0 -1e5 -1e5\nv 0 -1e5 1e5\nv 0 1e5 1e5\nv 0 1e5 -1e5\nf 8 7 6 5\n";
+    }
+    let path = folder.join("square.obj");
+    fs::write(&path, text).expect("written");
+    path
+}
+
+#[test]
+fn bent_normals_in_tangent_frames_are_those_of_a_normal_map_with_green_up() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let local = |page: &Page, texel| {
+        ["X", "Y", "Z"].map(|axis| page.plane(&format!("bent.tangent.{axis}"))[texel])
+    };
+    // OBJ's v grows upward.
+    let upright = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    let tilted = [[0.6, 0.8, 0.0], [0.0, 0.0, -1.0]];
+    let flags = [
+        "--size=16",
+        "--rays=64",
+        "--include=floor",
+        "--denoise",
+        "regression",
+    ];
+    for uvs in [Some(upright), None] {
+        let open = square(folder.path(), tilted, uvs, false);
+        let (_bake, page) = bake(&open, &[&flags[..], &["--layers=bent.tangent"]].concat());
+        for texel in covered(&page) {
+            let found = local(&page, texel);
+            assert!(far(&found, &[0.0, 0.0, 1.0]) < 1e-5, "{found:?}");
+        }
+        assert!(!page.names().contains(&"bent.X"), "asked for nowhere");
+    }
+    // Beside an endless wall in the plane x = 0 the floor's bent normal leans toward +x.
+    let level = [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0]];
+    let (across, up) = (2.0 / (3.0 * PI), 1.0 / 3.0);
+    let length = f64::hypot(across, up);
+    let (x, z) = (across / length, up / length);
+    let turn = |f: fn([f64; 2]) -> [f64; 2]| Some(upright.map(f));
+    for (uvs, exact) in [
+        (Some(upright), [x, 0.0, z]),
+        (turn(|[u, v]| [v, u]), [0.0, x, z]),
+        (turn(|[u, v]| [1.0 - u, v]), [-x, 0.0, z]),
+        (turn(|[u, v]| [v, 1.0 - u]), [0.0, -x, z]),
+    ] {
+        let beside = square(folder.path(), level, uvs, true);
+        let (_bake, page) = bake(
+            &beside,
+            &[&flags[..], &["--layers=bent.tangent,bent"]].concat(),
+        );
+        for texel in covered(&page) {
+            let found = local(&page, texel);
+            assert!(far(&found, &exact) < 0.04, "{found:?} {exact:?}");
+            // The frame is flat: only axes change their names.
+            let own = bent(&page, texel);
+            assert!((found[2] - own[1]).abs() < 1e-5, "{found:?} {own:?}");
+        }
+    }
+}

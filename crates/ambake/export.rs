@@ -1,8 +1,7 @@
 //! Files for engines from a finished bake.
 
 use crate::error::Error;
-use crate::write::stage_lit;
-use report::{BakeReport, Engine, LightmapReport, LitPicture, NamedPage, Output, PageLight};
+use report::{BakeReport, Engine, LightmapReport, NamedPage, Output, PageLight, ScenePictures};
 use std::path::{Path, PathBuf};
 
 /// What an export left in the directory of a bake.
@@ -37,21 +36,20 @@ pub fn export(
     let mut output = Output::create(dir)?;
     let mut lightmaps = report.lightmaps.clone();
     lightmaps.retain(|map| chosen.iter().all(|engine| engine.name() != map.engine));
-    let mut lit = Vec::new();
+    let mut scenes = ScenePictures::new(&chosen);
     for named in &pages {
-        let (made, picture) = one_page(dir, &report, named, &chosen, &mut output)?;
+        let made = one_page(dir, &report, named, &chosen, &mut output, &mut scenes)?;
         lightmaps.extend(made);
-        lit.extend(picture);
     }
     let stem = &pages[0].stem;
-    if !lit.is_empty() {
+    if !scenes.is_empty() {
         let path = dir.join(format!("{stem}.glb"));
         let read = report::check_regular(&path).and_then(|()| std::fs::read(&path));
         let glb = read.map_err(|error| report::Error::Read {
             path,
             reason: format!("{error}; bake again"),
         })?;
-        lightmaps.extend(stage_lit(&mut output, stem, &glb, &lit, &chosen)?);
+        lightmaps.extend(scenes.stage(&mut output, stem, &glb, &chosen)?);
     }
     report.lightmaps = lightmaps;
     // `bake.json` stays the last.
@@ -74,7 +72,8 @@ fn one_page(
     named: &NamedPage,
     engines: &[Engine],
     output: &mut Output,
-) -> Result<(Vec<LightmapReport>, Option<LitPicture>), Error> {
+    scenes: &mut ScenePictures,
+) -> Result<Vec<LightmapReport>, Error> {
     let path = dir.join(&named.name);
     let file = report::read_page_exr(&path)?;
     let light = PageLight::of(report, named.page, &file.page).map_err(|error| match error {
@@ -84,8 +83,6 @@ fn one_page(
         },
         other => other,
     })?;
-    let wanted = engines.iter().any(|engine| engine.wants_lit_glb());
-    let picture = wanted.then(|| LitPicture::of(&light)).flatten();
-    let made = report::stage_engines(output, &named.stem, &light, engines)?;
-    Ok((made, picture))
+    scenes.add(&light);
+    Ok(report::stage_engines(output, &named.stem, &light, engines)?)
 }

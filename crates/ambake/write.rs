@@ -12,8 +12,8 @@ use ::bake::{BakedPage, BounceStats, Bounces, Fingerprint, LayerPlanes, SeamStat
 use layers::Layer;
 use rayon::prelude::*;
 use report::{
-    BakeReport, Engine, LightSource, LightmapReport, LitPicture, Output, PageHeader, PageLight,
-    PageReport, PhaseReport, SeamReport, UpdateReport,
+    BakeReport, LightSource, LightmapReport, Output, PageHeader, PageLight, PageReport,
+    PhaseReport, ScenePictures, SeamReport, UpdateReport,
 };
 use serde_json::{Value, json};
 use std::borrow::Cow;
@@ -47,7 +47,7 @@ pub(crate) struct Writer<'a> {
     lit: LitScene,
     lightmaps: Vec<LightmapReport>,
     /// One picture of the light that leaves surfaces a page, where an engine wants them.
-    lit_pictures: Vec<LitPicture>,
+    scene_pictures: ScenePictures,
     /// One picture of the diffuse term a page; `None` where the bake has no such layer.
     pictures: Option<Vec<Vec<u8>>>,
     /// The ray library that baked, where it was another process.
@@ -72,9 +72,7 @@ impl<'a> Writer<'a> {
         names.push(lit_name(&stem));
         names.push(state::head_name(&stem));
         let engines = &job.options().engines;
-        if engines.iter().any(|engine| engine.wants_lit_glb()) {
-            names.push(lit_glb_name(&stem));
-        }
+        names.extend(report::scene_files(&stem, engines));
         for page in pages {
             names.push(page_name(&stem, page));
             names.push(state::tiles_name(&stem, page));
@@ -97,7 +95,7 @@ impl<'a> Writer<'a> {
             brightness: Brightness::default(),
             lit: LitScene::default(),
             lightmaps: Vec::new(),
-            lit_pictures: Vec::new(),
+            scene_pictures: ScenePictures::new(engines),
             pictures: Some(Vec::new()),
             backend: None,
             state: None,
@@ -173,9 +171,7 @@ impl<'a> Writer<'a> {
             let lightmaps =
                 report::stage_engines(&mut self.output, &self.stem, &light, &options.engines)?;
             self.lightmaps.extend(lightmaps);
-            if options.engines.iter().any(|engine| engine.wants_lit_glb()) {
-                self.lit_pictures.extend(LitPicture::of(&light));
-            }
+            self.scene_pictures.add(&light);
         }
         if let (Some(diffuse), Some(coverage)) = (diffuse, page.layer(Layer::Coverage)) {
             self.brightness.add(diffuse, coverage);
@@ -204,14 +200,9 @@ impl<'a> Writer<'a> {
         self.output
             .stage_bytes(&format!("{}.glb", self.stem), &bytes)?;
         let engines = &self.job.options().engines;
-        let lit = stage_lit(
-            &mut self.output,
-            &self.stem,
-            &bytes,
-            &self.lit_pictures,
-            engines,
-        )?;
-        self.lightmaps.extend(lit);
+        let pictures = &self.scene_pictures;
+        let scenes = pictures.stage(&mut self.output, &self.stem, &bytes, engines)?;
+        self.lightmaps.extend(scenes);
         phases.push(PhaseReport {
             phase: "gltf".into(),
             seconds: clock.elapsed().as_secs_f64(),
@@ -322,30 +313,6 @@ fn page_light<'a>(job: &Job, page: &'a BakedPage) -> Result<PageLight<'a>, Error
         }),
         diffuse,
     })
-}
-
-/// Stages `STEM.lit.glb`, made from the scene's GLB, where there is light for it, and returns what `bake.json` says of it.
-pub(crate) fn stage_lit(
-    output: &mut Output,
-    stem: &str,
-    glb: &[u8],
-    lit: &[LitPicture],
-    engines: &[Engine],
-) -> Result<Vec<LightmapReport>, Error> {
-    if lit.is_empty() {
-        return Ok(Vec::new());
-    }
-    let name = lit_glb_name(stem);
-    let path = output.dir().join(format!("{stem}.glb"));
-    output.stage_bytes(&name, &report::lit_glb(glb, lit, &path)?)?;
-    let wanting = engines.iter().filter(|engine| engine.wants_lit_glb());
-    Ok(wanting
-        .map(|engine| engine.lit_entry(name.clone()))
-        .collect())
-}
-
-fn lit_glb_name(stem: &str) -> String {
-    format!("{stem}.lit.glb")
 }
 
 fn page_name(stem: &str, page: u32) -> String {

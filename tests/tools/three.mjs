@@ -39,6 +39,19 @@ let HDR;
 try { HDR = (await import("three/addons/loaders/HDRLoader.js")).HDRLoader; }
 catch { HDR = (await import("three/addons/loaders/RGBELoader.js")).RGBELoader; }
 
+// What three.js' GLTFLightMapLoaderExtension and Mozilla Hubs do; release 187 of three has it not yet.
+const lightMaps = (parser) => ({
+  name: "MOZ_lightmap",
+  async loadMaterial(index) {
+    const own = parser.json.materials[index].extensions?.MOZ_lightmap;
+    if (!own) return null;
+    const material = await parser.loadMaterial(index);
+    await parser.assignTexture(material, "lightMap", own, THREE.LinearSRGBColorSpace);
+    material.lightMapIntensity = own.intensity;
+    return material;
+  },
+});
+
 window.measure = async ({ stem, eye, look, fov, pages, scale }) => {
   const renderer = new THREE.WebGLRenderer();
   const at = (name) => "/bake/" + encodeURIComponent(name);
@@ -50,12 +63,15 @@ window.measure = async ({ stem, eye, look, fov, pages, scale }) => {
   const target = new THREE.WebGLRenderTarget(width, height, { type: THREE.FloatType, colorSpace: THREE.LinearSRGBColorSpace });
   const loaders = {
     exr: [new EXRLoader(), true], hdr: [new HDR(), false], ktx2: [new KTX2Loader().detectSupport(renderer), false],
+    moz: [null],
   };
-  const { scene } = await new GLTFLoader().loadAsync(at(stem + ".glb"));
+  const plain = (await new GLTFLoader().loadAsync(at(stem + ".glb"))).scene;
+  const lit = (await new GLTFLoader().register(lightMaps).loadAsync(at(stem + ".lightmap.glb"))).scene;
   const told = {};
   for (const [ending, [loader, flip]] of Object.entries(loaders)) {
     const maps = [];
-    for (let page = 0; page < pages; page++) {
+    const scene = loader ? plain : lit;
+    for (let page = 0; page < (loader ? pages : 0); page++) {
       const map = await loader.loadAsync(at(stem + "." + page + ".lightmap." + ending));
       map.channel = 1;
       map.flipY = flip;
@@ -67,7 +83,9 @@ window.measure = async ({ stem, eye, look, fov, pages, scale }) => {
       maps.push(map);
     }
     scene.traverse((object) => {
-      if (!object.isMesh || (!object.material.aoMap && !object.material.lightMap)) return;
+      if (!loader && object.isMesh && object.material.aoMap) throw new Error("occlusion beside a lightmap");
+      if (!loader && object.isMesh && object.material.lightMap) maps.push(object.material.lightMap);
+      if (!loader || !object.isMesh || (!object.material.aoMap && !object.material.lightMap)) return;
       const material = object.material;
       material.userData.page ??= Number(material.aoMap.name.split(".").at(-2));
       material.aoMap = null;
@@ -99,7 +117,7 @@ window.measure = async ({ stem, eye, look, fov, pages, scale }) => {
     }
     const middle = 4 * (Math.floor(height / 2) * width + Math.floor(width / 2));
     told[ending] = {
-      size: maps[0].image.width, levels: Math.max(1, maps[0].mipmaps.length), pixels: count / 3,
+      size: maps[0].image.width, levels: Math.max(1, maps[0].mipmaps?.length ?? 1), pixels: count / 3,
       mean: sum / count, most, middle: [...found.slice(middle, middle + 3)], wanted: [...data.slice(middle, middle + 3)],
     };
   }

@@ -267,7 +267,8 @@ impl Options {
 
     /// True where an asked layer says where texels are open or whence their light comes.
     pub(crate) fn is_directional(&self) -> bool {
-        self.layers.contains(&Layer::Bent) || self.layers.contains(&Layer::Sh)
+        let asks = |layer| self.layers.contains(&layer);
+        asks(Layer::Bent) || asks(Layer::BentTangent) || asks(Layer::Sh)
     }
 
     /// True where an asked layer shows light that bounces.

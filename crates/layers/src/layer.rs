@@ -90,6 +90,8 @@ pub enum Layer {
     HalfBent,
     /// The same of [`Layer::Sh`], of the first plus each of the others.
     HalfSh,
+    /// [`Layer::Bent`] in the tangent frame of the surface, as normal maps of OpenGL hold it.
+    BentTangent,
 }
 
 /// An integral over the directions of a texel. A bake models those that its layers need.
@@ -202,7 +204,7 @@ const UNIT_VECTOR: (Unit, Preview) = (Unit::Direction, Preview::Signed);
 
 /// Every layer in the order of the enum.
 #[rustfmt::skip]
-const TABLE: [Row; 41] = [
+const TABLE: [Row; 42] = [
     counted(row(Coverage, "coverage", ONE, SHARE, &[], "fraction of the texel inside its chart")),
     row(Visibility, "visibility", ONE, SHARE, &[Term::Visibility], "open solid angle / 2 pi, the traditional occlusion factor"),
     row(Diffuse, "diffuse", ONE, SHARE, &[Term::Diffuse], "the Lambertian ambient term"),
@@ -244,6 +246,7 @@ const TABLE: [Row; 41] = [
     row(Sh, "sh", SH, (Unit::Radiance, Preview::None), &[Term::Diffuse, Term::Visibility], "light by direction, spherical harmonics of order 1 in 4 x 3 numbers"),
     row(HalfBent, "half.bent", XYZ, HALF, &[Term::Diffuse], "the same of the sum that bent is the direction of"),
     row(HalfSh, "half.sh", SH, (Unit::Radiance, Preview::None), &[Term::Diffuse, Term::Visibility], "the same of sh"),
+    row(BentTangent, "bent.tangent", XYZ, UNIT_VECTOR, &[Term::Diffuse], "bent in the tangent frame of the surface (MikkTSpace, green up)"),
 ];
 
 impl Layer {

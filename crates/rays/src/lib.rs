@@ -34,6 +34,7 @@ mod embree_backend;
 mod error;
 #[cfg(test)]
 mod fixture;
+mod frames;
 mod lamps;
 mod material;
 mod mix;
@@ -55,6 +56,7 @@ pub use backend::{Coherence, Layout, Ray, RayBackend, RayPacket, SurfaceHit};
 pub use build::{BackendKind, build, has_embree};
 pub use embree_backend::EmbreeBackend;
 pub use error::Error;
+pub use frames::Frames;
 pub use lamps::Lamps;
 pub use material::{Overrides, PhongMaterial, emission_at, is_mapped, material_at};
 pub use mix::Mix;

@@ -13,8 +13,8 @@
 //! again. `docs/theory.md` says what that keeps of the relief and what not.
 
 use crate::error::Error;
+use crate::frames::{normals, tangents};
 use crate::part::Part;
-use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 use scene::{Image, Mesh, NormalMap, Scene};
@@ -54,7 +54,7 @@ impl NormalMaps {
             .par_iter()
             .zip(&placed)
             .map(|(mesh, placed)| match map(mesh) {
-                Some(map) if *placed => tangents(mesh, map),
+                Some(map) if *placed => tangents(mesh, |corner| place(mesh, map, corner)),
                 _ => Vec::new(),
             })
             .collect();
@@ -141,6 +141,16 @@ impl<'a> Corners<'a> {
     }
 }
 
+/// Where the map is read at a vertex.
+fn place(mesh: &Mesh, map: &NormalMap, [triangle, corner]: [usize; 2]) -> Vec2 {
+    let texture = &map.texture;
+    let set = mesh.uv_sets.get(texture.uv_set as usize);
+    let vertex = mesh.triangles[triangle][corner] as usize;
+    let uv = set.map_or(Vec2::ZERO, |set| set[vertex]);
+    let row = |[a, b, c]: [f32; 3]| a * uv.x + b * uv.y + c;
+    Vec2::from(texture.transform.map(row))
+}
+
 /// How many points along each edge of a piece meet about every pixel of the map, within 2..=[`MOST_POINTS`].
 fn points(surface: &Corners, map: &NormalMap, image: &Image, corners: [DVec3; 3]) -> u32 {
     let size = DVec2::new(f64::from(image.width), f64::from(image.height));
@@ -153,73 +163,4 @@ fn points(surface: &Corners, map: &NormalMap, image: &Image, corners: [DVec3; 3]
     (pixels.ceil() as u32)
         .saturating_add(1)
         .clamp(2, MOST_POINTS)
-}
-
-/// Unit normals at a triangle's corners in mesh space: the mesh's, else its own.
-fn normals(mesh: &Mesh, triangle: usize) -> [Vec3; 3] {
-    let vertices = mesh.triangles[triangle];
-    if mesh.normals.is_empty() {
-        let [a, b, c] = vertices.map(|v| mesh.positions[v as usize].as_dvec3());
-        return [(b - a).cross(c - a).normalize_or_zero().as_vec3(); 3];
-    }
-    vertices.map(|v| mesh.normals[v as usize])
-}
-
-/// Tangents of every triangle's corners: the file's, or MikkTSpace's. Of a mesh without normals of its own the file's are
-/// not used, as the glTF specification says.
-fn tangents(mesh: &Mesh, map: &NormalMap) -> Vec<[Vec4; 3]> {
-    if !mesh.tangents.is_empty() && !mesh.normals.is_empty() {
-        let corners = |triangle: &[u32; 3]| triangle.map(|v| mesh.tangents[v as usize]);
-        return mesh.triangles.iter().map(corners).collect();
-    }
-    let mut made = Made {
-        mesh,
-        map,
-        // Where a triangle has no texture area and no neighbour that has, the map does not bend it.
-        tangents: vec![[Vec4::W; 3]; mesh.triangles.len()],
-    };
-    // It knows no error today; triangles that it did not reach would stay unbent.
-    let _ = generate_tangents(&mut made);
-    made.tangents
-}
-
-/// A mesh as MikkTSpace reads and writes it.
-struct Made<'a> {
-    mesh: &'a Mesh,
-    map: &'a NormalMap,
-    tangents: Vec<[Vec4; 3]>,
-}
-
-impl Geometry for Made<'_> {
-    fn num_faces(&self) -> usize {
-        self.mesh.triangles.len()
-    }
-
-    fn num_vertices_of_face(&self, _: usize) -> usize {
-        3
-    }
-
-    fn position(&self, face: usize, vert: usize) -> [f32; 3] {
-        self.mesh.positions[self.mesh.triangles[face][vert] as usize].to_array()
-    }
-
-    fn normal(&self, face: usize, vert: usize) -> [f32; 3] {
-        normals(self.mesh, face)[vert].to_array()
-    }
-
-    /// Where the map is read, with v upward as its green is.
-    fn tex_coord(&self, face: usize, vert: usize) -> [f32; 2] {
-        let texture = &self.map.texture;
-        let set = self.mesh.uv_sets.get(texture.uv_set as usize);
-        let vertex = self.mesh.triangles[face][vert] as usize;
-        let uv = set.map_or(Vec2::ZERO, |set| set[vertex]);
-        let [u, v] = texture.transform.map(|[a, b, c]| a * uv.x + b * uv.y + c);
-        [u, 1.0 - v]
-    }
-
-    fn set_tangent(&mut self, space: Option<TangentSpace>, face: usize, vert: usize) {
-        if let Some(space) = space {
-            self.tangents[face][vert] = Vec4::from(space.tangent_encoded());
-        }
-    }
 }

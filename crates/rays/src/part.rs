@@ -41,6 +41,11 @@ impl Part {
         self.normals * normal
     }
 
+    /// The inverse of [`Part::carry_normal`].
+    pub(crate) fn fetch_normal(&self, normal: DVec3) -> DVec3 {
+        self.normals.inverse() * normal
+    }
+
     /// World space to the geometry's space, in f64; the identity for a flattened part.
     pub fn inverse(&self) -> &DAffine3 {
         &self.inverse

@@ -5,6 +5,7 @@ use super::directional;
 use super::joined::{Gutters, Joined, keep_sides, solve_seams};
 use super::planes::{BakedPage, LayerPlanes};
 use super::stats::ErrorSums;
+use super::tangent;
 use super::terms::{TermLayers, half_of, lights, terms};
 use crate::denoise::{Denoiser, Field, Term, oidn};
 use crate::mend::{Mends, Surface};
@@ -62,6 +63,9 @@ pub(super) fn finish(page: &mut BakedPage, site: &Site<'_>) {
     fill_gutters(page, options.rings, &gutters);
     keep_sides(page, &terms, joined);
     directional::unpack(page);
+    if options.layers.contains(&Layer::BentTangent) {
+        tangent::make(page, world, atlas, raster, options.rings);
+    }
     compose_asked(page, options);
     page.finished = true;
 }

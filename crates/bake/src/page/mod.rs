@@ -8,6 +8,7 @@ mod joined;
 mod planes;
 mod share;
 mod stats;
+mod tangent;
 mod terms;
 mod tile;
 

@@ -67,7 +67,10 @@ pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec
         |layer: Layer| is_composed(layer) || (uniform && is_light(layer) && !integrated(layer));
     let kept = options.kept();
     let asked = kept.iter().copied();
-    asked.filter(|&layer| !follows(layer)).for_each(&mut add);
+    asked
+        .map(super::tangent::source)
+        .filter(|&layer| !follows(layer))
+        .for_each(&mut add);
     for (term, std_err, _) in terms(options, plan) {
         add(term);
         let steps = options.denoise != Denoise::Off || options.seams != Seams::Off;
@@ -93,7 +96,8 @@ pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec
         }
     }
     for (layer, half) in super::directional::LAYERS {
-        if options.layers.contains(&layer) && options.denoise == Denoise::Regression {
+        let mut asked = options.layers.iter().copied().map(super::tangent::source);
+        if asked.any(|asked| asked == layer) && options.denoise == Denoise::Regression {
             add(half);
         }
     }

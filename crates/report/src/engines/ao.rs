@@ -20,11 +20,8 @@ pub fn deep(page: &PageLight<'_>) -> Vec<u8> {
 
 /// 8-bit grey, dithered by blue noise: a smooth slope shows no bands. Values that 8 bits hold, 0 and 1 among them, stay.
 pub fn dithered(page: &PageLight<'_>) -> Vec<u8> {
-    let (thresholds, edge) = (blue_noise(), page.size as usize);
-    let byte = |(i, v): (usize, &f32)| {
-        let threshold = thresholds[i / edge % TILE * TILE + i % edge % TILE];
-        (f64::from(*v) * 255.0 + f64::from(threshold)).round() as u8
-    };
+    let (dither, edge) = (Dither::new(), page.size as usize);
+    let byte = |(i, v): (usize, &f32)| dither.byte(*v, i % edge, i / edge);
     let bytes: Vec<u8> = values(page).iter().enumerate().map(byte).collect();
     encode(page.size, BitDepth::Eight, &bytes)
 }
@@ -35,6 +32,21 @@ fn values(page: &PageLight<'_>) -> Vec<f32> {
     let filled = is_filled(&page.coverage, page.size, page.rings);
     fill(&mut pixels, page.size, &filled);
     pixels.into_iter().flatten().collect()
+}
+
+/// Thresholds for 8 bits.
+pub(super) struct Dither(Vec<f32>);
+
+impl Dither {
+    pub fn new() -> Self {
+        Self(blue_noise())
+    }
+
+    /// The byte of a value 0..=1 in this column and row.
+    pub fn byte(&self, value: f32, x: usize, y: usize) -> u8 {
+        let threshold = self.0[y % TILE * TILE + x % TILE];
+        (f64::from(value) * 255.0 + f64::from(threshold)).round() as u8
+    }
 }
 
 /// A square of thresholds, each once, above -1/2 and below 1/2, whose neighbours differ: each next is put into the largest void that

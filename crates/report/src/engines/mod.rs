@@ -7,13 +7,15 @@ mod ao;
 mod half_exr;
 mod ktx2;
 mod light;
+mod lightmap_glb;
 mod lit_glb;
 mod mips;
+mod scene_glb;
 mod sh;
 mod table;
 
 pub use light::{LightSource, PageLight, light_source};
-pub use lit_glb::{LitPicture, lit_glb};
+pub use scene_glb::{ScenePictures, scene_files};
 pub use table::Engine;
 
 use crate::{Error, Output};

@@ -86,24 +86,6 @@ impl Engine {
         TABLE.iter().map(|row| row.engine)
     }
 
-    /// True for engines that get `STEM.lit.glb`, the scene with its light as emission.
-    pub fn wants_lit_glb(self) -> bool {
-        matches!(self, Self::Gltf | Self::Blender)
-    }
-
-    /// The entry of `STEM.lit.glb` in `bake.json`.
-    pub fn lit_entry(self, file: String) -> LightmapReport {
-        LightmapReport {
-            engine: self.name().into(),
-            file,
-            unit: "radiance that leaves the surface, albedo included, as emission on TEXCOORD_1".into(),
-            scale: 1.0,
-            how: "Open or import it: it is lit as it is, without lamps and sky. \
-                  Its light is 8-bit sRGB times emissive strength; the float lightmap is STEM.P.lightmap.exr."
-                .into(),
-        }
-    }
-
     /// Its name on the command line and in `bake.json`.
     pub fn name(self) -> &'static str {
         self.row().name

@@ -324,15 +324,10 @@ fn images(
             let Some(seen) = seen.get_mut(source) else {
                 let format = texture.map_or("a format", named_format);
                 let message = format!(
-                    "texture {} is in {format} that is not read, the factor stands alone; convert it to PNG",
-                    info.index
+                    "a texture is in {format} that is not read, the factor stands alone; convert it to PNG"
                 );
-                input.warn(
-                    WarningKind::UnreadTextures,
-                    format!("material {m}"),
-                    1,
-                    message,
-                );
+                let place = format!("texture {} of material {m}", info.index);
+                input.warn(WarningKind::UnreadTextures, place, 1, message);
                 continue;
             };
             if !std::mem::replace(seen, true)

@@ -368,6 +368,9 @@ fn textures_that_are_not_read_are_warned_of_and_the_scene_is_loaded() {
         let unread = |w: &&Warning| w.kind == WarningKind::UnreadTextures;
         let warning = scene.warnings.iter().find(unread).expect(extension);
         assert!(warning.message.contains(format), "{}", warning.message);
+        // Its number is no part of the message, so that all such textures are told of in one line.
+        assert_eq!(warning.place, "texture 0 of material 0");
+        assert!(!warning.message.contains("texture 0"));
         assert!(scene.images.is_empty());
     }
 }
