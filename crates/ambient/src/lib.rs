@@ -34,6 +34,7 @@ pub mod lanes;
 pub mod models;
 pub mod quadrature;
 pub mod sampling;
+pub mod solve;
 
 pub use estimate::Estimate;
 pub use frame::Frame;
