@@ -12,7 +12,7 @@ mod response;
 mod tests;
 
 pub use align::align;
-pub use read::read_bracket;
+pub use read::read_brackets;
 pub use response::Response;
 
 use crate::{Error, Image};
