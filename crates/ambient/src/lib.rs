@@ -31,6 +31,7 @@ mod estimate;
 pub mod frame;
 pub mod ggx;
 pub mod lanes;
+pub mod lunar;
 pub mod models;
 pub mod quadrature;
 pub mod sampling;

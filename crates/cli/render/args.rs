@@ -135,6 +135,10 @@ pub enum ModelName {
     Phong,
     /// Lambertian and microfacet terms
     Ggx,
+    /// Loose dust, as on the Moon, in place of the Lambertian term
+    LommelSeeliger,
+    /// Albedo times the cosine to the eye, without any light
+    FacingRatio,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
