@@ -17,6 +17,9 @@ struct Shot {
     iso: Option<f64>,
 }
 
+/// One of them.
+type Field = fn(&Shot) -> Option<f64>;
+
 /// The photographs in PNG or JPEG files. `times` in seconds, one for each file, win over what EXIF says.
 ///
 /// Without them an exposure is EXIF's ExposureTime, in seconds at the aperture and the sensitivity of the first: light grows with
@@ -52,7 +55,7 @@ pub fn read_brackets(paths: &[PathBuf], times: &[f64]) -> Result<Vec<Bracket>, E
             shift: [0, 0],
         });
     }
-    let fields: [(&str, fn(&Shot) -> Option<f64>, i32); 2] = [
+    let fields: [(&str, Field, i32); 2] = [
         ("FNumber", |shot| shot.f_number, -2),
         ("ISO sensitivity", |shot| shot.iso, 1),
     ];
