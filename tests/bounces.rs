@@ -1,8 +1,12 @@
 //! Light that bounces, against closed forms of the radiosity equation.
 
-use crate::support::{Page, bake, files, report, run, run_well};
+use crate::quads::{self, Quad};
+use crate::support::{Page, ambake, bake, files, report, run, run_well};
+use serde_json::json;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 /// An OBJ file with its materials, in `folder`.
 fn obj(folder: &Path, materials: &str, text: &str) -> PathBuf {
@@ -178,6 +182,147 @@ fn facing_squares_exchange_their_view_factor() {
     };
     let found = floor(page.plane("irradiance.G"));
     assert!((found - 0.199_825).abs() < 5e-4, "{found}");
+}
+
+#[test]
+fn closed_furnace_is_the_geometric_sum_under_both_models() {
+    // All of the inside shines at 1 and reflects half: 1 arrives from the lamps, 1/2, 1/4, … after bounces, in every direction alike.
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let materials =
+        "newmtl wall\nKd 0.5 0.5 0.5\nKe 1 1 1\nKs 0.25 0.25 0.25\nNs 12\nnewmtl lamp\nKd 0 0 0\n";
+    let path = obj(folder.path(), materials, &bowl(1.0, -9.0));
+    for (model, gathers, sum) in [
+        ("phong", "auto", 2.0),
+        ("ggx", "auto", 2.0),
+        ("ggx", "2", 1.5),
+    ] {
+        let more = [
+            "--size",
+            "48",
+            "--rays",
+            "32",
+            "--model",
+            model,
+            "--bounces",
+            gathers,
+            "--only",
+            "irradiance,reflection",
+        ];
+        let (_folder, page) = bake(&path, &more);
+        for (channel, most) in [("irradiance.R", 0.01), ("reflection.R", 0.02)] {
+            let (found, _) = mean(&page, channel);
+            // `auto` leaves out less than 1/512; where facets meet, rays of smooth normals leave the ball now and then.
+            assert!(
+                (found / sum - 1.0).abs() < most,
+                "{model} {gathers} {channel}: {found}, not {sum}"
+            );
+        }
+    }
+}
+
+#[test]
+fn luminous_picture_lights_as_its_mean() {
+    // Four texels, two of them dark, over the middle of a small floor: by symmetry each quarter counts alike.
+    let shining = |extra: serde_json::Value| {
+        let floor = Quad::level(0.0, 0.02);
+        let mut card = Quad::level(1.0, 2.0);
+        card.material = 1;
+        let folder = quads::write(&[floor, card], extra);
+        let (lit, dark) = ([255; 4], [0, 0, 0, 255]);
+        quads::picture(&folder, "checker.png", [2, 2], &[lit, dark, dark, lit]);
+        let words = [
+            "--size",
+            "32",
+            "--rays",
+            "256",
+            "--sky",
+            "0,0,0",
+            "--bounces",
+            "1",
+            "--uv",
+            "unwrap",
+            "--density-of",
+            "node 0=400",
+            "--only",
+            "irradiance,object",
+        ];
+        let (_out, page) = bake(&folder.path().join("scene.gltf"), &words);
+        let floor = page.plane("irradiance.R").iter().zip(page.plane("object"));
+        let floor = floor.zip(page.plane("coverage"));
+        let values: Vec<f64> = floor
+            .filter(|((_, object), coverage)| **object == 0.0 && **coverage > 0.5)
+            .map(|((value, _), _)| f64::from(*value))
+            .collect();
+        assert!(!values.is_empty());
+        values.iter().sum::<f64>() / values.len() as f64
+    };
+    let textured = shining(json!({
+        "materials": [{}, { "emissiveFactor": [1, 1, 1], "emissiveTexture": { "index": 0 } }],
+        "textures": [{ "source": 0, "sampler": 0 }],
+        "samplers": [{ "magFilter": 9728 }],
+        "images": [{ "uri": "checker.png" }],
+    }));
+    let even = shining(json!({ "materials": [{}, { "emissiveFactor": [0.5, 0.5, 0.5] }] }));
+    // From below the middle of a square of edge 2 at distance 1: 4/π · 1/√2 · atan(1/√2) of the light of a whole hemisphere.
+    let root = 0.5_f64.sqrt();
+    let exact = 0.5 * 4.0 / std::f64::consts::PI * root * root.atan();
+    for found in [textured, even] {
+        assert!((found / exact - 1.0).abs() < 0.02, "{found} for {exact}");
+    }
+}
+
+#[test]
+fn a_bake_that_was_stopped_amid_its_bounces_resumes_to_the_same_bytes() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let materials = "newmtl wall\nKd 0.7 0.6 0.5\nnewmtl lamp\nKe 3 3 3\n";
+    let path = obj(folder.path(), materials, &bowl(0.5, -0.9));
+    // Four of five rays are those of bounces.
+    let work = ["--size", "64", "--rays", "256", "--bounces", "4", "--quiet"];
+    let command = |out: &Path, more: &[&str]| {
+        let mut command = ambake();
+        command.arg("bake").arg(&path).arg("-o").arg(out).args(work);
+        command.args(more).stderr(Stdio::null());
+        command
+    };
+    let pages = |out: &Path| -> Vec<Vec<u8>> {
+        let names = files(out).into_iter();
+        let pictures = names.filter(|name| name.ends_with(".png"));
+        pictures
+            .map(|name| std::fs::read(out.join(name)).expect("a file"))
+            .collect()
+    };
+    let whole = tempfile::tempdir().expect("a temporary directory");
+    let started = Instant::now();
+    assert!(
+        command(whole.path(), &[])
+            .status()
+            .expect("it runs")
+            .success()
+    );
+    let mut delay = started.elapsed().mul_f64(0.6);
+    let stopped = loop {
+        let out = tempfile::tempdir().expect("a temporary directory");
+        let mut child = command(out.path(), &[]).spawn().expect("it starts");
+        std::thread::sleep(delay);
+        let signal = Command::new("kill")
+            .args(["-INT", &child.id().to_string()])
+            .status();
+        signal.expect("kill runs");
+        if child.wait().expect("a status").code() == Some(130) {
+            break out;
+        }
+        delay = delay.mul_f64(0.7);
+        assert!(
+            delay > Duration::from_millis(10),
+            "it was always done before the signal"
+        );
+    };
+    let again = command(stopped.path(), &["--resume"]).status();
+    assert!(again.expect("it runs").success());
+    assert!(
+        pages(whole.path()) == pages(stopped.path()),
+        "the bytes differ"
+    );
 }
 
 #[test]

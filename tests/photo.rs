@@ -234,8 +234,16 @@ fn two_balls_a_quarter_turn_apart_leave_no_direction_unseen() {
 }
 
 /// A photograph of patches of 16 pixels, of radiance 8, 16, … 1024 by columns, with a time in its EXIF block.
-fn exif_jpeg(path: &Path, [over, under]: [u32; 2]) {
-    let time = f64::from(over) / f64::from(under.max(1));
+fn exif_jpeg(path: &Path, time: [u32; 2]) {
+    exif_shot(path, time, None);
+}
+
+/// The same with an aperture and a sensitivity, beside f/2 and ISO 100.
+fn exif_shot(path: &Path, [over, under]: [u32; 2], lens: Option<(u32, u16)>) {
+    let mut time = f64::from(over) / f64::from(under.max(1));
+    if let Some((f_number, iso)) = lens {
+        time *= f64::from(iso) / 100.0 * (2.0 / f64::from(f_number)).powi(2);
+    }
     let level = |x: u32| (f64::from(8 << (x / 16)) * time).min(255.0) as u8;
     let picture: ImageBuffer<Rgb<u8>, Vec<u8>> =
         ImageBuffer::from_fn(128, 16, |x, _| Rgb([level(x); 3]));
@@ -254,11 +262,19 @@ fn exif_jpeg(path: &Path, [over, under]: [u32; 2]) {
     tiff.extend(1u16.to_le_bytes());
     tiff.extend(entry(0x8769, 4, 26));
     tiff.extend(0u32.to_le_bytes());
-    tiff.extend(1u16.to_le_bytes());
-    tiff.extend(entry(0x829a, 5, 44));
+    let fields = if lens.is_some() { 3u16 } else { 1 };
+    let after = 32 + 12 * u32::from(fields);
+    tiff.extend(fields.to_le_bytes());
+    tiff.extend(entry(0x829a, 5, after));
+    if let Some((_, iso)) = lens {
+        tiff.extend(entry(0x829d, 5, after + 8));
+        tiff.extend(entry(0x8827, 3, u32::from(iso)));
+    }
     tiff.extend(0u32.to_le_bytes());
-    tiff.extend(over.to_le_bytes());
-    tiff.extend(under.to_le_bytes());
+    tiff.extend([over, under].iter().flat_map(|v| v.to_le_bytes()));
+    if let Some((f_number, _)) = lens {
+        tiff.extend([f_number, 1].iter().flat_map(|v| v.to_le_bytes()));
+    }
     let block = [b"Exif\0\0".as_slice(), &tiff].concat();
     let jpeg = jpeg.into_inner();
     let length = (block.len() as u16 + 2).to_be_bytes();
@@ -297,6 +313,44 @@ fn jpegs_merge_by_the_times_in_their_exif_blocks() {
         // Levels that are whole numbers come back whole from flat blocks.
         assert!(error.abs() < 1e-6, "patch {k}: {error}");
     }
+}
+
+#[test]
+fn a_series_may_be_bracketed_by_time_f_stop_and_iso() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    // Two stops each: by the shutter, by the aperture, by the sensitivity.
+    let shots = [([1, 2], (2, 400)), ([1, 2], (2, 100)), ([1, 2], (4, 100))];
+    for (k, (time, lens)) in shots.into_iter().enumerate() {
+        exif_shot(at(&format!("{k}.jpg")).as_ref(), time, Some(lens));
+    }
+    let names = ["0.jpg", "1.jpg", "2.jpg"].map(at);
+    let out = at("out.exr");
+    let words = ["map", "merge", &names[0], &names[1], &names[2], "-o", &out];
+    let text = run_well(words.into_iter().chain(["--response", "linear", "--json"]));
+    assert_eq!(
+        json(&text)["times"],
+        serde_json::json!([0.5, 0.125, 0.03125])
+    );
+    let image = maps::read(out.as_ref()).expect("a picture").image;
+    // Radiance by the exposure of the first: 4 times what its EXIF time alone would say.
+    for k in 0..8 {
+        let truth = 4.0 * f64::from(8 << k) / 255.0;
+        let found = f64::from(image.at(16 * k + 8, 8)[1]);
+        // What f/4 shows of the darkest patches is a fraction of a level; the longest exposure weighs most.
+        let worst = if k < 3 { 0.05 } else { 0.01 };
+        assert!(
+            (found / truth - 1.0).abs() < worst,
+            "patch {k}: {found} for {truth}"
+        );
+    }
+    exif_jpeg(at("2.jpg").as_ref(), [1, 4]);
+    let output = run(words);
+    let line = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        line.contains("2.jpg") && line.contains("no FNumber") && line.trim().lines().count() == 1,
+        "{line}"
+    );
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! Pictures through a camera, by the built program.
 
 use crate::support::{run, run_well, scene};
+use exr::image::read::image::ReadLayers;
+use exr::image::read::layers::ReadChannels;
 use std::fs;
 use std::path::Path;
 
@@ -79,14 +81,20 @@ fn a_picture_from_a_bake_agrees_with_the_integrated_one() {
 fn a_lambertian_moon_darkens_toward_its_rim_and_a_wall_does_not() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("x.exr");
-    let shot = |name: &str, view: &str| {
+    let shot_with = |name: &str, view: &str, common: &str| {
         let mut arguments = vec!["render".to_owned(), scene(name).display().to_string()];
         arguments.extend(["-o".to_owned(), path.display().to_string()]);
-        let common = "--quiet --samples 1 --rays 0 --background 0,0,0";
         let words = view.split(' ').chain(common.split(' '));
         arguments.extend(words.map(str::to_owned));
         run_well(arguments);
         pixels(&path)
+    };
+    let shot = |name: &str, view: &str| {
+        shot_with(
+            name,
+            view,
+            "--quiet --samples 1 --rays 0 --background 0,0,0",
+        )
     };
     // Irradiance pi from the eye, 1000 radii away; the picture is 2.5 radii high.
     let fov = (2.0 * (1.25f64 / 1000.0).atan()).to_degrees();
@@ -107,12 +115,153 @@ fn a_lambertian_moon_darkens_toward_its_rim_and_a_wall_does_not() {
             assert_eq!(found, 0.0, "r {r}");
         }
     }
+    // Dust is as bright at the rim as in the middle; the facing ratio is Lambert's globe without a light.
+    let dust = shot(
+        "ball.obj",
+        &format!("--model lommel-seeliger --eye 0,0,1000 --fov-deg {fov} {light}"),
+    );
+    let facing = shot(
+        "ball.obj",
+        &format!("--model facing-ratio --eye 0,0,1000 --fov-deg {fov} --size 101x101"),
+    );
+    for (i, pixel) in dust.iter().enumerate() {
+        let place = |k: usize| 2.5 * ((k as f64 + 0.5) / 101.0 - 0.5);
+        let r = place(i % 101).hypot(place(i / 101));
+        // The eye is 1000 radii away, which turns its direction from the light's by r/1000.
+        let exact = if r < 0.95 { 1.0 } else { 0.0 };
+        if !(0.95..=1.01).contains(&r) {
+            let found = f64::from(pixel[0]);
+            assert!((found - exact).abs() < 2e-3, "r {r}: {found} for {exact}");
+            let facing = f64::from(facing[i][0] - moon[i][0]);
+            assert!(facing.abs() < 2e-3, "r {r}: {facing}");
+        }
+    }
+    // A globe in front of an open sky of 1: the closed form at each angle, and in the mean closer than the noise of one pixel.
+    let grey = format!(
+        "--model lommel-seeliger --albedo 0.1,0.1,0.1 --rays 256 --size 31x31 --eye 0,0,1000 --fov-deg {fov}"
+    );
+    let open = shot_with("ball.obj", &grey, "--quiet --samples 1 --background 0,0,0");
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (i, pixel) in open.iter().enumerate() {
+        let place = |k: usize| 2.5 * ((k as f64 + 0.5) / 31.0 - 0.5);
+        let r = place(i % 31).hypot(place(i / 31));
+        if r < 0.9 {
+            let exact = 0.1 * ambient::lunar::lommel_seeliger_open((1.0 - r * r).sqrt());
+            let ratio = f64::from(pixel[0]) / exact;
+            assert!((ratio - 1.0).abs() < 0.04, "r {r}: {ratio} of {exact}");
+            sum += ratio;
+            count += 1.0;
+        }
+    }
+    assert!((sum / count - 1.0_f64).abs() < 0.005, "{}", sum / count);
     let light = "--look 0,0,0 --size 9x9 --sun 0,0.8660254037844386,0.5,3.141592653589793";
     for eye in ["0,0,5", "4,3,2", "-30,1,4"] {
         let wall = shot("wall_lit.obj", &format!("--eye={eye} {light} --fov-deg 10"));
         let same = |pixel: &[f32; 3]| pixel.iter().all(|v| (v - 0.5).abs() < 1e-6);
         assert!(wall.iter().all(same), "{eye}: {wall:?}");
     }
+}
+
+#[test]
+fn a_scene_is_laid_over_a_plate_as_its_alpha_says() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let ball = scene("ball.obj").display().to_string();
+    let view =
+        "--quiet --size 31x21 --samples 4 --rays 4 --albedo 0.25,0.5,0.75 --eye 0,0,4 --look 0,0,0";
+    let shot = |name: &str, more: &str| {
+        let words = ["render", &ball, "-o", &at(name)];
+        let more = view.split(' ').chain(more.split_whitespace());
+        run_well(words.into_iter().chain(more));
+        pixels(Path::new(&at(name)))
+    };
+    let object = shot("object.exr", "--alpha");
+    let alpha: Vec<f32> = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .from_file(at("object.exr"))
+        .expect("an EXR")
+        .layer_data
+        .channel_data
+        .list
+        .iter()
+        .find(|channel| channel.name.to_string() == "A")
+        .expect("a channel A")
+        .sample_data
+        .values_as_f32()
+        .collect();
+    assert!(alpha.contains(&1.0) && alpha.contains(&0.0));
+    assert!(alpha.iter().any(|a| *a > 0.1 && *a < 0.9), "an edge");
+    // A plate with a value of its own in each pixel.
+    let plate = maps::Image {
+        width: 31,
+        height: 21,
+        pixels: (0..31 * 21).map(|k| [k as f32 / 651.0, 0.5, 2.0]).collect(),
+    };
+    let bytes = maps::encode(&plate, maps::Format::Exr, &maps::Labels::new()).expect("bytes");
+    fs::write(at("plate.exr"), bytes).expect("it is written");
+    let laid = shot("laid.exr", &format!("--backdrop {}", at("plate.exr")));
+    for (k, found) in laid.iter().enumerate() {
+        for c in 0..3 {
+            let exact = object[k][c] + (1.0 - alpha[k]) * plate.pixels[k][c];
+            assert!((found[c] - exact).abs() < 1e-6, "{k}: {found:?}");
+        }
+    }
+    // The same by tables: D of a sky of 1, before the plate and with its alpha as a PNG.
+    let sky = maps::Image::filled(8, 4, [1.0; 3]);
+    let bytes = maps::encode(&sky, maps::Format::Exr, &maps::Labels::new()).expect("bytes");
+    fs::write(at("sky.exr"), bytes).expect("it is written");
+    let tables = format!(
+        "--maps {0},{0} --specular 0,0,0 --environment {0} --quiet --size 31x21 --samples 4 --albedo 0.25,0.5,0.75 --eye 0,0,4 --look 0,0,0",
+        at("sky.exr")
+    );
+    let frame = |name: &str, more: &str| {
+        let words = ["render", &ball, "-o", &at(name)];
+        run_well(
+            words
+                .into_iter()
+                .chain(tables.split(' '))
+                .chain(more.split_whitespace()),
+        );
+    };
+    frame("tables.exr", &format!("--backdrop {}", at("plate.exr")));
+    for (k, found) in pixels(Path::new(&at("tables.exr"))).iter().enumerate() {
+        for (c, albedo) in [0.25, 0.5, 0.75].into_iter().enumerate() {
+            let exact = alpha[k] * albedo + (1.0 - alpha[k]) * plate.pixels[k][c];
+            assert!(
+                (found[c] - exact).abs() < 2e-6,
+                "{k}: {found:?} for {exact}"
+            );
+        }
+    }
+    frame("tables.png", "--alpha");
+    let png = image::open(at("tables.png")).expect("a PNG").into_rgba8();
+    for (k, pixel) in png.pixels().enumerate() {
+        assert_eq!(pixel.0[3], (255.0 * alpha[k]).round() as u8, "{k}");
+        // The colour is that of the object alone: 0.5 is 188 in sRGB.
+        assert!(
+            alpha[k] == 0.0 || pixel.0[1].abs_diff(188) <= 1,
+            "{k}: {pixel:?}"
+        );
+    }
+    let small = [
+        "render",
+        &ball,
+        "-o",
+        &at("x.exr"),
+        "--size",
+        "9x9",
+        "--backdrop",
+    ];
+    let output = run(small.into_iter().chain([at("plate.exr").as_str()]));
+    let line = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        line.contains("--size 31x21") && line.trim().lines().count() == 1,
+        "{line}"
+    );
 }
 
 #[test]

@@ -31,9 +31,11 @@ mod estimate;
 pub mod frame;
 pub mod ggx;
 pub mod lanes;
+pub mod lunar;
 pub mod models;
 pub mod quadrature;
 pub mod sampling;
+pub mod solve;
 
 pub use estimate::Estimate;
 pub use frame::Frame;

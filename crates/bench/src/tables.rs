@@ -59,7 +59,9 @@ const SUN: f64 = 1e3;
 fn shader<'a>(diffuse: Option<&'a Table>, specular: &'a Table) -> Shader<'a> {
     Shader {
         diffuse,
+        translucency: 0.0,
         specular: Some(specular),
+        glosses: vec![],
         index: Index::Mirror,
         coat: None,
         diffuse_weight: Weight::Constant,
@@ -202,6 +204,7 @@ fn globe(eye: DVec3, direction: DVec3) -> Option<Surfel> {
         normal: (eye + direction * (-b - root.sqrt())).normalize(),
         albedo: DVec3::splat(0.5),
         specular: DVec3::splat(0.5),
+        exponent: 0.0,
         object: 0,
     })
 }

@@ -180,7 +180,8 @@ pub struct Merge {
     /// Picture to write: .exr, with the channel `confidence`, or .hdr
     #[arg(short = 'o', long = "output", value_name = "OUT")]
     pub output: PathBuf,
-    /// Exposure time of each IN in seconds, separated by commas [default: EXIF's ExposureTime]
+    /// Exposure time of each IN in seconds, separated by commas [default: EXIF's ExposureTime, times
+    /// what FNumber and ISO add to it where the camera names them, in seconds of the first photograph's]
     #[arg(long, value_name = "T,..", value_delimiter = ',', allow_hyphen_values = true, value_parser = number)]
     pub times: Vec<f64>,
     /// Curve from recorded values to exposure: fitted to the brackets, or known

@@ -164,8 +164,13 @@ fn write_planes(
     output.protect(target.inputs.iter().cloned());
     let mut stage =
         |path: &Path, image: &Image, confidence: Option<&[f32]>| -> anyhow::Result<()> {
-            let bytes = maps::encode_with(image, confidence, format, &labels)
-                .with_context(|| path.display().to_string())?;
+            let bytes = maps::encode_with(
+                image,
+                confidence.map(|values| ("confidence", values)),
+                format,
+                &labels,
+            )
+            .with_context(|| path.display().to_string())?;
             let name = path.file_name().context("the output has no file name")?;
             Ok(output.stage_bytes(&name.to_string_lossy(), &bytes)?)
         };

@@ -4,7 +4,7 @@ use super::args::{Merge, Response};
 use crate::host;
 use crate::outcome::{say, say_json};
 use anyhow::{Context, bail};
-use maps::merge::{self, Bracket, Model};
+use maps::merge::{self, Model};
 use maps::{Format, Labels};
 use report::Output;
 use serde_json::json;
@@ -23,10 +23,7 @@ pub fn run(args: &Merge) -> anyhow::Result<()> {
             args.times.len()
         );
     }
-    let mut brackets: Vec<Bracket> = Vec::new();
-    for (index, path) in args.inputs.iter().enumerate() {
-        brackets.push(merge::read_bracket(path, args.times.get(index).copied())?);
-    }
+    let mut brackets = merge::read_brackets(&args.inputs, &args.times)?;
     let model = match args.response {
         Response::Debevec => Model::Debevec,
         Response::Robertson => Model::Robertson,
@@ -50,8 +47,13 @@ pub fn run(args: &Merge) -> anyhow::Result<()> {
     ]
     .map(|(name, text)| (name.to_owned(), text.to_owned()))
     .into();
-    let bytes = maps::encode_with(&merged.image, Some(&confidence), format, &labels)
-        .with_context(|| args.output.display().to_string())?;
+    let bytes = maps::encode_with(
+        &merged.image,
+        Some(("confidence", &confidence)),
+        format,
+        &labels,
+    )
+    .with_context(|| args.output.display().to_string())?;
     let mut output = Output::for_file(&args.output)?;
     output.protect(args.inputs.iter().cloned());
     let name = args

@@ -27,6 +27,8 @@ pub struct Args {
     pub tables: Tables,
     #[command(flatten)]
     pub view: View,
+    #[command(flatten)]
+    pub matte: Matte,
     /// Ambient model
     #[arg(long, value_enum, default_value_t = ModelName::Phong)]
     pub model: ModelName,
@@ -70,6 +72,17 @@ pub struct Args {
     pub backend: Option<Backend>,
     #[command(flatten)]
     pub common: Common,
+}
+
+/// What the scene is laid over.
+#[derive(ClapArgs)]
+pub struct Matte {
+    /// Leave out what is behind the scene and write its share of each pixel as alpha, for matting; colours of an .exr are multiplied by it
+    #[arg(long, conflicts_with_all = ["figure", "background", "backdrop"])]
+    pub alpha: bool,
+    /// Picture of the same size that the scene stands before: .exr or .hdr (linear), .png or .jpg (sRGB)
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["figure", "background"])]
+    pub backdrop: Option<PathBuf>,
 }
 
 /// Where the picture is taken from.
@@ -135,6 +148,10 @@ pub enum ModelName {
     Phong,
     /// Lambertian and microfacet terms
     Ggx,
+    /// Loose dust, as on the Moon, in place of the Lambertian term
+    LommelSeeliger,
+    /// Albedo times the cosine to the eye, without any light
+    FacingRatio,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -22,12 +22,27 @@ pub fn ending(path: &Path) -> anyhow::Result<&'static str> {
 pub fn inputs(args: &Args, world: &World) -> Vec<PathBuf> {
     let tables = &args.tables;
     let maps = tables.maps.iter().flatten();
-    let others = maps.chain(&tables.environment).chain(&tables.path);
+    let glosses = tables.maps.iter().flat_map(|[_, s]| {
+        let numbered = |n: &f64| ::render::tables::numbered(s, *n);
+        tables.exponents.iter().map(numbered)
+    });
+    let glosses: Vec<PathBuf> = glosses.collect();
+    let others = maps
+        .chain(&glosses)
+        .chain(&tables.environment)
+        .chain(&tables.path)
+        .chain(&args.matte.backdrop);
     world.scene().inputs.iter().chain(others).cloned().collect()
 }
 
 /// Writes a picture, or nothing under its name; never in the place of one of its `inputs`.
-pub fn write(path: &Path, picture: &Image, about: &str, inputs: &[PathBuf]) -> anyhow::Result<()> {
+pub fn write(
+    path: &Path,
+    picture: &Image,
+    alpha: Option<&[f32]>,
+    about: &str,
+    inputs: &[PathBuf],
+) -> anyhow::Result<()> {
     let name = path
         .file_name()
         .and_then(|name| name.to_str())
@@ -35,12 +50,64 @@ pub fn write(path: &Path, picture: &Image, about: &str, inputs: &[PathBuf]) -> a
     let mut output = Output::for_file(path)?;
     output.protect(inputs.iter().cloned());
     if ending(path)? == "exr" {
-        output.stage_bytes(name, &maps::encode(picture, Format::Exr, &labels(about))?)?;
+        let alpha = alpha.map(|values| ("A", values));
+        let bytes = maps::encode_with(picture, alpha, Format::Exr, &labels(about))?;
+        output.stage_bytes(name, &bytes)?;
     } else {
-        output.stage_bytes(name, &report::picture_png(picture.width, &picture.pixels))?;
+        let png = match alpha {
+            Some(alpha) => report::matte_png(picture.width, &picture.pixels, alpha),
+            None => report::picture_png(picture.width, &picture.pixels),
+        };
+        output.stage_bytes(name, &png)?;
     }
     output.publish()?;
     Ok(())
+}
+
+/// What a picture stands before.
+pub enum Behind {
+    /// What the scene has behind it.
+    Own,
+    /// Nothing: alpha is written.
+    Nothing,
+    /// A picture of the same size.
+    Plate(Image),
+}
+
+impl Behind {
+    /// What the arguments ask for.
+    pub fn of(args: &Args) -> anyhow::Result<Behind> {
+        let Some(path) = &args.matte.backdrop else {
+            return Ok(if args.matte.alpha {
+                Behind::Nothing
+            } else {
+                Behind::Own
+            });
+        };
+        let plate = maps::read(path)?.image;
+        let [width, height] = args.view.size.map(|n| n as usize);
+        if (plate.width, plate.height) != (width, height) {
+            bail!(
+                "{0}: it has {1} x {2} pixels, the picture {width} x {height}; ask for --size {1}x{2}",
+                path.display(),
+                plate.width,
+                plate.height
+            );
+        }
+        Ok(Behind::Plate(plate))
+    }
+
+    /// A picture before black with its alpha, as it is written: over the plate, or with the alpha.
+    pub fn compose(&self, picture: &mut Image, alpha: Vec<f32>) -> Option<Vec<f32>> {
+        match self {
+            Behind::Own => None,
+            Behind::Nothing => Some(alpha),
+            Behind::Plate(plate) => {
+                ::render::over(picture, &alpha, plate);
+                None
+            }
+        }
+    }
 }
 
 /// The header of a picture: who made it, and from which options.

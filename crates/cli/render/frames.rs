@@ -1,6 +1,7 @@
 //! Frames shaded from reflection maps.
 
 use super::args::Args;
+use super::file::Behind;
 use super::{file, options};
 use crate::common::parsed;
 use crate::outcome::{Outcome, say, say_json};
@@ -26,8 +27,18 @@ pub fn draw(
     let surface = options::surface_type(tables);
     let maps = tables.maps.as_ref();
     let maps = maps.map(|[d, s]| [d.as_path(), s.as_path()]);
-    let set = TableSet::read(surface, maps, tables.environment.as_deref())?;
-    let sequence = sequence(args, world, &set)?;
+    let set = TableSet::read(
+        surface,
+        maps,
+        &tables.exponents,
+        tables.environment.as_deref(),
+    )?;
+    let behind = Behind::of(args)?;
+    let mut sequence = sequence(args, world, &set)?;
+    if !matches!(behind, Behind::Own) {
+        sequence.environment = None;
+    }
+    let sequence = sequence;
     let surfaces = Surfaces::new(world);
     let subject = options::subject(args, &surfaces, backend);
     let numbered = tables.frames.is_some() || tables.path.is_some();
@@ -36,7 +47,9 @@ pub fn draw(
     let mut written = Vec::new();
     let ended = watch(options::show(args, "pixels"), stop, |progress| {
         for frame in sequence.frames(progress, |eye, toward| subject.hit(eye, toward)) {
-            let frame = frame?;
+            let mut frame = frame?;
+            let alpha = std::mem::take(&mut frame.alpha);
+            let matte = behind.compose(&mut frame.picture, alpha);
             shading += frame.shading_seconds;
             let about = about(args, world, &sequence, &set, &frame).to_string();
             for path in &args.output {
@@ -44,7 +57,7 @@ pub fn draw(
                     true => numbered_name(path, frame.number),
                     false => path.clone(),
                 };
-                file::write(&path, &frame.picture, &about, &inputs)?;
+                file::write(&path, &frame.picture, matte.as_deref(), &about, &inputs)?;
                 written.push(path);
             }
         }
@@ -77,7 +90,8 @@ pub fn draw(
 fn sequence<'a>(args: &Args, world: &World, set: &'a TableSet) -> anyhow::Result<Sequence<'a>> {
     let tables = &args.tables;
     let surface = options::surface_type(tables);
-    let shader = set.shader(surface, options::weights(tables)?);
+    let mut shader = set.shader(surface, options::weights(tables)?);
+    shader.translucency = tables.translucency;
     let framing = options::framing(&args.view);
     let axis = framing.up.try_normalize();
     let path = tables.path.as_deref();
@@ -115,6 +129,7 @@ fn about(
     json!({
         "scene": world.scene().content_hash,
         "maps": args.tables.maps,
+        "exponents": args.tables.exponents,
         "environment": args.tables.environment,
         "normalisation": set.normalisation,
         "lookup": sequence.lookup.name(),

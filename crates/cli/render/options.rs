@@ -28,6 +28,8 @@ pub fn model(name: ModelName) -> Model {
         ModelName::Lambert => Model::Lambert,
         ModelName::Phong => Model::Phong,
         ModelName::Ggx => Model::Ggx,
+        ModelName::LommelSeeliger => Model::LommelSeeliger,
+        ModelName::FacingRatio => Model::FacingRatio,
     }
 }
 

@@ -1,12 +1,13 @@
 //! A picture by the ambient models and lights.
 
 use super::args::{Args, Exposure};
+use super::file::Behind;
 use super::{file, options};
 use crate::common::lights;
 use crate::outcome::{Outcome, say, say_json};
 use crate::progress::watch;
 use crate::stop::Stop;
-use ::render::{Error, Lamps, Lightmap, Sample, backdrop, exposed, exposure, picture};
+use ::render::{Error, Lamps, Lightmap, Sample, alpha, backdrop, exposed, exposure, picture};
 use anyhow::Context;
 use glam::DVec3;
 use rays::{RayBackend, Surfaces, World};
@@ -43,6 +44,10 @@ pub fn draw(
             false => direct.sky,
         };
     }
+    let behind = Behind::of(args)?;
+    if !matches!(behind, Behind::Own) {
+        direct.background = DVec3::ZERO;
+    }
     let radiance = |sample: &Sample| match lightmap {
         None => direct.radiance(sample),
         Some(map) => direct.radiance_baked(sample, map),
@@ -50,9 +55,17 @@ pub fn draw(
     let picture = watch(options::show(args, "pixels"), stop, |progress| {
         picture(&camera, args.view.samples, progress, radiance)
     });
-    let picture = match picture {
+    let mut picture = match picture {
         Err(Error::Cancelled) => return Ok(stop.outcome()),
         picture => picture?,
+    };
+    let matte = match behind {
+        Behind::Own => None,
+        _ => {
+            let meets = |sample: &Sample| direct.meets(sample);
+            let alpha = alpha(&camera, args.view.samples, &(), meets)?;
+            behind.compose(&mut picture, alpha)
+        }
     };
     let described = json!({
         "scene": world.scene().content_hash,
@@ -78,7 +91,13 @@ pub fn draw(
             "png" => &exposed(picture.clone(), stops),
             _ => &picture,
         };
-        file::write(path, shown, &described.to_string(), &inputs)?;
+        file::write(
+            path,
+            shown,
+            matte.as_deref(),
+            &described.to_string(),
+            &inputs,
+        )?;
     }
     if args.common.json {
         say_json(&json!({

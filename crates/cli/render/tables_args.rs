@@ -1,6 +1,6 @@
 //! What was typed after `ambake render --maps`. `options.rs` says what it means.
 
-use crate::parse::{number, positive};
+use crate::parse::{exponent, number, positive};
 use ::render::tables::Weight;
 use clap::{ArgGroup, Args as ClapArgs, ValueEnum};
 use std::path::PathBuf;
@@ -14,6 +14,10 @@ pub struct Tables {
     /// Shade from the reflection maps D and S, as `ambake map diffuse` and `specular` write them
     #[arg(long, value_name = "D,S", value_parser = pair, groups = ["shading", "lit"])]
     pub maps: Option<[PathBuf; 2]>,
+    /// S stands for the files of these exponents, as `ambake map specular --exponent N,..` names them; each pixel is shaded with that of
+    /// its material, between two of them
+    #[arg(long, value_name = "N,..", value_delimiter = ',', requires = "maps", value_parser = exponent)]
+    pub exponents: Vec<f64>,
     /// Surface type of every object [default: phong]
     #[arg(long, value_enum, groups = ["shading", "lit"], requires_ifs([
         ("phong", "maps"), ("retro", "maps"), ("varnish", "maps"),
@@ -32,6 +36,9 @@ pub struct Tables {
     /// Ws, likewise
     #[arg(long, value_name = "W", default_value = "constant", value_parser = weight, requires = "shading")]
     pub specular_weight: WeightName,
+    /// Share of the diffuse light that comes through from behind, 0 to 1: it is looked up in D at -N
+    #[arg(long, value_name = "T", default_value = "0", value_parser = share, requires = "shading")]
+    pub translucency: f32,
     /// Refractive index behind the surface, of `--shader refraction`
     #[arg(long, value_name = "N", default_value = "1.5", value_parser = positive, requires = "shading")]
     pub ior: f64,
@@ -118,6 +125,13 @@ fn pair(text: &str) -> Result<[PathBuf; 2], String> {
             Ok([d.into(), s.into()])
         }
         _ => Err("expected two files as D,S".into()),
+    }
+}
+
+fn share(text: &str) -> Result<f32, String> {
+    match number(text)? {
+        share if (0.0..=1.0).contains(&share) => Ok(share as f32),
+        _ => Err("a share lies in 0..1".into()),
     }
 }
 

@@ -84,19 +84,19 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<ImageFile, Reason> {
     })
 }
 
-/// The bytes of an `.exr` file with `labels` as string attributes, and `confidence` as a channel where it is given.
+/// The bytes of an `.exr` file with `labels` as string attributes, and a channel of another name where it is given.
 pub(crate) fn encode(
     image: &Image,
-    confidence: Option<&[f32]>,
+    extra: Option<(&str, &[f32])>,
     labels: &Labels,
 ) -> Result<Vec<u8>, Reason> {
     let colors = ["B", "G", "R"].iter().zip([2, 1, 0]).map(|(name, c)| {
         let values = image.pixels.iter().map(|p| p[c]).collect();
         AnyChannel::new(*name, FlatSamples::F32(values))
     });
-    let confidence =
-        confidence.map(|values| AnyChannel::new("confidence", FlatSamples::F32(values.to_vec())));
-    let channels = colors.chain(confidence);
+    let extra =
+        extra.map(|(name, values)| AnyChannel::new(name, FlatSamples::F32(values.to_vec())));
+    let channels = colors.chain(extra);
     let mut attributes = LayerAttributes::default();
     for (name, text) in labels {
         let text = Text::from_slice_unchecked(text.as_bytes());

@@ -128,23 +128,21 @@ pub fn encode(image: &Image, format: Format, labels: &Labels) -> Result<Vec<u8>,
     encode_with(image, None, format, labels)
 }
 
-/// Like [`encode`], with a channel `confidence` of one value a pixel; an `.hdr` file has no place for it and leaves it out.
+/// Like [`encode`], with another channel, its name and one value a pixel: `confidence`, or `A`. An `.hdr` file has no place for it and
+/// leaves it out.
 ///
 /// # Errors
 /// As [`encode`].
 pub fn encode_with(
     image: &Image,
-    confidence: Option<&[f32]>,
+    extra: Option<(&str, &[f32])>,
     format: Format,
     labels: &Labels,
 ) -> Result<Vec<u8>, Error> {
     assert_eq!(image.pixels.len(), image.width * image.height);
-    if let Some(values) = confidence {
+    if let Some((name, values)) = extra {
         assert_eq!(values.len(), image.pixels.len());
-        assert!(
-            values.iter().all(|v| v.is_finite()),
-            "confidence {values:?}"
-        );
+        assert!(values.iter().all(|v| v.is_finite()), "{name} {values:?}");
     }
     if let Some(at) = image
         .pixels
@@ -159,7 +157,7 @@ pub fn encode_with(
     }
     match format {
         Format::Hdr => hdr::encode(image, labels),
-        Format::Exr => exr_file::encode(image, confidence, labels),
+        Format::Exr => exr_file::encode(image, extra, labels),
     }
     .map_err(Error::Encode)
 }

@@ -8,6 +8,7 @@ use crate::microfacets::Coat;
 use crate::{Lamps, Light, Lightmap, Sample, TexelPlace};
 use ambient::Frame;
 use ambient::closed_form::phong_open;
+use ambient::lunar::lommel_seeliger;
 use ambient::models;
 use ambient::sampling::{Lobe, Mixture, Stream};
 use glam::DVec3;
@@ -26,6 +27,10 @@ pub enum Model {
     Phong,
     /// GGX microfacets over a matte base.
     Ggx,
+    /// Loose dust, as on the Moon: [`ambient::lunar`].
+    LommelSeeliger,
+    /// Albedo times the cosine to the eye, without any light.
+    FacingRatio,
 }
 
 impl Model {
@@ -37,6 +42,8 @@ impl Model {
             Model::Lambert => "lambert",
             Model::Phong => "phong",
             Model::Ggx => "ggx",
+            Model::LommelSeeliger => "lommel-seeliger",
+            Model::FacingRatio => "facing-ratio",
         }
     }
 }
@@ -83,6 +90,9 @@ impl Direct<'_> {
         };
         let stream = |term| Stream::new(self.seed, 0, sample.pixel, term, sample.number);
         let view = -sample.direction;
+        if self.model == Model::FacingRatio {
+            return point.emission + point.material.albedo * point.normal.dot(view).max(0.0);
+        }
         let coat = self.coat(&point, view, stream(LOBE));
         let ambient = self.ambient(&point, view, coat.as_ref(), stream);
         point.emission + ambient + self.direct(&point, view, coat.as_ref())
@@ -166,7 +176,7 @@ impl Direct<'_> {
         let (normal, material) = (point.normal, &point.material);
         let mixture = match self.model {
             Model::Traditional | Model::TraditionalClosed => Mixture::UNIFORM,
-            Model::Lambert | Model::Phong | Model::Ggx => Mixture::COSINE,
+            _ => Mixture::COSINE,
         };
         let matte = match self.model {
             Model::TraditionalClosed => {
@@ -183,7 +193,7 @@ impl Direct<'_> {
                 stream(HEMISPHERE),
                 |u| frame.to_world(mixture.sample(u)),
                 |toward| mixture.pdf(frame.to_local(toward)),
-                |_| DVec3::ONE,
+                |toward| DVec3::splat(self.beside_lambert(normal, toward, view)),
             )
         };
         let reflected = models::lambert(hemisphere, matte);
@@ -315,13 +325,22 @@ impl Direct<'_> {
         }
     }
 
+    /// What the model's matte part is times Lambert's, for a light and an eye in these unit directions.
+    fn beside_lambert(&self, normal: DVec3, toward: DVec3, view: DVec3) -> f64 {
+        match self.model {
+            Model::LommelSeeliger => lommel_seeliger(normal.dot(toward), normal.dot(view)),
+            _ => 1.0,
+        }
+    }
+
     /// Light of the lights reflected toward the unit direction `view`.
     fn direct(&self, point: &SurfacePoint, view: DVec3, coat: Option<&Coat>) -> DVec3 {
         let mut sum = DVec3::ZERO;
         for light in self.lights {
             let arrival = light.at(point.position);
             let matte = coat.map_or(point.material.albedo, |coat| coat.base);
-            let mut reflected = arrival.diffuse(point.normal, matte);
+            let mut reflected = arrival.diffuse(point.normal, matte)
+                * self.beside_lambert(point.normal, arrival.toward, view);
             if let Some(coat) = coat {
                 reflected += coat.reflected(arrival.toward) * arrival.irradiance;
             } else if self.model == Model::Phong {

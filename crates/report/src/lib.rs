@@ -48,7 +48,7 @@ pub use origin::check_origin;
 pub use output::{Output, copy_files, remove_stale, stale_files};
 pub use page::{Channel, Page, PageLayer};
 pub use page_files::{NamedPage, page_files};
-pub use picture::picture_png;
+pub use picture::{matte_png, picture_png};
 pub use preview::{Encoding, occlusion_png, preview_png};
 pub use regular::check_regular;
 pub use space::check_space;

@@ -24,6 +24,29 @@ pub fn picture_png(width: usize, pixels: &[[f32; 3]]) -> Vec<u8> {
     )
 }
 
+/// Like [`picture_png`] with a matte: colours are divided by their alpha, as the format asks.
+///
+/// # Panics
+/// Where `pixels` are not whole rows, or there are not as many alphas.
+pub fn matte_png(width: usize, pixels: &[[f32; 3]], alpha: &[f32]) -> Vec<u8> {
+    let height = pixels.len() / width.max(1);
+    assert_eq!(pixels.len(), width * height, "a picture {width} wide");
+    assert_eq!(pixels.len(), alpha.len());
+    let pixel = |(rgb, alpha): (&[f32; 3], &f32)| {
+        let own = rgb.map(|v| if *alpha > 0.0 { v / alpha } else { 0.0 });
+        let [r, g, b] = own.map(|v| Encoding::Srgb.byte(v));
+        [r, g, b, Encoding::Linear.byte(*alpha)]
+    };
+    let bytes: Vec<u8> = pixels.iter().zip(alpha).flat_map(pixel).collect();
+    let size = [width as u32, height as u32];
+    encode(
+        size,
+        ColorType::Rgba,
+        &bytes,
+        Some((Encoding::Srgb, "sRGB")),
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -7,6 +7,7 @@
 //! Spaces", 1977). The least squares are taken over a small window, and only for the texel in its middle. They are linear in what was
 //! measured, so the texel is a sum of its neighbours with weights of geometry alone.
 
+use ambient::solve::cholesky;
 use glam::{DVec2, IVec2};
 
 /// Texels of the window to each side of its middle.
@@ -87,7 +88,9 @@ impl Window {
         }
         let mut row = vec![0.0; unknowns];
         row[middle] = 1.0;
-        solve(&mut normal, &mut row)?;
+        if !cholesky(&mut normal, &mut row) {
+            return None;
+        }
         let mut weights = [0.0; TEXELS];
         for Equation {
             taps,
@@ -202,31 +205,6 @@ fn slot(at: IVec2) -> Option<usize> {
 
 fn at(slot: usize) -> IVec2 {
     IVec2::new((slot % EDGE) as i32, (slot / EDGE) as i32) - RADIUS
-}
-
-/// Solves `matrix x = right` in place by Cholesky's factors; `None` where the matrix is not positive.
-fn solve(matrix: &mut [f64], right: &mut [f64]) -> Option<()> {
-    let n = right.len();
-    for i in 0..n {
-        for j in 0..=i {
-            let (a, b) = (&matrix[i * n..i * n + j], &matrix[j * n..j * n + j]);
-            let left = matrix[i * n + j] - a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-            matrix[i * n + j] = match i == j {
-                true if left > 0.0 => left.sqrt(),
-                true => return None,
-                false => left / matrix[j * n + j],
-            };
-        }
-    }
-    for i in 0..n {
-        let known: f64 = (0..i).map(|j| matrix[i * n + j] * right[j]).sum();
-        right[i] = (right[i] - known) / matrix[i * n + i];
-    }
-    for i in (0..n).rev() {
-        let known: f64 = (i + 1..n).map(|j| matrix[j * n + i] * right[j]).sum();
-        right[i] = (right[i] - known) / matrix[i * n + i];
-    }
-    Some(())
 }
 
 #[cfg(test)]

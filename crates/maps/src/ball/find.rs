@@ -351,7 +351,7 @@ fn adjusted(circle: Circle, points: &[[f64; 3]]) -> Circle {
                 }
             }
         }
-        if !crate::merge::cholesky(&mut matrix, &mut right) {
+        if !ambient::solve::cholesky(&mut matrix, &mut right) {
             return circle;
         }
         change = right;

@@ -8,14 +8,12 @@
 mod align;
 mod read;
 mod response;
-mod solve;
 #[cfg(test)]
 mod tests;
 
 pub use align::align;
-pub use read::read_bracket;
+pub use read::read_brackets;
 pub use response::Response;
-pub(crate) use solve::cholesky;
 
 use crate::{Error, Image};
 use rayon::prelude::*;

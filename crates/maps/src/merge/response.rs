@@ -16,8 +16,9 @@
 //! by its slope, squared, so the fit is repeated with the slopes that it found. The radiances of both objectives are
 //! linear and eliminated pixel by pixel.
 
-use super::{Bracket, Model, cholesky, trust, views};
+use super::{Bracket, Model, trust, views};
 use crate::Error;
+use ambient::solve::cholesky;
 use rayon::prelude::*;
 
 /// Recorded values.

@@ -1,6 +1,7 @@
 //! Look-up methods: sections 7.1 and 8 of the 1984 text. The antialiased ones average a table over what a pixel reflects, the quad of
 //! the directions at its four corners.
 
+use super::slices;
 use super::table::Table;
 
 /// How a table is read.
@@ -14,8 +15,8 @@ pub enum Lookup {
     Recursive,
     /// Section 8.2: the mean over the area of the quad in the table, weighted by solid angle.
     Quad,
-    /// Section 8.3: the mean over a rectangle in the pre-integrated table, at constant cost. The rectangle has the quad's middle and
-    /// its spread along rows and columns, and is at least one texel wide and high, which interpolates where texels are large.
+    /// Section 8.3: the mean over rectangles in the pre-integrated table, at constant cost. The quad is cut to at most 64 slices,
+    /// each of which is a rectangle, so that quads of neighbours hold a small light neither twice nor not at all.
     Summed,
 }
 
@@ -163,17 +164,7 @@ fn summed(table: &Table, places: [[f32; 2]; 4]) -> [f32; 3] {
         };
         return table.summed().mean([0.0, width], down);
     }
-    let [x, y] = [0, 1].map(|axis: usize| {
-        let [a, b, c, d] = places.map(|p| p[axis]);
-        // A parallelogram with these edges has this much of the variance of a square.
-        let along = 0.5 * ((b - a) + (c - d));
-        let down = 0.5 * ((d - a) + (c - b));
-        let side = (along * along + down * down).sqrt().max(1.0);
-        let side = if axis == 0 { side.min(width) } else { side };
-        let middle = 0.25 * (a + b + c + d);
-        [middle - 0.5 * side, middle + 0.5 * side]
-    });
-    table.summed().mean(x, y)
+    slices::mean(table.summed(), places)
 }
 
 fn quad(table: &Table, corners: [[f32; 3]; 4], places: [[f32; 2]; 4]) -> [f32; 3] {

@@ -59,7 +59,9 @@ impl Balls {
     fn materials(&self) -> [(Shader<'_>, DVec3, DVec3); 6] {
         let shader = |diffuse, specular| Shader {
             diffuse,
+            translucency: 0.0,
             specular,
+            glosses: vec![],
             index: Index::Mirror,
             coat: None,
             diffuse_weight: Weight::Constant,

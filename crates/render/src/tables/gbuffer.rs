@@ -49,6 +49,8 @@ pub struct GBuffer {
     pub(super) material: Vec<u32>,
     /// kd and ks; the fourth numbers are 0.
     pub(super) palette: Vec<[[f32; 4]; 2]>,
+    /// Exponents of the same materials.
+    pub(super) exponents: Vec<f64>,
     /// Normals and views at the corners of pixels, rows of `width + 1`; normals are 0 where the object is not. Empty where they
     /// were not asked for.
     pub(super) corners: Vec<[[f32; 3]; 2]>,
@@ -64,6 +66,7 @@ struct Pixel {
     normal: DVec3,
     view: DVec3,
     material: [[f32; 4]; 2],
+    exponent: f64,
     object: u32,
 }
 
@@ -119,6 +122,7 @@ impl GBuffer {
             view: Default::default(),
             material: Vec::new(),
             palette: Vec::new(),
+            exponents: Vec::new(),
             corners,
             corner_objects,
             objects: Vec::new(),
@@ -141,9 +145,11 @@ impl GBuffer {
                 }
                 let bits = pixel.material.map(|rgb| rgb.map(f32::to_bits));
                 let next = self.palette.len() as u32;
-                let index = *known.entry(bits).or_insert(next);
+                let key = (bits, pixel.exponent.to_bits());
+                let index = *known.entry(key).or_insert(next);
                 if index == next {
                     self.palette.push(pixel.material);
+                    self.exponents.push(pixel.exponent);
                 }
                 self.material.push(index);
             }
@@ -206,6 +212,7 @@ fn pixel(
     let (mut covered, mut count) = (0u32, 0u32);
     let mut first = None;
     let mut sum = [DVec3::ZERO; 4];
+    let mut exponents = 0.0;
     for number in 0..samples * samples {
         let place =
             |at: u32, step: u32| f64::from(at) + (f64::from(step) + 0.5) / f64::from(samples);
@@ -219,6 +226,8 @@ fn pixel(
             count += 1;
             let values = [normal, view, surfel.albedo, surfel.specular];
             (0..4).for_each(|k| sum[k] += values[k]);
+            // As lobes are interpolated.
+            exponents += surfel.exponent.ln_1p();
         }
     }
     let (first, object) = first?;
@@ -229,6 +238,7 @@ fn pixel(
         // Normals that cancel each other leave the first.
         normal: normal.try_normalize().unwrap_or(first),
         object,
+        exponent: (exponents / f64::from(count)).exp_m1(),
         view: view.try_normalize()?,
         material: [albedo, specular].map(|rgb| rgb.as_vec3().extend(0.0).to_array()),
     })

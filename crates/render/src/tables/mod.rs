@@ -8,6 +8,8 @@
 mod antialias;
 mod balls;
 mod encoded;
+#[cfg(test)]
+mod energy_tests;
 mod gbuffer;
 mod index;
 mod path;
@@ -16,6 +18,7 @@ mod sequence;
 mod set;
 mod shade;
 mod shader;
+mod slices;
 mod summed;
 mod surfel;
 mod table;
@@ -30,7 +33,7 @@ pub use gbuffer::{GBuffer, Turn, View};
 pub use index::Index;
 pub use path::CameraPath;
 pub use sequence::{Frame, Motion, Sequence};
-pub use set::{SurfaceType, TableSet};
+pub use set::{SurfaceType, TableSet, numbered};
 pub use shade::backdrop;
 pub use shader::Shader;
 pub use summed::Summed;

@@ -13,6 +13,8 @@ pub(super) struct Row<'a, 'b> {
     pub shader: &'a Shader<'b>,
     pub buffer: &'a GBuffer,
     pub lookup: Lookup,
+    /// What each material of the buffer shows of each of the shader's glosses.
+    pub shares: &'a [Vec<f32>],
     pub y: usize,
     /// What is behind, and the result.
     pub pixels: &'a mut [[f32; 3]],
@@ -80,13 +82,43 @@ impl Row<'_, '_> {
             corners: corners.as_ref(),
         };
         if let Some(table) = shader.diffuse {
-            reading.add(table, None, &factors(&wd, 0), &mut sums);
+            let t = shader.translucency;
+            reading.add(
+                table,
+                Side::Normal,
+                &factors(&wd.map(|w| (1.0 - t) * w), 0),
+                &mut sums,
+            );
+            if t > 0.0 {
+                let through = factors(&wd.map(|w| t * w), 0);
+                reading.add(table, Side::Behind, &through, &mut sums);
+            }
         }
         if let Some(table) = shader.specular {
-            reading.add(table, Some(shader.index), &factors(&ws, 1), &mut sums);
+            reading.add(
+                table,
+                Side::Index(shader.index),
+                &factors(&ws, 1),
+                &mut sums,
+            );
+        }
+        for (number, (_, table)) in shader.glosses.iter().enumerate() {
+            let mut weights = [0.0; LANES];
+            for (k, material) in buffer.material[lanes.clone()].iter().enumerate() {
+                weights[k] = ws[k] * self.shares[*material as usize][number];
+            }
+            if weights[..range.len()].iter().any(|w| *w != 0.0) {
+                let side = Side::Index(shader.index);
+                reading.add(table, side, &factors(&weights, 1), &mut sums);
+            }
         }
         if let Some(table) = shader.coat {
-            reading.add(table, Some(Index::Mirror), &[[COAT; 4]; LANES], &mut sums);
+            reading.add(
+                table,
+                Side::Index(Index::Mirror),
+                &[[COAT; 4]; LANES],
+                &mut sums,
+            );
         }
         for (at, [r, g, b, _]) in range.zip(sums) {
             let pixel = &mut self.pixels[usize::from(buffer.columns[at])];
@@ -112,16 +144,16 @@ struct Reading<'a> {
 impl Reading<'_> {
     /// Adds what a table holds for each pixel, times its factor.
     #[inline(always)]
-    fn add(&self, table: &Table, index: Option<Index>, factors: &Sums, sums: &mut Sums) {
+    fn add(&self, table: &Table, side: Side, factors: &Sums, sums: &mut Sums) {
         let Some(corners) = self.corners else {
             let nearest = self.lookup == Lookup::Nearest;
-            table.add(&directions(index, self.middle), nearest, factors, sums);
+            table.add(&directions(side, self.middle), nearest, factors, sums);
             return;
         };
         let mut quads = [[[0.0; LANES]; 3]; 4];
         let mut places = [[[0.0; LANES]; 2]; 4];
         for q in 0..4 {
-            quads[q] = directions(index, &corners[q]);
+            quads[q] = directions(side, &corners[q]);
             places[q] = table.block(&quads[q]);
         }
         for k in 0..self.count {
@@ -138,10 +170,25 @@ impl Reading<'_> {
     }
 }
 
-/// The directions that index a table; normals without an index.
+/// What indexes a table.
+#[derive(Clone, Copy)]
+enum Side {
+    /// N.
+    Normal,
+    /// −N.
+    Behind,
+    /// A direction of N and E.
+    Index(Index),
+}
+
+/// The directions that index a table.
 #[inline(always)]
-fn directions(index: Option<Index>, [n, e]: &NormalsAndViews) -> [Lanes; 3] {
-    let Some(index) = index else { return *n };
+fn directions(side: Side, [n, e]: &NormalsAndViews) -> [Lanes; 3] {
+    let index = match side {
+        Side::Normal => return *n,
+        Side::Behind => return n.map(|lanes| lanes.map(|v| -v)),
+        Side::Index(index) => index,
+    };
     let mut found = [[0.0; LANES]; 3];
     for k in 0..LANES {
         let [x, y, z] = index.direction([n[0][k], n[1][k], n[2][k]], [e[0][k], e[1][k], e[2][k]]);

@@ -57,6 +57,8 @@ pub struct Frame {
     pub angle: f64,
     /// The picture.
     pub picture: Image,
+    /// The share of each of its pixels that shows an object, 0..=1.
+    pub alpha: Vec<f32>,
     /// Wall time of shading, without the rays that find the surfaces.
     pub shading_seconds: f64,
 }
@@ -122,6 +124,10 @@ impl Sequence<'_> {
                     behind.insert((camera, picture)).1.clone()
                 }
             };
+            let mut alpha = vec![0.0; picture.pixels.len()];
+            for (place, share) in buffer.places().zip(buffer.coverage()) {
+                alpha[place] = *share;
+            }
             let before = Instant::now();
             self.shader.frame(&buffer, self.lookup, &mut picture);
             Ok(Frame {
@@ -129,6 +135,7 @@ impl Sequence<'_> {
                 camera,
                 angle,
                 picture,
+                alpha,
                 shading_seconds: before.elapsed().as_secs_f64(),
             })
         })
@@ -150,6 +157,7 @@ mod tests {
             normal: (eye + direction * (-b - root.sqrt())).normalize(),
             albedo: DVec3::ZERO,
             specular: DVec3::ONE,
+            exponent: 0.0,
             object: 0,
         })
     }
@@ -192,7 +200,9 @@ mod tests {
             normals: None,
             shader: Shader {
                 diffuse: None,
+                translucency: 0.0,
                 specular: Some(&table),
+                glosses: vec![],
                 index: Index::Mirror,
                 coat: None,
                 diffuse_weight: Weight::Constant,

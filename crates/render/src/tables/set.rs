@@ -6,7 +6,7 @@ use super::table::Table;
 use super::weight::Weight;
 use crate::Error;
 use maps::{Lobe, Normalise, PolarFile, Projection, Request};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What a surface does with the tables D, S and I.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,6 +32,8 @@ pub struct TableSet {
     pub diffuse: Option<Table>,
     /// S.
     pub specular: Option<Table>,
+    /// S for several exponents, ascending.
+    pub glosses: Vec<(f64, Table)>,
     /// I.
     pub environment: Option<Table>,
     /// By what the header of D or S says it is normalised.
@@ -41,21 +43,35 @@ pub struct TableSet {
 impl TableSet {
     /// The tables in the files of D and S and of I, which are polar maps. A luminous surface gets the mean of I as its D.
     ///
+    /// * `exponents`: S stands for a file of each, `S_N.exr` of `S.exr`; none for the one file.
+    ///
     /// # Errors
     /// A file cannot be read or is not polar, or D and S differ in their normalisation ([`Error::Tables`]).
     pub fn read(
         surface: SurfaceType,
         maps: Option<[&Path; 2]>,
+        exponents: &[f64],
         environment: Option<&Path>,
     ) -> Result<TableSet, Error> {
         let mut set = TableSet::default();
         if let Some(paths) = maps {
-            let [d, s] = paths.map(maps::read_polar);
-            let (d, s) = (d?, s?);
-            check_normalisation(paths, [&d, &s])?;
+            let d = maps::read_polar(paths[0])?;
             set.diffuse = Some(Table::new(&d.map)?);
-            set.specular = Some(Table::new(&s.map)?);
-            set.normalisation = d.normalisation.or(s.normalisation);
+            let mut read = |path: &Path| -> Result<Table, Error> {
+                let s = maps::read_polar(path)?;
+                check_normalisation([paths[0], path], [&d, &s])?;
+                let own = d.normalisation.clone();
+                set.normalisation = own.or(s.normalisation);
+                Ok(Table::new(&s.map)?)
+            };
+            if exponents.is_empty() {
+                set.specular = Some(read(paths[1])?);
+            }
+            for exponent in exponents {
+                let table = read(&numbered(paths[1], *exponent))?;
+                set.glosses.push((*exponent, table));
+            }
+            set.glosses.sort_by(|a, b| a.0.total_cmp(&b.0));
         }
         if let Some(path) = environment {
             let environment = maps::read_polar(path)?.map;
@@ -84,8 +100,15 @@ impl TableSet {
             SurfaceType::Mirror | SurfaceType::Refraction(_) => (None, i, None),
             SurfaceType::Luminous => (d, None, None),
         };
+        let glossy = matches!(
+            surface,
+            SurfaceType::Phong | SurfaceType::Retro | SurfaceType::Varnish
+        );
+        let glosses = self.glosses.iter().filter(|_| glossy);
         Shader {
+            glosses: glosses.map(|(n, table)| (*n, table)).collect(),
             diffuse,
+            translucency: 0.0,
             specular,
             index: match surface {
                 SurfaceType::Retro => Index::Retro,
@@ -97,6 +120,13 @@ impl TableSet {
             specular_weight: ws,
         }
     }
+}
+
+/// `S_16.exr` of `S.exr` and 16, as `ambake map specular --exponent` names it.
+pub fn numbered(path: &Path, exponent: f64) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let ending = path.extension().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("{stem}_{exponent}.{ending}"))
 }
 
 /// D and S add up only where both are normalised alike; maps of other tools do not say.

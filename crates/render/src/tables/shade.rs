@@ -21,11 +21,14 @@ impl Shader<'_> {
         let cornered = !buffer.corners.is_empty();
         assert!(cornered || !lookup.needs_corners(), "no corners");
         let arch = Arch::new();
+        let shares = buffer.exponents.iter().map(|n| self.shares(*n));
+        let shares: Vec<Vec<f32>> = shares.collect();
         let row = |(y, pixels): (usize, &mut [[f32; 3]])| {
             arch.dispatch(Row {
                 shader: self,
                 buffer,
                 lookup,
+                shares: &shares,
                 y,
                 pixels,
             });

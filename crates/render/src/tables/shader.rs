@@ -6,14 +6,19 @@ use super::weight::Weight;
 
 /// A surface type: which tables are looked up by which directions, and what each counts.
 ///
-/// Radiance toward the eye is `Wd kd D[N] + Ws ks S[index] + ½ I[R]`, each term where its table is given. With tables in
+/// Radiance toward the eye is `Wd kd D[N] + Ws ks S[index] + ½ I[R]`, each term where its table is given. A translucent surface has
+/// `(1 − t) D[N] + t D[−N]` in place of `D[N]`: what section 10 hopes for, at the cost of one more look-up. With tables in
 /// radiance normalisation a constant environment of 1 gives `Wd kd + Ws ks + ½`. Self-luminous is a constant D.
 #[derive(Debug, Clone)]
 pub struct Shader<'a> {
     /// D, indexed by N.
     pub diffuse: Option<&'a Table>,
+    /// The share of the diffuse light that comes through from behind, 0..=1: leaves, paper.
+    pub translucency: f32,
     /// S.
     pub specular: Option<&'a Table>,
+    /// S for several exponents, ascending: each pixel reads the two that its material lies between. Beside `specular`, mostly in its place.
+    pub glosses: Vec<(f64, &'a Table)>,
     /// What indexes S.
     pub index: Index,
     /// I of a clear coat of varnish that mirrors half of what meets it, section 6.2 (3).
@@ -28,12 +33,36 @@ pub struct Shader<'a> {
 pub(super) const COAT: f32 = 0.5;
 
 impl Shader<'_> {
-    /// Radiance toward `view` of a point with reflectances `[kd, ks]`, by bilinear look-up. Unit vectors.
+    /// How much of each of `glosses` a material of this exponent shows: linear in ln(n + 1) between two, the nearest beyond the ends.
+    pub(super) fn shares(&self, exponent: f64) -> Vec<f32> {
+        let places: Vec<f64> = self.glosses.iter().map(|(n, _)| n.ln_1p()).collect();
+        let mut shares = vec![0.0; places.len()];
+        let at = exponent.ln_1p();
+        let after = places.partition_point(|place| *place <= at);
+        match (after.checked_sub(1), places.get(after)) {
+            (Some(before), Some(next)) => {
+                let part = ((at - places[before]) / (next - places[before])) as f32;
+                shares[before] = 1.0 - part;
+                shares[after] = part;
+            }
+            (Some(last), None) => shares[last] = 1.0,
+            (None, Some(_)) => shares[0] = 1.0,
+            (None, None) => {}
+        }
+        shares
+    }
+
+    /// Radiance toward `view` of a point with reflectances `[kd, ks]`, by bilinear look-up, without `glosses`. Unit vectors.
     pub fn point(&self, normal: [f32; 3], view: [f32; 3], material: [[f32; 3]; 2]) -> [f32; 3] {
         let read = |table: Option<&Table>, direction| {
             table.map_or([0.0; 3], |table| table.bilinear(direction))
         };
-        let d = read(self.diffuse, normal);
+        let mut d = read(self.diffuse, normal);
+        if self.translucency > 0.0 {
+            let behind = read(self.diffuse, normal.map(|v| -v));
+            let t = self.translucency;
+            d = std::array::from_fn(|c| (1.0 - t) * d[c] + t * behind[c]);
+        }
         let s = read(self.specular, self.index.direction(normal, view));
         let coat = read(self.coat, Index::Mirror.direction(normal, view));
         let cosine = dot(normal, view);

@@ -100,6 +100,12 @@ impl Summed {
     /// Mean radiance over a rectangle with borders anywhere, in texels: columns may lie beyond the seam, rows are cut at the
     /// poles. A rectangle one texel wide and high gives what bilinear interpolation gives, weighted by solid angle.
     pub fn mean(&self, across: [f32; 2], down: [f32; 2]) -> [f32; 3] {
+        let sum = self.sum(across, down);
+        std::array::from_fn(|c| (sum[c] / sum[3]) as f32)
+    }
+
+    /// Radiance times solid angle, and solid angle, summed over such a rectangle.
+    pub(super) fn sum(&self, across: [f32; 2], down: [f32; 2]) -> [f64; 4] {
         let down = down.map(|y| y.clamp(0.0, self.height as f32));
         let (xs, x_shares) = borders(across);
         let (ys, y_shares) = borders(down);
@@ -121,8 +127,7 @@ impl Summed {
             }
             above = below;
         }
-        let omega = sum[3] / self.units[3];
-        std::array::from_fn(|c| (sum[c] / self.units[c] / omega) as f32)
+        std::array::from_fn(|c| sum[c] / self.units[c])
     }
 }
 

@@ -12,6 +12,8 @@ pub struct Surfel {
     pub albedo: DVec3,
     /// Specular reflectance ks.
     pub specular: DVec3,
+    /// Exponent of the lobe, for shaders with an S for each of several.
+    pub exponent: f64,
     /// Number of the object. A pixel is shaded as one object: other objects behind its edge do not bend what it reflects.
     pub object: u32,
 }
@@ -23,7 +25,7 @@ pub struct Subject<'a> {
     pub surfaces: &'a Surfaces<'a>,
     /// Who casts them.
     pub backend: &'a dyn RayBackend,
-    /// Values that replace the materials' own. Exponents stand in the tables and not here.
+    /// Values that replace the materials' own.
     pub overrides: Overrides,
 }
 
@@ -42,6 +44,7 @@ impl Subject<'_> {
             normal: point.normal,
             albedo: material.albedo,
             specular: material.specular,
+            exponent: material.exponent,
             object: hit.instance,
         })
     }

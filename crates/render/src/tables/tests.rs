@@ -14,6 +14,7 @@ fn sphere(eye: DVec3, direction: DVec3) -> Option<Surfel> {
         normal: (eye + direction * t).normalize(),
         albedo: DVec3::new(0.5, 0.25, 1.0),
         specular: DVec3::new(0.25, 0.5, 0.0),
+        exponent: 0.0,
         object: 0,
     })
 }
@@ -54,7 +55,9 @@ fn polar(width: usize, of: impl Fn([f64; 3]) -> [f32; 3]) -> IlluminationMap {
 fn shader<'a>(diffuse: Option<&'a Table>, specular: Option<&'a Table>) -> Shader<'a> {
     Shader {
         diffuse,
+        translucency: 0.0,
         specular,
+        glosses: vec![],
         index: Index::Mirror,
         coat: None,
         diffuse_weight: Weight::Constant,
@@ -301,6 +304,91 @@ fn retro_reflection_at_normal_view_is_the_mirrored_one() {
 }
 
 #[test]
+fn each_pixel_reads_s_of_its_own_exponent() {
+    // Three tables of one value each; materials of four exponents side by side.
+    let tables = [1.0, 2.0, 4.0].map(|value| Table::new(&polar(8, |_| [value; 3])).unwrap());
+    let shader = Shader {
+        glosses: [4.0, 16.0, 64.0].into_iter().zip(&tables).collect(),
+        ..shader(None, None)
+    };
+    let exponents = [2.0, 4.0, 8.0, 63.0, 1000.0];
+    let camera = Camera::new(DVec3::Z * 5.0, DVec3::ZERO, DVec3::Y, 0.1, [90, 3]).unwrap();
+    let turn = Turn {
+        centre: DVec3::ZERO,
+        axis: DVec3::Y,
+        angle: 0.0,
+    };
+    let view = View {
+        camera: &camera,
+        turn,
+        samples: 1,
+        corners: true,
+    };
+    let column = |direction: DVec3| {
+        ((direction.dot(camera.right) * 100.0).floor() as i64).rem_euclid(5) as usize
+    };
+    let hit = |_: DVec3, direction: DVec3| {
+        let which = column(direction);
+        Some(Surfel {
+            normal: DVec3::Z,
+            albedo: DVec3::ZERO,
+            specular: DVec3::splat(0.5),
+            exponent: exponents[which],
+            object: which as u32,
+        })
+    };
+    let buffer = GBuffer::take(&view, &(), hit).unwrap();
+    let between = |n: f64, a: f64, b: f64| (n.ln_1p() - a.ln_1p()) / (b.ln_1p() - a.ln_1p());
+    let exact = [
+        1.0,
+        1.0,
+        1.0 + between(8.0, 4.0, 16.0),
+        2.0 + 2.0 * between(63.0, 16.0, 64.0),
+        4.0,
+    ];
+    for lookup in LOOKUPS {
+        let mut picture = Image::filled(90, 3, [0.0; 3]);
+        shader.frame(&buffer, lookup, &mut picture);
+        for (k, pixel) in picture.pixels.iter().enumerate() {
+            let direction = camera.direction((k % 90) as f64 + 0.5, (k / 90) as f64 + 0.5);
+            let exact = 0.5 * exact[column(direction)];
+            assert!(
+                (f64::from(pixel[1]) - exact).abs() < 1e-6,
+                "{lookup:?} {k}: {pixel:?} for {exact}"
+            );
+        }
+    }
+}
+
+#[test]
+fn leaves_show_the_light_behind_them() {
+    // D of a sky that is 1 above the horizon is (1 + y)/2, and a leaf that lets half through is grey from every side.
+    let d = polar(512, |[_, y, _]| [(0.5 + 0.5 * y) as f32; 3]);
+    let d = Table::new(&d).unwrap();
+    let leaf = |translucency| Shader {
+        translucency,
+        ..shader(Some(&d), None)
+    };
+    let material = [[1.0; 3], [0.0; 3]];
+    for normal in [[0.0, 1.0, 0.0], [0.0, -0.6, 0.8], [0.48, 0.6, 0.64]] {
+        for t in [0.0, 0.25, 0.5, 1.0] {
+            let found = leaf(t).point(normal, [0.0, 0.0, 1.0], material)[1];
+            let exact = 0.5 + 0.5 * (1.0 - 2.0 * t) * normal[1];
+            assert!((found - exact).abs() < 1e-4, "{t} {normal:?}: {found}");
+        }
+    }
+    let (_, buffer) = buffer(40, 1);
+    let mut picture = Image::filled(40, 40, [0.0; 3]);
+    leaf(0.25).frame(&buffer, Lookup::Bilinear, &mut picture);
+    for (k, place) in buffer.places().enumerate() {
+        let list = |lists: &[Vec<f32>; 3]| [0, 1, 2].map(|c: usize| lists[c][k]);
+        let material = buffer.palette[buffer.material[k] as usize].map(|[r, g, b, _]| [r, g, b]);
+        let point = leaf(0.25).point(list(&buffer.normal), list(&buffer.view), material);
+        assert!((picture.pixels[place][0] - point[0]).abs() < 1e-6);
+    }
+}
+
+#[test]
 fn varnish_adds_half_of_the_mirrored_environment() {
     let (sky, d) = (polar(64, |_| [3.0; 3]), polar(2, |_| [1.0; 3]));
     let (sky, d) = (Table::new(&sky).unwrap(), Table::new(&d).unwrap());
@@ -399,6 +487,7 @@ fn a_pixel_on_the_edge_of_an_object_reflects_nothing_between_the_objects() {
             normal: DVec3::new(if right { 0.6 } else { -0.6 }, 0.0, 0.8),
             albedo: DVec3::ZERO,
             specular: DVec3::ONE,
+            exponent: 0.0,
             object: u32::from(right),
         })
     })

@@ -15,8 +15,9 @@
 //! GGX Normals with Spherical Caps", HPG 2023; R. Fdez-Agüera, "A Multiple-Scattering Microfacet Model for Real-Time Image-based
 //! Lighting", JCGT 2019, and Turquin, "Practical Multiple Scattering Compensation for Microfacet Models", 2018 (the factor).
 
+mod open;
+
 use crate::Frame;
-use crate::quadrature::GAUSS_32;
 use crate::sampling::turn_sin_cos;
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -25,9 +26,6 @@ use std::f64::consts::PI;
 const LEAST_ALPHA: f64 = 1e-4;
 /// Least N·V: an eye at or below the horizon of a shading normal sees what it sees just above.
 const LEAST_COS: f64 = 1e-3;
-
-/// Steps in which horizons are looked for along an azimuth.
-const STEPS: u32 = 24;
 
 /// A GGX surface seen from one direction, in a frame whose z axis is the normal and whose xz plane holds the view.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -136,84 +134,6 @@ impl Ggx {
         let alpha2 = self.alpha * self.alpha;
         (alpha2 + (1.0 - alpha2) * cos * cos).sqrt()
     }
-
-    /// A and B under an open sky of 1, by quadrature over the points of [`Ggx::sample`], up to where the mirrored direction meets the
-    /// horizon: within 1e-6 from the normal to 45 degrees, and within 1e-4 beyond.
-    pub fn open(&self) -> Albedos {
-        let [mut tinted, mut white] = [0.0; 2];
-        let mut add = |drawn: Drawn, weight: f64| {
-            tinted += weight * drawn.weight * (1.0 - drawn.fresnel);
-            white += weight * drawn.weight * drawn.fresnel;
-        };
-        if self.view.x < 1e-9 {
-            // Seen along the normal, it looks the same all around.
-            self.integrate_turn(0.0, 1.0, &mut add);
-        } else {
-            self.integrate(&mut add);
-        }
-        Albedos { tinted, white }
-    }
-
-    /// Hands the directions of one half of the points of [`Ggx::sample`] that rise above the surface, u1 <= 1/2, to `add`, with weights
-    /// whose sum is the share of those points. The other half is its mirror image in the plane of the view.
-    pub fn integrate(&self, add: &mut impl FnMut(Drawn, f64)) {
-        // The horizon is another curve on the side of the eye.
-        for (start, end) in [(0.0, 0.25), (0.25, 0.5)] {
-            for (u1, weight) in nodes(start, end) {
-                self.integrate_turn(u1, 2.0 * weight, add);
-            }
-        }
-    }
-
-    /// Integrates one azimuth, times `weight`.
-    fn integrate_turn(&self, u1: f64, weight: f64, add: &mut impl FnMut(Drawn, f64)) {
-        let rises = |u0: f64| self.sample([u0, u1]).direction.z > 0.0;
-        let mut ends = vec![];
-        // Light may sink below the horizon and rise again on the side of the eye. Places are squares, finer toward the rim.
-        let place = |step: u32| (f64::from(step) / f64::from(STEPS)).powi(2).max(1e-12);
-        for step in 0..STEPS {
-            let (mut low, mut high) = (place(step), place(step + 1));
-            if step == 0 && rises(low) {
-                ends.push(low);
-            }
-            if rises(low) == rises(high) {
-                continue;
-            }
-            let upward = rises(high);
-            for _ in 0..32 {
-                let middle = 0.5 * (low + high);
-                if rises(middle) == upward {
-                    high = middle;
-                } else {
-                    low = middle;
-                }
-            }
-            ends.push(high);
-        }
-        if rises(1.0) {
-            ends.push(1.0);
-        }
-        // Narrow lobes have a tail as wide as alpha at the rim.
-        let edge = (4.0 * self.alpha).clamp(0.002, 0.5);
-        for pair in ends.chunks_exact(2) {
-            for (start, end) in [(0.0, edge), (edge, 1.0)] {
-                for (t, share) in nodes(start, end) {
-                    // Squared, so that a steep end at the horizon is met by many nodes.
-                    let length = pair[1] - pair[0];
-                    let drawn = self.sample([pair[0] + length * t * t, u1]);
-                    add(drawn, share * 2.0 * t * length * weight);
-                }
-            }
-        }
-    }
-}
-
-/// Nodes and weights of the 32-point rule on an interval.
-fn nodes(start: f64, end: f64) -> impl Iterator<Item = (f64, f64)> {
-    let (middle, half) = (0.5 * (start + end), 0.5 * (end - start));
-    let node =
-        move |(x, w): (f64, f64)| [(middle + half * x, half * w), (middle - half * x, half * w)];
-    GAUSS_32.into_iter().flat_map(node)
 }
 
 impl Albedos {
@@ -261,67 +181,6 @@ fn fresnel(along: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// A and B by a plain midpoint rule over directions of light, without the sampler.
-    fn brute(alpha: f64, cos: f64) -> [f64; 2] {
-        let ggx = Ggx::new(alpha, cos);
-        let mut sum = [0.0; 2];
-        let columns = if cos == 1.0 { 1 } else { 1500 };
-        let rows = if cos == 1.0 { 400_000 } else { 2000 };
-        for row in 0..rows {
-            // The cosine squared takes more rows to the horizon.
-            let t = (f64::from(row) + 0.5) / f64::from(rows);
-            let (z, dz) = (t * t, 2.0 * t / f64::from(rows));
-            let r = (1.0 - z * z).sqrt();
-            for column in 0..columns {
-                let phi = PI * (f64::from(column) + 0.5) / f64::from(columns);
-                let l = DVec3::new(r * phi.cos(), r * phi.sin(), z);
-                let value = ggx.pdf(l) * ggx.weight(l) * dz * 2.0 * PI / f64::from(columns);
-                let fresnel = ggx.fresnel(l);
-                sum[0] += value * (1.0 - fresnel);
-                sum[1] += value * fresnel;
-            }
-        }
-        sum
-    }
-
-    #[test]
-    fn open_albedos_are_the_integral_over_directions() {
-        for (alpha, cos) in [(0.25, 1.0), (0.64, 0.5), (1.0, 1.0), (1.0, 0.2), (0.3, 0.3)] {
-            let Albedos { tinted, white } = Ggx::new(alpha, cos).open();
-            let [a, b] = brute(alpha, cos);
-            let worst = (tinted - a).abs().max((white - b).abs());
-            // The midpoint rule itself is off by about 1e-6 here.
-            assert!(worst < 3e-6, "alpha {alpha}, cos {cos}: off by {worst:e}");
-        }
-    }
-
-    #[test]
-    fn quadrature_holds_to_a_millionth_and_at_grazing_views_to_a_ten_thousandth() {
-        for roughness in [0.1_f64, 0.3, 0.6, 1.0] {
-            for cos in [1.0, 0.7, 0.3, 0.1] {
-                let ggx = Ggx::new(roughness * roughness, cos);
-                let found = ggx.open();
-                // A plain midpoint rule, with many points near u0 = 0, where a narrow lobe has its tail.
-                let (rows, turns) = (16000, if cos == 1.0 { 1 } else { 100 });
-                let mut mirror = 0.0;
-                for turn in 0..turns {
-                    let u1 = 0.5 * (f64::from(turn) + 0.5) / f64::from(turns);
-                    for row in 0..rows {
-                        let t = (f64::from(row) + 0.5) / f64::from(rows);
-                        mirror += ggx.sample([t.powi(4), u1]).weight * 4.0 * t.powi(3);
-                    }
-                }
-                let exact = mirror / f64::from(rows * turns);
-                let error = (found.tinted + found.white - exact).abs();
-                let bound = if cos >= 0.7 { 1e-6 } else { 1e-4 };
-                assert!(
-                    error < bound,
-                    "roughness {roughness}, cos {cos}: off by {error:e}"
-                );
-            }
-        }
-    }
 
     #[test]
     fn white_furnace_returns_one_and_nothing_more() {

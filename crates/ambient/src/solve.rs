@@ -1,7 +1,17 @@
-//! A dense symmetric solve.
+//! A dense symmetric solve, for least squares of a few unknowns.
 
-/// Solves `matrix` x = `right` in place by Cholesky's decomposition; `false` where the matrix is not positive definite.
-pub(crate) fn cholesky(matrix: &mut [f64], right: &mut [f64]) -> bool {
+/// Solves `matrix` x = `right` in place by Cholesky's decomposition; `false` where the matrix is not positive definite. Rows of `matrix`
+/// follow each other; what stands above its diagonal is not read.
+///
+/// ```
+/// let (mut matrix, mut right) = ([4.0, 0.0, 2.0, 3.0], [8.0, 8.0]);
+/// assert!(ambake_ambient::solve::cholesky(&mut matrix, &mut right));
+/// assert!((right[0] - 1.0).abs() < 1e-15 && (right[1] - 2.0).abs() < 1e-15);
+/// ```
+///
+/// # Panics
+/// Where the matrix has not as many rows and columns as `right`.
+pub fn cholesky(matrix: &mut [f64], right: &mut [f64]) -> bool {
     let n = right.len();
     assert_eq!(matrix.len(), n * n);
     for i in 0..n {
