@@ -73,21 +73,29 @@ impl Window {
             return None;
         }
         let equations = self.equations();
-        let mut normal = vec![0.0; unknowns * unknowns];
+        let mut normal = [0.0; TEXELS * TEXELS];
+        let normal = &mut normal[..unknowns * unknowns];
         for Equation { taps, weight, .. } in &equations {
-            let own = taps.iter().filter(|tap| tap.1 != 0.0);
-            let own = own
-                .map(|&(slot, w)| (number[slot], w))
-                .filter(|(i, _)| *i < unknowns);
-            for (i, a) in own.clone() {
-                for (j, b) in own.clone() {
-                    normal[i * unknowns + j] += weight * a * b;
+            let taps = taps.iter().filter(|tap| tap.1 != 0.0);
+            let mut own = [(0, 0.0); 4];
+            let mut count = 0;
+            for (i, w) in taps.map(|&(slot, w)| (number[slot], w)) {
+                if i < unknowns {
+                    own[count] = (i, w);
+                    count += 1;
+                }
+            }
+            // The half above the diagonal is all that is asked for.
+            for &(i, a) in &own[..count] {
+                for &(j, b) in own[..count].iter().filter(|(j, _)| *j >= i) {
+                    normal[i * unknowns + j] += weight * b * a;
                 }
             }
         }
-        let mut row = vec![0.0; unknowns];
+        let mut row = [0.0; TEXELS];
+        let row = &mut row[..unknowns];
         row[middle] = 1.0;
-        solve(&mut normal, &mut row)?;
+        solve(normal, row)?;
         let mut weights = [0.0; TEXELS];
         for Equation {
             taps,
@@ -204,27 +212,42 @@ fn at(slot: usize) -> IVec2 {
     IVec2::new((slot % EDGE) as i32, (slot / EDGE) as i32) - RADIUS
 }
 
-/// Solves `matrix x = right` in place by Cholesky's factors; `None` where the matrix is not positive.
+/// Solves `matrix x = right` in place by Cholesky's factors; `None` where the matrix is not positive. Of the matrix, row by row, the upper
+/// half is taken. Sums of one row of the factors run side by side, each in its own order.
 fn solve(matrix: &mut [f64], right: &mut [f64]) -> Option<()> {
     let n = right.len();
-    for i in 0..n {
-        for j in 0..=i {
-            let (a, b) = (&matrix[i * n..i * n + j], &matrix[j * n..j * n + j]);
-            let left = matrix[i * n + j] - a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-            matrix[i * n + j] = match i == j {
-                true if left > 0.0 => left.sqrt(),
-                true => return None,
-                false => left / matrix[j * n + j],
-            };
+    for j in 0..n {
+        let (before, row) = matrix.split_at_mut(j * n);
+        let row = &mut row[j..n];
+        let mut sums = [-0.0; TEXELS];
+        let sums = &mut sums[..n - j];
+        for factors in before.chunks_exact(n) {
+            let factors = &factors[j..];
+            for (sum, factor) in sums.iter_mut().zip(factors) {
+                *sum += factor * factors[0];
+            }
+        }
+        let left = row[0] - sums[0];
+        if left.is_nan() || left <= 0.0 {
+            return None;
+        }
+        row[0] = left.sqrt();
+        let root = row[0];
+        for (value, sum) in row[1..].iter_mut().zip(&sums[1..]) {
+            *value = (*value - sum) / root;
         }
     }
-    for i in 0..n {
-        let known: f64 = (0..i).map(|j| matrix[i * n + j] * right[j]).sum();
-        right[i] = (right[i] - known) / matrix[i * n + i];
+    let mut known = [-0.0; TEXELS];
+    for (i, factors) in matrix.chunks_exact(n).enumerate() {
+        right[i] = (right[i] - known[i]) / factors[i];
+        for (known, factor) in known[i + 1..n].iter_mut().zip(&factors[i + 1..]) {
+            *known += factor * right[i];
+        }
     }
     for i in (0..n).rev() {
-        let known: f64 = (i + 1..n).map(|j| matrix[j * n + i] * right[j]).sum();
-        right[i] = (right[i] - known) / matrix[i * n + i];
+        let factors = &matrix[i * n..(i + 1) * n];
+        let known: f64 = (i + 1..n).map(|j| factors[j] * right[j]).sum();
+        right[i] = (right[i] - known) / factors[i];
     }
     Some(())
 }
