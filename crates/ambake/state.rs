@@ -171,12 +171,16 @@ fn encode(page: &BakedPage, block: &[(usize, &(u32, Fingerprint))]) -> Vec<u8> {
         places.extend(tile.texels.iter().map(place));
         values.extend(tile.values);
     }
-    let columns = values.len() / places.len().max(1);
+    let texels = places.len();
+    let columns = values.len() / texels.max(1);
     let mut bytes = places;
-    for column in 0..columns {
-        for byte in 0..4 {
-            let own = values.iter().skip(column).step_by(columns);
-            bytes.extend(own.map(|value| value.to_le_bytes()[byte]));
+    bytes.resize(texels * (1 + 4 * columns), 0);
+    let planes = &mut bytes[texels..];
+    for (texel, values) in values.chunks_exact(columns.max(1)).enumerate() {
+        for (column, value) in values.iter().enumerate() {
+            for (k, byte) in value.to_le_bytes().into_iter().enumerate() {
+                planes[(column * 4 + k) * texels + texel] = byte;
+            }
         }
     }
     let mut block = serde_json::to_vec(&lines).expect("plain structs become JSON");

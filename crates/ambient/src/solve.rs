@@ -1,10 +1,10 @@
 //! A dense symmetric solve, for least squares of a few unknowns.
 
 /// Solves `matrix` x = `right` in place by Cholesky's decomposition; `false` where the matrix is not positive definite. Rows of `matrix`
-/// follow each other; what stands above its diagonal is not read.
+/// follow each other; what stands below its diagonal is not read. Sums of one row of the factors run side by side, each in its own order.
 ///
 /// ```
-/// let (mut matrix, mut right) = ([4.0, 0.0, 2.0, 3.0], [8.0, 8.0]);
+/// let (mut matrix, mut right) = ([4.0, 2.0, 0.0, 3.0], [8.0, 8.0]);
 /// assert!(ambake_ambient::solve::cholesky(&mut matrix, &mut right));
 /// assert!((right[0] - 1.0).abs() < 1e-15 && (right[1] - 2.0).abs() < 1e-15);
 /// ```
@@ -14,27 +14,39 @@
 pub fn cholesky(matrix: &mut [f64], right: &mut [f64]) -> bool {
     let n = right.len();
     assert_eq!(matrix.len(), n * n);
-    for i in 0..n {
-        for j in 0..=i {
-            let dot: f64 = (0..j).map(|k| matrix[i * n + k] * matrix[j * n + k]).sum();
-            let rest = matrix[i * n + j] - dot;
-            if i == j {
-                if rest.is_nan() || rest <= 0.0 {
-                    return false;
-                }
-                matrix[i * n + i] = rest.sqrt();
-            } else {
-                matrix[i * n + j] = rest / matrix[j * n + j];
+    let mut sums = vec![0.0; n];
+    for j in 0..n {
+        let (before, row) = matrix.split_at_mut(j * n);
+        let row = &mut row[j..n];
+        let sums = &mut sums[..n - j];
+        sums.fill(-0.0);
+        for factors in before.chunks_exact(n) {
+            let factors = &factors[j..];
+            for (sum, factor) in sums.iter_mut().zip(factors) {
+                *sum += factor * factors[0];
             }
         }
+        let left = row[0] - sums[0];
+        if left.is_nan() || left <= 0.0 {
+            return false;
+        }
+        let root = left.sqrt();
+        row[0] = root;
+        for (value, sum) in row[1..].iter_mut().zip(&sums[1..]) {
+            *value = (*value - sum) / root;
+        }
     }
-    for i in 0..n {
-        let dot: f64 = (0..i).map(|k| matrix[i * n + k] * right[k]).sum();
-        right[i] = (right[i] - dot) / matrix[i * n + i];
+    sums.fill(-0.0);
+    for (i, factors) in matrix.chunks_exact(n.max(1)).enumerate() {
+        right[i] = (right[i] - sums[i]) / factors[i];
+        for (known, factor) in sums[i + 1..].iter_mut().zip(&factors[i + 1..]) {
+            *known += factor * right[i];
+        }
     }
     for i in (0..n).rev() {
-        let dot: f64 = (i + 1..n).map(|k| matrix[k * n + i] * right[k]).sum();
-        right[i] = (right[i] - dot) / matrix[i * n + i];
+        let factors = &matrix[i * n..(i + 1) * n];
+        let known: f64 = (i + 1..n).map(|j| factors[j] * right[j]).sum();
+        right[i] = (right[i] - known) / factors[i];
     }
     true
 }

@@ -62,8 +62,9 @@ pub(crate) fn audit(scene: &Scene, atlas: &Atlas) -> Findings {
         let tiles: Vec<(u64, Option<u32>, u64)> = (0..raster.tiles().len())
             .into_par_iter()
             .map(|i| {
-                let (overlaps, instance) = overlaps(&raster, i, atlas.page_size);
-                (overlaps, instance, raster.texels(i))
+                let samples = Samples::of(&raster, i, atlas.page_size);
+                let texels = raster.texels(i, |texel| samples.certain(texel));
+                (samples.twice, samples.first, texels)
             })
             .collect();
         for (overlaps, instance, texels) in tiles {
@@ -78,26 +79,55 @@ pub(crate) fn audit(scene: &Scene, atlas: &Atlas) -> Findings {
     findings
 }
 
-/// Sample points of a tile strictly inside more than one triangle, and an instance that has such a point.
-fn overlaps(raster: &PageRaster, tile: usize, size: u32) -> (u64, Option<u32>) {
-    let mut seen = [0u64; ROW as usize];
-    let mut twice = [0u64; ROW as usize];
-    let mut first = None;
-    let origin = DVec2::from(raster.tile_origin(tile).map(f64::from));
-    // Two units in the last place of a coordinate in 0.5..1.
-    let inset = f64::from(size) * 0.5f64.powi(23);
-    for ([instance, _], corners) in raster.triangles(tile) {
-        scan(corners.map(|p| p - origin), inset, |row, mask| {
-            let both = seen[row] & mask;
-            seen[row] |= mask;
-            twice[row] |= both;
-            if both != 0 {
-                first.get_or_insert(instance);
-            }
-        });
+/// The sample points of a tile.
+struct Samples {
+    /// Those strictly inside more than one triangle, and an instance that has such a point.
+    twice: u64,
+    first: Option<u32>,
+    /// Those inside of triangles of which no texel about them can take a sliver only, row by row.
+    inside: [u64; ROW as usize],
+}
+
+/// Triangles of up to this share of a page, by area, take more than a sliver of a texel that has a sample point inside of them: a disc of
+/// two units in the last place about the point is more than 1e-12 of the triangle, a hundred times the least part that is cut out.
+const SMALL: f64 = 0.01;
+
+impl Samples {
+    fn of(raster: &PageRaster, tile: usize, size: u32) -> Self {
+        let mut seen = [0u64; ROW as usize];
+        let mut twice = [0u64; ROW as usize];
+        let (mut first, mut inside) = (None, [0u64; ROW as usize]);
+        let origin = DVec2::from(raster.tile_origin(tile).map(f64::from));
+        // Two units in the last place of a coordinate in 0.5..1.
+        let inset = f64::from(size) * 0.5f64.powi(23);
+        for ([instance, _], corners) in raster.triangles(tile) {
+            let small = twice_area(corners).abs() < 2.0 * SMALL * f64::from(size).powi(2);
+            scan(corners.map(|p| p - origin), inset, |row, mask| {
+                let both = seen[row] & mask;
+                seen[row] |= mask;
+                twice[row] |= both;
+                if both != 0 {
+                    first.get_or_insert(instance);
+                }
+                if small {
+                    inside[row] |= mask;
+                }
+            });
+        }
+        Self {
+            twice: twice.iter().map(|r| u64::from(r.count_ones())).sum(),
+            first,
+            inside,
+        }
     }
-    let count = twice.iter().map(|r| u64::from(r.count_ones())).sum();
-    (count, first)
+
+    /// True where a texel of the tile, row-major, is covered for certain.
+    fn certain(&self, texel: u16) -> bool {
+        let [x, y] = [u32::from(texel) % TILE, u32::from(texel) / TILE];
+        let own = ((1 << SAMPLES) - 1) << (SAMPLES * x);
+        let rows = (SAMPLES * y) as usize..(SAMPLES * (y + 1)) as usize;
+        self.inside[rows].iter().any(|row| row & own != 0)
+    }
 }
 
 /// Calls `found` with each row of sample points and the bits of those further than `inset` inside the triangle.

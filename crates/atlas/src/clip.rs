@@ -93,11 +93,13 @@ impl Polygon {
         if !touches {
             return out;
         }
-        for k in 0..self.len {
-            let (a, b) = (self.corners[k], self.corners[(k + 1) % self.len]);
-            let (da, db) = (distance(&a), distance(&b));
+        let corners = self.corners();
+        let mut da = distance(&corners[0]);
+        for (k, a) in corners.iter().enumerate() {
+            let b = &corners[if k + 1 < corners.len() { k + 1 } else { 0 }];
+            let db = distance(b);
             if da >= 0.0 {
-                out.push(a);
+                out.push(*a);
             }
             if (da > 0.0 && db < 0.0) || (da < 0.0 && db > 0.0) {
                 let t = da / (da - db);
@@ -108,6 +110,7 @@ impl Polygon {
                 cut.p[axis] = limit;
                 out.push(cut);
             }
+            da = db;
         }
         out
     }

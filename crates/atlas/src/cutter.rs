@@ -4,6 +4,7 @@ use crate::clip::{Polygon, share};
 use crate::types::TILE;
 use crate::uv::twice_area;
 use glam::{DVec2, DVec3};
+use std::cell::Cell;
 use std::ops::Range;
 
 /// Cuts triangles along the borders of a tile's texels.
@@ -36,6 +37,9 @@ pub(crate) struct Part {
 /// edge that runs on the border would leave texels beyond it that see only the edge. The rest of the triangle stands.
 const SLIVER: f64 = 1e-14;
 
+/// Twice the area from which on a triangle within one texel is told from the texel itself beyond any rounding.
+const PLAIN: f64 = 1e-6;
+
 impl Cutter {
     pub fn new(x0: u32, y0: u32, page_size: u32) -> Self {
         Self {
@@ -61,6 +65,27 @@ impl Cutter {
         let area = 0.5 * signed.abs();
         let origin = DVec2::new(f64::from(self.x0), f64::from(self.y0));
         let p = corners.map(|c| c - origin);
+        let (low, high) = (p[0].min(p[1]).min(p[2]), p[0].max(p[1]).max(p[2]));
+        let first = low.floor();
+        if low.cmpge(DVec2::ZERO).all()
+            && high.cmpgt(first).all()
+            && high.cmple(first + 1.0).all()
+            && signed.abs() > PLAIN
+        {
+            // Nothing is cut off.
+            let [x, y] = [first.x as u32, first.y as u32];
+            let texel = (y * TILE + x) as u16;
+            if x < self.width && y < self.height && wanted(texel) {
+                found(Part {
+                    texel,
+                    centre: (p[0].x + p[1].x + p[2].x) / 3.0,
+                    square: false,
+                    corners: [DVec3::X, DVec3::Y, DVec3::Z],
+                    area,
+                });
+            }
+            return;
+        }
         let [tall, wide, strip, square] = &mut self.scratch;
         let whole = Polygon::triangle(p);
         let part = whole.between(1, 0.0, f64::from(self.height), tall).between(
@@ -71,11 +96,16 @@ impl Cutter {
         );
         let plane = Weights::new(p, signed);
         let (top, bottom) = part.range(1);
+        let (left, right) = part.range(0);
         for y in cells(top, bottom, self.height) {
+            let texel = |x: u32| (y * TILE + x) as u16;
+            if !cells(left, right, self.width).any(|x| wanted(texel(x))) {
+                continue;
+            }
             let row = part.between(1, f64::from(y), f64::from(y + 1), strip);
             let (left, right) = row.range(0);
             for x in cells(left, right, self.width) {
-                let texel = (y * TILE + x) as u16;
+                let texel = texel(x);
                 if !wanted(texel) {
                     continue;
                 }
@@ -111,14 +141,28 @@ impl Cutter {
     }
 }
 
-/// How many texels of a tile triangles cover, without their pieces: a texel that is covered once is not cut again.
-pub(crate) fn covered(mut cutter: Cutter, triangles: impl Iterator<Item = [DVec2; 3]>) -> u64 {
-    let seen = [const { std::cell::Cell::new(false) }; (TILE * TILE) as usize];
+/// How many texels of a tile triangles cover, without their pieces: a texel that is covered once, or is `known` to be, is not cut again.
+pub(crate) fn covered(
+    mut cutter: Cutter,
+    known: impl Fn(u16) -> bool,
+    triangles: impl Iterator<Item = [DVec2; 3]>,
+) -> u64 {
+    let seen: [Cell<bool>; (TILE * TILE) as usize] =
+        std::array::from_fn(|texel| Cell::new(known(texel as u16)));
+    let origin = DVec2::new(f64::from(cutter.x0), f64::from(cutter.y0));
+    let size = DVec2::new(f64::from(cutter.width), f64::from(cutter.height));
     for corners in triangles {
         let wanted = |texel: u16| !seen[usize::from(texel)].get();
-        cutter.cut(corners, wanted, |part| {
-            seen[usize::from(part.texel)].set(true)
-        });
+        let [a, b, c] = corners.map(|c| c - origin);
+        let low = a.min(b).min(c).clamp(DVec2::ZERO, size);
+        let high = a.max(b).max(c).clamp(DVec2::ZERO, size);
+        let columns = cells(low.x, high.x, cutter.width);
+        let mut rows = cells(low.y, high.y, cutter.height);
+        if rows.any(|y| columns.clone().any(|x| wanted((y * TILE + x) as u16))) {
+            cutter.cut(corners, wanted, |part| {
+                seen[usize::from(part.texel)].set(true)
+            });
+        }
     }
     seen.iter().filter(|seen| seen.get()).count() as u64
 }

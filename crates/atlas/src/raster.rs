@@ -8,14 +8,21 @@ use crate::uv::{corners, page, twice_area};
 use crate::{Atlas, MeshLayout, Placement};
 use glam::DVec2;
 use scene::Scene;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// The triangles of one page, by tile. Shared by reference between threads.
 pub struct PageRaster<'a> {
     layouts: &'a [MeshLayout],
     placements: &'a [Placement],
+    page_size: u32,
+    index: Arc<Index>,
+}
+
+/// What of a raster is found by looking at every triangle.
+#[derive(Debug)]
+struct Index {
     /// Mesh of each instance.
     meshes: Vec<u32>,
-    page_size: u32,
     /// Tile numbers with at least one triangle, ascending.
     tiles: Vec<u32>,
     /// Where each tile's entries begin, one more than `tiles`.
@@ -24,45 +31,44 @@ pub struct PageRaster<'a> {
     entries: Vec<[u32; 2]>,
 }
 
+/// The rasters of an atlas, of which the last is kept: the steps of a bake take a page one after another.
+#[derive(Debug, Default)]
+pub struct Rasters(Mutex<Option<(u32, Arc<Index>)>>);
+
+impl Rasters {
+    /// The index of page `page`, as [`PageRaster::new`] makes it. Scene and atlas are the same at each call.
+    pub fn page<'a>(&self, scene: &Scene, atlas: &'a Atlas, page: u32) -> PageRaster<'a> {
+        let mut last = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let index = match &*last {
+            Some((number, index)) if *number == page => Arc::clone(index),
+            _ => Arc::new(Index::new(scene, atlas, page)),
+        };
+        *last = Some((page, Arc::clone(&index)));
+        PageRaster::with(atlas, index)
+    }
+}
+
 /// Tiles are binned this much larger, in texels, than they are: far above the rounding of the test, so none is missed.
 const SLACK: f64 = 1e-6;
 
 impl<'a> PageRaster<'a> {
     /// The index of page `page`. Triangles without area are left out.
     pub fn new(scene: &Scene, atlas: &'a Atlas, page: u32) -> PageRaster<'a> {
-        let meshes: Vec<u32> = scene.instances.iter().map(|i| i.mesh).collect();
-        let across = atlas.page_size.div_ceil(TILE);
-        let mut counts = vec![0u32; (across * across) as usize];
-        visit(&meshes, atlas, page, |tile, _| counts[tile] += 1);
-        let (mut tiles, mut starts) = (Vec::new(), vec![0]);
-        // From here `counts` holds where the next entry of a tile goes, counted from the tile's place.
-        let mut slots = vec![0usize; counts.len()];
-        for (tile, &count) in counts.iter().enumerate() {
-            if count > 0 {
-                slots[tile] = starts[tiles.len()];
-                tiles.push(tile as u32);
-                starts.push(slots[tile] + count as usize);
-            }
-        }
-        let mut entries = vec![[0; 2]; starts[tiles.len()]];
-        visit(&meshes, atlas, page, |tile, entry| {
-            entries[slots[tile]] = entry;
-            slots[tile] += 1;
-        });
+        Self::with(atlas, Arc::new(Index::new(scene, atlas, page)))
+    }
+
+    fn with(atlas: &'a Atlas, index: Arc<Index>) -> PageRaster<'a> {
         PageRaster {
             layouts: &atlas.meshes,
             placements: &atlas.placements,
-            meshes,
             page_size: atlas.page_size,
-            tiles,
-            starts,
-            entries,
+            index,
         }
     }
 
     /// Numbers (row-major over the page) of the tiles that triangles meet, ascending.
     pub fn tiles(&self) -> &[u32] {
-        &self.tiles
+        &self.index.tiles
     }
 
     /// The footprints of the tile `self.tiles()[index]`, cut out anew on each call.
@@ -79,15 +85,13 @@ impl<'a> PageRaster<'a> {
         collector.finish()
     }
 
-    /// How many texels of a tile triangles cover: as many as [`PageRaster::tile`] has footprints.
-    ///
-    /// # Panics
-    ///
-    /// If `index` is not below the number of tiles.
-    pub fn texels(&self, index: usize) -> u64 {
+    /// How many texels of a tile triangles cover: as many as [`PageRaster::tile`] has footprints. Of texels of the tile, row-major, that
+    /// are `known` to be covered no more is asked.
+    pub(crate) fn texels(&self, index: usize, known: impl Fn(u16) -> bool) -> u64 {
         let [x0, y0] = self.tile_origin(index);
         let cutter = Cutter::new(x0, y0, self.page_size);
-        covered(cutter, self.triangles(index).map(|(_, corners)| corners))
+        let triangles = self.triangles(index).map(|(_, corners)| corners);
+        covered(cutter, known, triangles)
     }
 
     /// The centroid of a footprint, in texels of the page.
@@ -99,7 +103,7 @@ impl<'a> PageRaster<'a> {
         let pieces = &tile.pieces[footprint.pieces.start as usize..footprint.pieces.end as usize];
         let (mut sum, mut before) = (DVec2::ZERO, 0.0);
         for piece in pieces {
-            let layout = &self.layouts[self.meshes[piece.instance as usize] as usize];
+            let layout = &self.layouts[self.index.meshes[piece.instance as usize] as usize];
             let placement = &self.placements[piece.instance as usize];
             let size = f64::from(self.page_size);
             let [p, q, r] = corners(layout, placement, piece.triangle as usize, size);
@@ -123,7 +127,7 @@ impl<'a> PageRaster<'a> {
     pub fn centres(&self, index: usize) -> Tile {
         let mut tile = self.tile(index);
         draw_together(&mut tile, |instance, triangle| {
-            let layout = &self.layouts[self.meshes[instance as usize] as usize];
+            let layout = &self.layouts[self.index.meshes[instance as usize] as usize];
             let placement = &self.placements[instance as usize];
             corners(
                 layout,
@@ -153,7 +157,7 @@ impl<'a> PageRaster<'a> {
 
     /// First column and row of a tile.
     pub(crate) fn tile_origin(&self, index: usize) -> [u32; 2] {
-        let (number, across) = (self.tiles[index], self.page_size.div_ceil(TILE));
+        let (number, across) = (self.index.tiles[index], self.page_size.div_ceil(TILE));
         [number % across * TILE, number / across * TILE]
     }
 
@@ -163,16 +167,52 @@ impl<'a> PageRaster<'a> {
         index: usize,
     ) -> impl Iterator<Item = ([u32; 2], [DVec2; 3])> + '_ {
         let size = f64::from(self.page_size);
-        self.entries[self.starts[index]..self.starts[index + 1]]
+        let of = &self.index;
+        of.entries[of.starts[index]..of.starts[index + 1]]
             .iter()
             .map(move |&entry| {
                 let [instance, triangle] = entry.map(|i| i as usize);
-                let layout = &self.layouts[self.meshes[instance] as usize];
+                let layout = &self.layouts[of.meshes[instance] as usize];
                 (
                     entry,
                     corners(layout, &self.placements[instance], triangle, size),
                 )
             })
+    }
+}
+
+impl Index {
+    fn new(scene: &Scene, atlas: &Atlas, page: u32) -> Self {
+        let meshes: Vec<u32> = scene.instances.iter().map(|i| i.mesh).collect();
+        let across = atlas.page_size.div_ceil(TILE);
+        let mut counts = vec![0u32; (across * across) as usize];
+        let mut found = Vec::new();
+        visit(&meshes, atlas, page, |tile, entry| {
+            counts[tile] += 1;
+            found.push((tile as u32, entry));
+        });
+        let (mut tiles, mut starts) = (Vec::new(), vec![0]);
+        // From here `counts` holds where the next entry of a tile goes, counted from the tile's place.
+        let mut slots = vec![0usize; counts.len()];
+        for (tile, &count) in counts.iter().enumerate() {
+            if count > 0 {
+                slots[tile] = starts[tiles.len()];
+                tiles.push(tile as u32);
+                starts.push(slots[tile] + count as usize);
+            }
+        }
+        let mut entries = vec![[0; 2]; starts[tiles.len()]];
+        for (tile, entry) in found {
+            let slot = &mut slots[tile as usize];
+            entries[*slot] = entry;
+            *slot += 1;
+        }
+        Self {
+            meshes,
+            tiles,
+            starts,
+            entries,
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use crate::backend::SurfaceHit;
 use crate::material::{PhongMaterial, emission_at, material_at};
 use crate::surface::{Patch, PlaneErrors};
 use crate::world::World;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// Turns hits into surface points.
 #[derive(Debug)]
@@ -68,6 +68,13 @@ impl<'a> Surfaces<'a> {
             material: material_at(scene, hit.instance, hit.triangle, weights.to_array()),
             emission: emission_at(scene, hit.instance, hit.triangle, weights.to_array()),
         }
+    }
+
+    /// False where the surface at a hit sends out no light by itself.
+    pub fn may_shine(&self, hit: &SurfaceHit) -> bool {
+        let scene = self.world.scene();
+        let mesh = &scene.meshes[scene.instances[hit.instance as usize].mesh as usize];
+        scene.materials[mesh.material as usize].emission != Vec3::ZERO
     }
 
     /// Radiance that the surface at a hit sends out by itself, linear RGB; both sides shine.

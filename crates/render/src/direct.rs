@@ -111,10 +111,14 @@ impl Direct<'_> {
         sample: &Sample,
         place: impl Fn(&SurfaceHit) -> Option<TexelPlace>,
     ) -> (DVec3, Option<TexelPlace>) {
-        let Some((hit, point)) = self.surface(sample) else {
+        let Some(hit) = self.hit(sample) else {
             return (self.background, None);
         };
         let place = place(&hit);
+        if place.is_some() && self.lights.is_empty() && !self.surfaces.may_shine(&hit) {
+            return (DVec3::ZERO, place);
+        }
+        let point = self.point(sample, &hit);
         let view = -sample.direction;
         let stream = |term| Stream::new(self.seed, 0, sample.pixel, term, sample.number);
         let coat = self.coat(&point, view, stream(LOBE));
@@ -132,15 +136,24 @@ impl Direct<'_> {
 
     /// What a camera ray meets first.
     fn surface(&self, sample: &Sample) -> Option<(SurfaceHit, SurfacePoint)> {
-        let hit = self.backend.closest(&Ray {
+        let hit = self.hit(sample)?;
+        let point = self.point(sample, &hit);
+        Some((hit, point))
+    }
+
+    fn hit(&self, sample: &Sample) -> Option<SurfaceHit> {
+        self.backend.closest(&Ray {
             origin: sample.eye.as_vec3().to_array(),
             direction: sample.direction.as_vec3().to_array(),
             t_min: 0.0,
             t_max: f32::INFINITY,
-        })?;
-        let mut point = self.surfaces.at(&hit, -sample.direction);
+        })
+    }
+
+    fn point(&self, sample: &Sample, hit: &SurfaceHit) -> SurfacePoint {
+        let mut point = self.surfaces.at(hit, -sample.direction);
         point.material = self.overrides.applied(point.material);
-        Some((hit, point))
+        point
     }
 
     /// The coat of a point for a unit direction to the eye, where the model has one and the material shines.

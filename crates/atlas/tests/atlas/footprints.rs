@@ -1,7 +1,9 @@
 //! Area-true texel footprints.
 
 use crate::scenes::laid_out;
-use ambake_atlas::{Atlas, Footprint, PageRaster, SurfacePoint, Tile, triangle_uv};
+use ambake_atlas::{
+    Atlas, Footprint, Options, PageRaster, SurfacePoint, Tile, UvMode, layout, triangle_uv,
+};
 use glam::DVec2;
 use scene::Scene;
 
@@ -108,6 +110,24 @@ fn coverage_sums_to_the_area_of_the_triangles() {
                 samples_stay_inside(&scene, &atlas, tile, f);
             }
         }
+    }
+}
+
+/// The audit counts by sample points where it can, and cuts the rest.
+#[test]
+fn the_audit_counts_as_many_texels_as_there_are_footprints() {
+    for (n, size) in [(1, 64), (9, 64), (90, 128), (150, 64)] {
+        let (mut scene, atlas) = jittered_grid(n, 3.1, f64::from(size) - 3.7, size);
+        scene.meshes[0].uv_sets = vec![atlas.meshes[0].uvs.clone()];
+        let options = Options {
+            page_size: size,
+            uv: UvMode::Keep,
+            ..Options::default()
+        };
+        let atlas = layout(&scene, &options, &|| false).expect("a usable set");
+        let tiles = tiles(&scene, &atlas);
+        let footprints: usize = tiles.iter().map(|tile| tile.footprints.len()).sum();
+        assert_eq!(atlas.audit.texels, footprints as u64, "{n}");
     }
 }
 

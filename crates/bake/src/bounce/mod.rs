@@ -32,7 +32,6 @@ use crate::options::{Effort, View};
 use crate::page::{BakedPage, Baker};
 use crate::survey::Texel;
 use ambient::sampling::Stream;
-use atlas::PageRaster;
 use gather::{Gather, Integral};
 use glam::DVec3;
 use layers::{Layer, Progress};
@@ -133,7 +132,7 @@ impl Baker<'_> {
         let (done, total) = (AtomicU64::new(0), self.atlas.audit.texels);
         let mut received = Vec::new();
         for (page, light) in light.iter_mut().enumerate() {
-            let raster = PageRaster::new(self.world.scene(), self.atlas, page as u32);
+            let raster = self.raster(page as u32);
             let mut next = light.dark();
             let tiles: Vec<usize> = (0..raster.tiles().len()).collect();
             for batch in tiles.chunks(BATCH) {

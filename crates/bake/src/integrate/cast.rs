@@ -124,10 +124,11 @@ impl Caster<'_> {
 
     /// The texels by surfaces that may have guides, and the rest.
     fn surfaces(&self, which: &[usize], pays: bool) -> (Vec<Vec<usize>>, Vec<usize>) {
-        // A map's light is shared with directions drawn from it; tiled texels share theirs.
+        // A map's light is shared with directions drawn from it, unless the map is constant; tiled texels share theirs.
+        let is_even = self.task.sky.map().is_none_or(|map| map.scale() == 0.0);
         let may_guide = pays
             && self.technique == Technique::Hemisphere
-            && self.task.sky.map().is_none()
+            && is_even
             && self.task.pattern == Pattern::Independent;
         match may_guide {
             true => surfaces(self.texels, which),

@@ -37,13 +37,12 @@ pub(super) fn terms(task: &Task<'_>, texel: &Texel, specular: bool) -> Terms {
         ..terms
     };
     // Nothing is blocked but what leans away; such texels are not closed where any view is asked for.
-    let any_view = match task.any_view {
-        Some(_) => AnyView {
+    let any_view = task.any_view.map(|_| {
+        Box::new(AnyView {
             coefficients: Coefficients::OPEN,
             std_err: 0.0,
-        },
-        None => AnyView::default(),
-    };
+        })
+    });
     let is_flat = task.shading == Shading::Production || !texel.tilted;
     if is_flat && task.view == View::Normal {
         return with_light(Terms {

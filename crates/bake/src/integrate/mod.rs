@@ -80,7 +80,7 @@ pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) ->
         Technique::Sky,
         which(&|i| !closed[i] && lit && task.draw_sky),
     );
-    let of = |terms: &[Terms], i: usize| terms.get(i).copied().unwrap_or_default();
+    let of = |terms: &[Terms], i: usize| terms.get(i).cloned().unwrap_or_default();
     (0..texels.len())
         .map(|i| {
             let sampled = of(&lobe, i);
@@ -137,16 +137,14 @@ fn any_view(
     task: &Task<'_>,
     texel: &Texel,
     moments: Option<&[Moments; REPLICATES as usize]>,
-) -> AnyView {
-    let (Some(order), Some(moments)) = (task.any_view, moments) else {
-        return AnyView::default();
-    };
+) -> Option<Box<AnyView>> {
+    let (order, moments) = (task.any_view?, moments?);
     let (coefficients, variances) = gang::coefficients(moments);
     let exponent = texel.material.exponent;
-    AnyView {
+    Some(Box::new(AnyView {
         coefficients,
         std_err: ambient::any_view::stated(&coefficients, &variances, order, exponent),
-    }
+    }))
 }
 
 /// Casts the rays of one technique for the texels `which`, in rounds where a target is set. The terms of all texels; none where `which`

@@ -5,7 +5,7 @@ use ambient::any_view::Coefficients;
 use glam::DVec3;
 
 /// Terms of a texel with their standard errors, normalised as the file contract says: 1 is open.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Terms {
     /// Open solid angle / 2 pi.
     pub visibility: Estimate,
@@ -19,8 +19,8 @@ pub struct Terms {
     pub irradiance: Estimate<DVec3>,
     /// ((n+1)/2pi) times the integral of L V (R.V)^n, linear RGB.
     pub reflection: Estimate<DVec3>,
-    /// The open directions, for any view; zeros where they are not asked for.
-    pub any_view: AnyView,
+    /// The open directions, for any view; `None` where they are not asked for, for they are larger than all the rest.
+    pub any_view: Option<Box<AnyView>>,
     /// What two independent halves of the rays differ by.
     pub halves: Halves,
     /// Rays spent.

@@ -74,21 +74,29 @@ impl Window {
             return None;
         }
         let equations = self.equations();
-        let mut normal = vec![0.0; unknowns * unknowns];
+        let mut normal = [0.0; TEXELS * TEXELS];
+        let normal = &mut normal[..unknowns * unknowns];
         for Equation { taps, weight, .. } in &equations {
-            let own = taps.iter().filter(|tap| tap.1 != 0.0);
-            let own = own
-                .map(|&(slot, w)| (number[slot], w))
-                .filter(|(i, _)| *i < unknowns);
-            for (i, a) in own.clone() {
-                for (j, b) in own.clone() {
-                    normal[i * unknowns + j] += weight * a * b;
+            let taps = taps.iter().filter(|tap| tap.1 != 0.0);
+            let mut own = [(0, 0.0); 4];
+            let mut count = 0;
+            for (i, w) in taps.map(|&(slot, w)| (number[slot], w)) {
+                if i < unknowns {
+                    own[count] = (i, w);
+                    count += 1;
+                }
+            }
+            // The half above the diagonal is all that is asked for.
+            for &(i, a) in &own[..count] {
+                for &(j, b) in own[..count].iter().filter(|(j, _)| *j >= i) {
+                    normal[i * unknowns + j] += weight * b * a;
                 }
             }
         }
-        let mut row = vec![0.0; unknowns];
+        let mut row = [0.0; TEXELS];
+        let row = &mut row[..unknowns];
         row[middle] = 1.0;
-        if !cholesky(&mut normal, &mut row) {
+        if !cholesky(normal, row) {
             return None;
         }
         let mut weights = [0.0; TEXELS];

@@ -214,32 +214,38 @@ impl Surface<'_> {
         const EDGE: usize = (2 * REACH + 1) as usize;
         let (x, y) = ((texel % self.size) as i32, (texel / self.size) as i32);
         let normal = self.normal(texel);
-        let mut reached = [false; EDGE * EDGE];
-        let mut pending = vec![(0i32, 0i32)];
-        let mut found = Vec::new();
         let size = self.size as i32;
-        while let Some((dx, dy)) = pending.pop() {
-            if dx.abs() > REACH || dy.abs() > REACH {
+        let place = |dx: i32, dy: i32| (dy + REACH) as usize * EDGE + (dx + REACH) as usize;
+        let index = |dx: i32, dy: i32| ((y + dy) * size + x + dx) as usize;
+        let (mut looked, mut agrees) = ([false; EDGE * EDGE], [false; EDGE * EDGE]);
+        let mut pending = [(0i32, 0i32); 4 * EDGE * EDGE + 1];
+        let mut last = 1;
+        while last > 0 {
+            last -= 1;
+            let (dx, dy) = pending[last];
+            let is_new = !std::mem::replace(&mut looked[place(dx, dy)], true);
+            if !is_new || !(0..size).contains(&(x + dx)) || !(0..size).contains(&(y + dy)) {
                 continue;
             }
-            let is_new = &mut reached[(dy + REACH) as usize * EDGE + (dx + REACH) as usize];
-            if std::mem::replace(is_new, true)
-                || !(0..size).contains(&(x + dx))
-                || !(0..size).contains(&(y + dy))
-            {
-                continue;
-            }
-            let near = ((y + dy) * size + x + dx) as usize;
-            let agrees = self.coverage[near] > 0.0
+            let near = index(dx, dy);
+            if self.coverage[near] > 0.0
                 && self.object[near] == self.object[texel]
-                && self.normal(near).dot(normal) > NORMAL_AGREEMENT;
-            if !agrees {
-                continue;
+                && self.normal(near).dot(normal) > NORMAL_AGREEMENT
+            {
+                agrees[place(dx, dy)] = true;
+                for (dx, dy) in [(dx - 1, dy), (dx + 1, dy), (dx, dy - 1), (dx, dy + 1)] {
+                    if dx.abs() <= REACH && dy.abs() <= REACH && !looked[place(dx, dy)] {
+                        pending[last] = (dx, dy);
+                        last += 1;
+                    }
+                }
             }
-            found.push((near, DVec2::new(f64::from(dx), f64::from(dy))));
-            pending.extend([(dx - 1, dy), (dx + 1, dy), (dx, dy - 1), (dx, dy + 1)]);
         }
-        found.sort_unstable_by_key(|(near, _)| *near);
+        let mut found = Vec::with_capacity(EDGE * EDGE);
+        let steps = (-REACH..=REACH).flat_map(|dy| (-REACH..=REACH).map(move |dx| (dx, dy)));
+        for (dx, dy) in steps.filter(|&(dx, dy)| agrees[place(dx, dy)]) {
+            found.push((index(dx, dy), DVec2::new(f64::from(dx), f64::from(dy))));
+        }
         found
     }
 

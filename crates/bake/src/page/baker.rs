@@ -16,7 +16,7 @@ use crate::seams::Across;
 use crate::survey::{Surveyor, Texel};
 use ambient::closed_form::phong_open;
 use ambient::sampling::Stream;
-use atlas::{Atlas, PageRaster, Tile};
+use atlas::{Atlas, PageRaster, Rasters, Tile};
 use layers::{Layer, Progress};
 use pulp::Arch;
 use rayon::prelude::*;
@@ -43,6 +43,7 @@ pub struct Baker<'a> {
     /// What finished pages hold on seams that they share with others. Pages are finished in their order; one that is finished without those
     /// before it is not tied to them.
     across: Across,
+    rasters: Rasters,
     /// Texels finished so far, over all pages.
     done: AtomicU64,
 }
@@ -82,8 +83,14 @@ impl<'a> Baker<'a> {
             options,
             errors: PlaneErrors::of(world),
             across: Across::default(),
+            rasters: Rasters::default(),
             done: AtomicU64::new(0),
         }
+    }
+
+    /// The triangles of a page, by tile.
+    pub(crate) fn raster(&self, page: u32) -> PageRaster<'a> {
+        self.rasters.page(self.world.scene(), self.atlas, page)
     }
 
     /// An empty page to start from.
@@ -142,7 +149,7 @@ impl<'a> Baker<'a> {
         progress: &dyn Progress,
         save: &mut dyn FnMut(BakedTile) -> Result<(), E>,
     ) -> Result<bool, E> {
-        let raster = PageRaster::new(self.world.scene(), self.atlas, page.page);
+        let raster = self.raster(page.page);
         let started = Instant::now();
         page.tiles.resize(raster.tiles().len(), None);
         let before = page.tiles.iter().flatten().map(|tile| tile.texels).sum();
@@ -169,6 +176,7 @@ impl<'a> Baker<'a> {
             options: self.options,
             mends: self.solids.is_some(),
             across: &self.across,
+            rasters: &self.rasters,
         }
     }
 
@@ -194,13 +202,13 @@ impl<'a> Baker<'a> {
         (progress, total): (&dyn Progress, u64),
         take: &mut dyn FnMut(BakedTile) -> Result<(), E>,
     ) -> Result<bool, E> {
-        let raster = PageRaster::new(self.world.scene(), self.atlas, page);
+        let raster = self.raster(page);
         self.tiles(&raster, page, wanted, (progress, total), take)
     }
 
     /// Tiles of a page that are not baked yet.
     pub fn missing(&self, page: &BakedPage) -> usize {
-        let raster = PageRaster::new(self.world.scene(), self.atlas, page.page);
+        let raster = self.raster(page.page);
         let tiles = raster.tiles().len();
         tiles - page.tiles.iter().take(tiles).flatten().count()
     }
@@ -268,7 +276,7 @@ impl<'a> Baker<'a> {
             share: 0.0,
         };
         for page in pages {
-            let raster = PageRaster::new(self.world.scene(), self.atlas, page);
+            let raster = self.raster(page);
             let costs = self.costs(page);
             all += costs.iter().sum::<f64>();
             // Equal steps through the tiles by cost, so that dear and cheap ones are picked as often as they are there.
@@ -425,6 +433,8 @@ impl<'a> Baker<'a> {
         let size = self.atlas.page_size;
         let mut result = BakedTile {
             index,
+            texels: Vec::with_capacity(texels.len()),
+            values: Vec::with_capacity(texels.len() * columns.0.len()),
             ..BakedTile::default()
         };
         for texel in texels {
@@ -435,7 +445,8 @@ impl<'a> Baker<'a> {
                 }
                 result.values.push(match column.layer {
                     Layer::AnyView | Layer::AnyView8 => {
-                        texel.terms.any_view.coefficients.0[column.channel] as f32
+                        let any = texel.terms.any_view.as_ref();
+                        any.map_or(0.0, |any| any.coefficients.0[column.channel] as f32)
                     }
                     layer if directional::holds(layer) => {
                         directional::packed(&texel.terms, layer, column.channel) as f32

@@ -92,7 +92,7 @@ pub(crate) fn is_light(layer: Layer) -> bool {
 }
 
 /// Everything known about one baked texel.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) struct BakedTexel {
     /// `y * size + x` on its page.
     pub index: u32,
@@ -143,7 +143,7 @@ impl BakedTexel {
             Layer::Object => one(f64::from(self.object)),
             Layer::Validity => [self.validity, 0.0, 0.0],
             Layer::OpenSpecular => one(self.open_specular),
-            Layer::StdErrAnyView => one(terms.any_view.std_err),
+            Layer::StdErrAnyView => one(terms.any_view.as_ref().map_or(0.0, |any| any.std_err)),
             // Their channels are read from the terms.
             Layer::AnyView | Layer::AnyView8 => [0.0; 3],
             layer if super::directional::holds(layer) => [0.0; 3],

@@ -13,11 +13,14 @@ use crate::options::{Denoise, Model, Options, Sky};
 use crate::plan::Plan;
 use crate::seams::{Across, Seams};
 use ambient::Estimate;
-use atlas::{Atlas, Dilation, PageRaster};
+use atlas::{Atlas, Dilation, Rasters};
 use glam::{DVec3, Vec3};
 use layers::Layer;
 use rayon::prelude::*;
 use rays::World;
+
+/// Texels that one thread composes at a time.
+const COMPOSED: usize = 1 << 14;
 
 /// What the last steps of a page need to know of its bake.
 pub(crate) struct Site<'a> {
@@ -29,6 +32,7 @@ pub(crate) struct Site<'a> {
     pub mends: bool,
     /// Seams between pages.
     pub across: &'a Across,
+    pub rasters: &'a Rasters,
 }
 
 /// Finishes a page that has all its tiles.
@@ -40,8 +44,9 @@ pub(super) fn finish(page: &mut BakedPage, site: &Site<'_>) {
         options,
         mends,
         across,
+        rasters,
     } = *site;
-    let raster = &PageRaster::new(world.scene(), atlas, page.page);
+    let raster = &rasters.page(world.scene(), atlas, page.page);
     let seams = &Seams::find(world, atlas, page.page, options.seams, across);
     let terms = terms(options, plan);
     if mends {
@@ -79,6 +84,7 @@ pub(crate) fn finish_light(page: &mut BakedPage, site: &Site<'_>) {
         options,
         mends,
         across,
+        rasters,
     } = *site;
     let terms = lights(plan);
     if mends {
@@ -95,7 +101,7 @@ pub(crate) fn finish_light(page: &mut BakedPage, site: &Site<'_>) {
     };
     let texels = covered.iter().filter(|covered| **covered > 0.0).count();
     let light = (0..3).map(lit).sum::<f64>() / (3 * texels.max(1)) as f64;
-    let raster = PageRaster::new(world.scene(), atlas, page.page);
+    let raster = rasters.page(world.scene(), atlas, page.page);
     let system = (light > 0.0)
         .then(|| Seams::find(world, atlas, page.page, options.seams, across))
         .filter(|seams| !seams.is_empty())
@@ -346,11 +352,23 @@ fn compose_asked(page: &mut BakedPage, options: &Options) {
         }
         let facts = Facts::of(page);
         let mut planes = LayerPlanes::void(layer, texels);
-        let values = planes.values.par_iter_mut().enumerate();
-        values.for_each(|(at, value)| {
-            *value = facts
-                .at(at % texels, &options.sky, options.model)
-                .value(layer)[at / texels] as f32;
+        // All channels of a texel together: it is composed once.
+        let mut parts: Vec<Vec<&mut [f32]>> = Vec::new();
+        parts.resize_with(texels.div_ceil(COMPOSED), Vec::new);
+        for plane in planes.values.chunks_mut(texels) {
+            let own = parts.iter_mut().zip(plane.chunks_mut(COMPOSED));
+            own.for_each(|(part, values)| part.push(values));
+        }
+        let parts = parts.into_par_iter().enumerate();
+        parts.for_each(|(part, mut channels)| {
+            let first = part * COMPOSED;
+            for at in 0..COMPOSED.min(texels - first) {
+                let facts = facts.at(first + at, &options.sky, options.model);
+                let values = facts.value(layer);
+                for (channel, plane) in channels.iter_mut().enumerate() {
+                    plane[at] = values[channel] as f32;
+                }
+            }
         });
         composed.push(planes);
     }

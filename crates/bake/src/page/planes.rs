@@ -71,13 +71,13 @@ impl BakedPage {
         let plane = self.texels();
         let layers: Vec<Layer> = self.planes.iter().map(|planes| planes.layer).collect();
         let columns = Columns::of(&layers).0;
-        let value = |texel: u32, column: &Column| {
-            self.planes[column.planes].values[column.channel * plane + texel as usize]
-        };
-        let values = texels
-            .iter()
-            .flat_map(|&texel| columns.iter().map(move |column| value(texel, column)))
-            .collect();
+        let mut values = Vec::with_capacity(texels.len() * columns.len());
+        for &texel in &texels {
+            let value = |column: &Column| {
+                self.planes[column.planes].values[column.channel * plane + texel as usize]
+            };
+            values.extend(columns.iter().map(value));
+        }
         (texels.len() as u64 == stats.texels).then_some(BakedTile {
             index,
             texels,

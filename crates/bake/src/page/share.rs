@@ -2,7 +2,6 @@
 
 use super::baker::Baker;
 use crate::choice::Choice;
-use atlas::PageRaster;
 use rayon::prelude::*;
 use scene::Surface;
 use std::cmp::{Ordering, Reverse};
@@ -72,7 +71,7 @@ impl Baker<'_> {
     /// scene, the layout and the options alone.
     pub fn costs(&self, page: u32) -> Vec<f64> {
         let scene = self.world.scene();
-        let raster = PageRaster::new(scene, self.atlas, page);
+        let raster = self.raster(page);
         let meshes = scene.meshes.iter();
         let reflects: Vec<bool> = meshes.map(|mesh| self.may_reflect(mesh)).collect();
         let lit = self.options.sky.map().is_some();

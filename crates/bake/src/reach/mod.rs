@@ -92,7 +92,7 @@ impl<'a> Reach<'a> {
 
     /// The row-major number of every tile of a page, in the order of their indices, and what its values depend on.
     pub fn tiles(&self, page: u32) -> Vec<(u32, Fingerprint)> {
-        let raster = PageRaster::new(self.baker.world.scene(), self.baker.atlas, page);
+        let raster = self.baker.raster(page);
         let tile = |index: usize| (raster.tiles()[index], self.tile(&raster, page, index));
         (0..raster.tiles().len())
             .into_par_iter()

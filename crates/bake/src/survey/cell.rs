@@ -193,6 +193,11 @@ impl Cell {
         }
     }
 
+    /// The position at (s, t).
+    pub fn at(&self, [s, t]: [f32; 2]) -> DVec3 {
+        self.position[0] + self.position[1] * f64::from(s) + self.position[2] * f64::from(t)
+    }
+
     /// The surface at (s, t).
     pub fn sample(&self, [s, t]: [f32; 2]) -> Sample {
         let (s, t) = (f64::from(s), f64::from(t));

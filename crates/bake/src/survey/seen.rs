@@ -4,7 +4,7 @@
 //! Elsewhere the unit square of sample points is cut into strata. One whose corners lie in the open is kept,
 //! and samples are spread over those that are kept. So all rays of a texel serve what can be seen of it.
 
-use super::cell::{Cell, Sample};
+use super::cell::Cell;
 use glam::DVec3;
 use rays::{NUDGE, Near, Solids};
 
@@ -44,11 +44,11 @@ impl Seen {
         strata: Vec::new(),
     };
 
-    /// Looks at a texel of these cells among solids whose boxes may meet its own. `sample_of` gives the surface at a point of the unit
-    /// square, and the closed surface that it is part of.
+    /// Looks at a texel of these cells among solids whose boxes may meet its own. `choose` gives the
+    /// cell under a point of the unit square by its first coordinate.
     pub fn of(
         cells: &[Cell],
-        sample_of: impl Fn([f64; 2]) -> (Sample, Option<u32>),
+        choose: impl Fn(f32) -> usize,
         solids: &Solids,
         near: &[u32],
     ) -> Self {
@@ -74,15 +74,26 @@ impl Seen {
         let extent = near.iter().map(|&body| solids.extent(body));
         let reach = extent.fold(low.abs().max(high.abs()).max_element(), f64::max);
         let tested = |position: DVec3, geometric: DVec3| position + NUDGE * reach * geometric;
-        let corners = || {
-            cells.iter().flat_map(|cell| {
-                let geometric = cell.sample(cell.centre()).geometric;
-                cell.corners().map(|corner| tested(corner, geometric))
-            })
-        };
+        let faces: Vec<DVec3> = cells
+            .iter()
+            .map(|cell| cell.sample(cell.centre()).geometric)
+            .collect();
+        let corners: Vec<DVec3> = cells
+            .iter()
+            .zip(&faces)
+            .flat_map(|(cell, &face)| cell.corners().map(|corner| tested(corner, face)))
+            .collect();
+        let corners = || corners.iter().copied();
         let point_at = |u: [f64; 2]| {
-            let (sample, own) = sample_of(u);
-            (tested(sample.position, sample.geometric), own)
+            let u = u.map(|u| u as f32);
+            let index = choose(u[0]);
+            let (cell, place) = (&cells[index], cells[index].place(u));
+            // Where the shading normal does not change, neither does the side that it is on.
+            let geometric = match cell.is_smooth() {
+                true => cell.sample(place).geometric,
+                false => faces[index],
+            };
+            (tested(cell.at(place), geometric), cell.body)
         };
         // A body whose surface does not come near counts the same all over the texel.
         let is_far =

@@ -48,7 +48,7 @@ impl Texel {
     /// The surface at a point of the unit square, spread over what can be seen.
     pub fn sample(&self, u: [f64; 2]) -> Sample {
         let [u, v] = self.seen.place(u.map(|u| u as f32));
-        self.sample_of([u.into(), v.into()]).0
+        self.sample_of([u.into(), v.into()])
     }
 
     /// The surface at a point of the unit square, spread over what can be seen, and the origin of rays that leave it there.
@@ -61,23 +61,23 @@ impl Texel {
         (sample, origin.as_vec3().to_array())
     }
 
-    /// The surface at a point of the unit square of the whole footprint, and the closed surface that it is part of.
-    pub fn sample_of(&self, u: [f64; 2]) -> (Sample, Option<u32>) {
+    /// The surface at a point of the unit square of the whole footprint.
+    fn sample_of(&self, u: [f64; 2]) -> Sample {
         let u = u.map(|u| u as f32);
         let cell = &self.cells[self.choose(u[0])];
-        (cell.sample(cell.place(u)), cell.body)
+        cell.sample(cell.place(u))
     }
 
     /// Looks for what can be seen, and takes the means over it.
     fn look(&mut self, solids: &Solids, near: &[u32]) {
-        self.seen = Seen::of(&self.cells, |u| self.sample_of(u), solids, near);
+        self.seen = Seen::of(&self.cells, |u| self.choose(u), solids, near);
         if !self.seen.is_part() {
             return;
         }
         let (mut position, mut normal, mut geometric) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
         let mut count = 0.0;
         for middle in self.seen.middles() {
-            let (sample, _) = self.sample_of(middle);
+            let sample = self.sample_of(middle);
             position += sample.position;
             normal += sample.normal;
             geometric += sample.geometric;
