@@ -259,7 +259,7 @@ fn normal_equations(
                 let scaled = weight * shape * row[i];
                 x_terms[i] += scaled * x;
                 right[i] -= scaled * known;
-                for j in 0..=i {
+                for j in i..count {
                     matrix[i * count + j] += scaled * shape * row[j];
                 }
             }
@@ -271,7 +271,7 @@ fn normal_equations(
         }
         for i in 0..count {
             right[i] += x_terms[i] * x_known / xx;
-            for j in 0..=i {
+            for j in i..count {
                 matrix[i * count + j] -= x_terms[i] * x_terms[j] / xx;
             }
         }
