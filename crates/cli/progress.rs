@@ -147,6 +147,13 @@ impl Lines {
     }
 }
 
+/// A number of things in words: `1 page`, `2 pages`.
+pub fn count(number: impl Into<u64>, thing: &str) -> String {
+    let number = number.into();
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{number} {thing}{plural}")
+}
+
 /// Rays per second in words: `3.0 million rays/s`, `40 thousand rays/s`.
 pub fn ray_rate(rays: u64, seconds: f64) -> String {
     let rate = rays as f64 / seconds.max(1e-9);

@@ -4,6 +4,7 @@ use super::args::Layout as Args;
 use super::options;
 use crate::host;
 use crate::outcome::{Outcome, say, say_json};
+use crate::progress::count;
 use report::Output;
 
 /// Runs the verb.
@@ -18,8 +19,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     } else if !args.common.quiet {
         let atlas = layout.atlas();
         say(&format!(
-            "{} page(s) of {}², {} texels, layout {}\n{}{} files in {}\n",
-            atlas.page_count,
+            "{} of {}², {} texels, layout {}\n{}{} files in {}\n",
+            count(atlas.page_count, "page"),
             atlas.page_size,
             atlas.audit.texels,
             layout.hash(),

@@ -4,6 +4,7 @@ use super::args::Plan as Args;
 use super::prepare::prepare;
 use super::summary;
 use crate::outcome::{Outcome, say, say_json};
+use crate::progress::count;
 use ambake::{Choice, Effort, Estimate, Job, Method, Term};
 use serde_json::json;
 
@@ -54,9 +55,9 @@ fn text(job: &Job, cost: &Estimate) -> String {
         );
     }
     text += &format!(
-        "\n{} texels on {} page(s) of {}², {}\nabout {} rays, {:.1} GiB, {:.1} s with {}\n",
+        "\n{} texels on {} of {}², {}\nabout {} rays, {:.1} GiB, {:.1} s with {}\n",
         cost.texels,
-        job.atlas().page_count,
+        count(job.atlas().page_count, "page"),
         job.atlas().page_size,
         effort(job),
         cost.rays,

@@ -1,6 +1,6 @@
 //! What `ambake bake` says at its end.
 
-use crate::progress::ray_rate;
+use crate::progress::{count, ray_rate};
 use report::{BakeReport, REPORT_NAME, WarningReport};
 use std::path::Path;
 
@@ -25,12 +25,12 @@ pub fn summary(report: &BakeReport, verbose: bool, dir: &Path) -> String {
     };
     let (rmse, bound) = (mean_square(|p| p.rmse), mean_square(|p| p.rmse_bound));
     text += &format!(
-        "{}: {} triangles, {} objects, {} charts on {} page(s) of {}², UVs {}\n",
+        "{}: {}, {}, {} on {} of {}², UVs {}\n",
         report.scene.path,
-        report.scene.triangles,
-        report.scene.instances,
-        report.atlas.charts,
-        report.atlas.pages,
+        count(report.scene.triangles, "triangle"),
+        count(report.scene.instances, "object"),
+        count(report.atlas.charts, "chart"),
+        count(report.atlas.pages, "page"),
         report.atlas.page_size,
         report.atlas.source,
     );

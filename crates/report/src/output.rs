@@ -10,7 +10,7 @@ use tempfile::{NamedTempFile, TempPath};
 /// An output directory with a set of staged files.
 ///
 /// Nothing stands under a final name until [`Output::publish`]. Dropping the set removes what was staged and leaves
-/// earlier output untouched.
+/// earlier output untouched, and removes directories that it made and that hold nothing.
 #[derive(Debug)]
 pub struct Output {
     dir: PathBuf,
@@ -21,6 +21,34 @@ pub struct Output {
     prefix: &'static str,
     /// Held for as long as nobody else may bake into `dir`; the system frees it where the process dies.
     _lock: Option<File>,
+    /// Dropped last, when nothing staged is left.
+    _made: Made,
+}
+
+/// Directories that an output made, the innermost first; those that are empty in the end go again.
+#[derive(Debug)]
+struct Made(Vec<PathBuf>);
+
+impl Made {
+    /// Makes `dir` and its parents.
+    fn make(dir: &Path) -> io::Result<Self> {
+        let absent = |dir: &&Path| !dir.as_os_str().is_empty() && !dir.exists();
+        let absent = dir.ancestors().take_while(absent).map(Path::to_owned);
+        let made = Self(absent.collect());
+        fs::create_dir_all(dir)?;
+        Ok(made)
+    }
+}
+
+impl Drop for Made {
+    fn drop(&mut self) {
+        for dir in &self.0 {
+            // One that holds something stays.
+            if fs::remove_dir(dir).is_err() {
+                return;
+            }
+        }
+    }
 }
 
 /// Temporary files of an output that others share.
@@ -41,7 +69,7 @@ impl Output {
         if dir.exists() && !dir.is_dir() {
             return Err(fail("a file of that name exists".into()));
         }
-        fs::create_dir_all(dir).map_err(|e| fail(e.to_string()))?;
+        let made = Made::make(dir).map_err(|e| fail(e.to_string()))?;
         temporary(dir, SHARED).map_err(|e| fail(e.to_string()))?;
         Ok(Output {
             dir: dir.to_owned(),
@@ -49,6 +77,7 @@ impl Output {
             staged: Vec::new(),
             prefix: SHARED,
             _lock: None,
+            _made: made,
         })
     }
 
@@ -325,6 +354,21 @@ mod tests {
         drop(out);
         assert_eq!(names(dir.path()), ["x.png"]);
         assert_eq!(fs::read(dir.path().join("x.png")).unwrap(), b"good");
+    }
+
+    #[test]
+    fn directories_that_were_made_for_nothing_go_again() {
+        let dir = tempfile::tempdir().unwrap();
+        let inner = dir.path().join("a/b");
+        drop(Output::create(&inner).unwrap());
+        assert!(names(dir.path()).is_empty());
+        let mut out = Output::exclusive(&inner).unwrap();
+        out.stage_bytes("x.png", b"new").unwrap();
+        out.publish().unwrap();
+        assert_eq!(names(&inner), ["x.png"]);
+        fs::create_dir(dir.path().join("mine")).unwrap();
+        drop(Output::create(&dir.path().join("mine")).unwrap());
+        assert_eq!(names(dir.path()), ["a", "mine"]);
     }
 
     #[test]
