@@ -1,5 +1,6 @@
 //! What a mirroring globe shows of a sun of one texel, by each look-up: a far eye sees π/4 L of a sun of solid angle π, from everywhere.
 
+use super::tests::view;
 use super::*;
 use crate::Camera;
 use glam::DVec3;
@@ -56,17 +57,7 @@ fn energy(lookup: Lookup, width: usize, sun: [usize; 2], size: u32, count: usize
         let up = eye.any_orthonormal_vector();
         let up = (up + 0.37 * eye.cross(up)).normalize();
         let camera = Camera::new(eye * far, DVec3::ZERO, up, fov, [size; 2]).expect("a camera");
-        let turn = Turn {
-            centre: DVec3::ZERO,
-            axis: DVec3::Y,
-            angle: 0.0,
-        };
-        let view = View {
-            camera: &camera,
-            turn,
-            samples: 1,
-            corners: true,
-        };
+        let view = view(&camera, 1);
         let buffer = GBuffer::take(&view, &(), globe).expect("a buffer");
         let mut picture = Image::filled(size as usize, size as usize, [0.0; 3]);
         shader.frame(&buffer, lookup, &mut picture);

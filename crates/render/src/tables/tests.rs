@@ -19,21 +19,26 @@ fn sphere(eye: DVec3, direction: DVec3) -> Option<Surfel> {
     })
 }
 
-/// A buffer of the sphere, `size` pixels wide and high.
-fn buffer(size: u32, samples: u32) -> (Camera, GBuffer) {
-    let eye = DVec3::new(1.0, 0.75, 2.5);
-    let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, 0.9, [size, size]).unwrap();
+/// What a camera sees of a scene that stands still.
+pub(super) fn view(camera: &Camera, samples: u32) -> View<'_> {
     let turn = Turn {
         centre: DVec3::ZERO,
         axis: DVec3::Y,
         angle: 0.0,
     };
-    let view = View {
-        camera: &camera,
+    View {
+        camera,
         turn,
         samples,
         corners: true,
-    };
+    }
+}
+
+/// A buffer of the sphere, `size` pixels wide and high.
+fn buffer(size: u32, samples: u32) -> (Camera, GBuffer) {
+    let eye = DVec3::new(1.0, 0.75, 2.5);
+    let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, 0.9, [size, size]).unwrap();
+    let view = view(&camera, samples);
     (camera, GBuffer::take(&view, &(), sphere).unwrap())
 }
 
@@ -313,17 +318,7 @@ fn each_pixel_reads_s_of_its_own_exponent() {
     };
     let exponents = [2.0, 4.0, 8.0, 63.0, 1000.0];
     let camera = Camera::new(DVec3::Z * 5.0, DVec3::ZERO, DVec3::Y, 0.1, [90, 3]).unwrap();
-    let turn = Turn {
-        centre: DVec3::ZERO,
-        axis: DVec3::Y,
-        angle: 0.0,
-    };
-    let view = View {
-        camera: &camera,
-        turn,
-        samples: 1,
-        corners: true,
-    };
+    let view = view(&camera, 1);
     let column = |direction: DVec3| {
         ((direction.dot(camera.right) * 100.0).floor() as i64).rem_euclid(5) as usize
     };
