@@ -47,6 +47,7 @@ mod part;
 mod point;
 mod solid;
 mod surface;
+mod tangents;
 mod tree;
 mod triangle;
 mod world;

@@ -13,8 +13,8 @@
 //! again. `docs/theory.md` says what that keeps of the relief and what not.
 
 use crate::error::Error;
-use crate::frames::{normals, tangents};
 use crate::part::Part;
+use crate::tangents::{normals, tangents};
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 use scene::{Image, Mesh, NormalMap, Scene};

@@ -6,7 +6,7 @@
 
 use super::ao::Dither;
 use super::mips::{fill, is_filled};
-use super::scene_glb::{Picture, SceneGlb};
+use super::scene_kind::{Picture, SceneGlb};
 use super::{Engine, PageLight};
 use png::ColorType;
 use serde_json::{Map, Value, json};

@@ -4,7 +4,7 @@
 //! Materials that show a page give off the page's `lambert` and reflect nothing. Their alpha stays.
 
 use super::mips::{fill, is_filled};
-use super::scene_glb::{Picture, SceneGlb};
+use super::scene_kind::{Picture, SceneGlb};
 use super::{Engine, PageLight};
 use crate::preview::{Encoding, encode};
 use png::ColorType;

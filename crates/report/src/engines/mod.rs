@@ -11,6 +11,7 @@ mod lightmap_glb;
 mod lit_glb;
 mod mips;
 mod scene_glb;
+mod scene_kind;
 mod sh;
 mod table;
 
