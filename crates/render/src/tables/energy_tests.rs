@@ -1,6 +1,6 @@
 //! What a mirroring globe shows of a sun of one texel, by each look-up: a far eye sees π/4 L of a sun of solid angle π, from everywhere.
 
-use super::tests::view;
+use super::tests::{shader, view};
 use super::*;
 use crate::Camera;
 use glam::DVec3;
@@ -31,16 +31,7 @@ fn energy(lookup: Lookup, width: usize, sun: [usize; 2], size: u32, count: usize
     let toward = DVec3::from(toward.expect("a direction"));
     let table = Table::new(&IlluminationMap::new(sky, Projection::Polar).expect("a map"));
     let table = table.expect("polar");
-    let shader = Shader {
-        diffuse: None,
-        translucency: 0.0,
-        specular: Some(&table),
-        glosses: vec![],
-        index: Index::Mirror,
-        coat: None,
-        diffuse_weight: Weight::Constant,
-        specular_weight: Weight::Constant,
-    };
+    let shader = shader(None, Some(&table));
     let far = 1000.0;
     let half = 1.05;
     let mut ratios = vec![];

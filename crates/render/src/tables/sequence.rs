@@ -145,7 +145,7 @@ impl Sequence<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tables::{Index, Weight};
+    use crate::tables::tests::shader;
     use maps::{IlluminationMap, Projection};
     use std::sync::Mutex;
 
@@ -198,16 +198,7 @@ mod tests {
             about: [DVec3::ZERO, DVec3::Y],
             samples: 2,
             normals: None,
-            shader: Shader {
-                diffuse: None,
-                translucency: 0.0,
-                specular: Some(&table),
-                glosses: vec![],
-                index: Index::Mirror,
-                coat: None,
-                diffuse_weight: Weight::Constant,
-                specular_weight: Weight::Constant,
-            },
+            shader: shader(None, Some(&table)),
             lookup: Lookup::Bilinear,
             environment: Some(&table),
         };

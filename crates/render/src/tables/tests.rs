@@ -57,7 +57,7 @@ fn polar(width: usize, of: impl Fn([f64; 3]) -> [f32; 3]) -> IlluminationMap {
     IlluminationMap::new(image, Projection::Polar).unwrap()
 }
 
-fn shader<'a>(diffuse: Option<&'a Table>, specular: Option<&'a Table>) -> Shader<'a> {
+pub(super) fn shader<'a>(diffuse: Option<&'a Table>, specular: Option<&'a Table>) -> Shader<'a> {
     Shader {
         diffuse,
         translucency: 0.0,
