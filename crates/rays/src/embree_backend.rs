@@ -2,7 +2,8 @@
 
 use crate::backend::{Coherence, Ray, RayBackend, RayPacket, SurfaceHit};
 use crate::error::Error;
-use crate::world::{Geometry, World};
+use crate::geometry::Geometry;
+use crate::world::World;
 use embree::{Device, DeviceConfig, Scene, SceneBuilder};
 
 /// Embree over a world.

@@ -3,15 +3,15 @@
 //! Everything that judges a ray, places its origin or reads its hit takes its corners from here, so all agree on where
 //! the triangles are, to the last bit.
 
-use crate::alpha_test::AlphaTest;
 use crate::error::Error;
+use crate::geometry::{Bounds, Geometry};
+use crate::instancing::{room, served};
 use crate::normal_maps::NormalMaps;
 use crate::origin::brought_near;
 use crate::part::Part;
 use crate::solid::Solids;
-use glam::{Affine3A, DAffine3, DVec3, Vec3};
-use scene::{Mesh, Scene};
-use std::ops::Deref;
+use glam::{DAffine3, DVec3};
+use scene::Scene;
 use std::sync::{Arc, OnceLock};
 
 /// How a [`World`] is built.
@@ -49,38 +49,6 @@ pub struct World {
     solids: OnceLock<Solids>,
 }
 
-/// Triangles with one vertex array and one alpha test.
-#[derive(Debug)]
-pub struct Geometry {
-    scene: Arc<Scene>,
-    /// Index into the scene's meshes.
-    pub mesh: u32,
-    /// Vertex positions, indexed by [`Geometry::triangles`].
-    pub positions: Positions,
-    /// Decides which hits stop a ray; `None` where all do.
-    pub alpha: Option<AlphaTest>,
-    /// The box of the positions.
-    pub(crate) extent: Option<(Vec3, Vec3)>,
-}
-
-/// Vertex positions, read as a slice. Those that equal the mesh's own are not held twice.
-#[derive(Debug)]
-pub enum Positions {
-    /// The mesh's own array.
-    Mesh(Arc<Scene>, u32),
-    /// Placed in the world: computed in f64, rounded once.
-    Placed(Vec<Vec3>),
-}
-
-/// An axis-aligned box in world space; both corners are 0 for a world without triangles.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bounds {
-    /// Lowest corner.
-    pub min: DVec3,
-    /// Highest corner.
-    pub max: DVec3,
-}
-
 impl World {
     /// The world of a scene.
     ///
@@ -102,20 +70,10 @@ impl World {
             let geometry = match shared[mesh as usize].filter(|_| instanced) {
                 Some(geometry) => geometry,
                 None => {
-                    let positions = if instanced || instance.transform == DAffine3::IDENTITY {
-                        Positions::Mesh(Arc::clone(&scene), mesh)
-                    } else {
-                        Positions::Placed(place(&scene.meshes[mesh as usize], &instance.transform))
-                    };
-                    let alpha = AlphaTest::of(&scene, mesh, options.alpha_test_all);
-                    let extent = extent(&positions);
-                    geometries.push(Geometry {
-                        scene: Arc::clone(&scene),
-                        mesh,
-                        positions,
-                        alpha,
-                        extent,
-                    });
+                    let own = instanced || instance.transform == DAffine3::IDENTITY;
+                    let placed = (!own).then_some(&instance.transform);
+                    let all = options.alpha_test_all;
+                    geometries.push(Geometry::new(&scene, mesh, placed, all));
                     let geometry = geometries.len() as u32 - 1;
                     if instanced {
                         shared[mesh as usize] = Some(geometry);
@@ -271,125 +229,12 @@ impl World {
     }
 }
 
-impl Geometry {
-    /// Vertex indices, counter-clockwise seen from the front in mesh space.
-    pub fn triangles(&self) -> &[[u32; 3]] {
-        &self.mesh().triangles
-    }
-
-    /// The mesh it stems from.
-    pub fn mesh(&self) -> &Mesh {
-        &self.scene.meshes[self.mesh as usize]
-    }
-}
-
-impl Bounds {
-    fn of(geometries: &[Geometry], parts: &[Part]) -> Self {
-        let mut corners = parts
-            .iter()
-            .flat_map(|part| part.outline(geometries[part.geometry as usize].extent));
-        let Some(first) = corners.next() else {
-            return Self {
-                min: DVec3::ZERO,
-                max: DVec3::ZERO,
-            };
-        };
-        corners.fold(
-            Self {
-                min: first,
-                max: first,
-            },
-            |bounds, corner| Self {
-                min: bounds.min.min(corner),
-                max: bounds.max.max(corner),
-            },
-        )
-    }
-
-    /// The middle of the box.
-    pub fn center(&self) -> DVec3 {
-        (self.min + self.max) * 0.5
-    }
-
-    /// The length of the box's diagonal.
-    pub fn diagonal(&self) -> f64 {
-        (self.max - self.min).length()
-    }
-}
-
-impl Deref for Positions {
-    type Target = [Vec3];
-
-    fn deref(&self) -> &[Vec3] {
-        match self {
-            Self::Mesh(scene, mesh) => &scene.meshes[*mesh as usize].positions,
-            Self::Placed(positions) => positions,
-        }
-    }
-}
-
-fn place(mesh: &Mesh, transform: &DAffine3) -> Vec<Vec3> {
-    mesh.positions
-        .iter()
-        .map(|position| transform.transform_point3(position.as_dvec3()).as_vec3())
-        .collect()
-}
-
-/// The box of the positions; a vertex that is not finite makes it infinite. `None` where there are none.
-fn extent(positions: &[Vec3]) -> Option<(Vec3, Vec3)> {
-    let first = *positions.first()?;
-    Some(
-        positions
-            .iter()
-            .fold((first, first), |(low, high), &position| {
-                let position = if position.is_finite() {
-                    position
-                } else {
-                    Vec3::INFINITY
-                };
-                (low.min(position), high.max(position))
-            }),
-    )
-}
-
-/// How large the coordinates of rays get: twice the largest of the placed scene, and above the components of unit directions.
-fn room(scene: &Scene) -> f64 {
-    let extents: Vec<_> = scene.meshes.iter().map(|m| extent(&m.positions)).collect();
-    let farthest = |instance: &scene::Instance| {
-        let (low, high) = extents[instance.mesh as usize]?;
-        let corner = low.abs().max(high.abs()).as_dvec3();
-        let matrix = instance.transform.matrix3.abs();
-        Some((matrix * corner + instance.transform.translation.abs()).max_element())
-    };
-    let largest = scene.instances.iter().filter_map(farthest);
-    2.0 * largest.fold(1.0, f64::max)
-}
-
-/// How far instancing may raise the rounding of a ray's origin above that of vertices placed in the world: at 2^10 an origin
-/// stands off by 6e-5 of the scene's coordinates, which is what a surface may lose of what touches it.
-const MOST_ROUNDING: f64 = 1024.0;
-
-/// True where a mesh may be held once and rays be carried into its space by this f32 transform. Elsewhere its vertices are
-/// placed in the world, in f64, which costs memory and no accuracy.
-///
-/// * `room`: bound on the coordinates of rays.
-fn served(transform: &Affine3A, room: f64) -> bool {
-    let backends =
-        transform.inverse().is_finite() && embree::serves(&transform.to_cols_array_2d(), room);
-    // The matrix of the bound of `Part::rounding`, per unit roundoff and coordinate.
-    let (forth, back) = (
-        transform.matrix3.as_dmat3(),
-        transform.inverse().matrix3.as_dmat3(),
-    );
-    let there_and_back = forth.abs() * back.abs();
-    let rounding = there_and_back * (there_and_back * DVec3::ONE);
-    backends && 8.0 * rounding.max_element() <= MOST_ROUNDING
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::fixture::{placed_scene, square};
+    use crate::geometry::Positions;
+    use glam::Vec3;
 
     fn build(places: &[DAffine3], instancing: bool) -> Result<World, Error> {
         let placed: Vec<_> = places.iter().map(|place| (0, *place)).collect();
