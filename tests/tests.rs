@@ -12,6 +12,7 @@ mod buried;
 mod capture;
 mod cli;
 mod closed;
+mod compressed;
 mod corpus;
 mod denoise;
 mod directional;
