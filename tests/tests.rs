@@ -30,6 +30,7 @@ mod maps;
 mod methods;
 mod models;
 mod normal_maps;
+mod orm;
 mod outputs;
 mod pages;
 mod parity;
