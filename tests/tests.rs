@@ -4,6 +4,7 @@
 
 mod alpha;
 mod any_view;
+mod any_view_shaders;
 mod armour;
 mod authored;
 mod bounces;
