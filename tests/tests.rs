@@ -4,6 +4,7 @@
 
 mod alpha;
 mod any_view;
+mod any_view_shaders;
 mod armour;
 mod authored;
 mod bounces;
@@ -12,6 +13,7 @@ mod buried;
 mod capture;
 mod cli;
 mod closed;
+mod compressed;
 mod corpus;
 mod denoise;
 mod directional;
@@ -29,6 +31,7 @@ mod maps;
 mod methods;
 mod models;
 mod normal_maps;
+mod orm;
 mod outputs;
 mod pages;
 mod parity;

@@ -64,14 +64,12 @@ pub enum Error {
         problem: String,
     },
     /// A glTF file requires an extension that is not implemented.
-    #[error("{}: the required extension {extension} is not supported; {advice}", path.display())]
+    #[error("{}: the required extension {extension} is not supported; export the file without it", path.display())]
     Extension {
         /// The file.
         path: PathBuf,
         /// Name of the extension.
         extension: String,
-        /// How to get a file without it.
-        advice: &'static str,
     },
     /// Nothing is left to bake.
     #[error(

@@ -4,6 +4,8 @@
 mod authored;
 #[path = "files/broken.rs"]
 mod broken;
+#[path = "files/compressed.rs"]
+mod compressed;
 #[path = "files/document.rs"]
 mod document;
 #[path = "files/energy.rs"]

@@ -4,12 +4,14 @@
 //! sky of radiance 1. What an engine multiplies by differs; [`Engine`]'s table says it, and `bake.json` repeats it.
 
 mod ao;
+mod container;
 mod half_exr;
 mod ktx2;
 mod light;
 mod lightmap_glb;
 mod lit_glb;
 mod mips;
+mod orm_glb;
 mod scene_glb;
 mod scene_kind;
 mod sh;

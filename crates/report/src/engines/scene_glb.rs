@@ -3,8 +3,10 @@
 //! They are made from the bake's own GLB, of which only the materials change: in each, the picture of the occlusion gives its place to one
 //! of light, and the materials that showed the one show the other.
 
+use super::container::{list, parts, whole};
 use super::lightmap_glb::LIGHTMAP;
 use super::lit_glb::LIT;
+use super::orm_glb;
 use super::scene_kind::{Picture, SceneGlb};
 use super::{Engine, LightmapReport, PageLight};
 use crate::{Error, Output};
@@ -17,19 +19,25 @@ const KINDS: [&SceneGlb; 2] = [&LIT, &LIGHTMAP];
 #[derive(Default)]
 pub struct ScenePictures {
     of: Vec<(&'static SceneGlb, Vec<Picture>)>,
+    /// Whether an engine wants occlusion and roughness in one picture.
+    orm: bool,
 }
 
 /// The names of the files that `engines` get.
 pub fn scene_files(stem: &str, engines: &[Engine]) -> Vec<String> {
-    let kinds = kinds(engines);
-    kinds.map(|kind| kind.file(stem)).collect()
+    let kinds = kinds(engines).map(|kind| kind.file(stem));
+    let orm = wants_orm(engines).then(|| orm_file(stem));
+    kinds.chain(orm).collect()
 }
 
 impl ScenePictures {
     /// Of no page as yet.
     pub fn new(engines: &[Engine]) -> Self {
         let of = kinds(engines).map(|kind| (kind, Vec::new()));
-        Self { of: of.collect() }
+        Self {
+            of: of.collect(),
+            orm: wants_orm(engines),
+        }
     }
 
     /// Adds those of a page; pages come in order. A kind for which the page lacks a layer is not made.
@@ -43,7 +51,7 @@ impl ScenePictures {
 
     /// True where no file needs the scene's GLB.
     pub fn is_empty(&self) -> bool {
-        self.of.is_empty()
+        self.of.is_empty() && !self.orm
     }
 
     /// Stages the files, made from the scene's GLB, and returns what `bake.json` says of them.
@@ -62,26 +70,42 @@ impl ScenePictures {
         for (kind, pictures) in &self.of {
             output.stage_bytes(&kind.file(stem), &repaint(glb, pictures, kind, &path)?)?;
             let wanting = engines.iter().filter(|e| kind.engines.contains(e));
-            entries.extend(wanting.map(|engine| kind.entry(*engine, stem)));
+            entries.extend(wanting.map(|engine| entry(*engine, kind.file(stem), kind.words)));
+        }
+        if let Some(packed) = self.orm.then(|| orm_glb::packed(glb)).flatten() {
+            output.stage_bytes(&orm_file(stem), &packed)?;
+            let wanting = engines.iter().filter(|e| orm_glb::ENGINES.contains(e));
+            entries.extend(wanting.map(|engine| entry(*engine, orm_file(stem), orm_glb::WORDS)));
         }
         Ok(entries)
+    }
+}
+
+fn wants_orm(engines: &[Engine]) -> bool {
+    orm_glb::ENGINES
+        .iter()
+        .any(|engine| engines.contains(engine))
+}
+
+fn orm_file(stem: &str) -> String {
+    format!("{stem}.orm.glb")
+}
+
+/// What `bake.json` says of a file that an engine loads as it is.
+fn entry(engine: Engine, file: String, words: [&str; 2]) -> LightmapReport {
+    let [unit, how] = words.map(str::to_owned);
+    LightmapReport {
+        engine: engine.name().into(),
+        file,
+        unit,
+        scale: 1.0,
+        how,
     }
 }
 
 impl SceneGlb {
     fn file(&self, stem: &str) -> String {
         format!("{stem}.{}.glb", self.suffix)
-    }
-
-    fn entry(&self, engine: Engine, stem: &str) -> LightmapReport {
-        let [unit, how] = self.words.map(str::to_owned);
-        LightmapReport {
-            engine: engine.name().into(),
-            file: self.file(stem),
-            unit,
-            scale: 1.0,
-            how,
-        }
     }
 }
 
@@ -178,43 +202,6 @@ fn move_back(place: &mut Value, end: u64, by: u64) {
     if place["buffer"] == 0 {
         place["byteOffset"] = (offset - by).into();
     }
-}
-
-fn list<'a>(json: &'a Value, key: &str) -> &'a [Value] {
-    json[key].as_array().map_or(&[], Vec::as_slice)
-}
-
-/// JSON and BIN chunk of a GLB.
-fn parts(glb: &[u8]) -> Option<(Value, Vec<u8>)> {
-    let number =
-        |at: usize| Some(u32::from_le_bytes(glb.get(at..at + 4)?.try_into().ok()?) as usize);
-    let text_end = 20usize.checked_add(number(12)?)?;
-    if !glb.starts_with(b"glTF") || glb.get(16..20)? != b"JSON" {
-        return None;
-    }
-    let json = serde_json::from_slice(glb.get(20..text_end)?).ok()?;
-    let end = (text_end + 8).checked_add(number(text_end)?)?;
-    Some((json, glb.get(text_end + 8..end)?.to_vec()))
-}
-
-/// The container again; `None` past the format's 4 GiB.
-fn whole(json: &mut Value, bin: &[u8]) -> Option<Vec<u8>> {
-    json["buffers"][0]["byteLength"] = bin.len().into();
-    let mut text = serde_json::to_vec(json).ok()?;
-    text.resize(text.len().next_multiple_of(4), b' ');
-    let total = u32::try_from(28 + text.len() + bin.len()).ok()?;
-    let mut file = b"glTF".to_vec();
-    file.extend(
-        [2, total, text.len() as u32]
-            .iter()
-            .flat_map(|n| n.to_le_bytes()),
-    );
-    file.extend(b"JSON");
-    file.extend(text);
-    file.extend((bin.len() as u32).to_le_bytes());
-    file.extend(b"BIN\0");
-    file.extend(bin);
-    Some(file)
 }
 
 #[cfg(test)]

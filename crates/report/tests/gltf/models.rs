@@ -38,6 +38,42 @@ fn real_models_are_valid_and_load_again() {
 }
 
 #[test]
+fn compressed_scenes_are_written_plain_and_valid() {
+    let dir = tempfile::tempdir().unwrap();
+    let fixtures = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../scene/tests/files/compressed"
+    );
+    let mut written = Vec::new();
+    for name in [
+        "pack",
+        "pack_khr",
+        "pack_float",
+        "transform",
+        "draco",
+        "draco_sequential",
+    ] {
+        let before =
+            scene::load(&std::path::Path::new(fixtures).join(format!("{name}.glb"))).unwrap();
+        let path = write(
+            &before,
+            &layout(&before, true, 2),
+            dir.path(),
+            &format!("{name}.glb"),
+        );
+        assert_eq!(
+            corners(&scene::load(&path).unwrap()),
+            corners(&before),
+            "{name}"
+        );
+        let (json, _) = open(&path);
+        assert!(!json.to_string().contains("_compression"), "{name}");
+        written.push(path);
+    }
+    assert_valid(&written);
+}
+
+#[test]
 fn lamps_of_an_obj_scene_keep_their_radiance() {
     let dir = tempfile::tempdir().unwrap();
     let at = |name: &str| dir.path().join(name);

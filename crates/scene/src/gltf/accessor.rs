@@ -32,7 +32,7 @@ impl Data<'_> {
             ));
         }
         if elements.base.is_none() && elements.sparse.is_none() {
-            return named("it has no data; if the file is compressed, decode it: `npx @gltf-transform/cli copy IN OUT`".into());
+            return named("it has no data; export the file again".into());
         }
         // Zeros cost no byte in the file, so their number needs a bound of its own.
         let bytes: usize = self.document.buffers.iter().map(Vec::len).sum();
@@ -149,7 +149,7 @@ fn item<'a>(json: &'a Value, list: &str, index: usize) -> Option<&'a Value> {
 }
 
 /// A size, offset or index stored under `key`; one that this machine cannot address is as large as it gets.
-fn number(json: &Value, key: &str) -> Option<usize> {
+pub(super) fn number(json: &Value, key: &str) -> Option<usize> {
     let number = json.get(key)?.as_u64()?;
     Some(usize::try_from(number).unwrap_or(usize::MAX))
 }

@@ -1,7 +1,6 @@
 //! The glTF document behind a scene, with everything in it that the scene does not use: a writer patches it and loses
 //! nothing, whatever has become of the file meanwhile.
 
-use super::root::unsupported;
 use crate::Error;
 use crate::source::{Input, Uri, beside, uri};
 use gltf::json::Root;
@@ -14,7 +13,7 @@ pub struct GltfDocument {
     /// The JSON, keys in the file's order. A data URI whose content stands in `buffers` or `images` ends after its
     /// comma, so that no byte is held twice.
     pub json: Value,
-    /// The bytes of each of the JSON's `buffers`, each exactly `byteLength` long.
+    /// The bytes of each of the JSON's `buffers`, each exactly `byteLength` long. Compressed geometry is decoded.
     pub buffers: Vec<Vec<u8>>,
     /// For each of the JSON's `images` the content behind its `uri`. `None` where it lies in a buffer view, where its file is
     /// absent or nothing uses it, and where its bytes are not those of a picture: that stays a URI.
@@ -31,7 +30,8 @@ pub struct EncodedImage {
 }
 
 impl GltfDocument {
-    /// The document with its buffers read, without its images. `bin` is the binary chunk of a GLB file.
+    /// The document with its buffers read, without its images. `bin` is the binary chunk of a GLB file. A buffer that only holds the place
+    /// of compressed views is empty.
     ///
     /// # Errors
     /// A buffer is absent or shorter than the JSON says.
@@ -56,7 +56,15 @@ impl GltfDocument {
                 }
                 None => match bin.take().filter(|_| i == 0) {
                     Some(bin) => bin,
-                    None => return Err(no_content(input, root, place)),
+                    None if holds_a_place(root, i) => {
+                        buffers.push(Vec::new());
+                        continue;
+                    }
+                    None => {
+                        let problem =
+                            "it has neither a uri nor a binary chunk; export the file again";
+                        return Err(input.invalid(place, problem));
+                    }
                 },
             };
             let announced = buffer.byte_length.0;
@@ -120,16 +128,18 @@ impl GltfDocument {
     }
 }
 
-/// The error for a buffer that names no content.
-fn no_content(input: &Input, root: &Root, place: String) -> Error {
-    let packed = |name: &&String| name.ends_with("_meshopt_compression");
-    match root.extensions_used.iter().find(packed) {
-        Some(name) => unsupported(input, name),
-        None => input.invalid(
-            place,
-            "it has neither a uri nor a binary chunk; export the file again",
-        ),
-    }
+/// Whether a buffer has no content of its own, because all views of it are compressed by meshopt.
+fn holds_a_place(root: &Root, buffer: usize) -> bool {
+    let packed = |view: &gltf::json::buffer::View| {
+        let extensions = view.extensions.as_ref();
+        extensions.is_some_and(|e| {
+            e.others
+                .keys()
+                .any(|name| name.ends_with("_meshopt_compression"))
+        })
+    };
+    let mut views = root.buffer_views.iter();
+    views.any(|view| view.buffer.value() == buffer && packed(view))
 }
 
 /// The images that a texture, an extension of one, or an extension of the whole document names.

@@ -10,6 +10,7 @@
 //! `missing-textures`, `clamped-factors`.
 
 mod accessor;
+mod compressed;
 mod container;
 mod document;
 mod elements;
@@ -55,6 +56,7 @@ pub(crate) fn load(input: &mut Input, format: Format) -> Result<Parts, Error> {
         bytes
     });
     let mut document = GltfDocument::open(input, &root, json, bin)?;
+    compressed::decode(input, &mut document)?;
 
     let mut parts = Parts::default();
     let mut image_files = BTreeMap::new();

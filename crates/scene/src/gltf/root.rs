@@ -7,10 +7,12 @@ use gltf::json::{Path as JsonPath, Root};
 
 /// Required extensions that hold no obstacle: they are implemented, have no influence on ambient reflection, or name textures in a
 /// format without which a scene can be baked, with a warning.
-const SUPPORTED: [&str; 14] = [
+const SUPPORTED: [&str; 17] = [
     "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
     "EXT_texture_avif",
     "EXT_texture_webp",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -18,6 +20,7 @@ const SUPPORTED: [&str; 14] = [
     "KHR_materials_unlit",
     "KHR_materials_variants",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_texture_basisu",
     "KHR_texture_transform",
     "KHR_xmp_json_ld",
@@ -96,16 +99,9 @@ fn old(input: &Input, version: &str) -> Error {
 }
 
 /// The error for an extension that this loader cannot do without and does not implement.
-pub(super) fn unsupported(input: &Input, extension: &str) -> Error {
-    let advice = match extension {
-        "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
-            "decode the meshes first: `npx @gltf-transform/cli copy IN OUT`"
-        }
-        _ => "export the file without it",
-    };
+fn unsupported(input: &Input, extension: &str) -> Error {
     Error::Extension {
         path: input.path.clone(),
         extension: short(extension),
-        advice,
     }
 }

@@ -168,14 +168,12 @@ fn nodes_and_values() {
 
 #[test]
 fn required_extensions_are_named_with_the_cure() {
-    for (name, cure) in [
-        ("KHR_draco_mesh_compression", "npx @gltf-transform/cli copy"),
-        ("EXT_meshopt_compression", "npx @gltf-transform/cli copy"),
-        ("ACME_unheard_of", "export the file without it"),
-    ] {
-        edited(name, |d| d.json["extensionsRequired"] = json!([name]));
-        edited(cure, |d| d.json["extensionsRequired"] = json!([name]));
-    }
+    edited("ACME_unheard_of", |d| {
+        d.json["extensionsRequired"] = json!(["ACME_unheard_of"])
+    });
+    edited("export the file without it", |d| {
+        d.json["extensionsRequired"] = json!(["ACME_unheard_of"])
+    });
 }
 
 #[test]

@@ -1,0 +1,253 @@
+//! `KHR_draco_mesh_compression`: primitives whose attributes and indices are one compressed stream, decoded by the crate `draco-core`.
+
+use super::edit::{Problem, list, take_extension};
+use crate::gltf::accessor::number;
+use crate::gltf::document::GltfDocument;
+use crate::gltf::elements::{component, kind};
+use crate::source::short;
+use draco_core::{DataType, DecodeLimits, DecoderBuffer, MeshDecoder, PointAttribute, PointIndex};
+use gltf::json::accessor::ComponentType;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+const NAME: &str = "KHR_draco_mesh_compression";
+
+/// The most triangles that one byte of a stream may hold. A plane in regular triangles has some hundred.
+const FACES_A_BYTE: u64 = 4096;
+
+/// The most bytes of decoded attributes in a file: as much as its indices can tell apart in the usual layout.
+const MOST_BYTES: u64 = 16 << 30;
+
+/// Which stream and which of its attributes an accessor was filled from.
+type Filled = BTreeMap<usize, (usize, Option<u64>)>;
+
+/// Decodes every primitive whose accessors have no data of their own. Decoded bytes lie behind the first buffer.
+pub(super) fn decode(document: &mut GltfDocument) -> Result<(), Problem> {
+    let mut filled = Filled::new();
+    let mut left = MOST_BYTES;
+    let mut remains = false;
+    for m in 0..list(&document.json, "meshes").len() {
+        for p in 0..list(&document.json["meshes"][m], "primitives").len() {
+            let place = || format!("mesh {m} primitive {p}");
+            let primitive = document.json["meshes"][m]["primitives"][p].clone();
+            let Some(stream) = primitive.pointer(&format!("/extensions/{NAME}")) else {
+                continue;
+            };
+            if has_data(document, &primitive) {
+                remains = true;
+                continue;
+            }
+            let bytes = fill(document, &primitive, stream, &mut filled, left);
+            let bytes = bytes.map_err(|problem| {
+                (
+                    place(),
+                    format!("{problem}; the file is corrupt, export it again"),
+                )
+            })?;
+            left -= bytes.min(left);
+            let primitive = &mut document.json["meshes"][m]["primitives"][p];
+            take_extension(primitive, NAME);
+            // A stream holds triangles, whatever they were before.
+            primitive
+                .as_object_mut()
+                .and_then(|p| p.shift_remove("mode"));
+        }
+    }
+    if !remains {
+        document.forget_extension(NAME);
+    }
+    Ok(())
+}
+
+/// Whether the positions of a primitive stand in the file uncompressed too, or were decoded for another primitive alone.
+fn has_data(document: &GltfDocument, primitive: &Value) -> bool {
+    let positions = number(&primitive["attributes"], "POSITION");
+    let accessor = positions.and_then(|i| list(&document.json, "accessors").get(i));
+    accessor.is_some_and(|accessor| accessor.get("bufferView").is_some())
+        && primitive
+            .pointer(&format!("/extensions/{NAME}/attributes/POSITION"))
+            .is_some()
+}
+
+/// Decodes a stream into the accessors of its primitive and returns how many bytes it had.
+fn fill(
+    document: &mut GltfDocument,
+    primitive: &Value,
+    stream: &Value,
+    filled: &mut Filled,
+    left: u64,
+) -> Result<u64, String> {
+    let view = number(stream, "bufferView").unwrap_or(usize::MAX);
+    let bytes = list(&document.json, "bufferViews").get(view);
+    let bytes = bytes.and_then(|view| document.named_bytes(view));
+    let bytes = bytes.ok_or("its compressed data reach beyond their buffer")?;
+    let limits = DecodeLimits::default()
+        .with_max_faces(FACES_A_BYTE.saturating_mul(bytes.len() as u64).min(1 << 28))
+        .with_max_decoded_bytes(left.min(2 << 30));
+    let mut mesh = draco_core::Mesh::new();
+    MeshDecoder::new()
+        .decode(
+            &mut DecoderBuffer::new(bytes).with_limits(limits),
+            &mut mesh,
+        )
+        .map_err(|e| format!("its compressed data are damaged ({})", short(e.message())))?;
+    let points = mesh.num_points();
+    let mut total = 0;
+
+    let indices = number(primitive, "indices").ok_or("it is compressed but has no indices")?;
+    let corners = mesh.faces().iter().flatten().map(|point| point.0);
+    let (kind, numbers): (u32, Vec<u8>) = match u16::try_from(points) {
+        Ok(_) => (
+            5123,
+            corners.flat_map(|i| (i as u16).to_le_bytes()).collect(),
+        ),
+        Err(_) => (5125, corners.flat_map(u32::to_le_bytes).collect()),
+    };
+    total += numbers.len() as u64;
+    let shape = json!({ "componentType": kind, "count": 3 * mesh.num_faces() });
+    place(
+        document,
+        indices,
+        &numbers,
+        None,
+        shape,
+        filled,
+        (view, None),
+    )?;
+
+    for (name, id) in stream
+        .get("attributes")
+        .and_then(Value::as_object)
+        .into_iter()
+        .flatten()
+    {
+        let accessor = number(&primitive["attributes"], name);
+        let accessor = accessor.ok_or_else(|| format!("{} has no accessor", short(name)))?;
+        let attribute = id.as_u64().and_then(|id| u32::try_from(id).ok());
+        let attribute = attribute.and_then(|id| mesh.attribute_by_unique_id(id));
+        let attribute = attribute.ok_or_else(|| format!("{} is not in its stream", short(name)))?;
+        let (rows, stride) = rows(document, accessor, attribute, points)?;
+        total += rows.len() as u64;
+        let shape = json!({ "count": points });
+        place(
+            document,
+            accessor,
+            &rows,
+            Some(stride),
+            shape,
+            filled,
+            (view, id.as_u64()),
+        )?;
+    }
+    Ok(total)
+}
+
+/// One row of a multiple of four bytes for each point, in the accessor's type, and that multiple.
+fn rows(
+    document: &GltfDocument,
+    accessor: usize,
+    attribute: &PointAttribute,
+    points: usize,
+) -> Result<(Vec<u8>, usize), String> {
+    let none = || format!("accessor {accessor} is of no known type");
+    let json = list(&document.json, "accessors")
+        .get(accessor)
+        .ok_or_else(none)?;
+    let (component, kind) = (
+        component(json).ok_or_else(none)?,
+        kind(json).ok_or_else(none)?,
+    );
+    let lanes = usize::from(attribute.num_components());
+    if lanes != kind.multiplicity() {
+        return Err(format!(
+            "accessor {accessor} is {kind:?}, but its stream has {lanes} components"
+        ));
+    }
+    let stride = (lanes * component.size()).next_multiple_of(4);
+    let width = attribute.data_type().byte_length();
+    let step = usize::try_from(attribute.byte_stride()).map_err(|_| none())?;
+    let stored = attribute.buffer().data();
+    let mut rows = Vec::with_capacity(points * stride);
+    for point in 0..points {
+        let value = attribute.mapped_index(PointIndex(point as u32)).0 as usize;
+        let from = value.checked_mul(step);
+        let bytes = from.and_then(|from| stored.get(from..)?.get(..lanes * width));
+        let bytes = bytes.ok_or_else(|| format!("accessor {accessor} lacks point {point}"))?;
+        for lane in bytes.chunks_exact(width) {
+            write(component, read(attribute.data_type(), lane), &mut rows);
+        }
+        rows.resize((point + 1) * stride, 0);
+    }
+    Ok((rows, stride))
+}
+
+/// Gives an accessor its bytes, once.
+fn place(
+    document: &mut GltfDocument,
+    accessor: usize,
+    bytes: &[u8],
+    stride: Option<usize>,
+    shape: Value,
+    filled: &mut Filled,
+    from: (usize, Option<u64>),
+) -> Result<(), String> {
+    let json = list(&document.json, "accessors").get(accessor);
+    let json = json.ok_or_else(|| format!("accessor {accessor} does not exist"))?;
+    match filled.get(&accessor) {
+        Some(before) if *before == from => return Ok(()),
+        Some(_) => {
+            return Err(format!(
+                "accessor {accessor} belongs to two compressed streams"
+            ));
+        }
+        None if json.get("bufferView").is_some() => {
+            return Err(format!(
+                "accessor {accessor} has data beside the compressed ones"
+            ));
+        }
+        None => filled.insert(accessor, from),
+    };
+    let start = document.append(bytes);
+    let mut view = json!({ "buffer": 0, "byteOffset": start, "byteLength": bytes.len() });
+    view["target"] = if stride.is_some() { 34962 } else { 34963 }.into();
+    if let Some(stride) = stride {
+        view["byteStride"] = stride.into();
+    }
+    let views = document.json["bufferViews"].as_array_mut();
+    let views = views.ok_or("there are no buffer views")?;
+    views.push(view);
+    let number = views.len() - 1;
+    let json = &mut document.json["accessors"][accessor];
+    json["bufferView"] = number.into();
+    json["byteOffset"] = 0.into();
+    for (key, value) in shape.as_object().into_iter().flatten() {
+        json[key] = value.clone();
+    }
+    Ok(())
+}
+
+/// The number that a stream stores; 0 for a type that it should not have.
+fn read(kind: DataType, bytes: &[u8]) -> f64 {
+    match (kind, bytes) {
+        (DataType::Int8, &[a]) => f64::from(a as i8),
+        (DataType::Uint8 | DataType::Bool, &[a]) => f64::from(a),
+        (DataType::Int16, &[a, b]) => f64::from(i16::from_le_bytes([a, b])),
+        (DataType::Uint16, &[a, b]) => f64::from(u16::from_le_bytes([a, b])),
+        (DataType::Int32, &[a, b, c, d]) => f64::from(i32::from_le_bytes([a, b, c, d])),
+        (DataType::Uint32, &[a, b, c, d]) => f64::from(u32::from_le_bytes([a, b, c, d])),
+        (DataType::Float32, &[a, b, c, d]) => f64::from(f32::from_le_bytes([a, b, c, d])),
+        _ => 0.0,
+    }
+}
+
+/// Writes a number in the type of an accessor; what is out of its range ends at it.
+fn write(kind: ComponentType, number: f64, out: &mut Vec<u8>) {
+    match kind {
+        ComponentType::I8 => out.extend((number as i8).to_le_bytes()),
+        ComponentType::U8 => out.extend((number as u8).to_le_bytes()),
+        ComponentType::I16 => out.extend((number as i16).to_le_bytes()),
+        ComponentType::U16 => out.extend((number as u16).to_le_bytes()),
+        ComponentType::U32 => out.extend((number as u32).to_le_bytes()),
+        ComponentType::F32 => out.extend((number as f32).to_le_bytes()),
+    }
+}

@@ -1,0 +1,65 @@
+//! What both decoders do to a document: read the bytes that something names, lay decoded ones down, take extensions away.
+
+use crate::gltf::accessor::number;
+use crate::gltf::document::GltfDocument;
+use serde_json::{Value, json};
+
+/// Place and sentence.
+pub(super) type Problem = (String, String);
+
+impl GltfDocument {
+    /// Lays bytes behind the first buffer, from a multiple of four on, and returns where.
+    pub(super) fn append(&mut self, bytes: &[u8]) -> usize {
+        if self.buffers.is_empty() {
+            self.buffers.push(Vec::new());
+            self.json["buffers"] = json!([{}]);
+        }
+        let buffer = &mut self.buffers[0];
+        buffer.resize(buffer.len().next_multiple_of(4), 0);
+        let start = buffer.len();
+        buffer.extend_from_slice(bytes);
+        self.json["buffers"][0]["byteLength"] = buffer.len().into();
+        start
+    }
+
+    /// The bytes that an object with `buffer`, `byteOffset` and `byteLength` names.
+    pub(super) fn named_bytes(&self, json: &Value) -> Option<&[u8]> {
+        let from = number(json, "byteOffset").unwrap_or(0);
+        let to = from.checked_add(number(json, "byteLength")?)?;
+        self.buffers.get(number(json, "buffer")?)?.get(from..to)
+    }
+
+    /// Takes a name out of the lists of used and of required extensions.
+    pub(super) fn forget_extension(&mut self, name: &str) {
+        for key in ["extensionsUsed", "extensionsRequired"] {
+            let Some(names) = self.json.get_mut(key).and_then(Value::as_array_mut) else {
+                continue;
+            };
+            names.retain(|other| other != name);
+            if names.is_empty()
+                && let Some(json) = self.json.as_object_mut()
+            {
+                json.shift_remove(key);
+            }
+        }
+    }
+}
+
+/// The elements of an array under `key`; none where there is no such array.
+pub(super) fn list<'a>(json: &'a Value, key: &str) -> &'a [Value] {
+    json.get(key)
+        .and_then(Value::as_array)
+        .map_or(&[], Vec::as_slice)
+}
+
+/// Takes an extension from a JSON object, and the object of extensions where it was the last.
+pub(super) fn take_extension(json: &mut Value, name: &str) -> Option<Value> {
+    let extensions = json.get_mut("extensions")?.as_object_mut()?;
+    let taken = extensions.shift_remove(name);
+    if extensions.is_empty()
+        && let Some(json) = json.as_object_mut()
+    {
+        json.shift_remove("extensions");
+    }
+    taken
+}

@@ -1,0 +1,183 @@
+//! Files that gltfpack and gltf-transform have compressed, against what their own decoders make of them.
+
+use super::support::Folder;
+use ambake_scene::{Scene, load};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+fn path(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/files/compressed")
+        .join(name)
+}
+
+fn scene(name: &str) -> Scene {
+    load(&path(name)).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// The two hold the same, value by value.
+fn assert_same(name: &str, a: &Scene, b: &Scene) {
+    assert_eq!(a.meshes.len(), b.meshes.len(), "{name}");
+    for (a, b) in a.meshes.iter().zip(&b.meshes) {
+        assert_eq!(a.positions, b.positions, "{name}");
+        assert_eq!(a.normals, b.normals, "{name}");
+        assert_eq!(a.uv_sets, b.uv_sets, "{name}");
+        assert_eq!(a.triangles, b.triangles, "{name}");
+    }
+    let places = |scene: &Scene| -> Vec<_> {
+        let instances = scene.instances.iter();
+        instances
+            .map(|i| (i.name.clone(), i.mesh, i.transform))
+            .collect()
+    };
+    assert_eq!(places(a), places(b), "{name}");
+}
+
+#[test]
+fn compressed_files_are_what_their_makers_decode() {
+    for name in [
+        "pack",
+        "pack_float",
+        "transform",
+        "draco",
+        "draco_sequential",
+    ] {
+        let packed = scene(&format!("{name}.glb"));
+        assert_eq!(packed.meshes.len(), 2, "{name}");
+        assert_same(name, &packed, &scene(&format!("{name}.plain.glb")));
+    }
+    // The later name of the extension holds the same quantised numbers.
+    assert_same("pack_khr", &scene("pack_khr.glb"), &scene("pack.glb"));
+}
+
+#[test]
+fn what_is_kept_of_a_compressed_file_is_plain() {
+    for name in ["pack.glb", "pack_khr.glb", "transform.glb", "draco.glb"] {
+        let scene = scene(name);
+        let document = scene.source.expect("a document");
+        let text = document.json.to_string();
+        assert!(!text.contains("compression"), "{name}: {text}");
+        assert_eq!(document.buffers.len(), 1, "{name}");
+        assert_eq!(
+            document.json["buffers"][0]["byteLength"],
+            document.buffers[0].len()
+        );
+        assert!(
+            document.json["buffers"]
+                .as_array()
+                .is_some_and(|b| b.len() == 1)
+        );
+    }
+}
+
+/// A fixture with its JSON changed.
+fn edited(name: &str, edit: impl Fn(&mut Value)) -> Vec<u8> {
+    let bytes = std::fs::read(path(name)).expect("a fixture");
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    let mut json: Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
+    edit(&mut json);
+    let mut text = serde_json::to_vec(&json).unwrap();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let mut out = bytes[..12].to_vec();
+    out.extend((text.len() as u32).to_le_bytes());
+    out.extend(b"JSON");
+    out.extend(text);
+    out.extend(&bytes[20 + length..]);
+    let total = out.len() as u32;
+    out[8..12].copy_from_slice(&total.to_le_bytes());
+    out
+}
+
+#[test]
+fn damaged_compression_is_refused_in_one_line() {
+    let folder = Folder::new();
+    let with = |name: &str, message: &str, edit: &dyn Fn(&mut Value)| {
+        let line = folder
+            .load("a.glb", edited(name, edit))
+            .map(drop)
+            .expect_err(message)
+            .to_string();
+        assert!(line.contains(message), "`{message}` is not in: {line}");
+        assert!(!line.contains('\n') && line.len() < 600, "{line}");
+    };
+    let view = |edit: fn(&mut Value)| {
+        move |json: &mut Value| {
+            edit(&mut json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"]);
+        }
+    };
+    let pack = "pack.glb";
+    with(
+        pack,
+        "reach beyond",
+        &view(|e| e["byteLength"] = json!(1u64 << 40)),
+    );
+    with(pack, "reach beyond", &view(|e| e["buffer"] = json!(7)));
+    with(pack, "has no count", &view(|e| e["count"] = json!(null)));
+    with(
+        pack,
+        "cannot come of",
+        &view(|e| e["count"] = json!(1u64 << 60)),
+    );
+    with(
+        pack,
+        "cannot come of",
+        &view(|e| e["count"] = json!(1 << 20)),
+    );
+    with(
+        pack,
+        "none that the format has",
+        &view(|e| e["byteStride"] = json!(0)),
+    );
+    with(
+        pack,
+        "none that the format has",
+        &view(|e| e["byteStride"] = json!(6)),
+    );
+    with(
+        pack,
+        "none that the format has",
+        &view(|e| e["mode"] = json!("TEA\nTIME")),
+    );
+    with(
+        pack,
+        "none that the format has",
+        &view(|e| e["filter"] = json!("MIRROR")),
+    );
+    with(pack, "are damaged", &view(|e| e["byteLength"] = json!(12)));
+    with(pack, "neither a uri nor a binary chunk", &|json| {
+        json["bufferViews"][0]
+            .as_object_mut()
+            .unwrap()
+            .remove("extensions");
+    });
+    let draco = |edit: fn(&mut Value)| {
+        move |json: &mut Value| {
+            let primitive = &mut json["meshes"][0]["primitives"][0];
+            edit(&mut primitive["extensions"]["KHR_draco_mesh_compression"]);
+        }
+    };
+    with(
+        "draco.glb",
+        "reach beyond",
+        &draco(|e| e["bufferView"] = json!(99)),
+    );
+    with("draco.glb", "are damaged", &|json| {
+        json["bufferViews"][0]["byteLength"] = json!(20);
+    });
+    with(
+        "draco.glb",
+        "is not in its stream",
+        &draco(|e| e["attributes"]["NORMAL"] = json!(40)),
+    );
+    with(
+        "draco.glb",
+        "components",
+        &draco(|e| e["attributes"]["NORMAL"] = json!(2)),
+    );
+    with("draco.glb", "no indices", &|json| {
+        json["meshes"][0]["primitives"][0]
+            .as_object_mut()
+            .unwrap()
+            .remove("indices");
+    });
+}
