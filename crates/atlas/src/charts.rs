@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::measure::{mesh_area, world_area};
+use crate::twins::{self, Shape};
 use glam::{DMat3, DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 use scene::{Mesh, Scene};
@@ -20,6 +21,7 @@ const HANDED: u32 = 8192;
 const HANDED_TRIANGLE: f64 = 16.0;
 
 /// The charts of one mesh, each flat in a plane of its own.
+#[derive(Clone)]
 pub(crate) struct Sheet {
     pub mesh: usize,
     /// Instances that show it, with texels.
@@ -94,43 +96,118 @@ pub(crate) fn sheets(
         .enumerate()
         .filter(|(m, users)| !users.is_empty() && !scene.meshes[*m].triangles.is_empty())
         .collect();
-    let sheet = |(mesh, instances)| sheet(scene, mesh, instances, cancel);
-    placed.into_par_iter().map(sheet).collect()
+    let placed: Vec<Placed> = placed
+        .into_par_iter()
+        .map(|(mesh, instances)| Placed::new(scene, mesh, instances))
+        .collect::<Result<_, _>>()?;
+    let meshes: Vec<&Mesh> = placed.iter().map(|p| &scene.meshes[p.mesh]).collect();
+    let sizes: Vec<[usize; 2]> = meshes
+        .iter()
+        .map(|mesh| [mesh.positions.len(), mesh.triangles.len()])
+        .collect();
+    let firsts = twins::firsts(&sizes, &|i| {
+        let corners = placed[i].corners(meshes[i]);
+        let welded = weld(meshes[i], &unit(meshes[i], &corners)?.positions);
+        let triangles = &meshes[i].triangles;
+        Some(Shape {
+            triangles,
+            corners,
+            welded,
+        })
+    });
+    let sheet =
+        |(i, placed): (usize, &Placed)| (firsts[i] == i).then(|| sheet(scene, placed, cancel));
+    let made: Vec<_> = placed.par_iter().enumerate().map(sheet).collect();
+    let mut sheets: Vec<Sheet> = Vec::with_capacity(placed.len());
+    for ((made, placed), first) in made.into_iter().zip(placed).zip(firsts) {
+        let sheet = match made {
+            Some(made) => made?,
+            None => sheets[first].clone(),
+        };
+        sheets.push(Sheet {
+            mesh: placed.mesh,
+            instances: placed.instances,
+            scales: placed.scales,
+            ..sheet
+        });
+    }
+    Ok(sheets)
 }
 
-fn sheet(
-    scene: &Scene,
+/// A mesh that takes texels.
+struct Placed {
     mesh: usize,
     instances: Vec<u32>,
-    cancel: &(dyn Fn() -> bool + Sync),
-) -> Result<Sheet, Error> {
-    let data = &scene.meshes[mesh];
-    let extent = || Error::Extent(scene.instances[instances[0] as usize].name.clone());
-    let (shape, scales) = match instances[..] {
-        [only] => (scene.instances[only as usize].transform.matrix3, vec![1.0]),
-        _ => {
-            let own = mesh_area(scene, mesh);
-            let scale = |&i: &u32| (world_area(scene, i as usize) / own).sqrt();
-            (DMat3::IDENTITY, instances.iter().map(scale).collect())
+    scales: Vec<f64>,
+    /// The mesh as it is unwrapped.
+    shape: DMat3,
+}
+
+impl Placed {
+    fn new(scene: &Scene, mesh: usize, instances: Vec<u32>) -> Result<Self, Error> {
+        let (shape, scales) = match instances[..] {
+            [only] => (scene.instances[only as usize].transform.matrix3, vec![1.0]),
+            _ => {
+                let own = mesh_area(scene, mesh);
+                let scale = |&i: &u32| (world_area(scene, i as usize) / own).sqrt();
+                (DMat3::IDENTITY, instances.iter().map(scale).collect())
+            }
+        };
+        if !scales.iter().all(|s: &f64| s.is_finite() && *s > 0.0) {
+            return Err(extent(scene, instances[0]));
         }
-    };
-    if !scales.iter().all(|s: &f64| s.is_finite() && *s > 0.0) {
-        return Err(extent());
+        Ok(Self {
+            mesh,
+            instances,
+            scales,
+            shape,
+        })
     }
-    // About the middle, where 32 bits are finest, and at a size far from the ends of their range.
-    let shaped: Vec<DVec3> = data
-        .positions
-        .iter()
-        .map(|p| shape * p.as_dvec3())
-        .collect();
-    let used = || data.triangles.iter().flatten().map(|&v| shaped[v as usize]);
+
+    fn corners(&self, mesh: &Mesh) -> Vec<DVec3> {
+        let corner = |p: &Vec3| self.shape * p.as_dvec3();
+        mesh.positions.iter().map(corner).collect()
+    }
+}
+
+fn extent(scene: &Scene, instance: u32) -> Error {
+    Error::Extent(scene.instances[instance as usize].name.clone())
+}
+
+/// A mesh about its middle, where 32 bits are finest, and at a size far from the ends of their range.
+struct Unit {
+    positions: Vec<[f32; 3]>,
+    /// What one unit is.
+    size: f64,
+}
+
+/// `None` where the mesh has no size.
+fn unit(mesh: &Mesh, corners: &[DVec3]) -> Option<Unit> {
+    let used = || {
+        mesh.triangles
+            .iter()
+            .flatten()
+            .map(|&v| corners[v as usize])
+    };
     let low = used().fold(DVec3::INFINITY, DVec3::min);
     let size = (used().fold(DVec3::NEG_INFINITY, DVec3::max) - low).max_element();
-    if !(size.is_finite() && size > 0.0) {
-        return Err(extent());
-    }
     let unit = |p: &DVec3| ((*p - low) / size - 0.5).as_vec3().to_array();
-    let positions: Vec<[f32; 3]> = shaped.iter().map(unit).collect();
+    (size.is_finite() && size > 0.0).then(|| Unit {
+        positions: corners.iter().map(unit).collect(),
+        size,
+    })
+}
+
+/// The charts of one mesh.
+fn sheet(
+    scene: &Scene,
+    placed: &Placed,
+    cancel: &(dyn Fn() -> bool + Sync),
+) -> Result<Sheet, Error> {
+    let data = &scene.meshes[placed.mesh];
+    let shaped = placed.corners(data);
+    let Unit { positions, size } =
+        unit(data, &shaped).ok_or_else(|| extent(scene, placed.instances[0]))?;
     let welded = weld(data, &positions);
     let corners: Vec<u32> = data.triangles.iter().flatten().copied().collect();
     let indices: Vec<u32> = corners.iter().map(|&v| welded[v as usize]).collect();
@@ -176,7 +253,12 @@ fn sheet(
     let texel = size / f64::from(scale as f32);
     let page = DVec2::new(f64::from(made.width), f64::from(made.height)) * texel;
     let out = &made.meshes[0];
-    assert_eq!(out.indices.len(), indices.len(), "indices of mesh {mesh}");
+    assert_eq!(
+        out.indices.len(),
+        indices.len(),
+        "indices of mesh {}",
+        placed.mesh
+    );
     // Corners of the unwrapper's vertices by the mesh's own, which it does not know apart.
     let mut numbers = HashMap::new();
     let mut vertices: Vec<(u32, usize)> = Vec::with_capacity(out.vertices.len());
@@ -212,9 +294,9 @@ fn sheet(
             .map_or(DVec2::ZERO, |chart| *p - corner[chart as usize]);
     }
     Ok(Sheet {
-        mesh,
-        instances,
-        scales,
+        mesh: placed.mesh,
+        instances: placed.instances.clone(),
+        scales: placed.scales.clone(),
         sources: vertices.iter().map(|&(own, _)| own).collect(),
         points: vertices.iter().map(|&(_, made)| points[made]).collect(),
         triangles,

@@ -45,6 +45,7 @@ mod room;
 mod search;
 mod share;
 mod tile_part;
+mod twins;
 mod types;
 mod uv;
 

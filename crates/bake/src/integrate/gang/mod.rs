@@ -230,8 +230,9 @@ impl<'a> Gang<'a> {
         let blocked = if cast == 0 {
             0
         } else {
+            // Nearly parallel, but Embree 4 is up to half slower where told so (vendor-notes/embree.md).
             task.backend
-                .occluded16(&self.packet, cast, Coherence::Coherent)
+                .occluded16(&self.packet, cast, Coherence::Incoherent)
         };
         self.block.add(&step, active & !blocked, cast);
         if let Some(counts) = &mut self.counts {
