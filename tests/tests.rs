@@ -28,6 +28,7 @@ mod layout;
 mod maps;
 mod methods;
 mod models;
+mod mosaic;
 mod normal_maps;
 mod outputs;
 mod pages;
