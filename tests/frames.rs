@@ -149,6 +149,91 @@ fn every_surface_type_has_its_value_under_a_uniform_environment() {
 }
 
 #[test]
+fn objects_have_shaders_of_their_own_and_traced_mirrors_show_what_stands_before_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    let text = |name: &str| at(name).display().to_string();
+    write_map(&at("I.exr"), 64, |_| [1.0; 3]);
+    // A floor, a wall at its far end, and a ceiling that nobody names.
+    let scene = "o floor\nv -4 0 -4\nv 4 0 -4\nv 4 0 4\nv -4 0 4\nf 4 3 2 1\n\
+                 o wall.far\nv -4 0 -4\nv 4 0 -4\nv 4 2 -4\nv -4 2 -4\nf 5 6 7 8\n";
+    fs::write(at("room.obj"), scene).expect("a file");
+    let (room, environment, out) = (text("room.obj"), text("I.exr"), text("x.exr"));
+    let render = |more: &[&str]| {
+        let fixed = "--size 9x40 --eye 0,3,6 --look 0,0,-1 --samples 1 --albedo 0.25,0.25,0.25 --specular 0.75,0.75,0.75";
+        let all = [
+            "render",
+            &room,
+            "-o",
+            &out,
+            "--environment",
+            &environment,
+            "--quiet",
+        ];
+        run([&all[..], &fixed.split(' ').collect::<Vec<_>>(), more].concat())
+    };
+    let column = |more: &[&str]| {
+        let output = render(more);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{more:?}: {errors}");
+        let image = maps::read(&at("x.exr")).expect("an EXR").image;
+        (0..40).map(|y| image.at(4, y)[0]).collect::<Vec<f32>>()
+    };
+    let near = |a: f32, b: f32| (a - b).abs() < 1e-5;
+    let lit = ["--shader", "traced", "--shader-of", "wall*=luminous"];
+    let traced = column(&lit);
+    let mirror = column(&[&lit[..], &["--shader-of", "floor=mirror"]].concat());
+    let (mut walls, mut seen, mut sky) = (0, 0, 0);
+    for (y, (traced, mirror)) in traced.into_iter().zip(mirror).enumerate() {
+        match mirror {
+            m if near(m, 1.0) => assert!(near(traced, 1.0), "{y}: behind"),
+            m if near(m, 0.25) => {
+                walls += 1;
+                assert!(near(traced, 0.25), "{y}: the wall");
+            }
+            m => {
+                assert!(near(m, 0.75), "{y}: {m}");
+                // The wall in the floor, or the sky.
+                assert!(
+                    near(traced, 0.75 * 0.25) || near(traced, 0.75),
+                    "{y}: {traced}"
+                );
+                seen += usize::from(near(traced, 0.75 * 0.25));
+                sky += usize::from(near(traced, 0.75));
+            }
+        }
+    }
+    assert!(walls > 3 && seen > 3 && sky > 3, "{walls} {seen} {sky}");
+    for (more, status, word) in [
+        (
+            ["--shader", "traced", "--shader-of", "door=mirror"],
+            1,
+            "door",
+        ),
+        (
+            ["--shader", "traced", "--shader-of", "wall*=phong"],
+            1,
+            "--maps",
+        ),
+        (
+            ["--shader", "traced", "--shader-of", "wall*=glass"],
+            2,
+            "varnish",
+        ),
+        (
+            ["--shader", "traced", "--shader-of", "mirror"],
+            2,
+            "NAME=TYPE",
+        ),
+    ] {
+        let output = render(&more);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(status), "{more:?}: {errors}");
+        assert!(errors.contains(word), "{more:?}: {errors}");
+    }
+}
+
+#[test]
 fn the_figure_of_six_materials_has_their_values_under_a_uniform_environment() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name).display().to_string();

@@ -30,6 +30,7 @@ mod layout;
 mod maps;
 mod methods;
 mod models;
+mod mosaic;
 mod normal_maps;
 mod orm;
 mod outputs;

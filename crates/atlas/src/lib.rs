@@ -55,7 +55,7 @@ pub use facts::{Facts, ObjectFacts, facts};
 pub use footprint::{Footprint, Piece, Tile};
 pub use layout::{Seen, layout, layout_seen};
 pub use measure::charts;
-pub use objects::{ObjectName, object_names};
+pub use objects::{ObjectName, instances_named, object_names};
 pub use raster::{PageRaster, Rasters};
 pub use reuse::{Claim, claims, reuse};
 pub use room::roomy_size;

@@ -125,6 +125,23 @@ pub(crate) fn objects(scene: &Scene, options: &Options) -> Result<Vec<Object>, E
     }
 }
 
+/// The instances of the objects that `pattern` fits: their names with or without the number of a repeat, `*` for any characters and `?`
+/// for one.
+///
+/// # Errors
+///
+/// [`Error::NoSuchObject`], which names `flag`.
+pub fn instances_named(
+    scene: &Scene,
+    pattern: &str,
+    flag: &'static str,
+) -> Result<Vec<u32>, Error> {
+    let names = object_names(scene);
+    let mut found = Vec::new();
+    mark(&names, pattern, flag, |i| found.extend(&names[i].instances))?;
+    Ok(found)
+}
+
 /// Calls `chosen` with each object that `pattern` fits, by its name with or without the number of its repeat.
 fn mark(
     names: &[ObjectName],

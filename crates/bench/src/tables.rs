@@ -204,8 +204,7 @@ fn globe(eye: DVec3, direction: DVec3) -> Option<Surfel> {
         normal: (eye + direction * (-b - root.sqrt())).normalize(),
         albedo: DVec3::splat(0.5),
         specular: DVec3::splat(0.5),
-        exponent: 0.0,
-        object: 0,
+        ..Surfel::default()
     })
 }
 

@@ -37,8 +37,7 @@ pub(crate) fn body(wrinkles: f64, eye: DVec3, direction: DVec3) -> Option<Surfel
         normal,
         albedo: DVec3::ZERO,
         specular: DVec3::ONE,
-        exponent: 0.0,
-        object: 0,
+        ..Surfel::default()
     })
 }
 

@@ -1,7 +1,7 @@
 //! What was typed after `ambake map`.
 
 use crate::common::Backend;
-use crate::parse::{color, light, number, size, triple};
+use crate::parse::{color, field_of_view, light, number, size, triple};
 use clap::{Args as ClapArgs, Subcommand, ValueEnum};
 use maps::ball::Circle;
 use maps::{Orientation, Projection};
@@ -19,6 +19,8 @@ pub enum Args {
     Specular(Specular),
     /// Photographs of a mirrored ball to a map
     Ball(Ball),
+    /// Six photographs along the axes to a map without seams
+    Mosaic(Mosaic),
     /// Exposure brackets to one picture of radiance
     Merge(Merge),
     /// The light that arrives at a place in a scene
@@ -162,10 +164,38 @@ pub struct Ball {
     /// Reflectance of the ball, one number or R,G,B; it is divided out
     #[arg(long, value_name = "R,G,B", default_value = "1", value_parser = reflectance)]
     pub reflectance: [f64; 3],
+    /// What each photograph is multiplied by, channel by channel: found where two photographs see the same, or nothing
+    #[arg(long, value_enum, default_value_t = GainsName::Off)]
+    pub gains: GainsName,
     /// Projection of OUT: polar, cube, cross, strip, ortho, ball, angular, octahedral
     #[arg(long, value_name = "PROJECTION", default_value = "polar", value_parser = projection)]
     pub to: Projection,
     /// Width and height of OUT in texels; of one face for a cube [default: as fine as the middle of the largest ball]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<[u32; 2]>,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+#[derive(ClapArgs)]
+pub struct Mosaic {
+    /// NAME.exr for the square photographs NAME_px.exr, NAME_nx.exr … NAME_nz.exr, toward +x, -x and so on with the axes of a cube's faces; .hdr,
+    /// .exr, or .png and .jpg taken as sRGB. A series of exposures of each goes through `map merge` first
+    #[arg(value_name = "IN")]
+    pub input: PathBuf,
+    /// Map to write: .hdr or .exr; for a cube NAME.exr stands for NAME_px.exr … NAME_nz.exr
+    #[arg(short = 'o', long = "output", value_name = "OUT")]
+    pub output: PathBuf,
+    /// What a photograph spans from side to side, in degrees, from 90 below 180; what is more than 90 fades from photograph to photograph
+    #[arg(long, value_name = "F", default_value = "90", value_parser = field_of_view)]
+    pub fov_deg: f64,
+    /// What each photograph is multiplied by, channel by channel: found where two photographs show the same, or nothing
+    #[arg(long, value_enum, default_value_t = GainsName::Auto)]
+    pub gains: GainsName,
+    /// Projection of OUT: polar, cube, cross, strip, ortho, ball, angular, octahedral
+    #[arg(long, value_name = "PROJECTION", default_value = "polar", value_parser = projection)]
+    pub to: Projection,
+    /// Width and height of OUT in texels; of one face for a cube [default: as fine as the photographs]
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub size: Option<[u32; 2]>,
     #[command(flatten)]
@@ -242,6 +272,14 @@ pub struct Capture {
     pub seed: u64,
     #[command(flatten)]
     pub common: Common,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum GainsName {
+    /// Found and undone
+    Auto,
+    /// Photographs stay as they are
+    Off,
 }
 
 #[derive(Clone, Copy, ValueEnum)]

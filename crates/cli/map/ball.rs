@@ -1,12 +1,12 @@
 //! `ambake map ball`: photographs of a mirrored ball to an illumination map.
 
-use super::args::Ball;
+use super::args::{Ball, GainsName};
 use super::file;
 use crate::host;
 use crate::outcome::{say, say_json};
 use anyhow::{Context, bail};
-use maps::ball::{self, Found, Optics, Photo};
-use maps::{Image, Layout, Orientation};
+use maps::ball::{self, Circle, Found, Optics, Photo};
+use maps::{Gains, Image, Layout, Orientation};
 use serde_json::json;
 use std::path::Path;
 
@@ -39,18 +39,17 @@ pub fn run(args: &Ball) -> anyhow::Result<()> {
         });
         images.push(image);
     }
-    let optics = |index: usize| {
-        let given = args.distance.get(index).or(args.distance.first());
-        given.map_or(Optics::Orthographic, |d| Optics::Near(*d))
+    let gains = match args.gains {
+        GainsName::Off => Gains::none(count),
+        GainsName::Auto => ball::gains(&photos(args, &images, &outlines))?,
     };
-    let photos: Vec<Photo> = (0..count)
-        .map(|index| Photo {
-            image: &images[index],
-            circle: outlines[index].0,
-            from: args.toward.get(index).copied().unwrap_or([0.0, 0.0, 1.0]),
-            optics: optics(index),
-        })
-        .collect();
+    for (image, factors) in images.iter_mut().zip(&gains.factors) {
+        let even = |v: f32, factor: f64| (f64::from(v) * factor).min(f64::from(f32::MAX)) as f32;
+        for pixel in image.pixels.iter_mut().filter(|_| *factors != [1.0; 3]) {
+            *pixel = std::array::from_fn(|c| even(pixel[c], factors[c]));
+        }
+    }
+    let photos = photos(args, &images, &outlines);
     let size = match args.size {
         Some(size) => file::picture_size(args.to, size),
         None => {
@@ -98,7 +97,7 @@ pub fn run(args: &Ball) -> anyhow::Result<()> {
             .collect();
         return say_json(&json!({
             "schema_version": 1, "balls": balls, "projection": args.to.name(), "size": [size.0, size.1],
-            "masked_texels": masked, "unseen": unseen, "files": files,
+            "gains": (args.gains == GainsName::Auto).then_some(&gains.factors), "masked_texels": masked, "unseen": unseen, "files": files,
         }));
     }
     if args.common.quiet {
@@ -116,6 +115,25 @@ pub fn run(args: &Ball) -> anyhow::Result<()> {
         text += &format!("wrote {}\n", file.display());
     }
     say(&text)
+}
+
+/// The photographs with what the arguments say of them.
+fn photos<'a>(
+    args: &Ball,
+    images: &'a [Image],
+    outlines: &[(Circle, Option<Found>)],
+) -> Vec<Photo<'a>> {
+    let optics = |index: usize| {
+        let given = args.distance.get(index).or(args.distance.first());
+        given.map_or(Optics::Orthographic, |d| Optics::Near(*d))
+    };
+    let photo = |(index, image): (usize, &'a Image)| Photo {
+        image,
+        circle: outlines[index].0,
+        from: args.toward.get(index).copied().unwrap_or([0.0, 0.0, 1.0]),
+        optics: optics(index),
+    };
+    images.iter().enumerate().map(photo).collect()
 }
 
 /// What is known about one photograph.

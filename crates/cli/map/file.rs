@@ -61,19 +61,25 @@ fn suffixed(path: &Path, suffix: &str) -> PathBuf {
     path.with_file_name(format!("{stem}_{suffix}.{ending}"))
 }
 
+/// The files of the six faces of the cube `path`.
+pub fn face_paths(path: &Path) -> anyhow::Result<[PathBuf; 6]> {
+    let paths = FACES.map(|face| suffixed(path, face));
+    match paths.iter().find(|path| !path.exists()) {
+        None => Ok(paths),
+        Some(missing) => bail!(
+            "cube face {} is missing; a cube has the faces {}",
+            missing.display(),
+            FACES.join(", ")
+        ),
+    }
+}
+
 /// The six faces of a cube below each other.
 fn faces(
     path: &Path,
     read: impl Fn(&Path) -> Result<ImageFile, maps::Error>,
 ) -> anyhow::Result<(ImageFile, Vec<PathBuf>)> {
-    let paths = FACES.map(|face| suffixed(path, face));
-    if let Some(missing) = paths.iter().find(|path| !path.exists()) {
-        bail!(
-            "cube face {} is missing; a cube has the faces {}",
-            missing.display(),
-            FACES.join(", ")
-        );
-    }
+    let paths = face_paths(path)?;
     let mut cube: Option<ImageFile> = None;
     for path in &paths {
         let file = read(path)?;

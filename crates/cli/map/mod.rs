@@ -6,6 +6,7 @@ mod capture;
 mod convert;
 pub mod file;
 mod merge;
+mod mosaic;
 mod reflect;
 pub mod run;
 mod stats;

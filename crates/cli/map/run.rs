@@ -1,7 +1,7 @@
 //! `ambake map`: which sub-verb runs.
 
 use super::args::Args;
-use super::{ball, capture, convert, merge, reflect, stats};
+use super::{ball, capture, convert, merge, mosaic, reflect, stats};
 use crate::outcome::Outcome;
 
 /// Runs the verb.
@@ -12,6 +12,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         Args::Diffuse(args) => reflect::diffuse(args),
         Args::Specular(args) => reflect::specular(args),
         Args::Ball(args) => ball::run(args),
+        Args::Mosaic(args) => mosaic::run(args),
         Args::Merge(args) => merge::run(args),
         Args::Capture(args) => return capture::run(args),
     }?;

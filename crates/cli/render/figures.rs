@@ -101,7 +101,7 @@ fn balls(
     stop: &Stop,
 ) -> anyhow::Result<Files> {
     let surfaces = Surfaces::new(world);
-    let subject = options::subject(args, &surfaces, backend);
+    let subject = options::subject(args, &surfaces, backend, &[]);
     let path = args.tables.environment.as_deref();
     let path = path.context("--figure balls needs --environment")?;
     let balls = Balls::of(&maps::read_polar(path)?.map)?;

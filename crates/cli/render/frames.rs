@@ -8,7 +8,7 @@ use crate::outcome::{Outcome, say, say_json};
 use crate::progress::watch;
 use crate::stop::Stop;
 use ::render::Error;
-use ::render::tables::{CameraPath, Frame, Motion, Sequence, TableSet};
+use ::render::tables::{CameraPath, Frame, Motion, Sequence, SurfaceType, TableSet};
 use anyhow::Context;
 use rays::{RayBackend, Surfaces, World};
 use serde_json::{Value, json};
@@ -24,23 +24,23 @@ pub fn draw(
     started: Instant,
 ) -> anyhow::Result<Outcome> {
     let tables = &args.tables;
-    let surface = options::surface_type(tables);
+    let (types, shadings) = options::surface_types(tables, world.scene())?;
     let maps = tables.maps.as_ref();
     let maps = maps.map(|[d, s]| [d.as_path(), s.as_path()]);
     let set = TableSet::read(
-        surface,
+        &types,
         maps,
         &tables.exponents,
         tables.environment.as_deref(),
     )?;
     let behind = Behind::of(args)?;
-    let mut sequence = sequence(args, world, &set)?;
+    let mut sequence = sequence(args, world, &set, &types)?;
     if !matches!(behind, Behind::Own) {
         sequence.environment = None;
     }
     let sequence = sequence;
     let surfaces = Surfaces::new(world);
-    let subject = options::subject(args, &surfaces, backend);
+    let subject = options::subject(args, &surfaces, backend, &shadings);
     let numbered = tables.frames.is_some() || tables.path.is_some();
     let inputs = file::inputs(args, world);
     let mut shading = 0.0;
@@ -87,11 +87,21 @@ pub fn draw(
 }
 
 /// The sequence of the arguments.
-fn sequence<'a>(args: &Args, world: &World, set: &'a TableSet) -> anyhow::Result<Sequence<'a>> {
+fn sequence<'a>(
+    args: &Args,
+    world: &World,
+    set: &'a TableSet,
+    types: &[SurfaceType],
+) -> anyhow::Result<Sequence<'a>> {
     let tables = &args.tables;
-    let surface = options::surface_type(tables);
-    let mut shader = set.shader(surface, options::weights(tables)?);
-    shader.translucency = tables.translucency;
+    let weights = options::weights(tables)?;
+    let mut shaders: Vec<_> = types
+        .iter()
+        .map(|surface| set.shader(*surface, weights.clone()))
+        .collect();
+    for shader in &mut shaders {
+        shader.translucency = tables.translucency;
+    }
     let framing = options::framing(&args.view);
     let axis = framing.up.try_normalize();
     let path = tables.path.as_deref();
@@ -112,7 +122,7 @@ fn sequence<'a>(args: &Args, world: &World, set: &'a TableSet) -> anyhow::Result
         ],
         samples: args.view.samples,
         normals: tables.normals.map(options::normal_code),
-        shader,
+        shaders,
         lookup: options::lookup(tables.lookup),
         environment: set.environment.as_ref(),
     })

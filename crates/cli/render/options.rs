@@ -4,10 +4,12 @@ use super::args::{Args, ModelName, View};
 use super::tables_args::{LookupName, NormalsName, ShaderName, Tables, WeightName};
 use crate::common::parsed;
 use crate::progress::Show;
-use ::render::tables::{Lookup, NormalCode, Subject, SurfaceType, Weight};
+use ::render::tables::{Lookup, NormalCode, Shading, Subject, SurfaceType, Weight};
 use ::render::{Direct, Framing, Lamps, Light, Model};
+use anyhow::bail;
 use glam::Vec3;
 use rays::{Overrides, RayBackend, Surfaces};
+use scene::Scene;
 
 /// Where the picture is taken from.
 pub fn framing(view: &View) -> Framing {
@@ -67,11 +69,13 @@ pub fn subject<'a>(
     args: &Args,
     surfaces: &'a Surfaces<'a>,
     backend: &'a dyn RayBackend,
+    shadings: &'a [Shading],
 ) -> Subject<'a> {
     Subject {
         surfaces,
         backend,
         overrides: overrides(args),
+        shadings,
     }
 }
 
@@ -83,15 +87,62 @@ fn overrides(args: &Args) -> Overrides {
     }
 }
 
-/// The type of every surface.
-pub fn surface_type(tables: &Tables) -> SurfaceType {
-    match tables.shader {
-        None | Some(ShaderName::Phong) => SurfaceType::Phong,
-        Some(ShaderName::Mirror) => SurfaceType::Mirror,
-        Some(ShaderName::Varnish) => SurfaceType::Varnish,
-        Some(ShaderName::Retro) => SurfaceType::Retro,
-        Some(ShaderName::Refraction) => SurfaceType::Refraction(tables.ior),
-        Some(ShaderName::Luminous) => SurfaceType::Luminous,
+/// The types of surfaces that are asked for, the first for all objects without one of their own, and how each instance is shaded.
+///
+/// # Errors
+/// A name that no object has, or a type whose tables are not given.
+pub fn surface_types(
+    tables: &Tables,
+    scene: &Scene,
+) -> anyhow::Result<(Vec<SurfaceType>, Vec<Shading>)> {
+    let mut types = vec![surface_type(
+        tables,
+        tables.shader.unwrap_or(ShaderName::Phong),
+    )];
+    let shading = |types: &[SurfaceType], number: usize| Shading {
+        shader: number as u32,
+        traced: types[number] == SurfaceType::Traced,
+    };
+    let mut shadings = vec![shading(&types, 0); scene.instances.len()];
+    for (pattern, name) in &tables.shader_of {
+        let surface = surface_type(tables, *name);
+        let [maps, environment] = lacks(tables, surface);
+        if maps || environment {
+            let flag = if maps { "--maps" } else { "--environment" };
+            bail!("--shader-of {pattern}: such a surface shows tables that {flag} names; give it");
+        }
+        let known = types.iter().position(|known| *known == surface);
+        let number = known.unwrap_or(types.len());
+        if known.is_none() {
+            types.push(surface);
+        }
+        for instance in atlas::instances_named(scene, pattern, "--shader-of")? {
+            shadings[instance as usize] = shading(&types, number);
+        }
+    }
+    Ok((types, shadings))
+}
+
+/// Whether a surface needs D and S, or I, that are not given.
+fn lacks(tables: &Tables, surface: SurfaceType) -> [bool; 2] {
+    let needs = match surface {
+        SurfaceType::Phong | SurfaceType::Retro => [true, false],
+        SurfaceType::Varnish => [true, true],
+        _ => [false, true],
+    };
+    let given = [tables.maps.is_some(), tables.environment.is_some()];
+    [0, 1].map(|k| needs[k] && !given[k])
+}
+
+fn surface_type(tables: &Tables, name: ShaderName) -> SurfaceType {
+    match name {
+        ShaderName::Phong => SurfaceType::Phong,
+        ShaderName::Mirror => SurfaceType::Mirror,
+        ShaderName::Varnish => SurfaceType::Varnish,
+        ShaderName::Retro => SurfaceType::Retro,
+        ShaderName::Refraction => SurfaceType::Refraction(tables.ior),
+        ShaderName::Luminous => SurfaceType::Luminous,
+        ShaderName::Traced => SurfaceType::Traced,
     }
 }
 

@@ -18,12 +18,17 @@ pub struct Tables {
     /// its material, between two of them
     #[arg(long, value_name = "N,..", value_delimiter = ',', requires = "maps", value_parser = exponent)]
     pub exponents: Vec<f64>,
-    /// Surface type of every object [default: phong]
+    /// Surface type of every object but those of --shader-of [default: phong]
     #[arg(long, value_enum, groups = ["shading", "lit"], requires_ifs([
         ("phong", "maps"), ("retro", "maps"), ("varnish", "maps"),
         ("varnish", "environment"), ("mirror", "environment"), ("refraction", "environment"), ("luminous", "environment"),
+        ("traced", "environment"),
     ]))]
     pub shader: Option<ShaderName>,
+    /// Another surface type for the objects of this name, as in `urn*=mirror`; * stands for any characters, ? for one. May be repeated; later ones
+    /// win
+    #[arg(long, value_name = "NAME=TYPE", requires = "shading", value_parser = shader_of)]
+    pub shader_of: Vec<(String, ShaderName)>,
     /// Illumination map behind the objects [default: black]; also what mirrors and varnish show
     #[arg(long, value_name = "FILE", requires = "lit")]
     pub environment: Option<PathBuf>,
@@ -70,6 +75,8 @@ pub enum ShaderName {
     Refraction,
     /// kd times the mean of I
     Luminous,
+    /// As mirror, but a ray finds what of the scene stands in R
+    Traced,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -126,6 +133,20 @@ fn pair(text: &str) -> Result<[PathBuf; 2], String> {
         }
         _ => Err("expected two files as D,S".into()),
     }
+}
+
+fn shader_of(text: &str) -> Result<(String, ShaderName), String> {
+    // A name may hold the sign too.
+    let (name, surface) = text
+        .rsplit_once('=')
+        .ok_or("expected NAME=TYPE, such as `urn*=mirror`")?;
+    let surface = ShaderName::from_str(surface, false).map_err(|_| {
+        let known = ShaderName::value_variants().iter();
+        let known = known.filter_map(ValueEnum::to_possible_value);
+        let known: Vec<String> = known.map(|value| value.get_name().into()).collect();
+        format!("`{surface}` is none of {}", known.join(", "))
+    })?;
+    Ok((name.into(), surface))
 }
 
 fn share(text: &str) -> Result<f32, String> {

@@ -15,6 +15,8 @@
 //! GGX Normals with Spherical Caps", HPG 2023; R. Fdez-Agüera, "A Multiple-Scattering Microfacet Model for Real-Time Image-based
 //! Lighting", JCGT 2019, and Turquin, "Practical Multiple Scattering Compensation for Microfacet Models", 2018 (the factor).
 
+#[cfg(test)]
+mod both;
 mod open;
 
 use crate::Frame;

@@ -2,6 +2,7 @@
 
 use super::photo::{Photo, frame};
 use crate::Direction;
+use crate::gains::Both;
 
 /// Photographs that resolve a direction at least this well, relative to the best of them, count beside it.
 ///
@@ -10,6 +11,12 @@ use crate::Direction;
 /// the weight must end. The resolution changes by a fifth over 5 degrees where two balls a quarter turn apart both see
 /// badly, and over 30 where both see well, which hides the seam.
 pub(super) const ENOUGH: f64 = 0.8;
+
+/// Directions in which gains are looked for: two degrees apart.
+const SHARED: usize = 10_000;
+
+/// Share of the resolution of a ball's middle that tells gains.
+const WELL: f64 = 0.3;
 
 /// A photograph that is looked at.
 struct View<'a> {
@@ -36,6 +43,32 @@ impl<'a> Views<'a> {
         };
         let views = photos.iter().map(view).collect();
         Self { views, finest }
+    }
+
+    /// What pairs of photographs show where both see well, in directions that are spread evenly (Á. González 2010).
+    pub fn shared(&self) -> Vec<Both> {
+        let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
+        let direction = |k: usize| {
+            let z = 1.0 - (2 * k + 1) as f64 / SHARED as f64;
+            let (sin, cos) = (golden * k as f64).sin_cos();
+            let r = (1.0 - z * z).sqrt();
+            [r * cos, z, r * sin]
+        };
+        let mut shared = Vec::new();
+        for direction in (0..SHARED).map(direction) {
+            let seen = self.views.iter().enumerate().filter_map(|(number, view)| {
+                let (place, resolution) = view.photo.place(&view.frame, direction)?;
+                (resolution > WELL).then(|| (number, view.photo.at(place)))
+            });
+            let seen: Vec<_> = seen.collect();
+            for (k, (first, a)) in seen.iter().enumerate() {
+                shared.extend(seen[k + 1..].iter().map(|(second, b)| Both {
+                    photos: [*first, *second],
+                    values: [*a, *b],
+                }));
+            }
+        }
+        shared
     }
 
     /// What is seen in a direction, and how well: the resolution along the radius, relative to the middle of the finest ball.

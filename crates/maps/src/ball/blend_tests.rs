@@ -147,6 +147,39 @@ fn two_balls(optics: Optics, degrees: f64, scale: f64) -> (f64, f64) {
 }
 
 #[test]
+fn the_gains_of_two_balls_are_found_within_a_hundredth() {
+    let disc = Disc {
+        middle: [0.6, 0.48, 0.64],
+        radius: 20f64.to_radians(),
+        radiance: 30.0,
+    };
+    for optics in [Optics::Orthographic, Optics::Near(6.0)] {
+        let (x, y) = (100.3, 99.8);
+        let circle = Circle { x, y, radius: 95.0 };
+        let froms = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+        let mut images = froms.map(|from| photograph(&disc, optics, from, circle, 200));
+        let gains = [1.25, 0.8, 1.0];
+        for pixel in &mut images[1].pixels {
+            *pixel = std::array::from_fn(|c| pixel[c] * gains[c]);
+        }
+        let photo = |k: usize| Photo {
+            image: &images[k],
+            circle,
+            from: froms[k],
+            optics,
+        };
+        let found = super::gains(&[photo(0), photo(1)]).unwrap();
+        for c in 0..3 {
+            let ratio = found.factors[0][c] / found.factors[1][c];
+            assert!(
+                (ratio / f64::from(gains[c]) - 1.0).abs() < 0.01,
+                "{optics:?} {c}: {ratio}"
+            );
+        }
+    }
+}
+
+#[test]
 fn a_bright_disc_at_one_balls_rim_does_not_leak_where_the_other_sees_it() {
     for optics in [Optics::Orthographic, Optics::Near(6.0)] {
         // From behind the first ball to where both see alike, and a second ball of fewer pixels.

@@ -18,6 +18,7 @@ pub use find::{Found, find};
 pub use optics::Optics;
 pub use photo::{Circle, Photo};
 
+use crate::gains::Gains;
 use crate::{Error, Image, Projection};
 use blend::Views;
 use rayon::prelude::*;
@@ -31,6 +32,17 @@ pub struct Unwrapped {
     pub confidence: Vec<f32>,
     /// Solid angle that is seen, sr.
     pub seen: f64,
+}
+
+/// What photographs of one ball are to be multiplied by, so that they agree where two of them see well.
+///
+/// # Errors
+/// [`Error::Shape`] as [`unwrap`], or where some photograph shares too little with the others.
+pub fn gains(photos: &[Photo]) -> Result<Gains, Error> {
+    for (index, photo) in photos.iter().enumerate() {
+        photo.check(index + 1)?;
+    }
+    Gains::of(photos.len(), &Views::of(photos).shared())
 }
 
 /// The map of `size` texels that the photographs show, divided by the ball's reflectance.

@@ -11,7 +11,7 @@ mod octahedral;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use cube::taps as cube_taps;
+pub(crate) use cube::{meet, on_face, on_plane, taps as cube_taps};
 pub(crate) use nodes::{fine, nodes};
 
 use crate::Error;

@@ -16,8 +16,7 @@ fn globe(eye: DVec3, direction: DVec3) -> Option<Surfel> {
         normal: nearest - direction * rest.sqrt(),
         albedo: DVec3::ZERO,
         specular: DVec3::ONE,
-        exponent: 0.0,
-        object: 0,
+        ..Surfel::default()
     })
 }
 

@@ -1,7 +1,7 @@
 //! What a camera sees of an object, in memory: everything that shading needs and no light.
 
 use super::encoded::NormalCode;
-use super::surfel::Surfel;
+use super::surfel::{Mirrored, Reflected, Surfel};
 use super::table::LANES;
 use crate::progress::each;
 use crate::{Camera, Error};
@@ -51,12 +51,26 @@ pub struct GBuffer {
     pub(super) palette: Vec<[[f32; 4]; 2]>,
     /// Exponents of the same materials.
     pub(super) exponents: Vec<f64>,
+    /// Numbers of their shaders.
+    pub(super) shaders: Vec<u32>,
+    /// What the rays mirrored by traced surfaces meet, in the order of the pixels.
+    pub(super) mirrored: Vec<Glimpse>,
     /// Normals and views at the corners of pixels, rows of `width + 1`; normals are 0 where the object is not. Empty where they
     /// were not asked for.
     pub(super) corners: Vec<[[f32; 3]; 2]>,
     /// Objects at the corners and in the pixels.
     pub(super) corner_objects: Vec<u32>,
     pub(super) objects: Vec<u32>,
+}
+
+/// What one mirrored ray shows.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Glimpse {
+    /// Number of the pixel among those of the buffer.
+    pub pixel: u32,
+    /// Share of the pixel's mirrored rays.
+    pub share: f32,
+    pub met: Mirrored,
 }
 
 /// A pixel on its way into the buffer.
@@ -68,6 +82,8 @@ struct Pixel {
     material: [[f32; 4]; 2],
     exponent: f64,
     object: u32,
+    shader: u32,
+    mirrored: Vec<Mirrored>,
 }
 
 impl GBuffer {
@@ -90,7 +106,8 @@ impl GBuffer {
         let eye = turn.inverse() * (view.camera.eye - view.turn.centre) + view.turn.centre;
         let cast = |x: f64, y: f64| {
             let direction = view.camera.direction(x, y);
-            let surfel = hit(eye, turn.inverse() * direction)?;
+            let mut surfel = hit(eye, turn.inverse() * direction)?;
+            surfel.mirrored = surfel.mirrored.map(|met| turned(met, turn));
             Some((surfel, turn * surfel.normal, -direction))
         };
         let cast = &cast;
@@ -123,6 +140,8 @@ impl GBuffer {
             material: Vec::new(),
             palette: Vec::new(),
             exponents: Vec::new(),
+            shaders: Vec::new(),
+            mirrored: Vec::new(),
             corners,
             corner_objects,
             objects: Vec::new(),
@@ -135,6 +154,14 @@ impl GBuffer {
         let mut known = HashMap::new();
         for row in rows {
             for pixel in row {
+                let share = 1.0 / pixel.mirrored.len() as f32;
+                let number = self.columns.len() as u32;
+                let glimpses = pixel.mirrored.iter().map(|met| Glimpse {
+                    pixel: number,
+                    share,
+                    met: *met,
+                });
+                self.mirrored.extend(glimpses);
                 self.columns.push(pixel.column);
                 self.coverage.push(pixel.coverage);
                 self.objects.push(pixel.object);
@@ -145,11 +172,12 @@ impl GBuffer {
                 }
                 let bits = pixel.material.map(|rgb| rgb.map(f32::to_bits));
                 let next = self.palette.len() as u32;
-                let key = (bits, pixel.exponent.to_bits());
+                let key = (bits, pixel.exponent.to_bits(), pixel.shader);
                 let index = *known.entry(key).or_insert(next);
                 if index == next {
                     self.palette.push(pixel.material);
                     self.exponents.push(pixel.exponent);
+                    self.shaders.push(pixel.shader);
                 }
                 self.material.push(index);
             }
@@ -202,6 +230,18 @@ impl GBuffer {
     }
 }
 
+/// What a mirrored ray meets, with its object turned.
+fn turned(met: Mirrored, turn: DQuat) -> Mirrored {
+    match met {
+        Mirrored::Environment(direction) => Mirrored::Environment(turn * direction),
+        Mirrored::Surface(surface) => Mirrored::Surface(Reflected {
+            normal: turn * surface.normal,
+            view: turn * surface.view,
+            ..surface
+        }),
+    }
+}
+
 /// The mean over the samples of a pixel that meet the object of the first that meets any.
 fn pixel(
     x: u32,
@@ -213,24 +253,26 @@ fn pixel(
     let mut first = None;
     let mut sum = [DVec3::ZERO; 4];
     let mut exponents = 0.0;
+    let mut mirrored = Vec::new();
     for number in 0..samples * samples {
         let place =
             |at: u32, step: u32| f64::from(at) + (f64::from(step) + 0.5) / f64::from(samples);
         let found = cast(place(x, number % samples), place(y, number / samples));
         if let Some((surfel, normal, view)) = found {
             covered += 1;
-            let (_, object) = *first.get_or_insert((normal, surfel.object));
+            let (_, object, _) = *first.get_or_insert((normal, surfel.object, surfel.shader));
             if object != surfel.object {
                 continue;
             }
             count += 1;
+            mirrored.extend(surfel.mirrored);
             let values = [normal, view, surfel.albedo, surfel.specular];
             (0..4).for_each(|k| sum[k] += values[k]);
             // As lobes are interpolated.
             exponents += surfel.exponent.ln_1p();
         }
     }
-    let (first, object) = first?;
+    let (first, object, shader) = first?;
     let [normal, view, albedo, specular] = sum.map(|sum| sum / f64::from(count));
     Some(Pixel {
         column: x as u16,
@@ -238,6 +280,8 @@ fn pixel(
         // Normals that cancel each other leave the first.
         normal: normal.try_normalize().unwrap_or(first),
         object,
+        shader,
+        mirrored,
         exponent: (exponents / f64::from(count)).exp_m1(),
         view: view.try_normalize()?,
         material: [albedo, specular].map(|rgb| rgb.as_vec3().extend(0.0).to_array()),

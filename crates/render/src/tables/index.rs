@@ -10,6 +10,9 @@ pub enum Index {
     /// The direction refracted at one surface, section 9, by Snell's law with η, the refractive index on the eye's side over the
     /// one behind the surface: T = −ηE + (ηc − √(1 − η²(1 − c²)))N with c = E·N. Total reflection gives R.
     Refraction(f32),
+    /// R, along which rays are cast into the scene, section 2.2: what they meet is shaded from its own tables, and where they meet
+    /// nothing S is read. A surface that is seen in such a mirror reads S at R, as if it stood alone.
+    Traced,
 }
 
 impl Index {
@@ -18,7 +21,7 @@ impl Index {
     pub fn direction(self, normal: [f32; 3], view: [f32; 3]) -> [f32; 3] {
         let cosine = dot(normal, view);
         match self {
-            Index::Mirror => combine(2.0 * cosine, normal, -1.0, view),
+            Index::Mirror | Index::Traced => combine(2.0 * cosine, normal, -1.0, view),
             Index::Retro => view,
             Index::Refraction(eta) => {
                 // 1 − η²(1 − c²), which is exactly c² at η = 1.

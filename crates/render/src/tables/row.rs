@@ -4,16 +4,17 @@ use super::antialias::Lookup;
 use super::gbuffer::GBuffer;
 use super::index::{Index, combine};
 use super::shader::{COAT, Shader};
+use super::surfel::Mirrored;
 use super::table::{LANES, Lanes, Table};
 use pulp::NullaryFnOnce;
 use std::ops::Range;
 
 /// One row of a picture, compiled for every width of vectors.
 pub(super) struct Row<'a, 'b> {
-    pub shader: &'a Shader<'b>,
+    pub shaders: &'a [Shader<'b>],
     pub buffer: &'a GBuffer,
     pub lookup: Lookup,
-    /// What each material of the buffer shows of each of the shader's glosses.
+    /// What each material of the buffer shows of each of its shader's glosses.
     pub shares: &'a [Vec<f32>],
     pub y: usize,
     /// What is behind, and the result.
@@ -44,7 +45,7 @@ impl NullaryFnOnce for Row<'_, '_> {
 impl Row<'_, '_> {
     #[inline(always)]
     fn block(&mut self, range: Range<usize>) {
-        let (shader, buffer) = (self.shader, self.buffer);
+        let buffer = self.buffer;
         let lanes = range.start..range.start + LANES;
         let load = |lists: &[Vec<f32>; 3]| -> [Lanes; 3] {
             std::array::from_fn(|c| {
@@ -54,22 +55,6 @@ impl Row<'_, '_> {
             })
         };
         let middle = [load(&buffer.normal), load(&buffer.view)];
-        let [n, e] = &middle;
-        let (mut wd, mut ws) = ([0.0; LANES], [0.0; LANES]);
-        for k in 0..LANES {
-            let cosine = n[0][k] * e[0][k] + n[1][k] * e[1][k] + n[2][k] * e[2][k];
-            wd[k] = shader.diffuse_weight.at(cosine);
-            ws[k] = shader.specular_weight.at(cosine);
-        }
-        // Weights times reflectances; `which` is 0 for kd and 1 for ks.
-        let factors = |weights: &Lanes, which: usize| {
-            let mut factors = [[0.0; 4]; LANES];
-            for (k, material) in buffer.material[lanes.clone()].iter().enumerate() {
-                let reflectance = buffer.palette[*material as usize][which];
-                factors[k] = reflectance.map(|v| weights[k] * v);
-            }
-            factors
-        };
         let corners = match self.lookup.needs_corners() {
             true => Some(buffer.footprints(range.clone(), self.y)),
             false => None,
@@ -81,44 +66,18 @@ impl Row<'_, '_> {
             middle: &middle,
             corners: corners.as_ref(),
         };
-        if let Some(table) = shader.diffuse {
-            let t = shader.translucency;
-            reading.add(
-                table,
-                Side::Normal,
-                &factors(&wd.map(|w| (1.0 - t) * w), 0),
-                &mut sums,
-            );
-            if t > 0.0 {
-                let through = factors(&wd.map(|w| t * w), 0);
-                reading.add(table, Side::Behind, &through, &mut sums);
+        for number in 0..self.shaders.len() {
+            let mut mine = [1.0; LANES];
+            if self.shaders.len() > 1 {
+                for (k, material) in buffer.material[lanes.clone()].iter().enumerate() {
+                    let own = buffer.shaders[*material as usize] as usize == number;
+                    mine[k] = f32::from(u8::from(own));
+                }
+                if mine[..range.len()].iter().all(|m| *m == 0.0) {
+                    continue;
+                }
             }
-        }
-        if let Some(table) = shader.specular {
-            reading.add(
-                table,
-                Side::Index(shader.index),
-                &factors(&ws, 1),
-                &mut sums,
-            );
-        }
-        for (number, (_, table)) in shader.glosses.iter().enumerate() {
-            let mut weights = [0.0; LANES];
-            for (k, material) in buffer.material[lanes.clone()].iter().enumerate() {
-                weights[k] = ws[k] * self.shares[*material as usize][number];
-            }
-            if weights[..range.len()].iter().any(|w| *w != 0.0) {
-                let side = Side::Index(shader.index);
-                reading.add(table, side, &factors(&weights, 1), &mut sums);
-            }
-        }
-        if let Some(table) = shader.coat {
-            reading.add(
-                table,
-                Side::Index(Index::Mirror),
-                &[[COAT; 4]; LANES],
-                &mut sums,
-            );
+            self.add(number, range.clone(), &mine, &reading, &mut sums);
         }
         for (at, [r, g, b, _]) in range.zip(sums) {
             let pixel = &mut self.pixels[usize::from(buffer.columns[at])];
@@ -127,6 +86,102 @@ impl Row<'_, '_> {
                 true => [r, g, b],
                 false => combine(coverage, [r, g, b], 1.0 - coverage, *pixel),
             };
+        }
+    }
+
+    /// Adds what a shader shows in the lanes in which `mine` is 1; it is 0 in the others.
+    #[inline(always)]
+    fn add(
+        &self,
+        number: usize,
+        range: Range<usize>,
+        mine: &Lanes,
+        reading: &Reading<'_>,
+        sums: &mut Sums,
+    ) {
+        let (shader, buffer) = (&self.shaders[number], self.buffer);
+        let lanes = range.start..range.start + LANES;
+        let [n, e] = reading.middle;
+        let (mut wd, mut ws) = ([0.0; LANES], [0.0; LANES]);
+        for k in 0..LANES {
+            let cosine = n[0][k] * e[0][k] + n[1][k] * e[1][k] + n[2][k] * e[2][k];
+            wd[k] = mine[k] * shader.diffuse_weight.at(cosine);
+            ws[k] = mine[k] * shader.specular_weight.at(cosine);
+        }
+        // Weights times reflectances; `which` is 0 for kd and 1 for ks.
+        let factors = |weights: &Lanes, which: usize| {
+            let mut factors = [[0.0; 4]; LANES];
+            for (k, material) in buffer.material[lanes.clone()].iter().enumerate() {
+                let reflectance = buffer.palette[*material as usize][which];
+                factors[k] = reflectance.map(|v| weights[k] * v);
+            }
+            factors
+        };
+        if let Some(table) = shader.diffuse {
+            let t = shader.translucency;
+            reading.add(
+                table,
+                Side::Normal,
+                &factors(&wd.map(|w| (1.0 - t) * w), 0),
+                sums,
+            );
+            if t > 0.0 {
+                let through = factors(&wd.map(|w| t * w), 0);
+                reading.add(table, Side::Behind, &through, sums);
+            }
+        }
+        if shader.index == Index::Traced {
+            self.glimpses(number, range.clone(), &factors(&ws, 1), sums);
+        } else if let Some(table) = shader.specular {
+            let side = Side::Index(shader.index);
+            reading.add(table, side, &factors(&ws, 1), sums);
+        }
+        for (gloss, (_, table)) in shader.glosses.iter().enumerate() {
+            let mut weights = [0.0; LANES];
+            for (k, material) in buffer.material[lanes.clone()].iter().enumerate() {
+                let shares = &self.shares[*material as usize];
+                weights[k] = match mine[k] == 1.0 {
+                    true => ws[k] * shares[gloss],
+                    false => 0.0,
+                };
+            }
+            if weights[..range.len()].iter().any(|w| *w != 0.0) {
+                let side = Side::Index(shader.index);
+                reading.add(table, side, &factors(&weights, 1), sums);
+            }
+        }
+        if let Some(table) = shader.coat {
+            let coats = mine.map(|own| [own * COAT; 4]);
+            reading.add(table, Side::Index(Index::Mirror), &coats, sums);
+        }
+    }
+
+    /// Adds what mirrored rays of a traced shader meet.
+    fn glimpses(&self, number: usize, range: Range<usize>, factors: &Sums, sums: &mut Sums) {
+        let list = &self.buffer.mirrored;
+        let start = list.partition_point(|glimpse| (glimpse.pixel as usize) < range.start);
+        for glimpse in &list[start..] {
+            let Some(k) = (glimpse.pixel as usize)
+                .checked_sub(range.start)
+                .filter(|k| *k < range.len())
+            else {
+                break;
+            };
+            let value = match &glimpse.met {
+                Mirrored::Environment(direction) => self.shaders[number]
+                    .specular
+                    .map_or([0.0; 3], |i| i.bilinear(direction.as_vec3().to_array())),
+                Mirrored::Surface(surface) => {
+                    let shader = &self.shaders[surface.shader as usize];
+                    let [normal, view] =
+                        [surface.normal, surface.view].map(|v| v.as_vec3().to_array());
+                    let reflectances = surface.reflectances.map(|v| v.as_vec3().to_array());
+                    shader.at(normal, view, reflectances, surface.exponent)
+                }
+            };
+            for c in 0..3 {
+                sums[k][c] += glimpse.share * factors[k][c] * value[c];
+            }
         }
     }
 }
@@ -157,6 +212,9 @@ impl Reading<'_> {
             places[q] = table.block(&quads[q]);
         }
         for k in 0..self.count {
+            if factors[k] == [0.0; 4] {
+                continue;
+            }
             let (mut quad, mut place) = ([[0.0; 3]; 4], [[0.0; 2]; 4]);
             for q in 0..4 {
                 quad[q] = [quads[q][0][k], quads[q][1][k], quads[q][2][k]];

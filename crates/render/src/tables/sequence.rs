@@ -4,7 +4,7 @@ use super::antialias::Lookup;
 use super::encoded::NormalCode;
 use super::gbuffer::{GBuffer, Turn, View};
 use super::path::CameraPath;
-use super::shade::backdrop;
+use super::shade::{backdrop, frame};
 use super::shader::Shader;
 use super::surfel::Surfel;
 use super::table::Table;
@@ -38,8 +38,8 @@ pub struct Sequence<'a> {
     pub samples: u32,
     /// What normals are rounded to; `None` for their full precision.
     pub normals: Option<NormalCode>,
-    /// What shades the objects.
-    pub shader: Shader<'a>,
+    /// What shades the objects; each surface names one by its number.
+    pub shaders: Vec<Shader<'a>>,
     /// How its tables are read.
     pub lookup: Lookup,
     /// I, seen behind the objects; `None` for black.
@@ -129,7 +129,7 @@ impl Sequence<'_> {
                 alpha[place] = *share;
             }
             let before = Instant::now();
-            self.shader.frame(&buffer, self.lookup, &mut picture);
+            frame(&self.shaders, &buffer, self.lookup, &mut picture);
             Ok(Frame {
                 number,
                 camera,
@@ -157,8 +157,7 @@ mod tests {
             normal: (eye + direction * (-b - root.sqrt())).normalize(),
             albedo: DVec3::ZERO,
             specular: DVec3::ONE,
-            exponent: 0.0,
-            object: 0,
+            ..Surfel::default()
         })
     }
 
@@ -198,7 +197,7 @@ mod tests {
             about: [DVec3::ZERO, DVec3::Y],
             samples: 2,
             normals: None,
-            shader: shader(None, Some(&table)),
+            shaders: vec![shader(None, Some(&table))],
             lookup: Lookup::Bilinear,
             environment: Some(&table),
         };

@@ -23,6 +23,8 @@ pub enum SurfaceType {
     Refraction(f64),
     /// kd times the mean of I.
     Luminous,
+    /// Ws ks times what the mirrored ray meets in the scene, shaded from its own tables; I(R) where it meets nothing.
+    Traced,
 }
 
 /// The tables that are there.
@@ -36,19 +38,21 @@ pub struct TableSet {
     pub glosses: Vec<(f64, Table)>,
     /// I.
     pub environment: Option<Table>,
+    /// The mean of I, in every direction.
+    pub mean: Option<Table>,
     /// By what the header of D or S says it is normalised.
     pub normalisation: Option<String>,
 }
 
 impl TableSet {
-    /// The tables in the files of D and S and of I, which are polar maps. A luminous surface gets the mean of I as its D.
+    /// The tables in the files of D and S and of I, which are polar maps, for surfaces of these types.
     ///
     /// * `exponents`: S stands for a file of each, `S_N.exr` of `S.exr`; none for the one file.
     ///
     /// # Errors
     /// A file cannot be read or is not polar, or D and S differ in their normalisation ([`Error::Tables`]).
     pub fn read(
-        surface: SurfaceType,
+        surfaces: &[SurfaceType],
         maps: Option<[&Path; 2]>,
         exponents: &[f64],
         environment: Option<&Path>,
@@ -76,7 +80,7 @@ impl TableSet {
         if let Some(path) = environment {
             let environment = maps::read_polar(path)?.map;
             set.environment = Some(Table::new(&environment)?);
-            if surface == SurfaceType::Luminous {
+            if surfaces.contains(&SurfaceType::Luminous) {
                 let mean = Request {
                     lobe: Lobe::Luminous,
                     normalise: Normalise::Radiance,
@@ -84,7 +88,7 @@ impl TableSet {
                     size: (2, 1),
                 };
                 let mean = maps::convolve(&environment, &[mean])?;
-                set.diffuse = Some(Table::new(&mean[0])?);
+                set.mean = Some(Table::new(&mean[0])?);
             }
         }
         Ok(set)
@@ -97,8 +101,10 @@ impl TableSet {
         let (diffuse, specular, coat) = match surface {
             SurfaceType::Phong | SurfaceType::Retro => (d, s, None),
             SurfaceType::Varnish => (d, s, i),
-            SurfaceType::Mirror | SurfaceType::Refraction(_) => (None, i, None),
-            SurfaceType::Luminous => (d, None, None),
+            SurfaceType::Mirror | SurfaceType::Refraction(_) | SurfaceType::Traced => {
+                (None, i, None)
+            }
+            SurfaceType::Luminous => (self.mean.as_ref(), None, None),
         };
         let glossy = matches!(
             surface,
@@ -112,6 +118,7 @@ impl TableSet {
             specular,
             index: match surface {
                 SurfaceType::Retro => Index::Retro,
+                SurfaceType::Traced => Index::Traced,
                 SurfaceType::Refraction(ior) => Index::Refraction((1.0 / ior) as f32),
                 _ => Index::Mirror,
             },

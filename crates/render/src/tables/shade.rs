@@ -16,26 +16,35 @@ impl Shader<'_> {
     /// # Panics
     /// Where the picture has another size, or an antialiased look-up meets a buffer without corners.
     pub fn frame(&self, buffer: &GBuffer, lookup: Lookup, picture: &mut Image) {
-        let [width, height] = buffer.camera.size.map(|n| n as usize);
-        assert_eq!((picture.width, picture.height), (width, height));
-        let cornered = !buffer.corners.is_empty();
-        assert!(cornered || !lookup.needs_corners(), "no corners");
-        let arch = Arch::new();
-        let shares = buffer.exponents.iter().map(|n| self.shares(*n));
-        let shares: Vec<Vec<f32>> = shares.collect();
-        let row = |(y, pixels): (usize, &mut [[f32; 3]])| {
-            arch.dispatch(Row {
-                shader: self,
-                buffer,
-                lookup,
-                shares: &shares,
-                y,
-                pixels,
-            });
-        };
-        let rows = picture.pixels.par_chunks_exact_mut(width).enumerate();
-        rows.with_min_len(8).for_each(row);
+        frame(std::slice::from_ref(self), buffer, lookup, picture);
     }
+}
+
+/// Shades each pixel of `buffer` by the shader of its surface, over what `picture` holds behind it.
+///
+/// # Panics
+/// Where the picture has another size, an antialiased look-up meets a buffer without corners, or a surface names a shader that is not there.
+pub fn frame(shaders: &[Shader<'_>], buffer: &GBuffer, lookup: Lookup, picture: &mut Image) {
+    let [width, height] = buffer.camera.size.map(|n| n as usize);
+    assert_eq!((picture.width, picture.height), (width, height));
+    let cornered = !buffer.corners.is_empty();
+    assert!(cornered || !lookup.needs_corners(), "no corners");
+    let arch = Arch::new();
+    let of = buffer.exponents.iter().zip(&buffer.shaders);
+    let shares = of.map(|(exponent, number)| shaders[*number as usize].shares(*exponent));
+    let shares: Vec<Vec<f32>> = shares.collect();
+    let row = |(y, pixels): (usize, &mut [[f32; 3]])| {
+        arch.dispatch(Row {
+            shaders,
+            buffer,
+            lookup,
+            shares: &shares,
+            y,
+            pixels,
+        });
+    };
+    let rows = picture.pixels.par_chunks_exact_mut(width).enumerate();
+    rows.with_min_len(8).for_each(row);
 }
 
 /// The picture of an environment alone: bilinear at the middle of each pixel, or black without one.

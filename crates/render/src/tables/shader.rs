@@ -52,6 +52,24 @@ impl Shader<'_> {
         shares
     }
 
+    /// [`Shader::point`] with what `glosses` show of a lobe of this exponent.
+    pub(super) fn at(
+        &self,
+        normal: [f32; 3],
+        view: [f32; 3],
+        material: [[f32; 3]; 2],
+        exponent: f64,
+    ) -> [f32; 3] {
+        let mut value = self.point(normal, view, material);
+        let ws = self.specular_weight.at(dot(normal, view));
+        let direction = self.index.direction(normal, view);
+        for (share, (_, table)) in self.shares(exponent).into_iter().zip(&self.glosses) {
+            let s = table.bilinear(direction);
+            value = std::array::from_fn(|c| value[c] + ws * share * material[1][c] * s[c]);
+        }
+        value
+    }
+
     /// Radiance toward `view` of a point with reflectances `[kd, ks]`, by bilinear look-up, without `glosses`. Unit vectors.
     pub fn point(&self, normal: [f32; 3], view: [f32; 3], material: [[f32; 3]; 2]) -> [f32; 3] {
         let read = |table: Option<&Table>, direction| {

@@ -14,8 +14,7 @@ fn sphere(eye: DVec3, direction: DVec3) -> Option<Surfel> {
         normal: (eye + direction * t).normalize(),
         albedo: DVec3::new(0.5, 0.25, 1.0),
         specular: DVec3::new(0.25, 0.5, 0.0),
-        exponent: 0.0,
-        object: 0,
+        ..Surfel::default()
     })
 }
 
@@ -330,6 +329,7 @@ fn each_pixel_reads_s_of_its_own_exponent() {
             specular: DVec3::splat(0.5),
             exponent: exponents[which],
             object: which as u32,
+            ..Surfel::default()
         })
     };
     let buffer = GBuffer::take(&view, &(), hit).unwrap();
@@ -482,8 +482,8 @@ fn a_pixel_on_the_edge_of_an_object_reflects_nothing_between_the_objects() {
             normal: DVec3::new(if right { 0.6 } else { -0.6 }, 0.0, 0.8),
             albedo: DVec3::ZERO,
             specular: DVec3::ONE,
-            exponent: 0.0,
             object: u32::from(right),
+            ..Surfel::default()
         })
     })
     .unwrap();
