@@ -38,6 +38,7 @@ mod pages;
 mod parity;
 mod peers;
 mod photo;
+mod plan;
 mod quads;
 mod readme;
 mod render;

@@ -90,8 +90,8 @@ impl Job {
                 .meshes
                 .iter()
                 .map(|mesh| mesh.triangles.len() as u64);
-            let layers = ::bake::layers_in_work(&baker, &plan);
-            memory::check(&options, layers, triangles.sum(), limit)?;
+            let memory = memory::Memory::of(&baker, &plan);
+            memory::check(options.size, &memory, triangles.sum(), limit)?;
             let build = || match &make_backend {
                 Some(make) => make(&world),
                 None => rays::build(backend.kind(), &world, rayon::current_num_threads()),
@@ -262,6 +262,11 @@ impl Job {
         };
         self.phases.insert(0, report);
         self.started -= std::time::Duration::from_secs_f64(seconds);
+    }
+
+    /// The memory of its pages.
+    pub(crate) fn memory(&self) -> memory::Memory {
+        memory::Memory::of(&self.baker, &self.plan)
     }
 
     /// Bakes about `tiles` tiles spread over the atlas, for estimates of time and rays.

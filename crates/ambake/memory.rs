@@ -1,66 +1,100 @@
 //! How much memory a bake will take, and how much there is.
 
 use crate::error::Error;
-use crate::options::Options;
-use ::bake::{Denoise, Seams};
+use ::bake::{Denoise, Plan, Seams};
 use layers::Layer;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Bytes of finished tiles that wait for the disk at most.
 pub(crate) const WAITING: u64 = 128 << 20;
-/// Bytes a page texel of pictures, masks and compressed lines while a page is finished and written.
+/// What of them may still wait when a page is finished.
+pub(crate) const SPARED: u64 = 16 << 20;
+/// Bytes a page texel of pictures, masks and compressed lines while a page is composed and written.
 const WRITING: u64 = 12;
-/// Bytes a page texel that the denoiser takes beside the planes.
-const DENOISING: u64 = 68;
-/// The same of Intel's, which was measured to take 0.6 GB at 1024².
+/// Bytes a texel of charts that the denoiser takes beside the planes: those of a chart in work, or those of all texels that change.
+const DENOISING: u64 = 76;
+/// Bytes a page texel of Intel's, which was measured to take 0.6 GB at 1024².
 const OIDN: u64 = 600;
+/// Bytes a page texel of the light that a gather is sent, and of that which it brings.
+const SENT: u64 = 13;
 /// Bytes a triangle of the ray library's trees, over all meshes.
 const TREE: u64 = 200;
-/// The memory of a page in work, by its planes.
+
+/// Half of what the two halves of a texel's rays differ by.
+const HALVES: [Layer; 5] = [
+    Layer::HalfDiffuse,
+    Layer::HalfVisibility,
+    Layer::HalfSpecular,
+    Layer::HalfIrradiance,
+    Layer::HalfReflection,
+];
+
+/// The memory of the pages of a bake, by their planes.
 pub(crate) struct Memory {
-    working: Vec<Layer>,
-    asked: Vec<Layer>,
+    /// Channels of a page that tiles are baked into.
+    pub working: u64,
+    /// The same after its last steps.
+    kept: u64,
+    /// Of the working ones, those that the last of these steps drops, and those that it adds.
+    dropped: u64,
+    composed: u64,
+    /// Channels of terms that have halves, which the denoiser compares.
+    pub denoised: u64,
+    /// The same of the page of light beside it; 0 where no light bounces.
+    light: u64,
     denoise: Denoise,
     seams: bool,
 }
 
 impl Memory {
-    /// `working` are the layers that tiles are baked into.
-    pub fn of(options: &Options, working: Vec<Layer>) -> Self {
+    pub fn of(options: &::bake::Options, plan: &Plan) -> Self {
+        let working = ::bake::layers_in_work(options, plan);
+        let [kept, light] = ::bake::layers_of_light(options, plan);
+        let count = |layers: &[Layer], wanted: &dyn Fn(&Layer) -> bool| {
+            let wanted = layers.iter().filter(|layer| wanted(layer));
+            wanted.map(|layer| layer.channels().len() as u64).sum()
+        };
+        let geometry = [
+            Layer::Position,
+            Layer::Normal,
+            Layer::Object,
+            Layer::Validity,
+        ];
         Self {
-            working,
-            asked: options.layers.clone(),
-            denoise: options.denoises(),
+            working: count(&working, &|_| true),
+            kept: count(&kept, &|_| true),
+            dropped: count(&geometry, &|l| working.contains(l) && !kept.contains(l)),
+            composed: count(&kept, &|l| !working.contains(l)),
+            denoised: count(&working, &|l| HALVES.contains(l)),
+            light: count(&light, &|_| true),
+            denoise: options.denoise,
             seams: options.seams != Seams::Off,
         }
     }
 
-    /// Channels of the layers that are written.
-    pub fn channels(&self) -> u64 {
-        channels(&self.asked)
-    }
-
-    /// Bytes of a page of so many texels, of which charts touch `covered`, at its peak.
-    pub fn page(&self, texels: u64, covered: u64) -> u64 {
-        let composed = self.asked.iter().copied();
-        let composed: Vec<Layer> = composed.filter(|l| !self.working.contains(l)).collect();
-        let working = channels(&self.working);
-        let planes = 4 * (working + channels(&composed));
-        let seams = if self.seams { 8 } else { 0 };
-        let steps = match self.denoise {
-            Denoise::Regression => DENOISING,
-            Denoise::Oidn => OIDN,
-            Denoise::Off => WRITING.max(seams),
+    /// Bytes at the peak, of so many pages of so many texels, of which charts touch `covered` on each.
+    pub fn pages(&self, pages: u64, texels: u64, covered: u64) -> u64 {
+        let waiting = covered * 4 * (self.working + 1);
+        let denoise = match self.denoise {
+            Denoise::Regression => covered * DENOISING,
+            Denoise::Oidn => texels * OIDN,
+            Denoise::Off => texels * if self.seams { 8 } else { 0 },
         };
-        let waiting = WAITING.min(covered * 4 * (working + 1));
-        texels * (planes + steps) + waiting
+        let bakes = texels * 4 * self.working + waiting.min(WAITING);
+        let finishes = texels * 4 * self.working + denoise + waiting.min(SPARED);
+        let planes = 4 * (self.working - self.dropped + self.composed);
+        let composes = texels * (planes + WRITING) + waiting.min(SPARED);
+        let one = bakes.max(finishes).max(composes);
+        if self.light == 0 {
+            return one;
+        }
+        // Light goes from page to page, so all of them wait for it.
+        let kept = texels * 4 * self.kept;
+        let bounces = pages * (kept + texels * (4 * self.light + SENT));
+        let last = denoise.max(pages * texels * SENT);
+        (one + (pages - 1) * kept).max(bounces + last)
     }
-}
-
-fn channels(layers: &[Layer]) -> u64 {
-    let count = |layer: &Layer| layer.channels().len() as u64;
-    layers.iter().map(count).sum()
 }
 
 /// How much memory a bake may take.
@@ -78,35 +112,29 @@ pub(crate) struct Limit {
 ///
 /// # Errors
 /// [`Error::Memory`] names the page size that fits.
-pub(crate) fn check(
-    options: &Options,
-    working: Vec<Layer>,
-    triangles: u64,
-    limit: Limit,
-) -> Result<(), Error> {
+pub(crate) fn check(size: u32, memory: &Memory, triangles: u64, limit: Limit) -> Result<(), Error> {
     let system = || limit.system.then(available).flatten();
     let Some(most) = limit.given.or_else(system) else {
         return Ok(());
     };
-    let memory = Memory::of(options, working);
     let base = resident().unwrap_or(0) + triangles * TREE;
     let need = |size: u32| {
         let texels = match limit.without_pages {
             true => return base + WAITING,
             false => u64::from(size).pow(2),
         };
-        base + memory.page(texels, texels / 2)
+        base + memory.pages(1, texels, texels * 3 / 4)
     };
-    if need(options.size) <= most {
+    if need(size) <= most {
         return Ok(());
     }
     // Whole powers of two halve so that mips still fit.
-    let mut fits = options.size / 2;
+    let mut fits = size / 2;
     while fits > 0 && need(fits) > most {
         fits = if limit.without_pages { 0 } else { fits / 2 };
     }
     Err(Error::Memory {
-        need: need(options.size),
+        need: need(size),
         limit: most,
         given: limit.given.is_some(),
         size: Some(fits).filter(|&size| size > 0),
@@ -184,17 +212,22 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_is_refused_with_a_size_that_does() {
-        let mut options = Options {
-            size: 8192,
-            ..Options::default()
+        let memory = Memory {
+            working: 25,
+            kept: 15,
+            dropped: 8,
+            composed: 9,
+            denoised: 3,
+            light: 0,
+            denoise: Denoise::Regression,
+            seams: true,
         };
         let given = |bytes: u64| Limit {
             given: Some(bytes),
             ..Limit::default()
         };
-        let layers = || vec![Layer::Coverage, Layer::Diffuse, Layer::StdErrDiffuse];
-        assert!(check(&options, layers(), 100, given(1 << 40)).is_ok());
-        let error = check(&options, layers(), 100, given(1 << 30)).unwrap_err();
+        assert!(check(8192, &memory, 100, given(1 << 40)).is_ok());
+        let error = check(8192, &memory, 100, given(1 << 30)).unwrap_err();
         let Error::Memory {
             need,
             size: Some(size),
@@ -204,9 +237,8 @@ mod tests {
             panic!("{error}");
         };
         assert!(need > 1 << 30 && size < 8192, "{need} {size}");
-        options.size = size;
-        assert!(check(&options, layers(), 100, given(1 << 30)).is_ok());
-        let none = check(&options, layers(), 100, given(1 << 20)).unwrap_err();
+        assert!(check(size, &memory, 100, given(1 << 30)).is_ok());
+        let none = check(size, &memory, 100, given(1 << 20)).unwrap_err();
         assert!(none.to_string().contains("--max-memory"), "{none}");
     }
 }

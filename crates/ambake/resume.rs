@@ -4,7 +4,7 @@
 //! values (f32, texel by texel). Numbers are little-endian.
 
 use crate::error::Error;
-use crate::memory::WAITING;
+use crate::memory::{SPARED, WAITING};
 use ::bake::{BakedTile, PageStats};
 use report::Journal;
 use serde::{Deserialize, Serialize};
@@ -212,6 +212,17 @@ impl Saved {
             self.flush()?;
         }
         Ok(())
+    }
+
+    /// Makes room for the last steps of a page.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn spare(&mut self) -> Result<(), Error> {
+        match self.bytes as u64 > SPARED {
+            true => self.flush(),
+            false => Ok(()),
+        }
     }
 
     /// Gives the block in work the time that it took.

@@ -77,7 +77,7 @@ impl Job {
         progress: &dyn Progress,
     ) -> Result<Written, Error> {
         let output = Output::exclusive(dir)?;
-        report::check_space(dir, self.bytes_written())?;
+        report::check_space(dir, self.room().peak())?;
         let mut writer = Writer::new(self, output)?;
         let baker = self.baker();
         let header = json!({"key": self.key()});
@@ -112,6 +112,7 @@ impl Job {
                 saved.flush()?;
                 return Err(Error::Cancelled);
             }
+            saved.spare()?;
             self.within(|| tracker.verify(&page, &tiles))?;
             if let Err(error) = self.within(|| writer.tiles(&page, tracker.key(), &tiles)) {
                 return Err(self.unwritten(error, saved.flush().is_ok()));

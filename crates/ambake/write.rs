@@ -247,20 +247,12 @@ impl<'a> Writer<'a> {
 }
 
 impl Job {
-    /// About how many bytes a bake into a directory writes: each texel's values once in the saved state and once in the results, which
-    /// are compressed but repeat some as previews.
-    pub(crate) fn bytes_written(&self) -> u64 {
-        let layers = self.options().layers.iter();
-        let channels: usize = layers.map(|layer| layer.channels().len()).sum();
-        self.atlas().audit.texels * channels as u64 * 4 * 2
-    }
-
     /// The error of a result that could not be written; `kept`: the state of the bake is saved.
     pub(crate) fn unwritten(&self, error: Error, kept: bool) -> Error {
         match (error, kept) {
             (Error::Output(source @ report::Error::Write { .. }), true) => Error::Unwritten {
                 source,
-                needed: self.bytes_written().div_ceil(1 << 20),
+                needed: self.room().peak().div_ceil(1 << 20),
             },
             (error, _) => error,
         }

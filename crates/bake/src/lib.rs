@@ -27,6 +27,7 @@
 
 mod bounce;
 mod choice;
+mod clock;
 mod denoise;
 mod integrate;
 mod labels;
@@ -48,6 +49,7 @@ pub use options::{
 };
 pub use page::{
     BakedPage, BakedTile, Baker, Deal, ErrorSums, LayerPlanes, PageStats, Pilot, layers_in_work,
+    layers_of_light,
 };
 pub use plan::{Decision, Method, OpenTriangles, Plan};
 pub use reach::{Fingerprint, Reach};

@@ -25,6 +25,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
                 "texels": cost.texels,
                 "rays": cost.rays,
                 "memory_bytes": cost.memory_bytes,
+                "disk_bytes": cost.disk_bytes,
+                "state_bytes": cost.state_bytes,
+                "disk_peak_bytes": cost.disk_peak_bytes,
+                "cpu_seconds": cost.cpu_seconds,
                 "seconds": cost.seconds,
             },
             "backend": job.backend().describe(),
@@ -55,19 +59,28 @@ fn text(job: &Job, cost: &Estimate) -> String {
         );
     }
     text += &format!(
-        "\n{} texels on {} of {}², {}\nabout {} rays, {:.1} GiB, {:.1} s with {}\n",
+        "\n{} texels on {} of {}², {}\nabout {} rays, {:.1} GiB, {:.1} s ({:.1} processor seconds) with {}\n\
+         about {:.2} GiB on the disk, {:.2} of it for --update; {:.2} while it bakes\n",
         cost.texels,
         count(job.atlas().page_count, "page"),
         job.atlas().page_size,
         effort(job),
         cost.rays,
-        cost.memory_bytes as f64 / f64::from(1u32 << 30),
+        gib(cost.memory_bytes),
         cost.seconds,
+        cost.cpu_seconds,
         job.backend().describe(),
+        gib(cost.disk_bytes),
+        gib(cost.state_bytes),
+        gib(cost.disk_peak_bytes),
     );
     text += &job.layout_report().text();
     text += &summary::lines(&warnings(job));
     text
+}
+
+fn gib(bytes: u64) -> f64 {
+    bytes as f64 / f64::from(1u32 << 30)
 }
 
 /// What is cast for each texel.

@@ -4,8 +4,8 @@ use super::gather::Received;
 use super::mean;
 use super::radiosity::PageLight;
 use crate::integrate::REPLICATES;
-use crate::options::{Bounces, Denoise, Options};
-use crate::page::{BakedPage, Baker, LayerPlanes, finish_light, light_terms};
+use crate::options::{Bounces, Options};
+use crate::page::{BakedPage, Baker, LayerPlanes, finish_light, light_layers};
 use crate::plan::Plan;
 use crate::survey::Texel;
 use atlas::TILE;
@@ -110,20 +110,7 @@ pub(super) struct LightPage {
 impl LightPage {
     /// A dark one.
     pub fn new(page: &BakedPage, options: &Options, plan: &Plan, mends: bool) -> Self {
-        let denoises = options.denoise != Denoise::Off;
-        let mut layers = vec![Layer::Coverage, Layer::Rays];
-        for (term, std_err, half) in light_terms(plan) {
-            layers.extend([term, std_err]);
-            if denoises || options.layers.contains(&half) {
-                layers.push(half);
-            }
-        }
-        if denoises || mends {
-            layers.extend([Layer::Position, Layer::Normal, Layer::Object]);
-        }
-        if mends {
-            layers.push(Layer::Validity);
-        }
+        let layers = light_layers(options, plan, mends);
         let texels = page.texels();
         let void = |layer| LayerPlanes::void(layer, texels);
         Self {

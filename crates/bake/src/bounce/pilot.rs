@@ -4,6 +4,7 @@ use super::light::BounceStats;
 use super::radiosity::PageLight;
 use super::{Gather, mean};
 use crate::choice::Choice;
+use crate::clock::ThreadClock;
 use crate::integrate::REPLICATES;
 use crate::options::Bounces;
 use crate::page::Baker;
@@ -11,7 +12,6 @@ use atlas::PageRaster;
 use glam::DVec3;
 use rays::Lamps;
 use std::iter::Sum;
-use std::time::Instant;
 
 /// The first gather as a pilot runs it.
 pub(crate) struct GatherPilot<'a> {
@@ -24,7 +24,7 @@ pub(crate) struct GatherPilot<'a> {
 #[derive(Default)]
 pub(crate) struct Taken {
     rays: f64,
-    /// Seconds before a ray is cast, and those of the rays.
+    /// Processor seconds before a ray is cast, and those of the rays.
     survey: f64,
     light: f64,
     /// What the texels received, and its squares.
@@ -50,9 +50,9 @@ impl<'a> GatherPilot<'a> {
     pub fn tile(&self, raster: &PageRaster<'_>, page: u32, index: usize) -> Taken {
         let lamps = (!self.lamps.is_empty()).then_some(&self.lamps);
         let gather: Gather<'_> = self.baker.gather(&self.sent, 0, lamps);
-        let clock = Instant::now();
+        let clock = ThreadClock::now();
         let texels = self.baker.survey(&self.baker.cut(raster, index), page);
-        let survey = clock.elapsed().as_secs_f64();
+        let survey = clock.seconds();
         let light = self.baker.tile_light(&gather, 0, page as usize, &texels);
         let received = |rgb: &[DVec3]| mean(rgb.iter().sum::<DVec3>()) / f64::from(REPLICATES);
         let received: Vec<f64> = light
@@ -62,7 +62,7 @@ impl<'a> GatherPilot<'a> {
         Taken {
             rays: light.iter().map(|texel| texel.rays as f64).sum(),
             survey,
-            light: clock.elapsed().as_secs_f64() - survey,
+            light: clock.seconds() - survey,
             received: [received.iter().sum(), received.iter().map(|r| r * r).sum()],
         }
     }

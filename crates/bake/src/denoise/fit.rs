@@ -18,6 +18,9 @@ const POWERS: [[usize; 2]; TERMS] = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0,
 /// A function whose part that the ones before it do not explain is below this share of its sum of squares is left out.
 const DEPENDENT: f32 = 1e-3;
 
+/// Corners whose polynomials are held at a time: some 24 MB.
+const CORNERS: usize = 1 << 19;
+
 /// Fits of several planes alike: quadratics first, linear ones second.
 pub(super) type Fits = [Vec<Plane>; 2];
 
@@ -43,31 +46,38 @@ pub(super) fn fit(mask: &Plane, data: &[Plane], stride: usize, out: &mut Fits) {
             ]
         })
         .collect();
-    // Row after row of corners, the planes of each side by side.
-    let corners: Vec<Corner> = (0..down)
-        .into_par_iter()
-        .with_min_len(rows)
-        .flat_map_iter(|row| corner_row(mask, data, &powers, row))
-        .collect();
-    for (degree, planes) in out.iter_mut().enumerate() {
-        for (index, plane) in planes.iter_mut().enumerate() {
-            let of = |y: usize, cell: usize, j: usize, i: usize| {
-                let corner = (y / stride + j) * across + cell + i;
-                &corners[corner * data.len() + index][degree]
-            };
-            let rows = plane.values.par_chunks_mut(width).enumerate();
-            rows.with_min_len(TASK.div_ceil(width))
-                .for_each(|(y, line)| {
-                    let q = powers[y % stride][1];
-                    let mask = mask.values[y * width..][..width].chunks(stride);
-                    for (cell, (line, mask)) in line.chunks_mut(stride).zip(mask).enumerate() {
-                        let of = |j, i| of(y, cell, j, i);
+    // Row after row of corners, the planes of each side by side; so many rows of cells at a time that corners need little room.
+    let band = (CORNERS / (across * data.len())).max(1);
+    for first in (0..down - 1).step_by(band) {
+        let last = (first + band).min(down - 1);
+        let corners: Vec<Corner> = (first..last + 1)
+            .into_par_iter()
+            .with_min_len(rows)
+            .flat_map_iter(|row| corner_row(mask, data, &powers, row))
+            .collect();
+        let texels = first * stride * width..(last * stride).min(height) * width;
+        for (degree, planes) in out.iter_mut().enumerate() {
+            for (index, plane) in planes.iter_mut().enumerate() {
+                let of = |row: usize, cell: usize, j: usize, i: usize| {
+                    let corner = (row + j) * across + cell + i;
+                    &corners[corner * data.len() + index][degree]
+                };
+                let lines = plane.values[texels.clone()].par_chunks_mut(width);
+                let lines = lines.enumerate().with_min_len(TASK.div_ceil(width));
+                lines.for_each(|(line, values)| {
+                    let q = powers[line % stride][1];
+                    let mask = &mask.values[texels.start + line * width..][..width];
+                    let cells = values.chunks_mut(stride).zip(mask.chunks(stride));
+                    for (cell, (values, mask)) in cells.enumerate() {
+                        let of = |j, i| of(line / stride, cell, j, i);
                         let c = blend([[of(0, 0), of(0, 1)], [of(1, 0), of(1, 1)]], q);
-                        for ((value, mask), [_, t, ..]) in line.iter_mut().zip(mask).zip(&powers) {
+                        for ((value, mask), [_, t, ..]) in values.iter_mut().zip(mask).zip(&powers)
+                        {
                             *value = mask * (c[0] + t * (c[1] + t * (c[2] + t * c[3])));
                         }
                     }
                 });
+            }
         }
     }
 }

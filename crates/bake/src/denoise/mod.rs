@@ -91,6 +91,10 @@ impl Denoiser {
             (y - chart.at[1]) * chart.size[0] + x - chart.at[0]
         };
         let channels = term.values.len();
+        let half = |texel: usize| {
+            let halves = term.halves.iter().map(|half| half[texel]);
+            halves.sum::<f32>() / channels as f32
+        };
         let mut mask = Plane::new(chart.size);
         let mut data = vec![Plane::new(chart.size); channels + 1];
         for &texel in &chart.texels {
@@ -99,13 +103,14 @@ impl Denoiser {
             for (plane, values) in data.iter_mut().zip(&term.values) {
                 plane.values[i] = values[texel];
             }
-            let halves = term.halves.iter().map(|half| half[texel]);
-            data[channels].values[i] = halves.sum::<f32>() / channels as f32;
+            data[channels].values[i] = half(texel);
         }
         let mut near = Plane::new(chart.size);
         let Some(chosen) = choose(&mask, &data, &mut near) else {
             return Vec::new();
         };
+        // A chart may fill its page, and what follows needs room of its own.
+        drop((mask, data));
         let inexact = |texel: &&u32| term.std_err[**texel as usize] > 0.0;
         let texels = chart.texels.iter().filter(inexact);
         texels
@@ -133,7 +138,7 @@ impl Denoiser {
                 for (channel, value) in denoised.values[..channels].iter_mut().enumerate() {
                     *value = chosen[i].value(channel).clamp(0.0, term.largest);
                 }
-                let half = data[channels].values[i];
+                let half = half(texel as usize);
                 Chosen {
                     denoised,
                     squares: Some(chosen[i].squares(plain, half, channels)),

@@ -9,6 +9,7 @@ use super::terms::working_layers;
 use super::tile::{BakedTile, Columns};
 use crate::bounce::{GatherPilot, Taken};
 use crate::choice::Choice;
+use crate::clock::ThreadClock;
 use crate::integrate::{Task, ggx, integrate};
 use crate::options::{Buried, Footprint, Model, Options, View};
 use crate::plan::Plan;
@@ -55,8 +56,8 @@ pub struct Pilot {
     pub texels: u64,
     /// Rays spent on them.
     pub rays: u64,
-    /// Seconds that they took, spread over all threads.
-    pub seconds: f64,
+    /// Processor seconds that they took.
+    pub cpu_seconds: f64,
     /// Their predicted part of the whole cost, 0..=1.
     pub share: f64,
 }
@@ -268,11 +269,10 @@ impl<'a> Baker<'a> {
         let (mut cost, mut all) = (0.0, 0.0);
         let gather = GatherPilot::of(self);
         let mut gathered = Vec::new();
-        let threads = rayon::current_num_threads() as f64;
         let mut pilot = Pilot {
             texels: 0,
             rays: 0,
-            seconds: 0.0,
+            cpu_seconds: 0.0,
             share: 0.0,
         };
         for page in pages {
@@ -288,10 +288,10 @@ impl<'a> Baker<'a> {
             let baked: Vec<(u64, u64, f64, Option<Taken>)> = picked
                 .into_par_iter()
                 .map(|index| {
-                    let clock = Instant::now();
+                    let clock = ThreadClock::now();
                     let texels = self.tile(&self.cut(&raster, index), page);
                     let rays = texels.iter().map(|t| t.terms.rays).sum();
-                    let seconds = clock.elapsed().as_secs_f64();
+                    let seconds = clock.seconds();
                     let taken = gather
                         .as_ref()
                         .map(|gather| gather.tile(&raster, page, index));
@@ -301,14 +301,14 @@ impl<'a> Baker<'a> {
             for (texels, rays, seconds, taken) in baked {
                 pilot.texels += texels;
                 pilot.rays += rays;
-                pilot.seconds += seconds / threads;
+                pilot.cpu_seconds += seconds;
                 gathered.extend(taken);
             }
         }
         if let Some(gather) = gather {
             let (rays, seconds) = gather.all(&gathered.into_iter().sum());
             pilot.rays += rays;
-            pilot.seconds += seconds / threads;
+            pilot.cpu_seconds += seconds;
         }
         pilot.share = if all > 0.0 { cost / all } else { 1.0 };
         pilot

@@ -17,6 +17,6 @@ pub(crate) use finish::finish_light;
 pub use planes::{BakedPage, LayerPlanes};
 pub use share::Deal;
 pub use stats::{ErrorSums, PageStats};
-pub use terms::layers_in_work;
-pub(crate) use terms::light_terms;
+pub(crate) use terms::light_layers;
+pub use terms::{layers_in_work, layers_of_light};
 pub use tile::BakedTile;

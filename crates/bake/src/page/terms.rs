@@ -112,6 +112,34 @@ pub fn layers_in_work(options: &Options, plan: &Plan) -> Vec<Layer> {
     working_layers(options, plan, options.buried == Buried::Drop)
 }
 
+/// The layers of a finished page before light is bounced, and those of the page of light beside it; the latter is empty where no light
+/// bounces.
+pub fn layers_of_light(options: &Options, plan: &Plan) -> [Vec<Layer>; 2] {
+    let bounces = plan.models(Choice::Bounces);
+    let mends = options.buried == Buried::Drop;
+    let light = bounces.then(|| light_layers(options, plan, mends));
+    [options.kept(), light.unwrap_or_default()]
+}
+
+/// The layers of a page of the light that gathers add.
+pub(crate) fn light_layers(options: &Options, plan: &Plan, mends: bool) -> Vec<Layer> {
+    let denoises = options.denoise != Denoise::Off;
+    let mut layers = vec![Layer::Coverage, Layer::Rays];
+    for (term, std_err, half) in light_terms(plan) {
+        layers.extend([term, std_err]);
+        if denoises || options.layers.contains(&half) {
+            layers.push(half);
+        }
+    }
+    if denoises || mends {
+        layers.extend([Layer::Position, Layer::Normal, Layer::Object]);
+    }
+    if mends {
+        layers.push(Layer::Validity);
+    }
+    layers
+}
+
 /// The terms of light alone.
 pub(super) fn lights(plan: &Plan) -> Vec<TermLayers> {
     let modelled = |term: &&TermLayers| plan.models(term.2);
@@ -119,7 +147,7 @@ pub(super) fn lights(plan: &Plan) -> Vec<TermLayers> {
 }
 
 /// The light that gathers add: layer, standard error, half.
-pub(crate) fn light_terms(plan: &Plan) -> Vec<(Layer, Layer, Layer)> {
+fn light_terms(plan: &Plan) -> Vec<(Layer, Layer, Layer)> {
     let lights = lights(plan).into_iter();
     lights
         .map(|(term, std_err, _)| (term, std_err, half_of(term)))
