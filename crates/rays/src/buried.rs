@@ -24,7 +24,7 @@ impl World {
         let reach = extent.fold(position.abs().max_element(), f64::max);
         let point = position + NUDGE * reach * upward * face.normalize_or_zero();
         let own = solids.own(instance, triangle);
-        let depth = |&body: &u32| solids.depth(body, point, own == Some(body));
+        let depth = |&body: &u32| solids.depth(body, point, own);
         near.iter().map(depth).sum::<i32>() > 0
     }
 }

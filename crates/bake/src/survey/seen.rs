@@ -61,8 +61,7 @@ impl Seen {
         let (low, high) = corners.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
         let own = cells[0].body;
         let is_uniform = cells.iter().all(|cell| cell.body == own);
-        // A solid does not bury itself.
-        let matters = |body: &u32| !(is_uniform && own == Some(*body) && solids.is_solid(*body));
+        let matters = |body: &u32| !(is_uniform && solids.spares(*body, own));
         let near: Vec<u32> = near
             .iter()
             .copied()
@@ -102,7 +101,7 @@ impl Seen {
         let (middle, within) = point_at([0.5; 2]);
         let base: i32 = far
             .iter()
-            .map(|&body| solids.depth(body, middle, within == Some(body)))
+            .map(|&body| solids.depth(body, middle, within))
             .sum();
         if close.is_empty() {
             return if base <= 0 { Self::ALL } else { none };
@@ -117,7 +116,7 @@ impl Seen {
             .flat_map(|row| (0..=EDGE).map(move |column| [column, row]))
             .map(|place| {
                 let (point, own) = point_at(place.map(at));
-                let depth = |near: &mut Near| near.depth(point, own == Some(near.body()));
+                let depth = |near: &mut Near| near.depth(point, own);
                 base + close.iter_mut().map(depth).sum::<i32>() <= 0
             })
             .collect();

@@ -16,6 +16,7 @@
 //! A point is buried where it lies in more solids than cavities. Distances do not matter: a limit on the distance of occluders limits
 //! what darkens a place, not where the place is.
 
+mod ground;
 mod topology;
 mod tree;
 
@@ -33,19 +34,23 @@ struct Shape {
     /// Surface of each triangle, by mesh.
     surface_of: Vec<Vec<u32>>,
     surfaces: Vec<Surface>,
-    /// Of closed surfaces, built when first asked.
+    /// Built when first asked.
     trees: Vec<OnceLock<SurfaceTree>>,
 }
 
 /// What the inside of a closed surface counts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 enum Inside {
     Solid,
     Cavity,
     Room,
+    /// An open surface that only is rooted in others.
+    Nothing,
+    /// What lies behind an open surface, for the bodies that are rooted in it, in order.
+    Behind(Vec<u32>),
 }
 
-/// A closed surface in the world.
+/// A surface in the world that is closed, is rooted in a ground, or is one.
 #[derive(Debug)]
 struct Body {
     shape: u32,
@@ -68,7 +73,7 @@ pub struct Solids {
     bodies: Vec<Body>,
     /// Shape, number of the mesh in it, and placement of each instance.
     instances: Vec<(u32, u32, u32)>,
-    /// Body of each placement's closed surfaces, in their order.
+    /// Body of placements' surfaces, by their numbers.
     placements: HashMap<(u32, u32), u32>,
 }
 
@@ -139,33 +144,41 @@ impl Solids {
             placements,
         };
         solids.classify();
+        solids.root();
         solids
     }
 
-    /// How many there are, wrongly wound ones too.
+    /// How many there are, wrongly wound ones too, and grounds.
     pub fn count(&self) -> usize {
-        let solid = |body: &&Body| body.inside == Inside::Solid;
-        self.bodies.iter().filter(solid).count()
+        let buries = |body: &&Body| matches!(body.inside, Inside::Solid | Inside::Behind(_));
+        self.bodies.iter().filter(buries).count()
     }
 
-    /// The closed surface that a triangle is part of.
+    /// The body that a triangle is part of.
     pub fn own(&self, instance: u32, triangle: u32) -> Option<u32> {
         let (shape, mesh, placement) = self.instances[instance as usize];
         let surface = self.shapes[shape as usize].surface_of[mesh as usize][triangle as usize];
         self.placements.get(&(placement, surface)).copied()
     }
 
-    /// The closed surfaces, rooms left out, whose boxes meet this one.
+    /// The bodies that bury or lay open, whose boxes meet this one.
     pub fn about(&self, low: DVec3, high: DVec3) -> Vec<u32> {
+        let counts = |body: &Body| !matches!(body.inside, Inside::Room | Inside::Nothing);
         (0..self.bodies.len() as u32)
-            .filter(|&body| self.bodies[body as usize].inside != Inside::Room)
+            .filter(|&body| counts(&self.bodies[body as usize]))
             .filter(|&body| self.reaches(body, low, high))
             .collect()
     }
 
-    /// True for a solid, false for a cavity or a room.
-    pub fn is_solid(&self, body: u32) -> bool {
-        self.bodies[body as usize].inside == Inside::Solid
+    /// True where a body counts the same at all points of triangles of `own`: a solid does not bury itself, and a ground buries
+    /// what is rooted in it alone.
+    pub fn spares(&self, body: u32, own: Option<u32>) -> bool {
+        match &self.bodies[body as usize].inside {
+            Inside::Solid => own == Some(body),
+            Inside::Cavity => false,
+            Inside::Room | Inside::Nothing => true,
+            Inside::Behind(rooted) => !is_among(rooted, own),
+        }
     }
 
     /// The longest edge of a closed surface's box, in scene units.
@@ -214,25 +227,41 @@ impl Solids {
         }
     }
 
-    /// What a closed surface counts at a point: 1 in a solid, -1 in a cavity, 0 outside. On its own triangles, `own`, the side of the
-    /// surface decides and not the point: a solid does not bury itself, and a cavity is open to its own walls.
-    pub fn depth(&self, body: u32, point: DVec3, own: bool) -> i32 {
-        let body = &self.bodies[body as usize];
-        body.depth(own, || self.holds(body, point))
+    /// What a body counts at a point of a triangle of the body `own`: 1 in a solid and behind a ground, -1 in a cavity, 0 outside. On
+    /// its own triangles the side of the surface decides and not the point: a solid does not bury itself, and a cavity is open to its
+    /// own walls. A ground counts for what is rooted in it alone.
+    pub fn depth(&self, body: u32, point: DVec3, own: Option<u32>) -> i32 {
+        self.depth_by(body, own, |of| self.holds(of, point))
     }
 
-    /// How many closed surfaces there are, solids or not.
+    fn depth_by(&self, body: u32, own: Option<u32>, holds: impl FnOnce(&Body) -> bool) -> i32 {
+        let of = &self.bodies[body as usize];
+        let is_own = own == Some(body);
+        match &of.inside {
+            Inside::Room | Inside::Nothing => 0,
+            Inside::Solid => i32::from(!is_own && holds(of)),
+            Inside::Cavity => -i32::from(is_own || holds(of)),
+            Inside::Behind(rooted) => i32::from(is_among(rooted, own) && holds(of)),
+        }
+    }
+
+    /// How many bodies there are, whether they bury or not.
     pub fn bodies(&self) -> u32 {
         self.bodies.len() as u32
     }
 
-    /// Hands over, as bytes, all that decides what a closed surface counts at a point.
+    /// Hands over, as bytes, all that decides what a body counts at a point. What is rooted in a ground follows from its content and
+    /// that of the other.
     pub fn content(&self, body: u32, take: &mut dyn FnMut(&[u8])) {
         let body = &self.bodies[body as usize];
-        take(&[body.inside as u8]);
-        let columns = body.inverse.to_cols_array();
-        let limits = [body.low.to_array(), body.high.to_array()];
-        for number in columns.iter().chain(limits.as_flattened()) {
+        take(&[match body.inside {
+            Inside::Solid => 0,
+            Inside::Cavity => 1,
+            Inside::Room => 2,
+            Inside::Nothing => 3,
+            Inside::Behind(_) => 4,
+        }]);
+        for number in body.inverse.to_cols_array() {
             take(&number.to_le_bytes());
         }
         let surface = self.surface(body);
@@ -259,8 +288,14 @@ impl Solids {
         if apart.any() {
             return false;
         }
-        let winding = winding(body.inverse.transform_point3(point));
-        f64::from(winding) * self.surface(body).volume > 0.0
+        let (surface, local) = (self.surface(body), body.inverse.transform_point3(point));
+        match surface.front {
+            Some(front) => {
+                let height = self.tree(body).height(&self.scene, local, front);
+                height.is_some_and(|height| height < 0.0)
+            }
+            None => f64::from(winding(local)) * surface.volume > 0.0,
+        }
     }
 
     fn surface(&self, body: &Body) -> &Surface {
@@ -268,8 +303,13 @@ impl Solids {
     }
 
     fn tree(&self, body: &Body) -> &SurfaceTree {
-        let tree = &self.shapes[body.shape as usize].trees[body.surface as usize];
-        tree.get_or_init(|| SurfaceTree::build(&self.scene, &self.surface(body).faces))
+        self.tree_of(body.shape, body.surface)
+    }
+
+    fn tree_of(&self, shape: u32, surface: u32) -> &SurfaceTree {
+        let (shape, surface) = (&self.shapes[shape as usize], surface as usize);
+        let faces = &shape.surfaces[surface].faces;
+        shape.trees[surface].get_or_init(|| SurfaceTree::build(&self.scene, faces))
     }
 
     /// Tells cavities and rooms from solids.
@@ -326,15 +366,8 @@ impl Solids {
     }
 }
 
-impl Body {
-    /// What the body counts at a point, by whether it holds it.
-    fn depth(&self, own: bool, holds: impl FnOnce() -> bool) -> i32 {
-        match self.inside {
-            Inside::Room => 0,
-            Inside::Solid => i32::from(!own && holds()),
-            Inside::Cavity => -i32::from(own || holds()),
-        }
-    }
+fn is_among(rooted: &[u32], own: Option<u32>) -> bool {
+    own.is_some_and(|own| rooted.binary_search(&own).is_ok())
 }
 
 /// A closed surface about a box. The first point is looked at from far away, as [`Solids::depth`] does; from there to the others, what
@@ -359,10 +392,10 @@ impl Near<'_> {
     }
 
     /// As [`Solids::depth`]; soon known of points in the box.
-    pub fn depth(&mut self, point: DVec3, own: bool) -> i32 {
-        let (solids, body) = (self.solids, &self.solids.bodies[self.body as usize]);
-        body.depth(own, || {
-            solids.holds_by(body, point, |local| self.winding(body, local))
+    pub fn depth(&mut self, point: DVec3, own: Option<u32>) -> i32 {
+        let solids = self.solids;
+        solids.depth_by(self.body, own, |of| {
+            solids.holds_by(of, point, |local| self.winding(of, local))
         })
     }
 

@@ -28,17 +28,23 @@ fn unit(inward: bool) -> Mesh {
     block(Vec3::ZERO, Vec3::ONE, inward)
 }
 
-fn sheet() -> Mesh {
-    let corners = [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)];
-    let positions = corners.map(|(x, z)| Vec3::new(x, 0.0, z)).to_vec();
+/// A level square that looks up, `half` wide to each side.
+fn level(y: f32, half: f32) -> Mesh {
+    let corners = [(-half, -half), (half, -half), (half, half), (-half, half)];
+    let positions = corners.map(|(x, z)| Vec3::new(x, y, z)).to_vec();
     mesh(positions, vec![[0, 2, 1], [0, 3, 2]])
+}
+
+/// A sheet that nothing is near to.
+fn sheet() -> Mesh {
+    level(-3.0, 9.0)
 }
 
 /// In how many more solids than cavities a point lies.
 fn depth(solids: &Solids, point: DVec3) -> i32 {
     let near = solids.about(point, point);
     near.iter()
-        .map(|&body| solids.depth(body, point, false))
+        .map(|&body| solids.depth(body, point, None))
         .sum()
 }
 
@@ -144,7 +150,7 @@ fn a_cavity_is_air_with_or_without_furniture() {
         assert_eq!(depth(&solids, DVec3::new(1.1, 0.0, 0.0)), 1, "in the wall");
         let own = solids.own(1, 0).expect("the cavity is closed");
         assert_eq!(
-            solids.depth(own, DVec3::X, true),
+            solids.depth(own, DVec3::X, Some(own)),
             -1,
             "its own walls stand in the open"
         );
@@ -155,7 +161,7 @@ fn a_cavity_is_air_with_or_without_furniture() {
 fn a_solid_does_not_bury_itself_but_its_twin_may() {
     let solids = solids(vec![unit(false), unit(false)]);
     let own = solids.own(0, 0).expect("closed");
-    assert_eq!(solids.depth(own, INSIDE, true), 0);
+    assert_eq!(solids.depth(own, INSIDE, Some(own)), 0);
     assert_ne!(solids.own(1, 0), Some(own));
     assert_eq!(depth(&solids, INSIDE), 2);
 }
@@ -197,10 +203,72 @@ fn depths_near_a_surface_are_those_seen_from_far() {
             for body in 0..2.min(solids.bodies.len() as u32) {
                 let mut near = solids.near(body, points.iter().copied());
                 for &point in &points {
-                    let expected = solids.depth(body, point, false);
-                    assert_eq!(near.depth(point, false), expected, "case {case}, {point}");
+                    let expected = solids.depth(body, point, None);
+                    assert_eq!(near.depth(point, None), expected, "case {case}, {point}");
                 }
             }
         }
     }
+}
+
+/// The depth at a point of a triangle of the second mesh.
+fn buried(solids: &Solids, point: DVec3) -> i32 {
+    let (own, near) = (solids.own(1, 0), solids.about(point, point));
+    near.iter()
+        .map(|&body| solids.depth(body, point, own))
+        .sum()
+}
+
+/// An upright tube without ends about the vertical axis.
+fn tube(low: f32, high: f32) -> Mesh {
+    let mut open = block(
+        Vec3::Y * (low + high) * 0.5,
+        Vec3::new(0.5, (high - low) * 0.5, 0.5),
+        false,
+    );
+    open.triangles.retain(|t| {
+        (0..3).any(|k| open.positions[t[k] as usize].y != open.positions[t[0] as usize].y)
+    });
+    open
+}
+
+#[test]
+fn what_stands_in_an_open_ground_is_buried_below_it() {
+    let (below, above) = (DVec3::new(0.5, -0.2, 0.1), DVec3::new(0.5, 0.2, 0.1));
+    let closed = block(Vec3::Y * 0.5, Vec3::new(0.5, 1.0, 0.5), false);
+    for body in [closed, tube(-0.5, 1.5)] {
+        for turned in [DQuat::IDENTITY, DQuat::from_rotation_x(2.0)] {
+            let place = DAffine3::from_quat(turned);
+            let scene = placed_scene(
+                vec![level(0.0, 9.0), body.clone()],
+                &[(0, place), (1, place)],
+            );
+            let solids = Solids::of(world(scene).scene());
+            let at = |point| place.transform_point3(point);
+            assert_eq!(buried(&solids, at(below)), 1);
+            assert_eq!(buried(&solids, at(above)), 0);
+            let ground = solids.own(0, 0);
+            let itself = solids.depth(ground.expect("a body"), at(below), ground);
+            assert_eq!(itself, 0, "a ground buries what is rooted in it alone");
+        }
+    }
+}
+
+#[test]
+fn an_awning_buries_no_pole_and_a_floor_no_column_of_the_storey_below() {
+    let below = DVec3::new(0.5, -0.2, 0.1);
+    // More of it below than above; and as much below as above, but on another floor.
+    let hung = solids(vec![level(0.0, 9.0), tube(-2.0, 1.0)]);
+    assert_eq!(buried(&hung, below), 0);
+    let storeys = solids(vec![level(0.0, 9.0), tube(-1.0, 5.0), level(-1.0, 9.0)]);
+    assert_eq!(buried(&storeys, below), 0);
+    // What crosses the sheet too does not lay it open.
+    let fence = solids(vec![level(0.0, 9.0), tube(-1.0, 5.0), tube(-2.0, 3.0)]);
+    assert_eq!(buried(&fence, below), 1);
+}
+
+#[test]
+fn what_only_stands_on_a_ground_is_not_rooted_in_it() {
+    let solids = solids(vec![level(0.0, 9.0), tube(0.0, 1.0)]);
+    assert_eq!(solids.count(), 0);
 }

@@ -27,6 +27,8 @@ pub(super) struct Surface {
     /// What a closed surface of opaque triangles encloses: above 0 where its front faces look outward, below 0 where they look
     /// inward. 0 for any other.
     pub volume: f64,
+    /// Where an open surface of opaque triangles looks, if to one side.
+    pub front: Option<DVec3>,
 }
 
 /// Corners of a face.
@@ -77,14 +79,32 @@ pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
         }
         found[place[root] as usize].0.add(scene, *face);
     }
-    let finish = |(surface, open): (Surface, bool)| match open || surface.is_masked(scene) {
-        true => surface,
+    let finish = |(surface, open): (Surface, bool)| match open {
+        _ if surface.is_masked(scene) => surface,
+        true => Surface {
+            front: front(scene, &surface.faces),
+            ..surface
+        },
         false => Surface {
             volume: surface.enclosed(scene),
             ..surface
         },
     };
     found.into_iter().map(finish).collect()
+}
+
+/// The unit direction to which all faces of an open, opaque surface look; `None` where there is none. In the space of its mesh.
+fn front(scene: &Scene, faces: &[Face]) -> Option<DVec3> {
+    let normal = |face: &Face| {
+        let [a, b, c] = corners(scene, *face).map(|corner| corner.as_dvec3());
+        (b - a).cross(c - a)
+    };
+    let front = faces.iter().map(normal).sum::<DVec3>().try_normalize()?;
+    let looks = |face| {
+        let normal = normal(face);
+        normal == DVec3::ZERO || normal.dot(front) > 0.0
+    };
+    faces.iter().all(looks).then_some(front)
 }
 
 /// The corners of faces as numbers that are equal where positions are.
@@ -161,6 +181,7 @@ impl Surface {
             low: Vec3::INFINITY,
             high: Vec3::NEG_INFINITY,
             volume: 0.0,
+            front: None,
         }
     }
 

@@ -1,7 +1,8 @@
-//! A tree of boxes over the triangles of one closed surface: how often it winds around a point, and whether it comes near a box.
+//! A tree of boxes over the triangles of one surface: how often it winds around a point, how far a point stands in front of it, and
+//! whether it comes near a box.
 
 use super::topology::{Face, corners};
-use crate::triangle::ShearedRay;
+use crate::triangle::{Crossing, ShearedRay};
 use glam::{DVec3, Vec3};
 use scene::Scene;
 
@@ -40,7 +41,7 @@ pub(super) fn climb(faces: &[[[f32; 3]; 3]], from: DVec3, to: DVec3) -> Option<i
     Some(climb)
 }
 
-/// A closed surface in the space of its meshes.
+/// A surface in the space of its meshes.
 #[derive(Debug)]
 pub(super) struct SurfaceTree {
     nodes: Vec<Node>,
@@ -118,9 +119,38 @@ impl SurfaceTree {
         direction[nearest] = sign;
         direction[(nearest + 1) % 3] = LEAN[0];
         direction[(nearest + 2) % 3] = LEAN[1];
+        let mut winding = 0;
+        self.cross(scene, point, direction, 0.0, |crossing| {
+            winding += if crossing.front { -1 } else { 1 };
+        });
+        winding
+    }
+
+    /// How far in front of an open surface a point stands along a unit direction to which its faces look, below 0 behind it; `None`
+    /// beside it.
+    pub fn height(&self, scene: &Scene, point: DVec3, front: DVec3) -> Option<f64> {
+        let across = front.any_orthonormal_vector();
+        let direction = front + across * LEAN[0] + front.cross(across) * LEAN[1];
+        let mut nearest: Option<f64> = None;
+        self.cross(scene, point, direction, f64::NEG_INFINITY, |crossing| {
+            if nearest.is_none_or(|t| crossing.t.abs() < t.abs()) {
+                nearest = Some(crossing.t);
+            }
+        });
+        nearest.map(|t| -t)
+    }
+
+    /// Hands over where a line meets triangles beyond a distance, in lengths of its direction.
+    fn cross(
+        &self,
+        scene: &Scene,
+        point: DVec3,
+        direction: DVec3,
+        beyond: f64,
+        mut take: impl FnMut(Crossing),
+    ) {
         let sight = ShearedRay::new(point, direction);
         let inverse = direction.recip();
-        let mut winding = 0;
         let mut pending = [0u32; 64];
         let mut depth = 1;
         while depth > 0 {
@@ -128,9 +158,10 @@ impl SurfaceTree {
             let node = &self.nodes[pending[depth] as usize];
             let a = (node.low.as_dvec3() - point) * inverse;
             let b = (node.high.as_dvec3() - point) * inverse;
-            let enters = a.min(b).max_element();
-            let leaves = a.max(b).min_element() * SLACK;
-            if leaves < 0.0 || enters > leaves {
+            let (enters, leaves) = (a.min(b).max_element(), a.max(b).min_element());
+            // Rounding must not hide a box; half of it is below 0 for a whole line.
+            let slack = (SLACK - 1.0) * enters.abs().max(leaves.abs());
+            if leaves + slack < beyond || enters > leaves + slack {
                 continue;
             }
             if node.count == 0 {
@@ -140,14 +171,11 @@ impl SurfaceTree {
             }
             for &face in self.faces_of(node) {
                 let corners = corners(scene, face).map(|corner| corner.to_array());
-                match sight.cross(&corners) {
-                    Some(crossing) if crossing.t > 0.0 && crossing.front => winding -= 1,
-                    Some(crossing) if crossing.t > 0.0 => winding += 1,
-                    _ => {}
+                if let Some(crossing) = sight.cross(&corners).filter(|c| c.t > beyond) {
+                    take(crossing);
                 }
             }
         }
-        winding
     }
 
     /// True where a triangle of the surface may meet the box; false is certain.
