@@ -38,7 +38,6 @@ mod pages;
 mod parity;
 mod peers;
 mod photo;
-mod plan;
 mod quads;
 mod readme;
 mod render;

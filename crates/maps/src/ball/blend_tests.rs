@@ -169,10 +169,10 @@ fn the_gains_of_two_balls_are_found_within_a_hundredth() {
             optics,
         };
         let found = super::gains(&[photo(0), photo(1)]).unwrap();
-        for c in 0..3 {
+        for (c, gain) in gains.into_iter().enumerate() {
             let ratio = found.factors[0][c] / found.factors[1][c];
             assert!(
-                (ratio / f64::from(gains[c]) - 1.0).abs() < 0.01,
+                (ratio / f64::from(gain) - 1.0).abs() < 0.01,
                 "{optics:?} {c}: {ratio}"
             );
         }
