@@ -4,10 +4,10 @@
 //! it what nobody is to see. A surface is *rooted* in such a sheet where
 //!
 //! * it crosses the sheet, and stands out in front of it at least as far as it reaches behind it, along the sheet's mean normal;
-//! * nothing that does not cross the sheet too comes near its part behind. So no column is buried by the floor of the next storey,
-//!   and no pole by an awning that it holds up, because the floor under them comes near.
+//! * nothing that does not cross the sheet too comes near its part behind. So no column is buried by the floor of the next storey.
 //!
-//! The part behind is buried, for this surface alone.
+//! The part behind is buried, for this surface alone. But a sheet that has something else behind it which does not cross it, and is not
+//! small beside it, is no ground: people stand under an awning, and see what it is fastened to.
 
 use super::topology::{Surface, corners};
 use super::tree::SurfaceTree;
@@ -21,6 +21,10 @@ use std::collections::BTreeMap;
 const ASKED: usize = 1000;
 /// What comes this near counts as near, in sizes of the part behind.
 const NEAR: f64 = 1e-3;
+/// Smaller than this share of a sheet, a surface behind it does not matter: a footing, a pipe.
+const SMALL: f64 = 0.5;
+/// Faces of a sheet from which one looks for what is behind it.
+const LOOKS: usize = 64;
 /// How far a crossing surface stands at least on either side, in sizes of its box: what only touches does not cross.
 const CROSSES: f64 = 1e-5;
 
@@ -47,6 +51,10 @@ impl Placed<'_> {
 
     fn meets(&self, low: DVec3, high: DVec3) -> bool {
         self.low.cmple(high).all() && self.high.cmpge(low).all()
+    }
+
+    fn size(&self) -> f64 {
+        (self.high - self.low).max_element()
     }
 }
 
@@ -146,10 +154,45 @@ impl Solids {
             });
             let mut rooted: Vec<(u32, u32)> = rooted.collect();
             rooted.sort_unstable();
-            (!rooted.is_empty()).then_some((sheet.key, rooted))
+            let is_other = |other: &&Placed| {
+                other.key != sheet.key
+                    && !crossing.contains(&other.key)
+                    && other.size() >= SMALL * sheet.size()
+            };
+            let mut others = placed.iter().filter(is_other);
+            let is_ground = !rooted.is_empty() && !others.any(|other| self.is_behind(sheet, other));
+            is_ground.then_some((sheet.key, rooted))
         };
         let sheets = placed.par_iter().filter(|s| s.surface.front.is_some());
         sheets.filter_map(of).collect()
+    }
+
+    /// True where one looks from a sheet's faces, against their mean normal, at another surface.
+    fn is_behind(&self, sheet: &Placed, other: &Placed) -> bool {
+        let Some(front) = sheet.surface.front else {
+            return false;
+        };
+        let back = -sheet.transform.transform_vector3(front);
+        let open = |toward: f64, limit: f64, end: f64| if toward > 0.0 { end } else { limit };
+        let mut high = sheet.high;
+        let mut low = sheet.low;
+        for axis in 0..3 {
+            high[axis] = open(back[axis], high[axis], f64::INFINITY);
+            low[axis] = open(-back[axis], low[axis], f64::NEG_INFINITY);
+        }
+        if !other.meets(low, high) {
+            return false;
+        }
+        let inverse = other.transform.inverse();
+        let direction = inverse.transform_vector3(back);
+        let tree = self.tree_of(other.shape, other.key.1);
+        let step = sheet.surface.faces.len().div_ceil(LOOKS);
+        let mut faces = sheet.surface.faces.iter().step_by(step);
+        faces.any(|&face| {
+            let [a, b, c] = corners(&self.scene, face).map(|corner| corner.as_dvec3());
+            let middle = sheet.transform.transform_point3((a + b + c) / 3.0);
+            tree.is_ahead(&self.scene, inverse.transform_point3(middle), direction)
+        })
     }
 
     /// Every surface of every placement.

@@ -262,6 +262,10 @@ fn an_awning_buries_no_pole_and_a_floor_no_column_of_the_storey_below() {
     assert_eq!(buried(&hung, below), 0);
     let storeys = solids(vec![level(0.0, 9.0), tube(-1.0, 5.0), level(-1.0, 9.0)]);
     assert_eq!(buried(&storeys, below), 0);
+    // A bracket that looks out of the top of an awning over a floor, and the same over nothing but a footing.
+    let bracket = |under: f32| solids(vec![level(0.0, 2.0), tube(-0.3, 0.5), level(-3.0, under)]);
+    assert_eq!(buried(&bracket(9.0), below), 0);
+    assert_eq!(buried(&bracket(0.5), below), 1);
     // What crosses the sheet too does not lay it open.
     let fence = solids(vec![level(0.0, 9.0), tube(-1.0, 5.0), tube(-2.0, 3.0)]);
     assert_eq!(buried(&fence, below), 1);

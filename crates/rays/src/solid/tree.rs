@@ -140,6 +140,13 @@ impl SurfaceTree {
         nearest.map(|t| -t)
     }
 
+    /// True where a ray meets the surface off its origin.
+    pub fn is_ahead(&self, scene: &Scene, origin: DVec3, direction: DVec3) -> bool {
+        let mut is_ahead = false;
+        self.cross(scene, origin, direction, CLEAR, |_| is_ahead = true);
+        is_ahead
+    }
+
     /// Hands over where a line meets triangles beyond a distance, in lengths of its direction.
     fn cross(
         &self,
