@@ -430,3 +430,17 @@ fn walls_that_stand_in_an_open_ground_are_buried_below_it() {
         }
     }
 }
+
+#[test]
+fn a_body_that_is_wound_the_wrong_way_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for inward in [false, true] {
+        let file = sunk_cube(folder.path(), 17.0, inward);
+        let file = file.display().to_string();
+        let plan = run_well(["plan", &file, "--json", "--size", "64"]);
+        let plan: serde_json::Value = serde_json::from_str(&plan).expect("JSON");
+        let warnings = plan["warnings"].as_array().expect("a list");
+        let mut named = warnings.iter().filter(|w| w["kind"] == "inside-out");
+        assert_eq!(named.next().is_some(), inward, "{warnings:?}");
+    }
+}

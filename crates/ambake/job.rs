@@ -221,7 +221,23 @@ impl Job {
             .map(Into::into)
             .chain(self.layout.warnings())
             .chain(small_page.flatten())
+            .chain(self.inside_out())
             .collect()
+    }
+
+    /// Closed surfaces with texels that are lit from within.
+    fn inside_out(&self) -> Option<WarningReport> {
+        let mut found = self.world.solids().inside_out();
+        found.retain(|&instance| {
+            self.atlas.placements[instance as usize] != atlas::Placement::NOWHERE
+        });
+        let first = &self.scene.instances[*found.first()? as usize];
+        Some(WarningReport {
+            kind: "inside-out".into(),
+            place: format!("object `{}`", first.name),
+            count: found.len() as u64,
+            message: "faces of a closed surface look inward, so it is lit from within and dark: turn them over, unless it is an empty room".into(),
+        })
     }
 
     /// What answers rays.

@@ -154,6 +154,23 @@ impl Solids {
         self.bodies.iter().filter(buries).count()
     }
 
+    /// An instance of each closed surface whose faces look inward though it is no room: it is lit from within.
+    pub fn inside_out(&self) -> Vec<u32> {
+        let first = |placement: u32, body: &Body| {
+            let shape = &self.shapes[body.shape as usize];
+            let has = |mesh: u32| shape.surface_of[mesh as usize].contains(&body.surface);
+            let mut instances = (0..).zip(&self.instances);
+            instances.find_map(|(i, of)| (of.2 == placement && has(of.1)).then_some(i))
+        };
+        let mut found: Vec<u32> = (self.placements.iter())
+            .map(|(&(placement, _), &body)| (placement, &self.bodies[body as usize]))
+            .filter(|(_, body)| body.inside == Inside::Solid && self.surface(body).volume < 0.0)
+            .filter_map(|(placement, body)| first(placement, body))
+            .collect();
+        found.sort_unstable();
+        found
+    }
+
     /// The body that a triangle is part of.
     pub fn own(&self, instance: u32, triangle: u32) -> Option<u32> {
         let (shape, mesh, placement) = self.instances[instance as usize];

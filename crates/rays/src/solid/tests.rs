@@ -59,6 +59,7 @@ fn a_box_is_a_solid_however_it_is_wound() {
     for inward in [false, true] {
         let solids = solids(vec![unit(inward), sheet()]);
         assert_eq!(solids.count(), 1, "inward {inward}");
+        assert_eq!(solids.inside_out(), [0][..usize::from(inward)]);
         for (point, expected) in [
             (INSIDE, 1),
             (DVec3::new(0.0, 0.999, 0.0), 1),
@@ -137,6 +138,7 @@ fn a_lived_in_room_is_air_and_its_furniture_is_solid() {
     let solids = solids(vec![unit(true), chair, sheet()]);
     assert_eq!(depth(&solids, INSIDE), 0);
     assert_eq!(depth(&solids, DVec3::new(0.5, -0.8, 0.45)), 1);
+    assert!(solids.inside_out().is_empty());
 }
 
 #[test]
