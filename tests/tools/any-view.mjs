@@ -5,16 +5,10 @@
 // INPUT.json: { kernel: { width, values }, cases: { width, values }, shaders: [{ source, kernel, cases }] }, a shader naming its two
 // samplers. A case is a row of `cases`; a shader writes its number to the row's pixel. Prints one JSON object: a list of numbers for
 // each shader, and complaints. Exit 77, with a reason, where a tool is absent.
-import { existsSync, readFileSync } from "node:fs";
+import { readFileSync } from "node:fs";
+import { launch } from "./browser.mjs";
 
-const chromium = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find(existsSync);
-const skip = (reason) => { console.log(reason); process.exit(77); };
-if (!chromium) skip("there is no Chromium");
-const playwright = await import("playwright-core").catch(() => skip("tests/tools has no playwright-core; run npm ci there"));
-const browser = await playwright.chromium.launch({
-  executablePath: chromium,
-  args: ["--headless", "--no-sandbox", "--disable-background-networking", "--use-gl=angle", "--use-angle=swiftshader"],
-});
+const browser = await launch();
 const page = await browser.newPage();
 const found = await page.evaluate(({ kernel, cases, shaders }) => {
   const rows = cases.values.length / cases.width;

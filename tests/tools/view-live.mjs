@@ -4,19 +4,13 @@
 //
 // VIEWS.json: a list of { eye, look, fov, bytes }, fov in degrees, bytes the sRGB picture as RGB from the top, null where nothing is.
 // Prints one JSON object: for each view the pixels that both show, the mean of their difference's size and of the difference itself, in 255ths. Exit 77, with a reason, where a tool is absent.
-import { existsSync, readFileSync } from "node:fs";
+import { readFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 import { resolve } from "node:path";
+import { launch } from "./browser.mjs";
 
 const [report, width, height, list] = process.argv.slice(2);
-const chromium = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find(existsSync);
-const skip = (reason) => { console.log(reason); process.exit(77); };
-if (!chromium) skip("there is no Chromium");
-const playwright = await import("playwright-core").catch(() => skip("tests/tools has no playwright-core; run npm ci there"));
-const browser = await playwright.chromium.launch({
-  executablePath: chromium,
-  args: ["--headless", "--no-sandbox", "--disable-background-networking", "--use-gl=angle", "--use-angle=swiftshader"],
-});
+const browser = await launch();
 const page = await browser.newPage({ viewport: { width: 820, height: 420 } });
 const complaints = [];
 page.on("console", (message) => { if (["error", "warning"].includes(message.type())) complaints.push(message.text()); });

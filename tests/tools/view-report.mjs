@@ -3,20 +3,12 @@
 //   node view-report.mjs REPORT.html [SHOT.png]   one JSON object on standard output; exit 1 where the page complains
 //
 // Exit 77, with a reason, where there is no Chromium or no playwright-core.
-import { existsSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 import { resolve } from "node:path";
+import { launch } from "./browser.mjs";
 
 const [report, shot] = process.argv.slice(2);
-const chromium = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find(existsSync);
-const skip = (reason) => { console.log(reason); process.exit(77); };
-if (!chromium) skip("there is no Chromium");
-const playwright = await import("playwright-core").catch(() => skip("tests/tools has no playwright-core; run npm ci there"));
-
-const browser = await playwright.chromium.launch({
-  executablePath: chromium,
-  args: ["--headless", "--no-sandbox", "--disable-background-networking", "--use-gl=angle", "--use-angle=swiftshader"],
-});
+const browser = await launch();
 const page = await browser.newPage({ viewport: shot ? { width: 1200, height: 760 } : { width: 820, height: 420 } });
 const complaints = [], requests = [];
 page.on("console", (message) => { if (["error", "warning"].includes(message.type())) complaints.push(message.text()); });
