@@ -1,8 +1,7 @@
 //! The shaders for any view, run by a browser, against the same numbers evaluated here.
 
-use crate::support::{Page, bake, scene, skip};
+use crate::support::{Page, bake, exr_layer, scene, skip};
 use ambient::any_view::{Coefficients, Lobe, count};
-use exr::prelude::{ReadChannels, ReadLayers, read};
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -166,15 +165,7 @@ fn shaders_give_the_numbers_of_this_program_at_thirty_views() {
 
 /// The picture of the kernels, rows from the top.
 fn kernels(path: &Path) -> Vec<f32> {
-    let image = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .first_valid_layer()
-        .all_attributes()
-        .from_file(path)
-        .expect("an EXR file");
-    let channel = &image.layer_data.channel_data.list[0];
+    let channel = &exr_layer(path).channel_data.list[0];
     channel.sample_data.values_as_f32().collect()
 }
 

@@ -1,7 +1,6 @@
 //! Photographs to maps, by the built program: mirrored balls and exposure brackets.
 
-use crate::support::{files, run, run_well};
-use exr::prelude::{ReadChannels, ReadLayers};
+use crate::support::{exr_layer, files, run, run_well};
 use image::{ImageBuffer, Rgb};
 use maps::{Format, Image, Labels, Projection};
 use serde_json::Value;
@@ -93,15 +92,7 @@ fn save(path: &Path, image: &Image) {
 
 /// The channel `confidence` of a file.
 fn confidence(path: &Path) -> Vec<f32> {
-    let image = exr::prelude::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .first_valid_layer()
-        .all_attributes()
-        .from_file(path)
-        .expect("an EXR");
-    let mut channels = image.layer_data.channel_data.list.into_iter();
+    let mut channels = exr_layer(path).channel_data.list.into_iter();
     let found = channels.find(|c| c.name.to_string() == "confidence");
     found
         .expect("a channel")

@@ -1,6 +1,6 @@
 //! What every integration test needs: running the program, and reading what it wrote.
 
-use exr::prelude::{ReadChannels, ReadLayers, read};
+use exr::prelude::{AnyChannels, FlatSamples, Layer, ReadChannels, ReadLayers, read};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -87,6 +87,20 @@ pub fn backends() -> Vec<&'static str> {
     }
 }
 
+/// The first layer of an EXR file, with all of its channels.
+pub fn exr_layer(path: &Path) -> Layer<AnyChannels<FlatSamples>> {
+    let image = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .from_file(path);
+    image
+        .unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+        .layer_data
+}
+
 /// One page read back: every channel by its full name.
 pub struct Page {
     /// Page edge in texels.
@@ -97,17 +111,10 @@ pub struct Page {
 impl Page {
     /// The page in the file at `path`.
     pub fn read(path: &Path) -> Self {
-        let image = read()
-            .no_deep_data()
-            .largest_resolution_level()
-            .all_channels()
-            .first_valid_layer()
-            .all_attributes()
-            .from_file(path)
-            .unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-        let size = image.layer_data.size;
+        let layer = exr_layer(path);
+        let size = layer.size;
         assert_eq!(size.0, size.1, "{} is square", path.display());
-        let channels = image.layer_data.channel_data.list;
+        let channels = layer.channel_data.list;
         let channels = channels
             .into_iter()
             .map(|c| (c.name.to_string(), c.sample_data.values_as_f32().collect()));

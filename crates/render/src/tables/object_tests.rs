@@ -1,18 +1,10 @@
 //! Shaders by object, and mirrors whose rays are traced.
 
-use super::tests::{shader, view};
+use super::tests::{LOOKUPS, shader, view};
 use super::*;
 use crate::Camera;
 use glam::DVec3;
 use maps::{IlluminationMap, Image, Projection};
-
-const LOOKUPS: [Lookup; 5] = [
-    Lookup::Nearest,
-    Lookup::Bilinear,
-    Lookup::Recursive,
-    Lookup::Quad,
-    Lookup::Summed,
-];
 
 /// A table whose texels all differ.
 fn uneven(scale: f32) -> Table {

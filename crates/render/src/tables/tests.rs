@@ -77,7 +77,7 @@ fn uneven(width: usize) -> IlluminationMap {
     })
 }
 
-const LOOKUPS: [Lookup; 5] = [
+pub(super) const LOOKUPS: [Lookup; 5] = [
     Lookup::Nearest,
     Lookup::Bilinear,
     Lookup::Recursive,
