@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::measure::{mesh_area, world_area};
+use crate::parts::{Part, parts, weld};
 use crate::twins::{self, Shape};
 use glam::{DMat3, DVec2, DVec3, Vec3};
 use rayon::prelude::*;
@@ -11,10 +12,6 @@ use uvunwrap::{Density, MeshInput, Packing};
 
 /// Charts of curved surfaces stay below this many triangles on average: flattening takes more than linear time.
 const SOLVABLE: f64 = 200_000.0;
-/// Height fields from so many triangles on are not flattened but seen from above.
-const MANY: usize = 20_000;
-/// Cosine of the steepest slope of a height field: 60 degrees, where a texel is twice as long as wide.
-const STEEPEST: f64 = 0.5;
 /// Edge of the pages on which charts are handed over, in texels, and the texels of a triangle there: coordinates are
 /// rounded to 32 bits, a thousandth of a texel.
 const HANDED: u32 = 8192;
@@ -208,10 +205,7 @@ fn sheet(
     let shaped = placed.corners(data);
     let Unit { positions, size } =
         unit(data, &shaped).ok_or_else(|| extent(scene, placed.instances[0]))?;
-    let welded = weld(data, &positions);
-    let corners: Vec<u32> = data.triangles.iter().flatten().copied().collect();
-    let indices: Vec<u32> = corners.iter().map(|&v| welded[v as usize]).collect();
-    let projected = projection(&data.triangles, &positions);
+    let parts = parts(data, &positions, cancel);
     let area: f64 = data
         .triangles
         .iter()
@@ -239,11 +233,8 @@ fn sheet(
             max_chart_area: most,
             ..uvunwrap::Options::default()
         };
-        let input = MeshInput {
-            existing_uvs: projected.as_deref(),
-            ..MeshInput::new(&positions, &indices)
-        };
-        match uvunwrap::generate_with_progress(&[input], &settings, |_| !cancel()) {
+        let inputs: Vec<MeshInput<'_>> = parts.iter().map(Part::input).collect();
+        match uvunwrap::generate_with_progress(&inputs, &settings, |_| !cancel()) {
             Err(uvunwrap::Error::ChartTooLarge { .. }) if scale > 1.0 => scale *= 0.25,
             Err(uvunwrap::Error::Cancelled) => return Err(Error::Cancelled),
             Err(other) => return Err(Error::Unwrap(other.to_string())),
@@ -252,102 +243,49 @@ fn sheet(
     };
     let texel = size / f64::from(scale as f32);
     let page = DVec2::new(f64::from(made.width), f64::from(made.height)) * texel;
-    let out = &made.meshes[0];
-    assert_eq!(
-        out.indices.len(),
-        indices.len(),
-        "indices of mesh {}",
-        placed.mesh
-    );
-    // Corners of the unwrapper's vertices by the mesh's own, which it does not know apart.
-    let mut numbers = HashMap::new();
-    let mut vertices: Vec<(u32, usize)> = Vec::with_capacity(out.vertices.len());
-    let mut number = |(&made, &own): (&u32, &u32)| {
-        *numbers.entry((made, own)).or_insert_with(|| {
-            vertices.push((own, made as usize));
-            vertices.len() as u32 - 1
-        })
-    };
-    let split: Vec<u32> = out.indices.iter().zip(&corners).map(&mut number).collect();
-    let triangles: Vec<[u32; 3]> = split.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
-    let chart_of = |v: u32| out.vertices[vertices[v as usize].1].chart;
-    let mut charts = vec![Vec::new(); made.chart_count as usize];
-    for (t, corners) in triangles.iter().enumerate() {
-        if let Some(chart) = chart_of(corners[0]) {
-            charts[chart as usize].push(t as u32);
-        }
-    }
-    let mut points: Vec<DVec2> = out
-        .vertices
-        .iter()
-        .map(|v| DVec2::new(f64::from(v.uv[0]), f64::from(v.uv[1])) * page)
-        .collect();
-    let mut corner = vec![DVec2::INFINITY; charts.len()];
-    for (v, p) in out.vertices.iter().zip(&points) {
-        if let Some(chart) = v.chart {
-            corner[chart as usize] = corner[chart as usize].min(*p);
-        }
-    }
-    for (v, p) in out.vertices.iter().zip(&mut points) {
-        *p = v
-            .chart
-            .map_or(DVec2::ZERO, |chart| *p - corner[chart as usize]);
-    }
-    Ok(Sheet {
+    let mut sheet = Sheet {
         mesh: placed.mesh,
         instances: placed.instances.clone(),
         scales: placed.scales.clone(),
-        sources: vertices.iter().map(|&(own, _)| own).collect(),
-        points: vertices.iter().map(|&(_, made)| points[made]).collect(),
-        triangles,
-        hidden: vec![false; charts.len()],
-        charts,
-    })
-}
-
-/// For each vertex the first one at its place with its normal: the seams of textures are no borders of charts, hard edges are.
-fn weld(mesh: &Mesh, positions: &[[f32; 3]]) -> Vec<u32> {
-    let mut first = HashMap::with_capacity(positions.len());
-    let bits = |v: [f32; 3]| v.map(|x| (x + 0.0).to_bits());
-    let key = |v: usize| {
-        let normal = mesh.normals.get(v).map_or([0.0; 3], |n| n.to_array());
-        (bits(positions[v]), bits(normal))
+        sources: Vec::new(),
+        points: Vec::new(),
+        triangles: vec![[0; 3]; data.triangles.len()],
+        charts: vec![Vec::new(); made.chart_count as usize],
+        hidden: vec![false; made.chart_count as usize],
     };
-    (0..positions.len())
-        .map(|v| *first.entry(key(v)).or_insert(v as u32))
-        .collect()
-}
-
-/// The view along its mean normal of a mesh that is all seen from there: a height field needs no flattening, which takes
-/// seconds from some ten thousand triangles on.
-///
-/// Lengths along a slope shrink by its cosine, at least [`STEEPEST`], as in every lightmap of a terrain. `None` for a
-/// smaller mesh and for one of another shape. Where the view covers a place twice the unwrapper flattens that part itself.
-fn projection(triangles: &[[u32; 3]], positions: &[[f32; 3]]) -> Option<Vec<[f32; 2]>> {
-    if triangles.len() < MANY {
-        return None;
+    let mut chart_of = Vec::new();
+    for (part, out) in parts.iter().zip(&made.meshes) {
+        // Corners of the unwrapper's vertices by the mesh's own, which it does not know apart.
+        let mut numbers = HashMap::new();
+        for (&t, corners) in part.triangles.iter().zip(out.indices.chunks_exact(3)) {
+            let corners = corners.iter().zip(data.triangles[t as usize]);
+            let mut number = |(&made, own): (&u32, u32)| {
+                *numbers.entry((made, own)).or_insert_with(|| {
+                    let vertex = &out.vertices[made as usize];
+                    let [u, v] = vertex.uv.map(f64::from);
+                    sheet.sources.push(own);
+                    sheet.points.push(DVec2::new(u, v) * page);
+                    chart_of.push(vertex.chart);
+                    sheet.sources.len() as u32 - 1
+                })
+            };
+            let numbered: Vec<u32> = corners.map(&mut number).collect();
+            sheet.triangles[t as usize] = [numbered[0], numbered[1], numbered[2]];
+            if let Some(chart) = chart_of[numbered[0] as usize] {
+                sheet.charts[chart as usize].push(t);
+            }
+        }
     }
-    let at = |v: u32| Vec3::from(positions[v as usize]).as_dvec3();
-    let cross = |t: &[u32; 3]| {
-        let [a, b, c] = t.map(at);
-        (b - a).cross(c - a)
-    };
-    let axis = triangles
-        .iter()
-        .map(cross)
-        .sum::<DVec3>()
-        .normalize_or_zero();
-    let steep = |t: &[u32; 3]| {
-        let normal = cross(t);
-        normal.dot(axis) < STEEPEST * normal.length()
-    };
-    if axis == DVec3::ZERO || triangles.iter().any(steep) {
-        return None;
+    // Charts begin at (0, 0).
+    let mut low = vec![DVec2::INFINITY; sheet.charts.len()];
+    let places = |chart: &Option<u32>| chart.map(|c| c as usize);
+    for (p, chart) in sheet.points.iter().zip(chart_of.iter().map(places)) {
+        if let Some(chart) = chart {
+            low[chart] = low[chart].min(*p);
+        }
     }
-    let (u, v) = axis.any_orthonormal_pair();
-    let flat = |p: &[f32; 3]| {
-        let p = Vec3::from(*p).as_dvec3();
-        [p.dot(u) as f32, p.dot(v) as f32]
-    };
-    Some(positions.iter().map(flat).collect())
+    for (p, chart) in sheet.points.iter_mut().zip(chart_of.iter().map(places)) {
+        *p = chart.map_or(DVec2::ZERO, |chart| *p - low[chart]);
+    }
+    Ok(sheet)
 }

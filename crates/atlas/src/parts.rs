@@ -1,0 +1,152 @@
+//! What of a mesh is handed to the unwrapper, and with which coordinates of ours.
+
+use crate::flatten::{self, Piece, Surface};
+use glam::{DVec3, Vec3};
+use scene::Mesh;
+use std::collections::HashMap;
+use uvunwrap::MeshInput;
+
+/// Height fields from so many triangles on are not flattened but seen from above.
+const MANY: usize = 20_000;
+/// Of other meshes from so many triangles on we flatten the large pieces. The unwrapper's solver takes ten times as long.
+const CURVED: usize = 500;
+/// Cosine of the steepest slope of a height field: 60 degrees, where a texel is twice as long as wide.
+const STEEPEST: f64 = 0.5;
+
+/// Some triangles of a mesh, which share no chart with the others.
+pub(crate) struct Part {
+    /// Of the mesh.
+    pub triangles: Vec<u32>,
+    positions: Vec<[f32; 3]>,
+    indices: Vec<u32>,
+    /// Flat coordinates that the unwrapper need not find itself.
+    flat: Option<Vec<[f32; 2]>>,
+}
+
+impl Part {
+    pub fn input(&self) -> MeshInput<'_> {
+        MeshInput {
+            existing_uvs: self.flat.as_deref(),
+            ..MeshInput::new(&self.positions, &self.indices)
+        }
+    }
+
+    fn of(piece: Piece, surface: &Surface) -> Self {
+        let corner = |&c: &u32| surface.corners[c as usize].as_vec3().to_array();
+        Self {
+            triangles: piece.triangles,
+            positions: piece.corners.iter().map(corner).collect(),
+            indices: piece.local.into_iter().flatten().collect(),
+            flat: Some(piece.flat),
+        }
+    }
+}
+
+/// The parts of a mesh whose corners are at `positions`, about 1 in size.
+pub(crate) fn parts(
+    mesh: &Mesh,
+    positions: &[[f32; 3]],
+    cancel: &(dyn Fn() -> bool + Sync),
+) -> Vec<Part> {
+    let welded = weld(mesh, positions);
+    let part = |triangles: Vec<u32>| {
+        let corners = triangles.iter().flat_map(|&t| mesh.triangles[t as usize]);
+        Part {
+            indices: corners.map(|v| welded[v as usize]).collect(),
+            positions: positions.to_vec(),
+            triangles,
+            flat: None,
+        }
+    };
+    let all = 0..mesh.triangles.len() as u32;
+    if mesh.triangles.len() < CURVED {
+        return vec![part(all.collect())];
+    }
+    let alone = |flat: &Vec<[f32; 2]>| !flatten::overlaps(&mesh.triangles, flat);
+    if let Some(flat) = projection(&mesh.triangles, positions).filter(alone) {
+        return vec![Part {
+            flat: Some(flat),
+            ..part(all.collect())
+        }];
+    }
+    let surface = surface(mesh, positions, &welded);
+    let pieces = flatten::flatten(&surface, cancel);
+    let mut left: Vec<bool> = vec![true; mesh.triangles.len()];
+    for &t in pieces.iter().flat_map(|piece| &piece.triangles) {
+        left[t as usize] = false;
+    }
+    let rest: Vec<u32> = all.filter(|&t| left[t as usize]).collect();
+    let mut parts: Vec<Part> = pieces
+        .into_iter()
+        .map(|piece| Part::of(piece, &surface))
+        .collect();
+    if !rest.is_empty() {
+        parts.push(part(rest));
+    }
+    parts
+}
+
+fn surface(mesh: &Mesh, positions: &[[f32; 3]], welded: &[u32]) -> Surface {
+    let mut first = HashMap::with_capacity(positions.len());
+    let place: Vec<u32> = positions
+        .iter()
+        .zip(0u32..)
+        .map(|(p, v)| *first.entry(bits(*p)).or_insert(v))
+        .collect();
+    let by = |numbers: &[u32]| -> Vec<[u32; 3]> {
+        let triangles = mesh.triangles.iter();
+        triangles.map(|t| t.map(|v| numbers[v as usize])).collect()
+    };
+    let corners = positions.iter().map(|p| Vec3::from(*p).as_dvec3());
+    Surface::new(corners.collect(), by(&place), &by(welded))
+}
+
+fn bits(v: [f32; 3]) -> [u32; 3] {
+    v.map(|x| (x + 0.0).to_bits())
+}
+
+/// For each vertex the first one at its place with its normal: the seams of textures are no borders of charts, hard edges are.
+pub(crate) fn weld(mesh: &Mesh, positions: &[[f32; 3]]) -> Vec<u32> {
+    let mut first = HashMap::with_capacity(positions.len());
+    let key = |v: usize| {
+        let normal = mesh.normals.get(v).map_or([0.0; 3], |n| n.to_array());
+        (bits(positions[v]), bits(normal))
+    };
+    (0..positions.len())
+        .map(|v| *first.entry(key(v)).or_insert(v as u32))
+        .collect()
+}
+
+/// The view along its mean normal of a mesh that is all seen from there: a height field needs no flattening, which takes
+/// seconds from some ten thousand triangles on.
+///
+/// Lengths along a slope shrink by its cosine, at least [`STEEPEST`], as in every lightmap of a terrain. `None` for a
+/// smaller mesh and for one of another shape.
+fn projection(triangles: &[[u32; 3]], positions: &[[f32; 3]]) -> Option<Vec<[f32; 2]>> {
+    if triangles.len() < MANY {
+        return None;
+    }
+    let at = |v: u32| Vec3::from(positions[v as usize]).as_dvec3();
+    let cross = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(at);
+        (b - a).cross(c - a)
+    };
+    let axis = triangles
+        .iter()
+        .map(cross)
+        .sum::<DVec3>()
+        .normalize_or_zero();
+    let steep = |t: &[u32; 3]| {
+        let normal = cross(t);
+        normal.dot(axis) < STEEPEST * normal.length()
+    };
+    if axis == DVec3::ZERO || triangles.iter().any(steep) {
+        return None;
+    }
+    let (u, v) = axis.any_orthonormal_pair();
+    let flat = |p: &[f32; 3]| {
+        let p = Vec3::from(*p).as_dvec3();
+        [p.dot(u) as f32, p.dot(v) as f32]
+    };
+    Some(positions.iter().map(flat).collect())
+}
