@@ -431,7 +431,7 @@ impl<'a> Baker<'a> {
                     values = (column.layer, texel.values(column.layer));
                 }
                 result.values.push(match column.layer {
-                    Layer::AnyView | Layer::AnyView8 => {
+                    Layer::AnyView | Layer::AnyView4 | Layer::AnyView8 => {
                         let any = texel.terms.any_view.as_ref();
                         any.map_or(0.0, |any| any.coefficients.0[column.channel] as f32)
                     }
