@@ -413,6 +413,69 @@ fn sixteen_bits_merge_with_shifts_and_saturated_pixels_are_counted() {
 }
 
 #[test]
+fn a_curve_found_from_a_series_develops_single_photographs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    // A film that records the 1.6th root of exposure.
+    let radiance = |x: u32, y: u32| 0.02 * 40f64.powf(f64::from(x + 64 * y) / 4096.0);
+    let shoot = |name: &str, time: f64| {
+        let level = |e: f64| (255.0 * e.min(1.0).powf(1.0 / 1.6)).round() as u8;
+        let picture: ImageBuffer<Rgb<u8>, Vec<u8>> =
+            ImageBuffer::from_fn(64, 64, |x, y| Rgb([level(radiance(x, y) * time); 3]));
+        picture.save(at(name)).expect("it is written");
+    };
+    for (k, time) in [4.0, 1.0, 0.25].into_iter().enumerate() {
+        shoot(&format!("{k}.png"), time);
+    }
+    let [a, b, c, out, film] = ["0.png", "1.png", "2.png", "out.exr", "film.txt"].map(at);
+    let series = ["map", "merge", &a, &b, &c, "--times=4,1,0.25", "-o", &out];
+    let text = run_well([&series[..], &["--save-response", &film]].concat());
+    assert!(text.contains("film.txt"), "{text}");
+    let found = maps::read(out.as_ref()).expect("a picture").image;
+    run_well([&series[..], &["--response", &film]].concat());
+    let again = maps::read(out.as_ref()).expect("a picture").image;
+    for (a, b) in found.pixels.iter().zip(&again.pixels) {
+        assert!((a[1] / b[1] - 1.0).abs() < 1e-3, "{a:?} {b:?}");
+    }
+    // Six single photographs of one exposure.
+    for face in maps::FACES {
+        shoot(&format!("six_{face}.png"), 1.0);
+    }
+    let six = [
+        "map",
+        "mosaic",
+        &at("six.png"),
+        "--gains=off",
+        "--to=cube",
+        "-o",
+        &at("sky.exr"),
+    ]
+    .map(str::to_owned);
+    let spread = |words: &[String]| {
+        run_well(words);
+        let image = maps::read(at("sky_pz.exr").as_ref()).expect("a face").image;
+        let ratios: Vec<f64> = (0..4096_u32)
+            .filter(|k| (8..56).contains(&(k % 64)))
+            .map(|k| f64::from(image.pixels[k as usize][0]) / radiance(k % 64, k / 64))
+            .collect();
+        let [least, most] =
+            [f64::min, f64::max].map(|of| ratios.iter().copied().reduce(of).expect("pixels"));
+        most / least
+    };
+    let by_film = spread(&[&six[..], &["--response".to_owned(), film.clone()]].concat());
+    // Half a level of 22, the darkest, is 3.6 % of its exposure, up or down.
+    assert!(by_film < 1.09, "{by_film}");
+    assert!(spread(&six) > 1.3);
+    fs::write(&film, "0 0 0 0\n1 2 3\n").expect("a file");
+    let output = run([&series[..], &["--response", &film]].concat());
+    let line = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        line.contains("film.txt") && line.contains("line 2"),
+        "{line}"
+    );
+}
+
+#[test]
 fn unusable_photographs_are_one_line_and_leave_no_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name).display().to_string();

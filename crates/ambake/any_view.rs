@@ -12,7 +12,9 @@ pub(crate) fn stage(
     output: &mut Output,
     stem: &str,
 ) -> Result<Option<AnyViewReport>, Error> {
-    let Some(order) = job.baker_options().any_view() else {
+    let options = job.baker_options();
+    let errors = options.any_view_errors(&job.scene().0);
+    let (Some(order), Some(errors)) = (options.any_view(), errors) else {
         return Ok(None);
     };
     let microfacets = job.options().model == Model::Ggx;
@@ -35,6 +37,9 @@ pub(crate) fn stage(
     Ok(Some(AnyViewReport {
         order: order as u32,
         numbers: harmonics.channels().len() as u32,
+        exponent: errors.exponent,
+        truncation: errors.truncation,
+        noise: errors.noise,
         bytes_per_texel: 2 * numbers as u32,
         kernel,
         row: row.into(),

@@ -61,7 +61,7 @@ impl std::fmt::Debug for Job {
 impl Job {
     pub(crate) fn prepare(
         scene: Scene,
-        options: Options,
+        mut options: Options,
         backend: Backend,
         make_backend: Option<MakeBackend>,
         threads: Option<usize>,
@@ -82,7 +82,8 @@ impl Job {
             ),
         };
         let mut phases = Vec::new();
-        let baker = options.baker();
+        let baker = options.baker().with_order(&scene.0);
+        options.layers.clone_from(&baker.layers);
         let (plan, world, atlas, backend) = within(pool.as_ref(), || {
             let (plan, world) = time(&mut phases, "plan", || Plan::of(&scene.0, &baker))?;
             let triangles = scene

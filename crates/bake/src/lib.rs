@@ -51,6 +51,6 @@ pub use page::{
     BakedPage, BakedTile, Baker, Deal, ErrorSums, LayerPlanes, PageStats, Pilot, layers_in_work,
     layers_of_light,
 };
-pub use plan::{Decision, Method, OpenTriangles, Plan};
+pub use plan::{AnyViewErrors, Decision, Method, OpenTriangles, Plan};
 pub use reach::{Fingerprint, Reach};
 pub use seams::SeamStats;

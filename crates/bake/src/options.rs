@@ -258,7 +258,7 @@ impl Options {
         let asks = |layer| self.layers.contains(&layer);
         if asks(Layer::AnyView8) {
             Some(8)
-        } else if asks(Layer::AnyView) || asks(Layer::StdErrAnyView) {
+        } else if asks(Layer::AnyView) || asks(Layer::AnyView4) || asks(Layer::StdErrAnyView) {
             Some(4)
         } else {
             None

@@ -4,6 +4,7 @@ use crate::common::Backend;
 use crate::parse::{color, field_of_view, light, number, size, triple};
 use clap::{Args as ClapArgs, Subcommand, ValueEnum};
 use maps::ball::Circle;
+use maps::merge::Model;
 use maps::{Orientation, Projection};
 use std::path::PathBuf;
 
@@ -164,6 +165,9 @@ pub struct Ball {
     /// Reflectance of the ball, one number or R,G,B; it is divided out
     #[arg(long, value_name = "R,G,B", default_value = "1", value_parser = reflectance)]
     pub reflectance: [f64; 3],
+    /// Film's curve, a file that `map merge --save-response` wrote: photographs are then .png or .jpg, and it takes the place of sRGB
+    #[arg(long, value_name = "FILE")]
+    pub response: Option<PathBuf>,
     /// What each photograph is multiplied by, channel by channel: found where two photographs see the same, or nothing
     #[arg(long, value_enum, default_value_t = GainsName::Off)]
     pub gains: GainsName,
@@ -189,6 +193,9 @@ pub struct Mosaic {
     /// What a photograph spans from side to side, in degrees, from 90 below 180; what is more than 90 fades from photograph to photograph
     #[arg(long, value_name = "F", default_value = "90", value_parser = field_of_view)]
     pub fov_deg: f64,
+    /// Film's curve, a file that `map merge --save-response` wrote: photographs are then .png or .jpg, and it takes the place of sRGB
+    #[arg(long, value_name = "FILE")]
+    pub response: Option<PathBuf>,
     /// What each photograph is multiplied by, channel by channel: found where two photographs show the same, or nothing
     #[arg(long, value_enum, default_value_t = GainsName::Auto)]
     pub gains: GainsName,
@@ -214,9 +221,13 @@ pub struct Merge {
     /// what FNumber and ISO add to it where the camera names them, in seconds of the first photograph's]
     #[arg(long, value_name = "T,..", value_delimiter = ',', allow_hyphen_values = true, value_parser = number)]
     pub times: Vec<f64>,
-    /// Curve from recorded values to exposure: fitted to the brackets, or known
-    #[arg(long, value_enum, default_value_t = Response::Debevec)]
+    /// Curve from recorded values to exposure: fitted to the brackets (debevec: least squares of log exposures; robertson: of exposures), or
+    /// known (linear, srgb, or a file that --save-response wrote)
+    #[arg(long, value_name = "debevec|robertson|linear|srgb|FILE", default_value = "debevec", value_parser = response)]
     pub response: Response,
+    /// Write the curve to a file, for --response
+    #[arg(long, value_name = "FILE")]
+    pub save_response: Option<PathBuf>,
     /// Find and undo whole-pixel shifts between the photographs
     #[arg(long)]
     pub align: bool,
@@ -312,16 +323,12 @@ pub enum Scale {
     Seed,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone)]
 pub enum Response {
-    /// Fitted: least squares of log exposures
-    Debevec,
-    /// Fitted: least squares of exposures
-    Robertson,
-    /// Values are proportional to exposure
-    Linear,
-    /// Values are sRGB
-    Srgb,
+    /// Fitted, or one of the known curves.
+    Model(Model),
+    /// Curves in a file.
+    File(PathBuf),
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -336,6 +343,22 @@ fn projection(text: &str) -> Result<Projection, String> {
     Projection::from_name(text).ok_or_else(|| {
         let names: Vec<_> = Projection::all().map(Projection::name).collect();
         format!("unknown projection; there are {}", names.join(", "))
+    })
+}
+
+fn response(text: &str) -> Result<Response, String> {
+    Ok(match text {
+        "debevec" => Response::Model(Model::Debevec),
+        "robertson" => Response::Model(Model::Robertson),
+        "linear" => Response::Model(Model::Linear),
+        "srgb" => Response::Model(Model::Srgb),
+        file if file.contains(['.', '/']) => Response::File(file.into()),
+        _ => {
+            return Err(
+                "it is none of debevec, robertson, linear and srgb, nor a file with an ending"
+                    .into(),
+            );
+        }
     })
 }
 

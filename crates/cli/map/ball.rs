@@ -28,8 +28,9 @@ pub fn run(args: &Ball) -> anyhow::Result<()> {
     }
     let mut images: Vec<Image> = Vec::new();
     let mut outlines = Vec::new();
+    let read = file::photographs(args.response.as_deref())?;
     for (index, path) in args.inputs.iter().enumerate() {
-        let image = maps::read(path)?.image;
+        let image = read(path)?;
         outlines.push(match args.circle.get(index) {
             Some(circle) => (*circle, None),
             None => {

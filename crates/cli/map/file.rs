@@ -74,6 +74,17 @@ pub fn face_paths(path: &Path) -> anyhow::Result<[PathBuf; 6]> {
     }
 }
 
+/// Reads photographs: as maps are read or, with a file of curves, by these.
+pub fn photographs(
+    response: Option<&Path>,
+) -> anyhow::Result<impl Fn(&Path) -> Result<Image, maps::Error>> {
+    let curves = response.map(maps::merge::read_curves).transpose()?;
+    Ok(move |path: &Path| match &curves {
+        None => maps::read(path).map(|file| file.image),
+        Some(curves) => maps::merge::develop(path, curves),
+    })
+}
+
 /// The six faces of a cube below each other.
 fn faces(
     path: &Path,

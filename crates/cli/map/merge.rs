@@ -4,7 +4,7 @@ use super::args::{Merge, Response};
 use crate::host;
 use crate::outcome::{say, say_json};
 use anyhow::{Context, bail};
-use maps::merge::{self, Model};
+use maps::merge;
 use maps::{Format, Labels};
 use report::Output;
 use serde_json::json;
@@ -24,14 +24,11 @@ pub fn run(args: &Merge) -> anyhow::Result<()> {
         );
     }
     let mut brackets = merge::read_brackets(&args.inputs, &args.times)?;
-    let model = match args.response {
-        Response::Debevec => Model::Debevec,
-        Response::Robertson => Model::Robertson,
-        Response::Linear => Model::Linear,
-        Response::Srgb => Model::Srgb,
-    };
     let aligned = args.align.then(|| merge::align(&mut brackets));
-    let merged = merge::merge(&brackets, model)?;
+    let merged = match &args.response {
+        Response::Model(model) => merge::merge(&brackets, *model)?,
+        Response::File(path) => merge::merge_by(&brackets, merge::read_curves(path)?)?,
+    };
     let saturated = merged.saturated.iter().filter(|s| **s).count();
     let confidence: Vec<f32> = merged
         .saturated
@@ -61,7 +58,17 @@ pub fn run(args: &Merge) -> anyhow::Result<()> {
         .file_name()
         .context("the output has no file name")?;
     output.stage_bytes(&name.to_string_lossy(), &bytes)?;
-    let files = output.publish()?;
+    let mut files = output.publish()?;
+    if let Some(path) = &args.save_response {
+        let mut output = Output::for_file(path)?;
+        output.protect(args.inputs.iter().chain([&args.output]).cloned());
+        let name = path
+            .file_name()
+            .context("--save-response has no file name")?;
+        let text = merge::curves_text(&merged.responses);
+        output.stage_bytes(&name.to_string_lossy(), text.as_bytes())?;
+        files.extend(output.publish()?);
+    }
     if args.common.json {
         let times: Vec<f64> = brackets.iter().map(|b| b.time).collect();
         return say_json(&json!({

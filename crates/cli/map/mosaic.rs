@@ -6,13 +6,12 @@ use crate::host;
 use crate::outcome::{say, say_json};
 use maps::{Layout, Orientation, Projection};
 use serde_json::json;
-use std::path::Path;
 
 /// Runs the sub-verb.
 pub fn run(args: &Mosaic) -> anyhow::Result<()> {
     host::set_threads(args.common.threads)?;
     let inputs = file::face_paths(&args.input)?;
-    let read = |path: &Path| maps::read(path).map(|file| file.image);
+    let read = file::photographs(args.response.as_deref())?;
     let [px, nx, py, ny, pz, nz] = inputs.each_ref().map(|path| read(path));
     let photos = [px?, nx?, py?, ny?, pz?, nz?];
     let equal = args.gains == GainsName::Auto;

@@ -92,6 +92,8 @@ pub enum Layer {
     HalfSh,
     /// [`Layer::Bent`] in the tangent frame of the surface, as normal maps of OpenGL hold it.
     BentTangent,
+    /// [`Layer::AnyView`], whatever the lobes of the materials are.
+    AnyView4,
 }
 
 /// An integral over the directions of a texel. A bake models those that its layers need.
@@ -204,7 +206,7 @@ const UNIT_VECTOR: (Unit, Preview) = (Unit::Direction, Preview::Signed);
 
 /// Every layer in the order of the enum.
 #[rustfmt::skip]
-const TABLE: [Row; 42] = [
+const TABLE: [Row; 43] = [
     counted(row(Coverage, "coverage", ONE, SHARE, &[], "fraction of the texel inside its chart")),
     row(Visibility, "visibility", ONE, SHARE, &[Term::Visibility], "open solid angle / 2 pi, the traditional occlusion factor"),
     row(Diffuse, "diffuse", ONE, SHARE, &[Term::Diffuse], "the Lambertian ambient term"),
@@ -238,7 +240,7 @@ const TABLE: [Row; 42] = [
     row(HalfSpecular, "half.specular", ONE, HALF, &[Term::Specular], "the same of specular"),
     row(HalfIrradiance, "half.irradiance", RGB, HALF, &[Term::Diffuse], "the same of irradiance"),
     row(HalfReflection, "half.reflection", RGB, HALF, &[Term::Specular], "the same of reflection"),
-    row(AnyView, "any-view", NUMBERS.first_chunk::<15>().unwrap(), (Unit::Number, Preview::None), &[Term::Visibility], "15 numbers that give specular for any view"),
+    row(AnyView, "any-view", NUMBERS.first_chunk::<15>().unwrap(), (Unit::Number, Preview::None), &[Term::Visibility], "15 numbers that give specular for any view, or 45 where the lobes need them"),
     row(AnyView8, "any-view.8", NUMBERS, (Unit::Number, Preview::None), &[Term::Visibility], "45 numbers, for narrower lobes"),
     row(StdErrAnyView, "error.any-view", ONE, SHARE, &[Term::Visibility], "error over all views of what they give"),
     row(OpenSpecular, "specular.open", ONE, SHARE, &[Term::Specular], "specular of an open texel, in closed form"),
@@ -247,6 +249,7 @@ const TABLE: [Row; 42] = [
     row(HalfBent, "half.bent", XYZ, HALF, &[Term::Diffuse], "the same of the sum that bent is the direction of"),
     row(HalfSh, "half.sh", SH, (Unit::Radiance, Preview::None), &[Term::Diffuse, Term::Visibility], "the same of sh"),
     row(BentTangent, "bent.tangent", XYZ, UNIT_VECTOR, &[Term::Diffuse], "bent in the tangent frame of the surface (MikkTSpace, green up)"),
+    row(AnyView4, "any-view.4", NUMBERS.first_chunk::<15>().unwrap(), (Unit::Number, Preview::None), &[Term::Visibility], "15 such numbers, whatever the lobes; written as any-view"),
 ];
 
 impl Layer {
@@ -303,7 +306,7 @@ impl Layer {
 
     /// True for harmonics of the open directions.
     pub const fn is_any_view(self) -> bool {
-        matches!(self, AnyView | AnyView8)
+        matches!(self, AnyView | AnyView4 | AnyView8)
     }
 
     /// True where a file holds its values as halves.

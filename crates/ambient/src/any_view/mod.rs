@@ -20,10 +20,12 @@
 
 mod basis;
 mod kernel;
+mod order;
 mod table;
 
 pub use basis::{Basis, COUNT, ORDER, PAIRS, count, index, pair, pairs};
 pub use kernel::{Kernel, Lobe, bands, kernel};
+pub use order::{ORDERS, expected_noise, order_for, truncation};
 pub use table::{COLUMNS, KernelTable, ROWS, row_of};
 
 use crate::Frame;
@@ -126,8 +128,7 @@ pub fn stated(
     order: usize,
     exponent: f64,
 ) -> f64 {
-    const BANDS: usize = 64;
-    let bands = bands(exponent, BANDS);
+    let bands = bands(exponent, order + 1);
     let (mut noise, mut held) = (0.0, 0.0);
     for (l, m) in pairs(order) {
         let places = [index(l, m as isize), index(l, -(m as isize))];
@@ -137,10 +138,7 @@ pub fn stated(
         }
     }
     let missing = (coefficients.0[0] - held).max(0.0);
-    let above = || (order + 1..BANDS).map(|l| (l, (l as f64).powi(-2)));
-    let share: f64 = above().map(|(_, share)| share).sum();
-    let passed: f64 = above().map(|(l, share)| bands[l] * bands[l] * share).sum();
-    (noise + missing * passed / share).sqrt()
+    noise.sqrt().hypot(order::left(missing, order, exponent))
 }
 
 #[cfg(test)]

@@ -153,6 +153,43 @@ fn orders_leave_what_is_stated() {
 }
 
 #[test]
+fn orders_are_chosen_by_what_they_leave_of_three_scenes() {
+    let energy = |open: &dyn Fn(DVec3) -> bool, order: usize| {
+        let c = coefficients(open);
+        let held: f64 = c.0[..count(order)].iter().map(|c| c * c).sum();
+        c.0[0] - held
+    };
+    for order in ORDERS {
+        let scenes: [&dyn Fn(DVec3) -> bool; 3] = [&wall, &lid, &corridor];
+        let most = scenes
+            .map(|open| energy(open, order))
+            .into_iter()
+            .fold(0.0, f64::max);
+        println!("order {order}: {most:.5}");
+        for n in [1.0, 5.0, 20.0, 100.0] {
+            let (found, exact) = (truncation(order, n), order::left(most, order, n));
+            println!(
+                "n {n}: {found:.4} {exact:.4}, noise at 256 rays {:.4}",
+                expected_noise(order, n, 256)
+            );
+            assert!(
+                (found / exact - 1.0).abs() < 0.02,
+                "{order} {n}: {found} {exact}"
+            );
+        }
+    }
+    // More rays ask for more numbers, narrower lobes too, and few rays for few.
+    assert_eq!(
+        [16, 256, 65_536].map(|rays| order_for(5.0, rays)),
+        [4, 4, 8]
+    );
+    assert_eq!(
+        [1.0, 5.0, 20.0, 1000.0].map(|n| order_for(n, 256)),
+        [4, 4, 8, 8]
+    );
+}
+
+#[test]
 fn table_is_the_kernel_between_its_places() {
     let basis = Basis::new();
     for microfacets in [false, true] {

@@ -18,6 +18,9 @@
 #[cfg(test)]
 mod both;
 mod open;
+mod wide;
+
+pub use wide::{Lobes, lobes16};
 
 use crate::Frame;
 use crate::sampling::turn_sin_cos;
@@ -27,7 +30,7 @@ use std::f64::consts::PI;
 /// Least α: a mirror for all that a texel can show.
 const LEAST_ALPHA: f64 = 1e-4;
 /// Least N·V: an eye at or below the horizon of a shading normal sees what it sees just above.
-const LEAST_COS: f64 = 1e-3;
+pub const LEAST_COS: f64 = 1e-3;
 
 /// A GGX surface seen from one direction, in a frame whose z axis is the normal and whose xz plane holds the view.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -178,6 +178,13 @@ impl Guide {
         self.gain
     }
 
+    /// The density of the warped points at a point of the square, 0..=1 along both axes; it is 1 where they go everywhere alike.
+    pub fn density(&self, u: [f64; 2]) -> f64 {
+        let [row, column] = u.map(|u| ((u * EDGE as f64) as usize).min(EDGE - 1));
+        let share = self.rows.widths[row] * self.columns[row].widths[column];
+        f64::from((EDGE * EDGE) as f32 * share)
+    }
+
     /// Where the points of `u0` and `u1` go, and the inverse of the density there: what each of them weighs.
     #[inline(always)]
     pub fn warp16(&self, u0: &mut Wide, u1: &mut Wide) -> Wide {
@@ -241,6 +248,19 @@ mod tests {
             let [hits, all, _] = means(&guide, 1, 1 << 16);
             assert!((hits - area).abs() < 3e-4, "{hits} {area}");
             assert!((all - 1.0).abs() < 1e-3, "{all}");
+        }
+    }
+
+    #[test]
+    fn a_warped_point_weighs_the_inverse_of_the_density_where_it_goes() {
+        let guide = Guide::new(&counts());
+        for i in 0..1000 {
+            let [a, b, ..] = Stream::new(5, 0, 0, 0, 0).point(i).map(|u| u as f32);
+            let (mut u0, mut u1) = ([a; LANES], [b; LANES]);
+            let weight = f64::from(guide.warp16(&mut u0, &mut u1)[0]);
+            let density = guide.density([u0[0].into(), u1[0].into()]);
+            // One rounding of f32.
+            assert!((weight * density - 1.0).abs() < 1e-6, "{weight} {density}");
         }
     }
 

@@ -1,7 +1,7 @@
 //! Casts the rays of one technique for the texels of a tile: a fixed number, or in rounds until a target is met.
 
 use super::estimate::Gathered;
-use super::gang::{DirectionSums, Gang, Lane, Moments};
+use super::gang::{Beside, DirectionSums, Gang, Lane, Moments};
 use super::guides::{self, guide, probes, surfaces};
 use super::sums::{REPLICATES, Replicates, Sums, Technique};
 use super::task::{SHARE, Task};
@@ -9,6 +9,7 @@ use crate::options::Pattern;
 use crate::survey::Texel;
 use ambient::sampling::{Counts, Guide, LANES};
 use std::ops::Range;
+use std::rc::Rc;
 
 /// Points of each replicate in the first round of a bake with a target.
 const FIRST_ROUND: u32 = 4;
@@ -45,6 +46,7 @@ pub(super) struct Caster<'a> {
     /// Of all texels or of none, as the next.
     pub moments: &'a mut [[Moments; REPLICATES as usize]],
     pub directions: Vec<[DirectionSums; REPLICATES as usize]>,
+    pub beside: &'a mut [Beside],
 }
 
 impl Caster<'_> {
@@ -59,6 +61,7 @@ impl Caster<'_> {
                 None => even.append(&mut others),
                 Some(guide) => {
                     first.iter().for_each(|&i| self.forget(i));
+                    self.remember(&surface, &guide);
                     self.cast_rays(&surface, rays, Aim::Guided(&guide));
                 }
             }
@@ -85,6 +88,7 @@ impl Caster<'_> {
         for (mut surface, guide) in guided {
             self.retain_unmet(target, &mut surface);
             surface.iter().for_each(|&i| self.forget(i));
+            self.remember(&surface, &guide);
             self.rounds(target, surface, 0..most - first, Some(&guide));
         }
     }
@@ -148,6 +152,20 @@ impl Caster<'_> {
         if let Some(directions) = self.directions.get_mut(i) {
             *directions = Default::default();
         }
+        if let Some(beside) = self.beside.get_mut(i) {
+            beside.sums = Default::default();
+        }
+    }
+
+    /// Notes where the rays of texels go, for lobes that share them.
+    fn remember(&mut self, which: &[usize], guide: &Guide) {
+        if self.beside.is_empty() {
+            return;
+        }
+        let guide = Rc::new(guide.clone());
+        for &i in which {
+            self.beside[i].guide = Some(guide.clone());
+        }
     }
 
     /// Casts so many rays for each of the texels `which`, which have none.
@@ -178,6 +196,9 @@ impl Caster<'_> {
         if let (Some(order), false) = (task.any_view, self.moments.is_empty()) {
             gang = gang.with_moments(order);
         }
+        if !self.beside.is_empty() {
+            gang = gang.with_gloss();
+        }
         let is_guided = matches!(aim, Aim::Guided(_));
         gang = match aim {
             Aim::Even => gang,
@@ -185,12 +206,13 @@ impl Caster<'_> {
             Aim::Guided(guide) => gang.with_guide(guide),
         };
         for lanes in lanes.chunks(LANES) {
-            gang.load(lanes, |texel, replicate| {
+            gang.load(lanes, self.beside, |texel, replicate| {
                 task.pattern_stream(texel, self.technique, replicate, is_guided)
             });
             gang.cast(task, self.technique, range.clone());
             gang.collect(self.technique, &mut self.sums);
             gang.collect_moments(self.moments);
+            gang.collect_gloss(self.beside);
             if !self.directions.is_empty() {
                 gang.collect_directions(&mut self.directions);
             }

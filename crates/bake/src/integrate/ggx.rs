@@ -4,58 +4,166 @@
 //! texel is exactly 1, and the colour of an occluded highlight is right, because F stands inside of both sums. What an open texel reflects
 //! is [`Ggx::open`], which [`colours`] gives. Under a map every direction counts its own radiance.
 
-use super::sums::REPLICATES;
+use super::estimate::variance_of_mean;
+use super::gang::Beside;
+use super::sums::{GlossSums, REPLICATES};
 use super::task::Task;
 use super::terms::Terms;
 use crate::labels;
 use crate::options::{Effort, Shading};
 use crate::survey::Texel;
-use ambient::Estimate;
 use ambient::ggx::{Ggx, alpha_of, base, frame};
 use ambient::sampling::LANES;
+use ambient::{Estimate, Frame};
 use glam::DVec3;
 use rays::{PhongMaterial, Ray};
 
 /// Points of each replicate in the first round of a bake with a target.
 const FIRST_ROUND: u32 = 16;
 
-/// Sums over the points of one replicate.
-#[derive(Clone, Copy, Default)]
-struct Sums {
-    /// Weights without colour.
-    open: f64,
-    all: f64,
-    /// Weights with Fresnel's colour; of open directions times the light.
-    light: DVec3,
-    tint: DVec3,
-    points: u32,
+/// Least α of lobes that hemisphere rays count for: roughness 0.39. From 0.4 on they lower the error wherever it was tried; at 0.35 and below, it rises
+/// where the lobe's own points follow the border of what is open, as in a corner seen along its normal (docs/theory.md).
+const LEAST_ALPHA: f64 = 0.15;
+
+/// All replicates.
+const EACH: [usize; REPLICATES as usize] = [0, 1, 2, 3];
+
+/// Means over the points of one or more replicates: each technique's sums over its own points, added.
+#[derive(Clone, Copy)]
+struct Means {
+    open: [f64; 2],
+    all: [f64; 2],
+    light: [DVec3; 2],
 }
 
-impl Sums {
-    fn plus(mut self, other: &Self) -> Self {
-        self.open += other.open;
-        self.all += other.all;
-        self.light += other.light;
-        self.tint += other.tint;
-        self.points += other.points;
-        self
+/// What the rays of a texel say of its lobe.
+struct Gathered<'a> {
+    drawn: [GlossSums; REPLICATES as usize],
+    beside: Option<&'a Beside>,
+}
+
+impl Means {
+    fn of(techniques: impl IntoIterator<Item = GlossSums>) -> Self {
+        let mut means = Self {
+            open: [0.0; 2],
+            all: [0.0; 2],
+            light: [DVec3::ZERO; 2],
+        };
+        for sums in techniques {
+            let scale = 1.0 / f64::from(sums.points.max(1));
+            for k in 0..2 {
+                means.open[k] += scale * sums.open[k];
+                means.all[k] += scale * sums.all[k];
+                means.light[k] += scale * sums.light[k];
+            }
+        }
+        means
     }
 
+    /// The open share without colour.
     fn share(&self) -> f64 {
-        if self.all > 0.0 {
-            self.open / self.all
+        if self.all[0] > 0.0 {
+            self.open[0] / self.all[0]
         } else {
             0.0
         }
     }
 
-    fn reflection(&self) -> DVec3 {
+    /// The light that arrives and what would under a sky of 1, both in the colour of F.
+    fn light(&self, task: &Task<'_>, f0: DVec3) -> [DVec3; 2] {
+        let tinted = |[plain, white]: [f64; 2]| f0 * (plain - white) + white;
+        let [plain, white] = self.light;
+        let above = task.sky.map().map_or(DVec3::ZERO, |map| {
+            (f0 * (plain - white) + white) * map.scale()
+        });
+        [
+            task.sky.floor() * tinted(self.open) + above,
+            tinted(self.all),
+        ]
+    }
+
+    fn reflection(&self, task: &Task<'_>, f0: DVec3) -> DVec3 {
+        let [light, tint] = self.light(task, f0);
         let ratio = |light: f64, tint: f64| if tint > 0.0 { light / tint } else { 0.0 };
         DVec3::new(
-            ratio(self.light.x, self.tint.x),
-            ratio(self.light.y, self.tint.y),
-            ratio(self.light.z, self.tint.z),
+            ratio(light.x, tint.x),
+            ratio(light.y, tint.y),
+            ratio(light.z, tint.z),
         )
+    }
+}
+
+impl Gathered<'_> {
+    /// Means over the replicates that are picked.
+    fn means(&self, pick: &[usize]) -> Means {
+        let sum = |of: &[GlossSums; REPLICATES as usize]| {
+            let mut total = GlossSums::default();
+            pick.iter().for_each(|&replicate| total += of[replicate]);
+            total
+        };
+        Means::of(
+            [sum(&self.drawn)]
+                .into_iter()
+                .chain(self.beside.map(|beside| sum(&beside.sums))),
+        )
+    }
+
+    fn share(&self, known: bool) -> Estimate {
+        let all = self.means(&EACH);
+        let share = all.share();
+        let errors = EACH.map(|replicate| {
+            let own = self.means(&[replicate]);
+            (own.open[0] - share * own.all[0]) / all.all[0].max(f64::MIN_POSITIVE)
+        });
+        Estimate {
+            value: share,
+            std_err: variance_of_mean(&errors).sqrt().max(self.floor(known)),
+        }
+    }
+
+    /// The mean of the channels is what the error is stated of.
+    fn reflection(&self, task: &Task<'_>, f0: DVec3, known: bool) -> Estimate<DVec3> {
+        let all = self.means(&EACH);
+        let value = all.reflection(task, f0);
+        let [_, whole] = all.light(task, f0);
+        let mean = |rgb: DVec3| rgb.element_sum() / 3.0;
+        let errors = EACH.map(|replicate| {
+            let [light, tint] = self.means(&[replicate]).light(task, f0);
+            mean((light - value * tint) / whole.max(DVec3::splat(f64::MIN_POSITIVE)))
+        });
+        let least = mean(task.sky.mean()) * self.floor(known);
+        Estimate {
+            value,
+            std_err: variance_of_mean(&errors).sqrt().max(least),
+        }
+    }
+
+    /// 1.5/N where all N rays agree: the rule of three. Only the rays that the lobe drew are counted; those of the hemisphere may have missed it.
+    fn floor(&self, known: bool) -> f64 {
+        let rays = || {
+            self.drawn
+                .iter()
+                .chain(self.beside.iter().flat_map(|beside| &beside.sums))
+        };
+        let agree = rays().all(|s| s.open[0] == s.all[0]) || rays().all(|s| s.open[0] == 0.0);
+        let points: u32 = self.drawn.iter().map(|s| s.points).sum();
+        match agree && !known {
+            true => 1.5 / f64::from(points.max(1)),
+            false => 0.0,
+        }
+    }
+}
+
+/// What hemisphere rays may bring to the lobes of the texels that `reflects` names; nothing where it is of no use to any.
+pub(super) fn beside(texels: &[Texel], reflects: &[bool]) -> Vec<Beside> {
+    let shares = |(texel, reflects): (&Texel, &bool)| Beside {
+        shares: *reflects && alpha_of(texel.material.exponent) >= LEAST_ALPHA,
+        ..Beside::default()
+    };
+    let beside: Vec<Beside> = texels.iter().zip(reflects).map(shares).collect();
+    match beside.iter().any(|beside| beside.shares) {
+        true => beside,
+        false => Vec::new(),
     }
 }
 
@@ -70,7 +178,7 @@ pub(crate) fn colours(material: &PhongMaterial, cos: f64) -> [DVec3; 2] {
 }
 
 /// The specular terms of a texel; the others are 0.
-pub(crate) fn terms(task: &Task<'_>, texel: &Texel) -> Terms {
+pub(super) fn terms(task: &Task<'_>, texel: &Texel, beside: Option<&Beside>) -> Terms {
     let sky = task.sky.floor();
     let known = texel.open && task.sky.map().is_none();
     if known && (task.shading == Shading::Production || !texel.tilted) {
@@ -80,18 +188,23 @@ pub(crate) fn terms(task: &Task<'_>, texel: &Texel) -> Terms {
             ..Terms::default()
         };
     }
-    let mut sums = [Sums::default(); REPLICATES as usize];
+    // A replicate without hemisphere rays would have half of the integral.
+    let beside = beside.filter(|beside| beside.sums.iter().all(|sums| sums.points > 0));
+    let mut gathered = Gathered {
+        drawn: Default::default(),
+        beside,
+    };
     let mut rays = 0;
-    let mut cast = |sums: &mut [Sums], range: std::ops::Range<u32>| {
+    let mut cast = |sums: &mut [GlossSums], range: std::ops::Range<u32>| {
         for (replicate, sums) in sums.iter_mut().enumerate() {
             let stream = task.stream(texel.x, texel.y, labels::LOBE, replicate as u32);
             for point in range.clone() {
-                rays += u64::from(add(task, texel, stream.point(point), sums));
+                rays += u64::from(add(task, texel, beside, stream.point(point), sums));
             }
         }
     };
     match task.effort {
-        Effort::Rays(count) => cast(&mut sums, 0..(count / REPLICATES).max(1)),
+        Effort::Rays(count) => cast(&mut gathered.drawn, 0..(count / REPLICATES).max(1)),
         Effort::Target {
             error,
             relative,
@@ -100,8 +213,8 @@ pub(crate) fn terms(task: &Task<'_>, texel: &Texel) -> Terms {
             let most = (max_rays / REPLICATES).max(1);
             let mut range = 0..FIRST_ROUND.min(most);
             while !range.is_empty() {
-                cast(&mut sums, range.clone());
-                let share = share_of(&sums, known);
+                cast(&mut gathered.drawn, range.clone());
+                let share = gathered.share(known);
                 if share.std_err <= error.max(relative * share.value) {
                     break;
                 }
@@ -109,54 +222,28 @@ pub(crate) fn terms(task: &Task<'_>, texel: &Texel) -> Terms {
             }
         }
     }
-    let light = |sums: &Sums| sums.reflection();
-    let all = sums.iter().fold(Sums::default(), |a, b| a.plus(b));
-    let halves = [sums[0].plus(&sums[2]), sums[1].plus(&sums[3])];
-    let share = share_of(&sums, known);
-    let mean = |rgb: DVec3| rgb.element_sum() / 3.0;
-    let least = mean(task.sky.mean()) * floor(&sums, known);
+    let f0 = texel.material.specular.min(DVec3::ONE);
+    let halves = [[0, 2], [1, 3]].map(|pick| gathered.means(&pick));
     let mut terms = Terms {
-        specular: share,
-        reflection: Estimate {
-            value: light(&all),
-            std_err: spread(&sums.map(|s| mean(light(&s)))).max(least),
-        },
+        specular: gathered.share(known),
+        reflection: gathered.reflection(task, f0, known),
         rays,
         ..Terms::default()
     };
     terms.halves.specular = 0.5 * (halves[0].share() - halves[1].share());
-    terms.halves.reflection = 0.5 * (light(&halves[0]) - light(&halves[1]));
+    let [a, b] = halves.map(|half| half.reflection(task, f0));
+    terms.halves.reflection = 0.5 * (a - b);
     terms
 }
 
-fn share_of(sums: &[Sums; REPLICATES as usize], known: bool) -> Estimate {
-    let all = sums.iter().fold(Sums::default(), |a, b| a.plus(b));
-    Estimate {
-        value: all.share(),
-        std_err: spread(&sums.map(|s| s.share())).max(floor(sums, known)),
-    }
-}
-
-/// The standard error of the mean of independent values.
-fn spread(values: &[f64; REPLICATES as usize]) -> f64 {
-    let count = f64::from(REPLICATES);
-    let mean = values.iter().sum::<f64>() / count;
-    let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-    (squares / (count * (count - 1.0))).sqrt()
-}
-
-/// 1.5/N where all N rays agree: the rule of three.
-fn floor(sums: &[Sums; REPLICATES as usize], known: bool) -> f64 {
-    let agree = sums.iter().all(|s| s.open == s.all) || sums.iter().all(|s| s.open == 0.0);
-    let points: u32 = sums.iter().map(|s| s.points).sum();
-    match agree && !known {
-        true => 1.5 / f64::from(points.max(1)),
-        false => 0.0,
-    }
-}
-
 /// Adds one point; true where it took a ray.
-fn add(task: &Task<'_>, texel: &Texel, [u0, u1, v0, v1]: [f64; 4], sums: &mut Sums) -> bool {
+fn add(
+    task: &Task<'_>,
+    texel: &Texel,
+    beside: Option<&Beside>,
+    [u0, u1, v0, v1]: [f64; 4],
+    sums: &mut GlossSums,
+) -> bool {
     let (surface, origin) = texel.start([v0, v1]);
     let view = task.view_from(surface.position, surface.normal);
     let ggx = Ggx::new(alpha_of(texel.material.exponent), surface.normal.dot(view));
@@ -165,11 +252,18 @@ fn add(task: &Task<'_>, texel: &Texel, [u0, u1, v0, v1]: [f64; 4], sums: &mut Su
     if drawn.weight <= 0.0 {
         return false;
     }
-    let f0 = texel.material.specular.min(DVec3::ONE);
-    let tint = drawn.weight * (f0 * (1.0 - drawn.fresnel) + drawn.fresnel);
-    sums.all += drawn.weight;
-    sums.tint += tint;
     let direction = frame(surface.normal, view).to_world(drawn.direction);
+    let weight = match beside {
+        None => drawn.weight,
+        Some(beside) => {
+            let own = ggx.pdf(drawn.direction);
+            let other = density(task, beside, surface.normal, direction);
+            drawn.weight * own / (own + other)
+        }
+    };
+    let weights = [weight, weight * drawn.fresnel];
+    let add = |sums: &mut [f64; 2]| sums.iter_mut().zip(weights).for_each(|(s, w)| *s += w);
+    add(&mut sums.all);
     let Some(ray) = surface.leaving(task.shading, direction) else {
         return false;
     };
@@ -181,19 +275,30 @@ fn add(task: &Task<'_>, texel: &Texel, [u0, u1, v0, v1]: [f64; 4], sums: &mut Su
             t_max: task.t_max,
         });
     if !blocked {
-        sums.open += drawn.weight;
-        sums.light += tint * radiance(task, direction);
+        add(&mut sums.open);
+        let light = above(task, direction);
+        for (sum, weight) in sums.light.iter_mut().zip(weights) {
+            *sum += weight * light;
+        }
     }
     !texel.open
 }
 
-/// The sky's radiance from a direction.
-fn radiance(task: &Task<'_>, direction: DVec3) -> DVec3 {
-    let floor = task.sky.floor();
+/// Density per steradian of the hemisphere rays of a texel at a direction above its surface.
+fn density(task: &Task<'_>, beside: &Beside, normal: DVec3, direction: DVec3) -> f64 {
+    let local = Frame::from_normal(normal).to_local(direction);
+    let even = task.mixture.pdf(local);
+    match &beside.guide {
+        None => even,
+        Some(guide) => even * guide.density(task.mixture.invert(local)),
+    }
+}
+
+/// Light of the sky's map above its floor from a direction, over its scale.
+fn above(task: &Task<'_>, direction: DVec3) -> DVec3 {
     let Some(map) = task.sky.map() else {
-        return floor;
+        return DVec3::ZERO;
     };
     let lanes = direction.as_vec3().to_array().map(|axis| [axis; LANES]);
-    let excess = map.excess(map.texels16(&lanes)[0]).map(f64::from);
-    floor + DVec3::from(excess) * map.scale()
+    DVec3::from(map.excess(map.texels16(&lanes)[0]).map(f64::from))
 }

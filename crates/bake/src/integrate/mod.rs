@@ -38,17 +38,41 @@ pub use sums::REPLICATES;
 pub(crate) use task::Task;
 pub use terms::{AnyView, Directional, Halves, Terms};
 
-use crate::options::{Effort, Shading};
+use crate::options::{Effort, Model, Shading};
 use crate::survey::Texel;
 use ambient::Estimate;
 use cast::{Caster, Target};
 use estimate::Gathered;
-use gang::{DirectionSums, Moments};
+use gang::{Beside, DirectionSums, Moments};
 use glam::DVec3;
 use sums::{Replicates, Sums, Technique};
 
 /// Integrates the texels of one tile. `reflects` says which of them need the specular term.
 pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) -> Vec<Terms> {
+    if task.model == Model::Phong {
+        return with_phong(task, texels, reflects, &mut []);
+    }
+    let mut beside = ggx::beside(texels, reflects);
+    let mut terms = with_phong(task, texels, &vec![false; texels.len()], &mut beside);
+    let reflecting = terms.iter_mut().zip(texels).zip(reflects).enumerate();
+    for (i, ((terms, texel), _)) in reflecting.filter(|(_, (_, reflects))| **reflects) {
+        let lobe = ggx::terms(task, texel, beside.get(i));
+        (terms.specular, terms.reflection) = (lobe.specular, lobe.reflection);
+        terms.halves.specular = lobe.halves.specular;
+        terms.halves.reflection = lobe.halves.reflection;
+        terms.rays += lobe.rays;
+    }
+    terms
+}
+
+/// The terms of a tile's texels, Phong's lobe for those that `reflects` names. What hemisphere rays say of GGX lobes is added to `beside`, of
+/// all texels or of none.
+fn with_phong(
+    task: &Task<'_>,
+    texels: &[Texel],
+    reflects: &[bool],
+    beside: &mut [Beside],
+) -> Vec<Terms> {
     let lit = task.sky.map().is_some();
     let is_closed = |texel: &Texel| {
         let leans = task.shading == Shading::Exact && texel.tilted;
@@ -65,11 +89,11 @@ pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) ->
     };
     let mut moments = vec![<[Moments; REPLICATES as usize]>::default(); moments_of(task, texels)];
     let mut cast = |technique, which| {
-        let moments = match technique {
-            Technique::Hemisphere => moments.as_mut_slice(),
-            _ => &mut [],
+        let gathered = match technique {
+            Technique::Hemisphere => (moments.as_mut_slice(), &mut *beside),
+            _ => (&mut [][..], &mut [][..]),
         };
-        rounds(task, texels, reflects, technique, which, moments)
+        rounds(task, texels, reflects, technique, which, gathered)
     };
     let hemisphere = cast(
         Technique::Hemisphere,
@@ -155,7 +179,7 @@ fn rounds(
     reflects: &[bool],
     technique: Technique,
     which: Vec<usize>,
-    moments: &mut [[Moments; REPLICATES as usize]],
+    (moments, beside): (&mut [[Moments; REPLICATES as usize]], &mut [Beside]),
 ) -> Vec<Terms> {
     if which.is_empty() {
         return Vec::new();
@@ -171,6 +195,7 @@ fn rounds(
         points: vec![0; texels.len()],
         moments,
         directions: vec![none; if gathers { texels.len() } else { 0 }],
+        beside,
     };
     match task.effort {
         Effort::Rays(rays) => caster.spend(rays, &which),

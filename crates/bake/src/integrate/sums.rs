@@ -39,6 +39,19 @@ pub(crate) struct Sums {
     pub rays: u64,
 }
 
+/// Sums over the points of one replicate for a GGX lobe: what the lobe weighs each direction with over the density of all techniques that
+/// may draw it, without colour and times Fresnel's (1 - V·H)^5.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct GlossSums {
+    /// Open directions.
+    pub open: [f64; 2],
+    /// All directions.
+    pub all: [f64; 2],
+    /// Open directions times the light above the sky's floor divided by the sky's scale.
+    pub light: [DVec3; 2],
+    pub points: u32,
+}
+
 /// One texel's replicates.
 pub(crate) type Replicates = [Sums; REPLICATES as usize];
 
@@ -69,6 +82,17 @@ impl AddAssign for Sums {
         self.reflection += other.reflection;
         self.points += other.points;
         self.rays += other.rays;
+    }
+}
+
+impl AddAssign for GlossSums {
+    fn add_assign(&mut self, other: Self) {
+        for k in 0..2 {
+            self.open[k] += other.open[k];
+            self.all[k] += other.all[k];
+            self.light[k] += other.light[k];
+        }
+        self.points += other.points;
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::sums::Technique;
 use crate::labels;
-use crate::options::{Effort, Pattern, Shading, Sky, View};
+use crate::options::{Effort, Model, Pattern, Shading, Sky, View};
 use crate::survey::Texel;
 use ambient::sampling::{Mixture, PointSet, Stream};
 use glam::DVec3;
@@ -23,6 +23,7 @@ pub(crate) struct Task<'a> {
     pub effort: Effort,
     pub pattern: Pattern,
     pub points: PointSet,
+    pub model: Model,
     pub view: View,
     pub shading: Shading,
     pub t_max: f32,

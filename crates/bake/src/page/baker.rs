@@ -337,6 +337,7 @@ impl<'a> Baker<'a> {
                 View::Eye(eye) => View::Eye(eye - self.world.origin()),
                 View::Normal => View::Normal,
             },
+            model: options.model,
             shading: options.shading,
             t_max: options.max_distance.unwrap_or(f32::INFINITY),
             mixture: self.plan.mixture,
@@ -350,21 +351,7 @@ impl<'a> Baker<'a> {
         let lobes = self.plan.models(Choice::Specular);
         let specular: Vec<bool> = texels.iter().map(|t| lobes && self.reflects(t)).collect();
         let microfacets = options.model == Model::Ggx;
-        let terms = match microfacets {
-            false => integrate(&task, &texels, &specular),
-            true => {
-                let mut terms = integrate(&task, &texels, &vec![false; texels.len()]);
-                let reflecting = terms.iter_mut().zip(&texels).zip(&specular);
-                for ((terms, texel), _) in reflecting.filter(|(_, reflects)| **reflects) {
-                    let lobe = ggx::terms(&task, texel);
-                    (terms.specular, terms.reflection) = (lobe.specular, lobe.reflection);
-                    terms.halves.specular = lobe.halves.specular;
-                    terms.halves.reflection = lobe.halves.reflection;
-                    terms.rays += lobe.rays;
-                }
-                terms
-            }
-        };
+        let terms = integrate(&task, &texels, &specular);
         let coloured = |texel: &Texel| {
             let mut material = texel.material;
             let mut base = material.albedo;
@@ -444,7 +431,7 @@ impl<'a> Baker<'a> {
                     values = (column.layer, texel.values(column.layer));
                 }
                 result.values.push(match column.layer {
-                    Layer::AnyView | Layer::AnyView8 => {
+                    Layer::AnyView | Layer::AnyView4 | Layer::AnyView8 => {
                         let any = texel.terms.any_view.as_ref();
                         any.map_or(0.0, |any| any.coefficients.0[column.channel] as f32)
                     }

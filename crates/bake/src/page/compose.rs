@@ -145,7 +145,7 @@ impl BakedTexel {
             Layer::OpenSpecular => one(self.open_specular),
             Layer::StdErrAnyView => one(terms.any_view.as_ref().map_or(0.0, |any| any.std_err)),
             // Their channels are read from the terms.
-            Layer::AnyView | Layer::AnyView8 => [0.0; 3],
+            Layer::AnyView | Layer::AnyView4 | Layer::AnyView8 => [0.0; 3],
             layer if super::directional::holds(layer) => [0.0; 3],
             Layer::HalfDiffuse => one(terms.halves.diffuse),
             Layer::HalfVisibility => one(terms.halves.visibility),

@@ -155,7 +155,7 @@ fn mend_terms(page: &mut BakedPage, terms: &[TermLayers]) {
             halves.for_each(|plane| drop(mends.apply(plane, f64::MIN, f64::MAX)));
         }
     }
-    for layer in [Layer::AnyView, Layer::AnyView8] {
+    for layer in [Layer::AnyView, Layer::AnyView4, Layer::AnyView8] {
         if page.layer(layer).is_some() {
             let harmonics = page.planes_of(layer).par_chunks_mut(texels);
             harmonics.for_each(|plane| drop(mends.apply(plane, f64::MIN, f64::MAX)));

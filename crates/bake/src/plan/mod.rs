@@ -4,6 +4,7 @@ mod any_view;
 mod bounces;
 mod open;
 
+pub use any_view::AnyViewErrors;
 pub use open::OpenTriangles;
 
 use crate::choice::Choice;

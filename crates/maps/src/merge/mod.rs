@@ -6,12 +6,14 @@
 //! half a level, the second smears colour over two pixels; neither is undone.
 
 mod align;
+mod curves;
 mod read;
 mod response;
 #[cfg(test)]
 mod tests;
 
 pub use align::align;
+pub use curves::{curves_text, develop, parse_curves, read_curves};
 pub use read::read_brackets;
 pub use response::Response;
 
@@ -101,11 +103,28 @@ pub struct Merged {
 /// [`Error::Shape`] for fewer than two brackets, different sizes, a time that is not above 0 or given twice, or brackets
 /// that do not determine the curve that is to be fitted.
 pub fn merge(brackets: &[Bracket], model: Model) -> Result<Merged, Error> {
+    let brackets = sorted(brackets)?;
+    let responses = Response::fit(&brackets, model)?;
+    Ok(by(&brackets, responses))
+}
+
+/// The radiance that the brackets show by curves that are known, as [`merge`].
+///
+/// # Errors
+/// As [`merge`], but for the curve.
+pub fn merge_by(brackets: &[Bracket], responses: [Response; 3]) -> Result<Merged, Error> {
+    Ok(by(&sorted(brackets)?, responses))
+}
+
+/// The brackets, the shortest first.
+fn sorted(brackets: &[Bracket]) -> Result<Vec<&Bracket>, Error> {
     check(brackets)?;
     let mut brackets: Vec<&Bracket> = brackets.iter().collect();
     brackets.sort_by(|a, b| a.time.total_cmp(&b.time));
-    let brackets = &brackets[..];
-    let responses = Response::fit(brackets, model)?;
+    Ok(brackets)
+}
+
+fn by(brackets: &[&Bracket], responses: [Response; 3]) -> Merged {
     let (width, height) = (brackets[0].width, brackets[0].height);
     let pixel = |pixel: usize| {
         let channels = [0, 1, 2].map(|c| radiance(brackets, &responses[c], pixel, c));
@@ -113,7 +132,7 @@ pub fn merge(brackets: &[Bracket], model: Model) -> Result<Merged, Error> {
         (value, channels.iter().any(|(_, bound)| *bound))
     };
     let (pixels, saturated) = (0..width * height).into_par_iter().map(pixel).unzip();
-    Ok(Merged {
+    Merged {
         image: Image {
             width,
             height,
@@ -121,7 +140,7 @@ pub fn merge(brackets: &[Bracket], model: Model) -> Result<Merged, Error> {
         },
         saturated,
         responses,
-    })
+    }
 }
 
 /// How much a recorded value counts: less toward saturation, where noise lifts some values over the end and not others.

@@ -65,6 +65,17 @@ impl Response {
         Response((0..VALUES).map(|v| curve(v as f64 / 65535.0)).collect())
     }
 
+    /// The curve that is linear between the exposures of 256 levels, which grow.
+    pub(super) fn of_levels(levels: &[f64]) -> Response {
+        let at = |value: usize| {
+            let (level, rest) = (value / STEP, value % STEP);
+            let low = levels[level];
+            let high = levels[(level + 1).min(levels.len() - 1)];
+            low + (high - low) * rest as f64 / STEP as f64
+        };
+        Response((0..VALUES).map(at).collect())
+    }
+
     /// The exposure of a value.
     pub fn exposure(&self, value: u16) -> f64 {
         self.0[usize::from(value)]

@@ -18,6 +18,15 @@ pub struct AnyViewReport {
     pub order: u32,
     /// Numbers a texel.
     pub numbers: u32,
+    /// Exponent of the narrowest highlight in use, for which the next two hold; absent where no material has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub exponent: Option<f64>,
+    /// What orders 4 and 8 leave of its term beside walls and under lids, root mean square over all views.
+    #[serde(default)]
+    pub truncation: [f64; 2],
+    /// The noise to expect in its term.
+    #[serde(default)]
+    pub noise: f64,
     /// Bytes a texel in the EXR file before it is compressed.
     pub bytes_per_texel: u32,
     /// The picture of the kernels.

@@ -17,7 +17,7 @@ pub(super) struct Lobes<'a> {
     pub used: u32,
 }
 
-/// Adds the light that open lanes see above the floor of a map to `sums`, each by its share of the power heuristic.
+/// Adds the light that open lanes see above the floor of a map to `sums`, each by its share of the power heuristic. Returns that light.
 #[inline(always)]
 pub(super) fn add_map_light(
     task: &Task<'_>,
@@ -27,7 +27,7 @@ pub(super) fn add_map_light(
     normal: &[Wide; 3],
     lobes: Lobes<'_>,
     (sums, directions): (&mut [[Wide; 3]; 2], Option<&mut LaneDirections>),
-) {
+) -> [Wide; 3] {
     use std::f32::consts::{FRAC_1_PI, TAU};
     let [cosine, uniform] = {
         let share = task.mixture.cosine_share() as f32;
@@ -102,6 +102,7 @@ pub(super) fn add_map_light(
             }
         }
     }
+    light
 }
 
 #[inline(always)]

@@ -10,6 +10,7 @@
 )]
 
 mod directional;
+mod gloss;
 mod lane_sums;
 mod light;
 mod moments;
@@ -20,9 +21,12 @@ use super::sums::{REPLICATES, Replicates, Technique};
 use super::task::Task;
 use crate::options::{Shading, View};
 use crate::survey::Texel;
+use ambient::ggx::alpha_of;
 use ambient::sampling::{Counts, Guide, LANES, Lobe, Stream, Streams, Wide};
 pub(crate) use directional::DirectionSums;
 use directional::LaneDirections;
+pub(crate) use gloss::Beside;
+use gloss::LaneGloss;
 use lane_sums::LaneSums;
 use light::{Lobes, add_map_light};
 use moments::LaneMoments;
@@ -72,6 +76,8 @@ pub(crate) struct Gang<'a> {
     block: LaneSums<f32>,
     /// Harmonics of the open directions, where any view is asked for.
     moments: Option<LaneMoments>,
+    /// What the lobes of lanes gather, where hemisphere rays count for GGX too.
+    gloss: Option<LaneGloss>,
     /// Where lanes are open and whence their light comes, where a layer asks for it.
     directions: Option<LaneDirections>,
     /// Where hemisphere directions are sent, if not everywhere alike.
@@ -103,6 +109,7 @@ impl<'a> Gang<'a> {
             sums: LaneSums::default(),
             block: LaneSums::default(),
             moments: None,
+            gloss: None,
             directions: task.directional.then(LaneDirections::new),
             guide: None,
             counts: None,
@@ -114,6 +121,12 @@ impl<'a> Gang<'a> {
     /// Gathers harmonics up to an order too.
     pub fn with_moments(mut self, order: usize) -> Self {
         self.moments = Some(LaneMoments::new(order));
+        self
+    }
+
+    /// Gathers for GGX lobes too.
+    pub fn with_gloss(mut self) -> Self {
+        self.gloss = Some(LaneGloss::new());
         self
     }
 
@@ -129,8 +142,14 @@ impl<'a> Gang<'a> {
         self
     }
 
-    /// Takes at most sixteen lanes, each at the start of its stream, and forgets those before.
-    pub fn load(&mut self, lanes: &'a [Lane], stream: impl Fn(&Texel, u32) -> Stream) {
+    /// Takes at most sixteen lanes, each at the start of its stream, and forgets those before. `beside` says which
+    /// texels gather for their GGX lobes, if any.
+    pub fn load(
+        &mut self,
+        lanes: &'a [Lane],
+        beside: &[Beside],
+        stream: impl Fn(&Texel, u32) -> Stream,
+    ) {
         assert!(lanes.len() <= LANES, "{} lanes in a gang", lanes.len());
         self.lanes = lanes;
         self.cell = [0; LANES];
@@ -141,6 +160,9 @@ impl<'a> Gang<'a> {
         self.stale = true;
         if let Some(moments) = &mut self.moments {
             moments.clear();
+        }
+        if let Some(gloss) = &mut self.gloss {
+            gloss.clear();
         }
         if let Some(directions) = &mut self.directions {
             directions.clear();
@@ -157,6 +179,11 @@ impl<'a> Gang<'a> {
             self.surfaces.set(l, &texel.cells[0]);
             if let Some(moments) = &mut self.moments {
                 moments.set(l, texel);
+            }
+            if let Some(gloss) = &mut self.gloss
+                && beside[lane.texel].shares
+            {
+                gloss.set(l, alpha_of(texel.material.exponent));
             }
         }
     }
@@ -186,6 +213,9 @@ impl<'a> Gang<'a> {
             self.block = LaneSums::default();
             if let Some(moments) = &mut self.moments {
                 moments.absorb();
+            }
+            if let Some(gloss) = &mut self.gloss {
+                gloss.absorb();
             }
             if let Some(directions) = &mut self.directions {
                 directions.absorb();
@@ -246,7 +276,7 @@ impl<'a> Gang<'a> {
         if let Some(directions) = &mut self.directions {
             directions.add(&step, active & !blocked);
         }
-        if let Some(sky) = task.sky.map() {
+        let light = task.sky.map().map(|sky| {
             let lobes = Lobes {
                 scale: &self.lobe_scale,
                 used: self.lobes,
@@ -254,7 +284,17 @@ impl<'a> Gang<'a> {
             let normal = &self.frames.normal;
             let open = active & !blocked;
             let sums = (&mut self.block.light, self.directions.as_mut());
-            add_map_light(task, sky, &step, open, normal, lobes, sums);
+            add_map_light(task, sky, &step, open, normal, lobes, sums)
+        });
+        if let Some(gloss) = &mut self.gloss
+            && gloss.is_used()
+        {
+            let normal = &self.frames.normal;
+            let view = match task.view {
+                View::Normal => *normal,
+                View::Eye(eye) => self.frames.views(&self.packet.origin, eye),
+            };
+            gloss.add(&step, active & !blocked, [normal, &view], light.as_ref());
         }
     }
 
@@ -365,6 +405,17 @@ impl<'a> Gang<'a> {
         };
         for (l, lane) in self.lanes.iter().enumerate() {
             moments.collect(l, &mut replicates[lane.texel][lane.replicate]);
+        }
+    }
+
+    /// Adds what the lanes have gathered for GGX lobes to their texels' replicates.
+    pub fn collect_gloss(&self, beside: &mut [Beside]) {
+        let Some(gloss) = &self.gloss else {
+            return;
+        };
+        for (l, lane) in self.lanes.iter().enumerate() {
+            let into = &mut beside[lane.texel].sums[lane.replicate];
+            gloss.collect(l, self.points, into);
         }
     }
 

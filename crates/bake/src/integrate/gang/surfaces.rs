@@ -6,6 +6,7 @@
 )]
 
 use crate::survey::{Cell, place_in};
+use ambient::ggx::LEAST_COS;
 use ambient::sampling::{LANES, Wide};
 use glam::DVec3;
 
@@ -148,6 +149,33 @@ impl Frames {
             bitangent,
             side,
         }
+    }
+
+    /// Unit views from an eye point, at least [`LEAST_COS`] above the surface, as [`ambient::ggx::Ggx`] keeps them. V = N where the eye stands on the surface.
+    #[inline(always)]
+    pub fn views(&self, origin: &[Wide; 3], eye: DVec3) -> [Wide; 3] {
+        let mut out = [[0.0; LANES]; 3];
+        for l in 0..LANES {
+            let n = [self.normal[0][l], self.normal[1][l], self.normal[2][l]];
+            let v = [0, 1, 2].map(|a: usize| (eye[a] - f64::from(origin[a][l])) as f32);
+            let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
+            let has_length = largest > 0.0;
+            let v = [0, 1, 2].map(|a: usize| if has_length { v[a] / largest } else { n[a] });
+            let square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+            let cos = (n[0] * v[0] + n[1] * v[1] + n[2] * v[2]) / square.sqrt();
+            let kept = cos.clamp(LEAST_COS as f32, 1.0);
+            let height = cos * square.sqrt();
+            let along = [0, 1, 2].map(|a: usize| v[a] - height * n[a]);
+            let length = along[0] * along[0] + along[1] * along[1] + along[2] * along[2];
+            // Straight above or below there is no side to lean to: any serves.
+            let leans = length > 1e-12 * square;
+            let scale = (1.0 - kept * kept).sqrt() / (if leans { length } else { 1.0 }).sqrt();
+            for a in 0..3 {
+                let side = if leans { along[a] } else { self.tangent[a][l] };
+                out[a][l] = kept * n[a] + scale * side;
+            }
+        }
+        out
     }
 
     /// Local directions in the world.
