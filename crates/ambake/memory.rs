@@ -13,7 +13,7 @@ pub(crate) const SPARED: u64 = 16 << 20;
 /// Bytes a page texel of pictures, masks and compressed lines while a page is composed and written.
 const WRITING: u64 = 12;
 /// Bytes a texel of charts that the denoiser takes beside the planes: those of a chart in work, or those of all texels that change.
-const DENOISING: u64 = 76;
+const DENOISING: u64 = 110;
 /// Bytes a page texel of Intel's, which was measured to take 0.6 GB at 1024².
 const OIDN: u64 = 600;
 /// Bytes a page texel of the light that a gather is sent, and of that which it brings.
