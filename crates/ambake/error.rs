@@ -54,14 +54,14 @@ pub enum Error {
         problem: String,
     },
     /// The bake would not fit into memory.
-    #[error("{}", too_large(*need, *limit, *given, *size))]
+    #[error("{}", too_large(*need, *limit, *limited_by, *size))]
     Memory {
         /// Bytes that it would take.
         need: u64,
         /// Bytes that it may take.
         limit: u64,
-        /// True where the limit was given, false where it is the system's.
-        given: bool,
+        /// Who sets this limit.
+        limited_by: LimitedBy,
         /// A page edge in texels that fits, where there is one.
         size: Option<u32>,
     },
@@ -99,21 +99,48 @@ impl Error {
     }
 }
 
+/// What bounds the memory of a bake.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum LimitedBy {
+    /// The caller, by [`Bake::max_memory`](crate::Bake::max_memory).
+    Given,
+    /// What the machine has free.
+    Machine,
+    /// A control group of this process, such as its container.
+    Group,
+    /// A limit of this process, as `ulimit` sets it.
+    Process,
+}
+
 /// What to do about a bake that does not fit into memory.
-fn too_large(need: u64, limit: u64, given: bool, size: Option<u32>) -> String {
+fn too_large(need: u64, limit: u64, by: LimitedBy, size: Option<u32>) -> String {
     let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
-    let whose = if given {
-        "--max-memory allows"
-    } else {
-        "this system has"
+    let whose = match by {
+        LimitedBy::Given => "--max-memory allows",
+        LimitedBy::Machine => "this system has",
+        LimitedBy::Group => "the control group of this process allows",
+        LimitedBy::Process => "the limits of this process (ulimit) allow",
     };
-    let advice = match (size, given) {
-        (Some(size), true) => format!("`--size {size}` fits"),
-        (Some(size), false) => {
+    let advice = match (size, by) {
+        (Some(size), LimitedBy::Given) => format!("`--size {size}` fits"),
+        (Some(size), LimitedBy::Machine) => {
             format!("`--size {size}` fits, and `--max-memory` overrides this check")
         }
-        (None, _) => {
+        (Some(size), LimitedBy::Group) => format!("`--size {size}` fits, or raise that limit"),
+        (Some(size), LimitedBy::Process) => {
+            format!("`--size {size}` fits, or raise that limit or take fewer `--threads`")
+        }
+        (None, LimitedBy::Given) => {
             "the scene alone does not fit; raise --max-memory, or take a machine with more".into()
+        }
+        (None, LimitedBy::Machine) => {
+            "the scene alone does not fit; take a machine with more, or override this check with \
+             --max-memory"
+                .into()
+        }
+        (None, LimitedBy::Group | LimitedBy::Process) => {
+            "the scene alone does not fit; raise that limit".into()
         }
     };
     format!(

@@ -83,7 +83,7 @@ pub use ::bake::{
     PageStats, Pattern, Pilot, PointSet, SeamStats, Seams, Shading, View,
 };
 pub use baked::{Baked, Page};
-pub use error::Error;
+pub use error::{Error, LimitedBy};
 pub use estimate::Estimate;
 pub use export::{Exported, export};
 pub use host::{REVISION, VERSION, peak_memory};

@@ -1,6 +1,6 @@
 //! How much memory a bake will take, and how much there is.
 
-use crate::error::Error;
+use crate::error::{Error, LimitedBy};
 use ::bake::{Denoise, Plan, Seams};
 use layers::Layer;
 use std::fs;
@@ -13,13 +13,16 @@ pub(crate) const SPARED: u64 = 16 << 20;
 /// Bytes a page texel of pictures, masks and compressed lines while a page is composed and written.
 const WRITING: u64 = 12;
 /// Bytes a texel of charts that the denoiser takes beside the planes: those of a chart in work, or those of all texels that change.
-const DENOISING: u64 = 76;
+const DENOISING: u64 = 110;
 /// Bytes a page texel of Intel's, which was measured to take 0.6 GB at 1024².
 const OIDN: u64 = 600;
 /// Bytes a page texel of the light that a gather is sent, and of that which it brings.
 const SENT: u64 = 13;
 /// Bytes a triangle of the ray library's trees, over all meshes.
 const TREE: u64 = 200;
+/// Bytes of stack of a thread, and of addresses that the system's allocator reserves for it.
+const STACK: u64 = 8 << 20;
+const RESERVED: u64 = (64 << 20) + STACK;
 
 /// Half of what the two halves of a texel's rays differ by.
 const HALVES: [Layer; 5] = [
@@ -114,7 +117,8 @@ pub(crate) struct Limit {
 /// [`Error::Memory`] names the page size that fits.
 pub(crate) fn check(size: u32, memory: &Memory, triangles: u64, limit: Limit) -> Result<(), Error> {
     let system = || limit.system.then(available).flatten();
-    let Some(most) = limit.given.or_else(system) else {
+    let given = limit.given.map(|bytes| (bytes, LimitedBy::Given));
+    let Some((most, limited_by)) = given.or_else(system) else {
         return Ok(());
     };
     let base = resident().unwrap_or(0) + triangles * TREE;
@@ -136,7 +140,7 @@ pub(crate) fn check(size: u32, memory: &Memory, triangles: u64, limit: Limit) ->
     Err(Error::Memory {
         need: need(size),
         limit: most,
-        given: limit.given.is_some(),
+        limited_by,
         size: Some(fits).filter(|&size| size > 0),
     })
 }
@@ -146,11 +150,38 @@ pub(crate) fn resident() -> Option<u64> {
     kib(&fs::read_to_string("/proc/self/status").ok()?, "VmRSS:")
 }
 
-/// Bytes that this process may have in all: what it has and what is free, within the limits of its control groups.
-pub(crate) fn available() -> Option<u64> {
-    let own = resident()?;
+/// Bytes that this process may have in all, what it has and what is free, and what allows no more.
+fn available() -> Option<(u64, LimitedBy)> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let own = kib(&status, "VmRSS:")?;
     let free = kib(&fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")?;
-    Some(group_limit(own).map_or(own + free, |limit| limit.min(own + free)))
+    let threads = rayon::current_num_threads() as u64;
+    let limits = fs::read_to_string("/proc/self/limits").unwrap_or_default();
+    let all = [
+        (Some(own + free), LimitedBy::Machine),
+        (group_limit(own), LimitedBy::Group),
+        (process_limit(&limits, &status, threads), LimitedBy::Process),
+    ];
+    let all = all.into_iter().filter_map(|(most, by)| Some((most?, by)));
+    all.min_by_key(|&(most, _)| most)
+}
+
+/// Resident bytes that the limits on this process's addresses and data leave it, by the system's texts on both.
+fn process_limit(limits: &str, status: &str, threads: u64) -> Option<u64> {
+    let own = kib(status, "VmRSS:")?;
+    let rows = [
+        ("Max address space", "VmSize:", RESERVED),
+        ("Max data size", "VmData:", STACK),
+    ];
+    let left = rows.iter().filter_map(|&(limit, used, reserved)| {
+        let row = limits.lines().find_map(|row| row.strip_prefix(limit))?;
+        // Where there is none it says `unlimited`.
+        let most: u64 = row.split_whitespace().next()?.parse().ok()?;
+        // One more for the main thread and one for the backend's.
+        let used = kib(status, used)? + (threads + 2) * reserved;
+        Some(own + most.saturating_sub(used))
+    });
+    left.min()
 }
 
 /// The bytes in a line `NAME 123 kB`.
@@ -208,6 +239,25 @@ mod tests {
         assert_eq!(kib(text, "MemAvailable:"), Some(3072));
         assert_eq!(kib(text, "VmRSS:"), None);
         assert_eq!(kib(text, "VmHWM:"), None);
+    }
+
+    #[test]
+    fn limits_of_the_process_count_what_is_reserved() {
+        let status = "VmSize:  300 kB\nVmRSS: 100 kB\nVmData: 200 kB\n";
+        let row = |name: &str, most: &str| format!("{name}  {most}  unlimited  bytes\n");
+        let addresses = row("Max address space", &(3 * RESERVED + (1 << 20)).to_string());
+        let data = row("Max data size", &(3 * STACK + (1 << 20)).to_string());
+        assert_eq!(
+            process_limit(&addresses, status, 1),
+            Some((1024 - 200) << 10)
+        );
+        assert_eq!(process_limit(&data, status, 1), Some((1024 - 100) << 10));
+        let both = format!("{data}{addresses}");
+        assert_eq!(process_limit(&both, status, 1), Some((1024 - 200) << 10));
+        // What is used up already leaves what the process has.
+        assert_eq!(process_limit(&both, status, 2), Some(100 << 10));
+        let none = row("Max address space", "unlimited");
+        assert_eq!(process_limit(&none, status, 1), None);
     }
 
     #[test]

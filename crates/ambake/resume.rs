@@ -23,12 +23,22 @@ const SHARE: u32 = 50;
 /// A block is closed at this size in bytes.
 const BLOCK: usize = 4 << 20;
 
-/// A block that is being filled, or that was read.
+/// A block that was read.
 pub(crate) struct Block {
     pub page: u32,
     pub tiles: Vec<BakedTile>,
     /// Seconds that its tiles took.
     pub seconds: f64,
+}
+
+/// A block that is being filled. Its tiles are one piece of memory, which the system takes back as a whole; of thousands of small ones it
+/// would get hardly any.
+struct Filled {
+    page: u32,
+    tiles: Vec<LineTile>,
+    /// Texels and values of the tiles.
+    bytes: Vec<u8>,
+    seconds: f64,
 }
 
 /// The line of a block.
@@ -46,27 +56,40 @@ struct LineTile {
     stats: PageStats,
 }
 
-impl Block {
-    fn encode(&self) -> Vec<u8> {
-        let tile = |tile: &BakedTile| LineTile {
+impl Filled {
+    fn new(page: u32) -> Self {
+        Self {
+            page,
+            tiles: Vec::new(),
+            bytes: Vec::with_capacity(BLOCK),
+            seconds: 0.0,
+        }
+    }
+
+    fn add(&mut self, tile: &BakedTile) {
+        self.tiles.push(LineTile {
             index: tile.index,
             texels: tile.texels.len(),
             stats: tile.stats,
-        };
-        let line = Line {
-            seconds: self.seconds,
-            tiles: self.tiles.iter().map(tile).collect(),
-        };
+        });
+        let texels = tile.texels.iter().flat_map(|texel| texel.to_le_bytes());
+        self.bytes.extend(texels);
+        let values = tile.values.iter().flat_map(|value| value.to_le_bytes());
+        self.bytes.extend(values);
+    }
+
+    fn encode(self) -> Vec<u8> {
+        let (seconds, tiles) = (self.seconds, self.tiles);
+        let line = Line { seconds, tiles };
         let mut bytes = self.page.to_le_bytes().to_vec();
         bytes.extend(serde_json::to_vec(&line).expect("plain structs become JSON"));
         bytes.push(b'\n');
-        for tile in &self.tiles {
-            bytes.extend(tile.texels.iter().flat_map(|texel| texel.to_le_bytes()));
-            bytes.extend(tile.values.iter().flat_map(|value| value.to_le_bytes()));
-        }
+        bytes.extend(self.bytes);
         bytes
     }
+}
 
+impl Block {
     /// The block in `bytes`, with so many values a texel; `None` where they are something else.
     pub fn decode(bytes: &[u8], columns: usize) -> Option<Self> {
         let (page, rest) = bytes.split_first_chunk()?;
@@ -114,7 +137,7 @@ pub(crate) struct Saved {
     journal: Option<Journal>,
     /// Blocks of the journal by their page, as they were found.
     found: BTreeMap<u32, Vec<usize>>,
-    waiting: Vec<Block>,
+    waiting: Vec<Filled>,
     /// Bytes in `waiting`, about.
     bytes: usize,
     /// When the block in work was begun.
@@ -192,19 +215,15 @@ impl Saved {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn add(&mut self, page: u32, tile: BakedTile) -> Result<(), Error> {
+    pub fn add(&mut self, page: u32, tile: &BakedTile) -> Result<(), Error> {
         let own = 4 * (tile.texels.len() + tile.values.len()) + size_of::<BakedTile>();
-        let full = |block: &Block| block.page != page || block.tiles.is_empty();
-        if self.waiting.last().is_none_or(full) || self.bytes % BLOCK + own >= BLOCK {
+        let full = |block: &Filled| block.page != page || block.bytes.len() + own >= BLOCK;
+        if self.waiting.last().is_none_or(full) {
             self.close();
-            self.waiting.push(Block {
-                page,
-                tiles: Vec::new(),
-                seconds: 0.0,
-            });
+            self.waiting.push(Filled::new(page));
         }
         if let Some(block) = self.waiting.last_mut() {
-            block.tiles.push(tile);
+            block.add(tile);
         }
         self.bytes += own;
         let (last, cost) = self.written;
@@ -293,12 +312,12 @@ mod tests {
         let path = folder.path().join("state");
         let header = serde_json::json!({"key": "a", "shard": null});
         let mut saved = Saved::new(path.clone(), header.clone(), 3);
-        saved.add(0, tile(0, 4)).expect("a file");
+        saved.add(0, &tile(0, 4)).expect("a file");
         assert!(!path.exists(), "the disk is spared until then");
         // As if the last time lay a period back.
         let (written, cost) = saved.written;
         saved.written = (written - PERIOD, cost);
-        saved.add(1, tile(5, 2)).expect("a file");
+        saved.add(1, &tile(5, 2)).expect("a file");
         // No `flush`, no `Drop`: as a killed program leaves it.
         std::mem::forget(saved);
         let mut again = Saved::new(folder.path().join("copy"), header, 3);
@@ -321,7 +340,7 @@ mod tests {
             let mut saved = Saved::new(path.clone(), header, 3);
             assert_eq!(saved.resume().expect("a file"), None);
             let found = saved.found.len();
-            saved.add(0, tile(0, 4)).expect("a file");
+            saved.add(0, &tile(0, 4)).expect("a file");
             saved.flush().expect("a file");
             found
         };
@@ -336,14 +355,13 @@ mod tests {
 
     #[test]
     fn a_block_returns_bit_for_bit_and_no_other_bytes_are_taken() {
-        let block = Block {
-            page: 7,
-            tiles: vec![tile(3, 5), tile(9, 0)],
-            seconds: 0.25,
-        };
+        let tiles = vec![tile(3, 5), tile(9, 0)];
+        let mut block = Filled::new(7);
+        tiles.iter().for_each(|tile| block.add(tile));
+        block.seconds = 0.25;
         let bytes = block.encode();
         let back = Block::decode(&bytes, 3).expect("its own bytes");
-        assert_eq!((back.page, &back.tiles), (7, &block.tiles));
+        assert_eq!((back.page, back.tiles, back.seconds), (7, tiles, 0.25));
         assert!(Block::decode(&bytes, 2).is_none(), "too many values");
         assert!(Block::decode(&bytes, 4).is_none(), "too few");
         for cut in 1..=bytes.len() {

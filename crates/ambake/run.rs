@@ -107,7 +107,7 @@ impl Job {
             let (clock, cpu) = (Instant::now(), cpu_seconds());
             let tiles = self.within(|| tracker.keep(&mut page, &|line| progress.note(line)));
             let whole = self
-                .within(|| baker.fill(&mut page, progress, &mut |tile| saved.add(number, tile)))?;
+                .within(|| baker.fill(&mut page, progress, &mut |tile| saved.add(number, &tile)))?;
             if !whole {
                 saved.flush()?;
                 return Err(Error::Cancelled);

@@ -142,7 +142,7 @@ impl Job {
                 baker.run_tiles(page, &wanted, (progress, texels), &mut |tile| {
                     part.texels += tile.stats.texels;
                     part.rays += tile.stats.rays;
-                    saved.add(page, tile)
+                    saved.add(page, &tile)
                 })
             })?;
             if !whole {

@@ -40,12 +40,18 @@ pub fn watch<R>(show: Show, stop: &Stop, job: impl FnOnce(&dyn Progress) -> R) -
         ..Meter::default()
     };
     let done = AtomicBool::new(false);
-    let _ends_cleanly = stop.hold();
+    let ends_cleanly = stop.hold();
     std::thread::scope(|scope| {
-        let watcher = scope.spawn(|| show.until(&done, stop, &meter));
+        let started =
+            std::thread::Builder::new().spawn_scoped(scope, || show.until(&done, stop, &meter));
+        // Where the system gives no thread, nobody passes a signal on: it has to end the program.
+        let held = started.is_ok().then_some(ends_cleanly);
         let result = job(&meter);
         done.store(true, Ordering::Relaxed);
-        watcher.thread().unpark();
+        if let Ok(watcher) = started {
+            watcher.thread().unpark();
+        }
+        drop(held);
         result
     })
 }

@@ -138,6 +138,19 @@ def file_limit(bytes_):
     return lambda out: {"preexec_fn": limit}
 
 
+def addresses(folder, whole):
+    """Bakes for which the system has too few addresses, now here, now there."""
+    row = Row("less memory than it takes (`ulimit -v`), then `--resume`")
+    for number, mib in enumerate(range(150, 650, 50)):
+        out = folder / f"addresses{number}"
+        limit = lambda: resource.setrlimit(resource.RLIMIT_AS, (mib << 20, mib << 20))
+        run = bake(SCENE, out, [*WORK, "--max-memory", "1000G"], preexec_fn=limit)
+        ended = run.returncode == 0 or (run.returncode == 1 and told(run))
+        again = bake(SCENE, out, [*WORK, "--resume"])
+        row.judge(ended and again.returncode == 0 and results(out) == whole, run.returncode != 0)
+    return row
+
+
 def blocked(name):
     return lambda out: (out / name).mkdir(parents=True) or {}
 
@@ -191,6 +204,7 @@ with tempfile.TemporaryDirectory() as name:
         failed_then_well(folder, whole, "no file may grow beyond 1 byte", file_limit(1), lambda out: None),
         hopeless(folder, "a folder that takes no files", "/proc/ambake", []),
         hopeless(folder, "a limit of 10 MB of memory", None, ["--max-memory", "10M"]),
+        addresses(folder, whole),
         streams(folder, whole),
         states(folder, whole, 12),
     ]

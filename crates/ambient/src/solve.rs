@@ -50,3 +50,26 @@ pub fn cholesky(matrix: &mut [f64], right: &mut [f64]) -> bool {
     }
     true
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_unknowns_whose_factors_are_whole_numbers_are_solved_exactly() {
+        // L Lᵀ of L = [2 0 0; 1 3 0; 1 -1 1], times (1, -2, 3). What stands below the diagonal is not read.
+        let mut matrix = [4.0, 2.0, 2.0, f64::NAN, 10.0, -2.0, f64::NAN, f64::NAN, 3.0];
+        let mut right = [6.0, -24.0, 15.0];
+        assert!(cholesky(&mut matrix, &mut right));
+        assert_eq!(right, [1.0, -2.0, 3.0]);
+    }
+
+    #[test]
+    fn a_matrix_that_is_not_positive_definite_is_refused() {
+        for last in [4.0, 3.0, f64::NAN] {
+            let mut matrix = [1.0, 2.0, 0.0, last];
+            assert!(!cholesky(&mut matrix, &mut [1.0, 1.0]), "{last}");
+        }
+        assert!(cholesky(&mut [1.0, 2.0, 0.0, 5.0], &mut [1.0, 1.0]));
+    }
+}

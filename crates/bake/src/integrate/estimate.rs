@@ -321,3 +321,37 @@ pub(crate) fn variance_of_mean(values: &[f64]) -> f64 {
     let squares: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
     squares / (n * (n - 1.0))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_variance_of_a_mean_is_that_of_its_values_by_their_number() {
+        assert_eq!(variance_of_mean(&[1.0, 3.0, 2.0, 6.0]), 14.0 / 12.0);
+        assert_eq!(variance_of_mean(&[1.0, 2.0]), 0.25);
+        assert_eq!(variance_of_mean(&[5.0]), 0.0);
+        assert_eq!(variance_of_mean(&[]), 0.0);
+    }
+
+    /// Replicates of two points each, with these weights of open rays and of all.
+    fn replicates(weights: [[f64; 2]; 2]) -> Replicates {
+        let mut replicates = Replicates::default();
+        for (sums, [open, all]) in replicates.iter_mut().zip(weights) {
+            sums.diffuse = Weights { open, all };
+            sums.points = 2;
+        }
+        replicates
+    }
+
+    #[test]
+    fn a_ratio_of_sums_states_what_its_numerator_leaves() {
+        let sky = Sky::Uniform([1.0; 3]);
+        let variance = |weights| own_variance(&sky, &replicates(weights), 2, Diffuse);
+        // The share of both is 1/2, whatever their weights.
+        assert_eq!(variance([[1.0, 2.0], [2.0, 4.0]]), 0.0);
+        // 2 - 1/2 2 = 1 and 1 - 1/2 4 = -1 are left, by 3/2 a point and two points each: 1/3 and -1/3.
+        let two = variance([[2.0, 2.0], [1.0, 4.0]]);
+        assert!((two - 1.0 / 9.0).abs() < 1e-15, "{two}");
+    }
+}

@@ -121,3 +121,72 @@ impl PageStats {
         self.rmse() * (1.0 + 3.09 * ((2.0 + 2.0 / 3.0) * relative).sqrt()).sqrt()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stats(texels: u64, errors: &[f64]) -> PageStats {
+        let mut stats = PageStats {
+            texels,
+            coverage: texels as f64 / 2.0,
+            buried: 1,
+            buried_area: 0.25,
+            irradiance_squares: 3.0,
+            rays: 10 * texels,
+            ..PageStats::default()
+        };
+        for (x, &std_err) in errors.iter().enumerate() {
+            let estimate = Estimate {
+                value: 0.5,
+                std_err,
+            };
+            stats.errors.add(estimate, [x as u32, texels as u32]);
+        }
+        stats
+    }
+
+    #[test]
+    fn tiles_add_up_to_their_page() {
+        let mut page = stats(3, &[0.25, 0.5]);
+        page.append(&stats(4, &[0.5, 0.125, 1.0]));
+        let errors = ErrorSums {
+            sum: 2.375,
+            squares: 0.0625 + 0.25 + 0.25 + 0.015_625 + 1.0,
+            fourths: 0.003_906_25 + 0.0625 + 0.0625 + 0.000_244_140_625 + 1.0,
+            max: 1.0,
+            worst: [2, 4],
+            relative: 2.0,
+        };
+        let sum = PageStats {
+            texels: 7,
+            coverage: 3.5,
+            buried: 2,
+            buried_area: 0.5,
+            errors,
+            irradiance_squares: 6.0,
+            rays: 70,
+            ..PageStats::default()
+        };
+        assert_eq!(page, sum);
+        assert_eq!(page.seen(), 5);
+        // Of equal errors the first texel's place is kept.
+        page.append(&stats(9, &[1.0]));
+        assert_eq!(page.errors.worst, [2, 4]);
+    }
+
+    #[test]
+    fn a_bound_of_the_error_counts_unequal_texels_as_fewer() {
+        let mut page = stats(5, &[]);
+        assert_eq!(page.rmse_bound(), 0.0);
+        (page.errors.squares, page.errors.fourths) = (4.0, 24.0);
+        assert_eq!((page.rmse(), page.irradiance_rmse()), (1.0, 0.75f64.sqrt()));
+        // t = 4² / 24 = 2/3, so the relative variance (2 + 2/3) / t is 4.
+        let bound = (1.0 + 3.09 * 2.0f64).sqrt();
+        assert!(
+            (page.rmse_bound() - bound).abs() < 1e-14,
+            "{}",
+            page.rmse_bound()
+        );
+    }
+}

@@ -43,3 +43,17 @@ impl Ground {
 fn support(direction: DVec3, low: DVec3, high: DVec3) -> f64 {
     (direction * low).max(direction * high).element_sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_support_of_a_box_is_its_highest_corner() {
+        let (low, high) = (DVec3::new(-1.0, 2.0, -3.0), DVec3::new(5.0, 7.0, 11.0));
+        let at = |x, y, z| support(DVec3::new(x, y, z), low, high);
+        assert_eq!(at(1.0, 0.0, 0.0), 5.0);
+        assert_eq!(at(0.0, -1.0, 0.0), -2.0);
+        assert_eq!(at(-2.0, 1.0, -1.0), 2.0 + 7.0 + 3.0);
+    }
+}

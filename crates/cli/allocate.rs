@@ -1,0 +1,80 @@
+//! The end of a program that the system gives no more memory: one line and status 1, where Rust would abort with a trace.
+//!
+//! The allocator is the system's; only what it refuses is looked at. All that was saved stays as it would after a kill.
+#![allow(unsafe_code)]
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::io::Write;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// The system's allocator, which never refuses: it ends the program instead.
+struct OrEnd;
+
+#[global_allocator]
+static ALLOCATOR: OrEnd = OrEnd;
+
+// SAFETY: every call goes to the system's allocator with the caller's own arguments, for which the caller keeps the rules of this
+// trait; what comes back is returned as it is, or not at all.
+unsafe impl GlobalAlloc for OrEnd {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: as above.
+        given(unsafe { System.alloc(layout) }, layout.size())
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: as above.
+        given(unsafe { System.alloc_zeroed(layout) }, layout.size())
+    }
+
+    unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        // SAFETY: as above; `block` came from the same allocator.
+        given(unsafe { System.realloc(block, layout, size) }, size)
+    }
+
+    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
+        // SAFETY: as above.
+        unsafe { System.dealloc(block, layout) }
+    }
+}
+
+#[inline]
+fn given(block: *mut u8, size: usize) -> *mut u8 {
+    if block.is_null() {
+        end(size)
+    }
+    block
+}
+
+/// Tells what was refused and ends the program, without asking for memory and without running what others left for its end.
+#[cold]
+fn end(size: usize) -> ! {
+    static ENDS: AtomicBool = AtomicBool::new(false);
+    // The other threads may be refused too before the program has ended; one line is enough.
+    while ENDS.swap(true, Ordering::SeqCst) {
+        std::thread::yield_now();
+    }
+    let mut line = [0; 200];
+    let mut rest = line.as_mut_slice();
+    // Of a line that is too long, as none is, the beginning is told.
+    let _ = writeln!(
+        rest,
+        "ambake: the system refuses {size} more bytes of memory; raise its limit or take a smaller `--size`; `--resume` goes on with a \
+         bake that was saved"
+    );
+    let unused = rest.len();
+    tell(&line[..line.len() - unused]);
+    signal_hook::low_level::exit(1)
+}
+
+/// Writes to standard error past Rust's own handle of it, which this very thread may be using.
+fn tell(line: &[u8]) {
+    #[cfg(unix)]
+    {
+        use std::{fs::File, mem::ManuallyDrop, os::fd::FromRawFd};
+        // SAFETY: the file is never dropped, so that nothing is closed; where standard error is closed, the write fails and no more.
+        let mut error = ManuallyDrop::new(unsafe { File::from_raw_fd(2) });
+        let _ = error.write_all(line);
+    }
+    #[cfg(not(unix))]
+    let _ = std::io::stderr().write_all(line);
+}
