@@ -13,7 +13,7 @@ const MISSING: [f64; 2] = [0.0653, 0.0327];
 /// Bands that count.
 const BANDS: usize = 64;
 
-/// Noise of coefficients at one ray: falls like N^-3/4. Measured on six scenes from 64 to 1,024 rays, where it is 0.4 to 1.2.
+/// Noise of coefficients at one ray: falls like N^-3/4. Measured on five scenes from 64 to 1,024 rays, where it is 0.4 to 1.2.
 const NOISE: f64 = 0.8;
 
 /// What missing energy above an order leaves in the term of a Phong lobe, root mean square over all views. The border of what is open spreads
