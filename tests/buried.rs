@@ -431,6 +431,95 @@ fn walls_that_stand_in_an_open_ground_are_buried_below_it() {
     }
 }
 
+/// A room of 8 x 3 x 8 that looks inward, without its wall toward +x where `open`, and the four sides of a post about the origin from
+/// `low` to 1: one row of faces from the floor up, at 16 texels a unit, and one below.
+fn post_in_a_room(folder: &Path, low: f64, open: bool) -> PathBuf {
+    let mut text = String::from("o room\n");
+    for (y, x, z) in (0..8).map(|k| ([0, 3][k >> 2], [-4, 4][k & 1], [-4, 4][k >> 1 & 1])) {
+        writeln!(text, "v {x} {y} {z}").expect("a string");
+    }
+    let faces = [
+        "1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6",
+    ];
+    for (number, face) in faces.iter().take(if open { 5 } else { 6 }).enumerate() {
+        let at = |k: usize| {
+            (
+                0.2 + 0.01 * number as f64 + [0.0, 0.005][k & 1],
+                [0.9, 0.905][k >> 1],
+            )
+        };
+        for (u, v) in [0, 1, 3, 2].map(at) {
+            writeln!(text, "vt {u} {v}").expect("a string");
+        }
+        let corner = |(k, corner): (usize, &str)| format!("{corner}/{}", 4 * number + k + 1);
+        let corners: Vec<String> = face.split(' ').enumerate().map(corner).collect();
+        writeln!(text, "f {}", corners.join(" ")).expect("a string");
+    }
+    text += "o post\n";
+    let (sin, cos) = 17f64.to_radians().sin_cos();
+    let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)];
+    for (side, rows) in (0..4).flat_map(|side| [(side, [0.0, 1.0]), (side, [low, 0.0])]) {
+        if rows[0] == rows[1] {
+            continue;
+        }
+        let mut line = String::from("f");
+        for (k, (end, y)) in [(0, rows[0]), (0, rows[1]), (1, rows[1]), (1, rows[0])]
+            .iter()
+            .enumerate()
+        {
+            let (x, z) = corners[(side + end) % 4];
+            let (u, v) = (
+                0.05 + 0.25 * side as f64 + 0.1875 * *end as f64,
+                0.2 + y * 0.25,
+            );
+            writeln!(
+                text,
+                "v {} {y} {}\nvt {u} {v}",
+                x * cos - z * sin,
+                x * sin + z * cos
+            )
+            .expect("a string");
+            write!(line, " {0}/{0}", k as i32 - 4).expect("a string");
+        }
+        writeln!(text, "{line}").expect("a string");
+    }
+    let path = folder.join("room.obj");
+    std::fs::write(&path, text).expect("a file");
+    path
+}
+
+#[test]
+fn a_post_through_the_floor_of_a_room_is_one_that_ends_there() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for backend in backends() {
+        for open in [false, true] {
+            let mut flags = options(backend, &["--max-distance=1", "--seams=off"]);
+            flags.push("--exclude=room");
+            let bake = |low: f64| bake(&post_in_a_room(folder.path(), low, open), &flags);
+            let (_cut, cut) = bake(0.0);
+            let (_baked, through) = bake(-0.4);
+            let mut seen = 0;
+            for texel in 0..SIZE * SIZE {
+                let at = |page: &Page, layer: &str| page.plane(layer)[texel];
+                let row = texel / SIZE;
+                let expected = match at(&cut, "coverage") {
+                    1.0 => at(&cut, "diffuse"),
+                    _ => continue,
+                };
+                seen += 1;
+                let case = format!("{backend}, open {open}, texel {texel} in row {row}");
+                assert_eq!(at(&through, "validity"), 1.0, "{case}");
+                assert_eq!(at(&through, "diffuse"), expected, "{case}");
+            }
+            assert_eq!(seen, 4 * 11 * 15);
+            let buried = |page: &Page| page.plane("validity").iter().filter(|v| **v == 0.0).count();
+            // Four sides of 12 x 6.4 texels, of whose lowest rows the floor cuts some.
+            let more = buried(&through) - buried(&cut);
+            assert!((4 * 12 * 6..4 * 14 * 8).contains(&more), "{more}");
+        }
+    }
+}
+
 #[test]
 fn a_body_that_is_wound_the_wrong_way_is_named() {
     let folder = tempfile::tempdir().expect("a folder");

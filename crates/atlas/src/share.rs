@@ -6,7 +6,8 @@
 //! 1. **Equal density.** All objects have one density, so that parts which abut match.
 //! 2. **Ceiling.** The largest objects, those over a [`ALIKE`]th of the largest extent, take at most [`CEILING`] of `B`
 //!    together, and so does each object alone, while the others can use the rest. The others then share it at one higher
-//!    density. They can use it until they have [`USEFUL`] of a page's edge across their extent.
+//!    density. They can use it until they have [`USEFUL`] of a page's edge across their extent, or as many texels as the
+//!    largest object has across its own at equal density, if that is less: a lamp in a room needs no more than a wall.
 //! 3. **Floor.** Every object has at least [`FLOOR`] of a page's edge across its extent: 16 texels at 1024². Where all
 //!    floors take more than [`FLOORS`] of `B`, they shrink by one factor until they take that much.
 //!
@@ -71,12 +72,13 @@ fn shares(objects: &[&Object], budget: f64, edge: f64) -> Vec<f64> {
     let floors = texels(&across(FLOOR));
     let shrink = (FLOORS * budget / floors).sqrt().min(1.0);
     let equal = (budget / texels(&|_| 1.0)).sqrt();
+    let largest = objects.iter().map(|o| o.extent).fold(0.0, f64::max);
+    let useful = USEFUL.min(equal * largest / edge);
     let rule = Rule {
         floor: &|o| shrink * across(FLOOR)(o),
-        most: &|o| across(USEFUL)(o).max(equal),
+        most: &|o| across(useful)(o).max(equal),
         ceiling: &|o| (CEILING * budget / o.area).sqrt(),
     };
-    let largest = objects.iter().map(|o| o.extent).fold(0.0, f64::max);
     let (large, rest): (Vec<&Object>, Vec<&Object>) =
         objects.iter().partition(|o| ALIKE * o.extent > largest);
     let (of_large, of_rest) = {
@@ -252,6 +254,24 @@ mod tests {
         let densities = super::densities(&scene, BUDGET, 1024);
         assert!((densities[1] * 10.0 - 512.0).abs() < 1.0, "{densities:?}");
         assert!(shares_of(&scene, &densities)[0] > 0.9);
+    }
+
+    #[test]
+    fn a_lamp_has_no_more_texels_across_than_the_walls_of_its_room() {
+        // The Cornell box: its walls, its boxes and its light, in millimetres.
+        let scene = [
+            object(1.56e6, 560.0),
+            object(2.8e5, 330.0),
+            object(1.6e5, 206.0),
+            object(1.37e4, 130.0),
+        ];
+        let budget = 5e5;
+        let densities = densities(&scene, budget, 1024);
+        let equal = (budget / scene.iter().map(|o| o.area).sum::<f64>()).sqrt();
+        let across = densities[3] * 130.0;
+        assert!(across <= equal * 560.0 * (1.0 + 1e-9), "{across}");
+        let share = densities[3].powi(2) * 1.37e4 / budget;
+        assert!(share < 0.15, "{share}");
     }
 
     #[test]

@@ -57,7 +57,9 @@ pub(super) fn finish(page: &mut BakedPage, site: &Site<'_>) {
         count_errors(page, options);
     }
     let light = options.sky.mean().element_sum() / 3.0;
-    let joined = (!seams.is_empty()).then(|| seams.system(world, raster, page.size));
+    let validity = page.layer(Layer::Validity);
+    let system = || seams.system(world, raster, page.size, validity);
+    let joined = (!seams.is_empty()).then(system);
     let joined = joined.as_ref().map(|system| Joined {
         system,
         across,
@@ -105,7 +107,7 @@ pub(crate) fn finish_light(page: &mut BakedPage, site: &Site<'_>) {
     let system = (light > 0.0)
         .then(|| Seams::find(world, atlas, page.page, options.seams, across))
         .filter(|seams| !seams.is_empty())
-        .map(|seams| seams.system(world, &raster, page.size));
+        .map(|seams| seams.system(world, &raster, page.size, page.layer(Layer::Validity)));
     let joined = system.as_ref().map(|system| Joined {
         system,
         across,

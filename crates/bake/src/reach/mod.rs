@@ -105,6 +105,7 @@ impl<'a> Reach<'a> {
         hasher.update(&page.to_le_bytes());
         hasher.update(&raster.tiles()[index].to_le_bytes());
         let mut grounds = Vec::new();
+        let mut owns = Vec::new();
         for part in raster.parts(index) {
             let TilePart {
                 instance, triangle, ..
@@ -118,20 +119,28 @@ impl<'a> Reach<'a> {
             hasher.update(&[self.baker.plan.open.contains(instance, triangle).into()]);
             let own = self.baker.solids.and_then(|of| of.own(instance, triangle));
             hasher.update(&own.map_or([0; 16], |body| self.body(body)));
+            if !owns.contains(&own) {
+                owns.push(own);
+            }
             grounds.push(self.ground(&part));
         }
         let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let (low, high) = grounds.iter().fold(limits, |(low, high), ground| {
             (low.min(ground.low), high.max(ground.high))
         });
-        let about = self.baker.solids.map(|solids| solids.about(low, high));
-        let mut about: Vec<Fingerprint> = about
-            .into_iter()
-            .flatten()
-            .map(|body| self.body(body))
-            .collect();
-        about.sort_unstable();
-        hasher.update(about.as_flattened());
+        if let Some(solids) = self.baker.solids {
+            // What is rooted in a ground or a room may hang on things far away.
+            let spared = |body| owns.iter().map(move |&own| solids.spares(body, own).into());
+            let about = solids.about(low, high).into_iter();
+            let mut about: Vec<(Fingerprint, Vec<u8>)> = about
+                .map(|body| (self.body(body), spared(body).collect()))
+                .collect();
+            about.sort_unstable();
+            for (body, spared) in about {
+                hasher.update(&body);
+                hasher.update(&spared);
+            }
+        }
         hasher.update(&self.tree.sum(&grounds).to_le_bytes());
         hasher.short()
     }

@@ -110,13 +110,21 @@ impl Seams {
     }
 
     /// A system that solves planes of the page. Points at which a look-up reads texels of other charts are left out: there are none where
-    /// gutters are as wide as they should be.
-    pub fn system(&self, world: &World, raster: &PageRaster<'_>, size: u32) -> System {
+    /// gutters are as wide as they should be. So are points of which one side is buried: nobody sees the step, and what is seen of the
+    /// other side must not give way to it. `validity` has the share of each texel that can be seen.
+    pub fn system(
+        &self,
+        world: &World,
+        raster: &PageRaster<'_>,
+        size: u32,
+        validity: Option<&[f32]>,
+    ) -> System {
         let page = Page {
             scene: world.scene(),
             charts: &self.charts,
             raster,
             size,
+            validity,
         };
         System::new(&self.points, &self.outer, &page)
     }

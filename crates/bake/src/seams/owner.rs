@@ -14,6 +14,8 @@ pub(super) struct Page<'a> {
     pub raster: &'a PageRaster<'a>,
     /// Its edge in texels.
     pub size: u32,
+    /// The share of each texel that can be seen; `None` where all can.
+    pub validity: Option<&'a [f32]>,
 }
 
 /// What covers a texel.

@@ -93,18 +93,24 @@ impl System {
             let mut owners = read.map(|tap| owner(&tap.0));
             owners.all(|owner| owner.is_none_or(|owner| owner.chart == Some(chart)))
         };
+        let is_seen = |side: &Taps| {
+            let read = side.iter().filter(|tap| tap.1 != 0.0);
+            let mut covered = read.filter(|tap| owner(&tap.0).is_some()).peekable();
+            let seen = |texel: u32| page.validity.is_none_or(|v| v[texel as usize] > 0.0);
+            covered.peek().is_none() || covered.any(|tap| seen(tap.0))
+        };
         let points: Vec<&SeamPoint> = points
             .par_iter()
             .filter(|point| {
                 let mut sides = look(point).into_iter().zip(point.charts);
-                sides.all(|(side, chart)| is_own(&side, chart))
+                sides.all(|(side, chart)| is_own(&side, chart) && is_seen(&side))
             })
             .collect();
         let looked_up: Vec<[Taps; 2]> = points.par_iter().map(|point| look(point)).collect();
         let (later, earlier): (Vec<_>, Vec<_>) = outer
             .iter()
             .map(|outer| (outer, on_page(outer)))
-            .filter(|(outer, side)| is_own(side, outer.chart))
+            .filter(|(outer, side)| is_own(side, outer.chart) && is_seen(side))
             .partition(|(outer, _)| outer.later);
         let tied = later.par_iter().map(|(_, side)| *side);
         let read = texels_of(looked_up.par_iter().flatten().copied().chain(tied.clone()));

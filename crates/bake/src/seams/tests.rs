@@ -159,7 +159,7 @@ fn solved(apart: bool, light: fn(DVec3) -> f64, noise: f64) -> (SeamStats, [f64;
         &Across::default(),
     );
     let raster = PageRaster::new(page.world.scene(), &page.atlas, 0);
-    let system = seams.system(&page.world, &raster, SIZE);
+    let system = seams.system(&page.world, &raster, SIZE, None);
     let std_errs = vec![noise.max(1e-4) as f32; page.values.len()];
     let known = Known {
         tied: &[],
@@ -207,4 +207,45 @@ fn objects_apart_have_no_seams_of_their_own() {
         .is_empty()
     );
     assert!(Seams::find(&page.world, &page.atlas, 0, Scope::Off, &Across::default()).is_empty());
+}
+
+#[test]
+fn what_is_seen_does_not_give_way_to_what_is_buried() {
+    let page = page(sphere(true), LIGHTS[0], 0.0);
+    let scope = (Scope::Scene, &Across::default());
+    let seams = Seams::find(&page.world, &page.atlas, 0, scope.0, scope.1);
+    let raster = PageRaster::new(page.world.scene(), &page.atlas, 0);
+    // All of the second object is buried.
+    let mut validity = vec![1.0; page.values.len()];
+    for index in 0..raster.tiles().len() {
+        let tile = raster.tile(index);
+        for footprint in &tile.footprints {
+            if tile.pieces[footprint.pieces.start as usize].instance == 1 {
+                validity[(footprint.y * SIZE + footprint.x) as usize] = 0.0;
+            }
+        }
+    }
+    let system = seams.system(&page.world, &raster, SIZE, Some(&validity));
+    let seen = |dark: bool| -> Vec<(u32, f32)> {
+        let shown = page.values.iter().zip(&validity);
+        let values: Vec<f32> = match dark {
+            true => shown.map(|(value, validity)| value * validity).collect(),
+            false => page.values.clone(),
+        };
+        let known = Known {
+            tied: &[],
+            values: &values,
+            std_errs: &vec![1e-4; values.len()],
+            unit: 1.0,
+            most: 1.0,
+        };
+        let moved = system.solve(&known, &page.coverage);
+        assert!(moved.stats.points > 100, "{:?}", moved.stats);
+        let of_seen = |(texel, _): &(u32, f32)| {
+            let texel = *texel as usize;
+            page.coverage[texel] > 0.0 && validity[texel] > 0.0
+        };
+        moved.values.into_iter().filter(of_seen).collect()
+    };
+    assert_eq!(seen(true), seen(false));
 }

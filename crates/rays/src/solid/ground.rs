@@ -4,92 +4,89 @@
 //! it what nobody is to see. A surface is *rooted* in such a sheet where
 //!
 //! * it crosses the sheet, and stands out in front of it at least as far as it reaches behind it, along the sheet's mean normal;
-//! * nothing that does not cross the sheet too comes near its part behind. So no column is buried by the floor of the next storey.
+//! * nothing that neither crosses the sheet too nor lies in it, as the next panel of a floor does, comes near its part behind. So no
+//!   column is buried by the floor of the next storey.
 //!
 //! The part behind is buried, for this surface alone. But a sheet that has something else behind it which does not cross it, and is not
 //! small beside it, is no ground: people stand under an awning, and see what it is fastened to.
 
-use super::topology::{Surface, corners};
+use super::placed::{CROSSES, NEAR, Placed, SMALL};
+use super::topology::corners;
 use super::tree::SurfaceTree;
-use super::{Body, Inside, Solids, placed_box};
-use glam::{DAffine3, DVec3};
+use super::{Inside, Solids};
+use glam::DVec3;
 use rayon::prelude::*;
 use scene::Scene;
 use std::collections::BTreeMap;
 
-/// Faces of a surface that are asked where it stands; of a larger one so many, evenly.
-const ASKED: usize = 1000;
-/// What comes this near counts as near, in sizes of the part behind.
-const NEAR: f64 = 1e-3;
-/// Smaller than this share of a sheet, a surface behind it does not matter: a footing, a pipe.
-const SMALL: f64 = 0.5;
 /// Faces of a sheet from which one looks for what is behind it.
 const LOOKS: usize = 64;
-/// How far a crossing surface stands at least on either side, in sizes of its box: what only touches does not cross.
-const CROSSES: f64 = 1e-5;
-
-/// A surface where it is placed.
-struct Placed<'a> {
-    /// Placement and number of the surface.
-    key: (u32, u32),
-    shape: u32,
-    surface: &'a Surface,
-    transform: DAffine3,
-    low: DVec3,
-    high: DVec3,
-}
-
-impl Placed<'_> {
-    /// Some of its corners, in the world.
-    fn corners<'b>(&'b self, scene: &'b Scene) -> impl Iterator<Item = DVec3> + 'b {
-        let step = self.surface.faces.len().div_ceil(ASKED);
-        let faces = self.surface.faces.iter().step_by(step);
-        faces.flat_map(move |&face| {
-            corners(scene, face).map(|corner| self.transform.transform_point3(corner.as_dvec3()))
-        })
-    }
-
-    fn meets(&self, low: DVec3, high: DVec3) -> bool {
-        self.low.cmple(high).all() && self.high.cmpge(low).all()
-    }
-
-    fn size(&self) -> f64 {
-        (self.high - self.low).max_element()
-    }
-}
+/// The cosine of the angle at which one sheet may go on where another ends.
+const ALONG: f64 = 0.999;
 
 /// Where a surface stands to a sheet.
 struct Stand {
-    /// How far it goes in front and behind, in lengths of the mesh's space.
+    /// How far it goes in front and behind, in lengths of the mesh's space; what is less than `least` only touches.
     front: f64,
     behind: f64,
-    /// The box of its corners behind, in the world.
+    least: f64,
+    /// Some of it is before or behind the sheet, not beside it.
+    meets: bool,
+    /// The box of its points behind, in the world.
     low: DVec3,
     high: DVec3,
 }
 
 impl Stand {
-    fn of(scene: &Scene, sheet: &Placed, tree: &SurfaceTree, other: &Placed) -> Option<Self> {
-        let (inverse, front) = (sheet.transform.inverse(), sheet.surface.front?);
+    fn of(scene: &Scene, sheet: &Placed, tree: &SurfaceTree, other: &Placed) -> Self {
+        let inverse = sheet.inverse;
+        let size = inverse.transform_vector3(other.high - other.low).length();
         let mut stand = Self {
             front: 0.0,
             behind: 0.0,
+            least: CROSSES * size,
+            meets: false,
             low: DVec3::INFINITY,
             high: DVec3::NEG_INFINITY,
         };
-        for corner in other.corners(scene) {
-            let Some(height) = tree.height(scene, inverse.transform_point3(corner), front) else {
+        let Some(front) = sheet.surface.front else {
+            return stand;
+        };
+        // Edges of panels may run along one another, where corners are as often beside a sheet as not: so the middles too.
+        let points = other.faces(scene).flat_map(|[a, b, c]| {
+            let middles = [a + b, b + c, c + a].map(|sum| 0.5 * sum);
+            [a, b, c, (a + b + c) / 3.0].into_iter().chain(middles)
+        });
+        for point in points {
+            let Some(height) = tree.height(scene, inverse.transform_point3(point), front) else {
                 continue;
             };
+            stand.meets = true;
             stand.front = stand.front.max(height);
             stand.behind = stand.behind.max(-height);
             if height < 0.0 {
-                (stand.low, stand.high) = (stand.low.min(corner), stand.high.max(corner));
+                (stand.low, stand.high) = (stand.low.min(point), stand.high.max(point));
             }
         }
-        let size = inverse.transform_vector3(other.high - other.low).length();
-        let least = CROSSES * size;
-        (stand.front > least && stand.behind > least).then_some(stand)
+        stand
+    }
+
+    fn crosses(&self) -> bool {
+        self.front > self.least && self.behind > self.least
+    }
+
+    /// True for a surface that lies in a sheet and looks to the same side.
+    fn continues(&self, sheet: &Placed, other: &Placed) -> bool {
+        let front = |placed: &Placed| {
+            let front = placed.surface.front?;
+            let normal = placed.inverse.matrix3.transpose() * front;
+            normal.try_normalize()
+        };
+        let looks = match (front(sheet), front(other)) {
+            (Some(sheet), Some(other)) => sheet.dot(other) > ALONG,
+            _ => false,
+        };
+        looks && self.meets && self.front <= self.least && self.behind <= self.least
     }
 }
 
@@ -98,21 +95,11 @@ impl Solids {
     pub(super) fn root(&mut self) {
         let found = self.rooted();
         for (sheet, rooted) in found {
-            let rooted: Vec<u32> = rooted.into_iter().map(|key| self.body_of(key)).collect();
-            let sheet = self.body_of(sheet);
-            let limits = |body: &u32| {
-                let body = &self.bodies[*body as usize];
-                (body.low, body.high)
-            };
-            let (low, high) = rooted
-                .iter()
-                .map(limits)
-                .fold(limits(&sheet), |a, b| (a.0.min(b.0), a.1.max(b.1)));
-            let mut members = rooted;
+            let mut members: Vec<u32> = rooted.into_iter().map(|key| self.body_of(key)).collect();
             members.sort_unstable();
-            let sheet = &mut self.bodies[sheet as usize];
-            (sheet.low, sheet.high) = (low, high);
-            sheet.inside = Inside::Behind(members);
+            let sheet = self.body_of(sheet);
+            self.widen(sheet, &members);
+            self.bodies[sheet as usize].inside = Inside::Behind(members);
         }
     }
 
@@ -133,24 +120,29 @@ impl Solids {
             }
             let tree = self.tree_of(sheet.shape, sheet.key.1);
             let stand = |other: &&Placed| Stand::of(&self.scene, sheet, tree, other);
-            let stands: Vec<Option<Stand>> = others.iter().map(stand).collect();
-            let crossing: Vec<(u32, u32)> = others
-                .iter()
-                .zip(&stands)
-                .filter(|(_, stand)| stand.is_some())
-                .map(|(other, _)| other.key)
-                .collect();
+            let stands: Vec<Stand> = others.iter().map(stand).collect();
+            let chosen = |take: &dyn Fn(&Placed, &Stand) -> bool| -> Vec<(u32, u32)> {
+                let stands = others.iter().zip(&stands);
+                let taken = stands.filter(|(other, stand)| take(other, stand));
+                taken.map(|(other, _)| other.key).collect()
+            };
+            let crossing = chosen(&|_, stand| stand.crosses());
+            // What lies in the sheet, such as the next panel of a floor, is as little behind it as the sheet.
+            let level = chosen(&|other, stand| stand.continues(sheet, other));
             let rooted = others.iter().zip(&stands).filter_map(|(other, stand)| {
-                let stand = stand.as_ref().filter(|stand| stand.front >= stand.behind)?;
+                if !stand.crosses() || stand.front < stand.behind {
+                    return None;
+                }
                 let slack = NEAR * (stand.high - stand.low).max_element();
                 let (low, high) = (stand.low - slack, stand.high + slack);
                 let last = order.partition_point(|&near| placed[near].low.x <= high.x);
                 let mut near = order[..last].iter().map(|&near| &placed[near]);
-                let is_other = |near: &Placed| {
-                    near.key != sheet.key && near.key != other.key && near.meets(low, high)
+                let lays_open = |near: &Placed| {
+                    let is_other = near.key != sheet.key && near.key != other.key;
+                    let is_near = is_other && near.meets(low, high);
+                    is_near && !crossing.contains(&near.key) && !level.contains(&near.key)
                 };
-                let is_alone = !near.any(|near| is_other(near) && !crossing.contains(&near.key));
-                is_alone.then_some(other.key)
+                (!near.any(lays_open)).then_some(other.key)
             });
             let mut rooted: Vec<(u32, u32)> = rooted.collect();
             rooted.sort_unstable();
@@ -193,54 +185,5 @@ impl Solids {
             let middle = sheet.transform.transform_point3((a + b + c) / 3.0);
             tree.is_ahead(&self.scene, inverse.transform_point3(middle), direction)
         })
-    }
-
-    /// Every surface of every placement.
-    fn placed_surfaces(&self) -> Vec<Placed<'_>> {
-        let mut known = std::collections::HashSet::new();
-        let mut placed = Vec::new();
-        for (index, &(shape, _, placement)) in self.instances.iter().enumerate() {
-            if !known.insert(placement) {
-                continue;
-            }
-            let transform = self.scene.instances[index].transform;
-            for (number, surface) in self.shapes[shape as usize].surfaces.iter().enumerate() {
-                let (low, high) = placed_box(surface, &transform);
-                placed.push(Placed {
-                    key: (placement, number as u32),
-                    shape,
-                    surface,
-                    transform,
-                    low,
-                    high,
-                });
-            }
-        }
-        placed
-    }
-
-    /// The body of a placed surface, made if it has none.
-    fn body_of(&mut self, key: (u32, u32)) -> u32 {
-        if let Some(&body) = self.placements.get(&key) {
-            return body;
-        }
-        let of = |&(_, _, placement): &(u32, u32, u32)| placement == key.0;
-        let instance = self.instances.iter().position(of);
-        let instance = instance.expect("a placement has instances");
-        let (shape, ..) = self.instances[instance];
-        let transform = self.scene.instances[instance].transform;
-        let surface = &self.shapes[shape as usize].surfaces[key.1 as usize];
-        let (low, high) = placed_box(surface, &transform);
-        let body = self.bodies.len() as u32;
-        self.bodies.push(Body {
-            shape,
-            surface: key.1,
-            inverse: transform.inverse(),
-            low,
-            high,
-            inside: Inside::Nothing,
-        });
-        self.placements.insert(key, body);
-        body
     }
 }

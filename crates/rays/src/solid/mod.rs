@@ -11,22 +11,32 @@
 //! * Outward: a solid.
 //! * Inward, inside a solid: its cavity, which is air again.
 //! * Inward, and some whole other surface lies in it: a room. It is air.
-//! * Inward and nothing whole in it: a solid wound the wrong way.
+//! * Inward, some surface lies in it for the most part, and nothing large outside: a room too.
+//! * Inward and none of these: a solid wound the wrong way.
+//!
+//! What is rooted in an open ground or in a room has a part that nobody is to see: `ground.rs` and `rooms.rs` say which.
 //!
 //! A point is buried where it lies in more solids than cavities. Distances do not matter: a limit on the distance of occluders limits
 //! what darkens a place, not where the place is.
 
 mod ground;
+mod near;
+mod opening;
+mod placed;
+mod rooms;
 mod topology;
 mod tree;
 
 use glam::{DAffine3, DVec3};
+pub use near::Near;
+use opening::Opening;
+use placed::placed_box;
 use rayon::prelude::*;
 use scene::Scene;
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 use topology::{Face, Surface, corners};
-use tree::{SurfaceTree, climb};
+use tree::SurfaceTree;
 
 /// Surfaces of meshes that are placed together.
 #[derive(Debug)]
@@ -48,6 +58,21 @@ enum Inside {
     Nothing,
     /// What lies behind an open surface, for the bodies that are rooted in it, in order.
     Behind(Vec<u32>),
+    /// What lies outside of a room, for the bodies that are rooted in it, in order, and of other rooms.
+    Around {
+        rooted: Vec<u32>,
+        others: Vec<u32>,
+    },
+}
+
+impl Inside {
+    /// The bodies for which alone it counts, in order; `None` where it does not depend on that.
+    fn rooted(&self) -> Option<&[u32]> {
+        match self {
+            Self::Behind(rooted) | Self::Around { rooted, .. } => Some(rooted),
+            _ => None,
+        }
+    }
 }
 
 /// A surface in the world that is closed, is rooted in a ground, or is one.
@@ -145,12 +170,13 @@ impl Solids {
         };
         solids.classify();
         solids.root();
+        solids.root_in_rooms();
         solids
     }
 
-    /// How many there are, wrongly wound ones too, and grounds.
+    /// How many there are, wrongly wound ones too, and grounds, and rooms that something is rooted in.
     pub fn count(&self) -> usize {
-        let buries = |body: &&Body| matches!(body.inside, Inside::Solid | Inside::Behind(_));
+        let buries = |body: &&Body| body.inside == Inside::Solid || body.inside.rooted().is_some();
         self.bodies.iter().filter(buries).count()
     }
 
@@ -187,14 +213,14 @@ impl Solids {
             .collect()
     }
 
-    /// True where a body counts the same at all points of triangles of `own`: a solid does not bury itself, and a ground buries
-    /// what is rooted in it alone.
+    /// True where a body counts the same at all points of triangles of `own`: a solid does not bury itself, and a ground or a room
+    /// buries what is rooted in it alone.
     pub fn spares(&self, body: u32, own: Option<u32>) -> bool {
         match &self.bodies[body as usize].inside {
             Inside::Solid => own == Some(body),
             Inside::Cavity => false,
             Inside::Room | Inside::Nothing => true,
-            Inside::Behind(rooted) => !is_among(rooted, own),
+            Inside::Behind(rooted) | Inside::Around { rooted, .. } => !is_among(rooted, own),
         }
     }
 
@@ -210,48 +236,42 @@ impl Solids {
         body.low.cmple(high).all() && body.high.cmpge(low).all()
     }
 
-    /// True where a closed surface may meet the box of these points; false is certain.
-    pub fn meets(&self, body: u32, points: impl Iterator<Item = DVec3>) -> bool {
-        let body = &self.bodies[body as usize];
-        let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let (low, high) = points
-            .map(|point| body.inverse.transform_point3(point))
-            .fold(limits, |(low, high), point| {
-                (low.min(point), high.max(point))
-            });
-        self.tree(body).meets(&self.scene, low, high)
-    }
-
-    /// A closed surface about the box of some points, for the depth at many points in it.
-    pub fn near(&self, body: u32, points: impl Iterator<Item = DVec3>) -> Near<'_> {
+    /// True where what a body counts may change between these points; false is certain.
+    pub fn meets(&self, body: u32, points: impl Iterator<Item = DVec3> + Clone) -> bool {
         let of = &self.bodies[body as usize];
-        let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let (low, high) = points
-            .map(|point| of.inverse.transform_point3(point))
-            .fold(limits, |(low, high), point| {
-                (low.min(point), high.max(point))
-            });
-        // Points between those given are rounded too.
-        let slack = 1e-6 * (high - low).max_element();
-        let (low, high) = (low - slack, high + slack);
-        Near {
-            solids: self,
-            body,
-            low,
-            high,
-            faces: self.tree(of).about(&self.scene, low, high),
-            known: None,
-        }
+        let is_near = |body: &Body| {
+            let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+            let local = points.clone().map(|at| body.inverse.transform_point3(at));
+            let (low, high) = local.fold(limits, |(low, high), at| (low.min(at), high.max(at)));
+            self.tree(body).meets(&self.scene, low, high)
+        };
+        let Inside::Around { others, .. } = &of.inside else {
+            return is_near(of);
+        };
+        let passes = |opening: &Opening| {
+            let shown = |at| opening.shows(of.inverse.transform_point3(at));
+            let mut shown = points.clone().map(shown);
+            let first = shown.next();
+            shown.any(|shown| Some(shown) != first)
+        };
+        let mut others = others.iter().map(|&other| &self.bodies[other as usize]);
+        is_near(of) || self.surface(of).openings.iter().any(passes) || others.any(is_near)
     }
 
-    /// What a body counts at a point of a triangle of the body `own`: 1 in a solid and behind a ground, -1 in a cavity, 0 outside. On
-    /// its own triangles the side of the surface decides and not the point: a solid does not bury itself, and a cavity is open to its
-    /// own walls. A ground counts for what is rooted in it alone.
+    /// What a body counts at a point of a triangle of the body `own`: 1 in a solid, behind a ground and outside of a room, -1 in a cavity,
+    /// 0 elsewhere. On its own triangles the side of the surface decides and not the point: a solid does not bury itself, and a cavity
+    /// is open to its own walls. A ground and a room count for what is rooted in them alone.
     pub fn depth(&self, body: u32, point: DVec3, own: Option<u32>) -> i32 {
-        self.depth_by(body, own, |of| self.holds(of, point))
+        self.depth_by(body, point, own, |of| self.holds(of, point))
     }
 
-    fn depth_by(&self, body: u32, own: Option<u32>, holds: impl FnOnce(&Body) -> bool) -> i32 {
+    fn depth_by(
+        &self,
+        body: u32,
+        point: DVec3,
+        own: Option<u32>,
+        holds: impl FnOnce(&Body) -> bool,
+    ) -> i32 {
         let of = &self.bodies[body as usize];
         let is_own = own == Some(body);
         match &of.inside {
@@ -259,7 +279,19 @@ impl Solids {
             Inside::Solid => i32::from(!is_own && holds(of)),
             Inside::Cavity => -i32::from(is_own || holds(of)),
             Inside::Behind(rooted) => i32::from(is_among(rooted, own) && holds(of)),
+            Inside::Around { rooted, others } => {
+                let is_in = |&other: &u32| self.holds(&self.bodies[other as usize], point);
+                let is_out = || !self.is_seen_through(of, point) && !others.iter().any(is_in);
+                i32::from(is_among(rooted, own) && !holds(of) && is_out())
+            }
         }
+    }
+
+    /// True where one may look from within a room through an opening at a point outside.
+    fn is_seen_through(&self, room: &Body, point: DVec3) -> bool {
+        let local = room.inverse.transform_point3(point);
+        let mut openings = self.surface(room).openings.iter();
+        openings.any(|opening| opening.shows(local))
     }
 
     /// How many bodies there are, whether they bury or not.
@@ -267,8 +299,7 @@ impl Solids {
         self.bodies.len() as u32
     }
 
-    /// Hands over, as bytes, all that decides what a body counts at a point. What is rooted in a ground follows from its content and
-    /// that of the other.
+    /// Hands over, as bytes, all that decides what a body counts at a point, but for what is rooted in it: [`Self::spares`] tells.
     pub fn content(&self, body: u32, take: &mut dyn FnMut(&[u8])) {
         let body = &self.bodies[body as usize];
         take(&[match body.inside {
@@ -277,7 +308,17 @@ impl Solids {
             Inside::Room => 2,
             Inside::Nothing => 3,
             Inside::Behind(_) => 4,
+            Inside::Around { .. } => 5,
         }]);
+        self.placed_content(body, take);
+        if let Inside::Around { others, .. } = &body.inside {
+            for &other in others {
+                self.placed_content(&self.bodies[other as usize], take);
+            }
+        }
+    }
+
+    fn placed_content(&self, body: &Body, take: &mut dyn FnMut(&[u8])) {
         for number in body.inverse.to_cols_array() {
             take(&number.to_le_bytes());
         }
@@ -295,7 +336,7 @@ impl Solids {
     }
 
     fn holds(&self, body: &Body, point: DVec3) -> bool {
-        let winding = |local| self.tree(body).winding(&self.scene, local);
+        let winding = |local| self.winding(body, local);
         self.holds_by(body, point, winding)
     }
 
@@ -311,8 +352,20 @@ impl Solids {
                 let height = self.tree(body).height(&self.scene, local, front);
                 height.is_some_and(|height| height < 0.0)
             }
-            None => f64::from(winding(local)) * surface.volume > 0.0,
+            None => f64::from(winding(local)) * surface.content() > 0.0,
         }
+    }
+
+    /// How often a body's surface winds around a point of its own space, openings filled.
+    fn winding(&self, body: &Body, local: DVec3) -> i32 {
+        let panes = self.panes(body);
+        self.tree(body).winding(&self.scene, panes, local)
+    }
+
+    /// What fills the openings of a body.
+    fn panes(&self, body: &Body) -> impl Iterator<Item = &[[f32; 3]; 3]> {
+        let openings = self.surface(body).openings.iter();
+        openings.flat_map(|opening| &opening.panes)
     }
 
     fn surface(&self, body: &Body) -> &Surface {
@@ -328,106 +381,10 @@ impl Solids {
         let faces = &shape.surfaces[surface].faces;
         shape.trees[surface].get_or_init(|| SurfaceTree::build(&self.scene, faces))
     }
-
-    /// Tells cavities and rooms from solids.
-    fn classify(&mut self) {
-        let inward: Vec<usize> = (0..self.bodies.len())
-            .filter(|&body| self.surface(&self.bodies[body]).volume < 0.0)
-            .collect();
-        if inward.is_empty() {
-            return;
-        }
-        // Every placed surface: its body if it has one, its box and a few points on it.
-        let mut placed = Vec::new();
-        let mut seen = std::collections::HashSet::new();
-        for (index, &(shape, _, placement)) in self.instances.iter().enumerate() {
-            if !seen.insert(placement) {
-                continue;
-            }
-            let transform = self.scene.instances[index].transform;
-            let surfaces = self.shapes[shape as usize].surfaces.iter();
-            for (number, surface) in surfaces.enumerate() {
-                let body = self.placements.get(&(placement, number as u32));
-                let (low, high) = placed_box(surface, &transform);
-                let points = probes(&self.scene, surface).map(|p| transform.transform_point3(p));
-                placed.push((body.map(|&body| body as usize), low, high, points));
-            }
-        }
-        let within = |body: usize, (of, low, high, points): &(_, DVec3, DVec3, [DVec3; 5])| {
-            let outer = &self.bodies[body];
-            *of != Some(body)
-                && outer.low.cmple(*low).all()
-                && outer.high.cmpge(*high).all()
-                && points.iter().filter(|p| self.holds(outer, **p)).count() >= 3
-        };
-        let outward = |body: usize| self.surface(&self.bodies[body]).volume > 0.0;
-        let found: Vec<(usize, Inside)> = inward
-            .into_par_iter()
-            .map(|body| {
-                let own = placed.iter().find(|surface| surface.0 == Some(body));
-                let is_cavity = own.is_some_and(|own| {
-                    let mut outer = (0..self.bodies.len()).filter(|&outer| outward(outer));
-                    outer.any(|outer| within(outer, own))
-                });
-                let inside = match is_cavity {
-                    true => Inside::Cavity,
-                    false if placed.iter().any(|other| within(body, other)) => Inside::Room,
-                    false => Inside::Solid,
-                };
-                (body, inside)
-            })
-            .collect();
-        for (body, inside) in found {
-            self.bodies[body].inside = inside;
-        }
-    }
 }
 
 fn is_among(rooted: &[u32], own: Option<u32>) -> bool {
     own.is_some_and(|own| rooted.binary_search(&own).is_ok())
-}
-
-/// A closed surface about a box. The first point is looked at from far away, as [`Solids::depth`] does; from there to the others, what
-/// lies between is counted.
-#[derive(Debug)]
-pub struct Near<'a> {
-    solids: &'a Solids,
-    body: u32,
-    /// The box, in the body's space.
-    low: DVec3,
-    high: DVec3,
-    /// All faces that may meet it.
-    faces: Vec<[[f32; 3]; 3]>,
-    /// A point in the body's space, and how often the surface winds around it.
-    known: Option<(DVec3, i32)>,
-}
-
-impl Near<'_> {
-    /// The closed surface.
-    pub fn body(&self) -> u32 {
-        self.body
-    }
-
-    /// As [`Solids::depth`]; soon known of points in the box.
-    pub fn depth(&mut self, point: DVec3, own: Option<u32>) -> i32 {
-        let solids = self.solids;
-        solids.depth_by(self.body, own, |of| {
-            solids.holds_by(of, point, |local| self.winding(of, local))
-        })
-    }
-
-    fn winding(&mut self, body: &Body, point: DVec3) -> i32 {
-        let far = || self.solids.tree(body).winding(&self.solids.scene, point);
-        if point.cmplt(self.low).any() || point.cmpgt(self.high).any() {
-            return far();
-        }
-        let climbed = self
-            .known
-            .and_then(|(from, winding)| Some(winding + climb(&self.faces, from, point)?));
-        let winding = climbed.unwrap_or_else(far);
-        self.known.get_or_insert((point, winding));
-        winding
-    }
 }
 
 impl Shape {
@@ -464,25 +421,6 @@ impl Shape {
             surfaces,
         }
     }
-}
-
-/// The box around a placed surface's box.
-fn placed_box(surface: &Surface, transform: &DAffine3) -> (DVec3, DVec3) {
-    let (low, high) = (surface.low.as_dvec3(), surface.high.as_dvec3());
-    let middle = transform.transform_point3((low + high) * 0.5);
-    let half = (high - low) * 0.5;
-    let m = transform.matrix3;
-    let reach = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
-    (middle - reach, middle + reach)
-}
-
-/// Centres of five faces spread over a surface.
-fn probes(scene: &Scene, surface: &Surface) -> [DVec3; 5] {
-    [0, 1, 2, 3, 4].map(|k: usize| {
-        let last = surface.faces.len() - 1;
-        let [a, b, c] = corners(scene, surface.faces[k * last / 4]).map(|p| p.as_dvec3());
-        (a + b + c) / 3.0
-    })
 }
 
 #[cfg(test)]

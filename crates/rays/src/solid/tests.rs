@@ -274,7 +274,165 @@ fn an_awning_buries_no_pole_and_a_floor_no_column_of_the_storey_below() {
 }
 
 #[test]
+fn panels_of_a_floor_go_on_where_one_ends() {
+    // A wall stands on two panels that overlap, and reaches below both. The second may look down instead.
+    let corners = [(0.0, -0.02), (4.0, -0.02), (4.0, 2.0), (0.0, 2.0)];
+    let wall = corners.map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec();
+    let wall = mesh(wall, vec![[0, 1, 2], [0, 2, 3]]);
+    let turned = DQuat::from_rotation_x(0.6) * DQuat::from_rotation_z(0.5);
+    let place = DAffine3::from_quat(turned);
+    for (up, expected) in [(true, 1), (false, 0)] {
+        let mut next = level(0.0, 2.01);
+        next.positions.iter_mut().for_each(|p| p.x += 4.0);
+        if !up {
+            next.triangles.iter_mut().for_each(|t| t.reverse());
+        }
+        let meshes = vec![level(0.0, 2.01), wall.clone(), next];
+        let scene = placed_scene(meshes, &[(0, place), (1, place), (2, place)]);
+        let solids = Solids::of(world(scene).scene());
+        for (x, y, expected) in [
+            (1.0, -0.01, expected),
+            (3.0, -0.01, expected),
+            (1.0, 0.01, 0),
+        ] {
+            let found = buried(&solids, place.transform_point3(DVec3::new(x, y, 0.0)));
+            assert_eq!(found, expected, "up {up}, at {x}, {y}");
+        }
+    }
+}
+
+#[test]
 fn what_only_stands_on_a_ground_is_not_rooted_in_it() {
     let solids = solids(vec![level(0.0, 9.0), tube(0.0, 1.0)]);
     assert_eq!(solids.count(), 0);
+}
+
+/// Where a point of the second mesh is buried, of a post's corners at these heights.
+fn buried_at(solids: &Solids, heights: [f64; 3]) -> [i32; 3] {
+    heights.map(|y| buried(solids, DVec3::new(0.5, y, 0.1)))
+}
+
+/// A box that looks inward, 4 wide and from y = 0 to 3, without its face toward +x where `open`.
+fn room(open: bool) -> Mesh {
+    let mut room = block(Vec3::Y * 1.5, Vec3::new(4.0, 1.5, 4.0), true);
+    if open {
+        let at = |v: &u32| room.positions[*v as usize].x > 0.0;
+        let keep = |t: &[u32; 3]| !t.iter().all(at);
+        room.triangles = room.triangles.iter().filter(|t| keep(t)).copied().collect();
+    }
+    room
+}
+
+#[test]
+fn what_stands_through_a_room_is_buried_outside_of_it() {
+    let rug = level(0.01, 0.2);
+    for open in [false, true] {
+        // Through the floor; through floor and ceiling, without a corner in the room; with something that lies wholly in it or not.
+        for (low, high, expected) in [(-0.3, 1.0, [1, 0, 0]), (-0.3, 3.5, [1, 0, 1])] {
+            for more in [vec![], vec![rug.clone()]] {
+                let post = block(
+                    Vec3::Y * (low + high) * 0.5,
+                    Vec3::new(0.5, (high - low) * 0.5, 0.5),
+                    false,
+                );
+                for post in [post, tube(low, high)] {
+                    let scene = [vec![room(open), post], more.clone()].concat();
+                    let solids = solids(scene);
+                    let found = buried_at(&solids, [-0.1, 0.5, 3.2]);
+                    assert_eq!(
+                        found,
+                        expected,
+                        "open {open}, {low}..{high}, {}",
+                        more.len()
+                    );
+                    let room = solids.own(0, 0);
+                    let at = DVec3::new(-4.0, 1.0, 1.0);
+                    let own = solids.about(at, at).into_iter();
+                    let own: i32 = own.map(|body| solids.depth(body, at, room)).sum();
+                    assert_eq!(own, 0, "a room does not bury itself");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_ends_at_the_floor_of_a_room_is_not_rooted_in_it() {
+    let rug = level(0.01, 0.2);
+    let solids = solids(vec![room(false), tube(0.0, 1.0), rug]);
+    assert_eq!(solids.count(), 0);
+}
+
+#[test]
+fn a_room_buries_nothing_of_another_nor_what_an_opening_shows() {
+    let rug = level(0.01, 0.2);
+    let moved = |mut mesh: Mesh, by: Vec3| {
+        mesh.positions.iter_mut().for_each(|p| *p += by);
+        mesh
+    };
+    let buried_in = |meshes: Vec<Mesh>, points: [DVec3; 3]| {
+        let solids = solids(meshes);
+        points.map(|point| buried(&solids, point))
+    };
+    // A beam from room to room, through the wall between them.
+    let beam = block(Vec3::new(5.0, 1.0, 0.0), Vec3::new(3.0, 0.1, 0.1), false);
+    let next = moved(room(false), Vec3::X * 9.0);
+    let points = [3.0, 4.5, 6.0].map(|x| DVec3::new(x, 1.1, 0.0));
+    let rugs = |mesh: &Mesh| vec![mesh.clone(), moved(mesh.clone(), Vec3::X * 9.0)];
+    let rooms = [vec![room(false), beam.clone(), next], rugs(&rug)].concat();
+    assert_eq!(buried_in(rooms, points), [0, 1, 0]);
+    // A post in each: each room is one of the others of the other.
+    let post = |x: f32| moved(tube(-0.3, 1.0), Vec3::X * x);
+    let both = vec![
+        room(false),
+        post(0.0),
+        moved(room(false), Vec3::X * 9.0),
+        post(9.0),
+    ];
+    let solids = solids(both);
+    for (mesh, x) in [(1, 0.5), (3, 9.5)] {
+        let (own, mut contents) = (solids.own(mesh, 0), 0);
+        for (y, expected) in [(-0.2, 1), (0.2, 0)] {
+            let at = DVec3::new(x, y, 0.1);
+            let near = solids.about(at, at);
+            assert!(
+                near.iter()
+                    .any(|&body| solids.meets(body, [at, at.with_y(0.0)].into_iter()))
+            );
+            let depths = near.iter().map(|&body| solids.depth(body, at, own));
+            assert_eq!(depths.sum::<i32>(), expected);
+            near.iter()
+                .for_each(|&body| solids.content(body, &mut |_| contents += 1));
+        }
+        assert!(contents > 0);
+    }
+    // A shorter one into the open, and through an open side.
+    let beam = block(Vec3::new(3.75, 1.0, 0.0), Vec3::new(1.75, 0.1, 0.1), false);
+    let points = [3.0, 4.5, 5.2].map(|x| DVec3::new(x, 1.1, 0.0));
+    let alone = vec![room(false), beam.clone(), rug.clone()];
+    assert_eq!(buried_in(alone, points), [0, 1, 1]);
+    let open = vec![room(true), beam.clone(), rug.clone()];
+    assert_eq!(buried_in(open, points), [0, 0, 0]);
+    // A room in a dome.
+    let dome = block(Vec3::ZERO, Vec3::splat(50.0), true);
+    let within = vec![room(false), beam.clone(), rug.clone(), dome];
+    assert_eq!(buried_in(within, points), [0, 0, 0]);
+    // Something large outside, and something small that touches the part outside.
+    let street = vec![room(false), beam.clone(), rug.clone(), level(-1.0, 9.0)];
+    assert_eq!(buried_in(street, points), [0, 0, 0]);
+    let lamp = block(Vec3::new(5.0, 0.8, 0.0), Vec3::splat(0.2), false);
+    let hung = vec![room(false), beam, rug, lamp];
+    assert_eq!(buried_in(hung, points), [0, 0, 0]);
+}
+
+#[test]
+fn a_double_sided_room_of_a_gltf_file_buries_nothing() {
+    let meshes = vec![room(false), tube(-0.3, 1.0), level(0.01, 0.2)];
+    let mut scene = scene(meshes);
+    scene.format = scene::Format::Gltf;
+    for (double_sided, expected) in [(true, 0), (false, 1)] {
+        scene.materials[0].double_sided = double_sided;
+        let solids = Solids::of(world(scene.clone()).scene());
+        assert_eq!(buried_at(&solids, [-0.1; 3]), [expected; 3]);
+    }
 }

@@ -4,6 +4,7 @@
 //! together over edges. A surface is closed where each edge is run through as often one way as the other: then it has no border,
 //! and around any point it winds a whole number of times.
 
+use super::opening::{Opening, openings};
 use glam::{DVec3, Vec3};
 use scene::{Alpha, Scene};
 use std::collections::HashMap;
@@ -29,12 +30,24 @@ pub(super) struct Surface {
     pub volume: f64,
     /// Where an open surface of opaque triangles looks, if to one side.
     pub front: Option<DVec3>,
+    /// What an opaque surface would enclose whose openings were filled, where it has some, does not look to one side, and each of them
+    /// has a flat border: above 0 where its front faces look outward, below 0 where they look inward. 0 for any other.
+    pub hollow: f64,
+    /// Those openings.
+    pub openings: Vec<Opening>,
 }
 
 /// Corners of a face.
 pub(super) fn corners(scene: &Scene, face: Face) -> [Vec3; 3] {
     let mesh = &scene.meshes[face.mesh as usize];
     mesh.triangles[face.triangle as usize].map(|vertex| mesh.positions[vertex as usize])
+}
+
+impl Surface {
+    /// What is enclosed, with openings filled.
+    pub fn content(&self) -> f64 {
+        self.volume + self.hollow
+    }
 }
 
 /// The surfaces that faces make, in the order of their first faces.
@@ -54,11 +67,20 @@ pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
     edges.sort_unstable();
     let mut roots: Vec<u32> = (0..faces.len() as u32).collect();
     let mut borders = Vec::new();
+    let mut rims: Vec<(u32, [u32; 2])> = Vec::new();
     for run in edges.chunk_by(|a, b| a.0 == b.0) {
         let first = run[0].1 >> 1;
         let turned = run.iter().filter(|edge| edge.1 & 1 == 1).count();
         if 2 * turned != run.len() {
             borders.push(first);
+            // What fills the opening runs along it the other way.
+            let (lesser, greater) = ((run[0].0 >> 32) as u32, run[0].0 as u32);
+            let rim = match 2 * turned > run.len() {
+                true => [lesser, greater],
+                false => [greater, lesser],
+            };
+            let missing = (2 * turned).abs_diff(run.len());
+            rims.extend(std::iter::repeat_n((first, rim), missing));
         }
         for edge in &run[1..] {
             join(&mut roots, first, edge.1 >> 1);
@@ -79,18 +101,45 @@ pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
         }
         found[place[root] as usize].0.add(scene, *face);
     }
-    let finish = |(surface, open): (Surface, bool)| match open {
-        _ if surface.is_masked(scene) => surface,
-        true => Surface {
-            front: front(scene, &surface.faces),
-            ..surface
-        },
-        false => Surface {
-            volume: surface.enclosed(scene),
-            ..surface
-        },
+    let mut rims_of: Vec<Vec<[u32; 2]>> = vec![Vec::new(); found.len()];
+    for (face, rim) in rims {
+        let root = find(&mut roots, face) as usize;
+        rims_of[place[root] as usize].push(rim);
+    }
+    let positions = || -> HashMap<u32, Vec3, Quick> {
+        let corners = faces.iter().map(|&face| corners(scene, face));
+        let known = welded.iter().flatten().zip(corners.flatten());
+        known.map(|(&number, at)| (number, at)).collect()
     };
-    found.into_iter().map(finish).collect()
+    let positions = std::cell::LazyCell::new(positions);
+    let finish = |((surface, open), rims): ((Surface, bool), Vec<[u32; 2]>)| {
+        if surface.is_masked(scene) {
+            return surface;
+        }
+        if !open {
+            let volume = surface.enclosed(scene);
+            return Surface { volume, ..surface };
+        }
+        let front = front(scene, &surface.faces);
+        let openings = match front {
+            Some(_) => None,
+            None => openings(&rims, |corner| positions[&corner]),
+        };
+        let openings = openings.unwrap_or_default();
+        let surface = Surface {
+            front,
+            openings,
+            ..surface
+        };
+        match surface.openings.is_empty() {
+            true => surface,
+            false => Surface {
+                hollow: surface.enclosed(scene),
+                ..surface
+            },
+        }
+    };
+    found.into_iter().zip(rims_of).map(finish).collect()
 }
 
 /// The unit direction to which all faces of an open, opaque surface look; `None` where there is none. In the space of its mesh.
@@ -182,6 +231,8 @@ impl Surface {
             high: Vec3::NEG_INFINITY,
             volume: 0.0,
             front: None,
+            hollow: 0.0,
+            openings: Vec::new(),
         }
     }
 
@@ -203,15 +254,17 @@ impl Surface {
         })
     }
 
-    /// The signed volume by the divergence theorem, from the middle of the box; 0 where there is next to none.
+    /// The signed volume by the divergence theorem, openings filled, from the middle of the box; 0 where there is next to none.
     fn enclosed(&self, scene: &Scene) -> f64 {
         let (low, high) = (self.low.as_dvec3(), self.high.as_dvec3());
         let middle: DVec3 = (low + high) * 0.5;
-        let six: f64 = self
-            .faces
-            .iter()
-            .map(|&face| {
-                let [a, b, c] = corners(scene, face).map(|corner| corner.as_dvec3() - middle);
+        let panes = self.openings.iter().flat_map(|opening| &opening.panes);
+        let panes = panes.map(|pane| pane.map(Vec3::from_array));
+        let faces = self.faces.iter().map(|&face| corners(scene, face));
+        let six: f64 = faces
+            .chain(panes)
+            .map(|face| {
+                let [a, b, c] = face.map(|corner| corner.as_dvec3() - middle);
                 a.dot(b.cross(c))
             })
             .sum();

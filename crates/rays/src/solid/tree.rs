@@ -101,8 +101,14 @@ impl SurfaceTree {
     /// How often the surface winds around a point: above 0 inside of faces that look outward, below 0 inside of faces that look
     /// inward, 0 outside. A point on the surface may count either way.
     ///
-    /// Counted along one ray: faces met from behind less those met from their front. It goes to the nearest side of the box.
-    pub fn winding(&self, scene: &Scene, point: DVec3) -> i32 {
+    /// Counted along one ray: faces met from behind less those met from their front. It goes to the nearest side of the box. `panes` are
+    /// triangles in the box that count as well.
+    pub fn winding<'a>(
+        &self,
+        scene: &Scene,
+        panes: impl Iterator<Item = &'a [[f32; 3]; 3]>,
+        point: DVec3,
+    ) -> i32 {
         let root = &self.nodes[0];
         let (low, high) = (root.low.as_dvec3(), root.high.as_dvec3());
         if point.cmplt(low).any() || point.cmpgt(high).any() {
@@ -123,6 +129,12 @@ impl SurfaceTree {
         self.cross(scene, point, direction, 0.0, |crossing| {
             winding += if crossing.front { -1 } else { 1 };
         });
+        let sight = ShearedRay::new(point, direction);
+        for pane in panes {
+            if let Some(crossing) = sight.cross(pane).filter(|crossing| crossing.t > 0.0) {
+                winding += if crossing.front { -1 } else { 1 };
+            }
+        }
         winding
     }
 
@@ -138,6 +150,15 @@ impl SurfaceTree {
             }
         });
         nearest.map(|t| -t)
+    }
+
+    /// Where a straight way meets the surface, as shares of it.
+    pub fn crossings(&self, scene: &Scene, from: DVec3, to: DVec3, take: &mut Vec<f64>) {
+        self.cross(scene, from, to - from, 0.0, |crossing| {
+            if crossing.t < 1.0 {
+                take.push(crossing.t);
+            }
+        });
     }
 
     /// True where a ray meets the surface off its origin.

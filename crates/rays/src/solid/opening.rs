@@ -1,0 +1,83 @@
+//! Openings of surfaces: windows and doors of a room that is modelled as one surface.
+
+use glam::{DVec3, Vec3};
+use std::collections::BTreeMap;
+
+/// How far a flat border's corners may lie off its plane, in sizes of the border.
+const FLAT: f64 = 1e-3;
+/// Nobody looks through an opening at less than this sine of the angle to its plane: at what is let into its wall.
+const GRAZING: f64 = 0.1;
+
+/// An opening with a flat border.
+#[derive(Debug, Clone)]
+pub(super) struct Opening {
+    /// Triangles that fill it. Their front faces go with those of the surface.
+    pub panes: Vec<[[f32; 3]; 3]>,
+    middle: DVec3,
+    /// The unit normal of the panes.
+    front: DVec3,
+    slack: f64,
+    /// The box of its border.
+    low: DVec3,
+    high: DVec3,
+}
+
+impl Opening {
+    /// What a border encloses whose corners are given in their order; `None` where it is not flat.
+    fn of(border: &[Vec3]) -> Option<Self> {
+        let middle = border.iter().map(|p| p.as_dvec3()).sum::<DVec3>() / border.len() as f64;
+        let next = border.iter().cycle().skip(1);
+        let front = (border.iter().zip(next))
+            .map(|(a, b)| (a.as_dvec3() - middle).cross(b.as_dvec3() - middle))
+            .sum::<DVec3>()
+            .try_normalize()?;
+        let off = |p: &Vec3| p.as_dvec3() - middle;
+        let size = border.iter().map(|p| off(p).length()).fold(0.0, f64::max);
+        let slack = FLAT * size;
+        let is_flat = border.iter().all(|p| off(p).dot(front).abs() <= slack);
+        let fan = border[1..].windows(2);
+        let panes = fan.map(|pair| [border[0], pair[0], pair[1]].map(|p| p.to_array()));
+        is_flat.then(|| Self {
+            panes: panes.collect(),
+            middle,
+            front,
+            slack,
+            low: (border.iter()).fold(DVec3::INFINITY, |low, p| low.min(p.as_dvec3())),
+            high: (border.iter()).fold(DVec3::NEG_INFINITY, |high, p| high.max(p.as_dvec3())),
+        })
+    }
+
+    /// True where one may look through it at a point, from the side of the panes' front: beyond its plane, and not all but along it.
+    pub fn shows(&self, point: DVec3) -> bool {
+        let beyond = self.slack - (point - self.middle).dot(self.front);
+        let nearest = point.clamp(self.low, self.high);
+        beyond > 0.0 && beyond > GRAZING * (point - nearest).length()
+    }
+}
+
+/// The openings that directed edges run around; `None` where one is not flat. `at` gives the place of a corner.
+pub(super) fn openings(edges: &[[u32; 2]], at: impl Fn(u32) -> Vec3) -> Option<Vec<Opening>> {
+    let mut onward: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for &[from, to] in edges {
+        onward.entry(from).or_default().push(to);
+    }
+    let mut found = Vec::new();
+    while let Some((&first, _)) = onward.first_key_value() {
+        let mut border = Vec::new();
+        let mut corner = first;
+        loop {
+            let next = onward.get_mut(&corner)?;
+            let to = next.pop()?;
+            if next.is_empty() {
+                onward.remove(&corner);
+            }
+            border.push(at(corner));
+            corner = to;
+            if corner == first {
+                break;
+            }
+        }
+        found.push(Opening::of(&border)?);
+    }
+    Some(found)
+}

@@ -1,0 +1,137 @@
+//! Surfaces where they are placed: which of them meet, and which are bodies.
+
+use super::topology::{Surface, corners};
+use super::{Body, Inside, Solids};
+use glam::{DAffine3, DVec3};
+use scene::Scene;
+
+/// Faces of a surface that are asked where it stands; of a larger one so many, evenly.
+const ASKED: usize = 1000;
+/// What comes this near counts as near, in sizes of the part that is hidden.
+pub(super) const NEAR: f64 = 1e-3;
+/// Smaller than this share of a sheet or a room, a surface on its hidden side does not matter: a footing, a pipe.
+pub(super) const SMALL: f64 = 0.5;
+/// How far a crossing surface stands at least on either side, in sizes of its box: what only touches does not cross.
+pub(super) const CROSSES: f64 = 1e-5;
+
+/// A surface where it is placed.
+pub(super) struct Placed<'a> {
+    /// Placement and number of the surface.
+    pub key: (u32, u32),
+    pub shape: u32,
+    pub surface: &'a Surface,
+    pub transform: DAffine3,
+    pub inverse: DAffine3,
+    pub low: DVec3,
+    pub high: DVec3,
+}
+
+impl Placed<'_> {
+    /// Some of its faces, in the world.
+    pub fn faces<'b>(&'b self, scene: &'b Scene) -> impl Iterator<Item = [DVec3; 3]> + 'b {
+        let step = self.surface.faces.len().div_ceil(ASKED);
+        let faces = self.surface.faces.iter().step_by(step);
+        faces.map(move |&face| {
+            corners(scene, face).map(|corner| self.transform.transform_point3(corner.as_dvec3()))
+        })
+    }
+
+    /// How many of the middles of `of` faces, spread over it, something holds for.
+    pub fn count(&self, scene: &Scene, of: usize, holds: impl Fn(DVec3) -> bool) -> usize {
+        let faces = &self.surface.faces;
+        let middle = |k: usize| {
+            let face = faces[k * (faces.len() - 1) / (of - 1)];
+            let [a, b, c] = corners(scene, face).map(|corner| corner.as_dvec3());
+            self.transform.transform_point3((a + b + c) / 3.0)
+        };
+        (0..of).filter(|&k| holds(middle(k))).count()
+    }
+
+    pub fn meets(&self, low: DVec3, high: DVec3) -> bool {
+        self.low.cmple(high).all() && self.high.cmpge(low).all()
+    }
+
+    /// The largest side of its box.
+    pub fn side(&self) -> f64 {
+        let [x, y, z] = (self.high - self.low).to_array();
+        (x * y).max(y * z).max(z * x)
+    }
+
+    pub fn size(&self) -> f64 {
+        (self.high - self.low).max_element()
+    }
+}
+
+impl Solids {
+    /// Every surface of every placement.
+    pub(super) fn placed_surfaces(&self) -> Vec<Placed<'_>> {
+        let mut known = std::collections::HashSet::new();
+        let mut placed = Vec::new();
+        for (index, &(shape, _, placement)) in self.instances.iter().enumerate() {
+            if !known.insert(placement) {
+                continue;
+            }
+            let transform = self.scene.instances[index].transform;
+            for (number, surface) in self.shapes[shape as usize].surfaces.iter().enumerate() {
+                let (low, high) = placed_box(surface, &transform);
+                placed.push(Placed {
+                    key: (placement, number as u32),
+                    shape,
+                    surface,
+                    transform,
+                    inverse: transform.inverse(),
+                    low,
+                    high,
+                });
+            }
+        }
+        placed
+    }
+
+    /// Makes a body's box hold those of others too.
+    pub(super) fn widen(&mut self, body: u32, others: &[u32]) {
+        for &other in others {
+            let (low, high) = (
+                self.bodies[other as usize].low,
+                self.bodies[other as usize].high,
+            );
+            let body = &mut self.bodies[body as usize];
+            (body.low, body.high) = (body.low.min(low), body.high.max(high));
+        }
+    }
+
+    /// The body of a placed surface, made if it has none.
+    pub(super) fn body_of(&mut self, key: (u32, u32)) -> u32 {
+        if let Some(&body) = self.placements.get(&key) {
+            return body;
+        }
+        let of = |&(_, _, placement): &(u32, u32, u32)| placement == key.0;
+        let instance = self.instances.iter().position(of);
+        let instance = instance.expect("a placement has instances");
+        let (shape, ..) = self.instances[instance];
+        let transform = self.scene.instances[instance].transform;
+        let surface = &self.shapes[shape as usize].surfaces[key.1 as usize];
+        let (low, high) = placed_box(surface, &transform);
+        let body = self.bodies.len() as u32;
+        self.bodies.push(Body {
+            shape,
+            surface: key.1,
+            inverse: transform.inverse(),
+            low,
+            high,
+            inside: Inside::Nothing,
+        });
+        self.placements.insert(key, body);
+        body
+    }
+}
+
+/// The box around a placed surface's box.
+pub(super) fn placed_box(surface: &Surface, transform: &DAffine3) -> (DVec3, DVec3) {
+    let (low, high) = (surface.low.as_dvec3(), surface.high.as_dvec3());
+    let middle = transform.transform_point3((low + high) * 0.5);
+    let half = (high - low) * 0.5;
+    let m = transform.matrix3;
+    let reach = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
+    (middle - reach, middle + reach)
+}

@@ -1,0 +1,318 @@
+//! Surfaces whose faces look inward: cavities of solids, rooms, and what stands through the floors and walls of rooms.
+//!
+//! Nobody is to see the outside of a room that is modelled as one surface and seen from within. So what crosses its surface is *rooted*
+//! in it, and buried outside of it and of every other room. A room may have openings with flat borders, such as windows: what
+//! lies beyond the plane of one of them may be seen through it, and is not buried unless one would look all but along the plane. A
+//! straight line that has left through an opening stays beyond its plane, so nothing else can be seen from within.
+//!
+//! A room buries nothing where something may look at it from outside, or was made to be looked at there:
+//!
+//! * a surface at least half as large as the room, by the largest sides of their boxes, lies for the most part outside of all rooms: a
+//!   street, a facade, another building;
+//! * a glTF file says that one of its materials is double-sided;
+//! * what does not cross its surface, and is not in a room, comes near the part outside.
+//!
+//! A dome around a scene is a room, and all of the scene is within it.
+
+use super::placed::{CROSSES, NEAR, Placed, SMALL, placed_box};
+use super::topology::{Surface, corners};
+use super::{Inside, NUDGE, Solids};
+use glam::DVec3;
+use rayon::prelude::*;
+use scene::{Format, Scene};
+use std::collections::BTreeMap;
+
+/// Faces that are asked whether a surface lies for the most part in rooms.
+const LOOKS: usize = 64;
+
+/// Placement and number of a surface.
+type Key = (u32, u32);
+
+impl Solids {
+    /// Tells cavities and rooms from solids.
+    pub(super) fn classify(&mut self) {
+        let inward: Vec<usize> = (0..self.bodies.len())
+            .filter(|&body| self.surface(&self.bodies[body]).volume < 0.0)
+            .collect();
+        if inward.is_empty() {
+            return;
+        }
+        // Every placed surface: its body if it has one, its box and a few points on it.
+        let mut placed = Vec::new();
+        let mut seen = std::collections::HashSet::new();
+        for (index, &(shape, _, placement)) in self.instances.iter().enumerate() {
+            if !seen.insert(placement) {
+                continue;
+            }
+            let transform = self.scene.instances[index].transform;
+            let surfaces = self.shapes[shape as usize].surfaces.iter();
+            for (number, surface) in surfaces.enumerate() {
+                let body = self.placements.get(&(placement, number as u32));
+                let (low, high) = placed_box(surface, &transform);
+                let points = probes(&self.scene, surface).map(|p| transform.transform_point3(p));
+                placed.push((body.map(|&body| body as usize), low, high, points));
+            }
+        }
+        let within = |body: usize, (of, low, high, points): &(_, DVec3, DVec3, [DVec3; 5])| {
+            let outer = &self.bodies[body];
+            *of != Some(body)
+                && outer.low.cmple(*low).all()
+                && outer.high.cmpge(*high).all()
+                && points.iter().filter(|p| self.holds(outer, **p)).count() >= 3
+        };
+        let outward = |body: usize| self.surface(&self.bodies[body]).volume > 0.0;
+        let found: Vec<(usize, Inside)> = inward
+            .into_par_iter()
+            .map(|body| {
+                let own = placed.iter().find(|surface| surface.0 == Some(body));
+                let is_cavity = own.is_some_and(|own| {
+                    let mut outer = (0..self.bodies.len()).filter(|&outer| outward(outer));
+                    outer.any(|outer| within(outer, own))
+                });
+                let inside = match is_cavity {
+                    true => Inside::Cavity,
+                    false if placed.iter().any(|other| within(body, other)) => Inside::Room,
+                    false => Inside::Solid,
+                };
+                (body, inside)
+            })
+            .collect();
+        for (body, inside) in found {
+            self.bodies[body].inside = inside;
+        }
+        for body in self.lived_in() {
+            self.bodies[body as usize].inside = Inside::Room;
+        }
+    }
+
+    /// Bodies that look inward, though nothing lies wholly in them, and are rooms all the same: some surface lies for the most part
+    /// in one, and none that is not small lies for the most part outside of them and of rooms.
+    fn lived_in(&self) -> Vec<u32> {
+        let placed = self.placed_surfaces();
+        let is_inward = |placed: &&Placed| {
+            let body = self.placements.get(&placed.key);
+            let is_solid = |&body: &u32| self.bodies[body as usize].inside == Inside::Solid;
+            placed.surface.volume < 0.0 && body.is_some_and(is_solid)
+        };
+        let (inward, rest): (Vec<&Placed>, Vec<&Placed>) = placed.iter().partition(is_inward);
+        let is_mostly = |placed: &Placed, holds: &(dyn Fn(DVec3) -> bool + Sync)| {
+            2 * placed.count(&self.scene, LOOKS, holds) > LOOKS
+        };
+        let lived_in = |room: &&&Placed| {
+            let meets = rest.iter().filter(|o| o.meets(room.low, room.high));
+            meets
+                .into_iter()
+                .any(|other| is_mostly(other, &|at| self.is_in(room, at)))
+        };
+        let lived_in: Vec<&Placed> = inward.par_iter().filter(lived_in).copied().collect();
+        let least = lived_in.iter().map(|room| room.side());
+        let least = SMALL * least.fold(f64::INFINITY, f64::min);
+        let rooms = placed.iter().filter(|placed| self.is_room(placed));
+        let rooms: Vec<&Placed> = rooms.chain(lived_in.iter().copied()).collect();
+        let outside = |at| !rooms.iter().any(|room| self.is_in(room, at));
+        let is_room = |placed: &Placed| rooms.iter().any(|room| room.key == placed.key);
+        let around = (placed.par_iter())
+            .filter(|placed| placed.side() >= least && !is_room(placed))
+            .filter(|placed| is_mostly(placed, &outside))
+            .map(|placed| placed.side())
+            .reduce(|| 0.0, f64::max);
+        let alone = lived_in.iter().filter(|room| around < SMALL * room.side());
+        alone.map(|room| self.placements[&room.key]).collect()
+    }
+
+    /// Finds what is rooted in rooms, and makes bodies of both.
+    pub(super) fn root_in_rooms(&mut self) {
+        let found = self.rooted_in_rooms();
+        for (room, (rooted, others)) in found {
+            let mut rooted: Vec<u32> = rooted.into_iter().map(|key| self.body_of(key)).collect();
+            rooted.sort_unstable();
+            let others = others.into_iter().map(|key| {
+                let other = self.body_of(key);
+                let inside = &mut self.bodies[other as usize].inside;
+                if *inside == Inside::Nothing {
+                    *inside = Inside::Room;
+                }
+                other
+            });
+            let others = others.collect();
+            let room = self.body_of(room);
+            self.widen(room, &rooted);
+            self.bodies[room as usize].inside = Inside::Around { rooted, others };
+        }
+    }
+
+    /// By room, what is rooted in it, and the other rooms.
+    fn rooted_in_rooms(&self) -> BTreeMap<Key, (Vec<Key>, Vec<Key>)> {
+        let placed = self.placed_surfaces();
+        let (rooms, rest): (Vec<&Placed>, Vec<&Placed>) =
+            placed.iter().partition(|placed| self.is_room(placed));
+        let outside = |point: DVec3| !rooms.iter().any(|room| self.is_in(room, point));
+        let buries = |room: &&&Placed| !is_double_sided(&self.scene, room.surface);
+        let may_bury: Vec<&Placed> = rooms.iter().filter(buries).copied().collect();
+        if may_bury.is_empty() {
+            return BTreeMap::new();
+        }
+        // What is large and outside: how large.
+        let least = may_bury.iter().map(|room| room.side());
+        let least = SMALL * least.fold(f64::INFINITY, f64::min);
+        let around = (rest.par_iter())
+            .filter(|placed| placed.side() >= least)
+            .filter(|placed| 2 * placed.count(&self.scene, LOOKS, &outside) > LOOKS)
+            .map(|placed| placed.side())
+            .reduce(|| 0.0, f64::max);
+        let may_bury: Vec<&Placed> = may_bury
+            .into_iter()
+            .filter(|room| around < SMALL * room.side())
+            .collect();
+        // How each surface that comes near stands to the rooms.
+        let stands: Vec<(&Placed, Stand)> = rest
+            .par_iter()
+            .filter(|placed| may_bury.iter().any(|r| r.meets(placed.low, placed.high)))
+            .map(|placed| (*placed, self.stand(placed, &rooms, &may_bury)))
+            .collect();
+        let mut found: BTreeMap<Key, (Vec<Key>, Vec<Key>)> = BTreeMap::new();
+        for (placed, stand) in &stands {
+            let Some(room) = stand.room else {
+                continue;
+            };
+            let slack = NEAR * (stand.high - stand.low).max_element();
+            let (low, high) = (stand.low - slack, stand.high + slack);
+            let is_near = |other: &&&Placed| other.key != placed.key && other.meets(low, high);
+            let lays_open = |other: &&Placed| {
+                let stand = stands.iter().find(|(of, _)| of.key == other.key);
+                stand.is_none_or(|(_, stand)| stand.is_out && !stand.is_in)
+            };
+            if rest.iter().filter(is_near).any(|other| lays_open(other)) {
+                continue;
+            }
+            found.entry(rooms[room].key).or_default().0.push(placed.key);
+        }
+        for (key, (_, others)) in &mut found {
+            let keys = rooms.iter().map(|room| room.key);
+            others.extend(keys.filter(|other| other != key));
+        }
+        found
+    }
+
+    fn is_room(&self, placed: &Placed) -> bool {
+        let body = self.placements.get(&placed.key);
+        let inside = body.map(|&body| &self.bodies[body as usize].inside);
+        placed.surface.hollow < 0.0 || inside == Some(&Inside::Room)
+    }
+
+    /// True where a point of the world lies in a room.
+    fn is_in(&self, room: &Placed, point: DVec3) -> bool {
+        room.meets(point, point) && self.winding_of(room, point) < 0
+    }
+
+    fn winding_of(&self, room: &Placed, point: DVec3) -> i32 {
+        let panes = room.surface.openings.iter().flat_map(|o| &o.panes);
+        let tree = self.tree_of(room.shape, room.key.1);
+        tree.winding(&self.scene, panes, room.inverse.transform_point3(point))
+    }
+
+    fn stand(&self, placed: &Placed, rooms: &[&Placed], may_bury: &[&Placed]) -> Stand {
+        let reach = placed.low.abs().max(placed.high.abs()).max_element();
+        let least = (CROSSES * placed.size()).max(2.0 * NUDGE * reach);
+        let near: Vec<usize> = (0..rooms.len())
+            .filter(|&room| rooms[room].meets(placed.low, placed.high))
+            .collect();
+        let room_at = |point| {
+            near.iter()
+                .copied()
+                .find(|&room| self.is_in(rooms[room], point))
+        };
+        // A point may lie on a surface: what holds holds about it too.
+        let about = |point: DVec3| {
+            DVec3::AXES
+                .into_iter()
+                .flat_map(move |axis| [point - axis * least, point + axis * least])
+        };
+        let mut stand = Stand {
+            room: None,
+            is_in: false,
+            is_out: false,
+            low: DVec3::INFINITY,
+            high: DVec3::NEG_INFINITY,
+        };
+        let mut within = Vec::new();
+        let mut hides = false;
+        let mut stand_at = |point: DVec3| match room_at(point) {
+            Some(room) if within.contains(&room) => (),
+            Some(room) => {
+                if about(point).all(|point| self.is_in(rooms[room], point)) {
+                    within.push(room);
+                }
+            }
+            None => {
+                let is_clear = || about(point).all(|point| room_at(point).is_none());
+                hides = hides || is_clear();
+                (stand.low, stand.high) = (stand.low.min(point), stand.high.max(point));
+            }
+        };
+        let mut ways = Vec::new();
+        let mut points = Vec::new();
+        for [a, b, c] in placed.faces(&self.scene) {
+            points.clear();
+            points.extend([a, b, c, (a + b + c) / 3.0]);
+            // The surface of a room cuts edges into parts that lie in it and parts that do not.
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                ways.clear();
+                ways.extend([0.0, 1.0]);
+                for &room in &near {
+                    let (of, inverse) = (rooms[room], rooms[room].inverse);
+                    let [start, end] = [from, to].map(|p| inverse.transform_point3(p));
+                    let tree = self.tree_of(of.shape, of.key.1);
+                    tree.crossings(&self.scene, start, end, &mut ways);
+                }
+                ways.sort_unstable_by(f64::total_cmp);
+                let middles = ways.windows(2).map(|way| 0.5 * (way[0] + way[1]));
+                points.extend(middles.map(|middle| from.lerp(to, middle)));
+            }
+            points.iter().for_each(|&point| stand_at(point));
+        }
+        within.sort_unstable();
+        (stand.is_in, stand.is_out) = (!within.is_empty(), hides);
+        // What is seen through the openings of several rooms hangs on all of them.
+        let has_openings = |room: &&usize| !rooms[**room].surface.openings.is_empty();
+        let open: Vec<usize> = within.iter().filter(has_openings).copied().collect();
+        let room = match open[..] {
+            [] => within.first().copied(),
+            [room] => Some(room),
+            _ => None,
+        };
+        let buries = |room: &usize| may_bury.iter().any(|of| of.key == rooms[*room].key);
+        stand.room = room.filter(|room| hides && buries(room));
+        stand
+    }
+}
+
+/// How a surface stands to the rooms of a scene.
+struct Stand {
+    /// The room that may bury what is outside.
+    room: Option<usize>,
+    /// Something of it lies in a room, and something outside of all.
+    is_in: bool,
+    is_out: bool,
+    /// The box of what is outside.
+    low: DVec3,
+    high: DVec3,
+}
+
+/// True where a file says so; OBJ says nothing.
+fn is_double_sided(scene: &Scene, surface: &Surface) -> bool {
+    let says = |face: &super::Face| {
+        let material = scene.meshes[face.mesh as usize].material;
+        scene.materials[material as usize].double_sided
+    };
+    scene.format != Format::Obj && surface.faces.iter().any(says)
+}
+
+/// Centres of five faces spread over a surface.
+fn probes(scene: &Scene, surface: &Surface) -> [DVec3; 5] {
+    [0, 1, 2, 3, 4].map(|k: usize| {
+        let last = surface.faces.len() - 1;
+        let [a, b, c] = corners(scene, surface.faces[k * last / 4]).map(|p| p.as_dvec3());
+        (a + b + c) / 3.0
+    })
+}
