@@ -157,7 +157,7 @@ impl Solids {
         let least = SMALL * least.fold(f64::INFINITY, f64::min);
         let around = (rest.par_iter())
             .filter(|placed| placed.side() >= least)
-            .filter(|placed| 2 * placed.count(&self.scene, LOOKS, &outside) > LOOKS)
+            .filter(|placed| 2 * placed.count(&self.scene, LOOKS, outside) > LOOKS)
             .map(|placed| placed.side())
             .reduce(|| 0.0, f64::max);
         let may_bury: Vec<&Placed> = may_bury
@@ -182,7 +182,7 @@ impl Solids {
                 let stand = stands.iter().find(|(of, _)| of.key == other.key);
                 stand.is_none_or(|(_, stand)| stand.is_out && !stand.is_in)
             };
-            if rest.iter().filter(is_near).any(|other| lays_open(other)) {
+            if rest.iter().filter(is_near).any(lays_open) {
                 continue;
             }
             found.entry(rooms[room].key).or_default().0.push(placed.key);
