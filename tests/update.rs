@@ -144,6 +144,18 @@ fn a_moved_object_costs_what_it_reaches_and_nothing_else() {
 }
 
 #[test]
+fn what_is_no_longer_rooted_in_the_floor_is_baked_again() {
+    let mut before = row();
+    before[0].at[1] = -0.3;
+    // In the first box, and below the floor: no ray comes there, but the floor no longer buries the foot of the box.
+    let mut inside = prop("inside", 1.3, 1.3);
+    (inside.at[1], inside.size) = (-0.25, 0.1);
+    let after = [&before[..], &[inside]].concat();
+    let said = compare((0.5, &before), (0.5, &after), SMALL);
+    assert!(said["kept"].as_u64() > Some(0), "{said}");
+}
+
+#[test]
 fn whole_pages_are_finished_anew_with_bounces_denoiser_and_map() {
     let (before, mut after) = (row(), row());
     after[0].at[1] = 0.3;

@@ -8,7 +8,7 @@
 //! **Why that is all.** A texel's values are sums over its sample points, which its place numbers, its pieces of surface place and its
 //! rays judge. A ray that is not in reach of an object cannot meet it, so leaving it out or moving it there changes no answer; the
 //! ray libraries find every triangle that a ray meets whatever tree they hold (their box tests are conservative), and whether a ray
-//! meets a triangle is a function of these two alone. What a texel shares with its neighbours it shares within its tile. What is done
+//! meets a triangle is a function of these two alone, but for rays that pass it within rounding (docs/theory.md, "What an update may keep"). What a texel shares with its neighbours it shares within its tile. What is done
 //! to whole pages (mending, denoising, seams, gutters, bounces) is done anew in any case.
 
 mod content;
