@@ -49,7 +49,7 @@ impl<'a> Surfaces<'a> {
     pub fn at(&self, hit: &SurfaceHit, toward: DVec3) -> SurfacePoint {
         let patch = Patch::of(self.world, &self.errors, hit.instance, hit.triangle);
         let [b, c] = hit.barycentric.map(f64::from);
-        let weights = patch.kept(DVec3::new(1.0 - b - c, b, c).max(DVec3::ZERO));
+        let weights = patch.kept_inside(DVec3::new(1.0 - b - c, b, c).max(DVec3::ZERO));
         let position = patch.position(weights);
         let up = patch.upward();
         let side = if up.dot(toward) < 0.0 { -1.0 } else { 1.0 };

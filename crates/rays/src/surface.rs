@@ -26,8 +26,9 @@ const UNIT_ROUNDOFF: f64 = 1.0 / 16_777_216.0;
 /// Factor of the running error bound of `T`, see the head of this file.
 const PLANE_ERROR: f64 = 78.0;
 
-/// How many times the rounding bound samples keep away from edges.
+/// How many times the rounding bound samples keep away from edges, and the least at which a closed box is dark.
 const AWAY: f64 = 64.0;
+const LEAST_AWAY: f64 = 2.0;
 
 /// A sample's least corner weight never exceeds this, however thin its triangle.
 const LARGEST_INSET: f64 = 0.25;
@@ -48,8 +49,8 @@ pub struct Patch {
     query_error: f64,
     /// Rounding bound of an origin per unit of its absolute coordinates.
     origin_error: DVec3,
-    /// Least corner weights of a sample.
-    inset: [f64; 3],
+    /// Corner weights at the rounding bound from the edges.
+    inset: DVec3,
 }
 
 /// Per-vertex bounds of the plane test over the incident triangles, for every geometry of a world.
@@ -123,11 +124,11 @@ impl Patch {
             + part.rounding(geometric, &corners);
         let extended = DVec3::select((high - low).cmpgt(DVec3::ZERO), DVec3::ONE, DVec3::ZERO);
         let origin_error = UNIT_ROUNDOFF * extended * geometric.abs();
-        let margin = AWAY
-            * (query_error + 2.0 * origin_error.dot(reach) + UNIT_ROUNDOFF * reach.max_element());
+        let bound =
+            query_error + 2.0 * origin_error.dot(reach) + UNIT_ROUNDOFF * reach.max_element();
         let inset = [0, 1, 2].map(|corner: usize| {
             let base = (corners[(corner + 2) % 3] - corners[(corner + 1) % 3]).length();
-            (margin * base / face.length()).min(LARGEST_INSET)
+            bound * base / face.length()
         });
         Self {
             corners,
@@ -137,7 +138,7 @@ impl Patch {
             high,
             query_error,
             origin_error,
-            inset,
+            inset: inset.into(),
         }
     }
 
@@ -160,15 +161,27 @@ impl Patch {
         self.offset(self.low.abs().max(self.high.abs()))
     }
 
-    /// True where corner weights lie within the inset.
+    /// True where corner weights are far enough from the edges for a sample.
     pub fn keeps(&self, weights: DVec3) -> bool {
-        (0..3).all(|corner| weights[corner] >= self.inset[corner])
+        weights.cmpge(self.least(AWAY)).all()
     }
 
-    /// Corner weights moved within the inset.
+    /// Corner weights moved so far from the edges.
     pub fn kept(&self, weights: DVec3) -> DVec3 {
-        let kept = weights.max(DVec3::from(self.inset));
+        let kept = weights.max(self.least(AWAY));
         kept / kept.element_sum()
+    }
+
+    /// Corner weights moved no farther from the edges than a closed box needs to be dark: for points that a camera sees, which are to stay
+    /// where they are and are next to an edge by chance alone.
+    pub fn kept_inside(&self, weights: DVec3) -> DVec3 {
+        let kept = weights.max(self.least(LEAST_AWAY));
+        kept / kept.element_sum()
+    }
+
+    /// Least corner weights at so many times the bound.
+    fn least(&self, times: f64) -> DVec3 {
+        (self.inset * times).min(DVec3::splat(LARGEST_INSET))
     }
 
     /// The point with these corner weights. It stays in the triangle's box, so it is exact on an axis in which the
