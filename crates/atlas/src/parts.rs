@@ -4,6 +4,7 @@ use crate::flatten::{self, Piece, Surface};
 use glam::{DVec3, Vec3};
 use scene::Mesh;
 use std::collections::HashMap;
+use std::hash::Hash;
 use uvunwrap::MeshInput;
 
 /// Height fields from so many triangles on are not flattened but seen from above.
@@ -87,12 +88,7 @@ pub(crate) fn parts(
 }
 
 fn surface(mesh: &Mesh, positions: &[[f32; 3]], welded: &[u32]) -> Surface {
-    let mut first = HashMap::with_capacity(positions.len());
-    let place: Vec<u32> = positions
-        .iter()
-        .zip(0u32..)
-        .map(|(p, v)| *first.entry(bits(*p)).or_insert(v))
-        .collect();
+    let place = firsts(positions.iter().map(|p| bits(*p)));
     let by = |numbers: &[u32]| -> Vec<[u32; 3]> {
         let triangles = mesh.triangles.iter();
         triangles.map(|t| t.map(|v| numbers[v as usize])).collect()
@@ -107,13 +103,17 @@ fn bits(v: [f32; 3]) -> [u32; 3] {
 
 /// For each vertex the first one at its place with its normal: the seams of textures are no borders of charts, hard edges are.
 pub(crate) fn weld(mesh: &Mesh, positions: &[[f32; 3]]) -> Vec<u32> {
-    let mut first = HashMap::with_capacity(positions.len());
-    let key = |v: usize| {
+    firsts((0..positions.len()).map(|v| {
         let normal = mesh.normals.get(v).map_or([0.0; 3], |n| n.to_array());
         (bits(positions[v]), bits(normal))
-    };
-    (0..positions.len())
-        .map(|v| *first.entry(key(v)).or_insert(v as u32))
+    }))
+}
+
+/// For each key the number of the first that equals it.
+fn firsts<K: Eq + Hash>(keys: impl Iterator<Item = K>) -> Vec<u32> {
+    let mut first = HashMap::with_capacity(keys.size_hint().0);
+    keys.zip(0..)
+        .map(|(key, number)| *first.entry(key).or_insert(number))
         .collect()
 }
 

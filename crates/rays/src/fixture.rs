@@ -36,6 +36,27 @@ pub(crate) fn soup(corners: &[[Vec3; 3]]) -> Mesh {
     mesh(corners.iter().flatten().copied().collect(), triangles)
 }
 
+/// The box about `center` with these half edges, its faces outward, or inward where `inward`.
+pub(crate) fn block(center: Vec3, half: Vec3, inward: bool) -> Mesh {
+    let corner = |k: u32| {
+        let sign = |axis: u32| if k >> axis & 1 == 0 { -1.0 } else { 1.0 };
+        center + half * Vec3::new(sign(0), sign(1), sign(2))
+    };
+    let quads = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let triangles = quads.iter().flat_map(|&[a, b, c, d]| match inward {
+        false => [[a, b, c], [a, c, d]],
+        true => [[a, c, b], [a, d, c]],
+    });
+    mesh((0..8).map(corner).collect(), triangles.collect())
+}
+
 /// The square -1..=1 in x and y at height z, its front up, as two triangles with UVs 0..=1.
 pub(crate) fn square(z: f32) -> Mesh {
     let corners = [

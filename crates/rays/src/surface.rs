@@ -216,17 +216,6 @@ mod tests {
 
     #[test]
     fn the_outside_of_an_edge_meets_nothing_of_its_own_box() {
-        let corner = |k: u32| Vec3::new((k >> 2) as f32, (k >> 1 & 1) as f32, (k & 1) as f32);
-        let sides = [
-            [0, 1, 3, 2],
-            [4, 6, 7, 5],
-            [0, 4, 5, 1],
-            [2, 3, 7, 6],
-            [0, 2, 6, 4],
-            [1, 5, 7, 3],
-        ];
-        let triangles = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
-        let triangles: Vec<[u32; 3]> = sides.into_iter().flat_map(triangles).collect();
         let mut kinds = vec![
             BackendKind::Obvhs(Layout::Bvh2),
             BackendKind::Obvhs(Layout::Cwbvh),
@@ -238,17 +227,16 @@ mod tests {
             (Vec3::new(123.4, -0.37, 61.7), 0.9),
             (Vec3::new(0.013, 2.71, -0.77), 0.031),
         ] {
-            let positions = (0..8).map(|k| origin + corner(k) * size).collect();
-            let world = fixture::world(fixture::scene(vec![fixture::mesh(
-                positions,
-                triangles.clone(),
-            )]));
+            let half = Vec3::splat(0.5 * size);
+            let mesh = fixture::block(origin + half, half, false);
+            let triangles = mesh.triangles.len() as u32;
+            let world = fixture::world(fixture::scene(vec![mesh]));
             let errors = PlaneErrors::of(&world);
             for &kind in &kinds {
                 let backend = build(kind, &world, 1).expect("a backend");
                 let mut dice = fixture::Dice(crate::mix::Mix(9));
                 let (mut met, mut cast) = (0, 0);
-                for triangle in 0..triangles.len() as u32 {
+                for triangle in 0..triangles {
                     let patch = Patch::of(&world, &errors, 0, triangle);
                     for edge in 0..3 {
                         for _ in 0..400 {

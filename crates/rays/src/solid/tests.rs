@@ -1,28 +1,7 @@
 use super::*;
-use crate::fixture::{mask_left_half, mesh, placed_scene, scene, world};
+use crate::fixture::{block, mask_left_half, mesh, placed_scene, scene, world};
 use glam::{DQuat, Vec3};
 use scene::Mesh;
-
-/// The box about `center` with these half edges, its faces outward, or inward where `inward`.
-fn block(center: Vec3, half: Vec3, inward: bool) -> Mesh {
-    let corner = |k: u32| {
-        let sign = |axis: u32| if k >> axis & 1 == 0 { -1.0 } else { 1.0 };
-        center + half * Vec3::new(sign(0), sign(1), sign(2))
-    };
-    let quads = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let triangles = quads.iter().flat_map(|&[a, b, c, d]| match inward {
-        false => [[a, b, c], [a, c, d]],
-        true => [[a, c, b], [a, d, c]],
-    });
-    mesh((0..8).map(corner).collect(), triangles.collect())
-}
 
 fn unit(inward: bool) -> Mesh {
     block(Vec3::ZERO, Vec3::ONE, inward)
