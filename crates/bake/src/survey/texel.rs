@@ -39,10 +39,15 @@ pub(crate) struct Texel {
 }
 
 impl Texel {
+    /// Where the cells end along the first coordinate of a point of the unit square, but for the last.
+    pub fn ends(&self) -> &[f32] {
+        &self.ends
+    }
+
     /// The cell that the first coordinate of a point of the unit square chooses by area.
     #[inline]
     pub fn choose(&self, u0: f32) -> usize {
-        self.ends.iter().map(|&end| usize::from(u0 >= end)).sum()
+        self.ends.partition_point(|&end| u0 >= end)
     }
 
     /// The surface at a point of the unit square, spread over what can be seen.

@@ -9,6 +9,7 @@
     reason = "a lane is one index into many arrays"
 )]
 
+mod borders;
 mod directional;
 mod gloss;
 mod lane_sums;
@@ -23,6 +24,7 @@ use crate::options::{Shading, View};
 use crate::survey::Texel;
 use ambient::ggx::alpha_of;
 use ambient::sampling::{Counts, Guide, LANES, Lobe, Stream, Streams, Wide};
+use borders::Borders;
 pub(crate) use directional::DirectionSums;
 use directional::LaneDirections;
 pub(crate) use gloss::Beside;
@@ -56,10 +58,9 @@ pub(crate) struct Gang<'a> {
     /// Frames at the last point, and whether they no longer hold.
     frames: Frames,
     stale: bool,
-    /// Cell under each lane.
-    cell: [usize; LANES],
-    /// Lanes whose cell must be looked up at each point: their texels have several.
-    walkers: u32,
+    /// Cell under each lane, where points choose it: lanes whose texels have several.
+    cell: [u32; LANES],
+    borders: Borders<'a>,
     /// Lanes whose texels can be seen in part.
     parted: u32,
     /// Lanes in use, and those among them that nothing stands above.
@@ -98,7 +99,7 @@ impl<'a> Gang<'a> {
             frames: Frames::about([[0.0; LANES], [0.0; LANES], [1.0; LANES]], [1.0; LANES]),
             stale: true,
             cell: [0; LANES],
-            walkers: 0,
+            borders: Borders::none(),
             parted: 0,
             used: 0,
             open: 0,
@@ -153,8 +154,8 @@ impl<'a> Gang<'a> {
         assert!(lanes.len() <= LANES, "{} lanes in a gang", lanes.len());
         self.lanes = lanes;
         self.cell = [0; LANES];
-        (self.walkers, self.parted) = (0, 0);
-        (self.used, self.open, self.lobes) = (0, 0, 0);
+        self.borders.clear();
+        (self.used, self.open, self.lobes, self.parted) = (0, 0, 0, 0);
         self.points = 0;
         self.sums = LaneSums::default();
         self.stale = true;
@@ -172,7 +173,7 @@ impl<'a> Gang<'a> {
             self.streams.set(l, &stream(texel, lane.replicate as u32));
             self.used |= 1 << l;
             self.open |= u32::from(texel.open) << l;
-            self.walkers |= u32::from(texel.cells.len() > 1) << l;
+            self.borders.set(l, texel.ends());
             self.parted |= u32::from(texel.seen.is_part()) << l;
             self.lobes |= u32::from(self.reflects[lane.texel]) << l;
             self.lobe_scale[l] = (1.0 / (texel.material.exponent + 1.0)) as f32;
@@ -235,18 +236,19 @@ impl<'a> Gang<'a> {
             let seen = &self.texels[self.lanes[l].texel].seen;
             [v0[l], v1[l]] = seen.place([v0[l], v1[l]]);
         }
-        let mut at = self.surfaces.places(&v0, &v1);
-        let mut walkers = self.walkers;
-        while walkers != 0 {
-            let l = walkers.trailing_zeros() as usize;
-            walkers &= walkers - 1;
-            let texel = &self.texels[self.lanes[l].texel];
-            let cell = texel.choose(v0[l]);
-            [at[0][l], at[1][l]] = texel.cells[cell].place([v0[l], v1[l]]);
-            if cell != self.cell[l] {
-                self.walk(l, cell);
+        if self.borders.any() {
+            let cells = self.borders.cells(&v0);
+            let mut moved = 0;
+            for l in 0..LANES {
+                moved |= u32::from(cells[l] != self.cell[l]) << l;
+            }
+            while moved != 0 {
+                let l = moved.trailing_zeros() as usize;
+                moved &= moved - 1;
+                self.walk(l, cells[l]);
             }
         }
+        let at = self.surfaces.places(&v0, &v1);
         let mut step = self.step(task, technique, [&u0, &u1], &at);
         if let Some(guided) = guided {
             for weights in &mut step.weights {
@@ -300,9 +302,9 @@ impl<'a> Gang<'a> {
 
     /// Moves a lane to another cell of its texel.
     #[inline(always)]
-    fn walk(&mut self, lane: usize, to: usize) {
+    fn walk(&mut self, lane: usize, to: u32) {
         let cells = &self.texels[self.lanes[lane].texel].cells;
-        let (old, new) = (&cells[self.cell[lane]], &cells[to]);
+        let (old, new) = (&cells[self.cell[lane] as usize], &cells[to as usize]);
         self.cell[lane] = to;
         self.surfaces.set_position(lane, new);
         if !new.shades_like(old) {

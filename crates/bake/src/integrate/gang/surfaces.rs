@@ -53,9 +53,6 @@ impl LaneSurfaces {
     pub fn set(&mut self, lane: usize, cell: &Cell) {
         self.set_position(lane, cell);
         self.set_normal(lane, cell);
-        for (row, value) in self.place.iter_mut().zip(cell.placement()) {
-            row[lane] = value;
-        }
     }
 
     #[inline(always)]
@@ -65,6 +62,9 @@ impl LaneSurfaces {
                 self.position[k][axis][lane] = cell.position[k][axis];
             }
             self.lift[axis][lane] = cell.lift[axis];
+        }
+        for (row, value) in self.place.iter_mut().zip(cell.placement()) {
+            row[lane] = value;
         }
     }
 
@@ -97,12 +97,12 @@ impl LaneSurfaces {
         let mut side = [0.0; LANES];
         let ([n0, ns, nt], g) = (&self.normal, &self.geometric);
         for l in 0..LANES {
-            let n = [0, 1, 2].map(|a: usize| n0[a][l] + ns[a][l] * s[l] + nt[a][l] * t[l]);
+            let n = axes(|a| n0[a][l] + ns[a][l] * s[l] + nt[a][l] * t[l]);
             let square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
             // Corner normals that cancel: the geometric normal stands in.
             let has_length = square > 1e-20;
             let scale = 1.0 / (if has_length { square } else { 1.0 }).sqrt();
-            let n = [0, 1, 2].map(|a: usize| if has_length { n[a] * scale } else { g[a][l] });
+            let n = axes(|a| if has_length { n[a] * scale } else { g[a][l] });
             let cos = n[0] * g[0][l] + n[1] * g[1][l] + n[2] * g[2][l];
             side[l] = if cos < 0.0 { -1.0 } else { 1.0 };
             for a in 0..3 {
@@ -157,15 +157,15 @@ impl Frames {
         let mut out = [[0.0; LANES]; 3];
         for l in 0..LANES {
             let n = [self.normal[0][l], self.normal[1][l], self.normal[2][l]];
-            let v = [0, 1, 2].map(|a: usize| (eye[a] - f64::from(origin[a][l])) as f32);
+            let v = axes(|a| (eye[a] - f64::from(origin[a][l])) as f32);
             let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
             let has_length = largest > 0.0;
-            let v = [0, 1, 2].map(|a: usize| if has_length { v[a] / largest } else { n[a] });
+            let v = axes(|a| if has_length { v[a] / largest } else { n[a] });
             let square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
             let cos = (n[0] * v[0] + n[1] * v[1] + n[2] * v[2]) / square.sqrt();
             let kept = cos.clamp(LEAST_COS as f32, 1.0);
             let height = cos * square.sqrt();
-            let along = [0, 1, 2].map(|a: usize| v[a] - height * n[a]);
+            let along = axes(|a| v[a] - height * n[a]);
             let length = along[0] * along[0] + along[1] * along[1] + along[2] * along[2];
             // Straight above or below there is no side to lean to: any serves.
             let leans = length > 1e-12 * square;
@@ -193,19 +193,25 @@ impl Frames {
     }
 }
 
+/// The value of each axis. The array's own `map` is not always inlined, and a loop that calls it is no vector code.
+#[inline(always)]
+fn axes(of: impl Fn(usize) -> f32) -> [f32; 3] {
+    [of(0), of(1), of(2)]
+}
+
 /// R = 2 (N.V) N - V for an eye point: the axes of the specular lobes. V = N where the eye stands on the surface.
 #[inline(always)]
 pub(super) fn mirrored(normal: &[Wide; 3], origin: &[Wide; 3], eye: DVec3) -> [Wide; 3] {
     let mut out = [[0.0; LANES]; 3];
     for l in 0..LANES {
-        let v = [0, 1, 2].map(|a: usize| (eye[a] - f64::from(origin[a][l])) as f32);
+        let v = axes(|a| (eye[a] - f64::from(origin[a][l])) as f32);
         let n = [normal[0][l], normal[1][l], normal[2][l]];
         let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
         let has_length = largest > 0.0;
-        let v = v.map(|c| c / if has_length { largest } else { 1.0 });
+        let v = axes(|a| v[a] / if has_length { largest } else { 1.0 });
         let square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
         let scale = 1.0 / (if has_length { square } else { 1.0 }).sqrt();
-        let v = v.map(|c| c * scale);
+        let v = axes(|a| v[a] * scale);
         let twice = 2.0 * (n[0] * v[0] + n[1] * v[1] + n[2] * v[2]);
         for a in 0..3 {
             out[a][l] = if has_length {
