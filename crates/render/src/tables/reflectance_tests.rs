@@ -154,3 +154,12 @@ fn a_pixel_shows_the_reflectance_of_its_incidence_and_colour() {
         }
     }
 }
+
+#[test]
+fn incidences_of_one_cosine_are_refused() {
+    let read = |incidences: &[f64]| TableSet::read(&[], None, [&[], incidences], None);
+    let error = read(&[45.0, 0.01, 0.0]).unwrap_err().to_string();
+    assert!(error.contains("0 and 0.01 are too close"), "{error}");
+    // The same one twice is one.
+    assert_eq!(read(&[45.0, 0.0, 45.0]).unwrap().incidences, [45.0, 0.0]);
+}

@@ -52,7 +52,8 @@ impl TableSet {
     /// * `glosses`: exponents, and incidences in degrees. S stands for the files of [`specular_files`].
     ///
     /// # Errors
-    /// A file cannot be read or is not polar, or D and S differ in their normalisation ([`Error::Tables`]).
+    /// A file cannot be read or is not polar; or D and S differ in their normalisation, or two incidences have one cosine in 32 bits
+    /// ([`Error::Tables`]).
     pub fn read(
         surfaces: &[SurfaceType],
         maps: Option<[&Path; 2]>,
@@ -66,6 +67,12 @@ impl TableSet {
             sorted.dedup();
             sorted
         });
+        if let Some(pair) = incidences.windows(2).find(|p| cosine(p[0]) == cosine(p[1])) {
+            return Err(Error::Tables(format!(
+                "the incidences {} and {} are too close to read between; leave one out",
+                pair[0], pair[1]
+            )));
+        }
         set.incidences = incidences;
         set.incidences.reverse();
         if let Some(paths) = maps {
@@ -128,11 +135,7 @@ impl TableSet {
             glosses: glosses
                 .map(|(n, tables)| (*n, tables.iter().collect()))
                 .collect(),
-            incidences: self
-                .incidences
-                .iter()
-                .map(|angle| angle.to_radians().cos() as f32)
-                .collect(),
+            incidences: self.incidences.iter().map(|a| cosine(*a)).collect(),
             diffuse,
             translucency: 0.0,
             specular,
@@ -164,6 +167,10 @@ fn numbered(path: &Path, number: f64) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let ending = path.extension().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!("{stem}_{number}.{ending}"))
+}
+
+fn cosine(degrees: f64) -> f32 {
+    degrees.to_radians().cos() as f32
 }
 
 /// D and S add up only where both are normalised alike; maps of other tools do not say.

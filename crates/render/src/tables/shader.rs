@@ -20,7 +20,7 @@ pub struct Shader<'a> {
     /// S for several exponents, ascending, each with a table for every one of `incidences`: each pixel reads those that its material and its
     /// E·N lie between. Beside `specular`, mostly in its place.
     pub glosses: Vec<(f64, Vec<&'a Table>)>,
-    /// E·N of the tables of a gloss, ascending; empty for one table at all incidences.
+    /// E·N of the tables of a gloss, ascending, no two alike; empty for one table at all incidences.
     pub incidences: Vec<f32>,
     /// What indexes S.
     pub index: Index,
