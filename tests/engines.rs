@@ -274,6 +274,128 @@ fn three_js_shows_the_picture_that_ambake_renders() {
     assert_eq!(seen["ktx2"]["levels"], 2);
 }
 
+/// Writes a floor, and a bent sheet of which one node places three copies by `EXT_mesh_gpu_instancing`.
+fn write_instanced(path: &Path) {
+    let floor = [
+        [-3.0, 0.0, 3.0],
+        [3.0, 0.0, 3.0],
+        [3.0, 0.0, -3.0],
+        [-3.0, 0.0, -3.0],
+    ];
+    let sheet = [
+        [-0.6, 0.1, 0.4],
+        [0.6, 0.1, 0.4],
+        [0.6, 0.1, -0.4],
+        [-0.6, 0.1, -0.4],
+        [0.6, 1.2, -0.4],
+        [-0.6, 1.2, -0.4],
+    ];
+    let moves = [[-1.6, 0.0, 0.8], [0.2, 0.0, -0.9], [1.7, 0.3, 0.9]];
+    let turns = [
+        [0.0, 0.0, 0.0, 1.0],
+        [0.0, 0.6, 0.0, 0.8],
+        [0.0, -0.28, 0.0, 0.96],
+    ];
+    let scales = [[1.0, 1.0, 1.0], [1.3, 1.6, 0.8], [0.7, 0.9, 1.2]];
+    let mut bin = Vec::new();
+    let (mut views, mut accessors) = (Vec::new(), Vec::new());
+    let mut add = |bytes: Vec<u8>, kind: &str, component: u32, count: usize| {
+        views.push(json!({ "buffer": 0, "byteOffset": bin.len(), "byteLength": bytes.len() }));
+        accessors.push(json!({
+            "bufferView": views.len() - 1, "componentType": component, "count": count, "type": kind,
+            "min": [-3, 0, -3], "max": [3, 2, 3],
+        }));
+        if kind != "VEC3" {
+            let last = accessors
+                .last_mut()
+                .and_then(Value::as_object_mut)
+                .expect("one");
+            last.retain(|key, _| !["min", "max"].contains(&key.as_str()));
+        }
+        bin.extend(bytes);
+        bin.resize(bin.len().next_multiple_of(4), 0);
+        accessors.len() - 1
+    };
+    let floats = |values: &[f32]| {
+        values
+            .iter()
+            .flat_map(|v| v.to_le_bytes())
+            .collect::<Vec<u8>>()
+    };
+    let shorts = |values: &[u16]| {
+        values
+            .iter()
+            .flat_map(|v| v.to_le_bytes())
+            .collect::<Vec<u8>>()
+    };
+    let floor = add(floats(floor.as_flattened()), "VEC3", 5126, 4);
+    let ground = add(shorts(&[0, 1, 2, 0, 2, 3]), "SCALAR", 5123, 6);
+    let sheet = add(floats(sheet.as_flattened()), "VEC3", 5126, 6);
+    let faces = add(
+        shorts(&[0, 1, 2, 0, 2, 3, 3, 2, 4, 3, 4, 5]),
+        "SCALAR",
+        5123,
+        12,
+    );
+    let moves = add(floats(moves.as_flattened()), "VEC3", 5126, 3);
+    let turns = add(floats(turns.as_flattened()), "VEC4", 5126, 3);
+    let scales = add(floats(scales.as_flattened()), "VEC3", 5126, 3);
+    let attributes = json!({ "TRANSLATION": moves, "ROTATION": turns, "SCALE": scales });
+    let gltf = json!({
+        "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [0, 1] }],
+        "extensionsUsed": ["EXT_mesh_gpu_instancing", "KHR_materials_specular"],
+        "extensionsRequired": ["EXT_mesh_gpu_instancing"],
+        "nodes": [
+            { "name": "floor", "mesh": 0 },
+            { "name": "sheets", "mesh": 1, "extensions": { "EXT_mesh_gpu_instancing": { "attributes": attributes } } },
+        ],
+        "meshes": [
+            { "primitives": [{ "attributes": { "POSITION": floor }, "indices": ground, "material": 0 }] },
+            { "primitives": [{ "attributes": { "POSITION": sheet }, "indices": faces, "material": 0 }] },
+        ],
+        "materials": [{
+            "pbrMetallicRoughness": { "metallicFactor": 0, "baseColorFactor": [0.8, 0.7, 0.6, 1] }, "doubleSided": true,
+            "extensions": { "KHR_materials_specular": { "specularFactor": 0 } },
+        }],
+        "bufferViews": views, "accessors": accessors,
+        "buffers": [{ "uri": "copies.bin", "byteLength": bin.len() }],
+    });
+    fs::write(path, gltf.to_string()).expect("a file");
+    fs::write(path.with_file_name("copies.bin"), bin).expect("a file");
+}
+
+#[test]
+fn copies_of_an_instanced_mesh_have_light_of_their_own_in_three_js() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let path = folder.path().join("copies.gltf");
+    write_instanced(&path);
+    let (folder, _) = bake(
+        &path,
+        &[
+            "--size=128",
+            "--rays=64",
+            "--sky=0.9,0.8,0.7",
+            "--for=three",
+        ],
+    );
+    let report = report(folder.path());
+    let objects = report["layout"]["objects"].as_array().map(Vec::len);
+    assert_eq!(
+        (report["pages"].as_array().map(Vec::len), objects),
+        (Some(1), Some(4))
+    );
+    let Some(seen) = in_three(folder.path(), &path, ["1,6,7", "0,0.3,0", "42"]) else {
+        return;
+    };
+    assert_eq!(seen["errors"], json!([]));
+    for (loader, most) in [("exr", 0.5), ("moz", 0.7), ("hdr", 2.0), ("ktx2", 0.7)] {
+        let told = &seen[loader];
+        assert!(told["pixels"].as_u64() > Some(3_000), "{told}");
+        let mean = told["mean"].as_f64().expect("a number");
+        assert!(mean <= most, "{loader}: {mean} of 255 on the mean");
+    }
+}
+
 #[test]
 fn what_bevy_loads_with_reads_the_files() {
     let plane = scene("plane.obj");

@@ -261,6 +261,74 @@ fn the_figure_of_six_materials_has_their_values_under_a_uniform_environment() {
 }
 
 #[test]
+fn a_measured_surface_shows_its_reflectance_by_incidence_colour_and_exponent() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    write_map(&folder.path().join("I.exr"), 64, |_| [1.0, 1.0, 2.0]);
+    let d = path("D.exr");
+    run_well(["map", "diffuse", &path("I.exr"), "-o", &d, "--quiet"]);
+    // A lobe from v down to 0 behind, linear in the cosine, reflects 2 pi v; twice as much at 60 degrees.
+    for (exponent, v) in [("4", 0.02), ("16", 0.05)] {
+        let table = format!(
+            "incidence degrees red green blue\n\
+             0 0 {v} {w} 0\n0 180 0 0 0\n60 0 {w} {w} {v}\n60 180 0 0 0\n",
+            w = 2.0 * v
+        );
+        fs::write(path("table.txt"), table).expect("a file");
+        let (s, table) = (path(&format!("S_{exponent}.exr")), path("table.txt"));
+        let words = ["map", "specular", &path("I.exr"), "-o", &s, "--quiet"];
+        let kernel = [
+            "--kernel",
+            "reflectance",
+            "--table",
+            &table,
+            "--size",
+            "64x32",
+        ];
+        run_well([&words[..], &kernel].concat());
+    }
+    let square = "mtllib m.mtl\nusemtl m\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nf 1 2 3 4\n";
+    fs::write(path("square.obj"), square).expect("a file");
+    let material = "newmtl m\nKd 0 0 0\nKs 0.5 0.5 0.5\nNs 8\n";
+    fs::write(path("m.mtl"), material).expect("a file");
+    let maps = format!("{d},{}", path("S.exr"));
+    let share = (9f64.ln() - 5f64.ln()) / (17f64.ln() - 5f64.ln());
+    let v = 0.5 * std::f64::consts::TAU * (0.02 + share * 0.03);
+    for (angle, exact) in [
+        (0.0f64, [v, 2.0 * v, 0.0]),
+        (60.0, [2.0 * v, 2.0 * v, 2.0 * v]),
+        // Half-way in the cosine, and beyond the last incidence.
+        (0.75f64.acos().to_degrees(), [1.5 * v, 2.0 * v, v]),
+        (80.0, [2.0 * v, 2.0 * v, 2.0 * v]),
+    ] {
+        let (sin, cos) = angle.to_radians().sin_cos();
+        let (eye, out) = (format!("{},0,{}", 4.0 * sin, 4.0 * cos), path("x.exr"));
+        let scene = path("square.obj");
+        let words = ["render", &scene, "-o", &out, "--maps", &maps, "--quiet"];
+        let tables = ["--exponents", "4,16", "--incidences", "0,60"];
+        let view = [
+            "--eye",
+            &eye,
+            "--look",
+            "0,0,0",
+            "--size",
+            "3x3",
+            "--samples",
+            "1",
+        ];
+        run_well([&words[..], &tables, &view].concat());
+        let middle = maps::read(Path::new(&out)).expect("an EXR").image.pixels[4];
+        for c in 0..3 {
+            let found = f64::from(middle[c]);
+            assert!(
+                (found - exact[c]).abs() < 2e-6,
+                "{angle} {c}: {found} {exact:?}"
+            );
+        }
+    }
+}
+
+#[test]
 fn a_wrong_request_is_one_line_and_leaves_no_picture() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name).display().to_string();
@@ -320,6 +388,8 @@ fn a_wrong_request_is_one_line_and_leaves_no_picture() {
         (with(&["--path", &given("same.csv")]), 1, "frame 0"),
         (with(&["--specular-weight", &given("w.txt")]), 1, "ascend"),
         (with(&["--specular-weight", &given("none")]), 1, "none"),
+        (with(&["--incidences", "45"]), 1, "S_45.exr"),
+        (with(&["--incidences", "91"]), 2, "0..90"),
         (with(&["--up", "0,0,0"]), 1, "--up"),
         (with(&["--frames", "0"]), 2, "--frames"),
         (with(&["--turn-deg", "3"]), 2, "--frames"),

@@ -2,15 +2,17 @@
 
     python3 tests/tools/check_links.py
 
-Three rules, each broken one printed as `file:line: what is wrong`, exit status 1 if there is any:
+Four rules, each broken one printed as `file:line: what is wrong`, exit status 1 if there is any:
 
 1. A relative link or picture in a Markdown file of the repository names a file or folder that exists, and its
    `#anchor` names a heading of that file.
 2. A path in `code` that begins with crates/, tests/, scenes/, docs/, vendor-notes/ or .ci/ exists. `*` and `{a,b}`
    are expanded; each must match something. Histories are exempt: CHANGELOG.md and crates/bench/runs/.
 3. Every page of docs/ stands in docs/SUMMARY.md, and its links stay inside docs/, so that the book is whole.
+4. A name in `code` of five words or more that underscores join, as tests have, is a function in some Rust file. Histories are exempt.
 """
 
+import functools
 import re
 import subprocess
 import sys
@@ -23,6 +25,7 @@ DOCS = ROOT / "docs"
 LINK = re.compile(r"!?\[(?:[^\[\]]|\[[^\[\]]*\])*\]\(\s*<?([^()\s<>]+)>?(?:\s+\"[^\"]*\")?\s*\)")
 CODE = re.compile(r"(`+)(.+?)\1")
 HEADING = re.compile(r"#{1,6}\s+(.+?)\s*#*$")
+NAME = re.compile(r"[a-z0-9]+(?:_[a-z0-9]+){4,}")
 PATH = re.compile(r"(?:crates|tests|scenes|docs|vendor-notes|\.ci)/[\w./*{},-]*")
 
 
@@ -75,6 +78,14 @@ def exists(path):
     return any(ROOT.glob(path.rstrip("/"))) if "*" in path else (ROOT / path).exists()
 
 
+@functools.cache
+def functions():
+    """The names of all functions in Rust files."""
+    names = subprocess.run(["git", "ls-files", "*.rs"], cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    texts = (path.read_text(encoding="utf-8") for path in map(ROOT.joinpath, names.splitlines()) if path.exists())
+    return {name for text in texts for name in re.findall(r"\bfn (\w+)", text)}
+
+
 def link_fault(document, target):
     """What is wrong with a link, or None."""
     if re.match(r"[a-z][a-z0-9+.-]*:|//", target):
@@ -103,6 +114,8 @@ def faults(document):
             for _, code in CODE.findall(line):
                 if PATH.fullmatch(code):
                     yield from ((number, f"{path} does not exist") for path in expand(code) if not exists(path))
+                elif NAME.fullmatch(code) and code not in functions():
+                    yield number, f"no Rust file has a function {code}"
     if document.parent == DOCS and document.name != "SUMMARY.md":
         if f"({document.name})" not in (DOCS / "SUMMARY.md").read_text(encoding="utf-8"):
             yield 1, "the page is missing in docs/SUMMARY.md"

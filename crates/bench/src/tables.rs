@@ -62,6 +62,7 @@ fn shader<'a>(diffuse: Option<&'a Table>, specular: &'a Table) -> Shader<'a> {
         translucency: 0.0,
         specular: Some(specular),
         glosses: vec![],
+        incidences: vec![],
         index: Index::Mirror,
         coat: None,
         diffuse_weight: Weight::Constant,

@@ -126,7 +126,9 @@ pub struct Specular {
     #[arg(long, value_enum, default_value_t = SpecularKernel::Phong)]
     pub kernel: SpecularKernel,
     /// Table of the kernel `table`: lines of a cosine, ascending in -1..1, and a value of at least 0; after a first line
-    /// `degrees,value` angles from the mirror direction, ascending in 0..180. Linear in the cosine between lines
+    /// `degrees,value` angles from the mirror direction, ascending in 0..180. Linear in the cosine between lines. Of the kernel `reflectance`:
+    /// a first line `incidence,degrees,red,green,blue` or `incidence,degrees,value`, then lines of the view's incidence, the angle from the
+    /// mirror direction, and BRDF times cosine per steradian
     #[arg(long, value_name = "FILE")]
     pub table: Option<PathBuf>,
     /// Width and height of OUT in texels; of one face for a cube
@@ -135,7 +137,7 @@ pub struct Specular {
     /// Projection of OUT
     #[arg(long, value_name = "PROJECTION", default_value = "polar", value_parser = projection)]
     pub to: Projection,
-    /// Factor of the integral: one over the kernel's integral ((n+1)/2π for phong), or the 1984 text's 1/4π
+    /// Factor of the integral: one over the kernel's integral ((n+1)/2π for phong; 1 for reflectance), or the 1984 text's 1/4π
     #[arg(long, value_enum, default_value_t = Scale::Radiance)]
     pub normalise: Scale,
     #[command(flatten)]
@@ -313,6 +315,8 @@ pub enum SpecularKernel {
     Ggx,
     /// Linear between the lines of a file; --table
     Table,
+    /// The lobes that a file has for each incidence and colour; --table. OUT stands for OUT_A.exr of each incidence A in degrees
+    Reflectance,
 }
 
 #[derive(Clone, Copy, ValueEnum)]

@@ -5,7 +5,10 @@ use super::file::{Source, Target, picture_size, summary, write};
 use crate::common::parsed;
 use crate::host;
 use anyhow::{Context, bail};
-use maps::{IlluminationMap, Layout, Lobe, Normalise, Orientation, Projection, Request};
+use maps::{
+    IlluminationMap, Layout, Lobe, Normalise, Orientation, Projection, Reflectance, ReflectionMap,
+    Request,
+};
 use std::path::Path;
 
 /// Runs `map diffuse`.
@@ -18,7 +21,7 @@ pub fn diffuse(args: &Diffuse) -> anyhow::Result<()> {
     reflect(
         &args.input,
         &args.output,
-        &[(None, lobe)],
+        &Blur::Lobes(vec![(None, lobe)]),
         target,
         args.normalise,
         &args.common,
@@ -40,32 +43,76 @@ pub fn specular(args: &Specular) -> anyhow::Result<()> {
         SpecularKernel::Ggx => Lobe::Ggx(value),
         _ => Lobe::Phong(value),
     };
-    let lobes = match (args.kernel, &args.table) {
-        (SpecularKernel::Mirror, _) => vec![(None, Lobe::Mirror)],
-        (SpecularKernel::Table, Some(path)) => vec![(None, parsed(path, Lobe::parse_table)?)],
-        (SpecularKernel::Table, None) => bail!("this kernel needs --table"),
-        _ if values.len() == 1 => vec![(None, lobe(values[0]))],
-        _ => values
-            .iter()
-            .map(|v| (Some(v.to_string()), lobe(*v)))
-            .collect(),
+    let blur = match (args.kernel, &args.table) {
+        (SpecularKernel::Mirror, _) => Blur::Lobes(vec![(None, Lobe::Mirror)]),
+        (SpecularKernel::Table, Some(path)) => {
+            Blur::Lobes(vec![(None, parsed(path, Lobe::parse_table)?)])
+        }
+        (SpecularKernel::Reflectance, Some(path)) => {
+            Blur::Reflectance(parsed(path, Reflectance::parse)?)
+        }
+        (SpecularKernel::Table | SpecularKernel::Reflectance, None) => {
+            bail!("this kernel needs --table")
+        }
+        _ if values.len() == 1 => Blur::Lobes(vec![(None, lobe(values[0]))]),
+        _ => {
+            let lobes = values.iter().map(|v| (Some(v.to_string()), lobe(*v)));
+            Blur::Lobes(lobes.collect())
+        }
     };
     let target = (args.to, args.size);
     reflect(
         &args.input,
         &args.output,
-        &lobes,
+        &blur,
         target,
         args.normalise,
         &args.common,
     )
 }
 
+/// What a map is blurred by.
+enum Blur {
+    /// One map a lobe, with what its file's name ends in.
+    Lobes(Vec<(Option<String>, Lobe)>),
+    /// One map an incidence.
+    Reflectance(Reflectance),
+}
+
+impl Blur {
+    /// The maps, with what their files' names end in.
+    fn of(
+        &self,
+        map: &IlluminationMap,
+        normalise: Normalise,
+        (projection, size): (Projection, (usize, usize)),
+    ) -> Result<Vec<(Option<String>, ReflectionMap)>, maps::Error> {
+        match self {
+            Blur::Lobes(lobes) => {
+                let request = |lobe: &Lobe| Request {
+                    lobe: lobe.clone(),
+                    normalise,
+                    projection,
+                    size,
+                };
+                let requests: Vec<Request> = lobes.iter().map(|(_, lobe)| request(lobe)).collect();
+                let suffixes = lobes.iter().map(|(suffix, _)| suffix.clone());
+                Ok(suffixes.zip(maps::convolve(map, &requests)?).collect())
+            }
+            Blur::Reflectance(table) => {
+                let maps = table.convolve(map, normalise, projection, size)?;
+                let suffixes = table.incidences().into_iter().map(|a| Some(a.to_string()));
+                Ok(suffixes.zip(maps).collect())
+            }
+        }
+    }
+}
+
 /// Convolves and writes.
 fn reflect(
     input: &Input,
     output: &Path,
-    lobes: &[(Option<String>, Lobe)],
+    blur: &Blur,
     (projection, size): (Projection, [u32; 2]),
     scale: Scale,
     common: &Common,
@@ -75,8 +122,10 @@ fn reflect(
         Scale::Radiance => (Normalise::Radiance, "radiance"),
         Scale::Seed => (Normalise::Seed, "seed"),
     };
-    for (_, lobe) in lobes {
-        lobe.check()?;
+    if let Blur::Lobes(lobes) = blur {
+        for (_, lobe) in lobes {
+            lobe.check()?;
+        }
     }
     let size = picture_size(projection, size);
     projection.check(size.0, size.1)?;
@@ -89,18 +138,12 @@ fn reflect(
     };
     let image = maps::convert_image(&source.image, source.layout, own).with_context(named)?;
     let map = IlluminationMap::new(image, own.projection).with_context(named)?;
-    let request = |lobe: &Lobe| Request {
-        lobe: lobe.clone(),
-        normalise,
-        projection,
-        size,
-    };
-    let requests: Vec<Request> = lobes.iter().map(|(_, lobe)| request(lobe)).collect();
-    let results = maps::convolve(&map, &requests).with_context(named)?;
-    let images: Vec<_> = lobes
+    let results = blur
+        .of(&map, normalise, (projection, size))
+        .with_context(named)?;
+    let images: Vec<_> = results
         .iter()
-        .zip(&results)
-        .map(|((suffix, _), map)| (suffix.clone(), map.image()))
+        .map(|(suffix, map)| (suffix.clone(), map.image()))
         .collect();
     let to = Layout {
         projection,

@@ -2,6 +2,7 @@
 
 use super::args::Args;
 use crate::host;
+use ::render::tables::specular_files;
 use anyhow::{Context, bail};
 use maps::{Format, Image, Labels};
 use rays::World;
@@ -23,8 +24,8 @@ pub fn inputs(args: &Args, world: &World) -> Vec<PathBuf> {
     let tables = &args.tables;
     let maps = tables.maps.iter().flatten();
     let glosses = tables.maps.iter().flat_map(|[_, s]| {
-        let numbered = |n: &f64| ::render::tables::numbered(s, *n);
-        tables.exponents.iter().map(numbered)
+        let files = specular_files(s, &tables.exponents, &tables.incidences);
+        files.into_iter().flatten()
     });
     let glosses: Vec<PathBuf> = glosses.collect();
     let others = maps

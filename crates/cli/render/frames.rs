@@ -30,7 +30,7 @@ pub fn draw(
     let set = TableSet::read(
         &types,
         maps,
-        &tables.exponents,
+        [&tables.exponents, &tables.incidences],
         tables.environment.as_deref(),
     )?;
     let behind = Behind::of(args)?;
@@ -140,6 +140,7 @@ fn about(
         "scene": world.scene().content_hash,
         "maps": args.tables.maps,
         "exponents": args.tables.exponents,
+        "incidences": args.tables.incidences,
         "environment": args.tables.environment,
         "normalisation": set.normalisation,
         "lookup": sequence.lookup.name(),

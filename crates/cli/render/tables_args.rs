@@ -18,6 +18,10 @@ pub struct Tables {
     /// its material, between two of them
     #[arg(long, value_name = "N,..", value_delimiter = ',', requires = "maps", value_parser = exponent)]
     pub exponents: Vec<f64>,
+    /// S stands for the files of these incidences in degrees, as `ambake map specular --kernel reflectance` names them; each pixel is shaded
+    /// with that of its view, between two of them. With --exponents for S_N_A.exr
+    #[arg(long, value_name = "A,..", value_delimiter = ',', requires = "maps", value_parser = incidence)]
+    pub incidences: Vec<f64>,
     /// Surface type of every object but those of --shader-of [default: phong]
     #[arg(long, value_enum, groups = ["shading", "lit"], requires_ifs([
         ("phong", "maps"), ("retro", "maps"), ("varnish", "maps"),
@@ -35,7 +39,8 @@ pub struct Tables {
     /// How tables are read; the last three average over what a pixel reflects
     #[arg(long, value_enum, default_value_t = LookupName::Bilinear, requires = "lit")]
     pub lookup: LookupName,
-    /// Wd by the cosine of the view angle: `constant`, `schlick:F0`, or a file of lines with a cosine and a weight
+    /// Wd by the cosine of the view angle: `constant`, `schlick:F0`, or a file of lines with a cosine and a weight, or red, green and blue;
+    /// after a first line `degrees` angles from the normal
     #[arg(long, value_name = "W", default_value = "constant", value_parser = weight, requires = "shading")]
     pub diffuse_weight: WeightName,
     /// Ws, likewise
@@ -132,6 +137,13 @@ fn pair(text: &str) -> Result<[PathBuf; 2], String> {
             Ok([d.into(), s.into()])
         }
         _ => Err("expected two files as D,S".into()),
+    }
+}
+
+fn incidence(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        angle if (0.0..=90.0).contains(&angle) => Ok(angle),
+        _ => Err("an incidence lies in 0..90 degrees".into()),
     }
 }
 

@@ -39,7 +39,7 @@ pub enum Layer {
     Exponent,
     /// Index of the object with the largest share of the footprint; -1 where there is none.
     Object,
-    /// Share of the footprint whose upper hemisphere does not see back faces first.
+    /// Share of the footprint that can be seen: 0 where it lies inside of another closed body.
     Validity,
     /// Traditional minus Lambert.
     DifferenceLambert,

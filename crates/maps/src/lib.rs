@@ -28,6 +28,7 @@
 #![forbid(unsafe_code)]
 
 pub mod ball;
+mod columns;
 mod convert;
 mod convolve;
 mod error;
@@ -47,6 +48,7 @@ mod orientation;
 mod painted;
 mod polar;
 mod projection;
+mod reflectance;
 mod sky_file;
 mod sky_map;
 mod stats;
@@ -65,6 +67,7 @@ pub use mosaic::{Mosaic, mosaic};
 pub use orientation::Orientation;
 pub use polar::{PolarFile, read_polar};
 pub use projection::{Direction, Projection};
+pub use reflectance::Reflectance;
 pub use sky_file::{SkyFile, read_sky};
 pub use sky_map::SkyMap;
 pub use stats::MapStats;

@@ -1,5 +1,6 @@
 //! Reflectance functions from measured tables.
 
+use crate::columns::columns;
 use crate::{Error, Lobe};
 
 impl Lobe {
@@ -10,40 +11,43 @@ impl Lobe {
     /// [`Error::Line`] with the first line that is none; [`Error::Lobe`] for angles beyond 180 degrees and for what
     /// [`Lobe::check`] refuses.
     pub fn parse_table(text: &str) -> Result<Lobe, Error> {
+        let wrong = |line| Error::Line {
+            line,
+            expected: "a cosine or an angle and a value",
+        };
+        let columns = columns(text).map_err(wrong)?;
+        let degrees = match columns.heading.as_slice() {
+            [] | ["cosine", _] => false,
+            ["degrees", _] => true,
+            _ => return Err(wrong(columns.first)),
+        };
         let mut pairs = Vec::new();
-        let mut degrees = false;
-        for (at, line) in text.lines().enumerate() {
-            let line = line.split('#').next().unwrap_or_default();
-            let separator = |c: char| c == ',' || c == ';' || c.is_whitespace();
-            let words: Vec<_> = line.split(separator).filter(|w| !w.is_empty()).collect();
-            let values: Result<Vec<f64>, _> = words.iter().map(|w| w.parse::<f64>()).collect();
-            match (values.as_deref(), words.as_slice()) {
-                (Ok([]), _) => {}
-                (Ok([x, value]), _) => pairs.push((*x, *value)),
-                (Err(_), ["degrees", _]) if pairs.is_empty() => degrees = true,
-                (Err(_), ["cosine", _]) if pairs.is_empty() => {}
-                _ => {
-                    return Err(Error::Line {
-                        line: at + 1,
-                        expected: "a cosine or an angle and a value",
-                    });
-                }
-            }
+        for (line, values) in &columns.rows {
+            let [x, value] = values.as_slice() else {
+                return Err(wrong(*line));
+            };
+            pairs.push((*x, *value));
         }
-        if degrees {
-            if let Some((angle, _)) = pairs.iter().find(|(x, _)| !(0.0..=180.0).contains(x)) {
-                return Err(Error::Lobe(format!(
-                    "{angle} degrees; an angle lies in 0..180"
-                )));
-            }
-            pairs
-                .iter_mut()
-                .for_each(|pair| pair.0 = pair.0.to_radians().cos());
-            pairs.reverse();
-        }
-        let lobe = Lobe::Table(pairs);
+        let lobe = match degrees {
+            true => Lobe::by_angle(pairs)?,
+            false => Lobe::Table(pairs),
+        };
         lobe.check()?;
         Ok(lobe)
+    }
+
+    /// The lobe of pairs of an angle in degrees, ascending, and a value.
+    pub(crate) fn by_angle(mut pairs: Vec<(f64, f64)>) -> Result<Lobe, Error> {
+        if let Some((angle, _)) = pairs.iter().find(|(x, _)| !(0.0..=180.0).contains(x)) {
+            return Err(Error::Lobe(format!(
+                "{angle} degrees; an angle lies in 0..180"
+            )));
+        }
+        pairs
+            .iter_mut()
+            .for_each(|pair| pair.0 = pair.0.to_radians().cos());
+        pairs.reverse();
+        Ok(Lobe::Table(pairs))
     }
 }
 

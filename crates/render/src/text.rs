@@ -10,23 +10,53 @@ pub(crate) fn rows<const N: usize>(
     text: &str,
     expected: &'static str,
 ) -> Result<Vec<[f64; N]>, Error> {
-    let mut rows = Vec::new();
+    let rows = rows_of(text, &[N], expected)?;
+    let exact = |row: Vec<f64>| row.try_into().expect("rows have this length");
+    Ok(rows.into_iter().map(exact).collect())
+}
+
+/// As [`rows`], with rows that are all as long as the first, whose length is one of `lengths`.
+pub(crate) fn rows_of(
+    text: &str,
+    lengths: &[usize],
+    expected: &'static str,
+) -> Result<Vec<Vec<f64>>, Error> {
+    let mut rows: Vec<Vec<f64>> = Vec::new();
     for (at, line) in text.lines().enumerate() {
-        let line = line.split('#').next().unwrap_or_default();
-        let words = line.split([' ', '\t', ',', '\r']).filter(|w| !w.is_empty());
-        let values: Option<Vec<f64>> = words.map(finite).collect();
-        match values.map(<[f64; N]>::try_from) {
-            Some(Ok(row)) => rows.push(row),
-            Some(Err(values)) if values.is_empty() => {}
-            _ => {
-                return Err(Error::Line {
-                    line: at + 1,
-                    expected,
-                });
-            }
+        let words = words(line);
+        if words.is_empty() {
+            continue;
         }
+        let values: Option<Vec<f64>> = words.into_iter().map(finite).collect();
+        let fits = |row: &Vec<f64>| match rows.first() {
+            Some(first) => row.len() == first.len(),
+            None => lengths.contains(&row.len()),
+        };
+        let row = values.filter(fits).ok_or(Error::Line {
+            line: at + 1,
+            expected,
+        })?;
+        rows.push(row);
     }
     Ok(rows)
+}
+
+/// Which of `known` the first line begins with, and the text with that line left empty.
+pub(crate) fn heading<'a>(text: &str, known: &[&'a str]) -> (Option<&'a str>, String) {
+    let mut lines: Vec<&str> = text.lines().collect();
+    let first = lines.iter().position(|line| !words(line).is_empty());
+    let word = first.map(|at| words(lines[at])[0]);
+    let found = known.iter().find(|known| Some(**known) == word).copied();
+    if let (Some(at), Some(_)) = (first, found) {
+        lines[at] = "";
+    }
+    (found, lines.join("\n"))
+}
+
+fn words(line: &str) -> Vec<&str> {
+    let line = line.split('#').next().unwrap_or_default();
+    let words = line.split([' ', '\t', ',', '\r']);
+    words.filter(|word| !word.is_empty()).collect()
 }
 
 fn finite(word: &str) -> Option<f64> {

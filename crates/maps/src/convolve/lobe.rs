@@ -26,12 +26,14 @@ pub enum Lobe {
 }
 
 /// What the integral over the sphere is multiplied by.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Normalise {
     /// One over the integral of the lobe: a constant map of 1 gives 1 (Lambert 1/π, Phong (n+1)/2π).
     Radiance,
     /// 1/4π, as the 1984 text has it ([`ambient::convention::MAP_1984`]).
     Seed,
+    /// This, for lobes whose values have a unit.
+    Factor(f64),
 }
 
 /// Highest exponent.
@@ -79,6 +81,7 @@ impl Lobe {
     pub(super) fn scale(&self, normalise: Normalise) -> f64 {
         match (normalise, self) {
             (Normalise::Seed, _) => MAP_1984,
+            (Normalise::Factor(factor), _) => factor,
             (_, Lobe::Lambert) => LAMBERT_SCALE,
             (_, Lobe::Luminous | Lobe::Mirror) => MEAN_SCALE,
             (_, Lobe::Phong(n) | Lobe::Varnish(n)) => lobe_scale(*n),

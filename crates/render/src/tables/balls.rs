@@ -62,6 +62,7 @@ impl Balls {
             translucency: 0.0,
             specular,
             glosses: vec![],
+            incidences: vec![],
             index: Index::Mirror,
             coat: None,
             diffuse_weight: Weight::Constant,

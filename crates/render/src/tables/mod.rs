@@ -15,6 +15,8 @@ mod index;
 #[cfg(test)]
 mod object_tests;
 mod path;
+#[cfg(test)]
+mod reflectance_tests;
 mod row;
 mod sequence;
 mod set;
@@ -35,7 +37,7 @@ pub use gbuffer::{GBuffer, Turn, View};
 pub use index::Index;
 pub use path::CameraPath;
 pub use sequence::{Frame, Motion, Sequence};
-pub use set::{SurfaceType, TableSet, numbered};
+pub use set::{SurfaceType, TableSet, specular_files};
 pub use shade::{backdrop, frame};
 pub use shader::Shader;
 pub use summed::Summed;

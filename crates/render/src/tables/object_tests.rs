@@ -42,7 +42,8 @@ fn each_object_is_shaded_as_if_all_were_of_its_kind() {
             ..shader(Some(&d), None)
         },
         Shader {
-            glosses: vec![(4.0, &s), (16.0, &d)],
+            glosses: vec![(4.0, vec![&s, &d]), (16.0, vec![&d, &s])],
+            incidences: vec![0.5, 1.0],
             index: Index::Retro,
             specular_weight: Weight::Schlick(0.2),
             ..shader(None, None)

@@ -102,52 +102,53 @@ impl Row<'_, '_> {
         let (shader, buffer) = (&self.shaders[number], self.buffer);
         let lanes = range.start..range.start + LANES;
         let [n, e] = reading.middle;
-        let (mut wd, mut ws) = ([0.0; LANES], [0.0; LANES]);
+        let mut cosines = [0.0; LANES];
+        let (mut wd, mut ws) = ([[0.0; 4]; LANES], [[0.0; 4]; LANES]);
         for k in 0..LANES {
             let cosine = n[0][k] * e[0][k] + n[1][k] * e[1][k] + n[2][k] * e[2][k];
-            wd[k] = mine[k] * shader.diffuse_weight.at(cosine);
-            ws[k] = mine[k] * shader.specular_weight.at(cosine);
+            cosines[k] = cosine;
+            let scaled = |[r, g, b]: [f32; 3]| [mine[k] * r, mine[k] * g, mine[k] * b, 0.0];
+            wd[k] = scaled(shader.diffuse_weight.at(cosine));
+            ws[k] = scaled(shader.specular_weight.at(cosine));
         }
-        // Weights times reflectances; `which` is 0 for kd and 1 for ks.
-        let factors = |weights: &Lanes, which: usize| {
+        // Weights times shares times reflectances; `which` is 0 for kd and 1 for ks.
+        let factors = |weights: &Sums, shares: &Lanes, which: usize| {
             let mut factors = [[0.0; 4]; LANES];
             for (k, material) in buffer.material[lanes.clone()].iter().enumerate() {
                 let reflectance = buffer.palette[*material as usize][which];
-                factors[k] = reflectance.map(|v| weights[k] * v);
+                factors[k] = std::array::from_fn(|c| shares[k] * weights[k][c] * reflectance[c]);
             }
             factors
         };
+        let whole = [1.0; LANES];
         if let Some(table) = shader.diffuse {
             let t = shader.translucency;
-            reading.add(
-                table,
-                Side::Normal,
-                &factors(&wd.map(|w| (1.0 - t) * w), 0),
-                sums,
-            );
+            let front = factors(&wd, &[1.0 - t; LANES], 0);
+            reading.add(table, Side::Normal, &front, sums);
             if t > 0.0 {
-                let through = factors(&wd.map(|w| t * w), 0);
+                let through = factors(&wd, &[t; LANES], 0);
                 reading.add(table, Side::Behind, &through, sums);
             }
         }
         if shader.index == Index::Traced {
-            self.glimpses(number, range.clone(), &factors(&ws, 1), sums);
+            self.glimpses(number, range.clone(), &factors(&ws, &whole, 1), sums);
         } else if let Some(table) = shader.specular {
             let side = Side::Index(shader.index);
-            reading.add(table, side, &factors(&ws, 1), sums);
+            reading.add(table, side, &factors(&ws, &whole, 1), sums);
         }
-        for (gloss, (_, table)) in shader.glosses.iter().enumerate() {
-            let mut weights = [0.0; LANES];
-            for (k, material) in buffer.material[lanes.clone()].iter().enumerate() {
-                let shares = &self.shares[*material as usize];
-                weights[k] = match mine[k] == 1.0 {
-                    true => ws[k] * shares[gloss],
-                    false => 0.0,
-                };
-            }
-            if weights[..range.len()].iter().any(|w| *w != 0.0) {
-                let side = Side::Index(shader.index);
-                reading.add(table, side, &factors(&weights, 1), sums);
+        for (gloss, (_, tables)) in shader.glosses.iter().enumerate() {
+            for (which, table) in tables.iter().enumerate() {
+                let mut shares = [0.0; LANES];
+                for (k, material) in buffer.material[lanes.clone()].iter().enumerate() {
+                    if mine[k] == 1.0 {
+                        shares[k] = self.shares[*material as usize][gloss]
+                            * shader.incidence_share(which, cosines[k]);
+                    }
+                }
+                if shares[..range.len()].iter().any(|share| *share != 0.0) {
+                    let side = Side::Index(shader.index);
+                    reading.add(table, side, &factors(&ws, &shares, 1), sums);
+                }
             }
         }
         if let Some(table) = shader.coat {

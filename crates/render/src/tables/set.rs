@@ -34,8 +34,10 @@ pub struct TableSet {
     pub diffuse: Option<Table>,
     /// S.
     pub specular: Option<Table>,
-    /// S for several exponents, ascending.
-    pub glosses: Vec<(f64, Table)>,
+    /// S for several exponents, ascending, each with a table for every one of `incidences`.
+    pub glosses: Vec<(f64, Vec<Table>)>,
+    /// Incidences of the view in degrees, descending; empty for one table at all.
+    pub incidences: Vec<f64>,
     /// I.
     pub environment: Option<Table>,
     /// The mean of I, in every direction.
@@ -47,17 +49,32 @@ pub struct TableSet {
 impl TableSet {
     /// The tables in the files of D and S and of I, which are polar maps, for surfaces of these types.
     ///
-    /// * `exponents`: S stands for a file of each, `S_N.exr` of `S.exr`; none for the one file.
+    /// * `glosses`: exponents, and incidences in degrees. S stands for the files of [`specular_files`].
     ///
     /// # Errors
-    /// A file cannot be read or is not polar, or D and S differ in their normalisation ([`Error::Tables`]).
+    /// A file cannot be read or is not polar; or D and S differ in their normalisation, or two incidences have one cosine in 32 bits
+    /// ([`Error::Tables`]).
     pub fn read(
         surfaces: &[SurfaceType],
         maps: Option<[&Path; 2]>,
-        exponents: &[f64],
+        glosses: [&[f64]; 2],
         environment: Option<&Path>,
     ) -> Result<TableSet, Error> {
         let mut set = TableSet::default();
+        let [exponents, incidences] = glosses.map(|numbers| {
+            let mut sorted = numbers.to_vec();
+            sorted.sort_by(f64::total_cmp);
+            sorted.dedup();
+            sorted
+        });
+        if let Some(pair) = incidences.windows(2).find(|p| cosine(p[0]) == cosine(p[1])) {
+            return Err(Error::Tables(format!(
+                "the incidences {} and {} are too close to read between; leave one out",
+                pair[0], pair[1]
+            )));
+        }
+        set.incidences = incidences;
+        set.incidences.reverse();
         if let Some(paths) = maps {
             let d = maps::read_polar(paths[0])?;
             set.diffuse = Some(Table::new(&d.map)?);
@@ -68,14 +85,17 @@ impl TableSet {
                 set.normalisation = own.or(s.normalisation);
                 Ok(Table::new(&s.map)?)
             };
-            if exponents.is_empty() {
-                set.specular = Some(read(paths[1])?);
+            let files = specular_files(paths[1], &exponents, &set.incidences);
+            for (number, files) in files.iter().enumerate() {
+                let tables: Result<Vec<Table>, Error> =
+                    files.iter().map(|file| read(file)).collect();
+                // Without exponents one gloss stands for every material.
+                let exponent = exponents.get(number).copied().unwrap_or_default();
+                set.glosses.push((exponent, tables?));
             }
-            for exponent in exponents {
-                let table = read(&numbered(paths[1], *exponent))?;
-                set.glosses.push((*exponent, table));
-            }
-            set.glosses.sort_by(|a, b| a.0.total_cmp(&b.0));
+        }
+        if exponents.is_empty() && set.incidences.is_empty() {
+            set.specular = set.glosses.pop().and_then(|(_, mut tables)| tables.pop());
         }
         if let Some(path) = environment {
             let environment = maps::read_polar(path)?.map;
@@ -112,7 +132,10 @@ impl TableSet {
         );
         let glosses = self.glosses.iter().filter(|_| glossy);
         Shader {
-            glosses: glosses.map(|(n, table)| (*n, table)).collect(),
+            glosses: glosses
+                .map(|(n, tables)| (*n, tables.iter().collect()))
+                .collect(),
+            incidences: self.incidences.iter().map(|a| cosine(*a)).collect(),
             diffuse,
             translucency: 0.0,
             specular,
@@ -129,11 +152,25 @@ impl TableSet {
     }
 }
 
-/// `S_16.exr` of `S.exr` and 16, as `ambake map specular --exponent` names it.
-pub fn numbered(path: &Path, exponent: f64) -> PathBuf {
+/// The files that S stands for, a list for each exponent: `S_16.exr` of `S.exr` for the exponent 16 or the incidence 16, as `ambake map specular`
+/// names them, and `S_16_60.exr` for an exponent and an incidence. One list with S itself where there are neither.
+pub fn specular_files(path: &Path, exponents: &[f64], incidences: &[f64]) -> Vec<Vec<PathBuf>> {
+    let each = |path: &Path, numbers: &[f64]| match numbers {
+        [] => vec![path.to_owned()],
+        _ => numbers.iter().map(|n| numbered(path, *n)).collect(),
+    };
+    let glosses = each(path, exponents);
+    glosses.iter().map(|path| each(path, incidences)).collect()
+}
+
+fn numbered(path: &Path, number: f64) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let ending = path.extension().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!("{stem}_{exponent}.{ending}"))
+    path.with_file_name(format!("{stem}_{number}.{ending}"))
+}
+
+fn cosine(degrees: f64) -> f32 {
+    degrees.to_radians().cos() as f32
 }
 
 /// D and S add up only where both are normalised alike; maps of other tools do not say.

@@ -17,8 +17,11 @@ pub struct Shader<'a> {
     pub translucency: f32,
     /// S.
     pub specular: Option<&'a Table>,
-    /// S for several exponents, ascending: each pixel reads the two that its material lies between. Beside `specular`, mostly in its place.
-    pub glosses: Vec<(f64, &'a Table)>,
+    /// S for several exponents, ascending, each with a table for every one of `incidences`: each pixel reads those that its material and its
+    /// E·N lie between. Beside `specular`, mostly in its place.
+    pub glosses: Vec<(f64, Vec<&'a Table>)>,
+    /// E·N of the tables of a gloss, ascending, no two alike; empty for one table at all incidences.
+    pub incidences: Vec<f32>,
     /// What indexes S.
     pub index: Index,
     /// I of a clear coat of varnish that mirrors half of what meets it, section 6.2 (3).
@@ -52,6 +55,22 @@ impl Shader<'_> {
         shares
     }
 
+    /// How much of the table of this incidence shows at E·N: linear between two, the nearest beyond the ends.
+    #[inline(always)]
+    pub(super) fn incidence_share(&self, which: usize, cosine: f32) -> f32 {
+        let Some(own) = self.incidences.get(which) else {
+            return 1.0;
+        };
+        let next = match cosine < *own {
+            true => which.checked_sub(1),
+            false => Some(which + 1),
+        };
+        match next.and_then(|next| self.incidences.get(next)) {
+            Some(next) => (1.0 - (cosine - own) / (next - own)).max(0.0),
+            None => 1.0,
+        }
+    }
+
     /// [`Shader::point`] with what `glosses` show of a lobe of this exponent.
     pub(super) fn at(
         &self,
@@ -61,11 +80,15 @@ impl Shader<'_> {
         exponent: f64,
     ) -> [f32; 3] {
         let mut value = self.point(normal, view, material);
-        let ws = self.specular_weight.at(dot(normal, view));
+        let cosine = dot(normal, view);
+        let ws = self.specular_weight.at(cosine);
         let direction = self.index.direction(normal, view);
-        for (share, (_, table)) in self.shares(exponent).into_iter().zip(&self.glosses) {
-            let s = table.bilinear(direction);
-            value = std::array::from_fn(|c| value[c] + ws * share * material[1][c] * s[c]);
+        for (share, (_, tables)) in self.shares(exponent).into_iter().zip(&self.glosses) {
+            for (which, table) in tables.iter().enumerate() {
+                let share = share * self.incidence_share(which, cosine);
+                let s = table.bilinear(direction);
+                value = std::array::from_fn(|c| value[c] + ws[c] * share * material[1][c] * s[c]);
+            }
         }
         value
     }
@@ -87,6 +110,6 @@ impl Shader<'_> {
         let wd = self.diffuse_weight.at(cosine);
         let ws = self.specular_weight.at(cosine);
         let [kd, ks] = material;
-        std::array::from_fn(|c| wd * kd[c] * d[c] + ws * ks[c] * s[c] + COAT * coat[c])
+        std::array::from_fn(|c| wd[c] * kd[c] * d[c] + ws[c] * ks[c] * s[c] + COAT * coat[c])
     }
 }

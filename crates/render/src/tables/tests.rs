@@ -34,7 +34,7 @@ pub(super) fn view(camera: &Camera, samples: u32) -> View<'_> {
 }
 
 /// A buffer of the sphere, `size` pixels wide and high.
-fn buffer(size: u32, samples: u32) -> (Camera, GBuffer) {
+pub(super) fn buffer(size: u32, samples: u32) -> (Camera, GBuffer) {
     let eye = DVec3::new(1.0, 0.75, 2.5);
     let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, 0.9, [size, size]).unwrap();
     let view = view(&camera, samples);
@@ -42,7 +42,7 @@ fn buffer(size: u32, samples: u32) -> (Camera, GBuffer) {
 }
 
 /// A polar map from a function of the direction, `64 x 32` texels by default.
-fn polar(width: usize, of: impl Fn([f64; 3]) -> [f32; 3]) -> IlluminationMap {
+pub(super) fn polar(width: usize, of: impl Fn([f64; 3]) -> [f32; 3]) -> IlluminationMap {
     let size = (width, width / 2);
     let pixels = (0..size.0 * size.1).map(|at| {
         let (x, y) = ((at % width) as f64 + 0.5, (at / width) as f64 + 0.5);
@@ -62,6 +62,7 @@ pub(super) fn shader<'a>(diffuse: Option<&'a Table>, specular: Option<&'a Table>
         translucency: 0.0,
         specular,
         glosses: vec![],
+        incidences: vec![],
         index: Index::Mirror,
         coat: None,
         diffuse_weight: Weight::Constant,
@@ -312,7 +313,10 @@ fn each_pixel_reads_s_of_its_own_exponent() {
     // Three tables of one value each; materials of four exponents side by side.
     let tables = [1.0, 2.0, 4.0].map(|value| Table::new(&polar(8, |_| [value; 3])).unwrap());
     let shader = Shader {
-        glosses: [4.0, 16.0, 64.0].into_iter().zip(&tables).collect(),
+        glosses: [4.0, 16.0, 64.0]
+            .into_iter()
+            .zip(tables.iter().map(|table| vec![table]))
+            .collect(),
         ..shader(None, None)
     };
     let exponents = [2.0, 4.0, 8.0, 63.0, 1000.0];
@@ -398,11 +402,12 @@ fn varnish_adds_half_of_the_mirrored_environment() {
 #[test]
 fn schlick_and_tables_weigh_by_the_view_angle() {
     let f0 = 0.04;
-    assert_eq!(Weight::Schlick(f0).at(1.0), f0);
-    assert_eq!(Weight::Schlick(f0).at(0.0), 1.0);
-    assert_eq!(Weight::Schlick(0.5).at(0.5), 0.5 + 0.5 / 32.0);
-    let table = Weight::Table(vec![[0.25, 2.0], [0.75, 1.0]]);
-    assert_eq!([0.0, 0.5, 1.0].map(|c| table.at(c)), [2.0, 1.5, 1.0]);
+    assert_eq!(Weight::Schlick(f0).at(1.0), [f0; 3]);
+    assert_eq!(Weight::Schlick(f0).at(0.0), [1.0; 3]);
+    assert_eq!(Weight::Schlick(0.5).at(0.5), [0.5 + 0.5 / 32.0; 3]);
+    let table = Weight::Table(vec![[0.25, 2.0, 4.0, 0.0], [0.75, 1.0, 2.0, 1.0]]);
+    let exact = [[2.0, 4.0, 0.0], [1.5, 3.0, 0.5], [1.0, 2.0, 1.0]];
+    assert_eq!([0.0, 0.5, 1.0].map(|c| table.at(c)), exact);
 }
 
 #[test]
