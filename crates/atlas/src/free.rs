@@ -3,6 +3,7 @@
 use crate::arrange::{cut, settle};
 use crate::charts::sheets;
 use crate::hidden::hide;
+use crate::keep::Square;
 use crate::mask::Mask;
 use crate::measure::AS_IT_STANDS;
 use crate::pack::{Frame, Page, Shape, Spot, add};
@@ -21,6 +22,8 @@ pub(crate) struct Newcomers<'a> {
     /// Instances that take the coordinates which their mesh has, each with a known instance of that mesh and how much longer its edges
     /// are than that one's.
     pub copies: &'a [(u32, u32, f64)],
+    /// Instances that lie together as their file's set says, whose meshes have its coordinates already.
+    pub squares: &'a [(Vec<u32>, Square)],
     /// Texels per scene unit of each instance, if it is laid out anew, and whether it may have less.
     pub densities: &'a [(f64, bool)],
 }
@@ -73,6 +76,12 @@ pub(crate) fn insert(
             shapes.push(vec![Mask::full(texels.x as u32, texels.y as u32)]);
             groups.push(groups.last().map_or(0, |last| last + 1));
         }
+        for (instances, square) in new.squares {
+            let density = density(instances[0]);
+            let mask = square.mask(scene, &atlas.meshes, instances, density, atlas.page_size);
+            shapes.push(vec![mask]);
+            groups.push(groups.last().map_or(0, |last| last + 1));
+        }
         if let Some((spots, count)) = fit(&shapes, &groups, pages.clone(), most, cancel) {
             break (tiles, charts, spots, count);
         }
@@ -94,6 +103,13 @@ pub(crate) fn insert(
             scale: scale.as_vec2().to_array(),
             offset: [spot.x, spot.y].map(|t| (f64::from(t) / size) as f32),
         };
+    }
+    let spots = &spots[charts + new.copies.len()..];
+    for ((instances, square), spot) in new.squares.iter().zip(spots) {
+        let placed = square.placed(spot, density(instances[0]), atlas.page_size);
+        for &instance in instances {
+            atlas.placements[instance as usize] = placed;
+        }
     }
     Some(())
 }

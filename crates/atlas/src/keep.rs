@@ -4,6 +4,7 @@ use crate::audit::audit;
 use crate::mask::Mask;
 use crate::measure::{AS_IT_STANDS, chart_count, density, uv_area, uv_bounds};
 use crate::objects::{Object, extent};
+use crate::pack::Spot;
 use crate::search::{Cut, Found, search};
 use crate::uv::corners;
 use crate::{Atlas, Audit, Error, MeshLayout, Options, Placement, UvSource, Why};
@@ -145,7 +146,8 @@ fn layouts(scene: &Scene, included: &[bool], set: u32) -> Result<Vec<MeshLayout>
     scene.meshes.iter().zip(used).map(layout).collect()
 }
 
-fn own_layout(mesh: &Mesh, set: u32) -> Result<MeshLayout, Error> {
+/// The set of a mesh, checked alike.
+pub(crate) fn own_layout(mesh: &Mesh, set: u32) -> Result<MeshLayout, Error> {
     let unusable = |why| Error::Unusable {
         mesh: mesh.name.clone(),
         set,
@@ -189,7 +191,7 @@ fn object_of(objects: &[Object], instance: u32) -> usize {
 }
 
 /// Objects that share one authored square, taken together: the parts of one copy of a node. All of an OBJ is one.
-fn squares(scene: &Scene, objects: &[Object]) -> Vec<Object> {
+pub(crate) fn squares(scene: &Scene, objects: &[Object]) -> Vec<Object> {
     let mut squares: Vec<Object> = Vec::new();
     let mut known = std::collections::HashMap::new();
     for object in objects.iter().filter(|o| o.included) {
@@ -221,14 +223,14 @@ fn repack(
     options: &Options,
     cancel: &(dyn Fn() -> bool + Sync),
 ) -> Result<(), Error> {
-    let shapes: Vec<Shape> = squares
+    let shapes: Vec<Square> = squares
         .iter()
-        .map(|square| Shape::of(scene, atlas, square, areas))
+        .map(|square| Square::of(scene, &atlas.meshes, square, areas))
         .collect();
     let size = options.page_size;
     let cut = |densities: &[f64], _: bool| {
-        let cut = |((square, shape), &density): ((&Object, &Shape), &f64)| {
-            vec![shape.mask(scene, atlas, &square.instances, density, size)]
+        let cut = |((square, shape), &density): ((&Object, &Square), &f64)| {
+            vec![shape.mask(scene, &atlas.meshes, &square.instances, density, size)]
         };
         let shapes = squares
             .iter()
@@ -252,35 +254,27 @@ fn repack(
         .zip(&packed.spots)
         .zip(densities)
     {
-        let scale = shape.scale * density;
-        let corner = DVec2::new(f64::from(spot.x), f64::from(spot.y)) + margin(size);
-        let offset = (corner - shape.low * scale) / f64::from(size);
         for &i in &square.instances {
-            atlas.placements[i as usize] = Placement {
-                page: spot.page,
-                scale: [(scale / f64::from(size)) as f32; 2],
-                offset: offset.as_vec2().to_array(),
-            };
+            atlas.placements[i as usize] = shape.placed(spot, density, size);
         }
     }
     Ok(())
 }
 
 /// The part of its square that an object uses.
-struct Shape {
+pub(crate) struct Square {
     low: DVec2,
     high: DVec2,
     /// Scene units per unit of the square: times the density, texels.
     scale: f64,
 }
 
-impl Shape {
-    fn of(scene: &Scene, atlas: &Atlas, object: &Object, areas: &[f64]) -> Shape {
+impl Square {
+    /// Of an object whose meshes have these coordinates, of these areas in the square.
+    pub fn of(scene: &Scene, meshes: &[MeshLayout], object: &Object, areas: &[f64]) -> Self {
         let mesh = |i: &u32| scene.instances[*i as usize].mesh as usize;
         let instances = &object.instances;
-        let bounds = instances
-            .iter()
-            .filter_map(|i| uv_bounds(&atlas.meshes[mesh(i)]));
+        let bounds = instances.iter().filter_map(|i| uv_bounds(&meshes[mesh(i)]));
         let (low, high) = bounds
             .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
             .unwrap_or_default();
@@ -289,14 +283,14 @@ impl Shape {
             true => (object.area / square).sqrt(),
             false => 0.0,
         };
-        Shape { low, high, scale }
+        Self { low, high, scale }
     }
 
     /// The texels that its charts touch at a density.
-    fn mask(
+    pub fn mask(
         &self,
         scene: &Scene,
-        atlas: &Atlas,
+        meshes: &[MeshLayout],
         instances: &[u32],
         density: f64,
         size: u32,
@@ -306,13 +300,25 @@ impl Shape {
             .ceil()
             .max(DVec2::ONE);
         let triangles = instances.iter().flat_map(|&i| {
-            let layout = &atlas.meshes[scene.instances[i as usize].mesh as usize];
+            let layout = &meshes[scene.instances[i as usize].mesh as usize];
             (0..layout.triangles.len()).map(move |t| {
                 corners(layout, &AS_IT_STANDS, t, 1.0)
                     .map(|p| (p - self.low) * scale + margin(size))
             })
         });
         Mask::of(triangles, room.x as u32, room.y as u32)
+    }
+
+    /// Where its instances lie on a page once its mask has its spot.
+    pub fn placed(&self, spot: &Spot, density: f64, size: u32) -> Placement {
+        let scale = self.scale * density;
+        let corner = DVec2::new(f64::from(spot.x), f64::from(spot.y)) + margin(size);
+        let offset = (corner - self.low * scale) / f64::from(size);
+        Placement {
+            page: spot.page,
+            scale: [(scale / f64::from(size)) as f32; 2],
+            offset: offset.as_vec2().to_array(),
+        }
     }
 }
 

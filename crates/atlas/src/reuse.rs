@@ -2,10 +2,11 @@
 
 use crate::audit::audit;
 use crate::free::{Newcomers, insert};
+use crate::keep::{Square, own_layout, squares};
 use crate::measure::{AS_IT_STANDS, chart_count, density, uv_area, world_triangle_areas};
-use crate::objects::{extent, object_names, objects};
+use crate::objects::{Object, extent, object_names, objects};
 use crate::share::{CEILING, FLOOR};
-use crate::{Atlas, Error, MeshLayout, Options, Placement, Seen, UvSource};
+use crate::{Atlas, Error, MeshLayout, Options, Placement, Seen, UvMode, UvSource};
 use scene::{Mesh, Scene};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -79,6 +80,11 @@ pub fn reuse(
     let mut placements = vec![Placement::NOWHERE; now.len()];
     let mut anew = vec![false; now.len()];
     let mut copies = Vec::new();
+    let mut joining = Vec::new();
+    let set = match earlier.source {
+        UvSource::Kept { set } | UvSource::Repacked { set } => Some(set),
+        UvSource::Unwrapped => None,
+    };
     let mut users = vec![Vec::new(); scene.meshes.len()];
     for (instance, claim) in now.iter().enumerate() {
         users[claim.mesh as usize].push(instance);
@@ -105,8 +111,15 @@ pub fn reuse(
         let news = users
             .iter()
             .filter(|&&i| places[i].is_none() && now[i].included);
+        let own = set.and_then(|set| own_layout(mesh, set).ok());
         match (source, tile) {
             (Some(layout), _) if news.clone().next().is_none() => meshes.push(layout.clone()),
+            _ if own.is_some() => {
+                meshes.extend(own);
+                joining.extend(news.map(|&i| i as u32));
+            }
+            // What has no usable coordinates of its own is unwrapped where that is allowed.
+            _ if set.is_some() && options.uv == UvMode::Keep => return None,
             (Some(layout), Some((sibling, _))) => {
                 meshes.push(layout.clone());
                 let edge = |i: usize| now[i].shape[0].sqrt();
@@ -131,14 +144,19 @@ pub fn reuse(
         meshes,
         ..earlier.clone()
     };
-    if anew.contains(&true) || !copies.is_empty() {
-        if earlier.source != UvSource::Unwrapped {
-            return None;
-        }
+    let mut squares = Vec::new();
+    if let Some(set) = set.filter(|_| !joining.is_empty())
+        && !join(&mut atlas, scene, &joining)
+    {
+        squares = squares_of(&atlas, scene, now, &joining, options)?;
+        atlas.source = UvSource::Repacked { set };
+    }
+    if anew.contains(&true) || !copies.is_empty() || !squares.is_empty() {
         let densities = densities(earlier, before, scene, now, options);
         let new = Newcomers {
             anew: &anew,
             copies: &copies,
+            squares: &squares,
             densities: &densities,
         };
         insert(&mut atlas, scene, &new, options, seen, &|| false)?;
@@ -151,6 +169,52 @@ pub fn reuse(
     atlas.audit.texels = findings.audit.texels;
     atlas.density = density(scene, &atlas.meshes, &atlas.placements, atlas.page_size);
     Some(atlas)
+}
+
+/// Lays instances out as the file's set stands, where the set was kept so and nothing overlaps; true where that is so.
+fn join(atlas: &mut Atlas, scene: &Scene, joining: &[u32]) -> bool {
+    if !matches!(atlas.source, UvSource::Kept { .. }) {
+        return false;
+    }
+    let place = |atlas: &mut Atlas, at: Placement| {
+        for &instance in joining {
+            atlas.placements[instance as usize] = at;
+        }
+    };
+    place(atlas, AS_IT_STANDS);
+    let clean = audit(scene, atlas).clean();
+    if !clean {
+        place(atlas, Placement::NOWHERE);
+    }
+    clean
+}
+
+/// The parts of authored squares that these instances are, each to be placed by itself.
+fn squares_of(
+    atlas: &Atlas,
+    scene: &Scene,
+    now: &[Claim],
+    joining: &[u32],
+    options: &Options,
+) -> Option<Vec<(Vec<u32>, Square)>> {
+    let areas: Vec<f64> = atlas.meshes.iter().map(uv_area).collect();
+    let mut found = Vec::new();
+    for object in squares(scene, &objects(scene, options).ok()?) {
+        let new = |instance: &u32| joining.contains(instance);
+        let instances: Vec<u32> = object.instances.iter().copied().filter(new).collect();
+        if instances.is_empty() {
+            continue;
+        }
+        let area = instances.iter().map(|&i| now[i as usize].shape[0]).sum();
+        let part = Object {
+            instances,
+            area,
+            ..object
+        };
+        let square = Square::of(scene, &atlas.meshes, &part, &areas);
+        found.push((part.instances, square));
+    }
+    Some(found)
 }
 
 /// The earlier instance that each one is; `None` for what is new or differs.

@@ -5,15 +5,17 @@
 //! does. See vendor-notes/exr.md.
 
 use crate::Error;
-use exr::block::lines::LineRefMut;
-use exr::image::write::WritableImage;
-use exr::image::write::samples::{SamplesWriter, WritableSamples};
-use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, Image, Layer};
-use exr::math::{RoundingMode, Vec2};
-use exr::meta::attribute::{AttributeValue, LevelMode, LineOrder, SampleType, Text};
+use exr::block::chunk::{Chunk, CompressedBlock, CompressedScanLineBlock};
+use exr::block::writer::ChunksWriter;
+use exr::compression::Compression;
+use exr::meta::BlockDescription;
+use exr::meta::attribute::{AttributeValue, ChannelDescription, LineOrder, SampleType, Text};
 use exr::meta::header::{Header, LayerAttributes};
+use flate2::write::ZlibEncoder;
+use rayon::prelude::*;
 use std::fs::File;
 use std::io::{BufWriter, Read, Seek, SeekFrom, Write};
+use std::ops::Range;
 use std::path::Path;
 
 /// What the header of a page says about its origin. Everything is a string attribute in the file.
@@ -54,7 +56,7 @@ impl PageHeader {
 /// * `size`: edge of the page in texels.
 /// * `channels`: each with its name in the file and `size * size` values, rows from the top.
 ///
-/// Values are not copied. The bytes do not depend on the number of threads.
+/// Some blocks of lines are in memory at a time. The bytes do not depend on the number of threads.
 ///
 /// # Errors
 /// [`Error::NonFinite`] for the first NaN or infinity, before a byte is written; [`Error::Write`] with an empty path,
@@ -85,22 +87,15 @@ pub fn write_page_exr(
             });
         }
     }
-    let channels = channels.iter().map(|(name, values)| AnyChannel {
-        name: Text::from(name.as_str()),
-        sample_data: Plane {
-            width: edge,
+    let mut planes: Vec<Plane<'_>> = (channels.iter())
+        .map(|(name, values)| Plane {
+            name,
             values,
             half: is_half(name),
-        },
-        quantize_linearly: false,
-        sampling: Vec2(1, 1),
-    });
-    let channels = AnyChannels::sort(channels.collect());
-    if let Some(twin) = channels
-        .list
-        .windows(2)
-        .find(|pair| pair[0].name == pair[1].name)
-    {
+        })
+        .collect();
+    planes.sort_by_key(|plane| plane.name);
+    if let Some(twin) = planes.windows(2).find(|pair| pair[0].name == pair[1].name) {
         panic!("two channels are called {}", twin[0].name);
     }
     // Bytes, not characters: the file format stores them as they are, and a path may hold any UTF-8.
@@ -114,22 +109,57 @@ pub fn write_page_exr(
             .other
             .insert(Text::from(name), AttributeValue::Text(text(&value)));
     }
-    let encoding = Encoding {
-        compression: exr::compression::Compression::ZIP16,
-        blocks: Blocks::ScanLines,
-        line_order: LineOrder::Increasing,
-    };
-    let image = Image::from_layer(Layer::new((edge, edge), attributes, encoding, channels));
-    image
-        .write()
-        .to_unbuffered(BufWriter::new(&mut *file))
-        .map_err(|error| {
-            let source = match error {
-                exr::error::Error::Io(io) => io,
-                other => std::io::Error::other(other.to_string()),
-            };
-            Error::write(Path::new(""), source)
-        })?;
+    let described = planes.iter().map(|plane| {
+        let kind = match plane.half {
+            true => SampleType::F16,
+            false => SampleType::F32,
+        };
+        ChannelDescription::new(plane.name, kind, false)
+    });
+    let lines = Compression::ZIP16.scan_lines_per_block();
+    let header = Header::new(Text::from(""), (edge, edge), described.collect())
+        .with_encoding(
+            Compression::ZIP16,
+            BlockDescription::ScanLines,
+            LineOrder::Increasing,
+        )
+        .with_attributes(attributes);
+    let firsts: Vec<usize> = (0..edge).step_by(lines).collect();
+    // So many blocks are in memory at a time.
+    let together = 4 * rayon::current_num_threads();
+    let written = exr::block::write(
+        BufWriter::new(&mut *file),
+        [header].into_iter().collect(),
+        true,
+        |_, writer| {
+            let mut number = 0;
+            for batch in firsts.chunks(together) {
+                let packed: Vec<Vec<u8>> = (batch.par_iter())
+                    .map(|&first| block(&planes, edge, first..(first + lines).min(edge)))
+                    .collect();
+                for (&first, compressed_pixels_le) in batch.iter().zip(packed) {
+                    let block = CompressedScanLineBlock {
+                        y_coordinate: first as i32,
+                        compressed_pixels_le,
+                    };
+                    let chunk = Chunk {
+                        layer_index: 0,
+                        compressed_block: CompressedBlock::ScanLine(block),
+                    };
+                    writer.write_chunk(number, chunk)?;
+                    number += 1;
+                }
+            }
+            Ok(())
+        },
+    );
+    written.map_err(|error| {
+        let source = match error {
+            exr::error::Error::Io(io) => io,
+            other => std::io::Error::other(other.to_string()),
+        };
+        Error::write(Path::new(""), source)
+    })?;
     sort_attributes(file).map_err(|e| Error::write(Path::new(""), e))
 }
 
@@ -188,51 +218,51 @@ fn is_half(name: &str) -> bool {
 
 /// A borrowed channel.
 struct Plane<'a> {
-    width: usize,
+    name: &'a str,
     values: &'a [f32],
     half: bool,
 }
 
-impl<'a> WritableSamples<'a> for Plane<'_> {
-    type Writer = PlaneWriter<'a>;
-
-    fn sample_type(&self) -> SampleType {
-        match self.half {
-            true => SampleType::F16,
-            false => SampleType::F32,
-        }
-    }
-
-    fn infer_level_modes(&self) -> (LevelMode, RoundingMode) {
-        (LevelMode::Singular, RoundingMode::Down)
-    }
-
-    fn create_samples_writer(&'a self, _: &Header) -> PlaneWriter<'a> {
-        PlaneWriter {
-            width: self.width,
-            values: self.values,
-            half: self.half,
-        }
-    }
-}
-
-struct PlaneWriter<'a> {
-    width: usize,
-    values: &'a [f32],
-    half: bool,
-}
-
-impl SamplesWriter for PlaneWriter<'_> {
-    fn extract_line(&self, line: LineRefMut<'_>) {
-        let start = line.location.position.y() * self.width + line.location.position.x();
-        let samples = &self.values[start..start + line.location.sample_count];
-        let written = match self.half {
-            false => line.write_samples_from_slice(samples),
-            true => {
-                let halves: Vec<_> = samples.iter().map(|&s| half::f16::from_f32(s)).collect();
-                line.write_samples_from_slice(&halves)
+/// Some lines of a page as OpenEXR's ZIP packs them: the low bytes of all samples before the high ones, each as its difference from the
+/// last, deflated; as they are where that does not make them shorter.
+fn block(planes: &[Plane<'_>], edge: usize, lines: Range<usize>) -> Vec<u8> {
+    let of_line = |plane: &Plane<'_>| edge * if plane.half { 2 } else { 4 };
+    let mut bytes = vec![0u8; lines.len() * planes.iter().map(of_line).sum::<usize>()];
+    let mut rest = &mut bytes[..];
+    for y in lines {
+        for plane in planes {
+            let samples = &plane.values[y * edge..][..edge];
+            let line;
+            (line, rest) = rest.split_at_mut(of_line(plane));
+            if plane.half {
+                for (to, &sample) in line.as_chunks_mut().0.iter_mut().zip(samples) {
+                    *to = half::f16::from_f32(sample).to_le_bytes();
+                }
+            } else {
+                for (to, sample) in line.as_chunks_mut().0.iter_mut().zip(samples) {
+                    *to = sample.to_le_bytes();
+                }
             }
-        };
-        written.expect("a buffer in memory takes its line");
+        }
+    }
+    let mut parted = vec![0u8; bytes.len()];
+    let (low, high) = parted.split_at_mut(bytes.len() / 2);
+    let pairs = bytes.as_chunks::<2>().0;
+    for ((low, high), pair) in low.iter_mut().zip(high).zip(pairs) {
+        [*low, *high] = *pair;
+    }
+    // The first byte has none before it, and stays.
+    let mut last = 128;
+    for byte in &mut parted {
+        let own = *byte;
+        *byte = own.wrapping_sub(last).wrapping_add(128);
+        last = own;
+    }
+    let mut packed = ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
+    let packed = packed.write_all(&parted).and_then(|()| packed.finish());
+    let packed = packed.expect("memory takes what is written");
+    match packed.len() < bytes.len() {
+        true => packed,
+        false => bytes,
     }
 }

@@ -30,7 +30,7 @@ mod viewer;
 
 pub use any_view::{AnyViewReport, any_view_files, stage_any_view};
 pub use bake_json::*;
-pub use checkpoint::{Journal, remove_journal, write_journal};
+pub use checkpoint::{Journal, JournalWriter, remove_journal, write_journal};
 pub use compare::{Comparison, Difference, PageComparison, Worst, compare_layers, compare_pages};
 pub use cpu::cpu_seconds;
 pub use difference::{difference_picture, difference_png, nice_limit};

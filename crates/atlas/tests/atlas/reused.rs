@@ -1,9 +1,9 @@
 //! Layouts that stay while the scene changes.
 
 use crate::layouts::{apart, assert_clean};
-use crate::scenes::{ball, cube, moved, scaled, scene};
-use ambake_atlas::{Atlas, Options, Pages, Placement, UvMode, claims, layout, reuse};
-use glam::DAffine3;
+use crate::scenes::{ball, cube, mesh, moved, scaled, scene};
+use ambake_atlas::{Atlas, Options, Pages, Placement, UvMode, UvSource, claims, layout, reuse};
+use glam::{DAffine3, Vec2, Vec3};
 use scene::{Mesh, Scene};
 
 /// Meshes, each with its own name, and where they stand: mesh, node, transform.
@@ -138,4 +138,69 @@ fn what_does_not_fit_the_pages_asked_for_is_laid_out_anew() {
     let new = new.expect("on another page");
     assert_kept(&old, &new, &[0], &[0]);
     assert!(new.page_count > old.page_count);
+}
+
+/// A square of one unit with coordinates of its own: the square of edge `edge` at `at`.
+fn authored(at: [f32; 2], edge: f32) -> Mesh {
+    let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    let positions = corners.map(|[x, y]| Vec3::new(x, 0.0, -y));
+    let uv = |[x, y]: [f32; 2]| Vec2::new(at[0] + edge * x, at[1] + edge * y);
+    let mut mesh = mesh("authored", positions.into(), vec![[0, 1, 2], [0, 2, 3]]);
+    mesh.uv_sets = vec![corners.map(uv).into()];
+    mesh
+}
+
+/// As [`again`], with coordinates that are kept; each square stands by itself.
+fn kept(before: &[Mesh], after: &[Mesh], size: u32) -> (Atlas, Scene, Option<Atlas>) {
+    let [before, after] = [before, after].map(|meshes| {
+        let at = |k: u32| (k, k, moved(2.0 * f64::from(k), 0.0, 0.0));
+        named(
+            meshes.to_vec(),
+            &(0..meshes.len() as u32).map(at).collect::<Vec<_>>(),
+        )
+    });
+    let options = Options {
+        uv: UvMode::Keep,
+        ..options(size)
+    };
+    let old = layout(&before, &options, &|| false).expect("a layout");
+    let [was, now] = [&before, &after].map(|scene| claims(scene, &options).expect("claims"));
+    let new = reuse(&old, &was, &after, &now, &options, None);
+    (old, after, new)
+}
+
+#[test]
+fn authored_coordinates_of_what_is_new_stand_where_the_others_leave_them_free() {
+    let before = [authored([0.1, 0.1], 0.3), authored([0.6, 0.1], 0.3)];
+    let after = [&before[..], &[authored([0.1, 0.6], 0.3)]].concat();
+    let (old, _, new) = kept(&before, &after, 128);
+    let new = new.expect("nothing overlaps");
+    assert_clean(&new);
+    assert_kept(&old, &new, &[0, 1], &[0, 1]);
+    assert_eq!(new.source, UvSource::Kept { set: 0 });
+    assert_eq!(new.placements[2], old.placements[0], "as they stand");
+}
+
+#[test]
+fn authored_coordinates_that_lie_on_others_take_a_rectangle_of_free_space() {
+    let before = [authored([0.1, 0.1], 0.3), authored([0.6, 0.1], 0.3)];
+    let after = [&before[..], &[authored([0.0, 0.0], 0.9)]].concat();
+    let (old, after, new) = kept(&before, &after, 128);
+    assert_eq!(old.source, UvSource::Kept { set: 0 });
+    let new = new.expect("there is room");
+    assert_clean(&new);
+    assert_kept(&old, &new, &[0, 1], &[0, 1]);
+    assert_eq!(new.source, UvSource::Repacked { set: 0 });
+    // It gets the density of the others.
+    let densities = ambake_atlas::facts(&after, &new).objects;
+    let [first, third] = [0, 2].map(|k| densities[k].density);
+    assert!((third / first - 1.0).abs() < 0.05, "{first} {third}");
+    // Rectangles that were packed stay as well.
+    let square = || authored([0.0, 0.0], 1.0);
+    let (old, _, new) = kept(&[square(), square()], &[square(), square(), square()], 64);
+    assert_eq!(old.source, UvSource::Repacked { set: 0 });
+    let new = new.expect("on a further page, if need be");
+    assert_clean(&new);
+    assert_kept(&old, &new, &[0, 1], &[0, 1]);
+    assert!(new.placements[2].is_somewhere());
 }
