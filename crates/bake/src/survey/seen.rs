@@ -62,11 +62,8 @@ impl Seen {
         let own = cells[0].body;
         let is_uniform = cells.iter().all(|cell| cell.body == own);
         let matters = |body: &u32| !(is_uniform && solids.spares(*body, own));
-        let near: Vec<u32> = near
-            .iter()
-            .copied()
-            .filter(|body| matters(body) && solids.reaches(*body, low, high))
-            .collect();
+        let mut near = solids.narrowed(near, low, high);
+        near.retain(matters);
         if near.is_empty() {
             return Self::ALL;
         }
