@@ -2,14 +2,14 @@
 //!
 //! A floor that reaches a little through its wall ends in a rim that sees the other side. It may be a hundredth of a texel, and its light
 //! would still be a leak all over the texel that it shares with the floor. So where something stands between the middle of a footprint that
-//! ends a chart and a third of it at most, that part is left out.
+//! covers its texel in part and a third of it at most, that part is left out.
 
 use super::seen::EDGE;
 use super::texel::Texel;
 use glam::DVec3;
 use rays::{Coherence, Ray, RayBackend, RayPacket};
 
-/// A footprint that covers its texel up to this ends no chart.
+/// A footprint that covers so much of its texel is taken to end no chart; one may end there, on a border of texels.
 const WHOLE: f32 = 0.999;
 /// How high above the surface one looks for what stands there, as a share of the footprint's size, and how far its corners may lie off
 /// their plane.
