@@ -20,6 +20,16 @@ pub(super) struct Ground {
 }
 
 impl Ground {
+    /// All that meets a box, and nothing else.
+    pub fn meeting(low: DVec3, high: DVec3) -> Self {
+        Self {
+            low,
+            high,
+            plane: None,
+            distance: 0.0,
+        }
+    }
+
     /// False where no ray can meet anything in this box.
     pub fn may_see(&self, low: DVec3, high: DVec3) -> bool {
         let apart = (low - self.high).max(self.low - high).max(DVec3::ZERO);
@@ -31,7 +41,7 @@ impl Ground {
 
     /// True where [`Ground::may_see`] holds for every box within this one.
     pub fn sees_all(&self, low: DVec3, high: DVec3) -> bool {
-        let apart = (high - self.low).max(self.high - low).max(DVec3::ZERO);
+        let apart = (high - self.high).max(self.low - low).max(DVec3::ZERO);
         apart.length() <= self.distance
             && self
                 .plane

@@ -26,8 +26,8 @@ use glam::DVec3;
 use ground::Ground;
 use layers::Layer;
 use rayon::prelude::*;
-use rays::Patch;
-use std::sync::OnceLock;
+use rays::{Patch, Solids};
+use std::collections::HashMap;
 use tree::{BoxTree, Item};
 
 /// Slack of all tests of reach, per unit of the scene's coordinates: far above the rounding of 32-bit rays.
@@ -40,7 +40,11 @@ pub struct Reach<'a> {
     baker: &'a Baker<'a>,
     contents: Vec<Content>,
     tree: BoxTree,
-    bodies: Vec<OnceLock<Fingerprint>>,
+    bodies: Vec<Fingerprint>,
+    /// What buries or lays open.
+    burying: BoxTree,
+    /// By body, the grounds and rooms that bury it, in order.
+    roots: HashMap<u32, Vec<u32>>,
     /// What every tile depends on.
     common: Hasher,
     /// The `object` layer holds the numbers of objects.
@@ -73,12 +77,16 @@ impl<'a> Reach<'a> {
         common.update(&numbers(&world.origin().to_array()));
         let words = (&layers, decided, baker.plan.mixture, baker.solids.is_some());
         common.update(format!("{words:?}").as_bytes());
-        let bodies = baker.solids.map_or(0, |solids| solids.bodies());
+        let bodies = baker.solids.map_or_else(Vec::new, bodies);
         Self {
             baker,
             tree: BoxTree::build(items.collect()),
             contents,
-            bodies: (0..bodies).map(|_| OnceLock::new()).collect(),
+            burying: baker
+                .solids
+                .map_or_else(BoxTree::default, |solids| burying(solids, &bodies)),
+            roots: baker.solids.map_or_else(HashMap::new, roots),
+            bodies,
             common,
             numbered: layers.contains(&Layer::Object),
             slack: SLACK * (world.scale_bound() + world.bounds().diagonal()),
@@ -118,7 +126,7 @@ impl<'a> Reach<'a> {
             hasher.numbers(part.corners.map(|p| p.to_array()).as_flattened());
             hasher.update(&[self.baker.plan.open.contains(instance, triangle).into()]);
             let own = self.baker.solids.and_then(|of| of.own(instance, triangle));
-            hasher.update(&own.map_or([0; 16], |body| self.body(body)));
+            hasher.update(&own.map_or([0; 16], |body| self.bodies[body as usize]));
             if !owns.contains(&own) {
                 owns.push(own);
             }
@@ -129,16 +137,21 @@ impl<'a> Reach<'a> {
             (low.min(ground.low), high.max(ground.high))
         });
         if let Some(solids) = self.baker.solids {
-            // What is rooted in a ground or a room may hang on things far away.
-            let spared = |body| owns.iter().map(move |&own| solids.spares(body, own).into());
-            let about = solids.about(low, high).into_iter();
-            let mut about: Vec<(Fingerprint, Vec<u8>)> = about
-                .map(|body| (self.body(body), spared(body).collect()))
-                .collect();
-            about.sort_unstable();
-            for (body, spared) in about {
-                hasher.update(&body);
-                hasher.update(&spared);
+            let about = Ground::meeting(low, high);
+            hasher.update(&self.burying.sum(&[about]).to_le_bytes());
+            // What buries some of the tile's surfaces and not others.
+            for own in owns {
+                let roots = own.and_then(|own| self.roots.get(&own));
+                let meets = |body: &&u32| {
+                    let box_of = solids.box_of(**body);
+                    box_of.is_some_and(|(low, high)| about.may_see(low, high))
+                };
+                let roots = roots.into_iter().flatten().filter(meets);
+                let mut roots: Vec<Fingerprint> =
+                    roots.map(|&body| self.bodies[body as usize]).collect();
+                roots.sort_unstable();
+                hasher.update(&(roots.len() as u64).to_le_bytes());
+                hasher.update(roots.as_flattened());
             }
         }
         hasher.update(&self.tree.sum(&grounds).to_le_bytes());
@@ -186,16 +199,49 @@ impl<'a> Reach<'a> {
             distance: distance * (1.0 + SLACK) + slack,
         }
     }
+}
 
-    fn body(&self, body: u32) -> Fingerprint {
-        *self.bodies[body as usize].get_or_init(|| {
-            let mut hasher = Feed::default();
-            if let Some(solids) = self.baker.solids {
-                solids.content(body, &mut |bytes| {
-                    hasher.update(bytes);
-                });
-            }
-            hasher.short()
-        })
+/// What decides what each body counts at a point, but for what is rooted in it.
+fn bodies(solids: &Solids) -> Vec<Fingerprint> {
+    let content = |body| {
+        let mut hasher = Feed::default();
+        solids.content(body, &mut |bytes| hasher.update(bytes));
+        hasher.short()
+    };
+    let all = 0..solids.bodies();
+    let contents: Vec<Fingerprint> = all.into_par_iter().map(content).collect();
+    let rooms = solids.rooms().iter();
+    let rooms = rooms.map(|&room| u128::from_le_bytes(contents[room as usize]));
+    let rooms = rooms.fold(0, u128::wrapping_add);
+    let body = |(body, content): (u32, &Fingerprint)| {
+        let mut hasher = Feed::default();
+        hasher.update(content);
+        hasher.update(&[solids.kind(body)]);
+        if solids.asks_rooms(body) {
+            hasher.update(&rooms.to_le_bytes());
+        }
+        hasher.short()
+    };
+    (0..).zip(&contents).map(body).collect()
+}
+
+/// A tree of what buries or lays open.
+fn burying(solids: &Solids, bodies: &[Fingerprint]) -> BoxTree {
+    let item = |(body, content): (u32, &Fingerprint)| {
+        let (low, high) = solids.box_of(body)?;
+        let sum = u128::from_le_bytes(*content);
+        Some(Item { low, high, sum })
+    };
+    BoxTree::build((0..).zip(bodies).filter_map(item).collect())
+}
+
+/// By body, the grounds and rooms that it is rooted in.
+fn roots(solids: &Solids) -> HashMap<u32, Vec<u32>> {
+    let mut roots: HashMap<u32, Vec<u32>> = HashMap::new();
+    for body in 0..solids.bodies() {
+        for &rooted in solids.rooted(body) {
+            roots.entry(rooted).or_default().push(body);
+        }
     }
+    roots
 }

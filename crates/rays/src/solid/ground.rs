@@ -10,14 +10,14 @@
 //! The part behind is buried, for this surface alone. But a sheet that has something else behind it which does not cross it, and is not
 //! small beside it, is no ground: people stand under an awning, and see what it is fastened to.
 
-use super::placed::{CROSSES, NEAR, Placed, SMALL};
+use super::placed::{Among, CROSSES, NEAR, Placed, SMALL};
 use super::topology::corners;
 use super::tree::SurfaceTree;
 use super::{Inside, Solids};
 use glam::DVec3;
 use rayon::prelude::*;
 use scene::Scene;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 /// Faces of a sheet from which one looks for what is behind it.
 const LOOKS: usize = 64;
@@ -93,7 +93,7 @@ impl Stand {
 impl Solids {
     /// Finds the grounds of a scene and what is rooted in them, and makes bodies of both.
     pub(super) fn root(&mut self) {
-        let found = self.rooted();
+        let found = self.rooted_in_grounds();
         for (sheet, rooted) in found {
             let mut members: Vec<u32> = rooted.into_iter().map(|key| self.body_of(key)).collect();
             members.sort_unstable();
@@ -104,16 +104,14 @@ impl Solids {
     }
 
     /// By sheet, what is rooted in it: placements and numbers of surfaces.
-    fn rooted(&self) -> BTreeMap<(u32, u32), Vec<(u32, u32)>> {
+    fn rooted_in_grounds(&self) -> BTreeMap<(u32, u32), Vec<(u32, u32)>> {
         let placed = self.placed_surfaces();
-        let mut order: Vec<usize> = (0..placed.len()).collect();
-        order.sort_by(|&a, &b| placed[a].low.x.total_cmp(&placed[b].low.x).then(a.cmp(&b)));
+        let all = Among::of(placed.iter().collect());
         let of = |sheet: &Placed| {
-            let last = order.partition_point(|&other| placed[other].low.x <= sheet.high.x);
-            let others: Vec<&Placed> = order[..last]
-                .iter()
-                .map(|&other| &placed[other])
-                .filter(|other| other.key != sheet.key && other.meets(sheet.low, sheet.high))
+            let near = all.meeting(sheet.low, sheet.high).into_iter();
+            let others: Vec<&Placed> = near
+                .map(|other| &placed[other])
+                .filter(|other| other.key != sheet.key)
                 .collect();
             if others.is_empty() {
                 return None;
@@ -121,7 +119,7 @@ impl Solids {
             let tree = self.tree_of(sheet.shape, sheet.key.1);
             let stand = |other: &&Placed| Stand::of(&self.scene, sheet, tree, other);
             let stands: Vec<Stand> = others.iter().map(stand).collect();
-            let chosen = |take: &dyn Fn(&Placed, &Stand) -> bool| -> Vec<(u32, u32)> {
+            let chosen = |take: &dyn Fn(&Placed, &Stand) -> bool| -> HashSet<(u32, u32)> {
                 let stands = others.iter().zip(&stands);
                 let taken = stands.filter(|(other, stand)| take(other, stand));
                 taken.map(|(other, _)| other.key).collect()
@@ -135,24 +133,22 @@ impl Solids {
                 }
                 let slack = NEAR * (stand.high - stand.low).max_element();
                 let (low, high) = (stand.low - slack, stand.high + slack);
-                let last = order.partition_point(|&near| placed[near].low.x <= high.x);
-                let mut near = order[..last].iter().map(|&near| &placed[near]);
                 let lays_open = |near: &Placed| {
                     let is_other = near.key != sheet.key && near.key != other.key;
-                    let is_near = is_other && near.meets(low, high);
-                    is_near && !crossing.contains(&near.key) && !level.contains(&near.key)
+                    is_other && !crossing.contains(&near.key) && !level.contains(&near.key)
                 };
-                (!near.any(lays_open)).then_some(other.key)
+                (!all.any(low, high, lays_open)).then_some(other.key)
             });
             let mut rooted: Vec<(u32, u32)> = rooted.collect();
             rooted.sort_unstable();
-            let is_other = |other: &&Placed| {
+            let lays_bare = |other: &Placed| {
                 other.key != sheet.key
                     && !crossing.contains(&other.key)
                     && other.size() >= SMALL * sheet.size()
+                    && self.is_behind(sheet, other)
             };
-            let mut others = placed.iter().filter(is_other);
-            let is_ground = !rooted.is_empty() && !others.any(|other| self.is_behind(sheet, other));
+            let (low, high) = behind(sheet);
+            let is_ground = !rooted.is_empty() && !all.any(low, high, lays_bare);
             is_ground.then_some((sheet.key, rooted))
         };
         let sheets = placed.par_iter().filter(|s| s.surface.front.is_some());
@@ -161,20 +157,9 @@ impl Solids {
 
     /// True where one looks from a sheet's faces, against their mean normal, at another surface.
     fn is_behind(&self, sheet: &Placed, other: &Placed) -> bool {
-        let Some(front) = sheet.surface.front else {
+        let Some(back) = backward(sheet) else {
             return false;
         };
-        let back = -sheet.transform.transform_vector3(front);
-        let open = |toward: f64, limit: f64, end: f64| if toward > 0.0 { end } else { limit };
-        let mut high = sheet.high;
-        let mut low = sheet.low;
-        for axis in 0..3 {
-            high[axis] = open(back[axis], high[axis], f64::INFINITY);
-            low[axis] = open(-back[axis], low[axis], f64::NEG_INFINITY);
-        }
-        if !other.meets(low, high) {
-            return false;
-        }
         let inverse = other.transform.inverse();
         let direction = inverse.transform_vector3(back);
         let tree = self.tree_of(other.shape, other.key.1);
@@ -186,4 +171,25 @@ impl Solids {
             tree.is_ahead(&self.scene, inverse.transform_point3(middle), direction)
         })
     }
+}
+
+/// The direction to which the back of a sheet looks.
+fn backward(sheet: &Placed) -> Option<DVec3> {
+    let front = sheet.surface.front?;
+    Some(-sheet.transform.transform_vector3(front))
+}
+
+/// The box, without an end to some sides, of all that lies behind a sheet.
+fn behind(sheet: &Placed) -> (DVec3, DVec3) {
+    let (mut low, mut high) = (sheet.low, sheet.high);
+    let back = backward(sheet).unwrap_or_default();
+    for axis in 0..3 {
+        if back[axis] > 0.0 {
+            high[axis] = f64::INFINITY;
+        }
+        if back[axis] < 0.0 {
+            low[axis] = f64::NEG_INFINITY;
+        }
+    }
+    (low, high)
 }

@@ -19,34 +19,28 @@
 //! A point is buried where it lies in more solids than cavities. Distances do not matter: a limit on the distance of occluders limits
 //! what darkens a place, not where the place is.
 
+mod boxes;
 mod ground;
 mod near;
 mod opening;
 mod placed;
 mod rooms;
+mod shape;
 mod topology;
 mod tree;
 
+use boxes::Boxes;
 use glam::{DAffine3, DVec3};
 pub use near::Near;
 use opening::Opening;
 use placed::placed_box;
 use rayon::prelude::*;
 use scene::Scene;
+use shape::Shape;
 use std::collections::HashMap;
-use std::sync::{Arc, OnceLock};
-use topology::{Face, Surface, corners};
+use std::sync::Arc;
+use topology::{Surface, corners};
 use tree::SurfaceTree;
-
-/// Surfaces of meshes that are placed together.
-#[derive(Debug)]
-struct Shape {
-    /// Surface of each triangle, by mesh.
-    surface_of: Vec<Vec<u32>>,
-    surfaces: Vec<Surface>,
-    /// Built when first asked.
-    trees: Vec<OnceLock<SurfaceTree>>,
-}
 
 /// What the inside of a closed surface counts.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -58,18 +52,15 @@ enum Inside {
     Nothing,
     /// What lies behind an open surface, for the bodies that are rooted in it, in order.
     Behind(Vec<u32>),
-    /// What lies outside of a room, for the bodies that are rooted in it, in order, and of other rooms.
-    Around {
-        rooted: Vec<u32>,
-        others: Vec<u32>,
-    },
+    /// What lies outside of this and of every other room, for the bodies that are rooted in it, in order.
+    Around(Vec<u32>),
 }
 
 impl Inside {
     /// The bodies for which alone it counts, in order; `None` where it does not depend on that.
     fn rooted(&self) -> Option<&[u32]> {
         match self {
-            Self::Behind(rooted) | Self::Around { rooted, .. } => Some(rooted),
+            Self::Behind(rooted) | Self::Around(rooted) => Some(rooted),
             _ => None,
         }
     }
@@ -86,6 +77,9 @@ struct Body {
     inside: Inside,
 }
 
+/// So few boxes are sooner looked at than found in a tree.
+const FEW: usize = 16;
+
 /// How far off its surface a point is tested, per unit of the coordinates: clear of their rounding in the world and in a mesh's space.
 /// Faces that coincide are so told apart by the side that they face.
 pub const NUDGE: f64 = 8.0 / 16_777_216.0;
@@ -100,6 +94,13 @@ pub struct Solids {
     instances: Vec<(u32, u32, u32)>,
     /// Body of placements' surfaces, by their numbers.
     placements: HashMap<(u32, u32), u32>,
+    /// First instance of each placement.
+    firsts: Vec<u32>,
+    /// All rooms, where something is rooted in one.
+    rooms: Vec<u32>,
+    /// Where they are, and where bodies are that bury or lay open.
+    room_boxes: Boxes,
+    counting: Boxes,
 }
 
 impl Solids {
@@ -167,11 +168,25 @@ impl Solids {
             bodies,
             instances,
             placements,
+            firsts: groups.iter().map(|group| group[0]).collect(),
+            rooms: Vec::new(),
+            room_boxes: Boxes::default(),
+            counting: Boxes::default(),
         };
         solids.classify();
         solids.root();
         solids.root_in_rooms();
+        let counting = (0..solids.bodies()).filter(|&body| solids.box_of(body).is_some());
+        solids.counting = solids.boxes_of(counting);
+        solids.room_boxes = solids.boxes_of(solids.rooms.iter().copied());
         solids
+    }
+
+    fn boxes_of(&self, bodies: impl Iterator<Item = u32>) -> Boxes {
+        Boxes::of(bodies.map(|body| {
+            let of = &self.bodies[body as usize];
+            (body, of.low, of.high)
+        }))
     }
 
     /// How many there are, wrongly wound ones too, and grounds, and rooms that something is rooted in.
@@ -185,7 +200,8 @@ impl Solids {
         let first = |placement: u32, body: &Body| {
             let shape = &self.shapes[body.shape as usize];
             let has = |mesh: u32| shape.surface_of[mesh as usize].contains(&body.surface);
-            let mut instances = (0..).zip(&self.instances);
+            let start = self.firsts[placement as usize];
+            let mut instances = (start..).zip(&self.instances[start as usize..]);
             instances.find_map(|(i, of)| (of.2 == placement && has(of.1)).then_some(i))
         };
         let mut found: Vec<u32> = (self.placements.iter())
@@ -204,13 +220,18 @@ impl Solids {
         self.placements.get(&(placement, surface)).copied()
     }
 
-    /// The bodies that bury or lay open, whose boxes meet this one.
+    /// The bodies that bury or lay open, whose boxes meet this one, ascending.
     pub fn about(&self, low: DVec3, high: DVec3) -> Vec<u32> {
-        let counts = |body: &Body| !matches!(body.inside, Inside::Room | Inside::Nothing);
-        (0..self.bodies.len() as u32)
-            .filter(|&body| counts(&self.bodies[body as usize]))
-            .filter(|&body| self.reaches(body, low, high))
-            .collect()
+        self.counting.meeting(low, high)
+    }
+
+    /// Those of the bodies about a box that are about a smaller one in it.
+    pub fn narrowed(&self, about: &[u32], low: DVec3, high: DVec3) -> Vec<u32> {
+        if about.len() > FEW {
+            return self.about(low, high);
+        }
+        let reaches = |body: &u32| self.reaches(*body, low, high);
+        about.iter().copied().filter(reaches).collect()
     }
 
     /// True where a body counts the same at all points of triangles of `own`: a solid does not bury itself, and a ground or a room
@@ -220,7 +241,7 @@ impl Solids {
             Inside::Solid => own == Some(body),
             Inside::Cavity => false,
             Inside::Room | Inside::Nothing => true,
-            Inside::Behind(rooted) | Inside::Around { rooted, .. } => !is_among(rooted, own),
+            Inside::Behind(rooted) | Inside::Around(rooted) => !is_among(rooted, own),
         }
     }
 
@@ -231,7 +252,7 @@ impl Solids {
     }
 
     /// True where this box meets that of a closed surface.
-    pub fn reaches(&self, body: u32, low: DVec3, high: DVec3) -> bool {
+    fn reaches(&self, body: u32, low: DVec3, high: DVec3) -> bool {
         let body = &self.bodies[body as usize];
         body.low.cmple(high).all() && body.high.cmpge(low).all()
     }
@@ -245,17 +266,23 @@ impl Solids {
             let (low, high) = local.fold(limits, |(low, high), at| (low.min(at), high.max(at)));
             self.tree(body).meets(&self.scene, low, high)
         };
-        let Inside::Around { others, .. } = &of.inside else {
+        if !matches!(of.inside, Inside::Around(_)) {
             return is_near(of);
-        };
+        }
         let passes = |opening: &Opening| {
             let shown = |at| opening.shows(of.inverse.transform_point3(at));
             let mut shown = points.clone().map(shown);
             let first = shown.next();
             shown.any(|shown| Some(shown) != first)
         };
-        let mut others = others.iter().map(|&other| &self.bodies[other as usize]);
-        is_near(of) || self.surface(of).openings.iter().any(passes) || others.any(is_near)
+        let other_is_near = || {
+            let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+            let around = |(low, high): (DVec3, DVec3), at| (low.min(at), high.max(at));
+            let (low, high) = points.clone().fold(limits, around);
+            let is_near = |other| other != body && is_near(&self.bodies[other as usize]);
+            self.room_boxes.any(low, high, is_near)
+        };
+        is_near(of) || self.surface(of).openings.iter().any(passes) || other_is_near()
     }
 
     /// What a body counts at a point of a triangle of the body `own`: 1 in a solid, behind a ground and outside of a room, -1 in a cavity,
@@ -279,9 +306,11 @@ impl Solids {
             Inside::Solid => i32::from(!is_own && holds(of)),
             Inside::Cavity => -i32::from(is_own || holds(of)),
             Inside::Behind(rooted) => i32::from(is_among(rooted, own) && holds(of)),
-            Inside::Around { rooted, others } => {
-                let is_in = |&other: &u32| self.holds(&self.bodies[other as usize], point);
-                let is_out = || !self.is_seen_through(of, point) && !others.iter().any(is_in);
+            Inside::Around(rooted) => {
+                let holds_too =
+                    |other| other != body && self.holds(&self.bodies[other as usize], point);
+                let is_in_other = || self.room_boxes.any(point, point, holds_too);
+                let is_out = || !self.is_seen_through(of, point) && !is_in_other();
                 i32::from(is_among(rooted, own) && !holds(of) && is_out())
             }
         }
@@ -299,26 +328,43 @@ impl Solids {
         self.bodies.len() as u32
     }
 
-    /// Hands over, as bytes, all that decides what a body counts at a point, but for what is rooted in it: [`Self::spares`] tells.
-    pub fn content(&self, body: u32, take: &mut dyn FnMut(&[u8])) {
-        let body = &self.bodies[body as usize];
-        take(&[match body.inside {
+    /// The box of a body that buries or lays open; `None` for others.
+    pub fn box_of(&self, body: u32) -> Option<(DVec3, DVec3)> {
+        let of = &self.bodies[body as usize];
+        let counts = !matches!(of.inside, Inside::Room | Inside::Nothing);
+        counts.then_some((of.low, of.high))
+    }
+
+    /// The bodies for which alone a ground or a room buries, in order; nothing for other bodies.
+    pub fn rooted(&self, body: u32) -> &[u32] {
+        self.bodies[body as usize].inside.rooted().unwrap_or(&[])
+    }
+
+    /// All rooms, where something is rooted in one: what buries outside of a room asks the others too.
+    pub fn rooms(&self) -> &[u32] {
+        &self.rooms
+    }
+
+    /// True where a body counts nothing that lies in another room.
+    pub fn asks_rooms(&self, body: u32) -> bool {
+        matches!(self.bodies[body as usize].inside, Inside::Around(_))
+    }
+
+    /// A number that says what the inside of a body counts, but for which other bodies it does; [`Self::rooted`] tells.
+    pub fn kind(&self, body: u32) -> u8 {
+        match self.bodies[body as usize].inside {
             Inside::Solid => 0,
             Inside::Cavity => 1,
             Inside::Room => 2,
             Inside::Nothing => 3,
             Inside::Behind(_) => 4,
-            Inside::Around { .. } => 5,
-        }]);
-        self.placed_content(body, take);
-        if let Inside::Around { others, .. } = &body.inside {
-            for &other in others {
-                self.placed_content(&self.bodies[other as usize], take);
-            }
+            Inside::Around(_) => 5,
         }
     }
 
-    fn placed_content(&self, body: &Body, take: &mut dyn FnMut(&[u8])) {
+    /// Hands over, as bytes, which surface a body is and where.
+    pub fn content(&self, body: u32, take: &mut dyn FnMut(&[u8])) {
+        let body = &self.bodies[body as usize];
         for number in body.inverse.to_cols_array() {
             take(&number.to_le_bytes());
         }
@@ -385,42 +431,6 @@ impl Solids {
 
 fn is_among(rooted: &[u32], own: Option<u32>) -> bool {
     own.is_some_and(|own| rooted.binary_search(&own).is_ok())
-}
-
-impl Shape {
-    fn of(scene: &Scene, meshes: Vec<u32>) -> Self {
-        let faces_of = |&mesh: &u32| -> Vec<Face> {
-            let count = scene.meshes[mesh as usize].triangles.len() as u32;
-            (0..count).map(|triangle| Face { mesh, triangle }).collect()
-        };
-        let mut surfaces = Vec::new();
-        let mut open = Vec::new();
-        for mesh in &meshes {
-            let found = topology::surfaces(scene, &faces_of(mesh));
-            for surface in found {
-                match surface.volume == 0.0 && meshes.len() > 1 {
-                    true => open.extend(surface.faces),
-                    false => surfaces.push(surface),
-                }
-            }
-        }
-        surfaces.extend(topology::surfaces(scene, &open));
-        let mut surface_of: Vec<Vec<u32>> = meshes
-            .iter()
-            .map(|&mesh| vec![0; scene.meshes[mesh as usize].triangles.len()])
-            .collect();
-        let place: HashMap<u32, usize> = meshes.iter().copied().zip(0..).collect();
-        for (index, surface) in surfaces.iter().enumerate() {
-            for face in &surface.faces {
-                surface_of[place[&face.mesh]][face.triangle as usize] = index as u32;
-            }
-        }
-        Self {
-            trees: surfaces.iter().map(|_| OnceLock::new()).collect(),
-            surface_of,
-            surfaces,
-        }
-    }
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Surfaces where they are placed: which of them meet, and which are bodies.
 
+use super::boxes::Boxes;
 use super::topology::{Surface, corners};
 use super::{Body, Inside, Solids};
 use glam::{DAffine3, DVec3};
@@ -62,6 +63,32 @@ impl Placed<'_> {
     }
 }
 
+/// Some placed surfaces, with a tree over their boxes.
+pub(super) struct Among<'a> {
+    pub placed: Vec<&'a Placed<'a>>,
+    boxes: Boxes,
+}
+
+impl<'a> Among<'a> {
+    pub fn of(placed: Vec<&'a Placed<'a>>) -> Self {
+        let numbered = (0..).zip(&placed);
+        let boxes = Boxes::of(numbered.map(|(number, placed)| (number, placed.low, placed.high)));
+        Self { placed, boxes }
+    }
+
+    /// The places in the list of those that meet a box, ascending.
+    pub fn meeting(&self, low: DVec3, high: DVec3) -> Vec<usize> {
+        let found = self.boxes.meeting(low, high).into_iter();
+        found.map(|number| number as usize).collect()
+    }
+
+    /// True where something holds for one of those that meet a box.
+    pub fn any(&self, low: DVec3, high: DVec3, holds: impl Fn(&Placed) -> bool) -> bool {
+        let holds = |number| holds(self.placed[number as usize]);
+        self.boxes.any(low, high, holds)
+    }
+}
+
 impl Solids {
     /// Every surface of every placement.
     pub(super) fn placed_surfaces(&self) -> Vec<Placed<'_>> {
@@ -105,9 +132,7 @@ impl Solids {
         if let Some(&body) = self.placements.get(&key) {
             return body;
         }
-        let of = |&(_, _, placement): &(u32, u32, u32)| placement == key.0;
-        let instance = self.instances.iter().position(of);
-        let instance = instance.expect("a placement has instances");
+        let instance = self.firsts[key.0 as usize] as usize;
         let (shape, ..) = self.instances[instance];
         let transform = self.scene.instances[instance].transform;
         let surface = &self.shapes[shape as usize].surfaces[key.1 as usize];

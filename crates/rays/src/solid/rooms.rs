@@ -14,13 +14,13 @@
 //!
 //! A dome around a scene is a room, and all of the scene is within it.
 
-use super::placed::{CROSSES, NEAR, Placed, SMALL, placed_box};
-use super::topology::{Surface, corners};
+use super::placed::{Among, CROSSES, NEAR, Placed, SMALL};
+use super::topology::{Face, Surface, corners};
 use super::{Inside, NUDGE, Solids};
 use glam::DVec3;
 use rayon::prelude::*;
 use scene::{Format, Scene};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Faces that are asked whether a surface lies for the most part in rooms.
 const LOOKS: usize = 64;
@@ -31,54 +31,51 @@ type Key = (u32, u32);
 impl Solids {
     /// Tells cavities and rooms from solids.
     pub(super) fn classify(&mut self) {
-        let inward: Vec<usize> = (0..self.bodies.len())
-            .filter(|&body| self.surface(&self.bodies[body]).volume < 0.0)
+        let volume = |body: u32| self.surface(&self.bodies[body as usize]).volume;
+        let inward: Vec<u32> = (0..self.bodies())
+            .filter(|&body| volume(body) < 0.0)
             .collect();
         if inward.is_empty() {
             return;
         }
-        // Every placed surface: its body if it has one, its box and a few points on it.
-        let mut placed = Vec::new();
-        let mut seen = std::collections::HashSet::new();
-        for (index, &(shape, _, placement)) in self.instances.iter().enumerate() {
-            if !seen.insert(placement) {
-                continue;
-            }
-            let transform = self.scene.instances[index].transform;
-            let surfaces = self.shapes[shape as usize].surfaces.iter();
-            for (number, surface) in surfaces.enumerate() {
-                let body = self.placements.get(&(placement, number as u32));
-                let (low, high) = placed_box(surface, &transform);
-                let points = probes(&self.scene, surface).map(|p| transform.transform_point3(p));
-                placed.push((body.map(|&body| body as usize), low, high, points));
-            }
-        }
-        let within = |body: usize, (of, low, high, points): &(_, DVec3, DVec3, [DVec3; 5])| {
-            let outer = &self.bodies[body];
-            *of != Some(body)
-                && outer.low.cmple(*low).all()
-                && outer.high.cmpge(*high).all()
-                && points.iter().filter(|p| self.holds(outer, **p)).count() >= 3
+        let placed = self.placed_surfaces();
+        let body_of = |placed: &Placed| self.placements.get(&placed.key).copied();
+        let surface_of: HashMap<u32, &Placed> = (placed.iter())
+            .filter_map(|placed| Some((body_of(placed)?, placed)))
+            .collect();
+        let within = |body: u32, placed: &Placed| {
+            let outer = &self.bodies[body as usize];
+            let inner = || probes(&self.scene, placed.surface);
+            let is_in = |p: &DVec3| self.holds(outer, placed.transform.transform_point3(*p));
+            body_of(placed) != Some(body)
+                && outer.low.cmple(placed.low).all()
+                && outer.high.cmpge(placed.high).all()
+                && inner().iter().filter(|p| is_in(p)).count() >= 3
         };
-        let outward = |body: usize| self.surface(&self.bodies[body]).volume > 0.0;
-        let found: Vec<(usize, Inside)> = inward
+        let outward = (0..self.bodies()).filter(|&body| volume(body) > 0.0);
+        let outward = self.boxes_of(outward);
+        let all = Among::of(placed.iter().collect());
+        let found: Vec<(u32, Inside)> = inward
             .into_par_iter()
             .map(|body| {
-                let own = placed.iter().find(|surface| surface.0 == Some(body));
-                let is_cavity = own.is_some_and(|own| {
-                    let mut outer = (0..self.bodies.len()).filter(|&outer| outward(outer));
-                    outer.any(|outer| within(outer, own))
+                let is_cavity = surface_of.get(&body).is_some_and(|own| {
+                    // What holds its box holds a corner of it.
+                    outward.any(own.low, own.low, |outer| within(outer, own))
                 });
+                let (low, high) = (
+                    self.bodies[body as usize].low,
+                    self.bodies[body as usize].high,
+                );
                 let inside = match is_cavity {
                     true => Inside::Cavity,
-                    false if placed.iter().any(|other| within(body, other)) => Inside::Room,
+                    false if all.any(low, high, |other| within(body, other)) => Inside::Room,
                     false => Inside::Solid,
                 };
                 (body, inside)
             })
             .collect();
         for (body, inside) in found {
-            self.bodies[body].inside = inside;
+            self.bodies[body as usize].inside = inside;
         }
         for body in self.lived_in() {
             self.bodies[body as usize].inside = Inside::Room;
@@ -98,19 +95,19 @@ impl Solids {
         let is_mostly = |placed: &Placed, holds: &(dyn Fn(DVec3) -> bool + Sync)| {
             2 * placed.count(&self.scene, LOOKS, holds) > LOOKS
         };
+        let rest = Among::of(rest);
         let lived_in = |room: &&&Placed| {
-            let meets = rest.iter().filter(|o| o.meets(room.low, room.high));
-            meets
-                .into_iter()
-                .any(|other| is_mostly(other, &|at| self.is_in(room, at)))
+            let is_in = |at| self.is_in(room, at);
+            rest.any(room.low, room.high, |other| is_mostly(other, &is_in))
         };
         let lived_in: Vec<&Placed> = inward.par_iter().filter(lived_in).copied().collect();
         let least = lived_in.iter().map(|room| room.side());
         let least = SMALL * least.fold(f64::INFINITY, f64::min);
         let rooms = placed.iter().filter(|placed| self.is_room(placed));
-        let rooms: Vec<&Placed> = rooms.chain(lived_in.iter().copied()).collect();
-        let outside = |at| !rooms.iter().any(|room| self.is_in(room, at));
-        let is_room = |placed: &Placed| rooms.iter().any(|room| room.key == placed.key);
+        let rooms = Among::of(rooms.chain(lived_in.iter().copied()).collect());
+        let outside = |at| !rooms.any(at, at, |room| self.is_in(room, at));
+        let keys: HashSet<Key> = rooms.placed.iter().map(|room| room.key).collect();
+        let is_room = |placed: &Placed| keys.contains(&placed.key);
         let around = (placed.par_iter())
             .filter(|placed| placed.side() >= least && !is_room(placed))
             .filter(|placed| is_mostly(placed, &outside))
@@ -122,40 +119,39 @@ impl Solids {
 
     /// Finds what is rooted in rooms, and makes bodies of both.
     pub(super) fn root_in_rooms(&mut self) {
-        let found = self.rooted_in_rooms();
-        for (room, (rooted, others)) in found {
+        let (rooms, found) = self.rooted_in_rooms();
+        for (room, rooted) in found {
             let mut rooted: Vec<u32> = rooted.into_iter().map(|key| self.body_of(key)).collect();
             rooted.sort_unstable();
-            let others = others.into_iter().map(|key| {
-                let other = self.body_of(key);
-                let inside = &mut self.bodies[other as usize].inside;
-                if *inside == Inside::Nothing {
-                    *inside = Inside::Room;
-                }
-                other
-            });
-            let others = others.collect();
             let room = self.body_of(room);
             self.widen(room, &rooted);
-            self.bodies[room as usize].inside = Inside::Around { rooted, others };
+            self.bodies[room as usize].inside = Inside::Around(rooted);
+        }
+        self.rooms = rooms.into_iter().map(|key| self.body_of(key)).collect();
+        for &room in &self.rooms {
+            let inside = &mut self.bodies[room as usize].inside;
+            if *inside == Inside::Nothing {
+                *inside = Inside::Room;
+            }
         }
     }
 
-    /// By room, what is rooted in it, and the other rooms.
-    fn rooted_in_rooms(&self) -> BTreeMap<Key, (Vec<Key>, Vec<Key>)> {
+    /// All rooms, and by room what is rooted in it; no rooms where nothing is.
+    fn rooted_in_rooms(&self) -> (Vec<Key>, BTreeMap<Key, Vec<Key>>) {
         let placed = self.placed_surfaces();
         let (rooms, rest): (Vec<&Placed>, Vec<&Placed>) =
             placed.iter().partition(|placed| self.is_room(placed));
-        let outside = |point: DVec3| !rooms.iter().any(|room| self.is_in(room, point));
+        let [rooms, rest] = [rooms, rest].map(Among::of);
+        let outside = |point: DVec3| !rooms.any(point, point, |room| self.is_in(room, point));
         let buries = |room: &&&Placed| !is_double_sided(&self.scene, room.surface);
-        let may_bury: Vec<&Placed> = rooms.iter().filter(buries).copied().collect();
+        let may_bury: Vec<&Placed> = rooms.placed.iter().filter(buries).copied().collect();
         if may_bury.is_empty() {
-            return BTreeMap::new();
+            return Default::default();
         }
         // What is large and outside: how large.
         let least = may_bury.iter().map(|room| room.side());
         let least = SMALL * least.fold(f64::INFINITY, f64::min);
-        let around = (rest.par_iter())
+        let around = (rest.placed.par_iter())
             .filter(|placed| placed.side() >= least)
             .filter(|placed| 2 * placed.count(&self.scene, LOOKS, outside) > LOOKS)
             .map(|placed| placed.side())
@@ -164,34 +160,32 @@ impl Solids {
             .into_iter()
             .filter(|room| around < SMALL * room.side())
             .collect();
+        let may_bury = Among::of(may_bury);
+        let buries: HashSet<Key> = may_bury.placed.iter().map(|room| room.key).collect();
         // How each surface that comes near stands to the rooms.
-        let stands: Vec<(&Placed, Stand)> = rest
-            .par_iter()
-            .filter(|placed| may_bury.iter().any(|r| r.meets(placed.low, placed.high)))
-            .map(|placed| (*placed, self.stand(placed, &rooms, &may_bury)))
+        let stands: BTreeMap<Key, Stand> = (rest.placed.par_iter())
+            .filter(|placed| may_bury.any(placed.low, placed.high, |_| true))
+            .map(|placed| (placed.key, self.stand(placed, &rooms, &buries)))
             .collect();
-        let mut found: BTreeMap<Key, (Vec<Key>, Vec<Key>)> = BTreeMap::new();
-        for (placed, stand) in &stands {
+        let mut found: BTreeMap<Key, Vec<Key>> = BTreeMap::new();
+        for (key, stand) in &stands {
             let Some(room) = stand.room else {
                 continue;
             };
             let slack = NEAR * (stand.high - stand.low).max_element();
             let (low, high) = (stand.low - slack, stand.high + slack);
-            let is_near = |other: &&&Placed| other.key != placed.key && other.meets(low, high);
-            let lays_open = |other: &&Placed| {
-                let stand = stands.iter().find(|(of, _)| of.key == other.key);
-                stand.is_none_or(|(_, stand)| stand.is_out && !stand.is_in)
+            let lays_open = |other: &Placed| {
+                let lies_out = |stand: &Stand| stand.is_out && !stand.is_in;
+                other.key != *key && stands.get(&other.key).is_none_or(lies_out)
             };
-            if rest.iter().filter(is_near).any(lays_open) {
-                continue;
+            if !rest.any(low, high, lays_open) {
+                let of = found.entry(rooms.placed[room].key);
+                of.or_default().push(*key);
             }
-            found.entry(rooms[room].key).or_default().0.push(placed.key);
         }
-        for (key, (_, others)) in &mut found {
-            let keys = rooms.iter().map(|room| room.key);
-            others.extend(keys.filter(|other| other != key));
-        }
-        found
+        let keys = rooms.placed.iter().map(|room| room.key);
+        let rooms = keys.filter(|_| !found.is_empty()).collect();
+        (rooms, found)
     }
 
     fn is_room(&self, placed: &Placed) -> bool {
@@ -211,12 +205,11 @@ impl Solids {
         tree.winding(&self.scene, panes, room.inverse.transform_point3(point))
     }
 
-    fn stand(&self, placed: &Placed, rooms: &[&Placed], may_bury: &[&Placed]) -> Stand {
+    fn stand(&self, placed: &Placed, rooms: &Among, buries: &HashSet<Key>) -> Stand {
         let reach = placed.low.abs().max(placed.high.abs()).max_element();
         let least = (CROSSES * placed.size()).max(2.0 * NUDGE * reach);
-        let near: Vec<usize> = (0..rooms.len())
-            .filter(|&room| rooms[room].meets(placed.low, placed.high))
-            .collect();
+        let near = rooms.meeting(placed.low, placed.high);
+        let rooms = &rooms.placed;
         let room_at = |point| {
             near.iter()
                 .copied()
@@ -281,8 +274,7 @@ impl Solids {
             [room] => Some(room),
             _ => None,
         };
-        let buries = |room: &usize| may_bury.iter().any(|of| of.key == rooms[*room].key);
-        stand.room = room.filter(|room| hides && buries(room));
+        stand.room = room.filter(|&room| hides && buries.contains(&rooms[room].key));
         stand
     }
 }
@@ -301,7 +293,7 @@ struct Stand {
 
 /// True where a file says so; OBJ says nothing.
 fn is_double_sided(scene: &Scene, surface: &Surface) -> bool {
-    let says = |face: &super::Face| {
+    let says = |face: &Face| {
         let material = scene.meshes[face.mesh as usize].material;
         scene.materials[material as usize].double_sided
     };
