@@ -87,11 +87,6 @@ impl Texel {
         }
     }
 
-    /// The shares of the footprint's area at which its cells end, but for the last.
-    pub fn ends(&self) -> &[f32] {
-        &self.ends
-    }
-
     /// Takes the means over what can be seen, where that is a part.
     fn take_means(&mut self) {
         if !self.seen.is_part() {
