@@ -14,7 +14,7 @@ use crate::integrate::{Task, ggx, integrate};
 use crate::options::{Buried, Footprint, Model, Options, View};
 use crate::plan::Plan;
 use crate::seams::Across;
-use crate::survey::{self, Surveyor, Texel};
+use crate::survey::{Surveyor, Texel};
 use ambient::closed_form::phong_open;
 use ambient::sampling::Stream;
 use atlas::{Atlas, PageRaster, Rasters, Tile};
@@ -404,13 +404,9 @@ impl<'a> Baker<'a> {
             solids: self.solids,
         };
         let (seed, size) = (self.options.seed, self.atlas.page_size);
-        let mut texels = surveyor.texels(tile, |x, y, term| {
+        surveyor.texels(tile, |x, y, term| {
             Stream::new(seed, page, y * size + x, term, 0)
-        });
-        for texel in &mut texels {
-            survey::leave_out(texel, self.backend);
-        }
-        texels
+        })
     }
 
     /// True where the texel's specular term is worth its rays: its material reflects, or the term itself was asked for.

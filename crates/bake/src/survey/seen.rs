@@ -9,7 +9,7 @@ use glam::DVec3;
 use rays::{NUDGE, Near, Solids};
 
 /// Strata along an edge of the unit square.
-pub(super) const EDGE: usize = 8;
+const EDGE: usize = 8;
 
 /// What can be seen of a footprint.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,22 +37,6 @@ fn without_touches(open: &[bool]) -> Vec<bool> {
     (0..open.len()).map(|at| open[at] || lonely(at)).collect()
 }
 
-/// The corners of a stratum on the lattice.
-fn corners(stratum: usize) -> [usize; 4] {
-    let first = stratum / EDGE * (EDGE + 1) + stratum % EDGE;
-    [0, 1, EDGE + 1, EDGE + 2].map(|step| first + step)
-}
-
-/// Strata, from row to row without a jump, so that neighbouring numbers choose neighbouring strata.
-fn strata(keeps: impl Fn(usize) -> bool) -> Vec<u8> {
-    let mut kept: Vec<usize> = (0..EDGE * EDGE).filter(|&stratum| keeps(stratum)).collect();
-    kept.sort_by_key(|&stratum| {
-        let (row, column) = (stratum / EDGE, stratum % EDGE);
-        (row, if row % 2 == 0 { column } else { EDGE - column })
-    });
-    kept.into_iter().map(|stratum| stratum as u8).collect()
-}
-
 impl Seen {
     /// All of it.
     pub const ALL: Self = Self {
@@ -73,8 +57,8 @@ impl Seen {
             ..Self::ALL
         };
         let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let around = cells.iter().flat_map(Cell::corners);
-        let (low, high) = around.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
+        let corners = cells.iter().flat_map(Cell::corners);
+        let (low, high) = corners.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
         let own = cells[0].body;
         let is_uniform = cells.iter().all(|cell| cell.body == own);
         let matters = |body: &u32| !(is_uniform && solids.spares(*body, own));
@@ -90,12 +74,12 @@ impl Seen {
             .iter()
             .map(|cell| cell.sample(cell.centre()).geometric)
             .collect();
-        let tests: Vec<DVec3> = cells
+        let corners: Vec<DVec3> = cells
             .iter()
             .zip(&faces)
             .flat_map(|(cell, &face)| cell.corners().map(|corner| tested(corner, face)))
             .collect();
-        let tests = || tests.iter().copied();
+        let corners = || corners.iter().copied();
         let point_at = |u: [f64; 2]| {
             let u = u.map(|u| u as f32);
             let index = choose(u[0]);
@@ -109,7 +93,7 @@ impl Seen {
         };
         // A body whose surface does not come near counts the same all over the texel.
         let is_far =
-            |&body: &u32| is_uniform && (own == Some(body) || !solids.meets(body, tests()));
+            |&body: &u32| is_uniform && (own == Some(body) || !solids.meets(body, corners()));
         let (far, close): (Vec<u32>, Vec<u32>) = near.iter().partition(|body| is_far(body));
         let (middle, within) = point_at([0.5; 2]);
         let base: i32 = far
@@ -123,7 +107,7 @@ impl Seen {
         let at = |k: usize| (k as f64 / EDGE as f64).min(1.0 - 1e-7);
         let mut close: Vec<Near> = close
             .into_iter()
-            .map(|body| solids.near(body, tests()))
+            .map(|body| solids.near(body, corners()))
             .collect();
         let lattice: Vec<bool> = (0..=EDGE)
             .flat_map(|row| (0..=EDGE).map(move |column| [column, row]))
@@ -134,44 +118,31 @@ impl Seen {
             })
             .collect();
         let lattice = without_touches(&lattice);
-        let open = |stratum| {
-            corners(stratum)
-                .into_iter()
-                .filter(|&at| lattice[at])
-                .count()
+        let open_corners = |stratum: usize| {
+            let first = stratum / EDGE * (EDGE + 1) + stratum % EDGE;
+            let steps = [0, 1, EDGE + 1, EDGE + 2].iter();
+            steps.filter(|&step| lattice[first + step]).count()
         };
-        let count: usize = (0..EDGE * EDGE).map(&open).sum();
+        let count: usize = (0..EDGE * EDGE).map(open_corners).sum();
         let share = count as f32 / (4 * EDGE * EDGE) as f32;
-        let kept = strata(|stratum| open(stratum) == 4);
+        let mut kept: Vec<usize> = (0..EDGE * EDGE)
+            .filter(|&stratum| open_corners(stratum) == 4)
+            .collect();
         if kept.is_empty() {
             return none;
         }
         if kept.len() == EDGE * EDGE {
             return Self::ALL;
         }
+        // From row to row without a jump, so that neighbouring numbers choose neighbouring strata.
+        kept.sort_by_key(|&stratum| {
+            let (row, column) = (stratum / EDGE, stratum % EDGE);
+            (row, if row % 2 == 0 { column } else { EDGE - column })
+        });
         Self {
             share,
-            strata: kept,
+            strata: kept.into_iter().map(|stratum| stratum as u8).collect(),
         }
-    }
-
-    /// The part of it in some strata; `None` where that is all of it or nothing. What can be seen stays its share: the rest is left out,
-    /// and not buried.
-    pub fn within(&self, kept: impl Fn(usize) -> bool) -> Option<Self> {
-        let all = self.strata.clone();
-        let all = if all.is_empty() {
-            strata(|_| true)
-        } else {
-            all
-        };
-        let count = all.len();
-        let kept = all.into_iter().filter(|&stratum| kept(stratum.into()));
-        let strata: Vec<u8> = kept.collect();
-        let is_part = !strata.is_empty() && strata.len() < count;
-        is_part.then_some(Self {
-            share: self.share,
-            strata,
-        })
     }
 
     /// True where samples are drawn from a part only.

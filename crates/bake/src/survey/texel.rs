@@ -67,7 +67,7 @@ impl Texel {
     }
 
     /// The surface at a point of the unit square of the whole footprint.
-    pub fn sample_of(&self, u: [f64; 2]) -> Sample {
+    fn sample_of(&self, u: [f64; 2]) -> Sample {
         let u = u.map(|u| u as f32);
         let cell = &self.cells[self.choose(u[0])];
         cell.sample(cell.place(u))
@@ -76,19 +76,6 @@ impl Texel {
     /// Looks for what can be seen, and takes the means over it.
     fn look(&mut self, solids: &Solids, near: &[u32]) {
         self.seen = Seen::of(&self.cells, |u| self.choose(u), solids, near);
-        self.take_means();
-    }
-
-    /// Draws samples from some strata only.
-    pub fn keep(&mut self, kept: impl Fn(usize) -> bool) {
-        if let Some(seen) = self.seen.within(kept) {
-            self.seen = seen;
-            self.take_means();
-        }
-    }
-
-    /// Takes the means over what can be seen, where that is a part.
-    fn take_means(&mut self) {
         if !self.seen.is_part() {
             return;
         }
