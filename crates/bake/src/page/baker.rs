@@ -172,7 +172,6 @@ impl<'a> Baker<'a> {
     pub(crate) fn site(&self) -> Site<'_> {
         Site {
             world: self.world,
-            backend: self.backend,
             plan: self.plan,
             atlas: self.atlas,
             options: self.options,

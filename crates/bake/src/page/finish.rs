@@ -17,7 +17,7 @@ use atlas::{Atlas, Dilation, Rasters};
 use glam::{DVec3, Vec3};
 use layers::Layer;
 use rayon::prelude::*;
-use rays::{RayBackend, World};
+use rays::World;
 
 /// Texels that one thread composes at a time.
 const COMPOSED: usize = 1 << 14;
@@ -25,7 +25,6 @@ const COMPOSED: usize = 1 << 14;
 /// What the last steps of a page need to know of its bake.
 pub(crate) struct Site<'a> {
     pub world: &'a World,
-    pub backend: &'a dyn RayBackend,
     pub plan: &'a Plan,
     pub atlas: &'a Atlas,
     pub options: &'a Options,
@@ -40,7 +39,6 @@ pub(crate) struct Site<'a> {
 pub(super) fn finish(page: &mut BakedPage, site: &Site<'_>) {
     let Site {
         world,
-        backend,
         plan,
         atlas,
         options,
@@ -49,7 +47,7 @@ pub(super) fn finish(page: &mut BakedPage, site: &Site<'_>) {
         rasters,
     } = *site;
     let raster = &rasters.page(world.scene(), atlas, page.page);
-    let seams = &Seams::find((world, backend), atlas, page.page, options.seams, across);
+    let seams = &Seams::find(world, atlas, page.page, options.seams, across);
     let terms = terms(options, plan);
     if mends {
         mend_terms(page, &terms);
@@ -83,7 +81,6 @@ pub(super) fn finish(page: &mut BakedPage, site: &Site<'_>) {
 pub(crate) fn finish_light(page: &mut BakedPage, site: &Site<'_>) {
     let Site {
         world,
-        backend,
         plan,
         atlas,
         options,
@@ -108,7 +105,7 @@ pub(crate) fn finish_light(page: &mut BakedPage, site: &Site<'_>) {
     let light = (0..3).map(lit).sum::<f64>() / (3 * texels.max(1)) as f64;
     let raster = rasters.page(world.scene(), atlas, page.page);
     let system = (light > 0.0)
-        .then(|| Seams::find((world, backend), atlas, page.page, options.seams, across))
+        .then(|| Seams::find(world, atlas, page.page, options.seams, across))
         .filter(|seams| !seams.is_empty())
         .map(|seams| seams.system(world, &raster, page.size, page.layer(Layer::Validity)));
     let joined = system.as_ref().map(|system| Joined {

@@ -5,12 +5,11 @@
 
 use super::border::{Chart, borders};
 use super::grid::pairs;
-use super::walls::Walls;
 use crate::options::Seams as Scope;
 use atlas::Atlas;
 use glam::DVec2;
 use layers::Layer;
-use rayon::prelude::*;
+use rays::World;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
@@ -53,15 +52,17 @@ impl Across {
     /// The points on a page.
     pub(super) fn of_page(
         &self,
-        walls: &Walls,
-        atlas: &Atlas,
+        (world, atlas): (&World, &Atlas),
         page: u32,
         scope: Scope,
+        charts: &[Vec<u32>],
     ) -> Vec<Outer> {
         if atlas.page_count < 2 || scope == Scope::Off {
             return Vec::new();
         }
-        let points = self.points.get_or_init(|| find(walls, atlas, scope));
+        let points = self
+            .points
+            .get_or_init(|| find(world, atlas, scope, charts));
         let numbered = points.iter().enumerate();
         let outer = numbered.filter_map(|(number, point)| {
             let own = point.pages.iter().position(|&of| of == page)?;
@@ -97,21 +98,21 @@ impl Across {
 }
 
 /// All points between pages, in the order of borders.
-fn find(walls: &Walls, atlas: &Atlas, scope: Scope) -> Vec<AcrossPoint> {
-    let borders = borders(walls.world, atlas, None, walls.charts);
-    let pairs = pairs(&borders, scope).into_par_iter();
-    let points = pairs.flat_map_iter(|pair| {
+fn find(world: &World, atlas: &Atlas, scope: Scope, charts: &[Vec<u32>]) -> Vec<AcrossPoint> {
+    let borders = borders(world, atlas, None, charts);
+    let mut points = Vec::new();
+    for pair in pairs(&borders, scope) {
         let mut order = [0, 1];
         let pages = pair.borders.map(|border| borders[border as usize].page);
         order.sort_by_key(|&side| pages[side]);
-        let points = (pages[0] != pages[1]).then(|| pair.points(&borders, walls));
-        let points = points.into_iter().flatten();
-        points.map(move |point| AcrossPoint {
-            pages: order.map(|side| pages[side]),
-            sides: order.map(|side| point.sides[side]),
-            charts: order.map(|side| point.charts[side]),
-            length: point.length,
-        })
-    });
-    points.collect()
+        if pages[0] != pages[1] {
+            points.extend(pair.points(&borders).map(|point| AcrossPoint {
+                pages: order.map(|side| pages[side]),
+                sides: order.map(|side| point.sides[side]),
+                charts: order.map(|side| point.charts[side]),
+                length: point.length,
+            }));
+        }
+    }
+    points
 }

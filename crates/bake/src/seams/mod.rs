@@ -20,7 +20,6 @@ mod owner;
 mod pair;
 mod solve;
 mod system;
-mod walls;
 
 pub(crate) use solve::Known;
 #[cfg(test)]
@@ -34,10 +33,9 @@ use border::Chart;
 use glam::DVec2;
 use owner::Page;
 use rayon::prelude::*;
-use rays::{RayBackend, World};
+use rays::World;
 use serde::{Deserialize, Serialize};
 pub(crate) use solve::System;
-use walls::Walls;
 
 /// A point on a seam, in texels of the page on both of its charts.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,30 +85,20 @@ impl SeamStats {
 
 impl Seams {
     /// The seams of the charts of a page, with each other and with those of other pages. Two borders belong together where they run along one another within a tenth of a texel, both
-    /// surfaces' shading normals agree within 3 degrees, and each surface lies on its own side. Where a wall stands on both, they do not:
-    /// light may end there.
-    pub fn find(
-        (world, backend): (&World, &dyn RayBackend),
-        atlas: &Atlas,
-        page: u32,
-        scope: Scope,
-        across: &Across,
-    ) -> Self {
+    /// surfaces' shading normals agree within 3 degrees, and each surface lies on its own side.
+    pub fn find(world: &World, atlas: &Atlas, page: u32, scope: Scope, across: &Across) -> Self {
         if scope == Scope::Off {
             return Self::default();
         }
         let charts: Vec<_> = atlas.meshes.par_iter().map(atlas::charts).collect();
         let borders = border::borders(world, atlas, Some(page), &charts);
-        let walls = Walls {
-            world,
-            backend,
-            charts: &charts,
-        };
-        let pairs = grid::pairs(&borders, scope).into_par_iter();
-        let points = pairs.flat_map_iter(|pair| pair.points(&borders, &walls));
-        let outer = across.of_page(&walls, atlas, page, scope);
+        let mut points = Vec::new();
+        for pair in grid::pairs(&borders, scope) {
+            points.extend(pair.points(&borders));
+        }
+        let outer = across.of_page((world, atlas), page, scope, &charts);
         Self {
-            points: points.collect(),
+            points,
             outer,
             charts,
         }

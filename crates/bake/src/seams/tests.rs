@@ -5,7 +5,7 @@ use crate::options::{Options, Seams as Scope};
 use crate::plan::Plan;
 use atlas::{Atlas, PageRaster, UvMode};
 use glam::{DMat2, DVec2, DVec3};
-use rays::{BackendKind, Layout, RayBackend, World};
+use rays::World;
 use scene::{Scene, authored};
 use std::sync::Arc;
 
@@ -73,18 +73,11 @@ const LIGHTS: [fn(DVec3) -> f64; 2] = [
 
 struct Page {
     world: World,
-    backend: Box<dyn RayBackend>,
     atlas: Atlas,
     coverage: Vec<f32>,
     values: Vec<f32>,
     /// Points of the surface in texels of the page, with their light.
     truth: Vec<(DVec2, f64)>,
-}
-
-impl Page {
-    fn sight(&self) -> (&World, &dyn RayBackend) {
-        (&self.world, &*self.backend)
-    }
 }
 
 /// The page with each texel the mean of the light over its footprint, plus an error of `noise`.
@@ -129,10 +122,8 @@ fn page(scene: Scene, light: fn(DVec3) -> f64, noise: f64) -> Page {
             values[texel] = (sum + error) as f32;
         }
     }
-    let backend = rays::build(BackendKind::Obvhs(Layout::default()), &world, 1).unwrap();
     Page {
         world,
-        backend,
         atlas,
         coverage,
         values,
@@ -161,7 +152,7 @@ fn rmse(page: &Page, values: &[f32], gutters: &[(u32, f32)]) -> f64 {
 fn solved(apart: bool, light: fn(DVec3) -> f64, noise: f64) -> (SeamStats, [f64; 2]) {
     let page = page(sphere(apart), light, noise);
     let seams = Seams::find(
-        page.sight(),
+        &page.world,
         &page.atlas,
         0,
         Scope::Scene,
@@ -207,7 +198,7 @@ fn objects_apart_have_no_seams_of_their_own() {
     let page = page(sphere(true), LIGHTS[0], 0.0);
     assert!(
         Seams::find(
-            page.sight(),
+            &page.world,
             &page.atlas,
             0,
             Scope::Object,
@@ -215,14 +206,14 @@ fn objects_apart_have_no_seams_of_their_own() {
         )
         .is_empty()
     );
-    assert!(Seams::find(page.sight(), &page.atlas, 0, Scope::Off, &Across::default()).is_empty());
+    assert!(Seams::find(&page.world, &page.atlas, 0, Scope::Off, &Across::default()).is_empty());
 }
 
 #[test]
 fn what_is_seen_does_not_give_way_to_what_is_buried() {
     let page = page(sphere(true), LIGHTS[0], 0.0);
     let scope = (Scope::Scene, &Across::default());
-    let seams = Seams::find(page.sight(), &page.atlas, 0, scope.0, scope.1);
+    let seams = Seams::find(&page.world, &page.atlas, 0, scope.0, scope.1);
     let raster = PageRaster::new(page.world.scene(), &page.atlas, 0);
     // All of the second object is buried.
     let mut validity = vec![1.0; page.values.len()];
@@ -257,42 +248,4 @@ fn what_is_seen_does_not_give_way_to_what_is_buried() {
         moved.values.into_iter().filter(of_seen).collect()
     };
     assert_eq!(seen(true), seen(false));
-}
-
-/// A rectangle from a corner along two edges, ten texels a unit, with its chart's corner on the page.
-fn panel(corner: DVec3, along: DVec3, up: DVec3, at: [f64; 2]) -> authored::Mesh {
-    let corners = [corner, corner + along, corner + along + up, corner + up];
-    let (across, down) = (along.length() * 10.0, up.length() * 10.0);
-    let places = [[0.0, 0.0], [across, 0.0], [across, down], [0.0, down]];
-    let uv = |place: [f64; 2]| (DVec2::from(place) + DVec2::from(at)) / f64::from(SIZE);
-    let mut mesh = authored::Mesh::default();
-    mesh.positions = corners.map(|p| p.as_vec3().to_array()).to_vec();
-    mesh.uvs = places.map(|p| uv(p).as_vec2().to_array()).to_vec();
-    mesh.triangles = vec![[0, 1, 2], [0, 2, 3]];
-    mesh
-}
-
-#[test]
-fn light_may_end_where_a_wall_stands_on_a_seam() {
-    let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
-    // Two floors that meet at x = 0, 20 texels long, and a wall on half of that: from the floor up, through it, a little beside it.
-    let found = |wall: &[authored::Mesh]| {
-        let floors = [
-            panel(-x, z * 2.0, x, [2.0, 2.0]),
-            panel(DVec3::ZERO, z * 2.0, x, [2.0, 20.0]),
-        ];
-        let scene = Scene::from_meshes([&floors, wall].concat(), vec![]).unwrap();
-        let page = page(scene, LIGHTS[0], 0.0);
-        let across = Across::default();
-        let seams = Seams::find(page.sight(), &page.atlas, 0, Scope::Scene, &across);
-        seams.points.len()
-    };
-    let wall = |corner: DVec3| [panel(corner, z, y, [30.0, 40.0])];
-    assert_eq!(found(&[]), 40);
-    assert_eq!(found(&wall(DVec3::ZERO)), 20);
-    assert_eq!(found(&wall(-0.5 * y)), 20);
-    assert_eq!(found(&wall(0.02 * x)), 20);
-    // What hangs below or stands a texel away parts nothing.
-    assert_eq!(found(&wall(-y)), 40);
-    assert_eq!(found(&wall(0.1 * x)), 40);
 }
