@@ -265,13 +265,22 @@ fn three_js_shows_the_picture_that_ambake_renders() {
     };
     assert_eq!(seen["errors"], json!([]));
     // Without mip levels both look up the same texels; RGBE is brighter, and a mip level is a blur.
-    for (loader, most) in [("exr", 0.5), ("moz", 0.7), ("hdr", 2.0), ("ktx2", 2.0)] {
+    assert_alike(
+        &seen,
+        200,
+        [("exr", 0.5), ("moz", 0.7), ("hdr", 2.0), ("ktx2", 2.0)],
+    );
+    assert_eq!(seen["ktx2"]["levels"], 2);
+}
+
+/// Asserts that pictures by each loader compare more pixels than these, and leave at most so much of 255 on the mean.
+fn assert_alike(seen: &Value, pixels: u64, loaders: [(&str, f64); 4]) {
+    for (loader, most) in loaders {
         let told = &seen[loader];
-        assert!(told["pixels"].as_u64() > Some(200), "{told}");
+        assert!(told["pixels"].as_u64() > Some(pixels), "{told}");
         let mean = told["mean"].as_f64().expect("a number");
         assert!(mean <= most, "{loader}: {mean} of 255 on the mean");
     }
-    assert_eq!(seen["ktx2"]["levels"], 2);
 }
 
 /// Writes a floor, and a bent sheet of which one node places three copies by `EXT_mesh_gpu_instancing`.
@@ -388,12 +397,11 @@ fn copies_of_an_instanced_mesh_have_light_of_their_own_in_three_js() {
         return;
     };
     assert_eq!(seen["errors"], json!([]));
-    for (loader, most) in [("exr", 0.5), ("moz", 0.7), ("hdr", 2.0), ("ktx2", 0.7)] {
-        let told = &seen[loader];
-        assert!(told["pixels"].as_u64() > Some(3_000), "{told}");
-        let mean = told["mean"].as_f64().expect("a number");
-        assert!(mean <= most, "{loader}: {mean} of 255 on the mean");
-    }
+    assert_alike(
+        &seen,
+        3_000,
+        [("exr", 0.5), ("moz", 0.7), ("hdr", 2.0), ("ktx2", 0.7)],
+    );
 }
 
 #[test]

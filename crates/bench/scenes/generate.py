@@ -243,7 +243,7 @@ def main():
     wanted = list(SCENES)
     if len(arguments) == 3 and arguments[1] == "--only" and arguments[2] in SCENES:
         wanted = [arguments[2]]
-    elif len(arguments) != 1:
+    elif len(arguments) != 1 or arguments[0].startswith("-"):
         sys.exit(__doc__)
     folder = Path(arguments[0])
     folder.mkdir(parents=True, exist_ok=True)
