@@ -273,6 +273,31 @@ fn three_js_shows_the_picture_that_ambake_renders() {
     assert_eq!(seen["ktx2"]["levels"], 2);
 }
 
+/// The coat of glTF takes light from what is below it, in each reader another share: the GLB of an OBJ scene has none.
+#[test]
+fn a_glossy_material_shows_its_albedo_times_the_light_in_three_js() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let room = folder.path().join("bronze.obj");
+    let text = fs::read_to_string(scene("plane.obj")).expect("the scene");
+    let text = format!("mtllib bronze.mtl\nusemtl bronze\n{text}");
+    fs::write(&room, text).expect("written");
+    let library = "newmtl bronze\nKd 0.26 0.17 0.09\nKs 0.46 0.36 0.22\nNs 30\n";
+    fs::write(folder.path().join("bronze.mtl"), library).expect("written");
+    let (folder, _) = bake(&room, &["--size=32", "--rays=4", "--for=three"]);
+    let Some(seen) = in_three(folder.path(), &room, ["0.3,2,0.4", "0,0,0", "30"]) else {
+        return;
+    };
+    for (loader, _) in LOADERS {
+        for (c, albedo) in [0.26, 0.17, 0.09].into_iter().enumerate() {
+            let shown = seen[loader]["middle"][c].as_f64().expect("a number");
+            assert!(
+                (shown - albedo).abs() * 255.0 <= 1.0,
+                "{loader}: {shown}, not {albedo}"
+            );
+        }
+    }
+}
+
 /// Asserts that pictures by each loader compare more pixels than these, and leave at most so much of 255 on the mean.
 fn assert_alike(seen: &Value, pixels: u64, loaders: [(&str, f64); 4]) {
     for (loader, most) in loaders {

@@ -14,7 +14,10 @@ use bevy::{
         visibility::{InheritedVisibility, ViewVisibility, VisibilityClass},
     },
     core_pipeline::tonemapping::Tonemapping,
-    gltf::{GltfMaterialName, GltfMeshName, GltfSceneName},
+    gltf::{
+        GltfExtras, GltfMaterialExtras, GltfMaterialName, GltfMeshExtras, GltfMeshName,
+        GltfSceneExtras, GltfSceneName,
+    },
     pbr::Lightmap,
     prelude::*,
     render::{
@@ -127,6 +130,10 @@ fn run() -> Result<ExitCode> {
         .register_type::<GltfMeshName>()
         .register_type::<GltfMaterialName>()
         .register_type::<GltfSceneName>()
+        .register_type::<GltfExtras>()
+        .register_type::<GltfMaterialExtras>()
+        .register_type::<GltfMeshExtras>()
+        .register_type::<GltfSceneExtras>()
         .add_plugins(ScheduleRunnerPlugin::run_loop(Duration::from_millis(5)))
         .add_systems(Startup, load)
         .add_systems(Update, (light, take).chain())
@@ -232,7 +239,9 @@ fn light(
         let page = number.and_then(|number| *shown.pages.get(number)?);
         let Some(page) = page else { continue };
         if let Some(mut own) = materials.get_mut(material) {
-            own.lightmap_exposure = shown.scale;
+            // The coat takes what it reflects from the light below; Bevy does not.
+            let coat = 0.16 * own.reflectance * own.reflectance;
+            own.lightmap_exposure = shown.scale * (1.0 - coat);
         }
         commands.entity(entity).insert(Lightmap {
             image: scene.lightmaps[page as usize].clone(),

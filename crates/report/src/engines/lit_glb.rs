@@ -65,4 +65,7 @@ fn shows(map: &mut Map<String, Value>, texture: u64, strength: f32) {
     let extensions =
         json!({ SPECULAR: { "specularFactor": 0.0 }, STRENGTH: { "emissiveStrength": strength } });
     map.insert("extensions".into(), extensions);
+    // The highlight that ambake would read back.
+    let extras = map.get_mut("extras").and_then(Value::as_object_mut);
+    extras.and_then(|extras| extras.shift_remove("ambake"));
 }

@@ -67,7 +67,7 @@ const TABLE: [Row; 7] = [
         how: "Image Texture (Linear Rec.709) on the second UV map, multiplied by the base colour, into Emission of strength scale. \
               Import STEM.glb first: its second UV map is the layout. Or import STEM.lit.glb, which is lit as it is." },
     Row { engine: Engine::Bevy, name: "bevy", kinds: &[Ktx2, Exr, Ao, Ao8], scale: BEVY_WHITE,
-        how: "Lightmap { image, ..default() } on each mesh entity of STEM.glb, StandardMaterial::lightmap_exposure = scale, GlobalAmbientLight::affects_lightmapped_meshes = false. \
+        how: "Lightmap { image, ..default() } on each mesh entity of STEM.glb, StandardMaterial::lightmap_exposure = scale x (1 - 0.16 x reflectance^2), GlobalAmbientLight::affects_lightmapped_meshes = false. \
               The scale undoes the default camera Exposure (EV100 9.7); for another take 1.2 * 2^EV100." },
     Row { engine: Engine::Godot, name: "godot", kinds: &[Exr, Ao, Ao8], scale: 1.0,
         how: "A spatial shader: EMISSION = albedo * texture(lightmap, UV2).rgb * scale with ambient light off, import the EXR without mipmaps. \

@@ -1,12 +1,15 @@
 //! A glTF document for a scene that came from an OBJ file or was built in memory: vertices in the order of the layout,
 //! materials mapped.
 //!
-//! Metallic is 0, and roughness the inverse of [`scene::phong_from_metallic_roughness`]: `roughness = (2n + 1)^(-1/4)`.
-//! Without more, glTF gives every dielectric a coat that reflects 0.04. `KHR_materials_specular` says instead what the
-//! scene says: `specularFactor` 0 for a matt surface, else `specularColorFactor` Ks / 0.04. Base colour is then the
-//! albedo (Kd, scaled where Kd + Ks is above 1) divided by what the coat leaves, 1 - max Ks, and at most 1. So ambake
-//! reads back the materials of the scene. Ke is the emissive factor, with `KHR_materials_emissive_strength` where a
-//! channel is above 1.
+//! Base colour is the albedo (Kd, scaled where Kd + Ks is above 1), because engines multiply lightmaps by the base colour. Metallic
+//! is 0, and roughness the inverse of [`scene::phong_from_metallic_roughness`]: `roughness = (2n + 1)^(-1/4)`.
+//!
+//! glTF gives every dielectric a coat that reflects, and takes from the base what it reflects. Readers disagree on how much of a
+//! lightmap it takes: Bevy nothing, three.js a share that depends on the view, the standard `max Ks` at normal view. So the coat is
+//! off: `specularFactor` of `KHR_materials_specular` is 0. Its colour, Ks / 0.04, stands beside it: a factor of 1 brings the
+//! highlights of lamps back. `extras.ambake` holds Ks and Ns, by which ambake reads back the materials of the scene.
+//!
+//! Ke is the emissive factor, with `KHR_materials_emissive_strength` where a channel is above 1.
 
 use super::document::{Document, Target};
 use super::{Origins, Reason};
@@ -23,7 +26,7 @@ const STRENGTH: &str = "KHR_materials_emissive_strength";
 /// The extension for another reflectance of the coat than [`COAT`].
 const SPECULAR: &str = "KHR_materials_specular";
 
-/// What glTF's dielectric reflects at normal view.
+/// What the coat of glTF's dielectric reflects at normal view.
 const COAT: f32 = 0.04;
 
 /// The document and where it holds the scene: mesh and instance numbers are those of the scene.
@@ -121,13 +124,7 @@ fn material_value(
         }
     };
     let specular = specular.clamp(Vec3::ZERO, Vec3::ONE);
-    // Nothing but a mirror leaves no base, whose colour is then of no account.
-    let left = (1.0 - specular.max_element()).max(f32::MIN_POSITIVE);
-    let base = (albedo / left).clamp(Vec3::ZERO, Vec3::ONE);
-    let coat = match specular == Vec3::ZERO {
-        true => json!({ "specularFactor": 0.0 }),
-        false => json!({ "specularColorFactor": (specular / COAT).to_array() }),
-    };
+    let base = albedo.clamp(Vec3::ZERO, Vec3::ONE);
     let (factor, alpha_map) = match &material.alpha {
         Alpha::Opaque => (1.0, None),
         Alpha::Mask { factor, map, .. } | Alpha::Blend { factor, map } => {
@@ -142,8 +139,13 @@ fn material_value(
             "metallicFactor": 0.0,
             "roughnessFactor": roughness,
         },
-        "extensions": { SPECULAR: coat },
+        "extensions": { SPECULAR: { "specularFactor": 0.0 } },
     });
+    if specular != Vec3::ZERO {
+        let color = (specular / COAT).to_array();
+        value["extensions"][SPECULAR]["specularColorFactor"] = json!(color);
+        value["extras"] = json!({ "ambake": { "Ks": specular.to_array(), "Ns": exponent } });
+    }
     if let Some(any) = albedo_map.or(alpha_map) {
         let texture = base_color(document, textures, scene, any, albedo_map, alpha_map)?;
         value["pbrMetallicRoughness"]["baseColorTexture"] =

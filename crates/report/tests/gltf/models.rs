@@ -1,8 +1,9 @@
 //! Whole scenes, written and loaded again.
 
 use super::support::{assert_valid, corners, layout, open, write};
+use glam::Vec3;
 use scene::{Scene, Surface, phong_from_metallic_roughness};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::fs;
 
 #[test]
@@ -146,6 +147,24 @@ fn materials_of_an_obj_scene_come_back_as_they_were() {
             (found.2 - given.2).abs() < 1e-4 * (1.0 + given.2),
             "{found:?} for {given:?}"
         );
+    }
+    // Engines multiply lightmaps by the base colour: it is the albedo, without a coat that takes light away.
+    let (json, _) = open(&path);
+    for (written, (albedo, specular, exponent)) in json["materials"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip(phong(&before))
+    {
+        let base = &written["pbrMetallicRoughness"]["baseColorFactor"];
+        assert_eq!(base, &json!([albedo.x, albedo.y, albedo.z, 1.0]));
+        let coat = &written["extensions"]["KHR_materials_specular"];
+        assert_eq!(coat["specularFactor"], 0.0);
+        let highlight = match specular == Vec3::ZERO {
+            true => Value::Null,
+            false => json!({ "ambake": { "Ks": specular.to_array(), "Ns": exponent } }),
+        };
+        assert_eq!(written["extras"], highlight);
     }
     assert_valid(&[path]);
 }

@@ -1,7 +1,9 @@
 //! glTF materials and the images they read.
 
 use super::accessor::Data;
+use super::phong::{Phong, phong};
 use crate::image::{Failure, Pixels, TOO_LARGE, decode};
+use crate::material::conserving;
 use crate::source::{Input, Uri, beside, short, uri};
 use crate::validate::{Parts, clamped};
 use crate::{
@@ -148,13 +150,25 @@ fn material(
         .as_ref()
         .and_then(|info| texture(data, info, images));
     let base = Vec3::new(r, g, b);
-    let surface = Surface::MetallicRoughness {
-        base,
-        base_map,
-        metallic,
-        roughness,
-        metallic_roughness_map,
-        dielectric,
+    let matt = dielectric == Vec3::ZERO && metallic == 0.0 && metallic_roughness_map.is_none();
+    let surface = match phong(json).filter(|_| matt) {
+        Some(Phong { specular, exponent }) => {
+            let [albedo, specular] = conserving(input, &place, [base, specular]);
+            Surface::Phong {
+                albedo,
+                albedo_map: base_map,
+                specular,
+                exponent,
+            }
+        }
+        None => Surface::MetallicRoughness {
+            base,
+            base_map,
+            metallic,
+            roughness,
+            metallic_roughness_map,
+            dielectric,
+        },
     };
     Material {
         name,

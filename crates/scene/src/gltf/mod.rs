@@ -16,6 +16,7 @@ mod document;
 mod elements;
 mod materials;
 mod nodes;
+mod phong;
 mod primitives;
 mod root;
 

@@ -192,3 +192,50 @@ fn both_reflectances_are_scaled_by_one_factor() {
         warning.message
     );
 }
+
+/// The GLB of a bake has the coat off and its highlight in `extras`; who switches the coat on has changed the material.
+#[test]
+fn the_highlight_that_ambake_wrote_is_read_where_the_coat_is_off() {
+    let highlight = |ks: serde_json::Value| json!({ "ambake": { "Ks": ks, "Ns": 30 } });
+    let material = |factor: f32, metallic: f32, extras: serde_json::Value| {
+        json!({
+            "pbrMetallicRoughness": { "baseColorFactor": [0.25, 0.5, 0.75, 1], "metallicFactor": metallic },
+            "extensions": { "KHR_materials_specular": { "specularFactor": factor } },
+            "extras": extras,
+        })
+    };
+    let ks = json!([0.5, 0.25, 0.125]);
+    let mut document = Document::triangle();
+    document.json["materials"] = json!([
+        material(0.0, 0.0, highlight(ks.clone())),
+        material(0.0, 0.0, highlight(json!([7.0, -1.0, 0.0]))),
+        material(1.0, 0.0, highlight(ks.clone())),
+        material(0.0, 1.0, highlight(ks)),
+        material(0.0, 0.0, highlight(json!("bronze"))),
+        material(0.0, 0.0, json!([1, 2])),
+    ]);
+    let scene = document.load().unwrap();
+    let base = Vec3::new(0.25, 0.5, 0.75);
+    let matt = (base, Vec3::ZERO);
+    let expected = [
+        (base, Vec3::new(0.5, 0.25, 0.125)),
+        (base * 0.8, Vec3::X * 0.8),
+        (base * 0.96, Vec3::splat(0.04)),
+        (Vec3::ZERO, base),
+        matt,
+        matt,
+    ];
+    for (i, (found, expected)) in reflectances(&scene).into_iter().zip(expected).enumerate() {
+        let off = (found.0 - expected.0)
+            .abs()
+            .max((found.1 - expected.1).abs());
+        assert!(
+            off.max_element() < ROUNDING,
+            "material {i}: {found:?}, not {expected:?}"
+        );
+    }
+    assert!(matches!(
+        scene.materials[0].surface,
+        Surface::Phong { exponent: 30.0, .. }
+    ));
+}
