@@ -299,7 +299,7 @@ fn a_glossy_material_shows_its_albedo_times_the_light_in_three_js() {
 }
 
 /// Asserts that pictures by each loader compare more pixels than these, and leave at most so much of 255 on the mean.
-fn assert_alike(seen: &Value, pixels: u64, loaders: [(&str, f64); 4]) {
+fn assert_alike<const N: usize>(seen: &Value, pixels: u64, loaders: [(&str, f64); N]) {
     for (loader, most) in loaders {
         let told = &seen[loader];
         assert!(told["pixels"].as_u64() > Some(pixels), "{told}");
@@ -426,6 +426,12 @@ fn copies_of_an_instanced_mesh_have_light_of_their_own_in_three_js() {
         &seen,
         3_000,
         [("exr", 0.5), ("moz", 0.7), ("hdr", 2.0), ("ktx2", 0.7)],
+    );
+    // As one node with a rectangle for each copy: the same light, by two meshes in place of four.
+    assert_alike(&seen, 3_000, [("copies", 0.5)]);
+    assert_eq!(
+        (&seen["exr"]["drawn"], &seen["copies"]["drawn"]),
+        (&json!(4), &json!(2))
     );
 }
 

@@ -52,7 +52,7 @@ const lightMaps = (parser) => ({
   },
 });
 
-window.measure = async ({ stem, eye, look, fov, pages, scale }) => {
+window.measure = async ({ stem, eye, look, fov, pages, scale, instanced }) => {
   const renderer = new THREE.WebGLRenderer();
   const at = (name) => "/bake/" + encodeURIComponent(name);
   const wanted = await new EXRLoader().setDataType(THREE.FloatType).loadAsync("/picture");
@@ -63,16 +63,19 @@ window.measure = async ({ stem, eye, look, fov, pages, scale }) => {
   const target = new THREE.WebGLRenderTarget(width, height, { type: THREE.FloatType, colorSpace: THREE.LinearSRGBColorSpace });
   const loaders = {
     exr: [new EXRLoader(), true], hdr: [new HDR(), false], ktx2: [new KTX2Loader().detectSupport(renderer), false],
-    moz: [null],
+    moz: [null], copies: [new EXRLoader(), true],
   };
   const plain = (await new GLTFLoader().loadAsync(at(stem + ".glb"))).scene;
   const lit = (await new GLTFLoader().register(lightMaps).loadAsync(at(stem + ".lightmap.glb"))).scene;
+  const copies = instanced ? (await new GLTFLoader().loadAsync(at(stem + ".instanced.glb"))).scene : null;
   const told = {};
   for (const [ending, [loader, flip]] of Object.entries(loaders)) {
     const maps = [];
-    const scene = loader ? plain : lit;
+    const scene = ending === "copies" ? copies : loader ? plain : lit;
+    if (!scene) continue;
+    const file = ending === "copies" ? "exr" : ending;
     for (let page = 0; page < (loader ? pages : 0); page++) {
-      const map = await loader.loadAsync(at(stem + "." + page + ".lightmap." + ending));
+      const map = await loader.loadAsync(at(stem + "." + page + ".lightmap." + file));
       map.channel = 1;
       map.flipY = flip;
       // KTX2Loader leaves pictures without compression unfiltered.
@@ -86,6 +89,13 @@ window.measure = async ({ stem, eye, look, fov, pages, scale }) => {
       if (!loader && object.isMesh && object.material.aoMap) throw new Error("occlusion beside a lightmap");
       if (!loader && object.isMesh && object.material.lightMap) maps.push(object.material.lightMap);
       if (!loader || !object.isMesh || (!object.material.aoMap && !object.material.lightMap)) return;
+      if (object.isInstancedMesh) {
+        object.material = object.material.clone();
+        object.material.onBeforeCompile = (shader) => {
+          shader.vertexShader = "attribute vec4 _LIGHTMAP_RECT;\\n" + shader.vertexShader.replace("#include <uv_vertex>",
+            "#include <uv_vertex>\\nvLightMapUv = vLightMapUv * _LIGHTMAP_RECT.xy + _LIGHTMAP_RECT.zw;");
+        };
+      }
       const material = object.material;
       material.userData.page ??= Number(material.aoMap.name.split(".").at(-2));
       material.aoMap = null;
@@ -116,7 +126,10 @@ window.measure = async ({ stem, eye, look, fov, pages, scale }) => {
       }
     }
     const middle = 4 * (Math.floor(height / 2) * width + Math.floor(width / 2));
+    let drawn = 0;
+    scene.traverse((object) => { drawn += object.isMesh ? 1 : 0; });
     told[ending] = {
+      drawn,
       size: maps[0].image.width, levels: Math.max(1, maps[0].mipmaps?.length ?? 1), pixels: count / 3,
       mean: sum / count, most, middle: [...found.slice(middle, middle + 3)], wanted: [...data.slice(middle, middle + 3)],
     };
@@ -157,6 +170,7 @@ try {
   await tab.waitForFunction(() => window.ready, null, { timeout: 60000 });
   const told = await tab.evaluate((job) => window.measure(job), {
     stem, eye: point(eye), look: point(look), fov: Number(fov), pages: bake.pages.length, scale,
+    instanced: existsSync(path.join(dir, stem + ".instanced.glb")),
   });
   // A browser asks for an icon, which nobody has.
   console.log(JSON.stringify({ ...told, errors: errors.filter((e) => !e.includes("404")) }));

@@ -6,6 +6,7 @@
 mod ao;
 mod container;
 mod half_exr;
+mod instanced;
 mod ktx2;
 mod light;
 mod lightmap_glb;

@@ -6,9 +6,9 @@
 use super::container::{list, parts, whole};
 use super::lightmap_glb::LIGHTMAP;
 use super::lit_glb::LIT;
-use super::orm_glb;
 use super::scene_kind::{Picture, SceneGlb};
 use super::{Engine, LightmapReport, PageLight};
+use super::{instanced, orm_glb};
 use crate::{Error, Output};
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -19,15 +19,39 @@ const KINDS: [&SceneGlb; 2] = [&LIT, &LIGHTMAP];
 #[derive(Default)]
 pub struct ScenePictures {
     of: Vec<(&'static SceneGlb, Vec<Picture>)>,
-    /// Whether an engine wants occlusion and roughness in one picture.
-    orm: bool,
+    /// Those of the scene's GLB in another form that the engines want.
+    forms: Vec<&'static Form>,
 }
+
+/// The scene's GLB in another form, without light.
+struct Form {
+    suffix: &'static str,
+    engines: &'static [Engine],
+    /// `None` where the scene has nothing that would be other.
+    made: fn(&[u8]) -> Option<Vec<u8>>,
+    words: [&'static str; 2],
+}
+
+const FORMS: [Form; 2] = [
+    Form {
+        suffix: "orm",
+        engines: &orm_glb::ENGINES,
+        made: orm_glb::packed,
+        words: orm_glb::WORDS,
+    },
+    Form {
+        suffix: "instanced",
+        engines: &instanced::ENGINES,
+        made: instanced::instanced,
+        words: instanced::WORDS,
+    },
+];
 
 /// The names of the files that `engines` get.
 pub fn scene_files(stem: &str, engines: &[Engine]) -> Vec<String> {
     let kinds = kinds(engines).map(|kind| kind.file(stem));
-    let orm = wants_orm(engines).then(|| orm_file(stem));
-    kinds.chain(orm).collect()
+    let forms = forms(engines).map(|form| file(stem, form.suffix));
+    kinds.chain(forms).collect()
 }
 
 impl ScenePictures {
@@ -36,7 +60,7 @@ impl ScenePictures {
         let of = kinds(engines).map(|kind| (kind, Vec::new()));
         Self {
             of: of.collect(),
-            orm: wants_orm(engines),
+            forms: forms(engines).collect(),
         }
     }
 
@@ -51,7 +75,7 @@ impl ScenePictures {
 
     /// True where no file needs the scene's GLB.
     pub fn is_empty(&self) -> bool {
-        self.of.is_empty() && !self.orm
+        self.of.is_empty() && self.forms.is_empty()
     }
 
     /// Stages the files, made from the scene's GLB, and returns what `bake.json` says of them.
@@ -72,23 +96,26 @@ impl ScenePictures {
             let wanting = engines.iter().filter(|e| kind.engines.contains(e));
             entries.extend(wanting.map(|engine| entry(*engine, kind.file(stem), kind.words)));
         }
-        if let Some(packed) = self.orm.then(|| orm_glb::packed(glb)).flatten() {
-            output.stage_bytes(&orm_file(stem), &packed)?;
-            let wanting = engines.iter().filter(|e| orm_glb::ENGINES.contains(e));
-            entries.extend(wanting.map(|engine| entry(*engine, orm_file(stem), orm_glb::WORDS)));
+        for form in &self.forms {
+            let Some(made) = (form.made)(glb) else {
+                continue;
+            };
+            let name = file(stem, form.suffix);
+            output.stage_bytes(&name, &made)?;
+            let wanting = engines.iter().filter(|e| form.engines.contains(e));
+            entries.extend(wanting.map(|engine| entry(*engine, name.clone(), form.words)));
         }
         Ok(entries)
     }
 }
 
-fn wants_orm(engines: &[Engine]) -> bool {
-    orm_glb::ENGINES
-        .iter()
-        .any(|engine| engines.contains(engine))
+fn forms(engines: &[Engine]) -> impl Iterator<Item = &'static Form> {
+    let wanted = |form: &&Form| form.engines.iter().any(|engine| engines.contains(engine));
+    FORMS.iter().filter(wanted)
 }
 
-fn orm_file(stem: &str) -> String {
-    format!("{stem}.orm.glb")
+fn file(stem: &str, suffix: &str) -> String {
+    format!("{stem}.{suffix}.glb")
 }
 
 /// What `bake.json` says of a file that an engine loads as it is.
@@ -105,7 +132,7 @@ fn entry(engine: Engine, file: String, words: [&str; 2]) -> LightmapReport {
 
 impl SceneGlb {
     fn file(&self, stem: &str) -> String {
-        format!("{stem}.{}.glb", self.suffix)
+        file(stem, self.suffix)
     }
 }
 
