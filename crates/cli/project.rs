@@ -8,8 +8,11 @@
 //! [scene."hall.glb"]        # one scene; these win over [bake]
 //! rays = 1024
 //!
-//! [object."wall*"]          # objects by name, with * and ?
+//! [object."wall*"]          # objects by name, with * and ?, of every scene
 //! density = 20
+//!
+//! [scene."hall.glb".object."altar"]   # of one scene
+//! density = 80
 //! ```
 //!
 //! What is typed wins over the file. The file's options are put before the typed ones and both are read by the same
@@ -133,6 +136,15 @@ fn flags(
             .as_table()
             .with_context(|| format!("[{title}] is no table"))?;
         for (key, value) in content {
+            let objects = value
+                .as_table()
+                .filter(|_| key == "object" && title != "bake");
+            if let Some(objects) = objects {
+                for (object, wishes) in objects {
+                    flags.extend(object_flags(object, wishes)?);
+                }
+                continue;
+            }
             options.retain(|(_, earlier, _)| earlier != key);
             options.push((title.clone(), key.clone(), value.clone()));
         }
@@ -254,6 +266,16 @@ mod tests {
     }
 
     #[test]
+    fn objects_of_one_scene_are_named_below_it() {
+        let file = "[object.wall]\ndensity = 20\n[scene.'hall.glb'.object.altar]\ndensity = 80\n[scene.'other.glb'.object.door]\ndensity = 4";
+        let found = job(file, "").unwrap().density_of;
+        assert_eq!(
+            found,
+            [("wall".to_owned(), 20.0), ("altar".to_owned(), 80.0)]
+        );
+    }
+
+    #[test]
     fn what_is_wrong_is_one_line_that_names_the_place() {
         for (file, word) in [
             ("size = 64", "outside of a table"),
@@ -264,6 +286,11 @@ mod tests {
             ("[bake]\noutput = 'x'", "unknown option `output`"),
             ("[scenes]\n", "unknown table [scenes]"),
             ("[object.wall]\nrays = 4", "[object.\"wall\"]"),
+            (
+                "[scene.'hall.glb'.object.wall]\nrays = 4",
+                "[object.\"wall\"]",
+            ),
+            ("[scene.'hall.glb']\nobject = 3", "unknown option `object`"),
             ("[bake]\nlayers = []", "`layers` in [bake]"),
         ] {
             let Err(error) = job(file, "") else {
