@@ -64,13 +64,13 @@ pub fn instanced(glb: &[u8]) -> Option<Vec<u8>> {
     let mut gone = HashSet::new();
     for group in &found {
         let nodes = write(&mut document, group)?;
-        gone.extend(group.copies.iter().map(|copy| copy.node));
+        let copies: HashSet<u64> = group.copies.iter().map(|copy| copy.node as u64).collect();
         let members = document.json.pointer_mut(&group.list)?.as_array_mut()?;
-        let first = group.copies[0].node;
-        let at = members.iter().position(|n| *n == json!(first))?;
-        let is_copy = |n: &Value| group.copies.iter().any(|copy| *n == json!(copy.node));
+        let is_copy = |n: &Value| n.as_u64().is_some_and(|n| copies.contains(&n));
+        let at = members.iter().position(is_copy)?;
         members.splice(at..=at, nodes);
         members.retain(|n| !is_copy(n));
+        gone.extend(group.copies.iter().map(|copy| copy.node));
     }
     for key in ["extensionsUsed", "extensionsRequired"] {
         let root = document.json.as_object_mut()?;
