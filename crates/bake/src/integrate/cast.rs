@@ -133,7 +133,7 @@ impl Caster<'_> {
         let may_guide = pays
             && self.technique == Technique::Hemisphere
             && is_even
-            && self.task.pattern == Pattern::Independent;
+            && self.task.pattern == Pattern::Joint;
         match may_guide {
             true => surfaces(self.texels, which),
             false => (Vec::new(), which.to_vec()),
@@ -234,7 +234,7 @@ fn next_round(points: u32) -> u32 {
 /// 4 x 4 texels, which share it.
 fn packet_edge(pattern: Pattern) -> u32 {
     match pattern {
-        Pattern::Independent => 2,
+        Pattern::Joint => 2,
         Pattern::Tiled => SHARE,
     }
 }
