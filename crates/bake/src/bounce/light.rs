@@ -55,8 +55,8 @@ fn total(received: &Received) -> DVec3 {
 }
 
 /// Half of what two independent halves differ by.
-fn half([a, b, c, d]: Received) -> DVec3 {
-    ((a + c) - (b + d)) / 4.0
+fn half([a, b]: Received) -> DVec3 {
+    (a - b) * 0.5
 }
 
 /// The variance of the mean of independent replicates.

@@ -111,7 +111,7 @@ impl<'a> Gathered<'a> {
             return Terms::default();
         }
         let sums = Sums::of(&self.sums[i]);
-        let pool = self.pool(i, 1);
+        let pool = self.pool(i, 2);
         let share = |quantity| Estimate {
             value: value(self.sky, &sums, quantity),
             std_err: self.std_err(&pool, quantity),

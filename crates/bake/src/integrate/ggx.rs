@@ -26,7 +26,7 @@ const FIRST_ROUND: u32 = 16;
 const LEAST_ALPHA: f64 = 0.15;
 
 /// All replicates.
-const EACH: [usize; REPLICATES as usize] = [0, 1, 2, 3];
+const EACH: [usize; REPLICATES as usize] = [0, 1];
 
 /// Means over the points of one or more replicates: each technique's sums over its own points, added.
 #[derive(Clone, Copy)]
