@@ -1,9 +1,9 @@
 //! The light that gathers add up to: of a texel, of a page, and over all pages.
 
+use super::REPLICATES;
 use super::gather::Received;
 use super::mean;
 use super::radiosity::PageLight;
-use crate::integrate::REPLICATES;
 use crate::options::{Bounces, Options};
 use crate::page::{BakedPage, Baker, LayerPlanes, finish_light, light_layers};
 use crate::plan::Plan;
@@ -55,8 +55,8 @@ fn total(received: &Received) -> DVec3 {
 }
 
 /// Half of what two independent halves differ by.
-fn half([a, b]: Received) -> DVec3 {
-    (a - b) * 0.5
+fn half([a, b, c, d]: Received) -> DVec3 {
+    ((a + c) - (b + d)) / 4.0
 }
 
 /// The variance of the mean of independent replicates.
