@@ -181,8 +181,8 @@ mod tests {
         assert_eq!(page.rmse_bound(), 0.0);
         (page.errors.squares, page.errors.fourths) = (4.0, 24.0);
         assert_eq!((page.rmse(), page.irradiance_rmse()), (1.0, 0.75f64.sqrt()));
-        // t = 4² / 24 = 2/3, so the relative variance (2 + 2/3) / t is 4.
-        let bound = (1.0 + 3.09 * 2.0f64).sqrt();
+        // t = 4² / 24 = 2/3, so the relative variance (2 + 2) / t is 6.
+        let bound = (1.0 + 3.09 * 6.0f64.sqrt()).sqrt();
         assert!(
             (page.rmse_bound() - bound).abs() < 1e-14,
             "{}",
