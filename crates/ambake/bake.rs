@@ -190,7 +190,7 @@ impl Bake {
         self
     }
 
-    /// Whether blocks of 4 x 4 texels share their directions; independent by default.
+    /// How the points of neighbouring texels stand to each other; joint by default.
     pub fn pattern(mut self, pattern: Pattern) -> Self {
         self.options.pattern = pattern;
         self

@@ -142,7 +142,7 @@ impl Default for Options {
             mips: 0,
             align: 1,
             effort: Effort::Rays(256),
-            pattern: Pattern::Independent,
+            pattern: Pattern::Joint,
             footprint: Footprint::Texel,
             denoise: None,
             seams: Seams::default(),
@@ -243,7 +243,7 @@ impl Options {
         }
         let denoises = self.denoises() == Denoise::Regression;
         if denoises && self.pattern == Pattern::Tiled {
-            let problem = "needs independent errors: leave out --pattern tiled";
+            let problem = "smears errors that texels share: leave out --pattern tiled";
             return fail("--denoise regression", problem);
         }
         if denoises && matches!(self.effort, Effort::Rays(1)) {
@@ -261,9 +261,9 @@ impl Options {
     }
 
     /// How terms are denoised: as was asked, else by regression wherever it can be. A single ray has no halves to compare, and
-    /// tiles that share their directions have no independent errors.
+    /// blocks that share their directions share their errors.
     pub fn denoises(&self) -> Denoise {
-        let compares = self.pattern == Pattern::Independent && self.effort != Effort::Rays(1);
+        let compares = self.pattern == Pattern::Joint && self.effort != Effort::Rays(1);
         self.denoise.unwrap_or(match compares {
             true => Denoise::Regression,
             false => Denoise::Off,
@@ -426,7 +426,7 @@ impl Options {
             "target_relative": target_relative,
             "max_rays": max_rays,
             "pattern": match pattern {
-                Pattern::Independent => "independent",
+                Pattern::Joint => "joint",
                 Pattern::Tiled => "tiled",
             },
             "footprint": match footprint {

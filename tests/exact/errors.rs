@@ -241,7 +241,10 @@ fn denoised_pages_hold_what_was_asked_and_compose_from_denoised_terms() {
     let output = run(&all);
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(1), "{message}");
-    assert!(message.contains("needs independent errors"), "{message}");
+    assert!(
+        message.contains("smears errors that texels share"),
+        "{message}"
+    );
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! Judging errors by the estimator's own standard errors.
 //!
-//! A stored standard error comes from four independent randomisations, so error / standard error follows Student's t
-//! with 3 degrees of freedom. Texels are independent.
+//! A stored standard error comes from two independent randomisations of each texel of a neighbourhood. Three texels are the fewest
+//! that any surface here has, so single texels are judged by Student's t with 3 degrees of freedom. Errors of neighbours are independent or tend to
+//! cancel, so that the error of a mean over texels is at most what independent ones would have.
 
 use std::fmt;
 
@@ -64,7 +65,7 @@ impl fmt::Display for Verdict {
 
 /// Judges `samples` of an estimator with `rays` rays a texel.
 ///
-/// An estimate is a sum of `rays` equal shares, so below 1 / rays the spread of four means says nothing: that much is
+/// An estimate is a sum of `rays` equal shares, so below 1 / rays the spread of means says nothing: that much is
 /// added to the standard error of single texels.
 pub fn judge(samples: &[Sample], rays: f64) -> Verdict {
     let count = samples.len() as f64;
@@ -75,7 +76,7 @@ pub fn judge(samples: &[Sample], rays: f64) -> Verdict {
     let worst = samples
         .iter()
         .map(|s| student_3_tail(s.error / s.standard_error.hypot(1.0 / rays)));
-    // Squared errors have the relative variance 2, squared standard errors 2/3; unequal texels weigh as fewer. Standard
+    // Squared errors have the relative variance 2, squared standard errors of two values 2; unequal texels weigh as fewer. Standard
     // errors are pooled over neighbours, which hides unequal texels: squared errors tell of them, too, by their own
     // fourth powers (three times their squares' square where all texels are equal and normal).
     let effective_of = |squares: f64, fourth: f64, equal: f64| {
@@ -103,7 +104,7 @@ pub fn judge(samples: &[Sample], rays: f64) -> Verdict {
         } else {
             1.0
         },
-        ratio_deviation: ((2.0 + 2.0 / 3.0) / effective).sqrt(),
+        ratio_deviation: (4.0 / effective).sqrt(),
     }
 }
 

@@ -42,7 +42,7 @@ mod survey;
 pub use ambient::any_view::KernelTable;
 pub use bounce::BounceStats;
 pub use choice::Choice;
-pub use integrate::{AnyView, Directional, Halves, REPLICATES, Terms};
+pub use integrate::{AnyView, Directional, Halves, Terms};
 pub use options::{
     Bounces, Buried, Denoise, Effort, Footprint, Model, Options, Pattern, PointSet, Seams, Shading,
     Sky, View,

@@ -79,12 +79,12 @@ impl Effort {
     }
 }
 
-/// Which directions texels share. The error of a texel is the same; only its likeness to its neighbours' is not.
+/// How the points of neighbouring texels stand to each other. The error of a texel is the same; only how it goes with its neighbours' is not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Pattern {
-    /// Every texel has its own: errors of neighbours are independent.
+    /// The texels of a tile take parts of one sequence: errors of neighbours tend to cancel, and smoothed pages gain.
     #[default]
-    Independent,
+    Joint,
     /// Blocks of 4 x 4 texels share theirs, so that packets hold parallel rays: errors show as blocks.
     Tiled,
 }
@@ -102,11 +102,11 @@ pub enum Footprint {
 /// What happens to the terms of a page after they are integrated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Denoise {
-    /// Nothing: every texel is unbiased and independent.
+    /// Nothing: every texel is unbiased.
     #[default]
     Off,
     /// Local regression over the texels of a surface, by two independent halves of the rays: at least 2 rays. Needs
-    /// [`Pattern::Independent`]: errors of neighbours must be.
+    /// [`Pattern::Joint`]: errors that neighbours share are no noise to it.
     Regression,
     /// Intel Open Image Denoise, which [`oidn::load`] must find. Standard errors stay those of the plain values.
     Oidn,

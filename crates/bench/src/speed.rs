@@ -72,7 +72,7 @@ pub const TECHNIQUES: [Technique; 10] = {
         name: "embree packets, owen-sobol",
         backend: BackendKind::Embree,
         single: false,
-        pattern: Pattern::Independent,
+        pattern: Pattern::Joint,
         points: PointSet::Sobol,
         denoise: Denoise::Off,
         draw_sky: true,

@@ -141,8 +141,8 @@ pub struct Job {
     /// With --target-error: the most rays that a texel may take, over the hemisphere and again over the lobe
     #[arg(long, value_name = "N", default_value_t = 16_384, requires = "target_error", conflicts_with = "rays", value_parser = clap::value_parser!(u32).range(16..=16_777_216))]
     pub max_rays: u32,
-    /// Whether blocks of 4 x 4 texels share their directions: a little faster, but errors show as blocks
-    #[arg(long, value_enum, default_value_t = Pattern::Independent)]
+    /// How the rays of neighbouring texels stand to each other; blocks that share their directions are a little faster, but show
+    #[arg(long, value_enum, default_value_t = Pattern::Joint)]
     pub pattern: Pattern,
     /// Where the samples of a texel lie: all over the part that charts cover, or at its point nearest to the texel's centre, to compare
     /// with programs that sample centres
@@ -232,9 +232,10 @@ pub enum Model {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Pattern {
-    /// Every texel has its own directions
-    Independent,
-    /// Blocks of 4 x 4 texels share theirs
+    /// Texels take parts of one sequence, so that the errors of neighbours tend to cancel
+    #[value(alias = "independent")]
+    Joint,
+    /// Blocks of 4 x 4 texels share their directions
     Tiled,
 }
 

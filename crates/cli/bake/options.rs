@@ -34,7 +34,7 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
         },
     };
     options.pattern = match job.pattern {
-        args::Pattern::Independent => Pattern::Independent,
+        args::Pattern::Joint => Pattern::Joint,
         args::Pattern::Tiled => Pattern::Tiled,
     };
     options.footprint = match job.footprint {

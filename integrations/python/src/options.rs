@@ -131,7 +131,7 @@ fn one(bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
         "max_rays" => bake.max_rays(value.extract()?),
         "pattern" => {
             let words = [
-                ("independent", Pattern::Independent),
+                ("joint", Pattern::Joint),
                 ("tiled", Pattern::Tiled),
             ];
             bake.pattern(word(value, &words)?)

@@ -8,6 +8,7 @@
 
 mod guide;
 mod hemisphere;
+mod joint;
 mod lattice;
 mod lobe;
 mod sobol;

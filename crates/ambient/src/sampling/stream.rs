@@ -18,6 +18,8 @@ use super::sobol::{DIMENSIONS, scramble, sobol};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stream {
     keys: [u64; DIMENSIONS],
+    /// Number of the point that counts as the first.
+    first: u32,
 }
 
 impl Stream {
@@ -31,12 +33,18 @@ impl Stream {
         let key = mix(mix(mix(seed).wrapping_add(place)).wrapping_add(role));
         Stream {
             keys: [0, 1, 2, 3].map(|d: u64| mix(key ^ d)),
+            first: 0,
         }
+    }
+
+    /// This stream with point `first ^ i` in place of each point `i`.
+    pub(super) fn starting_at(self, first: u32) -> Stream {
+        Stream { first, ..self }
     }
 
     /// Coordinates of point `index`: odd multiples of 2^-33, so strictly inside (0, 1). No period short of 2^32.
     pub fn point(&self, index: u32) -> [f64; DIMENSIONS] {
-        std::array::from_fn(|d| unit(scramble(sobol(d, index), self.keys[d])))
+        std::array::from_fn(|d| unit(scramble(sobol(d, self.first ^ index), self.keys[d])))
     }
 
     /// This stream with the first two dimensions, the direction, of another: texels that share `directions` send parallel
@@ -46,12 +54,18 @@ impl Stream {
         let [_, _, p0, p1] = self.keys;
         Stream {
             keys: [d0, d1, p0, p1],
+            first: self.first,
         }
     }
 
     /// What randomises a dimension.
     pub(super) fn key(&self, dimension: usize) -> u64 {
         self.keys[dimension]
+    }
+
+    /// Bit-reversed coordinate of the first point, before it is randomised.
+    pub(super) fn base(&self, dimension: usize) -> u32 {
+        sobol(dimension, self.first)
     }
 }
 

@@ -38,6 +38,8 @@ pub struct Streams {
     /// Low and high halves of each key; the high half is also the lattice's shift.
     low: [[u32; LANES]; DIMENSIONS],
     high: [[u32; LANES]; DIMENSIONS],
+    /// Coordinates of each lane's first point, bit-reversed.
+    base: [[u32; LANES]; DIMENSIONS],
     first: u32,
     /// Bits of the zenith and azimuth cells of the block.
     bits: [u32; 2],
@@ -66,6 +68,7 @@ impl Streams {
             set,
             low: [[0; LANES]; DIMENSIONS],
             high: [[0; LANES]; DIMENSIONS],
+            base: [[0; LANES]; DIMENSIONS],
             first: 0,
             bits: [0; 2],
             parts: [[[[0; LANES]; DIMENSIONS]; 32]; 2],
@@ -82,6 +85,7 @@ impl Streams {
             let key = stream.key(d);
             self.low[d][lane] = key as u32;
             self.high[d][lane] = (key >> 32) as u32;
+            self.base[d][lane] = stream.base(d);
         }
     }
 
@@ -109,16 +113,21 @@ impl Streams {
         }
         let cells = &CELLS[block.log2 as usize];
         self.bits = [cells.zenith_bits, cells.azimuth_bits];
-        let base: [u32; DIMENSIONS] = std::array::from_fn(|d| sobol(d, block.first));
+        let first: [u32; DIMENSIONS] = std::array::from_fn(|d| sobol(d, block.first));
         for (d, table) in [&cells.zenith, &cells.azimuth].into_iter().enumerate() {
             let mask = (1_u32 << self.bits[d]) - 1;
             for digits in 0..=mask {
-                let part = table[((digits ^ base[d]) & mask) as usize];
+                let part = table[digits as usize];
                 for lane in 0..LANES {
                     let key = u64::from(self.high[d][lane]) << 32 | u64::from(self.low[d][lane]);
+                    let digits = digits ^ first[d] ^ self.base[d][lane];
                     let cell = (scramble(digits, key) & mask) as usize;
                     for k in 0..DIMENSIONS {
-                        let base = if d == 0 { base[k] } else { 0 };
+                        let base = if d == 0 {
+                            first[k] ^ self.base[k][lane]
+                        } else {
+                            0
+                        };
                         self.parts[d][cell][k][lane] = part[k] ^ base;
                     }
                 }
@@ -283,7 +292,8 @@ mod tests {
 
     #[test]
     fn steps_give_the_scalar_stream_s_points_in_shared_cells() {
-        let labels = [Stream::new(7, 1, 2, 3, 0), Stream::new(7, 1, 3, 3, 1)];
+        let joint = Stream::new(7, 1, 3, 3, 1).joint([5, 14], 4, 3000);
+        let labels = [Stream::new(7, 1, 2, 3, 0), joint];
         let mut streams = Streams::new(PointSet::Sobol);
         streams.set(5, &labels[0]);
         streams.set(11, &labels[1]);

@@ -4,9 +4,9 @@
 //! that shine are aimed at too, by as many rays, and both ways of meeting them are weighed by the balance heuristic (E. Veach,
 //! L. Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", 1995), so that neither a small lamp nor a near one is noisy.
 
+use super::REPLICATES;
 use super::kernel::Kernel;
 use super::radiosity::Radiosity;
-use crate::integrate::REPLICATES;
 use crate::options::{Model, Shading, View};
 use crate::survey::{Sample, Texel};
 use ambient::ggx::{Ggx, alpha_of};

@@ -1,9 +1,9 @@
 //! The light that gathers add up to: of a texel, of a page, and over all pages.
 
+use super::REPLICATES;
 use super::gather::Received;
 use super::mean;
 use super::radiosity::PageLight;
-use crate::integrate::REPLICATES;
 use crate::options::{Bounces, Options};
 use crate::page::{BakedPage, Baker, LayerPlanes, finish_light, light_layers};
 use crate::plan::Plan;

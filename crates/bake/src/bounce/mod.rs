@@ -26,7 +26,6 @@ pub use light::BounceStats;
 pub(crate) use pilot::{GatherPilot, Taken};
 
 use crate::choice::Choice;
-use crate::integrate::REPLICATES;
 use crate::labels;
 use crate::options::{Effort, View};
 use crate::page::{BakedPage, Baker};
@@ -40,6 +39,9 @@ use radiosity::{PageLight, Radiosity};
 use rayon::prelude::*;
 use rays::Lamps;
 use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Independent sets of a texel's gathers: more than its first rays have, because fewer neighbours share what their spread tells.
+const REPLICATES: u32 = 4;
 
 /// Tiles whose results are kept together.
 const BATCH: usize = 256;

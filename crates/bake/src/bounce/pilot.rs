@@ -1,11 +1,11 @@
 //! What gathers will take, from the first one on a few tiles in light that is even everywhere.
 
+use super::REPLICATES;
 use super::light::BounceStats;
 use super::radiosity::PageLight;
 use super::{Gather, mean};
 use crate::choice::Choice;
 use crate::clock::ThreadClock;
-use crate::integrate::REPLICATES;
 use crate::options::Bounces;
 use crate::page::Baker;
 use atlas::PageRaster;

@@ -24,7 +24,7 @@ use stated::{Squares, Stated};
 const FEWEST: usize = 16;
 
 /// Texels over which the standard error of a plain value pools its replicates.
-const POOLED: f32 = 9.0;
+const POOLED: f32 = 25.0;
 
 /// One term of a page: planes of as many texels.
 #[derive(Debug)]

@@ -6,6 +6,9 @@
 //! "Estimation of the Mean of a Multivariate Normal Distribution", 1981, with halves in place of a known variance). One such
 //! number says nothing, thousands do. Texels are therefore sorted by what their neighbours lead one to expect of them, and all texels of a
 //! bin state what they show together.
+//!
+//! What all show together is still too hopeful of the bias where few rays were cast, because the fits were chosen for small moves of the
+//! very same rays. So no bin states less bias than the best width of a linear fit has in two dimensions ([`BALANCE`]).
 
 /// What is known of a texel's error, in squares.
 #[derive(Debug, Clone, Copy)]
@@ -28,6 +31,10 @@ const NOISE_OF_BIAS: f64 = 2.0;
 /// The same of its variance, in that variance: the square of a normal number.
 const NOISE_OF_VARIANCE: f64 = std::f64::consts::SQRT_2;
 
+/// Squared bias over variance of a local linear fit in two dimensions, of the width that makes their sum least: with a variance like 1/w²
+/// and a squared bias like w⁴ both derivatives cancel at a half.
+const BALANCE: f64 = 0.5;
+
 /// What the texels of a page show of their errors, as shares of the plain variance.
 pub(super) struct Stated {
     variance: [f32; BINS],
@@ -44,8 +51,8 @@ impl Stated {
             count(&mut bias, texel.near_bias, texel.seen_bias, texel);
         }
         Self {
-            variance: shares(&variance, |variance| NOISE_OF_VARIANCE * variance),
-            bias: shares(&bias, |_| NOISE_OF_BIAS),
+            variance: shares(&variance, |variance| NOISE_OF_VARIANCE * variance, 0.0),
+            bias: shares(&bias, |_| NOISE_OF_BIAS, BALANCE),
         }
     }
 
@@ -84,11 +91,19 @@ impl Bin {
         let share = (self.texels * seen + worth * prior * expected) / (self.texels + worth);
         share.max(0.0) as f32
     }
+
+    /// So many times the mean variance of the fits.
+    fn least(&self, times: f64) -> f32 {
+        match self.plain > 0.0 {
+            true => (times * self.variance / self.plain) as f32,
+            false => 0.0,
+        }
+    }
 }
 
-/// What the texels of each bin state. What the page shows as a whole is held true of each bin before it has shown anything itself, and
+/// What the texels of each bin state, `least` times the variance of their fits at least. What the page shows as a whole is held true of each bin before it has shown anything itself, and
 /// of the page, that bias and variance are in balance.
-fn shares(bins: &[Bin; BINS], noise: impl Fn(f64) -> f64) -> [f32; BINS] {
+fn shares(bins: &[Bin; BINS], noise: impl Fn(f64) -> f64, least: f64) -> [f32; BINS] {
     let all = bins.iter().fold(Bin::default(), |all, bin| Bin {
         seen: all.seen + bin.seen,
         variance: all.variance + bin.variance,
@@ -99,7 +114,7 @@ fn shares(bins: &[Bin; BINS], noise: impl Fn(f64) -> f64) -> [f32; BINS] {
         return [0.0; BINS];
     }
     let of_page = f64::from(all.share(1.0, &noise)) * all.plain / all.variance;
-    bins.map(|bin| bin.share(of_page, &noise))
+    bins.map(|bin| bin.share(of_page, &noise).max(bin.least(least)))
 }
 
 /// Counts a texel in the two bins beside what is expected of it.

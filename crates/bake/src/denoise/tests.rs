@@ -256,10 +256,10 @@ fn rays_that_all_agree_narrow_the_error_by_their_number() {
     made.std_err.fill(0.01);
     let (values, std_errs) = made.denoised();
     let middle = 50 * SIZE + 50;
-    // 121 texels in place of nine.
+    // 121 texels in place of 25.
     assert_eq!(values[middle], 0.0);
     assert!(
-        (std_errs[middle] - 0.01 * 9.0 / 121.0).abs() < 1e-7,
+        (std_errs[middle] - 0.01 * 25.0 / 121.0).abs() < 1e-7,
         "{}",
         std_errs[middle]
     );

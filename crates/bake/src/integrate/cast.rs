@@ -12,10 +12,10 @@ use std::ops::Range;
 use std::rc::Rc;
 
 /// Points of each replicate in the first round of a bake with a target.
-const FIRST_ROUND: u32 = 4;
+const FIRST_ROUND: u32 = 8;
 
 /// Texels this far away along an axis pool their variances when a texel decides to stop.
-const STOP_RADIUS: i32 = 2;
+const STOP_RADIUS: i32 = 3;
 
 /// When a texel has enough rays.
 #[derive(Debug, Clone, Copy)]
@@ -133,7 +133,7 @@ impl Caster<'_> {
         let may_guide = pays
             && self.technique == Technique::Hemisphere
             && is_even
-            && self.task.pattern == Pattern::Independent;
+            && self.task.pattern == Pattern::Joint;
         match may_guide {
             true => surfaces(self.texels, which),
             false => (Vec::new(), which.to_vec()),
@@ -220,21 +220,21 @@ impl Caster<'_> {
     }
 }
 
-/// How many points a replicate has after the round that follows `points`: 4, 8, 16, 24, 32, 48 ... so that the rounds of easy
+/// How many points a replicate has after the round that follows `points`: 8, 16, 32, 48, 64, 96 ... so that the rounds of easy
 /// texels are few and hard ones overshoot by half at most.
 fn next_round(points: u32) -> u32 {
     match points {
         0 => FIRST_ROUND,
-        1..16 => 2 * points,
+        1..32 => 2 * points,
         _ => points + (1 << points.ilog2()) / 2,
     }
 }
 
-/// Edge of the blocks of texels that go into one packet: four replicates of 2 x 2 texels, which are independent, or one replicate of
+/// Edge of the blocks of texels whose lanes stand side by side: both replicates of 2 x 2 texels, two blocks to a packet, or one replicate of
 /// 4 x 4 texels, which share it.
 fn packet_edge(pattern: Pattern) -> u32 {
     match pattern {
-        Pattern::Independent => 2,
+        Pattern::Joint => 2,
         Pattern::Tiled => SHARE,
     }
 }

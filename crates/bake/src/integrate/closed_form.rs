@@ -7,7 +7,6 @@
 //! normal its region has three sides, and directions are drawn instead.
 
 use super::estimate::variance_of_mean;
-use super::sums::REPLICATES;
 use super::task::Task;
 use super::terms::{AnyView, Directional, Terms, uniform_light};
 use crate::labels;
@@ -22,6 +21,9 @@ use glam::DVec3;
 
 /// Points over the footprint: closed forms hold at a point, so they are averaged.
 const POINTS: u32 = 64;
+
+/// Independent sets of them.
+const REPLICATES: u32 = 4;
 
 /// True where the specular term of an open texel has a closed form.
 pub(super) fn has_specular(task: &Task<'_>, texel: &Texel) -> bool {

@@ -1,8 +1,8 @@
 //! Values and standard errors of a tile's texels from their replicates.
 //!
 //! **Variance.** The replicates are independent randomisations, so `s²/R` is an unbiased estimate of the variance of their mean,
-//! whatever the point set. From four values it is itself uncertain by 80 %, and an interval of ±1.96 of it would cover far less
-//! than 95 %; texels of one surface therefore pool their variances over the 3 x 3 neighbourhood in their tile. A neighbour with other
+//! whatever the point set. From two values it is itself uncertain by 140 %, and an interval of ±1.96 of it would cover far less
+//! than 95 %; texels of one surface therefore pool their variances over the 5 x 5 neighbourhood in their tile. A neighbour with other
 //! numbers of points counts as if its variance fell like N^-3/2, the law for visibility boundaries (D. Mitchell,
 //! "Consequences of Stratified Sampling in Graphics", 1996).
 //!
@@ -20,6 +20,9 @@ use glam::DVec3;
 
 /// Neighbours pool where their normals are within acos of this, some 37 degrees.
 const NORMAL_AGREEMENT: f64 = 0.8;
+
+/// Texels this far away along an axis pool their variances.
+const POOL_RADIUS: i32 = 2;
 
 /// What a technique estimates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -111,7 +114,7 @@ impl<'a> Gathered<'a> {
             return Terms::default();
         }
         let sums = Sums::of(&self.sums[i]);
-        let pool = self.pool(i, 1);
+        let pool = self.pool(i, POOL_RADIUS);
         let share = |quantity| Estimate {
             value: value(self.sky, &sums, quantity),
             std_err: self.std_err(&pool, quantity),
@@ -148,7 +151,7 @@ impl<'a> Gathered<'a> {
 
     /// Half of what the two halves of a texel's replicates differ by, in all that the technique estimates.
     fn halves(&self, i: usize) -> Halves {
-        let [a, b] = Sums::halves(&self.sums[i]);
+        let [a, b] = self.sums[i];
         let share = |quantity| match self.technique.shares().contains(&quantity) {
             true => 0.5 * (value(self.sky, &a, quantity) - value(self.sky, &b, quantity)),
             false => 0.0,

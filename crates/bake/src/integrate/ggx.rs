@@ -6,7 +6,7 @@
 
 use super::estimate::variance_of_mean;
 use super::gang::Beside;
-use super::sums::{GlossSums, REPLICATES};
+use super::sums::GlossSums;
 use super::task::Task;
 use super::terms::Terms;
 use crate::labels;
@@ -25,8 +25,8 @@ const FIRST_ROUND: u32 = 16;
 /// where the lobe's own points follow the border of what is open, as in a corner seen along its normal (docs/theory.md).
 const LEAST_ALPHA: f64 = 0.15;
 
-/// All replicates.
-const EACH: [usize; REPLICATES as usize] = [0, 1, 2, 3];
+/// Independent sets of the lobe's own points: more than the hemisphere has, because no neighbour shares what their spread tells.
+const REPLICATES: usize = 4;
 
 /// Means over the points of one or more replicates: each technique's sums over its own points, added.
 #[derive(Clone, Copy)]
@@ -38,18 +38,21 @@ struct Means {
 
 /// What the rays of a texel say of its lobe.
 struct Gathered<'a> {
-    drawn: [GlossSums; REPLICATES as usize],
+    drawn: [GlossSums; REPLICATES],
     beside: Option<&'a Beside>,
 }
 
 impl Means {
-    fn of(techniques: impl IntoIterator<Item = GlossSums>) -> Self {
+    /// Of techniques, each with the sums of some of its replicates.
+    fn of<'s>(techniques: impl IntoIterator<Item = &'s [GlossSums]>) -> Self {
         let mut means = Self {
             open: [0.0; 2],
             all: [0.0; 2],
             light: [DVec3::ZERO; 2],
         };
-        for sums in techniques {
+        for replicates in techniques {
+            let mut sums = GlossSums::default();
+            replicates.iter().for_each(|&replicate| sums += replicate);
             let scale = 1.0 / f64::from(sums.points.max(1));
             for k in 0..2 {
                 means.open[k] += scale * sums.open[k];
@@ -94,57 +97,64 @@ impl Means {
 }
 
 impl Gathered<'_> {
-    /// Means over the replicates that are picked.
-    fn means(&self, pick: &[usize]) -> Means {
-        let sum = |of: &[GlossSums; REPLICATES as usize]| {
-            let mut total = GlossSums::default();
-            pick.iter().for_each(|&replicate| total += of[replicate]);
-            total
+    /// The replicates of each technique.
+    fn techniques(&self) -> impl Iterator<Item = &[GlossSums]> {
+        let beside = self.beside.map(|beside| &beside.sums[..]);
+        [&self.drawn[..]].into_iter().chain(beside)
+    }
+
+    /// Means over two independent halves of the rays.
+    fn halves(&self) -> [Means; 2] {
+        let halves = |half: usize| {
+            self.techniques().map(move |replicates| {
+                let (first, second) = replicates.split_at(replicates.len() / 2);
+                [first, second][half]
+            })
         };
-        Means::of(
-            [sum(&self.drawn)]
-                .into_iter()
-                .chain(self.beside.map(|beside| sum(&beside.sums))),
-        )
+        [Means::of(halves(0)), Means::of(halves(1))]
+    }
+
+    /// The variance of what the techniques add up to, from an error of each replicate's means.
+    fn variance(&self, error: impl Fn(&Means) -> f64) -> f64 {
+        self.techniques()
+            .map(|replicates| {
+                let of = |replicate| error(&Means::of([std::slice::from_ref(replicate)]));
+                variance_of_mean(&replicates.iter().map(of).collect::<Vec<_>>())
+            })
+            .sum()
     }
 
     fn share(&self, known: bool) -> Estimate {
-        let all = self.means(&EACH);
+        let all = Means::of(self.techniques());
         let share = all.share();
-        let errors = EACH.map(|replicate| {
-            let own = self.means(&[replicate]);
-            (own.open[0] - share * own.all[0]) / all.all[0].max(f64::MIN_POSITIVE)
-        });
+        let error =
+            |own: &Means| (own.open[0] - share * own.all[0]) / all.all[0].max(f64::MIN_POSITIVE);
         Estimate {
             value: share,
-            std_err: variance_of_mean(&errors).sqrt().max(self.floor(known)),
+            std_err: self.variance(error).sqrt().max(self.floor(known)),
         }
     }
 
     /// The mean of the channels is what the error is stated of.
     fn reflection(&self, task: &Task<'_>, f0: DVec3, known: bool) -> Estimate<DVec3> {
-        let all = self.means(&EACH);
+        let all = Means::of(self.techniques());
         let value = all.reflection(task, f0);
         let [_, whole] = all.light(task, f0);
         let mean = |rgb: DVec3| rgb.element_sum() / 3.0;
-        let errors = EACH.map(|replicate| {
-            let [light, tint] = self.means(&[replicate]).light(task, f0);
+        let error = |own: &Means| {
+            let [light, tint] = own.light(task, f0);
             mean((light - value * tint) / whole.max(DVec3::splat(f64::MIN_POSITIVE)))
-        });
+        };
         let least = mean(task.sky.mean()) * self.floor(known);
         Estimate {
             value,
-            std_err: variance_of_mean(&errors).sqrt().max(least),
+            std_err: self.variance(error).sqrt().max(least),
         }
     }
 
     /// 1.5/N where all N rays agree: the rule of three. Only the rays that the lobe drew are counted; those of the hemisphere may have missed it.
     fn floor(&self, known: bool) -> f64 {
-        let rays = || {
-            self.drawn
-                .iter()
-                .chain(self.beside.iter().flat_map(|beside| &beside.sums))
-        };
+        let rays = || self.techniques().flatten();
         let agree = rays().all(|s| s.open[0] == s.all[0]) || rays().all(|s| s.open[0] == 0.0);
         let points: u32 = self.drawn.iter().map(|s| s.points).sum();
         match agree && !known {
@@ -204,13 +214,13 @@ pub(super) fn terms(task: &Task<'_>, texel: &Texel, beside: Option<&Beside>) -> 
         }
     };
     match task.effort {
-        Effort::Rays(count) => cast(&mut gathered.drawn, 0..(count / REPLICATES).max(1)),
+        Effort::Rays(count) => cast(&mut gathered.drawn, 0..(count / REPLICATES as u32).max(1)),
         Effort::Target {
             error,
             relative,
             max_rays,
         } => {
-            let most = (max_rays / REPLICATES).max(1);
+            let most = (max_rays / REPLICATES as u32).max(1);
             let mut range = 0..FIRST_ROUND.min(most);
             while !range.is_empty() {
                 cast(&mut gathered.drawn, range.clone());
@@ -223,7 +233,7 @@ pub(super) fn terms(task: &Task<'_>, texel: &Texel, beside: Option<&Beside>) -> 
         }
     }
     let f0 = texel.material.specular.min(DVec3::ONE);
-    let halves = [[0, 2], [1, 3]].map(|pick| gathered.means(&pick));
+    let halves = gathered.halves();
     let mut terms = Terms {
         specular: gathered.share(known),
         reflection: gathered.reflection(task, f0, known),

@@ -34,7 +34,6 @@ mod sums;
 mod task;
 mod terms;
 
-pub use sums::REPLICATES;
 pub(crate) use task::Task;
 pub use terms::{AnyView, Directional, Halves, Terms};
 
@@ -45,7 +44,7 @@ use cast::{Caster, Target};
 use estimate::Gathered;
 use gang::{Beside, DirectionSums, Moments};
 use glam::DVec3;
-use sums::{Replicates, Sums, Technique};
+use sums::{REPLICATES, Replicates, Sums, Technique};
 
 /// Integrates the texels of one tile. `reflects` says which of them need the specular term.
 pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) -> Vec<Terms> {
@@ -226,15 +225,15 @@ fn rounds(
         .filter(|(i, _)| points[*i] > 0)
     {
         let normal = texels[i].normal;
-        let of = |sums: &Sums, pick: &[usize]| {
-            let mut total = DirectionSums::default();
-            pick.iter()
-                .for_each(|&replicate| total += directions[replicate]);
-            total.terms(task, technique, normal, sums)
+        let of = |sums: &Sums, directions: DirectionSums| {
+            directions.terms(task, technique, normal, sums)
         };
-        terms[i].directional = of(&Sums::of(&sums[i]), &[0, 1, 2, 3]);
-        let [a, b] = Sums::halves(&sums[i]);
-        let halves = of(&a, &[0, 2]).with(&of(&b, &[1, 3]), |a, b| 0.5 * (a - b));
+        let [a, b] = *directions;
+        let mut both = a;
+        both += b;
+        terms[i].directional = of(&Sums::of(&sums[i]), both);
+        let [half_a, half_b] = sums[i];
+        let halves = of(&half_a, a).with(&of(&half_b, b), |a, b| 0.5 * (a - b));
         terms[i].halves.directional = halves;
     }
     terms

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use std::ops::AddAssign;
 
-/// Independent randomisations of a texel's points.
-pub const REPLICATES: u32 = 4;
+/// Independent randomisations of a texel's points: two halves, from which errors are stated and by which denoising is chosen.
+pub(crate) const REPLICATES: u32 = 2;
 
 /// How directions are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -97,16 +97,6 @@ impl AddAssign for GlossSums {
 }
 
 impl Sums {
-    /// The sums of two independent halves of the replicates; of fewer than two points the second half has none.
-    pub fn halves([a, b, c, d]: &Replicates) -> [Self; 2] {
-        // The first replicates have the points that four do not divide.
-        let pair = |mut sums: Self, other: &Self| {
-            sums += *other;
-            sums
-        };
-        [pair(*a, c), pair(*b, d)]
-    }
-
     /// The sums of all replicates.
     pub fn of(replicates: &Replicates) -> Self {
         let mut total = Self::default();

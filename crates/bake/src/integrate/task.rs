@@ -1,10 +1,11 @@
 //! What the texels of a bake are integrated with.
 
-use super::sums::Technique;
+use super::sums::{REPLICATES, Technique};
 use crate::labels;
 use crate::options::{Effort, Model, Pattern, Shading, Sky, View};
 use crate::survey::Texel;
 use ambient::sampling::{Mixture, PointSet, Stream};
+use atlas::TILE;
 use glam::DVec3;
 use pulp::Arch;
 use rays::RayBackend;
@@ -46,8 +47,8 @@ impl Task<'_> {
         Stream::new(self.seed, self.page, y * self.size + x, label, replicate)
     }
 
-    /// A texel's stream under the pattern: tiled texels share directions, never places. Guided points are independent of those that
-    /// their guide was made of.
+    /// A texel's stream under the pattern: the texels of a tile take parts of one sequence, or blocks of them share directions but never
+    /// places. Guided points are independent of those that their guide was made of.
     pub fn pattern_stream(
         &self,
         texel: &Texel,
@@ -61,14 +62,20 @@ impl Task<'_> {
             Technique::Lobe => labels::LOBE,
             Technique::Sky => labels::SKY,
         };
-        let own = self.stream(texel.x, texel.y, label, replicate);
+        // Blocks have labels that no texel has.
+        let shared = |edge: u32| {
+            let across = self.size.div_ceil(edge);
+            let block = 1 << 31 | (texel.y / edge * across + texel.x / edge);
+            Stream::new(self.seed, self.page, block, label, replicate)
+        };
+        let own = || self.stream(texel.x, texel.y, label, replicate);
         match self.pattern {
-            Pattern::Independent => own,
-            Pattern::Tiled => {
-                let across = self.size.div_ceil(SHARE);
-                let block = 1 << 31 | (texel.y / SHARE * across + texel.x / SHARE);
-                own.with_directions(&Stream::new(self.seed, self.page, block, label, replicate))
+            Pattern::Joint if self.points == PointSet::Sobol => {
+                let points = self.effort.most_rays().div_ceil(REPLICATES);
+                shared(TILE).joint([texel.x, texel.y], TILE.ilog2(), points)
             }
+            Pattern::Joint => own(),
+            Pattern::Tiled => own().with_directions(&shared(SHARE)),
         }
     }
 

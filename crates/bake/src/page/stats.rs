@@ -111,14 +111,14 @@ impl PageStats {
 
     /// What the true root mean square error stays below with 99.9 % confidence.
     ///
-    /// The sum of squared errors of independent normal texels has the relative variance `2/t`, its estimate from four replicates
-    /// each `2/3t`, where `t = (Σ s²)² / Σ s⁴` counts unequal texels as fewer. The normal quantile is 3.09.
+    /// The sum of squared errors of independent normal texels has the relative variance `2/t`, its estimate from two replicates
+    /// each as much, where `t = (Σ s²)² / Σ s⁴` counts unequal texels as fewer. The normal quantile is 3.09.
     pub fn rmse_bound(&self) -> f64 {
         if self.errors.squares == 0.0 {
             return 0.0;
         }
         let relative = self.errors.fourths / (self.errors.squares * self.errors.squares);
-        self.rmse() * (1.0 + 3.09 * ((2.0 + 2.0 / 3.0) * relative).sqrt()).sqrt()
+        self.rmse() * (1.0 + 3.09 * (4.0 * relative).sqrt()).sqrt()
     }
 }
 
@@ -181,8 +181,8 @@ mod tests {
         assert_eq!(page.rmse_bound(), 0.0);
         (page.errors.squares, page.errors.fourths) = (4.0, 24.0);
         assert_eq!((page.rmse(), page.irradiance_rmse()), (1.0, 0.75f64.sqrt()));
-        // t = 4² / 24 = 2/3, so the relative variance (2 + 2/3) / t is 4.
-        let bound = (1.0 + 3.09 * 2.0f64).sqrt();
+        // t = 4² / 24 = 2/3, so the relative variance (2 + 2) / t is 6.
+        let bound = (1.0 + 3.09 * 6.0f64.sqrt()).sqrt();
         assert!(
             (page.rmse_bound() - bound).abs() < 1e-14,
             "{}",

@@ -24,7 +24,7 @@ pub(super) fn bake(setup: &Setup, case: &str, kind: BackendKind) -> Result<Baked
     }
     let options = Options {
         effort: Effort::Rays(RAYS),
-        pattern: Pattern::Independent,
+        pattern: Pattern::Joint,
         points: PointSet::default(),
         footprint: bake::Footprint::Texel,
         denoise: Denoise::Off,
