@@ -28,6 +28,7 @@
 
 mod alpha_test;
 mod backend;
+mod boxes;
 mod build;
 mod buried;
 mod embree_backend;
@@ -56,6 +57,7 @@ mod world;
 
 pub use alpha_test::AlphaTest;
 pub use backend::{Coherence, Layout, Ray, RayBackend, RayPacket, SurfaceHit};
+pub use boxes::Boxes;
 pub use build::{BackendKind, build, has_embree};
 pub use embree_backend::EmbreeBackend;
 pub use error::Error;

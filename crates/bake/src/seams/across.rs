@@ -5,6 +5,7 @@
 
 use super::border::{Chart, borders};
 use super::grid::pairs;
+use super::walls::walls;
 use crate::options::Seams as Scope;
 use atlas::Atlas;
 use glam::DVec2;
@@ -100,19 +101,21 @@ impl Across {
 /// All points between pages, in the order of borders.
 fn find(world: &World, atlas: &Atlas, scope: Scope, charts: &[Vec<u32>]) -> Vec<AcrossPoint> {
     let borders = borders(world, atlas, None, charts);
+    let mut pairs = pairs(&borders, scope);
+    let page = |border: u32| borders[border as usize].page;
+    pairs.retain(|pair| page(pair.borders[0]) != page(pair.borders[1]));
+    let walls = walls(world, charts, &borders, &pairs);
     let mut points = Vec::new();
-    for pair in pairs(&borders, scope) {
+    for (pair, walls) in pairs.iter().zip(&walls) {
         let mut order = [0, 1];
-        let pages = pair.borders.map(|border| borders[border as usize].page);
+        let pages = pair.borders.map(page);
         order.sort_by_key(|&side| pages[side]);
-        if pages[0] != pages[1] {
-            points.extend(pair.points(&borders).map(|point| AcrossPoint {
-                pages: order.map(|side| pages[side]),
-                sides: order.map(|side| point.sides[side]),
-                charts: order.map(|side| point.charts[side]),
-                length: point.length,
-            }));
-        }
+        points.extend(pair.points(&borders, walls).map(|point| AcrossPoint {
+            pages: order.map(|side| pages[side]),
+            sides: order.map(|side| point.sides[side]),
+            charts: order.map(|side| point.charts[side]),
+            length: point.length,
+        }));
     }
     points
 }

@@ -20,6 +20,7 @@ mod owner;
 mod pair;
 mod solve;
 mod system;
+mod walls;
 
 pub(crate) use solve::Known;
 #[cfg(test)]
@@ -85,20 +86,21 @@ impl SeamStats {
 
 impl Seams {
     /// The seams of the charts of a page, with each other and with those of other pages. Two borders belong together where they run along one another within a tenth of a texel, both
-    /// surfaces' shading normals agree within 3 degrees, and each surface lies on its own side.
+    /// surfaces' shading normals agree within 3 degrees, and each surface lies on its own side. Where a wall stands on both, they do not:
+    /// light may end there.
     pub fn find(world: &World, atlas: &Atlas, page: u32, scope: Scope, across: &Across) -> Self {
         if scope == Scope::Off {
             return Self::default();
         }
         let charts: Vec<_> = atlas.meshes.par_iter().map(atlas::charts).collect();
         let borders = border::borders(world, atlas, Some(page), &charts);
-        let mut points = Vec::new();
-        for pair in grid::pairs(&borders, scope) {
-            points.extend(pair.points(&borders));
-        }
+        let pairs = grid::pairs(&borders, scope);
+        let walls = walls::walls(world, &charts, &borders, &pairs);
+        let points = pairs.iter().zip(&walls);
+        let points = points.flat_map(|(pair, walls)| pair.points(&borders, walls));
         let outer = across.of_page((world, atlas), page, scope, &charts);
         Self {
-            points,
+            points: points.collect(),
             outer,
             charts,
         }

@@ -2,6 +2,7 @@
 
 use super::SeamPoint;
 use super::border::Border;
+use super::walls::Walls;
 use crate::options::Seams as Scope;
 
 /// Two borders that run along one another, and from where to where.
@@ -14,8 +15,12 @@ pub(super) struct Pair {
 }
 
 impl Pair {
-    /// Points on the common part, so many a texel of its length.
-    pub fn points(&self, borders: &[Border]) -> impl Iterator<Item = SeamPoint> + use<> {
+    /// Points on the common part, so many a texel of its length, but for those on which something stands.
+    pub fn points<'a>(
+        &self,
+        borders: &[Border],
+        walls: &'a Walls,
+    ) -> impl Iterator<Item = SeamPoint> + use<'a> {
         let [first, second] = self.borders.map(|border| &borders[border as usize]);
         let run =
             |border: &Border, [from, to]: [f64; 2]| [border.texels_at(from), border.texels_at(to)];
@@ -24,13 +29,12 @@ impl Pair {
         let length = length.fold(0.0, f64::max);
         let count = (length * POINTS_PER_TEXEL).ceil().max(1.0);
         let charts = [first.chart, second.chart];
-        (0..count as u32).map(move |k| {
-            let t = (f64::from(k) + 0.5) / count;
-            SeamPoint {
-                sides: runs.map(|[from, to]| from.lerp(to, t)),
-                charts,
-                length: length / count,
-            }
+        let at = (0..count as u32).map(move |k| (f64::from(k) + 0.5) / count);
+        let is_free = |t: &f64| !walls.iter().any(|[from, to]| (from..=to).contains(&t));
+        at.filter(is_free).map(move |t| SeamPoint {
+            sides: runs.map(|[from, to]| from.lerp(to, t)),
+            charts,
+            length: length / count,
         })
     }
 }

@@ -249,3 +249,41 @@ fn what_is_seen_does_not_give_way_to_what_is_buried() {
     };
     assert_eq!(seen(true), seen(false));
 }
+
+/// A rectangle from a corner along two edges, ten texels a unit, with its chart's corner on the page.
+fn panel(corner: DVec3, along: DVec3, up: DVec3, at: [f64; 2]) -> authored::Mesh {
+    let corners = [corner, corner + along, corner + along + up, corner + up];
+    let (across, down) = (along.length() * 10.0, up.length() * 10.0);
+    let places = [[0.0, 0.0], [across, 0.0], [across, down], [0.0, down]];
+    let uv = |place: [f64; 2]| (DVec2::from(place) + DVec2::from(at)) / f64::from(SIZE);
+    let mut mesh = authored::Mesh::default();
+    mesh.positions = corners.map(|p| p.as_vec3().to_array()).to_vec();
+    mesh.uvs = places.map(|p| uv(p).as_vec2().to_array()).to_vec();
+    mesh.triangles = vec![[0, 1, 2], [0, 2, 3]];
+    mesh
+}
+
+#[test]
+fn light_may_end_where_a_wall_stands_on_a_seam() {
+    let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+    // Two floors that meet at x = 0, 20 texels long, and a wall on half of that: from the floor up, through it, a little beside it.
+    let found = |wall: &[authored::Mesh]| {
+        let floors = [
+            panel(-x, z * 2.0, x, [2.0, 2.0]),
+            panel(DVec3::ZERO, z * 2.0, x, [2.0, 20.0]),
+        ];
+        let scene = Scene::from_meshes([&floors, wall].concat(), vec![]).unwrap();
+        let page = page(scene, LIGHTS[0], 0.0);
+        let across = Across::default();
+        let seams = Seams::find(&page.world, &page.atlas, 0, Scope::Scene, &across);
+        seams.points.len()
+    };
+    let wall = |corner: DVec3| [panel(corner, z, y, [30.0, 40.0])];
+    assert_eq!(found(&[]), 40);
+    assert_eq!(found(&wall(DVec3::ZERO)), 20);
+    assert_eq!(found(&wall(-0.5 * y)), 20);
+    assert_eq!(found(&wall(0.02 * x)), 20);
+    // What hangs below or stands a texel away parts nothing.
+    assert_eq!(found(&wall(-y)), 40);
+    assert_eq!(found(&wall(0.1 * x)), 40);
+}

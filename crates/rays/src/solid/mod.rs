@@ -19,7 +19,6 @@
 //! A point is buried where it lies in more solids than cavities. Distances do not matter: a limit on the distance of occluders limits
 //! what darkens a place, not where the place is.
 
-mod boxes;
 mod ground;
 mod near;
 mod opening;
@@ -29,7 +28,7 @@ mod shape;
 mod topology;
 mod tree;
 
-use boxes::Boxes;
+use crate::boxes::Boxes;
 use glam::{DAffine3, DVec3};
 pub use near::Near;
 use opening::Opening;

@@ -1,8 +1,8 @@
 //! Surfaces where they are placed: which of them meet, and which are bodies.
 
-use super::boxes::Boxes;
 use super::topology::{Surface, corners};
 use super::{Body, Inside, Solids};
+use crate::boxes::Boxes;
 use glam::{DAffine3, DVec3};
 use scene::Scene;
 

@@ -7,7 +7,7 @@ const LEAF: usize = 4;
 
 /// Boxes by their number, from 0.
 #[derive(Debug, Default)]
-pub(super) struct Boxes {
+pub struct Boxes {
     nodes: Vec<Node>,
     /// Boxes with their numbers, leaf by leaf.
     items: Vec<Item>,
