@@ -129,6 +129,38 @@ fn pictures_and_maps_never_replace_what_they_are_made_from() {
 }
 
 #[test]
+fn a_picture_never_replaces_its_weights_or_the_pages_of_its_bake() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let weights = folder.path().join("weights.exr");
+    let ball = scene("ball.obj");
+    fs::write(&weights, "0 1\n1 0.5\n").expect("written");
+    let sky = scene("sky.hdr");
+    let mirror = ["--shader=mirror", "--environment", text(&sky)];
+    for weight in ["--diffuse-weight", "--specular-weight"] {
+        let picture = ["render", text(&ball), "-o", text(&weights), "--size=8x8"];
+        refused(
+            &[&picture[..], &mirror, &[weight, text(&weights)]].concat(),
+            &weights,
+        );
+    }
+    let (folder, _) = bake(&ball, &["--size=64", "--rays=4"]);
+    let page = folder.path().join("ball.0.exr");
+    refused(
+        &[
+            "render",
+            text(&ball),
+            "-o",
+            text(&page),
+            "--bake",
+            text(folder.path()),
+            "--size=8x8",
+            "--samples=1",
+        ],
+        &page,
+    );
+}
+
+#[test]
 fn a_rebake_removes_what_the_earlier_one_listed_and_keeps_the_rest() {
     let (folder, _) = bake(
         &scene("plane.obj"),

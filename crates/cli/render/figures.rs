@@ -40,7 +40,7 @@ pub fn draw(
         Err(error) => return Err(error),
     };
     let mut output = Output::create(dir)?;
-    output.protect(file::inputs(args, world));
+    output.protect(file::inputs(args, world, None));
     for (name, bytes) in files {
         output.stage_bytes(&name, &bytes)?;
     }

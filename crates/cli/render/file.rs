@@ -1,7 +1,9 @@
 //! Picture files.
 
 use super::args::Args;
+use super::tables_args::WeightName;
 use crate::host;
+use ::render::Lightmap;
 use ::render::tables::specular_files;
 use anyhow::{Context, bail};
 use maps::{Format, Image, Labels};
@@ -19,9 +21,14 @@ pub fn ending(path: &Path) -> anyhow::Result<&'static str> {
     }
 }
 
-/// Every file that a picture of the arguments is made from.
-pub fn inputs(args: &Args, world: &World) -> Vec<PathBuf> {
+/// Every file that a picture of the arguments is made from; the pages of `--bake` are those of `lightmap`.
+pub fn inputs(args: &Args, world: &World, lightmap: Option<&Lightmap>) -> Vec<PathBuf> {
     let tables = &args.tables;
+    let weights = [&tables.diffuse_weight, &tables.specular_weight];
+    let weights = weights.into_iter().filter_map(|weight| match weight {
+        WeightName::File(path) => Some(path),
+        WeightName::Known(_) => None,
+    });
     let maps = tables.maps.iter().flatten();
     let glosses = tables.maps.iter().flat_map(|[_, s]| {
         let files = specular_files(s, &tables.exponents, &tables.incidences);
@@ -30,6 +37,8 @@ pub fn inputs(args: &Args, world: &World) -> Vec<PathBuf> {
     let glosses: Vec<PathBuf> = glosses.collect();
     let others = maps
         .chain(&glosses)
+        .chain(weights)
+        .chain(lightmap.map_or(&[][..], Lightmap::files))
         .chain(&tables.environment)
         .chain(&tables.path)
         .chain(&args.matte.backdrop);

@@ -42,7 +42,7 @@ pub fn draw(
     let surfaces = Surfaces::new(world);
     let subject = options::subject(args, &surfaces, backend, &shadings);
     let numbered = tables.frames.is_some() || tables.path.is_some();
-    let inputs = file::inputs(args, world);
+    let inputs = file::inputs(args, world, None);
     let mut shading = 0.0;
     let mut written = Vec::new();
     let ended = watch(options::show(args, "pixels"), stop, |progress| {

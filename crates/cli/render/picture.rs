@@ -80,7 +80,7 @@ pub fn draw(
         "point": args.point,
         "seed": args.common.seed,
     });
-    let inputs = file::inputs(args, world);
+    let inputs = file::inputs(args, world, lightmap);
     let stops = match args.exposure {
         Some(Exposure::Stops(stops)) => stops,
         None if !fitted => 0.0,

@@ -6,7 +6,7 @@ use rays::SurfaceHit;
 use report::Page;
 use scene::{Mesh, Scene};
 use serde_json::Value;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A point on a page.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,6 +61,7 @@ impl TexelPlace {
 /// The layer of one model on every page, and where a mesh's texels lie.
 pub struct Lightmap {
     pages: Vec<Page>,
+    files: Vec<PathBuf>,
     /// Page of each mesh; `None` for one that takes no texels.
     page_of: Vec<Option<u32>>,
     layer: String,
@@ -74,17 +75,22 @@ impl Lightmap {
     pub fn load(dir: &Path, stem: &str, layer: &str) -> Result<(Scene, Lightmap), Error> {
         let (scene, page_of) = baked_scene(dir, stem)?;
         let count = page_of.iter().flatten().max().map_or(0, |last| last + 1);
-        let mut pages = Vec::with_capacity(count as usize);
-        for number in 0..count {
-            let path = dir.join(format!("{stem}.{number}.exr"));
-            let mut page = report::read_page_exr(&path)?.page;
+        let files: Vec<PathBuf> = (0..count)
+            .map(|number| dir.join(format!("{stem}.{number}.exr")))
+            .collect();
+        let mut pages = Vec::with_capacity(files.len());
+        for path in &files {
+            let mut page = report::read_page_exr(path)?.page;
             page.layers
                 .retain(|kept| kept.name == layer && kept.channels.len() == 3);
             if page.layers.is_empty() {
                 let problem = format!(
                     "it has no layer {layer}; bake again with --layers {layer}, or take another --model"
                 );
-                return Err(Error::Bake { path, problem });
+                return Err(Error::Bake {
+                    path: path.clone(),
+                    problem,
+                });
             }
             pages.push(page);
         }
@@ -93,6 +99,7 @@ impl Lightmap {
             scene,
             Lightmap {
                 pages,
+                files,
                 page_of,
                 layer,
             },
@@ -109,6 +116,11 @@ impl Lightmap {
         let page = &self.pages[place.page as usize];
         let channels = &page.layers[0].channels;
         place.bilinear(page.size, [0, 1, 2].map(|k: usize| &channels[k].values[..]))
+    }
+
+    /// Files of the pages.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
     }
 
     /// Name of the layer.
