@@ -21,7 +21,10 @@ use rayon::prelude::*;
 use stated::{Squares, Stated};
 
 /// Charts of fewer texels keep their plain values: too few to tell noise from detail.
-const FEWEST: usize = 16;
+const FEWEST: usize = 4;
+
+/// Where halves of a chart differ less than by this share of the standard errors of its texels, in squares, they agree by chance.
+const BY_CHANCE: f64 = 1.0 / 400.0;
 
 /// Texels over which the standard error of a plain value pools its replicates.
 const POOLED: f32 = 25.0;
@@ -95,6 +98,19 @@ impl Denoiser {
             let halves = term.halves.iter().map(|half| half[texel]);
             halves.sum::<f32>() / channels as f32
         };
+        // A chart may have all its light of one or two texels that see any, the others being mended from them. Two rays of theirs, one in each
+        // half, then look as if all were known.
+        let (mut differs, mut errors) = (0.0, 0.0);
+        for &texel in &chart.texels {
+            let half = f64::from(half(texel as usize));
+            if half != 0.0 {
+                differs += half * half;
+                errors += f64::from(term.std_err[texel as usize]).powi(2);
+            }
+        }
+        if differs < BY_CHANCE * errors {
+            return Vec::new();
+        }
         let mut mask = Plane::new(chart.size);
         let mut data = vec![Plane::new(chart.size); channels + 1];
         for &texel in &chart.texels {

@@ -266,12 +266,31 @@ fn rays_that_all_agree_narrow_the_error_by_their_number() {
 }
 
 #[test]
+fn halves_that_agree_by_chance_do_not_narrow_the_error() {
+    // The first chart's light is that of one texel, of which both halves met it once: the others are filled from it. The second is a common one.
+    let chart = |x: usize, _: usize| if x < 5 { 1.0 } else { 0.0 };
+    let mut made = made(1, |_, _| 0.3, |_, _| 0.02, chart);
+    for i in (0..SIZE * SIZE).filter(|i| i % SIZE < 5) {
+        (made.mean[i], made.half[i], made.std_err[i]) = (0.0, 0.0, 0.009);
+    }
+    for (i, share) in [(0, 0.5), (1, 0.7), (SIZE, 1.0), (SIZE + 1, 0.3)] {
+        (made.mean[i], made.half[i]) = (0.038 * share, 0.0004 * share);
+    }
+    let (values, std_errs) = made.denoised();
+    for i in [0, 1, SIZE, SIZE + 1, 2 * SIZE] {
+        assert_eq!((values[i], std_errs[i]), (made.mean[i], 0.009), "texel {i}");
+    }
+    let common = 50 * SIZE + 50;
+    assert!(std_errs[common] < 0.01, "{}", std_errs[common]);
+}
+
+#[test]
 fn charts_of_few_texels_keep_their_values() {
     let made = made(
         1,
         |x, _| x,
         |_, _| 0.05,
-        |x, y| (y / 3 * SIZE + x / 5) as f32,
+        |x, y| (y * SIZE + x / 3) as f32,
     );
     let (values, _) = made.denoised();
     assert!(made.covered().all(|i| values[i] == made.mean[i]));
