@@ -286,12 +286,7 @@ fn halves_that_agree_by_chance_do_not_narrow_the_error() {
 
 #[test]
 fn charts_of_few_texels_keep_their_values() {
-    let made = made(
-        1,
-        |x, _| x,
-        |_, _| 0.05,
-        |x, y| (y * SIZE + x / 3) as f32,
-    );
+    let made = made(1, |x, _| x, |_, _| 0.05, |x, y| (y * SIZE + x / 3) as f32);
     let (values, _) = made.denoised();
     assert!(made.covered().all(|i| values[i] == made.mean[i]));
 }
