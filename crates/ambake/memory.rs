@@ -12,8 +12,13 @@ pub(crate) const WAITING: u64 = 128 << 20;
 pub(crate) const SPARED: u64 = 16 << 20;
 /// Bytes a page texel of pictures, masks and compressed lines while a page is composed and written.
 const WRITING: u64 = 12;
-/// Bytes a texel of charts that the denoiser takes beside the planes: those of a chart in work, or those of all texels that change.
-const DENOISING: u64 = 110;
+/// Bytes a texel of charts that the denoiser takes beside the planes: the charts themselves and what becomes of a term, by channels.
+const DENOISING: u64 = 20;
+const DENOISED: u64 = 4;
+/// The same of the texels that a thread fits at a time, and how many these are at most, with some rows about them.
+const FITTING: u64 = 110;
+const FITTED: u64 = 1 << 21;
+const FITTED_ROWS: u64 = 64;
 /// Bytes a page texel of Intel's, which was measured to take 0.6 GB at 1024².
 const OIDN: u64 = 600;
 /// Bytes a page texel of the light that a gather is sent, and of that which it brings.
@@ -44,7 +49,9 @@ pub(crate) struct Memory {
     composed: u64,
     /// Channels of terms that have halves, which the denoiser compares.
     pub denoised: u64,
-    /// The same of the page of light beside it; 0 where no light bounces.
+    /// Channels of the broadest of them.
+    broadest: u64,
+    /// Channels of the page of light beside it; 0 where no light bounces.
     light: u64,
     denoise: Denoise,
     seams: bool,
@@ -58,6 +65,8 @@ impl Memory {
             let wanted = layers.iter().filter(|layer| wanted(layer));
             wanted.map(|layer| layer.channels().len() as u64).sum()
         };
+        let halves = HALVES.iter().filter(|half| working.contains(half));
+        let halves = halves.map(|half| half.channels().len() as u64);
         let geometry = [
             Layer::Position,
             Layer::Normal,
@@ -70,6 +79,10 @@ impl Memory {
             dropped: count(&geometry, &|l| working.contains(l) && !kept.contains(l)),
             composed: count(&kept, &|l| !working.contains(l)),
             denoised: count(&working, &|l| HALVES.contains(l)),
+            broadest: match working.contains(&Layer::Sh) {
+                true => 3,
+                false => halves.max().unwrap_or(1),
+            },
             light: count(&light, &|_| true),
             denoise: options.denoise,
             seams: options.seams != Seams::Off,
@@ -80,7 +93,12 @@ impl Memory {
     pub fn pages(&self, pages: u64, texels: u64, covered: u64) -> u64 {
         let waiting = covered * 4 * (self.working + 1);
         let denoise = match self.denoise {
-            Denoise::Regression => covered * DENOISING,
+            Denoise::Regression => {
+                let fitted = FITTED + FITTED_ROWS * texels.isqrt();
+                let threads = rayon::current_num_threads() as u64;
+                let planes = DENOISING + DENOISED * self.broadest;
+                covered * planes + covered.min(threads * fitted) * FITTING
+            }
             Denoise::Oidn => texels * OIDN,
             Denoise::Off => texels * if self.seams { 8 } else { 0 },
         };
@@ -268,6 +286,7 @@ mod tests {
             dropped: 8,
             composed: 9,
             denoised: 3,
+            broadest: 1,
             light: 0,
             denoise: Denoise::Regression,
             seams: true,

@@ -16,9 +16,9 @@ const SCENES: [(&str, usize); 6] = [
     ("trench.obj", 32),
 ];
 
-/// The quantile of Student's t that 95 % of errors stay below, with 27 degrees of freedom: nine texels pool the spread of
-/// four replicates each.
-const QUANTILE: f64 = 2.052;
+/// The quantile of Student's t that 95 % of errors stay below, with 25 degrees of freedom: twenty-five texels pool the spread of
+/// two replicates each.
+const QUANTILE: f64 = 2.060;
 
 /// (error, standard error) of every texel and term of a bake, and rays per texel.
 fn errors(terms: &[&str], arguments: &[&str], seeds: std::ops::Range<u32>) -> (Vec<[f64; 2]>, f64) {

@@ -28,9 +28,9 @@ HERE = Path(__file__).parent
 THREADS = 2
 # ambake as it is by default, plain, and both with samples at texel centres alone: options and rays a texel.
 MODES = {
-    "ambake": ([], [16, 32, 64, 128, 256]),
+    "ambake": ([], [8, 16, 32, 64, 128, 256]),
     "plain": (["--denoise", "off"], [64, 256, 512, 1024]),
-    "centre": (["--footprint", "centre"], [16, 32, 64, 128, 256]),
+    "centre": (["--footprint", "centre"], [8, 16, 32, 64, 128, 256]),
     "centre plain": (["--footprint", "centre", "--denoise", "off"], [64, 256, 512, 1024]),
 }
 # Rays of the two plain bakes of ambake that every error is against, area averages and texel centres.

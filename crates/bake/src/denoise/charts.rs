@@ -4,8 +4,10 @@
 //! object, their normals turn by less than a crease, and they are as near in space as their neighbours. Texels that a chain of
 //! links joins are one chart. Charts are what the denoiser works on: nothing crosses from one to another.
 
+use super::choose::{ALIGNED, REACH};
 use super::field::Field;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Cosine of the turn of the normal between neighbours that counts as a crease: 20 degrees.
 const CREASE: f64 = 0.939_692_620_785_908_4;
@@ -21,6 +23,54 @@ pub(super) struct Chart {
     pub at: [usize; 2],
     /// Columns and rows.
     pub size: [usize; 2],
+}
+
+/// Rows of a chart that are fitted together.
+#[derive(Debug, Clone)]
+pub(super) struct Band {
+    pub rows: Range<usize>,
+    /// These and all that they are fitted to.
+    pub about: Range<usize>,
+}
+
+impl Band {
+    /// Its rows, counted from the first of those about them.
+    pub fn inner(&self) -> Range<usize> {
+        self.rows.start - self.about.start..self.rows.end - self.about.start
+    }
+}
+
+impl Chart {
+    /// Bands of about so many texels from top to bottom. Where they begin changes no texel's fits.
+    pub fn bands(&self, texels: usize) -> Vec<Band> {
+        let [width, height] = self.size;
+        let rows = match width * height <= texels {
+            true => height,
+            false => (texels / width).max(1).next_multiple_of(ALIGNED),
+        };
+        let starts = (0..height).step_by(rows);
+        let band = |start: usize| Band {
+            rows: start..(start + rows).min(height),
+            about: start.saturating_sub(REACH)..(start + rows + REACH).min(height),
+        };
+        starts.map(band).collect()
+    }
+
+    /// The texels of some of its rows, on a page of this size.
+    pub fn texels_of(&self, rows: &Range<usize>, page: usize) -> &[u32] {
+        let before = |row: usize| {
+            let first = (self.at[1] + row) * page;
+            self.texels
+                .partition_point(|&texel| (texel as usize) < first)
+        };
+        &self.texels[before(rows.start)..before(rows.end)]
+    }
+
+    /// The place of a texel in a plane over some of the rows.
+    pub fn local(&self, texel: u32, rows: &Range<usize>, page: usize) -> usize {
+        let (x, y) = (texel as usize % page, texel as usize / page);
+        (y - self.at[1] - rows.start) * self.size[0] + x - self.at[0]
+    }
 }
 
 /// The charts of a page, in the order of their first texels.
@@ -71,6 +121,7 @@ pub(super) fn charts(field: &Field<'_>) -> Vec<Chart> {
         }
     }
     for chart in &mut charts {
+        chart.texels.shrink_to_fit();
         for k in 0..2 {
             chart.size[k] = chart.size[k] + 1 - chart.at[k];
         }

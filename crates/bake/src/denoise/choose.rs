@@ -10,12 +10,20 @@
 
 use super::fit::{Fits, fit};
 use super::plane::{Plane, TASK};
-use super::stated::Squares;
+use super::stated::{Predicted, Squares};
 use pulp::Arch;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Strides of the fits; at each a quadratic and a linear one compete.
 const STRIDES: [usize; 4] = [2, 4, 8, 16];
+
+/// Rows on each side of a texel that its fits depend on: two windows of the widest stride, in whose first half the squares of moves stay
+/// that are averaged twice.
+pub(super) const REACH: usize = 2 * ALIGNED;
+
+/// Windows begin at multiples of this row, whatever their stride.
+pub(super) const ALIGNED: usize = STRIDES[STRIDES.len() - 1];
 
 /// Standard deviations of its own noise by which a move must stand out to count.
 const STANDS_OUT: f32 = 0.5;
@@ -55,9 +63,11 @@ impl Texel {
             self.values[..channels].iter().sum::<f32>() / (channels as f32 * self.weights) - plain;
         let left = self.half / self.weights;
         Squares {
-            plain: self.plain,
-            variance: self.variances,
-            near_bias: self.near_bias,
+            predicted: Predicted {
+                plain: self.plain,
+                variance: self.variances,
+                near_bias: self.near_bias,
+            },
             seen_variance: left * left,
             seen_bias: moved * moved - (left - half) * (left - half),
         }
@@ -84,13 +94,54 @@ impl Texel {
     }
 }
 
-/// The texels of a chart after all candidates; `None` where the halves agree everywhere. `data`: the channels of M, then the mean
-/// channel of H; `near` becomes the number of the chart's texels about each.
-pub(super) fn choose(mask: &Plane, data: &[Plane], near: &mut Plane) -> Option<Vec<Texel>> {
+/// What all bands of a chart have in common: squares of half differences over all of it.
+#[derive(Debug)]
+pub(super) struct Whole {
+    plain: f64,
+    texels: f64,
+    /// Of each stride's quadratic and linear fits.
+    fitted: [[f64; 2]; STRIDES.len()],
+}
+
+impl Whole {
+    /// Of a chart's bands: the mask, H, and which rows of these the band has for its own.
+    pub fn of(bands: impl Iterator<Item = (Plane, Plane, Range<usize>)>) -> Self {
+        let mut whole = Self {
+            plain: 0.0,
+            texels: 0.0,
+            fitted: Default::default(),
+        };
+        for (mask, half, rows) in bands {
+            whole.plain += squares(&half, &rows);
+            whole.texels += squares(&mask, &rows);
+            let mut fits: Fits = [0, 1].map(|_| vec![Plane::like(&mask)]);
+            for (stride, sums) in STRIDES.into_iter().zip(&mut whole.fitted) {
+                fit(&mask, std::slice::from_ref(&half), stride, &mut fits);
+                for (sum, fit) in sums.iter_mut().zip(&fits) {
+                    *sum += squares(&fit[0], &rows);
+                }
+            }
+        }
+        whole
+    }
+}
+
+/// The texels of a chart, or of a band of one that has several, after all candidates; `None` where the halves agree everywhere. `data`: the
+/// channels of M, then the mean channel of H; `near` becomes the number of the chart's texels about each.
+pub(super) fn choose(
+    mask: &Plane,
+    data: &[Plane],
+    whole: Option<&Whole>,
+    near: &mut Plane,
+) -> Option<Vec<Texel>> {
     let channels = data.len() - 1;
     let half = &data[channels];
-    let all_plain = squares(half);
-    let unit = (all_plain / squares(mask)) as f32;
+    let rows = 0..mask.height();
+    let (all_plain, count) = match whole {
+        Some(whole) => (whole.plain, whole.texels),
+        None => (squares(half, &rows), squares(mask, &rows)),
+    };
+    let unit = (all_plain / count) as f32;
     if unit < f32::MIN_POSITIVE {
         return None;
     }
@@ -116,7 +167,7 @@ pub(super) fn choose(mask: &Plane, data: &[Plane], near: &mut Plane) -> Option<V
     });
     let mut fits: Fits = [vec![new(); channels + 1], vec![new(); channels + 1]];
     let mut last = data.to_vec();
-    for stride in STRIDES {
+    for (number, stride) in STRIDES.into_iter().enumerate() {
         fit(mask, data, stride, &mut fits);
         // Texels that share one move.
         let shared = (stride * stride) as f32 / 4.0;
@@ -130,7 +181,11 @@ pub(super) fn choose(mask: &Plane, data: &[Plane], near: &mut Plane) -> Option<V
             };
             variances.set_sums(|i| now[channels].values[i].powi(2));
             moves.set_sums(|i| moved(i, now, before));
-            let reduced = (squares(&now[channels]) / all_plain) as f32;
+            let all_fitted = match whole {
+                Some(whole) => whole.fitted[number][degree],
+                None => squares(&now[channels], &rows),
+            };
+            let reduced = (all_fitted / all_plain) as f32;
             each(mask, &mut texels, |i, texel| {
                 let near = near.values[i];
                 let variance = 0.5 * (variances.values[i] / near + reduced * texel.plain);
@@ -191,9 +246,10 @@ fn each(mask: &Plane, texels: &mut [Texel], update: impl Fn(usize, &mut Texel) +
     });
 }
 
-/// The sum of the squares, in a fixed order.
-fn squares(plane: &Plane) -> f64 {
+/// The sum of the squares over some rows, in a fixed order.
+fn squares(plane: &Plane, rows: &Range<usize>) -> f64 {
     let of = |part: &[f32]| part.iter().map(|v| f64::from(v * v)).sum::<f64>();
-    let parts: Vec<f64> = plane.values.par_chunks(TASK).map(of).collect();
+    let values = &plane.values[rows.start * plane.width..rows.end * plane.width];
+    let parts: Vec<f64> = values.par_chunks(TASK).map(of).collect();
     parts.iter().sum()
 }

@@ -13,15 +13,18 @@ pub(crate) mod oidn;
 mod plane;
 mod stated;
 
-use charts::{Chart, charts};
-use choose::{CHANNELS, choose};
+use charts::{Band, Chart, charts};
+use choose::{Texel, Whole, choose};
 pub(crate) use field::Field;
 use plane::Plane;
 use rayon::prelude::*;
-use stated::{Squares, Stated};
+use stated::{Predicted, Seen, Stated};
 
 /// Charts of fewer texels keep their plain values: too few to tell noise from detail.
 const FEWEST: usize = 4;
+
+/// Texels of a chart that are fitted at a time, each of which takes some 100 bytes meanwhile. Most charts have fewer.
+const AT_A_TIME: usize = 1 << 21;
 
 /// Where halves of a chart differ less than by this share of the standard errors of its texels, in squares, they agree by chance.
 const BY_CHANCE: f64 = 1.0 / 400.0;
@@ -42,18 +45,37 @@ pub(crate) struct Term<'a> {
     pub largest: f32,
 }
 
-/// A texel's new values and standard error.
-#[derive(Debug, Clone, Copy)]
+/// New values and standard errors of some texels of a term.
+#[derive(Debug, Default)]
 pub(crate) struct Denoised {
-    pub texel: u32,
-    pub values: [f32; CHANNELS],
-    pub std_err: f32,
+    texels: Vec<u32>,
+    /// One line a channel; none where the values stay.
+    values: Vec<Vec<f32>>,
+    std_err: Vec<f32>,
+}
+
+impl Denoised {
+    /// Writes the values of a channel into its plane.
+    pub fn set_values(&self, channel: usize, plane: &mut [f32]) {
+        let values = self.values.iter().skip(channel).take(1).flatten();
+        for (&texel, &value) in self.texels.iter().zip(values) {
+            plane[texel as usize] = value;
+        }
+    }
+
+    /// Writes the standard errors into their plane.
+    pub fn set_errors(&self, plane: &mut [f32]) {
+        for (&texel, &std_err) in self.texels.iter().zip(&self.std_err) {
+            plane[texel as usize] = std_err;
+        }
+    }
 }
 
 /// The charts of a page, ready for the terms to be denoised.
 pub(crate) struct Denoiser {
     size: usize,
     charts: Vec<Chart>,
+    at_a_time: usize,
 }
 
 impl Denoiser {
@@ -64,39 +86,34 @@ impl Denoiser {
         Self {
             size: field.size,
             charts,
+            at_a_time: AT_A_TIME,
         }
     }
 
-    /// The texels of the term that change.
+    /// What changes of the term, in parts that share no texel.
     pub fn denoise(&self, term: &Term<'_>) -> Vec<Denoised> {
         let charts = self.charts.par_iter();
-        let chosen: Vec<Vec<Chosen>> = charts.map(|chart| self.chart(chart, term)).collect();
+        let parts: Vec<Vec<Part>> = charts.map(|chart| self.chart(chart, term)).collect();
         // In the order of the charts, whatever the number of threads.
-        let stated = Stated::of(
-            chosen
-                .iter()
-                .flatten()
-                .filter_map(|texel| texel.squares.as_ref()),
-        );
-        let denoised = |texel: &Chosen| Denoised {
-            std_err: match &texel.squares {
-                Some(squares) => stated.std_err(squares),
-                None => texel.denoised.std_err,
-            },
-            ..texel.denoised
-        };
-        chosen.iter().flatten().map(denoised).collect()
+        let seen = parts.iter().flatten().map(|part| &part.seen);
+        let stated = Stated::of(seen);
+        let parts = parts.into_iter().flatten();
+        let finished = parts.map(|part| {
+            let predicted = part.predicted.into_iter();
+            let chosen = Denoised {
+                // In place: what is known of a whole page's texels is held once.
+                std_err: predicted.map(|texel| stated.std_err(&texel)).collect(),
+                ..part.chosen
+            };
+            [part.agreeing, chosen]
+        });
+        finished.flatten().collect()
     }
 
-    fn chart(&self, chart: &Chart, term: &Term<'_>) -> Vec<Chosen> {
-        let local = |texel: u32| {
-            let (x, y) = (texel as usize % self.size, texel as usize / self.size);
-            (y - chart.at[1]) * chart.size[0] + x - chart.at[0]
-        };
-        let channels = term.values.len();
+    fn chart(&self, chart: &Chart, term: &Term<'_>) -> Vec<Part> {
         let half = |texel: usize| {
             let halves = term.halves.iter().map(|half| half[texel]);
-            halves.sum::<f32>() / channels as f32
+            halves.sum::<f32>() / term.halves.len() as f32
         };
         // A chart may have all its light of one or two texels that see any, the others being mended from them. Two rays of theirs, one in each
         // half, then look as if all were known.
@@ -111,63 +128,97 @@ impl Denoiser {
         if differs < BY_CHANCE * errors {
             return Vec::new();
         }
-        let mut mask = Plane::new(chart.size);
-        let mut data = vec![Plane::new(chart.size); channels + 1];
-        for &texel in &chart.texels {
-            let (i, texel) = (local(texel), texel as usize);
-            mask.values[i] = 1.0;
-            for (plane, values) in data.iter_mut().zip(&term.values) {
-                plane.values[i] = values[texel];
+        let bands = chart.bands(self.at_a_time);
+        let plane = |band: &Band, of: &dyn Fn(usize) -> f32| {
+            let mut plane = Plane::new([chart.size[0], band.about.len()]);
+            for &texel in chart.texels_of(&band.about, self.size) {
+                plane.values[chart.local(texel, &band.about, self.size)] = of(texel as usize);
             }
-            data[channels].values[i] = half(texel);
-        }
-        let mut near = Plane::new(chart.size);
-        let Some(chosen) = choose(&mask, &data, &mut near) else {
-            return Vec::new();
+            plane
         };
-        // A chart may fill its page, and what follows needs room of its own.
-        drop((mask, data));
-        let inexact = |texel: &&u32| term.std_err[**texel as usize] > 0.0;
-        let texels = chart.texels.iter().filter(inexact);
-        texels
-            .map(|&texel| {
-                let i = local(texel);
-                let mut values = [0.0; CHANNELS];
-                for (value, plane) in values.iter_mut().zip(&term.values) {
-                    *value = plane[texel as usize];
-                }
-                let plain = values[..channels].iter().sum::<f32>() / channels as f32;
-                let std_err = term.std_err[texel as usize];
-                let mut denoised = Denoised {
+        let mask = |band: &Band| plane(band, &|_| 1.0);
+        let whole = match bands.as_slice() {
+            [_] => None,
+            several => Some(Whole::of(
+                several
+                    .iter()
+                    .map(|band| (mask(band), plane(band, &half), band.inner())),
+            )),
+        };
+        let part = |band: &Band| {
+            let values = term.values.iter();
+            let mut data: Vec<Plane> = values
+                .map(|values| plane(band, &|texel| values[texel]))
+                .collect();
+            data.push(plane(band, &half));
+            let mut near = Plane::new([chart.size[0], band.about.len()]);
+            let chosen = choose(&mask(band), &data, whole.as_ref(), &mut near)?;
+            // A band may fill its page, and what follows needs room of its own.
+            drop(data);
+            let mut part = Part::new(term.values.len());
+            for &texel in chart.texels_of(&band.rows, self.size) {
+                let i = chart.local(texel, &band.about, self.size);
+                part.push(
+                    term,
                     texel,
-                    values,
-                    std_err,
-                };
-                if chosen[i].plain == 0.0 {
-                    // All rays about it agree; the more they are, the less can have slipped between them.
-                    denoised.std_err *= (POOLED / near.values[i]).min(1.0);
-                    return Chosen {
-                        denoised,
-                        squares: None,
-                    };
-                }
-                for (channel, value) in denoised.values[..channels].iter_mut().enumerate() {
-                    *value = chosen[i].value(channel).clamp(0.0, term.largest);
-                }
-                let half = half(texel as usize);
-                Chosen {
-                    denoised,
-                    squares: Some(chosen[i].squares(plain, half, channels)),
-                }
-            })
-            .collect()
+                    half(texel as usize),
+                    &chosen[i],
+                    near.values[i],
+                );
+            }
+            Some(part)
+        };
+        bands.iter().filter_map(part).collect()
     }
 }
 
-/// A texel whose value is chosen; `None` where all rays about it agree, and its error is known.
-struct Chosen {
-    denoised: Denoised,
-    squares: Option<Squares>,
+/// What becomes of the texels of a band, before the page has told their standard errors.
+struct Part {
+    /// Texels about which all rays agree, and whose errors are known.
+    agreeing: Denoised,
+    /// The others, without errors, and what these follow from.
+    chosen: Denoised,
+    predicted: Vec<Predicted>,
+    seen: Seen,
+}
+
+impl Part {
+    fn new(channels: usize) -> Self {
+        Self {
+            agreeing: Denoised::default(),
+            chosen: Denoised {
+                values: vec![Vec::new(); channels],
+                ..Denoised::default()
+            },
+            predicted: Vec::new(),
+            seen: Seen::default(),
+        }
+    }
+
+    /// Adds a texel for which this was chosen, `near` so many of its chart about it; one that is exact stays as it is.
+    fn push(&mut self, term: &Term<'_>, texel: u32, half: f32, chosen: &Texel, near: f32) {
+        let std_err = term.std_err[texel as usize];
+        if std_err <= 0.0 {
+            return;
+        }
+        if chosen.plain == 0.0 {
+            // The more they are that agree, the less can have slipped between them.
+            self.agreeing.texels.push(texel);
+            self.agreeing
+                .std_err
+                .push(std_err * (POOLED / near).min(1.0));
+            return;
+        }
+        let channels = term.values.len();
+        let before = term.values.iter().map(|values| values[texel as usize]);
+        let squares = chosen.squares(before.sum::<f32>() / channels as f32, half, channels);
+        self.chosen.texels.push(texel);
+        for (channel, line) in self.chosen.values.iter_mut().enumerate() {
+            line.push(chosen.value(channel).clamp(0.0, term.largest));
+        }
+        self.predicted.push(squares.predicted);
+        self.seen.count(&squares);
+    }
 }
 
 #[cfg(test)]

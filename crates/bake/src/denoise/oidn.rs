@@ -29,16 +29,23 @@ pub(crate) fn denoise(field: &Field<'_>, term: &Term<'_>) -> Vec<Denoised> {
     });
     let denoised = denoised.unwrap_or_else(|error| panic!("{error}"));
     let inexact = |&texel: &usize| field.has_data(texel) && term.std_err[texel] > 0.0;
-    let value = |value: [f32; 3]| match planes.len() {
-        1 => [value.iter().sum::<f32>() / 3.0, 0.0, 0.0],
-        _ => value,
-    };
-    (0..texels)
+    let texels: Vec<u32> = (0..texels)
         .filter(inexact)
-        .map(|texel| Denoised {
-            texel: texel as u32,
-            values: value(denoised[texel]).map(|value| value.clamp(0.0, term.largest)),
-            std_err: term.std_err[texel],
-        })
-        .collect()
+        .map(|texel| texel as u32)
+        .collect();
+    let value = |channel: usize, value: [f32; 3]| match planes.len() {
+        1 => value.iter().sum::<f32>() / 3.0,
+        _ => value[channel],
+    };
+    let line = |channel: usize| {
+        let values = texels.iter().map(|&texel| denoised[texel as usize]);
+        values
+            .map(|of| value(channel, of).clamp(0.0, term.largest))
+            .collect()
+    };
+    vec![Denoised {
+        values: (0..planes.len()).map(line).collect(),
+        std_err: Vec::new(),
+        texels,
+    }]
 }

@@ -10,15 +10,21 @@
 //! What all show together is still too hopeful of the bias where few rays were cast, because the fits were chosen for small moves of the
 //! very same rays. So no bin states less bias than the best width of a linear fit has in two dimensions ([`BALANCE`]).
 
-/// What is known of a texel's error, in squares.
+/// What is expected of a texel's error, in squares.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Squares {
+pub(super) struct Predicted {
     /// Variance of the plain value, above 0.
     pub plain: f32,
     /// Variance that the fits predict.
     pub variance: f32,
     /// Squared bias that neighbours show whose fits share none of the texel's noise; of either sign.
     pub near_bias: f32,
+}
+
+/// What is known of a texel's error, in squares.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Squares {
+    pub predicted: Predicted,
     /// What the texel shows itself, the bias of either sign.
     pub seen_variance: f32,
     pub seen_bias: f32,
@@ -35,6 +41,26 @@ const NOISE_OF_VARIANCE: f64 = std::f64::consts::SQRT_2;
 /// and a squared bias like w⁴ both derivatives cancel at a half.
 const BALANCE: f64 = 0.5;
 
+/// What texels show of their errors, by what is expected of them.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Seen {
+    variance: [Bin; BINS],
+    bias: [Bin; BINS],
+}
+
+impl Seen {
+    /// Counts a texel.
+    pub fn count(&mut self, texel: &Squares) {
+        let Predicted {
+            variance,
+            near_bias,
+            ..
+        } = texel.predicted;
+        count(&mut self.variance, variance, texel.seen_variance, texel);
+        count(&mut self.bias, near_bias, texel.seen_bias, texel);
+    }
+}
+
 /// What the texels of a page show of their errors, as shares of the plain variance.
 pub(super) struct Stated {
     variance: [f32; BINS],
@@ -42,22 +68,24 @@ pub(super) struct Stated {
 }
 
 impl Stated {
-    /// Of all texels of the page, in a fixed order.
-    pub fn of<'a>(texels: impl Iterator<Item = &'a Squares>) -> Self {
-        let mut variance = [Bin::default(); BINS];
-        let mut bias = [Bin::default(); BINS];
-        for texel in texels {
-            count(&mut variance, texel.variance, texel.seen_variance, texel);
-            count(&mut bias, texel.near_bias, texel.seen_bias, texel);
-        }
+    /// Of the parts of a page, in a fixed order.
+    pub fn of<'a>(parts: impl Iterator<Item = &'a Seen>) -> Self {
+        let add = |mut all: [Bin; BINS], part: &[Bin; BINS]| {
+            all.iter_mut().zip(part).for_each(|(all, bin)| all.add(bin));
+            all
+        };
+        let all = parts.fold(Seen::default(), |all, part| Seen {
+            variance: add(all.variance, &part.variance),
+            bias: add(all.bias, &part.bias),
+        });
         Self {
-            variance: shares(&variance, |variance| NOISE_OF_VARIANCE * variance, 0.0),
-            bias: shares(&bias, |_| NOISE_OF_BIAS, BALANCE),
+            variance: shares(&all.variance, |variance| NOISE_OF_VARIANCE * variance, 0.0),
+            bias: shares(&all.bias, |_| NOISE_OF_BIAS, BALANCE),
         }
     }
 
     /// The standard error of a texel.
-    pub fn std_err(&self, texel: &Squares) -> f32 {
+    pub fn std_err(&self, texel: &Predicted) -> f32 {
         let share = at(&self.variance, texel.variance / texel.plain)
             + at(&self.bias, texel.near_bias / texel.plain);
         (share * texel.plain).sqrt()
@@ -79,6 +107,13 @@ struct Bin {
 }
 
 impl Bin {
+    fn add(&mut self, other: &Self) {
+        self.seen += other.seen;
+        self.variance += other.variance;
+        self.plain += other.plain;
+        self.texels += other.texels;
+    }
+
     /// The mean of what is seen, 0 at least. Before anything is seen, `prior` times as much is held true as the fits have of variance,
     /// and held for as uncertain as that variance is large; `noise` is the standard deviation of what one texel shows.
     fn share(&self, prior: f64, noise: impl Fn(f64) -> f64) -> f32 {
@@ -104,12 +139,8 @@ impl Bin {
 /// What the texels of each bin state, `least` times the variance of their fits at least. What the page shows as a whole is held true of each bin before it has shown anything itself, and
 /// of the page, that bias and variance are in balance.
 fn shares(bins: &[Bin; BINS], noise: impl Fn(f64) -> f64, least: f64) -> [f32; BINS] {
-    let all = bins.iter().fold(Bin::default(), |all, bin| Bin {
-        seen: all.seen + bin.seen,
-        variance: all.variance + bin.variance,
-        plain: all.plain + bin.plain,
-        texels: all.texels + bin.texels,
-    });
+    let mut all = Bin::default();
+    bins.iter().for_each(|bin| all.add(bin));
     if all.variance == 0.0 {
         return [0.0; BINS];
     }
@@ -119,12 +150,15 @@ fn shares(bins: &[Bin; BINS], noise: impl Fn(f64) -> f64, least: f64) -> [f32; B
 
 /// Counts a texel in the two bins beside what is expected of it.
 fn count(bins: &mut [Bin; BINS], expected: f32, seen: f32, texel: &Squares) {
-    let (bin, part) = place(expected / texel.plain);
+    let Predicted {
+        plain, variance, ..
+    } = texel.predicted;
+    let (bin, part) = place(expected / plain);
     for (bin, part) in [(bin, 1.0 - part), (bin + 1, part)] {
         let (bin, part) = (&mut bins[bin], f64::from(part));
         bin.seen += part * f64::from(seen);
-        bin.variance += part * f64::from(texel.variance);
-        bin.plain += part * f64::from(texel.plain);
+        bin.variance += part * f64::from(variance);
+        bin.plain += part * f64::from(plain);
         bin.texels += part;
     }
 }

@@ -86,9 +86,9 @@ pub(super) fn denoise(
             };
             let values = &mut page.planes_of(layer)[first * texels..][..together * texels];
             for (channel, plane) in values.chunks_mut(texels).enumerate() {
-                for denoised in &found {
-                    plane[denoised.texel as usize] = denoised.values[channel];
-                }
+                found
+                    .iter()
+                    .for_each(|part| part.set_values(channel, plane));
                 if let Some(unseen) = unseen {
                     unseen.apply(plane, 0.0, f64::MAX);
                 }

@@ -212,10 +212,10 @@ fn denoise_terms(page: &mut BakedPage, terms: &[TermLayers], how: Denoise, mends
             None => oidn::denoise(&field(page), &planes),
         };
         let values = page.planes_of(term);
-        for denoised in &found {
-            for (channel, plane) in values.chunks_mut(texels).enumerate() {
-                plane[denoised.texel as usize] = denoised.values[channel];
-            }
+        for (channel, plane) in values.chunks_mut(texels).enumerate() {
+            found
+                .iter()
+                .for_each(|part| part.set_values(channel, plane));
         }
         if let Some(unseen) = &unseen {
             let most = if is_light(term) { f64::MAX } else { 1.0 };
@@ -223,9 +223,7 @@ fn denoise_terms(page: &mut BakedPage, terms: &[TermLayers], how: Denoise, mends
             planes.for_each(|plane| drop(unseen.apply(plane, 0.0, most)));
         }
         let errors = page.planes_of(std_err);
-        for denoised in &found {
-            errors[denoised.texel as usize] = denoised.std_err;
-        }
+        found.iter().for_each(|part| part.set_errors(errors));
     }
     directional::denoise(page, regression.as_ref(), unseen.as_ref(), field);
 }

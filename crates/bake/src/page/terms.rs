@@ -90,7 +90,10 @@ pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec
     }
     if options.layers.iter().any(|&layer| is_composed(layer)) {
         add(Layer::Albedo);
-        add(Layer::Reflectance);
+        // Where nothing reflects specularly it is 0, and composing takes what is missing for 0.
+        if plan.models(Choice::Specular) || options.layers.contains(&Layer::TraditionalClosed) {
+            add(Layer::Reflectance);
+        }
         if ggx {
             add(Layer::Base);
         }
