@@ -23,6 +23,8 @@ const FITTED_ROWS: u64 = 64;
 const OIDN: u64 = 600;
 /// Bytes a page texel of the light that a gather is sent, and of that which it brings.
 const SENT: u64 = 13;
+/// Bytes a page texel of what is known of the surfaces that send light on.
+const PATCH: u64 = 36;
 /// Bytes a triangle of the ray library's trees, over all meshes.
 const TREE: u64 = 200;
 /// Bytes of stack of a thread, and of addresses that the system's allocator reserves for it.
@@ -112,7 +114,7 @@ impl Memory {
         }
         // Light goes from page to page, so all of them wait for it.
         let kept = texels * 4 * self.kept;
-        let bounces = pages * (kept + texels * (4 * self.light + SENT));
+        let bounces = pages * (kept + texels * (4 * self.light + SENT + PATCH));
         let last = denoise.max(pages * texels * SENT);
         (one + (pages - 1) * kept).max(bounces + last)
     }

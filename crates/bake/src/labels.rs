@@ -10,5 +10,5 @@ pub const LOBE: u32 = 2;
 pub const SKY: u32 = 4;
 /// Hemisphere directions by a guide.
 pub const GUIDED: u32 = 5;
-/// Light that surfaces send on: four labels a gather, from here on.
+/// Light that surfaces send on: six labels a gather, from here on.
 pub const BOUNCE: u32 = 16;

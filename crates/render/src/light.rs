@@ -73,12 +73,15 @@ impl Arrival {
         albedo * (self.irradiance * normal.dot(self.toward).max(0.0) / PROJECTED_HEMISPHERE)
     }
 
-    /// Radiance that the Phong lobe about `mirror`, the mirrored view, adds; 0 for a light below the surface.
+    /// Radiance that the Phong lobe about `mirror`, the mirrored view, adds; 0 for a light below the surface, or at right angles to
+    /// `mirror` and beyond.
     pub fn specular(&self, normal: DVec3, mirror: DVec3, material: &PhongMaterial) -> DVec3 {
-        if normal.dot(self.toward) <= 0.0 {
+        let along = mirror.dot(self.toward);
+        // An exponent of 0 does not make the other half of the sphere shine.
+        if normal.dot(self.toward) <= 0.0 || along <= 0.0 {
             return DVec3::ZERO;
         }
-        let lobe = mirror.dot(self.toward).max(0.0).powf(material.exponent);
+        let lobe = along.powf(material.exponent);
         material.specular * (lobe_scale(material.exponent) * lobe * self.irradiance)
     }
 }
@@ -124,5 +127,39 @@ mod tests {
         };
         let radiance = sun.at(DVec3::ZERO).diffuse(DVec3::Z, albedo);
         assert!((PI * radiance.x - cosine * 2.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_sky_full_of_lights_gives_the_open_phong_term() {
+        // Equation (7) summed over even light is equation (14). Midpoints of 512 x 512 cells of equal solid angle.
+        const CELLS: usize = 512;
+        for (exponent, degrees) in [(0.0, 40.0), (5.0, 0.0), (5.0, 75.0), (20.0, 60.0_f64)] {
+            let (sine, cosine) = degrees.to_radians().sin_cos();
+            let mirror = DVec3::new(-sine, 0.0, cosine);
+            let material = PhongMaterial {
+                specular: DVec3::ONE,
+                exponent,
+                ..PhongMaterial::default()
+            };
+            let of = |cell: usize| {
+                let (row, column) = (cell / CELLS, cell % CELLS);
+                let z = (row as f64 + 0.5) / CELLS as f64;
+                let (y, x) = (2.0 * PI * (column as f64 + 0.5) / CELLS as f64).sin_cos();
+                let r = (1.0 - z * z).sqrt();
+                let sun = Light::Distant {
+                    toward: DVec3::new(r * x, r * y, z),
+                    irradiance: 2.0 * PI / (CELLS * CELLS) as f64,
+                };
+                let arrival = sun.at(DVec3::ZERO);
+                arrival.specular(DVec3::Z, mirror, &material).x
+            };
+            let sum: f64 = (0..CELLS * CELLS).map(of).sum();
+            let exact = ambient::closed_form::phong_open_angle(exponent, degrees.to_radians());
+            // The step of the clamped lobe and of the horizon crosses cells.
+            assert!(
+                (sum - exact).abs() < 1e-4,
+                "{exponent} {degrees}: {sum}, not {exact}"
+            );
+        }
     }
 }

@@ -1,12 +1,14 @@
 //! One gather of a texel: what its surface receives of the light that other surfaces send.
 //!
-//! Rays follow the cosine for the irradiance and the lobe for the reflection, and go to the first surface. In the first gather surfaces
-//! that shine are aimed at too, by as many rays, and both ways of meeting them are weighed by the balance heuristic (E. Veach,
-//! L. Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", 1995), so that neither a small lamp nor a near one is noisy.
+//! Rays follow the cosine for the irradiance and the lobe for the reflection, and go to the first surface. Half of the rays of the cosine are
+//! aimed at bright surfaces instead, where there are some. In the first gather surfaces that shine are aimed at too, by as many rays. All
+//! ways of meeting a surface are weighed by the balance heuristic (E. Veach, L. Guibas, "Optimally Combining Sampling Techniques for
+//! Monte Carlo Rendering", 1995), so that neither a small lamp nor a near one is noisy.
 
 use super::REPLICATES;
 use super::kernel::Kernel;
 use super::radiosity::Radiosity;
+use super::spots::{Aim, Reach, Spots};
 use crate::options::{Model, Shading, View};
 use crate::survey::{Sample, Texel};
 use ambient::ggx::{Ggx, alpha_of};
@@ -23,6 +25,8 @@ pub(super) struct Gather<'a> {
     pub radiosity: Radiosity<'a>,
     /// Surfaces that shine; `None` after the first gather.
     pub lamps: Option<&'a Lamps>,
+    /// Bright surfaces.
+    pub spots: &'a Spots,
     /// Points of each replicate.
     pub points: u32,
     pub shading: Shading,
@@ -39,13 +43,31 @@ pub(super) enum Integral {
     Reflection,
 }
 
+/// Which of the points of a texel's replicate.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Points {
+    Kernel,
+    Lamps,
+    Spots,
+}
+
+/// How a replicate of a texel meets surfaces.
+struct Techniques<'a> {
+    lamps: Option<&'a Lamps>,
+    aim: &'a Aim,
+    /// Rays of the kernel, those aimed at lamps, and those aimed at bright surfaces.
+    rays: [f64; 3],
+}
+
 impl Gather<'_> {
-    /// What the texel receives, and how many rays that took. `stream` gives a replicate's points: first those of the kernel, then those of lamps.
+    /// What the texel receives, and how many rays that took. `stream` gives a replicate's points. `reach` tells how well aimed rays of
+    /// neighbours met what they were aimed at, and learns.
     pub fn receive(
         &self,
         texel: &Texel,
         integral: Integral,
-        stream: impl Fn(bool, u32) -> Stream,
+        stream: impl Fn(Points, u32) -> Stream,
+        reach: &mut Reach,
     ) -> (Received, u64) {
         let mut rays = 0;
         // What an open texel reflects, by which its lobe is divided.
@@ -58,30 +80,52 @@ impl Gather<'_> {
             }
             _ => 1.0,
         };
+        let aim = match integral {
+            Integral::Irradiance => {
+                let size = texel.world_area().sqrt();
+                self.spots.aim(texel.position, texel.normal, size, reach)
+            }
+            Integral::Reflection => Aim::default(),
+        };
+        let aimed = if aim.is_empty() { 0 } else { self.points / 2 };
+        let lit = if self.lamps.is_some() { self.points } else { 0 };
+        let counts = [self.points - aimed, lit, aimed];
+        let how = Techniques {
+            lamps: self.lamps,
+            aim: &aim,
+            rays: counts.map(f64::from),
+        };
         let received = std::array::from_fn(|replicate| {
-            let own = stream(false, replicate as u32);
-            let aimed = stream(true, replicate as u32);
             let mut sum = DVec3::ZERO;
-            for point in 0..self.points {
-                let [u0, u1, v0, v1] = own.point(point);
-                let (surface, origin) = texel.start([v0, v1]);
-                let kernel = self.kernel(texel, &surface, integral, mirror);
-                let direction = kernel.sample([u0, u1]);
-                if let Some(ray) = surface.leaving(self.shading, direction) {
-                    rays += 1;
-                    sum += self.met(&kernel, &surface, origin, ray);
-                }
-                if let Some(lamps) = self.lamps {
-                    let [u0, u1, v0, v1] = aimed.point(point);
+            for (points, count) in [Points::Kernel, Points::Lamps, Points::Spots]
+                .into_iter()
+                .zip(counts)
+            {
+                let stream = stream(points, replicate as u32);
+                for point in 0..count {
+                    let [u0, u1, v0, v1] = stream.point(point);
                     let (surface, origin) = texel.start([v0, v1]);
                     let kernel = self.kernel(texel, &surface, integral, mirror);
-                    if let Some(light) = self.aimed(lamps, &kernel, &surface, origin, [u0, u1]) {
-                        rays += 1;
-                        sum += light;
-                    }
+                    let light = match points {
+                        Points::Kernel => surface
+                            .leaving(self.shading, kernel.sample([u0, u1]))
+                            .map(|ray| self.met(&how, &kernel, &surface, origin, ray).0),
+                        Points::Lamps => self.lit(&how, &kernel, &surface, origin, [u0, u1]),
+                        Points::Spots => {
+                            let (spot, ray) = aim.sample([u0, u1]);
+                            let counts = kernel.weight(&surface, self.shading, ray).x > 0.0;
+                            counts.then(|| {
+                                let (light, met) = self.met(&how, &kernel, &surface, origin, ray);
+                                self.spots.count(reach, spot, met);
+                                light
+                            })
+                        }
+                    };
+                    rays += u64::from(light.is_some());
+                    sum += light.unwrap_or_default();
                 }
             }
-            sum / f64::from(self.points)
+            sum
         });
         (received, rays)
     }
@@ -120,35 +164,43 @@ impl Gather<'_> {
         }
     }
 
-    /// Light along a ray that was drawn from the kernel.
-    fn met(&self, kernel: &Kernel, surface: &Sample, origin: [f32; 3], ray: DVec3) -> DVec3 {
+    /// Light along a ray that was drawn from the kernel or aimed at a bright surface, and where it met a surface.
+    fn met(
+        &self,
+        how: &Techniques<'_>,
+        kernel: &Kernel,
+        surface: &Sample,
+        origin: [f32; 3],
+        ray: DVec3,
+    ) -> (DVec3, Option<DVec3>) {
         let Some(hit) = self.backend.closest(&self.ray(origin, ray)) else {
-            return DVec3::ZERO;
+            return (DVec3::ZERO, None);
         };
-        let sent = self.radiosity.sent(&hit, ray);
-        let world = self.radiosity.world;
-        let by_lamps = self.lamps.map_or(0.0, |lamps| lamps.pdf(world, &hit, ray));
+        let met = DVec3::from(origin.map(f64::from)) + f64::from(hit.t) * ray;
         let own = kernel.weight(surface, self.shading, ray);
         if own.y <= 0.0 {
-            return DVec3::ZERO;
+            return (DVec3::ZERO, Some(met));
         }
-        let sent = sent * (own.x / own.y);
-        if by_lamps == 0.0 {
-            return sent;
+        let density = how.rays[0] * own.y + how.rays[2] * how.aim.pdf(ray);
+        let world = self.radiosity.world;
+        let mut light = self.radiosity.sent(&hit, ray) * (own.x / density);
+        let by_lamps = how.lamps.map_or(0.0, |lamps| lamps.pdf(world, &hit, ray));
+        if by_lamps > 0.0 {
+            light += self.emission(&hit) * (own.x / (density + how.rays[1] * by_lamps));
         }
-        sent + self.emission(&hit) * (own.x / (own.y + by_lamps))
+        (light, Some(met))
     }
 
     /// Light along a ray that is aimed at a lamp; `None` where none needs to be cast.
-    fn aimed(
+    fn lit(
         &self,
-        lamps: &Lamps,
+        how: &Techniques<'_>,
         kernel: &Kernel,
         surface: &Sample,
         origin: [f32; 3],
         u: [f64; 2],
     ) -> Option<DVec3> {
-        let world = self.radiosity.world;
+        let (world, lamps) = (self.radiosity.world, how.lamps?);
         let (place, target) = lamps.sample(world, u);
         let start = DVec3::from(origin.map(f64::from));
         let ray = (target - start).try_normalize()?;
@@ -159,8 +211,10 @@ impl Gather<'_> {
         let hit = self.backend.closest(&self.ray(origin, ray));
         let light = hit.filter(|hit| (hit.instance, hit.triangle) == place);
         Some(light.map_or(DVec3::ZERO, |hit| {
-            let by_lamps = lamps.pdf(world, &hit, ray);
-            self.emission(&hit) * (own.x / (own.y + by_lamps))
+            let density = how.rays[0] * own.y
+                + how.rays[1] * lamps.pdf(world, &hit, ray)
+                + how.rays[2] * how.aim.pdf(ray);
+            self.emission(&hit) * (own.x / density)
         }))
     }
 

@@ -19,8 +19,10 @@ mod add;
 mod gather;
 mod kernel;
 mod light;
+mod patches;
 mod pilot;
 mod radiosity;
+mod spots;
 
 pub use light::BounceStats;
 pub(crate) use pilot::{GatherPilot, Taken};
@@ -31,13 +33,17 @@ use crate::options::{Effort, View};
 use crate::page::{BakedPage, Baker};
 use crate::survey::Texel;
 use ambient::sampling::Stream;
-use gather::{Gather, Integral};
+use atlas::TILE;
+use gather::{Gather, Integral, Points};
 use glam::DVec3;
 use layers::{Layer, Progress};
 use light::{LightPage, TexelLight};
+use patches::Patch;
 use radiosity::{PageLight, Radiosity};
 use rayon::prelude::*;
 use rays::Lamps;
+use rustc_hash::FxHashMap;
+use spots::{Reach, Spots};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Independent sets of a texel's gathers: more than its first rays have, because fewer neighbours share what their spread tells.
@@ -49,6 +55,8 @@ const BATCH: usize = 256;
 const MOST: u32 = 64;
 /// `auto` stops where no more than this share of the light is missing: half a step of 8 bits. A target error takes its place.
 const ENOUGH: f64 = 1.0 / 512.0;
+/// One texel in so many tells its neighbours which bright surfaces can be seen.
+const PROBED: u32 = 4;
 /// Rays of a gather where a target decides those of the terms.
 const RAYS: u32 = 256;
 
@@ -65,9 +73,11 @@ impl Baker<'_> {
                 .map(|page| LightPage::new(page, self.options, self.plan, self.solids.is_some()))
                 .collect();
             let mut sent: Vec<PageLight> = pages.iter().map(first_light).collect();
+            let patches = self.patches(progress)?;
             stats.start(pages);
             while stats.goes_on(self.options.bounces, self.enough()) {
-                let gather = self.gather(&sent, stats.gathers, lamps);
+                let spots = Spots::of(&patches, &sent);
+                let gather = self.gather(&sent, stats.gathers, lamps, &spots);
                 sent = self.gathered(&gather, stats.gathers, &mut light, progress)?;
                 stats.end_gather(&light);
             }
@@ -91,6 +101,30 @@ impl Baker<'_> {
         }
     }
 
+    /// The surfaces of all pages that send light on.
+    fn patches(&self, progress: &dyn Progress) -> Option<Vec<Vec<Patch>>> {
+        let size = self.atlas.page_size;
+        let page = |page: u32| {
+            let raster = self.raster(page);
+            let tile = |index| {
+                if progress.cancelled() {
+                    return None;
+                }
+                let texels = self.survey(&self.cut(&raster, index), page);
+                let patches = texels.iter();
+                Some(
+                    patches
+                        .filter_map(|t| Patch::of(t, t.y * size + t.x))
+                        .collect(),
+                )
+            };
+            let tiles = (0..raster.tiles().len()).into_par_iter().map(tile);
+            let tiles: Option<Vec<Vec<Patch>>> = tiles.collect();
+            Some(tiles?.concat())
+        };
+        (0..self.atlas.page_count).map(page).collect()
+    }
+
     /// What gather number `number`, from 0, reads. Later light is dimmer: the second gather takes half of the rays of the first, the
     /// others a quarter.
     fn gather<'g>(
@@ -98,6 +132,7 @@ impl Baker<'_> {
         sent: &'g [PageLight],
         number: u32,
         lamps: Option<&'g Lamps>,
+        spots: &'g Spots,
     ) -> Gather<'g> {
         let rays = match self.options.effort {
             Effort::Rays(rays) => rays,
@@ -112,6 +147,7 @@ impl Baker<'_> {
                 pages: sent,
             },
             lamps: lamps.filter(|_| number == 0),
+            spots,
             points: ((rays >> number.min(2)) / REPLICATES).max(1),
             shading: self.options.shading,
             view: match self.options.view {
@@ -175,29 +211,45 @@ impl Baker<'_> {
         let lobes = self.plan.models(Choice::Specular);
         let mut light: Vec<TexelLight> = texels
             .iter()
-            .map(|texel| {
-                let index = texel.y * size + texel.x;
-                let mut light = TexelLight::dark(texel, index);
+            .map(|texel| TexelLight::dark(texel, texel.y * size + texel.x))
+            .collect();
+        // Some texels of each object go first and tell the others what can be seen.
+        let mut reach: FxHashMap<u32, Reach> = FxHashMap::default();
+        let first = |texel: &Texel| (texel.x + 2 * texel.y).is_multiple_of(PROBED);
+        for probes in [true, false] {
+            let known = reach.clone();
+            for (texel, light) in texels.iter().zip(&mut light) {
                 // What nothing stands above sees no surface; what is buried is filled from its neighbours.
-                if texel.open || texel.seen.share == 0.0 {
-                    return light;
+                if first(texel) != probes || texel.open || texel.seen.share == 0.0 {
+                    continue;
                 }
-                let stream = |integral: u32, aimed: bool, replicate: u32| {
-                    let label = labels::BOUNCE + 4 * number + 2 * integral + u32::from(aimed);
-                    Stream::new(self.options.seed, page as u32, index, label, replicate)
+                let stream = |integral: u32, points: Points, replicate: u32| {
+                    let label = labels::BOUNCE + 6 * number + 3 * integral + points as u32;
+                    let tile = 1 << 31 | (texel.y / TILE * size.div_ceil(TILE) + texel.x / TILE);
+                    let stream =
+                        Stream::new(self.options.seed, page as u32, tile, label, replicate);
+                    stream.joint([texel.x, texel.y], TILE.ilog2(), gather.points)
                 };
-                let diffuse = |aimed, replicate| stream(0, aimed, replicate);
-                let (irradiance, rays) = gather.receive(texel, Integral::Irradiance, diffuse);
+                let mut learnt = match probes {
+                    true => Reach::default(),
+                    false => known.get(&texel.object).copied().unwrap_or_default(),
+                };
+                let diffuse = |points, replicate| stream(0, points, replicate);
+                let (irradiance, rays) =
+                    gather.receive(texel, Integral::Irradiance, diffuse, &mut learnt);
                 (light.irradiance, light.rays) = (irradiance, rays);
+                if probes {
+                    reach.entry(texel.object).or_default().add(&learnt);
+                }
                 if lobes && self.reflects(texel) {
-                    let lobe = |aimed, replicate| stream(1, aimed, replicate);
-                    let (reflection, rays) = gather.receive(texel, Integral::Reflection, lobe);
+                    let lobe = |points, replicate| stream(1, points, replicate);
+                    let (reflection, rays) =
+                        gather.receive(texel, Integral::Reflection, lobe, &mut learnt);
                     light.reflection = reflection;
                     light.rays += rays;
                 }
-                light
-            })
-            .collect();
+            }
+        }
         light::pool(&mut light, size);
         light
     }

@@ -3,6 +3,7 @@
 use super::REPLICATES;
 use super::light::BounceStats;
 use super::radiosity::PageLight;
+use super::spots::Spots;
 use super::{Gather, mean};
 use crate::choice::Choice;
 use crate::clock::ThreadClock;
@@ -17,6 +18,7 @@ use std::iter::Sum;
 pub(crate) struct GatherPilot<'a> {
     baker: &'a Baker<'a>,
     lamps: Lamps,
+    spots: Spots,
     sent: Vec<PageLight>,
 }
 
@@ -42,6 +44,7 @@ impl<'a> GatherPilot<'a> {
         baker.plan.models(Choice::Bounces).then(|| Self {
             baker,
             lamps: Lamps::of(baker.world),
+            spots: Spots::default(),
             sent: (0..baker.atlas.page_count).map(|_| even()).collect(),
         })
     }
@@ -49,7 +52,7 @@ impl<'a> GatherPilot<'a> {
     /// Runs a tile.
     pub fn tile(&self, raster: &PageRaster<'_>, page: u32, index: usize) -> Taken {
         let lamps = (!self.lamps.is_empty()).then_some(&self.lamps);
-        let gather: Gather<'_> = self.baker.gather(&self.sent, 0, lamps);
+        let gather: Gather<'_> = self.baker.gather(&self.sent, 0, lamps, &self.spots);
         let clock = ThreadClock::now();
         let texels = self.baker.survey(&self.baker.cut(raster, index), page);
         let survey = clock.seconds();

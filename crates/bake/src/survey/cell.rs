@@ -184,6 +184,13 @@ impl Cell {
         [a, a + along, a + across, fourth]
     }
 
+    /// Area in the world, squared units.
+    pub fn world_area(&self) -> f64 {
+        let [_, s, t] = self.position;
+        let share = if self.fold == 0.0 { 1.0 } else { 0.5 };
+        share * s.cross(t).length()
+    }
+
     /// (s, t) of the centroid.
     pub fn centre(&self) -> [f32; 2] {
         if self.fold == 0.0 {

@@ -50,6 +50,11 @@ impl Texel {
         self.ends.partition_point(|&end| u0 >= end)
     }
 
+    /// Area in the world, squared units.
+    pub fn world_area(&self) -> f64 {
+        self.cells.iter().map(Cell::world_area).sum()
+    }
+
     /// The surface at a point of the unit square, spread over what can be seen.
     pub fn sample(&self, u: [f64; 2]) -> Sample {
         let [u, v] = self.seen.place(u.map(|u| u as f32));
