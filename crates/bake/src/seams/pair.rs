@@ -2,7 +2,6 @@
 
 use super::SeamPoint;
 use super::border::Border;
-use super::walls::Walls;
 use crate::options::Seams as Scope;
 
 /// Two borders that run along one another, and from where to where.
@@ -13,6 +12,9 @@ pub(super) struct Pair {
     /// The common part, as shares of the way from each border's first end to its second; both spans begin at the same point in space.
     pub spans: [[f64; 2]; 2],
 }
+
+/// The shares of the common part of a pair on which something stands, from where to where.
+pub(super) type Walls = Vec<[f64; 2]>;
 
 impl Pair {
     /// Points on the common part, so many a texel of its length, but for those on which something stands.

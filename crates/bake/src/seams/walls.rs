@@ -4,7 +4,7 @@
 //! different ones, and a seam that goes or stays moves all texels along it.
 
 use super::border::Border;
-use super::pair::Pair;
+use super::pair::{Pair, Walls};
 use glam::DVec3;
 use rayon::prelude::*;
 use rays::{Boxes, NUDGE, World};
@@ -18,9 +18,6 @@ const HEIGHT: f64 = 0.05;
 const BESIDE: f64 = 0.02;
 /// The cosine of the angle between a surface and what stands on it, at most.
 const UPRIGHT: f64 = 0.5;
-
-/// The shares of the common part of a pair on which something stands, from where to where.
-pub(super) type Walls = Vec<[f64; 2]>;
 
 /// What stands on each of these pairs. `charts` has the chart of each triangle, mesh by mesh. Surfaces with holes are left out: light goes
 /// through them.
