@@ -12,6 +12,7 @@ mod fit;
 pub(crate) mod oidn;
 mod plane;
 mod stated;
+mod strays;
 
 use charts::{Chart, charts};
 use choose::{CHANNELS, choose};
@@ -120,6 +121,10 @@ impl Denoiser {
                 plane.values[i] = values[texel];
             }
             data[channels].values[i] = half(texel);
+        }
+        // Light may be as sharp as the sun's.
+        if term.largest.is_finite() {
+            strays::share(&mask, &mut data);
         }
         let mut near = Plane::new(chart.size);
         let Some(chosen) = choose(&mask, &data, &mut near) else {
