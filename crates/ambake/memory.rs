@@ -18,7 +18,7 @@ const DENOISED: u64 = 4;
 /// The same of the texels that a thread fits at a time, and how many these are at most, with some rows about them.
 const FITTING: u64 = 110;
 const FITTED: u64 = 1 << 21;
-const FITTED_ROWS: u64 = 64;
+const FITTED_ROWS: u64 = 96;
 /// Bytes a page texel of Intel's, which was measured to take 0.6 GB at 1024².
 const OIDN: u64 = 600;
 /// Bytes a page texel of the light that a gather is sent, and of that which it brings.

@@ -19,8 +19,8 @@ use std::ops::Range;
 const STRIDES: [usize; 4] = [2, 4, 8, 16];
 
 /// Rows on each side of a texel that its fits depend on: two windows of the widest stride, in whose first half the squares of moves stay
-/// that are averaged twice.
-pub(super) const REACH: usize = 2 * ALIGNED;
+/// that are averaged twice, and what strays ([`super::strays`]) bring there from beyond.
+pub(super) const REACH: usize = 3 * ALIGNED;
 
 /// Windows begin at multiples of this row, whatever their stride.
 pub(super) const ALIGNED: usize = STRIDES[STRIDES.len() - 1];

@@ -12,6 +12,7 @@ mod fit;
 pub(crate) mod oidn;
 mod plane;
 mod stated;
+mod strays;
 
 use charts::{Band, Chart, charts};
 use choose::{Texel, Whole, choose};
@@ -43,6 +44,8 @@ pub(crate) struct Term<'a> {
     pub std_err: &'a [f32],
     /// The largest value that there is; the least is 0.
     pub largest: f32,
+    /// It is a mean over the hemisphere, which no single texel has much more of than all about it.
+    pub is_smooth: bool,
 }
 
 /// New values and standard errors of some texels of a term.
@@ -128,33 +131,37 @@ impl Denoiser {
         if differs < BY_CHANCE * errors {
             return Vec::new();
         }
-        let bands = chart.bands(self.at_a_time);
-        let plane = |band: &Band, of: &dyn Fn(usize) -> f32| {
-            let mut plane = Plane::new([chart.size[0], band.about.len()]);
-            for &texel in chart.texels_of(&band.about, self.size) {
-                plane.values[chart.local(texel, &band.about, self.size)] = of(texel as usize);
+        let planes = |band: &Band| {
+            let plane = |of: &dyn Fn(usize) -> f32| {
+                let mut plane = Plane::new([chart.size[0], band.about.len()]);
+                for &texel in chart.texels_of(&band.about, self.size) {
+                    plane.values[chart.local(texel, &band.about, self.size)] = of(texel as usize);
+                }
+                plane
+            };
+            let mask = plane(&|_| 1.0);
+            let values = term.values.iter();
+            let mut data: Vec<Plane> = values.map(|values| plane(&|texel| values[texel])).collect();
+            data.push(plane(&half));
+            if term.is_smooth {
+                strays::share(&mask, &mut data);
             }
-            plane
+            (mask, data)
         };
-        let mask = |band: &Band| plane(band, &|_| 1.0);
+        let bands = chart.bands(self.at_a_time);
         let whole = match bands.as_slice() {
             [_] => None,
-            several => Some(Whole::of(
-                several
-                    .iter()
-                    .map(|band| (mask(band), plane(band, &half), band.inner())),
-            )),
+            several => Some(Whole::of(several.iter().map(|band| {
+                let (mask, mut data) = planes(band);
+                (mask, data.swap_remove(term.values.len()), band.inner())
+            }))),
         };
         let part = |band: &Band| {
-            let values = term.values.iter();
-            let mut data: Vec<Plane> = values
-                .map(|values| plane(band, &|texel| values[texel]))
-                .collect();
-            data.push(plane(band, &half));
             let mut near = Plane::new([chart.size[0], band.about.len()]);
-            let chosen = choose(&mask(band), &data, whole.as_ref(), &mut near)?;
+            let (mask, data) = planes(band);
+            let chosen = choose(&mask, &data, whole.as_ref(), &mut near)?;
             // A band may fill its page, and what follows needs room of its own.
-            drop(data);
+            drop((mask, data));
             let mut part = Part::new(term.values.len());
             for &texel in chart.texels_of(&band.rows, self.size) {
                 let i = chart.local(texel, &band.about, self.size);

@@ -72,7 +72,7 @@ impl<'a> Baker<'a> {
         options: &'a Options,
     ) -> Self {
         let solids = match options.buried {
-            Buried::Drop => Some(world.solids()).filter(|solids| solids.count() > 0),
+            Buried::Drop => Some(world.solids()).filter(|solids| !solids.is_idle()),
             Buried::Keep => None,
         };
         Self {

@@ -79,6 +79,7 @@ pub(super) fn denoise(
                 halves: regression.map_or(Vec::new(), |_| planes(half)),
                 std_err: page.layer(Layer::StdErrDiffuse).unwrap_or_default(),
                 largest: f32::INFINITY,
+                is_smooth: false,
             };
             let found = match regression {
                 Some(denoiser) => denoiser.denoise(&term),

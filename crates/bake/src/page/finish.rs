@@ -206,6 +206,7 @@ fn denoise_terms(page: &mut BakedPage, terms: &[TermLayers], how: Denoise, mends
                 .map_or(Vec::new(), |_| all(half_of(term))),
             std_err: fact(page, std_err, 0),
             largest: if is_light(term) { f32::INFINITY } else { 1.0 },
+            is_smooth: matches!(term, Layer::Diffuse | Layer::Visibility),
         };
         let found = match &regression {
             Some(denoiser) => denoiser.denoise(&planes),

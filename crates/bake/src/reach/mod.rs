@@ -130,6 +130,11 @@ impl<'a> Reach<'a> {
             if !owns.contains(&own) {
                 owns.push(own);
             }
+            let rims = self.baker.solids.map(|of| of.rims(instance, triangle));
+            for rim in rims.into_iter().flatten() {
+                hasher.numbers(&rim.inward.to_array());
+                hasher.numbers(&[rim.at, rim.depth]);
+            }
             grounds.push(self.ground(&part));
         }
         let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);

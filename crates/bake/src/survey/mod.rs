@@ -1,6 +1,7 @@
 //! What lies under each texel: cells of surface, the mean material, the mean position and normals.
 
 mod cell;
+mod rims;
 mod seen;
 mod texel;
 

@@ -44,6 +44,12 @@ impl Seen {
         strata: Vec::new(),
     };
 
+    /// Nothing of it.
+    pub const NONE: Self = Self {
+        share: 0.0,
+        strata: Vec::new(),
+    };
+
     /// Looks at a texel of these cells among solids whose boxes may meet its own. `choose` gives the
     /// cell under a point of the unit square by its first coordinate.
     pub fn of(
@@ -52,10 +58,6 @@ impl Seen {
         solids: &Solids,
         near: &[u32],
     ) -> Self {
-        let none = Self {
-            share: 0.0,
-            ..Self::ALL
-        };
         let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let corners = cells.iter().flat_map(Cell::corners);
         let (low, high) = corners.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
@@ -101,7 +103,7 @@ impl Seen {
             .map(|&body| solids.depth(body, middle, within))
             .sum();
         if close.is_empty() {
-            return if base <= 0 { Self::ALL } else { none };
+            return if base <= 0 { Self::ALL } else { Self::NONE };
         }
         // A coordinate of 1 would choose no cell.
         let at = |k: usize| (k as f64 / EDGE as f64).min(1.0 - 1e-7);
@@ -129,7 +131,7 @@ impl Seen {
             .filter(|&stratum| open_corners(stratum) == 4)
             .collect();
         if kept.is_empty() {
-            return none;
+            return Self::NONE;
         }
         if kept.len() == EDGE * EDGE {
             return Self::ALL;

@@ -1,13 +1,16 @@
 //! What a texel's footprint is made of: its cells, its mean material and its mean position and normals.
 
 use super::cell::{Cell, Sample};
+use super::rims;
 use super::seen::Seen;
 use crate::labels;
 use crate::plan::Plan;
 use ambient::sampling::Stream;
-use atlas::{Footprint, Tile};
+use atlas::{Footprint, Piece, Tile};
 use glam::DVec3;
-use rays::{Overrides, Patch, PhongMaterial, PlaneErrors, Solids, World, is_mapped, material_at};
+use rays::{
+    Overrides, Patch, PhongMaterial, PlaneErrors, Rim, Solids, World, is_mapped, material_at,
+};
 use rustc_hash::FxHashMap;
 
 /// Sample points over the footprint from which means of textured materials are taken.
@@ -80,6 +83,9 @@ impl Texel {
 
     /// Looks for what can be seen, and takes the means over it.
     fn look(&mut self, solids: &Solids, near: &[u32]) {
+        if self.seen == Seen::NONE {
+            return;
+        }
         self.seen = Seen::of(&self.cells, |u| self.choose(u), solids, near);
         if !self.seen.is_part() {
             return;
@@ -100,23 +106,25 @@ impl Texel {
 }
 
 /// What is known about a triangle of a tile.
-struct Known {
+struct Known<'a> {
     patch: Patch,
     open: bool,
     /// The closed surface that it is part of.
     body: Option<u32>,
+    /// What walls cut off from that.
+    rims: &'a [Rim],
 }
 
 /// What the texels of a tile have in common.
 #[derive(Default)]
-struct Shared {
+struct Shared<'a> {
     /// By instance and triangle.
-    triangles: FxHashMap<(u32, u32), Known>,
+    triangles: FxHashMap<(u32, u32), Known<'a>>,
     /// Of the last instance that was asked for, one without maps.
     material: Option<(u32, PhongMaterial)>,
 }
 
-impl Shared {
+impl Shared<'_> {
     /// The material of an instance that has no maps.
     fn plain(&mut self, world: &World, instance: u32, triangle: u32) -> PhongMaterial {
         match self.material {
@@ -140,7 +148,7 @@ pub(crate) struct Surveyor<'a> {
     pub solids: Option<&'a Solids>,
 }
 
-impl Surveyor<'_> {
+impl<'a> Surveyor<'a> {
     /// All texels of a tile. `stream` labels a texel's own points by its column and row.
     pub fn texels(&self, tile: &Tile, stream: impl Fn(u32, u32, u32) -> Stream) -> Vec<Texel> {
         let mut shared = Shared::default();
@@ -168,11 +176,13 @@ impl Surveyor<'_> {
         &self,
         tile: &Tile,
         footprint: &Footprint,
-        shared: &mut Shared,
+        shared: &mut Shared<'a>,
         stream: &Stream,
     ) -> Texel {
         let pieces = &tile.pieces[footprint.pieces.start as usize..footprint.pieces.end as usize];
         let mut cells = Vec::with_capacity(pieces.len());
+        // The same with all rims, where there are some.
+        let (mut whole, mut lost) = (Vec::new(), 0.0);
         let mut upward = None;
         let (mut open, mut before) = (true, 0.0);
         let mut largest = (0.0, 0);
@@ -182,6 +192,7 @@ impl Surveyor<'_> {
                 patch: Patch::of(self.world, self.errors, key.0, key.1),
                 open: self.plan.open.contains(key.0, key.1),
                 body: self.solids.and_then(|solids| solids.own(key.0, key.1)),
+                rims: self.solids.map_or(&[], |solids| solids.rims(key.0, key.1)),
             });
             upward.get_or_insert_with(|| known.patch.upward());
             open &= known.open;
@@ -189,15 +200,33 @@ impl Surveyor<'_> {
                 largest = (piece.cumulative - before, piece.instance);
             }
             let surface = (&known.patch, known.body);
-            let first = cells.len();
-            Cell::push(&mut cells, surface, piece, piece.cumulative - before);
-            if let Some(normal) = self
+            let bent = self
                 .world
-                .bent_normal(key.0, key.1, piece.corners, piece.square)
-            {
-                cells[first..].iter_mut().for_each(|cell| cell.bend(normal));
+                .bent_normal(key.0, key.1, piece.corners, piece.square);
+            let push = |cells: &mut Vec<Cell>, piece: &Piece, area: f64| {
+                let first = cells.len();
+                Cell::push(cells, surface, piece, area);
+                if let Some(normal) = bent {
+                    cells[first..].iter_mut().for_each(|cell| cell.bend(normal));
+                }
+            };
+            let area = piece.cumulative - before;
+            if known.rims.is_empty() {
+                push(&mut cells, piece, area);
+            } else {
+                let mut left = 0.0;
+                rims::without((&known.patch, known.rims), piece, area, |part, area| {
+                    push(&mut cells, part, area);
+                    left += area;
+                });
+                lost += area - left;
+                push(&mut whole, piece, area);
             }
             before = piece.cumulative;
+        }
+        let is_rim = cells.is_empty();
+        if is_rim {
+            (cells, lost) = (whole, 0.0);
         }
         Cell::share(&mut cells);
         let (mut position, mut normal, mut geometric) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
@@ -213,7 +242,7 @@ impl Surveyor<'_> {
             y: footprint.y,
             coverage: footprint.coverage,
             material: self.material(tile, footprint, shared, stream),
-            position: position / before,
+            position: position / (before - lost),
             normal: normal.try_normalize().unwrap_or(upward),
             geometric: geometric.try_normalize().unwrap_or(upward),
             object: largest.1,
@@ -221,7 +250,7 @@ impl Surveyor<'_> {
             tilted: !cells.iter().all(Cell::is_flat),
             ends: cells[1..].iter().map(|cell| cell.start).collect(),
             cells,
-            seen: Seen::ALL,
+            seen: if is_rim { Seen::NONE } else { Seen::ALL },
         }
     }
 
@@ -230,7 +259,7 @@ impl Surveyor<'_> {
         &self,
         tile: &Tile,
         footprint: &Footprint,
-        shared: &mut Shared,
+        shared: &mut Shared<'a>,
         stream: &Stream,
     ) -> PhongMaterial {
         let scene = self.world.scene();

@@ -46,7 +46,7 @@ fn look_ups_beside_a_sunk_box_find_the_light_that_is_there() {
 
 #[test]
 fn a_closed_room_of_panels_is_dark_to_the_last_bit() {
-    holds("T4", 16, |variant| !variant.contains("overlap"));
+    holds("T4", 16, |_| true);
 }
 
 #[test]

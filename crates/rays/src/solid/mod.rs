@@ -23,6 +23,7 @@ mod ground;
 mod near;
 mod opening;
 mod placed;
+mod rims;
 mod rooms;
 mod shape;
 mod topology;
@@ -34,6 +35,7 @@ pub use near::Near;
 use opening::Opening;
 use placed::placed_box;
 use rayon::prelude::*;
+pub use rims::Rim;
 use scene::Scene;
 use shape::Shape;
 use std::collections::HashMap;
@@ -100,6 +102,8 @@ pub struct Solids {
     /// Where they are, and where bodies are that bury or lay open.
     room_boxes: Boxes,
     counting: Boxes,
+    /// What sheets cut off from placements' surfaces.
+    rims: HashMap<(u32, u32), Vec<Rim>>,
 }
 
 impl Solids {
@@ -171,6 +175,7 @@ impl Solids {
             rooms: Vec::new(),
             room_boxes: Boxes::default(),
             counting: Boxes::default(),
+            rims: HashMap::new(),
         };
         solids.classify();
         solids.root();
@@ -178,6 +183,7 @@ impl Solids {
         let counting = (0..solids.bodies()).filter(|&body| solids.box_of(body).is_some());
         solids.counting = solids.boxes_of(counting);
         solids.room_boxes = solids.boxes_of(solids.rooms.iter().copied());
+        solids.rims = solids.find_rims();
         solids
     }
 
@@ -192,6 +198,11 @@ impl Solids {
     pub fn count(&self) -> usize {
         let buries = |body: &&Body| body.inside == Inside::Solid || body.inside.rooted().is_some();
         self.bodies.iter().filter(buries).count()
+    }
+
+    /// True where nothing is buried in any of them, and nothing has a rim.
+    pub fn is_idle(&self) -> bool {
+        self.count() == 0 && self.rims.is_empty()
     }
 
     /// An instance of each closed surface whose faces look inward though it is no room: it is lit from within.
@@ -214,9 +225,15 @@ impl Solids {
 
     /// The body that a triangle is part of.
     pub fn own(&self, instance: u32, triangle: u32) -> Option<u32> {
+        let key = self.surface_key(instance, triangle);
+        self.placements.get(&key).copied()
+    }
+
+    /// Placement and number of the surface of a triangle.
+    fn surface_key(&self, instance: u32, triangle: u32) -> (u32, u32) {
         let (shape, mesh, placement) = self.instances[instance as usize];
-        let surface = self.shapes[shape as usize].surface_of[mesh as usize][triangle as usize];
-        self.placements.get(&(placement, surface)).copied()
+        let surface_of = &self.shapes[shape as usize].surface_of[mesh as usize];
+        (placement, surface_of[triangle as usize])
     }
 
     /// The bodies that bury or lay open, whose boxes meet this one, ascending.

@@ -37,6 +37,16 @@ impl Placed<'_> {
         })
     }
 
+    /// The corners of all its faces, in the world.
+    pub fn corners<'b>(&'b self, scene: &'b Scene) -> impl Iterator<Item = DVec3> + 'b {
+        let corners = self
+            .surface
+            .faces
+            .iter()
+            .flat_map(|&face| corners(scene, face));
+        corners.map(|corner| self.transform.transform_point3(corner.as_dvec3()))
+    }
+
     /// How many of the middles of `of` faces, spread over it, something holds for.
     pub fn count(&self, scene: &Scene, of: usize, holds: impl Fn(DVec3) -> bool) -> usize {
         let faces = &self.surface.faces;

@@ -1,0 +1,215 @@
+//! Rims: what a thin wall cuts off from the end of a surface.
+//!
+//! A floor that reaches a little through a wall without thickness ends in a rim that sees the other side. On the page it may be a hundredth
+//! of a texel, and still light the texel that it shares with the floor, or be all that a texel holds. Whatever is thinner than a small part
+//! of a texel cannot be shown beside what is not. So who bakes may end the surface at the wall, whichever side of it is seen.
+
+use super::Solids;
+use super::placed::{Among, CROSSES, Placed};
+use super::topology::corners;
+use crate::solid::NUDGE;
+use glam::DVec3;
+use rayon::prelude::*;
+use scene::Scene;
+use std::collections::HashMap;
+
+/// Faces of a surface of which each corner is looked at; of a larger one the box.
+const FEW: usize = 1000;
+
+/// What a flat sheet cuts off from a surface, thinner than an eighth of what it leaves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rim {
+    /// Unit normal of the sheet, away from the rim.
+    pub inward: DVec3,
+    /// Where the sheet is along it.
+    pub at: f64,
+    /// How far the surface reaches beyond, at most.
+    pub depth: f64,
+}
+
+impl Rim {
+    /// A rim is at most this share of what is on the other side of its sheet.
+    pub const THIN: f64 = 0.125;
+
+    /// Of a surface beside a sheet's plane.
+    fn of(scene: &Scene, plane: (DVec3, f64), sheet: &Placed, other: &Placed) -> Option<Self> {
+        let (normal, at) = plane;
+        let corners: Vec<DVec3> = match other.surface.faces.len() <= FEW {
+            true => other.corners(scene).collect(),
+            false => box_corners(other.low, other.high).to_vec(),
+        };
+        let heights = corners.iter().map(|corner| corner.dot(normal) - at);
+        let limits = (f64::INFINITY, f64::NEG_INFINITY);
+        let (low, high) = heights.fold(limits, |(low, high), h| (low.min(h), high.max(h)));
+        let (depth, out) = (high.min(-low), high.max(-low));
+        let reach = other.low.abs().max(other.high.abs()).max_element();
+        let least = (CROSSES * other.size()).max(2.0 * NUDGE * reach);
+        if depth <= least || depth > Self::THIN * out {
+            return None;
+        }
+        let side = if high > -low { 1.0 } else { -1.0 };
+        let rim = Self {
+            inward: side * normal,
+            at: side * at,
+            depth,
+        };
+        // The sheet may end elsewhere.
+        let beyond = corners
+            .into_iter()
+            .filter(|&corner| rim.height(corner) < 0.0);
+        let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (low, high) = beyond.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
+        sheet.meets(low - depth, high + depth).then_some(rim)
+    }
+
+    /// How far before the sheet a point is; below 0 on the rim.
+    pub fn height(&self, point: DVec3) -> f64 {
+        point.dot(self.inward) - self.at
+    }
+}
+
+impl Solids {
+    /// What opaque flat sheets cut off from the surface of a triangle.
+    pub fn rims(&self, instance: u32, triangle: u32) -> &[Rim] {
+        if self.rims.is_empty() {
+            return &[];
+        }
+        let key = self.surface_key(instance, triangle);
+        self.rims.get(&key).map_or(&[], Vec::as_slice)
+    }
+
+    pub(super) fn find_rims(&self) -> HashMap<(u32, u32), Vec<Rim>> {
+        let placed = self.placed_surfaces();
+        let all = Among::of(placed.iter().collect());
+        let of = |sheet: &Placed| {
+            let mut cut = Vec::new();
+            if let Some(plane) = plane(&self.scene, sheet) {
+                for other in all.meeting(sheet.low, sheet.high) {
+                    let other = &placed[other];
+                    let rim = Rim::of(&self.scene, plane, sheet, other);
+                    cut.extend(
+                        rim.filter(|_| other.key != sheet.key)
+                            .map(|rim| (other.key, rim)),
+                    );
+                }
+            }
+            cut
+        };
+        let found: Vec<((u32, u32), Rim)> = placed.par_iter().flat_map_iter(of).collect();
+        let mut rims: HashMap<(u32, u32), Vec<Rim>> = HashMap::new();
+        for (key, rim) in found {
+            rims.entry(key).or_default().push(rim);
+        }
+        rims
+    }
+}
+
+/// Unit normal of a flat sheet and where it is along it; `None` for any other surface.
+fn plane(scene: &Scene, sheet: &Placed) -> Option<(DVec3, f64)> {
+    let front = sheet.surface.front?;
+    let normal = (sheet.inverse.matrix3.transpose() * front).try_normalize()?;
+    let first = corners(scene, sheet.surface.faces[0])[0].as_dvec3();
+    let at = sheet.transform.transform_point3(first).dot(normal);
+    let slack = CROSSES * sheet.size();
+    let is_flat = |corner: DVec3| (corner.dot(normal) - at).abs() <= slack;
+    sheet.corners(scene).all(is_flat).then_some((normal, at))
+}
+
+fn box_corners(low: DVec3, high: DVec3) -> [DVec3; 8] {
+    std::array::from_fn(|k| {
+        let side = |axis: usize| if k >> axis & 1 == 0 { low } else { high };
+        DVec3::new(side(0).x, side(1).y, side(2).z)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture::{block, mask_left_half, mesh, placed_scene, world};
+    use glam::{DAffine3, DQuat, Vec3};
+    use scene::Mesh;
+
+    fn quad(corners: [[f32; 3]; 4]) -> Mesh {
+        let corners = corners.map(Vec3::from_array).to_vec();
+        mesh(corners, vec![[0, 1, 2], [0, 2, 3]])
+    }
+
+    /// From x = -2 to `end`, level, of height 0.
+    fn floor(end: f32) -> Mesh {
+        quad([
+            [-2.0, 0.0, 2.0],
+            [end, 0.0, 2.0],
+            [end, 0.0, -2.0],
+            [-2.0, 0.0, -2.0],
+        ])
+    }
+
+    /// At x = 0, from z = `from` to 1; seen from the right where `turned`.
+    fn wall(bottom: f32, from: f32, turned: bool) -> Mesh {
+        let mut wall = quad([
+            [0.0, bottom, from],
+            [0.0, bottom, 1.0],
+            [0.0, 2.0, 1.0],
+            [0.0, 2.0, from],
+        ]);
+        if turned {
+            wall.triangles.iter_mut().for_each(|t| t.reverse());
+        }
+        wall
+    }
+
+    /// Depths of the rims of the first mesh, turned in space, and whether each keeps what is left of the wall.
+    fn rims(meshes: Vec<Mesh>, masked: bool) -> Vec<(f64, bool)> {
+        let turn = DQuat::from_axis_angle(DVec3::new(0.2, 0.3, 1.0).normalize(), 0.31);
+        let placed: Vec<_> = (0..meshes.len() as u32)
+            .map(|k| {
+                (
+                    k,
+                    DAffine3::from_rotation_translation(turn, DVec3::new(3.0, 1.0, 2.0)),
+                )
+            })
+            .collect();
+        let mut scene = placed_scene(meshes, &placed);
+        if masked {
+            mask_left_half(&mut scene);
+        }
+        let world = world(scene);
+        let solids = Solids::of(world.scene());
+        let left = placed[0].1.transform_point3(DVec3::NEG_X);
+        let rims = solids.rims(0, 0).iter();
+        rims.map(|rim| (rim.depth, rim.height(left) > 0.0))
+            .collect()
+    }
+
+    #[test]
+    fn a_floor_that_reaches_a_little_through_a_wall_has_a_rim_whichever_side_it_shows() {
+        for turned in [false, true] {
+            for bottom in [-0.1, 0.0] {
+                let found = rims(vec![floor(0.01), wall(bottom, -1.0, turned)], false);
+                assert_eq!(found.len(), 1, "turned {turned}, bottom {bottom}");
+                assert!((found[0].0 - 0.01).abs() < 1e-6 && found[0].1, "{found:?}");
+            }
+        }
+        let block = block(Vec3::new(-1.0, 0.5, 0.0), Vec3::new(1.01, 0.5, 0.5), false);
+        assert_eq!(rims(vec![block, wall(0.0, -1.0, false)], false).len(), 1);
+    }
+
+    #[test]
+    fn what_goes_on_beyond_a_wall_and_what_only_touches_it_has_no_rim() {
+        for end in [-0.01, 0.0, 1e-6, 0.3, 2.0] {
+            let found = rims(vec![floor(end), wall(-0.1, -1.0, false)], false);
+            assert_eq!(found, [], "the floor ends at {end}");
+        }
+        // Open, closed and masked; beside the floor; a floor of two levels that a wall cuts elsewhere.
+        let mut bent = wall(-0.1, -1.0, false);
+        bent.positions[2].x = 0.2;
+        let thick = block(Vec3::new(-0.05, 1.0, 0.0), Vec3::new(0.05, 1.0, 1.0), false);
+        let mut beside = wall(-0.1, -1.0, false);
+        beside.positions.iter_mut().for_each(|p| p.z += 3.5);
+        for (name, other) in [("bent", bent), ("thick", thick), ("beside", beside)] {
+            assert_eq!(rims(vec![floor(0.01), other], false), [], "{name}");
+        }
+        let masked = rims(vec![floor(0.01), wall(-0.1, -1.0, false)], true);
+        assert_eq!(masked, [], "a wall with holes");
+    }
+}
