@@ -25,8 +25,9 @@ const OIDN: u64 = 600;
 const SENT: u64 = 13;
 /// Bytes a page texel of what is known of the surfaces that send light on.
 const PATCH: u64 = 36;
-/// Bytes a triangle of the ray library's trees, over all meshes.
-const TREE: u64 = 200;
+/// Bytes a triangle of the ray library's trees and of what plan and layout keep, over all meshes; and while these are made.
+const TREE: u64 = 120;
+const MAKING: u64 = 200;
 /// Bytes of stack of a thread, and of addresses that the system's allocator reserves for it.
 const STACK: u64 = 8 << 20;
 const RESERVED: u64 = (64 << 20) + STACK;
@@ -141,13 +142,14 @@ pub(crate) fn check(size: u32, memory: &Memory, triangles: u64, limit: Limit) ->
     let Some((most, limited_by)) = given.or_else(system) else {
         return Ok(());
     };
-    let base = resident().unwrap_or(0) + triangles * TREE;
+    let base = resident().unwrap_or(0);
     let need = |size: u32| {
-        let texels = match limit.without_pages {
-            true => return base + WAITING,
-            false => u64::from(size).pow(2),
+        let texels = u64::from(size).pow(2);
+        let pages = match limit.without_pages {
+            true => WAITING,
+            false => memory.pages(1, texels, texels * 3 / 4),
         };
-        base + memory.pages(1, texels, texels * 3 / 4)
+        base + (triangles * MAKING).max(triangles * TREE + pages)
     };
     if need(size) <= most {
         return Ok(());
