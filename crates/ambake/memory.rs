@@ -15,6 +15,8 @@ const WRITING: u64 = 12;
 /// Bytes a texel of charts that the denoiser takes beside the planes: the charts themselves and what becomes of a term, by channels.
 const DENOISING: u64 = 20;
 const DENOISED: u64 = 4;
+/// The same while it finds which texels are of one surface.
+const GROUPING: u64 = 13;
 /// The same of the texels that a thread fits at a time, and how many these are at most, with some rows about them.
 const FITTING: u64 = 110;
 const FITTED: u64 = 1 << 21;
@@ -32,23 +34,16 @@ const MAKING: u64 = 200;
 const STACK: u64 = 8 << 20;
 const RESERVED: u64 = (64 << 20) + STACK;
 
-/// Half of what the two halves of a texel's rays differ by.
-const HALVES: [Layer; 5] = [
-    Layer::HalfDiffuse,
-    Layer::HalfVisibility,
-    Layer::HalfSpecular,
-    Layer::HalfIrradiance,
-    Layer::HalfReflection,
-];
-
 /// The memory of the pages of a bake, by their planes.
 pub(crate) struct Memory {
     /// Channels of a page that tiles are baked into.
     pub working: u64,
     /// The same after its last steps.
     kept: u64,
-    /// Of the working ones, those that the last of these steps drops, and those that it adds.
+    /// Of the working ones, those that go once the denoiser has found surfaces, and all that go before the last step.
+    places: u64,
     dropped: u64,
+    /// Those that the last step adds.
     composed: u64,
     /// Channels of terms that have halves, which the denoiser compares.
     pub denoised: u64,
@@ -68,20 +63,25 @@ impl Memory {
             let wanted = layers.iter().filter(|layer| wanted(layer));
             wanted.map(|layer| layer.channels().len() as u64).sum()
         };
-        let halves = HALVES.iter().filter(|half| working.contains(half));
+        let of_terms =
+            |l: &Layer| l.is_of_halves() && !matches!(l, Layer::HalfBent | Layer::HalfSh);
+        let halves = working.iter().filter(|l| of_terms(l));
         let halves = halves.map(|half| half.channels().len() as u64);
-        let geometry = [
-            Layer::Position,
-            Layer::Normal,
-            Layer::Object,
-            Layer::Validity,
-        ];
+        let is_place = |layer: &Layer| {
+            let place = [Layer::Position, Layer::Normal, Layer::Object];
+            place.contains(layer) && !kept.contains(layer)
+        };
+        let goes = |layer: &Layer| {
+            let done = *layer == Layer::Validity || layer.is_of_halves();
+            is_place(layer) || (done && !kept.contains(layer))
+        };
         Self {
             working: count(&working, &|_| true),
             kept: count(&kept, &|_| true),
-            dropped: count(&geometry, &|l| working.contains(l) && !kept.contains(l)),
+            places: count(&working, &is_place),
+            dropped: count(&working, &goes),
             composed: count(&kept, &|l| !working.contains(l)),
-            denoised: count(&working, &|l| HALVES.contains(l)),
+            denoised: count(&working, &of_terms),
             broadest: match working.contains(&Layer::Sh) {
                 true => 3,
                 false => halves.max().unwrap_or(1),
@@ -95,6 +95,10 @@ impl Memory {
     /// Bytes at the peak, of so many pages of so many texels, of which charts touch `covered` on each.
     pub fn pages(&self, pages: u64, texels: u64, covered: u64) -> u64 {
         let waiting = covered * 4 * (self.working + 1);
+        let places = match self.denoise {
+            Denoise::Regression => self.places,
+            _ => 0,
+        };
         let denoise = match self.denoise {
             Denoise::Regression => {
                 let fitted = FITTED + FITTED_ROWS * texels.isqrt();
@@ -106,7 +110,9 @@ impl Memory {
             Denoise::Off => texels * if self.seams { 8 } else { 0 },
         };
         let bakes = texels * 4 * self.working + waiting.min(WAITING);
-        let finishes = texels * 4 * self.working + denoise + waiting.min(SPARED);
+        let groups = texels * 4 * self.working + covered * GROUPING;
+        let finishes = texels * 4 * (self.working - places) + denoise;
+        let finishes = groups.max(finishes) + waiting.min(SPARED);
         let planes = 4 * (self.working - self.dropped + self.composed);
         let composes = texels * (planes + WRITING) + waiting.min(SPARED);
         let one = bakes.max(finishes).max(composes);
@@ -287,7 +293,8 @@ mod tests {
         let memory = Memory {
             working: 25,
             kept: 15,
-            dropped: 8,
+            places: 7,
+            dropped: 11,
             composed: 9,
             denoised: 3,
             broadest: 1,

@@ -116,6 +116,7 @@ impl Show {
             bar.set_style(style);
         }
         let mut lines = Lines::every(LINE);
+        let mut began = None;
         while !done.load(Ordering::Relaxed) {
             std::thread::park_timeout(TICK);
             if stop.signal().is_some() {
@@ -124,10 +125,16 @@ impl Show {
             let (seen, elapsed) = (meter.look(), started.elapsed());
             bar.set_length(seen.total);
             bar.set_position(seen.done.min(seen.total));
-            bar.set_message(status(seen, self.unit, elapsed));
-            if !self.quiet && !terminal && lines.due(elapsed) {
-                note(&status(seen, self.unit, elapsed));
+            // What is prepared before the first unit of work, and units that an earlier run has done, say nothing of the speed.
+            let (then, before) = *began.get_or_insert((elapsed, seen));
+            if seen.total == 0 {
+                began = None;
             }
+            let line = status(seen, before, self.unit, elapsed - then);
+            if !self.quiet && !terminal && lines.due(elapsed) {
+                note(&line);
+            }
+            bar.set_message(line);
         }
         bar.finish_and_clear();
     }
@@ -169,20 +176,26 @@ pub fn ray_rate(rays: u64, seconds: f64) -> String {
     }
 }
 
-fn status(seen: Seen, unit: &str, elapsed: Duration) -> String {
+/// How far a job is, `elapsed` after it was at `before`.
+fn status(seen: Seen, before: Seen, unit: &str, elapsed: Duration) -> String {
     let Seen { done, total, rays } = seen;
-    let rate = match rays {
+    let rate = match rays.saturating_sub(before.rays) {
         0 => String::new(),
         rays => format!("{}, ", ray_rate(rays, elapsed.as_secs_f64())),
     };
-    let left = match done {
-        0 => "?".to_owned(),
-        done => {
-            let share = total.saturating_sub(done) as f64 / done as f64;
-            HumanDuration(elapsed.mul_f64(share)).to_string()
+    match done.saturating_sub(before.done) {
+        _ if total == 0 => "preparing".to_owned(),
+        // What is left then is not counted: a lightmap is denoised and written.
+        _ if done >= total => format!("{total} of {total} {unit}, finishing"),
+        0 => format!("{done} of {total} {unit}"),
+        new => {
+            let left = elapsed.mul_f64((total - done) as f64 / new as f64);
+            format!(
+                "{done} of {total} {unit}, {rate}{} left",
+                HumanDuration(left)
+            )
         }
-    };
-    format!("{done} of {total} {unit}, {rate}{left} left")
+    }
 }
 
 #[cfg(test)]
@@ -191,29 +204,32 @@ mod tests {
 
     #[test]
     fn a_status_tells_work_rays_and_the_time_left() {
-        let seen = Seen {
-            done: 25,
+        let seen = |done, rays| Seen {
+            done,
             total: 100,
-            rays: 0,
+            rays,
         };
         let elapsed = Duration::from_secs(10);
+        let start = Seen::default();
+        let said = |seen, before| status(seen, before, "texels", elapsed);
+        assert_eq!(said(start, start), "preparing");
+        assert_eq!(said(seen(0, 0), start), "0 of 100 texels");
         assert_eq!(
-            status(seen, "pixels", elapsed),
-            "25 of 100 pixels, 30 seconds left"
+            said(seen(25, 0), start),
+            "25 of 100 texels, 30 seconds left"
         );
-        let seen = Seen {
-            rays: 30_000_000,
-            ..seen
-        };
         assert_eq!(
-            status(seen, "texels", elapsed),
+            said(seen(25, 30_000_000), start),
             "25 of 100 texels, 3.0 million rays/s, 30 seconds left"
         );
-        assert_eq!(ray_rate(120_000, 3.0), "40 thousand rays/s");
+        // Resumed at 50.
+        assert_eq!(said(seen(50, 0), seen(50, 0)), "50 of 100 texels");
         assert_eq!(
-            status(Seen::default(), "pixels", elapsed),
-            "0 of 0 pixels, ? left"
+            said(seen(75, 40_000), seen(50, 10_000)),
+            "75 of 100 texels, 3 thousand rays/s, 10 seconds left"
         );
+        assert_eq!(said(seen(100, 0), start), "100 of 100 texels, finishing");
+        assert_eq!(ray_rate(120_000, 3.0), "40 thousand rays/s");
     }
 
     #[test]

@@ -44,11 +44,10 @@ pub(crate) fn audit(scene: &Scene, atlas: &Atlas) -> Findings {
         let layout = &atlas.meshes[instance.mesh as usize];
         let outside = |p: DVec2| !(p.min_element() >= 0.0 && p.max_element() <= 1.0);
         let flat = |t: &usize| twice_area(corners(layout, placement, *t, 1.0)) == 0.0;
-        let off = layout.uvs.iter().filter(|&&v| outside(place(v, placement)));
-        let (off, flat) = (
-            off.count() as u64,
-            (0..layout.triangles.len()).filter(flat).count() as u64,
-        );
+        let off = layout.uvs.par_iter();
+        let off = off.filter(|&&v| outside(place(v, placement))).count() as u64;
+        let triangles = (0..layout.triangles.len()).into_par_iter();
+        let flat = triangles.filter(flat).count() as u64;
         findings.audit.outside += off;
         findings.audit.missing += flat;
         for (count, first) in [(off, &mut findings.outside), (flat, &mut findings.missing)] {

@@ -2,9 +2,10 @@
 
 use crate::Atlas;
 use crate::mask::Mask;
-use crate::measure::world_triangle_areas;
+use crate::measure::{sum, world_area};
 use crate::objects::{extent, object_names};
 use crate::uv::{corners, page, twice_area};
+use glam::DVec2;
 use scene::Scene;
 
 /// Where the texels of a layout went.
@@ -49,12 +50,14 @@ pub fn facts(scene: &Scene, atlas: &Atlas) -> Facts {
             if !placement.is_somewhere() {
                 continue;
             }
-            for triangle in 0..layout.triangles.len() {
+            let [small, area] = sum(layout.triangles.len(), |triangle| {
                 let area = 0.5 * twice_area(corners(layout, placement, triangle, size)).abs();
-                small_triangles += u64::from(area < 1.0);
-                texels += area;
-            }
-            surface += world_triangle_areas(scene, i as usize).sum::<f64>();
+                DVec2::new(f64::from(u8::from(area < 1.0)), area)
+            })
+            .to_array();
+            small_triangles += small as u64;
+            texels += area;
+            surface += world_area(scene, i as usize);
         }
         let density = if surface > 0.0 {
             (texels / surface).sqrt()

@@ -2,9 +2,10 @@
 
 use crate::uv::{corners, twice_area};
 use crate::{MeshLayout, Placement};
-use glam::DVec2;
+use glam::{DAffine3, DVec2};
 use rayon::prelude::*;
-use scene::Scene;
+use scene::{Mesh, Scene};
+use std::iter::Sum;
 
 /// A placement that leaves coordinates as they are.
 pub(crate) const AS_IT_STANDS: Placement = Placement {
@@ -13,43 +14,45 @@ pub(crate) const AS_IT_STANDS: Placement = Placement {
     offset: [0.0; 2],
 };
 
-/// Surface area of an object in the world, in square scene units.
-pub(crate) fn world_area(scene: &Scene, instance: usize) -> f64 {
-    world_triangle_areas(scene, instance).sum()
+/// Numbers that one thread adds up at a time.
+const ADDED: usize = 1 << 16;
+
+/// The sum of `of` over `0..count`, which no number of threads changes.
+pub(crate) fn sum<T: Sum + Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> T {
+    let parts = (0..count.div_ceil(ADDED)).into_par_iter();
+    let part = |part: usize| {
+        let own = part * ADDED..count.min((part + 1) * ADDED);
+        own.map(&of).sum()
+    };
+    parts.map(part).collect::<Vec<T>>().into_iter().sum()
 }
 
-/// Areas of an object's triangles in the world, in square scene units.
-pub(crate) fn world_triangle_areas(
-    scene: &Scene,
-    instance: usize,
-) -> impl Iterator<Item = f64> + '_ {
+/// Surface area of an object in the world, in square scene units.
+pub(crate) fn world_area(scene: &Scene, instance: usize) -> f64 {
     let instance = &scene.instances[instance];
-    triangle_areas(scene, instance.mesh as usize, &instance.transform)
+    area(&scene.meshes[instance.mesh as usize], &instance.transform)
 }
 
 /// Surface area of a mesh in its own space.
 pub(crate) fn mesh_area(scene: &Scene, mesh: usize) -> f64 {
-    triangle_areas(scene, mesh, &glam::DAffine3::IDENTITY).sum()
+    area(&scene.meshes[mesh], &DAffine3::IDENTITY)
 }
 
-fn triangle_areas<'a>(
-    scene: &'a Scene,
-    mesh: usize,
-    transform: &'a glam::DAffine3,
-) -> impl Iterator<Item = f64> + 'a {
-    let mesh = &scene.meshes[mesh];
-    mesh.triangles.iter().map(move |t| {
-        let [a, b, c] =
-            t.map(|v| transform.transform_vector3(mesh.positions[v as usize].as_dvec3()));
-        0.5 * (b - a).cross(c - a).length()
-    })
+fn area(mesh: &Mesh, transform: &DAffine3) -> f64 {
+    sum(mesh.triangles.len(), |t| triangle_area(mesh, transform, t))
+}
+
+fn triangle_area(mesh: &Mesh, transform: &DAffine3, triangle: usize) -> f64 {
+    let corner = |v: u32| transform.transform_vector3(mesh.positions[v as usize].as_dvec3());
+    let [a, b, c] = mesh.triangles[triangle].map(corner);
+    0.5 * (b - a).cross(c - a).length()
 }
 
 /// Area that a layout takes of its own square.
 pub(crate) fn uv_area(layout: &MeshLayout) -> f64 {
-    (0..layout.triangles.len())
-        .map(|t| 0.5 * twice_area(corners(layout, &AS_IT_STANDS, t, 1.0)).abs())
-        .sum()
+    sum(layout.triangles.len(), |t| {
+        0.5 * twice_area(corners(layout, &AS_IT_STANDS, t, 1.0)).abs()
+    })
 }
 
 /// Bounds of a layout in its own square; `None` without triangles.
@@ -119,16 +122,17 @@ pub(crate) fn density(
     placements: &[Placement],
     size: u32,
 ) -> f64 {
-    let (mut sum, mut total) = (0.0, 0.0);
     let objects = scene.instances.iter().zip(placements);
-    for (instance, placement) in objects.filter(|(_, p)| p.is_somewhere()) {
+    let objects = objects.filter(|(_, placement)| placement.is_somewhere());
+    let sums = objects.map(|(instance, placement)| {
         let layout = &meshes[instance.mesh as usize];
-        let areas = triangle_areas(scene, instance.mesh as usize, &instance.transform);
-        for (triangle, area) in areas.enumerate() {
+        let mesh = &scene.meshes[instance.mesh as usize];
+        sum(layout.triangles.len(), |triangle| {
+            let area = triangle_area(mesh, &instance.transform, triangle);
             let texels = 0.5 * twice_area(corners(layout, placement, triangle, f64::from(size)));
-            sum += (texels.abs() * area).sqrt();
-            total += area;
-        }
-    }
-    if total > 0.0 { sum / total } else { 0.0 }
+            DVec2::new((texels.abs() * area).sqrt(), area)
+        })
+    });
+    let [root, area] = sums.sum::<DVec2>().to_array();
+    if area > 0.0 { root / area } else { 0.0 }
 }

@@ -7,6 +7,7 @@ use crate::types::TILE;
 use crate::uv::{corners, page, twice_area};
 use crate::{Atlas, MeshLayout, Placement};
 use glam::DVec2;
+use rayon::prelude::*;
 use scene::Scene;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -47,6 +48,9 @@ impl Rasters {
         PageRaster::with(atlas, index)
     }
 }
+
+/// Triangles of an instance that are binned together.
+const VISITED: usize = 1 << 14;
 
 /// Tiles are binned this much larger, in texels, than they are: far above the rounding of the test, so none is missed.
 const SLACK: f64 = 1e-6;
@@ -185,12 +189,11 @@ impl Index {
     fn new(scene: &Scene, atlas: &Atlas, page: u32) -> Self {
         let meshes: Vec<u32> = scene.instances.iter().map(|i| i.mesh).collect();
         let across = atlas.page_size.div_ceil(TILE);
+        let found = visit(&meshes, atlas, page);
         let mut counts = vec![0u32; (across * across) as usize];
-        let mut found = Vec::new();
-        visit(&meshes, atlas, page, |tile, entry| {
-            counts[tile] += 1;
-            found.push((tile as u32, entry));
-        });
+        for &(tile, _) in found.iter().flatten() {
+            counts[tile as usize] += 1;
+        }
         let (mut tiles, mut starts) = (Vec::new(), vec![0]);
         // From here `counts` holds where the next entry of a tile goes, counted from the tile's place.
         let mut slots = vec![0usize; counts.len()];
@@ -202,7 +205,7 @@ impl Index {
             }
         }
         let mut entries = vec![[0; 2]; starts[tiles.len()]];
-        for (tile, entry) in found {
+        for (tile, entry) in found.into_iter().flatten() {
             let slot = &mut slots[tile as usize];
             entries[*slot] = entry;
             *slot += 1;
@@ -216,27 +219,35 @@ impl Index {
     }
 }
 
-/// Calls `visit(tile, [instance, triangle])` for every pair that meets on the page, in order of instance and triangle.
-fn visit(meshes: &[u32], atlas: &Atlas, wanted: u32, mut visit: impl FnMut(usize, [u32; 2])) {
+/// Every tile with an instance and a triangle that meet on the page, in order of instance and triangle, in parts.
+fn visit(meshes: &[u32], atlas: &Atlas, wanted: u32) -> Vec<Vec<(u32, [u32; 2])>> {
     let across = atlas.page_size.div_ceil(TILE);
-    for (instance, (&mesh, placement)) in meshes.iter().zip(&atlas.placements).enumerate() {
+    let objects = meshes.iter().zip(&atlas.placements).enumerate();
+    let objects = objects.filter(|(_, (mesh, placement))| {
+        let on_one_page = atlas.meshes[**mesh as usize].triangle_pages.is_empty();
+        placement.page == wanted || (placement.page < wanted && !on_one_page)
+    });
+    let jobs = objects.flat_map(|(instance, (&mesh, placement))| {
         let layout = &atlas.meshes[mesh as usize];
-        if placement.page > wanted || (layout.triangle_pages.is_empty() && placement.page != wanted)
-        {
-            continue;
-        }
-        for triangle in 0..layout.triangles.len() {
-            if page(layout, placement, triangle) != wanted {
-                continue;
-            }
-            let corners = corners(layout, placement, triangle, f64::from(atlas.page_size));
-            if twice_area(corners) == 0.0 {
-                continue;
-            }
-            let entry = [instance as u32, triangle as u32];
-            tiles_of(corners, across, |tile| visit(tile as usize, entry));
-        }
-    }
+        let starts = (0..layout.triangles.len()).step_by(VISITED);
+        starts.map(move |start| (instance, layout, placement, start))
+    });
+    let jobs: Vec<_> = jobs.collect();
+    jobs.into_par_iter()
+        .fold(
+            Vec::new,
+            |mut found, (instance, layout, placement, start)| {
+                for triangle in start..layout.triangles.len().min(start + VISITED) {
+                    let corners = corners(layout, placement, triangle, f64::from(atlas.page_size));
+                    if page(layout, placement, triangle) == wanted && twice_area(corners) != 0.0 {
+                        let entry = [instance as u32, triangle as u32];
+                        tiles_of(corners, across, |tile| found.push((tile, entry)));
+                    }
+                }
+                found
+            },
+        )
+        .collect()
 }
 
 /// Every tile that a triangle meets, and perhaps a few that it only touches.

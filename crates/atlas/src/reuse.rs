@@ -3,10 +3,11 @@
 use crate::audit::audit;
 use crate::free::{Newcomers, insert};
 use crate::keep::{Square, own_layout, squares};
-use crate::measure::{AS_IT_STANDS, chart_count, density, uv_area, world_triangle_areas};
+use crate::measure::{AS_IT_STANDS, chart_count, density, sum, uv_area};
 use crate::objects::{Object, extent, object_names, objects};
 use crate::share::{CEILING, FLOOR};
 use crate::{Atlas, Error, MeshLayout, Options, Placement, Seen, UvMode, UvSource};
+use glam::DVec3;
 use scene::{Mesh, Scene};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -316,17 +317,14 @@ fn charts_hash(mesh: &Mesh) -> String {
 
 /// See [`Claim::shape`].
 fn shape(scene: &Scene, instance: usize) -> [f64; 3] {
-    let [mut area, mut squares] = [0.0; 2];
-    for triangle in world_triangle_areas(scene, instance) {
-        area += triangle;
-        squares += triangle * triangle;
-    }
     let placed = &scene.instances[instance];
     let mesh = &scene.meshes[placed.mesh as usize];
-    let edges = mesh.triangles.iter().map(|triangle| {
+    let shape = sum(mesh.triangles.len(), |t| {
         let at = |v: u32| mesh.positions[v as usize].as_dvec3();
-        let [a, b, c] = triangle.map(|v| placed.transform.transform_vector3(at(v)));
-        (b - a).length() + (c - b).length() + (a - c).length()
+        let [a, b, c] = mesh.triangles[t].map(|v| placed.transform.transform_vector3(at(v)));
+        let area = 0.5 * (b - a).cross(c - a).length();
+        let edges = (b - a).length() + (c - b).length() + (a - c).length();
+        DVec3::new(area, area * area, edges)
     });
-    [area, squares, edges.sum()]
+    shape.to_array()
 }

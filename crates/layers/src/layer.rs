@@ -309,6 +309,20 @@ impl Layer {
         matches!(self, AnyView | AnyView4 | AnyView8)
     }
 
+    /// True for what two halves of the rays differ by.
+    pub const fn is_of_halves(self) -> bool {
+        matches!(
+            self,
+            HalfDiffuse
+                | HalfVisibility
+                | HalfSpecular
+                | HalfIrradiance
+                | HalfReflection
+                | HalfBent
+                | HalfSh
+        )
+    }
+
     /// True where a file holds its values as halves.
     pub const fn is_half(self) -> bool {
         self.is_any_view()

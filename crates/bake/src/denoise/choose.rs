@@ -104,25 +104,29 @@ pub(super) struct Whole {
 }
 
 impl Whole {
-    /// Of a chart's bands: the mask, H, and which rows of these the band has for its own.
-    pub fn of(bands: impl Iterator<Item = (Plane, Plane, Range<usize>)>) -> Self {
-        let mut whole = Self {
-            plain: 0.0,
-            texels: 0.0,
-            fitted: Default::default(),
-        };
-        for (mask, half, rows) in bands {
-            whole.plain += squares(&half, &rows);
-            whole.texels += squares(&mask, &rows);
-            let mut fits: Fits = [0, 1].map(|_| vec![Plane::like(&mask)]);
-            for (stride, sums) in STRIDES.into_iter().zip(&mut whole.fitted) {
-                fit(&mask, std::slice::from_ref(&half), stride, &mut fits);
-                for (sum, fit) in sums.iter_mut().zip(&fits) {
-                    *sum += squares(&fit[0], &rows);
-                }
-            }
+    /// Of one band: the mask, H, and which rows of these are its own.
+    pub fn of(mask: &Plane, half: &Plane, rows: &Range<usize>) -> Self {
+        let mut fits: Fits = [0, 1].map(|_| vec![Plane::like(mask)]);
+        let fitted = STRIDES.map(|stride| {
+            fit(mask, std::slice::from_ref(half), stride, &mut fits);
+            [0, 1].map(|k: usize| squares(&fits[k][0], rows))
+        });
+        Self {
+            plain: squares(half, rows),
+            texels: squares(mask, rows),
+            fitted,
         }
-        whole
+    }
+
+    /// With those of the next band.
+    pub fn plus(mut self, next: Self) -> Self {
+        self.plain += next.plain;
+        self.texels += next.texels;
+        let sums = self.fitted.as_flattened_mut().iter_mut();
+        for (sum, next) in sums.zip(next.fitted.as_flattened()) {
+            *sum += next;
+        }
+        self
     }
 }
 

@@ -149,13 +149,17 @@ impl Denoiser {
             (mask, data)
         };
         let bands = chart.bands(self.at_a_time);
-        let whole = match bands.as_slice() {
-            [_] => None,
-            several => Some(Whole::of(several.iter().map(|band| {
-                let (mask, mut data) = planes(band);
-                (mask, data.swap_remove(term.values.len()), band.inner())
-            }))),
-        };
+        // No more at a time than there are threads: one that waits for others takes up what else there is.
+        let together = || bands.chunks(rayon::current_num_threads());
+        let whole = (bands.len() > 1).then(|| {
+            let of = |band: &Band| {
+                let (mask, data) = planes(band);
+                Whole::of(&mask, &data[term.values.len()], &band.inner())
+            };
+            let wholes = together().flat_map(|bands| bands.par_iter().map(of).collect::<Vec<_>>());
+            wholes.reduce(Whole::plus)
+        });
+        let whole = whole.flatten();
         let part = |band: &Band| {
             let mut near = Plane::new([chart.size[0], band.about.len()]);
             let (mask, data) = planes(band);
@@ -175,7 +179,9 @@ impl Denoiser {
             }
             Some(part)
         };
-        bands.iter().filter_map(part).collect()
+        let parts =
+            together().flat_map(|bands| bands.par_iter().filter_map(part).collect::<Vec<_>>());
+        parts.collect()
     }
 }
 

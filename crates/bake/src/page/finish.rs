@@ -53,7 +53,7 @@ pub(super) fn finish(page: &mut BakedPage, site: &Site<'_>) {
         mend_terms(page, &terms);
     }
     if options.denoise != Denoise::Off {
-        denoise_terms(page, &terms, options.denoise, mends);
+        denoise_terms(page, &terms, options, mends);
         count_errors(page, options);
     }
     let light = options.sky.mean().element_sum() / 3.0;
@@ -93,7 +93,7 @@ pub(crate) fn finish_light(page: &mut BakedPage, site: &Site<'_>) {
         mend_terms(page, &terms);
     }
     if options.denoise != Denoise::Off {
-        denoise_terms(page, &terms, options.denoise, mends);
+        denoise_terms(page, &terms, options, mends);
     }
     let covered = fact(page, Layer::Coverage, 0);
     let lit = |channel| {
@@ -190,10 +190,13 @@ fn place(page: &mut BakedPage, origin: DVec3) {
 
 /// Denoises the terms that tiles integrated, over the surfaces of the page. Texels of which nothing can be seen have no part in that:
 /// they were carried on from noisy neighbours, and are carried on again, lest a rim of grain stays along every contact.
-fn denoise_terms(page: &mut BakedPage, terms: &[TermLayers], how: Denoise, mends: bool) {
+fn denoise_terms(page: &mut BakedPage, terms: &[TermLayers], options: &Options, mends: bool) {
     let unseen = mends.then(|| Mends::of_unseen(&surface(page)));
     let texels = page.texels();
-    let regression = (how == Denoise::Regression).then(|| Denoiser::new(&field(page)));
+    let regression = (options.denoise == Denoise::Regression).then(|| Denoiser::new(&field(page)));
+    if regression.is_some() {
+        drop_unasked(page, options, is_place);
+    }
     for &(term, std_err, _) in terms {
         let all = |layer: Layer| {
             let channels = 0..layer.channels().len();
@@ -227,6 +230,7 @@ fn denoise_terms(page: &mut BakedPage, terms: &[TermLayers], how: Denoise, mends
         found.iter().for_each(|part| part.set_errors(errors));
     }
     directional::denoise(page, regression.as_ref(), unseen.as_ref(), field);
+    drop_unasked(page, options, Layer::is_of_halves);
 }
 
 /// The texels of the page as the denoiser sees them.
@@ -333,18 +337,25 @@ impl<'a> Facts<'a> {
     }
 }
 
-/// Puts the asked layers in place of the facts. Facts that were not asked for go as soon as nothing needs them.
-fn compose_asked(page: &mut BakedPage, options: &Options) {
+/// True for what says which texels are of one surface.
+fn is_place(layer: Layer) -> bool {
+    matches!(layer, Layer::Position | Layer::Normal | Layer::Object)
+}
+
+/// Drops facts that nothing needs any more, but for those that were asked for: a plane of a large page takes as much as its scene.
+fn drop_unasked(page: &mut BakedPage, options: &Options, done: impl Fn(Layer) -> bool) {
     let kept = options.kept();
     let asked = |layer: Layer| layer == Layer::Coverage || kept.contains(&layer);
-    let geometry = [
-        Layer::Position,
-        Layer::Normal,
-        Layer::Object,
-        Layer::Validity,
-    ];
     page.planes
-        .retain(|planes| asked(planes.layer) || !geometry.contains(&planes.layer));
+        .retain(|planes| asked(planes.layer) || !done(planes.layer));
+}
+
+/// Puts the asked layers in place of the facts.
+fn compose_asked(page: &mut BakedPage, options: &Options) {
+    drop_unasked(page, options, |layer| {
+        is_place(layer) || layer == Layer::Validity
+    });
+    let kept = options.kept();
     let texels = page.texels();
     let mut composed = Vec::new();
     for &layer in &kept {
@@ -373,7 +384,7 @@ fn compose_asked(page: &mut BakedPage, options: &Options) {
         });
         composed.push(planes);
     }
-    page.planes.retain(|planes| asked(planes.layer));
+    drop_unasked(page, options, |_| true);
     page.planes.append(&mut composed);
     let place = |layer: Layer| match layer {
         Layer::Coverage => 0,
