@@ -10,7 +10,7 @@ use crate::scene::Scene;
 use crate::sky::Sky;
 use ::bake::{Bounces, Buried, Choice, Denoise, Footprint, Model, Pattern, Seams, Shading, View};
 use layers::{Layer, Progress};
-use rays::{RayBackend, World};
+use rays::{Light, RayBackend, World};
 use report::Engine;
 use std::fmt;
 use std::path::PathBuf;
@@ -253,6 +253,12 @@ impl Bake {
     /// How often surfaces send on the light that they receive; never by default.
     pub fn bounces(mut self, bounces: Bounces) -> Self {
         self.options.bounces = bounces;
+        self
+    }
+
+    /// One more light: a sun or a point light, in scene units. Lights join in the first gather, so they need [`Bake::bounces`].
+    pub fn light(mut self, light: Light) -> Self {
+        self.options.lights.push(light);
         self
     }
 

@@ -93,7 +93,7 @@ pub use layout::Layout;
 pub use merge::Parts;
 pub use object::Object;
 pub use options::{Backend, Effort, Options, Pages, Uv};
-pub use rays;
+pub use rays::{self, Light};
 pub use report::{BakeReport, Engine, PageReport};
 pub use scene::{Files, Material, Mesh, Scene, Warning, load, load_with};
 pub use shard::{Part, Shard};

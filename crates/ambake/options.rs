@@ -7,7 +7,7 @@ use ::bake::{
     Bounces, Buried, Choice, Denoise, Footprint, Model, Pattern, PointSet, Seams, Shading, View,
 };
 use layers::Layer;
-use rays::{BackendKind, Layout, Overrides};
+use rays::{BackendKind, Layout, Light, Overrides};
 use report::Engine;
 use serde_json::{Value, json};
 
@@ -110,6 +110,8 @@ pub struct Options {
     pub model: Model,
     /// How often surfaces send on the light that they receive.
     pub bounces: Bounces,
+    /// Suns and point lights, in scene units; they need bounces.
+    pub lights: Vec<Light>,
     /// Layers to produce, coverage first, without repeats.
     pub layers: Vec<Layer>,
     /// Normal maps of materials bend the shading normals.
@@ -154,6 +156,7 @@ impl Default for Options {
             max_distance: None,
             model: Model::Phong,
             bounces: Bounces::Off,
+            lights: Vec::new(),
             layers: Layer::STANDARD.to_vec(),
             normal_maps: false,
             albedo: None,
@@ -233,6 +236,15 @@ impl Options {
             && !colour(Some(rgb))
         {
             return fail("sky", "each channel must be finite and 0 or above");
+        }
+        if !self.lights.iter().all(is_light) {
+            let problem = "each light needs a direction or a place, and a strength of 0 or above";
+            return fail("--sun and --point", problem);
+        }
+        if !self.lights.is_empty() && self.bounces == Bounces::Off {
+            let problem = "lights join where light bounces: add --bounces auto, or --bounces 1 for their direct light and one \
+                           reflection of the sky's";
+            return fail("--sun and --point", problem);
         }
         let asks = |layers: &[Layer]| self.layers.iter().any(|layer| layers.contains(layer));
         if self.model == Model::Phong && asks(&[Layer::Ggx, Layer::Base]) {
@@ -322,6 +334,7 @@ impl Options {
             max_distance: self.max_distance,
             model: self.model,
             bounces: self.bounces,
+            lights: self.lights.clone(),
             layers: self.layers.clone(),
             normal_maps: self.normal_maps,
             rings: atlas::RINGS.max(self.layout().gutter),
@@ -382,6 +395,7 @@ impl Options {
             max_distance,
             model,
             bounces,
+            lights,
             layers,
             normal_maps,
             albedo,
@@ -464,6 +478,7 @@ impl Options {
                 Bounces::Most(gathers) => json!(gathers),
                 Bounces::Auto => json!("auto"),
             },
+            "lights": lights.iter().map(described).collect::<Vec<_>>(),
             "layers": layers,
             "normal_maps": normal_maps,
             "albedo": albedo,
@@ -479,5 +494,31 @@ impl Options {
             View::Normal => "normal".into(),
             View::Eye(eye) => format!("{},{},{}", eye.x, eye.y, eye.z),
         }
+    }
+}
+
+/// True where all numbers of a light can be used.
+fn is_light(light: &Light) -> bool {
+    match light {
+        Light::Distant { toward, irradiance } => {
+            toward.is_normalized() && irradiance.is_finite() && *irradiance >= 0.0
+        }
+        Light::Point {
+            position,
+            intensity,
+        } => position.is_finite() && intensity.is_finite() && *intensity >= 0.0,
+    }
+}
+
+/// A light as outputs state it.
+fn described(light: &Light) -> Value {
+    match light {
+        Light::Distant { toward, irradiance } => {
+            json!({ "sun": toward.to_array(), "irradiance": irradiance })
+        }
+        Light::Point {
+            position,
+            intensity,
+        } => json!({ "point": position.to_array(), "intensity": intensity }),
     }
 }

@@ -2,7 +2,6 @@
 
 use anyhow::Context;
 use clap::{Args as ClapArgs, ValueEnum};
-use glam::DVec3;
 use rays::{RayBackend, World, WorldOptions};
 use render::Light;
 use scene::Scene;
@@ -76,14 +75,10 @@ pub fn build(
 
 /// The lights of `--sun` and `--point`.
 pub fn lights(suns: &[[f64; 4]], points: &[[f64; 4]]) -> Vec<Light> {
-    let sun = suns.iter().map(|&[x, y, z, irradiance]| Light::Distant {
-        toward: DVec3::new(x, y, z).normalize(),
-        irradiance,
-    });
-    let point = points.iter().map(|&[x, y, z, intensity]| Light::Point {
-        position: DVec3::new(x, y, z),
-        intensity,
-    });
+    let sun = suns.iter().map(|&[x, y, z, e]| Light::sun([x, y, z], e));
+    let point = points
+        .iter()
+        .map(|&[x, y, z, e]| Light::point([x, y, z], e));
     sun.chain(point).collect()
 }
 

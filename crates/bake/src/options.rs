@@ -5,7 +5,7 @@ pub use ambient::sampling::PointSet;
 use glam::DVec3;
 use layers::{Layer, Term};
 use maps::SkyMap;
-use rays::Overrides;
+use rays::{Light, Overrides};
 use std::sync::Arc;
 
 /// Options of one bake. The command line's words are turned into this once; nothing below reads flags.
@@ -41,6 +41,8 @@ pub struct Options {
     pub model: Model,
     /// How often surfaces send light on.
     pub bounces: Bounces,
+    /// Lights without extent, in scene units; they join where light bounces.
+    pub lights: Vec<Light>,
     /// Layers to produce, without repeats.
     pub layers: Vec<Layer>,
     /// Rings of void texels that are filled around charts, at most 250.
@@ -231,6 +233,7 @@ impl Default for Options {
             max_distance: None,
             model: Model::default(),
             bounces: Bounces::default(),
+            lights: Vec::new(),
             layers: Layer::STANDARD.to_vec(),
             rings: atlas::RINGS,
             normal_maps: false,

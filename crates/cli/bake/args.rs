@@ -3,7 +3,7 @@
 use super::layer_help::layer_help;
 use super::sky;
 use crate::common::{Backend, Common};
-use crate::parse::{color, exponent, number, positive, triple};
+use crate::parse::{color, exponent, light, number, positive, sun, triple};
 use ambake::{Choice, Layer};
 use clap::{Args as ClapArgs, ValueEnum};
 use std::path::PathBuf;
@@ -181,6 +181,12 @@ pub struct Job {
     /// error, or than half a step of 8 bits. Surfaces that shine join in
     #[arg(long, value_name = "N|auto", default_value = "0", value_parser = bounces)]
     pub bounces: ambake::Bounces,
+    /// Distant light in the direction X,Y,Z with irradiance E (W/m², facing); may be repeated, needs --bounces
+    #[arg(long, value_name = "X,Y,Z,E", allow_hyphen_values = true, value_parser = sun)]
+    pub sun: Vec<[f64; 4]>,
+    /// Point light at X,Y,Z with intensity E (W/sr: E over distance² arrives); may be repeated, needs --bounces
+    #[arg(long, value_name = "X,Y,Z,E", allow_hyphen_values = true, value_parser = light)]
+    pub point: Vec<[f64; 4]>,
     /// Memory that the bake may take, such as 8G or 512M; one that would take more is refused before it starts [default: what the
     /// system has]
     #[arg(long, value_name = "SIZE", value_parser = memory)]

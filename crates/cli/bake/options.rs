@@ -1,7 +1,7 @@
 //! What the flags of a bake mean.
 
 use super::args::{self, Job};
-use crate::common::{Backend, Common};
+use crate::common::{Backend, Common, lights};
 use ambake::{
     Bake, Buried, Denoise, Effort, Footprint, Model, Options, Pattern, Seams, Shading, Uv,
 };
@@ -68,6 +68,7 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
         args::Model::Ggx => Model::Ggx,
     };
     options.bounces = job.bounces;
+    options.lights = lights(&job.sun, &job.point);
     options.normal_maps = job.normal_maps;
     options.albedo = job.albedo;
     options.specular = job.specular;

@@ -1,15 +1,15 @@
 //! Options by the names of their flags.
 
 use ambake::{
-    Backend, Bake, Bounces, Buried, Choice, Denoise, Footprint, Layer, Model, Pages, Pattern,
-    Seams, Shading, Sky, Uv, View,
+    Backend, Bake, Bounces, Buried, Choice, Denoise, Footprint, Layer, Light, Model, Pages,
+    Pattern, Seams, Shading, Sky, Uv, View,
 };
 use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 /// Every option, as its flag is called with underscores.
-pub const NAMES: [&str; 36] = [
+pub const NAMES: [&str; 38] = [
     "size",
     "density",
     "density_of",
@@ -37,6 +37,8 @@ pub const NAMES: [&str; 36] = [
     "max_distance",
     "model",
     "bounces",
+    "sun",
+    "point",
     "layers",
     "only",
     "normal_maps",
@@ -192,6 +194,11 @@ fn one(bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
                 most => Bounces::Most(most),
             },
         }),
+        "sun" | "point" => {
+            let make = if name == "sun" { Light::sun } else { Light::point };
+            let lights = value.extract::<Vec<[f64; 4]>>()?.into_iter();
+            lights.fold(bake, |bake, [x, y, z, e]| bake.light(make([x, y, z], e)))
+        }
         "layers" => bake.layers(layers(value)?),
         "only" => bake.only(layers(value)?),
         "normal_maps" => bake.normal_maps(value.extract()?),

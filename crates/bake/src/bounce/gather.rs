@@ -14,7 +14,10 @@ use crate::survey::{Sample, Texel};
 use ambient::ggx::{Ggx, alpha_of};
 use ambient::sampling::Stream;
 use glam::DVec3;
-use rays::{Lamps, Ray, RayBackend, emission_at};
+use rays::{Lamps, Light, Ray, RayBackend, emission_at};
+
+/// Rays of a replicate to each of many lights.
+const SHADOW_RAYS: u32 = 4;
 
 /// What a texel's replicates have received, linear RGB.
 pub(super) type Received = [DVec3; REPLICATES as usize];
@@ -25,6 +28,8 @@ pub(super) struct Gather<'a> {
     pub radiosity: Radiosity<'a>,
     /// Surfaces that shine; `None` after the first gather.
     pub lamps: Option<&'a Lamps>,
+    /// Lights without extent, in the world's coordinates; none after the first gather.
+    pub lights: &'a [Light],
     /// Bright surfaces.
     pub spots: &'a Spots,
     /// Points of each replicate.
@@ -70,6 +75,8 @@ impl Gather<'_> {
         reach: &mut Reach,
     ) -> (Received, u64) {
         let mut rays = 0;
+        // Over an open texel stands nothing that could send light.
+        let points = if texel.open { 0 } else { self.points };
         // What an open texel reflects, by which its lobe is divided.
         let mirror = match (self.model, integral) {
             (Model::Ggx, Integral::Reflection) => {
@@ -81,15 +88,15 @@ impl Gather<'_> {
             _ => 1.0,
         };
         let aim = match integral {
-            Integral::Irradiance => {
+            Integral::Irradiance if !texel.open => {
                 let size = texel.world_area().sqrt();
                 self.spots.aim(texel.position, texel.normal, size, reach)
             }
-            Integral::Reflection => Aim::default(),
+            _ => Aim::default(),
         };
-        let aimed = if aim.is_empty() { 0 } else { self.points / 2 };
-        let lit = if self.lamps.is_some() { self.points } else { 0 };
-        let counts = [self.points - aimed, lit, aimed];
+        let aimed = if aim.is_empty() { 0 } else { points / 2 };
+        let lit = if self.lamps.is_some() { points } else { 0 };
+        let counts = [points - aimed, lit, aimed];
         let how = Techniques {
             lamps: self.lamps,
             aim: &aim,
@@ -123,6 +130,19 @@ impl Gather<'_> {
                     };
                     rays += u64::from(light.is_some());
                     sum += light.unwrap_or_default();
+                }
+            }
+            // Their points are those of rays to lamps, which take other numbers of them.
+            let stream = stream(Points::Lamps, replicate as u32);
+            let count = self.shadow_rays();
+            for point in 0..count {
+                let [.., v0, v1] = stream.point(point);
+                let (surface, origin) = texel.start([v0, v1]);
+                let kernel = self.kernel(texel, &surface, integral, mirror);
+                for light in self.lights {
+                    let light = self.arriving(light, &kernel, &surface, origin);
+                    rays += u64::from(light.is_some());
+                    sum += DVec3::splat(light.unwrap_or_default() / f64::from(count));
                 }
             }
             sum
@@ -216,6 +236,38 @@ impl Gather<'_> {
                 + how.rays[2] * how.aim.pdf(ray);
             self.emission(&hit) * (own.x / density)
         }))
+    }
+
+    /// Rays of a replicate to each light: all points together, but four to each where there are many.
+    fn shadow_rays(&self) -> u32 {
+        let each = self.points / (self.lights.len().max(1) as u32);
+        each.max(SHADOW_RAYS.min(self.points))
+    }
+
+    /// What a light without extent brings, the same in all channels; `None` where no ray needs to be cast. Light from below a facet comes
+    /// through the mirror image of its direction, as that of the sky does.
+    fn arriving(
+        &self,
+        light: &Light,
+        kernel: &Kernel,
+        surface: &Sample,
+        origin: [f32; 3],
+    ) -> Option<f64> {
+        let arrival = light.at(surface.position);
+        let weight = kernel.toward(surface, arrival.toward);
+        if weight * arrival.irradiance <= 0.0 {
+            return None;
+        }
+        let ray = Ray {
+            t_max: self.t_max.min(arrival.distance as f32),
+            ..self.ray(origin, surface.leaving(self.shading, arrival.toward)?)
+        };
+        let lit = !self.backend.occluded(&ray);
+        Some(if lit {
+            weight * arrival.irradiance
+        } else {
+            0.0
+        })
     }
 
     fn emission(&self, hit: &rays::SurfaceHit) -> DVec3 {

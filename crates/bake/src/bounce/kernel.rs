@@ -55,6 +55,11 @@ impl Kernel {
         })
     }
 
+    /// The weight of one direction that light comes from; 0 below the horizon of the shading normal.
+    pub fn toward(&self, surface: &Sample, direction: DVec3) -> f64 {
+        self.one(surface, direction).x
+    }
+
     /// The weight of all directions whose ray leaves in the unit direction `ray`, and the density with which they are drawn: that direction
     /// itself and, where the wedge below the facet looks along its mirror image, the one that is folded onto it.
     pub fn weight(&self, surface: &Sample, shading: Shading, ray: DVec3) -> DVec2 {
@@ -62,23 +67,26 @@ impl Kernel {
         if height <= 0.0 {
             return DVec2::ZERO;
         }
-        let one = |direction: DVec3| match direction.dot(surface.normal) > 0.0 {
-            false => DVec2::ZERO,
-            true => {
-                let local = self.frame.to_local(direction);
-                match self.shape {
-                    Shape::Cosine => DVec2::splat(Mixture::COSINE.pdf(local)),
-                    Shape::Lobe(lobe) => DVec2::splat(lobe.pdf(local)),
-                    Shape::Ggx(ggx, albedo) => {
-                        let density = ggx.pdf(local);
-                        DVec2::new(density * ggx.weight(local) / albedo, density)
-                    }
-                }
-            }
-        };
+        let one = |direction| self.one(surface, direction);
         match shading {
             Shading::Exact => one(ray),
             Shading::Production => one(ray) + one(ray - 2.0 * height * surface.geometric),
+        }
+    }
+
+    /// Weight and density of one direction.
+    fn one(&self, surface: &Sample, direction: DVec3) -> DVec2 {
+        if direction.dot(surface.normal) <= 0.0 {
+            return DVec2::ZERO;
+        }
+        let local = self.frame.to_local(direction);
+        match self.shape {
+            Shape::Cosine => DVec2::splat(Mixture::COSINE.pdf(local)),
+            Shape::Lobe(lobe) => DVec2::splat(lobe.pdf(local)),
+            Shape::Ggx(ggx, albedo) => {
+                let density = ggx.pdf(local);
+                DVec2::new(density * ggx.weight(local) / albedo, density)
+            }
         }
     }
 }

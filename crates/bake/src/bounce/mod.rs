@@ -41,7 +41,7 @@ use light::{LightPage, TexelLight};
 use patches::Patch;
 use radiosity::{PageLight, Radiosity};
 use rayon::prelude::*;
-use rays::Lamps;
+use rays::{Lamps, Light};
 use rustc_hash::FxHashMap;
 use spots::{Reach, Spots};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -68,6 +68,7 @@ impl Baker<'_> {
         if self.plan.models(Choice::Bounces) {
             let lamps = Lamps::of(self.world);
             let lamps = (!lamps.is_empty()).then_some(&lamps);
+            let lights = self.lights();
             let mut light: Vec<LightPage> = pages
                 .iter()
                 .map(|page| LightPage::new(page, self.options, self.plan, self.solids.is_some()))
@@ -77,7 +78,7 @@ impl Baker<'_> {
             stats.start(pages);
             while stats.goes_on(self.options.bounces, self.enough()) {
                 let spots = Spots::of(&patches, &sent);
-                let gather = self.gather(&sent, stats.gathers, lamps, &spots);
+                let gather = self.gather(&sent, stats.gathers, lamps, &lights, &spots);
                 sent = self.gathered(&gather, stats.gathers, &mut light, progress)?;
                 stats.end_gather(&light);
             }
@@ -99,6 +100,23 @@ impl Baker<'_> {
             Effort::Rays(_) => ENOUGH,
             Effort::Target { error, .. } => error,
         }
+    }
+
+    /// The lights without extent, in the world's coordinates.
+    fn lights(&self) -> Vec<Light> {
+        let lights = self.options.lights.iter();
+        lights
+            .map(|light| match *light {
+                Light::Point {
+                    position,
+                    intensity,
+                } => Light::Point {
+                    position: position - self.world.origin(),
+                    intensity,
+                },
+                distant => distant,
+            })
+            .collect()
     }
 
     /// The surfaces of all pages that send light on.
@@ -132,6 +150,7 @@ impl Baker<'_> {
         sent: &'g [PageLight],
         number: u32,
         lamps: Option<&'g Lamps>,
+        lights: &'g [Light],
         spots: &'g Spots,
     ) -> Gather<'g> {
         let rays = match self.options.effort {
@@ -147,6 +166,7 @@ impl Baker<'_> {
                 pages: sent,
             },
             lamps: lamps.filter(|_| number == 0),
+            lights: if number == 0 { lights } else { &[] },
             spots,
             points: ((rays >> number.min(2)) / REPLICATES).max(1),
             shading: self.options.shading,
@@ -220,7 +240,8 @@ impl Baker<'_> {
             let known = reach.clone();
             for (texel, light) in texels.iter().zip(&mut light) {
                 // What nothing stands above sees no surface; what is buried is filled from its neighbours.
-                if first(texel) != probes || texel.open || texel.seen.share == 0.0 {
+                let dark = texel.open && gather.lights.is_empty();
+                if first(texel) != probes || dark || texel.seen.share == 0.0 {
                     continue;
                 }
                 let stream = |integral: u32, points: Points, replicate: u32| {

@@ -11,13 +11,14 @@ use crate::options::Bounces;
 use crate::page::Baker;
 use atlas::PageRaster;
 use glam::DVec3;
-use rays::Lamps;
+use rays::{Lamps, Light};
 use std::iter::Sum;
 
 /// The first gather as a pilot runs it.
 pub(crate) struct GatherPilot<'a> {
     baker: &'a Baker<'a>,
     lamps: Lamps,
+    lights: Vec<Light>,
     spots: Spots,
     sent: Vec<PageLight>,
 }
@@ -44,6 +45,7 @@ impl<'a> GatherPilot<'a> {
         baker.plan.models(Choice::Bounces).then(|| Self {
             baker,
             lamps: Lamps::of(baker.world),
+            lights: baker.lights(),
             spots: Spots::default(),
             sent: (0..baker.atlas.page_count).map(|_| even()).collect(),
         })
@@ -52,7 +54,9 @@ impl<'a> GatherPilot<'a> {
     /// Runs a tile.
     pub fn tile(&self, raster: &PageRaster<'_>, page: u32, index: usize) -> Taken {
         let lamps = (!self.lamps.is_empty()).then_some(&self.lamps);
-        let gather: Gather<'_> = self.baker.gather(&self.sent, 0, lamps, &self.spots);
+        let gather: Gather<'_> = self
+            .baker
+            .gather(&self.sent, 0, lamps, &self.lights, &self.spots);
         let clock = ThreadClock::now();
         let texels = self.baker.survey(&self.baker.cut(raster, index), page);
         let survey = clock.seconds();

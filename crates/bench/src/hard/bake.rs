@@ -39,6 +39,7 @@ pub(super) fn bake(setup: &Setup, case: &str, kind: BackendKind) -> Result<Baked
         buried: Buried::default(),
         max_distance: None,
         bounces: Default::default(),
+        lights: Vec::new(),
         model: Default::default(),
         layers,
         rings: atlas::RINGS,

@@ -42,6 +42,8 @@ class Options(TypedDict, total=False):
     max_distance: float
     model: Literal["phong", "ggx"]
     bounces: Union[int, Literal["auto"]]
+    sun: Sequence[Sequence[float]]
+    point: Sequence[Sequence[float]]
     layers: Union[str, Sequence[str]]
     only: Union[str, Sequence[str]]
     normal_maps: bool

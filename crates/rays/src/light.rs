@@ -4,9 +4,9 @@
 //! which reflects no more than arrives. The specular part is equation (7) of X. Zhang, Y. Gao, ICIP 2009, in the
 //! normalisation of the ambient term, so that a sky full of lights gives that term: `(n+1)/2π (R·L)ⁿ E`.
 
+use crate::material::PhongMaterial;
 use ambient::convention::{PROJECTED_HEMISPHERE, lobe_scale};
 use glam::DVec3;
-use rays::PhongMaterial;
 
 /// A light without extent.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,6 +39,22 @@ pub struct Arrival {
 }
 
 impl Light {
+    /// A distant light in a direction of any length, with the irradiance of a surface that faces it. No direction, no unit vector.
+    pub fn sun(direction: [f64; 3], irradiance: f64) -> Self {
+        Self::Distant {
+            toward: DVec3::from(direction).normalize_or_zero(),
+            irradiance,
+        }
+    }
+
+    /// A point light of so much radiant intensity.
+    pub fn point(position: [f64; 3], intensity: f64) -> Self {
+        Self::Point {
+            position: position.into(),
+            intensity,
+        }
+    }
+
     /// What arrives at a point of empty space; no light at the place of a point light itself.
     pub fn at(&self, point: DVec3) -> Arrival {
         match *self {
