@@ -176,7 +176,9 @@ def test_what_progress_raises_stops_the_bake():
 @pytest.mark.skipif(os.name != "posix", reason="signals")
 def test_ctrl_c_is_a_keyboard_interrupt():
     code = (
-        "import ambake, numpy as np\n"
+        "import signal, ambake, numpy as np\n"
+        # A shell that starts the tests in the background has them ignore it.
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "v = np.array([[-1,0,-1],[-1,0,1],[1,0,1],[-1,1,0]], float)\n"
         "print('go', flush=True)\n"
         "try: ambake.bake(v, np.array([[0,1,2],[0,1,3]]), size=2048, rays=4096)\n"
