@@ -6,9 +6,10 @@
 //! little-endian u64 and the bytes. A file that ends within a block was cut short by a crash: its whole blocks count. A hash that does
 //! not fit is damage.
 
+use crate::lock::Lock;
 use crate::{Error, check_regular};
 use serde_json::Value;
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{File, OpenOptions};
 use std::io::{self, BufRead, BufReader, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
@@ -28,6 +29,8 @@ pub struct Journal {
     blocks: Vec<(u64, u64)>,
     /// Where the next block goes.
     end: u64,
+    /// Held against other writers.
+    _lock: Option<Lock>,
 }
 
 impl Journal {
@@ -56,11 +59,10 @@ impl Journal {
             .truncate(false)
             .open(path)
             .map_err(fail)?;
-        // A file system without locks is used without.
-        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+        let Some(lock) = Lock::of(&file).map_err(fail)? else {
             let reason = "another run is writing it; wait for that run, or stop it";
             return Err(Error::read(path, reason));
-        }
+        };
         let empty = file.metadata().map_err(fail)?.len() == 0;
         let (found, damage) = match scan(path, &file) {
             _ if empty => (None, None),
@@ -73,6 +75,7 @@ impl Journal {
             header: header.clone(),
             blocks: Vec::new(),
             end: 0,
+            _lock: Some(lock),
         };
         match found.filter(|found| fits(&found.header)) {
             Some(found) => {
@@ -102,6 +105,7 @@ impl Journal {
             header: found.header,
             blocks: found.blocks,
             end: found.end,
+            _lock: None,
         }))
     }
 
@@ -403,6 +407,19 @@ mod tests {
         assert!(journal.is_empty() && damage.is_none());
         drop(journal);
         assert_eq!(*Journal::open(&path).unwrap().unwrap().header(), other);
+    }
+
+    #[test]
+    fn a_journal_that_is_closed_is_free_whoever_has_a_copy_of_the_handle() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("state");
+        let (journal, _) = Journal::resume(&path, &json!(1), |_| true).unwrap();
+        assert!(Journal::resume(&path, &json!(1), |_| true).is_err());
+        // A child process has such a copy between its fork and its own program.
+        let copy = journal.file.try_clone().unwrap();
+        drop(journal);
+        assert!(Journal::resume(&path, &json!(1), |_| true).is_ok());
+        drop(copy);
     }
 
     #[test]

@@ -18,6 +18,7 @@ mod gltf;
 mod glyphs;
 mod layout;
 mod layout_file;
+mod lock;
 mod origin;
 mod output;
 mod page;

@@ -1,7 +1,8 @@
 //! The output directory: files are staged under temporary names and published together.
 
 use crate::Error;
-use std::fs::{self, File, TryLockError};
+use crate::lock::Lock;
+use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -19,8 +20,8 @@ pub struct Output {
     staged: Vec<(TempPath, PathBuf)>,
     /// How names of temporary files begin.
     prefix: &'static str,
-    /// Held for as long as nobody else may bake into `dir`; the system frees it where the process dies.
-    _lock: Option<File>,
+    /// Held for as long as nobody else may bake into `dir`.
+    _lock: Option<Lock>,
     /// Dropped last, when nothing staged is left.
     _made: Made,
 }
@@ -88,17 +89,16 @@ impl Output {
     /// As [`Output::create`]; [`Error::Busy`].
     pub fn exclusive(dir: &Path) -> Result<Output, Error> {
         let mut output = Output::create(dir)?;
-        // The directory itself is locked, so that no lock file is left behind. A file system without locks has none.
+        // The directory itself is locked, so that no lock file is left behind.
         if let Ok(handle) = File::open(dir) {
             // A run that only looks whether it may begin holds the lock for a moment.
-            let taken = |attempt: u64| {
+            output._lock = (0..5).find_map(|attempt| {
                 std::thread::sleep(Duration::from_millis(20 * attempt));
-                matches!(handle.try_lock(), Err(TryLockError::WouldBlock))
-            };
-            if (0..5).all(taken) {
+                Lock::of(&handle).ok().flatten()
+            });
+            if output._lock.is_none() {
                 return Err(Error::Busy { path: dir.into() });
             }
-            output._lock = Some(handle);
         }
         output.prefix = EXCLUSIVE;
         for entry in fs::read_dir(dir).into_iter().flatten().flatten() {
