@@ -6,10 +6,10 @@
 
 use rayon::prelude::*;
 
-/// Most steps, and the share of the first gradient at which they end. More steps buy nothing that is seen: on a helmet of 2,400 charts a
-/// thousandth of this left as large steps at seams, at seven times the cost.
+/// Most steps, and the share of the first gradient at which they end. A third of this takes 9 % longer on a helmet of 2,400 charts and
+/// leaves as large steps at its seams.
 const STEPS: usize = 100;
-const ENOUGH: f64 = 1e-2;
+const ENOUGH: f64 = 3e-3;
 
 /// Values of a sum that are added up by one thread.
 const CHUNK: usize = 4096;

@@ -193,6 +193,36 @@ fn both_sides_of_turned_mirrored_and_finer_charts_show_the_same() {
     }
 }
 
+/// A contact: dark in a line a fraction of a texel beside a seam, and light a texel away.
+fn contact(p: DVec3) -> f64 {
+    1.0 - 0.95 * (-(p.x - p.y - 0.03).abs() / 0.04).exp()
+}
+
+#[test]
+fn whole_texels_do_not_give_way_to_a_contact() {
+    let page = page(sphere(false), contact, 0.0);
+    let across = Across::default();
+    let seams = Seams::find(&page.world, &page.atlas, 0, Scope::Scene, &across);
+    let raster = PageRaster::new(page.world.scene(), &page.atlas, 0);
+    let known = Known {
+        tied: &[],
+        values: &page.values,
+        std_errs: &vec![1e-4; page.values.len()],
+        unit: 1.0,
+        most: 1.0,
+    };
+    let system = seams.system(&page.world, &raster, SIZE, None);
+    let moved = system.solve(&known, &page.coverage);
+    let (mut most, mut count) = (0.0f32, 0);
+    for &(texel, value) in &moved.values {
+        if page.coverage[texel as usize] > 0.99 {
+            most = most.max((value - page.values[texel as usize]).abs());
+            count += 1;
+        }
+    }
+    assert!(count > 300 && most < 0.1, "{count} {most}");
+}
+
 #[test]
 fn objects_apart_have_no_seams_of_their_own() {
     let page = page(sphere(true), LIGHTS[0], 0.0);
