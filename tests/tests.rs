@@ -18,6 +18,7 @@ mod corpus;
 mod denoise;
 mod directional;
 mod engines;
+mod estimate;
 mod exact;
 mod figures;
 mod fit;

@@ -9,6 +9,8 @@ const WRITING: f64 = 1.2e-7;
 /// The same to denoise a channel of a chart's texel, and to keep one for later updates.
 const DENOISING: f64 = 8e-7;
 const KEEPING: f64 = 1.7e-8;
+/// The same to solve a channel at a point of a seam.
+const JOINING: f64 = 2e-5;
 /// The same for the picture of the lit scene and for all that does not grow.
 const ONCE: f64 = 0.3;
 /// Bytes of a compressed 32-bit number, as a share: of pages with their previews, and of what is kept for later updates.
@@ -47,8 +49,15 @@ impl Job {
         let page = u64::from(self.atlas().page_size).pow(2);
         let pages = u64::from(self.atlas().page_count);
         let covered = texels.div_ceil(pages.max(1));
-        let used = resident().unwrap_or(0) + memory.pages(pages, page, covered);
-        let threads = self.within(rayon::current_num_threads) as f64;
+        let threads = self.within(rayon::current_num_threads);
+        let charts = self.within(|| atlas::largest_charts(self.scene(), self.atlas(), threads));
+        let seams = self
+            .within(|| ::bake::seam_points(self.world(), self.atlas(), self.baker_options().seams));
+        let most = seams.iter().copied().max().unwrap_or(0);
+        let known = Some((charts.as_slice(), most));
+        let peak = self.within(|| memory.pages(pages, page, covered, known));
+        let used = resident().unwrap_or(0) + peak;
+        let threads = threads as f64;
         let baking = pilot.cpu_seconds / share;
         let denoised = match self.options().denoises() {
             Denoise::Off => 0,
@@ -57,6 +66,7 @@ impl Job {
         let finishing = ONCE
             + WRITING * (page * pages * self.channels()) as f64
             + DENOISING * (texels * denoised) as f64
+            + JOINING * (seams.iter().sum::<u64>() * memory.denoised) as f64
             + KEEPING * (texels * memory.working) as f64;
         let room = self.room();
         Estimate {

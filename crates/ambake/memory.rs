@@ -17,10 +17,14 @@ const DENOISING: u64 = 20;
 const DENOISED: u64 = 4;
 /// The same while it finds which texels are of one surface.
 const GROUPING: u64 = 13;
-/// The same of the texels that a thread fits at a time, and how many these are at most, with some rows about them.
+/// The same of the texels that are fitted at a time: charts, or parts of larger ones, which have so many texels at most and some rows about
+/// them, one for each thread.
 const FITTING: u64 = 110;
 const FITTED: u64 = 1 << 21;
 const FITTED_ROWS: u64 = 96;
+/// Bytes a point of a seam, and those of each thread that solves a term there.
+const SEAM: u64 = 450;
+const SOLVING: u64 = 225;
 /// Bytes a page texel of Intel's, which was measured to take 0.6 GB at 1024².
 const OIDN: u64 = 600;
 /// Bytes a page texel of the light that a gather is sent, and of that which it brings.
@@ -92,8 +96,16 @@ impl Memory {
         }
     }
 
-    /// Bytes at the peak, of so many pages of so many texels, of which charts touch `covered` on each.
-    pub fn pages(&self, pages: u64, texels: u64, covered: u64) -> u64 {
+    /// Bytes at the peak, of so many pages of so many texels, of which charts touch `covered` on each. `known` has the texels of the largest
+    /// charts, one for each thread, and the most points of seams on a page; without it charts may be as large as can be.
+    pub fn pages(
+        &self,
+        pages: u64,
+        texels: u64,
+        covered: u64,
+        known: Option<(&[u64], u64)>,
+    ) -> u64 {
+        let threads = rayon::current_num_threads() as u64;
         let waiting = covered * 4 * (self.working + 1);
         let places = match self.denoise {
             Denoise::Regression => self.places,
@@ -101,17 +113,23 @@ impl Memory {
         };
         let denoise = match self.denoise {
             Denoise::Regression => {
-                let fitted = FITTED + FITTED_ROWS * texels.isqrt();
-                let threads = rayon::current_num_threads() as u64;
+                let most = threads * (FITTED + FITTED_ROWS * texels.isqrt());
+                let fitted = match known {
+                    Some((charts, _)) if charts.iter().all(|&texels| texels <= FITTED) => {
+                        charts.iter().sum()
+                    }
+                    _ => covered.min(most),
+                };
                 let planes = DENOISING + DENOISED * self.broadest;
-                covered * planes + covered.min(threads * fitted) * FITTING
+                covered * planes + fitted * FITTING
             }
             Denoise::Oidn => texels * OIDN,
             Denoise::Off => texels * if self.seams { 8 } else { 0 },
         };
         let bakes = texels * 4 * self.working + waiting.min(WAITING);
         let groups = texels * 4 * self.working + covered * GROUPING;
-        let finishes = texels * 4 * (self.working - places) + denoise;
+        let seams = known.map_or(0, |(_, points)| points * (SEAM + threads * SOLVING));
+        let finishes = texels * 4 * (self.working - places) + denoise + seams;
         let finishes = groups.max(finishes) + waiting.min(SPARED);
         let planes = 4 * (self.working - self.dropped + self.composed);
         let composes = texels * (planes + WRITING) + waiting.min(SPARED);
@@ -153,7 +171,7 @@ pub(crate) fn check(size: u32, memory: &Memory, triangles: u64, limit: Limit) ->
         let texels = u64::from(size).pow(2);
         let pages = match limit.without_pages {
             true => WAITING,
-            false => memory.pages(1, texels, texels * 3 / 4),
+            false => memory.pages(1, texels, texels * 3 / 4, None),
         };
         base + (triangles * MAKING).max(triangles * TREE + pages)
     };

@@ -56,7 +56,7 @@ pub use error::{Error, Why};
 pub use facts::{Facts, ObjectFacts, facts};
 pub use footprint::{Footprint, Piece, Tile};
 pub use layout::{Seen, layout, layout_seen};
-pub use measure::charts;
+pub use measure::{charts, largest_charts};
 pub use objects::{ObjectName, instances_named, object_names};
 pub use raster::{PageRaster, Rasters};
 pub use reuse::{Claim, claims, reuse};

@@ -1,8 +1,8 @@
 //! Areas of objects in the world and on their pages.
 
 use crate::uv::{corners, twice_area};
-use crate::{MeshLayout, Placement};
-use glam::{DAffine3, DVec2};
+use crate::{Atlas, MeshLayout, Placement};
+use glam::{DAffine3, DVec2, Vec2};
 use rayon::prelude::*;
 use scene::{Mesh, Scene};
 use std::iter::Sum;
@@ -94,6 +94,42 @@ pub fn charts(layout: &MeshLayout) -> Vec<u32> {
         *number
     };
     layout.triangles.iter().map(number).collect()
+}
+
+/// Texels of the rectangles about the charts that have the most, at most `count` of them, the largest first.
+pub fn largest_charts(scene: &Scene, atlas: &Atlas, count: usize) -> Vec<u64> {
+    let largest_first = |mut areas: Vec<DVec2>| {
+        areas.par_sort_by(|a, b| b.element_product().total_cmp(&a.element_product()));
+        areas.truncate(count);
+        areas
+    };
+    // Placements scale all charts of a mesh alike, so that its largest are those of each of its objects.
+    let of_layout = |layout: &MeshLayout| {
+        let charts = charts(layout);
+        let most = charts.iter().max().map_or(0, |&last| last as usize + 1);
+        let none = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        let mut bounds = vec![none; most];
+        for (triangle, chart) in layout.triangles.iter().zip(charts) {
+            let (low, high) = &mut bounds[chart as usize];
+            for &v in triangle {
+                let uv = layout.uvs[v as usize].as_dvec2();
+                (*low, *high) = (low.min(uv), high.max(uv));
+            }
+        }
+        let sizes = bounds.into_iter().map(|(low, high)| high - low);
+        largest_first(sizes.collect())
+    };
+    let meshes: Vec<Vec<DVec2>> = atlas.meshes.par_iter().map(of_layout).collect();
+    let objects = scene.instances.iter().zip(&atlas.placements);
+    let placed = objects.filter(|(_, placement)| placement.is_somewhere());
+    let sizes = placed.flat_map(|(object, placement)| {
+        let scale = Vec2::from(placement.scale).as_dvec2() * f64::from(atlas.page_size);
+        // What a border cuts is a texel too.
+        let texels = move |size: &DVec2| (*size * scale).ceil() + 1.0;
+        meshes[object.mesh as usize].iter().map(texels)
+    });
+    let sizes = largest_first(sizes.collect());
+    sizes.iter().map(|s| s.element_product() as u64).collect()
 }
 
 /// Number of charts of a layout.

@@ -53,4 +53,4 @@ pub use page::{
 };
 pub use plan::{AnyViewErrors, Decision, Method, OpenTriangles, Plan};
 pub use reach::{Fingerprint, Reach};
-pub use seams::SeamStats;
+pub use seams::{SeamStats, seam_points};

@@ -3,7 +3,7 @@
 use crate::Subject;
 use bake::{Denoise, Options};
 use rayon::prelude::*;
-use rays::{Coherence, EmbreeBackend, Ray, RayBackend, RayPacket, SurfaceHit};
+use rays::{Coherence, EmbreeBackend, Lanes, PacketWidth, Ray, RayBackend, RayPacket, SurfaceHit};
 use serde::Serialize;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -24,6 +24,21 @@ pub struct Pair {
     pub rays: u64,
     /// `bake_seconds / bare_seconds`.
     pub ratio: f64,
+}
+
+/// How long the packets of a bake take alone, in packets of another width or with another hint.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Loop {
+    /// Threads.
+    pub threads: usize,
+    /// Rays of a packet, 8 or 16. Packets of 8 are the halves of those of 16.
+    pub width: usize,
+    /// Whether Embree is told that the rays of a packet are nearly parallel.
+    pub coherent: bool,
+    /// Wall seconds.
+    pub seconds: f64,
+    /// Rays that were traced.
+    pub rays: u64,
 }
 
 /// Keeps every packet that passes through it.
@@ -91,21 +106,8 @@ pub fn ceiling(
         denoise: Denoise::Off,
         ..options.clone()
     };
-    let recorder = Recorder {
-        inner: embree,
-        packets: Mutex::default(),
-    };
-    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-    one.install(|| subject.bake(&recorder, options));
-    let recorded = recorder
-        .packets
-        .into_inner()
-        .unwrap_or_else(PoisonError::into_inner);
-    let (packets, active): (Vec<_>, Vec<_>) = recorded.into_iter().unzip();
-    let rays = active
-        .iter()
-        .map(|lanes| u64::from(lanes.count_ones()))
-        .sum();
+    let (packets, active) = record(subject, options, embree)?;
+    let rays = count(&active);
     let loops: Vec<_> = packets
         .chunks(BLOCK)
         .zip(active.chunks(BLOCK))
@@ -138,4 +140,113 @@ pub fn ceiling(
         }
     }
     Ok(pairs)
+}
+
+/// Traces the packets of page 0 through the safe wrapper, `repeats` times at each number of threads: in packets of 16 and of 8, without and
+/// with the hint that rays are coherent, in turn.
+///
+/// Costs 1,036 bytes a packet of memory.
+///
+/// # Errors
+/// A pool of threads could not be made.
+pub fn loops(
+    subject: Subject<'_>,
+    options: &Options,
+    embree: &EmbreeBackend,
+    threads: &[usize],
+    repeats: usize,
+) -> Result<Vec<Loop>, rayon::ThreadPoolBuildError> {
+    let (packets, active) = record(subject, options, embree)?;
+    let rays = count(&active);
+    let halved: Vec<_> = packets.iter().zip(&active).flat_map(halves).collect();
+    let (halved, of_halved): (Vec<_>, Vec<_>) = halved.into_iter().unzip();
+    let mut loops = Vec::new();
+    for &threads in threads {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()?;
+        for _ in 0..repeats {
+            for (width, coherent) in [(16, false), (16, true), (8, false), (8, true)] {
+                let started = Instant::now();
+                let blocked = pool.install(|| match width {
+                    16 => trace(embree, &packets, &active, coherent),
+                    _ => trace(embree, &halved, &of_halved, coherent),
+                });
+                let seconds = started.elapsed().as_secs_f64();
+                assert!(blocked <= rays, "{blocked} of {rays} rays blocked");
+                loops.push(Loop {
+                    threads,
+                    width,
+                    coherent,
+                    seconds,
+                    rays,
+                });
+            }
+        }
+    }
+    Ok(loops)
+}
+
+/// The packets of page 0 and their active lanes.
+fn record(
+    subject: Subject<'_>,
+    options: &Options,
+    embree: &EmbreeBackend,
+) -> Result<(Vec<RayPacket<16>>, Vec<u32>), rayon::ThreadPoolBuildError> {
+    let recorder = Recorder {
+        inner: embree,
+        packets: Mutex::default(),
+    };
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    one.install(|| subject.bake(&recorder, options));
+    let recorded = recorder.packets.into_inner();
+    let recorded = recorded.unwrap_or_else(PoisonError::into_inner);
+    Ok(recorded.into_iter().unzip())
+}
+
+/// Rays of packets with these active lanes.
+fn count(active: &[u32]) -> u64 {
+    let lanes = active.iter().map(|lanes| u64::from(lanes.count_ones()));
+    lanes.sum()
+}
+
+/// The two halves of a packet that have active lanes.
+fn halves((packet, &active): (&RayPacket<16>, &u32)) -> impl Iterator<Item = (RayPacket<8>, u32)> {
+    let half = |first: usize| {
+        let mut half = RayPacket::<8>::new();
+        for lane in 0..8 {
+            half.set(lane, &packet.get(first + lane));
+        }
+        (half, active >> first & 0xff)
+    };
+    [half(0), half(8)]
+        .into_iter()
+        .filter(|(_, active)| *active != 0)
+}
+
+/// Traces packets with all threads, and counts the rays that are blocked.
+fn trace<const N: usize>(
+    embree: &EmbreeBackend,
+    packets: &[RayPacket<N>],
+    active: &[u32],
+    coherent: bool,
+) -> u64
+where
+    Lanes<N>: PacketWidth,
+{
+    let coherence = match coherent {
+        true => Coherence::Coherent,
+        false => Coherence::Incoherent,
+    };
+    let blocks = packets.par_chunks(BLOCK).zip(active.par_chunks(BLOCK));
+    let blocked = blocks.map(|(packets, active)| {
+        let mut blocked = vec![0u32; packets.len()];
+        let scene = embree.scene();
+        scene.occluded_packets(packets, active, &mut blocked, coherence);
+        blocked
+            .iter()
+            .map(|lanes| u64::from(lanes.count_ones()))
+            .sum::<u64>()
+    });
+    blocked.sum()
 }

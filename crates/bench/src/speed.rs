@@ -225,6 +225,9 @@ pub fn speed(
     if by_map && !options.layers.contains(&Layer::Irradiance) {
         options.layers.push(Layer::Irradiance);
     }
+    if !options.layers.contains(&Layer::Validity) {
+        options.layers.push(Layer::Validity);
+    }
     let techniques = TECHNIQUES
         .iter()
         .filter(|t| t.backend != BackendKind::Embree || embree::header_version().is_some())
@@ -241,6 +244,8 @@ pub fn speed(
         &Options {
             effort: Effort::Rays(REFERENCE_RAYS),
             seed: REFERENCE_SEED,
+            // Its own noise is known; what a denoiser leaves is not.
+            denoise: Denoise::Off,
             ..options.clone()
         },
     );
@@ -286,18 +291,23 @@ pub fn speed(
     Ok(rows)
 }
 
-/// Root mean square difference over covered texels of the diffuse term, or of the mean of irradiance's channels.
+/// Root mean square difference of the diffuse term, or of the mean of irradiance's channels, over covered texels that something can see: what
+/// is buried holds what its neighbours have.
 fn rmse(page: &BakedPage, reference: &BakedPage, by_map: bool) -> f64 {
     let layer = match by_map {
         true => Layer::Irradiance,
         false => Layer::Diffuse,
     };
     let values = |page: &BakedPage, layer| page.layer(layer).unwrap_or_default().to_vec();
-    let coverage = values(page, Layer::Coverage);
+    let (coverage, validity) = (
+        values(page, Layer::Coverage),
+        values(reference, Layer::Validity),
+    );
+    let counts = |&texel: &usize| coverage[texel] > 0.0 && validity[texel] > 0.0;
     let (own, other) = (values(page, layer), values(reference, layer));
     let channels = layer.channels().len();
     let (mut squares, mut count) = (0.0, 0.0);
-    for texel in (0..page.texels()).filter(|&texel| coverage[texel] > 0.0) {
+    for texel in (0..page.texels()).filter(counts) {
         let difference: f64 = (0..channels)
             .map(|channel| channel * page.texels() + texel)
             .map(|at| f64::from(own[at] - other[at]) / channels as f64)

@@ -6,11 +6,11 @@ use crate::host;
 use crate::outcome::{Outcome, note, say, say_json};
 use ::bake::PointSet;
 use anyhow::Context;
-use bench::ceiling::{Pair, ceiling};
+use bench::ceiling::{Loop, Pair, ceiling, loops};
 use bench::speed::{quantity, speed};
 use bench::summary::{Spread, markdown, median, svg};
 use bench::{Subject, grain, hard, maps, samplers, tables};
-use rays::EmbreeBackend;
+use rays::{EmbreeBackend, RayBackend};
 use report::Output;
 use serde_json::json;
 use std::path::Path;
@@ -182,18 +182,20 @@ fn to_ceiling(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
     let threads = rayon::current_num_threads();
     let embree = EmbreeBackend::build(world, threads)?;
     let counts: &[usize] = if threads > 1 { &[1, threads] } else { &[1] };
-    let pairs = ceiling(
-        Subject { world, plan, atlas },
-        options,
-        &embree,
-        counts,
-        args.repeats as usize,
-    )?;
+    let subject = Subject { world, plan, atlas };
+    let repeats = args.repeats as usize;
+    let pairs = ceiling(subject, options, &embree, counts, repeats)?;
+    let loops = loops(subject, options, &embree, counts, repeats)?;
     if args.common.json {
-        say_json(&json!({ "schema_version": 1, "pairs": pairs }))?;
+        say_json(
+            &json!({ "schema_version": 1, "backend": embree.describe(), "pairs": pairs, "loops": loops }),
+        )?;
         return Ok(Outcome::Done);
     }
-    let mut text = String::from("threads  bake s   bare s   Mrays/s  bare Mrays/s  ratio\n");
+    let mut text = format!(
+        "{}\n\nthreads  bake s   bare s   Mrays/s  bare Mrays/s  ratio\n",
+        embree.describe()
+    );
     for pair in &pairs {
         let rate = |seconds: f64| pair.rays as f64 / seconds / 1e6;
         text += &format!(
@@ -214,6 +216,18 @@ fn to_ceiling(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
             median(|pair| pair.ratio),
             median(|pair| pair.rays as f64 / pair.bake_seconds) / 1e6
         );
+    }
+    text += "\nthreads  width  hint      Mrays/s of the wrapper, median\n";
+    for &threads in counts {
+        for (width, coherent) in [(16, false), (16, true), (8, false), (8, true)] {
+            let own = |l: &&Loop| (l.threads, l.width, l.coherent) == (threads, width, coherent);
+            let rate = |l: &Loop| l.rays as f64 / l.seconds / 1e6;
+            text += &format!(
+                "{threads:>7}  {width:>5}  {:<8}  {:.1}\n",
+                if coherent { "coherent" } else { "none" },
+                median(loops.iter().filter(own).map(rate).collect())
+            );
+        }
     }
     say(&text)?;
     Ok(Outcome::Done)

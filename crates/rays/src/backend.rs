@@ -1,6 +1,6 @@
 //! The one trait in the ray path, and what it speaks in.
 
-pub use embree::{Coherence, Ray, RayPacket};
+pub use embree::{Coherence, Lanes, PacketWidth, Ray, RayPacket};
 
 /// Answers ray queries on a [`World`](crate::World).
 ///

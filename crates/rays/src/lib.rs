@@ -57,7 +57,7 @@ mod triangle;
 mod world;
 
 pub use alpha_test::AlphaTest;
-pub use backend::{Coherence, Layout, Ray, RayBackend, RayPacket, SurfaceHit};
+pub use backend::{Coherence, Lanes, Layout, PacketWidth, Ray, RayBackend, RayPacket, SurfaceHit};
 pub use boxes::Boxes;
 pub use build::{BackendKind, build, has_embree};
 pub use embree_backend::EmbreeBackend;

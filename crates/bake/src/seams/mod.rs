@@ -84,6 +84,16 @@ impl SeamStats {
     }
 }
 
+/// On each page the points at which seams are solved: the memory and time of that grow with them.
+pub fn seam_points(world: &World, atlas: &Atlas, scope: Scope) -> Vec<u64> {
+    let across = Across::default();
+    let points = |page| {
+        let seams = Seams::find(world, atlas, page, scope, &across);
+        (seams.points.len() + seams.outer.len()) as u64
+    };
+    (0..atlas.page_count).map(points).collect()
+}
+
 impl Seams {
     /// The seams of the charts of a page, with each other and with those of other pages. Two borders belong together where they run along one another within a tenth of a texel, both
     /// surfaces' shading normals agree within 3 degrees, and each surface lies on its own side. Where a wall stands on both, they do not:
