@@ -30,7 +30,7 @@ pub fn markdown(title: &str, quantity: &str, rows: &[Row], ceiling: Option<Sprea
 /// What the numbers are, above the tables.
 fn notes(quantity: &str, clock: &str, repeats: usize) -> String {
     let mut text = format!(
-        "\nRMSE is of the {quantity} over covered texels that can be seen, against {REFERENCE_RAYS} plain rays of another seed. {clock} seconds are of the \
+        "\nRMSE is of the {quantity} over covered texels, against {REFERENCE_RAYS} rays of another seed. {clock} seconds are of the \
          bake over all threads, without building the ray scene and without writing.\n"
     );
     text += &match repeats {
