@@ -29,6 +29,9 @@ const BLUR: f64 = 0.02;
 /// Standard errors that the values of nine texels spread over, about, where the light is the same.
 const NOISE: f64 = 4.0;
 
+/// A move of less than this, in units of the plane, is none.
+const REST: f64 = 1e-6;
+
 /// Texels that a plane cannot hold are put where it ends and the rest is solved again, so often at most.
 const ROUNDS: usize = 3;
 
@@ -210,6 +213,12 @@ impl System {
             }
             if !beyond {
                 break;
+            }
+        }
+        // What is at rest stays to the last bit, and does not take up what rounding leaves.
+        for (moved, start) in moved.iter_mut().zip(&start) {
+            if (*moved - start).abs() < REST * known.unit {
+                *moved = *start;
             }
         }
         let (squares_before, max_before) = self.differences(&start, known.tied);

@@ -224,6 +224,26 @@ fn whole_texels_do_not_give_way_to_a_contact() {
 }
 
 #[test]
+fn what_agrees_stays_to_the_last_bit() {
+    let page = page(sphere(false), |_| 0.7, 0.0);
+    let across = Across::default();
+    let seams = Seams::find(&page.world, &page.atlas, 0, Scope::Scene, &across);
+    let raster = PageRaster::new(page.world.scene(), &page.atlas, 0);
+    let values: Vec<f32> = page.coverage.iter().map(|&c| 0.7 * c.ceil()).collect();
+    let known = Known {
+        tied: &[],
+        values: &values,
+        std_errs: &vec![1e-4; values.len()],
+        unit: 1.0,
+        most: 1.0,
+    };
+    let system = seams.system(&page.world, &raster, SIZE, None);
+    let moved = system.solve(&known, &page.coverage);
+    assert!(moved.values.iter().all(|&(_, value)| value == 0.7));
+    assert!(moved.stats.max_after < 1e-15, "{:?}", moved.stats);
+}
+
+#[test]
 fn objects_apart_have_no_seams_of_their_own() {
     let page = page(sphere(true), LIGHTS[0], 0.0);
     assert!(
