@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-/// Most steps, and the share of the first gradient at which they end. A third of this takes 9 % longer on a helmet of 2,400 charts and
+/// Most steps, and the share of the first gradient at which they end. A third of this takes 10 % longer on a helmet of 2,400 charts and
 /// leaves as large steps at its seams.
 const STEPS: usize = 100;
 const ENOUGH: f64 = 3e-3;
