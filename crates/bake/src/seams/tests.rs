@@ -1,5 +1,6 @@
 //! A sphere of six charts that are turned, mirrored and of unlike density, under a smooth light: both sides of each seam must show the same.
 
+use super::solve::Moved;
 use super::{Across, Known, SeamStats, Seams};
 use crate::options::{Options, Seams as Scope};
 use crate::plan::Plan;
@@ -148,27 +149,26 @@ fn rmse(page: &Page, values: &[f32], gutters: &[(u32, f32)]) -> f64 {
     (squares.sum::<f64>() / page.truth.len() as f64).sqrt()
 }
 
-/// What seams leave, and the error of look-ups before and after.
-fn solved(apart: bool, light: fn(DVec3) -> f64, noise: f64) -> (SeamStats, [f64; 2]) {
-    let page = page(sphere(apart), light, noise);
-    let seams = Seams::find(
-        &page.world,
-        &page.atlas,
-        0,
-        Scope::Scene,
-        &Across::default(),
-    );
+/// The page's seams solved for these values, of which so much is known.
+fn moved(page: &Page, values: &[f32], std_err: f32, validity: Option<&[f32]>) -> Moved {
+    let across = Across::default();
+    let seams = Seams::find(&page.world, &page.atlas, 0, Scope::Scene, &across);
     let raster = PageRaster::new(page.world.scene(), &page.atlas, 0);
-    let system = seams.system(&page.world, &raster, SIZE, None);
-    let std_errs = vec![noise.max(1e-4) as f32; page.values.len()];
     let known = Known {
         tied: &[],
-        values: &page.values,
-        std_errs: &std_errs,
+        values,
+        std_errs: &vec![std_err; values.len()],
         unit: 1.0,
         most: 1.0,
     };
-    let moved = system.solve(&known, &page.coverage);
+    let system = seams.system(&page.world, &raster, SIZE, validity);
+    system.solve(&known, &page.coverage)
+}
+
+/// What seams leave, and the error of look-ups before and after.
+fn solved(apart: bool, light: fn(DVec3) -> f64, noise: f64) -> (SeamStats, [f64; 2]) {
+    let page = page(sphere(apart), light, noise);
+    let moved = moved(&page, &page.values, noise.max(1e-4) as f32, None);
     let mut values = page.values.clone();
     for &(texel, value) in &moved.values {
         values[texel as usize] = value;
@@ -201,18 +201,7 @@ fn contact(p: DVec3) -> f64 {
 #[test]
 fn whole_texels_do_not_give_way_to_a_contact() {
     let page = page(sphere(false), contact, 0.0);
-    let across = Across::default();
-    let seams = Seams::find(&page.world, &page.atlas, 0, Scope::Scene, &across);
-    let raster = PageRaster::new(page.world.scene(), &page.atlas, 0);
-    let known = Known {
-        tied: &[],
-        values: &page.values,
-        std_errs: &vec![1e-4; page.values.len()],
-        unit: 1.0,
-        most: 1.0,
-    };
-    let system = seams.system(&page.world, &raster, SIZE, None);
-    let moved = system.solve(&known, &page.coverage);
+    let moved = moved(&page, &page.values, 1e-4, None);
     let (mut most, mut count) = (0.0f32, 0);
     for &(texel, value) in &moved.values {
         if page.coverage[texel as usize] > 0.99 {
@@ -226,19 +215,8 @@ fn whole_texels_do_not_give_way_to_a_contact() {
 #[test]
 fn what_agrees_stays_to_the_last_bit() {
     let page = page(sphere(false), |_| 0.7, 0.0);
-    let across = Across::default();
-    let seams = Seams::find(&page.world, &page.atlas, 0, Scope::Scene, &across);
-    let raster = PageRaster::new(page.world.scene(), &page.atlas, 0);
     let values: Vec<f32> = page.coverage.iter().map(|&c| 0.7 * c.ceil()).collect();
-    let known = Known {
-        tied: &[],
-        values: &values,
-        std_errs: &vec![1e-4; values.len()],
-        unit: 1.0,
-        most: 1.0,
-    };
-    let system = seams.system(&page.world, &raster, SIZE, None);
-    let moved = system.solve(&known, &page.coverage);
+    let moved = moved(&page, &values, 1e-4, None);
     assert!(moved.values.iter().all(|&(_, value)| value == 0.7));
     assert!(moved.stats.max_after < 1e-15, "{:?}", moved.stats);
 }
@@ -262,8 +240,6 @@ fn objects_apart_have_no_seams_of_their_own() {
 #[test]
 fn what_is_seen_does_not_give_way_to_what_is_buried() {
     let page = page(sphere(true), LIGHTS[0], 0.0);
-    let scope = (Scope::Scene, &Across::default());
-    let seams = Seams::find(&page.world, &page.atlas, 0, scope.0, scope.1);
     let raster = PageRaster::new(page.world.scene(), &page.atlas, 0);
     // All of the second object is buried.
     let mut validity = vec![1.0; page.values.len()];
@@ -275,21 +251,13 @@ fn what_is_seen_does_not_give_way_to_what_is_buried() {
             }
         }
     }
-    let system = seams.system(&page.world, &raster, SIZE, Some(&validity));
     let seen = |dark: bool| -> Vec<(u32, f32)> {
         let shown = page.values.iter().zip(&validity);
         let values: Vec<f32> = match dark {
             true => shown.map(|(value, validity)| value * validity).collect(),
             false => page.values.clone(),
         };
-        let known = Known {
-            tied: &[],
-            values: &values,
-            std_errs: &vec![1e-4; values.len()],
-            unit: 1.0,
-            most: 1.0,
-        };
-        let moved = system.solve(&known, &page.coverage);
+        let moved = moved(&page, &values, 1e-4, Some(&validity));
         assert!(moved.stats.points > 100, "{:?}", moved.stats);
         let of_seen = |(texel, _): &(u32, f32)| {
             let texel = *texel as usize;
