@@ -173,7 +173,7 @@ pub(crate) fn cut(
             (tile.scales.iter().map(shape).collect(), Some(tile))
         }
     };
-    let parts: Vec<_> = sheets.par_iter().map(cut).collect();
+    let parts: Vec<_> = sheets.par_iter().with_max_len(1).map(cut).collect();
     let (mut shapes, mut groups, mut kept) = (Vec::new(), Vec::new(), Vec::new());
     for (own, tile) in parts {
         let first = groups.last().map_or(0, |g| g + 1);

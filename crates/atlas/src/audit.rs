@@ -60,6 +60,7 @@ pub(crate) fn audit(scene: &Scene, atlas: &Atlas) -> Findings {
         let raster = PageRaster::new(scene, atlas, page);
         let tiles: Vec<(u64, Option<u32>, u64)> = (0..raster.tiles().len())
             .into_par_iter()
+            .with_max_len(1)
             .map(|i| {
                 let samples = Samples::of(&raster, i, atlas.page_size);
                 let texels = raster.texels(i, |texel| samples.certain(texel));

@@ -95,6 +95,7 @@ pub(crate) fn sheets(
         .collect();
     let placed: Vec<Placed> = placed
         .into_par_iter()
+        .with_max_len(1)
         .map(|(mesh, instances)| Placed::new(scene, mesh, instances))
         .collect::<Result<_, _>>()?;
     let meshes: Vec<&Mesh> = placed.iter().map(|p| &scene.meshes[p.mesh]).collect();
@@ -114,7 +115,12 @@ pub(crate) fn sheets(
     });
     let sheet =
         |(i, placed): (usize, &Placed)| (firsts[i] == i).then(|| sheet(scene, placed, cancel));
-    let made: Vec<_> = placed.par_iter().enumerate().map(sheet).collect();
+    let made: Vec<_> = placed
+        .par_iter()
+        .with_max_len(1)
+        .enumerate()
+        .map(sheet)
+        .collect();
     let mut sheets: Vec<Sheet> = Vec::with_capacity(placed.len());
     for ((made, placed), first) in made.into_iter().zip(placed).zip(firsts) {
         let sheet = match made {

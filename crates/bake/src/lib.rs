@@ -48,8 +48,8 @@ pub use options::{
     Sky, View,
 };
 pub use page::{
-    BakedPage, BakedTile, Baker, Deal, ErrorSums, LayerPlanes, PageStats, Pilot, layers_in_work,
-    layers_of_light,
+    BakedPage, BakedTile, Baker, Deal, ErrorSums, LayerPlanes, PageStats, Pilot, Take,
+    layers_in_work, layers_of_light,
 };
 pub use plan::{AnyViewErrors, Decision, Method, OpenTriangles, Plan};
 pub use reach::{Fingerprint, Reach};

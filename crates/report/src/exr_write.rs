@@ -134,7 +134,7 @@ pub fn write_page_exr(
         |_, writer| {
             let mut number = 0;
             for batch in firsts.chunks(together) {
-                let packed: Vec<Vec<u8>> = (batch.par_iter())
+                let packed: Vec<Vec<u8>> = (batch.par_iter().with_max_len(1))
                     .map(|&first| block(&planes, edge, first..(first + lines).min(edge)))
                     .collect();
                 for (&first, compressed_pixels_le) in batch.iter().zip(packed) {

@@ -51,6 +51,7 @@ pub(crate) fn flatten(surface: &Surface, cancel: &(dyn Fn() -> bool + Sync)) -> 
     let pieces = surface.pieces(LEAST, most);
     pieces
         .into_par_iter()
+        .with_max_len(1)
         .flat_map_iter(|piece| {
             let mut done = Vec::new();
             let mut waiting = vec![piece];

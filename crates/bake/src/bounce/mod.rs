@@ -45,12 +45,11 @@ use rays::{Lamps, Light};
 use rustc_hash::FxHashMap;
 use spots::{Reach, Spots};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// Independent sets of a texel's gathers: more than its first rays have, because fewer neighbours share what their spread tells.
 const REPLICATES: u32 = 4;
 
-/// Tiles whose results are kept together.
-const BATCH: usize = 256;
 /// The most gathers of `auto`: a closed room of albedo 0.9 has sent on all but a thousandth of its light by then.
 const MOST: u32 = 64;
 /// `auto` stops where no more than this share of the light is missing: half a step of 8 bits. A target error takes its place.
@@ -136,7 +135,8 @@ impl Baker<'_> {
                         .collect(),
                 )
             };
-            let tiles = (0..raster.tiles().len()).into_par_iter().map(tile);
+            let tiles = (0..raster.tiles().len()).into_par_iter();
+            let tiles = tiles.with_max_len(1).map(tile);
             let tiles: Option<Vec<Vec<Patch>>> = tiles.collect();
             Some(tiles?.concat())
         };
@@ -192,28 +192,24 @@ impl Baker<'_> {
         for (page, light) in light.iter_mut().enumerate() {
             let raster = self.raster(page as u32);
             let mut next = light.dark();
-            let tiles: Vec<usize> = (0..raster.tiles().len()).collect();
-            for batch in tiles.chunks(BATCH) {
-                let results: Option<Vec<Vec<TexelLight>>> = batch
-                    .par_iter()
-                    .map(|&index| {
-                        if progress.cancelled() {
-                            return None;
-                        }
-                        let texels = self.survey(&self.cut(&raster, index), page as u32);
-                        let texels: Vec<TexelLight> =
-                            self.tile_light(gather, number, page, &texels);
-                        let own = texels.len() as u64;
-                        let done = done.fetch_add(own, Ordering::Relaxed) + own;
-                        progress.rays(texels.iter().map(|texel| texel.rays).sum());
-                        progress.advance(done, total);
-                        Some(texels)
-                    })
-                    .collect();
-                for texel in results?.iter().flatten() {
-                    light.add(texel, &mut next);
+            let adding = Mutex::new((light, &mut next));
+            let tile = |index| {
+                if progress.cancelled() {
+                    return None;
                 }
-            }
+                let texels = self.survey(&self.cut(&raster, index), page as u32);
+                let texels = self.tile_light(gather, number, page, &texels);
+                let own = texels.len() as u64;
+                let done = done.fetch_add(own, Ordering::Relaxed) + own;
+                progress.rays(texels.iter().map(|texel| texel.rays).sum());
+                progress.advance(done, total);
+                let mut adding = adding.lock().unwrap_or_else(PoisonError::into_inner);
+                let (light, next) = &mut *adding;
+                texels.iter().for_each(|texel| light.add(texel, next));
+                Some(())
+            };
+            let tiles = (0..raster.tiles().len()).into_par_iter();
+            tiles.with_max_len(1).try_for_each(tile)?;
             received.push(next);
         }
         Some(received)

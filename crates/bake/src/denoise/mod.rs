@@ -95,7 +95,7 @@ impl Denoiser {
 
     /// What changes of the term, in parts that share no texel.
     pub fn denoise(&self, term: &Term<'_>) -> Vec<Denoised> {
-        let charts = self.charts.par_iter();
+        let charts = self.charts.par_iter().with_max_len(1);
         let parts: Vec<Vec<Part>> = charts.map(|chart| self.chart(chart, term)).collect();
         // In the order of the charts, whatever the number of threads.
         let seen = parts.iter().flatten().map(|part| &part.seen);

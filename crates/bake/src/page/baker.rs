@@ -24,12 +24,11 @@ use rayon::prelude::*;
 use rays::{PlaneErrors, RayBackend, Solids, World};
 use std::convert::Infallible;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant};
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
 
-/// The most tiles that are handed on together.
-const BATCH: usize = 256;
-/// What a batch should take at most, so that what is handed on can be saved in time.
-const BATCH_TIME: Duration = Duration::from_secs(5);
+/// What tiles are handed to, one at a time, as each is finished.
+pub type Take<'t, E> = dyn FnMut(BakedTile) -> Result<(), E> + Send + 't;
 
 /// Everything that stays the same over the pages of a bake.
 pub struct Baker<'a> {
@@ -127,11 +126,11 @@ impl<'a> Baker<'a> {
     ///
     /// # Errors
     /// Those of `save`, which end the run.
-    pub fn run_saved<E>(
+    pub fn run_saved<E: Send>(
         &self,
         page: &mut BakedPage,
         progress: &dyn Progress,
-        save: &mut dyn FnMut(BakedTile) -> Result<(), E>,
+        save: &mut Take<'_, E>,
     ) -> Result<(), E> {
         if self.fill(page, progress, save)? {
             self.finish(page);
@@ -144,11 +143,11 @@ impl<'a> Baker<'a> {
     ///
     /// # Errors
     /// Those of `save`, which end the run.
-    pub fn fill<E>(
+    pub fn fill<E: Send>(
         &self,
         page: &mut BakedPage,
         progress: &dyn Progress,
-        save: &mut dyn FnMut(BakedTile) -> Result<(), E>,
+        save: &mut Take<'_, E>,
     ) -> Result<bool, E> {
         let raster = self.raster(page.page);
         let started = Instant::now();
@@ -196,12 +195,12 @@ impl<'a> Baker<'a> {
     ///
     /// # Errors
     /// Those of `take`, which end the run.
-    pub fn run_tiles<E>(
+    pub fn run_tiles<E: Send>(
         &self,
         page: u32,
         wanted: &[u32],
         (progress, total): (&dyn Progress, u64),
-        take: &mut dyn FnMut(BakedTile) -> Result<(), E>,
+        take: &mut Take<'_, E>,
     ) -> Result<bool, E> {
         let raster = self.raster(page);
         self.tiles(&raster, page, wanted, (progress, total), take)
@@ -219,47 +218,37 @@ impl<'a> Baker<'a> {
         self.done.fetch_add(texels, Ordering::Relaxed);
     }
 
-    fn tiles<E>(
+    fn tiles<E: Send>(
         &self,
         raster: &PageRaster<'_>,
         page: u32,
-        mut wanted: &[u32],
+        wanted: &[u32],
         (progress, total): (&dyn Progress, u64),
-        take: &mut dyn FnMut(BakedTile) -> Result<(), E>,
+        take: &mut Take<'_, E>,
     ) -> Result<bool, E> {
         let columns = Columns::of(&self.layers());
-        let mut size = 32;
-        while !wanted.is_empty() {
-            let (batch, rest) = wanted.split_at(wanted.len().min(size));
-            let clock = Instant::now();
-            let results: Vec<Option<BakedTile>> = batch
-                .par_iter()
-                .map(|&index| {
-                    if progress.cancelled() {
-                        return None;
-                    }
-                    let texels = self.tile(&self.cut(raster, index as usize), page);
-                    let result = self.result(index, &columns, &texels);
-                    let own = result.stats.texels;
-                    let done = self.done.fetch_add(own, Ordering::Relaxed) + own;
-                    progress.rays(result.stats.rays);
-                    progress.advance(done.min(total), total);
-                    Some(result)
-                })
-                .collect();
-            let whole = results.iter().all(Option::is_some);
-            results.into_iter().flatten().try_for_each(&mut *take)?;
-            if !whole {
-                return Ok(false);
+        let taking = Mutex::new((take, Ok(())));
+        let tile = |&index: &u32| {
+            if progress.cancelled() {
+                return None;
             }
-            wanted = rest;
-            size = match clock.elapsed() {
-                time if time > BATCH_TIME => (size / 2).max(rayon::current_num_threads()),
-                time if time < BATCH_TIME / 4 => (size * 2).min(BATCH),
-                _ => size,
-            };
-        }
-        Ok(true)
+            let texels = self.tile(&self.cut(raster, index as usize), page);
+            let result = self.result(index, &columns, &texels);
+            let own = result.stats.texels;
+            let done = self.done.fetch_add(own, Ordering::Relaxed) + own;
+            progress.rays(result.stats.rays);
+            progress.advance(done.min(total), total);
+            let mut taking = taking.lock().unwrap_or_else(PoisonError::into_inner);
+            let (take, taken) = &mut *taking;
+            if taken.is_ok() {
+                *taken = take(result);
+            }
+            taken.is_ok().then_some(())
+        };
+        // Singly: of a run of tiles that one thread has begun no other could take the rest.
+        let whole = wanted.par_iter().with_max_len(1).try_for_each(tile);
+        let (_, taken) = taking.into_inner().unwrap_or_else(PoisonError::into_inner);
+        taken.map(|()| whole.is_some())
     }
 
     /// Bakes up to `tiles` tiles spread over the atlas, for estimates.
@@ -287,6 +276,7 @@ impl<'a> Baker<'a> {
             cost += picked.iter().map(|&tile| costs[tile]).sum::<f64>();
             let baked: Vec<(u64, u64, f64, Option<Taken>)> = picked
                 .into_par_iter()
+                .with_max_len(1)
                 .map(|index| {
                     let clock = ThreadClock::now();
                     let texels = self.tile(&self.cut(&raster, index), page);

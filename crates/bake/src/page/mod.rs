@@ -12,7 +12,7 @@ mod tangent;
 mod terms;
 mod tile;
 
-pub use baker::{Baker, Pilot};
+pub use baker::{Baker, Pilot, Take};
 pub(crate) use finish::finish_light;
 pub use planes::{BakedPage, LayerPlanes};
 pub use share::Deal;

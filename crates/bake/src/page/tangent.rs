@@ -55,7 +55,7 @@ pub(super) fn make(
         }
         found
     };
-    let tiles = (0..raster.tiles().len()).into_par_iter();
+    let tiles = (0..raster.tiles().len()).into_par_iter().with_max_len(1);
     let found: Vec<(usize, DVec3)> = tiles
         .flat_map_iter(|index| of_tile(raster.tile(index)))
         .collect();

@@ -104,6 +104,7 @@ impl<'a> Reach<'a> {
         let tile = |index: usize| (raster.tiles()[index], self.tile(&raster, page, index));
         (0..raster.tiles().len())
             .into_par_iter()
+            .with_max_len(1)
             .map(tile)
             .collect()
     }

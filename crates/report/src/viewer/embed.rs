@@ -88,7 +88,7 @@ impl EmbeddedPage {
         let harmonics = harmonics(page);
         let shown = used.iter().flat_map(|layer| &layer.channels);
         let channels: Vec<&Channel> = shown.chain(harmonics).collect();
-        let packed = channels.par_iter().map(|channel| {
+        let packed = channels.par_iter().with_max_len(1).map(|channel| {
             let values = blocks(&|i| channel.values[i], &|i| near[i]);
             blob(&halves(&values))
         });
