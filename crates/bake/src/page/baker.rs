@@ -119,27 +119,14 @@ impl<'a> Baker<'a> {
     /// Continues a page until it is finished or the listener cancels. The result does not depend on the number of threads or on where
     /// the page was interrupted.
     pub fn run(&self, page: &mut BakedPage, progress: &dyn Progress) {
-        let Ok(()) = self.run_saved(page, progress, &mut |_| Ok::<_, Infallible>(()));
-    }
-
-    /// As [`Baker::run`]; every tile is handed to `save` once it is finished.
-    ///
-    /// # Errors
-    /// Those of `save`, which end the run.
-    pub fn run_saved<E: Send>(
-        &self,
-        page: &mut BakedPage,
-        progress: &dyn Progress,
-        save: &mut Take<'_, E>,
-    ) -> Result<(), E> {
-        if self.fill(page, progress, save)? {
+        let Ok(whole) = self.fill(page, progress, &mut |_| Ok::<_, Infallible>(()));
+        if whole {
             self.finish(page);
         }
-        Ok(())
     }
 
-    /// Bakes the tiles that a page lacks; false where the listener cancelled before the last. The page holds facts then, see
-    /// [`BakedPage::planes`], until it is finished.
+    /// Bakes the tiles that a page lacks, and hands each to `save` once it is finished; false where the listener cancelled before the
+    /// last. The page holds facts then, see [`BakedPage::planes`], until it is finished.
     ///
     /// # Errors
     /// Those of `save`, which end the run.
@@ -445,5 +432,54 @@ impl<'a> Baker<'a> {
             stats.rays += texel.terms.rays;
         }
         result
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::options::Effort;
+    use std::sync::Arc;
+
+    #[test]
+    fn a_tile_that_cannot_be_saved_ends_the_run_and_the_next_goes_on_to_the_same_page() {
+        let file = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../scenes/resting_sphere.obj"
+        );
+        let scene = Arc::new(scene::load(file.as_ref()).expect("a scene"));
+        let options = Options {
+            effort: Effort::Rays(4),
+            ..Options::default()
+        };
+        let (plan, world) = Plan::of(&scene, &options).expect("a plan");
+        let layout = atlas::Options {
+            page_size: 128,
+            ..Default::default()
+        };
+        let atlas = atlas::layout(&scene, &layout, &|| false).expect("a layout");
+        let kind = rays::BackendKind::Obvhs(rays::Layout::default());
+        let backend = rays::build(kind, &world, 0).expect("a backend");
+        let baker = Baker::new(&world, &plan, backend.as_ref(), &atlas, &options);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build();
+        let pool = pool.expect("threads");
+        let mut whole = baker.start(0);
+        pool.install(|| baker.run(&mut whole, &()));
+        let tiles = baker.raster(0).tiles().len();
+        assert!(tiles > 8 && whole.finished, "{tiles} tiles");
+
+        let mut page = baker.start(0);
+        let mut handed = 0;
+        let ended = pool.install(|| {
+            baker.fill(&mut page, &(), &mut |_| {
+                handed += 1;
+                if handed == 3 { Err("full") } else { Ok(()) }
+            })
+        });
+        assert_eq!(ended, Err("full"));
+        // None is handed on after the one that failed.
+        assert_eq!((handed, baker.missing(&page)), (3, tiles - 3));
+        pool.install(|| baker.run(&mut page, &()));
+        assert!(page.finished && page.planes == whole.planes);
     }
 }
