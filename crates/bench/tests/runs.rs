@@ -12,9 +12,10 @@ const DIFFUSE: &str = "diffuse term";
 const IRRADIANCE: &str = "irradiance (mean of its channels)";
 
 /// Rows of each run without their ending, and what their errors are of.
-const RUNS: [(&str, &str); 6] = [
+const RUNS: [(&str, &str); 7] = [
     ("colonnade-2026-11/bench", DIFFUSE),
     ("room-2026-11/bench", DIFFUSE),
+    ("sphere-2026-11/bench", DIFFUSE),
     ("terrain-2026-11/bench", DIFFUSE),
     ("zdm2-2026-11/bench", DIFFUSE),
     ("sky-2026-11/spiaggia_di_mondello", IRRADIANCE),
