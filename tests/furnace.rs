@@ -56,7 +56,10 @@ fn white_dielectrics_and_metals_send_out_what_they_receive() {
     ] {
         let path = plane(folder.path(), material.clone());
         for backend in backends() {
-            let (_folder, page) = bake(&path, &["--size", "8", "--backend", backend]);
+            let (_folder, page) = bake(
+                &path,
+                &["--size", "8", "--backend", backend, "--model", "phong"],
+            );
             let found = radiance(&page);
             let worst = (0..3)
                 .map(|c| (found[c] - expected[c]).abs())

@@ -1,6 +1,6 @@
 //! The microfacet model: furnaces, and a wall against a quadrature of its own.
 
-use crate::support::{Page, bake, run};
+use crate::support::{Page, bake, report, run, scene};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
@@ -332,5 +332,54 @@ fn layers_of_one_model_are_refused_under_the_other() {
         assert_eq!(output.status.code(), Some(1));
         let text = String::from_utf8_lossy(&output.stderr);
         assert!(text.contains("--model"), "{text}");
+    }
+}
+
+#[test]
+fn a_scene_bakes_and_renders_by_the_model_that_its_file_is_made_for() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let gltf = squares(folder.path(), pbr([0.5; 3], 1.0, 0.5), &[FLOOR]);
+    let obj = scene("plane.obj");
+    let cases: [(&Path, &[&str], &str); 8] = [
+        (&gltf, &[], "ggx"),
+        (&gltf, &["--layers", "base"], "ggx"),
+        (&gltf, &["--model", "phong"], "phong"),
+        (&gltf, &["--only", "phong"], "phong"),
+        (&gltf, &["--layers", "difference.phong"], "phong"),
+        (&gltf, &["--exponent", "20"], "phong"),
+        (&obj, &[], "phong"),
+        (&obj, &["--only", "ggx"], "ggx"),
+    ];
+    for (path, words, model) in cases {
+        let options: Vec<&str> = ["--size", "8"]
+            .into_iter()
+            .chain(words.iter().copied())
+            .collect();
+        let (out, page) = bake(path, &options);
+        let other = if model == "ggx" { "phong.R" } else { "ggx.R" };
+        let names = page.names();
+        assert!(
+            names.contains(&&*format!("{model}.R")),
+            "{words:?}: {names:?}"
+        );
+        assert!(!names.contains(&other), "{words:?}: {names:?}");
+        assert_eq!(report(out.path())["options"]["model"], model, "{words:?}");
+        // The picture finds the layer that the bake has, without being told.
+        let picture = out.path().join("a.exr");
+        let output = run([
+            "render".as_ref(),
+            path.as_os_str(),
+            "--bake".as_ref(),
+            out.path().as_os_str(),
+            "--size".as_ref(),
+            "8x8".as_ref(),
+            "-o".as_ref(),
+            picture.as_os_str(),
+        ]);
+        assert!(
+            output.status.success(),
+            "{words:?}: {}",
+            String::from_utf8_lossy(&output.stderr)
+        );
     }
 }

@@ -17,7 +17,7 @@ pub(crate) fn stage(
     let (Some(order), Some(errors)) = (options.any_view(), errors) else {
         return Ok(None);
     };
-    let microfacets = job.options().model == Model::Ggx;
+    let microfacets = job.options().model == Some(Model::Ggx);
     let table = KernelTable::new(order, microfacets);
     report::stage_any_view(output, stem, order as u32, table.columns(), table.values)?;
     let layers = job.options().layers.iter();

@@ -244,9 +244,10 @@ impl Bake {
         self
     }
 
-    /// What the highlight is: the paper's Phong lobe by default, or GGX, whose layer then stands in place of [`Layer::Phong`].
+    /// What the highlight is: the paper's Phong lobe, or GGX, whose layer then stands in place of [`Layer::Phong`]. By default GGX for glTF and
+    /// Phong for other scenes, unless layers or an exponent ask for one of them ([`Options::model`]).
     pub fn model(mut self, model: Model) -> Self {
-        self.options.model = model;
+        self.options.model = Some(model);
         self
     }
 
@@ -277,6 +278,10 @@ impl Bake {
 
     fn add_layers(&mut self, layers: impl IntoIterator<Item = Layer>) {
         for layer in layers {
+            if layer == Layer::Phong {
+                // It is among those that every bake has, but this one is asked for by name.
+                self.options.model.get_or_insert(Model::Phong);
+            }
             if !self.options.layers.contains(&layer) {
                 self.options.layers.push(layer);
             }
@@ -405,8 +410,8 @@ impl Bake {
     /// # Errors
     /// An option is out of its range or excludes another, the charts do not fit, or a backend refuses the scene.
     pub fn prepare(&self) -> Result<Job, Error> {
-        self.options.check()?;
-        let mut options = self.options.clone().settled();
+        let mut options = self.options.clone().settled(self.scene.0.format);
+        options.check()?;
         options.complete();
         Job::prepare(
             self.scene.clone(),

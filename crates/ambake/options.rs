@@ -6,6 +6,7 @@ use crate::sky::Sky;
 use ::bake::{
     Bounces, Buried, Choice, Denoise, Footprint, Model, Pattern, PointSet, Seams, Shading, View,
 };
+use ::scene::Format;
 use layers::Layer;
 use rays::{BackendKind, Layout, Light, Overrides};
 use report::Engine;
@@ -106,8 +107,9 @@ pub struct Options {
     pub buried: Buried,
     /// Occluders farther than this do not count, in scene units.
     pub max_distance: Option<f32>,
-    /// What the highlight is; under GGX the layer `ggx` stands in place of `phong`.
-    pub model: Model,
+    /// What the highlight is; under GGX the layer `ggx` stands in place of `phong`. `None`: the model that layers or an exponent ask for, else
+    /// GGX for glTF, whose materials are defined by it, and Phong for other scenes.
+    pub model: Option<Model>,
     /// How often surfaces send on the light that they receive.
     pub bounces: Bounces,
     /// Suns and point lights, in scene units; they need bounces.
@@ -154,7 +156,7 @@ impl Default for Options {
             shading: Shading::Production,
             buried: Buried::Drop,
             max_distance: None,
-            model: Model::Phong,
+            model: None,
             bounces: Bounces::Off,
             lights: Vec::new(),
             layers: Layer::STANDARD.to_vec(),
@@ -247,10 +249,10 @@ impl Options {
             return fail("--sun and --point", problem);
         }
         let asks = |layers: &[Layer]| self.layers.iter().any(|layer| layers.contains(layer));
-        if self.model == Model::Phong && asks(&[Layer::Ggx, Layer::Base]) {
+        if self.model == Some(Model::Phong) && asks(&[Layer::Ggx, Layer::Base]) {
             return fail("layers", "`ggx` and `base` need --model ggx");
         }
-        if self.model == Model::Ggx && asks(&[Layer::DifferencePhong]) {
+        if self.model == Some(Model::Ggx) && asks(&[Layer::DifferencePhong]) {
             return fail("layers", "`difference.phong` needs --model phong");
         }
         let denoises = self.denoises() == Denoise::Regression;
@@ -300,9 +302,29 @@ impl Options {
         }
     }
 
-    /// The same with the layer of the model in place of another's.
-    pub(crate) fn settled(mut self) -> Self {
-        if self.model == Model::Ggx {
+    /// The model that was asked for, or that what was asked for needs, or else that the materials of such a file are made for.
+    fn model_for(&self, format: Format) -> Model {
+        let asks = |layers: &[Layer]| self.layers.iter().any(|layer| layers.contains(layer));
+        // What is stored for any view has no colours of its own under GGX.
+        let phong = [
+            Layer::DifferencePhong,
+            Layer::AnyView,
+            Layer::AnyView4,
+            Layer::AnyView8,
+        ];
+        self.model.unwrap_or(match format {
+            _ if asks(&[Layer::Ggx, Layer::Base]) => Model::Ggx,
+            _ if asks(&phong) || self.exponent.is_some() => Model::Phong,
+            Format::Gltf | Format::Glb => Model::Ggx,
+            Format::Obj | Format::Memory => Model::Phong,
+        })
+    }
+
+    /// The same for a scene of this format: with a model, and its layer in place of another's.
+    pub(crate) fn settled(mut self, format: Format) -> Self {
+        let model = self.model_for(format);
+        self.model = Some(model);
+        if model == Model::Ggx {
             let has = self.layers.contains(&Layer::Ggx);
             self.layers.retain(|layer| !(has && *layer == Layer::Phong));
             for layer in self
@@ -332,7 +354,7 @@ impl Options {
             shading: self.shading,
             buried: self.buried,
             max_distance: self.max_distance,
-            model: self.model,
+            model: self.model.unwrap_or_default(),
             bounces: self.bounces,
             lights: self.lights.clone(),
             layers: self.layers.clone(),
@@ -469,10 +491,10 @@ impl Options {
                 Buried::Keep => "keep",
             },
             "max_distance": max_distance,
-            "model": match model {
+            "model": model.map(|model| match model {
                 Model::Phong => "phong",
                 Model::Ggx => "ggx",
-            },
+            }),
             "bounces": match bounces {
                 Bounces::Off => json!(0),
                 Bounces::Most(gathers) => json!(gathers),

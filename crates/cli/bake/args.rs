@@ -174,9 +174,10 @@ pub struct Job {
     #[arg(long, value_name = "D", value_parser = positive)]
     pub max_distance: Option<f64>,
     /// What the highlight is: the paper's lobe about the mirrored view, or microfacets of the roughness that the exponent stands for;
-    /// the layer `ggx` then stands in place of `phong`
-    #[arg(long, value_enum, default_value_t = Model::Phong)]
-    pub model: Model,
+    /// the layer `ggx` then stands in place of `phong` [default: what --layers, --only or --exponent ask for, else ggx for glTF and
+    /// phong for OBJ]
+    #[arg(long, value_enum)]
+    pub model: Option<Model>,
     /// How often surfaces send on the light that they receive: so many gathers, or auto until what is missing is less than the target
     /// error, or than half a step of 8 bits. Surfaces that shine join in
     #[arg(long, value_name = "N|auto", default_value = "0", value_parser = bounces)]

@@ -63,10 +63,10 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
         args::Buried::Keep => Buried::Keep,
     };
     options.max_distance = job.max_distance.map(|d| d as f32);
-    options.model = match job.model {
+    options.model = job.model.map(|model| match model {
         args::Model::Phong => Model::Phong,
         args::Model::Ggx => Model::Ggx,
-    };
+    });
     options.bounces = job.bounces;
     options.lights = lights(&job.sun, &job.point);
     options.normal_maps = job.normal_maps;

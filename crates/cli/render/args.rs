@@ -29,9 +29,9 @@ pub struct Args {
     pub view: View,
     #[command(flatten)]
     pub matte: Matte,
-    /// Ambient model
-    #[arg(long, value_enum, default_value_t = ModelName::Phong)]
-    pub model: ModelName,
+    /// Ambient model [default: that of the bake; without one ggx for glTF and phong for OBJ]
+    #[arg(long, value_enum)]
+    pub model: Option<ModelName>,
     /// Rays over the hemisphere of every camera sample, and as many over a specular lobe; 0 leaves ambient light out
     #[arg(long, value_name = "N", default_value_t = 64, conflicts_with = "bake", value_parser = clap::value_parser!(u32).range(0..=65_536))]
     pub rays: u32,

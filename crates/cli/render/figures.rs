@@ -7,7 +7,7 @@ use crate::progress::watch;
 use crate::stop::Stop;
 use ::bench::figures::{fig1, fig1_csv, fig1_svg, fig3};
 use ::render::tables::Balls;
-use ::render::{Error, Lamps};
+use ::render::{Error, Lamps, Model};
 use anyhow::{Context, bail};
 use rays::{RayBackend, Surfaces, World};
 use report::Output;
@@ -56,7 +56,7 @@ fn points(
     stop: &Stop,
 ) -> anyhow::Result<Files> {
     let (surfaces, lamps) = (Surfaces::new(world), Lamps::of(world));
-    let mut direct = options::direct(args, &surfaces, backend, &[], &lamps);
+    let mut direct = options::direct(args, Model::Phong, &surfaces, backend, &[], &lamps);
     let points = watch(options::show(args, "points"), stop, |progress| {
         fig1(&mut direct, progress)
     })?;
@@ -75,7 +75,7 @@ fn models(
     stop: &Stop,
 ) -> anyhow::Result<Files> {
     let (surfaces, lamps) = (Surfaces::new(world), Lamps::of(world));
-    let mut direct = options::direct(args, &surfaces, backend, &[], &lamps);
+    let mut direct = options::direct(args, Model::Phong, &surfaces, backend, &[], &lamps);
     let camera = options::framing(&args.view).camera(world)?;
     let figure = watch(options::show(args, "pixels"), stop, |progress| {
         fig3(&mut direct, &camera, args.view.samples, progress)

@@ -22,8 +22,9 @@ pub fn framing(view: &View) -> Framing {
     }
 }
 
-/// The ambient model.
-pub fn model(name: ModelName) -> Model {
+/// The ambient model that is asked for, or another.
+pub fn model(name: Option<ModelName>, or: impl FnOnce() -> Model) -> Model {
+    let Some(name) = name else { return or() };
     match name {
         ModelName::Traditional => Model::Traditional,
         ModelName::TraditionalClosed => Model::TraditionalClosed,
@@ -43,6 +44,7 @@ pub fn sky(args: &Args) -> [f32; 3] {
 /// What shades camera rays by integration.
 pub fn direct<'a>(
     args: &Args,
+    model: Model,
     surfaces: &'a Surfaces<'a>,
     backend: &'a dyn RayBackend,
     lights: &'a [Light],
@@ -52,7 +54,7 @@ pub fn direct<'a>(
     Direct {
         surfaces,
         backend,
-        model: model(args.model),
+        model,
         rays: args.rays,
         sky: rgb(sky(args)),
         background: rgb(args.background.unwrap_or(sky(args))),

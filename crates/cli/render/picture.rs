@@ -7,7 +7,9 @@ use crate::common::lights;
 use crate::outcome::{Outcome, say, say_json};
 use crate::progress::watch;
 use crate::stop::Stop;
-use ::render::{Error, Lamps, Lightmap, Sample, alpha, backdrop, exposed, exposure, picture};
+use ::render::{
+    Error, Lamps, Lightmap, Model, Sample, alpha, backdrop, exposed, exposure, picture,
+};
 use anyhow::Context;
 use glam::DVec3;
 use rays::{RayBackend, Surfaces, World};
@@ -18,6 +20,7 @@ use std::time::Instant;
 /// Makes the picture and writes it. Its ambient part is looked up in `lightmap` where there is one.
 pub fn draw(
     args: &Args,
+    model: Model,
     world: &World,
     backend: &dyn RayBackend,
     lightmap: Option<&Lightmap>,
@@ -34,7 +37,7 @@ pub fn draw(
     let surfaces = Surfaces::new(world);
     let lights = lights(&args.sun, &args.point);
     let lamps = Lamps::of(world);
-    let mut direct = options::direct(args, &surfaces, backend, &lights, &lamps);
+    let mut direct = options::direct(args, model, &surfaces, backend, &lights, &lamps);
     if let (Some(dir), None) = (&args.bake, args.sky) {
         direct.sky = baked_sky(dir)?;
     }

@@ -6,7 +6,9 @@ use crate::common::build;
 use crate::host;
 use crate::outcome::Outcome;
 use crate::stop::Stop;
-use ::render::Lightmap;
+use ::render::{Lightmap, Model};
+use scene::Format;
+use std::path::Path;
 use std::time::Instant;
 
 /// Runs the verb.
@@ -19,13 +21,20 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             file::ending(path)?;
         }
     }
-    let (scene, lightmap) = match &args.bake {
-        None => (scene::load_with(&args.scene, args.common.files())?, None),
+    let (scene, lightmap, model) = match &args.bake {
+        None => {
+            let scene = scene::load_with(&args.scene, args.common.files())?;
+            let model = options::model(args.model, || match scene.format {
+                Format::Gltf | Format::Glb => Model::Ggx,
+                Format::Obj | Format::Memory => Model::Phong,
+            });
+            (scene, None, model)
+        }
         Some(dir) => {
             let stem = args.scene.file_stem().unwrap_or_default().to_string_lossy();
-            let layer = options::model(args.model).name();
-            let (scene, map) = Lightmap::load(dir, &stem, layer)?;
-            (scene, Some(map))
+            let model = options::model(args.model, || baked_model(dir));
+            let (scene, map) = Lightmap::load(dir, &stem, model.name())?;
+            (scene, Some(map), model)
         }
     };
     let (world, backend) = build(scene, args.backend, threads)?;
@@ -36,5 +45,22 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if args.tables.asked() {
         return frames::draw(args, &world, backend, &stop, started);
     }
-    picture::draw(args, &world, backend, lightmap.as_ref(), &stop, started)
+    picture::draw(
+        args,
+        model,
+        &world,
+        backend,
+        lightmap.as_ref(),
+        &stop,
+        started,
+    )
+}
+
+/// The model that a bake was made by; Phong where that cannot be read.
+fn baked_model(dir: &Path) -> Model {
+    let bake = report::read_bake_report(&dir.join("bake.json")).ok();
+    match bake.as_ref().and_then(|bake| bake.options.get("model")) {
+        Some(model) if model == "ggx" => Model::Ggx,
+        _ => Model::Phong,
+    }
 }

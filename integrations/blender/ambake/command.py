@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 from .corners import OCCLUDER
 
-# What can be shown in the viewport. Those that every bake writes need no flag.
-STANDARD = ("visibility", "diffuse", "specular", "traditional", "lambert", "phong")
+# What can be shown in the viewport. Those that every bake writes need no flag; the model of highlights is that of the layer that is named.
+STANDARD = ("visibility", "diffuse", "specular", "traditional", "lambert")
 
 HOW_TO_GET = (
     "the program ambake was not found; install it (`cargo install --path .` in ambake's folder) and put it on the PATH, "

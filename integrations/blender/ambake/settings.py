@@ -15,7 +15,8 @@ SHOWN = [
     ("diffuse", "Ambient occlusion", "The diffuse term: cosine-weighted share of the sky that is open"),
     ("visibility", "Open sky", "Share of the hemisphere that is open: the traditional occlusion factor"),
     ("lambert", "Lambert", "Light that a matt surface sends back, colour included"),
-    ("phong", "Phong", "Lambert and the highlight of the material"),
+    ("ggx", "Shiny", "Lambert and the highlight of the material, as glTF and Principled BSDF define it"),
+    ("phong", "Phong", "Lambert and the highlight of the paper's Phong lobe"),
     ("traditional", "Traditional", "Colour times occlusion factor: the baseline"),
 ]
 
