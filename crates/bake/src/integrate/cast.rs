@@ -41,8 +41,9 @@ pub(super) struct Caster<'a> {
     pub reflects: &'a [bool],
     pub technique: Technique,
     pub sums: Vec<Replicates>,
-    /// Points that the sums hold.
+    /// Points that the sums hold, and whether a guide sent them.
     pub points: Vec<u32>,
+    pub guided: Vec<bool>,
     /// Of all texels or of none, as the next.
     pub moments: &'a mut [[Moments; REPLICATES as usize]],
     pub directions: Vec<[DirectionSums; REPLICATES as usize]>,
@@ -122,6 +123,7 @@ impl Caster<'_> {
             self.texels,
             &self.sums,
             &self.points,
+            &self.guided,
         );
         which.retain(|&i| !gathered.is_met(i, STOP_RADIUS, target.error, target.relative));
     }
@@ -157,8 +159,9 @@ impl Caster<'_> {
         }
     }
 
-    /// Notes where the rays of texels go, for lobes that share them.
+    /// Notes where the rays of texels go: for lobes that share them, too.
     fn remember(&mut self, which: &[usize], guide: &Guide) {
+        which.iter().for_each(|&i| self.guided[i] = true);
         if self.beside.is_empty() {
             return;
         }

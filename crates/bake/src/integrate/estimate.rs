@@ -9,8 +9,11 @@
 //! **Floor.** Replicates that all agree have no spread, yet something smaller than the points may stand between them: by
 //! the rule of three its share is below 3/N with 95 % confidence, which is two standard errors of 1.5/N, with N all points that
 //! agree.
+//!
+//! **Mean.** Rays weigh unevenly, above all where they are guided. A share is no ratio of sums, whose mean is off where rays are few;
+//! the weights of each replicate are corrected by what the other one found ([`Gathered::slopes`]).
 
-use super::sums::{REPLICATES, Replicates, Sums, Technique, Weights};
+use super::sums::{REPLICATES, Replicates, Sums, Technique, Weights, corrected, mean};
 use super::terms::{Halves, Terms, uniform_light};
 use crate::options::Sky;
 use crate::survey::Texel;
@@ -24,9 +27,12 @@ const NORMAL_AGREEMENT: f64 = 0.8;
 /// Texels this far away along an axis pool their variances.
 const POOL_RADIUS: i32 = 2;
 
+/// Texels this far away along an axis pool their slopes.
+const SLOPE_RADIUS: i32 = 1;
+
 /// What a technique estimates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Quantity {
+pub(super) enum Quantity {
     Diffuse,
     Visibility,
     Specular,
@@ -56,15 +62,19 @@ impl Technique {
     }
 }
 
-/// A tile's texels with the sums of their replicates under one technique, of which `points[i]` have been spent on each.
+/// A tile's texels with the sums of their replicates under one technique, of which `points[i]` have been spent on each; `guided[i]` says
+/// whether these were sent by a guide.
 pub(crate) struct Gathered<'a> {
     sky: &'a Sky,
-    technique: Technique,
-    texels: &'a [Texel],
-    sums: &'a [Replicates],
+    pub technique: Technique,
+    pub texels: &'a [Texel],
+    pub sums: &'a [Replicates],
     points: &'a [u32],
+    guided: &'a [bool],
     /// Texel of each place in the tile; none where nothing was spent.
     at: [usize; (TILE * TILE) as usize],
+    /// Each quantity's share by each replicate, by texel; 0 for what the technique does not estimate.
+    shares: Vec<[[f64; 2]; 3]>,
     /// Variance of each quantity's mean, by texel; 0 for what the technique does not estimate.
     own: Vec<[f64; 5]>,
 }
@@ -77,6 +87,7 @@ impl<'a> Gathered<'a> {
         texels: &'a [Texel],
         sums: &'a [Replicates],
         points: &'a [u32],
+        guided: &'a [bool],
     ) -> Self {
         let mut at = [usize::MAX; (TILE * TILE) as usize];
         for (i, texel) in texels.iter().enumerate() {
@@ -84,27 +95,61 @@ impl<'a> Gathered<'a> {
                 at[(texel.y % TILE * TILE + texel.x % TILE) as usize] = i;
             }
         }
-        let lights = match sky.map() {
-            None => &[],
-            Some(_) => technique.lights(),
-        };
-        let own = (0..texels.len())
-            .map(|i| {
-                let mut own = [0.0; 5];
-                for &quantity in technique.shares().iter().chain(lights) {
-                    own[quantity as usize] = own_variance(sky, &sums[i], points[i], quantity);
-                }
-                own
-            })
-            .collect();
-        Self {
+        let mut gathered = Self {
             sky,
             technique,
             texels,
             sums,
             points,
+            guided,
             at,
-            own,
+            shares: vec![Default::default(); texels.len()],
+            own: vec![Default::default(); texels.len()],
+        };
+        for i in (0..texels.len()).filter(|&i| points[i] > 0) {
+            for &quantity in technique.shares() {
+                let slopes = gathered.slopes(i, quantity);
+                gathered.shares[i][quantity as usize] = [0, 1].map(|k: usize| match sums[i][k] {
+                    // What has no points takes what the other says.
+                    own if own.points == 0 => slopes[k],
+                    own => corrected(weights(&own, quantity), own.points, slopes[k]),
+                });
+            }
+            for &quantity in technique.shares().iter().chain(gathered.lights()) {
+                gathered.own[i][quantity as usize] = gathered.own_variance(i, quantity);
+            }
+        }
+        gathered
+    }
+
+    /// By what the weights of each replicate of a texel are corrected ([`corrected`]): the open share that the other replicate found. A few
+    /// guided rays may all be open by chance although they are few of those that could be drawn; so where rays are guided it is that of
+    /// the texels about it, if that is less. Where a replicate has no points, both slopes are what the other found.
+    pub fn slopes(&self, i: usize, quantity: Quantity) -> [f64; 2] {
+        let own = self.sums[i].each_ref();
+        let [a, b] = own.map(|sums| weights(sums, quantity).share());
+        let [a, b] = match own.map(|sums| sums.points > 0) {
+            [true, true] => [b, a],
+            [true, false] => [a, a],
+            _ => [b, b],
+        };
+        if !self.guided[i] {
+            return [a, b];
+        }
+        let mut pooled = [Weights::default(); 2];
+        for j in neighbours(self.texels, &self.at, i, SLOPE_RADIUS) {
+            for (sum, sums) in pooled.iter_mut().zip(&self.sums[j]) {
+                *sum += weights(sums, quantity);
+            }
+        }
+        [a.min(pooled[1].share()), b.min(pooled[0].share())]
+    }
+
+    /// Light that the technique estimates.
+    fn lights(&self) -> &'static [Quantity] {
+        match self.sky.map() {
+            None => &[],
+            Some(_) => self.technique.lights(),
         }
     }
 
@@ -116,13 +161,13 @@ impl<'a> Gathered<'a> {
         let sums = Sums::of(&self.sums[i]);
         let pool = self.pool(i, POOL_RADIUS);
         let share = |quantity| Estimate {
-            value: value(self.sky, &sums, quantity),
+            value: self.value(i, quantity),
             std_err: self.std_err(&pool, quantity),
         };
         let light = |quantity, term| match self.sky.map() {
             None => uniform_light(self.sky.floor(), term),
             Some(_) => Estimate {
-                value: light(self.sky, &sums, quantity),
+                value: self.light(i, quantity),
                 std_err: self.std_err(&pool, quantity),
             },
         };
@@ -151,18 +196,18 @@ impl<'a> Gathered<'a> {
 
     /// Half of what the two halves of a texel's replicates differ by, in all that the technique estimates.
     fn halves(&self, i: usize) -> Halves {
-        let [a, b] = self.sums[i];
-        let share = |quantity| match self.technique.shares().contains(&quantity) {
-            true => 0.5 * (value(self.sky, &a, quantity) - value(self.sky, &b, quantity)),
-            false => 0.0,
+        let [a, b] = &self.sums[i];
+        let share = |quantity| {
+            let [a, b] = self.shares[i][quantity as usize];
+            0.5 * (a - b)
         };
         let (diffuse, specular) = (share(Diffuse), share(Specular));
-        let light = |quantity, share: f64| match self.sky.map() {
-            None => self.sky.floor() * share,
-            Some(_) if self.technique.lights().contains(&quantity) => {
-                0.5 * (light(self.sky, &a, quantity) - light(self.sky, &b, quantity))
+        let light = |quantity, share: f64| {
+            let even = self.sky.floor() * share;
+            match self.technique.lights().contains(&quantity) {
+                true => even + 0.5 * (above(self.sky, a, quantity) - above(self.sky, b, quantity)),
+                false => even,
             }
-            Some(_) => DVec3::ZERO,
         };
         Halves {
             diffuse,
@@ -177,20 +222,44 @@ impl<'a> Gathered<'a> {
     /// True where the standard errors of a texel's first share, and of light in units of the sky's mean radiance, are at most
     /// `error`, or at most `relative` times the value where that is larger.
     pub fn is_met(&self, i: usize, radius: i32, error: f64, relative: f64) -> bool {
-        let lights = match self.sky.map() {
-            None => &[],
-            Some(_) => self.technique.lights(),
-        };
-        let sums = Sums::of(&self.sums[i]);
         let pool = self.pool(i, radius);
-        let mut watched = self.technique.shares().iter().take(1).chain(lights);
+        let mut watched = self.technique.shares().iter().take(1).chain(self.lights());
         watched.all(|&quantity| {
             let most = (error * self.unit(quantity)).max(match relative {
                 0.0 => 0.0,
-                _ => relative * value(self.sky, &sums, quantity),
+                _ => relative * self.value(i, quantity),
             });
             self.std_err(&pool, quantity) <= most
         })
+    }
+
+    /// A quantity of all replicates: a share, or the mean of the channels of light.
+    fn value(&self, i: usize, quantity: Quantity) -> f64 {
+        match quantity {
+            Diffuse | Visibility | Specular => {
+                mean(&self.sums[i], self.shares[i][quantity as usize]).clamp(0.0, 1.0)
+            }
+            Irradiance | Reflection => self.light(i, quantity).element_sum() / 3.0,
+        }
+    }
+
+    /// Light of all replicates: the sky's floor by the share that is open, and what stands out of it.
+    fn light(&self, i: usize, quantity: Quantity) -> DVec3 {
+        let total = Sums::of(&self.sums[i]);
+        self.sky.floor() * self.value(i, share_of(quantity)) + above(self.sky, &total, quantity)
+    }
+
+    /// Variance of a quantity's mean, by the replicates that have points.
+    fn own_variance(&self, i: usize, quantity: Quantity) -> f64 {
+        let used = self.points[i].min(REPLICATES) as usize;
+        let mut values = self.shares[i][share_of(quantity) as usize];
+        if let Irradiance | Reflection = quantity {
+            let floor = self.sky.floor().element_sum() / 3.0;
+            for (value, sums) in values.iter_mut().zip(&self.sums[i]) {
+                *value = floor * *value + above(self.sky, sums, quantity).element_sum() / 3.0;
+            }
+        }
+        variance_of_mean(&values[..used])
     }
 
     /// The value of a quantity that all points would see.
@@ -262,56 +331,32 @@ fn neighbours<'a>(
         })
 }
 
-/// A quantity from sums: a share, or the mean of the channels of light.
-fn value(sky: &Sky, sums: &Sums, quantity: Quantity) -> f64 {
-    match quantity {
-        Diffuse => sums.diffuse.share(),
-        Visibility => sums.visibility.share(),
-        Specular => sums.specular.share(),
-        Irradiance | Reflection => light(sky, sums, quantity).element_sum() / 3.0,
-    }
-}
-
-/// Light from sums: the sky's floor by the share that is open, and what stands out of it.
-fn light(sky: &Sky, sums: &Sums, quantity: Quantity) -> DVec3 {
-    let (share, above) = match quantity {
-        Reflection => (sums.specular.share(), sums.reflection),
-        _ => (sums.diffuse.share(), sums.irradiance),
-    };
-    let scale = sky.map().map_or(0.0, |map| map.scale());
-    sky.floor() * share + above * (scale / sums.points.max(1) as f64)
-}
-
-/// Variance of a quantity's mean. A share is a ratio of sums, whose error is, to first order, that of its numerator less the share times
-/// its denominator; ratios of single replicates would spread by more.
-fn own_variance(sky: &Sky, replicates: &Replicates, points: u32, quantity: Quantity) -> f64 {
-    let total = Sums::of(replicates);
-    let weights = |sums: &Sums| match quantity {
-        Diffuse => sums.diffuse,
+/// The weights of a share, or of the share that light comes by.
+fn weights(sums: &Sums, quantity: Quantity) -> Weights {
+    match share_of(quantity) {
         Visibility => sums.visibility,
         Specular => sums.specular,
-        Irradiance | Reflection => Weights::default(),
-    };
-    let all = weights(&total).all;
-    if all == 0.0 {
-        return spread(replicates, points, |sums| value(sky, sums, quantity));
+        _ => sums.diffuse,
     }
-    let share = weights(&total).share();
-    let each = all / total.points as f64;
-    spread(replicates, points, |sums| {
-        let own = weights(sums);
-        (own.open - share * own.all) / (each * sums.points as f64)
-    })
 }
 
-/// Variance of the mean of the replicates that have points.
-fn spread(replicates: &Replicates, points: u32, of: impl Fn(&Sums) -> f64) -> f64 {
-    let used = points.min(REPLICATES) as usize;
-    let mut values = [0.0; REPLICATES as usize];
-    for (value, sums) in values.iter_mut().zip(replicates) {
-        *value = of(sums);
+/// A share itself, or the share that light comes by.
+fn share_of(quantity: Quantity) -> Quantity {
+    match quantity {
+        Irradiance => Diffuse,
+        Reflection => Specular,
+        share => share,
     }
-    variance_of_mean(&values[..used])
+}
+
+/// Light that stands out of the sky's floor.
+fn above(sky: &Sky, sums: &Sums, quantity: Quantity) -> DVec3 {
+    let scale = sky.map().map_or(0.0, |map| map.scale());
+    let sum = match quantity {
+        Reflection => sums.reflection,
+        _ => sums.irradiance,
+    };
+    sum * (scale / sums.points.max(1) as f64)
 }
 
 /// Unbiased variance of the mean of independent values of equal variance; 0 for fewer than two.
@@ -337,24 +382,33 @@ mod tests {
         assert_eq!(variance_of_mean(&[]), 0.0);
     }
 
-    /// Replicates of two points each, with these weights of open rays and of all.
-    fn replicates(weights: [[f64; 2]; 2]) -> Replicates {
-        let mut replicates = Replicates::default();
-        for (sums, [open, all]) in replicates.iter_mut().zip(weights) {
-            sums.diffuse = Weights { open, all };
-            sums.points = 2;
+    /// Points whose weights are uneven, and of which those count that weigh much: a ratio of few is too small.
+    #[test]
+    fn no_mean_is_moved_however_few_the_points_are() {
+        let mut mix = rays::Mix(5);
+        // Weights of 1/2 and 3/2 by halves: their mean is 1. Those of 3/2 count.
+        let mut half = || {
+            let drawn = [0, 1].map(|_| 0.5 + f64::from(u8::from(mix.unit() < 0.5)));
+            let open = drawn.iter().filter(|w| **w > 1.0).sum();
+            let all = drawn.iter().sum();
+            Weights { open, all }
+        };
+        let tries = 40_000;
+        let (mut means, mut ratios) = (0.0, 0.0);
+        for _ in 0..tries {
+            let [a, b] = [half(), half()];
+            means += corrected(a, 2, b.share()) / f64::from(tries);
+            ratios += a.share() / f64::from(tries);
         }
-        replicates
+        assert!((means - 0.75).abs() < 0.01, "{means}");
+        assert!((ratios - 0.75).abs() > 0.03, "{ratios}");
     }
 
     #[test]
-    fn a_ratio_of_sums_states_what_its_numerator_leaves() {
-        let sky = Sky::Uniform([1.0; 3]);
-        let variance = |weights| own_variance(&sky, &replicates(weights), 2, Diffuse);
-        // The share of both is 1/2, whatever their weights.
-        assert_eq!(variance([[1.0, 2.0], [2.0, 4.0]]), 0.0);
-        // 2 - 1/2 2 = 1 and 1 - 1/2 4 = -1 are left, by 3/2 a point and two points each: 1/3 and -1/3.
-        let two = variance([[2.0, 2.0], [1.0, 4.0]]);
-        assert!((two - 1.0 / 9.0).abs() < 1e-15, "{two}");
+    fn weights_that_are_drawn_unevenly_are_no_error_where_all_is_open_or_closed() {
+        let of = |open, all, slope| corrected(Weights { open, all }, 2, slope);
+        assert_eq!([of(1.5, 1.5, 1.0), of(4.0, 4.0, 1.0)], [1.0, 1.0]);
+        assert_eq!([of(0.0, 1.5, 0.0), of(0.0, 4.0, 0.0)], [0.0, 0.0]);
+        assert_eq!(of(1.0, 4.0, 0.25), 0.25);
     }
 }

@@ -18,7 +18,7 @@ const MOST: usize = 12;
 /// One in so many blocks of texels is baked first.
 const PROBED: usize = 4;
 
-/// Points of a replicate below which no texel is baked twice: ratios of fewer weights are biased.
+/// Points of a replicate below which no texel is baked twice.
 pub(super) const FEWEST_POINTS: u32 = 8;
 
 /// Cosine of the angle by which normals of one surface turn at most.

@@ -41,10 +41,10 @@ use crate::options::{Effort, Model, Shading};
 use crate::survey::Texel;
 use ambient::Estimate;
 use cast::{Caster, Target};
-use estimate::Gathered;
+use estimate::{Gathered, Quantity};
 use gang::{Beside, DirectionSums, Moments};
 use glam::DVec3;
-use sums::{REPLICATES, Replicates, Sums, Technique};
+use sums::{REPLICATES, Replicates, Technique, mean};
 
 /// Integrates the texels of one tile. `reflects` says which of them need the specular term.
 pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) -> Vec<Terms> {
@@ -192,6 +192,7 @@ fn rounds(
         technique,
         sums: vec![Replicates::default(); texels.len()],
         points: vec![0; texels.len()],
+        guided: vec![false; texels.len()],
         moments,
         directions: vec![none; if gathers { texels.len() } else { 0 }],
         beside,
@@ -214,27 +215,26 @@ fn rounds(
     let Caster {
         sums,
         points,
+        guided,
         directions,
+        moments,
         ..
     } = caster;
-    let gathered = Gathered::new(task.sky, technique, texels, &sums, &points);
+    let gathered = Gathered::new(task.sky, technique, texels, &sums, &points, &guided);
+    for (i, moments) in moments.iter_mut().enumerate() {
+        let slopes = gathered.slopes(i, Quantity::Visibility);
+        for (moments, slope) in moments.iter_mut().zip(slopes) {
+            moments.slope = slope;
+        }
+    }
     let mut terms: Vec<Terms> = (0..texels.len()).map(|i| gathered.terms(i)).collect();
-    for (i, directions) in directions
-        .iter()
-        .enumerate()
-        .filter(|(i, _)| points[*i] > 0)
-    {
-        let normal = texels[i].normal;
-        let of = |sums: &Sums, directions: DirectionSums| {
-            directions.terms(task, technique, normal, sums)
-        };
-        let [a, b] = *directions;
-        let mut both = a;
-        both += b;
-        terms[i].directional = of(&Sums::of(&sums[i]), both);
-        let [half_a, half_b] = sums[i];
-        let halves = of(&half_a, a).with(&of(&half_b, b), |a, b| 0.5 * (a - b));
-        terms[i].halves.directional = halves;
+    for (i, directions) in directions.iter().enumerate() {
+        if points[i] == 0 {
+            continue;
+        }
+        let [a, b] = DirectionSums::terms(directions, task, &gathered, i);
+        terms[i].directional = a.with(&b, |a, b| mean(&sums[i], [a, b]));
+        terms[i].halves.directional = a.with(&b, |a, b| 0.5 * (a - b));
     }
     terms
 }

@@ -96,6 +96,24 @@ impl AddAssign for GlossSums {
     }
 }
 
+/// An open share by one replicate of so many points, with the slope β: `(Σ w V - β Σ (w - 1)) / n`. The mean of weights is 1, so no mean is
+/// moved, however few the points are, if β is independent of them; the mean of a ratio would be. With β = V, as where all is
+/// open or closed, weights that were drawn unevenly do not count.
+pub(crate) fn corrected(own: Weights, points: u64, slope: f64) -> f64 {
+    let points = points as f64;
+    (own.open - slope * (own.all - points)) / points
+}
+
+/// The mean of what each replicate says, by its points.
+pub(crate) fn mean<T>(replicates: &Replicates, [a, b]: [T; 2]) -> T
+where
+    T: std::ops::Mul<f64, Output = T> + std::ops::Add<Output = T>,
+{
+    let [of_a, of_b] = replicates.each_ref().map(|sums| sums.points as f64);
+    let all = (of_a + of_b).max(1.0);
+    a * (of_a / all) + b * (of_b / all)
+}
+
 impl Sums {
     /// The sums of all replicates.
     pub fn of(replicates: &Replicates) -> Self {

@@ -6,7 +6,8 @@
 )]
 
 use super::step::{Drawn, Step};
-use crate::integrate::sums::{Sums, Technique};
+use crate::integrate::estimate::{Gathered, Quantity};
+use crate::integrate::sums::{Technique, corrected};
 use crate::integrate::task::Task;
 use crate::integrate::terms::Directional;
 use ambient::lanes::{LANES, Wide};
@@ -128,37 +129,39 @@ impl AddAssign for DirectionSums {
 }
 
 impl DirectionSums {
-    /// What a technique says of a texel with the shading normal `normal`, from the sums of the same rays.
+    /// What each replicate says of texel `i`, whose rays gave these sums.
     ///
-    /// With β the open share, a mean is `Σ w (V - β) L / Σ w` and β times that of an open texel: what rays that all agree have drawn
+    /// With β the slope of a share, a mean is `Σ w (V - β) L / n` and β times that of an open texel: what rays that all agree have drawn
     /// unevenly does not count, so that an open texel is exact and a closed one 0.
     pub fn terms(
-        &self,
+        replicates: &[Self; 2],
         task: &Task<'_>,
-        technique: Technique,
-        normal: DVec3,
-        sums: &Sums,
-    ) -> Directional {
-        let mut terms = Directional::default();
-        if technique == Technique::Hemisphere {
-            let mean = |k: usize, weights: crate::integrate::sums::Weights, open: DVec3| {
-                let share = weights.share();
-                let own = match weights.all > 0.0 {
-                    true => (self.open[k] - share * self.all[k]) / weights.all,
-                    false => DVec3::ZERO,
+        gathered: &Gathered<'_>,
+        i: usize,
+    ) -> [Directional; 2] {
+        let normal = gathered.texels[i].normal;
+        let cosines = gathered.slopes(i, Quantity::Diffuse);
+        let even = gathered.slopes(i, Quantity::Visibility);
+        [0, 1].map(|k: usize| {
+            let (own, sums) = (&replicates[k], &gathered.sums[i][k]);
+            let points = sums.points.max(1);
+            let mut terms = Directional::default();
+            if gathered.technique == Technique::Hemisphere {
+                let mean = |weight: usize, slope: f64, open: DVec3| {
+                    (own.open[weight] - slope * own.all[weight]) / points as f64 + slope * open
                 };
-                own + share * open
-            };
-            terms.bent = mean(0, sums.diffuse, normal * (2.0 / 3.0));
-            let mean = 0.5 * mean(1, sums.visibility, 0.5 * normal);
-            terms.light = Directional::even(task.sky.floor(), 0.5 * sums.visibility.share(), mean);
-        }
-        if let Some(map) = task.sky.map() {
-            let scale = map.scale() / sums.points.max(1) as f64;
-            for (light, above) in terms.light.iter_mut().zip(self.light) {
-                *light += above * scale;
+                terms.bent = mean(0, cosines[k], normal * (2.0 / 3.0));
+                let mean = 0.5 * mean(1, even[k], 0.5 * normal);
+                let share = corrected(sums.visibility, points, even[k]);
+                terms.light = Directional::even(task.sky.floor(), 0.5 * share, mean);
             }
-        }
-        terms
+            if let Some(map) = task.sky.map() {
+                let scale = map.scale() / points as f64;
+                for (light, above) in terms.light.iter_mut().zip(own.light) {
+                    *light += above * scale;
+                }
+            }
+            terms
+        })
     }
 }

@@ -406,7 +406,7 @@ impl<'a> Gang<'a> {
             return;
         };
         for (l, lane) in self.lanes.iter().enumerate() {
-            moments.collect(l, &mut replicates[lane.texel][lane.replicate]);
+            moments.collect(l, self.points, &mut replicates[lane.texel][lane.replicate]);
         }
     }
 

@@ -14,8 +14,11 @@ use std::sync::LazyLock;
 /// Sums of one replicate by harmonic: over open rays and over all, each by its weight as a uniform direction.
 #[derive(Clone)]
 pub(crate) struct Moments {
-    pub open: [f64; COUNT],
-    pub all: [f64; COUNT],
+    open: [f64; COUNT],
+    all: [f64; COUNT],
+    points: f64,
+    /// By what the weights are corrected: an open share that other rays found.
+    pub slope: f64,
 }
 
 /// What the lanes of a gang gather, up to an order.
@@ -112,8 +115,9 @@ impl LaneMoments {
         }
     }
 
-    /// Adds what a lane gathered to its replicate.
-    pub fn collect(&self, lane: usize, moments: &mut Moments) {
+    /// Adds what a lane gathered from so many points to its replicate.
+    pub fn collect(&self, lane: usize, points: u64, moments: &mut Moments) {
+        moments.points += points as f64;
         let into = [&mut moments.open, &mut moments.all];
         for (into, sums) in into.into_iter().zip(&*self.sums) {
             for (sum, lanes) in into.iter_mut().zip(sums) {
@@ -128,47 +132,36 @@ impl Default for Moments {
         Self {
             open: [0.0; COUNT],
             all: [0.0; COUNT],
+            points: 0.0,
+            slope: 0.0,
         }
     }
 }
 
 /// The coefficients of a texel from its replicates, and their variances.
 ///
-/// With β the open share, `c = Σ w (V - β) y / Σ w` and β for y(0, 0): what rays that all agree have drawn unevenly does not count, so
+/// With β the slope, `c = Σ w (V - β) y / n`, and β more for y(0, 0): what rays that all agree have drawn unevenly does not count, so
 /// that an open texel is exactly (1, 0, …) and a closed one 0.
 pub(crate) fn coefficients(replicates: &[Moments]) -> (Coefficients, [f64; COUNT]) {
-    let of = |moments: &Moments, share: f64| {
-        let mut values = [0.0; COUNT];
-        for (value, (open, all)) in values.iter_mut().zip(moments.open.iter().zip(moments.all)) {
-            *value = (open - share * all) / moments.all[0];
-        }
-        values[0] = moments.open[0] / moments.all[0];
-        values
-    };
-    let mut total = Moments::default();
-    for moments in replicates {
-        for (into, from) in [
-            (&mut total.open, &moments.open),
-            (&mut total.all, &moments.all),
-        ] {
-            for (sum, value) in into.iter_mut().zip(from) {
-                *sum += value;
-            }
-        }
-    }
-    if total.all[0] <= 0.0 {
-        return (Coefficients::default(), [0.0; COUNT]);
-    }
-    let share = total.open[0] / total.all[0];
-    let drawn: Vec<[f64; COUNT]> = replicates
-        .iter()
-        .filter(|moments| moments.all[0] > 0.0)
-        .map(|moments| of(moments, share))
+    let used = || replicates.iter().filter(|own| own.points > 0.0);
+    let drawn: Vec<[f64; COUNT]> = used()
+        .map(|own| {
+            let of = |at: usize| (own.open[at] - own.slope * own.all[at]) / own.points;
+            let mut values: [f64; COUNT] = std::array::from_fn(of);
+            values[0] += own.slope;
+            values
+        })
         .collect();
-    let mut variances = [0.0; COUNT];
-    for (at, variance) in variances.iter_mut().enumerate() {
-        let values: Vec<f64> = drawn.iter().map(|values| values[at]).collect();
-        *variance = super::super::estimate::variance_of_mean(&values);
+    let points: f64 = used().map(|own| own.points).sum();
+    let mut values = [0.0; COUNT];
+    for (own, drawn) in used().zip(&drawn) {
+        for (value, of_own) in values.iter_mut().zip(drawn) {
+            *value += of_own * (own.points / points);
+        }
     }
-    (Coefficients(of(&total, share)), variances)
+    let variances = std::array::from_fn(|at| {
+        let values: Vec<f64> = drawn.iter().map(|values| values[at]).collect();
+        super::super::estimate::variance_of_mean(&values)
+    });
+    (Coefficients(values), variances)
 }
