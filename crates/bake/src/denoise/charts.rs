@@ -2,7 +2,7 @@
 //!
 //! Two texels side by side are *linked* when nothing suggests that their surfaces differ: both have data, they belong to one
 //! object, their normals turn by less than a crease, and they are as near in space as their neighbours. Texels that a chain of
-//! links joins are one chart. Charts are what the denoiser works on: nothing crosses from one to another.
+//! links joins are one chart. Charts are what the denoiser works on; what goes on in other charts is [`super::beyond`]'s matter.
 
 use super::choose::{ALIGNED, REACH};
 use super::field::Field;
@@ -19,8 +19,26 @@ const JUMP: f64 = 3.0;
 #[derive(Debug)]
 pub(super) struct Chart {
     pub texels: Vec<u32>,
+    pub area: Area,
+}
+
+/// The charts of a page.
+#[derive(Debug)]
+pub(super) struct Charts {
+    /// In the order of their first texels.
+    pub charts: Vec<Chart>,
+    /// The number of the chart of each texel; [`NONE`] where there is no data.
+    pub number: Vec<u32>,
+}
+
+/// No chart.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// A rectangle of texels, which may reach beyond the page.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Area {
     /// First column and row.
-    pub at: [usize; 2],
+    pub at: [i32; 2],
     /// Columns and rows.
     pub size: [usize; 2],
 }
@@ -41,6 +59,37 @@ impl Band {
 }
 
 impl Chart {
+    /// The texels of some of the rows of an area, on a page of this size.
+    pub fn texels_of(&self, area: &Area, rows: &Range<usize>, page: usize) -> &[u32] {
+        let before = |row: usize| {
+            let first = (i64::from(area.at[1]) + row as i64) * page as i64;
+            self.texels
+                .partition_point(|&texel| i64::from(texel) < first)
+        };
+        &self.texels[before(rows.start)..before(rows.end)]
+    }
+}
+
+impl Area {
+    /// The least one about these places, columns and rows; there is one at least.
+    fn about(places: impl Iterator<Item = [i32; 2]>) -> Self {
+        let (mut low, mut high) = ([i32::MAX; 2], [i32::MIN; 2]);
+        for place in places {
+            for k in 0..2 {
+                low[k] = low[k].min(place[k]);
+                high[k] = high[k].max(place[k]);
+            }
+        }
+        let size = [0, 1].map(|k| (high[k] - low[k]) as usize + 1);
+        Self { at: low, size }
+    }
+
+    /// The least one about it and these places.
+    pub fn with(&self, places: impl Iterator<Item = [i32; 2]>) -> Self {
+        let last = [0, 1].map(|k| self.at[k] + self.size[k] as i32 - 1);
+        Self::about(places.chain([self.at, last]))
+    }
+
     /// Bands of about so many texels from top to bottom. Where they begin changes no texel's fits.
     pub fn bands(&self, texels: usize) -> Vec<Band> {
         let [width, height] = self.size;
@@ -56,25 +105,21 @@ impl Chart {
         starts.map(band).collect()
     }
 
-    /// The texels of some of its rows, on a page of this size.
-    pub fn texels_of(&self, rows: &Range<usize>, page: usize) -> &[u32] {
-        let before = |row: usize| {
-            let first = (self.at[1] + row) * page;
-            self.texels
-                .partition_point(|&texel| (texel as usize) < first)
-        };
-        &self.texels[before(rows.start)..before(rows.end)]
+    /// The place of a texel of the page in a plane over some of the rows.
+    pub fn local(&self, texel: u32, rows: &Range<usize>, page: usize) -> usize {
+        let place = [texel as usize % page, texel as usize / page];
+        self.local_at(place.map(|place| place as i32), rows)
     }
 
-    /// The place of a texel in a plane over some of the rows.
-    pub fn local(&self, texel: u32, rows: &Range<usize>, page: usize) -> usize {
-        let (x, y) = (texel as usize % page, texel as usize / page);
-        (y - self.at[1] - rows.start) * self.size[0] + x - self.at[0]
+    /// The same of a column and row.
+    pub fn local_at(&self, place: [i32; 2], rows: &Range<usize>) -> usize {
+        let [x, y] = [0, 1].map(|k| (place[k] - self.at[k]) as usize);
+        (y - rows.start) * self.size[0] + x
     }
 }
 
-/// The charts of a page, in the order of their first texels.
-pub(super) fn charts(field: &Field<'_>) -> Vec<Chart> {
+/// The charts of a page.
+pub(super) fn charts(field: &Field<'_>) -> Charts {
     const RIGHT: u8 = 1;
     const DOWN: u8 = 2;
     let size = field.size;
@@ -100,33 +145,27 @@ pub(super) fn charts(field: &Field<'_>) -> Vec<Chart> {
             join(&mut parent, texel, texel + size);
         }
     }
-    let mut charts: Vec<Chart> = Vec::new();
-    let mut number = vec![u32::MAX; size * size];
+    let mut texels: Vec<Vec<u32>> = Vec::new();
+    let mut number = vec![NONE; size * size];
     for texel in (0..size * size).filter(|&texel| field.has_data(texel)) {
         let root = root(&mut parent, texel);
         if root == texel {
-            number[texel] = charts.len() as u32;
-            charts.push(Chart {
-                texels: Vec::new(),
-                at: [usize::MAX; 2],
-                size: [0; 2],
-            });
+            number[texel] = texels.len() as u32;
+            texels.push(Vec::new());
         }
-        let chart = &mut charts[number[root] as usize];
-        chart.texels.push(texel as u32);
-        for (k, place) in [texel % size, texel / size].into_iter().enumerate() {
-            chart.at[k] = chart.at[k].min(place);
-            // The last column or row until all are known.
-            chart.size[k] = chart.size[k].max(place);
-        }
+        number[texel] = number[root];
+        texels[number[root] as usize].push(texel as u32);
     }
-    for chart in &mut charts {
-        chart.texels.shrink_to_fit();
-        for k in 0..2 {
-            chart.size[k] = chart.size[k] + 1 - chart.at[k];
-        }
+    let chart = |mut texels: Vec<u32>| {
+        texels.shrink_to_fit();
+        let place = |&texel: &u32| [texel % size as u32, texel / size as u32];
+        let area = Area::about(texels.iter().map(|t| place(t).map(|place| place as i32)));
+        Chart { texels, area }
+    };
+    Charts {
+        charts: texels.into_iter().map(chart).collect(),
+        number,
     }
-    charts
 }
 
 fn root(parent: &mut [u32], texel: usize) -> usize {

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Strides of the fits; at each a quadratic and a linear one compete.
-const STRIDES: [usize; 4] = [2, 4, 8, 16];
+const STRIDES: [usize; 5] = [2, 4, 8, 16, 32];
 
 /// Rows on each side of a texel that its fits depend on: two windows of the widest stride, in whose first half the squares of moves stay
 /// that are averaged twice, and what strays ([`super::strays`]) bring there from beyond.
@@ -37,8 +37,10 @@ pub(super) const CHANNELS: usize = 3;
 /// What is known of a texel while candidates are tried.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Texel {
-    /// Variance of the plain mean; 0 where no ray of the neighbourhood disagrees.
+    /// Variance of the plain mean; 0 where no ray of the neighbourhood disagrees, unless all of them met nothing that shines.
     pub plain: f32,
+    /// No ray of the neighbourhood disagrees.
+    pub agrees: bool,
     /// Squared bias that is seen of the texels about it.
     pub near_bias: f32,
     /// Variance and squared bias of the last candidate, mean of the channels.
@@ -73,7 +75,7 @@ impl Texel {
         }
     }
 
-    /// Counts a candidate of this error, in units of `unit`. Errors below 1e-5 of it weigh alike.
+    /// Counts a candidate of this error, in units of `unit`. Errors below 1e-5 of it weigh alike, and so do those beyond 1e5.
     fn count(
         &mut self,
         risk: f32,
@@ -82,7 +84,7 @@ impl Texel {
         value: impl Fn(usize) -> f32,
         channels: usize,
     ) {
-        let inverse = 1.0 / (risk / unit).max(1e-5);
+        let inverse = 1.0 / (risk / unit).clamp(1e-5, 1e5);
         let square = inverse * inverse;
         let weight = square * square * square;
         self.weights += weight;
@@ -131,12 +133,14 @@ impl Whole {
 }
 
 /// The texels of a chart, or of a band of one that has several, after all candidates; `None` where the halves agree everywhere. `data`: the
-/// channels of M, then the mean channel of H; `near` becomes the number of the chart's texels about each.
+/// channels of M, then the mean channel of H; `near` becomes the number of the chart's texels about each. `dark`: by the texel, the
+/// standard error of a neighbourhood of so many without light.
 pub(super) fn choose(
     mask: &Plane,
     data: &[Plane],
     whole: Option<&Whole>,
     near: &mut Plane,
+    dark: impl Fn(usize, f32) -> f32 + Sync,
 ) -> Option<Vec<Texel>> {
     let channels = data.len() - 1;
     let half = &data[channels];
@@ -160,6 +164,11 @@ pub(super) fn choose(
     let mut texels = vec![Texel::default(); mask.values.len()];
     each(mask, &mut texels, |i, texel| {
         texel.plain = variances.values[i] / near.values[i];
+        texel.agrees = texel.plain == 0.0;
+        if texel.agrees && mean(data, i) == 0.0 {
+            // What neighbours farther away met may reach here too.
+            texel.plain = dark(i, near.values[i]).powi(2);
+        }
         texel.variance = texel.plain;
         texel.count(
             texel.plain,

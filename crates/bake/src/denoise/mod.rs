@@ -2,9 +2,10 @@
 //!
 //! Each chart is fitted by polynomials over windows of several sizes ([`fit`]), and each texel takes the mean of these fits and of
 //! its plain value, weighted by estimates of their errors ([`choose`]) that need no model of the noise: two independent halves of
-//! its rays are fitted alike. Fits move no chart's mean. The standard errors that come back include the bias that is estimated; what
+//! its rays are fitted alike. Fits move no mean of what is fitted together: a chart and what it goes on in ([`beyond`]). The standard errors that come back include the bias that is estimated; what
 //! texels predict of it is held against what the halves show of the whole page ([`stated`]).
 
+mod beyond;
 mod charts;
 mod choose;
 mod field;
@@ -14,7 +15,9 @@ mod plane;
 mod stated;
 mod strays;
 
-use charts::{Band, Chart, charts};
+use crate::seams::SeamPoint;
+use beyond::Borders;
+use charts::{Band, Chart, Charts, charts};
 use choose::{Texel, Whole, choose};
 pub(crate) use field::Field;
 use plane::Plane;
@@ -46,6 +49,8 @@ pub(crate) struct Term<'a> {
     pub largest: f32,
     /// It is a mean over the hemisphere, which no single texel has much more of than all about it.
     pub is_smooth: bool,
+    /// It does not depend on materials, so that it goes on from one object to the next.
+    pub crosses: bool,
 }
 
 /// New values and standard errors of some texels of a term.
@@ -75,19 +80,20 @@ impl Denoised {
 }
 
 /// The charts of a page, ready for the terms to be denoised.
-pub(crate) struct Denoiser {
+pub(crate) struct Denoiser<'a> {
     size: usize,
-    charts: Vec<Chart>,
+    charts: Charts,
+    borders: Borders<'a>,
     at_a_time: usize,
 }
 
-impl Denoiser {
-    /// Finds the charts of a page.
-    pub fn new(field: &Field<'_>) -> Self {
-        let mut charts = charts(field);
-        charts.retain(|chart| chart.texels.len() >= FEWEST);
+impl<'a> Denoiser<'a> {
+    /// Finds the charts of a page, and where they go on in each other: at the points of `seams`.
+    pub fn new(field: &Field<'_>, seams: &'a [SeamPoint]) -> Self {
+        let charts = charts(field);
         Self {
             size: field.size,
+            borders: Borders::new(seams, &charts, field),
             charts,
             at_a_time: AT_A_TIME,
         }
@@ -95,8 +101,10 @@ impl Denoiser {
 
     /// What changes of the term, in parts that share no texel.
     pub fn denoise(&self, term: &Term<'_>) -> Vec<Denoised> {
-        let charts = self.charts.par_iter().with_max_len(1);
-        let parts: Vec<Vec<Part>> = charts.map(|chart| self.chart(chart, term)).collect();
+        let charts = self.charts.charts.par_iter().with_max_len(1).enumerate();
+        let charts = charts.filter(|(_, chart)| chart.texels.len() >= FEWEST);
+        let parts = charts.map(|(number, chart)| self.chart(number as u32, chart, term));
+        let parts: Vec<Vec<Part>> = parts.collect();
         // In the order of the charts, whatever the number of threads.
         let seen = parts.iter().flatten().map(|part| &part.seen);
         let stated = Stated::of(seen);
@@ -113,7 +121,7 @@ impl Denoiser {
         finished.flatten().collect()
     }
 
-    fn chart(&self, chart: &Chart, term: &Term<'_>) -> Vec<Part> {
+    fn chart(&self, number: u32, chart: &Chart, term: &Term<'_>) -> Vec<Part> {
         let half = |texel: usize| {
             let halves = term.halves.iter().map(|half| half[texel]);
             halves.sum::<f32>() / term.halves.len() as f32
@@ -131,14 +139,24 @@ impl Denoiser {
         if differs < BY_CHANCE * errors {
             return Vec::new();
         }
-        let planes = |band: &Band| {
-            let plane = |of: &dyn Fn(usize) -> f32| {
-                let mut plane = Plane::new([chart.size[0], band.about.len()]);
-                for &texel in chart.texels_of(&band.about, self.size) {
-                    plane.values[chart.local(texel, &band.about, self.size)] = of(texel as usize);
-                }
-                plane
+        let charts = &self.charts.number;
+        let beyond = self.borders.beyond(number, chart, charts, term.crosses);
+        let area = chart.area.with(beyond.iter().map(|beyond| beyond.place));
+        let plane = |band: &Band, of: &dyn Fn(usize) -> f32| {
+            let mut plane = Plane::new([area.size[0], band.about.len()]);
+            for &texel in chart.texels_of(&area, &band.about, self.size) {
+                plane.values[area.local(texel, &band.about, self.size)] = of(texel as usize);
+            }
+            let before = |row: usize| {
+                beyond.partition_point(|beyond| ((beyond.place[1] - area.at[1]) as usize) < row)
             };
+            for beyond in &beyond[before(band.about.start)..before(band.about.end)] {
+                plane.values[area.local_at(beyond.place, &band.about)] = of(beyond.texel as usize);
+            }
+            plane
+        };
+        let planes = |band: &Band| {
+            let plane = |of: &dyn Fn(usize) -> f32| plane(band, of);
             let mask = plane(&|_| 1.0);
             let values = term.values.iter();
             let mut data: Vec<Plane> = values.map(|values| plane(&|texel| values[texel])).collect();
@@ -148,7 +166,7 @@ impl Denoiser {
             }
             (mask, data)
         };
-        let bands = chart.bands(self.at_a_time);
+        let bands = area.bands(self.at_a_time);
         // No more at a time than there are threads: one that waits for others takes up what else there is.
         let together = || bands.chunks(rayon::current_num_threads());
         let whole = (bands.len() > 1).then(|| {
@@ -161,14 +179,16 @@ impl Denoiser {
         });
         let whole = whole.flatten();
         let part = |band: &Band| {
-            let mut near = Plane::new([chart.size[0], band.about.len()]);
+            let mut near = Plane::new([area.size[0], band.about.len()]);
             let (mask, data) = planes(band);
-            let chosen = choose(&mask, &data, whole.as_ref(), &mut near)?;
+            let errors = plane(band, &|texel| term.std_err[texel]);
+            let dark = |i: usize, near: f32| agreed(errors.values[i], near);
+            let chosen = choose(&mask, &data, whole.as_ref(), &mut near, dark)?;
             // A band may fill its page, and what follows needs room of its own.
             drop((mask, data));
             let mut part = Part::new(term.values.len());
-            for &texel in chart.texels_of(&band.rows, self.size) {
-                let i = chart.local(texel, &band.about, self.size);
+            for &texel in chart.texels_of(&area, &band.rows, self.size) {
+                let i = area.local(texel, &band.about, self.size);
                 part.push(
                     term,
                     texel,
@@ -187,7 +207,7 @@ impl Denoiser {
 
 /// What becomes of the texels of a band, before the page has told their standard errors.
 struct Part {
-    /// Texels about which all rays agree, and whose errors are known.
+    /// Texels about which all rays agree, with their errors.
     agreeing: Denoised,
     /// The others, without errors, and what these follow from.
     chosen: Denoised,
@@ -197,12 +217,13 @@ struct Part {
 
 impl Part {
     fn new(channels: usize) -> Self {
+        let new = || Denoised {
+            values: vec![Vec::new(); channels],
+            ..Denoised::default()
+        };
         Self {
-            agreeing: Denoised::default(),
-            chosen: Denoised {
-                values: vec![Vec::new(); channels],
-                ..Denoised::default()
-            },
+            agreeing: new(),
+            chosen: new(),
             predicted: Vec::new(),
             seen: Seen::default(),
         }
@@ -214,24 +235,33 @@ impl Part {
         if std_err <= 0.0 {
             return;
         }
-        if chosen.plain == 0.0 {
-            // The more they are that agree, the less can have slipped between them.
-            self.agreeing.texels.push(texel);
-            self.agreeing
-                .std_err
-                .push(std_err * (POOLED / near).min(1.0));
+        let channels = term.values.len();
+        let part = match chosen.agrees {
+            true => &mut self.agreeing,
+            false => &mut self.chosen,
+        };
+        part.texels.push(texel);
+        for (channel, line) in part.values.iter_mut().enumerate() {
+            line.push(match chosen.plain > 0.0 {
+                true => chosen.value(channel).clamp(0.0, term.largest),
+                false => term.values[channel][texel as usize],
+            });
+        }
+        if chosen.agrees {
+            part.std_err.push(agreed(std_err, near));
             return;
         }
-        let channels = term.values.len();
         let before = term.values.iter().map(|values| values[texel as usize]);
         let squares = chosen.squares(before.sum::<f32>() / channels as f32, half, channels);
-        self.chosen.texels.push(texel);
-        for (channel, line) in self.chosen.values.iter_mut().enumerate() {
-            line.push(chosen.value(channel).clamp(0.0, term.largest));
-        }
         self.predicted.push(squares.predicted);
         self.seen.count(&squares);
     }
+}
+
+/// The standard error where all rays agree, of so many texels in place of those that it stands for: the more they are, the less can have
+/// slipped between them.
+fn agreed(std_err: f32, near: f32) -> f32 {
+    std_err * (POOLED / near).min(1.0)
 }
 
 #[cfg(test)]

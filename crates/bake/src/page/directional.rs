@@ -60,7 +60,7 @@ pub(super) fn mend(page: &mut BakedPage, mends: &Mends) {
 /// * `field`: what the learned filter sees of a page.
 pub(super) fn denoise(
     page: &mut BakedPage,
-    regression: Option<&Denoiser>,
+    regression: Option<&Denoiser<'_>>,
     unseen: Option<&Mends>,
     field: impl Fn(&BakedPage) -> Field<'_>,
 ) {
@@ -80,6 +80,7 @@ pub(super) fn denoise(
                 std_err: page.layer(Layer::StdErrDiffuse).unwrap_or_default(),
                 largest: f32::INFINITY,
                 is_smooth: false,
+                crosses: true,
             };
             let found = match regression {
                 Some(denoiser) => denoiser.denoise(&term),

@@ -53,7 +53,7 @@ pub(super) fn finish(page: &mut BakedPage, site: &Site<'_>) {
         mend_terms(page, &terms);
     }
     if options.denoise != Denoise::Off {
-        denoise_terms(page, &terms, options, mends);
+        denoise_terms(page, &terms, options, mends, seams);
         count_errors(page, options);
     }
     let light = options.sky.mean().element_sum() / 3.0;
@@ -89,11 +89,12 @@ pub(crate) fn finish_light(page: &mut BakedPage, site: &Site<'_>) {
         rasters,
     } = *site;
     let terms = lights(plan);
+    let seams = Seams::find(world, atlas, page.page, options.seams, across);
     if mends {
         mend_terms(page, &terms);
     }
     if options.denoise != Denoise::Off {
-        denoise_terms(page, &terms, options, mends);
+        denoise_terms(page, &terms, options, mends, &seams);
     }
     let covered = fact(page, Layer::Coverage, 0);
     let lit = |channel| {
@@ -104,10 +105,9 @@ pub(crate) fn finish_light(page: &mut BakedPage, site: &Site<'_>) {
     let texels = covered.iter().filter(|covered| **covered > 0.0).count();
     let light = (0..3).map(lit).sum::<f64>() / (3 * texels.max(1)) as f64;
     let raster = rasters.page(world.scene(), atlas, page.page);
-    let system = (light > 0.0)
-        .then(|| Seams::find(world, atlas, page.page, options.seams, across))
-        .filter(|seams| !seams.is_empty())
-        .map(|seams| seams.system(world, &raster, page.size, page.layer(Layer::Validity)));
+    let validity = page.layer(Layer::Validity);
+    let system = (light > 0.0 && !seams.is_empty())
+        .then(|| seams.system(world, &raster, page.size, validity));
     let joined = system.as_ref().map(|system| Joined {
         system,
         across,
@@ -190,10 +190,17 @@ fn place(page: &mut BakedPage, origin: DVec3) {
 
 /// Denoises the terms that tiles integrated, over the surfaces of the page. Texels of which nothing can be seen have no part in that:
 /// they were carried on from noisy neighbours, and are carried on again, lest a rim of grain stays along every contact.
-fn denoise_terms(page: &mut BakedPage, terms: &[TermLayers], options: &Options, mends: bool) {
+fn denoise_terms(
+    page: &mut BakedPage,
+    terms: &[TermLayers],
+    options: &Options,
+    mends: bool,
+    seams: &Seams,
+) {
     let unseen = mends.then(|| Mends::of_unseen(&surface(page)));
     let texels = page.texels();
-    let regression = (options.denoise == Denoise::Regression).then(|| Denoiser::new(&field(page)));
+    let regression = (options.denoise == Denoise::Regression)
+        .then(|| Denoiser::new(&field(page), seams.points()));
     if regression.is_some() {
         drop_unasked(page, options, is_place);
     }
@@ -210,6 +217,7 @@ fn denoise_terms(page: &mut BakedPage, terms: &[TermLayers], options: &Options, 
             std_err: fact(page, std_err, 0),
             largest: if is_light(term) { f32::INFINITY } else { 1.0 },
             is_smooth: matches!(term, Layer::Diffuse | Layer::Visibility),
+            crosses: !matches!(term, Layer::Specular | Layer::Reflection),
         };
         let found = match &regression {
             Some(denoiser) => denoiser.denoise(&planes),

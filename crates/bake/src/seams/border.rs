@@ -24,6 +24,8 @@ pub(super) struct Border {
     pub inward: DVec3,
     /// Scene units that a texel spans away from the edge.
     pub depth: f64,
+    /// The way on the page, in texels, of one scene unit along `inward`.
+    pub inward_texels: DVec2,
 }
 
 impl Border {
@@ -95,7 +97,8 @@ fn border(
     let [a, b, c] = [side, (side + 1) % 3, (side + 2) % 3];
     let along = (corners[b] - corners[a]).try_normalize()?;
     let across = corners[c] - corners[a];
-    let away = across - along * across.dot(along);
+    let (beside, length) = (across.dot(along), (corners[b] - corners[a]).length());
+    let away = across - along * beside;
     let inward = away.try_normalize()?;
     let normals = match world.normals(instance, triangle) {
         Some(normals) => [normals[a], normals[b]],
@@ -103,7 +106,9 @@ fn border(
     };
     let texels = [a, b].map(|k| uv[k].as_dvec2() * size);
     let side = (texels[1] - texels[0]).try_normalize()?;
-    let height = side.perp_dot(uv[c].as_dvec2() * size - texels[0]).abs();
+    let to_corner = uv[c].as_dvec2() * size - texels[0];
+    let height = side.perp_dot(to_corner).abs();
+    let away_texels = to_corner - (texels[1] - texels[0]) * (beside / length);
     (height > 0.0).then(|| Border {
         page: own,
         chart,
@@ -112,6 +117,7 @@ fn border(
         normals: normals.map(DVec3::normalize_or_zero),
         inward,
         depth: away.length() / height,
+        inward_texels: away_texels / away.length(),
     })
 }
 

@@ -31,7 +31,7 @@ pub(crate) use across::Across;
 use across::Outer;
 use atlas::{Atlas, PageRaster};
 use border::Chart;
-use glam::DVec2;
+use glam::{DVec2, Vec2};
 use owner::Page;
 use rayon::prelude::*;
 use rays::World;
@@ -42,6 +42,8 @@ pub(crate) use solve::System;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SeamPoint {
     pub sides: [DVec2; 2],
+    /// The ways of one scene unit away from the seam into both charts.
+    pub inward: [Vec2; 2],
     /// The charts of both sides.
     pub charts: [Chart; 2],
     /// Texels of seam that it stands for.
@@ -114,6 +116,11 @@ impl Seams {
             outer,
             charts,
         }
+    }
+
+    /// Points where charts of the page go on in each other.
+    pub fn points(&self) -> &[SeamPoint] {
+        &self.points
     }
 
     /// True where no chart of the page goes on in another.

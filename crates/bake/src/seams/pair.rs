@@ -31,10 +31,12 @@ impl Pair {
         let length = length.fold(0.0, f64::max);
         let count = (length * POINTS_PER_TEXEL).ceil().max(1.0);
         let charts = [first.chart, second.chart];
+        let inward = [first, second].map(|border| border.inward_texels.as_vec2());
         let at = (0..count as u32).map(move |k| (f64::from(k) + 0.5) / count);
         let is_free = |t: &f64| !walls.iter().any(|[from, to]| (from..=to).contains(&t));
         at.filter(is_free).map(move |t| SeamPoint {
             sides: runs.map(|[from, to]| from.lerp(to, t)),
+            inward,
             charts,
             length: length / count,
         })
@@ -112,6 +114,7 @@ mod tests {
             normals: [DVec3::Z; 2],
             inward,
             depth: 0.1,
+            inward_texels: DVec2::new(0.0, 10.0 * inward.y.signum()),
         }
     }
 
