@@ -82,9 +82,12 @@ def test_glb_bytes_and_files_are_written_and_read(tmp_path):
     baked.write_gltf(tmp_path / "wall.glb")
     files = {os.path.basename(path) for path in baked.write(tmp_path / "out")}
     assert {"bake.json", "scene.0.exr", "scene.glb"} <= files
-    again = ambake.bake_file((tmp_path / "wall.glb").read_bytes(), size=32, rays=4)
+    glb = (tmp_path / "wall.glb").read_bytes()
+    again = ambake.bake_file(glb, size=32, rays=4, model="phong")
     assert again.objects[0].name.startswith("a wall 50 %")
     assert again.keys() == baked.keys()
+    # glTF is made for GGX, so that is what it gets unless told otherwise.
+    assert "ggx" in ambake.bake_file(glb, size=32, rays=4)
 
 
 def test_trimesh_comes_with_its_materials():
