@@ -15,9 +15,9 @@ const FARTHEST: usize = 32;
 /// A chart is carried on by so large a share of its width, lest small charts be made of others.
 const SHARE: f32 = 0.25;
 
-/// Cosine of the angle by which a surface may turn on the way, 10 degrees. A map goes on straight only where its surface is flat: carried
-/// farther round, curved charts got more error than they had without.
-const ALIKE: f64 = 0.985;
+/// Cosine of the angle by which a surface may turn on the way, 0.8 degrees: it is flat. A map goes on straight only there; carried round
+/// bends of some degrees, charts of real models got more error than they had without.
+const ALIKE: f64 = 0.9999;
 
 /// Texels of one step.
 const STEP: f32 = 0.5;
@@ -96,7 +96,7 @@ impl<'a> Borders<'a> {
     }
 }
 
-/// The chart on one side of a seam, and so many steps as there is one chart beyond whose surface looks the same way.
+/// The chart on one side of a seam, and so many steps as there is one chart beyond in the same plane.
 fn side_of(
     point: &SeamPoint,
     side: usize,
