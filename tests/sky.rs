@@ -327,6 +327,15 @@ fn bytes_are_the_same_at_any_thread_count() {
 }
 
 #[test]
+fn under_a_black_sky_every_reflection_is_0() {
+    // Its charts have seams, and nothing by which their differences could be measured.
+    let sky = ["--size", "64", "--rays", "16", "--sky", "0,0,0"];
+    let (_folder, page) = bake(&scene("palm.gltf"), &sky);
+    assert!(page.plane("ggx.R").iter().all(|&value| value == 0.0));
+    assert!(page.plane("visibility").iter().any(|&value| value > 0.1));
+}
+
+#[test]
 fn a_bad_sky_is_one_line_and_leaves_nothing_behind() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name).display().to_string();

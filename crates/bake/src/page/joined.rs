@@ -35,25 +35,29 @@ pub(super) fn solve_seams(
     let coverage = page.layer(Layer::Coverage).unwrap_or_default();
     let solved: Vec<_> = seamed(page, terms)
         .into_par_iter()
-        .map(|(term, std_err, channel)| {
+        .filter_map(|(term, std_err, channel)| {
+            let unit = match is_light(term) || term == Layer::Sh {
+                true => light,
+                false => 1.0,
+            };
+            // In the dark every texel holds 0, and both sides agree.
+            if unit <= 0.0 {
+                return None;
+            }
             let plane = |layer, channel| page.channel(layer, channel).unwrap_or_default();
             let tied = joined.across.found(joined.light, term, channel, &tied);
             let known = Known {
                 tied: &tied,
                 values: plane(term, channel),
                 std_errs: plane(std_err, 0),
-                unit: if is_light(term) || term == Layer::Sh {
-                    light
-                } else {
-                    1.0
-                },
+                unit,
                 most: if is_light(term) || directional::holds(term) {
                     f64::INFINITY
                 } else {
                     1.0
                 },
             };
-            (term, channel, system.solve(&known, coverage))
+            Some((term, channel, system.solve(&known, coverage)))
         })
         .collect();
     let is_gutter: Vec<bool> = coverage.iter().map(|&coverage| coverage == 0.0).collect();

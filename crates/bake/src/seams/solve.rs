@@ -16,18 +16,18 @@ const STEP: f64 = 1.0 / 1024.0;
 const KNOWN: f64 = 1.0 / 1024.0;
 
 /// Share of the range about a texel by which its best value for a look-up may differ from its mean.
-const BEND: f64 = 0.1;
+const BEND: f64 = 0.02;
 
 /// How far a gutter texel may leave its neighbours' mean, in ranges about it.
 const GUTTER: f64 = 2.0;
 
-/// Share of the range about a look-up that two sides may differ by as well: where light changes much from one texel to the next, as at a
-/// contact, look-ups cannot hold what is on either side, and to make them agree would take it from whole texels. At five times this, steps of
-/// the test's sphere are seen; at none, look-ups on a helmet of 2,400 charts come out a ninth farther from the light.
-const BLUR: f64 = 0.02;
+/// Standard errors of the two sides within which their difference may be noise.
+const NOISE: f64 = 3.0;
 
-/// Standard errors that the values of nine texels spread over, about, where the light is the same.
-const NOISE: f64 = 4.0;
+/// What the square of a difference beyond noise counts against as well, in units of the plane. Where light changes much from one texel to the
+/// next, as at a contact or on charts of two texels, look-ups cannot hold what is on either side, and to make them agree would take it from
+/// whole texels. At none, lines are drawn along the bevels of a helmet; at twice this, steps of the test's sphere are nearly seen.
+const HELD: f64 = 0.5;
 
 /// A move of less than this, in units of the plane, is none.
 const REST: f64 = 1e-6;
@@ -264,32 +264,39 @@ impl System {
     fn rows(&self, known: &Known<'_>, coverage: &[f32], about: &[About]) -> Rows {
         let mut rows = Rows::new(self.texels.len());
         let floor = KNOWN * known.unit;
-        // Of one side of a step, or of both, in which weights add up to 2.
-        let step = |taps: &[(u32, f64)], sides: f64| {
-            let range = |&(i, w): &(u32, f64)| {
-                let std_err = f64::from(known.std_errs[self.texels[i as usize] as usize]);
-                w.abs() * (about[i as usize].range() - NOISE * std_err).max(0.0)
-            };
-            STEP * known.unit + BLUR * taps.iter().map(range).sum::<f64>() / sides
+        // Of the mean of each texel; none of a gutter texel, which has no mean.
+        let doubts: Vec<f64> = (self.texels.iter().zip(about))
+            .map(|(&texel, about)| match coverage[texel as usize] > 0.0 {
+                true => {
+                    let std_err = f64::from(known.std_errs[texel as usize]);
+                    (std_err.powi(2) + (BEND * about.range()).powi(2) + floor.powi(2)).sqrt()
+                }
+                false => 0.0,
+            })
+            .collect();
+        let step = |taps: &[(u32, f64)], other: f64| {
+            let value = |&(i, w): &(u32, f64)| w * about[i as usize].value;
+            let variance = |&(i, w): &(u32, f64)| (w * doubts[i as usize]).powi(2);
+            let noise = NOISE * taps.iter().map(variance).sum::<f64>().sqrt();
+            let difference = (taps.iter().map(value).sum::<f64>() - other).abs();
+            STEP * known.unit + HELD * (difference - noise).max(0.0).powi(2) / known.unit
         };
         for (taps, length) in self.steps.iter().zip(&self.lengths) {
-            rows.push(taps, length / step(taps, 2.0), 0.0);
+            rows.push(taps, length / step(taps, 0.0), 0.0);
         }
         for (tie, other) in self.ties.iter().zip(known.tied) {
             if !other.is_nan() {
-                rows.push(&tie.taps, tie.length / step(&tie.taps, 1.0), *other);
+                rows.push(&tie.taps, tie.length / step(&tie.taps, *other), *other);
             }
         }
         for (i, &texel) in self.texels.iter().enumerate() {
-            let range = about[i].range();
-            if coverage[texel as usize] > 0.0 {
-                let std_err = f64::from(known.std_errs[texel as usize]);
-                let sigma = (std_err.powi(2) + (BEND * range).powi(2) + floor.powi(2)).sqrt();
-                let weight = f64::from(coverage[texel as usize]).sqrt() / sigma;
-                rows.push(&self.means[i], weight, about[i].value);
+            let covered = f64::from(coverage[texel as usize]);
+            if covered > 0.0 {
+                rows.push(&self.means[i], covered.sqrt() / doubts[i], about[i].value);
             } else {
                 let own = [(i as u32, 1.0)];
-                rows.push(&own, 1.0 / (GUTTER * (range + floor)), about[i].value);
+                let weight = 1.0 / (GUTTER * (about[i].range() + floor));
+                rows.push(&own, weight, about[i].value);
             }
         }
         rows.transpose();
