@@ -40,11 +40,11 @@ def grain(report):
 def row(scene, plain, denoised):
     layout = denoised["layout"]
     largest = max(layout["objects"], key=lambda o: o["share"], default={"share": 0.0})
-    seams = denoised["seams"]
+    seams = denoised.get("seams")
     steps = ("none", "none") if seams is None else tuple(
         f"{seams[name + '_before']:.4f} > {seams[name + '_after']:.4f}" for name in ("rms", "max")
     )
-    buried = denoised["buried"]
+    buried = denoised.get("buried")
     return [
         scene.stem, str(denoised["atlas"]["pages"]), f"{layout['page_use']:.1%}", f"{layout['covered']:.1%}",
         f"{largest['share']:.1%}", f"{buried['share'] if buried else 0:.1%}", *steps,
