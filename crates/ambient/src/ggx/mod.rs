@@ -4,15 +4,17 @@
 //! J = ∫ L V F D G2 / (4 N·V) dω,   F = F0 + (1 - F0) Fc,  Fc = (1 - V·H)^5,   so  J = F0 A + B
 //! ```
 //!
-//! Half vectors H are drawn from the normals that the view sees, density `D G1 V·H / N·V`, and L is V mirrored about H: each direction
-//! then weighs `F G2/G1`, which is at most 1. A sums `(1 - Fc) G2/G1` and B sums `Fc G2/G1`.
+//! Half vectors H are drawn from the normals that the view sees, density `D G1 V·H / N·V`, and L is V mirrored about H. Those of which
+//! no L rises above the surface are left out: with k, the share of N·V that [`bound`] leaves, `G1 = 2 N·V / (k N·V + sqrt(α² + (1 - α²) (N·V)²))` takes the place of Smith's
+//! in that density. Each direction then weighs `F w` with `w = G2/G1`, which is at most 1. A sums `(1 - Fc) w` and B sums `Fc w`.
 //!
 //! What light loses between facets that shadow each other is given back with the directional albedo E = A + B of a white mirror:
 //! times `1 + F0 (1/E - 1)`, which is 1/E for F0 = 1, so that a white metal returns all that it receives.
 //!
 //! Sources: B. Walter, S. Marschner, H. Li, K. Torrance, "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007 (D);
 //! E. Heitz, "Understanding the Masking-Shadowing Function", JCGT 2014 (G2); C. Schlick 1994 (F); J. Dupuy, A. Benyoub, "Sampling Visible
-//! GGX Normals with Spherical Caps", HPG 2023; R. Fdez-Agüera, "A Multiple-Scattering Microfacet Model for Real-Time Image-based
+//! GGX Normals with Spherical Caps", HPG 2023; K. Eto, Y. Tokuyoshi, "Bounded VNDF Sampling for Smith-GGX Reflections", SIGGRAPH Asia 2023
+//! technical communications; R. Fdez-Agüera, "A Multiple-Scattering Microfacet Model for Real-Time Image-based
 //! Lighting", JCGT 2019, and Turquin, "Practical Multiple Scattering Compensation for Microfacet Models", 2018 (the factor).
 
 #[cfg(test)]
@@ -89,8 +91,10 @@ impl Ggx {
         let (alpha, v) = (self.alpha, self.view);
         let stretched = DVec3::new(alpha * v.x, 0.0, v.z).normalize();
         let (sin, cos) = turn_sin_cos(u1);
-        // The cap of the sphere that the stretched view sees reaches down to -z of the view; u0 = 1 is its top.
-        let z = u0 * (1.0 + stretched.z) - stretched.z;
+        // The cap of the sphere that the stretched view sees reaches down to -z of the view, and the part of it that mirrors some light
+        // from above the surface less far; u0 = 1 is its top.
+        let down = bound(alpha, v.z) * stretched.z;
+        let z = u0 * (1.0 + down) - down;
         let r = (1.0 - z * z).max(0.0).sqrt();
         let h = DVec3::new(r * cos, r * sin, z) + stretched;
         let h = DVec3::new(alpha * h.x, alpha * h.y, h.z.max(0.0));
@@ -104,7 +108,7 @@ impl Ggx {
         }
     }
 
-    /// Density per steradian of [`Ggx::sample`] at a local unit direction: D G1 / (4 N·V); 0 for what it never draws.
+    /// Density per steradian of [`Ggx::sample`] at a local unit direction above the surface: D G1 / (4 N·V).
     pub fn pdf(&self, direction: DVec3) -> f64 {
         let Some(h) = (direction + self.view).try_normalize() else {
             return 0.0;
@@ -112,11 +116,10 @@ impl Ggx {
         if h.z <= 0.0 {
             return 0.0;
         }
-        let (alpha2, cos) = (self.alpha * self.alpha, self.view.z);
+        let alpha2 = self.alpha * self.alpha;
         let spread = alpha2 * h.z * h.z + h.x * h.x + h.y * h.y;
         let d = alpha2 / (PI * spread * spread);
-        // G1 = 2 cos / (cos + lambda).
-        d / (2.0 * (cos + self.shadow(cos)))
+        d / (2.0 * self.seen())
     }
 
     /// G2/G1 of a local unit direction, 0..=1; 0 below the surface.
@@ -125,13 +128,19 @@ impl Ggx {
         if l <= 0.0 {
             return 0.0;
         }
-        l * (v + self.shadow(v)) / (l * self.shadow(v) + v * self.shadow(l))
+        l * self.seen() / (l * self.shadow(v) + v * self.shadow(l))
     }
 
     /// Fc = (1 - V·H)^5 of a local unit direction.
     pub fn fresnel(&self, direction: DVec3) -> f64 {
         let h = (direction + self.view).try_normalize().unwrap_or(DVec3::Z);
         fresnel(h.dot(self.view).max(0.0))
+    }
+
+    /// 2 N·V / G1 of the normals that are drawn.
+    fn seen(&self) -> f64 {
+        let cos = self.view.z;
+        bound(self.alpha, cos) * cos + self.shadow(cos)
     }
 
     /// sqrt(α² + (1 - α²) cos²).
@@ -179,6 +188,13 @@ pub fn base(albedo: DVec3, f0: DVec3, coat: DVec3) -> DVec3 {
     DVec3::select(f0.cmplt(DVec3::ONE), left, DVec3::ZERO)
 }
 
+/// Share of the part of the visible cap below its middle that can mirror light from above the surface (Eto and Tokuyoshi).
+fn bound(alpha: f64, cos: f64) -> f64 {
+    let alpha2 = alpha * alpha;
+    let s2 = (1.0 + (1.0 - cos * cos).max(0.0).sqrt()).powi(2);
+    (1.0 - alpha2) * s2 / (s2 + alpha2 * cos * cos)
+}
+
 fn fresnel(along: f64) -> f64 {
     (1.0 - along).max(0.0).powi(5)
 }
@@ -205,6 +221,18 @@ mod tests {
                     );
                 }
             }
+        }
+    }
+
+    #[test]
+    fn rough_surfaces_waste_no_points_below_themselves() {
+        // Of all visible normals, those of α = 1 along the normal mirror half of the points down.
+        for (alpha, cos, most) in [(1.0, 1.0, 0.0), (1.0, 0.2, 0.35), (0.5, 1.0, 0.0)] {
+            let ggx = Ggx::new(alpha, cos);
+            let points =
+                (0..10_000).map(|k| [k / 100, k % 100].map(|k| (f64::from(k) + 0.5) / 100.0));
+            let below = points.filter(|&u| ggx.sample(u).direction.z <= 0.0).count();
+            assert!(below as f64 <= most * 1e4, "{alpha} {cos}: {below}");
         }
     }
 

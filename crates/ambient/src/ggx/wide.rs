@@ -52,8 +52,12 @@ pub fn lobes16(alpha: &Wide, normal: &[Wide; 3], view: &[Wide; 3], direction: &[
         // V·H = |L + V|/2.
         let miss = (1.0 - 0.5 * square.sqrt()).max(0.0);
         let miss2 = miss * miss;
-        lobes.density[k] = d / (2.0 * (eye + by_eye));
-        lobes.weight[k] = is_above * light * (eye + by_eye) / masked;
+        let slant = [0, 1, 2].map(|a: usize| v[a] - eye * n[a]);
+        let far = 1.0 + dot(slant, slant).sqrt();
+        let bound = (1.0 - alpha2) * far * far / (far * far + alpha2 * eye * eye);
+        let seen = bound * eye + by_eye;
+        lobes.density[k] = d / (2.0 * seen);
+        lobes.weight[k] = is_above * light * seen / masked;
         lobes.fresnel[k] = miss2 * miss2 * miss;
     }
     lobes

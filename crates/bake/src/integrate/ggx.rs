@@ -21,8 +21,8 @@ use rays::{PhongMaterial, Ray};
 /// Points of each replicate in the first round of a bake with a target.
 const FIRST_ROUND: u32 = 16;
 
-/// Least α of lobes that hemisphere rays count for: roughness 0.39. From 0.4 on they lower the error wherever it was tried; at 0.35 and below, it rises
-/// where the lobe's own points follow the border of what is open, as in a corner seen along its normal (docs/theory.md).
+/// Least α of lobes that hemisphere rays count for: roughness 0.39. From there on they lower the error of most scenes, by half at best; it rises, more so
+/// below, where the lobe's own points follow the border of what is open, as in a corner seen along its normal (docs/theory.md).
 const LEAST_ALPHA: f64 = 0.15;
 
 /// Independent sets of the lobe's own points: more than the hemisphere has, because no neighbour shares what their spread tells.
