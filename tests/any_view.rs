@@ -129,6 +129,40 @@ fn open_texels_hold_one_and_zeros_and_orders_are_nested() {
     assert_eq!(count(8), COUNT);
 }
 
+#[test]
+fn wide_highlights_beside_narrow_ones_hold_no_more_than_they_need() {
+    // A matte wall and a glossy floor: exponents of 3 and of 300.
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    let material = |name: &str, exponent: u32| {
+        format!("newmtl {name}\nKd 0.5 0.5 0.5\nKs 0.2 0.2 0.2\nNs {exponent}\n")
+    };
+    let text = material("wide", 3) + &material("narrow", 300);
+    std::fs::write(at("two.mtl"), text).expect("a file");
+    let corners = "v 0 0 0\nv 2 0 0\nv 2 0 2\nv 0 0 2\nv 0 2 0\nv 2 2 0\n";
+    let faces = "o floor\nusemtl narrow\nf 1 4 3 2\no wall\nusemtl wide\nf 1 2 6 5\n";
+    let path = at("two.obj");
+    std::fs::write(&path, format!("mtllib two.mtl\n{corners}{faces}")).expect("a file");
+    let flags = ["--size", "32", "--rays", "64", "--seams", "off"];
+    let more = ["--layers", "any-view,error.any-view,exponent"];
+    let (_folder, page) = bake(&path, &[&flags[..], &more].concat());
+    let upper = |at: usize| {
+        let numbers = (count(4)..COUNT).map(|k| page.plane(&format!("any-view.8.{k:02}"))[at]);
+        numbers.fold(0.0f32, |most, number| most.max(number.abs()))
+    };
+    let (mut wide, mut narrow) = (0, 0);
+    for at in covered(&page) {
+        match page.plane("exponent")[at] {
+            3.0 => {
+                assert_eq!(upper(at), 0.0);
+                wide += 1;
+            }
+            _ => narrow += usize::from(upper(at) > 0.01),
+        }
+    }
+    assert!(wide > 100 && narrow > 100, "{wide} {narrow}");
+}
+
 /// What naga, which is Bevy's and wgpu's compiler of shaders, says against a module.
 fn complaint(module: &naga::Module) -> Option<String> {
     use naga::valid::{Capabilities, ValidationFlags, Validator};

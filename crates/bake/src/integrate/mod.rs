@@ -40,6 +40,7 @@ pub use terms::{AnyView, Directional, Halves, Terms};
 use crate::options::{Effort, Model, Shading};
 use crate::survey::Texel;
 use ambient::Estimate;
+use ambient::any_view::{count, order_for, stated};
 use cast::{Caster, Target};
 use estimate::{Gathered, Quantity};
 use gang::{Beside, DirectionSums, Moments};
@@ -155,18 +156,20 @@ fn moments_of(task: &Task<'_>, texels: &[Texel]) -> usize {
     task.any_view.map_or(0, |_| texels.len())
 }
 
-/// What a texel's harmonics are and leave.
+/// What a texel's harmonics are and leave. Orders that would bring its own highlight more noise than light are 0.
 fn any_view(
     task: &Task<'_>,
     texel: &Texel,
     moments: Option<&[Moments; REPLICATES as usize]>,
 ) -> Option<Box<AnyView>> {
     let (order, moments) = (task.any_view?, moments?);
-    let (coefficients, variances) = gang::coefficients(moments);
+    let (mut coefficients, variances) = gang::coefficients(moments);
     let exponent = texel.material.exponent;
+    let order = order.min(order_for(exponent, task.effort.most_rays()));
+    coefficients.0[count(order)..].fill(0.0);
     Some(Box::new(AnyView {
         coefficients,
-        std_err: ambient::any_view::stated(&coefficients, &variances, order, exponent),
+        std_err: stated(&coefficients, &variances, order, exponent),
     }))
 }
 
