@@ -5,8 +5,9 @@
 //! ```
 //!
 //! Half vectors H are drawn from the normals that the view sees, density `D G1 V·H / N·V`, and L is V mirrored about H. Those of which
-//! no L rises above the surface are left out: with k, the share of N·V that `bound` leaves, `G1 = 2 N·V / (k N·V + sqrt(α² + (1 - α²) (N·V)²))` takes the place of Smith's
-//! in that density. Each direction then weighs `F w` with `w = G2/G1`, which is at most 1. A sums `(1 - Fc) w` and B sums `Fc w`.
+//! no L rises above the surface are left out: with k, the share of N·V that `bound` leaves,
+//! `G1 = 2 N·V / (k N·V + sqrt(α² + (1 - α²) (N·V)²))` takes the place of Smith's in that density, and in `G1` below. Each direction then
+//! weighs `F w` with `w = G2/G1`, which is at most 1. A sums `(1 - Fc) w` and B sums `Fc w`.
 //!
 //! What light loses between facets that shadow each other is given back with the directional albedo E = A + B of a white mirror:
 //! times `1 + F0 (1/E - 1)`, which is 1/E for F0 = 1, so that a white metal returns all that it receives.
