@@ -265,4 +265,80 @@ mod tests {
         assert_eq!([at(256, 0), at(0, 256), at(511, 511)], [ZERO, VOID, 0]);
         assert!(pixels[..8 * width].iter().all(|&p| p == ZERO));
     }
+
+    #[test]
+    fn the_scale_runs_from_end_to_end_over_its_ticks() {
+        // Wider than its texels, so that these stand in the middle.
+        let title = "a title that is wider than the texels of this picture ".repeat(4);
+        let bytes = difference_picture([4, 2], &title, 2.0, |i| Some(i as f64 / 2.0));
+        let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes))
+            .read_info()
+            .unwrap();
+        let (width, height) = (reader.info().width as usize, reader.info().height as usize);
+        let mut pixels = vec![0; width * height];
+        reader.next_frame(&mut pixels).unwrap();
+        let row = |y: usize| &pixels[y * width..][..width];
+        let text = glyphs::HEIGHT;
+        assert_eq!(width, glyphs::width(&title) + 16);
+        let (top, left) = (text + 16, (width - 512) / 2);
+        for (i, column) in [0, 128, 256, 384].into_iter().enumerate() {
+            for line in [0, 1] {
+                let entry = color_index((i + 4 * line) as f64 / 4.0);
+                for texel in [left + column, left + column + 127] {
+                    assert_eq!(row(top + 128 * line)[texel], entry, "{i} {line}");
+                    assert_eq!(row(top + 128 * line + 127)[texel], entry, "{i} {line}");
+                }
+            }
+        }
+        assert_eq!([row(top)[left - 1], row(top - 1)[left]], [ZERO; 2]);
+        // Below them a margin, the scale, its ticks and their numbers.
+        let scale = top + 256 + 8;
+        let inset = 8 + glyphs::width("-0.000015") / 2;
+        let (first, last) = (inset, width - inset - 1);
+        assert!(row(scale - 1).iter().all(|&p| p == ZERO));
+        for y in [scale, scale + 2 * text - 1] {
+            let line = row(y);
+            assert!(line[..first].iter().all(|&p| p == ZERO));
+            assert!(line[last + 1..].iter().all(|&p| p == ZERO));
+            assert_eq!([line[first], line[last]], [0, 2 * STEPS]);
+            assert!(line[first..=last].is_sorted());
+            assert_eq!(line[(first + last) / 2], ZERO);
+        }
+        let ticks = scale + 2 * text;
+        let inked = |y: usize| (0..width).filter(move |&x| row(y)[x] == INK);
+        for y in [ticks, ticks + 2] {
+            let quarters = (0..5).map(|step| first + step * (last - first) / 4);
+            assert!(inked(y).eq(quarters), "{:?}", inked(y).collect::<Vec<_>>());
+        }
+        assert_eq!(inked(ticks + 3).count(), 0);
+        let numbers = ticks + 4;
+        assert_eq!(height, numbers + text + 8);
+        // Each number stands under its tick.
+        let mut marks: Vec<usize> = (numbers..numbers + text).flat_map(inked).collect();
+        marks.sort_unstable();
+        for (step, label) in ["-2", "-1", "0", "+1", "+2"].into_iter().enumerate() {
+            let (tick, half) = (first + step * (last - first) / 4, glyphs::width(label) / 2);
+            let own = marks.iter().filter(|x| x.abs_diff(tick) <= half + 1);
+            assert!(own.count() > 8, "{label}: {tick} {marks:?}");
+        }
+    }
+
+    #[test]
+    fn half_a_step_down_is_lighter_than_the_end() {
+        // Entries run from the blue end over white to the red one; grey and black follow.
+        let palette = palette();
+        let sum = |entry: u8| -> u32 {
+            let at = usize::from(entry) * 3;
+            palette[at..at + 3].iter().map(|&c| u32::from(c)).sum()
+        };
+        for entry in 0..ZERO {
+            assert!(sum(entry) <= sum(entry + 1), "{entry}");
+            assert!(
+                sum(2 * ZERO - entry) <= sum(2 * ZERO - entry - 1),
+                "{entry}"
+            );
+        }
+        assert!(sum(0) + 100 < sum(ZERO / 2) && sum(ZERO / 2) + 100 < sum(ZERO));
+        assert_eq!([sum(VOID), sum(INK)], [3 * 128, 0]);
+    }
 }

@@ -7,6 +7,8 @@ mod skip;
 mod built;
 #[path = "gltf/kept.rs"]
 mod kept;
+#[path = "gltf/layouts.rs"]
+mod layouts;
 #[path = "gltf/models.rs"]
 mod models;
 #[path = "gltf/patching.rs"]

@@ -101,4 +101,28 @@ mod tests {
         }
         assert_eq!(file.len(), number(HEADER) + 128);
     }
+
+    #[test]
+    fn header_and_descriptor_are_those_of_the_specification() {
+        let level = |size: u32| Level {
+            size,
+            pixels: vec![[0.0; 3]; (size * size) as usize],
+        };
+        let file = encode(&[level(4), level(2)], 1);
+        let words: Vec<u32> = (file[..220].as_chunks().0.iter())
+            .map(|&word| u32::from_le_bytes(word))
+            .collect();
+        assert_eq!(words[3..12], [97, 2, 4, 4, 0, 0, 1, 2, 0]);
+        // Descriptor and key values follow one another; there is no global data.
+        assert_eq!(words[12..20], [128, 92, 220, 48, 0, 0, 0, 0]);
+        // Of KTX File Format 2.0, section on VK_FORMAT_R16G16B16A16_SFLOAT: red, green, blue and alpha from -1 to 1.
+        assert_eq!(words[32..39], [92, 0, 88 << 16 | 2, 0x0001_0101, 0, 8, 0]);
+        let (low, high) = (0xbf80_0000, 0x3f80_0000);
+        for (i, kind) in [0xc0, 0xc1, 0xc2, 0xcf].into_iter().enumerate() {
+            let sample = [kind << 24 | 15 << 16 | 16 * i as u32, 0, low, high];
+            assert_eq!(words[39 + 4 * i..][..4], sample);
+        }
+        let values = b"\x12\0\0\0KTXorientation\0rd\0\0\0\x11\0\0\0KTXwriter\0ambake\0\0\0\0";
+        assert_eq!(file[220..268], *values);
+    }
 }

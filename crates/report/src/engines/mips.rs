@@ -190,4 +190,25 @@ mod tests {
         let levels = levels(&odd);
         assert_eq!((levels.len(), levels[0].pixels[0]), (1, [65504.0; 3]));
     }
+
+    #[test]
+    fn a_void_takes_the_mean_of_the_smallest_square_that_has_light() {
+        // One texel in each quarter of a page of 16, and none but one in an eighth.
+        let mut pixels = vec![[0.0f32]; 256];
+        let mut filled = vec![false; 256];
+        for (x, y, value) in [(0, 0, 1.0), (15, 0, 2.0), (15, 15, 4.0), (4, 4, 9.0)] {
+            pixels[y * 16 + x] = [value];
+            filled[y * 16 + x] = true;
+        }
+        fill(&mut pixels, 16, &filled);
+        let at = |x: usize, y: usize| pixels[y * 16 + x][0];
+        assert_eq!([at(0, 0), at(1, 1), at(3, 3)], [1.0; 3]);
+        assert_eq!([at(4, 4), at(5, 5), at(7, 7)], [9.0; 3]);
+        // Two squares of four have light in the first quarter.
+        assert_eq!([at(3, 4), at(7, 0)], [5.0; 2]);
+        assert_eq!([at(8, 7), at(15, 7)], [2.0; 2]);
+        assert_eq!([at(8, 8), at(15, 9)], [4.0; 2]);
+        // The last quarter has none: means of quarters.
+        assert_eq!([at(0, 8), at(7, 15)], [(5.0 + 2.0 + 4.0) / 3.0; 2]);
+    }
 }

@@ -147,4 +147,40 @@ mod tests {
         // The last block has one pixel, the 2050th.
         assert_eq!(bytes[683], 255);
     }
+
+    #[test]
+    fn a_vertex_has_its_place_on_the_picture_and_its_own_alpha() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/masked_card.gltf");
+        let mut scene = scene::load(std::path::Path::new(path)).unwrap();
+        let masked =
+            |mesh: &Mesh| !matches!(scene.materials[mesh.material as usize].alpha, Alpha::Opaque);
+        let at = scene.meshes.iter().position(masked).unwrap();
+        let (uvs, count) = (
+            scene.meshes[at].uv_sets[0].clone(),
+            scene.meshes[at].positions.len(),
+        );
+        scene.meshes[at].alphas = (0..count).map(|i| i as f32 / 8.0).collect();
+        let material = &mut scene.materials[scene.meshes[at].material as usize];
+        let (Alpha::Mask { factor, map, .. } | Alpha::Blend { factor, map }) = &mut material.alpha
+        else {
+            panic!("the card is masked");
+        };
+        *factor = 0.5;
+        // Half as wide, turned over and moved.
+        map.as_mut().unwrap().transform = [[0.5, 0.0, 0.25], [0.0, -1.0, 1.0]];
+        let cutouts = Cutouts::of(&scene);
+        let bytes = cutouts.vertices(&scene.meshes[at]);
+        let numbers: Vec<f32> = (bytes.as_chunks().0.iter())
+            .map(|&word| f32::from_le_bytes(word))
+            .collect();
+        let expected = |i: usize| [0.5 * uvs[i].x + 0.25, 1.0 - uvs[i].y, i as f32 / 16.0];
+        let expected: Vec<f32> = (0..count).flat_map(expected).collect();
+        assert_eq!(numbers, expected);
+        let opaque = (scene.meshes.iter())
+            .find(|mesh| alpha(&scene, mesh).is_none())
+            .unwrap();
+        assert!(cutouts.vertices(opaque).is_empty() && cutouts.head(opaque).is_none());
+        assert_eq!(cutouts.head(&scene.meshes[at]).unwrap()["picture"], 0);
+        assert_eq!(cutouts.pictures().len(), 1);
+    }
 }
