@@ -67,6 +67,20 @@ fn with<'a>(more: &[&'a str]) -> Vec<&'a str> {
     [&SMALL[..], more].concat()
 }
 
+/// The report states the root mean square of the page's errors.
+fn assert_stated(folder: &Path, page: &Page) {
+    let texels = page.plane("error.irradiance").iter();
+    let texels = texels.zip(page.plane("coverage")).filter(|t| *t.1 > 0.0);
+    let squares: Vec<f64> = texels.map(|t| f64::from(*t.0).powi(2)).collect();
+    let expected = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
+    let stated = report(folder)["pages"][0]["irradiance_rmse"].clone();
+    let stated = stated.as_f64().expect("an error of the irradiance");
+    assert!(
+        stated > 0.0 && (stated / expected - 1.0).abs() < 1e-3,
+        "{stated} {expected}"
+    );
+}
+
 #[test]
 fn bowl_under_the_sky_is_the_closed_form_of_a_diffuse_cavity() {
     // Half of what any point of a hemisphere sees is sky, the other half is the hemisphere: E = 1/2 + albedo E/2.
@@ -131,7 +145,8 @@ fn lit_cap_of_a_ball_lights_all_of_it_alike() {
             "--bounces",
             gathers,
         ];
-        let (_folder, page) = bake(&path, &with(&more));
+        let (folder, page) = bake(&path, &with(&more));
+        assert_stated(folder.path(), &page);
         for (channel, light) in [("irradiance.R", 2.0), ("irradiance.G", 1.0)] {
             let exact = light * share * sum;
             let (found, worst) = mean(&page, channel);

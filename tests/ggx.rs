@@ -383,3 +383,47 @@ fn a_scene_bakes_and_renders_by_the_model_that_its_file_is_made_for() {
         );
     }
 }
+
+#[test]
+fn a_target_is_met_and_a_relative_one_where_it_is_looser() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let wall = [[1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
+    let path = squares(folder.path(), pbr([0.8; 3], 1.0, 0.6), &[FLOOR, wall]);
+    let target = |relative: &[&str]| {
+        let words = [
+            "--size=32",
+            "--model=ggx",
+            "--only=specular,error.specular,rays,position",
+            "--target-error=0.004",
+            "--max-rays=4096",
+            "--view=200,60,0.5",
+        ];
+        let (_folder, page) = bake(&path, &[&words[..], relative].concat());
+        page
+    };
+    let tight = target(&[]);
+    let loose = target(&["--target-relative", "0.06"]);
+    let texels = |page: &Page| -> Vec<[f64; 3]> {
+        let planes = ["specular", "error.specular", "rays"].map(|name| page.plane(name).to_vec());
+        let covered = page.plane("coverage").to_vec();
+        (0..covered.len())
+            .filter(|&i| covered[i] > 0.0 && planes[2][i] > 0.0)
+            .map(|i| [0, 1, 2].map(|k: usize| f64::from(planes[k][i])))
+            .collect()
+    };
+    for (page, relative) in [(&tight, 0.0), (&loose, 0.06)] {
+        let all = texels(page);
+        assert!(all.len() > 40, "{}", all.len());
+        // Stated errors are pooled with neighbours afterwards, so single texels may be over.
+        let over = |t: &&[f64; 3]| t[1] > 1.3 * f64::max(0.004, relative * t[0]);
+        let over = all.iter().filter(over).count();
+        assert!(10 * over <= all.len(), "{over} of {}", all.len());
+    }
+    let rays = |page: &Page| texels(page).iter().map(|t| t[2]).sum::<f64>();
+    assert!(
+        rays(&loose) < 0.5 * rays(&tight),
+        "{} {}",
+        rays(&loose),
+        rays(&tight)
+    );
+}

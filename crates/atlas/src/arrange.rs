@@ -335,3 +335,32 @@ fn add_specks(layout: &mut MeshLayout) -> u64 {
     }
     specks
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_speck_turns_as_charts_do_and_stays_on_the_page() {
+        let places = [0.0, 0.25, 0.5, 0.75, 1.0];
+        for (x, y) in places.iter().flat_map(|&x| places.map(|y| (x, y))) {
+            let mut layout = MeshLayout {
+                source_vertices: vec![7, 8, 9, 4],
+                uvs: vec![Vec2::new(x, y), Vec2::ONE, Vec2::new(x, y), Vec2::ZERO],
+                triangles: vec![[0, 1, 2], [3, 0, 1]],
+                triangle_pages: Vec::new(),
+            };
+            let flat = 1 + u64::from(x == y);
+            assert_eq!(add_specks(&mut layout), flat);
+            assert_eq!(layout.triangles[0], [4, 5, 6]);
+            assert_eq!(layout.source_vertices[4..7], [7, 8, 9]);
+            let uvs = layout.triangles[0].map(|v| layout.uvs[v as usize]);
+            assert_eq!(uvs[0], Vec2::new(x, y));
+            assert!(twice_area(uvs.map(Vec2::as_dvec2)) > 0.0, "{x} {y}");
+            for uv in uvs {
+                assert!(uv.min_element() >= 0.0 && uv.max_element() <= 1.0, "{uv}");
+                assert!(uv.distance(uvs[0]) <= SPECK, "{uv}");
+            }
+        }
+    }
+}

@@ -221,3 +221,41 @@ pub(crate) fn find(row: &[u64], x: u32, set: bool) -> u32 {
     }
     row.len() as u32 * 64
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_hold_every_place_of_a_triangle_and_little_more() {
+        let mut state = 5u32;
+        let mut roll = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8) / f64::from(1 << 24)
+        };
+        for number in 0..200 {
+            let wide = if number % 2 == 0 { 16.0 } else { 1.5 };
+            let corners = [(); 3].map(|()| DVec2::new(1.0 + wide * roll(), 1.0 + wide * roll()));
+            let mut found = [(f64::INFINITY, f64::NEG_INFINITY); 20];
+            rows(corners, 20, |y, left, right| {
+                found[y as usize] = (left, right)
+            });
+            let mut seen = [(f64::INFINITY, f64::NEG_INFINITY); 20];
+            for i in 0..=200 {
+                for j in 0..=200 - i {
+                    let [s, t] = [i, j].map(|k| f64::from(k) / 200.0);
+                    let [a, b, c] = corners;
+                    let p = a + (b - a) * s + (c - a) * t;
+                    let row = &mut seen[p.y as usize];
+                    *row = (row.0.min(p.x), row.1.max(p.x));
+                }
+            }
+            for (y, (found, seen)) in found.iter().zip(seen).enumerate() {
+                let holds = seen.0 > seen.1 || found.0 <= seen.0 && seen.1 <= found.1;
+                assert!(holds, "{corners:?}, row {y}: {found:?} {seen:?}");
+                let is_close = seen.0 > seen.1 || found.0 > seen.0 - 0.7 && found.1 < seen.1 + 0.7;
+                assert!(is_close, "{corners:?}, row {y}: {found:?} {seen:?}");
+            }
+        }
+    }
+}

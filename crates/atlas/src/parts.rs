@@ -150,3 +150,44 @@ fn projection(triangles: &[[u32; 3]], positions: &[[f32; 3]]) -> Option<Vec<[f32
     };
     Some(positions.iter().map(flat).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_large_height_field_is_seen_along_its_mean_normal() {
+        const EDGE: u32 = 101;
+        let point = |i: u32| {
+            let (x, y) = ((i % EDGE) as f32 / 100.0, (i / EDGE) as f32 / 100.0);
+            [x, 0.2 * (3.0 * x).sin() * y, -y]
+        };
+        let positions: Vec<[f32; 3]> = (0..EDGE * EDGE).map(point).collect();
+        let cells = (0..EDGE - 1).flat_map(|y| (0..EDGE - 1).map(move |x| y * EDGE + x));
+        let quad = |i: u32| {
+            let next = i + EDGE;
+            [[i, i + 1, next], [i + 1, next + 1, next]]
+        };
+        let triangles: Vec<[u32; 3]> = cells.flat_map(quad).collect();
+        assert_eq!(triangles.len(), MANY);
+        let flat = projection(&triangles, &positions).expect("a height field");
+        // Lengths across the view are kept, so none is longer than on the surface.
+        for t in &triangles {
+            for (a, b) in [(t[0], t[1]), (t[1], t[2])] {
+                let [p, q] = [a, b].map(|v| Vec3::from(positions[v as usize]));
+                let [from, to] = [a, b].map(|v| glam::Vec2::from(flat[v as usize]));
+                assert!(from.distance(to) <= 1.001 * p.distance(q));
+            }
+        }
+        assert!(
+            projection(&triangles[1..], &positions).is_none(),
+            "too small"
+        );
+        let mut fold = positions;
+        fold[EDGE as usize + 1][0] += 0.05;
+        assert!(
+            projection(&triangles, &fold).is_none(),
+            "a triangle overhangs"
+        );
+    }
+}

@@ -51,3 +51,42 @@ impl<'a, F: Fn(u32, u32) -> [Vec2; 3]> Frames<'a, F> {
         DVec3::new(own.dot(tangent), own.dot(bitangent), own.dot(normal))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture::{scene, soup, world};
+
+    #[test]
+    fn a_frame_is_that_of_the_interpolated_normal_and_tangent() {
+        let mut mesh = soup(&[[Vec3::ZERO, Vec3::X, Vec3::Y]]);
+        mesh.normals = vec![Vec3::Z, Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.0, -0.6, 0.8)];
+        mesh.uv_sets = vec![vec![Vec2::ZERO, Vec2::X, Vec2::NEG_Y]];
+        let normals = mesh.normals.clone();
+        let world = world(scene(vec![mesh]));
+        let frames = Frames::new(&world, |_, _| unreachable!("the mesh has coordinates"));
+        for weights in [
+            DVec3::new(0.5, 0.375, 0.125),
+            DVec3::new(0.125, 0.25, 0.625),
+            DVec3::new(0.25, 0.625, 0.125),
+        ] {
+            let at = |k: usize| normals[k].as_dvec3() * weights[k];
+            let normal = (at(0) + at(1) + at(2)).normalize();
+            let local = |direction: DVec3| frames.local(0, 0, weights, direction);
+            assert!(
+                (local(normal) - DVec3::Z).length() < 0.08,
+                "{}",
+                local(normal)
+            );
+            let up = local(normal).z;
+            assert!((up - 1.0).abs() < 1e-6, "{up} along the normal");
+            // The tangent follows u, the bitangent points against v.
+            let east = local(DVec3::X).normalize();
+            let north = local(DVec3::Y).normalize();
+            assert!(east.x > 0.85 && east.y.abs() < 0.2, "{east}");
+            assert!(north.y > 0.85 && north.x.abs() < 0.2, "{north}");
+            // What is at right angles to the normal has no part along it.
+            assert!(local(normal.any_orthonormal_vector()).z.abs() < 1e-6);
+        }
+    }
+}

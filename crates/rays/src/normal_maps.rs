@@ -164,3 +164,66 @@ fn points(surface: &Corners, map: &NormalMap, image: &Image, corners: [DVec3; 3]
         .saturating_add(1)
         .clamp(2, MOST_POINTS)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture::{scene, square, world};
+    use scene::{TextureRef, Wrap};
+
+    #[test]
+    fn the_mean_over_a_piece_is_that_of_points_all_over_it() {
+        // Leans to the right more and more from left to right, and up from bottom to top.
+        let pixel = |i: u32| [48 + 20 * (i % 8) as u8, 48 + 20 * (i / 8) as u8, 160, 255];
+        let image = Image {
+            name: "lean".into(),
+            width: 8,
+            height: 8,
+            pixels: (0..64).map(pixel).collect(),
+        };
+        let map = NormalMap {
+            texture: TextureRef {
+                image: 0,
+                uv_set: 0,
+                wrap: [Wrap::Clamp; 2],
+                linear: true,
+                transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            },
+            scale: 1.0,
+            heights: false,
+        };
+        let mut scene = scene(vec![square(0.0)]);
+        scene.materials[0].normal_map = Some(map.clone());
+        let mesh = &scene.meshes[0];
+        let maps = NormalMaps {
+            tangents: vec![tangents(mesh, |corner| place(mesh, &map, corner))],
+            images: vec![Some(image)],
+        };
+        let world = world(scene.clone());
+        let (part, _) = world.part(0);
+        let surface = Corners::of(mesh, &map, 0, &maps.tangents[0][0]).unwrap();
+        let piece = [
+            DVec3::new(0.8, 0.1, 0.1),
+            DVec3::new(0.1, 0.9, 0.0),
+            DVec3::new(0.3, 0.1, 0.6),
+        ];
+        for square in [false, true] {
+            let mean = maps.mean(&scene, part, 0, 0, piece, square).unwrap();
+            let mut sum = DVec3::ZERO;
+            for i in 0..300 {
+                for j in 0..300 {
+                    let [s, t] = [i, j].map(|k| (f64::from(k) + 0.5) / 300.0);
+                    if square || s + t <= 1.0 {
+                        let [a, b, c] = piece;
+                        let at = a + (b - a) * s + (c - a) * t;
+                        let image = maps.images[0].as_ref().unwrap();
+                        sum += surface.bent(at, &map, image).normalize();
+                    }
+                }
+            }
+            let off = (mean - sum.normalize()).length();
+            // About one point a pixel, of which the normals of neighbours differ by 0.15.
+            assert!(off < 0.01, "square {square}: {mean} {off}");
+        }
+    }
+}

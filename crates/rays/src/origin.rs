@@ -88,4 +88,29 @@ mod tests {
         assert_eq!(near.instances[0].transform.translation, home);
         assert_eq!(origin, DVec3::ZERO);
     }
+
+    #[test]
+    fn the_box_of_a_turned_object_holds_its_own_box_turned() {
+        let mut mesh = authored::Mesh::default();
+        mesh.positions = vec![[-1.0, -2.0, -3.0], [1.0, 2.0, 3.0], [1.0, -2.0, 3.0]];
+        mesh.triangles = vec![[0, 1, 2]];
+        let quarter = glam::Mat4::from_rotation_z(std::f32::consts::FRAC_PI_2);
+        let turned = |turn: glam::Mat4| {
+            let mut mesh = mesh.clone();
+            mesh.transform = turn.to_cols_array_2d();
+            bounds(&Scene::from_meshes(vec![mesh], vec![]).unwrap()).unwrap()
+        };
+        let near = |a: DVec3, b: DVec3| assert!((a - b).length() < 1e-5, "{a} {b}");
+        let (low, high) = turned(glam::Mat4::IDENTITY);
+        near(low, DVec3::new(-1.0, -2.0, -3.0));
+        near(high, DVec3::new(1.0, 2.0, 3.0));
+        let (low, high) = turned(quarter);
+        near(low, DVec3::new(-2.0, -1.0, -3.0));
+        near(high, DVec3::new(2.0, 1.0, 3.0));
+        let eighth = glam::Mat4::from_rotation_x(std::f32::consts::FRAC_PI_4);
+        let (low, high) = turned(eighth);
+        let wide = 5.0 / 2f64.sqrt();
+        near(low, DVec3::new(-1.0, -wide, -wide));
+        near(high, DVec3::new(1.0, wide, wide));
+    }
 }

@@ -263,4 +263,29 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn a_patch_with_the_normals_of_its_plane_is_flat_and_keeps_off_its_edges() {
+        let corners = [Vec3::ZERO, Vec3::X * 8.0, Vec3::Y * 8.0];
+        let of = |normals: &[Vec3]| {
+            let mut mesh = fixture::soup(&[corners]);
+            mesh.normals = normals.to_vec();
+            let world = fixture::world(fixture::scene(vec![mesh]));
+            Patch::of(&world, &PlaneErrors::of(&world), 0, 0)
+        };
+        let bent = Vec3::new(0.6, 0.0, 0.8);
+        assert!(of(&[]).is_flat());
+        assert!(of(&[Vec3::Z; 3]).is_flat());
+        assert!(of(&[Vec3::NEG_Z; 3]).is_flat());
+        assert!(!of(&[Vec3::Z, Vec3::Z, bent]).is_flat());
+        assert!(!of(&[Vec3::Z, bent, Vec3::Z]).is_flat());
+        assert!(!of(&[bent; 3]).is_flat());
+        // A sample is off an edge by what a coordinate is rounded by at least, and by little more.
+        let patch = of(&[]);
+        let heights = [8.0 / 2f64.sqrt(), 8.0, 8.0];
+        for (inset, height) in patch.inset.to_array().into_iter().zip(heights) {
+            let off = inset * height / (8.0 * UNIT_ROUNDOFF);
+            assert!((1.0..64.0).contains(&off), "{off} roundings");
+        }
+    }
 }

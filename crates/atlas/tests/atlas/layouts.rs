@@ -390,3 +390,61 @@ fn charts_that_nobody_sees_leave_their_texels_to_the_others() {
     let none = layout_seen(&scene, &options, Some(&|_| false), &|| false).unwrap();
     assert_clean(&none);
 }
+
+#[test]
+fn page_use_counts_charts_with_their_gutters() {
+    let mut square = mesh(
+        "square",
+        vec![Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y],
+        vec![[0, 1, 2], [0, 2, 3]],
+    );
+    // From 16.64 to 47.36 texels, so that it touches 32 of them.
+    let uvs = [(0.26, 0.26), (0.74, 0.26), (0.74, 0.74), (0.26, 0.74)];
+    square.uv_sets = vec![uvs.map(|(u, v)| Vec2::new(u, v)).to_vec()];
+    let scene = scene(vec![square], &[(0, 0, DAffine3::IDENTITY)]);
+    for gutter in [0, 2, 5] {
+        let options = Options {
+            gutter,
+            ..options(UvMode::Keep, 64, None)
+        };
+        let atlas = layout(&scene, &options, &|| false).unwrap();
+        let facts = ambake_atlas::facts(&scene, &atlas);
+        let edge = f64::from(32 + 2 * gutter) / 64.0;
+        assert!(
+            (facts.page_use - edge * edge).abs() < 1e-9,
+            "{}",
+            facts.page_use
+        );
+        assert!(
+            (facts.covered - 0.48 * 0.48).abs() < 1e-6,
+            "{}",
+            facts.covered
+        );
+        let square = &facts.objects[0];
+        assert!((square.texels - 30.72 * 30.72).abs() < 0.01 && square.share == 1.0);
+        assert!((square.density - 30.72).abs() < 0.01, "{}", square.density);
+        assert!((square.across - 30.72).abs() < 0.01, "{}", square.across);
+    }
+}
+
+#[test]
+fn pages_that_would_be_mostly_gutters_become_more() {
+    // Ten thousand loose squares: on the fewest pages that take them they would be a texel wide in gutters of four.
+    let corner = |i: u32| Vec3::new(3.0 * (i % 100) as f32, 3.0 * (i / 100) as f32, 0.0);
+    let square =
+        |i: u32| [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y].map(|p| p + corner(i));
+    let positions = (0..10_000).flat_map(square).collect();
+    let triangles =
+        (0..10_000).flat_map(|i| [[4 * i, 4 * i + 1, 4 * i + 2], [4 * i, 4 * i + 2, 4 * i + 3]]);
+    let loose = mesh("loose", positions, triangles.collect());
+    let scene = scene(vec![loose], &[(0, 0, DAffine3::IDENTITY)]);
+    let atlas = auto(&scene, 256);
+    let facts = ambake_atlas::facts(&scene, &atlas);
+    assert!(atlas.page_count > 1);
+    assert!(
+        facts.covered >= 0.25,
+        "{} on {} pages",
+        facts.covered,
+        atlas.page_count
+    );
+}

@@ -247,3 +247,51 @@ impl BounceStats {
         self.gathers += 1;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn variances_are_pooled_over_three_by_three_on_the_same_surface() {
+        const SIZE: u32 = 64;
+        // A tile's corner of 4 x 4 texels; the last column leans away.
+        let texel = |i: u32| {
+            let spread = f64::from(1 + i);
+            TexelLight {
+                index: i / 4 * SIZE + i % 4,
+                irradiance: [0.0, 0.0, 0.0, spread].map(DVec3::splat),
+                reflection: [DVec3::ZERO; 4],
+                variances: [0.0; 2],
+                rays: if i == 5 { 0 } else { 16 },
+                coverage: 1.0,
+                position: DVec3::ZERO,
+                normal: if i % 4 == 3 { DVec3::X } else { DVec3::Z },
+                object: 0,
+                validity: 1.0,
+            }
+        };
+        let mut texels: Vec<TexelLight> = (0..16).map(texel).collect();
+        let own: Vec<f64> = texels.iter().map(|t| variance(&t.irradiance)).collect();
+        assert!((own[0] - 1.0 / 16.0).abs() < 1e-12, "{}", own[0]);
+        pool(&mut texels, SIZE);
+        for (i, about) in [
+            (0, vec![0, 1, 4]),
+            (4, vec![0, 1, 4, 8, 9]),
+            (6, vec![1, 2, 6, 9, 10]),
+            (3, vec![3, 7]),
+            (15, vec![11, 15]),
+            (9, vec![4, 6, 8, 9, 10, 12, 13, 14]),
+            (5, vec![]),
+        ] {
+            let sum: f64 = about.iter().map(|&k| own[k]).sum();
+            let expected = sum / about.len().max(1) as f64;
+            let found = texels[i].variances;
+            assert!(
+                (found[0] - expected).abs() < 1e-12,
+                "{i}: {found:?} {expected}"
+            );
+            assert_eq!(found[1], 0.0);
+        }
+    }
+}

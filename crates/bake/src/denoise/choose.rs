@@ -266,3 +266,36 @@ fn squares(plane: &Plane, rows: &Range<usize>) -> f64 {
     let parts: Vec<f64> = values.par_chunks(TASK).map(of).collect();
     parts.iter().sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn candidates_weigh_by_the_sixth_power_of_their_error() {
+        // Errors are squared already as risks: 2 against 1 is a sixty-fourth.
+        let mut texel = Texel::default();
+        texel.count(1.0, 1.0, 0.25, |_| 3.0, 1);
+        texel.count(2.0, 1.0, 0.5, |_| 7.0, 1);
+        let share = 1.0 / 64.0;
+        let expected = (3.0 + 7.0 * share) / (1.0 + share);
+        assert!(
+            (texel.value(0) - expected).abs() < 1e-6,
+            "{}",
+            texel.value(0)
+        );
+        // The unit does not matter; errors that are hardly any weigh alike.
+        let mut other = Texel::default();
+        other.count(100.0, 100.0, 0.25, |_| 3.0, 1);
+        other.count(200.0, 100.0, 0.5, |_| 7.0, 1);
+        assert!(
+            (other.value(0) - expected).abs() < 1e-6,
+            "{}",
+            other.value(0)
+        );
+        let mut alike = Texel::default();
+        alike.count(0.0, 1.0, 0.0, |_| 3.0, 1);
+        alike.count(1e-6, 1.0, 0.0, |_| 7.0, 1);
+        assert_eq!(alike.value(0), 5.0);
+    }
+}

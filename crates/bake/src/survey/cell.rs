@@ -232,3 +232,29 @@ pub(crate) fn place_in([start, inverse, fold]: [f32; 3], [u0, u1]: [f32; 2]) -> 
     let folded = fold * s.min(u1);
     [s - folded, u1 - folded]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ray_along_the_facet_leaves_it_under_no_shading() {
+        let sample = Sample {
+            position: DVec3::ZERO,
+            normal: DVec3::new(0.6, 0.0, 0.8),
+            geometric: DVec3::Z,
+        };
+        let below = DVec3::new(0.8, 0.0, -0.6);
+        for shading in [Shading::Production, Shading::Exact] {
+            assert_eq!(sample.leaving(shading, DVec3::X), None);
+            assert_eq!(sample.leaving(shading, DVec3::NEG_X), None);
+            assert_eq!(sample.leaving(shading, DVec3::Z), Some(DVec3::Z));
+        }
+        // The normal faces it, the facet does not: mirrored on the facet.
+        let tilted = DVec3::new(0.9, 0.0, -0.1).normalize();
+        assert!(tilted.dot(sample.normal) > 0.0 && below.dot(sample.normal) == 0.0);
+        assert_eq!(sample.leaving(Shading::Exact, tilted), None);
+        let up = sample.leaving(Shading::Production, tilted).expect("a ray");
+        assert!((up - DVec3::new(tilted.x, 0.0, -tilted.z)).length() < 1e-15);
+    }
+}

@@ -192,6 +192,26 @@ fn depths_near_a_surface_are_those_seen_from_far() {
     }
 }
 
+#[test]
+fn depths_out_of_the_box_that_was_given_are_those_seen_from_far() {
+    let solids = solids(vec![unit(false)]);
+    let box_of = [DVec3::splat(0.5), DVec3::splat(0.9)];
+    for first in [DVec3::splat(0.7), DVec3::splat(3.0)] {
+        let mut near = solids.near(0, box_of.into_iter());
+        near.depth(first, None);
+        for point in [
+            DVec3::new(0.7, 0.7, 3.0),
+            DVec3::new(-3.0, 0.7, 0.7),
+            DVec3::new(0.1, -1.5, 0.2),
+            DVec3::new(0.1, -0.5, 0.2),
+            DVec3::splat(0.6),
+        ] {
+            let expected = solids.depth(0, point, None);
+            assert_eq!(near.depth(point, None), expected, "{point} after {first}");
+        }
+    }
+}
+
 /// The depth at a point of a triangle of the second mesh.
 fn buried(solids: &Solids, point: DVec3) -> i32 {
     let (own, near) = (solids.own(1, 0), solids.about(point, point));
@@ -247,6 +267,19 @@ fn an_awning_buries_no_pole_and_a_floor_no_column_of_the_storey_below() {
     let bracket = |under: f32| solids(vec![level(0.0, 2.0), tube(-0.3, 0.5), level(-3.0, under)]);
     assert_eq!(buried(&bracket(9.0), below), 0);
     assert_eq!(buried(&bracket(0.5), below), 1);
+    // A plate close below the post's end is not yet at it.
+    let plate = solids(vec![level(0.0, 9.0), tube(-0.3, 1.5), level(-0.6, 0.4)]);
+    assert_eq!(buried(&plate, below), 1);
+    let sole = solids(vec![level(0.0, 9.0), tube(-0.3, 1.5), level(-0.3, 0.4)]);
+    assert_eq!(buried(&sole, below), 0);
+    // The same wherever it stands.
+    let afar = [level(0.0, 9.0), tube(-1.0, 5.0), level(-1.0, 9.0)].map(|mut mesh| {
+        let far = Vec3::new(60.0, 40.0, -20.0);
+        mesh.positions.iter_mut().for_each(|p| *p += far);
+        mesh
+    });
+    let afar = solids(afar.to_vec());
+    assert_eq!(buried(&afar, below + DVec3::new(60.0, 40.0, -20.0)), 0);
     // What crosses the sheet too does not lay it open.
     let fence = solids(vec![level(0.0, 9.0), tube(-1.0, 5.0), tube(-2.0, 3.0)]);
     assert_eq!(buried(&fence, below), 1);

@@ -119,7 +119,7 @@ mod tests {
         assert_eq!(words[32..39], [92, 0, 88 << 16 | 2, 0x0001_0101, 0, 8, 0]);
         let (low, high) = (0xbf80_0000, 0x3f80_0000);
         for (i, kind) in [0xc0, 0xc1, 0xc2, 0xcf].into_iter().enumerate() {
-            let sample = [kind << 24 | 15 << 16 | 16 * i as u32, 0, low, high];
+            let sample = [kind << 24 | 15 << 16 | (16 * i as u32), 0, low, high];
             assert_eq!(words[39 + 4 * i..][..4], sample);
         }
         let values = b"\x12\0\0\0KTXorientation\0rd\0\0\0\x11\0\0\0KTXwriter\0ambake\0\0\0\0";

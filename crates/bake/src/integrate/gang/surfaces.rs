@@ -223,3 +223,53 @@ pub(super) fn mirrored(normal: &[Wide; 3], origin: &[Wide; 3], eye: DVec3) -> [W
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use atlas::Piece;
+    use rays::Patch;
+
+    /// A triangle of a unit square over z = 0, with these normals.
+    fn patch(normals: [[f32; 3]; 3]) -> Patch {
+        let mut mesh = scene::authored::Mesh::default();
+        mesh.positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        mesh.normals = normals.to_vec();
+        mesh.triangles = vec![[0, 1, 2]];
+        let scene = scene::Scene::from_meshes(vec![mesh], vec![]).unwrap();
+        let world = rays::World::new(std::sync::Arc::new(scene), rays::WorldOptions::default());
+        let world = world.unwrap();
+        Patch::of(&world, &rays::PlaneErrors::of(&world), 0, 0)
+    }
+
+    #[test]
+    fn a_lane_is_smooth_as_the_last_cell_under_it() {
+        let piece = Piece {
+            instance: 0,
+            triangle: 0,
+            square: false,
+            corners: [
+                DVec3::X,
+                DVec3::new(0.5, 0.5, 0.0),
+                DVec3::new(0.5, 0.0, 0.5),
+            ],
+            cumulative: 0.0,
+        };
+        let cell = |normals| {
+            let mut cells = Vec::new();
+            Cell::push(&mut cells, (&patch(normals), None), &piece, 1.0);
+            cells.remove(0)
+        };
+        let up = [0.0, 0.0, 1.0];
+        let [flat, smooth] = [cell([up; 3]), cell([up, [0.6, 0.0, 0.8], up])];
+        assert_eq!([flat.is_smooth(), smooth.is_smooth()], [false, true]);
+        let mut surfaces = LaneSurfaces::none();
+        let mut expected = 0u32;
+        for turn in 0..3 * LANES {
+            let (lane, is_smooth) = (turn * 7 % LANES, turn % 3 != 1);
+            surfaces.set_normal(lane, if is_smooth { &smooth } else { &flat });
+            expected = expected & !(1 << lane) | u32::from(is_smooth) << lane;
+            assert_eq!(surfaces.smooth, expected, "after {turn}");
+        }
+    }
+}
