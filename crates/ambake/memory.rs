@@ -15,11 +15,13 @@ const WRITING: u64 = 12;
 /// Bytes a texel of charts that the denoiser takes beside the planes: the charts themselves and what becomes of a term, by channels.
 const DENOISING: u64 = 20;
 const DENOISED: u64 = 4;
-/// The same while it finds which texels are of one surface.
-const GROUPING: u64 = 13;
+/// Bytes a page texel of what it knows of the shape of bent charts.
+const SHAPE: u64 = 8;
+/// Bytes a texel of charts while it finds which texels are of one surface, and their heights.
+const GROUPING: u64 = 17;
 /// The same of the texels that are fitted at a time: charts, or parts of larger ones, which have so many texels at most and some rows about
 /// them, one for each thread.
-const FITTING: u64 = 110;
+const FITTING: u64 = 140;
 const FITTED: u64 = 1 << 21;
 const FITTED_ROWS: u64 = 96;
 /// Bytes a point of a seam, and those of each thread that solves a term there.
@@ -121,13 +123,13 @@ impl Memory {
                     _ => covered.min(most),
                 };
                 let planes = DENOISING + DENOISED * self.broadest;
-                covered * planes + fitted * FITTING
+                texels * SHAPE + covered * planes + fitted * FITTING
             }
             Denoise::Oidn => texels * OIDN,
             Denoise::Off => texels * if self.seams { 8 } else { 0 },
         };
         let bakes = texels * 4 * self.working + waiting.min(WAITING);
-        let groups = texels * 4 * self.working + covered * GROUPING;
+        let groups = texels * (4 * self.working + SHAPE) + covered * GROUPING;
         let seams = known.map_or(0, |(_, points)| points * (SEAM + threads * SOLVING));
         let finishes = texels * 4 * (self.working - places) + denoise + seams;
         let finishes = groups.max(finishes) + waiting.min(SPARED);

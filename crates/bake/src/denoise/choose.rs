@@ -8,7 +8,7 @@
 //! matter ([`super::stated`]). After F. Rousselle, C. Knaus, M. Zwicker,
 //! "Adaptive Rendering with Non-Local Means Filtering", 2012, who tell noise from detail by two halves.
 
-use super::fit::{Fits, fit};
+use super::fit::{DEGREES, Fits, degrees, fit};
 use super::plane::{Plane, TASK};
 use super::stated::{Predicted, Squares};
 use pulp::Arch;
@@ -30,6 +30,9 @@ const STANDS_OUT: f32 = 0.5;
 
 /// Variances of the plain value by which both halves of a single texel must leave a fit to refuse it: a contact of one texel.
 const REFUSES: f32 = 25.0;
+
+/// Fits that no other follows from: without features they may be far from the truth where those of the next stride, with them, are not.
+const ASIDE: usize = 2;
 
 /// Channels of a term at most.
 pub(super) const CHANNELS: usize = 3;
@@ -75,10 +78,10 @@ impl Texel {
         }
     }
 
-    /// Counts a candidate of this error, in units of `unit`. Errors below 1e-5 of it weigh alike, and so do those beyond 1e5.
+    /// Counts a candidate of this error and variance, in units of `unit`. Errors below 1e-5 of it weigh alike, and so do those beyond 1e5.
     fn count(
         &mut self,
-        risk: f32,
+        [risk, variance]: [f32; 2],
         unit: f32,
         half: f32,
         value: impl Fn(usize) -> f32,
@@ -88,7 +91,7 @@ impl Texel {
         let square = inverse * inverse;
         let weight = square * square * square;
         self.weights += weight;
-        self.variances += weight * self.variance;
+        self.variances += weight * variance;
         self.half += weight * half;
         for channel in 0..channels {
             self.values[channel] += weight * value(channel);
@@ -101,17 +104,23 @@ impl Texel {
 pub(super) struct Whole {
     plain: f64,
     texels: f64,
-    /// Of each stride's quadratic and linear fits.
-    fitted: [[f64; 2]; STRIDES.len()],
+    /// Of the fits of each stride.
+    fitted: [[f64; DEGREES]; STRIDES.len()],
 }
 
 impl Whole {
-    /// Of one band: the mask, H, and which rows of these are its own.
-    pub fn of(mask: &Plane, half: &Plane, rows: &Range<usize>) -> Self {
-        let mut fits: Fits = [0, 1].map(|_| vec![Plane::like(mask)]);
+    /// Of one band: the mask, its features, H, and which rows of these are its own.
+    pub fn of(mask: &Plane, features: &[Plane], half: &Plane, rows: &Range<usize>) -> Self {
+        let mut fits: Fits = std::array::from_fn(|_| vec![Plane::like(mask)]);
         let fitted = STRIDES.map(|stride| {
-            fit(mask, std::slice::from_ref(half), stride, &mut fits);
-            [0, 1].map(|k: usize| squares(&fits[k][0], rows))
+            fit(
+                mask,
+                features,
+                std::slice::from_ref(half),
+                stride,
+                &mut fits,
+            );
+            fits.each_ref().map(|fits| squares(&fits[0], rows))
         });
         Self {
             plain: squares(half, rows),
@@ -132,11 +141,12 @@ impl Whole {
     }
 }
 
-/// The texels of a chart, or of a band of one that has several, after all candidates; `None` where the halves agree everywhere. `data`: the
-/// channels of M, then the mean channel of H; `near` becomes the number of the chart's texels about each. `dark`: by the texel, the
+/// The texels of a chart, or of a band of one that has several, after all candidates; `None` where the halves agree everywhere. `features`:
+/// what fits may follow beside the place. `data`: the channels of M, then the mean channel of H; `near` becomes the number of the chart's texels about each. `dark`: by the texel, the
 /// standard error of a neighbourhood of so many without light.
 pub(super) fn choose(
     mask: &Plane,
+    features: &[Plane],
     data: &[Plane],
     whole: Option<&Whole>,
     near: &mut Plane,
@@ -171,22 +181,25 @@ pub(super) fn choose(
         }
         texel.variance = texel.plain;
         texel.count(
-            texel.plain,
+            [texel.plain; 2],
             unit,
             half.values[i],
             |channel| data[channel].values[i],
             channels,
         );
     });
-    let mut fits: Fits = [vec![new(); channels + 1], vec![new(); channels + 1]];
+    let mut fits: Fits = std::array::from_fn(|_| vec![new(); channels + 1]);
     let mut last = data.to_vec();
     for (number, stride) in STRIDES.into_iter().enumerate() {
-        fit(mask, data, stride, &mut fits);
+        fit(mask, features, data, stride, &mut fits);
         // Texels that share one move.
         let shared = (stride * stride) as f32 / 4.0;
-        for degree in 0..2 {
+        for degree in 0..degrees(features) {
             let now = &fits[degree];
-            let before = if degree == 0 { &last } else { &fits[0] };
+            let before = match degree {
+                0 => &last,
+                _ => &fits[degree - 1],
+            };
             let moved = |i: usize, now: &[Plane], before: &[Plane]| {
                 let dm = mean(now, i) - mean(before, i);
                 let dh = now[channels].values[i] - before[channels].values[i];
@@ -207,17 +220,20 @@ pub(super) fn choose(
                 // Its own noise must not speak for or against a texel's choice.
                 let own = moved(i, now, before);
                 let moves = (moves.values[i] - own) / (near - 1.0).max(1.0);
-                texel.bias += (moves - STANDS_OUT * noise).max(0.0);
-                texel.variance = variance;
+                let bias = texel.bias + (moves - STANDS_OUT * noise).max(0.0);
                 // A texel of twice the value has twice the variance: two rays that meet in the dark are no detail.
                 let brighter = (mean(data, i) / mean(now, i).max(f32::MIN_POSITIVE)).max(1.0);
                 let alone = moved(i, now, data) - REFUSES * texel.plain * brighter;
                 let value = |channel: usize| now[channel].values[i];
-                let risk = (texel.variance + texel.bias).max(alone);
-                texel.count(risk, unit, now[channels].values[i], value, channels);
+                let risk = (variance + bias).max(alone);
+                let half = now[channels].values[i];
+                texel.count([risk, variance], unit, half, value, channels);
+                if degree < ASIDE {
+                    (texel.variance, texel.bias) = (variance, bias);
+                }
             });
         }
-        std::mem::swap(&mut last, &mut fits[1]);
+        std::mem::swap(&mut last, &mut fits[ASIDE - 1]);
     }
     // One texel's prediction is rough; neighbours pool theirs, as the plain values' do.
     variances.set_sums(|i| match mask.values[i] > 0.0 {
@@ -275,8 +291,8 @@ mod tests {
     fn candidates_weigh_by_the_sixth_power_of_their_error() {
         // Errors are squared already as risks: 2 against 1 is a sixty-fourth.
         let mut texel = Texel::default();
-        texel.count(1.0, 1.0, 0.25, |_| 3.0, 1);
-        texel.count(2.0, 1.0, 0.5, |_| 7.0, 1);
+        texel.count([1.0; 2], 1.0, 0.25, |_| 3.0, 1);
+        texel.count([2.0; 2], 1.0, 0.5, |_| 7.0, 1);
         let share = 1.0 / 64.0;
         let expected = (3.0 + 7.0 * share) / (1.0 + share);
         assert!(
@@ -286,16 +302,16 @@ mod tests {
         );
         // The unit does not matter; errors that are hardly any weigh alike.
         let mut other = Texel::default();
-        other.count(100.0, 100.0, 0.25, |_| 3.0, 1);
-        other.count(200.0, 100.0, 0.5, |_| 7.0, 1);
+        other.count([100.0; 2], 100.0, 0.25, |_| 3.0, 1);
+        other.count([200.0; 2], 100.0, 0.5, |_| 7.0, 1);
         assert!(
             (other.value(0) - expected).abs() < 1e-6,
             "{}",
             other.value(0)
         );
         let mut alike = Texel::default();
-        alike.count(0.0, 1.0, 0.0, |_| 3.0, 1);
-        alike.count(1e-6, 1.0, 0.0, |_| 7.0, 1);
+        alike.count([0.0; 2], 1.0, 0.0, |_| 3.0, 1);
+        alike.count([1e-6; 2], 1.0, 0.0, |_| 7.0, 1);
         assert_eq!(alike.value(0), 5.0);
     }
 }

@@ -8,6 +8,7 @@
 mod beyond;
 mod charts;
 mod choose;
+mod features;
 mod field;
 mod fit;
 pub(crate) mod oidn;
@@ -19,6 +20,7 @@ use crate::seams::SeamPoint;
 use beyond::Borders;
 use charts::{Band, Chart, Charts, charts};
 use choose::{Texel, Whole, choose};
+use features::{FEATURES, Features};
 pub(crate) use field::Field;
 use plane::Plane;
 use rayon::prelude::*;
@@ -83,6 +85,7 @@ impl Denoised {
 pub(crate) struct Denoiser<'a> {
     size: usize,
     charts: Charts,
+    features: Features,
     borders: Borders<'a>,
     at_a_time: usize,
 }
@@ -93,6 +96,7 @@ impl<'a> Denoiser<'a> {
         let charts = charts(field);
         Self {
             size: field.size,
+            features: Features::new(field, &charts, AT_A_TIME),
             borders: Borders::new(seams, &charts, field),
             charts,
             at_a_time: AT_A_TIME,
@@ -142,6 +146,7 @@ impl<'a> Denoiser<'a> {
         let charts = &self.charts.number;
         let beyond = self.borders.beyond(number, chart, charts, term.crosses);
         let area = chart.area.with(beyond.iter().map(|beyond| beyond.place));
+        let features = &self.features;
         let plane = |band: &Band, of: &dyn Fn(usize) -> f32| {
             let mut plane = Plane::new([area.size[0], band.about.len()]);
             for &texel in chart.texels_of(&area, &band.about, self.size) {
@@ -158,21 +163,24 @@ impl<'a> Denoiser<'a> {
         let planes = |band: &Band| {
             let plane = |of: &dyn Fn(usize) -> f32| plane(band, of);
             let mask = plane(&|_| 1.0);
+            let feature = |k: usize| plane(&|texel| features.at(texel, k));
+            let is_bent = features.are_of(number);
+            let features: Vec<Plane> = (0..FEATURES).filter(|_| is_bent).map(feature).collect();
             let values = term.values.iter();
             let mut data: Vec<Plane> = values.map(|values| plane(&|texel| values[texel])).collect();
             data.push(plane(&half));
             if term.is_smooth {
                 strays::share(&mask, &mut data);
             }
-            (mask, data)
+            (mask, features, data)
         };
         let bands = area.bands(self.at_a_time);
         // No more at a time than there are threads: one that waits for others takes up what else there is.
         let together = || bands.chunks(rayon::current_num_threads());
         let whole = (bands.len() > 1).then(|| {
             let of = |band: &Band| {
-                let (mask, data) = planes(band);
-                Whole::of(&mask, &data[term.values.len()], &band.inner())
+                let (mask, features, data) = planes(band);
+                Whole::of(&mask, &features, &data[term.values.len()], &band.inner())
             };
             let wholes = together().flat_map(|bands| bands.par_iter().map(of).collect::<Vec<_>>());
             wholes.reduce(Whole::plus)
@@ -180,12 +188,12 @@ impl<'a> Denoiser<'a> {
         let whole = whole.flatten();
         let part = |band: &Band| {
             let mut near = Plane::new([area.size[0], band.about.len()]);
-            let (mask, data) = planes(band);
+            let (mask, features, data) = planes(band);
             let errors = plane(band, &|texel| term.std_err[texel]);
             let dark = |i: usize, near: f32| agreed(errors.values[i], near);
-            let chosen = choose(&mask, &data, whole.as_ref(), &mut near, dark)?;
+            let chosen = choose(&mask, &features, &data, whole.as_ref(), &mut near, dark)?;
             // A band may fill its page, and what follows needs room of its own.
-            drop((mask, data));
+            drop((mask, features, data));
             let mut part = Part::new(term.values.len());
             for &texel in chart.texels_of(&area, &band.rows, self.size) {
                 let i = area.local(texel, &band.about, self.size);
