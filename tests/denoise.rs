@@ -95,3 +95,33 @@ fn most_rays_beside_a_fixed_number_are_refused() {
     assert_eq!(output.status.code(), Some(2), "{errors}");
     assert!(errors.contains("--max-rays"), "{errors}");
 }
+
+#[test]
+fn a_target_is_met_by_what_is_denoised_and_takes_fewer_rays_for_it() {
+    let few = ["--size", "128", "--only", "diffuse,error,rays"];
+    let asked = ["--target-error", "0.01", "--seams", "off"];
+    let arguments = [&few[..], &asked].concat();
+    let (_folder, smooth) = by_default("resting_sphere.obj", &arguments);
+    let (_folder, plain) = bake(&scene("resting_sphere.obj"), &arguments);
+    let more = ["--rays", "4096", "--seed", "3", "--seams", "off"];
+    let (_folder, exact) = bake(&scene("resting_sphere.obj"), &[&few[..], &more].concat());
+    let cast: Vec<usize> = (0..128 * 128)
+        .filter(|&i| exact.plane("rays")[i] > 0.0)
+        .collect();
+    let mean = |page: &Page, of: &dyn Fn(&Page, usize) -> f64| {
+        cast.iter().map(|&i| of(page, i)).sum::<f64>() / cast.len() as f64
+    };
+    let rays = |page: &Page, i: usize| f64::from(page.plane("rays")[i]);
+    let [all, fewer] = [&plain, &smooth].map(|page| mean(page, &rays));
+    assert!(fewer < 0.5 * all, "{fewer} rays a texel of {all}");
+    // A tile foresees its errors without its neighbours, whose texels count too in the end.
+    let met = |page: &Page, i: usize| f64::from(u8::from(page.plane("error")[i] <= 0.0125));
+    assert!(mean(&smooth, &met) > 0.95, "{} met", mean(&smooth, &met));
+    let square = |page: &Page, i: usize| {
+        let [own, exact] = [page, &exact].map(|page| f64::from(page.plane("diffuse")[i]));
+        (own - exact).powi(2)
+    };
+    let stated = |page: &Page, i: usize| f64::from(page.plane("error")[i]).powi(2);
+    let ratio = (mean(&smooth, &square) / mean(&smooth, &stated)).sqrt();
+    assert!((0.6..1.3).contains(&ratio), "true over stated {ratio}");
+}

@@ -60,7 +60,7 @@ pub struct Options {
 pub enum Effort {
     /// So many, at least 1.
     Rays(u32),
-    /// Until the standard error is small enough.
+    /// Until the standard error is small enough: texel by texel, or where pages are denoised by fits, tile by tile after denoising.
     Target {
         /// Largest standard error, above 0.
         error: f64,

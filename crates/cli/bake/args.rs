@@ -132,7 +132,7 @@ pub struct Job {
     /// Rays per texel over the hemisphere; the specular lobe takes as many again where a material needs it
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=16_777_216))]
     pub rays: u32,
-    /// Stop a texel when its standard error is at most E, instead of a fixed number of rays
+    /// Stop texels when their standard error is at most E, instead of a fixed number of rays; where they are denoised, a tile's texels together, once 95 of 100 have that
     #[arg(long, value_name = "E", value_parser = target_error, conflicts_with = "rays")]
     pub target_error: Option<f64>,
     /// With --target-error: stop a texel when its standard error is at most R times its value, where that is more than E

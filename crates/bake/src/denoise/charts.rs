@@ -6,6 +6,7 @@
 
 use super::choose::{ALIGNED, REACH};
 use super::field::Field;
+use super::plane::TASK;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -124,7 +125,8 @@ pub(super) fn charts(field: &Field<'_>) -> Charts {
     const DOWN: u8 = 2;
     let size = field.size;
     let mut bits = vec![0u8; size * size];
-    bits.par_chunks_mut(size).enumerate().for_each(|(y, row)| {
+    let rows = bits.par_chunks_mut(size).with_min_len(TASK.div_ceil(size));
+    rows.enumerate().for_each(|(y, row)| {
         for (x, bits) in row.iter_mut().enumerate() {
             let texel = y * size + x;
             if x + 1 < size && linked(field, texel, texel + 1) {

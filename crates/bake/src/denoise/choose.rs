@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Strides of the fits; at each a quadratic and a linear one compete.
-const STRIDES: [usize; 5] = [2, 4, 8, 16, 32];
+pub(super) const STRIDES: &[usize] = &[2, 4, 8, 16, 32];
 
 /// Rows on each side of a texel that its fits depend on: two windows of the widest stride, in whose first half the squares of moves stay
 /// that are averaged twice, and what strays ([`super::strays`]) bring there from beyond.
@@ -99,33 +99,40 @@ impl Texel {
     }
 }
 
+/// A chart, or a band of one, ready to be fitted.
+#[derive(Debug)]
+pub(super) struct Surface {
+    /// 1 where it has texels.
+    pub mask: Plane,
+    /// What fits may follow beside the place.
+    pub features: Vec<Plane>,
+    /// The channels of M, then the mean channel of H.
+    pub data: Vec<Plane>,
+}
+
 /// What all bands of a chart have in common: squares of half differences over all of it.
 #[derive(Debug)]
 pub(super) struct Whole {
     plain: f64,
     texels: f64,
     /// Of the fits of each stride.
-    fitted: [[f64; DEGREES]; STRIDES.len()],
+    fitted: Vec<[f64; DEGREES]>,
 }
 
 impl Whole {
-    /// Of one band: the mask, its features, H, and which rows of these are its own.
-    pub fn of(mask: &Plane, features: &[Plane], half: &Plane, rows: &Range<usize>) -> Self {
+    /// Of one band, and which rows of it are its own.
+    pub fn of(band: &Surface, rows: &Range<usize>) -> Self {
+        let (mask, half) = (&band.mask, &band.data[band.data.len() - 1]);
         let mut fits: Fits = std::array::from_fn(|_| vec![Plane::like(mask)]);
-        let fitted = STRIDES.map(|stride| {
-            fit(
-                mask,
-                features,
-                std::slice::from_ref(half),
-                stride,
-                &mut fits,
-            );
+        let mut fitted = |&stride: &usize| {
+            let half = std::slice::from_ref(half);
+            fit(mask, &band.features, half, stride, &mut fits);
             fits.each_ref().map(|fits| squares(&fits[0], rows))
-        });
+        };
         Self {
             plain: squares(half, rows),
             texels: squares(mask, rows),
-            fitted,
+            fitted: STRIDES.iter().map(&mut fitted).collect(),
         }
     }
 
@@ -141,17 +148,24 @@ impl Whole {
     }
 }
 
-/// The texels of a chart, or of a band of one that has several, after all candidates; `None` where the halves agree everywhere. `features`:
-/// what fits may follow beside the place. `data`: the channels of M, then the mean channel of H; `near` becomes the number of the chart's texels about each. `dark`: by the texel, the
-/// standard error of a neighbourhood of so many without light.
+/// The texels of a surface after all candidates; `None` where the halves agree everywhere.
+///
+/// * `strides`: of the fits that compete.
+/// * `whole`: of the chart that the surface is a band of.
+/// * `near`: becomes the number of the surface's texels about each.
+/// * `dark`: by the texel, the standard error of a neighbourhood of so many without light.
 pub(super) fn choose(
-    mask: &Plane,
-    features: &[Plane],
-    data: &[Plane],
+    surface: &Surface,
+    strides: &[usize],
     whole: Option<&Whole>,
     near: &mut Plane,
     dark: impl Fn(usize, f32) -> f32 + Sync,
 ) -> Option<Vec<Texel>> {
+    let Surface {
+        mask,
+        features,
+        data,
+    } = surface;
     let channels = data.len() - 1;
     let half = &data[channels];
     let rows = 0..mask.height();
@@ -190,7 +204,7 @@ pub(super) fn choose(
     });
     let mut fits: Fits = std::array::from_fn(|_| vec![new(); channels + 1]);
     let mut last = data.to_vec();
-    for (number, stride) in STRIDES.into_iter().enumerate() {
+    for (number, &stride) in strides.iter().enumerate() {
         fit(mask, features, data, stride, &mut fits);
         // Texels that share one move.
         let shared = (stride * stride) as f32 / 4.0;

@@ -5,10 +5,10 @@
 //! the texels about, as functions beside those of the place. After B. Moon, N. Carr, S.-E. Yoon, "Adaptive Rendering Based on Weighted
 //! Local Regression", 2014, who fit images linearly in what is known of the geometry.
 
-use super::FEWEST;
 use super::charts::{Band, Chart, Charts};
 use super::field::Field;
-use super::plane::Plane;
+use super::plane::{Plane, TASK};
+use super::{FEWEST, at_least};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -38,6 +38,7 @@ impl Features {
     pub fn new(field: &Field<'_>, charts: &Charts, at_a_time: usize) -> Self {
         let charts = &charts.charts;
         let each = charts.par_iter().with_max_len(1);
+        let each = each.with_min_len(at_least(field.size));
         let bent: Vec<bool> = each.clone().map(|chart| is_bent(field, chart)).collect();
         if !bent.contains(&true) {
             let texels = Vec::new();
@@ -48,7 +49,8 @@ impl Features {
             false => [0; FEATURES],
         };
         let all = (0..field.size * field.size).into_par_iter();
-        let mut texels: Vec<[i16; FEATURES]> = all.map(facing).collect();
+        let all = all.with_min_len(TASK).map(facing);
+        let mut texels: Vec<[i16; FEATURES]> = all.collect();
         let heights = each.zip(&bent).map(|(chart, is_bent)| {
             let bands = chart.area.bands(at_a_time).into_iter();
             let bands = bands.filter(|_| *is_bent);

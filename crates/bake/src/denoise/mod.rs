@@ -19,15 +19,18 @@ mod strays;
 use crate::seams::SeamPoint;
 use beyond::Borders;
 use charts::{Band, Chart, Charts, charts};
-use choose::{Texel, Whole, choose};
+use choose::{STRIDES, Surface, Texel, Whole, choose};
 use features::{FEATURES, Features};
 pub(crate) use field::Field;
-use plane::Plane;
+use plane::{Plane, TASK};
 use rayon::prelude::*;
 use stated::{Predicted, Seen, Stated};
 
 /// Charts of fewer texels keep their plain values: too few to tell noise from detail.
 const FEWEST: usize = 4;
+
+/// Strides of the fits that foresee what is left of a tile's errors.
+const OF_TILE: &[usize] = &[4, 16];
 
 /// Texels of a chart that are fitted at a time, each of which takes some 100 bytes meanwhile. Most charts have fewer.
 const AT_A_TIME: usize = 1 << 21;
@@ -87,6 +90,7 @@ pub(crate) struct Denoiser<'a> {
     charts: Charts,
     features: Features,
     borders: Borders<'a>,
+    strides: &'static [usize],
     at_a_time: usize,
 }
 
@@ -99,13 +103,23 @@ impl<'a> Denoiser<'a> {
             features: Features::new(field, &charts, AT_A_TIME),
             borders: Borders::new(seams, &charts, field),
             charts,
+            strides: STRIDES,
             at_a_time: AT_A_TIME,
+        }
+    }
+
+    /// Finds the charts of a tile alone, to foresee with few fits what errors the page will state. One thread does it.
+    pub fn of_tile(field: &Field<'_>) -> Self {
+        Self {
+            strides: OF_TILE,
+            ..Self::new(field, &[])
         }
     }
 
     /// What changes of the term, in parts that share no texel.
     pub fn denoise(&self, term: &Term<'_>) -> Vec<Denoised> {
-        let charts = self.charts.charts.par_iter().with_max_len(1).enumerate();
+        let charts = self.charts.charts.par_iter().with_max_len(1);
+        let charts = charts.with_min_len(at_least(self.size)).enumerate();
         let charts = charts.filter(|(_, chart)| chart.texels.len() >= FEWEST);
         let parts = charts.map(|(number, chart)| self.chart(number as u32, chart, term));
         let parts: Vec<Vec<Part>> = parts.collect();
@@ -160,7 +174,7 @@ impl<'a> Denoiser<'a> {
             }
             plane
         };
-        let planes = |band: &Band| {
+        let surface = |band: &Band| {
             let plane = |of: &dyn Fn(usize) -> f32| plane(band, of);
             let mask = plane(&|_| 1.0);
             let feature = |k: usize| plane(&|texel| features.at(texel, k));
@@ -172,28 +186,29 @@ impl<'a> Denoiser<'a> {
             if term.is_smooth {
                 strays::share(&mask, &mut data);
             }
-            (mask, features, data)
+            Surface {
+                mask,
+                features,
+                data,
+            }
         };
         let bands = area.bands(self.at_a_time);
         // No more at a time than there are threads: one that waits for others takes up what else there is.
         let together = || bands.chunks(rayon::current_num_threads());
         let whole = (bands.len() > 1).then(|| {
-            let of = |band: &Band| {
-                let (mask, features, data) = planes(band);
-                Whole::of(&mask, &features, &data[term.values.len()], &band.inner())
-            };
+            let of = |band: &Band| Whole::of(&surface(band), &band.inner());
             let wholes = together().flat_map(|bands| bands.par_iter().map(of).collect::<Vec<_>>());
             wholes.reduce(Whole::plus)
         });
         let whole = whole.flatten();
         let part = |band: &Band| {
             let mut near = Plane::new([area.size[0], band.about.len()]);
-            let (mask, features, data) = planes(band);
+            let surface = surface(band);
             let errors = plane(band, &|texel| term.std_err[texel]);
             let dark = |i: usize, near: f32| agreed(errors.values[i], near);
-            let chosen = choose(&mask, &features, &data, whole.as_ref(), &mut near, dark)?;
+            let chosen = choose(&surface, self.strides, whole.as_ref(), &mut near, dark)?;
             // A band may fill its page, and what follows needs room of its own.
-            drop((mask, features, data));
+            drop(surface);
             let mut part = Part::new(term.values.len());
             for &texel in chart.texels_of(&area, &band.rows, self.size) {
                 let i = area.local(texel, &band.about, self.size);
@@ -264,6 +279,11 @@ impl Part {
         self.predicted.push(squares.predicted);
         self.seen.count(&squares);
     }
+}
+
+/// Charts of a page of this edge that one task takes at least: all where there is little to do.
+fn at_least(size: usize) -> usize {
+    if size * size <= TASK { usize::MAX } else { 1 }
 }
 
 /// The standard error where all rays agree, of so many texels in place of those that it stands for: the more they are, the less can have

@@ -4,6 +4,7 @@ use super::estimate::Gathered;
 use super::gang::{Beside, DirectionSums, Gang, Lane, Moments};
 use super::guides::{self, guide, probes, surfaces};
 use super::sums::{REPLICATES, Replicates, Sums, Technique};
+use super::target::Target;
 use super::task::{SHARE, Task};
 use crate::options::Pattern;
 use crate::survey::Texel;
@@ -13,17 +14,6 @@ use std::rc::Rc;
 
 /// Points of each replicate in the first round of a bake with a target.
 const FIRST_ROUND: u32 = 8;
-
-/// Texels this far away along an axis pool their variances when a texel decides to stop.
-const STOP_RADIUS: i32 = 3;
-
-/// When a texel has enough rays.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Target {
-    pub error: f64,
-    pub relative: f64,
-    pub max_rays: u32,
-}
 
 /// Where hemisphere points go.
 pub(super) enum Aim<'a> {
@@ -61,8 +51,8 @@ impl Caster<'_> {
             match guide(&counts) {
                 None => even.append(&mut others),
                 Some(guide) => {
-                    first.iter().for_each(|&i| self.forget(i));
-                    self.remember(&surface, &guide);
+                    self.turn(&first, &guide);
+                    self.remember(&others, &guide);
                     self.cast_rays(&surface, rays, Aim::Guided(&guide));
                 }
             }
@@ -70,7 +60,7 @@ impl Caster<'_> {
         self.cast_rays(&even, rays, Aim::Even);
     }
 
-    /// Casts rays for each of the texels `which` until it has enough.
+    /// Casts rays for each of the texels `which` until it has enough, or all of them have.
     pub fn reach(&mut self, target: Target, which: &[usize]) {
         let most = target.max_rays / REPLICATES;
         let first = FIRST_ROUND.min(most);
@@ -85,13 +75,52 @@ impl Caster<'_> {
                 Some(guide) => guided.push((surface, guide)),
             }
         }
+        if self.task.denoises {
+            self.rounds_together(target, which, &even, &guided, first..most);
+            return;
+        }
         self.rounds(target, even, first..most, None);
         for (mut surface, guide) in guided {
             self.retain_unmet(target, &mut surface);
-            surface.iter().for_each(|&i| self.forget(i));
-            self.remember(&surface, &guide);
+            self.turn(&surface, &guide);
             self.rounds(target, surface, 0..most - first, Some(&guide));
         }
+    }
+
+    /// Round after round for all texels `which`, of which these are guided, until they have enough together or all points are cast.
+    fn rounds_together(
+        &mut self,
+        target: Target,
+        which: &[usize],
+        even: &[usize],
+        guided: &[(Vec<usize>, Guide)],
+        points: Range<u32>,
+    ) {
+        let mut done = points.start;
+        for (surface, guide) in guided {
+            self.turn(surface, guide);
+            self.cast(surface, 0..done, Aim::Guided(guide));
+        }
+        while done < points.end {
+            let excess = target.excess(&self.gathered(), which);
+            if excess <= 1.0 {
+                return;
+            }
+            let enough = target.points(done, excess).min(4 * done);
+            let next = enough.max(done + done / 4).next_multiple_of(4);
+            let range = done..next.min(points.end);
+            done = range.end;
+            self.cast(even, range.clone(), Aim::Even);
+            for (surface, guide) in guided {
+                self.cast(surface, range.clone(), Aim::Guided(guide));
+            }
+        }
+    }
+
+    /// Turns the rays of a surface to a guide: what it has gathered without is forgotten.
+    fn turn(&mut self, surface: &[usize], guide: &Guide) {
+        surface.iter().for_each(|&i| self.forget(i));
+        self.remember(surface, guide);
     }
 
     /// Round after round for the texels `which`, until none is left or all points of the range are cast.
@@ -117,15 +146,19 @@ impl Caster<'_> {
     }
 
     fn retain_unmet(&self, target: Target, which: &mut Vec<usize>) {
-        let gathered = Gathered::new(
+        let gathered = self.gathered();
+        which.retain(|&i| !target.is_met(&gathered, i));
+    }
+
+    fn gathered(&self) -> Gathered<'_> {
+        Gathered::new(
             self.task.sky,
             self.technique,
             self.texels,
             &self.sums,
             &self.points,
             &self.guided,
-        );
-        which.retain(|&i| !gathered.is_met(i, STOP_RADIUS, target.error, target.relative));
+        )
     }
 
     /// The texels by surfaces that may have guides, and the rest.

@@ -219,22 +219,36 @@ impl<'a> Gathered<'a> {
         }
     }
 
-    /// True where the standard errors of a texel's first share, and of light in units of the sky's mean radiance, are at most
-    /// `error`, or at most `relative` times the value where that is larger.
-    pub fn is_met(&self, i: usize, radius: i32, error: f64, relative: f64) -> bool {
-        let pool = self.pool(i, radius);
-        let mut watched = self.technique.shares().iter().take(1).chain(self.lights());
-        watched.all(|&quantity| {
-            let most = (error * self.unit(quantity)).max(match relative {
-                0.0 => 0.0,
-                _ => relative * self.value(i, quantity),
-            });
-            self.std_err(&pool, quantity) <= most
-        })
+    /// What decides when there are rays enough: the first share, and light.
+    pub fn watched(&self) -> impl Iterator<Item = Quantity> {
+        let shares = self.technique.shares().iter().take(1);
+        shares.chain(self.lights()).copied()
+    }
+
+    /// Half of what the two halves of a texel's replicates differ by, light as the mean of its channels.
+    pub fn half(&self, i: usize, quantity: Quantity) -> f64 {
+        let halves = self.halves(i);
+        match quantity {
+            Diffuse => halves.diffuse,
+            Visibility => halves.visibility,
+            Specular => halves.specular,
+            Irradiance => halves.irradiance.element_sum() / 3.0,
+            Reflection => halves.reflection.element_sum() / 3.0,
+        }
+    }
+
+    /// Standard error of a texel's quantity.
+    pub fn std_err_of(&self, i: usize, quantity: Quantity) -> f64 {
+        self.std_err_within(i, POOL_RADIUS, quantity)
+    }
+
+    /// The same, of the variances of the texels that are no more than `radius` away along an axis.
+    pub fn std_err_within(&self, i: usize, radius: i32, quantity: Quantity) -> f64 {
+        self.std_err(&self.pool(i, radius), quantity)
     }
 
     /// A quantity of all replicates: a share, or the mean of the channels of light.
-    fn value(&self, i: usize, quantity: Quantity) -> f64 {
+    pub fn value(&self, i: usize, quantity: Quantity) -> f64 {
         match quantity {
             Diffuse | Visibility | Specular => {
                 mean(&self.sums[i], self.shares[i][quantity as usize]).clamp(0.0, 1.0)
@@ -263,7 +277,7 @@ impl<'a> Gathered<'a> {
     }
 
     /// The value of a quantity that all points would see.
-    fn unit(&self, quantity: Quantity) -> f64 {
+    pub fn unit(&self, quantity: Quantity) -> f64 {
         match quantity {
             Diffuse | Visibility | Specular => 1.0,
             Irradiance | Reflection => self.sky.mean().element_sum() / 3.0,

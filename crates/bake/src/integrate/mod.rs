@@ -31,6 +31,7 @@ mod gang;
 pub(crate) mod ggx;
 mod guides;
 mod sums;
+mod target;
 mod task;
 mod terms;
 
@@ -41,11 +42,12 @@ use crate::options::{Effort, Model, Shading};
 use crate::survey::Texel;
 use ambient::Estimate;
 use ambient::any_view::{count, order_for, stated};
-use cast::{Caster, Target};
+use cast::Caster;
 use estimate::{Gathered, Quantity};
 use gang::{Beside, DirectionSums, Moments};
 use glam::DVec3;
 use sums::{REPLICATES, Replicates, Technique, mean};
+use target::Target;
 
 /// Integrates the texels of one tile. `reflects` says which of them need the specular term.
 pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) -> Vec<Terms> {

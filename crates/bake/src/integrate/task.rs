@@ -22,6 +22,8 @@ pub(crate) struct Task<'a> {
     /// Page edge in texels.
     pub size: u32,
     pub effort: Effort,
+    /// What is baked is denoised by fits afterwards.
+    pub denoises: bool,
     pub pattern: Pattern,
     pub points: PointSet,
     pub model: Model,

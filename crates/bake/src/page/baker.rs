@@ -11,7 +11,7 @@ use crate::bounce::{GatherPilot, Taken};
 use crate::choice::Choice;
 use crate::clock::ThreadClock;
 use crate::integrate::{Task, ggx, integrate};
-use crate::options::{Buried, Footprint, Model, Options, View};
+use crate::options::{Buried, Denoise, Footprint, Model, Options, View};
 use crate::plan::Plan;
 use crate::seams::Across;
 use crate::survey::{Surveyor, Texel};
@@ -308,6 +308,7 @@ impl<'a> Baker<'a> {
             page,
             size: self.atlas.page_size,
             effort: options.effort,
+            denoises: options.denoise == Denoise::Regression,
             pattern: options.pattern,
             points: options.points,
             view: match options.view {
