@@ -1,14 +1,14 @@
 //! Grounds: open surfaces that other bodies are sunk in, such as a terrain or the plane that a scene stands on.
 //!
 //! An open surface has no inside. But where all its faces look to one side, what stands in it is hidden behind it, and sees under
-//! it what nobody is to see. A surface is *rooted* in such a sheet where
+//! it what nobody is to see. Such sheets may go on in one another, as the tiles of a floor do, and are one ground then. A surface is *rooted*
+//! in a ground where
 //!
-//! * it crosses the sheet, and stands out in front of it at least as far as it reaches behind it, along the sheet's mean normal;
-//! * nothing that neither crosses the sheet too nor lies in it, as the next panel of a floor does, comes near its part behind. So no
-//!   column is buried by the floor of the next storey.
+//! * it crosses the ground, and stands out in front of it at least as far as it reaches behind it, along the mean normals of its sheets;
+//! * nothing that does not cross the ground too comes near its part behind. So no column is buried by the floor of the next storey.
 //!
-//! The part behind is buried, for this surface alone. But a sheet that has something else behind it which does not cross it, and is not
-//! small beside it, is no ground: people stand under an awning, and see what it is fastened to.
+//! The part behind is buried, for this surface alone. But a ground that has something else behind it which does not cross it, and is not
+//! small beside it, is none: people stand under an awning, and see what it is fastened to.
 
 use super::placed::{Among, CROSSES, NEAR, Placed, SMALL};
 use super::topology::corners;
@@ -17,12 +17,15 @@ use super::{Inside, Solids};
 use glam::DVec3;
 use rayon::prelude::*;
 use scene::Scene;
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Faces of a sheet from which one looks for what is behind it.
 const LOOKS: usize = 64;
 /// The cosine of the angle at which one sheet may go on where another ends.
 const ALONG: f64 = 0.999;
+
+/// Placement and number of a surface.
+type Key = (u32, u32);
 
 /// Where a surface stands to a sheet.
 struct Stand {
@@ -75,19 +78,36 @@ impl Stand {
         self.front > self.least && self.behind > self.least
     }
 
-    /// True for a surface that lies in a sheet and looks to the same side.
-    fn continues(&self, sheet: &Placed, other: &Placed) -> bool {
-        let front = |placed: &Placed| {
-            let front = placed.surface.front?;
-            let normal = placed.inverse.matrix3.transpose() * front;
-            normal.try_normalize()
-        };
-        let looks = match (front(sheet), front(other)) {
-            (Some(sheet), Some(other)) => sheet.dot(other) > ALONG,
-            _ => false,
-        };
-        looks && self.meets && self.front <= self.least && self.behind <= self.least
+    /// True for a surface that lies in the sheet.
+    fn is_level(&self) -> bool {
+        self.meets && self.front <= self.least && self.behind <= self.least
     }
+
+    /// What both say of one surface before two sheets.
+    fn with(&self, other: &Self) -> Self {
+        Self {
+            front: self.front.max(other.front),
+            behind: self.behind.max(other.behind),
+            least: self.least.max(other.least),
+            meets: self.meets || other.meets,
+            low: self.low.min(other.low),
+            high: self.high.max(other.high),
+        }
+    }
+}
+
+/// A sheet, and how the surfaces near it stand to it, by their places in a list.
+struct Sheet {
+    place: usize,
+    near: Vec<(usize, Stand)>,
+}
+
+/// Sheets that go on in one another.
+struct Ground {
+    /// Their numbers, in order.
+    sheets: Vec<usize>,
+    /// The largest edge of the box about them.
+    size: f64,
 }
 
 impl Solids {
@@ -104,55 +124,165 @@ impl Solids {
     }
 
     /// By sheet, what is rooted in it: placements and numbers of surfaces.
-    fn rooted_in_grounds(&self) -> BTreeMap<(u32, u32), Vec<(u32, u32)>> {
+    fn rooted_in_grounds(&self) -> BTreeMap<Key, Vec<Key>> {
         let placed = self.placed_surfaces();
         let all = Among::of(placed.iter().collect());
-        let of = |sheet: &Placed| {
-            let near = all.meeting(sheet.low, sheet.high).into_iter();
-            let others: Vec<&Placed> = near
-                .map(|other| &placed[other])
-                .filter(|other| other.key != sheet.key)
-                .collect();
-            if others.is_empty() {
-                return None;
+        let sheets: Vec<usize> = (0..placed.len())
+            .filter(|&place| placed[place].surface.front.is_some())
+            .collect();
+        let look = |&place: &usize| {
+            let sheet = &placed[place];
+            let slack = NEAR * sheet.size();
+            let near = all
+                .meeting(sheet.low - slack, sheet.high + slack)
+                .into_iter();
+            let stand = |other: usize| {
+                let tree = self.tree_of(sheet.shape, sheet.key.1);
+                let stand = Stand::of(&self.scene, sheet, tree, &placed[other]);
+                (other, stand)
+            };
+            let near = near.filter(|&other| other != place).map(stand);
+            Sheet {
+                place,
+                near: near.collect(),
             }
-            let tree = self.tree_of(sheet.shape, sheet.key.1);
-            let stand = |other: &&Placed| Stand::of(&self.scene, sheet, tree, other);
-            let stands: Vec<Stand> = others.iter().map(stand).collect();
-            let chosen = |take: &dyn Fn(&Placed, &Stand) -> bool| -> HashSet<(u32, u32)> {
-                let stands = others.iter().zip(&stands);
-                let taken = stands.filter(|(other, stand)| take(other, stand));
-                taken.map(|(other, _)| other.key).collect()
-            };
-            let crossing = chosen(&|_, stand| stand.crosses());
-            // What lies in the sheet, such as the next panel of a floor, is as little behind it as the sheet.
-            let level = chosen(&|other, stand| stand.continues(sheet, other));
-            let rooted = others.iter().zip(&stands).filter_map(|(other, stand)| {
-                if !stand.crosses() || stand.front < stand.behind {
-                    return None;
-                }
-                let slack = NEAR * (stand.high - stand.low).max_element();
-                let (low, high) = (stand.low - slack, stand.high + slack);
-                let lays_open = |near: &Placed| {
-                    let is_other = near.key != sheet.key && near.key != other.key;
-                    is_other && !crossing.contains(&near.key) && !level.contains(&near.key)
-                };
-                (!all.any(low, high, lays_open)).then_some(other.key)
-            });
-            let mut rooted: Vec<(u32, u32)> = rooted.collect();
-            rooted.sort_unstable();
-            let lays_bare = |other: &Placed| {
-                other.key != sheet.key
-                    && !crossing.contains(&other.key)
-                    && other.size() >= SMALL * sheet.size()
-                    && self.is_behind(sheet, other)
-            };
-            let (low, high) = behind(sheet);
-            let is_ground = !rooted.is_empty() && !all.any(low, high, lays_bare);
-            is_ground.then_some((sheet.key, rooted))
         };
-        let sheets = placed.par_iter().filter(|s| s.surface.front.is_some());
-        sheets.filter_map(of).collect()
+        let sheets: Vec<Sheet> = sheets.par_iter().map(look).collect();
+        let grounds = self.grounds(&placed, &sheets);
+        // The size of what a surface is part of.
+        let mut sizes: Vec<f64> = placed.iter().map(Placed::size).collect();
+        for ground in &grounds {
+            let members = ground.sheets.iter();
+            members.for_each(|&sheet| sizes[sheets[sheet].place] = ground.size);
+        }
+        let rooted = |ground: &Ground| self.rooted_in(ground, &placed, &all, &sheets, &sizes);
+        let found = grounds.par_iter().flat_map_iter(rooted);
+        found.collect::<Vec<_>>().into_iter().collect()
+    }
+
+    /// The sheets by grounds.
+    fn grounds(&self, placed: &[Placed], sheets: &[Sheet]) -> Vec<Ground> {
+        let number: BTreeMap<usize, usize> = (0..).zip(sheets).map(|(n, s)| (s.place, n)).collect();
+        let mut parent: Vec<usize> = (0..sheets.len()).collect();
+        fn root(parent: &mut [usize], mut at: usize) -> usize {
+            while parent[at] != at {
+                parent[at] = parent[parent[at]];
+                at = parent[at];
+            }
+            at
+        }
+        for (own, sheet) in sheets.iter().enumerate() {
+            let of = &placed[sheet.place];
+            for (other, stand) in &sheet.near {
+                let Some(&next) = number.get(other) else {
+                    continue;
+                };
+                let other = &placed[*other];
+                if looks_alike(of, other) && (stand.is_level() || self.is_in_plane(of, other)) {
+                    let (a, b) = (root(&mut parent, own), root(&mut parent, next));
+                    parent[a.max(b)] = a.min(b);
+                }
+            }
+        }
+        let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for own in 0..sheets.len() {
+            groups.entry(root(&mut parent, own)).or_default().push(own);
+        }
+        let ground = |sheets_of: Vec<usize>| {
+            let boxes = sheets_of.iter().map(|&n| &placed[sheets[n].place]);
+            let (low, high) = boxes
+                .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
+                    (low.min(p.low), high.max(p.high))
+                });
+            Ground {
+                sheets: sheets_of,
+                size: (high - low).max_element(),
+            }
+        };
+        groups.into_values().map(ground).collect()
+    }
+
+    /// The sheets of a ground with what is rooted in each; none where it is no ground, or nothing is.
+    ///
+    /// * `sizes`: by the place in the list, the size of what a surface is part of.
+    fn rooted_in(
+        &self,
+        ground: &Ground,
+        placed: &[Placed],
+        all: &Among,
+        sheets: &[Sheet],
+        sizes: &[f64],
+    ) -> Vec<(Key, Vec<Key>)> {
+        let members = || ground.sheets.iter().map(|&sheet| &sheets[sheet]);
+        let own: BTreeSet<Key> = members().map(|sheet| placed[sheet.place].key).collect();
+        let mut stands: BTreeMap<usize, Stand> = BTreeMap::new();
+        for (other, stand) in members().flat_map(|sheet| &sheet.near) {
+            if !own.contains(&placed[*other].key) {
+                let merged = match stands.get(other) {
+                    Some(known) => known.with(stand),
+                    None => stand.with(stand),
+                };
+                stands.insert(*other, merged);
+            }
+        }
+        let crossing: BTreeSet<Key> = (stands.iter())
+            .filter(|(_, stand)| stand.crosses())
+            .map(|(&other, _)| placed[other].key)
+            .collect();
+        let is_rooted = |other: &Placed, stand: &Stand| {
+            if !stand.crosses() || stand.front < stand.behind {
+                return false;
+            }
+            let slack = NEAR * (stand.high - stand.low).max_element();
+            let (low, high) = (stand.low - slack, stand.high + slack);
+            let lays_open = |near: &Placed| {
+                near.key != other.key && !own.contains(&near.key) && !crossing.contains(&near.key)
+            };
+            !all.any(low, high, lays_open)
+        };
+        let rooted: BTreeSet<usize> = (stands.iter())
+            .filter(|(other, stand)| is_rooted(&placed[**other], stand))
+            .map(|(&other, _)| other)
+            .collect();
+        if rooted.is_empty() {
+            return Vec::new();
+        }
+        let is_bare = |sheet: &Sheet| {
+            let sheet = &placed[sheet.place];
+            let (low, high) = behind(sheet);
+            all.any_place(low, high, |place| {
+                let other = &placed[place];
+                !own.contains(&other.key)
+                    && !crossing.contains(&other.key)
+                    && sizes[place] >= SMALL * ground.size
+                    && self.is_behind(sheet, other)
+            })
+        };
+        if members().any(is_bare) {
+            return Vec::new();
+        }
+        let of = |sheet: &Sheet| {
+            let near = sheet.near.iter().map(|(other, _)| other);
+            let near = near.filter(|other| rooted.contains(other));
+            let mut keys: Vec<Key> = near.map(|&other| placed[other].key).collect();
+            keys.sort_unstable();
+            (placed[sheet.place].key, keys)
+        };
+        let each = members().map(of);
+        each.filter(|(_, rooted)| !rooted.is_empty()).collect()
+    }
+
+    /// True where all of a surface lies in the plane of a flat sheet.
+    fn is_in_plane(&self, sheet: &Placed, other: &Placed) -> bool {
+        let least = CROSSES * (sheet.size() + other.size());
+        let Some(normal) = facing(sheet) else {
+            return false;
+        };
+        let Some(home) = sheet.corners(&self.scene).next() else {
+            return false;
+        };
+        let mut corners = sheet.corners(&self.scene).chain(other.corners(&self.scene));
+        corners.all(|corner| (corner - home).dot(normal).abs() <= least)
     }
 
     /// True where one looks from a sheet's faces, against their mean normal, at another surface.
@@ -171,6 +301,16 @@ impl Solids {
             tree.is_ahead(&self.scene, inverse.transform_point3(middle), direction)
         })
     }
+}
+
+/// Where the front of a sheet looks.
+fn facing(sheet: &Placed) -> Option<DVec3> {
+    let normal = sheet.inverse.matrix3.transpose() * sheet.surface.front?;
+    normal.try_normalize()
+}
+
+fn looks_alike(a: &Placed, b: &Placed) -> bool {
+    facing(a).is_some_and(|a| facing(b).is_some_and(|b| a.dot(b) > ALONG))
 }
 
 /// The direction to which the back of a sheet looks.

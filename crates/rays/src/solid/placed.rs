@@ -94,8 +94,12 @@ impl<'a> Among<'a> {
 
     /// True where something holds for one of those that meet a box.
     pub fn any(&self, low: DVec3, high: DVec3, holds: impl Fn(&Placed) -> bool) -> bool {
-        let holds = |number| holds(self.placed[number as usize]);
-        self.boxes.any(low, high, holds)
+        self.any_place(low, high, |place| holds(self.placed[place]))
+    }
+
+    /// The same by the place in the list.
+    pub fn any_place(&self, low: DVec3, high: DVec3, holds: impl Fn(usize) -> bool) -> bool {
+        self.boxes.any(low, high, |number| holds(number as usize))
     }
 }
 

@@ -3,7 +3,7 @@
 use super::topology::{self, Face, Surface};
 use super::tree::SurfaceTree;
 use scene::Scene;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::OnceLock;
 
 /// Surfaces of meshes that are placed together.
@@ -23,18 +23,11 @@ impl Shape {
             let count = scene.meshes[mesh as usize].triangles.len() as u32;
             (0..count).map(|triangle| Face { mesh, triangle }).collect()
         };
-        let mut surfaces = Vec::new();
-        let mut open = Vec::new();
-        for mesh in &meshes {
-            let found = topology::surfaces(scene, &faces_of(mesh));
-            for surface in found {
-                match surface.volume == 0.0 && meshes.len() > 1 {
-                    true => open.extend(surface.faces),
-                    false => surfaces.push(surface),
-                }
-            }
-        }
-        surfaces.extend(topology::surfaces(scene, &open));
+        let each = meshes.iter().map(faces_of);
+        let found = each.flat_map(|faces| topology::surfaces(scene, &faces));
+        let (mut surfaces, open): (Vec<Surface>, Vec<Surface>) =
+            found.partition(|surface| surface.volume != 0.0 || meshes.len() == 1);
+        surfaces.extend(joined(scene, open));
         let mut surface_of: Vec<Vec<u32>> = meshes
             .iter()
             .map(|&mesh| vec![0; scene.meshes[mesh as usize].triangles.len()])
@@ -51,4 +44,23 @@ impl Shape {
             surfaces,
         }
     }
+}
+
+/// Open surfaces of several meshes as those that they make together, a body of several materials; where they make none that has an inside or looks
+/// to one side, as a floor and its walls that meet the ceiling elsewhere, as they are.
+fn joined(scene: &Scene, open: Vec<Surface>) -> Vec<Surface> {
+    let faces: Vec<Face> = open
+        .iter()
+        .flat_map(|surface| surface.faces.clone())
+        .collect();
+    let (made, senseless): (Vec<Surface>, Vec<Surface>) = topology::surfaces(scene, &faces)
+        .into_iter()
+        .partition(|surface| surface.content() != 0.0 || surface.front.is_some());
+    let key = |face: &Face| (face.mesh, face.triangle);
+    let apart: HashSet<(u32, u32)> = senseless.iter().flat_map(|s| &s.faces).map(key).collect();
+    // What hangs together in one mesh does so together with others.
+    let stays = open
+        .into_iter()
+        .filter(|surface| apart.contains(&key(&surface.faces[0])));
+    made.into_iter().chain(stays).collect()
 }

@@ -313,6 +313,82 @@ fn panels_of_a_floor_go_on_where_one_ends() {
     }
 }
 
+/// A floor of 4 x 4 tiles, 2 wide and from -4 to 4, about a crate that is sunk in four of them, as the second mesh.
+fn tiled(y: f32) -> Vec<Mesh> {
+    let tile = |k: u32| {
+        let mut tile = level(y, 1.0);
+        let at = Vec3::new(2.0 * (k % 4) as f32 - 3.0, 0.0, 2.0 * (k / 4) as f32 - 3.0);
+        tile.positions.iter_mut().for_each(|p| *p += at);
+        tile
+    };
+    (0..16).map(tile).collect()
+}
+
+#[test]
+fn tiles_of_a_floor_are_one_ground_with_and_without_walls() {
+    let crate_ = block(
+        Vec3::new(0.1, y_of(1.0), -0.2),
+        Vec3::new(0.6, 1.0, 0.6),
+        false,
+    );
+    // Panels as wide as the tiles along two sides, which look inward; their heights make the border of tiles and panels no plane.
+    let panel = |x: f32, high: f32| {
+        let corners = [(0.0, 0.0), (2.0, 0.0), (2.0, high), (0.0, high)];
+        let positions = corners.map(|(dx, y)| Vec3::new(x + dx, y, -4.0)).to_vec();
+        mesh(positions, vec![[0, 1, 2], [0, 2, 3]])
+    };
+    let panels = [(-4.0, 3.0), (-2.0, 2.0), (0.0, 3.0), (2.0, 1.0)].map(|(x, high)| panel(x, high));
+    let opposite = panels.clone().map(|mut panel| {
+        let turned = |p: &mut Vec3| (p.x, p.z) = (-p.x, -p.z);
+        panel.positions.iter_mut().for_each(turned);
+        panel
+    });
+    let walls = [panels, opposite].concat();
+    for with in [&[][..], &walls[..]] {
+        let mut meshes = tiled(0.0);
+        meshes.insert(1, crate_.clone());
+        meshes.extend(with.iter().cloned());
+        // As one OBJ file, and each as a node of its own.
+        let apart = |k: usize, mesh: &Mesh| {
+            let mut mesh = mesh.clone();
+            let far = Vec3::new(k as f32, 0.0, 0.0);
+            mesh.positions.iter_mut().for_each(|p| *p -= far);
+            (mesh, DAffine3::from_translation(far.as_dvec3()))
+        };
+        let (moved, places): (Vec<Mesh>, Vec<DAffine3>) =
+            (0..).zip(&meshes).map(|(k, mesh)| apart(k, mesh)).unzip();
+        let placed: Vec<(u32, DAffine3)> = (0..).zip(places).collect();
+        for solids in [
+            solids(meshes.clone()),
+            Solids::of(world(placed_scene(moved, &placed)).scene()),
+        ] {
+            for (dx, dz) in [(-0.6, 0.5), (0.6, 0.5), (0.6, -0.5), (-0.6, -0.5)] {
+                let at = |y: f64| DVec3::new(0.1 + dx, y, -0.2 + dz);
+                let found = [buried(&solids, at(-0.01)), buried(&solids, at(0.01))];
+                assert_eq!(found, [1, 0], "{dx} {dz}, {} walls", with.len());
+            }
+        }
+    }
+}
+
+/// The middle of a crate that is `half` high to each side and reaches 0.02 below the floor.
+fn y_of(half: f32) -> f32 {
+    half - 0.02
+}
+
+#[test]
+fn tiles_of_the_storey_below_lay_a_tiled_floor_bare() {
+    let post = block(Vec3::new(0.1, y_of(1.0), -0.2), Vec3::splat(1.0), false);
+    for (below, expected) in [(-3.0, 0), (3.0, 1)] {
+        let mut meshes = tiled(0.0);
+        meshes.insert(1, post.clone());
+        meshes.extend(tiled(below));
+        let solids = solids(meshes);
+        let at = DVec3::new(1.1, -0.01, 0.3);
+        assert_eq!(buried(&solids, at), expected, "other tiles at {below}");
+    }
+}
+
 #[test]
 fn what_only_stands_on_a_ground_is_not_rooted_in_it() {
     let solids = solids(vec![level(0.0, 9.0), tube(0.0, 1.0)]);
