@@ -18,12 +18,15 @@ use std::ops::Range;
 /// Strides of the fits; at each a quadratic and a linear one compete.
 pub(super) const STRIDES: &[usize] = &[2, 4, 8, 16, 32];
 
-/// Rows on each side of a texel that its fits depend on: two windows of the widest stride, in whose first half the squares of moves stay
-/// that are averaged twice, and what strays ([`super::strays`]) bring there from beyond.
+/// Rows on each side of a texel that its value depends on: fewer than a window of the widest stride, which is two strides; 16 over which
+/// moves are averaged and 5 over which those of neighbours are pooled; and 5 from which strays ([`super::strays`]) are known.
 pub(super) const REACH: usize = 3 * ALIGNED;
 
 /// Windows begin at multiples of this row, whatever their stride.
 pub(super) const ALIGNED: usize = STRIDES[STRIDES.len() - 1];
+
+/// Stride from which on moves are averaged over 33 x 33 texels in place of 11 x 11: they change slowly by then, and fewer are mere noise.
+const WIDE: usize = 16;
 
 /// Standard deviations of its own noise by which a move must stand out to count.
 const STANDS_OUT: f32 = 0.5;
@@ -183,6 +186,8 @@ pub(super) fn choose(
     };
     let new = || Plane::like(mask);
     near.set_sums(|i| mask.values[i]);
+    let mut far = new();
+    far.set_wide_sums(|i| mask.values[i]);
     let (mut variances, mut moves) = (new(), new());
     variances.set_sums(|i| half.values[i] * half.values[i]);
     let mut texels = vec![Texel::default(); mask.values.len()];
@@ -219,21 +224,30 @@ pub(super) fn choose(
                 let dh = now[channels].values[i] - before[channels].values[i];
                 dm * dm - dh * dh
             };
-            variances.set_sums(|i| now[channels].values[i].powi(2));
-            moves.set_sums(|i| moved(i, now, before));
+            let squared = |i: usize| now[channels].values[i].powi(2);
+            let squared_moves = |i: usize| moved(i, now, before);
+            let about = if stride >= WIDE {
+                variances.set_wide_sums(squared);
+                moves.set_wide_sums(squared_moves);
+                &far
+            } else {
+                variances.set_sums(squared);
+                moves.set_sums(squared_moves);
+                &*near
+            };
             let all_fitted = match whole {
                 Some(whole) => whole.fitted[number][degree],
                 None => squares(&now[channels], &rows),
             };
             let reduced = (all_fitted / all_plain) as f32;
             each(mask, &mut texels, |i, texel| {
-                let near = near.values[i];
-                let variance = 0.5 * (variances.values[i] / near + reduced * texel.plain);
+                let count = about.values[i];
+                let variance = 0.5 * (variances.values[i] / count + reduced * texel.plain);
                 let saved = texel.variance - variance;
-                let noise = 2.0 * saved.max(0.0) * (shared / near).min(1.0).sqrt();
+                let noise = 2.0 * saved.max(0.0) * (shared / count).min(1.0).sqrt();
                 // Its own noise must not speak for or against a texel's choice.
                 let own = moved(i, now, before);
-                let moves = (moves.values[i] - own) / (near - 1.0).max(1.0);
+                let moves = (moves.values[i] - own) / (count - 1.0).max(1.0);
                 let bias = texel.bias + (moves - STANDS_OUT * noise).max(0.0);
                 // A texel of twice the value has twice the variance: two rays that meet in the dark are no detail.
                 let brighter = (mean(data, i) / mean(now, i).max(f32::MIN_POSITIVE)).max(1.0);
