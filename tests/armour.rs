@@ -309,6 +309,28 @@ fn closed_and_full_streams_are_no_panic_and_control_characters_never_reach_a_ter
     }
     let done = "\"$1\" bake \"$2\" -o \"$3\" --size 16 --rays 1 >&- 2>&-";
     assert_eq!(shell(done), Some(0));
+    // A saved state that is no journal is told of in a line that names it, and is baked anew, whether or not anybody can read that.
+    let odd = folder.path().join("o\u{1b}[31mdd.obj");
+    std::fs::copy(scene("plane.obj"), &odd).expect("the folder is writable");
+    let resume = |stderr: &str| {
+        let out = folder.path().join("resumed");
+        std::fs::create_dir_all(&out).expect("the folder is writable");
+        std::fs::write(out.join(".o\u{1b}[31mdd.ambake-resume"), "no journal").expect("a file");
+        let line = format!(r#""$1" bake "$2" -o "$3" --size 16 --rays 1 --resume {stderr}"#);
+        let output = Command::new("sh")
+            .args(["-c", &line, "sh", env!("CARGO_BIN_EXE_ambake")])
+            .args([&odd, &out])
+            .output()
+            .expect("sh runs");
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        String::from_utf8(output.stderr).expect("UTF-8")
+    };
+    let told = resume("");
+    assert!(
+        told.contains("starting over") && !told.contains('\u{1b}'),
+        "{told:?}"
+    );
+    resume("2>/dev/full");
     let name = "a\u{1b}[31m\rb";
     let obj = folder.path().join("c.obj");
     let square = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\no {name}\nmtllib \u{1b}x.mtl\nf 1 2 3\n");
@@ -374,6 +396,32 @@ fn a_write_that_fails_keeps_what_was_baked() {
         "{:?}",
         files(&out)
     );
+}
+
+#[cfg(unix)]
+#[test]
+fn a_file_that_may_not_grow_is_one_line_and_the_bake_goes_on_later() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    let bake = |before: &str, more: &str| {
+        let words = "--size 64 --rays 16 --only diffuse --quiet";
+        let line = format!(r#"{before} exec "$1" bake "$2" -o "$3" {words} {more}"#);
+        let output = Command::new("sh")
+            .args(["-c", &line, "sh", env!("CARGO_BIN_EXE_ambake")])
+            .args([scene("corner.obj"), out.clone()])
+            .output()
+            .expect("sh runs");
+        let text = String::from_utf8(output.stderr).expect("UTF-8");
+        (output.status.code(), text)
+    };
+    // Blocks of 512 bytes.
+    let (code, line) = bake("ulimit -f 4;", "");
+    assert_eq!((code, line.lines().count()), (Some(1), 1), "{line}");
+    assert!(line.contains("cannot write"), "{line}");
+    let left = files(&out);
+    assert!(left.iter().all(|name| name.starts_with('.')), "{left:?}");
+    assert_eq!(bake("", "--resume").0, Some(0));
+    assert!(files(&out).contains(&"bake.json".into()));
 }
 
 /// The status and the words of a command that must end soon; `None` where it hangs.

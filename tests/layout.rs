@@ -109,6 +109,45 @@ fn a_density_by_name_is_law() {
 }
 
 #[test]
+fn a_density_in_the_extras_of_a_node_or_its_mesh_holds_until_a_flag_says_another() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let given = std::fs::read_to_string(scene("instances.gltf")).expect("a scene");
+    let given: Value = serde_json::from_str(&given).expect("JSON");
+    let density = |value: Value| serde_json::json!({"ambake": {"density": value}});
+    let file = folder.path().join("dense.gltf");
+    let write = |node: Value| {
+        let mut gltf = given.clone();
+        // Six nodes show the second mesh; one of them has a say of its own.
+        gltf["meshes"][1]["extras"] = density(9.into());
+        let turned = gltf["nodes"].as_array_mut().expect("nodes");
+        let turned = turned.iter_mut().find(|node| node["name"] == "turned");
+        turned.expect("a node")["extras"] = density(node);
+        std::fs::write(&file, gltf.to_string()).expect("a scene file");
+    };
+    write(15.into());
+    let of = |flags: &[&str], name: &str| {
+        let layout = planned(&[&[text(&file), "--size=512"], flags].concat());
+        number(&object(&layout, name)["density"])
+    };
+    let holds = |found: f64, asked: f64| assert!((found / asked - 1.0).abs() < 1e-3, "{found}");
+    holds(of(&[], "plain"), 9.0);
+    holds(of(&[], "turned"), 15.0);
+    holds(of(&["--density-of=turned=12"], "turned"), 12.0);
+    holds(of(&["--density-of=turned=12"], "plain"), 9.0);
+    for wrong in [0.into(), Value::from(-3), "many".into()] {
+        write(wrong.clone());
+        let output = run(["plan", text(&file)]);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{wrong}: {errors}");
+        assert_eq!(errors.lines().count(), 1, "{errors}");
+        assert!(
+            errors.contains("turned") && errors.contains(&wrong.to_string()),
+            "{errors}"
+        );
+    }
+}
+
+#[test]
 fn an_excluded_object_has_no_texels_but_still_blocks_the_sky() {
     let folder = tempfile::tempdir().expect("a temporary directory");
     let out = folder.path().join("out");

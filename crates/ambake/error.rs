@@ -35,9 +35,9 @@ pub enum Error {
     /// A result cannot be written, or an earlier one cannot be read.
     #[error(transparent)]
     Output(#[from] report::Error),
-    /// A finished bake could not be written. Its state is saved.
+    /// A file of a bake could not be written. What was saved before stays.
     #[error(
-        "{source}; what was baked is kept, the same command with --resume writes it (about {needed} MiB)"
+        "{source}; what was saved is kept, the same command with --resume goes on from it (all files take about {needed} MiB)"
     )]
     Unwritten {
         /// Which file, and why not.

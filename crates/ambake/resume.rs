@@ -244,6 +244,11 @@ impl Saved {
         }
     }
 
+    /// True where the file is there, with what was saved until now.
+    pub fn is_begun(&self) -> bool {
+        self.journal.is_some()
+    }
+
     /// Gives the block in work the time that it took.
     fn close(&mut self) {
         if let Some(block) = self.waiting.last_mut() {

@@ -98,21 +98,29 @@ impl Job {
         let mut waiting = Vec::new();
         for number in 0..self.atlas().page_count {
             let mut page = baker.start(number);
+            let mut fits = true;
             saved.restore(number, |block| {
                 page.stats.seconds += block.seconds;
-                for tile in &block.tiles {
-                    page.store(tile);
-                }
+                fits &= block.tiles.iter().all(|tile| page.store(tile));
             })?;
+            if !fits {
+                progress.note(&format!(
+                    "what was saved of page {number} is not of this bake; starting that page over"
+                ));
+                page = baker.start(number);
+            }
             let (clock, cpu) = (Instant::now(), cpu_seconds());
             let tiles = self.within(|| tracker.keep(&mut page, &|line| progress.note(line)));
             let whole = self
-                .within(|| baker.fill(&mut page, progress, &mut |tile| saved.add(number, &tile)))?;
+                .within(|| baker.fill(&mut page, progress, &mut |tile| saved.add(number, &tile)))
+                .map_err(|error| self.unwritten(error, saved.is_begun()))?;
             if !whole {
                 saved.flush()?;
                 return Err(Error::Cancelled);
             }
-            saved.spare()?;
+            saved
+                .spare()
+                .map_err(|error| self.unwritten(error, saved.is_begun()))?;
             self.within(|| tracker.verify(&page, &tiles))?;
             if let Err(error) = self.within(|| writer.tiles(&page, tracker.key(), &tiles)) {
                 return Err(self.unwritten(error, saved.flush().is_ok()));
@@ -129,6 +137,12 @@ impl Job {
                 return Err(self.unwritten(error, saved.flush().is_ok()));
             }
             writing += clock.elapsed().as_secs_f64();
+        }
+        if bounces {
+            // Gathers take as long as all before, and nothing of them is saved.
+            saved
+                .flush()
+                .map_err(|error| self.unwritten(error, saved.is_begun()))?;
         }
         let clock = Instant::now();
         let bounced = match self.bounce(&mut waiting, progress) {

@@ -144,7 +144,8 @@ impl Job {
                     part.rays += tile.stats.rays;
                     saved.add(page, &tile)
                 })
-            })?;
+            });
+            let whole = whole.map_err(|error| self.unwritten(error, saved.is_begun()))?;
             if !whole {
                 saved.flush()?;
                 return Err(Error::Cancelled);

@@ -247,7 +247,7 @@ impl<'a> Writer<'a> {
 }
 
 impl Job {
-    /// The error of a result that could not be written; `kept`: the state of the bake is saved.
+    /// The error of a file that could not be written; `kept`: there is a saved state to go on from.
     pub(crate) fn unwritten(&self, error: Error, kept: bool) -> Error {
         match (error, kept) {
             (Error::Output(source @ report::Error::Write { .. }), true) => Error::Unwritten {

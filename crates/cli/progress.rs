@@ -79,7 +79,7 @@ impl Progress for Meter {
 
     fn note(&self, line: &str) {
         if !self.quiet {
-            eprintln!("ambake: {line}");
+            crate::outcome::tell(line);
         }
     }
 

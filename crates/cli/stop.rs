@@ -34,6 +34,10 @@ impl Stop {
                 .and_then(|_| flag::register(signal, Arc::clone(at_once)))
                 .context("cannot listen for signals")?;
         }
+        // A file that may not grow is a write that fails, not a signal that kills.
+        #[cfg(unix)]
+        flag::register(signal_hook::consts::SIGXFSZ, Arc::default())
+            .context("cannot listen for signals")?;
         Ok(stop)
     }
 

@@ -131,10 +131,7 @@ def failed_then_well(folder, whole, what, fault, mend):
 
 
 def file_limit(bytes_):
-    def limit():
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (bytes_, bytes_))
-
+    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (bytes_, bytes_))
     return lambda out: {"preexec_fn": limit}
 
 

@@ -94,14 +94,21 @@ impl Input {
         self.check_place(path)?;
         let file = open(path)?;
         let length = file.metadata().map_or(0, |about| about.len());
-        if length > announced.saturating_add(MOST_BYTES) {
-            return Err(Error::Invalid {
-                path: path.into(),
-                place: format!("{length} bytes"),
-                problem: "no file that a scene names may be so long; check what it is".into(),
-            });
+        let most = announced.saturating_add(MOST_BYTES);
+        let long = |place: String| Error::Invalid {
+            path: path.into(),
+            place,
+            problem: "no file that a scene names may be so long; check what it is".into(),
+        };
+        if length > most {
+            return Err(long(format!("{length} bytes")));
         }
-        bytes_of(file, path)
+        // It may grow while it is read, or say nothing of its length.
+        let bytes = bytes_of(file.take(most.saturating_add(1)), path)?;
+        match bytes.len() as u64 > most {
+            true => Err(long(format!("more than {most} bytes"))),
+            false => Ok(bytes),
+        }
     }
 
     /// Refuses a file outside of the folders of the main file: the one it was named in and the one it really lies in.
@@ -130,7 +137,7 @@ impl Input {
     }
 }
 
-fn bytes_of(mut file: File, path: &Path) -> Result<Vec<u8>, Error> {
+fn bytes_of(mut file: impl Read, path: &Path) -> Result<Vec<u8>, Error> {
     let mut bytes = Vec::new();
     let read = file.read_to_end(&mut bytes);
     read.map_err(|cause| Error::Read {

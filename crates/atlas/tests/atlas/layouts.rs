@@ -325,6 +325,56 @@ fn charts_that_one_page_cannot_hold_go_on_more_or_are_refused() {
 }
 
 #[test]
+fn a_mesh_that_must_stay_on_one_page_is_refused_where_it_needs_two() {
+    // Thirty loose squares of 16 texels: nine on a page of 64 with their gutters.
+    let corner = |i: u32| Vec3::new(3.0 * i as f32, 0.0, 0.0);
+    let square =
+        |i: u32| [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y].map(|p| p + corner(i));
+    let positions = (0..30).flat_map(square).collect();
+    let triangles =
+        (0..30).flat_map(|i| [[4 * i, 4 * i + 1, 4 * i + 2], [4 * i, 4 * i + 2, 4 * i + 3]]);
+    let loose = mesh("loose", positions, triangles.collect());
+    let one = scene(vec![loose.clone()], &[(0, 0, DAffine3::IDENTITY)]);
+    let spread = options(UvMode::Unwrap, 64, Some(16.0));
+    let atlas = layout(&one, &spread, &|| false).unwrap();
+    assert!(atlas.page_count > 1, "{}", atlas.page_count);
+    assert_clean(&atlas);
+    let together = Options {
+        one_page_per_mesh: true,
+        ..spread
+    };
+    let error = layout(&one, &together, &|| false).unwrap_err();
+    assert!(
+        matches!(error, Error::PagesFull { size: 64, .. }),
+        "{error}"
+    );
+    // Three meshes that each fit have a page each, and none is on two.
+    let halves = Options {
+        density: Some(5.0),
+        ..together
+    };
+    let away = |z| moved(0.0, 0.0, z);
+    let meshes = vec![loose.clone(), loose.clone(), loose];
+    let three = scene(
+        meshes,
+        &[(0, 0, away(0.0)), (1, 1, away(9.0)), (2, 2, away(18.0))],
+    );
+    let atlas = layout(&three, &halves, &|| false).unwrap();
+    assert_clean(&atlas);
+    assert!(atlas.page_count > 1, "{}", atlas.page_count);
+    let mut pages = vec![std::collections::BTreeSet::new(); 3];
+    for page in 0..atlas.page_count {
+        let raster = PageRaster::new(&three, &atlas, page);
+        for tile in 0..raster.tiles().len() {
+            for piece in &raster.tile(tile).pieces {
+                pages[piece.instance as usize].insert(page);
+            }
+        }
+    }
+    assert!(pages.iter().all(|on| on.len() == 1), "{pages:?}");
+}
+
+#[test]
 fn bad_options_and_cancelling_are_errors() {
     let scene = scene(vec![cube()], &[(0, 0, DAffine3::IDENTITY)]);
     let run = |size, density, stop: bool| {

@@ -86,3 +86,21 @@ fn models_without_a_usable_set_are_unwrapped_whole() {
         }
     }
 }
+
+#[test]
+fn pages_of_models_are_used_to_85_percent() {
+    for model in ["game_level_zdm2.glb", "flight_helmet/FlightHelmet.gltf"] {
+        let Some(path) = skip::model(model) else {
+            continue;
+        };
+        let scene = scene::load(&path).unwrap();
+        let options = Options {
+            page_size: 2048,
+            gutter: 2,
+            ..Options::default()
+        };
+        let atlas = layout(&scene, &options, &|| false).unwrap();
+        let facts = ambake_atlas::facts(&scene, &atlas);
+        assert!(facts.page_use > 0.85, "{model}: {}", facts.page_use);
+    }
+}

@@ -433,3 +433,6 @@ fn fill_gutters(page: &mut BakedPage, rings: u32, of_seams: &Gutters) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

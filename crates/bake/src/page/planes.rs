@@ -101,16 +101,22 @@ impl BakedPage {
             .map(|values| &values[channel * texels..][..texels])
     }
 
-    /// Puts a finished tile into the page; false, and nothing is done, where it does not fit: another number of values, a place outside
-    /// of the page, or a tile that is there already.
+    /// Puts a finished tile into the page; false, and nothing is done, where it does not fit: other numbers of texels or values than it
+    /// says, a place outside of the page or of one square of the grid of tiles, or a tile that is there already.
     pub fn store(&mut self, tile: &BakedTile) -> bool {
         let layers: Vec<Layer> = self.planes.iter().map(|planes| planes.layer).collect();
         let columns = Columns::of(&layers);
         let (plane, index) = (self.texels(), tile.index as usize);
-        let fits = index < plane
+        let across = self.size.div_ceil(TILE);
+        let square = |texel: u32| (texel / self.size / TILE) * across + texel % self.size / TILE;
+        let fits = index < (across * across) as usize
             && self.tiles.get(index).is_none_or(Option::is_none)
+            && tile.stats.texels == tile.texels.len() as u64
             && tile.values.len() == tile.texels.len() * columns.0.len()
-            && tile.texels.iter().all(|&texel| (texel as usize) < plane);
+            && tile
+                .texels
+                .iter()
+                .all(|&texel| (texel as usize) < plane && square(texel) == square(tile.texels[0]));
         if self.finished || !fits {
             return false;
         }
@@ -130,5 +136,55 @@ impl BakedPage {
         let found = self.planes.iter_mut().find(|planes| planes.layer == layer);
         let missing = || panic!("the page has no layer {}", layer.name());
         found.map_or_else(missing, |planes| &mut planes.values)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_tiles_that_fit_a_page_are_stored() {
+        let size = 2 * TILE;
+        let texels = (size * size) as usize;
+        let mut page = BakedPage {
+            page: 0,
+            size,
+            tiles: Vec::new(),
+            finished: false,
+            planes: vec![
+                LayerPlanes::void(Layer::Coverage, texels),
+                LayerPlanes::void(Layer::Diffuse, texels),
+            ],
+            stats: PageStats::default(),
+        };
+        let tile = BakedTile {
+            index: 3,
+            texels: vec![TILE, TILE + 1, size + TILE],
+            values: vec![1.0, 0.5, 1.0, 0.25, 0.5, 0.125],
+            stats: PageStats {
+                texels: 3,
+                ..PageStats::default()
+            },
+        };
+        let mut refused = |edit: &dyn Fn(&mut BakedTile)| {
+            let mut other = tile.clone();
+            edit(&mut other);
+            assert!(!page.store(&other), "{other:?}");
+            assert!(page.tiles.iter().all(Option::is_none));
+        };
+        refused(&|tile| tile.index = 4);
+        refused(&|tile| tile.index = u32::MAX);
+        refused(&|tile| tile.stats.texels = 4);
+        refused(&|tile| tile.values.truncate(5));
+        // Of the square beside, of the one below, and beyond the page.
+        refused(&|tile| tile.texels[1] = TILE - 1);
+        refused(&|tile| tile.texels[1] = TILE * size + TILE);
+        refused(&|tile| tile.texels[1] = texels as u32);
+        assert!(page.store(&tile));
+        assert!(!page.store(&tile), "it is there");
+        let diffuse = page.layer(Layer::Diffuse).expect("a layer");
+        assert_eq!(diffuse[TILE as usize], 0.5);
+        assert_eq!(diffuse[(size + TILE) as usize], 0.125);
     }
 }

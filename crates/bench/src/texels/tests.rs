@@ -50,6 +50,11 @@ fn a_closed_room_of_panels_is_dark_to_the_last_bit() {
 }
 
 #[test]
+fn smooth_bodies_of_few_faces_throw_no_shade_on_themselves() {
+    holds("T5", 16, |variant| !variant.starts_with("inside"));
+}
+
+#[test]
 fn a_seam_of_six_charts_is_found_and_solved_at_no_cost() {
     // The step is held at the rays that the criterion is stated for; here the solver must not raise the error.
     let rows = rows("T6", 64);
@@ -66,6 +71,11 @@ fn triangles_smaller_than_a_texel_have_their_own_value() {
 #[test]
 fn scale_and_distance_change_nothing() {
     holds("T8", 64, |_| true);
+}
+
+#[test]
+fn a_thousand_placements_hold_what_a_dozen_does() {
+    holds("T10", 16, |_| true);
 }
 
 #[test]
