@@ -5,6 +5,7 @@ use super::pair::{Pair, common, reach};
 use crate::options::Seams as Scope;
 use glam::DVec3;
 use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 use std::collections::BTreeSet;
 
 /// A cell: the exponent of its edge length, and where it lies.
@@ -16,6 +17,7 @@ type Cell = (i32, [i64; 3]);
 /// meets eight at most; so a long one and many short ones find each other at the cost of the short ones.
 pub(super) fn pairs(borders: &[Border], scope: Scope) -> Vec<Pair> {
     let levels: Vec<i32> = borders.iter().map(level).collect();
+    let boxes: Vec<[DVec3; 2]> = borders.par_iter().map(space).collect();
     let mut entries: Vec<(Cell, u32)> = borders
         .par_iter()
         .enumerate()
@@ -24,17 +26,26 @@ pub(super) fn pairs(borders: &[Border], scope: Scope) -> Vec<Pair> {
         })
         .collect();
     entries.par_sort_unstable();
+    let mut inside: FxHashMap<Cell, &[(Cell, u32)]> = FxHashMap::default();
+    for cell in entries.chunk_by(|a, b| a.0 == b.0) {
+        inside.insert(cell[0].0, cell);
+    }
     let used: BTreeSet<i32> = levels.iter().copied().collect();
     let found = (0..borders.len()).into_par_iter().map(|number| {
         let (own, border) = (number as u32, &borders[number]);
+        let [low, high] = boxes[number];
+        let meets = |other: u32| {
+            let [l, h] = boxes[other as usize];
+            l.cmple(high).all() && h.cmpge(low).all()
+        };
         let mut near: Vec<u32> = Vec::new();
         for &level in used.range(levels[number]..) {
             for cell in cells(border, level) {
-                let first = entries.partition_point(|entry| entry.0 < cell);
-                let inside = entries[first..].iter().take_while(|entry| entry.0 == cell);
+                let inside = inside.get(&cell).copied().unwrap_or_default();
                 // Of two in cells of one size, the first looks.
-                let others = inside.map(|entry| entry.1);
-                near.extend(others.filter(|&other| level > levels[number] || other > own));
+                let others = inside.iter().map(|entry| entry.1);
+                let others = others.filter(|&other| level > levels[number] || other > own);
+                near.extend(others.filter(|&other| meets(other)));
             }
         }
         near.sort_unstable();
@@ -50,13 +61,17 @@ fn level(border: &Border) -> i32 {
     border.length().max(2.0 * reach(border)).log2().ceil() as i32
 }
 
-/// The cells of a level that a border meets, with what it reaches.
-fn cells(border: &Border, level: i32) -> impl Iterator<Item = Cell> {
+/// The box about a border and what it reaches.
+fn space(border: &Border) -> [DVec3; 2] {
     let [a, b] = border.ends;
     let reach = DVec3::splat(reach(border));
+    [a.min(b) - reach, a.max(b) + reach]
+}
+
+/// The cells of a level that a border meets, with what it reaches.
+fn cells(border: &Border, level: i32) -> impl Iterator<Item = Cell> {
     let edge = f64::from(level).exp2();
-    let cell = |p: DVec3| (p / edge).floor().as_i64vec3();
-    let (low, high) = (cell(a.min(b) - reach), cell(a.max(b) + reach));
+    let [low, high] = space(border).map(|p| (p / edge).floor().as_i64vec3());
     let [x, y, z] = [0, 1, 2].map(|axis| low[axis]..=high[axis]);
     x.flat_map(move |x| {
         let z = z.clone();
