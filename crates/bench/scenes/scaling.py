@@ -52,7 +52,7 @@ def table(title, rows, work):
             cost = [row["process"] / earlier["process"] for row, earlier in zip(group, before[1])]
             grown = middle[work] / before[0][work]
             steps = [f"{statistics.median(cost):.2f}", f"{statistics.median(cost) / grown:.2f}"]
-        cells = [f"{middle['triangles']:,}", f"{key[1]}²", f"{middle['texels']:,}", *(f"{middle[p]:.2f}" for p in PHASES)]
+        cells = [f"{int(middle['triangles']):,}", f"{key[1]}²", f"{int(middle['texels']):,}", *(f"{middle[p]:.2f}" for p in PHASES)]
         lines.append("| " + " | ".join([*cells, f"{middle['process']:.2f}", *steps]) + " |")
         before = (middle, group)
     return lines
