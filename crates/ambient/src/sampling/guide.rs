@@ -16,6 +16,9 @@ const DIGITS: u32 = EDGE.ilog2();
 /// Share of the points that go everywhere alike, so that no weight is above its inverse.
 const EVEN: f32 = 0.3;
 
+/// Hits below which cells share theirs more widely.
+const FEW: u64 = 16;
+
 /// How often points of each cell of the square were seen to count.
 #[derive(Clone, Debug)]
 pub struct Counts {
@@ -56,14 +59,18 @@ impl Counts {
 
     /// The share of each cell and those about it, the azimuth going round.
     fn shares(&self) -> [[f32; EDGE]; EDGE] {
+        // A cell weighs as much as the ring about it. Where hits are few they say no more than whereabouts it is open.
+        let (around, own) = match self.hits() < FEW {
+            true => (2, 1),
+            false => (1, 8),
+        };
         std::array::from_fn(|row| {
             std::array::from_fn(|column| {
                 let (mut hits, mut points) = (0, 0);
-                for r in row.saturating_sub(1)..(row + 2).min(EDGE) {
-                    for c in column + EDGE - 1..column + EDGE + 2 {
-                        // A cell weighs as much as the ring about it.
+                for r in row.saturating_sub(around)..(row + around + 1).min(EDGE) {
+                    for c in column + EDGE - around..column + EDGE + around + 1 {
                         let weight = match r == row && c == column + EDGE {
-                            true => 8,
+                            true => own,
                             false => 1,
                         };
                         hits += weight * self.hits[r][c % EDGE];
@@ -240,12 +247,43 @@ mod tests {
         sums.map(|sum| sum / f64::from(points))
     }
 
+    /// One of many points counts.
+    fn one_hit() -> Counts {
+        let mut counts = Counts::default();
+        let stream = Stream::new(3, 0, 0, 0, 0);
+        for i in 0..2048 {
+            let [u0, u1, ..] = stream.point(i).map(|u| u as f32);
+            counts.add([u0, u1], false);
+        }
+        counts.add([0.3, 0.99], true);
+        counts
+    }
+
+    #[test]
+    fn one_hit_leads_to_the_cells_about_it() {
+        let guide = Guide::new(&one_hit());
+        let cell = |k: f64| (k + 0.5) / EDGE as f64;
+        // Rows 2 to 6 of 16 and the last three columns with the first two, for the azimuth goes round.
+        for (row, column, near) in [
+            (4.0, 15.0, true),
+            (2.0, 13.0, true),
+            (6.0, 1.0, true),
+            (7.0, 15.0, false),
+            (4.0, 2.0, false),
+            (12.0, 8.0, false),
+        ] {
+            let density = guide.density([cell(row), cell(column)]);
+            assert_eq!(density > 5.0, near, "{row} {column}: {density}");
+            assert!(density >= 0.999 * f64::from(EVEN), "{density}");
+        }
+    }
+
     #[test]
     fn weighted_points_keep_areas() {
         let area = std::f64::consts::PI * 0.12 * 0.12;
-        for counts in [counts(), Counts::default()] {
+        for counts in [counts(), one_hit(), Counts::default()] {
             let guide = Guide::new(&counts);
-            let [hits, all, _] = means(&guide, 1, 1 << 16);
+            let [hits, all, _] = means(&guide, 1, 1 << 19);
             assert!((hits - area).abs() < 3e-4, "{hits} {area}");
             assert!((all - 1.0).abs() < 1e-3, "{all}");
         }

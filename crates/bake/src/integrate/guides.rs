@@ -24,9 +24,6 @@ pub(super) const FEWEST_POINTS: u32 = 8;
 /// Cosine of the angle by which normals of one surface turn at most.
 const ALIKE: f64 = 0.95;
 
-/// Hits that a guide is made of, at least.
-const FEWEST_HITS: u64 = 16;
-
 /// Share of directions that are open, at most.
 const RARE: f64 = 0.25;
 
@@ -68,7 +65,7 @@ pub(super) fn probes(texels: &[Texel], surface: &[usize], edge: u32) -> [Vec<usi
 
 /// The guide of a surface, where it is worth one.
 pub(super) fn guide(counts: &Counts) -> Option<Guide> {
-    if counts.share() > RARE || counts.hits() < FEWEST_HITS {
+    if counts.share() > RARE || counts.hits() == 0 {
         return None;
     }
     let guide = Guide::new(counts);
