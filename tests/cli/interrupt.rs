@@ -71,11 +71,13 @@ fn interrupted_bake_resumes_to_the_same_bytes() {
             assert_eq!(code, status, "{signal}");
             let left = files(folder.path());
             println!("left after {signal}: {left:?}");
-            assert!(
-                !left.contains(&"bake.json".into())
-                    && !left.iter().any(|name| name.ends_with(".glb")),
-                "{left:?}"
-            );
+            if left.contains(&"bake.json".into()) {
+                // It met the program between its last file and its end: then all is there.
+                assert!(differences(&whole, &pictures(folder.path())).is_empty());
+                delay /= 2;
+                continue;
+            }
+            assert!(!left.iter().any(|name| name.ends_with(".glb")), "{left:?}");
             for name in left.iter().filter(|name| name.ends_with(".exr")) {
                 Page::read(&folder.path().join(name));
             }
