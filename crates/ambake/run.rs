@@ -113,14 +113,12 @@ impl Job {
             let tiles = self.within(|| tracker.keep(&mut page, &|line| progress.note(line)));
             let whole = self
                 .within(|| baker.fill(&mut page, progress, &mut |tile| saved.add(number, &tile)))
-                .map_err(|error| self.unwritten(error, saved.is_begun()))?;
+                .map_err(self.unsaved(&saved))?;
             if !whole {
                 saved.flush()?;
                 return Err(Error::Cancelled);
             }
-            saved
-                .spare()
-                .map_err(|error| self.unwritten(error, saved.is_begun()))?;
+            saved.spare().map_err(self.unsaved(&saved))?;
             self.within(|| tracker.verify(&page, &tiles))?;
             if let Err(error) = self.within(|| writer.tiles(&page, tracker.key(), &tiles)) {
                 return Err(self.unwritten(error, saved.flush().is_ok()));
@@ -140,9 +138,7 @@ impl Job {
         }
         if bounces {
             // Gathers take as long as all before, and nothing of them is saved.
-            saved
-                .flush()
-                .map_err(|error| self.unwritten(error, saved.is_begun()))?;
+            saved.flush().map_err(self.unsaved(&saved))?;
         }
         let clock = Instant::now();
         let bounced = match self.bounce(&mut waiting, progress) {

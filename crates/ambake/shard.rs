@@ -145,7 +145,7 @@ impl Job {
                     saved.add(page, &tile)
                 })
             });
-            let whole = whole.map_err(|error| self.unwritten(error, saved.is_begun()))?;
+            let whole = whole.map_err(self.unsaved(&saved))?;
             if !whole {
                 saved.flush()?;
                 return Err(Error::Cancelled);

@@ -6,6 +6,7 @@ use crate::host::{REVISION, VERSION, peak_memory};
 use crate::interior::Brightness;
 use crate::job::Job;
 use crate::lit::LitScene;
+use crate::resume::Saved;
 use crate::state::{self, Head};
 use crate::update::Tracker;
 use ::bake::{BakedPage, BounceStats, Bounces, Fingerprint, LayerPlanes, SeamStats};
@@ -256,6 +257,12 @@ impl Job {
             },
             (error, _) => error,
         }
+    }
+
+    /// The same of state that could not be saved: what was saved before stays.
+    pub(crate) fn unsaved(&self, saved: &Saved) -> impl Fn(Error) -> Error {
+        let kept = saved.is_begun();
+        move |error| self.unwritten(error, kept)
     }
 }
 

@@ -219,14 +219,18 @@ mod tests {
         (u0 - 0.3).hypot(u1 - 0.7) < 0.12
     }
 
-    fn counts() -> Counts {
+    fn counts_of(hit: fn([f32; 2]) -> bool) -> Counts {
         let mut counts = Counts::default();
         let stream = Stream::new(3, 0, 0, 0, 0);
         for i in 0..2048 {
             let [u0, u1, ..] = stream.point(i).map(|u| u as f32);
-            counts.add([u0, u1], disc([u0, u1]));
+            counts.add([u0, u1], hit([u0, u1]));
         }
         counts
+    }
+
+    fn counts() -> Counts {
+        counts_of(disc)
     }
 
     /// Mean of weighted hits and of weights over the points of a stream, and the second moment of weighted hits.
@@ -249,12 +253,7 @@ mod tests {
 
     /// One of many points counts.
     fn one_hit() -> Counts {
-        let mut counts = Counts::default();
-        let stream = Stream::new(3, 0, 0, 0, 0);
-        for i in 0..2048 {
-            let [u0, u1, ..] = stream.point(i).map(|u| u as f32);
-            counts.add([u0, u1], false);
-        }
+        let mut counts = counts_of(|_| false);
         counts.add([0.3, 0.99], true);
         counts
     }

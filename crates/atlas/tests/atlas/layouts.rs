@@ -6,7 +6,7 @@ use ambake_atlas::{
     layout_seen,
 };
 use glam::{DAffine3, Vec2, Vec3};
-use scene::Scene;
+use scene::{Mesh, Scene};
 
 fn options(uv: UvMode, page_size: u32, density: Option<f64>) -> Options {
     Options {
@@ -324,16 +324,21 @@ fn charts_that_one_page_cannot_hold_go_on_more_or_are_refused() {
     );
 }
 
+/// So many unit squares in rows of a hundred, none of which touches another.
+fn squares(count: u32) -> Mesh {
+    let corner = |i: u32| Vec3::new(3.0 * (i % 100) as f32, 3.0 * (i / 100) as f32, 0.0);
+    let square =
+        |i: u32| [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y].map(|p| p + corner(i));
+    let positions = (0..count).flat_map(square).collect();
+    let triangles =
+        (0..count).flat_map(|i| [[4 * i, 4 * i + 1, 4 * i + 2], [4 * i, 4 * i + 2, 4 * i + 3]]);
+    mesh("loose", positions, triangles.collect())
+}
+
 #[test]
 fn a_mesh_that_must_stay_on_one_page_is_refused_where_it_needs_two() {
     // Thirty loose squares of 16 texels: nine on a page of 64 with their gutters.
-    let corner = |i: u32| Vec3::new(3.0 * i as f32, 0.0, 0.0);
-    let square =
-        |i: u32| [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y].map(|p| p + corner(i));
-    let positions = (0..30).flat_map(square).collect();
-    let triangles =
-        (0..30).flat_map(|i| [[4 * i, 4 * i + 1, 4 * i + 2], [4 * i, 4 * i + 2, 4 * i + 3]]);
-    let loose = mesh("loose", positions, triangles.collect());
+    let loose = squares(30);
     let one = scene(vec![loose.clone()], &[(0, 0, DAffine3::IDENTITY)]);
     let spread = options(UvMode::Unwrap, 64, Some(16.0));
     let atlas = layout(&one, &spread, &|| false).unwrap();
@@ -480,14 +485,7 @@ fn page_use_counts_charts_with_their_gutters() {
 #[test]
 fn pages_that_would_be_mostly_gutters_become_more() {
     // Ten thousand loose squares: on the fewest pages that take them they would be a texel wide in gutters of four.
-    let corner = |i: u32| Vec3::new(3.0 * (i % 100) as f32, 3.0 * (i / 100) as f32, 0.0);
-    let square =
-        |i: u32| [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y].map(|p| p + corner(i));
-    let positions = (0..10_000).flat_map(square).collect();
-    let triangles =
-        (0..10_000).flat_map(|i| [[4 * i, 4 * i + 1, 4 * i + 2], [4 * i, 4 * i + 2, 4 * i + 3]]);
-    let loose = mesh("loose", positions, triangles.collect());
-    let scene = scene(vec![loose], &[(0, 0, DAffine3::IDENTITY)]);
+    let scene = scene(vec![squares(10_000)], &[(0, 0, DAffine3::IDENTITY)]);
     let atlas = auto(&scene, 256);
     let facts = ambake_atlas::facts(&scene, &atlas);
     assert!(atlas.page_count > 1);
