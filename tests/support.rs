@@ -5,6 +5,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
 
 #[path = "skip.rs"]
 mod skip_reason;
@@ -47,6 +48,24 @@ pub fn run_well<A: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = A
         output.status
     );
     String::from_utf8(output.stdout).expect("standard output is UTF-8")
+}
+
+/// The status and the words of a command that must end soon; `None` where it hangs.
+#[cfg(unix)]
+pub fn ended(mut child: std::process::Child) -> Option<(Option<i32>, String)> {
+    let start = Instant::now();
+    while start.elapsed() < Duration::from_secs(60) {
+        if child.try_wait().expect("a status").is_some() {
+            let output = child.wait_with_output().expect("a status");
+            let text = String::from_utf8_lossy(&output.stderr).into_owned();
+            return Some((output.status.code(), text));
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    // SIGTERM may be what it does not obey.
+    child.kill().expect("it runs");
+    child.wait().expect("a status");
+    None
 }
 
 /// An authored scene.

@@ -87,7 +87,11 @@ pub fn parsed<T, E>(path: &Path, parse: impl FnOnce(&str) -> Result<T, E>) -> an
 where
     E: std::error::Error + Send + Sync + 'static,
 {
-    let text =
-        std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-    parse(&text).with_context(|| path.display().to_string())
+    parse(&text_file(path)?).with_context(|| path.display().to_string())
+}
+
+/// The text of a regular file; errors name it.
+pub fn text_file(path: &Path) -> anyhow::Result<String> {
+    let text = report::check_regular(path).and_then(|()| std::fs::read_to_string(path));
+    text.with_context(|| format!("cannot read {}", path.display()))
 }

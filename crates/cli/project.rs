@@ -20,7 +20,7 @@
 
 use crate::args::{Args, Verb};
 use crate::bake::args::Job;
-use crate::common::Common;
+use crate::common::{Common, text_file};
 use anyhow::{Context, bail};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Args as ClapArgs, CommandFactory, FromArgMatches};
@@ -59,9 +59,7 @@ pub fn completed(scene: &Path, typed: &[OsString]) -> anyhow::Result<Option<(Job
 
 /// The file's tables.
 fn read(path: &Path) -> anyhow::Result<Table> {
-    let text = report::check_regular(path)
-        .and_then(|()| std::fs::read_to_string(path))
-        .with_context(|| format!("cannot read {}", path.display()))?;
+    let text = text_file(path)?;
     text.parse::<Table>().map_err(|error| {
         let before = error
             .span()

@@ -1,9 +1,9 @@
 //! `ambake view` and `bake --report`: the one file in which a finished bake is looked at.
 
 use crate::args::View as Args;
-use crate::common::build;
+use crate::common::{build, text_file};
 use crate::outcome::{Outcome, say};
-use anyhow::{Context, bail};
+use anyhow::bail;
 use glam::DVec3;
 use rays::{Overrides, RayBackend, SurfaceHit, Surfaces, World};
 use render::{Camera, Direct, Framing, Lamps, Lit, Model, TexelPlace};
@@ -45,8 +45,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
     let json_path = dir.join("bake.json");
     let bake = report::read_bake_report(&json_path)?;
-    let text = std::fs::read_to_string(&json_path)
-        .with_context(|| format!("cannot read {}", json_path.display()))?;
+    let text = text_file(&json_path)?;
     let mut json: Value = serde_json::from_str(&text)?;
     let listed = bake.files.iter().any(|name| name == REPORT_NAME);
     if let (false, Some(names)) = (listed, json["files"].as_array_mut()) {
@@ -123,9 +122,7 @@ fn kernel(bake: &report::BakeReport) -> Option<Kernel> {
 /// The rows of a benchmark that stands in the folder of the bake or in its `bench`, where there is one.
 fn benchmark(dir: &Path) -> Option<String> {
     let places = ["bench.csv", "bench/bench.csv"].map(|name| dir.join(name));
-    let mut texts = places
-        .iter()
-        .filter_map(|path| std::fs::read_to_string(path).ok());
+    let mut texts = places.iter().filter_map(|path| text_file(path).ok());
     texts.find(|text| text.starts_with("technique,effort,"))
 }
 

@@ -56,12 +56,19 @@ pub fn read_unchecked(path: &Path) -> Result<ImageFile, Error> {
     decode(path, &bytes(path)?)
 }
 
-/// The bytes of the file at `path`.
+/// The bytes of the picture at `path`, whose name says of which kind it is.
 pub(crate) fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
+    if !path.is_dir() {
+        decoder(path)?;
+    }
+    contents(path)
+}
+
+/// The bytes of the regular file at `path`.
+pub(crate) fn contents(path: &Path) -> Result<Vec<u8>, Error> {
     if path.is_dir() {
         return Err(fail(path, "it is a directory; name a picture".into()));
     }
-    decoder(path)?;
     if path.exists() && !path.is_file() {
         return Err(fail(
             path,

@@ -19,6 +19,12 @@ impl Lock {
             _ => Ok(Some(lock)),
         }
     }
+
+    /// The lock on `file` where it is certain that nobody else holds it: `None` also on a file system without locks.
+    pub fn proved(file: &File) -> Option<Self> {
+        let lock = Self(file.try_clone().ok()?);
+        lock.0.try_lock().is_ok().then_some(lock)
+    }
 }
 
 impl Drop for Lock {

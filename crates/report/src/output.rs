@@ -6,7 +6,7 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use tempfile::{NamedTempFile, TempPath};
+use tempfile::{NamedTempFile, TempDir, TempPath};
 
 /// An output directory with a set of staged files.
 ///
@@ -18,12 +18,54 @@ pub struct Output {
     /// Files that no output may replace.
     inputs: Vec<PathBuf>,
     staged: Vec<(TempPath, PathBuf)>,
-    /// How names of temporary files begin.
-    prefix: &'static str,
+    /// Where files wait for their names.
+    staging: Staging,
     /// Held for as long as nobody else may bake into `dir`.
     _lock: Option<Lock>,
     /// Dropped last, when nothing staged is left.
     _made: Made,
+}
+
+/// A folder of temporary files inside an output directory, locked for as long as its process lives: one that is there and not locked, a
+/// killed run left.
+#[derive(Debug)]
+struct Staging {
+    folder: TempDir,
+    _lock: Lock,
+}
+
+/// How names of such folders begin.
+const STAGING: &str = ".ambake-staged-";
+
+impl Staging {
+    /// A new one in `dir`.
+    fn make(dir: &Path) -> io::Result<Self> {
+        loop {
+            let folder = tempfile::Builder::new().prefix(STAGING).tempdir_in(dir)?;
+            // Another run may take it for a leftover before it is locked, and remove it.
+            let lock = Lock::of(&File::open(folder.path())?)?;
+            match lock {
+                Some(_lock) if folder.path().is_dir() => return Ok(Self { folder, _lock }),
+                _ => {}
+            }
+        }
+    }
+
+    /// Removes those that killed runs left in `dir`.
+    fn sweep(dir: &Path) {
+        for entry in fs::read_dir(dir).into_iter().flatten().flatten() {
+            let name = entry.file_name();
+            let ours = name.to_string_lossy().starts_with(STAGING)
+                && entry.file_type().is_ok_and(|kind| kind.is_dir());
+            let folder = entry.path();
+            if let Some(Ok(handle)) = ours.then(|| File::open(&folder))
+                && let Some(_lock) = Lock::proved(&handle)
+            {
+                // One that cannot be removed is in nobody's way.
+                let _ = fs::remove_dir_all(&folder);
+            }
+        }
+    }
 }
 
 /// Directories that an output made, the innermost first; those that are empty in the end go again.
@@ -52,13 +94,9 @@ impl Drop for Made {
     }
 }
 
-/// Temporary files of an output that others share.
-const SHARED: &str = ".ambake-";
-/// Temporary files of an output that is one job's alone: what is left of them, a killed job left.
-const EXCLUSIVE: &str = ".ambake-bake-";
-
 impl Output {
-    /// An empty set in `dir`, which is made with its parents where it is absent and is proved writable.
+    /// An empty set in `dir`, which is made with its parents where it is absent and is proved writable. Temporary files that a killed run
+    /// left there are removed.
     ///
     /// # Errors
     /// [`Error::Directory`] where `dir` is a file, cannot be made, or takes no file.
@@ -71,19 +109,19 @@ impl Output {
             return Err(fail("a file of that name exists".into()));
         }
         let made = Made::make(dir).map_err(|e| fail(e.to_string()))?;
-        temporary(dir, SHARED).map_err(|e| fail(e.to_string()))?;
+        Staging::sweep(dir);
+        let staging = Staging::make(dir).map_err(|e| fail(e.to_string()))?;
         Ok(Output {
             dir: dir.to_owned(),
             inputs: Vec::new(),
             staged: Vec::new(),
-            prefix: SHARED,
+            staging,
             _lock: None,
             _made: made,
         })
     }
 
     /// As [`Output::create`], for one job alone: a second one in `dir` is refused until this one is dropped or its process ends.
-    /// Temporary files that a killed job left there are removed.
     ///
     /// # Errors
     /// As [`Output::create`]; [`Error::Busy`].
@@ -98,15 +136,6 @@ impl Output {
             });
             if output._lock.is_none() {
                 return Err(Error::Busy { path: dir.into() });
-            }
-        }
-        output.prefix = EXCLUSIVE;
-        for entry in fs::read_dir(dir).into_iter().flatten().flatten() {
-            let name = entry.file_name();
-            let name = name.to_string_lossy();
-            if name.starts_with(EXCLUSIVE) && name.ends_with(".part") {
-                // One that cannot be removed is in nobody's way.
-                let _ = fs::remove_file(entry.path());
             }
         }
         Ok(output)
@@ -158,7 +187,7 @@ impl Output {
     ) -> Result<(), Error> {
         self.check(name)?;
         let path = self.dir.join(name);
-        let mut file = temporary(&self.dir, self.prefix).map_err(|e| Error::write(&path, e))?;
+        let mut file = temporary(self.staging.folder.path()).map_err(|e| Error::write(&path, e))?;
         write(file.as_file_mut()).map_err(|error| match error {
             Error::Write {
                 path: empty,
@@ -269,9 +298,8 @@ pub fn copy_files(from: &Path, names: &[&str], into: &Path) -> Result<(), Error>
 }
 
 /// A new temporary file in `dir`, with the permissions any new file gets.
-fn temporary(dir: &Path, prefix: &str) -> io::Result<NamedTempFile> {
+fn temporary(dir: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(prefix).suffix(".part");
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -322,14 +350,16 @@ mod tests {
         let mut picture = Output::create(dir.path()).unwrap();
         picture.stage_bytes("lit.png", b"one").unwrap();
         first.stage_bytes("x.png", b"one").unwrap();
-        // As if the process were killed: the files stay, the lock goes.
-        for (temporary, _) in std::mem::take(&mut first.staged) {
-            temporary.keep().unwrap();
-        }
+        // As if the process were killed: the files stay, the locks go.
+        let killed = dir.path().join(".ambake-staged-killed");
+        fs::create_dir(&killed).unwrap();
+        fs::write(killed.join("x"), b"half").unwrap();
         drop(first);
-        assert_eq!(names(dir.path()).len(), 2);
-        let _second = Output::exclusive(dir.path()).unwrap();
-        assert_eq!(names(dir.path()).len(), 1, "{:?}", names(dir.path()));
+        assert_eq!(names(dir.path()).len(), 2, "{:?}", names(dir.path()));
+        // Whoever writes there next removes what was left, and nothing that somebody still writes.
+        let second = Output::create(dir.path()).unwrap();
+        assert!(!killed.exists());
+        drop(second);
         picture.publish().unwrap();
         assert_eq!(names(dir.path()), ["lit.png"]);
     }

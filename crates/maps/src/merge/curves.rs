@@ -4,7 +4,7 @@
 //! levels a curve is linear, so that photographs of 8 bits get the very curve that was found.
 
 use super::Response;
-use crate::{Error, Image, painted};
+use crate::{Error, Image, file, painted};
 use std::path::Path;
 
 /// Levels of a text.
@@ -93,7 +93,7 @@ pub fn develop(path: &Path, curves: &[Response; 3]) -> Result<Image, Error> {
         path: path.to_owned(),
         reason: reason.replace('\n', " "),
     };
-    let bytes = std::fs::read(path).map_err(|e| fail(e.to_string()))?;
+    let bytes = file::contents(path)?;
     let (width, height, values) = painted::decode_values(&bytes).map_err(fail)?;
     let exposure = |rgb: [u16; 3]| {
         std::array::from_fn(|c| curves[c].exposure(rgb[c]).min(f64::from(f32::MAX)) as f32)

@@ -1,7 +1,7 @@
 //! Reads the photographs of a series with their exposures.
 
 use super::Bracket;
-use crate::{Error, painted};
+use crate::{Error, file, painted};
 use exif::{Exif, In, Reader, Tag, Value};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -32,7 +32,7 @@ pub fn read_brackets(paths: &[PathBuf], times: &[f64]) -> Result<Vec<Bracket>, E
     let mut brackets = vec![];
     let mut shots = vec![];
     for (index, path) in paths.iter().enumerate() {
-        let bytes = std::fs::read(path).map_err(|e| fail(path, &e.to_string()))?;
+        let bytes = file::contents(path)?;
         let (width, height, values) =
             painted::decode_values(&bytes).map_err(|reason| fail(path, &reason))?;
         let shot = match times.get(index) {

@@ -1,0 +1,86 @@
+//! Memory that the system refuses: one line, and nothing lost.
+#![cfg(target_os = "linux")]
+
+use crate::support::{ambake, run_well, scene};
+use std::path::Path;
+use std::process::Command;
+
+/// The program under a limit on its addresses in KiB, with traces asked for, as some have it in their shells.
+fn within_addresses(kib: u64, words: &[&str]) -> (Option<i32>, String) {
+    let program = ambake();
+    let output = Command::new("sh")
+        .args(["-c", &format!("ulimit -v {kib} && exec \"$0\" \"$@\"")])
+        .arg(program.get_program())
+        .args(program.get_args())
+        .args(words)
+        .env("RUST_BACKTRACE", "1")
+        .output()
+        .expect("sh starts");
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    (output.status.code(), text)
+}
+
+#[test]
+fn a_limit_on_addresses_refuses_what_does_not_fit_and_names_a_size_that_does() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (out, path) = (
+        folder.path().display().to_string(),
+        scene("plane.obj").display().to_string(),
+    );
+    let bake = |size: &str| {
+        let words = ["bake", &path, "-o", &out, "--size", size, "--rays", "1"];
+        within_addresses(
+            700_000,
+            &[&words[..], &["--threads", "1", "--quiet"]].concat(),
+        )
+    };
+    let (status, line) = bake("8192");
+    assert_eq!((status, line.lines().count()), (Some(1), 1), "{line}");
+    assert!(line.contains("(ulimit)"), "{line}");
+    let size = line
+        .split_once("`--size ")
+        .and_then(|(_, rest)| rest.split_once('`'));
+    let (size, _) = size.expect("a size that fits");
+    assert_eq!(bake(size), (Some(0), String::new()), "{size}");
+}
+
+#[test]
+fn memory_that_the_system_refuses_ends_a_bake_in_one_line_and_loses_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = scene("corner.obj").display().to_string();
+    let words = |out: &Path| {
+        let out = out.display().to_string();
+        let fixed = "--size 512 --rays 1 --quiet --max-memory 1000G --resume";
+        let mut words = vec!["bake".into(), path.clone(), "-o".into(), out];
+        words.extend(fixed.split(' ').map(String::from));
+        words
+    };
+    let (whole, out) = (folder.path().join("whole"), folder.path().join("out"));
+    run_well(words(&whole));
+    let mut refused = 0;
+    for kib in (50_000..500_000).step_by(50_000) {
+        let words = words(&out);
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        let (status, line) = within_addresses(kib, &words);
+        // Too little to load the program's libraries.
+        if status == Some(127) {
+            continue;
+        }
+        if status == Some(0) {
+            assert_eq!(line, "", "{kib}");
+            std::fs::remove_dir_all(&out).expect("it is there");
+            continue;
+        }
+        assert_eq!((status, line.lines().count()), (Some(1), 1), "{kib} {line}");
+        assert!(line.starts_with("ambake: "), "{kib} {line}");
+        assert!(line.contains("memory"), "{kib} {line}");
+        assert!(!out.join("bake.json").exists(), "{kib} {line}");
+        refused += 1;
+    }
+    assert!(refused > 0, "no limit was too low");
+    run_well(words(&out));
+    for name in ["corner.0.exr", "corner.glb"] {
+        let read = |folder: &Path| std::fs::read(folder.join(name)).expect("a result");
+        assert!(read(&whole) == read(&out), "{name}");
+    }
+}
