@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Fuzz every target in turn, by equal slices, and keep count: executions, CPU seconds, findings, coverage.
 
-Usage: run.py [--minutes N] [--slice N] [--until HH:MM] [TARGET..]. Needs nightly Rust and cargo-fuzz. It stops when each target has had N
+Usage: run.py [--minutes N] [--slice N] [--until HH:MM] [--once] [TARGET..]. Needs nightly Rust and cargo-fuzz. It stops when each target has had N
 CPU minutes (30), over all runs so far, or at a time of day. What it finds stands in fuzz/artifacts, what it learns in fuzz/work, and its
-counts in counts.json beside it; they are printed as a table.
+counts in counts.json beside it; they are printed as a table. With --once every target has a single slice, and a finding is a failure.
 """
 
 import argparse
@@ -72,6 +72,7 @@ def main():
     words.add_argument("--minutes", type=float, default=30)
     words.add_argument("--slice", type=float, default=3)
     words.add_argument("--until", type=datetime.time.fromisoformat, default=None)
+    words.add_argument("--once", action="store_true")
     words.add_argument("targets", nargs="*", default=[])
     given = words.parse_args()
     targets = given.targets or TARGETS
@@ -82,7 +83,9 @@ def main():
     none = {"runs": 0, "cpu": 0.0, "findings": 0, "coverage": 0, "features": 0}
     folder = build()
     late = lambda: given.until and datetime.datetime.now().time() >= given.until
-    while not late() and (wanted := [t for t in targets if counts.get(t, none)["cpu"] < 60 * given.minutes]):
+    findings = 0
+    short = lambda: [t for t in targets if given.once or counts.get(t, none)["cpu"] < 60 * given.minutes]
+    while not late() and (wanted := short()):
         for target in wanted:
             if late():
                 break
@@ -92,9 +95,13 @@ def main():
             sums = {key: old[key] + new[key] for key in ("runs", "cpu", "findings")}
             # Of a slice that a finding ended, the log does not say all.
             counts[target] = {**sums, **{key: max(old[key], new[key]) for key in ("coverage", "features")}}
+            findings += new["findings"]
             COUNTS.write_text(json.dumps(counts, indent=1) + "\n")
             print(datetime.datetime.now().strftime("%H:%M"), target, counts[target], flush=True)
+        if given.once:
+            break
     table({target: counts[target] for target in TARGETS if target in counts})
+    return 1 if given.once and findings else 0
 
 
-main()
+sys.exit(main())

@@ -21,7 +21,7 @@ skip() {
     exit 0
 }
 command -v "$OPENJD" >/dev/null || skip "openjd is absent: pip install openjd-cli"
-[ -x "$AMBAKE" ] || skip "$AMBAKE is absent: cargo build"
+[ -x "$AMBAKE" ] || skip "$AMBAKE is absent: cargo build --locked"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 

@@ -16,7 +16,7 @@ from .corners import OCCLUDER
 STANDARD = ("visibility", "diffuse", "specular", "traditional", "lambert")
 
 HOW_TO_GET = (
-    "the program ambake was not found; install it (`cargo install --path .` in ambake's folder) and put it on the PATH, "
+    "the program ambake was not found; install it (`cargo install --locked --path .` in ambake's folder) and put it on the PATH, "
     "or name it in Preferences, Add-ons, ambake"
 )
 
