@@ -208,11 +208,12 @@ impl Oidn {
 }
 
 #[cfg(test)]
+#[path = "../../../tests/skip.rs"]
+mod skip;
+
+#[cfg(test)]
 mod tests {
     use super::*;
-
-    #[path = "../../../../tests/skip.rs"]
-    mod skip;
 
     #[test]
     fn noise_goes_and_a_step_stays_with_any_number_of_threads() {

@@ -432,6 +432,7 @@ mod tests {
             std::fs::write(&path, &bytes[..bytes.len() - cut]).unwrap();
             let (mut journal, damage) = Journal::resume(&path, &header, |_| true).unwrap();
             assert_eq!((journal.len(), damage), (2, None), "{cut}");
+            assert!(!journal.is_empty());
             journal.append(b"three").unwrap();
             assert!(std::fs::read(&path).unwrap() == bytes, "{cut}");
         }

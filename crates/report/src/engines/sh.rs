@@ -14,16 +14,21 @@ const NUMBERS: usize = 12;
 pub fn slices(page: &PageLight<'_>) -> Option<Vec<u8>> {
     let texels = texels(page)?;
     let ratio = |texel: &[f32; NUMBERS], axis: usize| {
-        [0, 1, 2].map(|c| match texel[c] {
-            mean if mean > 0.0 => 0.5 + texel[3 * axis + c] / (4.0 * mean),
-            _ => 0.5,
-        })
+        [0, 1, 2].map(|c| ratio(texel[c], texel[3 * axis + c]))
     };
     let mut pixels: Vec<[f32; 3]> = texels.iter().map(|t| [t[0], t[1], t[2]]).collect();
     for axis in [2, 3, 1] {
         pixels.extend(texels.iter().map(|texel| ratio(texel, axis)));
     }
     Some(half_exr::encode([page.size, 4 * page.size], &pixels))
+}
+
+/// 1/2 + v / 4m, and 1/2 where no light comes from anywhere.
+fn ratio(mean: f32, vector: f32) -> f32 {
+    match mean > 0.0 {
+        true => 0.5 + vector / (4.0 * mean),
+        false => 0.5,
+    }
 }
 
 /// An array of four pictures: m, and v along x, y and z, as they are.
@@ -50,4 +55,15 @@ fn texels(page: &PageLight<'_>) -> Option<Vec<[f32; NUMBERS]>> {
     let filled = is_filled(&page.coverage, page.size, page.rings);
     fill(&mut pixels, page.size, &filled);
     Some(pixels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_light_has_no_direction_and_light_from_one_has_half_of_the_range() {
+        assert_eq!([ratio(0.0, 0.0), ratio(2.0, 0.0)], [0.5; 2]);
+        assert_eq!([ratio(2.0, 2.0), ratio(2.0, -2.0)], [0.75, 0.25]);
+    }
 }

@@ -238,6 +238,24 @@ mod tests {
     }
 
     #[test]
+    fn light_for_any_view_needs_the_normal_and_the_exponent() {
+        let held = |names: &[&str]| {
+            let layers = names
+                .iter()
+                .map(|name| PageLayer::scalar(name, vec![0.5]))
+                .collect();
+            let page = Page { size: 1, layers };
+            harmonics(&page).len()
+        };
+        let first = format!("{}00", HARMONICS[0]);
+        let second = format!("{}01", HARMONICS[0]);
+        assert_eq!(held(&[&first, &second, "normal", "exponent"]), 2);
+        assert_eq!(held(&[&first, &second, "normal"]), 0);
+        assert_eq!(held(&[&first, &second, "exponent"]), 0);
+        assert_eq!(held(&["normal", "exponent"]), 0);
+    }
+
+    #[test]
     fn a_reduced_page_holds_means_over_what_is_covered() {
         let coverage = [[1.0, 1.0, 0.0], [0.0; 3], [0.0; 3]].concat();
         let values = [[0.25, 0.75, 9.0], [9.0; 3], [9.0; 3]].concat();

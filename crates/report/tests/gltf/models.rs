@@ -78,7 +78,7 @@ fn compressed_scenes_are_written_plain_and_valid() {
 fn lamps_of_an_obj_scene_keep_their_radiance() {
     let dir = tempfile::tempdir().unwrap();
     let at = |name: &str| dir.path().join(name);
-    let lamps = "newmtl strong\nKe 6 3 1.5\nnewmtl weak\nKe 0.25 1 0\nnewmtl dark\nKe 0 0 0\n";
+    let lamps = "newmtl strong\nKe 6 3 1.5\nnewmtl weak\nKe 0.25 0.5 0\nnewmtl dark\nKe 0 0 0\n";
     fs::write(at("lamps.mtl"), lamps).unwrap();
     let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     let faces = ["strong", "weak", "dark"].map(|name| format!("usemtl {name}\nf 1 2 3\n"));
@@ -93,7 +93,7 @@ fn lamps_of_an_obj_scene_keep_their_radiance() {
     };
     assert_eq!(
         radiances(&before),
-        [[6.0, 3.0, 1.5], [0.25, 1.0, 0.0], [0.0; 3]]
+        [[6.0, 3.0, 1.5], [0.25, 0.5, 0.0], [0.0; 3]]
     );
     assert_eq!(radiances(&after), radiances(&before));
     let (json, _) = open(&path);
