@@ -1,6 +1,7 @@
 """Bake under damage, faults and signals, and print what came of it as the table of docs/robustness.md.
 
-Usage: robustness.py PROGRAM [SEED]. Needs a Unix system; takes about three minutes. Run it from the repository's root.
+Usage: robustness.py PROGRAM [SEED]. Needs a Unix system; takes about four minutes. Run it from the repository's root. The row of a full disk
+needs root on Linux, who may mount one.
 """
 
 import os
@@ -70,6 +71,64 @@ def inputs(folder, kinds, copies):
     return row
 
 
+def beside(folder, what, kind, copies, words):
+    """A sound scene with a damaged file beside it; `words` make of the file's path the words of a bake."""
+    row = Row(what)
+    for seed in sorted((ROOT / "fuzz/corpus" / kind).iterdir()):
+        for _ in range(copies):
+            file = folder / seed.name
+            file.write_bytes(damaged(seed.read_bytes()))
+            scene, more = words(file)
+            run = bake(scene, folder / "out", [*SMALL, *more])
+            row.judge(run.returncode == 0 or (run.returncode == 1 and told(run)), run.returncode != 0)
+            shutil.rmtree(folder / "out", ignore_errors=True)
+    return row
+
+
+def with_library(library):
+    """A square whose materials stand in `library`, named as those of the corpus are."""
+    names = [line.split()[1] for line in library.read_bytes().decode("latin-1").splitlines() if line.startswith("newmtl ") and len(line.split()) > 1]
+    scene = library.with_name("square.obj")
+    material = names[0] if names else "none"
+    text = f"mtllib {library.name}\nv 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nvt 0 0\nusemtl {material}\nf 1/1 2/1 3/1 4/1\n"
+    scene.write_bytes(text.encode("latin-1"))
+    return scene, []
+
+
+def with_picture(picture):
+    """A square that shows `picture`."""
+    library = picture.with_name("shown.mtl")
+    library.write_text(f"newmtl shown\nmap_Kd {picture.name}\n")
+    return with_library(library)
+
+
+def parts(folder, times):
+    """A bake in two parts, of which one is damaged before the merge."""
+    row = Row("a part of a bake damaged, then `merge`")
+    out, whole = folder / "parts", folder / "small"
+    bake(SCENE, whole, SMALL)
+    for shard in "12":
+        bake(SCENE, out, [*SMALL, "--shard", f"{shard}/2"])
+    sound = {part: part.read_bytes() for part in sorted(out.glob("*.part"))}
+    for number in range(times):
+        for part, data in sound.items():
+            part.write_bytes(data)
+        DICE.choice(list(sound)).write_bytes(flipped(list(sound.values())[number % 2]))
+        run = subprocess.run([PROGRAM, "merge", out, "--quiet"], capture_output=True, timeout=120)
+        refused = run.returncode == 1 and told(run) and not (out / "bake.json").exists()
+        row.judge(refused or (run.returncode == 0 and results(out).items() >= results(whole).items()), refused)
+        if run.returncode == 0:
+            for name in results(whole) | {"bake.json": b""}:
+                (out / name).unlink()
+    return row
+
+
+def flipped(data):
+    data = bytearray(data)
+    data[DICE.randrange(len(data))] ^= 1 << DICE.randrange(8)
+    return data
+
+
 def killed(folder, whole, name, times):
     row = Row(f"{name} at a random moment, then `--resume`")
     for number in range(times):
@@ -117,7 +176,7 @@ def hopeless(folder, what, out, words):
     return row
 
 
-def failed_then_well(folder, whole, what, fault, mend):
+def failed_then_well(folder, whole, what, fault, mend, clean=lambda out: None):
     """A bake that must fail in one line, and succeed with --resume once the fault is mended."""
     row = Row(what)
     out = folder / str(abs(hash(what)))
@@ -127,7 +186,30 @@ def failed_then_well(folder, whole, what, fault, mend):
     mend(out)
     again = bake(SCENE, out, [*WORK, "--resume"])
     row.judge(one_line and again.returncode == 0 and results(out) == whole, True)
+    clean(out)
     return row
+
+
+def mounted(size):
+    """A disk of so many bytes, which is the output folder."""
+    def mount(out):
+        out.mkdir()
+        subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "none", out], check=True)
+        return {}
+    return mount
+
+
+def enlarged(out):
+    subprocess.run(["mount", "-o", "remount,size=64m", "none", out], check=True)
+
+
+def may_mount(folder):
+    try:
+        mounted(4096)(folder / "tried")
+    except (OSError, subprocess.CalledProcessError):
+        return False
+    subprocess.run(["umount", folder / "tried"], check=True)
+    return True
 
 
 def file_limit(bytes_):
@@ -170,9 +252,7 @@ def states(folder, whole, times):
         bake(SCENE, out)
         (out / "corner.glb").rmdir()
         for state in out.glob(".*ambake-resume"):
-            data = bytearray(state.read_bytes())
-            data[DICE.randrange(len(data))] ^= 1 << DICE.randrange(8)
-            state.write_bytes(data)
+            state.write_bytes(flipped(state.read_bytes()))
         run = bake(SCENE, out, [*WORK, "--resume"])
         refused = run.returncode == 1 and told(run)
         row.judge(refused or (run.returncode == 0 and results(out) == whole), refused)
@@ -188,6 +268,11 @@ with tempfile.TemporaryDirectory() as name:
     rows = [
         inputs(folder, ["obj"], 40),
         inputs(folder, ["gltf", "glb"], 40),
+        beside(folder, "damaged material libraries", "mtl", 40, with_library),
+        beside(folder, "damaged pictures as textures", "picture", 40, with_picture),
+        beside(folder, "damaged Radiance HDR files as skies", "hdr", 40, lambda sky: (SCENE, ["--sky", sky])),
+        beside(folder, "damaged EXR files as skies", "exr", 40, lambda sky: (SCENE, ["--sky", sky])),
+        parts(folder, 24),
         killed(folder, whole, "SIGKILL", 6),
         killed(folder, whole, "SIGHUP", 6),
         killed_after_a_save(folder, 1),
@@ -199,6 +284,9 @@ with tempfile.TemporaryDirectory() as name:
                          lambda out: (out / "bake.json").rmdir()),
         failed_then_well(folder, whole, "no file may grow beyond 20 kB", file_limit(20_000), lambda out: None),
         failed_then_well(folder, whole, "no file may grow beyond 1 byte", file_limit(1), lambda out: None),
+        *([failed_then_well(folder, whole, f"a disk of {size // 1000} kB, which is full, then `--resume`", mounted(size), enlarged,
+                            lambda out: subprocess.run(["umount", out], check=True)) for size in (40_000, 200_000, 800_000)]
+          if may_mount(folder) else []),
         hopeless(folder, "a folder that takes no files", "/proc/ambake", []),
         hopeless(folder, "a limit of 10 MB of memory", None, ["--max-memory", "10M"]),
         addresses(folder, whole),

@@ -110,6 +110,7 @@ impl std::fmt::Debug for AlphaTest {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fixture;
 
     #[test]
     fn a_see_through_triangle_stops_its_share_of_rays_and_layers_are_independent() {
@@ -125,6 +126,19 @@ mod tests {
         assert!((meshes - 0.09).abs() < 0.0027, "{meshes}");
         let instances = share(&|ray| stops(ray, 0, 0.5) && stops(ray, 0, 0.6));
         assert!((instances - 0.09).abs() < 0.0027, "{instances}");
+    }
+
+    #[test]
+    fn a_see_through_mesh_of_alpha_0_stops_nothing_and_of_alpha_1_everything() {
+        for (factor, share) in [(0.0, 0..=0), (0.5, 440..=560), (1.0, 1000..=1000)] {
+            let mut scene = fixture::scene(vec![fixture::square(0.0)]);
+            scene.materials[0].alpha = Alpha::Blend { factor, map: None };
+            let scene = Arc::new(scene);
+            let test = AlphaTest { scene, mesh: 0 };
+            let stopped = (0..1000).filter(|&ray| test.keep(1, [0.25, 0.5], ray));
+            let stopped = stopped.count();
+            assert!(share.contains(&stopped), "{factor}: {stopped}");
+        }
     }
 
     #[test]

@@ -101,3 +101,38 @@ fn face(world: &World, (instance, triangle): Place) -> DVec3 {
     let [a, b, c] = world.corners(instance, triangle);
     (b - a).cross(c - a)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture;
+    use glam::Vec3;
+
+    #[test]
+    fn points_are_spread_evenly_over_all_that_shines() {
+        let mut scene = fixture::scene(vec![fixture::square(2.0), fixture::square(5.0)]);
+        scene.materials[0].emission = Vec3::ONE;
+        let world = fixture::world(scene);
+        let lamps = Lamps::of(&world);
+        let across = 128i32;
+        let mut quarters = [[0i32; 4]; 2];
+        for i in 0..across * across {
+            let u = [i % across, i / across].map(|k| (f64::from(k) + 0.5) / f64::from(across));
+            let (place, at) = lamps.sample(&world, u);
+            assert!((at.z - [2.0, 5.0][place.0 as usize]).abs() < 1e-12, "{at}");
+            assert!(
+                at.x.abs() <= 1.0 + 1e-12 && at.y.abs() <= 1.0 + 1e-12,
+                "{at}"
+            );
+            quarters[place.0 as usize][usize::from(at.x > 0.0) + 2 * usize::from(at.y > 0.0)] += 1;
+        }
+        // Two squares of four quarters, and what a quarter's border cuts of 128 points along it.
+        let expected = across * across / 8;
+        for count in quarters.as_flattened() {
+            assert!(
+                (count - expected).abs() <= 2 * across,
+                "{quarters:?}, not {expected}"
+            );
+        }
+    }
+}

@@ -18,3 +18,22 @@ impl Mix {
         (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_numbers_from_seed_0_are_those_of_the_authors() {
+        let mut mix = Mix(0);
+        let first: [u64; 3] = std::array::from_fn(|_| mix.bits());
+        assert_eq!(
+            first,
+            [
+                0xe220_a839_7b1d_cdaf,
+                0x6e78_9e6a_a1b9_65f4,
+                0x06c4_5d18_8009_454f
+            ]
+        );
+    }
+}

@@ -84,3 +84,38 @@ impl<'a> Surfaces<'a> {
         emission_at(self.world.scene(), hit.instance, hit.triangle, weights)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture;
+    use glam::Vec3;
+
+    #[test]
+    fn a_hit_has_the_place_and_the_normals_of_the_side_that_is_seen() {
+        let mut mesh = fixture::square(3.0);
+        mesh.normals = vec![Vec3::Z, Vec3::Z, Vec3::new(0.6, 0.0, 0.8), Vec3::Z];
+        let world = fixture::world(fixture::scene(vec![mesh]));
+        let hit = SurfaceHit {
+            t: 1.0,
+            instance: 0,
+            triangle: 0,
+            barycentric: [0.25, 0.5],
+            front: true,
+        };
+        for side in [1.0, -1.0] {
+            let point = Surfaces::new(&world).at(&hit, DVec3::Z * side);
+            // 1/4 of (-1, -1), 1/4 of (1, -1), 1/2 of (1, 1).
+            let off = point.position - DVec3::new(0.5, 0.0, 3.0);
+            assert!(off.length() < 1e-12, "{}", point.position);
+            assert_eq!(point.geometric, DVec3::Z * side);
+            let expected = DVec3::new(0.3, 0.0, 0.9).normalize() * side;
+            assert!(
+                (point.normal - expected).length() < 1e-7,
+                "{}",
+                point.normal
+            );
+            assert!((f64::from(point.origin[2]) - 3.0) * side >= 0.0);
+        }
+    }
+}

@@ -212,7 +212,8 @@ mod tests {
     use crate::backend::{Layout, Ray};
     use crate::build::{BackendKind, build, has_embree};
     use crate::fixture;
-    use glam::Vec3;
+    use glam::{DAffine3, Vec3};
+    use scene::Mesh;
 
     #[test]
     fn the_outside_of_an_edge_meets_nothing_of_its_own_box() {
@@ -262,6 +263,28 @@ mod tests {
                 assert!(met * 200 <= cast, "{kind:?} at {origin}: {met} of {cast}");
             }
         }
+    }
+
+    #[test]
+    fn normals_of_a_mirrored_triangle_are_mirrored_and_up_is_where_shading_normals_point() {
+        let mut mesh = fixture::soup(&[[Vec3::ZERO, Vec3::X, Vec3::Y]]);
+        let of = |mesh: &Mesh, place| {
+            let world = fixture::world(fixture::placed_scene(vec![mesh.clone()], &[(0, place)]));
+            Patch::of(&world, &PlaneErrors::of(&world), 0, 0)
+        };
+        let (plain, mirrored) = (
+            DAffine3::IDENTITY,
+            DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0)),
+        );
+        // Counter-clockwise before and clockwise after, the front of a mirrored mesh stays its front.
+        assert_eq!(of(&mesh, plain).upward(), DVec3::Z);
+        assert_eq!(of(&mesh, mirrored).upward(), DVec3::Z);
+        mesh.normals = vec![Vec3::NEG_Z; 3];
+        let below = of(&mesh, plain);
+        assert_eq!((below.geometric, below.upward()), (DVec3::Z, DVec3::NEG_Z));
+        mesh.normals = vec![Vec3::X, Vec3::Y, Vec3::Z];
+        let weights = DVec3::new(0.5, 0.25, 0.125);
+        assert_eq!(of(&mesh, plain).normal(weights), weights);
     }
 
     #[test]

@@ -299,6 +299,20 @@ mod tests {
     }
 
     #[test]
+    fn a_far_scene_is_brought_near_and_says_from_where() {
+        let far = DAffine3::from_translation(DVec3::new(4e6, 0.0, -3e6));
+        let scene = Arc::new(placed_scene(vec![square(0.0)], &[(0, far)]));
+        let options = WorldOptions::default();
+        let near = World::near(scene.clone(), options).unwrap();
+        let far = World::new(scene, options).unwrap();
+        assert_eq!(far.origin(), DVec3::ZERO);
+        assert!(near.scale_bound() < 10.0, "{}", near.scale_bound());
+        for (near_corner, far_corner) in near.corners(0, 0).into_iter().zip(far.corners(0, 0)) {
+            assert_eq!(near_corner + near.origin(), far_corner);
+        }
+    }
+
+    #[test]
     fn unplaced_positions_are_the_meshes_own() {
         let world = build(&[DAffine3::IDENTITY], true).unwrap();
         assert!(matches!(world.geometries[0].positions, Positions::Mesh(..)));

@@ -81,3 +81,23 @@ pub(super) fn openings(edges: &[[u32; 2]], at: impl Fn(u32) -> Vec3) -> Option<V
     }
     Some(found)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_looks_out_of_an_opening_from_within_and_not_along_its_wall() {
+        let border = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
+        let opening = Opening::of(&border).expect("it is flat");
+        let side = opening.front.z;
+        assert_eq!(side.abs(), 1.0);
+        let shows = |x: f64, depth: f64| opening.shows(DVec3::new(x, 0.5, depth * side));
+        assert!(shows(0.5, -0.5) && shows(3.0, -2.0));
+        assert!(!shows(0.5, 0.5) && !shows(3.0, 2.0));
+        // At a twentieth of the way to its side.
+        assert!(!shows(3.0, -0.1));
+        let bent = [border[0], border[1], border[2] + Vec3::Z, border[3]];
+        assert!(Opening::of(&bent).is_none());
+    }
+}
