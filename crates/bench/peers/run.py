@@ -3,7 +3,7 @@
 
 SCENES holds room.obj, displaced.obj and colonnade.obj, or those of them that are to be run (../scenes/generate.py). WORK keeps intermediate
 files and the converged bakes, which are made once. OUT receives peers.csv, peers.svg and peers.md. CMD is put before each timed bake (a lock
-on the machine). Peers are the packages bpy, mitsuba and open3d of the Python that runs this; one that is missing is a printed skip.
+on the machine). Peers are the packages bpy, mitsuba, open3d and pymeshlab of the Python that runs this; one that is missing is a printed skip.
 `ambake bench --peers -o DIR` sets all of that up and runs it.
 """
 
@@ -40,9 +40,9 @@ FAR = 1e10
 GUESS = 0.625
 # scene, distance, peers. A closed room is black under a white world, so COMBINED is asked without its ceiling.
 CASES = [
-    ("roofless", FAR, ["combined", "mitsuba", "open3d"]),
-    ("displaced", FAR, ["combined", "mitsuba", "open3d"]),
-    ("colonnade", FAR, ["combined", "mitsuba", "open3d"]),
+    ("roofless", FAR, ["combined", "mitsuba", "open3d", "pymeshlab"]),
+    ("displaced", FAR, ["combined", "mitsuba", "open3d", "pymeshlab"]),
+    ("colonnade", FAR, ["combined", "mitsuba", "open3d", "pymeshlab"]),
     ("room", 1.0, ["ao", "mitsuba", "open3d"]),
 ]
 NAMES = {
@@ -50,13 +50,14 @@ NAMES = {
     "ao": "Cycles AO",
     "mitsuba": "Mitsuba ray test",
     "open3d": "Open3D ray test",
+    "pymeshlab": "MeshLab ambient occlusion",
     "ambake": "ambake",
     "plain": "ambake --denoise off",
     "centre": "ambake --footprint centre",
     "centre plain": "ambake --footprint centre --denoise off",
 }
-SCRIPTS = {"combined": "cycles", "ao": "cycles", "mitsuba": "mitsuba", "open3d": "open3d"}
-PACKAGES = {"cycles": "bpy", "mitsuba": "mitsuba", "open3d": "open3d"}
+SCRIPTS = {"combined": "cycles", "ao": "cycles", "mitsuba": "mitsuba", "open3d": "open3d", "pymeshlab": "pymeshlab"}
+PACKAGES = {"cycles": "bpy", "mitsuba": "mitsuba", "open3d": "open3d", "pymeshlab": "pymeshlab"}
 
 
 def installed(kind):

@@ -87,7 +87,7 @@ def picture(rows, names):
     rows = [row for row in rows if not row["baker"].startswith("centre")]
     scenes = list(dict.fromkeys(row["scene"] for row in rows))
     kinds = list(dict.fromkeys(row["baker"] for row in rows))
-    colours = dict(zip(kinds, ["#d1495b", "#edae49", "#66a182", "#1b6ca8", "#7b5ea7", "#333"]))
+    colours = dict(zip(kinds, ["#d1495b", "#edae49", "#66a182", "#a0713d", "#1b6ca8", "#7b5ea7", "#333"]))
     edge, pad = 300, 50
     points = {}
     for row in rows:

@@ -39,7 +39,7 @@ pub struct Args {
     #[arg(long, conflicts_with_all = ["samplers", "ceiling", "hard", "maps", "tables"])]
     pub texels: bool,
     /// Only other programs on the same texels of three generated scenes: peers.csv, peers.svg and peers.md in DIR. They are installed
-    /// from PyPI into DIR/peers.work (bpy, mitsuba, open3d); what cannot be is skipped
+    /// from PyPI into DIR/peers.work (bpy, mitsuba, open3d, pymeshlab); what cannot be is skipped
     #[arg(long, conflicts_with_all = ["scene", "samplers", "ceiling", "grain", "hard", "maps", "tables", "texels"])]
     pub peers: bool,
     /// The Python that --peers runs; its version decides which bpy fits

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// The scripts, by file name.
-const SCRIPTS: [(&str, &str); 7] = [
+const SCRIPTS: [(&str, &str); 8] = [
     (
         "generate.py",
         include_str!("../../bench/scenes/generate.py"),
@@ -31,10 +31,14 @@ const SCRIPTS: [(&str, &str); 7] = [
         "bake_open3d.py",
         include_str!("../../bench/peers/bake_open3d.py"),
     ),
+    (
+        "bake_pymeshlab.py",
+        include_str!("../../bench/peers/bake_pymeshlab.py"),
+    ),
 ];
 
 /// Packages that bake, from PyPI.
-const PEERS: [&str; 3] = ["bpy", "mitsuba", "open3d"];
+const PEERS: [&str; 4] = ["bpy", "mitsuba", "open3d", "pymeshlab"];
 
 /// The generated scenes that are baked.
 const SCENES: [&str; 3] = ["room", "displaced", "colonnade"];
