@@ -190,6 +190,20 @@ mod tests {
     }
 
     #[test]
+    fn what_is_asked_for_is_taken_from_the_budget_and_the_rest_is_shared() {
+        let mut all = vec![object(100.0, 10.0), object(900.0, 30.0)];
+        // 100 x 50 x 50 texels of 800,000; the other has what is left.
+        all[0].asked = Some(50.0);
+        let found = densities(&all, BUDGET, 1024);
+        let left: f64 = (BUDGET - 250_000.0) / 900.0;
+        assert_eq!(found[0], 50.0);
+        assert!((found[1] / left.sqrt() - 1.0).abs() < 1e-9, "{found:?}");
+        all[0].included = false;
+        let found = densities(&all, BUDGET, 1024);
+        assert_eq!(found, [0.0, (BUDGET / 900.0).sqrt()]);
+    }
+
+    #[test]
     fn a_large_ground_leaves_forty_percent_to_its_houses() {
         let mut town = vec![object(4e6, 2e3)];
         town.extend((0..40).map(|_| object(500.0, 12.0)));
