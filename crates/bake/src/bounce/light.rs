@@ -253,6 +253,13 @@ mod tests {
     use super::*;
 
     #[test]
+    fn halves_are_every_second_replicate_and_what_they_share_cancels() {
+        let of = |shared: f64| half([1.0, 2.0, 3.0, 4.0].map(|v| DVec3::splat(v + shared)));
+        // Halves of 2 and 3.
+        assert_eq!([of(0.0), of(8.0)], [DVec3::splat(-0.5); 2]);
+    }
+
+    #[test]
     fn variances_are_pooled_over_three_by_three_on_the_same_surface() {
         const SIZE: u32 = 64;
         // A tile's corner of 4 x 4 texels; the last column leans away.
