@@ -1,7 +1,7 @@
 """Bake under damage, faults and signals, and print what came of it as the table of docs/robustness.md.
 
-Usage: robustness.py PROGRAM [SEED]. Needs a Unix system; takes about four minutes. Run it from the repository's root. The row of a full disk
-needs root on Linux, who may mount one.
+Usage: robustness.py PROGRAM [SEED]. Needs a Unix system; takes about four minutes. Run it from the repository's root. The rows of full disks
+need root on Linux, who may mount them.
 """
 
 import os
@@ -113,7 +113,8 @@ def parts(folder, times):
     for number in range(times):
         for part, data in sound.items():
             part.write_bytes(data)
-        DICE.choice(list(sound)).write_bytes(flipped(list(sound.values())[number % 2]))
+        part = list(sound)[number % 2]
+        part.write_bytes(flipped(sound[part]))
         run = subprocess.run([PROGRAM, "merge", out, "--quiet"], capture_output=True, timeout=120)
         refused = run.returncode == 1 and told(run) and not (out / "bake.json").exists()
         row.judge(refused or (run.returncode == 0 and results(out).items() >= results(whole).items()), refused)

@@ -7,13 +7,11 @@
 
 use super::charts::{Band, Chart, Charts};
 use super::field::Field;
+use super::fit::FEATURES;
 use super::plane::{Plane, TASK};
 use super::{FEWEST, at_least};
 use glam::Vec3;
 use rayon::prelude::*;
-
-/// Numbers of a texel: the three components of its normal, and its height in texels.
-pub(super) const FEATURES: usize = 4;
 
 /// A chart is bent when the mean square of what its normals are off their mean is above this, the square of 0.2 degrees.
 const BENT: f32 = 1e-5;
@@ -27,7 +25,7 @@ const UNITS: [f32; FEATURES] = [1.0 / 32767.0, 1.0 / 32767.0, 1.0 / 32767.0, 8.0
 /// The features of a page's texels.
 #[derive(Debug)]
 pub(super) struct Features {
-    /// Of each texel, in [`UNITS`]; of none where no chart is bent.
+    /// Of each texel the three components of its normal and its height in texels, in [`UNITS`]; of none where no chart is bent.
     texels: Vec<[i16; FEATURES]>,
     /// Of each chart: whether it is bent.
     bent: Vec<bool>,

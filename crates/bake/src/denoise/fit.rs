@@ -7,13 +7,14 @@
 //!
 //! Where a chart bends, the functions of a fit are those of the place and the *features* of its texels ([`super::features`]), linearly.
 
-use super::features::FEATURES;
 use super::plane::{Plane, TASK};
 use rayon::prelude::*;
 
 /// Functions of the place: 1, u and v, which linear fits have, and u², uv and v².
 const PLACES: usize = 6;
 const LINEAR: usize = 3;
+/// Features of a texel on a bent surface, which are functions beside those of the place.
+pub(super) const FEATURES: usize = 4;
 
 /// Exponents of u and v of each function of the place.
 const POWERS: [[usize; 2]; PLACES] = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
