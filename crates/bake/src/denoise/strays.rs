@@ -77,3 +77,24 @@ fn mean(data: &[Plane], i: usize) -> f32 {
     let channels = &data[..data.len() - 1];
     channels.iter().map(|p| p.values[i]).sum::<f32>() / channels.len() as f32
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_window_holds_the_texels_of_the_chart_about_one_and_ends_with_the_plane() {
+        let mut mask = Plane::new([7, 6]);
+        mask.values.fill(1.0);
+        let all = |[x, y]: [std::ops::Range<usize>; 2], own: usize| -> Vec<usize> {
+            let rows = y.flat_map(|y| x.clone().map(move |x| 7 * y + x));
+            rows.filter(|&i| i != own).collect()
+        };
+        assert_eq!(window(&mask, 7 * 3 + 3, 1), all([2..5, 2..5], 24));
+        assert_eq!(window(&mask, 7 * 3 + 3, 2), all([1..6, 1..6], 24));
+        assert_eq!(window(&mask, 0, 2), all([0..3, 0..3], 0));
+        assert_eq!(window(&mask, 7 * 5 + 6, 1), all([5..7, 4..6], 41));
+        mask.values[7 * 2 + 3] = 0.0;
+        assert_eq!(window(&mask, 24, 1).len(), 7);
+    }
+}

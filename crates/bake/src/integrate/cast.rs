@@ -4,7 +4,7 @@ use super::estimate::Gathered;
 use super::gang::{Beside, DirectionSums, Gang, Lane, Moments};
 use super::guides::{self, guide, probes, surfaces};
 use super::sums::{REPLICATES, Replicates, Sums, Technique};
-use super::target::Target;
+use super::target::{Target, Together};
 use super::task::{SHARE, Task};
 use crate::options::Pattern;
 use crate::survey::Texel;
@@ -45,7 +45,8 @@ impl Caster<'_> {
     pub fn spend(&mut self, rays: u32, which: &[usize]) {
         let (surfaces, mut even) = self.surfaces(which, rays / REPLICATES >= guides::FEWEST_POINTS);
         for surface in surfaces {
-            let [first, mut others] = probes(self.texels, &surface, packet_edge(self.task.pattern));
+            let [first, mut others] =
+                probes(self.texels, &surface, rays, packet_edge(self.task.pattern));
             let mut counts = Counts::default();
             self.cast_rays(&first, rays, Aim::Learning(&mut counts));
             match guide(&counts) {
@@ -101,8 +102,9 @@ impl Caster<'_> {
             self.turn(surface, guide);
             self.cast(surface, 0..done, Aim::Guided(guide));
         }
+        let together = Together::new(self.texels, which);
         while done < points.end {
-            let excess = target.excess(&self.gathered(), which);
+            let excess = target.excess(&self.gathered(), &together);
             if excess <= 1.0 {
                 return;
             }

@@ -6,6 +6,7 @@
 
 use super::estimate::{Gathered, Quantity};
 use crate::denoise::{Denoiser, Field, Term};
+use crate::survey::Texel;
 use atlas::TILE;
 
 /// Texels this far away along an axis pool their variances when a texel decides to stop.
@@ -36,11 +37,12 @@ impl Target {
         })
     }
 
-    /// How many times as large as it may be the error of the texels `which` is after denoising, but for the worst of them.
-    pub fn excess(&self, gathered: &Gathered<'_>, which: &[usize]) -> f64 {
+    /// How many times as large as it may be the error of texels is after denoising, but for the worst of them.
+    pub fn excess(&self, gathered: &Gathered<'_>, together: &Together<'_>) -> f64 {
+        let which = together.which;
         let mut excess = vec![0.0; which.len()];
         for quantity in gathered.watched() {
-            let std_errs = denoised(gathered, which, quantity);
+            let std_errs = together.std_errs(gathered, quantity);
             for ((excess, &i), std_err) in excess.iter_mut().zip(which).zip(std_errs) {
                 *excess = f64::max(*excess, std_err / self.allowed(gathered, i, quantity));
             }
@@ -66,43 +68,67 @@ impl Target {
     }
 }
 
-/// The standard errors that the denoiser would state of the texels `which` of a tile.
-fn denoised(gathered: &Gathered<'_>, which: &[usize], quantity: Quantity) -> Vec<f64> {
-    let place = |i: usize| {
-        let texel = &gathered.texels[i];
-        (texel.y % TILE * TILE + texel.x % TILE) as usize
-    };
-    let plane = |of: &dyn Fn(usize) -> f64| {
-        let mut plane = vec![0.0; (TILE * TILE) as usize];
-        which.iter().for_each(|&i| plane[place(i)] = of(i) as f32);
-        plane
-    };
-    let texel = |i: usize| &gathered.texels[i];
-    let home = texel(which[0]).position;
-    let position = [0, 1, 2].map(|k: usize| plane(&|i| texel(i).position[k] - home[k]));
-    let normal = [0, 1, 2].map(|k: usize| plane(&|i| texel(i).normal[k]));
-    let denoiser = Denoiser::of_tile(&Field {
-        size: TILE as usize,
-        coverage: &plane(&|_| 1.0),
-        validity: None,
-        position: position.each_ref().map(Vec::as_slice),
-        normal: normal.each_ref().map(Vec::as_slice),
-        object: &plane(&|i| f64::from(texel(i).object)),
-    });
-    let values = plane(&|i| gathered.value(i, quantity));
-    let halves = plane(&|i| gathered.half(i, quantity));
-    let mut std_errs = plane(&|i| gathered.std_err_of(i, quantity));
-    let found = denoiser.denoise(&Term {
-        values: vec![&values],
-        halves: vec![&halves],
-        std_err: &std_errs,
-        largest: f32::INFINITY,
-        is_smooth: quantity == Quantity::Diffuse,
-        crosses: false,
-    });
-    found.iter().for_each(|part| part.set_errors(&mut std_errs));
-    which
+/// Texels of a tile that have enough together.
+pub(super) struct Together<'a> {
+    which: &'a [usize],
+    /// Where each of them stands in the tile.
+    places: Vec<usize>,
+    denoiser: Denoiser<'static>,
+}
+
+impl<'a> Together<'a> {
+    /// The texels `which`, one at least.
+    pub fn new(texels: &[Texel], which: &'a [usize]) -> Self {
+        let place = |&i: &usize| (texels[i].y % TILE * TILE + texels[i].x % TILE) as usize;
+        let places: Vec<usize> = which.iter().map(place).collect();
+        let plane =
+            |of: &dyn Fn(&Texel) -> f64| plane(&places, which.iter().map(|&i| of(&texels[i])));
+        let home = texels[which[0]].position;
+        let position = [0, 1, 2].map(|k: usize| plane(&|texel| texel.position[k] - home[k]));
+        let normal = [0, 1, 2].map(|k: usize| plane(&|texel| texel.normal[k]));
+        let denoiser = Denoiser::of_tile(&Field {
+            size: TILE as usize,
+            coverage: &plane(&|_| 1.0),
+            validity: None,
+            position: position.each_ref().map(Vec::as_slice),
+            normal: normal.each_ref().map(Vec::as_slice),
+            object: &plane(&|texel| f64::from(texel.object)),
+        });
+        Self {
+            which,
+            places,
+            denoiser,
+        }
+    }
+
+    /// The standard errors that the denoiser would state of each, of the tile alone.
+    fn std_errs(&self, gathered: &Gathered<'_>, quantity: Quantity) -> impl Iterator<Item = f64> {
+        let plane =
+            |of: &dyn Fn(usize) -> f64| plane(&self.places, self.which.iter().map(|&i| of(i)));
+        let values = plane(&|i| gathered.value(i, quantity));
+        let halves = plane(&|i| gathered.half(i, quantity));
+        let mut std_errs = plane(&|i| gathered.std_err_of(i, quantity));
+        let found = self.denoiser.denoise(&Term {
+            values: vec![&values],
+            halves: vec![&halves],
+            std_err: &std_errs,
+            largest: f32::INFINITY,
+            is_smooth: quantity == Quantity::Diffuse,
+            crosses: false,
+        });
+        found.iter().for_each(|part| part.set_errors(&mut std_errs));
+        self.places
+            .iter()
+            .map(move |&place| f64::from(std_errs[place]))
+    }
+}
+
+/// A plane of a tile with these values at these places, 0 elsewhere.
+fn plane(places: &[usize], values: impl Iterator<Item = f64>) -> Vec<f32> {
+    let mut plane = vec![0.0; (TILE * TILE) as usize];
+    places
         .iter()
-        .map(|&i| f64::from(std_errs[place(i)]))
-        .collect()
+        .zip(values)
+        .for_each(|(&place, value)| plane[place] = value as f32);
+    plane
 }

@@ -176,3 +176,29 @@ impl Seen {
         strata.map(move |stratum| [middle(stratum % EDGE), middle(stratum / EDGE)])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_are_even_over_the_strata_that_are_kept() {
+        let strata = [3, 4, 17, 60];
+        let seen = Seen {
+            share: 4.0 / 64.0,
+            strata: strata.to_vec(),
+        };
+        // Each stratum gets its part of the first coordinate, from its left edge to its right, and all of the second.
+        for (k, &stratum) in strata.iter().enumerate() {
+            let corner = [stratum % 8, stratum / 8].map(f32::from);
+            for within in [0.0, 0.25, 0.5, 0.875] {
+                for v in [0.0, 0.375] {
+                    let placed = seen.place([(k as f32 + within) / 4.0, v]);
+                    let expected = [(corner[0] + within) / 8.0, (corner[1] + v) / 8.0];
+                    assert_eq!(placed, expected, "stratum {stratum}, {within}");
+                }
+            }
+        }
+        assert_eq!(Seen::ALL.place([0.3, 0.7]), [0.3, 0.7]);
+    }
+}
