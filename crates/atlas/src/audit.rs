@@ -165,3 +165,24 @@ fn scan(p: [DVec2; 3], inset: f64, mut found: impl FnMut(usize, u64)) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_hold_the_sample_points_inside_of_a_triangle() {
+        let found = |corners: [[f64; 2]; 3]| {
+            let mut rows = vec![0u64; ROW as usize];
+            scan(corners.map(DVec2::from), 0.0, |row, bits| rows[row] |= bits);
+            rows
+        };
+        // Over the whole tile, and over the half up to its diagonal.
+        let whole = found([[-10.0, -10.0], [60.0, -10.0], [-10.0, 60.0]]);
+        assert!(whole.iter().all(|&row| row == u64::MAX), "{whole:x?}");
+        let half = found([[0.0, 0.0], [16.1, 0.0], [0.0, 16.1]]);
+        for (row, bits) in half.iter().enumerate() {
+            assert_eq!(*bits, u64::MAX >> row, "row {row}");
+        }
+    }
+}

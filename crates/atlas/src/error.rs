@@ -149,3 +149,15 @@ const LARGEST: u32 = 16_384;
 fn larger(size: u32, raise: &'static str, otherwise: &'static str) -> &'static str {
     if size < LARGEST { raise } else { otherwise }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_page_is_advised_to_be_larger_than_the_largest() {
+        let advice = |size| larger(size, "raise", "leave out");
+        assert_eq!(advice(LARGEST / 2), "raise");
+        assert_eq!(advice(LARGEST), "leave out");
+    }
+}

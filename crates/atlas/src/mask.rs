@@ -258,4 +258,16 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn a_box_too_long_for_any_page_keeps_its_size_and_has_no_rows() {
+        let mask = Mask::of(std::iter::empty(), LARGEST + 1, 3);
+        assert_eq!((mask.width, mask.height), (LARGEST + 1, 3));
+        let sizeless = Mask {
+            width: 0,
+            height: 0,
+            ..mask
+        };
+        assert_eq!(sizeless, Mask::default());
+    }
 }

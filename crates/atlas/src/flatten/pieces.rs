@@ -273,3 +273,49 @@ impl PartialEq for Offer {
 }
 
 impl Eq for Offer {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_triangle_costs_what_it_bends_and_less_the_more_of_its_rim_is_inside() {
+        // Two right triangles that share a hypotenuse, and one beside the second, turned by acos 0.8.
+        let flat = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let mut corners = flat.map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec();
+        corners.push(DVec3::new(0.0, 1.8, 0.6));
+        let triangles = vec![[0, 1, 2], [0, 2, 3], [3, 2, 4]];
+        let surface = Surface::new(corners, triangles.clone(), &triangles);
+        let smoothed = vec![DVec3::Z; 3];
+        let cost = |members: &[usize]| {
+            let mut piece_of = vec![NONE; 3];
+            members.iter().for_each(|&t| piece_of[t] = 7);
+            let growing = Growing {
+                surface: &surface,
+                smoothed: &smoothed,
+                piece_of,
+                most: f64::INFINITY,
+                heap: BinaryHeap::new(),
+            };
+            let state = State {
+                number: 7,
+                normal: DVec3::Z,
+                area: 0.5,
+                cone: CONE,
+            };
+            growing.cost(1, &state).expect("a triangle that may be had")
+        };
+        let (side, hypotenuse) = (1.0, 2f64.sqrt());
+        // Less than half of the rim is inside, on a flat surface.
+        assert!(cost(&[0]).abs() < 1e-12, "{}", cost(&[0]));
+        // More than half, of which the side bends.
+        let inside = side + hypotenuse;
+        let filled = 1.0 - 2.0 * inside / (2.0 * side + hypotenuse);
+        let expected = BENDING * side * 0.2 / inside + FILLING * filled;
+        assert!(
+            (cost(&[0, 2]) - expected).abs() < 1e-12,
+            "{}",
+            cost(&[0, 2])
+        );
+    }
+}

@@ -385,3 +385,23 @@ fn centres_are_the_nearest_points_of_their_footprints() {
     }
     assert!(borders > 10, "{borders} footprints without their centre");
 }
+
+#[test]
+fn areas_of_a_tile_are_those_of_its_triangles_or_of_what_their_bounds_leave() {
+    let corners = [
+        [2.0, 2.0],
+        [10.0, 2.0],
+        [2.0, 10.0],
+        [10.0, 20.0],
+        [20.0, 20.0],
+        [10.0, 30.0],
+    ];
+    let (scene, atlas) = laid_out(&corners, vec![[0, 1, 2], [3, 4, 5]], 64);
+    let raster = PageRaster::new(&scene, &atlas, 0);
+    let mut found: Vec<([u32; 2], f64)> = (0..raster.tiles().len())
+        .flat_map(|tile| raster.areas(tile).collect::<Vec<_>>())
+        .collect();
+    found.sort_by(|a, b| a.partial_cmp(b).unwrap());
+    // The second stands in two tiles: 6 x 10 of its bounds in one, which is more than its 50, and 4 x 10 in the other.
+    assert_eq!(found, [([0, 0], 32.0), ([0, 1], 40.0), ([0, 1], 50.0)]);
+}

@@ -1,9 +1,9 @@
 //! Layouts: kept, repacked, unwrapped.
 
-use crate::scenes::{ball, cube, mesh, moved, scaled, scene};
+use crate::scenes::{ball, cube, laid_out, mesh, moved, scaled, scene};
 use ambake_atlas::{
     Atlas, Error, Options, PageRaster, Pages, SurfacePoint, UvMode, UvSource, Why, layout,
-    layout_seen,
+    layout_seen, roomy_size, triangle_uv,
 };
 use glam::{DAffine3, Vec2, Vec3};
 use scene::{Mesh, Scene};
@@ -495,4 +495,60 @@ fn pages_that_would_be_mostly_gutters_become_more() {
         facts.covered,
         atlas.page_count
     );
+}
+
+#[test]
+fn a_roomy_page_leaves_room_for_gutters() {
+    let quad = [[8.0, 8.0], [40.0, 8.0], [40.0, 40.0], [8.0, 40.0]];
+    let (scene, atlas) = laid_out(&quad, vec![[0, 1, 2], [0, 2, 3]], 64);
+    // With a page of edge s the quad has 64 s² / 256 texels, and 5 (2 * 8) s / 16 + 25 about it: more than 0.9 s² in all up to 8.
+    assert_eq!(roomy_size(&scene, &atlas), Some(16));
+}
+
+#[test]
+fn an_object_that_is_left_out_asks_for_no_pages() {
+    let scene = scene(
+        vec![cube()],
+        &[(0, 0, DAffine3::IDENTITY), (0, 1, moved(3.0, 0.0, 0.0))],
+    );
+    let options = Options {
+        exclude: vec!["node 1".into()],
+        ..options(UvMode::Unwrap, 128, None)
+    };
+    let atlas = layout(&scene, &options, &|| false).unwrap();
+    assert_clean(&atlas);
+    assert_eq!(atlas.page_count, 1);
+    assert!(atlas.placements[0].is_somewhere() && !atlas.placements[1].is_somewhere());
+}
+
+#[test]
+fn what_is_hidden_of_a_scaled_object_counts_by_its_size_in_the_scene() {
+    let cube = cube();
+    let grown = |by: f32| {
+        let mut mesh = cube.clone();
+        mesh.positions.iter_mut().for_each(|p| *p *= by);
+        mesh
+    };
+    // Of the cube the first face alone is seen: 900 square units beside a ball of some 450.
+    let mut ball = ball(16);
+    ball.positions.iter_mut().for_each(|p| *p *= 6.0);
+    let densities = |cube: Mesh, by: f64| {
+        let scene = scene(
+            vec![cube, ball.clone()],
+            &[(0, 0, scaled(by, by, by)), (1, 1, moved(40.0, 0.0, 0.0))],
+        );
+        let seen = |point: SurfacePoint| point.instance == 1 || point.triangle < 2;
+        let options = options(UvMode::Unwrap, 256, None);
+        let atlas = layout_seen(&scene, &options, Some(&seen), &|| false).unwrap();
+        assert_clean(&atlas);
+        let length = |instance: u32, triangle: u32| {
+            let (uv, _) = triangle_uv(&scene, &atlas, instance, triangle);
+            f64::from((uv[1] - uv[0]).length()) * 256.0
+        };
+        [length(0, 0), length(1, 100)]
+    };
+    let (one, other) = (densities(grown(1.0), 30.0), densities(grown(30.0), 1.0));
+    for (one, other) in one.into_iter().zip(other) {
+        assert!((one / other - 1.0).abs() < 0.02, "{one} and {other} texels");
+    }
 }
