@@ -79,7 +79,7 @@ impl Case {
         if errors.contains("panicked") || errors.contains("RUST_BACKTRACE") {
             wrong.push("panicked".into());
         }
-        if self.status == 1 && (lines.len() != 1 || !errors.starts_with("ambake: ")) {
+        if lines.len() != 1 || !errors.starts_with("ambake: ") {
             wrong.push(format!(
                 "{} lines instead of one `ambake: ...`",
                 lines.len()

@@ -3,7 +3,7 @@
 //! Every verb has a folder or a file. Its `args.rs` is what was typed; the files beside it say what that means, call the
 //! crates that do the work, and print.
 //!
-//! Exit status: 0 done, 1 the job failed (one line on standard error), 2 the command line is wrong, 130 and 143 stopped
+//! Exit status: 0 done, 1 the job failed (one line on standard error), 2 the command line is wrong (likewise), 130 and 143 stopped
 //! by Ctrl-C or SIGTERM with nothing half-written; a bake leaves a state that `--resume` continues.
 // `allocate` alone needs some: Rust has no safe word for an allocator.
 #![deny(unsafe_code)]
@@ -33,7 +33,11 @@ use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    outcome::exit_code(match &args::Args::parse().verb {
+    let args = match args::Args::try_parse() {
+        Ok(args) => args,
+        Err(error) => return outcome::misused(&error),
+    };
+    outcome::exit_code(match &args.verb {
         Verb::Bake(bake) => bake::run::run(bake),
         Verb::Plan(plan) => bake::plan::run(plan),
         Verb::Watch(watch) => bake::watch::run(watch),

@@ -1,9 +1,10 @@
 //! How a verb ends, and what it says on the way.
 
 use anyhow::Context;
+use clap::error::ErrorKind;
 use serde_json::Value;
 use std::borrow::Cow;
-use std::io::{ErrorKind, Write};
+use std::io::{self, Write};
 use std::process::ExitCode;
 
 /// How a verb that did not fail ended.
@@ -39,6 +40,36 @@ pub fn one_line(error: &anyhow::Error) -> String {
     line.replace('\n', " ")
 }
 
+/// The exit status where the command line is wrong, which is told in one line on standard error; or where it asks for help alone.
+pub fn misused(error: &clap::Error) -> ExitCode {
+    if !error.use_stderr() || error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        error.exit();
+    }
+    tell(&misuse(&error.render().to_string()));
+    ExitCode::from(2)
+}
+
+/// What clap says in paragraphs, in one line: what is wrong, what may have been meant, and where to read more.
+fn misuse(said: &str) -> String {
+    let said = said.strip_prefix("error: ").unwrap_or(said);
+    let lines = said.lines().map(str::trim);
+    let own = lines.take_while(|line| {
+        !line.starts_with("Usage:") && !line.starts_with("For more information")
+    });
+    let mut line = String::new();
+    for part in own.filter(|part| !part.is_empty()) {
+        let part = part.strip_prefix("tip: ").unwrap_or(part);
+        let joint = match line.chars().last() {
+            None => "",
+            Some(':') => " ",
+            Some(_) if part.starts_with('[') => " ",
+            Some(_) => ", ",
+        };
+        line.extend([joint, part]);
+    }
+    line + "; `--help` lists all there is"
+}
+
 /// Prints a line on standard error under the program's name. Where nobody can read it, nothing else is to be done.
 pub fn tell(line: &str) {
     note(&format!("ambake: {line}"));
@@ -46,7 +77,7 @@ pub fn tell(line: &str) {
 
 /// As [`tell`], without the program's name.
 pub fn note(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{}", printable(line));
+    let _ = writeln!(io::stderr(), "{}", printable(line));
 }
 
 /// The text as it may stand on a terminal: control characters but the end of line, and marks that turn the direction of
@@ -72,8 +103,8 @@ pub fn say(text: &str) -> anyhow::Result<()> {
 }
 
 fn write(text: &str) -> anyhow::Result<()> {
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+    match io::stdout().lock().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Err(error).context("cannot write to standard output")
         }
         _ => Ok(()),
@@ -97,6 +128,26 @@ pub fn say_json_text(json: &str) -> anyhow::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_wrong_command_line_is_told_of_in_one_line() {
+        for (said, line) in [
+            (
+                "error: unexpected argument '--siz' found\n\n  tip: a similar argument exists: '--size'\n\nUsage: ambake bake <SCENE>\n\nFor more information, try '--help'.\n",
+                "unexpected argument '--siz' found, a similar argument exists: '--size'",
+            ),
+            (
+                "error: the following required arguments were not provided:\n  --output <DIR>\n  <SCENE>...\n\nUsage: ambake\n",
+                "the following required arguments were not provided: --output <DIR>, <SCENE>...",
+            ),
+            (
+                "error: invalid value 'foo' for '--denoise <DENOISE>'\n  [possible values: off, oidn]\n\nFor more information, try '--help'.\n",
+                "invalid value 'foo' for '--denoise <DENOISE>' [possible values: off, oidn]",
+            ),
+        ] {
+            assert_eq!(misuse(said), format!("{line}; `--help` lists all there is"));
+        }
+    }
 
     #[test]
     fn a_line_never_holds_what_moves_a_cursor() {
