@@ -1,5 +1,7 @@
 //! What can go wrong between a scene and its written lightmaps.
 
+use std::convert::Infallible;
+
 /// Why a bake could not be made or written. Every message is one line that says what, where, and what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -87,6 +89,12 @@ pub enum Error {
     /// The progress listener cancelled the bake.
     #[error("the bake was cancelled")]
     Cancelled,
+}
+
+impl From<Infallible> for Error {
+    fn from(never: Infallible) -> Self {
+        match never {}
+    }
 }
 
 impl Error {

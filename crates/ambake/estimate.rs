@@ -2,7 +2,7 @@
 
 use crate::job::Job;
 use crate::memory::resident;
-use ::bake::Denoise;
+use ::bake::{Bounces, Denoise};
 
 /// Processor seconds to compose and write a channel of a page texel, as EXR and as preview.
 const WRITING: f64 = 1.2e-7;
@@ -16,6 +16,8 @@ const ONCE: f64 = 0.3;
 /// Bytes of a compressed 32-bit number, as a share: of pages with their previews, and of what is kept for later updates.
 const WRITTEN: f64 = 0.75;
 const KEPT: f64 = 0.3;
+/// Gathers of light of which there are as many as it takes, about.
+const GATHERS: u64 = 8;
 
 /// What a bake will take.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,10 +97,16 @@ impl Job {
         // The written GLB has the geometry and the pictures of the scene.
         let inputs = self.scene().inputs.iter();
         let inputs = inputs.filter_map(|path| Some(std::fs::metadata(path).ok()?.len()));
+        let light = self.memory().light;
+        let gathers = match self.options().bounces {
+            Bounces::Most(most) => u64::from(most),
+            Bounces::Auto => GATHERS,
+            Bounces::Off => 0,
+        };
         Room {
             result: share(self.channels(), WRITTEN) + inputs.sum::<u64>(),
             state: share(working, KEPT),
-            journal: texels * 4 * (working + 1),
+            journal: texels * 4 * (working + 1 + gathers * (light + 1)),
         }
     }
 

@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::layout::read;
 use crate::memory;
 use crate::options::{Backend, Options};
+use crate::resume::Widths;
 use crate::scene::Scene;
 use crate::seen::oracle;
 use ::bake::{Baker, Decision, Pilot, Plan};
@@ -300,6 +301,16 @@ impl Job {
             &self.atlas,
             &self.baker,
         )
+    }
+
+    /// How many values a texel has while it is baked by `baker`, and while light bounces.
+    pub(crate) fn widths(&self, baker: &Baker<'_>) -> Widths {
+        let width = |layers: Vec<Layer>| layers.iter().map(|l| l.channels().len()).sum();
+        Widths {
+            pages: self.atlas.page_count,
+            page: width(baker.layers()),
+            gather: width(baker.layers_of_gathers()),
+        }
     }
 }
 

@@ -56,7 +56,7 @@ pub(crate) struct Memory {
     /// Channels of the broadest of them.
     broadest: u64,
     /// Channels of the page of light beside it; 0 where no light bounces.
-    light: u64,
+    pub light: u64,
     denoise: Denoise,
     seams: bool,
 }
@@ -141,7 +141,9 @@ impl Memory {
         }
         // Light goes from page to page, so all of them wait for it.
         let kept = texels * 4 * self.kept;
-        let bounces = pages * (kept + texels * (4 * self.light + SENT + PATCH));
+        let waiting = covered * 4 * (self.light + 1);
+        let bounces =
+            pages * (kept + texels * (4 * self.light + SENT + PATCH)) + waiting.min(WAITING);
         let last = denoise.max(pages * texels * SENT);
         (one + (pages - 1) * kept).max(bounces + last)
     }

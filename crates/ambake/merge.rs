@@ -182,8 +182,7 @@ impl Job {
         if let Some(backend) = theirs["backend"].as_str() {
             tracker.baked_with(backend);
         }
-        let columns = baker.layers();
-        let columns = columns.iter().map(|layer| layer.channels().len()).sum();
+        let widths = self.widths(&baker);
         let (mut finishing, mut writing) = (0.0, 0.0);
         let bounces = self.options().bounces != Bounces::Off;
         let mut waiting = Vec::new();
@@ -193,7 +192,7 @@ impl Job {
             for part in &mut parts.parts {
                 for block in (0..part.pages.len()).filter(|&block| part.pages[block] == number) {
                     let bytes = part.journal.block(block)?;
-                    let block = Block::decode(&bytes, columns);
+                    let block = Block::decode(&bytes, widths);
                     let stored = block.is_some_and(|block| {
                         page.stats.seconds += block.seconds;
                         block.tiles.iter().all(|tile| page.store(tile))
@@ -231,7 +230,7 @@ impl Job {
             writing += clock.elapsed().as_secs_f64();
         }
         let clock = Instant::now();
-        let bounced = self.bounce(&mut waiting, progress)?;
+        let bounced = self.bounce(&mut waiting, &mut (), progress)?;
         finishing += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         for page in waiting {

@@ -1,11 +1,11 @@
 //! Finished tiles as blocks of a journal, and back: what is kept while a bake runs, so that little is lost with it.
 //!
-//! A block is the page (u32), a line of JSON (the tiles and the seconds that they took), and for each tile its texels (u32) and their
+//! A block is the page (u32; those of a gather of light count on where the pages before end), a line of JSON (the tiles and the seconds that they took), and for each tile its texels (u32) and their
 //! values (f32, texel by texel). Numbers are little-endian.
 
 use crate::error::Error;
 use crate::memory::{SPARED, WAITING};
-use ::bake::{BakedTile, PageStats};
+use ::bake::{BakedTile, KeepGathers, PageStats};
 use report::Journal;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -22,6 +22,25 @@ const PERIOD: Duration = Duration::from_secs(20);
 const SHARE: u32 = 50;
 /// A block is closed at this size in bytes.
 const BLOCK: usize = 4 << 20;
+
+/// How many values a texel of a tile has.
+#[derive(Clone, Copy)]
+pub(crate) struct Widths {
+    /// Pages of the bake.
+    pub pages: u32,
+    /// Of the tiles of pages, and of those of gathers.
+    pub page: usize,
+    pub gather: usize,
+}
+
+impl Widths {
+    fn of(&self, page: u32) -> usize {
+        match page < self.pages {
+            true => self.page,
+            false => self.gather,
+        }
+    }
+}
 
 /// A block that was read.
 pub(crate) struct Block {
@@ -90,9 +109,11 @@ impl Filled {
 }
 
 impl Block {
-    /// The block in `bytes`, with so many values a texel; `None` where they are something else.
-    pub fn decode(bytes: &[u8], columns: usize) -> Option<Self> {
+    /// The block in `bytes`; `None` where they are something else.
+    pub fn decode(bytes: &[u8], widths: Widths) -> Option<Self> {
         let (page, rest) = bytes.split_first_chunk()?;
+        let page = u32::from_le_bytes(*page);
+        let columns = widths.of(page);
         let end = rest.iter().position(|&byte| byte == b'\n')?;
         let line: Line = serde_json::from_slice(&rest[..end]).ok()?;
         let mut rest = &rest[end + 1..];
@@ -120,7 +141,7 @@ impl Block {
         }
         let seconds = line.seconds;
         rest.is_empty().then_some(Self {
-            page: u32::from_le_bytes(*page),
+            page,
             tiles,
             seconds,
         })
@@ -132,8 +153,7 @@ pub(crate) struct Saved {
     path: PathBuf,
     /// What the journal says of itself; `key` in it decides the values.
     header: Value,
-    /// Values a texel.
-    columns: usize,
+    widths: Widths,
     journal: Option<Journal>,
     /// Blocks of the journal by their page, as they were found.
     found: BTreeMap<u32, Vec<usize>>,
@@ -148,11 +168,11 @@ pub(crate) struct Saved {
 
 impl Saved {
     /// No tiles; the file is made when the first are written.
-    pub fn new(path: PathBuf, header: Value, columns: usize) -> Self {
+    pub fn new(path: PathBuf, header: Value, widths: Widths) -> Self {
         Self {
             path,
             header,
-            columns,
+            widths,
             journal: None,
             found: BTreeMap::new(),
             waiting: Vec::new(),
@@ -180,7 +200,7 @@ impl Saved {
                 continue;
             }
             let bytes = journal.block(number)?;
-            let Some(block) = Block::decode(&bytes, self.columns) else {
+            let Some(block) = Block::decode(&bytes, self.widths) else {
                 let path = self.path.display();
                 damage = Some(format!("cannot read {path}: the file is damaged"));
                 drop(journal);
@@ -202,7 +222,7 @@ impl Saved {
         let numbers = self.found.remove(&page).unwrap_or_default();
         if let Some(journal) = &mut self.journal {
             for number in numbers {
-                Block::decode(&journal.block(number)?, self.columns)
+                Block::decode(&journal.block(number)?, self.widths)
                     .into_iter()
                     .for_each(&mut take);
             }
@@ -289,15 +309,40 @@ impl Saved {
         Ok(())
     }
 
+    /// The number of a page in a gather.
+    fn number(&self, gather: u32, page: u32) -> u32 {
+        (1 + gather) * self.widths.pages + page
+    }
+
     /// Removes the file.
     pub fn remove(self) {
         report::remove_journal(&self.path);
     }
 }
 
+impl KeepGathers for Saved {
+    type Error = Error;
+
+    fn found(&mut self, gather: u32, page: u32) -> Result<Vec<BakedTile>, Error> {
+        let mut tiles = Vec::new();
+        self.restore(self.number(gather, page), |block| tiles.extend(block.tiles))?;
+        Ok(tiles)
+    }
+
+    fn keep(&mut self, gather: u32, page: u32, tile: &BakedTile) -> Result<(), Error> {
+        self.add(self.number(gather, page), tile)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const WIDTHS: Widths = Widths {
+        pages: 9,
+        page: 3,
+        gather: 5,
+    };
 
     fn tile(index: u32, texels: u32) -> BakedTile {
         BakedTile {
@@ -316,7 +361,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("state");
         let header = serde_json::json!({"key": "a", "shard": null});
-        let mut saved = Saved::new(path.clone(), header.clone(), 3);
+        let mut saved = Saved::new(path.clone(), header.clone(), WIDTHS);
         saved.add(0, &tile(0, 4)).expect("a file");
         assert!(!path.exists(), "the disk is spared until then");
         // As if the last time lay a period back.
@@ -325,7 +370,7 @@ mod tests {
         saved.add(1, &tile(5, 2)).expect("a file");
         // No `flush`, no `Drop`: as a killed program leaves it.
         std::mem::forget(saved);
-        let mut again = Saved::new(folder.path().join("copy"), header, 3);
+        let mut again = Saved::new(folder.path().join("copy"), header, WIDTHS);
         std::fs::copy(&path, &again.path).expect("a copy");
         assert_eq!(again.resume().expect("a file"), None);
         for (page, index) in [(0, 0), (1, 5)] {
@@ -342,7 +387,7 @@ mod tests {
         let path = folder.path().join("state");
         let header = |scene: &str, shard: u32| serde_json::json!({"key": {"scene": scene}, "shard": [shard, 2], "given": "anything"});
         let blocks = |header: Value| {
-            let mut saved = Saved::new(path.clone(), header, 3);
+            let mut saved = Saved::new(path.clone(), header, WIDTHS);
             assert_eq!(saved.resume().expect("a file"), None);
             let found = saved.found.len();
             saved.add(0, &tile(0, 4)).expect("a file");
@@ -365,12 +410,19 @@ mod tests {
         tiles.iter().for_each(|tile| block.add(tile));
         block.seconds = 0.25;
         let bytes = block.encode();
-        let back = Block::decode(&bytes, 3).expect("its own bytes");
+        let back = Block::decode(&bytes, WIDTHS).expect("its own bytes");
         assert_eq!((back.page, back.tiles, back.seconds), (7, tiles, 0.25));
-        assert!(Block::decode(&bytes, 2).is_none(), "too many values");
-        assert!(Block::decode(&bytes, 4).is_none(), "too few");
+        let width = |page| Widths { page, ..WIDTHS };
+        assert!(Block::decode(&bytes, width(2)).is_none(), "too many values");
+        assert!(Block::decode(&bytes, width(4)).is_none(), "too few");
+        let gathers = Widths {
+            pages: 7,
+            gather: 3,
+            page: 1,
+        };
+        assert!(Block::decode(&bytes, gathers).is_some(), "of a gather");
         for cut in 1..=bytes.len() {
-            assert!(Block::decode(&bytes[..bytes.len() - cut], 3).is_none());
+            assert!(Block::decode(&bytes[..bytes.len() - cut], WIDTHS).is_none());
         }
     }
 }

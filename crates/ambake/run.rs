@@ -7,7 +7,7 @@ use crate::resume::Saved;
 use crate::shard::state_name;
 use crate::update::Tracker;
 use crate::write::{Writer, Written};
-use ::bake::{BakedPage, BounceStats, Bounces};
+use ::bake::{BakedPage, BounceStats, Bounces, KeepGathers};
 use layers::Progress;
 use report::{Output, PhaseReport, cpu_seconds};
 use serde_json::json;
@@ -42,7 +42,7 @@ impl Job {
 
         self.end_phase("bake", started.elapsed().as_secs_f64());
         let started = Instant::now();
-        let bounces = self.bounce(&mut pages, progress)?;
+        let bounces = self.bounce(&mut pages, &mut (), progress)?;
         if bounces.is_some() {
             self.end_phase("bounce", started.elapsed().as_secs_f64());
         }
@@ -50,16 +50,20 @@ impl Job {
         Ok(Baked::new(self, pages, bounces))
     }
 
-    /// Adds the light that surfaces send on to all pages, where that was asked for.
-    pub(crate) fn bounce(
+    /// Adds the light that surfaces send on to all pages, where that was asked for. Tiles of gathers go through `kept`.
+    pub(crate) fn bounce<K: KeepGathers>(
         &self,
         pages: &mut [BakedPage],
+        kept: &mut K,
         progress: &dyn Progress,
-    ) -> Result<Option<BounceStats>, Error> {
+    ) -> Result<Option<BounceStats>, Error>
+    where
+        Error: From<K::Error>,
+    {
         if self.options().bounces == Bounces::Off {
             return Ok(None);
         }
-        let stats = self.within(|| self.baker().bounce(pages, progress));
+        let stats = self.within(|| self.baker().bounce(pages, kept, progress))?;
         stats.map(Some).ok_or(Error::Cancelled)
     }
 
@@ -81,10 +85,8 @@ impl Job {
         let mut writer = Writer::new(self, output)?;
         let baker = self.baker();
         let header = json!({"key": self.key()});
-        let columns = baker.layers();
-        let columns = columns.iter().map(|layer| layer.channels().len()).sum();
         let state = dir.join(state_name(&self.scene().stem(), None));
-        let mut saved = Saved::new(state, header, columns);
+        let mut saved = Saved::new(state, header, self.widths(&baker));
         if resume && let Some(damage) = saved.resume()? {
             progress.note(&damage);
         }
@@ -137,16 +139,17 @@ impl Job {
             writing += clock.elapsed().as_secs_f64();
         }
         if bounces {
-            // Gathers take as long as all before, and nothing of them is saved.
+            // Gathers take memory of their own.
             saved.flush().map_err(self.unsaved(&saved))?;
         }
         let clock = Instant::now();
-        let bounced = match self.bounce(&mut waiting, progress) {
+        let bounced = match self.bounce(&mut waiting, &mut saved, progress) {
             Ok(bounced) => bounced,
-            Err(error) => {
+            Err(Error::Cancelled) => {
                 saved.flush()?;
-                return Err(error);
+                return Err(Error::Cancelled);
             }
+            Err(error) => return Err(self.unsaved(&saved)(error)),
         };
         let bouncing = clock.elapsed().as_secs_f64();
         let clock = Instant::now();

@@ -110,10 +110,8 @@ impl Job {
             part.already = true;
             return Ok(part);
         }
-        let columns = baker.layers();
-        let columns = columns.iter().map(|layer| layer.channels().len()).sum();
         let state = dir.join(state_name(&stem, Some(shard)));
-        let mut saved = Saved::new(state, header, columns);
+        let mut saved = Saved::new(state, header, self.widths(&baker));
         if let Some(damage) = saved.resume()? {
             progress.note(&damage);
         }

@@ -40,7 +40,7 @@ mod seams;
 mod survey;
 
 pub use ambient::any_view::KernelTable;
-pub use bounce::BounceStats;
+pub use bounce::{BounceStats, KeepGathers};
 pub use choice::Choice;
 pub use integrate::{AnyView, Directional, Halves, Terms};
 pub use options::{

@@ -4,9 +4,10 @@ use super::REPLICATES;
 use super::gather::Received;
 use super::mean;
 use super::radiosity::PageLight;
-use crate::options::{Bounces, Options};
-use crate::page::{BakedPage, Baker, LayerPlanes, finish_light, light_layers};
-use crate::plan::Plan;
+use crate::options::Bounces;
+use crate::page::{
+    BakedPage, BakedTile, Baker, Column, Columns, LayerPlanes, PageStats, finish_light,
+};
 use crate::survey::Texel;
 use atlas::TILE;
 use glam::DVec3;
@@ -47,6 +48,46 @@ impl TexelLight {
             object: texel.object,
             validity: texel.seen.share,
         }
+    }
+
+    /// What it has of a layer of a page of light; what has one channel has it first.
+    fn value(&self, layer: Layer) -> DVec3 {
+        let one = |value: f64| DVec3::new(value, 0.0, 0.0);
+        match layer {
+            Layer::Coverage => one(self.coverage.into()),
+            Layer::Rays => one(self.rays as f64),
+            Layer::Irradiance => total(&self.irradiance),
+            Layer::Reflection => total(&self.reflection),
+            Layer::HalfIrradiance => half(self.irradiance),
+            Layer::HalfReflection => half(self.reflection),
+            Layer::StdErrIrradiance => one(self.variances[0].sqrt()),
+            Layer::StdErrReflection => one(self.variances[1].sqrt()),
+            Layer::Position => self.position,
+            Layer::Normal => self.normal,
+            Layer::Object => one(self.object.into()),
+            Layer::Validity => one(self.validity.into()),
+            other => unreachable!("layer {} is no fact of gathers", other.name()),
+        }
+    }
+}
+
+/// What a gather brought to the texels of a tile, in the layers of a page of light.
+pub(super) fn tile(index: u32, texels: &[TexelLight], columns: &Columns) -> BakedTile {
+    let value = |texel: &TexelLight, column: &Column| texel.value(column.layer)[column.channel];
+    let columns = &columns.0;
+    let values = texels.iter().flat_map(|texel| {
+        let values = columns.iter().map(move |column| value(texel, column));
+        values.map(|value| value as f32)
+    });
+    BakedTile {
+        index,
+        texels: texels.iter().map(|texel| texel.index).collect(),
+        values: values.collect(),
+        stats: PageStats {
+            texels: texels.len() as u64,
+            rays: texels.iter().map(|texel| texel.rays).sum(),
+            ..PageStats::default()
+        },
     }
 }
 
@@ -108,17 +149,16 @@ pub(super) struct LightPage {
 }
 
 impl LightPage {
-    /// A dark one.
-    pub fn new(page: &BakedPage, options: &Options, plan: &Plan, mends: bool) -> Self {
-        let layers = light_layers(options, plan, mends);
+    /// A dark one of these layers.
+    pub fn new(page: &BakedPage, layers: &[Layer]) -> Self {
         let texels = page.texels();
-        let void = |layer| LayerPlanes::void(layer, texels);
+        let void = |&layer: &Layer| LayerPlanes::void(layer, texels);
         Self {
             page: BakedPage {
                 page: page.page,
                 size: page.size,
                 tiles: Vec::new(),
-                planes: layers.into_iter().map(void).collect(),
+                planes: layers.iter().map(void).collect(),
                 finished: false,
                 stats: Default::default(),
             },
@@ -134,46 +174,61 @@ impl LightPage {
         }
     }
 
-    /// Adds what a gather brought to a texel, here and to what the next one is sent.
-    pub fn add(&mut self, texel: &TexelLight, next: &mut PageLight) {
-        let index = texel.index as usize;
-        let irradiance = total(&texel.irradiance);
-        next.irradiance[index] = irradiance.as_vec3().to_array();
-        next.holds[index] = texel.validity > 0.0;
-        self.rays += texel.rays;
-        let texels = self.page.texels();
-        let one = |value: f64| DVec3::new(value, 0.0, 0.0);
-        for planes in &mut self.page.planes {
-            let (value, adds) = match planes.layer {
-                Layer::Coverage => (one(texel.coverage.into()), false),
-                Layer::Rays => (one(texel.rays as f64), true),
-                Layer::Irradiance => (irradiance, true),
-                Layer::Reflection => (total(&texel.reflection), true),
-                Layer::HalfIrradiance => (half(texel.irradiance), true),
-                Layer::HalfReflection => (half(texel.reflection), true),
-                Layer::StdErrIrradiance | Layer::StdErrReflection => {
-                    let which = usize::from(planes.layer == Layer::StdErrReflection);
-                    let before = f64::from(planes.values[index]);
-                    (
-                        one((before * before + texel.variances[which]).sqrt()),
-                        false,
-                    )
+    /// Begins another gather, of which no tile is here yet.
+    pub fn begin(&mut self) {
+        self.page.tiles.clear();
+    }
+
+    /// True where a tile of the gather has been added.
+    pub fn has(&self, index: u32) -> bool {
+        self.page.has(index)
+    }
+
+    /// Every channel of its layers.
+    pub fn columns(&self) -> Columns {
+        self.page.columns()
+    }
+
+    /// Adds a tile of a gather, here and to what the next one is sent; false, and nothing is done, where it does not fit.
+    pub fn add(&mut self, tile: &BakedTile, next: &mut PageLight) -> bool {
+        let columns = self.columns();
+        if !self.page.fits(tile, &columns) {
+            return false;
+        }
+        let plane = self.page.texels();
+        for (&texel, values) in tile.texels.iter().zip(tile.values.chunks(columns.0.len())) {
+            let texel = texel as usize;
+            next.holds[texel] = true;
+            for (column, &value) in columns.0.iter().zip(values) {
+                let Column { layer, channel, .. } = *column;
+                let sum = &mut self.page.planes[column.planes].values[channel * plane + texel];
+                let (before, new) = (f64::from(*sum), f64::from(value));
+                *sum = match layer {
+                    Layer::Rays
+                    | Layer::Irradiance
+                    | Layer::Reflection
+                    | Layer::HalfIrradiance
+                    | Layer::HalfReflection => (before + new) as f32,
+                    Layer::StdErrIrradiance | Layer::StdErrReflection => {
+                        (before * before + new * new).sqrt() as f32
+                    }
+                    _ => value,
+                };
+                match layer {
+                    Layer::Irradiance => next.irradiance[texel][channel] = value,
+                    Layer::Validity => next.holds[texel] = value > 0.0,
+                    _ => (),
                 }
-                Layer::Position => (texel.position, false),
-                Layer::Normal => (texel.normal, false),
-                Layer::Object => (one(texel.object.into()), false),
-                Layer::Validity => (one(texel.validity.into()), false),
-                other => unreachable!("layer {} is no fact of gathers", other.name()),
-            };
-            for (channel, plane) in planes.values.chunks_mut(texels).enumerate() {
-                let before = if adds { f64::from(plane[index]) } else { 0.0 };
-                plane[index] = (before + value[channel]) as f32;
             }
         }
+        self.rays += tile.stats.rays;
+        self.page.count(tile);
+        true
     }
 
     /// The page mended, denoised, without seams, its gutters filled.
     pub fn finished(mut self, baker: &Baker<'_>) -> BakedPage {
+        self.page.tiles.clear();
         finish_light(&mut self.page, &baker.site());
         self.page
     }

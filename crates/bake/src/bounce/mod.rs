@@ -30,7 +30,7 @@ pub(crate) use pilot::{GatherPilot, Taken};
 use crate::choice::Choice;
 use crate::labels;
 use crate::options::{Effort, View};
-use crate::page::{BakedPage, Baker};
+use crate::page::{BakedPage, BakedTile, Baker, light_layers};
 use crate::survey::Texel;
 use ambient::sampling::Stream;
 use atlas::TILE;
@@ -44,6 +44,7 @@ use rayon::prelude::*;
 use rays::{Lamps, Light};
 use rustc_hash::FxHashMap;
 use spots::{Reach, Spots};
+use std::convert::Infallible;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -59,26 +60,72 @@ const PROBED: u32 = 4;
 /// Rays of a gather where a target decides those of the terms.
 const RAYS: u32 = 256;
 
+/// Where the finished tiles of gathers are kept while light bounces, so that a run that was interrupted goes on amid them. Gathers and
+/// pages count from 0; the values of a tile are those of [`Baker::layers_of_gathers`], of one gather alone.
+pub trait KeepGathers: Send {
+    /// Why they could not be kept.
+    type Error: Send;
+
+    /// The tiles of a page that an earlier run finished in a gather; asked for once.
+    ///
+    /// # Errors
+    /// They cannot be read.
+    fn found(&mut self, gather: u32, page: u32) -> Result<Vec<BakedTile>, Self::Error>;
+
+    /// Takes a finished tile.
+    ///
+    /// # Errors
+    /// It cannot be kept.
+    fn keep(&mut self, gather: u32, page: u32, tile: &BakedTile) -> Result<(), Self::Error>;
+}
+
+/// Keeps nothing.
+impl KeepGathers for () {
+    type Error = Infallible;
+
+    fn found(&mut self, _: u32, _: u32) -> Result<Vec<BakedTile>, Infallible> {
+        Ok(Vec::new())
+    }
+
+    fn keep(&mut self, _: u32, _: u32, _: &BakedTile) -> Result<(), Infallible> {
+        Ok(())
+    }
+}
+
 impl Baker<'_> {
     /// Adds the light that surfaces send on to all pages of the bake, which must be finished, and drops the layers that only this needed.
-    /// `None` where the listener cancels; the pages then stand as they were.
-    pub fn bounce(&self, pages: &mut [BakedPage], progress: &dyn Progress) -> Option<BounceStats> {
+    /// `None` where the listener cancels; the pages then stand as they were. Tiles of gathers go through `kept`: a run that finds
+    /// those of one that was interrupted ends with the same values.
+    ///
+    /// # Errors
+    /// Those of `kept`, which end the run.
+    pub fn bounce<K: KeepGathers>(
+        &self,
+        pages: &mut [BakedPage],
+        kept: &mut K,
+        progress: &dyn Progress,
+    ) -> Result<Option<BounceStats>, K::Error> {
         let mut stats = BounceStats::default();
         if self.plan.models(Choice::Bounces) {
             let lamps = Lamps::of(self.world);
             let lamps = (!lamps.is_empty()).then_some(&lamps);
             let lights = self.lights();
-            let mut light: Vec<LightPage> = pages
-                .iter()
-                .map(|page| LightPage::new(page, self.options, self.plan, self.solids.is_some()))
-                .collect();
+            let layers = self.layers_of_gathers();
+            let new = |page: &BakedPage| LightPage::new(page, &layers);
+            let mut light: Vec<LightPage> = pages.iter().map(new).collect();
             let mut sent: Vec<PageLight> = pages.iter().map(first_light).collect();
-            let patches = self.patches(progress)?;
+            let Some(patches) = self.patches(progress) else {
+                return Ok(None);
+            };
             stats.start(pages);
             while stats.goes_on(self.options.bounces, self.enough()) {
                 let spots = Spots::of(&patches, &sent);
                 let gather = self.gather(&sent, stats.gathers, lamps, &lights, &spots);
-                sent = self.gathered(&gather, stats.gathers, &mut light, progress)?;
+                let gathered = self.gathered(&gather, stats.gathers, &mut light, kept, progress)?;
+                let Some(gathered) = gathered else {
+                    return Ok(None);
+                };
+                sent = gathered;
                 stats.end_gather(&light);
             }
             stats.rays = light.iter().map(|page| page.rays).sum();
@@ -90,7 +137,12 @@ impl Baker<'_> {
             let asked = |layer| layer == Layer::Coverage || self.options.layers.contains(&layer);
             page.planes.retain(|planes| asked(planes.layer));
         }
-        Some(stats)
+        Ok(Some(stats))
+    }
+
+    /// The layers that a gather brings light to, and facts of surfaces beside them.
+    pub fn layers_of_gathers(&self) -> Vec<Layer> {
+        light_layers(self.options, self.plan, self.solids.is_some())
     }
 
     /// The share of the light that may be missing under `auto`.
@@ -179,40 +231,61 @@ impl Baker<'_> {
         }
     }
 
-    /// Runs a gather over all pages, adds what it received to `light`, and returns it as what the next one is sent.
-    fn gathered(
+    /// Runs a gather over all pages, adds what it received to `light`, and returns it as what the next one is sent; `None` where the
+    /// listener cancels.
+    fn gathered<K: KeepGathers>(
         &self,
         gather: &Gather<'_>,
         number: u32,
         light: &mut [LightPage],
+        kept: &mut K,
         progress: &dyn Progress,
-    ) -> Option<Vec<PageLight>> {
+    ) -> Result<Option<Vec<PageLight>>, K::Error> {
         let (done, total) = (AtomicU64::new(0), self.atlas.audit.texels);
+        let advance = |texels: usize| {
+            let own = texels as u64;
+            progress.advance(done.fetch_add(own, Ordering::Relaxed) + own, total);
+        };
         let mut received = Vec::new();
-        for (page, light) in light.iter_mut().enumerate() {
-            let raster = self.raster(page as u32);
+        for (page, light) in (0..).zip(light.iter_mut()) {
+            let raster = self.raster(page);
             let mut next = light.dark();
-            let adding = Mutex::new((light, &mut next));
-            let tile = |index| {
+            light.begin();
+            for tile in kept.found(number, page)? {
+                if light.add(&tile, &mut next) {
+                    advance(tile.texels.len());
+                }
+            }
+            let tiles = 0..raster.tiles().len() as u32;
+            let wanted: Vec<u32> = tiles.filter(|&tile| !light.has(tile)).collect();
+            let columns = light.columns();
+            let adding = Mutex::new((light, &mut next, &mut *kept, Ok(())));
+            let tile = |&index: &u32| {
                 if progress.cancelled() {
                     return None;
                 }
-                let texels = self.survey(&self.cut(&raster, index), page as u32);
-                let texels = self.tile_light(gather, number, page, &texels);
-                let own = texels.len() as u64;
-                let done = done.fetch_add(own, Ordering::Relaxed) + own;
-                progress.rays(texels.iter().map(|texel| texel.rays).sum());
-                progress.advance(done, total);
+                let texels = self.survey(&self.cut(&raster, index as usize), page);
+                let texels = self.tile_light(gather, number, page as usize, &texels);
+                let tile = light::tile(index, &texels, &columns);
+                progress.rays(tile.stats.rays);
+                advance(tile.texels.len());
                 let mut adding = adding.lock().unwrap_or_else(PoisonError::into_inner);
-                let (light, next) = &mut *adding;
-                texels.iter().for_each(|texel| light.add(texel, next));
-                Some(())
+                let (light, next, kept, saved) = &mut *adding;
+                if saved.is_ok() {
+                    light.add(&tile, next);
+                    *saved = kept.keep(number, page, &tile);
+                }
+                saved.is_ok().then_some(())
             };
-            let tiles = (0..raster.tiles().len()).into_par_iter();
-            tiles.with_max_len(1).try_for_each(tile)?;
+            let whole = wanted.par_iter().with_max_len(1).try_for_each(tile);
+            let (.., saved) = adding.into_inner().unwrap_or_else(PoisonError::into_inner);
+            saved?;
+            if whole.is_none() {
+                return Ok(None);
+            }
             received.push(next);
         }
-        Some(received)
+        Ok(Some(received))
     }
 
     /// What the texels of a tile receive.
@@ -290,3 +363,6 @@ fn first_light(page: &BakedPage) -> PageLight {
 fn mean(rgb: DVec3) -> f64 {
     rgb.element_sum() / 3.0
 }
+
+#[cfg(test)]
+mod tests;

@@ -20,3 +20,4 @@ pub use stats::{ErrorSums, PageStats};
 pub(crate) use terms::light_layers;
 pub use terms::{layers_in_work, layers_of_light};
 pub use tile::BakedTile;
+pub(crate) use tile::{Column, Columns};

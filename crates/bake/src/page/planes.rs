@@ -69,8 +69,7 @@ impl BakedPage {
             .filter(|&texel| coverage[texel as usize] > 0.0)
             .collect();
         let plane = self.texels();
-        let layers: Vec<Layer> = self.planes.iter().map(|planes| planes.layer).collect();
-        let columns = Columns::of(&layers).0;
+        let columns = self.columns().0;
         let mut values = Vec::with_capacity(texels.len() * columns.len());
         for &texel in &texels {
             let value = |column: &Column| {
@@ -101,34 +100,55 @@ impl BakedPage {
             .map(|values| &values[channel * texels..][..texels])
     }
 
-    /// Puts a finished tile into the page; false, and nothing is done, where it does not fit: other numbers of texels or values than it
-    /// says, a place outside of the page or of one square of the grid of tiles, or a tile that is there already.
+    /// Puts a finished tile into the page; false, and nothing is done, where it does not fit.
     pub fn store(&mut self, tile: &BakedTile) -> bool {
-        let layers: Vec<Layer> = self.planes.iter().map(|planes| planes.layer).collect();
-        let columns = Columns::of(&layers);
-        let (plane, index) = (self.texels(), tile.index as usize);
-        let across = self.size.div_ceil(TILE);
-        let square = |texel: u32| (texel / self.size / TILE) * across + texel % self.size / TILE;
-        let fits = index < (across * across) as usize
-            && self.tiles.get(index).is_none_or(Option::is_none)
-            && tile.stats.texels == tile.texels.len() as u64
-            && tile.values.len() == tile.texels.len() * columns.0.len()
-            && tile
-                .texels
-                .iter()
-                .all(|&texel| (texel as usize) < plane && square(texel) == square(tile.texels[0]));
-        if self.finished || !fits {
+        let columns = self.columns();
+        if self.finished || !self.fits(tile, &columns) {
             return false;
         }
+        let plane = self.texels();
         for (&texel, values) in tile.texels.iter().zip(tile.values.chunks(columns.0.len())) {
             for (column, &value) in columns.0.iter().zip(values) {
                 let at = column.channel * plane + texel as usize;
                 self.planes[column.planes].values[at] = value;
             }
         }
+        self.count(tile);
+        true
+    }
+
+    /// Every channel of its planes.
+    pub(crate) fn columns(&self) -> Columns {
+        let layers: Vec<Layer> = self.planes.iter().map(|planes| planes.layer).collect();
+        Columns::of(&layers)
+    }
+
+    /// True where a tile may be put into the page; false where it has other numbers of texels or values than it says, a place outside of the
+    /// page or of one square of the grid of tiles, or is there already.
+    pub(crate) fn fits(&self, tile: &BakedTile, columns: &Columns) -> bool {
+        let (plane, index) = (self.texels(), tile.index as usize);
+        let across = self.size.div_ceil(TILE);
+        let square = |texel: u32| (texel / self.size / TILE) * across + texel % self.size / TILE;
+        index < (across * across) as usize
+            && !self.has(tile.index)
+            && tile.stats.texels == tile.texels.len() as u64
+            && tile.values.len() == tile.texels.len() * columns.0.len()
+            && tile
+                .texels
+                .iter()
+                .all(|&texel| (texel as usize) < plane && square(texel) == square(tile.texels[0]))
+    }
+
+    /// True where it has the tile of this index.
+    pub(crate) fn has(&self, index: u32) -> bool {
+        self.tiles.get(index as usize).is_some_and(Option::is_some)
+    }
+
+    /// Notes that a tile is there.
+    pub(crate) fn count(&mut self, tile: &BakedTile) {
+        let index = tile.index as usize;
         self.tiles.resize(self.tiles.len().max(index + 1), None);
         self.tiles[index] = Some(tile.stats);
-        true
     }
 
     /// The planes of a layer that the page must have.

@@ -17,10 +17,10 @@ pub struct BakedTile {
 }
 
 /// Every channel of the layers that a page keeps, layer by layer.
-pub(super) struct Columns(pub Vec<Column>);
+pub(crate) struct Columns(pub Vec<Column>);
 
 /// One channel of one layer.
-pub(super) struct Column {
+pub(crate) struct Column {
     /// Index into the page's planes.
     pub planes: usize,
     pub layer: Layer,
