@@ -1,6 +1,6 @@
 //! Lost work and wrong answers that an attack found: each of these was a hole.
 
-use crate::support::{ambake, backends, bake, ended, files, report, run_well, scene};
+use crate::support::{ambake, backends, bake, ended, files, report, run_well, scene, shell};
 use serde_json::{Value, json};
 use std::fs::TryLockError;
 use std::path::{Path, PathBuf};
@@ -235,7 +235,7 @@ fn a_second_bake_into_one_folder_is_refused_and_a_second_signal_ends_the_first()
     let status = first.wait().expect("a status");
     assert_eq!(status.code(), Some(130), "{status}");
     assert!(
-        start.elapsed() < Duration::from_secs(5),
+        start.elapsed() < Duration::from_secs(20),
         "{:?}",
         start.elapsed()
     );
@@ -290,25 +290,20 @@ fn an_edit_during_the_bake_is_a_warning_and_the_result_is_of_what_was_read() {
 #[test]
 fn closed_and_full_streams_are_no_panic_and_control_characters_never_reach_a_terminal() {
     let folder = tempfile::tempdir().expect("a folder");
-    let shell = |line: &str| {
-        let output = Command::new("sh")
-            .args(["-c", line, "sh"])
-            .arg(env!("CARGO_BIN_EXE_ambake"))
-            .arg(scene("plane.obj"))
-            .arg(folder.path().join("out"))
-            .output()
-            .expect("sh runs");
-        output.status.code()
+    let status = |line: &str| {
+        let mut command = shell(line);
+        command.args([scene("plane.obj"), folder.path().join("out")]);
+        command.status().expect("sh runs").code()
     };
     for line in [
-        "\"$1\" bake gone.obj -o \"$3\" 2>&-",
-        "\"$1\" bake gone.obj -o \"$3\" 2>/dev/full",
-        "\"$1\" plan \"$2\" --size 16 --rays 1 >/dev/full 2>/dev/full",
+        r#"ambake bake gone.obj -o "$2" 2>&-"#,
+        r#"ambake bake gone.obj -o "$2" 2>/dev/full"#,
+        r#"ambake plan "$1" --size 16 --rays 1 >/dev/full 2>/dev/full"#,
     ] {
-        assert_eq!(shell(line), Some(1), "{line}");
+        assert_eq!(status(line), Some(1), "{line}");
     }
-    let done = "\"$1\" bake \"$2\" -o \"$3\" --size 16 --rays 1 >&- 2>&-";
-    assert_eq!(shell(done), Some(0));
+    let done = r#"ambake bake "$1" -o "$2" --size 16 --rays 1 >&- 2>&-"#;
+    assert_eq!(status(done), Some(0));
     // A saved state that is no journal is told of in a line that names it, and is baked anew, whether or not anybody can read that.
     let odd = folder.path().join("o\u{1b}[31mdd.obj");
     std::fs::copy(scene("plane.obj"), &odd).expect("the folder is writable");
@@ -316,12 +311,8 @@ fn closed_and_full_streams_are_no_panic_and_control_characters_never_reach_a_ter
         let out = folder.path().join("resumed");
         std::fs::create_dir_all(&out).expect("the folder is writable");
         std::fs::write(out.join(".o\u{1b}[31mdd.ambake-resume"), "no journal").expect("a file");
-        let line = format!(r#""$1" bake "$2" -o "$3" --size 16 --rays 1 --resume {stderr}"#);
-        let output = Command::new("sh")
-            .args(["-c", &line, "sh", env!("CARGO_BIN_EXE_ambake")])
-            .args([&odd, &out])
-            .output()
-            .expect("sh runs");
+        let line = format!(r#"ambake bake "$1" -o "$2" --size 16 --rays 1 --resume {stderr}"#);
+        let output = shell(&line).args([&odd, &out]).output().expect("sh runs");
         assert_eq!(output.status.code(), Some(0), "{output:?}");
         String::from_utf8(output.stderr).expect("UTF-8")
     };
@@ -405,12 +396,10 @@ fn a_file_that_may_not_grow_is_one_line_and_the_bake_goes_on_later() {
     let out = folder.path().join("out");
     let bake = |before: &str, more: &str| {
         let words = "--size 64 --rays 16 --only diffuse --quiet";
-        let line = format!(r#"{before} exec "$1" bake "$2" -o "$3" {words} {more}"#);
-        let output = Command::new("sh")
-            .args(["-c", &line, "sh", env!("CARGO_BIN_EXE_ambake")])
-            .args([scene("corner.obj"), out.clone()])
-            .output()
-            .expect("sh runs");
+        let line = format!(r#"{before} ambake bake "$1" -o "$2" {words} {more}"#);
+        let mut command = shell(&line);
+        command.args([scene("corner.obj"), out.clone()]);
+        let output = command.output().expect("sh runs");
         let text = String::from_utf8(output.stderr).expect("UTF-8");
         (output.status.code(), text)
     };
@@ -466,8 +455,8 @@ fn a_signal_before_the_first_tile_ends_the_program() {
         drop(input);
         // On a busy machine the signal may come before it listens.
         assert!(matches!(code, Some(130) | None), "{scene}: {code:?} {text}");
-        // A second, and what other processes take of a busy machine.
-        assert!(seconds < 5.0, "{scene}: {seconds} s");
+        // A second, and what other processes take of a busy machine; the bake itself would take minutes.
+        assert!(seconds < 20.0, "{scene}: {seconds} s");
         let left = if out.exists() {
             files(&out)
         } else {

@@ -125,3 +125,29 @@ fn a_target_is_met_by_what_is_denoised_and_takes_fewer_rays_for_it() {
     let ratio = (mean(&smooth, &square) / mean(&smooth, &stated)).sqrt();
     assert!((0.6..1.3).contains(&ratio), "true over stated {ratio}");
 }
+
+#[test]
+fn the_error_that_a_report_states_is_that_of_the_texels_that_are_seen() {
+    let few = "--size 128 --rays 16 --seams off --only diffuse,error,validity";
+    let words: Vec<&str> = few.split(' ').collect();
+    let (folder, page) = by_default("vehicles.gltf", &words);
+    let [error, valid, covered] = ["error", "validity", "coverage"].map(|l| page.plane(l));
+    let texels = (0..covered.len()).filter(|&i| covered[i] > 0.0);
+    let (seen, buried): (Vec<usize>, Vec<usize>) = texels.partition(|&i| valid[i] > 0.0);
+    assert!(buried.len() > 100, "{} buried texels", buried.len());
+    let errors = || seen.iter().map(|&i| f64::from(error[i]));
+    let of = &report(folder.path())["pages"][0];
+    let close = |name: &str, exact: f64| {
+        let stated = of[name].as_f64().expect("a number");
+        assert!(
+            (stated / exact - 1.0).abs() < 1e-6,
+            "{name}: {stated}, not {exact}"
+        );
+    };
+    close("mean_error", errors().sum::<f64>() / seen.len() as f64);
+    close(
+        "rmse",
+        (errors().map(|e| e * e).sum::<f64>() / seen.len() as f64).sqrt(),
+    );
+    close("max_error", errors().fold(0.0, f64::max));
+}

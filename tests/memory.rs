@@ -1,17 +1,12 @@
 //! Memory that the system refuses: one line, and nothing lost.
 #![cfg(target_os = "linux")]
 
-use crate::support::{ambake, run_well, scene};
+use crate::support::{run_well, scene, shell};
 use std::path::Path;
-use std::process::Command;
 
 /// The program under a limit on its addresses in KiB, with traces asked for, as some have it in their shells.
 fn within_addresses(kib: u64, words: &[&str]) -> (Option<i32>, String) {
-    let program = ambake();
-    let output = Command::new("sh")
-        .args(["-c", &format!("ulimit -v {kib} && exec \"$0\" \"$@\"")])
-        .arg(program.get_program())
-        .args(program.get_args())
+    let output = shell(&format!("ulimit -v {kib} && ambake \"$@\""))
         .args(words)
         .env("RUST_BACKTRACE", "1")
         .output()

@@ -61,21 +61,17 @@ fn a_bake_never_replaces_its_scene() {
 
 #[test]
 fn a_bake_never_replaces_a_texture_or_a_sky() {
-    // A texture called as the preview of a layer will be.
-    let (folder, gltf) = copied(&["masked_card.gltf", "masked_card.png"]);
-    let picture = folder.path().join("masked_card.0.diffuse.png");
-    fs::rename(folder.path().join("masked_card.png"), &picture).expect("renamed");
-    let json = fs::read_to_string(&gltf).expect("JSON");
-    fs::write(
-        &gltf,
-        json.replace("masked_card.png", "masked_card.0.diffuse.png"),
-    )
-    .expect("written");
-    let place = text(folder.path());
-    refused(
-        &["bake", text(&gltf), "-o", place, "--size=64", "--rays=4"],
-        &picture,
-    );
+    // A texture called as the preview of a layer will be, or as a scene that an engine loads.
+    for name in ["masked_card.0.diffuse.png", "masked_card.lightmap.glb"] {
+        let (folder, gltf) = copied(&["masked_card.gltf", "masked_card.png"]);
+        let picture = folder.path().join(name);
+        fs::rename(folder.path().join("masked_card.png"), &picture).expect("renamed");
+        let json = fs::read_to_string(&gltf).expect("JSON");
+        fs::write(&gltf, json.replace("masked_card.png", name)).expect("written");
+        let words = ["--size=64", "--rays=4", "--for=gltf"];
+        let place = ["bake", text(&gltf), "-o", text(folder.path())];
+        refused(&[&place[..], &words].concat(), &picture);
+    }
 
     let folder = tempfile::tempdir().expect("a temporary directory");
     let sky = folder.path().join("plane.0.exr");

@@ -11,20 +11,28 @@ use std::time::{Duration, Instant};
 mod skip_reason;
 pub use skip_reason::{model, say, skip};
 
-/// A command that starts the program, through the same loader prefix as the tests themselves where one is set.
-pub fn ambake() -> Command {
-    let program = env!("CARGO_BIN_EXE_ambake");
+/// What starts the program: its path, behind the words of the loader that starts the tests themselves where one is set.
+fn start() -> Vec<String> {
     let runner = std::env::var("CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER").unwrap_or_default();
-    let mut words = runner.split_whitespace();
-    let mut command = match words.next() {
-        Some(first) => {
-            let mut command = Command::new(first);
-            command.args(words).arg(program);
-            command
-        }
-        None => Command::new(program),
-    };
-    command.stdin(Stdio::null());
+    let words = runner.split_whitespace().map(str::to_owned);
+    words.chain([env!("CARGO_BIN_EXE_ambake").into()]).collect()
+}
+
+/// A command that starts the program.
+pub fn ambake() -> Command {
+    let words = start();
+    let mut command = Command::new(&words[0]);
+    command.args(&words[1..]).stdin(Stdio::null());
+    command
+}
+
+/// A shell that runs `line`, in which `ambake` is the program. What is added to it are `$1`, `$2` and so on.
+#[cfg(unix)]
+pub fn shell(line: &str) -> Command {
+    let words: Vec<String> = start().iter().map(|word| format!("'{word}'")).collect();
+    let line = format!("ambake() {{ {} \"$@\"; }}; {line}", words.join(" "));
+    let mut command = Command::new("sh");
+    command.args(["-c", &line, "sh"]).stdin(Stdio::null());
     command
 }
 

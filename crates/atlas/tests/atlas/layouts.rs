@@ -523,21 +523,22 @@ fn an_object_that_is_left_out_asks_for_no_pages() {
 
 #[test]
 fn what_is_hidden_of_a_scaled_object_counts_by_its_size_in_the_scene() {
-    let cube = cube();
     let grown = |by: f32| {
-        let mut mesh = cube.clone();
+        let mut mesh = cube();
         mesh.positions.iter_mut().for_each(|p| *p *= by);
         mesh
     };
-    // Of the cube the first face alone is seen: 900 square units beside a ball of some 450.
-    let mut ball = ball(16);
-    ball.positions.iter_mut().for_each(|p| *p *= 6.0);
-    let densities = |cube: Mesh, by: f64| {
-        let scene = scene(
-            vec![cube, ball.clone()],
-            &[(0, 0, scaled(by, by, by)), (1, 1, moved(40.0, 0.0, 0.0))],
-        );
-        let seen = |point: SurfacePoint| point.instance == 1 || point.triangle < 2;
+    // Of both cubes the first face alone is seen. With all six they would be held to their share beside so small a ball.
+    let densities = |meshes: Vec<Mesh>, cubes: [(u32, f64); 2]| {
+        let ball_mesh = meshes.len() as u32;
+        let [(large, by), (small, less)] = cubes;
+        let placed = [
+            (large, 0, scaled(by, by, by)),
+            (small, 1, moved(50.0, 0.0, 0.0) * scaled(less, less, less)),
+            (ball_mesh, 2, moved(40.0, 0.0, 0.0)),
+        ];
+        let scene = scene([meshes, vec![ball(16)]].concat(), &placed);
+        let seen = |point: SurfacePoint| point.instance == 2 || point.triangle < 2;
         let options = options(UvMode::Unwrap, 256, None);
         let atlas = layout_seen(&scene, &options, Some(&seen), &|| false).unwrap();
         assert_clean(&atlas);
@@ -545,10 +546,14 @@ fn what_is_hidden_of_a_scaled_object_counts_by_its_size_in_the_scene() {
             let (uv, _) = triangle_uv(&scene, &atlas, instance, triangle);
             f64::from((uv[1] - uv[0]).length()) * 256.0
         };
-        [length(0, 0), length(1, 100)]
+        [length(0, 0), length(1, 0), length(2, 100)]
     };
-    let (one, other) = (densities(grown(1.0), 30.0), densities(grown(30.0), 1.0));
-    for (one, other) in one.into_iter().zip(other) {
-        assert!((one / other - 1.0).abs() < 0.02, "{one} and {other} texels");
+    let shared = densities(vec![cube()], [(0, 30.0), (0, 15.0)]);
+    let apart = densities(vec![grown(30.0), grown(15.0)], [(0, 1.0), (1, 1.0)]);
+    for (shared, apart) in shared.into_iter().zip(apart) {
+        assert!(
+            (shared / apart - 1.0).abs() < 0.02,
+            "{shared} and {apart} texels"
+        );
     }
 }

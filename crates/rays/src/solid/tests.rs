@@ -121,6 +121,23 @@ fn a_lived_in_room_is_air_and_its_furniture_is_solid() {
 }
 
 #[test]
+fn a_room_is_air_by_what_lies_mostly_in_it_unless_something_large_is_outside() {
+    let chair = block(Vec3::new(0.5, -0.9, 0.5), Vec3::splat(0.2), false);
+    // The sides of the room have 4 square units: what has less than 2 is small.
+    for (half, expected) in [(0.69, 0), (0.75, 1)] {
+        let solids = solids(vec![unit(true), chair.clone(), level(-3.0, half)]);
+        assert_eq!(depth(&solids, INSIDE), expected, "beside {half}");
+    }
+    // What is large beside the one room is small beside another, whose sides have 36.
+    let hall = block(Vec3::X * 9.0, Vec3::splat(3.0), true);
+    let bench = block(Vec3::new(9.0, -2.9, 0.0), Vec3::splat(0.2), false);
+    let ground = level(-7.0, 2.0);
+    let solids = solids(vec![unit(true), chair, hall, bench, ground]);
+    let depths = [INSIDE, DVec3::X * 9.0].map(|point| depth(&solids, point));
+    assert_eq!(depths, [1, 0]);
+}
+
+#[test]
 fn a_cavity_is_air_with_or_without_furniture() {
     let shell = block(Vec3::ZERO, Vec3::splat(1.2), false);
     let chair = block(Vec3::new(0.5, -0.8, 0.5), Vec3::splat(0.2), false);
@@ -508,6 +525,30 @@ fn a_room_buries_nothing_of_another_nor_what_an_opening_shows() {
     // Something large outside, and something small that touches the part outside.
     let street = vec![room(false), beam.clone(), rug.clone(), level(-1.0, 9.0)];
     assert_eq!(buried_in(street, points), [0, 0, 0]);
+    // The largest side of the room has 64 square units: what has less than 32 on each of its own is small.
+    let wall = |half: Vec3| block(Vec3::new(0.0, 8.0, 0.0), half, false);
+    for (outside, expected) in [
+        (level(-1.0, 2.8), [0, 1, 1]),
+        (level(-1.0, 2.95), [0, 0, 0]),
+        (wall(Vec3::new(3.5, 2.2, 0.1)), [0, 1, 1]),
+        (wall(Vec3::new(3.5, 2.5, 0.1)), [0, 0, 0]),
+        (wall(Vec3::new(0.1, 2.5, 3.5)), [0, 0, 0]),
+    ] {
+        let around = vec![room(false), beam.clone(), rug.clone(), outside];
+        assert_eq!(buried_in(around, points), expected);
+    }
+    // Small beside the one room, large beside a closet.
+    let closet = block(Vec3::new(-9.0, 1.0, 0.0), Vec3::ONE, true);
+    let cup = block(Vec3::new(-9.0, 1.0, 0.0), Vec3::splat(0.1), false);
+    let around = vec![
+        room(false),
+        beam.clone(),
+        rug.clone(),
+        closet,
+        cup,
+        level(-3.0, 2.0),
+    ];
+    assert_eq!(buried_in(around, points), [0, 1, 1]);
     let lamp = block(Vec3::new(5.0, 0.8, 0.0), Vec3::splat(0.2), false);
     let hung = vec![room(false), beam, rug, lamp];
     assert_eq!(buried_in(hung, points), [0, 0, 0]);

@@ -92,11 +92,12 @@ fn encode(size: u32, depth: BitDepth, bytes: &[u8]) -> Vec<u8> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use std::borrow::Cow;
 
-    fn page(value: f32) -> PageLight<'static> {
+    /// A page of one value.
+    pub fn page(value: f32) -> PageLight<'static> {
         let plane: Cow<[f32]> = Cow::Owned(vec![value; 64 * 64]);
         PageLight {
             page: 0,
@@ -111,7 +112,8 @@ mod tests {
         }
     }
 
-    fn pixels(file: &[u8]) -> Vec<u8> {
+    /// The bytes of a PNG.
+    pub fn pixels(file: &[u8]) -> Vec<u8> {
         let mut reader = png::Decoder::new(std::io::Cursor::new(file))
             .read_info()
             .unwrap();

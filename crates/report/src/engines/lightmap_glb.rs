@@ -57,3 +57,41 @@ fn shows(map: &mut Map<String, Value>, texture: u64, strength: f32) {
         extensions.insert(MOZ.into(), lightmap);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::ao::tests::{page, pixels};
+    use super::*;
+    use std::borrow::Cow;
+
+    #[test]
+    fn every_channel_is_dithered_evenly_and_by_thresholds_of_its_own() {
+        let mut page = page(100.25 / 255.0);
+        // One texel that makes 255 stand for 1.
+        for light in &mut page.light {
+            Cow::to_mut(light)[0] = 1.0;
+        }
+        let picture = picture(&page).unwrap();
+        assert_eq!(picture.strength, 1.0);
+        let bytes = pixels(&picture.png);
+        let edge = page.size as usize;
+        let raised = |c: usize, x: usize, y: usize| bytes[3 * (y * edge + x) + c] == 101;
+        for c in 0..3 {
+            for (x, y) in (8..edge)
+                .step_by(8)
+                .flat_map(|y| (0..edge).step_by(8).map(move |x| (x, y)))
+            {
+                let places = (0..64).map(|k| (x + k % 8, y + k / 8));
+                let count = places.filter(|&(x, y)| raised(c, x, y)).count();
+                assert!(
+                    (10..=22).contains(&count),
+                    "channel {c}: {count} of 64 at {x}, {y}"
+                );
+            }
+        }
+        // A quarter of a quarter, were they drawn apart.
+        let both = (edge..edge * edge)
+            .filter(|i| raised(0, i % edge, i / edge) && raised(1, i % edge, i / edge));
+        assert!(both.count() < edge * edge / 10);
+    }
+}
