@@ -2,8 +2,8 @@
 
 use crate::support::{Page, bake, files, report, run, scene};
 use ambient::any_view::{COUNT, Coefficients, Lobe, count};
-use glam::DVec3;
-use std::path::Path;
+use glam::{DQuat, DVec3, EulerRot};
+use std::path::{Path, PathBuf};
 
 /// The numbers of a texel, its normal and its place.
 fn texel(page: &Page, layer: &str, numbers: usize, at: usize) -> (Coefficients, DVec3, DVec3) {
@@ -26,9 +26,24 @@ fn covered(page: &Page) -> Vec<usize> {
         .collect()
 }
 
+/// Three squares that meet in a corner, turned so that no normal lies along an axis.
+fn turned_corner(folder: &Path, turn: DQuat) -> PathBuf {
+    let corners = [0, 1, 2, 3, 4, 5, 6].map(|k: u32| {
+        let at = DVec3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2));
+        let DVec3 { x, y, z } = turn * at;
+        format!("v {x} {y} {z}\n")
+    });
+    let path = folder.join("corner.obj");
+    let faces = "f 1 5 6 2\nf 1 3 7 5\nf 1 2 4 3\n";
+    std::fs::write(&path, corners.concat() + faces).expect("the folder is writable");
+    path
+}
+
 #[test]
 fn one_bake_is_thirty_bakes_of_single_views() {
-    let scene = scene("wall_long.obj");
+    let written = tempfile::tempdir().expect("a folder");
+    let turn = DQuat::from_euler(EulerRot::XYZ, 0.5, 0.7, 0.3);
+    let scene = turned_corner(written.path(), turn);
     let small = [
         "--size",
         "32",
@@ -51,7 +66,7 @@ fn one_bake_is_thirty_bakes_of_single_views() {
     for view in 0..30 {
         let theta = 80f64.to_radians() * (f64::from(view) + 0.5) / 30.0;
         let (s, c) = (2.4 * f64::from(view)).sin_cos();
-        let eye = 1e4 * DVec3::new(theta.sin() * c, theta.cos(), theta.sin() * s);
+        let eye = 1e4 * (turn * DVec3::new(theta.sin() * c, theta.cos(), theta.sin() * s));
         let eye_text = format!("{},{},{}", eye.x, eye.y, eye.z);
         let (_folder, single) = bake(
             &scene,
@@ -61,7 +76,7 @@ fn one_bake_is_thirty_bakes_of_single_views() {
             ]
             .concat(),
         );
-        for &at in texels.iter().step_by(29) {
+        for &at in texels.iter().step_by(23) {
             let (numbers, normal, position) = texel(&page, "any-view.8", count(8), at);
             let direction = (eye - position).normalize();
             if direction.dot(normal) <= 0.1 {
@@ -77,7 +92,7 @@ fn one_bake_is_thirty_bakes_of_single_views() {
     assert!(views > 300, "{views}");
     let [rms, stated] = [squares, stated].map(|sum| f64::sqrt(sum / f64::from(views)));
     println!("rms {rms:.4} where {stated:.4} is stated");
-    assert!(rms < 0.05, "{rms}");
+    assert!(rms < 0.07, "{rms}");
     assert!(
         rms < 1.3 * stated && stated < 4.0 * rms,
         "{rms}: {stated} is stated"
@@ -89,9 +104,9 @@ fn one_bake_is_thirty_bakes_of_single_views() {
     );
     let names = files(folder.path());
     for name in [
-        "wall_long.any-view.exr",
-        "wall_long.any-view.glsl",
-        "wall_long.any-view.wgsl",
+        "corner.any-view.exr",
+        "corner.any-view.glsl",
+        "corner.any-view.wgsl",
     ] {
         assert!(
             names.iter().any(|found| found.ends_with(name)),
