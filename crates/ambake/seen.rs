@@ -20,11 +20,24 @@ pub(crate) fn oracle<'a>(
     if !buries && eyes.is_empty() {
         return None;
     }
-    let is_open = move |point: SurfacePoint| {
-        !buries || !world.is_buried(point.instance, point.triangle, point.weights)
-    };
-    Some(Box::new(move |point| {
-        is_open(point) && (eyes.is_empty() || is_seen(eyes, point, world, backend))
+    let is_seen =
+        move |point: &SurfacePoint| eyes.is_empty() || is_seen(eyes, point, world, backend);
+    Some(Box::new(move |points| {
+        let Some((first, others)) = points.split_first() else {
+            return false;
+        };
+        let (instance, triangle) = (first.instance, first.triangle);
+        // One point often tells.
+        let is_open = !buries || !world.is_buried(instance, triangle, first.weights);
+        if is_open && is_seen(first) {
+            return true;
+        }
+        let mut burial = buries.then(|| world.burial(instance, triangle));
+        let mut is_open = |point: &SurfacePoint| match &mut burial {
+            Some(burial) => !burial.is_buried(point.weights),
+            None => true,
+        };
+        others.iter().any(|point| is_open(point) && is_seen(point))
     }))
 }
 
@@ -32,7 +45,7 @@ pub(crate) fn oracle<'a>(
 /// or any side of a double-sided surface.
 fn is_seen(
     eyes: &[[f64; 3]],
-    point: SurfacePoint,
+    point: &SurfacePoint,
     world: &World,
     backend: &dyn RayBackend,
 ) -> bool {

@@ -11,25 +11,25 @@ const POINTS: f64 = 256.0;
 pub(crate) fn hide(sheets: &mut [Sheet], seen: &Seen<'_>) {
     sheets.par_iter_mut().for_each(|sheet| {
         let of: &Sheet = sheet;
-        let hidden = |chart: usize| !points(of, chart).any(seen);
+        let hidden = |chart: usize| !points(of, chart).any(|points| seen(&points));
         let hidden = (0..of.charts.len()).into_par_iter().map(hidden).collect();
         sheet.hidden = hidden;
     });
 }
 
-/// Points spread over a chart in every place where it stands: as many in a triangle as its area asks for, one at least.
-fn points(sheet: &Sheet, chart: usize) -> impl Iterator<Item = SurfacePoint> + '_ {
+/// Points spread over a chart, by triangle and by place where it stands: as many in a triangle as its area asks for, one at least.
+fn points(sheet: &Sheet, chart: usize) -> impl Iterator<Item = Vec<SurfacePoint>> + '_ {
     let whole = sheet.area(chart);
     sheet.charts[chart].iter().flat_map(move |&triangle| {
         let share = sheet.triangle_area(triangle) / whole;
         let count = (share * POINTS).ceil().clamp(1.0, POINTS) as u32;
-        sheet.instances.iter().flat_map(move |&instance| {
-            (0..count).map(move |k| SurfacePoint {
-                instance,
-                triangle,
-                weights: spread(k, count),
-            })
-        })
+        let point = move |instance: u32, k: u32| SurfacePoint {
+            instance,
+            triangle,
+            weights: spread(k, count),
+        };
+        let places = sheet.instances.iter();
+        places.map(move |&instance| (0..count).map(|k| point(instance, k)).collect())
     })
 }
 

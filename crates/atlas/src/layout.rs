@@ -6,8 +6,8 @@ use crate::objects::objects;
 use crate::{Atlas, Error, Options, Pages, SurfacePoint, UvMode, Why};
 use scene::Scene;
 
-/// Tells whether a point of a surface can be seen. It is asked from any thread.
-pub type Seen<'a> = dyn Fn(SurfacePoint) -> bool + Sync + 'a;
+/// Tells whether any of some points of one triangle in one place can be seen. It is asked from any thread.
+pub type Seen<'a> = dyn Fn(&[SurfacePoint]) -> bool + Sync + 'a;
 
 /// A place on a page for every triangle of every object, audited: nothing overlaps, nothing is missing or outside.
 ///

@@ -60,6 +60,7 @@ pub use alpha_test::AlphaTest;
 pub use backend::{Coherence, Lanes, Layout, PacketWidth, Ray, RayBackend, RayPacket, SurfaceHit};
 pub use boxes::Boxes;
 pub use build::{BackendKind, build, has_embree};
+pub use buried::Burial;
 pub use embree_backend::EmbreeBackend;
 pub use error::Error;
 pub use frames::Frames;

@@ -426,7 +426,7 @@ fn charts_that_nobody_sees_leave_their_texels_to_the_others() {
     };
     let whole = layout(&scene, &options, &|| false).unwrap();
     // The first face alone, triangles 0 and 1.
-    let seen = |point: SurfacePoint| point.triangle < 2;
+    let seen = |points: &[SurfacePoint]| points[0].triangle < 2;
     let atlas = layout_seen(&scene, &options, Some(&seen), &|| false).unwrap();
     assert_clean(&atlas);
     assert!(
@@ -538,7 +538,7 @@ fn what_is_hidden_of_a_scaled_object_counts_by_its_size_in_the_scene() {
             (ball_mesh, 2, moved(40.0, 0.0, 0.0)),
         ];
         let scene = scene([meshes, vec![ball(16)]].concat(), &placed);
-        let seen = |point: SurfacePoint| point.instance == 2 || point.triangle < 2;
+        let seen = |points: &[SurfacePoint]| points[0].instance == 2 || points[0].triangle < 2;
         let options = options(UvMode::Unwrap, 256, None);
         let atlas = layout_seen(&scene, &options, Some(&seen), &|| false).unwrap();
         assert_clean(&atlas);

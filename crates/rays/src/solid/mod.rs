@@ -236,8 +236,9 @@ impl Solids {
         (placement, surface_of[triangle as usize])
     }
 
-    /// The bodies that bury or lay open, whose boxes meet this one, ascending.
+    /// The bodies that bury or lay open, whose boxes meet this one or touch it but for rounding, ascending.
     pub fn about(&self, low: DVec3, high: DVec3) -> Vec<u32> {
+        let (low, high) = grown(low, high);
         self.counting.meeting(low, high)
     }
 
@@ -246,6 +247,7 @@ impl Solids {
         if about.len() > FEW {
             return self.about(low, high);
         }
+        let (low, high) = grown(low, high);
         let reaches = |body: &u32| self.reaches(*body, low, high);
         about.iter().copied().filter(reaches).collect()
     }
@@ -443,6 +445,12 @@ impl Solids {
         let faces = &shape.surfaces[surface].faces;
         shape.trees[surface].get_or_init(|| SurfaceTree::build(&self.scene, faces))
     }
+}
+
+/// A box with room for points that are tested [`NUDGE`] off their surface.
+fn grown(low: DVec3, high: DVec3) -> (DVec3, DVec3) {
+    let slack = NUDGE * low.abs().max(high.abs()).max_element();
+    (low - slack, high + slack)
 }
 
 fn is_among(rooted: &[u32], own: Option<u32>) -> bool {
