@@ -4,7 +4,7 @@
 //! solved together. The page that is finished first keeps what look-ups find on its side; the later one is solved to agree with that.
 
 use super::border::{Chart, borders};
-use super::grid::pairs;
+use super::pair::pairs;
 use super::walls::walls;
 use crate::options::Seams as Scope;
 use atlas::Atlas;

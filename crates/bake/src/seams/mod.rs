@@ -15,7 +15,6 @@
 
 mod across;
 mod border;
-mod grid;
 mod owner;
 mod pair;
 mod solve;
@@ -106,7 +105,7 @@ impl Seams {
         }
         let charts: Vec<_> = atlas.meshes.par_iter().map(atlas::charts).collect();
         let borders = border::borders(world, atlas, Some(page), &charts);
-        let pairs = grid::pairs(&borders, scope);
+        let pairs = pair::pairs(&borders, scope);
         let walls = walls::walls(world, &charts, &borders, &pairs);
         let points = pairs.iter().zip(&walls);
         let points = points.flat_map(|(pair, walls)| pair.points(&borders, walls));

@@ -1,8 +1,11 @@
-//! When two borders are one seam.
+//! Which borders are one seam.
 
 use super::SeamPoint;
 use super::border::Border;
 use crate::options::Seams as Scope;
+use glam::DVec3;
+use rayon::prelude::*;
+use rays::Boxes;
 
 /// Two borders that run along one another, and from where to where.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,14 +66,49 @@ const UNLIKE: f64 = 8.0;
 /// Common parts below this many texels are no seam.
 const SHORTEST: f64 = 1e-3;
 
+/// All pairs of borders that are seams, in the order of their numbers.
+pub(super) fn pairs(borders: &[Border], scope: Scope) -> Vec<Pair> {
+    let lengths: Vec<f64> = borders.iter().map(Border::length).collect();
+    let spaces: Vec<[DVec3; 2]> = borders.par_iter().map(space).collect();
+    let numbered = (0..).zip(&spaces);
+    let boxes = Boxes::of(numbered.map(|(number, &[low, high])| (number, low, high)));
+    let found = (0..borders.len() as u32).into_par_iter().map(|own| {
+        let [low, high] = spaces[own as usize];
+        let mut near: Vec<u32> = Vec::new();
+        boxes.any(low, high, |other| {
+            near.extend((other > own).then_some(other));
+            false
+        });
+        near.sort_unstable();
+        // The shorter one comes first: all of it has to lie along the other, not a corner alone.
+        let pair = |other: u32| {
+            let numbers = match lengths[other as usize] < lengths[own as usize] {
+                true => [other, own],
+                false => [own, other],
+            };
+            let [first, second] = numbers.map(|number| &borders[number as usize]);
+            common(numbers, first, second, scope)
+        };
+        near.into_iter().filter_map(pair).collect::<Vec<_>>()
+    });
+    found.flatten_iter().collect()
+}
+
+/// The box about a border and what it reaches.
+fn space(border: &Border) -> [DVec3; 2] {
+    let [a, b] = border.ends;
+    let reach = DVec3::splat(reach(border));
+    [a.min(b) - reach, a.max(b) + reach]
+}
+
 /// How far a border reaches for others, in scene units.
-pub(super) fn reach(border: &Border) -> f64 {
+fn reach(border: &Border) -> f64 {
     let size = border.ends[0].abs().max(border.ends[1].abs());
     APART * border.texel() + ROUNDING * size.max_element()
 }
 
 /// The part that two borders have in common; `None` where they are no seam.
-pub(super) fn common(numbers: [u32; 2], a: &Border, b: &Border, scope: Scope) -> Option<Pair> {
+fn common(numbers: [u32; 2], a: &Border, b: &Border, scope: Scope) -> Option<Pair> {
     if (scope == Scope::Object && a.chart[0] != b.chart[0]) || a.inward.dot(b.inward) > 0.0 {
         return None;
     }
@@ -79,7 +117,7 @@ pub(super) fn common(numbers: [u32; 2], a: &Border, b: &Border, scope: Scope) ->
         return None;
     }
     let apart = reach(a).min(reach(b));
-    let place = |on: &Border, p: glam::DVec3| {
+    let place = |on: &Border, p: DVec3| {
         let way = on.ends[1] - on.ends[0];
         (p - on.ends[0]).dot(way) / way.length_squared()
     };
@@ -103,7 +141,7 @@ pub(super) fn common(numbers: [u32; 2], a: &Border, b: &Border, scope: Scope) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{DVec2, DVec3};
+    use glam::DVec2;
 
     fn along_x(from: f64, to: f64, inward: DVec3) -> Border {
         Border {
@@ -140,5 +178,22 @@ mod tests {
         other.chart[0] = 1;
         assert!(common([0, 1], &a, &other, Scope::Object).is_none());
         assert!(common([0, 1], &a, &other, Scope::Scene).is_some());
+    }
+
+    #[test]
+    fn a_long_border_is_paired_with_short_ones_along_it_but_not_at_a_sharp_corner() {
+        let mut borders = vec![along_x(0.0, 8.0, DVec3::Y)];
+        borders.extend((0..8).map(|k| along_x(f64::from(k + 1), f64::from(k), -DVec3::Y)));
+        let found = |borders: &[Border]| -> Vec<[u32; 2]> {
+            let pairs = pairs(borders, Scope::Scene);
+            pairs.iter().map(|pair| pair.borders).collect()
+        };
+        let expected: Vec<[u32; 2]> = (1..=8).map(|short| [short, 0]).collect();
+        assert_eq!(found(&borders), expected);
+        // Of one twentieth of a texel's rise over its whole length, at the end of the long one.
+        let mut corner = along_x(8.0, 7.97, -DVec3::Y);
+        corner.ends[1] += 0.012 * DVec3::Z;
+        let at_corner = [borders[0].clone(), corner];
+        assert_eq!(found(&at_corner), Vec::<[u32; 2]>::new());
     }
 }
