@@ -66,17 +66,54 @@ const UNLIKE: f64 = 8.0;
 /// Common parts below this many texels are no seam.
 const SHORTEST: f64 = 1e-3;
 
-/// All pairs of borders that are seams, in the order of their numbers.
+/// All pairs of borders that are seams.
 pub(super) fn pairs(borders: &[Border], scope: Scope) -> Vec<Pair> {
     let lengths: Vec<f64> = borders.iter().map(Border::length).collect();
-    let spaces: Vec<[DVec3; 2]> = borders.par_iter().map(space).collect();
+    let reaches: Vec<f64> = borders.iter().map(reach).collect();
+    let spaces = borders.iter().map(|border| {
+        let [a, b] = border.ends;
+        [a.min(b), a.max(b)]
+    });
+    let spaces: Vec<[DVec3; 2]> = spaces.collect();
     let numbered = (0..).zip(&spaces);
     let boxes = Boxes::of(numbered.map(|(number, &[low, high])| (number, low, high)));
+    for i in 0..borders.len() {
+        for j in i + 1..borders.len() {
+            let n = if lengths[j] < lengths[i] {
+                [j as u32, i as u32]
+            } else {
+                [i as u32, j as u32]
+            };
+            if common(n, &borders[n[0] as usize], &borders[n[1] as usize], scope).is_some() {
+                let k = if reaches[i] <= reaches[j] {
+                    (i, j)
+                } else {
+                    (j, i)
+                };
+                let g = reaches[k.0];
+                let (l, h) = (spaces[k.0][0] - g, spaces[k.0][1] + g);
+                let ok = l.cmple(spaces[k.1][1]).all() && h.cmpge(spaces[k.1][0]).all();
+                let mut f = false;
+                boxes.any(l, h, |o| {
+                    f |= o == k.1 as u32;
+                    false
+                });
+                if !ok || !f {
+                    eprintln!("MISS {ok} {f} {:?} {:?}", borders[k.0], borders[k.1]);
+                }
+            }
+        }
+    }
     let found = (0..borders.len() as u32).into_par_iter().map(|own| {
-        let [low, high] = spaces[own as usize];
+        let ([low, high], reach) = (spaces[own as usize], reaches[own as usize]);
         let mut near: Vec<u32> = Vec::new();
-        boxes.any(low, high, |other| {
-            near.extend((other > own).then_some(other));
+        // Both have to reach the other: the one that reaches less far looks.
+        let is_mine = |other: u32| {
+            let than = reaches[other as usize];
+            reach < than || (reach == than && own < other)
+        };
+        boxes.any(low - reach, high + reach, |other| {
+            near.extend(is_mine(other).then_some(other));
             false
         });
         near.sort_unstable();
@@ -92,13 +129,6 @@ pub(super) fn pairs(borders: &[Border], scope: Scope) -> Vec<Pair> {
         near.into_iter().filter_map(pair).collect::<Vec<_>>()
     });
     found.flatten_iter().collect()
-}
-
-/// The box about a border and what it reaches.
-fn space(border: &Border) -> [DVec3; 2] {
-    let [a, b] = border.ends;
-    let reach = DVec3::splat(reach(border));
-    [a.min(b) - reach, a.max(b) + reach]
 }
 
 /// How far a border reaches for others, in scene units.
@@ -186,7 +216,9 @@ mod tests {
         borders.extend((0..8).map(|k| along_x(f64::from(k + 1), f64::from(k), -DVec3::Y)));
         let found = |borders: &[Border]| -> Vec<[u32; 2]> {
             let pairs = pairs(borders, Scope::Scene);
-            pairs.iter().map(|pair| pair.borders).collect()
+            let mut found: Vec<[u32; 2]> = pairs.iter().map(|pair| pair.borders).collect();
+            found.sort_unstable();
+            found
         };
         let expected: Vec<[u32; 2]> = (1..=8).map(|short| [short, 0]).collect();
         assert_eq!(found(&borders), expected);

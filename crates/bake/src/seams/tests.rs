@@ -305,3 +305,32 @@ fn light_may_end_where_a_wall_stands_on_a_seam() {
     assert_eq!(found(&wall(-y)), 40);
     assert_eq!(found(&wall(0.1 * x)), 40);
 }
+
+#[test]
+fn a_kerb_parts_two_floors_whichever_comes_first() {
+    let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+    // The floor at x > 0 is higher by so much, with a face below its edge or without.
+    let found = |step: f64, face: bool, higher_first: bool| {
+        let mut meshes = vec![
+            panel(-x, z * 2.0, x, [2.0, 2.0]),
+            panel(step * y, z * 2.0, x, [2.0, 20.0]),
+        ];
+        if higher_first {
+            meshes.reverse();
+        }
+        if face {
+            meshes.push(panel(DVec3::ZERO, z * 2.0, step * y, [30.0, 40.0]));
+        }
+        let scene = Scene::from_meshes(meshes, vec![]).unwrap();
+        let page = page(scene, LIGHTS[0], 0.0);
+        let across = Across::default();
+        let seams = Seams::find(&page.world, &page.atlas, 0, Scope::Scene, &across);
+        seams.points.len()
+    };
+    for higher_first in [false, true] {
+        // A texel is 0.1 wide.
+        assert_eq!(found(0.008, true, higher_first), 0);
+        assert_eq!(found(0.008, false, higher_first), 40);
+        assert_eq!(found(0.002, true, higher_first), 40);
+    }
+}

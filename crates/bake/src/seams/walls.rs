@@ -71,7 +71,8 @@ pub(super) fn walls(
     walls
 }
 
-/// A strip just above the surface on one side of a seam, from a little beyond it on.
+/// A strip just above the surface on one side of a seam, from a little beyond it on. Where the sides are not equally high, the step between
+/// them stands on the lower one.
 struct Strip {
     pair: u32,
     charts: [[u32; 2]; 2],
@@ -91,26 +92,28 @@ impl Strip {
     /// The two strips of a pair; none where texels are not clear of the rounding of coordinates.
     fn of(number: u32, pair: &Pair, borders: &[Border]) -> impl Iterator<Item = Self> {
         let sides = pair.borders.map(|border| &borders[border as usize]);
-        let ends = pair.spans[0].map(|t| sides[0].at(t));
-        let normal = sides[0].normal_at(0.5 * (pair.spans[0][0] + pair.spans[0][1]));
-        let least = REACH * sides[0].depth.min(sides[1].depth);
-        let from = ends[0] + normal * (HEIGHT * least);
-        let along = ends[1] - ends[0];
-        let is_clear = BESIDE * least >= NUDGE * ends[0].abs().max_element();
         let charts = sides.map(|side| side.chart);
-        sides.into_iter().filter_map(move |side| {
-            let up = along.cross(side.inward).try_normalize()?;
-            is_clear.then(|| Self {
-                pair: number,
-                charts,
-                from,
-                along,
-                inward: up.cross(along).normalize(),
-                up,
-                normal,
-                across: [-BESIDE * least, REACH * side.depth],
+        let least = REACH * sides[0].depth.min(sides[1].depth);
+        sides
+            .into_iter()
+            .zip(pair.spans)
+            .filter_map(move |(side, span)| {
+                let ends = span.map(|t| side.at(t));
+                let normal = side.normal_at(0.5 * (span[0] + span[1]));
+                let along = ends[1] - ends[0];
+                let up = along.cross(side.inward).try_normalize()?;
+                let is_clear = BESIDE * least >= NUDGE * ends[0].abs().max_element();
+                is_clear.then(|| Self {
+                    pair: number,
+                    charts,
+                    from: ends[0] + normal * (HEIGHT * least),
+                    along,
+                    inward: up.cross(along).normalize(),
+                    up,
+                    normal,
+                    across: [-BESIDE * least, REACH * side.depth],
+                })
             })
-        })
     }
 
     /// The box around it.
