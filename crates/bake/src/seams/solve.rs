@@ -29,6 +29,11 @@ const NOISE: f64 = 3.0;
 /// whole texels. At none, lines are drawn along the bevels of a helmet; at twice this, steps of the test's sphere are nearly seen.
 const HELD: f64 = 0.5;
 
+/// How far a texel that is covered may leave its mean, in units of the plane, or so many of its standard errors as are [`NOISE`], if that is
+/// more. A step that asks for more is seen on few texels and stays in part; else whole texels of narrow charts would be wrong. At half of this
+/// steps of a town with texels as large as its windows are three times as large.
+const FREE: f64 = 0.1;
+
 /// A move of less than this, in units of the plane, is none.
 const REST: f64 = 1e-6;
 
@@ -199,7 +204,8 @@ impl System {
         let mut fixed: Vec<bool> = (0..about.len())
             .map(|i| covered(i) && known.std_errs[self.texels[i] as usize] == 0.0)
             .collect();
-        let rows = self.rows(known, coverage, &about);
+        let doubts = self.doubts(known, coverage, &about);
+        let rows = self.rows(known, coverage, &about, &doubts);
         let start: Vec<f64> = about.iter().map(|about| about.value).collect();
         let mut moved = start.clone();
         for _ in 0..ROUNDS {
@@ -213,6 +219,13 @@ impl System {
             }
             if !beyond {
                 break;
+            }
+        }
+        for (i, (moved, start)) in moved.iter_mut().zip(&start).enumerate() {
+            if covered(i) {
+                let std_err = f64::from(known.std_errs[self.texels[i] as usize]);
+                let far = f64::max(NOISE * std_err, FREE * known.unit);
+                *moved = moved.clamp(start - far, start + far);
             }
         }
         // What is at rest stays to the last bit, and does not take up what rounding leaves.
@@ -260,20 +273,23 @@ impl System {
         found
     }
 
+    /// What is not known of the mean of each texel; none of a gutter texel, which has no mean.
+    fn doubts(&self, known: &Known<'_>, coverage: &[f32], about: &[About]) -> Vec<f64> {
+        let floor = KNOWN * known.unit;
+        let doubt = |(&texel, about): (&u32, &About)| match coverage[texel as usize] > 0.0 {
+            true => {
+                let std_err = f64::from(known.std_errs[texel as usize]);
+                (std_err.powi(2) + (BEND * about.range()).powi(2) + floor.powi(2)).sqrt()
+            }
+            false => 0.0,
+        };
+        self.texels.iter().zip(about).map(doubt).collect()
+    }
+
     /// All equations of a plane, each divided by what it counts against.
-    fn rows(&self, known: &Known<'_>, coverage: &[f32], about: &[About]) -> Rows {
+    fn rows(&self, known: &Known<'_>, coverage: &[f32], about: &[About], doubts: &[f64]) -> Rows {
         let mut rows = Rows::new(self.texels.len());
         let floor = KNOWN * known.unit;
-        // Of the mean of each texel; none of a gutter texel, which has no mean.
-        let doubts: Vec<f64> = (self.texels.iter().zip(about))
-            .map(|(&texel, about)| match coverage[texel as usize] > 0.0 {
-                true => {
-                    let std_err = f64::from(known.std_errs[texel as usize]);
-                    (std_err.powi(2) + (BEND * about.range()).powi(2) + floor.powi(2)).sqrt()
-                }
-                false => 0.0,
-            })
-            .collect();
         let step = |taps: &[(u32, f64)], other: f64| {
             let value = |&(i, w): &(u32, f64)| w * about[i as usize].value;
             let variance = |&(i, w): &(u32, f64)| (w * doubts[i as usize]).powi(2);

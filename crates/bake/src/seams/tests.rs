@@ -213,6 +213,25 @@ fn whole_texels_do_not_give_way_to_a_contact() {
 }
 
 #[test]
+fn no_texel_goes_farther_from_its_mean_than_it_may() {
+    let edge = |p: DVec3| if p.x > p.y { 0.75 } else { 0.25 };
+    let page = page(sphere(false), edge, 0.0);
+    for (std_err, bound) in [(1e-3, 0.1f32), (0.05, 0.15)] {
+        let moved = moved(&page, &page.values, std_err, None);
+        let covered = moved
+            .values
+            .iter()
+            .filter(|(texel, _)| page.coverage[*texel as usize] > 0.0);
+        let far = covered.map(|&(texel, value)| (value - page.values[texel as usize]).abs());
+        let most = far.fold(0.0, f32::max);
+        assert!(
+            most > 0.9 * bound && most < bound + 1e-5,
+            "{most} of {bound}"
+        );
+    }
+}
+
+#[test]
 fn what_agrees_stays_to_the_last_bit() {
     let page = page(sphere(false), |_| 0.7, 0.0);
     let values: Vec<f32> = page.coverage.iter().map(|&c| 0.7 * c.ceil()).collect();
