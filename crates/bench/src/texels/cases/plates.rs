@@ -85,6 +85,7 @@ fn tile(scene: &mut Scene, times: f32) {
 /// Two plates of 4 x 4, 0.001 apart, in texels of 0.1: dark but for their rims.
 fn gap(lab: &Lab) -> Result<Row, Error> {
     const GAP: f64 = 1e-3;
+    const TEXEL: f64 = 0.1;
     let span = [-2.0, 2.0];
     let low = sheet("low", 128, level(span, span, 0.0), [4.0, 4.0, 44.0, 44.0]);
     let mut corners = level(span, span, GAP);
@@ -100,9 +101,11 @@ fn gap(lab: &Lab) -> Result<Row, Error> {
         // Seen from the upper plate the scene is the same.
         Some(shapes::rectangle_above([-2.0 - x, 2.0 - x], [-2.0 - y, 2.0 - y], GAP).diffuse)
     });
-    let inner = |p: DVec3| p.abs().truncate().max_element() < 2.0 - 0.1;
+    // The last texels hold the mean of the light that comes in under the rim. A look-up that blends them cannot be
+    // dark: exact ones leave 0.0037 a texel inside a corner.
+    let inner = |p: DVec3| p.abs().truncate().max_element() < 2.0 - 1.5 * TEXEL;
     let criterion = (
-        "error a texel inside the rims: 1/255 at 4,096 rays",
+        "error where no last texel is blended in: 1/255 at 4,096 rays",
         largest(&judged, |j| inner(j.point.position)),
         Some(lab.noise(STEP)),
     );
