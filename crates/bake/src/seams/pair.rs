@@ -77,33 +77,6 @@ pub(super) fn pairs(borders: &[Border], scope: Scope) -> Vec<Pair> {
     let spaces: Vec<[DVec3; 2]> = spaces.collect();
     let numbered = (0..).zip(&spaces);
     let boxes = Boxes::of(numbered.map(|(number, &[low, high])| (number, low, high)));
-    for i in 0..borders.len() {
-        for j in i + 1..borders.len() {
-            let n = if lengths[j] < lengths[i] {
-                [j as u32, i as u32]
-            } else {
-                [i as u32, j as u32]
-            };
-            if common(n, &borders[n[0] as usize], &borders[n[1] as usize], scope).is_some() {
-                let k = if reaches[i] <= reaches[j] {
-                    (i, j)
-                } else {
-                    (j, i)
-                };
-                let g = reaches[k.0];
-                let (l, h) = (spaces[k.0][0] - g, spaces[k.0][1] + g);
-                let ok = l.cmple(spaces[k.1][1]).all() && h.cmpge(spaces[k.1][0]).all();
-                let mut f = false;
-                boxes.any(l, h, |o| {
-                    f |= o == k.1 as u32;
-                    false
-                });
-                if !ok || !f {
-                    eprintln!("MISS {ok} {f} {:?} {:?}", borders[k.0], borders[k.1]);
-                }
-            }
-        }
-    }
     let found = (0..borders.len() as u32).into_par_iter().map(|own| {
         let ([low, high], reach) = (spaces[own as usize], reaches[own as usize]);
         let mut near: Vec<u32> = Vec::new();
