@@ -3,14 +3,14 @@
 use crate::differ::difference;
 use crate::error::Error;
 use crate::job::Job;
-use crate::resume::{Block, END};
+use crate::resume::{Block, END, Saved};
 use crate::shard::{Shard, is_complete, part_name, state_name};
 use crate::update::Tracker;
 use crate::write::{Writer, Written};
 use ::bake::Bounces;
 use layers::Progress;
 use report::{Journal, Output, PhaseReport};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -161,7 +161,8 @@ fn parse(name: &str) -> Option<(String, Shard)> {
 }
 
 impl Job {
-    /// Writes into the parts' directory what a whole bake of this job writes there, and removes the parts.
+    /// Writes into the parts' directory what a whole bake of this job writes there, and removes the parts. Light that bounces is gathered
+    /// here; a merge that was interrupted goes on from what it had gathered.
     ///
     /// # Errors
     /// The parts are of another bake, a tile lacks, the directory cannot be written, an output would replace an input, or
@@ -183,8 +184,14 @@ impl Job {
             tracker.baked_with(backend);
         }
         let widths = self.widths(&baker);
-        let (mut finishing, mut writing) = (0.0, 0.0);
+        // Of gathers alone: tiles of pages stay in the parts until all is written.
+        let state = parts.dir.join(state_name(&self.scene().stem(), None));
+        let mut saved = Saved::new(state, json!({"key": self.key()}), widths);
         let bounces = self.options().bounces != Bounces::Off;
+        if bounces && let Some(damage) = saved.resume()? {
+            progress.note(&damage);
+        }
+        let (mut finishing, mut writing) = (0.0, 0.0);
         let mut waiting = Vec::new();
         for number in 0..self.atlas().page_count {
             let clock = Instant::now();
@@ -230,11 +237,12 @@ impl Job {
             writing += clock.elapsed().as_secs_f64();
         }
         let clock = Instant::now();
-        let bounced = self.bounce(&mut waiting, &mut (), progress)?;
+        let bounced = self.bounce_saving(&mut waiting, &mut saved, progress)?;
         finishing += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         for page in waiting {
-            self.within(|| writer.page(&page))?;
+            let written = self.within(|| writer.page(&page));
+            written.map_err(self.unsaved(&saved))?;
         }
         writing += clock.elapsed().as_secs_f64();
         let mut phases = self.phases().to_vec();
@@ -249,7 +257,11 @@ impl Job {
             writer.baked_with(backend);
         }
         writer.tracked(tracker)?;
-        let written = writer.finish(phases, bounced)?;
+        let finished = writer.finish(phases, bounced);
+        let written = finished.map_err(self.unsaved(&saved))?;
+        if bounces {
+            saved.remove();
+        }
         for part in &parts.parts {
             report::remove_journal(part.journal.path());
         }

@@ -67,6 +67,26 @@ impl Job {
         stats.map(Some).ok_or(Error::Cancelled)
     }
 
+    /// The same with tiles of gathers brought to the disk now and then, and when the listener cancels.
+    pub(crate) fn bounce_saving(
+        &self,
+        pages: &mut [BakedPage],
+        saved: &mut Saved,
+        progress: &dyn Progress,
+    ) -> Result<Option<BounceStats>, Error> {
+        if self.options().bounces != Bounces::Off {
+            // Gathers take memory of their own.
+            saved.flush().map_err(self.unsaved(saved))?;
+        }
+        match self.bounce(pages, saved, progress) {
+            Err(Error::Cancelled) => {
+                saved.flush()?;
+                Err(Error::Cancelled)
+            }
+            other => other.map_err(self.unsaved(saved)),
+        }
+    }
+
     /// Bakes into a directory: pages are written as they are finished, so that one page is in memory at a time; where light bounces, all
     /// are, because it does from page to page. Nothing stands under a final name until all of it is complete. What is baked is saved now
     /// and then; where the listener cancels, the process dies or a file cannot be written, the same call with `resume` continues it to the
@@ -138,19 +158,8 @@ impl Job {
             }
             writing += clock.elapsed().as_secs_f64();
         }
-        if bounces {
-            // Gathers take memory of their own.
-            saved.flush().map_err(self.unsaved(&saved))?;
-        }
         let clock = Instant::now();
-        let bounced = match self.bounce(&mut waiting, &mut saved, progress) {
-            Ok(bounced) => bounced,
-            Err(Error::Cancelled) => {
-                saved.flush()?;
-                return Err(Error::Cancelled);
-            }
-            Err(error) => return Err(self.unsaved(&saved)(error)),
-        };
+        let bounced = self.bounce_saving(&mut waiting, &mut saved, progress)?;
         let bouncing = clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         for page in waiting {
