@@ -4,7 +4,7 @@
 //! it what nobody is to see. Such sheets may go on in one another, as the tiles of a floor do, and are one ground then. A surface is *rooted*
 //! in a ground where
 //!
-//! * it crosses the ground, and stands out in front of it at least as far as it reaches behind it, along the mean normals of its sheets;
+//! * it crosses the ground, and stands out in front of it at least as far as it reaches behind it (a closed body a quarter as far), along the mean normals of its sheets;
 //! * nothing that does not cross the ground too comes near its part behind. So no column is buried by the floor of the next storey.
 //!
 //! The part behind is buried, for this surface alone. But a ground that has something else behind it which does not cross it, and is not
@@ -23,6 +23,10 @@ use std::collections::{BTreeMap, BTreeSet};
 const LOOKS: usize = 64;
 /// The cosine of the angle at which one sheet may go on where another ends.
 const ALONG: f64 = 0.999;
+
+/// A closed body stands out in front of a ground at least this share of what it reaches behind it. A stone may be sunk by four fifths; what
+/// only pokes through a wall belongs to the other side.
+const CLOSED_OUT: f64 = 0.25;
 
 /// Placement and number of a surface.
 type Key = (u32, u32);
@@ -61,7 +65,8 @@ impl Stand {
             [a, b, c, (a + b + c) / 3.0].into_iter().chain(middles)
         });
         for point in points {
-            let Some(height) = tree.height(scene, inverse.transform_point3(point), front) else {
+            let local = inverse.transform_point3(point);
+            let Some(height) = tree.height_with_border(scene, local, front) else {
                 continue;
             };
             stand.meets = true;
@@ -230,7 +235,9 @@ impl Solids {
             .map(|(&other, _)| placed[other].key)
             .collect();
         let is_rooted = |other: &Placed, stand: &Stand| {
-            if !stand.crosses() || stand.front < stand.behind {
+            let is_closed = other.surface.volume != 0.0;
+            let out = if is_closed { CLOSED_OUT } else { 1.0 };
+            if !stand.crosses() || stand.front < out * stand.behind {
                 return false;
             }
             let slack = NEAR * (stand.high - stand.low).max_element();

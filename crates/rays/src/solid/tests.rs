@@ -565,3 +565,71 @@ fn a_double_sided_room_of_a_gltf_file_buries_nothing() {
         assert_eq!(buried_at(&solids, [-0.1; 3]), [expected; 3]);
     }
 }
+
+/// A room of six sheets that look inward, each so much too long on all sides.
+fn crossed_sheets(over: f32) -> Vec<Mesh> {
+    let (size, over) = (Vec3::new(4.0, 2.5, 3.0), Vec3::splat(over));
+    let (low, high) = (-over, size + over);
+    let mut sheets = Vec::new();
+    for axis in 0..3 {
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        for end in [0.0, size[axis]] {
+            let corner = |a: f32, b: f32| {
+                let mut at = Vec3::ZERO;
+                (at[axis], at[u], at[v]) = (end, a, b);
+                at
+            };
+            let positions = vec![
+                corner(low[u], low[v]),
+                corner(high[u], low[v]),
+                corner(high[u], high[v]),
+                corner(low[u], high[v]),
+            ];
+            let faces = match end > 0.0 {
+                true => vec![[0, 2, 1], [0, 3, 2]],
+                false => vec![[0, 1, 2], [0, 2, 3]],
+            };
+            sheets.push(mesh(positions, faces));
+        }
+    }
+    sheets
+}
+
+#[test]
+fn sheets_that_cross_at_the_edges_of_a_room_end_where_they_cross() {
+    for over in [0.002, 0.01, 0.05, 0.2] {
+        let world = world(scene(crossed_sheets(over)));
+        let middle = DVec3::new(2.0, 1.25, 1.5);
+        for (instance, triangle) in (0..6).flat_map(|i| [(i, 0), (i, 1)]) {
+            let [a, b, c] = world.corners(instance, triangle);
+            for k in 0..400 {
+                let (u, v) = (f64::from(k % 20) / 19.0, f64::from(k / 20) / 19.0);
+                let weights = [1.0 - u.max(v), u.max(v) - u.min(v), u.min(v)]
+                    .map(|w| 0.999 * w + 0.001 / 3.0);
+                let point = a * weights[0] + b * weights[1] + c * weights[2];
+                // How far the point is out of the room, along what it does not lie in.
+                let out = ((point - middle).abs() - middle).max_element();
+                if out.abs() > 1e-4 * f64::from(over) {
+                    let buried = world.is_buried(instance, triangle, weights);
+                    assert_eq!(buried, out > 1e-5, "{over} {instance} {point}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_closed_body_is_rooted_though_more_of_it_is_below_than_above() {
+    let stone = |below: f32| {
+        let middle = Vec3::Y * (0.5 - below);
+        solids(vec![
+            level(0.0, 9.0),
+            block(middle, Vec3::splat(0.5), false),
+        ])
+    };
+    let at = DVec3::new(0.5, -0.05, 0.1);
+    assert_eq!(
+        [0.5, 0.7, 0.9].map(|below| buried(&stone(below), at)),
+        [1, 1, 0]
+    );
+}

@@ -15,6 +15,9 @@ const SLACK: f64 = 1.0 + 8.0 * f64::EPSILON;
 /// Lean of the rays against their axis: no edge of a model runs along them.
 const LEAN: [f64; 2] = [0.025_731_7, 0.041_193_1];
 
+/// The share of that lean of a line that looks for an open surface: where it ends is where it ends, seen from any height.
+const UPRIGHT: f64 = 1.0 / 8192.0;
+
 /// A crossing nearer than this, by its weights or as a share of the way, to an edge or an end decides nothing.
 const CLEAR: f64 = 1e-9;
 
@@ -139,10 +142,23 @@ impl SurfaceTree {
     }
 
     /// How far in front of an open surface a point stands along a unit direction to which its faces look, below 0 behind it; `None`
-    /// beside it.
+    /// beside it. A point over its border may be either.
     pub fn height(&self, scene: &Scene, point: DVec3, front: DVec3) -> Option<f64> {
+        self.height_to(scene, point, front, [1.0, 1.0])
+    }
+
+    /// The same, where a point over the border is not beside the surface.
+    pub fn height_with_border(&self, scene: &Scene, point: DVec3, front: DVec3) -> Option<f64> {
+        let sides = [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]];
+        let mut heights = (sides.into_iter()).map(|side| self.height_to(scene, point, front, side));
+        heights.find_map(|height| height)
+    }
+
+    /// The same along a line that leans to one of four sides.
+    fn height_to(&self, scene: &Scene, point: DVec3, front: DVec3, side: [f64; 2]) -> Option<f64> {
         let across = front.any_orthonormal_vector();
-        let direction = front + across * LEAN[0] + front.cross(across) * LEAN[1];
+        let [a, b] = [0, 1].map(|k| UPRIGHT * LEAN[k] * side[k]);
+        let direction = front + across * a + front.cross(across) * b;
         let mut nearest: Option<f64> = None;
         self.cross(scene, point, direction, f64::NEG_INFINITY, |crossing| {
             if nearest.is_none_or(|t| crossing.t.abs() < t.abs()) {
