@@ -128,6 +128,16 @@ impl Solids {
         }
     }
 
+    /// True where some of a surface stands in front of a sheet.
+    pub(super) fn stands_before(&self, sheet: &Placed, other: &Placed) -> bool {
+        if sheet.surface.front.is_none() {
+            return false;
+        }
+        let tree = self.tree_of(sheet.shape, sheet.key.1);
+        let stand = Stand::of(&self.scene, sheet, tree, other);
+        stand.front > stand.least
+    }
+
     /// By sheet, what is rooted in it: placements and numbers of surfaces.
     fn rooted_in_grounds(&self) -> BTreeMap<Key, Vec<Key>> {
         let placed = self.placed_surfaces();

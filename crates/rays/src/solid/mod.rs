@@ -14,6 +14,8 @@
 //! * Inward, some surface lies in it for the most part, and nothing large outside: a room too.
 //! * Inward and none of these: a solid wound the wrong way.
 //!
+//! An open surface whose openings all lie on what it stands on is closed by that, and a solid too: `shut.rs` says when.
+//!
 //! What is rooted in an open ground or in a room has a part that nobody is to see: `ground.rs` and `rooms.rs` say which.
 //!
 //! A point is buried where it lies in more solids than cavities. Distances do not matter: a limit on the distance of occluders limits
@@ -26,6 +28,7 @@ mod placed;
 mod rims;
 mod rooms;
 mod shape;
+mod shut;
 mod topology;
 mod tree;
 
@@ -67,7 +70,7 @@ impl Inside {
     }
 }
 
-/// A surface in the world that is closed, is rooted in a ground, or is one.
+/// A surface in the world that is closed or shut, is rooted in a ground, or is one.
 #[derive(Debug)]
 struct Body {
     shape: u32,
@@ -178,6 +181,7 @@ impl Solids {
             rims: HashMap::new(),
         };
         solids.classify();
+        solids.shut();
         solids.root();
         solids.root_in_rooms();
         let counting = (0..solids.bodies()).filter(|&body| solids.box_of(body).is_some());
@@ -282,7 +286,10 @@ impl Solids {
             let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
             let local = points.clone().map(|at| body.inverse.transform_point3(at));
             let (low, high) = local.fold(limits, |(low, high), at| (low.min(at), high.max(at)));
+            let is_solid = body.inside == Inside::Solid;
+            let mut openings = self.surface(body).openings.iter();
             self.tree(body).meets(&self.scene, low, high)
+                || (is_solid && openings.any(|opening| opening.meets(low, high)))
         };
         if !matches!(of.inside, Inside::Around(_)) {
             return is_near(of);

@@ -47,6 +47,16 @@ impl Opening {
         })
     }
 
+    /// The unit normal of the panes: outward where the surface looks outward.
+    pub fn front(&self) -> DVec3 {
+        self.front
+    }
+
+    /// True where its border's box meets this one.
+    pub fn meets(&self, low: DVec3, high: DVec3) -> bool {
+        self.low.cmple(high).all() && self.high.cmpge(low).all()
+    }
+
     /// True where one may look through it at a point, from the side of the panes' front: beyond its plane, and not all but along it.
     pub fn shows(&self, point: DVec3) -> bool {
         let beyond = self.slack - (point - self.middle).dot(self.front);

@@ -199,7 +199,7 @@ impl Solids {
         room.meets(point, point) && self.winding_of(room, point) < 0
     }
 
-    fn winding_of(&self, room: &Placed, point: DVec3) -> i32 {
+    pub(super) fn winding_of(&self, room: &Placed, point: DVec3) -> i32 {
         let panes = room.surface.openings.iter().flat_map(|o| &o.panes);
         let tree = self.tree_of(room.shape, room.key.1);
         tree.winding(&self.scene, panes, room.inverse.transform_point3(point))
@@ -301,7 +301,7 @@ fn is_double_sided(scene: &Scene, surface: &Surface) -> bool {
 }
 
 /// Centres of five faces spread over a surface.
-fn probes(scene: &Scene, surface: &Surface) -> [DVec3; 5] {
+pub(super) fn probes(scene: &Scene, surface: &Surface) -> [DVec3; 5] {
     [0, 1, 2, 3, 4].map(|k: usize| {
         let last = surface.faces.len() - 1;
         let [a, b, c] = corners(scene, surface.faces[k * last / 4]).map(|p| p.as_dvec3());

@@ -633,3 +633,50 @@ fn a_closed_body_is_rooted_though_more_of_it_is_below_than_above() {
         [1, 1, 0]
     );
 }
+
+/// A unit block without its lower face, from y = `bottom`.
+fn bottomless(bottom: f32) -> Mesh {
+    let mut open = block(Vec3::Y * (bottom + 0.5), Vec3::splat(0.5), false);
+    let is_low = |t: &[u32; 3]| t.iter().all(|&k| open.positions[k as usize].y == bottom);
+    let kept = open
+        .triangles
+        .iter()
+        .copied()
+        .filter(|t| !is_low(t))
+        .collect();
+    open.triangles = kept;
+    open
+}
+
+#[test]
+fn a_prop_without_a_bottom_is_a_solid_where_it_stands() {
+    let at = DVec3::new(0.3, 0.002, 0.1);
+    let ground = || level(0.0, 9.0);
+    let slab = || block(Vec3::Y * -0.1, Vec3::new(9.0, 0.1, 9.0), false);
+    let unseen = |meshes| depth(&solids(meshes), at);
+    for bottom in [0.0, -0.05, 0.0005] {
+        assert_eq!(unseen(vec![ground(), bottomless(bottom)]), 1, "{bottom}");
+        assert_eq!(
+            unseen(vec![slab(), bottomless(bottom)]),
+            1,
+            "{bottom}, slab"
+        );
+    }
+    // On two tiles; with a ground that ends under it; floating; behind a sheet and not before it; with an inhabitant; turned over.
+    let tile = |from: f32| {
+        let mut tile = level(0.0, 4.5);
+        tile.positions.iter_mut().for_each(|p| p.x += from);
+        tile
+    };
+    assert_eq!(unseen(vec![tile(-4.5), tile(4.5), bottomless(0.0)]), 1);
+    assert_eq!(unseen(vec![tile(-4.5), bottomless(0.0)]), 0);
+    assert_eq!(unseen(vec![ground(), bottomless(0.1)]), 0);
+    assert_eq!(unseen(vec![level(3.0, 9.0), bottomless(0.0)]), 0);
+    let tenant = block(Vec3::Y * 0.5, Vec3::splat(0.1), false);
+    assert_eq!(unseen(vec![ground(), bottomless(0.0), tenant]), 0);
+    let mut cup = bottomless(0.0);
+    for p in &mut cup.positions {
+        (p.y, p.z) = (1.0 - p.y, -p.z);
+    }
+    assert_eq!(unseen(vec![ground(), cup]), 0);
+}
