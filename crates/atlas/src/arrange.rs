@@ -19,6 +19,9 @@ const SPECK: f32 = 1.0 / (1 << 23) as f32;
 /// Instances of one mesh differ at most so much in their texels: smaller ones are laid out larger than asked, for all
 /// share one layout, whose gutter is wide enough for the smallest and this much wider in the largest.
 const SPREAD: f64 = 16.0;
+/// Smallest texels that are tried, from those of the largest instance down, and the step from one to the next.
+const TRIES: i32 = 8;
+const STEP: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// Unwraps every mesh that takes texels and packs all charts together.
 ///
@@ -194,12 +197,10 @@ impl Tile {
     fn of(sheet: &Sheet, gutter: u32, density: impl Fn(u32) -> f64) -> Tile {
         let instances = sheet.instances.iter().zip(&sheet.scales);
         let mut scales: Vec<f64> = instances.map(|(&i, scale)| scale * density(i)).collect();
-        let largest = scales.iter().copied().fold(0.0, f64::max);
-        // The gutter of the smallest instance grows with the instance.
-        for scale in &mut scales {
-            *scale = scale.max(largest / SPREAD);
+        let scale = sheet.least_scale(gutter, &scales);
+        for own in &mut scales {
+            *own = own.max(scale);
         }
-        let scale = scales.iter().copied().fold(f64::INFINITY, f64::min);
         let shapes = sheet.shapes(scale, false);
         let all: Vec<usize> = (0..shapes.len()).collect();
         let area: u64 = shapes.iter().map(|s| s[0].grown_area(gutter)).sum();
@@ -249,6 +250,36 @@ impl Tile {
 }
 
 impl Sheet {
+    /// The texels per mesh unit that an instance gets at least, so that all take the least area together. The gutter of the smallest
+    /// grows with the instance; so one that is small beside the others had better be laid out larger than asked.
+    fn least_scale(&self, gutter: u32, scales: &[f64]) -> f64 {
+        let limits = (f64::INFINITY, 0.0f64);
+        let around = |(low, high): (f64, f64), &scale: &f64| (low.min(scale), high.max(scale));
+        let (smallest, largest) = scales.iter().fold(limits, around);
+        let smallest = smallest.max(largest / SPREAD);
+        let area = |least: f64| {
+            let grown = |chart: usize| {
+                let sides = self.size(chart, least);
+                sides
+                    .map(|side| f64::from(side + gutter))
+                    .iter()
+                    .product::<f64>()
+            };
+            let one: f64 = (0..self.charts.len()).map(grown).sum();
+            let times = scales
+                .iter()
+                .map(|scale| (scale.max(least) / least).powi(2));
+            one * times.sum::<f64>()
+        };
+        let tried = (0..TRIES).map(|k| largest * STEP.powi(k));
+        let tried = tried.filter(|&least| least > smallest);
+        let all = std::iter::once(smallest).chain(tried);
+        let measured = all.map(|least| (area(least), least));
+        measured
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .map_or(smallest, |(_, least)| least)
+    }
+
     /// The texels of each chart at so many texels a unit, in all quarter turns; in a draft as they stand.
     fn shapes(&self, scale: f64, draft: bool) -> Vec<Shape> {
         let shape = |chart: usize| {

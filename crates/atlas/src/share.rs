@@ -144,13 +144,14 @@ impl Rule<'_> {
     }
 }
 
-/// The largest number in `low..=high` for which `holds`, where it holds below and not above.
+/// The largest number in `low..=high`, which are not below 0, for which `holds`, where it holds below and not above. Bits are halved and
+/// not differences: densities of a speck and of a street may lie twenty powers of ten apart.
 fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
     if holds(high) {
         return high;
     }
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
+    for _ in 0..64 {
+        let middle = f64::from_bits((low.to_bits() + high.to_bits()) / 2);
         match holds(middle) {
             true => low = middle,
             false => high = middle,

@@ -244,6 +244,25 @@ fn instances_of_very_different_size_share_a_page() {
 }
 
 #[test]
+fn one_small_copy_takes_no_texels_from_the_others() {
+    let density = |sizes: &[f64]| {
+        let copies: Vec<_> = (0..)
+            .zip(sizes)
+            .map(|(i, &size)| (0, i, scaled(size, size, size)))
+            .collect();
+        let scene = scene(vec![ball(12)], &copies);
+        f64::from(auto(&scene, 256).placements[0].scale[0])
+    };
+    let alike = density(&[1.0; 8]);
+    for small in [0.3, 0.1, 0.01, 1e-6, 1e-19] {
+        let mut sizes = [1.0; 8];
+        sizes[7] = small;
+        let found = density(&sizes);
+        assert!(found > 0.97 * alike, "{small}: {found} for {alike}");
+    }
+}
+
+#[test]
 fn triangles_too_thin_to_unwrap_are_not_missing() {
     let mut ball = ball(12);
     let n = ball.positions.len() as u32;
