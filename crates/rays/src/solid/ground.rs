@@ -66,7 +66,8 @@ impl Stand {
         });
         for point in points {
             let local = inverse.transform_point3(point);
-            let Some(height) = tree.height_with_border(scene, local, front) else {
+            // A wall that only stands on a floor does not cross it: what ends at the sheet is beside it.
+            let Some(height) = tree.height_over(scene, local, front, true) else {
                 continue;
             };
             stand.meets = true;

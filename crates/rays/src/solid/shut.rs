@@ -61,7 +61,7 @@ impl Solids {
                 let front = ground.surface.front.unwrap_or_default();
                 let tree = self.tree_of(ground.shape, ground.key.1);
                 let local = ground.inverse.transform_point3(point);
-                let height = tree.height_with_border(&self.scene, local, front);
+                let height = tree.height_over(&self.scene, local, front, false);
                 height.is_some_and(|height| height < 0.0)
             };
             grounds.iter().any(is_behind) || solids.iter().any(|body| self.holds(body, point))

@@ -1,6 +1,6 @@
 use super::*;
 use crate::fixture::{block, mask_left_half, mesh, placed_scene, scene, world};
-use glam::{DQuat, Vec3};
+use glam::{DQuat, Quat, Vec3};
 use scene::Mesh;
 
 fn unit(inward: bool) -> Mesh {
@@ -679,4 +679,29 @@ fn a_prop_without_a_bottom_is_a_solid_where_it_stands() {
         (p.y, p.z) = (1.0 - p.y, -p.z);
     }
     assert_eq!(unseen(vec![ground(), cup]), 0);
+}
+
+#[test]
+fn a_wall_that_only_stands_on_a_floor_buries_nothing_behind_it() {
+    for turn in 0..4 {
+        let wall = |low: f32| {
+            let turn = Quat::from_rotation_y(f32::from(turn as u8) * std::f32::consts::FRAC_PI_2);
+            let corners = [(-2.0, low), (2.0, low), (2.0, 2.0), (-2.0, 2.0)];
+            let at = |(x, y)| (turn * Vec3::new(x, y, -2.0)).round();
+            mesh(corners.map(at).to_vec(), vec![[0, 1, 2], [0, 2, 3]])
+        };
+        let behind = DQuat::from_rotation_y(f64::from(turn) * std::f64::consts::FRAC_PI_2)
+            * DVec3::new(0.3, 1e-6, -2.5);
+        for (low, expected) in [(0.0, 0), (-1.0, 1)] {
+            let world = world(scene(vec![level(0.0, 3.0), wall(low)]));
+            let own = world.solids().own(0, 0);
+            let near = world.solids().about(behind, behind);
+            let depth = |&body: &u32| world.solids().depth(body, behind, own);
+            assert_eq!(
+                near.iter().map(depth).sum::<i32>(),
+                expected,
+                "{turn} {low}"
+            );
+        }
+    }
 }

@@ -147,11 +147,20 @@ impl SurfaceTree {
         self.height_to(scene, point, front, [1.0, 1.0])
     }
 
-    /// The same, where a point over the border is not beside the surface.
-    pub fn height_with_border(&self, scene: &Scene, point: DVec3, front: DVec3) -> Option<f64> {
+    /// The same, where a point over the border is beside the surface if `inner`, and else is not.
+    pub fn height_over(
+        &self,
+        scene: &Scene,
+        point: DVec3,
+        front: DVec3,
+        inner: bool,
+    ) -> Option<f64> {
         let sides = [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]];
         let mut heights = (sides.into_iter()).map(|side| self.height_to(scene, point, front, side));
-        heights.find_map(|height| height)
+        match inner {
+            true => heights.try_fold(0.0, |_, height| height),
+            false => heights.find_map(|height| height),
+        }
     }
 
     /// The same along a line that leans to one of four sides.
