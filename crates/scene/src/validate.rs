@@ -12,6 +12,7 @@
 //! | vertex index out of range | error |
 //! | position that is not finite, or beyond [`REACH`], used by a triangle | error |
 //! | instance that reaches beyond [`REACH`] in the world, or whose matrix is not finite or not affine | error |
+//! | instance of which no side is as long as 1e-12 units, or whose transform has no inverse | left out |
 //! | no triangle in the whole scene | error `NoTriangles` |
 //! | image file that is there and broken | error |
 //! | built in memory: normals or UVs not one a vertex, material number out of range, texture of another size | error `Authored` |
@@ -29,6 +30,9 @@ use std::sync::Arc;
 /// Largest coordinate that the ray tracers take: Embree ignores vertices from about 1.8e18 on, so that squares of
 /// coordinates stay finite in f32.
 pub(crate) const REACH: f32 = 1e18;
+
+/// The least that an instance's largest side may be. Embree multiplies three lengths in f32, and meets nothing of what is 1e-16 long.
+const LEAST: f64 = 1e-12;
 
 /// What a reader hands over; [`scene`] makes a [`Scene`] of it.
 #[derive(Default)]
@@ -262,15 +266,16 @@ fn instances(input: &mut Input, parts: &mut Parts) -> Result<(), Error> {
     for instance in std::mem::take(&mut parts.instances) {
         let (low, high) = bounds[instance.mesh as usize];
         let transform = instance.transform;
-        let mut corners = (0..8).map(|k| {
+        let corners = (0..8).map(|k| {
             DVec3::new(
                 [low.x, high.x][k & 1],
                 [low.y, high.y][k >> 1 & 1],
                 [low.z, high.z][k >> 2],
             )
         });
-        let reach = |corner| transform.transform_point3(corner).abs().max_element() <= REACH as f64;
-        if !transform.is_finite() || !corners.all(reach) {
+        let mut corners = corners.map(|corner| transform.transform_point3(corner));
+        let reaches = |corner: DVec3| corner.abs().max_element() <= REACH as f64;
+        if !transform.is_finite() || !corners.all(reaches) {
             let problem = format!(
                 "its transform puts the mesh beyond {REACH:e} or is not finite; scale the scene down"
             );
@@ -280,6 +285,16 @@ fn instances(input: &mut Input, parts: &mut Parts) -> Result<(), Error> {
             let message =
                 "the transform has no inverse (a scale of 0?), so the instance is left out";
             input.warn(WarningKind::SingularTransforms, instance.name, 1, message);
+            continue;
+        }
+        let m = transform.matrix3;
+        let size = high - low;
+        let sides = m.x_axis.abs() * size.x + m.y_axis.abs() * size.y + m.z_axis.abs() * size.z;
+        if sides.max_element() < LEAST {
+            let message = format!(
+                "the instance is smaller than {LEAST:e} units, where rays in f32 meet nothing, and is left out; scale the scene up"
+            );
+            input.warn(WarningKind::TinyInstances, instance.name, 1, message);
             continue;
         }
         kept.push(instance);

@@ -70,6 +70,8 @@ pub enum WarningKind {
     Skins,
     /// A texture on a mesh without the UV set it reads: the mesh gets the material without it.
     TexturesWithoutUvs,
+    /// An instance of which no side is as long as 1e-12 units is left out: products of three such lengths vanish in the f32 of rays.
+    TinyInstances,
     /// OBJ: a material that is in no library that was read; its parts stay untinted.
     UnknownMaterials,
     /// A texture of a kind or in a format that is not read (KTX2, AVIF): the factor stands alone.
@@ -108,6 +110,7 @@ impl WarningKind {
             WarningKind::SingularTransforms => "singular-transforms",
             WarningKind::Skins => "skins",
             WarningKind::TexturesWithoutUvs => "textures-without-uvs",
+            WarningKind::TinyInstances => "tiny-instances",
             WarningKind::UnknownMaterials => "unknown-materials",
             WarningKind::UnreadTextures => "unread-textures",
             WarningKind::UnusedBadVertices => "unused-bad-vertices",

@@ -261,6 +261,15 @@ fn a_scene_without_a_triangle_is_refused_with_what_was_ignored() {
     refused("ignored: singular-transforms", |m, _| {
         m.transform[1][1] = 0.0
     });
+    let shrunk = |m: &mut Mesh, size: f32| {
+        (0..3).for_each(|k| m.transform[k][k] = size);
+        // Where it stands says nothing about how large it is.
+        m.transform[3][0] = 1e9;
+    };
+    refused("ignored: tiny-instances", move |m, _| shrunk(m, 1e-13));
+    let mut small = square();
+    shrunk(&mut small, 1e-11);
+    assert!(Scene::from_meshes(vec![small], vec![Material::default()]).is_ok());
 }
 
 type Edit = fn(&mut Mesh, &mut Material);
