@@ -1,7 +1,9 @@
-//! Pipes in the place of files: refused in one line, where to open them would be to wait for ever.
+//! Pipes and links in the place of files: refused in one line, where to open a pipe would be to wait for ever, and a link would have
+//! another file overwritten.
 #![cfg(unix)]
 
-use crate::support::{ambake, ended, scene};
+use crate::support::{ambake, ended, files, scene};
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 #[test]
@@ -38,6 +40,68 @@ fn a_pipe_in_the_place_of_a_file_of_the_output_folder_hangs_nothing() {
             status == 0 || text.lines().count() == 1 && text.contains("a pipe or a device"),
             "{words:?} {name}: {text}"
         );
+    }
+}
+
+#[test]
+fn no_saved_state_is_written_through_a_link() {
+    let square = std::fs::read(scene("plane.obj")).expect("a scene");
+    let work = ["--size", "64", "--rays", "16", "--quiet", "-o"];
+    let refused = Some("it is a symbolic link; remove it");
+    for (name, words, target, problem) in [
+        (
+            ".plane.ambake-resume",
+            &["--resume"][..],
+            "plane.obj",
+            refused,
+        ),
+        (".plane.ambake-resume", &["--resume"], "mine", refused),
+        (".plane.ambake-resume", &["--resume"], "gone", refused),
+        // Nothing is saved.
+        (".plane.ambake-resume", &[], "plane.obj", None),
+        (
+            ".plane.1-of-1.ambake-resume",
+            &["--shard", "1/1"],
+            "mine",
+            refused,
+        ),
+        // The part gets its name when it is complete, and takes the place of the link.
+        ("plane.1-of-1.part", &["--shard", "1/1"], "mine", None),
+        (
+            "plane.1-of-1.part",
+            &["--shard", "1/1"],
+            "plane.obj",
+            Some("is an input of this job"),
+        ),
+    ] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let [input, mine, out] = ["plane.obj", "mine", "out"].map(|name| folder.path().join(name));
+        std::fs::write(&input, &square).expect("the folder is writable");
+        std::fs::write(&mine, "mine").expect("the folder is writable");
+        std::fs::create_dir(&out).expect("the folder is writable");
+        let link = Path::new("..").join(target);
+        std::os::unix::fs::symlink(link, out.join(name)).expect("a link");
+        let mut command = ambake();
+        command.arg("bake").arg(&input).args(words).args(work);
+        let output = command.arg(&out).output().expect("it runs");
+        let text = String::from_utf8_lossy(&output.stderr);
+        let case = format!("{words:?} {name} -> {target}: {text}");
+        let read = |path| std::fs::read(path).expect("it is there");
+        assert!(read(&input) == square && read(&mine) == b"mine", "{case}");
+        assert_eq!(files(folder.path()), ["mine", "out", "plane.obj"], "{case}");
+        assert_eq!(
+            output.status.code(),
+            Some(i32::from(problem.is_some())),
+            "{case}"
+        );
+        if let Some(problem) = problem {
+            assert!(text.contains(problem) && text.contains(name), "{case}");
+            assert_eq!(
+                (text.lines().count(), files(&out)),
+                (1, vec![name.into()]),
+                "{case}"
+            );
+        }
     }
 }
 

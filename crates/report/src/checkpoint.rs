@@ -7,9 +7,10 @@
 //! not fit is damage.
 
 use crate::lock::Lock;
+use crate::regular::{check_own, open_own};
 use crate::{Error, check_regular};
 use serde_json::Value;
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
@@ -38,27 +39,20 @@ impl Journal {
     /// absent, it starts anew with `header`. The second value tells of damage, for which it was started anew.
     ///
     /// # Errors
-    /// The file cannot be written, or another process writes it.
+    /// The file cannot be written, a link or anything else than a regular file has its place, or another process writes it.
     pub fn resume(
         path: &Path,
         header: &Value,
         fits: impl Fn(&Value) -> bool,
     ) -> Result<(Self, Option<String>), Error> {
         let fail = |source| Error::write(path, source);
-        match check_regular(path) {
+        match check_own(path) {
             Err(error) if error.kind() != ErrorKind::NotFound => {
                 return Err(Error::read(path, format!("{error}; remove it")));
             }
             _ => {}
         }
-        let mut options = OpenOptions::new();
-        let file = options
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .open(path)
-            .map_err(fail)?;
+        let file = open_own(path).map_err(fail)?;
         let Some(lock) = Lock::of(&file).map_err(fail)? else {
             let reason = "another run is writing it; wait for that run, or stop it";
             return Err(Error::read(path, reason));
@@ -461,6 +455,29 @@ mod tests {
                 "{damage}"
             );
         }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_journal_is_not_written_through_a_link() {
+        let dir = tempfile::tempdir().unwrap();
+        let [real, link] = ["real", "link"].map(|name| dir.path().join(name));
+        let bytes = written(&real, &json!(1));
+        std::os::unix::fs::symlink("real", &link).unwrap();
+        for fits in [true, false] {
+            let error = Journal::resume(&link, &json!(2), |_| fits).unwrap_err();
+            let line = error.to_string();
+            let said = "link: it is a symbolic link; remove it";
+            assert!(line.ends_with(said), "{line}");
+        }
+        assert!(std::fs::read(&real).unwrap() == bytes);
+        // To read through one harms nothing.
+        let mut journal = Journal::open(&link).unwrap().unwrap();
+        assert_eq!(journal.len(), 3);
+        // Another name is given to the link, and it is the link that goes.
+        journal.rename(&dir.path().join("other")).unwrap();
+        remove_journal(journal.path());
+        assert!(std::fs::read(&real).unwrap() == bytes);
     }
 
     #[test]
