@@ -80,13 +80,15 @@ pub fn note(line: &str) {
     let _ = writeln!(io::stderr(), "{}", printable(line));
 }
 
-/// The text as it may stand on a terminal: control characters but the end of line, and marks that turn the direction of
-/// writing, become `\u{..}`. Names and numbers of a scene file come from strangers.
+/// What a terminal or a viewer of logs may obey or hide rather than show: control characters but the end of line, the separators of
+/// lines and paragraphs, and marks that turn the direction of writing.
+fn odd(c: char) -> bool {
+    let unseen = matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    unseen || c.is_control() && c != '\n'
+}
+
+/// The text as it may stand on a terminal: odd characters become `\u{..}`. Names and numbers of a scene file come from strangers.
 pub fn printable(text: &str) -> Cow<'_, str> {
-    let odd = |c: char| {
-        (c.is_control() && c != '\n')
-            || matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
-    };
     if !text.contains(odd) {
         return text.into();
     }
@@ -116,13 +118,18 @@ pub fn say_json(summary: &Value) -> anyhow::Result<()> {
     say_json_text(&serde_json::to_string_pretty(summary)?)
 }
 
-/// Prints JSON to standard output. What is left of control characters in it stands in strings, where JSON has its own escapes.
+/// Prints JSON to standard output, without odd characters.
 pub fn say_json_text(json: &str) -> anyhow::Result<()> {
-    let escape = |c: char| match c.is_control() && c != '\n' {
+    write(&(printable_json(json) + "\n"))
+}
+
+/// The same JSON as it may stand on a terminal. Odd characters in it stand in strings, where JSON has its own escapes.
+fn printable_json(json: &str) -> String {
+    let escape = |c: char| match odd(c) {
         true => format!("\\u{:04x}", u32::from(c)),
         false => c.to_string(),
     };
-    write(&(json.chars().map(escape).collect::<String>() + "\n"))
+    json.chars().map(escape).collect()
 }
 
 #[cfg(test)]
@@ -154,5 +161,27 @@ mod tests {
         let line = printable("a\u{1b}[2Jb\rc\u{9b}d\u{202e}e\nf");
         assert_eq!(line, "a\\u{1b}[2Jb\\u{d}c\\u{9b}d\\u{202e}e\nf");
         assert!(matches!(printable("Zimmer ä 50 %"), Cow::Borrowed(_)));
+    }
+
+    #[test]
+    fn what_breaks_or_turns_a_line_is_printed_as_its_number() {
+        let marks = [0x0d, 0x1b, 0x85, 0x61c, 0x200e, 0x200f];
+        for code in marks
+            .into_iter()
+            .chain(0x2028..=0x202e)
+            .chain(0x2066..=0x2069)
+        {
+            let name = format!("a{}b\n", char::from_u32(code).expect("a character"));
+            assert_eq!(printable(&name), format!("a\\u{{{code:x}}}b\n"));
+            let json = Value::from(name.as_str()).to_string();
+            let shown = printable_json(&json);
+            assert!(!shown.contains(odd), "{shown:?}");
+            let read: Value = serde_json::from_str(&shown).expect("it stays JSON");
+            assert_eq!(read, name.as_str(), "{shown}");
+        }
+        for plain in ["é 日本 \u{2027}\u{202f}\u{2065}", "{\n  \"a\": 1\n}"] {
+            assert_eq!(printable(plain), plain);
+            assert_eq!(printable_json(plain), plain);
+        }
     }
 }
