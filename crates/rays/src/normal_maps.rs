@@ -45,9 +45,11 @@ impl NormalMaps {
             maps.into_iter()
                 .find(|map| map.texture.image as usize == image)
         };
-        let images = (0..scene.packed_images.len())
+        let maps: Vec<_> = (0..scene.packed_images.len()).map(read).collect();
+        scene.check_normal_images((0..maps.len()).filter(|&image| maps[image].is_some()))?;
+        let images = maps
             .into_par_iter()
-            .map(|image| read(image).map(|map| scene.normal_image(map)).transpose())
+            .map(|map| map.map(|map| scene.normal_image(map)).transpose())
             .collect::<Result<_, _>>()?;
         let tangents = scene
             .meshes

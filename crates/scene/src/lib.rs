@@ -14,6 +14,8 @@ mod lookup;
 mod material;
 mod normal_map;
 mod obj;
+#[cfg(test)]
+mod picture_tests;
 mod source;
 mod types;
 mod validate;
@@ -52,8 +54,14 @@ pub fn load(path: &Path) -> Result<Scene, Error> {
 /// # Errors
 /// As [`load`].
 pub fn load_with(path: &Path, allowed: Files) -> Result<Scene, Error> {
+    load_within(path, allowed, image::Budget::default())
+}
+
+/// As [`load_with`], within a bound for decoded pictures.
+fn load_within(path: &Path, allowed: Files, pictures: image::Budget) -> Result<Scene, Error> {
     let format = source::format_of(path)?;
     let mut input = source::Input::new(path, allowed);
+    input.pictures = pictures;
     let parts = match format {
         Format::Obj => obj::load(&mut input)?,
         // A file is never `Format::Memory`.

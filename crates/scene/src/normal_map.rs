@@ -1,6 +1,6 @@
 //! Normal maps of materials: kept as their files' bytes, decoded only for a bake that bends normals.
 
-use crate::image::{Failure, TOO_LARGE, decode};
+use crate::image::{Budget, Failure, TOO_LARGE, decode};
 use crate::source::short;
 use crate::{Error, Image, Scene, TextureRef};
 use glam::{Vec2, Vec3};
@@ -29,17 +29,28 @@ pub struct PackedImage {
 }
 
 impl Scene {
+    /// Judges by their headers whether the images of normal maps may be decoded together. The bound is that of the other pictures
+    /// of a scene: 4 GiB, and 64 bytes for each byte of their files.
+    ///
+    /// * `images`: numbers of [`Scene::packed_images`], each once; others are passed over.
+    ///
+    /// # Errors
+    /// They would take more; the error names the first that is too much.
+    pub fn check_normal_images(
+        &self,
+        images: impl IntoIterator<Item = usize>,
+    ) -> Result<(), Error> {
+        let packed = images.into_iter().filter_map(|i| self.packed_images.get(i));
+        check(packed, Budget::default())
+    }
+
     /// The image of a normal map, decoded: red, green and blue are the coded normals, also of a map of heights.
     ///
     /// # Errors
     /// The image is broken or in a format that is not read; the error names it.
     pub fn normal_image(&self, map: &NormalMap) -> Result<Image, Error> {
         let packed = &self.packed_images[map.texture.image as usize];
-        let fail = |problem: String| Error::Invalid {
-            path: packed.file.clone(),
-            place: format!("normal map `{}`", short(&packed.name)),
-            problem,
-        };
+        let fail = |problem: String| failed(packed, problem);
         let pixels = decode(&packed.bytes, &packed.name).map_err(|failure| match failure {
             Failure::Unsupported(format) => fail(format!(
                 "{format} is not read; convert it to PNG or leave out --normal-maps"
@@ -61,6 +72,25 @@ impl Scene {
             return Ok(from_heights(&image));
         }
         Ok(image)
+    }
+}
+
+fn check<'a>(
+    images: impl Iterator<Item = &'a PackedImage>,
+    mut budget: Budget,
+) -> Result<(), Error> {
+    for packed in images {
+        let taken = budget.take(&packed.bytes, &packed.name);
+        taken.map_err(|problem| failed(packed, problem))?;
+    }
+    Ok(())
+}
+
+fn failed(packed: &PackedImage, problem: String) -> Error {
+    Error::Invalid {
+        path: packed.file.clone(),
+        place: format!("normal map `{}`", short(&packed.name)),
+        problem,
     }
 }
 
@@ -120,5 +150,26 @@ mod tests {
         let expected = Vec3::new(-0.2, 0.0, 1.0).normalize();
         let found = Vec3::new(f32::from(r), f32::from(g), f32::from(b)) / 127.5 - 1.0;
         assert!((found - expected).length() < 0.01, "{found} for {expected}");
+    }
+
+    #[test]
+    fn normal_maps_are_counted_before_they_are_decoded() {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        let image = image::RgbImage::new(300, 200);
+        image.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+        let packed = PackedImage {
+            name: "bumps.png".into(),
+            bytes: bytes.into_inner(),
+            file: "a.gltf".into(),
+        };
+        let two = || [&packed; 2].into_iter();
+        assert!(check(two(), Budget::of(2 * 4 * 300 * 200)).is_ok());
+        let error = check(two(), Budget::of(4 * 300 * 200))
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.starts_with("a.gltf: normal map `bumps.png`: "),
+            "{error}"
+        );
     }
 }

@@ -1,5 +1,6 @@
 //! Reads the bytes of a scene: the main file and the files it names, all of them hashed in the order they are read.
 
+use crate::image::Budget;
 use crate::{Error, Format, Warning, WarningKind};
 use base64::Engine;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
@@ -29,6 +30,8 @@ pub(crate) struct Input {
     pub warnings: Vec<Warning>,
     /// Every file that was read, the main one first.
     pub files: Vec<PathBuf>,
+    /// What the decoded pictures take.
+    pub pictures: Budget,
 }
 
 impl Input {
@@ -39,6 +42,7 @@ impl Input {
             hasher: blake3::Hasher::new(),
             warnings: Vec::new(),
             files: Vec::new(),
+            pictures: Budget::default(),
         }
     }
 

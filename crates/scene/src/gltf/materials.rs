@@ -2,7 +2,7 @@
 
 use super::accessor::Data;
 use super::phong::{Phong, phong};
-use crate::image::{Failure, Pixels, TOO_LARGE, decode};
+use crate::image::{Failure, Pixels, TOO_LARGE, content, decode};
 use crate::material::conserving;
 use crate::source::{Input, Uri, beside, short, uri};
 use crate::validate::{Parts, clamped};
@@ -213,7 +213,7 @@ fn normal_map(
     }))
 }
 
-/// Reads the images of normal maps, undecoded; returns glTF image number to packed image number.
+/// Reads the images of normal maps, undecoded and the same one once; returns glTF image number to packed image number.
 fn packed_images(
     input: &mut Input,
     data: &Data,
@@ -221,6 +221,7 @@ fn packed_images(
     files: &mut BTreeMap<usize, Vec<u8>>,
 ) -> Result<HashMap<usize, u32>, Error> {
     let mut numbers = HashMap::new();
+    let mut known = HashMap::new();
     for json in &data.root.materials {
         let index = json.normal_texture.as_ref().map(|normal| normal.index);
         // A texture without a source has it in an extension, in a format that is not read.
@@ -232,12 +233,15 @@ fn packed_images(
             continue;
         };
         if let Some((name, bytes)) = encoded(input, data, source)? {
-            numbers.insert(source, parts.packed_images.len() as u32);
-            parts.packed_images.push(PackedImage {
-                name,
-                bytes: bytes.to_vec(),
-                file: input.path.clone(),
+            let number = *known.entry(content(&bytes, &name)).or_insert_with(|| {
+                parts.packed_images.push(PackedImage {
+                    name,
+                    bytes: bytes.to_vec(),
+                    file: input.path.clone(),
+                });
+                parts.packed_images.len() as u32 - 1
             });
+            numbers.insert(source, number);
             if let Cow::Owned(bytes) = bytes {
                 files.insert(source, bytes);
             }
@@ -351,30 +355,26 @@ fn images(
             }
         }
     }
-    let decoded: Vec<Result<Pixels, Failure>> = wanted
-        .par_iter()
-        .map(|(_, (name, bytes))| decode(bytes, name))
-        .collect();
+    let (mut pictures, which) = decoded(input, &wanted)?;
+    let mut known = vec![None; pictures.len()];
     let mut numbers = HashMap::new();
-    for ((source, (name, bytes)), decoded) in wanted.into_iter().zip(decoded) {
+    for ((source, (name, bytes)), which) in wanted.into_iter().zip(which) {
         if let Cow::Owned(bytes) = bytes {
             files.insert(source, bytes);
         }
-        let place = format!("image {source} `{}`", short(&name));
-        match decoded {
-            Ok(Pixels {
-                width,
-                height,
-                pixels,
-                ..
-            }) => {
-                numbers.insert(source, parts.images.len() as u32);
-                parts.images.push(Image {
-                    name,
-                    width,
-                    height,
-                    pixels,
+        let place = image_place(source, &name);
+        match &mut pictures[which] {
+            Ok(picture) => {
+                let number = *known[which].get_or_insert_with(|| {
+                    parts.images.push(Image {
+                        name,
+                        width: picture.width,
+                        height: picture.height,
+                        pixels: std::mem::take(&mut picture.pixels),
+                    });
+                    parts.images.len() as u32 - 1
                 });
+                numbers.insert(source, number);
             }
             Err(Failure::Unsupported(format)) => {
                 input.warn(
@@ -394,6 +394,36 @@ fn images(
         }
     }
     Ok(numbers)
+}
+
+/// Decodes images, the same one once; returns the pictures, and which of them each image is.
+///
+/// # Errors
+/// Together they would take too much memory.
+fn decoded(
+    input: &mut Input,
+    wanted: &[(usize, Encoded)],
+) -> Result<(Vec<Result<Pixels, Failure>>, Vec<usize>), Error> {
+    let mut known = HashMap::new();
+    let (mut distinct, mut which) = (Vec::new(), Vec::with_capacity(wanted.len()));
+    for (source, (name, bytes)) in wanted {
+        let next = distinct.len();
+        let picture = *known.entry(content(bytes, name)).or_insert(next);
+        if picture == next {
+            let taken = input.pictures.take(bytes, name);
+            taken.map_err(|problem| input.invalid(image_place(*source, name), problem))?;
+            distinct.push((bytes, name));
+        }
+        which.push(picture);
+    }
+    let pictures = distinct.par_iter();
+    let pictures = pictures.map(|(bytes, name)| decode(bytes, name)).collect();
+    Ok((pictures, which))
+}
+
+/// What messages call an image.
+fn image_place(number: usize, name: &str) -> String {
+    format!("image {number} `{}`", short(name))
 }
 
 /// Name and file bytes of an image.

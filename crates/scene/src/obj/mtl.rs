@@ -7,7 +7,7 @@
 //! `illum` is not used either: which model is shown is chosen by layer.
 
 use super::options::Options;
-use crate::image::{Failure, TOO_LARGE, decode};
+use crate::image::{Content, Failure, TOO_LARGE, content, decode};
 use crate::material::{MAX_EXPONENT, conserving};
 use crate::source::{Input, beside, short};
 use crate::validate::{Parts, clamped};
@@ -25,6 +25,15 @@ enum Role {
     Alpha,
 }
 
+/// The images that were read, by number.
+#[derive(Default)]
+struct Known {
+    /// `None` for a file that gives none.
+    by_file: HashMap<(PathBuf, Role), Option<u32>>,
+    /// Another file may hold the same.
+    by_content: HashMap<(Content, Role), u32>,
+}
+
 /// Reads the libraries into `parts`, in their order; the first definition of a name counts.
 pub(super) fn load(
     input: &mut Input,
@@ -32,7 +41,7 @@ pub(super) fn load(
     parts: &mut Parts,
 ) -> Result<HashMap<String, u32>, Error> {
     let mut known = HashMap::new();
-    let mut images = HashMap::new();
+    let mut images = Known::default();
     let mut seen = Vec::new();
     let main = input.path.clone();
     for path in names.iter().flat_map(|name| libraries(&main, name)) {
@@ -151,7 +160,7 @@ fn material(
     library: &Path,
     raw: &tobj::Material,
     parts: &mut Parts,
-    images: &mut HashMap<(PathBuf, Role), Option<u32>>,
+    images: &mut Known,
 ) -> Result<Material, Error> {
     let place = format!("material `{}`", raw.name);
     let mut changed = 0;
@@ -311,23 +320,29 @@ fn texture(
     statement: &str,
     role: Role,
     parts: &mut Parts,
-    images: &mut HashMap<(PathBuf, Role), Option<u32>>,
+    images: &mut Known,
 ) -> Result<Option<TextureRef>, Error> {
     let options = Options::of(statement);
     let path = located(library, options.file);
-    let image = match images.get(&(path.clone(), role)) {
+    let image = match images.by_file.get(&(path.clone(), role)) {
         Some(&known) => known,
         None => {
-            let image = image(input, place, &path, role)?;
-            let number = image.is_some().then_some(parts.images.len() as u32);
-            parts.images.extend(image);
-            *images.entry((path, role)).or_insert(number)
+            let number = image(input, place, &path, role, parts, &mut images.by_content)?;
+            *images.by_file.entry((path, role)).or_insert(number)
         }
     };
     Ok(image.map(|image| texture_ref(image, &options)))
 }
 
-fn image(input: &mut Input, place: &str, path: &Path, role: Role) -> Result<Option<Image>, Error> {
+/// The number of the image in a file; `None`, with a warning, where the file gives none.
+fn image(
+    input: &mut Input,
+    place: &str,
+    path: &Path,
+    role: Role,
+    parts: &mut Parts,
+    known: &mut HashMap<(Content, Role), u32>,
+) -> Result<Option<u32>, Error> {
     let name = path.display().to_string();
     if !path.is_file() {
         let message = format!("texture {name} is absent; the factor stands alone");
@@ -335,17 +350,30 @@ fn image(input: &mut Input, place: &str, path: &Path, role: Role) -> Result<Opti
         return Ok(None);
     }
     let bytes = input.read(path, 0)?;
+    let key = (content(&bytes, &name), role);
+    if let Some(&number) = known.get(&key) {
+        return Ok(Some(number));
+    }
+    let invalid = |problem| Error::Invalid {
+        path: path.into(),
+        place: place.into(),
+        problem,
+    };
+    input.pictures.take(&bytes, &name).map_err(invalid)?;
     match decode(&bytes, &name) {
         Ok(mut decoded) => {
             if role == Role::Alpha && !decoded.has_alpha {
                 decoded.pixels.iter_mut().for_each(|p| p[3] = p[0]);
             }
-            Ok(Some(Image {
+            let number = parts.images.len() as u32;
+            parts.images.push(Image {
                 name,
                 width: decoded.width,
                 height: decoded.height,
                 pixels: decoded.pixels,
-            }))
+            });
+            known.insert(key, number);
+            Ok(Some(number))
         }
         Err(Failure::Unsupported(format)) => {
             let message =
@@ -353,15 +381,10 @@ fn image(input: &mut Input, place: &str, path: &Path, role: Role) -> Result<Opti
             input.warn(WarningKind::UnreadTextures, place, 1, message);
             Ok(None)
         }
-        Err(Failure::Broken(problem)) => Err(Error::Invalid {
-            path: path.into(),
-            place: place.into(),
-            problem: format!("{}; repair the image or remove it", short(&problem)),
-        }),
-        Err(Failure::TooLarge) => Err(Error::Invalid {
-            path: path.into(),
-            place: place.into(),
-            problem: TOO_LARGE.into(),
-        }),
+        Err(Failure::Broken(problem)) => Err(invalid(format!(
+            "{}; repair the image or remove it",
+            short(&problem)
+        ))),
+        Err(Failure::TooLarge) => Err(invalid(TOO_LARGE.into())),
     }
 }

@@ -1,6 +1,8 @@
 //! Larger files: nothing is lost, and memory is bounded.
 
-use super::support::{Document, Folder, U32};
+use super::support::{Document, Folder, U32, png};
+use ambake_scene::{Scene, Surface};
+use glam::Vec2;
 use serde_json::json;
 use std::fmt::Write;
 
@@ -45,7 +47,7 @@ fn two_hundred_thousand_triangles_load_alike_from_obj_and_glb() {
     *document.primitive() = json!({ "attributes": { "POSITION": accessor }, "indices": indices });
     let glb = document.load().unwrap();
 
-    let points = |scene: &ambake_scene::Scene| -> Vec<[f32; 3]> {
+    let points = |scene: &Scene| -> Vec<[f32; 3]> {
         let mesh = &scene.meshes[0];
         mesh.triangles
             .iter()
@@ -63,4 +65,61 @@ fn two_hundred_thousand_triangles_load_alike_from_obj_and_glb() {
         assert_eq!(mesh.positions.capacity(), mesh.positions.len());
         assert_eq!(mesh.triangles.capacity(), mesh.triangles.len());
     }
+}
+
+/// The number and the red of the picture of each material.
+fn reds(scene: &Scene) -> Vec<(u32, f32)> {
+    let map = |material: &ambake_scene::Material| match &material.surface {
+        Surface::MetallicRoughness { base_map, .. } => base_map.clone(),
+        Surface::Phong { albedo_map, .. } => albedo_map.clone(),
+    };
+    let maps = scene.materials.iter().map(|m| map(m).unwrap());
+    maps.map(|map| (map.image, scene.color(&map, Vec2::ZERO).x))
+        .collect()
+}
+
+#[test]
+fn the_same_picture_under_several_names_is_decoded_and_kept_once() {
+    let (red, black) = (png(&[[255, 0, 0, 255]]), png(&[[0, 0, 0, 255]]));
+    let expected = [(0, 1.0), (1, 0.0), (0, 1.0), (0, 1.0), (0, 1.0)];
+    let folder = Folder::new();
+    for (name, bytes) in [("red.png", &red), ("copy.png", &red), ("black.png", &black)] {
+        folder.write(name, bytes);
+    }
+
+    let mut document = Document::triangle();
+    let uvs = document.floats("VEC2", &[0., 0., 1., 0., 0., 1.]);
+    document.primitive()["attributes"]["TEXCOORD_0"] = json!(uvs);
+    document.primitive()["material"] = json!(0);
+    let view = document.view(&red);
+    document.json["images"] = json!([{ "uri": "red.png" }, { "uri": "black.png" }, { "uri": "copy.png", "name": "other" },
+        { "bufferView": view, "mimeType": "image/png" }, { "uri": "red.png" }]);
+    let each = |i: usize| json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": i } }, "normalTexture": { "index": i } });
+    document.json["textures"] = (0..5).map(|i| json!({ "source": i })).collect();
+    document.json["materials"] = (0..5).map(each).collect();
+    let scene = folder.load("a.glb", document.glb()).unwrap();
+    assert_eq!((scene.images.len(), scene.packed_images.len()), (2, 2));
+    assert_eq!(reds(&scene), expected);
+    let maps = scene.materials.iter().map(|m| m.normal_map.as_ref());
+    let maps: Vec<u32> = maps.map(|map| map.unwrap().texture.image).collect();
+    assert_eq!(maps, expected.map(|(image, _)| image));
+    // The files are taken along as the document names them.
+    let source = scene.source.unwrap();
+    let kept = source
+        .images
+        .iter()
+        .map(|image| image.as_ref().map(|image| image.bytes.clone()));
+    let kept: Vec<_> = kept.collect();
+    let all = [Some(&red), Some(&black), Some(&red), None, Some(&red)];
+    assert_eq!(kept, all.map(|bytes| bytes.cloned()));
+
+    let names = ["red.png", "black.png", "copy.png", "./red.png", "red.png"];
+    let materials = names.iter().enumerate();
+    let library: String = materials
+        .map(|(i, name)| format!("newmtl m{i}\nmap_Kd {name}\n"))
+        .collect();
+    folder.write("a.mtl", library);
+    let text = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m0\nf 1/1 2/1 3/1\n";
+    let scene = folder.load("a.obj", text).unwrap();
+    assert_eq!((scene.images.len(), reds(&scene)), (2, expected.to_vec()));
 }
