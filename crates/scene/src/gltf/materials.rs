@@ -387,7 +387,7 @@ fn images(
             Err(Failure::Broken(problem)) => {
                 return Err(input.invalid(
                     place,
-                    format!("{}; repair or remove the image", short(&problem)),
+                    format!("{}; repair or remove the image", short(problem)),
                 ));
             }
             Err(Failure::TooLarge) => return Err(input.invalid(place, TOO_LARGE)),
@@ -403,7 +403,7 @@ fn images(
 fn decoded(
     input: &mut Input,
     wanted: &[(usize, Encoded)],
-) -> Result<(Vec<Result<Pixels, Failure>>, Vec<usize>), Error> {
+) -> Result<(Vec<Decoded>, Vec<usize>), Error> {
     let mut known = HashMap::new();
     let (mut distinct, mut which) = (Vec::new(), Vec::with_capacity(wanted.len()));
     for (source, (name, bytes)) in wanted {
@@ -420,6 +420,9 @@ fn decoded(
     let pictures = pictures.map(|(bytes, name)| decode(bytes, name)).collect();
     Ok((pictures, which))
 }
+
+/// A picture, or why there is none.
+type Decoded = Result<Pixels, Failure>;
 
 /// What messages call an image.
 fn image_place(number: usize, name: &str) -> String {
