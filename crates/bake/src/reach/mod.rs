@@ -136,7 +136,16 @@ impl<'a> Reach<'a> {
                 hasher.numbers(&rim.inward.to_array());
                 hasher.numbers(&[rim.at, rim.depth]);
             }
-            grounds.push(self.ground(&part));
+            let ground = self.ground(&part);
+            let covers = self
+                .baker
+                .solids
+                .and_then(|of| of.covers(instance, triangle));
+            let about = covers.map(|covers| covers.about(ground.low, ground.high));
+            for cover in about.into_iter().flatten() {
+                hasher.numbers(cover.map(|p| p.to_array()).as_flattened());
+            }
+            grounds.push(ground);
         }
         let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let (low, high) = grounds.iter().fold(limits, |(low, high), ground| {

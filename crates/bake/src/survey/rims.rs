@@ -1,10 +1,12 @@
-//! Footprints end where a thin wall cuts a rim off from their surface that is thinner than an eighth of a texel.
+//! Footprints end where a thin wall cuts a rim off from their surface that is thinner than an eighth of a texel, and where a flat sheet
+//! lies less than that above it.
 //!
-//! Such a rim cannot be shown beside the rest, and may see the other side of the wall. So it does not matter whether somebody sees it.
+//! Such a rim cannot be shown beside the rest, and may see the other side of the wall. So it does not matter whether somebody sees it. What
+//! the sheet covers is dark, and a texel that its edge crosses cannot show that beside what is not covered.
 
 use atlas::Piece;
 use glam::DVec3;
-use rays::{NUDGE, Patch, Rim};
+use rays::{Covers, NUDGE, Patch, Rim};
 
 /// The cosine of the angle between a surface and the wall that ends it, at most.
 const UPRIGHT: f64 = 0.5;
@@ -12,9 +14,26 @@ const UPRIGHT: f64 = 0.5;
 /// How far before the wall a footprint ends, in tested points' distances from their surfaces: as far as from an edge.
 const AWAY: f64 = 8.0;
 
-/// Hands over the parts of a piece of so much area in texels that no rim takes, with their areas.
+/// Parts below this share of a piece are rounding.
+const LEAST: f64 = 1e-9;
+
+/// What may end footprints on a triangle.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ends<'a> {
+    pub rims: &'a [Rim],
+    pub covers: Option<&'a Covers>,
+}
+
+impl Ends<'_> {
+    /// True where there is nothing.
+    pub fn are_none(&self) -> bool {
+        self.rims.is_empty() && self.covers.is_none()
+    }
+}
+
+/// Hands over the parts of a piece of so much area in texels that no rim takes and no sheet covers, with their areas.
 pub(super) fn without(
-    (patch, rims): (&Patch, &[Rim]),
+    (patch, ends): (&Patch, Ends),
     piece: &Piece,
     area: f64,
     mut take: impl FnMut(&Piece, f64),
@@ -36,7 +55,7 @@ pub(super) fn without(
     let before = world(&whole);
     let texel = (before / area).sqrt();
     let mut left = whole.clone();
-    for rim in rims {
+    for rim in ends.rims {
         let is_thin = rim.depth <= Rim::THIN * texel;
         if is_thin && patch.geometric.dot(rim.inward).abs() <= UPRIGHT {
             let reach = whole.iter().map(|&w| at(w).abs().max_element());
@@ -44,22 +63,53 @@ pub(super) fn without(
             left = cut(&left, |w| rim.height(at(w)) - margin);
         }
     }
-    if left == whole {
+    let parts = match ends.covers {
+        Some(covers) if left.len() > 2 => uncovered(covers, patch, left, Rim::THIN * texel),
+        _ => vec![left],
+    };
+    if parts.len() == 1 && parts[0] == whole {
         take(piece, area);
         return;
     }
-    for pair in left.get(1..).unwrap_or_default().windows(2) {
-        let corners = [left[0], pair[0], pair[1]];
-        let share = world(&corners) / before;
-        if share > 0.0 {
-            let part = Piece {
-                square: false,
-                corners,
-                ..*piece
-            };
-            take(&part, area * share);
+    for part in &parts {
+        for pair in part.get(1..).unwrap_or_default().windows(2) {
+            let corners = [part[0], pair[0], pair[1]];
+            let share = world(&corners) / before;
+            if share > LEAST {
+                let part = Piece {
+                    square: false,
+                    corners,
+                    ..*piece
+                };
+                take(&part, area * share);
+            }
         }
     }
+}
+
+/// The convex parts of a convex polygon of a triangle that no sheet at most so far `above` it covers.
+fn uncovered(covers: &Covers, patch: &Patch, whole: Vec<DVec3>, above: f64) -> Vec<Vec<DVec3>> {
+    let at = |w: DVec3| patch.corners[0] * w.x + patch.corners[1] * w.y + patch.corners[2] * w.z;
+    let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let corners = whole.iter().map(|&w| at(w));
+    let around = corners.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
+    let mut parts = vec![whole];
+    for &[a, b, c] in covers.over(around, (patch.corners[0], patch.geometric), above) {
+        let mut next = Vec::new();
+        for mut rest in parts {
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                let inward = patch.geometric.cross(to - from);
+                let height = |w| (at(w) - from).dot(inward);
+                let out = cut(&rest, |w| -height(w));
+                if out.len() > 2 {
+                    next.push(out);
+                }
+                rest = cut(&rest, height);
+            }
+        }
+        parts = next;
+    }
+    parts
 }
 
 /// The part of a convex polygon in which a number that is affine over it is not below 0.
@@ -112,7 +162,8 @@ mod tests {
             };
             let left = |rims: &[Rim]| {
                 let (mut parts, mut world) = (0.0, 0.0);
-                without((&patch, rims), &piece, 8.0, |piece, area| {
+                let ends = Ends { rims, covers: None };
+                without((&patch, ends), &piece, 8.0, |piece, area| {
                     let [a, b, c] = piece.corners.map(|w| DVec3::new(w.y, w.z, 0.0));
                     let share = if piece.square { 1.0 } else { 0.5 };
                     world += share * (b - a).cross(c - a).length();
@@ -140,6 +191,67 @@ mod tests {
             near(left(&[wall(DVec3::X, 0.25, 0.1)]), 1.0);
             near(left(&[wall(DVec3::new(0.6, 0.0, 0.8), 0.15, 1e-3)]), 1.0);
             near(left(&[wall(DVec3::X, 0.75, 1e-3)]), 0.0);
+        }
+    }
+
+    /// A world of the unit square's lower half over z = 0 and a mark of x and y above 0.25, so far above it.
+    fn marked(above: f32) -> rays::World {
+        let mesh = |positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>| {
+            let mut mesh = scene::authored::Mesh::default();
+            (mesh.positions, mesh.triangles) = (positions, triangles);
+            mesh
+        };
+        let ground = mesh(
+            vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            vec![[0, 1, 2]],
+        );
+        let (a, b) = (0.25, 4.0);
+        let corners = [[a, a, above], [b, a, above], [b, b, above], [a, b, above]];
+        let mark = mesh(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]);
+        let scene = scene::Scene::from_meshes(vec![ground, mark], vec![]).unwrap();
+        rays::World::new(std::sync::Arc::new(scene), rays::WorldOptions::default()).unwrap()
+    }
+
+    #[test]
+    fn a_footprint_ends_where_a_mark_lies_less_than_an_eighth_of_a_texel_above_it() {
+        let piece = Piece {
+            instance: 0,
+            triangle: 0,
+            square: true,
+            corners: [
+                DVec3::X,
+                DVec3::new(0.5, 0.5, 0.0),
+                DVec3::new(0.5, 0.0, 0.5),
+            ],
+            cumulative: 0.0,
+        };
+        // A texel is 0.5 wide, and the mark takes a quarter of it.
+        for (above, share) in [(0.06, 0.75), (0.001, 0.75), (0.063, 1.0)] {
+            let world = marked(above);
+            let patch = Patch::of(&world, &rays::PlaneErrors::of(&world), 0, 0);
+            let ends = Ends {
+                rims: &[],
+                covers: world.solids().covers(0, 0),
+            };
+            let (mut parts, mut moment) = (0.0, DVec3::ZERO);
+            without((&patch, ends), &piece, 1.0, |piece, area| {
+                let [a, b, c] = piece.corners;
+                let middle = if piece.square {
+                    0.5 * (b + c)
+                } else {
+                    (a + b + c) / 3.0
+                };
+                parts += area;
+                moment += area * DVec3::new(middle.y, middle.z, 0.0);
+            });
+            assert!((parts - share).abs() < 1e-6, "{above}: {parts}");
+            // What is left is an L about the corner.
+            let middle = if share == 1.0 {
+                0.25
+            } else {
+                (0.25 - 0.375 * 0.25) / 0.75
+            };
+            assert!((moment / parts - DVec3::new(middle, middle, 0.0)).length() < 1e-6);
         }
     }
 }

@@ -1,16 +1,14 @@
 //! What a texel's footprint is made of: its cells, its mean material and its mean position and normals.
 
 use super::cell::{Cell, Sample};
-use super::rims;
+use super::rims::{self, Ends};
 use super::seen::Seen;
 use crate::labels;
 use crate::plan::Plan;
 use ambient::sampling::Stream;
 use atlas::{Footprint, Piece, Tile};
 use glam::DVec3;
-use rays::{
-    Overrides, Patch, PhongMaterial, PlaneErrors, Rim, Solids, World, is_mapped, material_at,
-};
+use rays::{Overrides, Patch, PhongMaterial, PlaneErrors, Solids, World, is_mapped, material_at};
 use rustc_hash::FxHashMap;
 
 /// Sample points over the footprint from which means of textured materials are taken.
@@ -111,8 +109,8 @@ struct Known<'a> {
     open: bool,
     /// The closed surface that it is part of.
     body: Option<u32>,
-    /// What walls cut off from that.
-    rims: &'a [Rim],
+    /// What walls cut off from its surface, and sheets cover of it.
+    ends: Ends<'a>,
 }
 
 /// What the texels of a tile have in common.
@@ -181,7 +179,7 @@ impl<'a> Surveyor<'a> {
     ) -> Texel {
         let pieces = &tile.pieces[footprint.pieces.start as usize..footprint.pieces.end as usize];
         let mut cells = Vec::with_capacity(pieces.len());
-        // The same with all rims, where there are some.
+        // The same with what rims take and sheets cover, where there is some.
         let (mut whole, mut lost) = (Vec::new(), 0.0);
         let mut upward = None;
         let (mut open, mut before) = (true, 0.0);
@@ -192,7 +190,10 @@ impl<'a> Surveyor<'a> {
                 patch: Patch::of(self.world, self.errors, key.0, key.1),
                 open: self.plan.open.contains(key.0, key.1),
                 body: self.solids.and_then(|solids| solids.own(key.0, key.1)),
-                rims: self.solids.map_or(&[], |solids| solids.rims(key.0, key.1)),
+                ends: Ends {
+                    rims: self.solids.map_or(&[], |solids| solids.rims(key.0, key.1)),
+                    covers: self.solids.and_then(|solids| solids.covers(key.0, key.1)),
+                },
             });
             upward.get_or_insert_with(|| known.patch.upward());
             open &= known.open;
@@ -211,11 +212,11 @@ impl<'a> Surveyor<'a> {
                 }
             };
             let area = piece.cumulative - before;
-            if known.rims.is_empty() {
+            if known.ends.are_none() {
                 push(&mut cells, piece, area);
             } else {
                 let mut left = 0.0;
-                rims::without((&known.patch, known.rims), piece, area, |part, area| {
+                rims::without((&known.patch, known.ends), piece, area, |part, area| {
                     push(&mut cells, part, area);
                     left += area;
                 });

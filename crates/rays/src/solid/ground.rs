@@ -327,7 +327,7 @@ fn facing(sheet: &Placed) -> Option<DVec3> {
     normal.try_normalize()
 }
 
-fn looks_alike(a: &Placed, b: &Placed) -> bool {
+pub(super) fn looks_alike(a: &Placed, b: &Placed) -> bool {
     facing(a).is_some_and(|a| facing(b).is_some_and(|b| a.dot(b) > ALONG))
 }
 

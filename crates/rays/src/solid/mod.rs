@@ -21,6 +21,7 @@
 //! A point is buried where it lies in more solids than cavities. Distances do not matter: a limit on the distance of occluders limits
 //! what darkens a place, not where the place is.
 
+mod covers;
 mod ground;
 mod near;
 mod opening;
@@ -33,6 +34,7 @@ mod topology;
 mod tree;
 
 use crate::boxes::Boxes;
+pub use covers::Covers;
 use glam::{DAffine3, DVec3};
 pub use near::Near;
 use opening::Opening;
@@ -107,6 +109,8 @@ pub struct Solids {
     counting: Boxes,
     /// What sheets cut off from placements' surfaces.
     rims: HashMap<(u32, u32), Vec<Rim>>,
+    /// What may cover placements' surfaces.
+    covers: HashMap<(u32, u32), Covers>,
 }
 
 impl Solids {
@@ -179,6 +183,7 @@ impl Solids {
             room_boxes: Boxes::default(),
             counting: Boxes::default(),
             rims: HashMap::new(),
+            covers: HashMap::new(),
         };
         solids.classify();
         solids.shut();
@@ -188,6 +193,7 @@ impl Solids {
         solids.counting = solids.boxes_of(counting);
         solids.room_boxes = solids.boxes_of(solids.rooms.iter().copied());
         solids.rims = solids.find_rims();
+        solids.covers = solids.find_covers();
         solids
     }
 
@@ -204,9 +210,9 @@ impl Solids {
         self.bodies.iter().filter(buries).count()
     }
 
-    /// True where nothing is buried in any of them, and nothing has a rim.
+    /// True where nothing is buried in any of them, nothing has a rim and nothing is covered.
     pub fn is_idle(&self) -> bool {
-        self.count() == 0 && self.rims.is_empty()
+        self.count() == 0 && self.rims.is_empty() && self.covers.is_empty()
     }
 
     /// An instance of each closed surface whose faces look inward though it is no room: it is lit from within.

@@ -105,7 +105,7 @@ impl Solids {
 }
 
 /// Unit normal of a flat sheet and where it is along it; `None` for any other surface.
-fn plane(scene: &Scene, sheet: &Placed) -> Option<(DVec3, f64)> {
+pub(super) fn plane(scene: &Scene, sheet: &Placed) -> Option<(DVec3, f64)> {
     let front = sheet.surface.front?;
     let normal = (sheet.inverse.matrix3.transpose() * front).try_normalize()?;
     let first = corners(scene, sheet.surface.faces[0])[0].as_dvec3();
