@@ -5,7 +5,7 @@
 //! in a ground where
 //!
 //! * it crosses the ground, and stands out in front of it at least as far as it reaches behind it (a closed body a quarter as far), along the mean normals of its sheets;
-//! * nothing that does not cross the ground too comes near its part behind. So no column is buried by the floor of the next storey.
+//! * nothing comes near its part behind that does not cross the ground too or stand on it. So no column is buried by the floor of the next storey.
 //!
 //! The part behind is buried, for this surface alone. But a ground that has something else behind it which does not cross it, and is not
 //! small beside it, is none: people stand under an awning, and see what it is fastened to.
@@ -21,6 +21,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Faces of a sheet from which one looks for what is behind it.
 const LOOKS: usize = 64;
+/// Where along an edge points are asked how they stand to a sheet.
+const ALONG_EDGES: [f64; 3] = [0.23, 0.5, 0.77];
 /// The cosine of the angle at which one sheet may go on where another ends.
 const ALONG: f64 = 0.999;
 
@@ -59,10 +61,12 @@ impl Stand {
         let Some(front) = sheet.surface.front else {
             return stand;
         };
-        // Edges of panels may run along one another, where corners are as often beside a sheet as not: so the middles too.
+        // Edges of panels may run along one another, where corners are beside a sheet or over its border, and so may middles be where panels
+        // join: so other points on the edges too.
         let points = other.faces(scene).flat_map(|[a, b, c]| {
-            let middles = [a + b, b + c, c + a].map(|sum| 0.5 * sum);
-            [a, b, c, (a + b + c) / 3.0].into_iter().chain(middles)
+            let edges = [(a, b), (b, c), (c, a)].into_iter();
+            let along = edges.flat_map(|(from, to)| ALONG_EDGES.map(|share| from.lerp(to, share)));
+            [a, b, c, (a + b + c) / 3.0].into_iter().chain(along)
         });
         for point in points {
             let local = inverse.transform_point3(point);
@@ -245,6 +249,11 @@ impl Solids {
             .filter(|(_, stand)| stand.crosses())
             .map(|(&other, _)| placed[other].key)
             .collect();
+        // What stands on the ground does not look at what is behind it.
+        let before: BTreeSet<Key> = (stands.iter())
+            .filter(|(_, stand)| stand.front > stand.least && stand.behind <= stand.least)
+            .map(|(&other, _)| placed[other].key)
+            .collect();
         let is_rooted = |other: &Placed, stand: &Stand| {
             let is_closed = other.surface.volume != 0.0;
             let out = if is_closed { CLOSED_OUT } else { 1.0 };
@@ -254,7 +263,8 @@ impl Solids {
             let slack = NEAR * (stand.high - stand.low).max_element();
             let (low, high) = (stand.low - slack, stand.high + slack);
             let lays_open = |near: &Placed| {
-                near.key != other.key && !own.contains(&near.key) && !crossing.contains(&near.key)
+                let is_other = near.key != other.key && !own.contains(&near.key);
+                is_other && !crossing.contains(&near.key) && !before.contains(&near.key)
             };
             !all.any(low, high, lays_open)
         };

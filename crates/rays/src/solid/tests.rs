@@ -705,3 +705,46 @@ fn a_wall_that_only_stands_on_a_floor_buries_nothing_behind_it() {
         }
     }
 }
+
+#[test]
+fn what_stands_on_a_ground_lays_nothing_open_behind_it() {
+    let wall = |bottom: f32| {
+        let corners = [(-2.0, bottom), (2.0, bottom), (2.0, 2.0), (-2.0, 2.0)];
+        let at = |(x, y)| Vec3::new(x, y, -2.0);
+        mesh(corners.map(at).to_vec(), vec![[0, 1, 2], [0, 2, 3]])
+    };
+    let crate_at = |y: f32| block(Vec3::new(1.0, y + 0.5, -1.5), Vec3::splat(0.5), false);
+    let below = DVec3::new(0.3, -0.005, -2.0);
+    let buried = |meshes: Vec<Mesh>| {
+        let solids = solids(meshes);
+        let own = solids.own(0, 0);
+        let near = solids.about(below, below);
+        near.iter()
+            .map(|&body| solids.depth(body, below, own))
+            .sum::<i32>()
+    };
+    let ground = || level(0.0, 9.0);
+    assert_eq!(buried(vec![wall(-0.01), ground(), crate_at(0.0)]), 1);
+    // One that hangs under it may show what is there.
+    assert_eq!(buried(vec![wall(-0.01), ground(), crate_at(-1.0)]), 0);
+}
+
+#[test]
+fn a_wall_of_which_the_middle_stands_where_two_tiles_meet_crosses_both() {
+    let wall = {
+        let corners = [(-2.0, -0.01), (2.0, -0.01), (2.0, 2.0), (-2.0, 2.0)];
+        let at = |(x, y)| Vec3::new(x, y, -1.99);
+        mesh(corners.map(at).to_vec(), vec![[0, 1, 2], [0, 2, 3]])
+    };
+    let tile = |from: f32| {
+        let mut tile = level(0.0, 1.0);
+        let place = |p: &mut Vec3| (p.x, p.z) = (p.x + from, 2.0 * p.z);
+        tile.positions.iter_mut().for_each(place);
+        tile
+    };
+    let solids = solids(vec![wall, tile(-1.0), tile(1.0)]);
+    let (below, own) = (DVec3::new(0.3, -0.005, -1.99), solids.own(0, 0));
+    let near = solids.about(below, below);
+    let depths = near.iter().map(|&body| solids.depth(body, below, own));
+    assert_eq!(depths.sum::<i32>(), 1);
+}
