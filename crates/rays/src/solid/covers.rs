@@ -6,9 +6,8 @@
 //! at it from its other side, so it covers nothing; nor does what lies in the surface itself, which takes no light from it.
 
 use super::Solids;
-use super::ground::looks_alike;
 use super::placed::{Among, Placed};
-use super::rims::plane;
+use super::rims::{box_corners, plane};
 use crate::boxes::Boxes;
 use crate::solid::NUDGE;
 use glam::DVec3;
@@ -115,25 +114,12 @@ impl Solids {
 
     /// True where a face of a surface lies closely behind a flat sheet, and looks as it does.
     fn lies_under(&self, (normal, at): (DVec3, f64), sheet: &Placed, other: &Placed) -> bool {
-        if other.surface.front.is_some() && !looks_alike(sheet, other) {
-            return false;
-        }
         let slack = ABOVE * sheet.size();
-        let (low, high) = (sheet.low - slack, sheet.high + slack);
-        let corner = |k: usize| {
-            let pick = |axis: usize| {
-                if k >> axis & 1 == 0 {
-                    low[axis]
-                } else {
-                    high[axis]
-                }
-            };
-            other
-                .inverse
-                .transform_point3(DVec3::new(pick(0), pick(1), pick(2)))
-        };
+        let corners = box_corners(sheet.low - slack, sheet.high + slack);
         let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let local = (0..8).map(corner);
+        let local = corners
+            .map(|corner| other.inverse.transform_point3(corner))
+            .into_iter();
         let (low, high) = local.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
         let reach = sheet.low.abs().max(sheet.high.abs()).max_element();
         let least = 2.0 * NUDGE * reach;

@@ -340,7 +340,7 @@ fn facing(sheet: &Placed) -> Option<DVec3> {
     normal.try_normalize()
 }
 
-pub(super) fn looks_alike(a: &Placed, b: &Placed) -> bool {
+fn looks_alike(a: &Placed, b: &Placed) -> bool {
     facing(a).is_some_and(|a| facing(b).is_some_and(|b| a.dot(b) > ALONG))
 }
 

@@ -115,7 +115,7 @@ pub(super) fn plane(scene: &Scene, sheet: &Placed) -> Option<(DVec3, f64)> {
     sheet.corners(scene).all(is_flat).then_some((normal, at))
 }
 
-fn box_corners(low: DVec3, high: DVec3) -> [DVec3; 8] {
+pub(super) fn box_corners(low: DVec3, high: DVec3) -> [DVec3; 8] {
     std::array::from_fn(|k| {
         let side = |axis: usize| if k >> axis & 1 == 0 { low } else { high };
         DVec3::new(side(0).x, side(1).y, side(2).z)

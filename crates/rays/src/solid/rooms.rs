@@ -44,13 +44,8 @@ impl Solids {
             .filter_map(|placed| Some((body_of(placed)?, placed)))
             .collect();
         let within = |body: u32, placed: &Placed| {
-            let outer = &self.bodies[body as usize];
-            let inner = || probes(&self.scene, placed.surface);
-            let is_in = |p: &DVec3| self.holds(outer, placed.transform.transform_point3(*p));
-            body_of(placed) != Some(body)
-                && outer.low.cmple(placed.low).all()
-                && outer.high.cmpge(placed.high).all()
-                && inner().iter().filter(|p| is_in(p)).count() >= 3
+            let outer = surface_of.get(&body);
+            outer.is_some_and(|outer| outer.key != placed.key && self.is_within(outer, placed))
         };
         let outward = (0..self.bodies()).filter(|&body| volume(body) > 0.0);
         let outward = self.boxes_of(outward);
@@ -199,7 +194,23 @@ impl Solids {
         room.meets(point, point) && self.winding_of(room, point) < 0
     }
 
-    pub(super) fn winding_of(&self, room: &Placed, point: DVec3) -> i32 {
+    /// True where a surface lies wholly in one that is closed or whose openings are filled.
+    pub(super) fn is_within(&self, outer: &Placed, inner: &Placed) -> bool {
+        let content = outer.surface.content();
+        let holds = |at: &DVec3| {
+            let winding = self.winding_of(outer, inner.transform.transform_point3(*at));
+            f64::from(winding) * content > 0.0
+        };
+        let in_box = outer.low.cmple(inner.low).all() && outer.high.cmpge(inner.high).all();
+        in_box
+            && probes(&self.scene, inner.surface)
+                .iter()
+                .filter(|at| holds(at))
+                .count()
+                >= 3
+    }
+
+    fn winding_of(&self, room: &Placed, point: DVec3) -> i32 {
         let panes = room.surface.openings.iter().flat_map(|o| &o.panes);
         let tree = self.tree_of(room.shape, room.key.1);
         tree.winding(&self.scene, panes, room.inverse.transform_point3(point))
@@ -301,7 +312,7 @@ fn is_double_sided(scene: &Scene, surface: &Surface) -> bool {
 }
 
 /// Centres of five faces spread over a surface.
-pub(super) fn probes(scene: &Scene, surface: &Surface) -> [DVec3; 5] {
+fn probes(scene: &Scene, surface: &Surface) -> [DVec3; 5] {
     [0, 1, 2, 3, 4].map(|k: usize| {
         let last = surface.faces.len() - 1;
         let [a, b, c] = corners(scene, surface.faces[k * last / 4]).map(|p| p.as_dvec3());

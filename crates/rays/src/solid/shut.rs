@@ -8,7 +8,6 @@
 //! * nothing else lies wholly within: else it is a tent or a dome, and its inside is a place.
 
 use super::placed::{Among, NEAR, Placed};
-use super::rooms::probes;
 use super::{Inside, Solids};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -76,17 +75,5 @@ impl Solids {
             let mut points = panes.map(|point| of.transform.transform_point3(point) + out);
             points.all(is_hidden)
         })
-    }
-
-    /// True where a surface lies wholly in one whose openings are filled.
-    fn is_within(&self, outer: &Placed, inner: &Placed) -> bool {
-        let holds = |at: &DVec3| self.winding_of(outer, inner.transform.transform_point3(*at)) > 0;
-        outer.low.cmple(inner.low).all()
-            && outer.high.cmpge(inner.high).all()
-            && probes(&self.scene, inner.surface)
-                .iter()
-                .filter(|at| holds(at))
-                .count()
-                >= 3
     }
 }

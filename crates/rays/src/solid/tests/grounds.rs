@@ -1,0 +1,350 @@
+//! Grounds, what is rooted in them, and what has no bottom.
+
+use super::*;
+use glam::Quat;
+
+#[test]
+fn what_stands_in_an_open_ground_is_buried_below_it() {
+    let (below, above) = (DVec3::new(0.5, -0.2, 0.1), DVec3::new(0.5, 0.2, 0.1));
+    let closed = block(Vec3::Y * 0.5, Vec3::new(0.5, 1.0, 0.5), false);
+    for body in [closed, tube(-0.5, 1.5)] {
+        for turned in [DQuat::IDENTITY, DQuat::from_rotation_x(2.0)] {
+            let place = DAffine3::from_quat(turned);
+            let scene = placed_scene(
+                vec![level(0.0, 9.0), body.clone()],
+                &[(0, place), (1, place)],
+            );
+            let solids = Solids::of(world(scene).scene());
+            let at = |point| place.transform_point3(point);
+            assert_eq!(buried(&solids, at(below)), 1);
+            assert_eq!(buried(&solids, at(above)), 0);
+            let ground = solids.own(0, 0);
+            let itself = solids.depth(ground.expect("a body"), at(below), ground);
+            assert_eq!(itself, 0, "a ground buries what is rooted in it alone");
+        }
+    }
+}
+
+#[test]
+fn an_awning_buries_no_pole_and_a_floor_no_column_of_the_storey_below() {
+    let below = DVec3::new(0.5, -0.2, 0.1);
+    // More of it below than above; and as much below as above, but on another floor.
+    let hung = solids(vec![level(0.0, 9.0), tube(-2.0, 1.0)]);
+    assert_eq!(buried(&hung, below), 0);
+    let storeys = solids(vec![level(0.0, 9.0), tube(-1.0, 5.0), level(-1.0, 9.0)]);
+    assert_eq!(buried(&storeys, below), 0);
+    // A bracket that looks out of the top of an awning over a floor, and the same over nothing but a footing.
+    let bracket = |under: f32| solids(vec![level(0.0, 2.0), tube(-0.3, 0.5), level(-3.0, under)]);
+    assert_eq!(buried(&bracket(9.0), below), 0);
+    assert_eq!(buried(&bracket(0.5), below), 1);
+    // A plate close below the post's end is not yet at it.
+    let plate = solids(vec![level(0.0, 9.0), tube(-0.3, 1.5), level(-0.6, 0.4)]);
+    assert_eq!(buried(&plate, below), 1);
+    let sole = solids(vec![level(0.0, 9.0), tube(-0.3, 1.5), level(-0.3, 0.4)]);
+    assert_eq!(buried(&sole, below), 0);
+    // The same wherever it stands.
+    let afar = [level(0.0, 9.0), tube(-1.0, 5.0), level(-1.0, 9.0)].map(|mut mesh| {
+        let far = Vec3::new(60.0, 40.0, -20.0);
+        mesh.positions.iter_mut().for_each(|p| *p += far);
+        mesh
+    });
+    let afar = solids(afar.to_vec());
+    assert_eq!(buried(&afar, below + DVec3::new(60.0, 40.0, -20.0)), 0);
+    // What crosses the sheet too does not lay it open.
+    let fence = solids(vec![level(0.0, 9.0), tube(-1.0, 5.0), tube(-2.0, 3.0)]);
+    assert_eq!(buried(&fence, below), 1);
+}
+
+#[test]
+fn panels_of_a_floor_go_on_where_one_ends() {
+    // A wall stands on two panels that overlap, and reaches below both. The second may look down instead.
+    let corners = [(0.0, -0.02), (4.0, -0.02), (4.0, 2.0), (0.0, 2.0)];
+    let wall = corners.map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec();
+    let wall = mesh(wall, vec![[0, 1, 2], [0, 2, 3]]);
+    let turned = DQuat::from_rotation_x(0.6) * DQuat::from_rotation_z(0.5);
+    let place = DAffine3::from_quat(turned);
+    for (up, expected) in [(true, 1), (false, 0)] {
+        let mut next = level(0.0, 2.01);
+        next.positions.iter_mut().for_each(|p| p.x += 4.0);
+        if !up {
+            next.triangles.iter_mut().for_each(|t| t.reverse());
+        }
+        let meshes = vec![level(0.0, 2.01), wall.clone(), next];
+        let scene = placed_scene(meshes, &[(0, place), (1, place), (2, place)]);
+        let solids = Solids::of(world(scene).scene());
+        for (x, y, expected) in [
+            (1.0, -0.01, expected),
+            (3.0, -0.01, expected),
+            (1.0, 0.01, 0),
+        ] {
+            let found = buried(&solids, place.transform_point3(DVec3::new(x, y, 0.0)));
+            assert_eq!(found, expected, "up {up}, at {x}, {y}");
+        }
+    }
+}
+
+/// A floor of 4 x 4 tiles, 2 wide and from -4 to 4, about a crate that is sunk in four of them, as the second mesh.
+fn tiled(y: f32) -> Vec<Mesh> {
+    let tile = |k: u32| {
+        let mut tile = level(y, 1.0);
+        let at = Vec3::new(2.0 * (k % 4) as f32 - 3.0, 0.0, 2.0 * (k / 4) as f32 - 3.0);
+        tile.positions.iter_mut().for_each(|p| *p += at);
+        tile
+    };
+    (0..16).map(tile).collect()
+}
+
+#[test]
+fn tiles_of_a_floor_are_one_ground_with_and_without_walls() {
+    let crate_ = block(
+        Vec3::new(0.1, y_of(1.0), -0.2),
+        Vec3::new(0.6, 1.0, 0.6),
+        false,
+    );
+    // Panels as wide as the tiles along two sides, which look inward; their heights make the border of tiles and panels no plane.
+    let panel = |x: f32, high: f32| {
+        let corners = [(0.0, 0.0), (2.0, 0.0), (2.0, high), (0.0, high)];
+        let positions = corners.map(|(dx, y)| Vec3::new(x + dx, y, -4.0)).to_vec();
+        mesh(positions, vec![[0, 1, 2], [0, 2, 3]])
+    };
+    let panels = [(-4.0, 3.0), (-2.0, 2.0), (0.0, 3.0), (2.0, 1.0)].map(|(x, high)| panel(x, high));
+    let opposite = panels.clone().map(|mut panel| {
+        let turned = |p: &mut Vec3| (p.x, p.z) = (-p.x, -p.z);
+        panel.positions.iter_mut().for_each(turned);
+        panel
+    });
+    let walls = [panels, opposite].concat();
+    for with in [&[][..], &walls[..]] {
+        let mut meshes = tiled(0.0);
+        meshes.insert(1, crate_.clone());
+        meshes.extend(with.iter().cloned());
+        // As one OBJ file, and each as a node of its own.
+        let apart = |k: usize, mesh: &Mesh| {
+            let mut mesh = mesh.clone();
+            let far = Vec3::new(k as f32, 0.0, 0.0);
+            mesh.positions.iter_mut().for_each(|p| *p -= far);
+            (mesh, DAffine3::from_translation(far.as_dvec3()))
+        };
+        let (moved, places): (Vec<Mesh>, Vec<DAffine3>) =
+            (0..).zip(&meshes).map(|(k, mesh)| apart(k, mesh)).unzip();
+        let placed: Vec<(u32, DAffine3)> = (0..).zip(places).collect();
+        for solids in [
+            solids(meshes.clone()),
+            Solids::of(world(placed_scene(moved, &placed)).scene()),
+        ] {
+            for (dx, dz) in [(-0.6, 0.5), (0.6, 0.5), (0.6, -0.5), (-0.6, -0.5)] {
+                let at = |y: f64| DVec3::new(0.1 + dx, y, -0.2 + dz);
+                let found = [buried(&solids, at(-0.01)), buried(&solids, at(0.01))];
+                assert_eq!(found, [1, 0], "{dx} {dz}, {} walls", with.len());
+            }
+        }
+    }
+}
+
+/// The middle of a crate that is `half` high to each side and reaches 0.02 below the floor.
+fn y_of(half: f32) -> f32 {
+    half - 0.02
+}
+
+#[test]
+fn tiles_of_the_storey_below_lay_a_tiled_floor_bare() {
+    let post = block(Vec3::new(0.1, y_of(1.0), -0.2), Vec3::splat(1.0), false);
+    for (below, expected) in [(-3.0, 0), (3.0, 1)] {
+        let mut meshes = tiled(0.0);
+        meshes.insert(1, post.clone());
+        meshes.extend(tiled(below));
+        let solids = solids(meshes);
+        let at = DVec3::new(1.1, -0.01, 0.3);
+        assert_eq!(buried(&solids, at), expected, "other tiles at {below}");
+    }
+}
+
+#[test]
+fn what_only_stands_on_a_ground_is_not_rooted_in_it() {
+    let solids = solids(vec![level(0.0, 9.0), tube(0.0, 1.0)]);
+    assert_eq!(solids.count(), 0);
+}
+
+/// Where a point of the second mesh is buried, of a post's corners at these heights.
+/// A room of six sheets that look inward, each so much too long on all sides.
+fn crossed_sheets(over: f32) -> Vec<Mesh> {
+    let (size, over) = (Vec3::new(4.0, 2.5, 3.0), Vec3::splat(over));
+    let (low, high) = (-over, size + over);
+    let mut sheets = Vec::new();
+    for axis in 0..3 {
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        for end in [0.0, size[axis]] {
+            let corner = |a: f32, b: f32| {
+                let mut at = Vec3::ZERO;
+                (at[axis], at[u], at[v]) = (end, a, b);
+                at
+            };
+            let positions = vec![
+                corner(low[u], low[v]),
+                corner(high[u], low[v]),
+                corner(high[u], high[v]),
+                corner(low[u], high[v]),
+            ];
+            let faces = match end > 0.0 {
+                true => vec![[0, 2, 1], [0, 3, 2]],
+                false => vec![[0, 1, 2], [0, 2, 3]],
+            };
+            sheets.push(mesh(positions, faces));
+        }
+    }
+    sheets
+}
+
+#[test]
+fn sheets_that_cross_at_the_edges_of_a_room_end_where_they_cross() {
+    for over in [0.002, 0.01, 0.05, 0.2] {
+        let world = world(scene(crossed_sheets(over)));
+        let middle = DVec3::new(2.0, 1.25, 1.5);
+        for (instance, triangle) in (0..6).flat_map(|i| [(i, 0), (i, 1)]) {
+            let [a, b, c] = world.corners(instance, triangle);
+            for k in 0..400 {
+                let (u, v) = (f64::from(k % 20) / 19.0, f64::from(k / 20) / 19.0);
+                let weights = [1.0 - u.max(v), u.max(v) - u.min(v), u.min(v)]
+                    .map(|w| 0.999 * w + 0.001 / 3.0);
+                let point = a * weights[0] + b * weights[1] + c * weights[2];
+                // How far the point is out of the room, along what it does not lie in.
+                let out = ((point - middle).abs() - middle).max_element();
+                if out.abs() > 1e-4 * f64::from(over) {
+                    let buried = world.is_buried(instance, triangle, weights);
+                    assert_eq!(buried, out > 1e-5, "{over} {instance} {point}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_closed_body_is_rooted_though_more_of_it_is_below_than_above() {
+    let stone = |below: f32| {
+        let middle = Vec3::Y * (0.5 - below);
+        solids(vec![
+            level(0.0, 9.0),
+            block(middle, Vec3::splat(0.5), false),
+        ])
+    };
+    let at = DVec3::new(0.5, -0.05, 0.1);
+    assert_eq!(
+        [0.5, 0.7, 0.9].map(|below| buried(&stone(below), at)),
+        [1, 1, 0]
+    );
+}
+
+/// A unit block without its lower face, from y = `bottom`.
+fn bottomless(bottom: f32) -> Mesh {
+    let mut open = block(Vec3::Y * (bottom + 0.5), Vec3::splat(0.5), false);
+    let is_low = |t: &[u32; 3]| t.iter().all(|&k| open.positions[k as usize].y == bottom);
+    let kept = open
+        .triangles
+        .iter()
+        .copied()
+        .filter(|t| !is_low(t))
+        .collect();
+    open.triangles = kept;
+    open
+}
+
+#[test]
+fn a_prop_without_a_bottom_is_a_solid_where_it_stands() {
+    let at = DVec3::new(0.3, 0.002, 0.1);
+    let ground = || level(0.0, 9.0);
+    let slab = || block(Vec3::Y * -0.1, Vec3::new(9.0, 0.1, 9.0), false);
+    let unseen = |meshes| depth(&solids(meshes), at);
+    for bottom in [0.0, -0.05, 0.0005] {
+        assert_eq!(unseen(vec![ground(), bottomless(bottom)]), 1, "{bottom}");
+        assert_eq!(
+            unseen(vec![slab(), bottomless(bottom)]),
+            1,
+            "{bottom}, slab"
+        );
+    }
+    // On two tiles; with a ground that ends under it; floating; behind a sheet and not before it; with an inhabitant; turned over.
+    let tile = |from: f32| {
+        let mut tile = level(0.0, 4.5);
+        tile.positions.iter_mut().for_each(|p| p.x += from);
+        tile
+    };
+    assert_eq!(unseen(vec![tile(-4.5), tile(4.5), bottomless(0.0)]), 1);
+    assert_eq!(unseen(vec![tile(-4.5), bottomless(0.0)]), 0);
+    assert_eq!(unseen(vec![ground(), bottomless(0.1)]), 0);
+    assert_eq!(unseen(vec![level(3.0, 9.0), bottomless(0.0)]), 0);
+    let tenant = block(Vec3::Y * 0.5, Vec3::splat(0.1), false);
+    assert_eq!(unseen(vec![ground(), bottomless(0.0), tenant]), 0);
+    let mut cup = bottomless(0.0);
+    for p in &mut cup.positions {
+        (p.y, p.z) = (1.0 - p.y, -p.z);
+    }
+    assert_eq!(unseen(vec![ground(), cup]), 0);
+}
+
+#[test]
+fn a_wall_that_only_stands_on_a_floor_buries_nothing_behind_it() {
+    for turn in 0..4 {
+        let wall = |low: f32| {
+            let turn = Quat::from_rotation_y(f32::from(turn as u8) * std::f32::consts::FRAC_PI_2);
+            let corners = [(-2.0, low), (2.0, low), (2.0, 2.0), (-2.0, 2.0)];
+            let at = |(x, y)| (turn * Vec3::new(x, y, -2.0)).round();
+            mesh(corners.map(at).to_vec(), vec![[0, 1, 2], [0, 2, 3]])
+        };
+        let behind = DQuat::from_rotation_y(f64::from(turn) * std::f64::consts::FRAC_PI_2)
+            * DVec3::new(0.3, 1e-6, -2.5);
+        for (low, expected) in [(0.0, 0), (-1.0, 1)] {
+            let world = world(scene(vec![level(0.0, 3.0), wall(low)]));
+            let own = world.solids().own(0, 0);
+            let near = world.solids().about(behind, behind);
+            let depth = |&body: &u32| world.solids().depth(body, behind, own);
+            assert_eq!(
+                near.iter().map(depth).sum::<i32>(),
+                expected,
+                "{turn} {low}"
+            );
+        }
+    }
+}
+
+#[test]
+fn what_stands_on_a_ground_lays_nothing_open_behind_it() {
+    let wall = |bottom: f32| {
+        let corners = [(-2.0, bottom), (2.0, bottom), (2.0, 2.0), (-2.0, 2.0)];
+        let at = |(x, y)| Vec3::new(x, y, -2.0);
+        mesh(corners.map(at).to_vec(), vec![[0, 1, 2], [0, 2, 3]])
+    };
+    let crate_at = |y: f32| block(Vec3::new(1.0, y + 0.5, -1.5), Vec3::splat(0.5), false);
+    let below = DVec3::new(0.3, -0.005, -2.0);
+    let buried = |meshes: Vec<Mesh>| {
+        let solids = solids(meshes);
+        let own = solids.own(0, 0);
+        let near = solids.about(below, below);
+        near.iter()
+            .map(|&body| solids.depth(body, below, own))
+            .sum::<i32>()
+    };
+    let ground = || level(0.0, 9.0);
+    assert_eq!(buried(vec![wall(-0.01), ground(), crate_at(0.0)]), 1);
+    // One that hangs under it may show what is there.
+    assert_eq!(buried(vec![wall(-0.01), ground(), crate_at(-1.0)]), 0);
+}
+
+#[test]
+fn a_wall_of_which_the_middle_stands_where_two_tiles_meet_crosses_both() {
+    let wall = {
+        let corners = [(-2.0, -0.01), (2.0, -0.01), (2.0, 2.0), (-2.0, 2.0)];
+        let at = |(x, y)| Vec3::new(x, y, -1.99);
+        mesh(corners.map(at).to_vec(), vec![[0, 1, 2], [0, 2, 3]])
+    };
+    let tile = |from: f32| {
+        let mut tile = level(0.0, 1.0);
+        let place = |p: &mut Vec3| (p.x, p.z) = (p.x + from, 2.0 * p.z);
+        tile.positions.iter_mut().for_each(place);
+        tile
+    };
+    let solids = solids(vec![wall, tile(-1.0), tile(1.0)]);
+    let (below, own) = (DVec3::new(0.3, -0.005, -1.99), solids.own(0, 0));
+    let near = solids.about(below, below);
+    let depths = near.iter().map(|&body| solids.depth(body, below, own));
+    assert_eq!(depths.sum::<i32>(), 1);
+}
