@@ -62,16 +62,13 @@ impl Stand {
             return stand;
         };
         // Edges of panels may run along one another, where corners are beside a sheet or over its border, and so may middles be where panels
-        // join: so other points on the edges too. The box is that of corners and middles.
+        // join: so other points on the edges too.
         let points = other.faces(scene).flat_map(|[a, b, c]| {
-            let edges = [(a, b), (b, c), (c, a)];
-            let along =
-                move |share: f64| edges.map(|(from, to)| (from.lerp(to, share), share == 0.5));
-            let along = ALONG_EDGES.into_iter().flat_map(along);
-            let own = [a, b, c, (a + b + c) / 3.0].map(|point| (point, true));
-            own.into_iter().chain(along)
+            let edges = [(a, b), (b, c), (c, a)].into_iter();
+            let along = edges.flat_map(|(from, to)| ALONG_EDGES.map(|share| from.lerp(to, share)));
+            [a, b, c, (a + b + c) / 3.0].into_iter().chain(along)
         });
-        for (point, is_boxed) in points {
+        for point in points {
             let local = inverse.transform_point3(point);
             // A wall that only stands on a floor does not cross it: what ends at the sheet is beside it.
             let Some(height) = tree.height_over(scene, local, front, true) else {
@@ -80,7 +77,7 @@ impl Stand {
             stand.meets = true;
             stand.front = stand.front.max(height);
             stand.behind = stand.behind.max(-height);
-            if is_boxed && height < 0.0 {
+            if height < 0.0 {
                 (stand.low, stand.high) = (stand.low.min(point), stand.high.max(point));
             }
         }
