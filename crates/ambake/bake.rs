@@ -151,13 +151,14 @@ impl Bake {
         self
     }
 
-    /// Rays per texel over the hemisphere, at least 1; the specular lobe takes as many again where a material needs it.
+    /// Rays per texel over the hemisphere, at least 1; a highlight takes what it is worth beside them ([`Options::full_highlights`]).
     pub fn rays(mut self, rays: u32) -> Self {
         self.options.effort = Effort::Rays(rays);
         self
     }
 
-    /// Stops a texel when its standard error is at most `std_err`, above 0 and below 1, instead of at a fixed number of rays.
+    /// Takes the rays by which the root mean square of a page's standard errors is at most `std_err`, above 0 and below 1, tile by tile, instead of a fixed
+    /// number.
     pub fn target_error(mut self, std_err: f64) -> Self {
         let (relative, max_rays) = match self.options.effort {
             Effort::Target {
@@ -173,8 +174,8 @@ impl Bake {
         self
     }
 
-    /// With [`Bake::target_error`], set before: stops a texel also when its standard error is at most `share` of its value, where that
-    /// is more; at least 0 and below 1, 0 by default.
+    /// With [`Bake::target_error`], set before: an error of `share` of the value counts as one of the target, where that is more; at least 0 and below
+    /// 1, 0 by default.
     pub fn target_relative(mut self, share: f64) -> Self {
         if let Effort::Target { relative, .. } = &mut self.options.effort {
             *relative = share;
@@ -282,6 +283,8 @@ impl Bake {
                 // It is among those that every bake has, but this one is asked for by name.
                 self.options.model.get_or_insert(Model::Phong);
             }
+            // Likewise: who asks for the term itself wants it as exact as the others.
+            self.options.full_highlights |= Options::shows_highlight(layer);
             if !self.options.layers.contains(&layer) {
                 self.options.layers.push(layer);
             }

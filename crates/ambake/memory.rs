@@ -143,7 +143,7 @@ impl Memory {
         let kept = texels * 4 * self.kept;
         let waiting = covered * 4 * (self.light + 1);
         let bounces =
-            pages * (kept + texels * (4 * self.light + SENT + PATCH)) + waiting.min(WAITING);
+            pages * (kept + texels * (4 * self.light + 2 * SENT + PATCH)) + waiting.min(WAITING);
         let last = denoise.max(pages * texels * SENT);
         (one + (pages - 1) * kept).max(bounces + last)
     }

@@ -124,6 +124,9 @@ pub struct Options {
     pub specular: Option<[f32; 3]>,
     /// Lobe exponent of every material, 0..=1e6.
     pub exponent: Option<f64>,
+    /// Highlights take as many rays as the hemisphere, however faint they are. So they do too with an exponent, an eye point, or layers that show them
+    /// by themselves.
+    pub full_highlights: bool,
     /// Planner choices that are switched off.
     pub plan_off: Vec<Choice>,
     /// Engines that get files of their own; these change no value.
@@ -164,6 +167,7 @@ impl Default for Options {
             albedo: None,
             specular: None,
             exponent: None,
+            full_highlights: false,
             plan_off: Vec::new(),
             engines: Vec::new(),
         }
@@ -365,8 +369,34 @@ impl Options {
                 specular: self.specular,
                 exponent: self.exponent,
             },
+            full_highlights: self.has_full_highlights(),
             switched_off: self.plan_off.clone(),
         }
+    }
+
+    /// True for layers that show the specular term by itself.
+    pub(crate) fn shows_highlight(layer: Layer) -> bool {
+        matches!(
+            layer,
+            Layer::Specular
+                | Layer::StdErrSpecular
+                | Layer::HalfSpecular
+                | Layer::Reflection
+                | Layer::StdErrReflection
+                | Layer::HalfReflection
+        )
+    }
+
+    /// True where the specular term was asked for by itself. [`Layer::STANDARD`] has it too, but there it stands beside what it is part of.
+    fn has_full_highlights(&self) -> bool {
+        let mut further = self
+            .layers
+            .iter()
+            .filter(|&&layer| layer != Layer::Specular);
+        self.full_highlights
+            || self.exponent.is_some()
+            || self.view != View::Normal
+            || further.any(|&layer| Self::shows_highlight(layer))
     }
 
     /// What the layout is given.
@@ -423,6 +453,7 @@ impl Options {
             albedo,
             specular,
             exponent,
+            full_highlights: _,
             plan_off,
             engines: _,
         } = self;
@@ -506,6 +537,7 @@ impl Options {
             "albedo": albedo,
             "specular": specular,
             "exponent": exponent,
+            "full_highlights": self.has_full_highlights(),
             "plan_off": plan_off,
         })
     }

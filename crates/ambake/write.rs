@@ -237,6 +237,8 @@ impl<'a> Writer<'a> {
         report.lightmaps = self.lightmaps;
         let interior = self.brightness.interior(self.job.options());
         report.warnings.extend(interior);
+        let missing = bounces.and_then(|stats| light_is_missing(self.job, &stats));
+        report.warnings.extend(missing);
         report.warnings.extend(edited(self.job));
         self.output
             .stage_bytes("bake.json", report.to_json().as_bytes())?;
@@ -357,6 +359,22 @@ fn page_report(job: &Job, page: &BakedPage) -> PageReport {
 /// True where irradiance has an error of its own, beside that of the diffuse term.
 fn lights_vary(job: &Job) -> bool {
     job.options().sky.is_map() || job.options().bounces != Bounces::Off
+}
+
+/// A warning where gathers that should have gone on until nothing is missing were stopped before.
+fn light_is_missing(job: &Job, stats: &BounceStats) -> Option<report::WarningReport> {
+    let percent = 100.0 * stats.missing;
+    let is_much = job.options().bounces == Bounces::Auto && percent > 1.0;
+    is_much.then(|| report::WarningReport {
+        kind: "light-missing".into(),
+        place: job.scene().path.display().to_string(),
+        count: 1,
+        message: format!(
+            "after {} gathers {percent:.0} % of the light is still missing: nearly white surfaces send it on and on; give them less albedo with \
+             --albedo, or a number of gathers with --bounces",
+            stats.gathers
+        ),
+    })
 }
 
 fn bounce_report(stats: BounceStats) -> report::BounceReport {

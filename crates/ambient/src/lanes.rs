@@ -12,7 +12,7 @@ pub type Wide = [f32; LANES];
 /// Adding and subtracting this rounds a small f32 to the nearest whole number; its low bits are then that number.
 const ROUNDER: f32 = 12_582_912.0;
 
-/// `(sin 2πu, cos 2πu)` for `u` in `0..=1`, within 2e-7.
+/// `(sin 2πu, cos 2πu)` for `u` in `-1/8..=1`, within 2e-7.
 #[inline(always)]
 pub fn turn_sin_cos(u: f32) -> (f32, f32) {
     let shifted = 4.0 * u + ROUNDER;

@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// Options of one bake. The command line's words are turned into this once; nothing below reads flags.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
-    /// Rays per texel over the hemisphere; the specular lobe takes as many again where it is needed.
+    /// Rays per texel over the hemisphere; lobes take what they are worth beside them.
     pub effort: Effort,
     /// How texels share directions.
     pub pattern: Pattern,
@@ -49,24 +49,26 @@ pub struct Options {
     pub rings: u32,
     /// Normal maps bend the shading normals.
     pub normal_maps: bool,
+    /// Highlights take as many rays as the hemisphere, however little of them comes through to what is composed.
+    pub full_highlights: bool,
     /// Values that replace the materials' own.
     pub overrides: Overrides,
     /// Planner choices that are switched off: what they would leave out is modelled all the same.
     pub switched_off: Vec<Choice>,
 }
 
-/// How many rays a texel takes for each of its two integrals.
+/// How many rays a texel takes over the hemisphere.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Effort {
     /// So many, at least 1.
     Rays(u32),
-    /// Until the standard error is small enough: texel by texel, or where pages are denoised by fits, tile by tile after denoising.
+    /// As many, tile by tile, as the root mean square of a page's standard errors asks for, after denoising where pages are denoised by fits.
     Target {
-        /// Largest standard error, above 0.
+        /// That root mean square, above 0.
         error: f64,
-        /// Or so much of the value, where that is larger: 0 for nothing, below 1.
+        /// An error of so much of the value counts as one of `error`, where that is more: 0 for nothing, below 1.
         relative: f64,
-        /// The most rays, at least 16; rounded down to a multiple of the replicates.
+        /// The most rays, at least 16.
         max_rays: u32,
     },
 }
@@ -203,6 +205,16 @@ pub enum Bounces {
     Auto,
 }
 
+impl Bounces {
+    /// The gathers before the last one, which brings their light and one more.
+    pub(crate) fn before_last(self) -> Self {
+        match self {
+            Bounces::Most(gathers) => Bounces::Most(gathers.saturating_sub(1)),
+            other => other,
+        }
+    }
+}
+
 /// What happens to samples of a surface that lie inside of other solids, where nobody sees them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Buried {
@@ -237,6 +249,7 @@ impl Default for Options {
             layers: Layer::STANDARD.to_vec(),
             rings: atlas::RINGS,
             normal_maps: false,
+            full_highlights: true,
             overrides: Overrides::default(),
             switched_off: Vec::new(),
         }

@@ -129,16 +129,16 @@ pub struct Job {
     /// A mesh that does not fit on one page is an error; otherwise its charts are then spread over several
     #[arg(long)]
     pub one_page_per_mesh: bool,
-    /// Rays per texel over the hemisphere; the specular lobe takes as many again where a material needs it
+    /// Rays per texel over the hemisphere; a highlight takes what it is worth beside them, or as many where it is asked for itself
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=16_777_216))]
     pub rays: u32,
-    /// Stop texels when their standard error is at most E, instead of a fixed number of rays; where they are denoised, a tile's texels together, once 95 of 100 have that
+    /// Instead of a fixed number: the rays by which the root mean square of a page's standard errors is at most E, tile by tile, after denoising
     #[arg(long, value_name = "E", value_parser = target_error, conflicts_with = "rays")]
     pub target_error: Option<f64>,
-    /// With --target-error: stop a texel when its standard error is at most R times its value, where that is more than E
+    /// With --target-error: an error of R times the value counts as one of E, where that is more than E
     #[arg(long, value_name = "R", value_parser = target_error, requires = "target_error", conflicts_with = "rays")]
     pub target_relative: Option<f64>,
-    /// With --target-error: the most rays that a texel may take, over the hemisphere and again over the lobe
+    /// With --target-error: the most rays that a texel may take over the hemisphere
     #[arg(long, value_name = "N", default_value_t = 16_384, requires = "target_error", conflicts_with = "rays", value_parser = clap::value_parser!(u32).range(16..=16_777_216))]
     pub max_rays: u32,
     /// How the rays of neighbouring texels stand to each other; blocks that share their directions are a little faster, but show

@@ -23,7 +23,7 @@ mod both;
 mod open;
 mod wide;
 
-pub use wide::{Lobes, lobes16};
+pub use wide::{Lobes, lobes16, sample16};
 
 use crate::Frame;
 use crate::sampling::turn_sin_cos;
@@ -31,7 +31,7 @@ use glam::DVec3;
 use std::f64::consts::PI;
 
 /// Least α: a mirror for all that a texel can show.
-const LEAST_ALPHA: f64 = 1e-4;
+pub const LEAST_ALPHA: f64 = 1e-4;
 /// Least N·V: an eye at or below the horizon of a shading normal sees what it sees just above.
 pub const LEAST_COS: f64 = 1e-3;
 

@@ -1,11 +1,11 @@
-//! Sixteen GGX lobes at once, in f32: what each weighs a direction with that was drawn by other means. [`Ggx`](super::Ggx) is the same in f64.
+//! Sixteen GGX lobes at once, in f32: directions drawn from them, and what each weighs a direction with. [`Ggx`](super::Ggx) is the same in f64.
 
 #![allow(
     clippy::needless_range_loop,
     reason = "a lane is one index into many arrays"
 )]
 
-use crate::lanes::{LANES, Wide};
+use crate::lanes::{LANES, Wide, turn_sin_cos};
 use std::f32::consts::PI;
 
 /// What sixteen lobes say of a direction each.
@@ -63,6 +63,38 @@ pub fn lobes16(alpha: &Wide, normal: &[Wide; 3], view: &[Wide; 3], direction: &[
     lobes
 }
 
+/// The local directions that [`Ggx::sample`](super::Ggx::sample) gives points of the unit square, for lobes of these α: z is the normal, and unit
+/// views are `[sin, 0, cos]`. Within 2e-6 of it.
+#[inline(always)]
+pub fn sample16(alpha: &Wide, [sin, cos]: [&Wide; 2], u0: &Wide, u1: &Wide) -> [Wide; 3] {
+    let mut out = [[0.0; LANES]; 3];
+    for k in 0..LANES {
+        let (a, x, z) = (alpha[k], sin[k], cos[k]);
+        let scale = 1.0 / (a * a * x * x + z * z).sqrt();
+        let (leaning, up) = (a * x * scale, z * scale);
+        let far = 1.0 + x;
+        let whole = far * far + a * a * z * z;
+        // The share of the cap below its middle that is used, and the rest.
+        let (bound, rest) = (
+            (1.0 - a * a) * far * far / whole,
+            a * a * (z * z + far * far) / whole,
+        );
+        // How far the point of the cap is from the top, and how far the half vector rises, both without a difference of like numbers.
+        let drop = (1.0 - u0[k]) * (1.0 + bound * up);
+        let rise = u0[k] * (1.0 + bound * up) + rest * up;
+        let r = (drop * (rise + leaning * leaning / (1.0 + up))).sqrt();
+        let (s, c) = turn_sin_cos(u1[k]);
+        let h = [a * (r * c + leaning), a * r * s, rise];
+        let square = h[0] * h[0] + h[1] * h[1] + h[2] * h[2];
+        let along = (x * h[0] + z * h[2]).max(0.0);
+        let twice = 2.0 * along / square.max(f32::MIN_POSITIVE);
+        out[0][k] = twice * h[0] - x;
+        out[1][k] = twice * h[1];
+        out[2][k] = twice * h[2] - z;
+    }
+    out
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,5 +142,42 @@ mod tests {
             tried += 1;
         }
         assert!(tried > 10_000, "{tried}");
+    }
+
+    #[test]
+    fn sixteen_lobes_draw_the_directions_of_the_scalar_sampler() {
+        for (number, (alpha, cos)) in [
+            (1e-4, 0.3),
+            (0.0025, 1.0),
+            (0.04, 0.7),
+            (0.25, 1.0),
+            (0.25, 0.05),
+            (1.0, 0.4),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            let ggx = Ggx::new(alpha, cos);
+            let [sin, cos] = [ggx.view().x, ggx.view().z].map(|of| [of as f32; LANES]);
+            let stream = Stream::new(11, 0, number as u32, 0, 0);
+            for i in 0..2048 {
+                let u = stream.point(i);
+                // A point that both have to the last bit.
+                let [u0, u1] = [u[0], u[1]].map(|u| u as f32);
+                let found = sample16(
+                    &[alpha as f32; LANES],
+                    [&sin, &cos],
+                    &[u0; LANES],
+                    &[u1; LANES],
+                );
+                let exact = ggx.sample([u0.into(), u1.into()]).direction;
+                let found = DVec3::from(found.map(|axis| f64::from(axis[7])));
+                let off = (found - exact).length();
+                assert!(
+                    off < 2e-6,
+                    "alpha {alpha}, {u0} {u1}: {found} for {exact}, {off:e}"
+                );
+            }
+        }
     }
 }

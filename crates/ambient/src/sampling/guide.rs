@@ -57,7 +57,7 @@ impl Counts {
         self.hits() as f64 / points.sum::<u64>().max(1) as f64
     }
 
-    /// The share of each cell and those about it, the azimuth going round.
+    /// The share of each cell and those about it.
     fn shares(&self) -> [[f32; EDGE]; EDGE] {
         // A cell weighs as much as the ring about it. Where hits are few they say no more than whereabouts it is open.
         let (around, own) = match self.hits() < FEW {
@@ -68,13 +68,13 @@ impl Counts {
             std::array::from_fn(|column| {
                 let (mut hits, mut points) = (0, 0);
                 for r in row.saturating_sub(around)..(row + around + 1).min(EDGE) {
-                    for c in column + EDGE - around..column + EDGE + around + 1 {
-                        let weight = match r == row && c == column + EDGE {
+                    for c in column.saturating_sub(around)..(column + around + 1).min(EDGE) {
+                        let weight = match r == row && c == column {
                             true => own,
                             false => 1,
                         };
-                        hits += weight * self.hits[r][c % EDGE];
-                        points += weight * self.points[r][c % EDGE];
+                        hits += weight * self.hits[r][c];
+                        points += weight * self.points[r][c];
                     }
                 }
                 hits as f32 / points.max(1) as f32
@@ -262,11 +262,11 @@ mod tests {
     fn one_hit_leads_to_the_cells_about_it() {
         let guide = Guide::new(&one_hit());
         let cell = |k: f64| (k + 0.5) / EDGE as f64;
-        // Rows 2 to 6 of 16 and the last three columns with the first two, for the azimuth goes round.
+        // Rows 2 to 6 of 16 and the last three columns.
         for (row, column, near) in [
             (4.0, 15.0, true),
             (2.0, 13.0, true),
-            (6.0, 1.0, true),
+            (6.0, 1.0, false),
             (7.0, 15.0, false),
             (4.0, 2.0, false),
             (12.0, 8.0, false),

@@ -10,34 +10,30 @@
 use super::Stream;
 use super::sobol::scramble;
 use super::stream::mix;
-
-/// Digits of a part's number that leave room for texels.
-const MOST_POINTS_LOG2: u32 = 20;
+use std::ops::Range;
 
 impl Stream {
-    /// This stream as texel (x, y) of a square of `2^edge_log2` texels takes it, of which each takes `points` at most. Texels of the
-    /// square have this stream and `points` in common; x and y count modulo its edge.
+    /// This stream as texel (x, y) of a square of `2^edge_log2` texels takes its points `net`, counted from 0: a power of two, aligned to itself. Texels of
+    /// the square have this stream and `net` in common; x and y count modulo its edge.
     ///
-    /// Points remain those of an Owen-scrambled Sobol sequence, however many are taken. Only how they
-    /// stand to other texels' depends on `points`, beyond which texels share points.
+    /// Points are those of an Owen-scrambled Sobol sequence, however many of them are taken. All points of all texels of an aligned square are a net, and nets that follow each other
+    /// continue one sequence, so that the second falls between the points of the first.
     ///
     /// ```
     /// use ambake_ambient::sampling::Stream;
     /// let square = Stream::new(0, 0, 17, 0, 0);
     /// // One point of each of 2 x 2 texels: one in each quarter of the first two dimensions.
-    /// let quarter = |x, y| square.joint([x, y], 1, 1).point(0).map(|u| u >= 0.5);
+    /// let quarter = |x, y| square.joint([x, y], 1, &(0..1)).point(0).map(|u| u >= 0.5);
     /// let mut quarters = [quarter(0, 0), quarter(1, 0), quarter(0, 1), quarter(1, 1)].map(|q| [q[0], q[1]]);
     /// quarters.sort();
     /// assert_eq!(quarters, [[false, false], [false, true], [true, false], [true, true]]);
     /// ```
-    pub fn joint(self, [x, y]: [u32; 2], edge_log2: u32, points: u32) -> Stream {
-        let log2 = match points {
-            0 | 1 => 0,
-            _ => ((points - 1).ilog2() + 1).min(MOST_POINTS_LOG2),
-        };
+    pub fn joint(self, [x, y]: [u32; 2], edge_log2: u32, net: &Range<u32>) -> Stream {
+        let points = net.end.saturating_sub(net.start).max(1);
         let part = self.shuffled(x, y, edge_log2);
-        let turn = mix(self.key(1) ^ u64::from(part)) as u32 & ((1 << log2) - 1);
-        self.starting_at(part << log2 | turn)
+        let before = net.start.wrapping_mul(1 << (2 * edge_log2));
+        let turn = mix(self.key(1) ^ u64::from(part)) as u32 & (points - 1);
+        self.starting_at(before.wrapping_add(part.wrapping_mul(points)) | turn)
     }
 
     /// The number of a texel's part: its place in Morton order after the children of each node of the tree are shuffled.
@@ -66,7 +62,7 @@ mod tests {
         let texels = (0..edge).flat_map(|b| (0..edge).map(move |a| [x + a, y + b]));
         texels
             .flat_map(|at| {
-                let texel = square.joint(at, EDGE_LOG2, each);
+                let texel = square.joint(at, EDGE_LOG2, &(0..each));
                 (0..each).map(move |i| texel.point(i))
             })
             .collect()
@@ -101,7 +97,7 @@ mod tests {
     #[test]
     fn texels_have_points_of_their_own() {
         let square = Stream::new(3, 1, 5, 0, 2);
-        let mut points = points(square, [0, 0], 16, 6);
+        let mut points = points(square, [0, 0], 16, 8);
         points.sort_by(|a, b| a[0].total_cmp(&b[0]));
         assert!(points.windows(2).all(|p| p[0][0] < p[1][0]));
     }
@@ -110,7 +106,7 @@ mod tests {
     #[test]
     fn neighbouring_squares_do_not_repeat() {
         let square = Stream::new(3, 1, 5, 0, 2);
-        let leading = |x, y| (square.joint([x, y], EDGE_LOG2, 4).point(0)[0] * 64.0) as u32;
+        let leading = |x, y| (square.joint([x, y], EDGE_LOG2, &(0..4)).point(0)[0] * 64.0) as u32;
         let repeats = (0..12_u32)
             .flat_map(|y| (0..12).map(move |x| (x, y)))
             .filter(|&(x, y)| leading(x, y) == leading(x + 4, y))
@@ -124,10 +120,32 @@ mod tests {
     fn texels_that_take_some_of_their_points_leave_out_different_ones() {
         let square = Stream::new(9, 0, 2, 0, 0);
         let mut boxes = [0_u32; 8];
-        for p in points(square, [0, 0], 16, 6) {
-            boxes[(p[0] * 8.0) as usize] += 1;
+        for (x, y) in (0..16).flat_map(|y| (0..16).map(move |x| (x, y))) {
+            let texel = square.joint([x, y], EDGE_LOG2, &(0..8));
+            for i in 0..6 {
+                boxes[(texel.point(i)[0] * 8.0) as usize] += 1;
+            }
         }
         // 192 each; a texel leaves out two of eight, a standard deviation of 6.9 over 256 texels.
         assert!(boxes.iter().all(|n| n.abs_diff(192) < 30), "{boxes:?}");
+    }
+
+    /// Eight points each and then four are the first twelve of sixteen: none of the boxes that sixteen would fill has two.
+    #[test]
+    fn nets_continue_each_other() {
+        let square = Stream::new(9, 0, 2, 0, 0);
+        let mut boxes = [0_u32; 16 << (2 * EDGE_LOG2)];
+        for y in 0..16 {
+            for x in 0..16 {
+                for (net, each) in [(0..8, 8), (8..12, 4)] {
+                    let texel = square.joint([x, y], EDGE_LOG2, &net);
+                    for point in (0..each).map(|i| texel.point(i)) {
+                        boxes[(point[0] * boxes.len() as f64) as usize] += 1;
+                    }
+                }
+            }
+        }
+        assert_eq!(boxes.iter().sum::<u32>(), 12 << (2 * EDGE_LOG2));
+        assert!(boxes.iter().all(|&n| n <= 1));
     }
 }

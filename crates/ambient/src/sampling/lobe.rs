@@ -114,14 +114,13 @@ mod tests {
     }
 
     #[test]
-    fn exponents_zero_and_one_are_the_uniform_and_the_cosine_map() {
+    fn exponents_zero_and_one_are_the_uniform_and_the_cosine_density() {
         let stream = Stream::new(2, 0, 0, 0, 0);
         for i in 0..256 {
             let p = stream.point(i);
             let u = [p[0], p[1]];
             for (n, mixture) in [(0.0, Mixture::UNIFORM), (1.0, Mixture::COSINE)] {
-                let (d, e) = (Lobe::new(n).sample(u), mixture.sample(u));
-                assert!((d - e).length() < 1e-15, "{d} and {e}");
+                let d = mixture.sample(u);
                 assert!((Lobe::new(n).pdf(d) - mixture.pdf(d)).abs() < 1e-15);
             }
         }

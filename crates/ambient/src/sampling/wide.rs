@@ -192,15 +192,22 @@ impl Mixture {
         let b = 1.0 - a;
         let (mut directions, mut weights) = ([[0.0; LANES]; 3], [[0.0; LANES]; 2]);
         for l in 0..LANES {
-            let q = (b * b + 4.0 * a * u0[l]).sqrt();
+            let (x, y) = (2.0 * u0[l] - 1.0, 2.0 * u1[l] - 1.0);
+            let steep = y.abs() > x.abs();
+            let (r, other) = if steep { (y, x) } else { (x, y) };
+            // An eighth of a turn at most.
+            let (s, c) = turn_sin_cos(0.125 * (other / if r == 0.0 { 1.0 } else { r }));
+            // A point that was moved to the border stays a little above the horizon.
+            let v = ((1.0 - r.abs()) * (1.0 + r.abs())).max(f32::EPSILON);
+            let q = (b * b + 4.0 * a * v).sqrt();
             let (near, far) = (b + q, 1.0 + a + q);
             let inverse = 1.0 / (q * near * far);
-            let mu = 2.0 * u0[l] * (q * far * inverse);
-            let complement = 2.0 * (1.0 - u0[l]) * (q * near * inverse);
-            let r = (complement * (1.0 + mu)).sqrt();
-            let (s, c) = turn_sin_cos(u1[l]);
-            directions[0][l] = r * c;
-            directions[1][l] = r * s;
+            let mu = 2.0 * v * (q * far * inverse);
+            let complement = 2.0 * r * r * (q * near * inverse);
+            let length = (complement * (1.0 + mu)).sqrt().copysign(r);
+            let (along, across) = (length * c, length * s);
+            directions[0][l] = if steep { across } else { along };
+            directions[1][l] = if steep { along } else { across };
             directions[2][l] = mu;
             let visibility = near * far * inverse;
             weights[0][l] = 2.0 * mu * visibility;
@@ -292,7 +299,7 @@ mod tests {
 
     #[test]
     fn steps_give_the_scalar_stream_s_points_in_shared_cells() {
-        let joint = Stream::new(7, 1, 3, 3, 1).joint([5, 14], 4, 3000);
+        let joint = Stream::new(7, 1, 3, 3, 1).joint([5, 14], 4, &(0..4096));
         let labels = [Stream::new(7, 1, 2, 3, 0), joint];
         let mut streams = Streams::new(PointSet::Sobol);
         streams.set(5, &labels[0]);

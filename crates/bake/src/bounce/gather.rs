@@ -9,6 +9,7 @@ use super::REPLICATES;
 use super::kernel::Kernel;
 use super::radiosity::Radiosity;
 use super::spots::{Aim, Reach, Spots};
+use crate::integrate::lobe;
 use crate::options::{Model, Shading, View};
 use crate::survey::{Sample, Texel};
 use ambient::ggx::{Ggx, alpha_of};
@@ -32,7 +33,9 @@ pub(super) struct Gather<'a> {
     pub lights: &'a [Light],
     /// Bright surfaces.
     pub spots: &'a Spots,
-    /// Points of each replicate.
+    /// It is the last one: its light is shown.
+    pub last: bool,
+    /// Points of each replicate over the hemisphere.
     pub points: u32,
     pub shading: Shading,
     /// In the world's coordinates.
@@ -65,18 +68,19 @@ struct Techniques<'a> {
 }
 
 impl Gather<'_> {
-    /// What the texel receives, and how many rays that took. `stream` gives a replicate's points. `reach` tells how well aimed rays of
+    /// What the texel receives by so many points of each replicate, and how many rays that took. `stream` gives a replicate's points. `reach` tells how well aimed rays of
     /// neighbours met what they were aimed at, and learns.
     pub fn receive(
         &self,
         texel: &Texel,
         integral: Integral,
+        count: u32,
         stream: impl Fn(Points, u32) -> Stream,
         reach: &mut Reach,
     ) -> (Received, u64) {
         let mut rays = 0;
         // Over an open texel stands nothing that could send light.
-        let points = if texel.open { 0 } else { self.points };
+        let points = if texel.open { 0 } else { count };
         // What an open texel reflects, by which its lobe is divided.
         let mirror = match (self.model, integral) {
             (Model::Ggx, Integral::Reflection) => {
@@ -134,7 +138,7 @@ impl Gather<'_> {
             }
             // Their points are those of rays to lamps, which take other numbers of them.
             let stream = stream(Points::Lamps, replicate as u32);
-            let count = self.shadow_rays();
+            let count = self.shadow_rays(count);
             for point in 0..count {
                 let [.., v0, v1] = stream.point(point);
                 let (surface, origin) = texel.start([v0, v1]);
@@ -239,9 +243,15 @@ impl Gather<'_> {
     }
 
     /// Rays of a replicate to each light: all points together, but four to each where there are many.
-    fn shadow_rays(&self) -> u32 {
-        let each = self.points / (self.lights.len().max(1) as u32);
-        each.max(SHADOW_RAYS.min(self.points))
+    fn shadow_rays(&self, points: u32) -> u32 {
+        let each = points / (self.lights.len().max(1) as u32);
+        each.max(SHADOW_RAYS.min(points))
+    }
+
+    /// Rays over a texel's lobe for each ray over the hemisphere.
+    pub fn lobe_share(&self, texel: &Texel, full: bool) -> f32 {
+        let view = self.view_from(texel.position, texel.normal);
+        lobe::worth(self.model, full, &texel.material, texel.normal.dot(view))
     }
 
     /// What a light without extent brings, the same in all channels; `None` where no ray needs to be cast. Light from below a facet comes

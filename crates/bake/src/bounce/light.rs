@@ -17,6 +17,9 @@ use serde::{Deserialize, Serialize};
 /// Neighbours pool their variances where their normals are within acos of this, some 37 degrees.
 const NORMAL_AGREEMENT: f64 = 0.8;
 
+/// The rest of the series of gathers is known no better than this share of itself: ratios have noise.
+const KNOWN: f64 = 0.02;
+
 /// What one gather brought to a texel.
 #[derive(Debug, Clone)]
 pub(super) struct TexelLight {
@@ -108,8 +111,8 @@ fn variance(received: &Received) -> f64 {
 }
 
 /// Gives each texel of a tile the mean variance of its neighbourhood of 3 x 3 on the same surface: four replicates alone are uncertain
-/// by 80 %.
-pub(super) fn pool(texels: &mut [TexelLight], size: u32) {
+/// by 80 %. And, to smooth what is only sent on, the mean irradiance too.
+pub(super) fn pool(texels: &mut [TexelLight], size: u32, smooths: bool) {
     let place = |texel: &TexelLight| (texel.index % size % TILE, texel.index / size % TILE);
     let mut at = [usize::MAX; (TILE * TILE) as usize];
     for (i, texel) in texels.iter().enumerate().filter(|(_, t)| t.rays > 0) {
@@ -120,12 +123,14 @@ pub(super) fn pool(texels: &mut [TexelLight], size: u32) {
         .iter()
         .map(|texel| [&texel.irradiance, &texel.reflection].map(variance))
         .collect();
+    let received: Vec<Received> = texels.iter().map(|texel| texel.irradiance).collect();
     for i in 0..texels.len() {
         if texels[i].rays == 0 {
             continue;
         }
         let (x, y) = place(&texels[i]);
         let (mut sums, mut count) = ([0.0; 2], 0.0);
+        let mut light = Received::default();
         for row in y.saturating_sub(1)..(y + 2).min(TILE) {
             for column in x.saturating_sub(1)..(x + 2).min(TILE) {
                 let other = at[(row * TILE + column) as usize];
@@ -134,11 +139,19 @@ pub(super) fn pool(texels: &mut [TexelLight], size: u32) {
                 {
                     sums[0] += own[other][0];
                     sums[1] += own[other][1];
+                    light
+                        .iter_mut()
+                        .zip(&received[other])
+                        .for_each(|(sum, own)| *sum += *own);
                     count += 1.0;
                 }
             }
         }
-        texels[i].variances = sums.map(|sum| sum / f64::max(count, 1.0));
+        let count = f64::max(count, 1.0);
+        texels[i].variances = sums.map(|sum| sum / count);
+        if smooths {
+            texels[i].irradiance = light.map(|sum| sum / count);
+        }
     }
 }
 
@@ -257,7 +270,7 @@ pub struct BounceStats {
     pub gathers: u32,
     /// Share of all light that the last one added.
     pub change: f64,
-    /// Estimated share of all light that further ones would add, by the ratio of the last two; 1 after the first.
+    /// Estimated share of all light that is missing; 1 after the first of several.
     pub missing: f64,
     /// Rays of all gathers.
     pub rays: u64,
@@ -265,6 +278,9 @@ pub struct BounceStats {
     sky: f64,
     added: f64,
     last: f64,
+    /// What the last gather brought for what the one before had, and the same of the one before.
+    ratio: f64,
+    before: f64,
 }
 
 impl BounceStats {
@@ -278,14 +294,55 @@ impl BounceStats {
             Bounces::Off => false,
             Bounces::Most(most) => self.gathers < most,
             Bounces::Auto => {
-                self.gathers == 0
-                    || (self.gathers < super::MOST && self.change.max(self.missing) > enough)
+                let short = self.change.max(self.missing) <= enough || self.left() <= enough;
+                self.gathers == 0 || (self.gathers < super::MOST && !short)
             }
         }
     }
 
+    /// What further gathers would bring for what the last one brought, if each brought as much of the one before: the rest of a geometric series. 0
+    /// where too few are known.
+    pub(super) fn rest(&self) -> f64 {
+        match self.gathers {
+            0..3 => 0.0,
+            _ => self.ratio / (1.0 - self.ratio),
+        }
+    }
+
+    /// The share of all light that is missing beside [`BounceStats::rest`], as far as the ratio of one gather to the next still changes.
+    fn left(&self) -> f64 {
+        match self.gathers {
+            0..3 => self.missing,
+            _ => {
+                let moved = (self.ratio - self.before).abs() / (1.0 - self.ratio);
+                self.missing * moved.clamp(KNOWN, 1.0)
+            }
+        }
+    }
+
+    /// Counts a gather before the last.
     pub(super) fn end_gather(&mut self, light: &[LightPage]) {
-        self.end(self.sky, light.iter().map(LightPage::power).sum());
+        let gathered: f64 = light.iter().map(LightPage::power).sum();
+        self.rays += light.iter().map(|page| page.rays).sum::<u64>();
+        self.end(self.sky, self.added + gathered);
+    }
+
+    /// Counts the last gather. It brings the light of all others again, and what they send on.
+    pub(super) fn end_last(&mut self, light: &[LightPage]) {
+        self.rays += light.iter().map(|page| page.rays).sum::<u64>();
+        match self.gathers {
+            0 => self.end(self.sky, light.iter().map(LightPage::power).sum()),
+            _ => {
+                self.gathers += 1;
+                self.change *= self.ratio;
+                self.missing *= self.ratio;
+            }
+        }
+    }
+
+    /// Notes that the rest of the series was added.
+    pub(super) fn end_series(&mut self) {
+        self.missing = self.left();
     }
 
     /// Counts a gather after which all of them have added so much to the light of the sky.
@@ -293,6 +350,7 @@ impl BounceStats {
         let last = added - self.added;
         let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
         let (first, ratio) = (self.gathers == 0, share(last, self.last).min(0.999));
+        (self.before, self.ratio) = (self.ratio, ratio);
         self.change = share(last, sky + added);
         self.missing = match first {
             true if last > 0.0 => 1.0,
@@ -336,7 +394,7 @@ mod tests {
         let mut texels: Vec<TexelLight> = (0..16).map(texel).collect();
         let own: Vec<f64> = texels.iter().map(|t| variance(&t.irradiance)).collect();
         assert!((own[0] - 1.0 / 16.0).abs() < 1e-12, "{}", own[0]);
-        pool(&mut texels, SIZE);
+        pool(&mut texels, SIZE, false);
         for (i, about) in [
             (0, vec![0, 1, 4]),
             (4, vec![0, 1, 4, 8, 9]),

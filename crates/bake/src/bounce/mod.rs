@@ -9,10 +9,13 @@
 //! E0 = sky          E1 = gather(albedo E0 + emission)          Ek+1 = gather(albedo Ek)          E = E0 + E1 + E2 + ...
 //! ```
 //!
-//! Each gather has rays of its own, so that the errors of gathers are independent and add up in squares; what a gather inherits of the noise of the
-//! one before is in the spread of its own replicates, which meet different texels.
+//! Only the sum is shown, and `E - E0 = gather(albedo (E0 + E1 + E2 + ...) + emission)`. So all gathers but the last take few rays, and smooth what
+//! they find over neighbours: the last one, which has all rays, averages it over all the texels that its rays meet. What is left of their noise is in the
+//! spread of its replicates, which meet different texels. Highlights send nothing on, so only the last gather integrates lobes.
 //!
-//! All gathers together are one page of light beside each finished page. It is mended, denoised, made seamless and dilated as the terms are,
+//! Without a number of gathers they go on until so little changes in the ratio of one to the next that the rest is a geometric series, whose sum is added.
+//!
+//! What the last gather finds is one page of light beside each finished page. It is mended, denoised, made seamless and dilated as the terms are,
 //! and then added to the layers that show light.
 
 mod add;
@@ -29,7 +32,7 @@ pub(crate) use pilot::{GatherPilot, Taken};
 
 use crate::choice::Choice;
 use crate::labels;
-use crate::options::{Effort, View};
+use crate::options::{Bounces, Effort, View};
 use crate::page::{BakedPage, BakedTile, Baker, light_layers};
 use crate::survey::Texel;
 use ambient::sampling::Stream;
@@ -57,6 +60,8 @@ const MOST: u32 = 64;
 const ENOUGH: f64 = 1.0 / 512.0;
 /// One texel in so many tells its neighbours which bright surfaces can be seen.
 const PROBED: u32 = 4;
+/// Gathers before the last take one of so many rays.
+const FEWER: u32 = 8;
 /// Rays of a gather where a target decides those of the terms.
 const RAYS: u32 = 256;
 
@@ -111,24 +116,51 @@ impl Baker<'_> {
             let lamps = (!lamps.is_empty()).then_some(&lamps);
             let lights = self.lights();
             let layers = self.layers_of_gathers();
-            let new = |page: &BakedPage| LightPage::new(page, &layers);
-            let mut light: Vec<LightPage> = pages.iter().map(new).collect();
-            let mut sent: Vec<PageLight> = pages.iter().map(first_light).collect();
+            let dark = || pages.iter().map(|page| LightPage::new(page, &layers));
+            let mut sum: Vec<PageLight> = pages.iter().map(first_light).collect();
+            let mut sent = sum.clone();
             let Some(patches) = self.patches(progress) else {
                 return Ok(None);
             };
             stats.start(pages);
-            while stats.goes_on(self.options.bounces, self.enough()) {
+            while stats.goes_on(self.options.bounces.before_last(), self.enough()) {
                 let spots = Spots::of(&patches, &sent);
-                let gather = self.gather(&sent, stats.gathers, lamps, &lights, &spots);
+                let first = stats.gathers == 0;
+                let gather = Gather {
+                    lamps: lamps.filter(|_| first),
+                    lights: if first { &lights } else { &[] },
+                    ..self.gather(&sent, false, &spots)
+                };
+                let mut light: Vec<LightPage> = dark().collect();
                 let gathered = self.gathered(&gather, stats.gathers, &mut light, kept, progress)?;
                 let Some(gathered) = gathered else {
                     return Ok(None);
                 };
+                for (sum, gathered) in sum.iter_mut().zip(&gathered) {
+                    sum.add(gathered, 1.0);
+                }
                 sent = gathered;
                 stats.end_gather(&light);
             }
-            stats.rays = light.iter().map(|page| page.rays).sum();
+            if self.options.bounces == Bounces::Auto {
+                for (sum, sent) in sum.iter_mut().zip(&sent) {
+                    sum.add(sent, stats.rest());
+                }
+                stats.end_series();
+            }
+            drop(sent);
+            let spots = Spots::of(&patches, &sum);
+            let gather = Gather {
+                lamps,
+                lights: &lights,
+                ..self.gather(&sum, true, &spots)
+            };
+            let mut light: Vec<LightPage> = dark().collect();
+            let gathered = self.gathered(&gather, stats.gathers, &mut light, kept, progress)?;
+            if gathered.is_none() {
+                return Ok(None);
+            }
+            stats.end_last(&light);
             for (page, light) in pages.iter_mut().zip(light) {
                 add::add(page, light.finished(self), self.options);
             }
@@ -195,16 +227,8 @@ impl Baker<'_> {
         (0..self.atlas.page_count).map(page).collect()
     }
 
-    /// What gather number `number`, from 0, reads. Later light is dimmer: the second gather takes half of the rays of the first, the
-    /// others a quarter.
-    fn gather<'g>(
-        &'g self,
-        sent: &'g [PageLight],
-        number: u32,
-        lamps: Option<&'g Lamps>,
-        lights: &'g [Light],
-        spots: &'g Spots,
-    ) -> Gather<'g> {
+    /// What a gather reads that is sent this light and no other. The last one takes all rays.
+    fn gather<'g>(&'g self, sent: &'g [PageLight], last: bool, spots: &'g Spots) -> Gather<'g> {
         let rays = match self.options.effort {
             Effort::Rays(rays) => rays,
             Effort::Target { max_rays, .. } => RAYS.min(max_rays),
@@ -217,10 +241,11 @@ impl Baker<'_> {
                 overrides: &self.options.overrides,
                 pages: sent,
             },
-            lamps: lamps.filter(|_| number == 0),
-            lights: if number == 0 { lights } else { &[] },
+            lamps: None,
+            lights: &[],
             spots,
-            points: ((rays >> number.min(2)) / REPLICATES).max(1),
+            last,
+            points: (if last { rays } else { rays / FEWER } / REPLICATES).max(1),
             shading: self.options.shading,
             view: match self.options.view {
                 View::Eye(eye) => View::Eye(eye - self.world.origin()),
@@ -313,34 +338,41 @@ impl Baker<'_> {
                 if first(texel) != probes || dark || texel.seen.share == 0.0 {
                     continue;
                 }
-                let stream = |integral: u32, points: Points, replicate: u32| {
+                let stream = |integral: u32, count: u32, points: Points, replicate: u32| {
                     let label = labels::BOUNCE + 6 * number + 3 * integral + points as u32;
                     let tile = 1 << 31 | (texel.y / TILE * size.div_ceil(TILE) + texel.x / TILE);
                     let stream =
                         Stream::new(self.options.seed, page as u32, tile, label, replicate);
-                    stream.joint([texel.x, texel.y], TILE.ilog2(), gather.points)
+                    stream.joint(
+                        [texel.x, texel.y],
+                        TILE.ilog2(),
+                        &(0..count.next_power_of_two()),
+                    )
                 };
                 let mut learnt = match probes {
                     true => Reach::default(),
                     false => known.get(&texel.object).copied().unwrap_or_default(),
                 };
-                let diffuse = |points, replicate| stream(0, points, replicate);
+                let count = gather.points;
+                let diffuse = |points, replicate| stream(0, count, points, replicate);
                 let (irradiance, rays) =
-                    gather.receive(texel, Integral::Irradiance, diffuse, &mut learnt);
+                    gather.receive(texel, Integral::Irradiance, count, diffuse, &mut learnt);
                 (light.irradiance, light.rays) = (irradiance, rays);
                 if probes {
                     reach.entry(texel.object).or_default().add(&learnt);
                 }
-                if lobes && self.reflects(texel) {
-                    let lobe = |points, replicate| stream(1, points, replicate);
+                if lobes && gather.last && self.reflects(texel) {
+                    let share = gather.lobe_share(texel, self.options.full_highlights);
+                    let count = ((count as f32 * share) as u32).max(1);
+                    let lobe = |points, replicate| stream(1, count, points, replicate);
                     let (reflection, rays) =
-                        gather.receive(texel, Integral::Reflection, lobe, &mut learnt);
+                        gather.receive(texel, Integral::Reflection, count, lobe, &mut learnt);
                     light.reflection = reflection;
                     light.rays += rays;
                 }
             }
         }
-        light::pool(&mut light, size);
+        light::pool(&mut light, size, !gather.last);
         light
     }
 }

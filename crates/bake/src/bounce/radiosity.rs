@@ -5,11 +5,24 @@ use glam::{DVec2, DVec3};
 use rays::{Overrides, SurfaceHit, World, material_at};
 
 /// The irradiance of a page that is sent on, over pi.
+#[derive(Clone)]
 pub(super) struct PageLight {
     /// Linear RGB, texel by texel.
     pub irradiance: Vec<[f32; 3]>,
     /// Texels that hold some: those of charts that can be seen.
     pub holds: Vec<bool>,
+}
+
+impl PageLight {
+    /// Adds other light of the same page, so many times.
+    pub fn add(&mut self, other: &Self, times: f64) {
+        let times = times as f32;
+        for (own, other) in self.irradiance.iter_mut().zip(&other.irradiance) {
+            own.iter_mut()
+                .zip(other)
+                .for_each(|(own, other)| *own += times * other);
+        }
+    }
 }
 
 /// Radiosities of all surfaces, as Lambertian reflectors. A surface sends light from the side that its texels lie on; its back, and

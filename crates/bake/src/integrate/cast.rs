@@ -1,19 +1,16 @@
-//! Casts the rays of one technique for the texels of a tile: a fixed number, or in rounds until a target is met.
+//! Casts the rays of one technique for the texels of a tile.
 
-use super::estimate::Gathered;
-use super::gang::{Beside, DirectionSums, Gang, Lane, Moments};
+use super::estimate::{Gathered, Known};
+use super::gang::{DirectionSums, Gang, Lane, Moments};
 use super::guides::{self, guide, probes, surfaces};
+use super::lobe::Lobe;
 use super::sums::{REPLICATES, Replicates, Sums, Technique};
-use super::target::{Target, Together};
 use super::task::{SHARE, Task};
 use crate::options::Pattern;
 use crate::survey::Texel;
 use ambient::sampling::{Counts, Guide, LANES};
 use std::ops::Range;
 use std::rc::Rc;
-
-/// Points of each replicate in the first round of a bake with a target.
-const FIRST_ROUND: u32 = 8;
 
 /// Where hemisphere points go.
 pub(super) enum Aim<'a> {
@@ -28,21 +25,41 @@ pub(super) enum Aim<'a> {
 pub(super) struct Caster<'a> {
     pub task: &'a Task<'a>,
     pub texels: &'a [Texel],
-    pub reflects: &'a [bool],
+    pub lobes: &'a [Option<Lobe>],
     pub technique: Technique,
     pub sums: Vec<Replicates>,
     /// Points that the sums hold, and whether a guide sent them.
     pub points: Vec<u32>,
     pub guided: Vec<bool>,
+    /// Where hemisphere rays are sent, where that is not everywhere alike and their lobes ask; of all texels or of none.
+    pub sent: Vec<Option<Rc<Guide>>>,
+    /// What hemisphere rays have found for lobes, and where they were sent.
+    pub beside: &'a Beside,
     /// Of all texels or of none, as the next.
     pub moments: &'a mut [[Moments; REPLICATES as usize]],
     pub directions: Vec<[DirectionSums; REPLICATES as usize]>,
-    pub beside: &'a mut [Beside],
+}
+
+/// What hemisphere rays found for lobes, and where they were sent; of all texels or of none.
+#[derive(Default)]
+pub(super) struct Beside {
+    pub sums: Vec<Replicates>,
+    pub sent: Vec<Option<Rc<Guide>>>,
 }
 
 impl Caster<'_> {
-    /// Casts so many rays for each of the texels `which`.
+    /// Casts so many rays for each of the texels `which`, and for their lobes what these are worth.
     pub fn spend(&mut self, rays: u32, which: &[usize]) {
+        if self.technique == Technique::Lobe {
+            let mut own: Vec<(u32, usize)> =
+                which.iter().map(|&i| (self.rays_of(i, rays), i)).collect();
+            own.sort_unstable();
+            for alike in own.chunk_by(|a, b| a.0 == b.0) {
+                let which: Vec<usize> = alike.iter().map(|&(_, i)| i).collect();
+                self.cast_rays(&which, alike[0].0, Aim::Even);
+            }
+            return;
+        }
         let (surfaces, mut even) = self.surfaces(which, rays / REPLICATES >= guides::FEWEST_POINTS);
         for surface in surfaces {
             let [first, mut others] =
@@ -61,106 +78,33 @@ impl Caster<'_> {
         self.cast_rays(&even, rays, Aim::Even);
     }
 
-    /// Casts rays for each of the texels `which` until it has enough, or all of them have.
-    pub fn reach(&mut self, target: Target, which: &[usize]) {
-        let most = target.max_rays / REPLICATES;
-        let first = FIRST_ROUND.min(most);
-        let (surfaces, mut even) = self.surfaces(which, most > 2 * first);
-        self.cast(&even, 0..first, Aim::Even);
-        let mut guided = Vec::new();
-        for mut surface in surfaces {
-            let mut counts = Counts::default();
-            self.cast(&surface, 0..first, Aim::Learning(&mut counts));
-            match guide(&counts) {
-                None => even.append(&mut surface),
-                Some(guide) => guided.push((surface, guide)),
-            }
-        }
-        if self.task.denoises {
-            self.rounds_together(target, which, &even, &guided, first..most);
-            return;
-        }
-        self.rounds(target, even, first..most, None);
-        for (mut surface, guide) in guided {
-            self.retain_unmet(target, &mut surface);
-            self.turn(&surface, &guide);
-            self.rounds(target, surface, 0..most - first, Some(&guide));
-        }
-    }
-
-    /// Round after round for all texels `which`, of which these are guided, until they have enough together or all points are cast.
-    fn rounds_together(
-        &mut self,
-        target: Target,
-        which: &[usize],
-        even: &[usize],
-        guided: &[(Vec<usize>, Guide)],
-        points: Range<u32>,
-    ) {
-        let mut done = points.start;
-        for (surface, guide) in guided {
-            self.turn(surface, guide);
-            self.cast(surface, 0..done, Aim::Guided(guide));
-        }
-        let together = Together::new(self.texels, which);
-        while done < points.end {
-            let excess = target.excess(&self.gathered(), &together);
-            if excess <= 1.0 {
-                return;
-            }
-            let enough = target.points(done, excess).min(4 * done);
-            let next = enough.max(done + done / 4).next_multiple_of(4);
-            let range = done..next.min(points.end);
-            done = range.end;
-            self.cast(even, range.clone(), Aim::Even);
-            for (surface, guide) in guided {
-                self.cast(surface, range.clone(), Aim::Guided(guide));
-            }
-        }
-    }
-
     /// Turns the rays of a surface to a guide: what it has gathered without is forgotten.
     fn turn(&mut self, surface: &[usize], guide: &Guide) {
         surface.iter().for_each(|&i| self.forget(i));
         self.remember(surface, guide);
     }
 
-    /// Round after round for the texels `which`, until none is left or all points of the range are cast.
-    fn rounds(
-        &mut self,
-        target: Target,
-        mut which: Vec<usize>,
-        points: Range<u32>,
-        guide: Option<&Guide>,
-    ) {
-        let mut done = points.start;
-        loop {
-            if done > 0 {
-                self.retain_unmet(target, &mut which);
-            }
-            let range = done..next_round(done).min(points.end);
-            if range.is_empty() || which.is_empty() {
-                return;
-            }
-            done = range.end;
-            self.cast(&which, range, guide.map_or(Aim::Even, Aim::Guided));
+    /// What the rays so far say.
+    pub fn gathered(&self) -> Known<'_> {
+        let gathered = Gathered {
+            sky: self.task.sky,
+            technique: self.technique,
+            texels: self.texels,
+            sums: &self.sums,
+            points: &self.points,
+            guided: &self.guided,
+            lobes: self.lobes,
+            beside: &self.beside.sums,
+        };
+        gathered.known()
+    }
+
+    /// The rays that a texel takes where the hemisphere takes so many.
+    fn rays_of(&self, i: usize, rays: u32) -> u32 {
+        match (self.technique, &self.lobes[i]) {
+            (Technique::Lobe, Some(lobe)) => lobe.rays(rays),
+            _ => rays,
         }
-    }
-
-    fn retain_unmet(&self, target: Target, which: &mut Vec<usize>) {
-        let gathered = self.gathered();
-        which.retain(|&i| !target.is_met(&gathered, i));
-    }
-
-    fn gathered(&self) -> Gathered<'_> {
-        Gathered::new(
-            self.task.sky,
-            self.technique,
-            self.texels,
-            &self.sums,
-            &self.points,
-            &self.guided,
-        )
     }
 
     /// The texels by surfaces that may have guides, and the rest.
@@ -189,21 +133,18 @@ impl Caster<'_> {
         if let Some(directions) = self.directions.get_mut(i) {
             *directions = Default::default();
         }
-        if let Some(beside) = self.beside.get_mut(i) {
-            beside.sums = Default::default();
-        }
     }
 
-    /// Notes where the rays of texels go: for lobes that share them, too.
+    /// Notes where the rays of texels go: for lobes that they count for, too.
     fn remember(&mut self, which: &[usize], guide: &Guide) {
         which.iter().for_each(|&i| self.guided[i] = true);
-        if self.beside.is_empty() {
+        if self.sent.is_empty() {
             return;
         }
         let guide = Rc::new(guide.clone());
-        for &i in which {
-            self.beside[i].guide = Some(guide.clone());
-        }
+        which
+            .iter()
+            .for_each(|&i| self.sent[i] = Some(guide.clone()));
     }
 
     /// Casts so many rays for each of the texels `which`, which have none.
@@ -211,11 +152,6 @@ impl Caster<'_> {
         let (each, rest) = (rays / REPLICATES, rays % REPLICATES);
         self.cast_replicates(which, 0..REPLICATES, 0..each, &mut aim);
         self.cast_replicates(which, 0..rest, each..each + 1, &mut aim);
-    }
-
-    /// Casts the points `range` of all replicates of the texels `which`.
-    fn cast(&mut self, which: &[usize], range: Range<u32>, mut aim: Aim<'_>) {
-        self.cast_replicates(which, 0..REPLICATES, range, &mut aim);
     }
 
     fn cast_replicates(
@@ -230,12 +166,10 @@ impl Caster<'_> {
             self.points[i] += replicates.len() as u32 * range.len() as u32;
         });
         let task = self.task;
-        let mut gang = Gang::new(task, self.texels, self.reflects);
+        let technique = self.technique;
+        let mut gang = Gang::new(task, self.texels, self.lobes, &self.beside.sent);
         if let (Some(order), false) = (task.any_view, self.moments.is_empty()) {
             gang = gang.with_moments(order);
-        }
-        if !self.beside.is_empty() {
-            gang = gang.with_gloss();
         }
         let is_guided = matches!(aim, Aim::Guided(_));
         gang = match aim {
@@ -244,13 +178,15 @@ impl Caster<'_> {
             Aim::Guided(guide) => gang.with_guide(guide),
         };
         for lanes in lanes.chunks(LANES) {
-            gang.load(lanes, self.beside, |texel, replicate| {
-                task.pattern_stream(texel, self.technique, replicate, is_guided)
-            });
-            gang.cast(task, self.technique, range.clone());
-            gang.collect(self.technique, &mut self.sums);
+            gang.load(lanes);
+            for (net, points) in nets(range.clone()) {
+                gang.follow(|i, replicate| {
+                    task.net(&self.texels[i], technique, &net, (replicate, is_guided))
+                });
+                gang.cast(task, technique, points);
+            }
+            gang.collect(technique, &mut self.sums);
             gang.collect_moments(self.moments);
-            gang.collect_gloss(self.beside);
             if !self.directions.is_empty() {
                 gang.collect_directions(&mut self.directions);
             }
@@ -258,14 +194,24 @@ impl Caster<'_> {
     }
 }
 
-/// How many points a replicate has after the round that follows `points`: 8, 16, 32, 48, 64, 96 ... so that the rounds of easy
-/// texels are few and hard ones overshoot by half at most.
-fn next_round(points: u32) -> u32 {
-    match points {
-        0 => FIRST_ROUND,
-        1..32 => 2 * points,
-        _ => points + (1 << points.ilog2()) / 2,
-    }
+/// The nets over a tile that make up a range of points, and how many points of each a texel takes.
+///
+/// A number from 1.25 to 2 times a power of two is a share of the next one: texels leave out different points of it. Fewer are the power of two and
+/// nets that continue it, for a smaller share of a net is worse than the net of half the size.
+fn nets(range: Range<u32>) -> impl Iterator<Item = (Range<u32>, u32)> {
+    let mut start = range.start;
+    std::iter::from_fn(move || {
+        let left = range.end.checked_sub(start).filter(|left| *left > 0)?;
+        let first = start;
+        let whole = left.next_power_of_two();
+        if first == 0 && 8 * left >= 5 * whole {
+            start = range.end;
+            return Some((0..whole, left));
+        }
+        let points = 1 << first.trailing_zeros().min(left.ilog2());
+        start += points;
+        Some((first..start, points))
+    })
 }
 
 /// Edge of the blocks of texels whose lanes stand side by side: both replicates of 2 x 2 texels, two blocks to a packet, or one replicate of
@@ -293,4 +239,24 @@ fn lanes(task: &Task<'_>, texels: &[Texel], which: &[usize], replicates: Range<u
             })
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_points_are_nets_or_large_shares_of_one() {
+        let of = |range| nets(range).collect::<Vec<_>>();
+        assert_eq!(of(0..16), [(0..16, 16)]);
+        assert_eq!(of(0..24), [(0..32, 24)]);
+        assert_eq!(of(0..20), [(0..32, 20)]);
+        assert_eq!(of(0..18), [(0..16, 16), (16..18, 2)]);
+        assert_eq!(of(8..24), [(8..16, 8), (16..24, 8)]);
+        assert_eq!(of(3..3), []);
+        for end in 1..300 {
+            let points: u32 = of(0..end).iter().map(|(_, points)| points).sum();
+            assert_eq!(points, end);
+        }
+    }
 }

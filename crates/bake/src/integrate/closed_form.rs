@@ -10,7 +10,7 @@ use super::estimate::variance_of_mean;
 use super::task::Task;
 use super::terms::{AnyView, Directional, Terms, uniform_light};
 use crate::labels;
-use crate::options::{Shading, View};
+use crate::options::{Model, Shading, View};
 use crate::survey::Texel;
 use ambient::Estimate;
 use ambient::any_view::Coefficients;
@@ -27,7 +27,8 @@ const REPLICATES: u32 = 4;
 
 /// True where the specular term of an open texel has a closed form.
 pub(super) fn has_specular(task: &Task<'_>, texel: &Texel) -> bool {
-    task.shading == Shading::Production || task.view == View::Normal || !texel.tilted
+    let along = task.model == Model::Phong && task.view == View::Normal;
+    task.shading == Shading::Production || along || !texel.tilted
 }
 
 /// The terms of an open texel under a uniform sky. `specular` asks for the specular term, which must have a closed form.
@@ -74,6 +75,8 @@ pub(super) fn terms(task: &Task<'_>, texel: &Texel, specular: bool) -> Terms {
                 .atan2(plane.dot(sample.normal));
             let lobe = match specular {
                 false => 0.0,
+                // Nothing of a lobe whose surface stands above its horizon is hidden.
+                true if task.model == Model::Ggx => 1.0,
                 true => {
                     let axis = task.mirrored_view(sample.position, sample.normal);
                     let (cos, sin) = (plane.dot(axis), plane.cross(axis).length());

@@ -11,10 +11,11 @@
 //! agree.
 //!
 //! **Mean.** Rays weigh unevenly, above all where they are guided. A share is no ratio of sums, whose mean is off where rays are few;
-//! the weights of each replicate are corrected by what the other one found ([`Gathered::slopes`]).
+//! the weights of each replicate are corrected by what the other one found ([`Known::slopes`]).
 
+use super::lobe::Lobe;
 use super::sums::{REPLICATES, Replicates, Sums, Technique, Weights, corrected, mean};
-use super::terms::{Halves, Terms, uniform_light};
+use super::terms::{Halves, Terms};
 use crate::options::Sky;
 use crate::survey::Texel;
 use ambient::Estimate;
@@ -52,7 +53,7 @@ impl Technique {
         }
     }
 
-    /// Light that it estimates under a map.
+    /// Light that it estimates.
     fn lights(self) -> &'static [Quantity] {
         match self {
             Technique::Hemisphere => &[Irradiance],
@@ -62,236 +63,264 @@ impl Technique {
     }
 }
 
-/// A tile's texels with the sums of their replicates under one technique, of which `points[i]` have been spent on each; `guided[i]` says
-/// whether these were sent by a guide.
+/// What one replicate says of a texel; 0 for what the technique does not estimate.
+#[derive(Debug, Clone, Copy, Default)]
+struct Said {
+    shares: [f64; 3],
+    lights: [DVec3; 2],
+}
+
+/// A tile's texels with the sums of their replicates under one technique, of which `points[i]` have been spent on each.
 pub(crate) struct Gathered<'a> {
-    sky: &'a Sky,
+    pub sky: &'a Sky,
     pub technique: Technique,
     pub texels: &'a [Texel],
     pub sums: &'a [Replicates],
-    points: &'a [u32],
-    guided: &'a [bool],
+    pub points: &'a [u32],
+    /// Whether a guide sent them.
+    pub guided: &'a [bool],
+    pub lobes: &'a [Option<Lobe>],
+    /// What the hemisphere's rays found, where they count for lobes; of all texels or of none.
+    pub beside: &'a [Replicates],
+}
+
+/// What is known of a tile's texels from their replicates under one technique.
+pub(crate) struct Known<'a> {
+    pub from: Gathered<'a>,
     /// Texel of each place in the tile; none where nothing was spent.
     at: [usize; (TILE * TILE) as usize],
-    /// Each quantity's share by each replicate, by texel; 0 for what the technique does not estimate.
-    shares: Vec<[[f64; 2]; 3]>,
+    said: Vec<[Said; 2]>,
     /// Variance of each quantity's mean, by texel; 0 for what the technique does not estimate.
     own: Vec<[f64; 5]>,
 }
 
 impl<'a> Gathered<'a> {
-    /// All texels as they stand.
-    pub fn new(
-        sky: &'a Sky,
-        technique: Technique,
-        texels: &'a [Texel],
-        sums: &'a [Replicates],
-        points: &'a [u32],
-        guided: &'a [bool],
-    ) -> Self {
+    /// What the sums say.
+    pub fn known(self) -> Known<'a> {
         let mut at = [usize::MAX; (TILE * TILE) as usize];
-        for (i, texel) in texels.iter().enumerate() {
-            if points[i] > 0 {
+        for (i, texel) in self.texels.iter().enumerate() {
+            if self.points[i] > 0 {
                 at[(texel.y % TILE * TILE + texel.x % TILE) as usize] = i;
             }
         }
-        let mut gathered = Self {
-            sky,
-            technique,
-            texels,
-            sums,
-            points,
-            guided,
+        let count = self.texels.len();
+        let mut known = Known {
+            from: self,
             at,
-            shares: vec![Default::default(); texels.len()],
-            own: vec![Default::default(); texels.len()],
+            said: vec![Default::default(); count],
+            own: vec![Default::default(); count],
         };
-        for i in (0..texels.len()).filter(|&i| points[i] > 0) {
-            for &quantity in technique.shares() {
-                let slopes = gathered.slopes(i, quantity);
-                gathered.shares[i][quantity as usize] = [0, 1].map(|k: usize| match sums[i][k] {
-                    // What has no points takes what the other says.
-                    own if own.points == 0 => slopes[k],
-                    own => corrected(weights(&own, quantity), own.points, slopes[k]),
-                });
-            }
-            for &quantity in technique.shares().iter().chain(gathered.lights()) {
-                gathered.own[i][quantity as usize] = gathered.own_variance(i, quantity);
+        for i in (0..count).filter(|&i| known.from.points[i] > 0) {
+            known.said[i] = known.says(i);
+            let used = known.from.points[i].min(REPLICATES) as usize;
+            let technique = known.from.technique;
+            for &quantity in technique.shares().iter().chain(technique.lights()) {
+                let values = known.said[i].map(|said| said.of(quantity));
+                known.own[i][quantity as usize] = variance_of_mean(&values[..used]);
             }
         }
-        gathered
+        known
+    }
+}
+
+impl Said {
+    /// A share, or the mean of the channels of light.
+    fn of(&self, quantity: Quantity) -> f64 {
+        match quantity {
+            Diffuse | Visibility | Specular => self.shares[quantity as usize],
+            Irradiance => self.lights[0].element_sum() / 3.0,
+            Reflection => self.lights[1].element_sum() / 3.0,
+        }
+    }
+}
+
+impl Known<'_> {
+    /// What each replicate says of a texel.
+    fn says(&self, i: usize) -> [Said; 2] {
+        let mut said = [Said::default(); 2];
+        let share = |k: usize, quantity, slopes: [f64; 2]| {
+            let own = &self.from.sums[i][k];
+            match own.points {
+                // What has no points takes what the other says.
+                0 => slopes[k],
+                points => corrected(weights(own, quantity).over(points), slopes[k], 1.0),
+            }
+        };
+        match self.from.technique {
+            Technique::Hemisphere => {
+                for quantity in [Diffuse, Visibility] {
+                    let slopes = self.slopes(i, quantity);
+                    for (k, said) in said.iter_mut().enumerate() {
+                        said.shares[quantity as usize] = share(k, quantity, slopes);
+                    }
+                }
+            }
+            Technique::Lobe => {
+                let Some(lobe) = &self.from.lobes[i] else {
+                    return said;
+                };
+                let [plain, white] = [0, 1].map(|part| self.lobe_shares(i, part, lobe));
+                for (k, said) in said.iter_mut().enumerate() {
+                    said.shares[Specular as usize] = plain[k] / lobe.whole[0];
+                    let open = [plain[k], white[k]].map(DVec3::splat);
+                    said.lights[1] = self.from.sky.floor() * lobe.tinted(open);
+                }
+            }
+            Technique::Sky => {}
+        }
+        for (k, said) in said.iter_mut().enumerate() {
+            said.lights[0] = self.from.sky.floor() * said.shares[Diffuse as usize];
+            self.add_map(i, k, said);
+        }
+        said
+    }
+
+    /// What the directions of a lobe that each replicate finds open weigh, without colour (`part` 0) or times (1 - V·H)^5 (1).
+    fn lobe_shares(&self, i: usize, part: usize, lobe: &Lobe) -> [f64; 2] {
+        let beside = self.from.beside.get(i).filter(|_| lobe.joins);
+        let found = [0, 1].map(|k: usize| {
+            let own = &self.from.sums[i][k];
+            let mut weights = own.lobe[part].over(own.points);
+            if let Some(other) = beside.map(|replicates| &replicates[k]) {
+                weights += other.lobe[part].over(other.points);
+            }
+            (own.points > 0).then_some(weights)
+        });
+        let whole = lobe.whole[part];
+        match found {
+            [Some(a), Some(b)] => [
+                corrected(a, b.share(), whole),
+                corrected(b, a.share(), whole),
+            ],
+            [a, b] => [a.or(b).unwrap_or_default().share() * whole; 2],
+        }
+    }
+
+    /// Adds the light that stands out of the sky's floor.
+    fn add_map(&self, i: usize, k: usize, said: &mut Said) {
+        let Some(map) = self.from.sky.map() else {
+            return;
+        };
+        // What has no points takes what the other says.
+        let [own, other] = [&self.from.sums[i][k], &self.from.sums[i][1 - k]];
+        let own = if own.points > 0 { own } else { other };
+        let scale = map.scale() / own.points.max(1) as f64;
+        said.lights[0] += own.irradiance * scale;
+        if let Some(lobe) = &self.from.lobes[i] {
+            said.lights[1] += lobe.tinted(own.reflection) * scale;
+        }
     }
 
     /// By what the weights of each replicate of a texel are corrected ([`corrected`]): the open share that the other replicate found. A few
     /// guided rays may all be open by chance although they are few of those that could be drawn; so where rays are guided it is that of
     /// the texels about it, if that is less. Where a replicate has no points, both slopes are what the other found.
     pub fn slopes(&self, i: usize, quantity: Quantity) -> [f64; 2] {
-        let own = self.sums[i].each_ref();
+        let own = self.from.sums[i].each_ref();
         let [a, b] = own.map(|sums| weights(sums, quantity).share());
         let [a, b] = match own.map(|sums| sums.points > 0) {
             [true, true] => [b, a],
             [true, false] => [a, a],
             _ => [b, b],
         };
-        if !self.guided[i] {
+        if !self.from.guided[i] {
             return [a, b];
         }
         let mut pooled = [Weights::default(); 2];
-        for j in neighbours(self.texels, &self.at, i, SLOPE_RADIUS) {
-            for (sum, sums) in pooled.iter_mut().zip(&self.sums[j]) {
+        for j in neighbours(self.from.texels, &self.at, i, SLOPE_RADIUS) {
+            for (sum, sums) in pooled.iter_mut().zip(&self.from.sums[j]) {
                 *sum += weights(sums, quantity);
             }
         }
         [a.min(pooled[1].share()), b.min(pooled[0].share())]
     }
 
-    /// Light that the technique estimates.
-    fn lights(&self) -> &'static [Quantity] {
-        match self.sky.map() {
-            None => &[],
-            Some(_) => self.technique.lights(),
-        }
-    }
-
     /// The terms of one texel as far as the technique estimates them; zeros where nothing was spent.
     pub fn terms(&self, i: usize) -> Terms {
-        if self.points[i] == 0 {
+        if self.from.points[i] == 0 {
             return Terms::default();
         }
-        let sums = Sums::of(&self.sums[i]);
         let pool = self.pool(i, POOL_RADIUS);
-        let share = |quantity| Estimate {
-            value: self.value(i, quantity),
-            std_err: self.std_err(&pool, quantity),
+        let technique = self.from.technique;
+        let share = |quantity| match technique.shares().contains(&quantity) {
+            false => Estimate::default(),
+            true => Estimate {
+                value: self.value(i, quantity),
+                std_err: self.std_err(&pool, quantity),
+            },
         };
-        let light = |quantity, term| match self.sky.map() {
-            None => uniform_light(self.sky.floor(), term),
-            Some(_) => Estimate {
+        let light = |quantity| match technique.lights().contains(&quantity) {
+            false => Estimate::default(),
+            true => Estimate {
                 value: self.light(i, quantity),
                 std_err: self.std_err(&pool, quantity),
             },
         };
-        let mut terms = Terms {
+        Terms {
+            diffuse: share(Diffuse),
+            visibility: share(Visibility),
+            specular: share(Specular),
+            irradiance: light(Irradiance),
+            reflection: light(Reflection),
             halves: self.halves(i),
-            rays: sums.rays,
+            rays: Sums::of(&self.from.sums[i]).rays,
             ..Terms::default()
-        };
-        match self.technique {
-            Technique::Hemisphere => {
-                terms.diffuse = share(Diffuse);
-                terms.visibility = share(Visibility);
-                terms.irradiance = light(Irradiance, terms.diffuse);
-            }
-            Technique::Lobe => {
-                terms.specular = share(Specular);
-                terms.reflection = light(Reflection, terms.specular);
-            }
-            Technique::Sky => {
-                terms.irradiance = light(Irradiance, Estimate::default());
-                terms.reflection = light(Reflection, Estimate::default());
-            }
         }
-        terms
     }
 
     /// Half of what the two halves of a texel's replicates differ by, in all that the technique estimates.
     fn halves(&self, i: usize) -> Halves {
-        let [a, b] = &self.sums[i];
-        let share = |quantity| {
-            let [a, b] = self.shares[i][quantity as usize];
-            0.5 * (a - b)
-        };
-        let (diffuse, specular) = (share(Diffuse), share(Specular));
-        let light = |quantity, share: f64| {
-            let even = self.sky.floor() * share;
-            match self.technique.lights().contains(&quantity) {
-                true => even + 0.5 * (above(self.sky, a, quantity) - above(self.sky, b, quantity)),
-                false => even,
-            }
-        };
+        let [a, b] = &self.said[i];
+        let share = |quantity: Quantity| 0.5 * (a.of(quantity) - b.of(quantity));
         Halves {
-            diffuse,
+            diffuse: share(Diffuse),
             visibility: share(Visibility),
-            specular,
-            irradiance: light(Irradiance, diffuse),
-            reflection: light(Reflection, specular),
+            specular: share(Specular),
+            irradiance: 0.5 * (a.lights[0] - b.lights[0]),
+            reflection: 0.5 * (a.lights[1] - b.lights[1]),
             ..Halves::default()
         }
-    }
-
-    /// What decides when there are rays enough: the first share, and light.
-    pub fn watched(&self) -> impl Iterator<Item = Quantity> {
-        let shares = self.technique.shares().iter().take(1);
-        shares.chain(self.lights()).copied()
-    }
-
-    /// Half of what the two halves of a texel's replicates differ by, light as the mean of its channels.
-    pub fn half(&self, i: usize, quantity: Quantity) -> f64 {
-        let halves = self.halves(i);
-        match quantity {
-            Diffuse => halves.diffuse,
-            Visibility => halves.visibility,
-            Specular => halves.specular,
-            Irradiance => halves.irradiance.element_sum() / 3.0,
-            Reflection => halves.reflection.element_sum() / 3.0,
-        }
-    }
-
-    /// Standard error of a texel's quantity.
-    pub fn std_err_of(&self, i: usize, quantity: Quantity) -> f64 {
-        self.std_err_within(i, POOL_RADIUS, quantity)
-    }
-
-    /// The same, of the variances of the texels that are no more than `radius` away along an axis.
-    pub fn std_err_within(&self, i: usize, radius: i32, quantity: Quantity) -> f64 {
-        self.std_err(&self.pool(i, radius), quantity)
     }
 
     /// A quantity of all replicates: a share, or the mean of the channels of light.
     pub fn value(&self, i: usize, quantity: Quantity) -> f64 {
         match quantity {
             Diffuse | Visibility | Specular => {
-                mean(&self.sums[i], self.shares[i][quantity as usize]).clamp(0.0, 1.0)
+                let values = self.said[i].map(|said| said.of(quantity));
+                mean(&self.from.sums[i], values).clamp(0.0, 1.0)
             }
             Irradiance | Reflection => self.light(i, quantity).element_sum() / 3.0,
         }
     }
 
-    /// Light of all replicates: the sky's floor by the share that is open, and what stands out of it.
+    /// Light of all replicates. Means may be a little outside of what there is, as those of shares.
     fn light(&self, i: usize, quantity: Quantity) -> DVec3 {
-        let total = Sums::of(&self.sums[i]);
-        self.sky.floor() * self.value(i, share_of(quantity)) + above(self.sky, &total, quantity)
-    }
-
-    /// Variance of a quantity's mean, by the replicates that have points.
-    fn own_variance(&self, i: usize, quantity: Quantity) -> f64 {
-        let used = self.points[i].min(REPLICATES) as usize;
-        let mut values = self.shares[i][share_of(quantity) as usize];
-        if let Irradiance | Reflection = quantity {
-            let floor = self.sky.floor().element_sum() / 3.0;
-            for (value, sums) in values.iter_mut().zip(&self.sums[i]) {
-                *value = floor * *value + above(self.sky, sums, quantity).element_sum() / 3.0;
-            }
+        let which = usize::from(quantity == Reflection);
+        let light = mean(
+            &self.from.sums[i],
+            self.said[i].map(|said| said.lights[which]),
+        );
+        match self.from.sky.map() {
+            None => light.clamp(DVec3::ZERO, self.from.sky.floor()),
+            Some(_) => light,
         }
-        variance_of_mean(&values[..used])
     }
 
     /// The value of a quantity that all points would see.
     pub fn unit(&self, quantity: Quantity) -> f64 {
         match quantity {
             Diffuse | Visibility | Specular => 1.0,
-            Irradiance | Reflection => self.sky.mean().element_sum() / 3.0,
+            Irradiance | Reflection => self.from.sky.mean().element_sum() / 3.0,
         }
     }
 
     /// The variances of the texels about one, no more than `radius` away along an axis.
     fn pool(&self, i: usize, radius: i32) -> Pool {
         let mut pool = Pool::default();
-        for j in neighbours(self.texels, &self.at, i, radius) {
-            let (ratio, root) = match self.points[j] == self.points[i] {
+        for j in neighbours(self.from.texels, &self.at, i, radius) {
+            let (ratio, root) = match self.from.points[j] == self.from.points[i] {
                 true => (1.0, 1.0),
                 false => {
-                    let ratio = f64::from(self.points[j]) / f64::from(self.points[i]);
+                    let ratio = f64::from(self.from.points[j]) / f64::from(self.from.points[i]);
                     (ratio, ratio.sqrt())
                 }
             };
@@ -299,7 +328,7 @@ impl<'a> Gathered<'a> {
                 *sum += own * ratio * root;
             }
             pool.texels += 1.0;
-            pool.points += f64::from(self.points[j]);
+            pool.points += f64::from(self.from.points[j]);
         }
         pool
     }
@@ -345,32 +374,12 @@ fn neighbours<'a>(
         })
 }
 
-/// The weights of a share, or of the share that light comes by.
+/// The weights of a share of the hemisphere.
 fn weights(sums: &Sums, quantity: Quantity) -> Weights {
-    match share_of(quantity) {
+    match quantity {
         Visibility => sums.visibility,
-        Specular => sums.specular,
         _ => sums.diffuse,
     }
-}
-
-/// A share itself, or the share that light comes by.
-fn share_of(quantity: Quantity) -> Quantity {
-    match quantity {
-        Irradiance => Diffuse,
-        Reflection => Specular,
-        share => share,
-    }
-}
-
-/// Light that stands out of the sky's floor.
-fn above(sky: &Sky, sums: &Sums, quantity: Quantity) -> DVec3 {
-    let scale = sky.map().map_or(0.0, |map| map.scale());
-    let sum = match quantity {
-        Reflection => sums.reflection,
-        _ => sums.irradiance,
-    };
-    sum * (scale / sums.points.max(1) as f64)
 }
 
 /// Unbiased variance of the mean of independent values of equal variance; 0 for fewer than two.
@@ -411,7 +420,7 @@ mod tests {
         let (mut means, mut ratios) = (0.0, 0.0);
         for _ in 0..tries {
             let [a, b] = [half(), half()];
-            means += corrected(a, 2, b.share()) / f64::from(tries);
+            means += corrected(a.over(2), b.share(), 1.0) / f64::from(tries);
             ratios += a.share() / f64::from(tries);
         }
         assert!((means - 0.75).abs() < 0.01, "{means}");
@@ -420,7 +429,7 @@ mod tests {
 
     #[test]
     fn weights_that_are_drawn_unevenly_are_no_error_where_all_is_open_or_closed() {
-        let of = |open, all, slope| corrected(Weights { open, all }, 2, slope);
+        let of = |open, all, slope| corrected(Weights { open, all }.over(2), slope, 1.0);
         assert_eq!([of(1.5, 1.5, 1.0), of(4.0, 4.0, 1.0)], [1.0, 1.0]);
         assert_eq!([of(0.0, 1.5, 0.0), of(0.0, 4.0, 0.0)], [0.0, 0.0]);
         assert_eq!(of(1.0, 4.0, 0.25), 0.25);

@@ -9,8 +9,9 @@
 //!
 //! Where a surface is dark, the points are warped toward the few directions that are open (`guides.rs`), and weights with them.
 //!
-//! **Specular term.** Its own directions from the lobe about the mirrored view R, density `(n+1)/2pi (R.L)^n`, so every
-//! open ray counts 1. Directions below the shading horizon count 0 and cost no ray.
+//! **Specular term.** Its own directions from the lobe: Phong's about the mirrored view R, density `(n+1)/2pi (R.L)^n`, so every
+//! open ray counts 1; GGX's from the normals that the eye sees, and those of the hemisphere beside them where the lobe is wide. Directions below the
+//! shading horizon count 0 and cost no ray. `lobe.rs` says how many a lobe is worth.
 //!
 //! **Shading normals.** The ray of a direction below the geometric plane leaves along its mirror image in the plane; in exact shading
 //! it counts 0 and costs no ray.
@@ -21,60 +22,34 @@
 //! numbers, whatever the numbers are, so that each technique may stop by itself. These means are not divided by sums of weights.
 //!
 //! **Lanes.** A texel has [`REPLICATES`] independent randomisations of its points. Each is one lane of a
-//! [`Gang`]; `estimate.rs` makes standard errors of their spread. With a target, texels whose error is not yet small enough take
-//! more points of the same streams, round by round.
+//! [`Gang`]; `estimate.rs` makes standard errors of their spread. How many rays a tile takes is decided before (`page/spend.rs`).
 
 mod cast;
 mod closed_form;
 mod estimate;
 mod gang;
-pub(crate) mod ggx;
 mod guides;
+pub(crate) mod lobe;
 mod sums;
-mod target;
 mod task;
 mod terms;
 
 pub(crate) use task::Task;
 pub use terms::{AnyView, Directional, Halves, Terms};
 
-use crate::options::{Effort, Model, Shading};
+use crate::options::Shading;
 use crate::survey::Texel;
 use ambient::Estimate;
 use ambient::any_view::{count, order_for, stated};
-use cast::Caster;
-use estimate::{Gathered, Quantity};
-use gang::{Beside, DirectionSums, Moments};
+use cast::{Beside, Caster};
+use estimate::Quantity;
+use gang::{DirectionSums, Moments};
 use glam::DVec3;
+use lobe::Lobe;
 use sums::{REPLICATES, Replicates, Technique, mean};
-use target::Target;
 
 /// Integrates the texels of one tile. `reflects` says which of them need the specular term.
 pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) -> Vec<Terms> {
-    if task.model == Model::Phong {
-        return with_phong(task, texels, reflects, &mut []);
-    }
-    let mut beside = ggx::beside(texels, reflects);
-    let mut terms = with_phong(task, texels, &vec![false; texels.len()], &mut beside);
-    let reflecting = terms.iter_mut().zip(texels).zip(reflects).enumerate();
-    for (i, ((terms, texel), _)) in reflecting.filter(|(_, (_, reflects))| **reflects) {
-        let lobe = ggx::terms(task, texel, beside.get(i));
-        (terms.specular, terms.reflection) = (lobe.specular, lobe.reflection);
-        terms.halves.specular = lobe.halves.specular;
-        terms.halves.reflection = lobe.halves.reflection;
-        terms.rays += lobe.rays;
-    }
-    terms
-}
-
-/// The terms of a tile's texels, Phong's lobe for those that `reflects` names. What hemisphere rays say of GGX lobes is added to `beside`, of
-/// all texels or of none.
-fn with_phong(
-    task: &Task<'_>,
-    texels: &[Texel],
-    reflects: &[bool],
-    beside: &mut [Beside],
-) -> Vec<Terms> {
     let lit = task.sky.map().is_some();
     let is_closed = |texel: &Texel| {
         let leans = task.shading == Shading::Exact && texel.tilted;
@@ -90,22 +65,24 @@ fn with_phong(
         (0..texels.len()).filter(|&i| wanted(i)).collect()
     };
     let mut moments = vec![<[Moments; REPLICATES as usize]>::default(); moments_of(task, texels)];
-    let mut cast = |technique, which| {
-        let gathered = match technique {
-            Technique::Hemisphere => (moments.as_mut_slice(), &mut *beside),
-            _ => (&mut [][..], &mut [][..]),
-        };
-        rounds(task, texels, reflects, technique, which, gathered)
+    let lobe_of = |i: usize| (reflects[i] && !closed_lobe[i]).then(|| Lobe::of(task, &texels[i]));
+    let lobes: Vec<Option<Lobe>> = (0..texels.len()).map(lobe_of).collect();
+    let tile = Lit {
+        task,
+        texels,
+        lobes: &lobes,
     };
-    let hemisphere = cast(
+    let above = which(&|i| !closed[i] && task.hemisphere);
+    let (hemisphere, beside) = tile.rounds(
         Technique::Hemisphere,
-        which(&|i| !closed[i] && task.hemisphere),
+        above,
+        &mut moments,
+        &Beside::default(),
     );
-    let lobe = cast(Technique::Lobe, which(&|i| !closed_lobe[i] && reflects[i]));
-    let sky = cast(
-        Technique::Sky,
-        which(&|i| !closed[i] && lit && task.draw_sky),
-    );
+    let glossy = which(&|i| lobes[i].is_some());
+    let (lobe, _) = tile.rounds(Technique::Lobe, glossy, &mut [], &beside);
+    let aimed = which(&|i| !closed[i] && lit && task.draw_sky);
+    let (sky, _) = tile.rounds(Technique::Sky, aimed, &mut [], &Beside::default());
     let of = |terms: &[Terms], i: usize| terms.get(i).cloned().unwrap_or_default();
     (0..texels.len())
         .map(|i| {
@@ -167,7 +144,7 @@ fn any_view(
     let (order, moments) = (task.any_view?, moments?);
     let (mut coefficients, variances) = gang::coefficients(moments);
     let exponent = texel.material.exponent;
-    let order = order.min(order_for(exponent, task.effort.most_rays()));
+    let order = order.min(order_for(exponent, task.rays));
     coefficients.0[count(order)..].fill(0.0);
     Some(Box::new(AnyView {
         coefficients,
@@ -175,71 +152,77 @@ fn any_view(
     }))
 }
 
-/// Casts the rays of one technique for the texels `which`, in rounds where a target is set. The terms of all texels; none where `which`
-/// is empty.
-fn rounds(
-    task: &Task<'_>,
-    texels: &[Texel],
-    reflects: &[bool],
-    technique: Technique,
-    which: Vec<usize>,
-    (moments, beside): (&mut [[Moments; REPLICATES as usize]], &mut [Beside]),
-) -> Vec<Terms> {
-    if which.is_empty() {
-        return Vec::new();
-    }
-    let gathers = task.directional && technique != Technique::Lobe;
-    let none = <[DirectionSums; REPLICATES as usize]>::default();
-    let mut caster = Caster {
-        task,
-        texels,
-        reflects,
-        technique,
-        sums: vec![Replicates::default(); texels.len()],
-        points: vec![0; texels.len()],
-        guided: vec![false; texels.len()],
-        moments,
-        directions: vec![none; if gathers { texels.len() } else { 0 }],
-        beside,
-    };
-    match task.effort {
-        Effort::Rays(rays) => caster.spend(rays, &which),
-        Effort::Target {
-            error,
-            relative,
-            max_rays,
-        } => {
-            let target = Target {
-                error,
-                relative,
-                max_rays,
-            };
-            caster.reach(target, &which);
+/// A tile that is lit.
+struct Lit<'a> {
+    task: &'a Task<'a>,
+    texels: &'a [Texel],
+    lobes: &'a [Option<Lobe>],
+}
+
+impl Lit<'_> {
+    /// Casts the rays of one technique for the texels `which`. The terms of all texels; none where `which`
+    /// is empty. `beside` is what the hemisphere has found for lobes; it comes back from the hemisphere.
+    fn rounds(
+        &self,
+        technique: Technique,
+        which: Vec<usize>,
+        moments: &mut [[Moments; REPLICATES as usize]],
+        beside: &Beside,
+    ) -> (Vec<Terms>, Beside) {
+        if which.is_empty() {
+            return Default::default();
         }
-    }
-    let Caster {
-        sums,
-        points,
-        guided,
-        directions,
-        moments,
-        ..
-    } = caster;
-    let gathered = Gathered::new(task.sky, technique, texels, &sums, &points, &guided);
-    for (i, moments) in moments.iter_mut().enumerate() {
-        let slopes = gathered.slopes(i, Quantity::Visibility);
-        for (moments, slope) in moments.iter_mut().zip(slopes) {
-            moments.slope = slope;
+        let Self {
+            task,
+            texels,
+            lobes,
+        } = *self;
+        let gathers = task.directional && technique != Technique::Lobe;
+        let none = <[DirectionSums; REPLICATES as usize]>::default();
+        let joins =
+            technique == Technique::Hemisphere && lobes.iter().flatten().any(|lobe| lobe.joins);
+        let mut caster = Caster {
+            task,
+            texels,
+            lobes,
+            technique,
+            sums: vec![Replicates::default(); texels.len()],
+            points: vec![0; texels.len()],
+            guided: vec![false; texels.len()],
+            sent: vec![None; if joins { texels.len() } else { 0 }],
+            moments,
+            directions: vec![none; if gathers { texels.len() } else { 0 }],
+            beside,
+        };
+        caster.spend(task.rays, &which);
+        let known = caster.gathered();
+        let slopes: Vec<[f64; 2]> = match caster.moments.is_empty() {
+            true => Vec::new(),
+            false => (0..texels.len())
+                .map(|i| known.slopes(i, Quantity::Visibility))
+                .collect(),
+        };
+        let mut terms: Vec<Terms> = (0..texels.len()).map(|i| known.terms(i)).collect();
+        for (i, directions) in caster.directions.iter().enumerate() {
+            if caster.points[i] == 0 {
+                continue;
+            }
+            let [a, b] = DirectionSums::terms(directions, task, &known, i);
+            terms[i].directional = a.with(&b, |a, b| mean(&caster.sums[i], [a, b]));
+            terms[i].halves.directional = a.with(&b, |a, b| 0.5 * (a - b));
         }
-    }
-    let mut terms: Vec<Terms> = (0..texels.len()).map(|i| gathered.terms(i)).collect();
-    for (i, directions) in directions.iter().enumerate() {
-        if points[i] == 0 {
-            continue;
+        for (moments, slopes) in caster.moments.iter_mut().zip(slopes) {
+            for (moments, slope) in moments.iter_mut().zip(slopes) {
+                moments.slope = slope;
+            }
         }
-        let [a, b] = DirectionSums::terms(directions, task, &gathered, i);
-        terms[i].directional = a.with(&b, |a, b| mean(&sums[i], [a, b]));
-        terms[i].halves.directional = a.with(&b, |a, b| 0.5 * (a - b));
+        let beside = match joins {
+            false => Beside::default(),
+            true => Beside {
+                sums: caster.sums,
+                sent: caster.sent,
+            },
+        };
+        (terms, beside)
     }
-    terms
 }

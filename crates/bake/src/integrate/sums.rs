@@ -29,33 +29,31 @@ pub(crate) struct Weights {
 pub(crate) struct Sums {
     pub diffuse: Weights,
     pub visibility: Weights,
-    pub specular: Weights,
+    /// Of the lobe: without colour, and under GGX times Fresnel's (1 - V·H)^5. Each direction weighs the lobe over the density of all techniques that
+    /// may draw it.
+    pub lobe: [Weights; 2],
     /// Light above the sky's floor divided by the sky's scale.
     pub irradiance: DVec3,
-    /// The same of the lobe.
-    pub reflection: DVec3,
+    /// The same of the lobe, likewise twice.
+    pub reflection: [DVec3; 2],
     /// Points of the stream.
     pub points: u64,
     pub rays: u64,
-}
-
-/// Sums over the points of one replicate for a GGX lobe: what the lobe weighs each direction with over the density of all techniques that
-/// may draw it, without colour and times Fresnel's (1 - V·H)^5.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct GlossSums {
-    /// Open directions.
-    pub open: [f64; 2],
-    /// All directions.
-    pub all: [f64; 2],
-    /// Open directions times the light above the sky's floor divided by the sky's scale.
-    pub light: [DVec3; 2],
-    pub points: u32,
 }
 
 /// One texel's replicates.
 pub(crate) type Replicates = [Sums; REPLICATES as usize];
 
 impl Weights {
+    /// Means over so many points.
+    pub fn over(self, points: u64) -> Self {
+        let scale = 1.0 / points.max(1) as f64;
+        Self {
+            open: self.open * scale,
+            all: self.all * scale,
+        }
+    }
+
     /// The open share; 0 where nothing was drawn.
     pub fn share(self) -> f64 {
         if self.all > 0.0 {
@@ -77,31 +75,21 @@ impl AddAssign for Sums {
     fn add_assign(&mut self, other: Self) {
         self.diffuse += other.diffuse;
         self.visibility += other.visibility;
-        self.specular += other.specular;
         self.irradiance += other.irradiance;
-        self.reflection += other.reflection;
+        for k in 0..2 {
+            self.lobe[k] += other.lobe[k];
+            self.reflection[k] += other.reflection[k];
+        }
         self.points += other.points;
         self.rays += other.rays;
     }
 }
 
-impl AddAssign for GlossSums {
-    fn add_assign(&mut self, other: Self) {
-        for k in 0..2 {
-            self.open[k] += other.open[k];
-            self.all[k] += other.all[k];
-            self.light[k] += other.light[k];
-        }
-        self.points += other.points;
-    }
-}
-
-/// An open share by one replicate of so many points, with the slope β: `(Σ w V - β Σ (w - 1)) / n`. The mean of weights is 1, so no mean is
-/// moved, however few the points are, if β is independent of them; the mean of a ratio would be. With β = V, as where all is
-/// open or closed, weights that were drawn unevenly do not count.
-pub(crate) fn corrected(own: Weights, points: u64, slope: f64) -> f64 {
-    let points = points as f64;
-    (own.open - slope * (own.all - points)) / points
+/// An open share by the mean weights of one replicate, with the slope β: `(Σ w V - β Σ (w - 1)) / n`, where all directions weigh `whole` in the mean
+/// in place of 1. So no mean is moved, however few the points are, if β is independent of them; the mean of a ratio would be. With β = V, as where all
+/// is open or closed, weights that were drawn unevenly do not count.
+pub(crate) fn corrected(own: Weights, slope: f64, whole: f64) -> f64 {
+    own.open - slope * (own.all - whole)
 }
 
 /// The mean of what each replicate says, by its points.

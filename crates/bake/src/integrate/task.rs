@@ -1,14 +1,15 @@
 //! What the texels of a bake are integrated with.
 
-use super::sums::{REPLICATES, Technique};
+use super::sums::Technique;
 use crate::labels;
-use crate::options::{Effort, Model, Pattern, Shading, Sky, View};
+use crate::options::{Model, Pattern, Shading, Sky, View};
 use crate::survey::Texel;
 use ambient::sampling::{Mixture, PointSet, Stream};
 use atlas::TILE;
 use glam::DVec3;
 use pulp::Arch;
 use rays::RayBackend;
+use std::ops::Range;
 
 /// Edge of the blocks of texels that share directions under [`Pattern::Tiled`]: one packet.
 pub(crate) const SHARE: u32 = 4;
@@ -21,15 +22,16 @@ pub(crate) struct Task<'a> {
     pub page: u32,
     /// Page edge in texels.
     pub size: u32,
-    pub effort: Effort,
-    /// What is baked is denoised by fits afterwards.
-    pub denoises: bool,
+    /// Rays of each texel over the hemisphere.
+    pub rays: u32,
     pub pattern: Pattern,
     pub points: PointSet,
     pub model: Model,
     pub view: View,
     pub shading: Shading,
     pub t_max: f32,
+    /// Highlights take as many rays as the hemisphere, however faint they are.
+    pub full_lobes: bool,
     /// How hemisphere directions are drawn.
     pub mixture: Mixture,
     /// A layer needs the hemisphere.
@@ -49,14 +51,14 @@ impl Task<'_> {
         Stream::new(self.seed, self.page, y * self.size + x, label, replicate)
     }
 
-    /// A texel's stream under the pattern: the texels of a tile take parts of one sequence, or blocks of them share directions but never
-    /// places. Guided points are independent of those that their guide was made of.
-    pub fn pattern_stream(
+    /// A texel's points `net` of a replicate under the pattern, counted from 0: the texels of a tile take parts of one sequence, or blocks of them
+    /// share directions but never places. Guided points are independent of those that their guide was made of.
+    pub fn net(
         &self,
         texel: &Texel,
         technique: Technique,
-        replicate: u32,
-        is_guided: bool,
+        net: &Range<u32>,
+        (replicate, is_guided): (u32, bool),
     ) -> Stream {
         let label = match technique {
             Technique::Hemisphere if is_guided => labels::GUIDED,
@@ -73,8 +75,7 @@ impl Task<'_> {
         let own = || self.stream(texel.x, texel.y, label, replicate);
         match self.pattern {
             Pattern::Joint if self.points == PointSet::Sobol => {
-                let points = self.effort.most_rays().div_ceil(REPLICATES);
-                shared(TILE).joint([texel.x, texel.y], TILE.ilog2(), points)
+                shared(TILE).joint([texel.x, texel.y], TILE.ilog2(), net)
             }
             Pattern::Joint => own(),
             Pattern::Tiled => own().with_directions(&shared(SHARE)),

@@ -4,14 +4,15 @@ use super::compose::BakedTexel;
 use super::directional;
 use super::finish::{Site, finish};
 use super::planes::{BakedPage, LayerPlanes};
+use super::spend::spend;
 use super::stats::PageStats;
 use super::terms::working_layers;
 use super::tile::{BakedTile, Columns};
 use crate::bounce::{GatherPilot, Taken};
 use crate::choice::Choice;
 use crate::clock::ThreadClock;
-use crate::integrate::{Task, ggx, integrate};
-use crate::options::{Buried, Denoise, Footprint, Model, Options, View};
+use crate::integrate::{Task, integrate, lobe};
+use crate::options::{Buried, Footprint, Model, Options, View};
 use crate::plan::Plan;
 use crate::seams::Across;
 use crate::survey::{Surveyor, Texel};
@@ -24,7 +25,7 @@ use rayon::prelude::*;
 use rays::{PlaneErrors, RayBackend, Solids, World};
 use std::convert::Infallible;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 
 /// What tiles are handed to, one at a time, as each is finished.
@@ -44,6 +45,8 @@ pub struct Baker<'a> {
     /// before it is not tied to them.
     across: Across,
     rasters: Rasters,
+    /// Rays of the texels of each tile, by page.
+    spent: Vec<OnceLock<Vec<u32>>>,
     /// Texels finished so far, over all pages.
     done: AtomicU64,
 }
@@ -84,6 +87,7 @@ impl<'a> Baker<'a> {
             errors: PlaneErrors::of(world),
             across: Across::default(),
             rasters: Rasters::default(),
+            spent: vec![OnceLock::new(); atlas.page_count as usize],
             done: AtomicU64::new(0),
         }
     }
@@ -91,6 +95,11 @@ impl<'a> Baker<'a> {
     /// The triangles of a page, by tile.
     pub(crate) fn raster(&self, page: u32) -> PageRaster<'a> {
         self.rasters.page(self.world.scene(), self.atlas, page)
+    }
+
+    /// The rays that each texel of a tile takes over the hemisphere, tile by tile. Where a target is set, they are found by a few rays of every texel.
+    pub fn rays(&self, page: u32) -> &[u32] {
+        self.spent[page as usize].get_or_init(|| spend(self, page))
     }
 
     /// An empty page to start from.
@@ -214,12 +223,17 @@ impl<'a> Baker<'a> {
         take: &mut Take<'_, E>,
     ) -> Result<bool, E> {
         let columns = Columns::of(&self.layers());
+        let rays = match wanted.is_empty() {
+            true => &[][..],
+            false => self.rays(page),
+        };
         let taking = Mutex::new((take, Ok(())));
         let tile = |&index: &u32| {
             if progress.cancelled() {
                 return None;
             }
-            let texels = self.tile(&self.cut(raster, index as usize), page);
+            let cut = self.cut(raster, index as usize);
+            let texels = self.tile(&cut, page, rays[index as usize]);
             let result = self.result(index, &columns, &texels);
             let own = result.stats.texels;
             let done = self.done.fetch_add(own, Ordering::Relaxed) + own;
@@ -253,6 +267,7 @@ impl<'a> Baker<'a> {
         };
         for page in pages {
             let raster = self.raster(page);
+            let rays = self.rays(page);
             let costs = self.costs(page);
             all += costs.iter().sum::<f64>();
             // Equal steps through the tiles by cost, so that dear and cheap ones are picked as often as they are there.
@@ -266,7 +281,7 @@ impl<'a> Baker<'a> {
                 .with_max_len(1)
                 .map(|index| {
                     let clock = ThreadClock::now();
-                    let texels = self.tile(&self.cut(&raster, index), page);
+                    let texels = self.tile(&self.cut(&raster, index), page, rays[index]);
                     let rays = texels.iter().map(|t| t.terms.rays).sum();
                     let seconds = clock.seconds();
                     let taken = gather
@@ -299,7 +314,7 @@ impl<'a> Baker<'a> {
         }
     }
 
-    fn tile(&self, tile: &Tile, page: u32) -> Vec<BakedTexel> {
+    fn tile(&self, tile: &Tile, page: u32, rays: u32) -> Vec<BakedTexel> {
         let options = self.options;
         let task = Task {
             backend: self.backend,
@@ -307,8 +322,7 @@ impl<'a> Baker<'a> {
             seed: options.seed,
             page,
             size: self.atlas.page_size,
-            effort: options.effort,
-            denoises: options.denoise == Denoise::Regression,
+            rays,
             pattern: options.pattern,
             points: options.points,
             view: match options.view {
@@ -319,6 +333,7 @@ impl<'a> Baker<'a> {
             shading: options.shading,
             t_max: options.max_distance.unwrap_or(f32::INFINITY),
             mixture: self.plan.mixture,
+            full_lobes: options.full_highlights,
             hemisphere: self.plan.models(Choice::Diffuse),
             directional: options.is_directional(),
             any_view: options.any_view(),
@@ -335,7 +350,7 @@ impl<'a> Baker<'a> {
             let mut base = material.albedo;
             if microfacets {
                 let view = task.view_from(texel.position, texel.normal);
-                [base, material.specular] = ggx::colours(&material, texel.normal.dot(view));
+                [base, material.specular] = lobe::colours(&material, texel.normal.dot(view));
             }
             (material, base)
         };

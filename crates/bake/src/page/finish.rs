@@ -77,6 +77,24 @@ pub(super) fn finish(page: &mut BakedPage, site: &Site<'_>) {
     page.finished = true;
 }
 
+/// Brings the terms of a page that has all its tiles to what they are after denoising, without more.
+pub(super) fn settle(page: &mut BakedPage, site: &Site<'_>) {
+    let Site {
+        world,
+        plan,
+        atlas,
+        options,
+        mends,
+        across,
+        ..
+    } = *site;
+    if options.denoise == Denoise::Off {
+        return;
+    }
+    let seams = Seams::find(world, atlas, page.page, crate::options::Seams::Off, across);
+    denoise_terms(page, &terms(options, plan), options, mends, &seams);
+}
+
 /// Finishes a page of light alone, in the same order, but for the layers that would follow from it.
 pub(crate) fn finish_light(page: &mut BakedPage, site: &Site<'_>) {
     let Site {

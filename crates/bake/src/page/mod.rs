@@ -7,6 +7,7 @@ mod finish;
 mod joined;
 mod planes;
 mod share;
+mod spend;
 mod stats;
 mod tangent;
 mod terms;

@@ -5,6 +5,8 @@
 //! surfaces whose boxes meet the tile's piece of surface, which may bury it; and the sum over all objects that its rays can reach, by
 //! [`ground`].
 //!
+//! How many rays the tile takes goes in too: with a target, all tiles of a page have a say in that.
+//!
 //! **Why that is all.** A texel's values are sums over its sample points, which its place numbers, its pieces of surface place and its
 //! rays judge. A ray that is not in reach of an object cannot meet it, so leaving it out or moving it there changes no answer; the
 //! ray libraries find every triangle that a ray meets whatever tree they hold (their box tests are conservative), and whether a ray
@@ -101,7 +103,11 @@ impl<'a> Reach<'a> {
     /// The row-major number of every tile of a page, in the order of their indices, and what its values depend on.
     pub fn tiles(&self, page: u32) -> Vec<(u32, Fingerprint)> {
         let raster = self.baker.raster(page);
-        let tile = |index: usize| (raster.tiles()[index], self.tile(&raster, page, index));
+        let rays = self.baker.rays(page);
+        let tile = |index: usize| {
+            let fingerprint = self.tile(&raster, page, index, rays[index]);
+            (raster.tiles()[index], fingerprint)
+        };
         (0..raster.tiles().len())
             .into_par_iter()
             .with_max_len(1)
@@ -109,8 +115,9 @@ impl<'a> Reach<'a> {
             .collect()
     }
 
-    fn tile(&self, raster: &PageRaster<'_>, page: u32, index: usize) -> Fingerprint {
+    fn tile(&self, raster: &PageRaster<'_>, page: u32, index: usize, rays: u32) -> Fingerprint {
         let mut hasher = Feed::after(&self.common);
+        hasher.update(&rays.to_le_bytes());
         hasher.update(&page.to_le_bytes());
         hasher.update(&raster.tiles()[index].to_le_bytes());
         let mut grounds = Vec::new();

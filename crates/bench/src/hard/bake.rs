@@ -44,6 +44,7 @@ pub(super) fn bake(setup: &Setup, case: &str, kind: BackendKind) -> Result<Baked
         layers,
         rings: atlas::RINGS,
         normal_maps: false,
+        full_highlights: true,
         overrides: Overrides {
             exponent: setup.exponent,
             ..Overrides::default()

@@ -6,7 +6,7 @@
 )]
 
 use super::step::{Drawn, Step};
-use crate::integrate::estimate::{Gathered, Quantity};
+use crate::integrate::estimate::{Known, Quantity};
 use crate::integrate::sums::{Technique, corrected};
 use crate::integrate::task::Task;
 use crate::integrate::terms::Directional;
@@ -136,23 +136,23 @@ impl DirectionSums {
     pub fn terms(
         replicates: &[Self; 2],
         task: &Task<'_>,
-        gathered: &Gathered<'_>,
+        gathered: &Known<'_>,
         i: usize,
     ) -> [Directional; 2] {
-        let normal = gathered.texels[i].normal;
+        let normal = gathered.from.texels[i].normal;
         let cosines = gathered.slopes(i, Quantity::Diffuse);
         let even = gathered.slopes(i, Quantity::Visibility);
         [0, 1].map(|k: usize| {
-            let (own, sums) = (&replicates[k], &gathered.sums[i][k]);
+            let (own, sums) = (&replicates[k], &gathered.from.sums[i][k]);
             let points = sums.points.max(1);
             let mut terms = Directional::default();
-            if gathered.technique == Technique::Hemisphere {
+            if gathered.from.technique == Technique::Hemisphere {
                 let mean = |weight: usize, slope: f64, open: DVec3| {
                     (own.open[weight] - slope * own.all[weight]) / points as f64 + slope * open
                 };
                 terms.bent = mean(0, cosines[k], normal * (2.0 / 3.0));
                 let mean = 0.5 * mean(1, even[k], 0.5 * normal);
-                let share = corrected(sums.visibility, points, even[k]);
+                let share = corrected(sums.visibility.over(points), even[k], 1.0);
                 terms.light = Directional::even(task.sky.floor(), 0.5 * share, mean);
             }
             if let Some(map) = task.sky.map() {

@@ -15,8 +15,8 @@ use glam::DVec3;
 pub(super) struct LaneSums<T> {
     pub all: [[T; LANES]; 2],
     pub open: [[T; LANES]; 2],
-    /// Light of a map above its floor: by the normal, or of the only quantity, and by the lobe.
-    pub light: [[[T; LANES]; 3]; 2],
+    /// Light of a map above its floor: by the normal; by the lobe without colour and times (1 - V·H)^5.
+    pub light: [[[T; LANES]; 3]; 3],
     pub rays: [u32; LANES],
 }
 
@@ -47,7 +47,7 @@ impl LaneSums<f64> {
                 self.open[k][l] += f64::from(block.open[k][l]);
             }
             for a in 0..3 {
-                for k in 0..2 {
+                for k in 0..3 {
                     self.light[k][a][l] += f64::from(block.light[k][a][l]);
                 }
             }
@@ -67,18 +67,19 @@ impl LaneSums<f64> {
             rays: u64::from(self.rays[lane]),
             ..Sums::default()
         };
+        let reflection = || [vector(&self.light[1]), vector(&self.light[2])];
         match technique {
             Technique::Hemisphere => {
                 (sums.diffuse, sums.visibility) = (weights(0), weights(1));
                 sums.irradiance = vector(&self.light[0]);
             }
             Technique::Lobe => {
-                sums.specular = weights(0);
-                sums.reflection = vector(&self.light[0]);
+                sums.lobe = [weights(0), weights(1)];
+                sums.reflection = reflection();
             }
             Technique::Sky => {
                 sums.irradiance = vector(&self.light[0]);
-                sums.reflection = vector(&self.light[1]);
+                sums.reflection = reflection();
             }
         }
         sums

@@ -6,18 +6,21 @@
 )]
 
 use super::directional::LaneDirections;
+use super::gloss::LaneGloss;
 use super::step::{Drawn, Step};
 use crate::integrate::task::Task;
 use ambient::lanes::{LANES, Wide};
 use maps::SkyMap;
 
-/// The lobes of the lanes: 1 / (n + 1), and the lanes that need theirs.
+/// The lobes of the lanes: 1 / (n + 1) of Phong or those of GGX, their rays for each ray of the others, and the lanes that need theirs.
 pub(super) struct Lobes<'a> {
     pub scale: &'a Wide,
+    pub share: &'a Wide,
+    pub gloss: Option<&'a LaneGloss>,
     pub used: u32,
 }
 
-/// Adds the light that open lanes see above the floor of a map to `sums`, each by its share of the power heuristic. Returns that light.
+/// Adds the light that open lanes see above the floor of a map to `sums`, each by its share of the power heuristic.
 #[inline(always)]
 pub(super) fn add_map_light(
     task: &Task<'_>,
@@ -26,8 +29,8 @@ pub(super) fn add_map_light(
     open: u32,
     normal: &[Wide; 3],
     lobes: Lobes<'_>,
-    (sums, directions): (&mut [[Wide; 3]; 2], Option<&mut LaneDirections>),
-) -> [Wide; 3] {
+    (sums, directions): (&mut [[Wide; 3]; 3], Option<&mut LaneDirections>),
+) {
     use std::f32::consts::{FRAC_1_PI, TAU};
     let [cosine, uniform] = {
         let share = task.mixture.cosine_share() as f32;
@@ -47,32 +50,48 @@ pub(super) fn add_map_light(
         }
     }
     let drawn = if task.draw_sky { 1.0 } else { 0.0 };
-    let mut kernels = [[0.0; LANES]; 2];
-    for l in 0..LANES {
-        let by_sky = drawn * (light[0][l] + light[1][l] + light[2][l]);
-        kernels[0][l] = match &step.drawn {
-            Drawn::Hemisphere => {
+    let mut kernels = [[0.0; LANES]; 3];
+    let by_sky = |l: usize| drawn * (light[0][l] + light[1][l] + light[2][l]);
+    match &step.drawn {
+        Drawn::Hemisphere => {
+            for l in 0..LANES {
                 let own = 1.0 / (TAU * step.weights[1][l]);
-                step.weights[0][l] * share(own, by_sky)
+                kernels[0][l] = step.weights[0][l] * share(own, by_sky(l));
             }
-            Drawn::Lobe(density) => share(density[l], by_sky),
-            Drawn::Sky(..) => {
+        }
+        Drawn::Lobe(lobe) => {
+            for l in 0..LANES {
+                let share = share(lobe.density[l], by_sky(l));
+                kernels[1][l] = lobe.plain[l] * share;
+                kernels[2][l] = lobe.white[l] * share;
+            }
+        }
+        Drawn::Sky(_, axes) => {
+            for l in 0..LANES {
                 let mu = normal[0][l] * step.directions[0][l]
                     + normal[1][l] * step.directions[1][l]
                     + normal[2][l] * step.directions[2][l];
-                mu * FRAC_1_PI * share_of(by_sky, cosine * mu + uniform)
+                kernels[0][l] = mu * FRAC_1_PI * share_of(by_sky(l), cosine * mu + uniform);
             }
-        };
-    }
-    if let Drawn::Sky(_, axes) = &step.drawn {
-        let mut rest = open & lobes.used;
-        while rest != 0 {
-            let l = rest.trailing_zeros() as usize;
-            rest &= rest - 1;
-            let [axis, direction] = [axes, &step.directions].map(|of| of.map(|a| a[l]));
-            let by_sky = light[0][l] + light[1][l] + light[2][l];
-            let density = lobe_density(lobes.scale[l], axis, direction);
-            kernels[1][l] = density * share_of(by_sky, density);
+            if let Some(gloss) = lobes.gloss {
+                let says = gloss.says(normal, axes, &step.directions);
+                for l in 0..LANES {
+                    let own = lobes.share[l] * says.density[l];
+                    let used = (lobes.used >> l & 1) as f32;
+                    kernels[1][l] =
+                        used * says.weight[l] * says.density[l] * share_of(by_sky(l), own);
+                    kernels[2][l] = kernels[1][l] * says.fresnel[l];
+                }
+            } else {
+                let mut rest = open & lobes.used;
+                while rest != 0 {
+                    let l = rest.trailing_zeros() as usize;
+                    rest &= rest - 1;
+                    let [axis, direction] = [axes, &step.directions].map(|of| of.map(|a| a[l]));
+                    let density = lobe_density(lobes.scale[l], axis, direction);
+                    kernels[1][l] = density * share_of(by_sky(l), lobes.share[l] * density);
+                }
+            }
         }
     }
     if let Some(directions) = directions {
@@ -95,14 +114,13 @@ pub(super) fn add_map_light(
         }
         directions.add_light(step, &light, &shares, &density);
     }
-    for k in 0..2 {
+    for k in 0..3 {
         for c in 0..3 {
             for l in 0..LANES {
                 sums[k][c][l] += light[c][l] * kernels[k][l];
             }
         }
     }
-    light
 }
 
 #[inline(always)]

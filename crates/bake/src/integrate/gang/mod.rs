@@ -18,16 +18,16 @@ mod moments;
 mod step;
 mod surfaces;
 
-use super::sums::{REPLICATES, Replicates, Technique};
+use super::lobe::Lobe;
+use super::sums::{REPLICATES, Replicates, Technique, Weights};
 use super::task::Task;
-use crate::options::{Shading, View};
+use crate::options::{Model, Shading, View};
 use crate::survey::Texel;
-use ambient::ggx::alpha_of;
-use ambient::sampling::{Counts, Guide, LANES, Lobe, Stream, Streams, Wide};
+use ambient::sampling::{self, Counts, Guide, LANES, Stream, Streams, Wide};
 use borders::Borders;
 pub(crate) use directional::DirectionSums;
 use directional::LaneDirections;
-pub(crate) use gloss::Beside;
+use glam::DVec3;
 use gloss::LaneGloss;
 use lane_sums::LaneSums;
 use light::{Lobes, add_map_light};
@@ -35,8 +35,8 @@ use moments::LaneMoments;
 pub(crate) use moments::{Moments, coefficients};
 use pulp::{Simd, WithSimd};
 use rays::{Coherence, RayPacket};
-use std::ops::Range;
-use step::{Drawn, Step};
+use std::rc::Rc;
+use step::{Drawn, Kernel, Step};
 use surfaces::{Frames, LaneSurfaces, mirrored};
 
 /// One lane: a texel of the tile and one of its replicates.
@@ -50,8 +50,10 @@ pub(crate) struct Lane {
 /// Up to sixteen lanes and what they have gathered.
 pub(crate) struct Gang<'a> {
     texels: &'a [Texel],
-    /// Texels that need the lobe.
-    reflects: &'a [bool],
+    /// The lobes of texels that reflect.
+    highlights: &'a [Option<Lobe>],
+    /// Where the hemisphere rays of texels were sent, if not everywhere alike; of all texels or of none.
+    sent: &'a [Option<Rc<Guide>>],
     lanes: &'a [Lane],
     streams: Streams,
     surfaces: LaneSurfaces,
@@ -63,11 +65,13 @@ pub(crate) struct Gang<'a> {
     borders: Borders<'a>,
     /// Lanes whose texels can be seen in part.
     parted: u32,
-    /// Lanes in use, and those among them that nothing stands above.
+    /// Lanes in use, and those among them that nothing stands above, and whose hemisphere rays a guide sent.
     used: u32,
     open: u32,
-    /// 1 / (n + 1) of each lane's lobe, and the lanes that need it.
+    guided: u32,
+    /// 1 / (n + 1) of each lane's lobe, its rays for each ray of the other techniques, and the lanes that need it.
     lobe_scale: Wide,
+    lobe_share: Wide,
     lobes: u32,
     packet: RayPacket<LANES>,
     /// Points cast of every lane.
@@ -77,7 +81,7 @@ pub(crate) struct Gang<'a> {
     block: LaneSums<f32>,
     /// Harmonics of the open directions, where any view is asked for.
     moments: Option<LaneMoments>,
-    /// What the lobes of lanes gather, where hemisphere rays count for GGX too.
+    /// The lobes of GGX.
     gloss: Option<LaneGloss>,
     /// Where lanes are open and whence their light comes, where a layer asks for it.
     directions: Option<LaneDirections>,
@@ -89,10 +93,17 @@ pub(crate) struct Gang<'a> {
 
 impl<'a> Gang<'a> {
     /// A gang without lanes.
-    pub fn new(task: &Task<'_>, texels: &'a [Texel], reflects: &'a [bool]) -> Self {
+    pub fn new(
+        task: &Task<'_>,
+        texels: &'a [Texel],
+        highlights: &'a [Option<Lobe>],
+        sent: &'a [Option<Rc<Guide>>],
+    ) -> Self {
+        let has_gloss = task.model == Model::Ggx && highlights.iter().any(Option::is_some);
         let mut gang = Self {
             texels,
-            reflects,
+            highlights,
+            sent,
             lanes: &[],
             streams: Streams::new(task.points),
             surfaces: LaneSurfaces::none(),
@@ -103,14 +114,16 @@ impl<'a> Gang<'a> {
             parted: 0,
             used: 0,
             open: 0,
+            guided: 0,
             lobe_scale: [1.0; LANES],
+            lobe_share: [1.0; LANES],
             lobes: 0,
             packet: RayPacket::default(),
             points: 0,
             sums: LaneSums::default(),
             block: LaneSums::default(),
             moments: None,
-            gloss: None,
+            gloss: has_gloss.then(LaneGloss::new),
             directions: task.directional.then(LaneDirections::new),
             guide: None,
             counts: None,
@@ -122,12 +135,6 @@ impl<'a> Gang<'a> {
     /// Gathers harmonics up to an order too.
     pub fn with_moments(mut self, order: usize) -> Self {
         self.moments = Some(LaneMoments::new(order));
-        self
-    }
-
-    /// Gathers for GGX lobes too.
-    pub fn with_gloss(mut self) -> Self {
-        self.gloss = Some(LaneGloss::new());
         self
     }
 
@@ -143,19 +150,14 @@ impl<'a> Gang<'a> {
         self
     }
 
-    /// Takes at most sixteen lanes, each at the start of its stream, and forgets those before. `beside` says which
-    /// texels gather for their GGX lobes, if any.
-    pub fn load(
-        &mut self,
-        lanes: &'a [Lane],
-        beside: &[Beside],
-        stream: impl Fn(&Texel, u32) -> Stream,
-    ) {
+    /// Takes at most sixteen lanes, and forgets those before.
+    pub fn load(&mut self, lanes: &'a [Lane]) {
         assert!(lanes.len() <= LANES, "{} lanes in a gang", lanes.len());
         self.lanes = lanes;
         self.cell = [0; LANES];
         self.borders.clear();
-        (self.used, self.open, self.lobes, self.parted) = (0, 0, 0, 0);
+        (self.used, self.open, self.guided) = (0, 0, 0);
+        (self.lobes, self.parted) = (0, 0);
         self.points = 0;
         self.sums = LaneSums::default();
         self.stale = true;
@@ -170,28 +172,37 @@ impl<'a> Gang<'a> {
         }
         for (l, lane) in lanes.iter().enumerate() {
             let texel = &self.texels[lane.texel];
-            self.streams.set(l, &stream(texel, lane.replicate as u32));
             self.used |= 1 << l;
             self.open |= u32::from(texel.open) << l;
+            let sent = self.sent.get(lane.texel);
+            self.guided |= u32::from(sent.is_some_and(Option::is_some)) << l;
             self.borders.set(l, texel.ends());
             self.parted |= u32::from(texel.seen.is_part()) << l;
-            self.lobes |= u32::from(self.reflects[lane.texel]) << l;
-            self.lobe_scale[l] = (1.0 / (texel.material.exponent + 1.0)) as f32;
+            if let Some(lobe) = &self.highlights[lane.texel] {
+                self.lobes |= 1 << l;
+                (self.lobe_scale[l], self.lobe_share[l]) = (lobe.scale, lobe.share);
+                if let Some(gloss) = &mut self.gloss {
+                    gloss.set(l, lobe);
+                }
+            }
             self.surfaces.set(l, &texel.cells[0]);
             if let Some(moments) = &mut self.moments {
                 moments.set(l, texel);
             }
-            if let Some(gloss) = &mut self.gloss
-                && beside[lane.texel].shares
-            {
-                gloss.set(l, alpha_of(texel.material.exponent));
-            }
         }
     }
 
-    /// Casts the points `range` of every lane.
-    pub fn cast(&mut self, task: &Task<'_>, technique: Technique, range: Range<u32>) {
-        struct Run<'g, 'a, 't>(&'g mut Gang<'a>, &'g Task<'t>, Technique, Range<u32>);
+    /// Takes the points of a replicate of a texel, for each lane.
+    pub fn follow(&mut self, stream: impl Fn(usize, u32) -> Stream) {
+        for (l, lane) in self.lanes.iter().enumerate() {
+            self.streams
+                .set(l, &stream(lane.texel, lane.replicate as u32));
+        }
+    }
+
+    /// Casts the first points of what every lane follows.
+    pub fn cast(&mut self, task: &Task<'_>, technique: Technique, points: u32) {
+        struct Run<'g, 'a, 't>(&'g mut Gang<'a>, &'g Task<'t>, Technique, u32);
         impl WithSimd for Run<'_, '_, '_> {
             type Output = ();
             #[inline(always)]
@@ -199,13 +210,13 @@ impl<'a> Gang<'a> {
                 self.0.run(self.1, self.2, self.3);
             }
         }
-        task.arch.dispatch(Run(self, task, technique, range));
+        task.arch.dispatch(Run(self, task, technique, points));
     }
 
     #[inline(always)]
-    fn run(&mut self, task: &Task<'_>, technique: Technique, range: Range<u32>) {
-        self.points += u64::from(range.end.saturating_sub(range.start));
-        for block in Streams::blocks(range) {
+    fn run(&mut self, task: &Task<'_>, technique: Technique, points: u32) {
+        self.points += u64::from(points);
+        for block in Streams::blocks(0..points) {
             self.streams.enter(block);
             for step in 0..block.steps() {
                 self.cast_point(task, technique, step);
@@ -278,25 +289,23 @@ impl<'a> Gang<'a> {
         if let Some(directions) = &mut self.directions {
             directions.add(&step, active & !blocked);
         }
-        let light = task.sky.map().map(|sky| {
+        let normal = &self.frames.normal;
+        if let Some(sky) = task.sky.map() {
             let lobes = Lobes {
                 scale: &self.lobe_scale,
+                share: &self.lobe_share,
+                gloss: self.gloss.as_ref(),
                 used: self.lobes,
             };
-            let normal = &self.frames.normal;
             let open = active & !blocked;
             let sums = (&mut self.block.light, self.directions.as_mut());
-            add_map_light(task, sky, &step, open, normal, lobes, sums)
-        });
-        if let Some(gloss) = &mut self.gloss
-            && gloss.is_used()
-        {
-            let normal = &self.frames.normal;
-            let view = match task.view {
-                View::Normal => *normal,
-                View::Eye(eye) => self.frames.views(&self.packet.origin, eye),
-            };
-            gloss.add(&step, active & !blocked, [normal, &view], light.as_ref());
+            add_map_light(task, sky, &step, open, normal, lobes, sums);
+        }
+        let joins = technique == Technique::Hemisphere;
+        if let Some(gloss) = self.gloss.as_mut().filter(|gloss| joins && gloss.joins()) {
+            let view = self.frames.views_of(task.view, &self.packet.origin);
+            let share = &self.lobe_share;
+            gloss.add(&step, active & !blocked, [normal, &view], share);
         }
     }
 
@@ -329,39 +338,26 @@ impl<'a> Gang<'a> {
         }
         let Frames { normal, side, .. } = &self.frames;
         self.surfaces.origins(at, side, &mut self.packet.origin);
-        let axes = |origin: &[Wide; 3]| match task.view {
-            View::Normal => *normal,
-            View::Eye(eye) => mirrored(normal, origin, eye),
-        };
         let (directions, weights, drawn) = match technique {
             Technique::Hemisphere => {
                 let (local, weights) = task.mixture.sample16(u0, u1);
                 (self.frames.to_world(&local), weights, Drawn::Hemisphere)
             }
-            Technique::Lobe => {
-                let local = Lobe::sample16(&self.lobe_scale, u0, u1);
-                let directions = match task.view {
-                    View::Normal => self.frames.to_world(&local),
-                    View::Eye(_) => {
-                        Frames::about(axes(&self.packet.origin), *side).to_world(&local)
-                    }
-                };
-                let mut density = [0.0; LANES];
-                if task.sky.map().is_some() {
-                    // u0 = cos^(n + 1), so cos^n = u0 / cos.
-                    for l in 0..LANES {
-                        let scale = self.lobe_scale[l] * std::f32::consts::TAU;
-                        density[l] = u0[l] / (scale * local[2][l].max(f32::MIN_POSITIVE));
-                    }
-                }
-                (directions, [[1.0; LANES]; 2], Drawn::Lobe(density))
-            }
+            Technique::Lobe => match &self.gloss {
+                Some(gloss) => self.glossy(task, gloss, [u0, u1]),
+                None => self.lobe(task, [u0, u1]),
+            },
             Technique::Sky => {
                 let Some(sky) = task.sky.map() else {
                     unreachable!("a uniform sky has no directions to draw");
                 };
                 let (directions, texels) = sky.sample16(u0, u1);
-                let drawn = Drawn::Sky(texels, axes(&self.packet.origin));
+                let axes = match (&self.gloss, task.view) {
+                    (Some(_), view) => self.frames.views_of(view, &self.packet.origin),
+                    (None, View::Normal) => *normal,
+                    (None, View::Eye(eye)) => mirrored(normal, &self.packet.origin, eye),
+                };
+                let drawn = Drawn::Sky(texels, axes);
                 (directions, [[0.0; LANES]; 2], drawn)
             }
         };
@@ -393,10 +389,79 @@ impl<'a> Gang<'a> {
         }
     }
 
+    /// Directions of Phong's lobes.
+    #[inline(always)]
+    fn lobe(&self, task: &Task<'_>, [u0, u1]: [&Wide; 2]) -> ([Wide; 3], [Wide; 2], Drawn) {
+        let local = sampling::Lobe::sample16(&self.lobe_scale, u0, u1);
+        let Frames { normal, side, .. } = &self.frames;
+        let directions = match task.view {
+            View::Normal => self.frames.to_world(&local),
+            View::Eye(eye) => {
+                let axes = mirrored(normal, &self.packet.origin, eye);
+                Frames::about(axes, *side).to_world(&local)
+            }
+        };
+        let mut kernel = Kernel::default();
+        if task.sky.map().is_some() {
+            // u0 = cos^(n + 1), so cos^n = u0 / cos.
+            for l in 0..LANES {
+                let scale = self.lobe_scale[l] * std::f32::consts::TAU;
+                let density = u0[l] / (scale * local[2][l].max(f32::MIN_POSITIVE));
+                kernel.density[l] = self.lobe_share[l] * density;
+                kernel.plain[l] = 1.0;
+            }
+        }
+        let weights = [[1.0; LANES], [0.0; LANES]];
+        (directions, weights, Drawn::Lobe(kernel))
+    }
+
+    /// Directions of the lobes of GGX.
+    #[inline(always)]
+    fn glossy(
+        &self,
+        task: &Task<'_>,
+        gloss: &LaneGloss,
+        u: [&Wide; 2],
+    ) -> ([Wide; 3], [Wide; 2], Drawn) {
+        let view = self.frames.views_of(task.view, &self.packet.origin);
+        let (mixture, share) = (&task.mixture, &self.lobe_share);
+        let mut drawn = gloss.draw((&self.frames, &view), u, mixture, share);
+        let mut sent = self.guided;
+        while sent != 0 {
+            let l = sent.trailing_zeros() as usize;
+            sent &= sent - 1;
+            if let Some(guide) = &self.sent[self.lanes[l].texel] {
+                let normal = self.frames.normal.map(|axis| f64::from(axis[l]));
+                let by = (mixture, &**guide);
+                gloss.guided(&mut drawn, (l, share[l]), DVec3::from(normal), by);
+            }
+        }
+        let mut kernel = Kernel::default();
+        if task.sky.map().is_some() {
+            for l in 0..LANES {
+                kernel.density[l] = share[l] * drawn.lobes.density[l];
+                kernel.plain[l] = drawn.lobes.weight[l];
+                kernel.white[l] = drawn.lobes.weight[l] * drawn.lobes.fresnel[l];
+            }
+        }
+        (drawn.directions, drawn.weights, Drawn::Lobe(kernel))
+    }
+
     /// Adds what the lanes have gathered to their texels' replicates.
     pub fn collect(&self, technique: Technique, sums: &mut [Replicates]) {
         for (l, lane) in self.lanes.iter().enumerate() {
-            sums[lane.texel][lane.replicate] += self.sums.of_lane(technique, l, self.points);
+            let mut own = self.sums.of_lane(technique, l, self.points);
+            let gloss = self
+                .gloss
+                .as_ref()
+                .filter(|_| technique == Technique::Hemisphere);
+            if let Some([open, all]) = gloss.and_then(|gloss| gloss.of_lane(l)) {
+                own.lobe = [0, 1].map(|k: usize| Weights {
+                    open: open[k],
+                    all: all[k],
+                });
+            }
+            sums[lane.texel][lane.replicate] += own;
         }
     }
 
@@ -407,17 +472,6 @@ impl<'a> Gang<'a> {
         };
         for (l, lane) in self.lanes.iter().enumerate() {
             moments.collect(l, self.points, &mut replicates[lane.texel][lane.replicate]);
-        }
-    }
-
-    /// Adds what the lanes have gathered for GGX lobes to their texels' replicates.
-    pub fn collect_gloss(&self, beside: &mut [Beside]) {
-        let Some(gloss) = &self.gloss else {
-            return;
-        };
-        for (l, lane) in self.lanes.iter().enumerate() {
-            let into = &mut beside[lane.texel].sums[lane.replicate];
-            gloss.collect(l, self.points, into);
         }
     }
 

@@ -16,8 +16,18 @@ pub(super) struct Step {
 pub(super) enum Drawn {
     /// Probability per steradian is what the weights say.
     Hemisphere,
-    /// Probability per steradian.
-    Lobe(Wide),
-    /// Texels of the map, and the axes of the lobes.
+    /// From the lobes.
+    Lobe(Kernel),
+    /// Texels of the map, and the axes of the lobes; under GGX the views.
     Sky([u32; LANES], [Wide; 3]),
+}
+
+/// What lobes say of directions that they drew.
+#[derive(Default)]
+pub(super) struct Kernel {
+    /// Probability per steradian, times the lobe's rays for each that another technique takes.
+    pub density: Wide,
+    /// What the light counts, without colour and times (1 - V·H)^5.
+    pub plain: Wide,
+    pub white: Wide,
 }

@@ -5,6 +5,7 @@
     reason = "a lane is one index into many arrays"
 )]
 
+use crate::options::View;
 use crate::survey::{Cell, place_in};
 use ambient::ggx::LEAST_COS;
 use ambient::sampling::{LANES, Wide};
@@ -151,9 +152,18 @@ impl Frames {
         }
     }
 
+    /// Unit views from places: along the normals, or to an eye.
+    #[inline(always)]
+    pub fn views_of(&self, view: View, origin: &[Wide; 3]) -> [Wide; 3] {
+        match view {
+            View::Normal => self.normal,
+            View::Eye(eye) => self.views(origin, eye),
+        }
+    }
+
     /// Unit views from an eye point, at least [`LEAST_COS`] above the surface, as [`ambient::ggx::Ggx`] keeps them. V = N where the eye stands on the surface.
     #[inline(always)]
-    pub fn views(&self, origin: &[Wide; 3], eye: DVec3) -> [Wide; 3] {
+    fn views(&self, origin: &[Wide; 3], eye: DVec3) -> [Wide; 3] {
         let mut out = [[0.0; LANES]; 3];
         for l in 0..LANES {
             let n = [self.normal[0][l], self.normal[1][l], self.normal[2][l]];

@@ -1,0 +1,124 @@
+//! The highlight of a texel: what its lobe is, and how many rays it is worth.
+//!
+//! What is asked for is a sum, of what the base reflects and what the coat does. A coat of 4 % adds 4 % of its lobe's error to it, so a few rays
+//! are enough. With errors that fall like N^-3/4 the error of a sum is least, at a given number of rays, where a term takes
+//! `weight^(4/5)` as many as one that weighs 1. The hemisphere weighs what its base reflects, but not less than a quarter: its terms are layers
+//! of their own too.
+
+use super::task::Task;
+use crate::options::Model;
+use crate::survey::Texel;
+use ambient::ggx::{Ggx, alpha_of, base};
+use glam::DVec3;
+use rays::PhongMaterial;
+
+/// Least α of lobes that hemisphere rays count for: roughness 0.39. From there on they lower the error of most scenes, by half at best; it rises, more so
+/// below, where the lobe's own points follow the border of what is open, as in a corner seen along its normal (docs/theory.md).
+const LEAST_ALPHA: f64 = 0.15;
+
+/// Least weight of the hemisphere.
+const LEAST_BASE: f64 = 0.25;
+
+/// Fewest rays of a lobe for each ray of the hemisphere.
+const LEAST_SHARE: f64 = 1.0 / 64.0;
+
+/// The lobe of a texel.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Lobe {
+    /// α of GGX; not used under Phong.
+    pub alpha: f32,
+    /// 1 / (n + 1) of Phong; not used under GGX.
+    pub scale: f32,
+    /// Its rays for each ray of the hemisphere: a power of two, 1 at most.
+    pub share: f32,
+    /// Rays of the hemisphere count for it too.
+    pub joins: bool,
+    /// What all directions weigh together, without colour and times (1 - V·H)^5. 1 and 0 under Phong.
+    pub whole: [f64; 2],
+    /// Reflectance along the normal, which colours GGX; `None` under Phong, whose colour is a factor.
+    pub f0: Option<DVec3>,
+}
+
+impl Lobe {
+    /// The lobe of a texel that reflects.
+    pub fn of(task: &Task<'_>, texel: &Texel) -> Self {
+        let PhongMaterial {
+            specular, exponent, ..
+        } = texel.material;
+        let view = task.view_from(texel.position, texel.normal);
+        let cos = texel.normal.dot(view);
+        let plain = Self {
+            alpha: 1.0,
+            scale: (1.0 / (exponent + 1.0)) as f32,
+            share: worth(task.model, task.full_lobes, &texel.material, cos),
+            joins: false,
+            whole: [1.0, 0.0],
+            f0: None,
+        };
+        if task.model == Model::Phong {
+            return plain;
+        }
+        let alpha = alpha_of(exponent);
+        let open = Ggx::new(alpha, cos).open();
+        Self {
+            alpha: alpha.max(ambient::ggx::LEAST_ALPHA) as f32,
+            joins: alpha >= LEAST_ALPHA && task.hemisphere,
+            whole: [open.tinted + open.white, open.white],
+            f0: Some(specular.min(DVec3::ONE)),
+            ..plain
+        }
+    }
+
+    /// The share of its rays among `rays`: an even number, or 1 of 1.
+    pub fn rays(&self, rays: u32) -> u32 {
+        let own = (f64::from(rays) * f64::from(self.share)) as u32;
+        own.next_multiple_of(2).clamp(2.min(rays), rays)
+    }
+
+    /// Light, in units of what an open texel of this colour would reflect of a sky of 1: `sums` are light without colour and times (1 - V·H)^5.
+    pub fn tinted(&self, [plain, white]: [DVec3; 2]) -> DVec3 {
+        let Some(f0) = self.f0 else {
+            return plain / self.whole[0];
+        };
+        let [all, all_white] = self.whole;
+        let mirror = f0 * (all - all_white) + all_white;
+        (f0 * (plain - white) + white) / mirror.max(DVec3::splat(f64::MIN_POSITIVE))
+    }
+}
+
+/// How much of a lobe comes through, beside a base.
+fn weight(base: DVec3, lobe: DVec3) -> f64 {
+    let beside = base.max_element().clamp(LEAST_BASE, 1.0);
+    (lobe.max_element() / beside).clamp(0.0, 1.0)
+}
+
+/// Rays for each ray of the hemisphere, of a lobe that comes through with a weight: down to a power of two, but for rounding.
+fn share(weight: f64) -> f32 {
+    (weight.powf(0.8) * (1.0 + 1e-6))
+        .log2()
+        .floor()
+        .exp2()
+        .clamp(LEAST_SHARE, 1.0) as f32
+}
+
+/// Rays of a lobe of this material for each ray of the hemisphere, whose view makes `cos` with its normal.
+pub(crate) fn worth(model: Model, full: bool, material: &PhongMaterial, cos: f64) -> f32 {
+    let [base, lobe] = match model {
+        Model::Phong => [material.albedo, material.specular],
+        Model::Ggx => colours(material, cos),
+    };
+    match full {
+        true => 1.0,
+        false => share(weight(base, lobe)),
+    }
+}
+
+/// Diffuse and specular reflectance of an open texel with this material, whose view makes `cos` with its normal.
+pub(crate) fn colours(material: &PhongMaterial, cos: f64) -> [DVec3; 2] {
+    let f0 = material.specular.min(DVec3::ONE);
+    if f0 == DVec3::ZERO {
+        return [material.albedo, DVec3::ZERO];
+    }
+    let coat = Ggx::new(alpha_of(material.exponent), cos).open().of(f0);
+    [base(material.albedo, f0, coat), coat]
+}

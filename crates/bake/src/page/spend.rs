@@ -1,0 +1,285 @@
+//! How many rays the tiles of a page take.
+//!
+//! With a target, every texel takes a few rays first. What they say of the error of each tile, after denoising, decides how many it takes: with
+//! errors that fall like N^-q the error of a page, its root mean square, is least at a given number of rays where N is proportional to
+//! s^(2/(1 + 2q)), s being the error of a tile at equal rays. Equal errors everywhere would cost more. Numbers are powers of two, which are the best
+//! numbers of points, or three quarters of them, which are nearly as good. The rays of the pilot are thrown away: a value that had a part in the choice of its rays would be biased.
+
+use super::baker::Baker;
+use super::compose::{is_composed, is_light};
+use super::finish::settle;
+use super::planes::BakedPage;
+use crate::choice::Choice;
+use crate::options::{Bounces, Denoise, Effort, Options};
+use atlas::TILE;
+use layers::Layer;
+use std::convert::Infallible;
+
+/// Rays of the pilot, and the fewest of a tile.
+const PILOT: u32 = 8;
+const LEAST: u32 = 4;
+
+/// How errors fall with the number of rays, after denoising and without: like its power of minus this.
+const DENOISED: f64 = 0.5;
+const PLAIN: f64 = 0.75;
+
+/// Steps of the scale of all numbers that are tried, for each doubling.
+const STEPS: i32 = 8;
+
+/// What makes the pilot's points independent of the others.
+const SEED: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// A target of the root mean square error of a page.
+struct Target {
+    error: f64,
+    /// Or so much of the value, where that is larger.
+    relative: f64,
+}
+
+/// What the pilot says of a tile.
+#[derive(Clone, Copy, Default)]
+struct Found {
+    texels: f64,
+    /// Sum of the squares of errors over what they may be.
+    squares: f64,
+}
+
+/// The rays of the texels of each tile of a page, over the hemisphere.
+pub(super) fn spend(baker: &Baker<'_>, page: u32) -> Vec<u32> {
+    let tiles = baker.raster(page).tiles().len();
+    match baker.options.effort {
+        Effort::Rays(rays) => vec![rays; tiles],
+        Effort::Target {
+            error,
+            relative,
+            max_rays,
+        } => {
+            let target = Target { error, relative };
+            let found = target.pilot(baker, page);
+            let falls = match baker.options.denoise {
+                Denoise::Regression => DENOISED,
+                _ => PLAIN,
+            };
+            allot(&found, falls, max_rays)
+        }
+    }
+}
+
+/// Rays by which the root mean square of all errors is what it may be, or the most.
+fn allot(found: &[Found], falls: f64, most: u32) -> Vec<u32> {
+    let pilot = f64::from(PILOT);
+    let rays = |found: &Found, step: i32| {
+        let error = (found.squares / found.texels.max(1.0)).sqrt();
+        let scale = (f64::from(step) / f64::from(STEPS)).exp2();
+        let even = pilot * scale * error.powf(2.0 / (1.0 + 2.0 * falls));
+        (round(even) as u32).clamp(LEAST.min(most), most)
+    };
+    let texels: f64 = found.iter().map(|found| found.texels).sum();
+    let excess = |step: i32| {
+        let left = |found: &Found| {
+            found.squares * (f64::from(rays(found, step)) / pilot).powf(-2.0 * falls)
+        };
+        found.iter().map(left).sum::<f64>() / texels.max(1.0)
+    };
+    let spent = |step: i32| {
+        let mut found = found.iter().filter(|found| found.squares > 0.0);
+        found.all(|found| rays(found, step) == most)
+    };
+    let mut steps = -16 * STEPS..64 * STEPS;
+    let step = steps.find(|&step| excess(step) <= 1.0 || spent(step));
+    let step = step.unwrap_or(64 * STEPS);
+    found.iter().map(|found| rays(found, step)).collect()
+}
+
+/// The nearest number of those that are as good as any: powers of two, and three quarters of them.
+fn round(rays: f64) -> f64 {
+    let log = rays.max(1.0).log2();
+    let (whole, part) = (log.floor().exp2(), log - log.floor());
+    let middle = 1.5_f64.log2();
+    match part {
+        part if part < 0.5 * middle => whole,
+        part if part < 0.5 * (1.0 + middle) => 1.5 * whole,
+        _ => 2.0 * whole,
+    }
+}
+
+impl Target {
+    /// What a few rays of every texel say of the tiles of a page, each with those about it.
+    fn pilot(&self, baker: &Baker<'_>, number: u32) -> Vec<Found> {
+        let options = pilot_options(baker);
+        let Baker {
+            world,
+            plan,
+            backend,
+            atlas,
+            ..
+        } = *baker;
+        let pilot = Baker::new(world, plan, backend, atlas, &options);
+        let mut page = pilot.start(number);
+        let Ok(_) = pilot.fill(&mut page, &(), &mut |_| Ok::<_, Infallible>(()));
+        settle(&mut page, &pilot.site());
+        let across = page.size.div_ceil(TILE);
+        let mut grid = vec![Found::default(); (across * across) as usize];
+        let errors = Errors::of(&page, baker, self);
+        for texel in 0..page.texels() {
+            if let Some(square) = errors.square(texel) {
+                let [x, y] = [texel as u32 % page.size, texel as u32 / page.size];
+                let tile = &mut grid[(y / TILE * across + x / TILE) as usize];
+                tile.texels += 1.0;
+                tile.squares += square;
+            }
+        }
+        let about = |&tile: &u32| {
+            let [x, y] = [tile % across, tile / across];
+            let own = grid[tile as usize];
+            let mut sum = Found::default();
+            for y in y.saturating_sub(1)..(y + 2).min(across) {
+                for x in x.saturating_sub(1)..(x + 2).min(across) {
+                    let other = grid[(y * across + x) as usize];
+                    sum.texels += other.texels;
+                    sum.squares += other.squares;
+                }
+            }
+            Found {
+                texels: own.texels,
+                squares: own.texels * sum.squares / sum.texels.max(1.0),
+            }
+        };
+        baker.raster(number).tiles().iter().map(about).collect()
+    }
+}
+
+/// A bake of a few rays that only says how large errors are.
+fn pilot_options(baker: &Baker<'_>) -> Options {
+    let options = baker.options;
+    let shown = |layer: &Layer| is_composed(*layer) || is_light(*layer);
+    let mut layers = vec![Layer::Coverage];
+    layers.extend(options.layers.iter().copied().filter(shown));
+    for (choice, layer) in [
+        (Choice::Diffuse, Layer::StdErrDiffuse),
+        (Choice::Specular, Layer::StdErrSpecular),
+    ] {
+        if baker.plan.models(choice) && !layers.contains(&layer) {
+            layers.push(layer);
+        }
+    }
+    Options {
+        effort: Effort::Rays(PILOT),
+        seed: options.seed ^ SEED,
+        bounces: Bounces::Off,
+        denoise: match options.denoise {
+            Denoise::Regression => Denoise::Regression,
+            _ => Denoise::Off,
+        },
+        layers,
+        ..options.clone()
+    }
+}
+
+/// A term of the pilot: its values, their errors, what the largest value is, and what of the error comes through.
+struct Watched<'a> {
+    values: &'a [f32],
+    std_errs: &'a [f32],
+    unit: f64,
+    weights: Option<&'a [f32]>,
+}
+
+/// The planes of a pilot that say how large errors are.
+struct Errors<'a> {
+    coverage: Option<&'a [f32]>,
+    validity: Option<&'a [f32]>,
+    terms: Vec<Watched<'a>>,
+    target: &'a Target,
+    texels: usize,
+}
+
+impl<'a> Errors<'a> {
+    fn of(page: &'a BakedPage, baker: &Baker<'_>, target: &'a Target) -> Self {
+        let options = baker.options;
+        let (terms, unit) = match options.sky.map() {
+            None => (
+                [
+                    (Layer::Diffuse, Layer::StdErrDiffuse),
+                    (Layer::Specular, Layer::StdErrSpecular),
+                ],
+                1.0,
+            ),
+            Some(_) => (
+                [
+                    (Layer::Irradiance, Layer::StdErrIrradiance),
+                    (Layer::Reflection, Layer::StdErrReflection),
+                ],
+                options.sky.mean().element_sum() / 3.0,
+            ),
+        };
+        let watched = terms.into_iter().filter_map(|(term, std_err)| {
+            let weights = match term {
+                Layer::Specular | Layer::Reflection if !options.full_highlights => {
+                    Some(page.layer(Layer::Reflectance)?)
+                }
+                _ => None,
+            };
+            Some(Watched {
+                values: page.layer(term)?,
+                std_errs: page.layer(std_err)?,
+                unit,
+                weights,
+            })
+        });
+        Self {
+            coverage: page.layer(Layer::Coverage),
+            validity: page.layer(Layer::Validity),
+            terms: watched.collect(),
+            target,
+            texels: page.texels(),
+        }
+    }
+
+    /// The square of a texel's largest error over what it may be; `None` for texels that nothing covers or nobody sees.
+    fn square(&self, texel: usize) -> Option<f64> {
+        let above = |plane: Option<&[f32]>| plane.is_none_or(|plane| plane[texel] > 0.0);
+        if !above(self.coverage) || !above(self.validity) {
+            return None;
+        }
+        let mean = |plane: &[f32]| {
+            let channels = plane.chunks(self.texels);
+            let count = channels.len() as f64;
+            channels
+                .map(|channel| f64::from(channel[texel]))
+                .sum::<f64>()
+                / count
+        };
+        let square = |term: &Watched<'_>| {
+            let value = mean(term.values);
+            let allowed = (self.target.error * term.unit).max(self.target.relative * value);
+            let error = f64::from(term.std_errs[texel]) * term.weights.map_or(1.0, mean);
+            (error / allowed).powi(2)
+        };
+        Some(self.terms.iter().map(square).fold(0.0, f64::max))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Half of the tiles have sixteen times the error of the others.
+    #[test]
+    fn rays_go_where_errors_are_and_meet_the_target() {
+        let of = |error: f64| Found {
+            texels: 256.0,
+            squares: 256.0 * error * error,
+        };
+        let found = [of(0.25), of(4.0), of(0.25), of(4.0), of(0.0)];
+        let rays = allot(&found, 0.5, 16_384);
+        let good = |rays: &u32| rays.is_power_of_two() || (rays / 3).is_power_of_two();
+        assert!(rays.iter().all(good), "{rays:?}");
+        assert_eq!(rays[1], 16 * rays[0]);
+        let left = |found: &Found, &rays: &u32| found.squares * 8.0 / f64::from(rays);
+        let left: f64 = found.iter().zip(&rays).map(|(f, r)| left(f, r)).sum();
+        // A step of rounding more rays than needed, at most.
+        assert!((0.4..=1.0).contains(&(left / 1280.0)), "{rays:?}: {left}");
+        assert_eq!(allot(&found, 0.5, 64)[1], 64);
+        assert_eq!(allot(&[of(0.0)], 0.5, 64), [LEAST]);
+    }
+}
