@@ -369,10 +369,16 @@ fn slots(material: &mut Material) -> impl Iterator<Item = &mut Option<TextureRef
     surface.into_iter().chain([alpha]).flatten()
 }
 
-/// The affine transform of a matrix given column by column; `None` where its last row is not 0 0 0 1.
+/// How far the last row of a matrix may be from 0 0 0 1: what is left of it where matrices are multiplied in 32 bits, or where decimals
+/// of six digits are written. A row that means a perspective is farther.
+const ROUNDING: f32 = 1e-5;
+
+/// The affine transform of a matrix given column by column; `None` where its last row is not 0 0 0 1, but for rounding.
 pub(crate) fn affine(columns: [[f32; 4]; 4]) -> Option<DAffine3> {
     let [x, y, z, w] = columns.map(|[x, y, z, _]| Vec3::new(x, y, z).as_dvec3());
-    let affine = columns.map(|column| column[3]) == [0.0, 0.0, 0.0, 1.0];
+    let row = Vec4::from_array(columns.map(|column| column[3]));
+    // False for NaN too.
+    let affine = (row - Vec4::W).abs().max_element() <= ROUNDING && row.is_finite();
     affine.then(|| DAffine3::from_cols(x, y, z, w))
 }
 

@@ -46,10 +46,10 @@ pub(crate) fn load(input: &mut Input, format: Format) -> Result<Parts, Error> {
     };
     let text = &bytes[json];
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
-    let root = root::parsed(input, text)?;
-    // The typed model drops what it does not know, so the document keeps plain values beside it.
     let json = serde_json::from_slice(text)
         .map_err(|e| input.invalid("JSON", format!("{e}; export the file again")))?;
+    // The typed model drops what a bake does not read, so the document keeps plain values beside it.
+    let root = root::parsed(input, &json)?;
     // The file's own memory becomes the first buffer's.
     let bin = bin.map(|bin| {
         bytes.truncate(bin.end);

@@ -1,6 +1,6 @@
 //! The node hierarchy: which mesh stands where.
 
-use super::accessor::Data;
+use super::accessor::{Data, number};
 use crate::source::Input;
 use crate::validate::{Parts, affine};
 use crate::{Error, Instance, WarningKind};
@@ -8,6 +8,7 @@ use glam::{DAffine3, DQuat, DVec3, DVec4};
 use gltf::json::accessor::Type;
 use gltf::json::scene::Node;
 use gltf::json::{Index, Root};
+use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// A glTF mesh placed in the world.
@@ -18,13 +19,14 @@ pub(super) struct Placement {
     transform: DAffine3,
 }
 
-/// All placements of the default scene (`scene`, else the first, else every root node), parents before children.
+/// All visible placements of the default scene (`scene`, else the first, else every root node), parents before children.
 pub(super) fn placements(input: &mut Input, data: &Data) -> Result<Vec<Placement>, Error> {
     let root = data.root;
     let mut out = Vec::new();
     let mut seen = vec![false; root.nodes.len()];
     // A stack of our own: a chain of nodes may be deeper than the call stack.
-    let mut open: Vec<(usize, DAffine3)> = roots(root)
+    let mut open: Vec<(usize, DAffine3)> = roots(data)
+        .map_err(|problem| input.invalid("JSON", problem))?
         .into_iter()
         .rev()
         .map(|n| (n, DAffine3::IDENTITY))
@@ -33,6 +35,9 @@ pub(super) fn placements(input: &mut Input, data: &Data) -> Result<Vec<Placement
         let (Some(node), Some(seen)) = (root.nodes.get(n), seen.get_mut(n)) else {
             continue;
         };
+        if is_hidden(node) {
+            continue;
+        }
         let place = format!("node {n}");
         if std::mem::replace(seen, true) {
             let problem = "it is reached twice, but glTF nodes form trees; export the file again";
@@ -45,11 +50,11 @@ pub(super) fn placements(input: &mut Input, data: &Data) -> Result<Vec<Placement
         let Some(mesh) = node.mesh.map(|mesh| mesh.value()) else {
             continue;
         };
-        let skin = node.skin.is_some() as u64;
+        let skin = data.document.json["nodes"][n].get("skin").is_some();
         input.warn(
             WarningKind::Skins,
             place.as_str(),
-            skin,
+            skin.into(),
             "the skin is left out: the mesh is baked where its node stands",
         );
         match copies(data, node).map_err(|problem| input.invalid(place, problem))? {
@@ -100,16 +105,30 @@ pub(super) fn instances(
     }
 }
 
-fn roots(root: &Root) -> Vec<usize> {
-    let scene = match root.scene {
-        Some(scene) => root.scenes.get(scene.value()),
-        None => root.scenes.first(),
-    };
-    if let Some(scene) = scene {
-        return scene.nodes.iter().map(Index::value).collect();
+/// The nodes that the scene names, which may be none; without a scene all that are nobody's child.
+fn roots(data: &Data) -> Result<Vec<usize>, String> {
+    let (json, count) = (&data.document.json, data.root.nodes.len());
+    let scenes = json.get("scenes").and_then(Value::as_array);
+    let scene = number(json, "scene").unwrap_or(0);
+    let found = scenes.and_then(|scenes| scenes.get(scene));
+    if let Some(found) = found {
+        let nodes = found.get("nodes").and_then(Value::as_array);
+        let number = |node: &Value| {
+            let number = node.as_u64().and_then(|n| usize::try_from(n).ok());
+            number.filter(|&n| n < count).ok_or_else(|| {
+                format!("scene {scene} names the node {node} of {count}; export the file again")
+            })
+        };
+        return nodes.into_iter().flatten().map(number).collect();
     }
-    let mut is_child = vec![false; root.nodes.len()];
-    for child in root
+    if json.get("scene").is_some() {
+        return Err(format!(
+            "scene {scene} does not exist; export the file again"
+        ));
+    }
+    let mut is_child = vec![false; count];
+    for child in data
+        .root
         .nodes
         .iter()
         .flat_map(|node| node.children.iter().flatten())
@@ -118,7 +137,14 @@ fn roots(root: &Root) -> Vec<usize> {
             *slot = true;
         }
     }
-    (0..root.nodes.len()).filter(|&n| !is_child[n]).collect()
+    Ok((0..count).filter(|&n| !is_child[n]).collect())
+}
+
+/// `KHR_node_visibility`: the node and all below it are absent.
+fn is_hidden(node: &Node) -> bool {
+    let others = node.extensions.as_ref().map(|e| &e.others);
+    let visibility = others.and_then(|others| others.get("KHR_node_visibility"));
+    visibility.and_then(|v| v.get("visible")) == Some(&Value::Bool(false))
 }
 
 /// A node's own transform, in f64.

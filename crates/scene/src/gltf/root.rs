@@ -1,17 +1,21 @@
-//! The JSON of a glTF file, parsed and validated: what is refused before anything is read from it.
+//! The JSON of a glTF file, typed and validated: what is refused before anything is read from it.
 
 use crate::Error;
 use crate::source::{Input, short};
+use gltf::json::accessor::Accessor;
 use gltf::json::validation::{Error as Finding, Validate};
 use gltf::json::{Path as JsonPath, Root};
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value, json};
 
 /// Required extensions that hold no obstacle: they are implemented, have no influence on ambient reflection, or name textures in a
 /// format without which a scene can be baked, with a warning.
-const SUPPORTED: [&str; 17] = [
+const SUPPORTED: [&str; 19] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_avif",
     "EXT_texture_webp",
+    "KHR_animation_pointer",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
@@ -21,33 +25,54 @@ const SUPPORTED: [&str; 17] = [
     "KHR_materials_variants",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
+    "KHR_node_visibility",
     "KHR_texture_basisu",
     "KHR_texture_transform",
     "KHR_xmp_json_ld",
     "MSFT_texture_dds",
 ];
 
-/// The parsed and validated JSON.
-pub(super) fn parsed(input: &Input, json: &[u8]) -> Result<Root, Error> {
-    let root = Root::from_slice(json).map_err(|e| {
-        let version = gltf::json::deserialize::from_slice::<gltf::json::Value>(json).ok();
-        let version = version
-            .as_ref()
-            .and_then(|v| v.get("asset")?.get("version")?.as_str().map(short));
-        match version {
-            Some(version) if !version.starts_with('2') => old(input, &version),
-            _ => input.invalid(
-                "JSON",
-                format!(
-                    "{}; export the file again",
-                    e.to_string().replace('\n', " ")
-                ),
-            ),
-        }
+/// The typed and validated document: of each element what a bake reads. Nothing else can have a file refused: animations, cameras,
+/// skins and other scenes may be as they like.
+pub(super) fn parsed(input: &Input, json: &Value) -> Result<Root, Error> {
+    let version = json.pointer("/asset/version").and_then(Value::as_str);
+    let version = version.ok_or_else(|| {
+        let problem = "its `asset` names no version of glTF; export the file again";
+        input.invalid("JSON", problem)
     })?;
-    if !root.asset.version.starts_with("2.") {
-        return Err(old(input, &short(&root.asset.version)));
+    if !version.starts_with("2.") {
+        return Err(old(input, &short(version)));
     }
+    let view = ["buffer", "byteLength", "extensions"];
+    let image = ["bufferView", "mimeType", "name", "uri"];
+    let node = [
+        "children",
+        "extensions",
+        "matrix",
+        "mesh",
+        "name",
+        "rotation",
+        "scale",
+        "translation",
+    ];
+    let mut root = Root {
+        accessors: unread_accessors(list(input, json, "accessors")?.len()),
+        buffer_views: typed(input, json, "bufferViews", |item| picked(item, &view))?,
+        buffers: typed(input, json, "buffers", |item| {
+            picked(item, &["byteLength", "uri"])
+        })?,
+        images: typed(input, json, "images", |item| picked(item, &image))?,
+        materials: typed(input, json, "materials", |item| {
+            without(item, "occlusionTexture")
+        })?,
+        meshes: typed(input, json, "meshes", mesh)?,
+        nodes: typed(input, json, "nodes", |item| picked(item, &node))?,
+        samplers: typed(input, json, "samplers", |item| without(item, "minFilter"))?,
+        textures: typed(input, json, "textures", Value::clone)?,
+        extensions_required: typed(input, json, "extensionsRequired", Value::clone)?,
+        ..Root::default()
+    };
+    root.asset.version = version.into();
     if let Some(name) = root
         .extensions_required
         .iter()
@@ -89,6 +114,78 @@ pub(super) fn parsed(input: &Input, json: &[u8]) -> Result<Root, Error> {
             format!("{first} (and {} more); export the file again", rest.len()),
         )),
     }
+}
+
+/// A list of the document, empty where there is none.
+fn list<'a>(input: &Input, json: &'a Value, key: &str) -> Result<&'a [Value], Error> {
+    match json.get(key) {
+        None => Ok(&[]),
+        Some(Value::Array(items)) => Ok(items),
+        Some(_) => Err(input.invalid("JSON", format!("`{key}` is no list; export the file again"))),
+    }
+}
+
+/// The elements of a list, each typed from what `read` takes of it.
+fn typed<T: DeserializeOwned>(
+    input: &Input,
+    json: &Value,
+    key: &str,
+    read: impl Fn(&Value) -> Value,
+) -> Result<Vec<T>, Error> {
+    let item = |(i, item): (usize, &Value)| {
+        serde_json::from_value(read(item)).map_err(|e| {
+            let problem = format!("{}; export the file again", short(&e.to_string()));
+            input.invalid(format!("{key} {i}"), problem)
+        })
+    };
+    list(input, json, key)?
+        .iter()
+        .enumerate()
+        .map(item)
+        .collect()
+}
+
+/// An object with some of its fields; anything else as it is.
+fn filtered(item: &Value, keep: impl Fn(&str) -> bool) -> Value {
+    let Value::Object(fields) = item else {
+        return item.clone();
+    };
+    let kept = fields.iter().filter(|(key, _)| keep(key));
+    Value::Object(Map::from_iter(kept.map(|(k, v)| (k.clone(), v.clone()))))
+}
+
+fn picked(item: &Value, keys: &[&str]) -> Value {
+    filtered(item, |key| keys.contains(&key))
+}
+
+fn without(item: &Value, unread: &str) -> Value {
+    filtered(item, |key| key != unread)
+}
+
+/// A mesh with the attributes that are read, and of each morph target that it is there.
+fn mesh(item: &Value) -> Value {
+    let mut mesh = picked(item, &["name", "primitives"]);
+    for primitive in mesh["primitives"].as_array_mut().into_iter().flatten() {
+        if let Some(attributes) = primitive.get_mut("attributes") {
+            *attributes = filtered(attributes, is_read);
+        }
+        if let Some(Value::Array(targets)) = primitive.get_mut("targets") {
+            targets.fill(json!({}));
+        }
+    }
+    mesh
+}
+
+fn is_read(attribute: &str) -> bool {
+    let set = attribute.strip_prefix("TEXCOORD_");
+    matches!(attribute, "POSITION" | "NORMAL" | "TANGENT" | "COLOR_0")
+        || set.is_some_and(|set| set.parse::<u32>().is_ok())
+}
+
+/// As many accessors as the document has, so that references to them can be checked. What is in them is judged where one is opened.
+fn unread_accessors(count: usize) -> Vec<Accessor> {
+    let any = json!({ "componentType": 5126, "count": 1, "type": "SCALAR" });
+    serde_json::from_value(any).map_or_else(|_| Vec::new(), |any: Accessor| vec![any; count])
 }
 
 fn old(input: &Input, version: &str) -> Error {

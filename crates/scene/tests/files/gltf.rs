@@ -407,3 +407,96 @@ fn metals_by_omission_are_named_where_they_are_used() {
         assert!(metals(other.clone(), 0).is_empty(), "{other}");
     }
 }
+
+#[test]
+fn what_a_bake_does_not_read_cannot_have_a_file_refused() {
+    let edits: [(&str, fn(&mut Document)); 9] = [
+        ("an animation channel without a node", |d| {
+            d.json["animations"] = json!([{ "samplers": [{ "input": 0, "output": 0 }],
+                "channels": [{ "sampler": 0, "target": { "path": "translation" } }] }]);
+        }),
+        ("KHR_animation_pointer", |d| {
+            let pointer = json!({ "KHR_animation_pointer": { "pointer": "/nodes/0/scale" } });
+            d.json["extensionsRequired"] = json!(["KHR_animation_pointer"]);
+            d.json["animations"] = json!([{ "samplers": [{ "input": 0, "output": 0 }],
+                "channels": [{ "sampler": 0, "target": { "path": "pointer", "extensions": pointer } }] }]);
+        }),
+        ("a second scene without nodes", |d| {
+            d.json["scenes"] = json!([{ "nodes": [0] }, { "name": "Scene.001" }]);
+        }),
+        ("a camera of no known kind", |d| {
+            d.json["cameras"] = json!([{ "type": "fisheye" }]);
+            d.json["nodes"][0]["camera"] = json!(7);
+        }),
+        ("an attribute with a name of its own", |d| {
+            d.primitive()["attributes"]["WEIGHT"] = json!(0);
+        }),
+        ("a morph target of coordinates", |d| {
+            d.primitive()["targets"] = json!([{ "TEXCOORD_0": 0 }]);
+        }),
+        (
+            "an accessor of no known type that only an animation reads",
+            |d| {
+                push(
+                    &mut d.json["accessors"],
+                    json!({ "componentType": 5130, "type": "VEC9" }),
+                );
+            },
+        ),
+        ("an occlusion texture that is nowhere", |d| {
+            d.json["materials"] = json!([{ "occlusionTexture": { "index": 5 } }]);
+        }),
+        ("a last row that is off by rounding", |d| {
+            let matrix = [
+                1., 0., 0., 1e-7, 0., 1., 0., 0., 0., 0., 1., -3e-8, 0., 0., 0., 0.9999999,
+            ];
+            d.json["nodes"][0]["matrix"] = json!(matrix);
+        }),
+    ];
+    for (what, edit) in edits {
+        let mut document = Document::triangle();
+        edit(&mut document);
+        let scene = document.load().unwrap_or_else(|e| panic!("{what}: {e}"));
+        assert_eq!(scene.meshes[0].triangles, [[0, 1, 2]], "{what}");
+        assert_eq!(
+            scene.instances[0].transform,
+            glam::DAffine3::IDENTITY,
+            "{what}"
+        );
+    }
+}
+
+#[test]
+fn a_default_scene_without_nodes_is_empty_and_a_scene_that_is_not_there_is_refused() {
+    for (scenes, scene, says) in [
+        (json!([{ "nodes": [0] }, {}]), 1, "no triangle"),
+        (json!([{ "nodes": [0] }]), 3, "scene 3 does not exist"),
+        (json!([{ "nodes": [4] }]), 0, "names the node 4 of 1"),
+    ] {
+        let mut document = Document::triangle();
+        document.json["scenes"] = scenes;
+        document.json["scene"] = json!(scene);
+        let error = document.load().unwrap_err().to_string();
+        assert!(error.contains(says), "{error}");
+    }
+}
+
+#[test]
+fn hidden_nodes_and_all_below_them_are_absent() {
+    let visible = |visible: bool| json!({ "KHR_node_visibility": { "visible": visible } });
+    let mut document = Document::triangle();
+    document.json["extensionsRequired"] = json!(["KHR_node_visibility"]);
+    document.json["nodes"] = json!([
+        { "mesh": 0, "extensions": visible(true), "children": [1, 4] },
+        { "mesh": 0, "extensions": visible(false), "children": [2] },
+        { "mesh": 0, "extensions": visible(true), "children": [3] },
+        { "mesh": 0 },
+        { "mesh": 0, "extensions": { "KHR_node_visibility": {} } },
+    ]);
+    let scene = document.load().unwrap();
+    let nodes: Vec<u32> = scene.instances.iter().map(|i| i.node).collect();
+    assert_eq!(nodes, [0, 4]);
+    document.json["nodes"][0]["extensions"] = visible(false);
+    let error = document.load().unwrap_err().to_string();
+    assert!(error.contains("hidden"), "{error}");
+}
