@@ -93,5 +93,6 @@ where
 /// The text of a regular file; errors name it.
 pub fn text_file(path: &Path) -> anyhow::Result<String> {
     let text = report::check_regular(path).and_then(|()| std::fs::read_to_string(path));
-    text.with_context(|| format!("cannot read {}", path.display()))
+    let text = text.with_context(|| format!("cannot read {}", path.display()))?;
+    Ok(text.trim_start_matches('\u{feff}').to_owned())
 }

@@ -115,6 +115,30 @@ impl Input {
         }
     }
 
+    /// The file that a name inside another file stands for. One that is not there is looked for with letters in the other case, and from
+    /// each of its folders on as if that lay beside the file: names are written on other systems and machines. Finding it so is noted.
+    pub fn located(&mut self, file: &Path, name: &str) -> PathBuf {
+        let plain = beside(file, name);
+        if plain.exists() {
+            return plain;
+        }
+        let name = name.replace('\\', "/");
+        let slashed = beside(file, &name);
+        if slashed.exists() {
+            return slashed;
+        }
+        let parts: Vec<&str> = name.split('/').collect();
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let found = (0..parts.len()).find_map(|from| in_any_case(folder, &parts[from..]));
+        let Some(found) = found else {
+            return slashed;
+        };
+        let place = format!("`{}`, found as {}", short(&name), found.display());
+        let message = "a file is not where its name says; one of the same name, but for its folders or the case of letters, is read";
+        self.warn(WarningKind::FilesFoundElsewhere, place, 1, message);
+        found
+    }
+
     /// Refuses a file outside of the folders of the main file: the one it was named in and the one it really lies in.
     fn check_place(&self, path: &Path) -> Result<(), Error> {
         // What is absent is somebody else's complaint.
@@ -154,6 +178,28 @@ fn bytes_of(mut file: impl Read, path: &Path) -> Result<Vec<u8>, Error> {
 /// The file that a relative name inside another file stands for.
 pub(crate) fn beside(file: &Path, name: &str) -> PathBuf {
     file.parent().unwrap_or(Path::new("")).join(name)
+}
+
+/// The file at a path below a folder, whatever the case of letters; the first by name where several fit.
+fn in_any_case(folder: &Path, parts: &[&str]) -> Option<PathBuf> {
+    let mut path = folder.to_owned();
+    for part in parts.iter().filter(|part| !matches!(**part, "" | ".")) {
+        let lower = part.to_lowercase();
+        let listed = if path == Path::new("") {
+            Path::new(".")
+        } else {
+            &path
+        };
+        let names = std::fs::read_dir(listed)
+            .ok()?
+            .filter_map(|entry| Some(entry.ok()?.file_name()));
+        let fits = names.filter(|name| {
+            name.to_str()
+                .is_some_and(|name| name.to_lowercase() == lower)
+        });
+        path = path.join(fits.min()?);
+    }
+    path.is_file().then_some(path)
 }
 
 /// An open regular file. A directory opens too on some systems and a pipe blocks for ever, so both are refused first.
@@ -245,6 +291,11 @@ pub(crate) fn uri(text: &str) -> Result<Uri, String> {
         return Err("empty or broken file name; export the file again".into());
     }
     Ok(Uri::File(name.into_owned()))
+}
+
+/// A text after its byte order mark, where it has one.
+pub(crate) fn without_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
 
 /// The start of a text without control characters, for a message on one line.

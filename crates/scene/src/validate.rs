@@ -65,6 +65,7 @@ pub(crate) fn scene(mut input: Input, format: Format, mut parts: Parts) -> Resul
             hint,
         });
     }
+    invisible_materials(&mut input, &parts);
     textures_without_uvs(&mut input, &mut parts);
     let Parts {
         mut meshes,
@@ -309,6 +310,26 @@ fn box_of(positions: &[Vec3]) -> (DVec3, DVec3) {
         .iter()
         .fold(start, |(low, high), &p| (low.min(p), high.max(p)));
     (low.as_dvec3(), high.as_dvec3())
+}
+
+/// Notes materials in use that let all light through: some writers of OBJ mean the opposite by `Tr 1`.
+fn invisible_materials(input: &mut Input, parts: &Parts) {
+    let mut used = vec![false; parts.materials.len()];
+    for instance in &parts.instances {
+        used[parts.meshes[instance.mesh as usize].material as usize] = true;
+    }
+    for (material, _) in parts.materials.iter().zip(used).filter(|(_, used)| *used) {
+        let invisible = matches!(material.alpha, Alpha::Blend { factor, .. } if factor == 0.0);
+        let message = "it lets all light through (an alpha of 0, `Tr 1` or `d 0`), so that nothing of it blocks light; where it is meant to \
+                       be opaque, give it an alpha of 1 (`d 1`)";
+        let place = format!("material `{}`", short(&material.name));
+        input.warn(
+            WarningKind::InvisibleMaterials,
+            place,
+            invisible.into(),
+            message,
+        );
+    }
 }
 
 /// Gives each mesh a material whose textures read only UV sets that the mesh has.

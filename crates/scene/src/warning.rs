@@ -39,6 +39,8 @@ pub enum WarningKind {
     ReflectanceScaled,
     /// A mesh without a triangle is left out, with its instances.
     EmptyMeshes,
+    /// A file that the scene names is not there; one of the same name, but for its folders or the case of letters, is read.
+    FilesFoundElsewhere,
     /// A glTF material extension that is not modelled.
     IgnoredExtensions,
     /// OBJ: lines, points and faces of fewer than three corners are left out.
@@ -48,10 +50,12 @@ pub enum WarningKind {
     /// A normal or bump map (glTF `normalTexture`; MTL `map_Bump`, `bump`, `norm`), for a bake that does not ask for them:
     /// normals are the mesh's.
     IgnoredNormalMaps,
-    /// OBJ: corners name a `vn`, but none stands before them.
+    /// OBJ: corners name `vn` 0, or a `vn` where none stands before them.
     IgnoredNormalReferences,
-    /// OBJ: corners name a `vt`, but none stands before them.
+    /// OBJ: corners name `vt` 0, or a `vt` where none stands before them.
     IgnoredUvReferences,
+    /// A material in use that lets all light through (MTL `Tr 1` or `d 0`; glTF BLEND with an alpha of 0): what has it blocks nothing.
+    InvisibleMaterials,
     /// glTF: indices that make no whole triangle are left out.
     LeftoverIndices,
     /// OBJ: a material library that is absent.
@@ -95,12 +99,14 @@ impl WarningKind {
             WarningKind::ClampedFactors => "clamped-factors",
             WarningKind::ReflectanceScaled => "reflectance-scaled",
             WarningKind::EmptyMeshes => "empty-meshes",
+            WarningKind::FilesFoundElsewhere => "files-found-elsewhere",
             WarningKind::IgnoredExtensions => "ignored-extensions",
             WarningKind::IgnoredLinesAndPoints => "ignored-lines-and-points",
             WarningKind::IgnoredMtlLines => "ignored-mtl-lines",
             WarningKind::IgnoredNormalMaps => "ignored-normal-maps",
             WarningKind::IgnoredNormalReferences => "ignored-normal-references",
             WarningKind::IgnoredUvReferences => "ignored-uv-references",
+            WarningKind::InvisibleMaterials => "invisible-materials",
             WarningKind::LeftoverIndices => "leftover-indices",
             WarningKind::MissingMaterialLibraries => "missing-material-libraries",
             WarningKind::MissingTextures => "missing-textures",

@@ -7,7 +7,8 @@ use crate::image_file::{ImageFile, Labels, check_size};
 /// The picture in the bytes of a `.hdr` file. EXPOSURE and COLORCORR are divided out; XYZE becomes RGB with Radiance's
 /// primaries, and what lies outside them is cut off at 0.
 pub(crate) fn decode(bytes: &[u8]) -> Result<ImageFile, Reason> {
-    let mut rest = bytes;
+    // Editors put a byte order mark before the text that the file begins with.
+    let mut rest = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let header = Header::read(&mut rest)?;
     let (axes, lines, length) = resolution(&line(&mut rest)?)?;
     let (width, height) = if axes.columns {

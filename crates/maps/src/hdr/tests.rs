@@ -261,3 +261,20 @@ fn real_files_survive_a_round_trip() {
         assert_eq!(image, back);
     }
 }
+
+#[test]
+fn a_byte_order_mark_before_the_text_is_read_past() {
+    let plain = file(
+        "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n",
+        &[128, 64, 32, 129],
+    );
+    let marked = [&b"\xef\xbb\xbf"[..], &plain].concat();
+    // 2^(129 - 136) = 1/128.
+    let expected = [1.0f32, 0.5, 0.25];
+    let read = |bytes: &[u8]| decode(bytes).unwrap().image.pixels;
+    assert_eq!(read(&marked), read(&plain));
+    for (c, exact) in read(&marked)[0].into_iter().zip(expected) {
+        // Readers add half a step of 1/128 or none.
+        assert!((c - exact).abs() <= 1.0 / 128.0, "{c} {exact}");
+    }
+}

@@ -2,7 +2,7 @@
 //! nothing, whatever has become of the file meanwhile.
 
 use crate::Error;
-use crate::source::{Input, Uri, beside, uri};
+use crate::source::{Input, Uri, uri};
 use gltf::json::Root;
 use serde_json::Value;
 use std::collections::{BTreeMap, HashSet};
@@ -49,7 +49,7 @@ impl GltfDocument {
                     match uri(text).map_err(|problem| input.invalid(place.as_str(), problem))? {
                         Uri::Data(bytes) => bytes,
                         Uri::File(name) => {
-                            let path = beside(&input.path, &name);
+                            let path = input.located(&input.path.clone(), &name);
                             input.read(&path, buffer.byte_length.0)?
                         }
                     }
@@ -104,7 +104,7 @@ impl GltfDocument {
             let bytes = match (read.remove(&i), content) {
                 (Some(bytes), _) | (None, Some(Ok(Uri::Data(bytes)))) => bytes,
                 (None, Some(Ok(Uri::File(name)))) if used.contains(&i) => {
-                    let path = beside(&input.path, &name);
+                    let path = input.located(&input.path.clone(), &name);
                     match input.read_unhashed(&path, 0) {
                         Ok(bytes) => {
                             input.files.push(path);

@@ -4,7 +4,7 @@ use super::accessor::Data;
 use super::phong::{Phong, phong};
 use crate::image::{Failure, Pixels, TOO_LARGE, content, decode};
 use crate::material::conserving;
-use crate::source::{Input, Uri, beside, short, uri};
+use crate::source::{Input, Uri, short, uri};
 use crate::validate::{Parts, clamped};
 use crate::{
     Alpha, Error, Image, Material, NormalMap, PackedImage, Surface, TextureRef, WarningKind, Wrap,
@@ -459,7 +459,7 @@ fn encoded<'a>(
     match uri(text).map_err(|problem| input.invalid(place.as_str(), problem))? {
         Uri::Data(bytes) => Ok(Some((name, Cow::Owned(bytes)))),
         Uri::File(file) => {
-            let path = beside(&input.path, &file);
+            let path = input.located(&input.path.clone(), &file);
             if !path.is_file() {
                 let message = format!(
                     "texture {} is absent; the factor stands alone",

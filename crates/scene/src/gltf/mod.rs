@@ -24,7 +24,7 @@ pub use document::{EncodedImage, GltfDocument};
 pub use elements::Elements;
 
 use crate::material::untinted;
-use crate::source::Input;
+use crate::source::{Input, without_mark};
 use crate::validate::Parts;
 use crate::{Error, Format};
 use accessor::Data;
@@ -44,8 +44,7 @@ pub(crate) fn load(input: &mut Input, format: Format) -> Result<Parts, Error> {
             bin: None,
         },
     };
-    let text = &bytes[json];
-    let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
+    let text = without_mark(&bytes[json]);
     let json = serde_json::from_slice(text)
         .map_err(|e| input.invalid("JSON", format!("{e}; export the file again")))?;
     // The typed model drops what a bake does not read, so the document keeps plain values beside it.

@@ -1,15 +1,15 @@
 //! Reads the lines of an OBJ file.
 
 use super::corners::NONE;
-use super::{File, polygon};
-use crate::source::{Input, open, short};
+use super::{File, name, number, polygon};
+use crate::source::{Input, open, short, without_mark};
 use crate::{Error, WarningKind};
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader};
 
 /// A line beyond this is no OBJ: it would be a polygon of some million corners.
-const LONGEST_LINE: u64 = 64 << 20;
+const LONGEST_LINE: usize = 64 << 20;
 
 /// Where the reader stands: names in force, the part they select, and counts of what was ignored.
 struct State {
@@ -39,8 +39,13 @@ pub(super) fn read(input: &mut Input) -> Result<File, Error> {
     let mut line = Vec::new();
     let mut number = 0u64;
     while next_line(input, &mut reader, &mut line, &mut number)? {
+        let line = if number == 1 {
+            without_mark(&line)
+        } else {
+            &line
+        };
         state
-            .line(&line)
+            .line(line)
             .map_err(|problem| input.invalid(format!("line {number}"), problem))?;
     }
     let name = "the file";
@@ -54,13 +59,13 @@ pub(super) fn read(input: &mut Input) -> Result<File, Error> {
         WarningKind::IgnoredUvReferences,
         name,
         state.ignored_uvs,
-        "corners name a vt, but no vt stands before them",
+        "corners name vt 0, or a vt where none stands before them",
     );
     input.warn(
         WarningKind::IgnoredNormalReferences,
         name,
         state.ignored_normals,
-        "corners name a vn, but none stands before them",
+        "corners name vn 0, or a vn where none stands before them",
     );
     Ok(state.file)
 }
@@ -75,18 +80,15 @@ fn next_line(
     line.clear();
     loop {
         let start = line.len();
-        let room = LONGEST_LINE.saturating_sub(start as u64);
-        let read = reader.by_ref().take(room).read_until(b'\n', line);
-        read.map_err(|cause| Error::Read {
+        let read = add_line(reader, &mut input.hasher, line).map_err(|cause| Error::Read {
             path: input.path.clone(),
             cause,
         })?;
-        if line.len() == start && room > 0 {
+        if !read {
             return Ok(start > 0);
         }
-        input.hasher.update(&line[start..]);
         *number += 1;
-        if line.len() as u64 >= LONGEST_LINE {
+        if line.len() >= LONGEST_LINE {
             let problem =
                 format!("more than {LONGEST_LINE} bytes in one line; this is not an OBJ file");
             return Err(input.invalid(format!("line {number}"), problem));
@@ -98,6 +100,37 @@ fn next_line(
         line.truncate(text - 1);
         line.push(b' ');
     }
+}
+
+/// Adds what stands before the next end of a line (LF, CR or both), or [`LONGEST_LINE`] bytes of it; false at the end of the file.
+fn add_line(
+    reader: &mut impl BufRead,
+    hasher: &mut blake3::Hasher,
+    line: &mut Vec<u8>,
+) -> std::io::Result<bool> {
+    let mut any = false;
+    while line.len() < LONGEST_LINE {
+        let bytes = reader.fill_buf()?;
+        if bytes.is_empty() {
+            return Ok(any);
+        }
+        any = true;
+        let end = bytes.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+        let content = end.unwrap_or(bytes.len());
+        let returned = bytes.get(content) == Some(&b'\r');
+        line.extend_from_slice(&bytes[..content]);
+        let taken = content + usize::from(end.is_some());
+        hasher.update(&bytes[..taken]);
+        reader.consume(taken);
+        if returned && reader.fill_buf()?.first() == Some(&b'\n') {
+            hasher.update(b"\n");
+            reader.consume(1);
+        }
+        if end.is_some() {
+            break;
+        }
+    }
+    Ok(true)
 }
 
 impl State {
@@ -143,24 +176,27 @@ impl State {
             b"f" | b"fo" => self.face(rest)?,
             b"l" | b"p" => self.ignored_elements += 1,
             b"o" => {
-                self.object = text(rest);
+                self.object = name(rest);
                 self.group.clear();
                 self.part = None;
             }
             b"g" => {
-                self.group = text(rest);
+                self.group = name(rest);
                 self.part = None;
             }
             b"usemtl" => {
                 let next = self.file.materials.len() as u32;
-                let name = text(rest);
+                let name = name(rest);
                 self.material = *self.material_numbers.entry(name.clone()).or_insert(next);
                 if self.material == next {
                     self.file.materials.push(name);
                 }
                 self.part = None;
             }
-            b"mtllib" => self.file.libraries.push(text(rest)),
+            b"mtllib" => {
+                let line = String::from_utf8_lossy(rest.trim_ascii());
+                self.file.libraries.push(line.into_owned());
+            }
             _ if line.contains(&0) => {
                 return Err("binary data; this is not an OBJ file, export it again".into());
             }
@@ -197,8 +233,8 @@ impl State {
                     }
                     (0, true) => return Err(format!("corner `{}` names no vertex", text(word))),
                     (_, true) => {}
-                    (1, _) if counts[1] == 0 => self.ignored_uvs += 1,
-                    (2, _) if counts[2] == 0 => self.ignored_normals += 1,
+                    (1, _) if counts[1] == 0 || is_zero(field) => self.ignored_uvs += 1,
+                    (2, _) if counts[2] == 0 || is_zero(field) => self.ignored_normals += 1,
                     _ => corner[i] = index(field, counts[i], ["v", "vt", "vn"][i])?,
                 }
             }
@@ -263,10 +299,7 @@ fn numbers<const N: usize>(rest: &[u8], needed: usize) -> Result<[f32; N], Strin
         .filter(|word| !word.is_empty());
     for (i, slot) in out.iter_mut().enumerate() {
         match words.next() {
-            Some(word) => match std::str::from_utf8(word)
-                .ok()
-                .and_then(|word| word.parse().ok())
-            {
+            Some(word) => match std::str::from_utf8(word).ok().and_then(number) {
                 Some(number) => *slot = number,
                 None if i >= needed => break,
                 None => return Err(format!("`{}` is not a number", text(word))),
@@ -276,6 +309,11 @@ fn numbers<const N: usize>(rest: &[u8], needed: usize) -> Result<[f32; N], Strin
         }
     }
     Ok(out)
+}
+
+/// Whether a field is the index 0, by which some writers say that there is none.
+fn is_zero(field: &[u8]) -> bool {
+    field.iter().all(|&digit| digit == b'0')
 }
 
 /// An OBJ index, from 1 or backward from -1, as an index from 0.
@@ -297,12 +335,7 @@ fn index(field: &[u8], count: usize, what: &str) -> Result<u32, String> {
     Ok(index as u32)
 }
 
-/// Words of a line as text, for names and messages; OBJ files come in every encoding.
+/// Words of a line as text, for messages.
 fn text(bytes: &[u8]) -> String {
-    let text = String::from_utf8_lossy(bytes.trim_ascii());
-    if text.len() > 200 {
-        short(&text)
-    } else {
-        text.into_owned()
-    }
+    short(&String::from_utf8_lossy(bytes.trim_ascii()))
 }

@@ -1,8 +1,8 @@
 //! Wavefront OBJ: one [`Mesh`] and one identity [`Instance`] for each (object or group, material) of the file.
 //!
 //! The file is read as a stream by a reader of our own, for reasons measured in `vendor-notes/obj.md`: a line costs no
-//! allocation, a face is turned into corners at once, and memory stays near twice the raw data. `tobj` reads the
-//! material libraries and is the referee of the tests.
+//! allocation, a face is turned into corners at once, and memory stays near twice the raw data. `tobj` is the referee of
+//! the tests.
 //!
 //! What is junk rather than corruption is counted: see [`WarningKind`].
 
@@ -13,7 +13,7 @@ mod options;
 mod polygon;
 
 use crate::material::untinted;
-use crate::source::Input;
+use crate::source::{Input, short};
 use crate::validate::{self, Parts};
 use crate::{Error, Instance, Mesh, MeshOrigin, WarningKind};
 use corners::{Corners, NONE};
@@ -72,6 +72,30 @@ pub(crate) fn load(input: &mut Input) -> Result<Parts, Error> {
         parts.materials.push(untinted("none"));
     }
     Ok(parts)
+}
+
+/// A number, also as C libraries print what is none: `-nan(ind)`, `-1.#IND`, `1.#INF`.
+fn number(word: &str) -> Option<f32> {
+    let none = || {
+        let bare = word.trim_start_matches(['-', '+']).to_ascii_lowercase();
+        (bare.starts_with("nan") || bare.starts_with("1.#")).then_some(f32::NAN)
+    };
+    word.parse().ok().or_else(none)
+}
+
+/// The longest name that is kept whole.
+const LONGEST_NAME: usize = 200;
+
+/// A name of an object, a group or a material; OBJ files come in every encoding. Of a very long one the start and a hash are kept, so that
+/// it stays a name of its own and memory is bounded.
+fn name(bytes: &[u8]) -> String {
+    let text = String::from_utf8_lossy(bytes.trim_ascii());
+    if text.len() > LONGEST_NAME {
+        let hash = blake3::hash(text.as_bytes()).to_hex();
+        format!("{}{}", short(&text), &hash[..16])
+    } else {
+        text.into_owned()
+    }
 }
 
 fn add(input: &mut Input, parts: &mut Parts, mut mesh: Mesh) -> Result<(), Error> {

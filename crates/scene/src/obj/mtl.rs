@@ -7,9 +7,10 @@
 //! `illum` is not used either: which model is shown is chosen by layer.
 
 use super::options::Options;
+use super::{name, number};
 use crate::image::{Content, Failure, TOO_LARGE, content, decode};
 use crate::material::{MAX_EXPONENT, conserving};
-use crate::source::{Input, beside, short};
+use crate::source::{Input, beside, short, without_mark};
 use crate::validate::{Parts, clamped};
 use crate::{
     Alpha, Error, Image, Material, NormalMap, PackedImage, Surface, TextureRef, WarningKind, Wrap,
@@ -44,7 +45,11 @@ pub(super) fn load(
     let mut images = Known::default();
     let mut seen = Vec::new();
     let main = input.path.clone();
-    for path in names.iter().flat_map(|name| libraries(&main, name)) {
+    let mut paths = Vec::new();
+    for name in names {
+        paths.extend(libraries(input, &main, name));
+    }
+    for path in paths {
         if seen.contains(&path) {
             continue;
         }
@@ -60,7 +65,7 @@ pub(super) fn load(
             continue;
         }
         let bytes = input.read(&path, 0)?;
-        for raw in parsed(input, &path, &bytes)? {
+        for raw in parsed(input, &path, &bytes) {
             if known.contains_key(&raw.name) {
                 continue;
             }
@@ -73,73 +78,79 @@ pub(super) fn load(
 }
 
 /// The files of a `mtllib` line: one name with spaces, or several names.
-fn libraries(main: &Path, line: &str) -> Vec<PathBuf> {
-    let whole = located(main, line);
-    if whole.is_file() || line.split_whitespace().count() < 2 {
-        return vec![whole];
+fn libraries(input: &mut Input, main: &Path, line: &str) -> Vec<PathBuf> {
+    let names = line.split_whitespace();
+    if names.clone().count() < 2 || beside(main, line).is_file() {
+        return vec![input.located(main, line)];
     }
-    line.split_whitespace()
-        .map(|name| located(main, name))
-        .collect()
+    names.map(|name| input.located(main, name)).collect()
 }
 
-/// A named file beside another one; backslashes are tried as slashes.
-fn located(file: &Path, name: &str) -> PathBuf {
-    let plain = beside(file, name);
-    if name.contains('\\') && !plain.exists() {
-        beside(file, &name.replace('\\', "/"))
-    } else {
-        plain
-    }
+/// What a library says of a material. The last statement of a kind counts.
+#[derive(Default)]
+struct Statements {
+    name: String,
+    kd: Option<[f32; 3]>,
+    ks: Option<[f32; 3]>,
+    ke: Option<[f32; 3]>,
+    ns: Option<f32>,
+    d: Option<f32>,
+    tr: Option<f32>,
+    map_kd: Option<String>,
+    map_ks: Option<String>,
+    map_d: Option<String>,
+    bump: Option<String>,
+    norm: Option<String>,
 }
 
-/// The materials of a library. `tobj` panics on `Kd 0.5` and gives up at the first line that it does not like, so it
-/// is handed only lines that it reads well; the others are counted.
-fn parsed(input: &mut Input, path: &Path, bytes: &[u8]) -> Result<Vec<tobj::Material>, Error> {
-    let source = String::from_utf8_lossy(bytes);
-    let mut clean = String::new();
+/// The materials of a library. Lines without the number or the name that they need, or before the first material, are counted.
+fn parsed(input: &mut Input, path: &Path, bytes: &[u8]) -> Vec<Statements> {
+    let source = String::from_utf8_lossy(without_mark(bytes));
+    let mut materials: Vec<Statements> = Vec::new();
     let mut ignored = 0;
-    for line in source.trim_start_matches('\u{feff}').lines() {
-        let (keyword, rest) = line
-            .trim()
-            .split_once(char::is_whitespace)
-            .unwrap_or((line.trim(), ""));
-        let numbers: Vec<&str> = rest
-            .split_whitespace()
-            .take_while(|word| word.parse::<f32>().is_ok())
-            .collect();
+    for line in source.split(['\n', '\r']).map(str::trim) {
+        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         let rest = rest.trim();
-        let line = match (keyword.to_ascii_lowercase().as_str(), numbers.as_slice()) {
-            ("kd", [r, g, b, ..]) => format!("Kd {r} {g} {b}"),
-            ("kd", [grey]) => format!("Kd {grey} {grey} {grey}"),
-            ("ks", [r, g, b, ..]) => format!("Ks {r} {g} {b}"),
-            ("ks", [grey]) => format!("Ks {grey} {grey} {grey}"),
-            ("ke", [r, g, b, ..]) => format!("Ke {r} {g} {b}"),
-            ("ke", [grey]) => format!("Ke {grey} {grey} {grey}"),
-            ("ns", [n, ..]) => format!("Ns {n}"),
-            ("d", [d, ..]) => format!("d {d}"),
-            ("d", []) if rest.starts_with("-halo") => {
-                format!("d {}", rest[5..].trim().parse::<f32>().unwrap_or(1.0))
-            }
-            ("tr", [t, ..]) => format!("Tr {t}"),
-            ("newmtl", _) if !rest.is_empty() => format!("newmtl {rest}"),
-            ("map_kd", _) if !rest.is_empty() => format!("map_Kd {rest}"),
-            ("map_ks", _) if !rest.is_empty() => format!("map_Ks {rest}"),
-            ("map_d", _) if !rest.is_empty() => format!("map_d {rest}"),
-            ("map_bump" | "bump", _) if !rest.is_empty() => format!("bump {rest}"),
-            ("norm", _) if !rest.is_empty() => format!("norm {rest}"),
-            (
-                "kd" | "ks" | "ke" | "ns" | "d" | "tr" | "newmtl" | "map_kd" | "map_ks" | "map_d"
-                | "map_bump" | "bump" | "norm",
-                _,
-            ) => {
-                ignored += 1;
-                continue;
-            }
-            _ => continue,
+        let numbers: Vec<f32> = rest.split_whitespace().map_while(number).collect();
+        let color = match *numbers {
+            [r, g, b, ..] => Some([r, g, b]),
+            [grey] => Some([grey; 3]),
+            _ => None,
         };
-        clean.push_str(&line);
-        clean.push('\n');
+        let value = numbers.first().copied();
+        let words = (!rest.is_empty()).then(|| rest.to_owned());
+        let keyword = keyword.to_ascii_lowercase();
+        if keyword == "newmtl" && words.is_some() {
+            materials.push(Statements {
+                name: name(rest.as_bytes()),
+                ..Statements::default()
+            });
+            continue;
+        }
+        let mut none = Statements::default();
+        let material = materials.last_mut().unwrap_or(&mut none);
+        let is_set = match keyword.as_str() {
+            "kd" => set(&mut material.kd, color),
+            "ks" => set(&mut material.ks, color),
+            "ke" => set(&mut material.ke, color),
+            "ns" => set(&mut material.ns, value),
+            "d" => {
+                let halo = rest.strip_prefix("-halo");
+                set(
+                    &mut material.d,
+                    halo.map_or(value, |rest| number(rest.trim())),
+                )
+            }
+            "tr" => set(&mut material.tr, value),
+            "map_kd" => set(&mut material.map_kd, words),
+            "map_ks" => set(&mut material.map_ks, words),
+            "map_d" => set(&mut material.map_d, words),
+            "map_bump" | "bump" => set(&mut material.bump, words),
+            "norm" => set(&mut material.norm, words),
+            "newmtl" => false,
+            _ => true,
+        };
+        ignored += u64::from(!is_set);
     }
     input.warn(
         WarningKind::IgnoredMtlLines,
@@ -147,18 +158,20 @@ fn parsed(input: &mut Input, path: &Path, bytes: &[u8]) -> Result<Vec<tobj::Mate
         ignored,
         "lines without the number or name they need",
     );
-    let (materials, _) = tobj::load_mtl_buf(&mut clean.as_bytes()).map_err(|e| Error::Invalid {
-        path: path.into(),
-        place: "material library".into(),
-        problem: format!("{e}; export it again"),
-    })?;
-    Ok(materials)
+    materials
+}
+
+/// Sets what a line says; false where it says nothing.
+fn set<T>(slot: &mut Option<T>, value: Option<T>) -> bool {
+    let said = value.is_some();
+    *slot = value.or(slot.take());
+    said
 }
 
 fn material(
     input: &mut Input,
     library: &Path,
-    raw: &tobj::Material,
+    raw: &Statements,
     parts: &mut Parts,
     images: &mut Known,
 ) -> Result<Material, Error> {
@@ -168,25 +181,20 @@ fn material(
         Some(c) => Vec3::from_array(c.map(|v| clamped(v, 0.0, 1.0, or, &mut changed))),
         None => Vec3::splat(or),
     };
-    let albedo = color(raw.diffuse, 1.0);
-    let specular = color(raw.specular, 0.0);
+    let albedo = color(raw.kd, 1.0);
+    let specular = color(raw.ks, 0.0);
     let exponent = clamped(
-        raw.shininess.unwrap_or(0.0),
+        raw.ns.unwrap_or(0.0),
         0.0,
         MAX_EXPONENT as f32,
         0.0,
         &mut changed,
     ) as f64;
-    let emission = raw.emissive.map_or(Vec3::ZERO, |radiance| {
+    let emission = raw.ke.map_or(Vec3::ZERO, |radiance| {
         Vec3::from_array(radiance.map(|v| clamped(v, 0.0, f32::MAX, 0.0, &mut changed)))
     });
-    let see_through = raw
-        .unknown_param
-        .get("Tr")
-        .and_then(|t| t.parse::<f32>().ok())
-        .map(|t| 1.0 - t);
     let opacity = clamped(
-        raw.dissolve.or(see_through).unwrap_or(1.0),
+        raw.d.or(raw.tr.map(|t| 1.0 - t)).unwrap_or(1.0),
         0.0,
         1.0,
         1.0,
@@ -199,15 +207,14 @@ fn material(
         "factors out of range are clamped",
     );
     let [albedo, specular] = conserving(input, &place, [albedo, specular]);
-    let normal_maps =
-        raw.normal_texture.is_some() as u64 + raw.unknown_param.contains_key("norm") as u64;
+    let normal_maps = raw.bump.is_some() as u64 + raw.norm.is_some() as u64;
     input.warn(
         WarningKind::IgnoredNormalMaps,
         place.as_str(),
         normal_maps,
         "bump and normal maps are left out, the mesh's normals stand alone; --normal-maps takes one in",
     );
-    let specular_map = raw.specular_texture.is_some() as u64;
+    let specular_map = raw.map_ks.is_some() as u64;
     input.warn(
         WarningKind::UnreadTextures,
         place.as_str(),
@@ -219,8 +226,8 @@ fn material(
         Some(name) => texture(input, library, &place, name, role, parts, images),
         None => Ok(None),
     };
-    let albedo_map = map(&raw.diffuse_texture, Role::Color)?;
-    let alpha_map = map(&raw.dissolve_texture, Role::Alpha)?;
+    let albedo_map = map(&raw.map_kd, Role::Color)?;
+    let alpha_map = map(&raw.map_d, Role::Alpha)?;
     let alpha = match (opacity < 1.0, alpha_map) {
         (true, map) => Alpha::Blend {
             factor: opacity,
@@ -256,15 +263,15 @@ fn normal_map(
     input: &mut Input,
     library: &Path,
     place: &str,
-    raw: &tobj::Material,
+    raw: &Statements,
     parts: &mut Parts,
 ) -> Result<Option<NormalMap>, Error> {
-    let norm = raw.unknown_param.get("norm");
-    let Some(statement) = norm.or(raw.normal_texture.as_ref()) else {
+    let norm = raw.norm.as_ref();
+    let Some(statement) = norm.or(raw.bump.as_ref()) else {
         return Ok(None);
     };
     let options = Options::of(statement);
-    let path = located(library, options.file);
+    let path = input.located(library, options.file);
     let name = path.display().to_string();
     if !path.is_file() {
         let message = format!("texture {name} is absent; the mesh's normals stand alone");
@@ -323,7 +330,7 @@ fn texture(
     images: &mut Known,
 ) -> Result<Option<TextureRef>, Error> {
     let options = Options::of(statement);
-    let path = located(library, options.file);
+    let path = input.located(library, options.file);
     let image = match images.by_file.get(&(path.clone(), role)) {
         Some(&known) => known,
         None => {

@@ -242,3 +242,164 @@ fn the_hash_covers_every_file_read() {
 fn blake3_of(text: &str) -> String {
     blake3::hash(text.as_bytes()).to_hex().to_string()
 }
+
+const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+#[test]
+fn lines_that_end_in_any_way_are_the_same_lines_and_have_the_same_numbers() {
+    let text = format!("{TRIANGLE}vt 0.5 0.25\n\nf 1/1 2/1 \\\n3/1\n");
+    let plain = load(&text);
+    for end in ["\r\n", "\r"] {
+        let odd = load(&text.replace('\n', end));
+        assert_eq!(
+            odd.meshes[0].positions, plain.meshes[0].positions,
+            "{end:?}"
+        );
+        assert_eq!(odd.meshes[0].uv_sets, plain.meshes[0].uv_sets, "{end:?}");
+        let bad = format!("{TRIANGLE}f 1 2 4\n").replace('\n', end);
+        let error = Folder::new().load("a.obj", bad).unwrap_err().to_string();
+        assert!(error.contains("line 4"), "{error}");
+    }
+    let folder = Folder::new();
+    folder.write("a.mtl", "newmtl m\rKd 0.5 0.25 1\r");
+    let scene = folder.load(
+        "a.obj",
+        format!("mtllib a.mtl\rusemtl m\r{TRIANGLE}f 1 2 3\r"),
+    );
+    let Surface::Phong { albedo, .. } = scene.unwrap().materials[0].surface else {
+        panic!()
+    };
+    assert_eq!(albedo, Vec3::new(0.5, 0.25, 1.0));
+}
+
+#[test]
+fn a_byte_order_mark_is_no_part_of_the_first_line() {
+    let folder = Folder::new();
+    folder.write("a.mtl", "\u{feff}newmtl m\nKd 0.5 0.5 0.5\n");
+    let text = format!("\u{feff}mtllib a.mtl\nusemtl m\n{TRIANGLE}f 1 2 3\n");
+    let scene = folder.load("a.obj", text).unwrap();
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    assert_eq!(scene.materials[0].name, "m");
+    let scene = folder
+        .load("b.obj", format!("\u{feff}{TRIANGLE}f 1 2 3\n"))
+        .unwrap();
+    assert_eq!(scene.meshes[0].positions, [Vec3::ZERO, Vec3::X, Vec3::Y]);
+}
+
+#[test]
+fn numbers_that_are_none_and_index_0_are_repaired_and_counted() {
+    for odd in [
+        "nan",
+        "-nan",
+        "-nan(ind)",
+        "nan(snan)",
+        "NaNQ",
+        "-1.#IND",
+        "1.#QNAN",
+        "1.#INF00",
+        "1.#J",
+    ] {
+        let text =
+            format!("{TRIANGLE}vt {odd} 0\nvt 1 1\nvn 0 0 {odd}\nvn 0 1 0\nf 1/1/1 2/2/2 3/2/2\n");
+        let scene = load(&text);
+        let mesh = &scene.meshes[0];
+        assert_eq!(
+            (mesh.normals[0], mesh.normals[1]),
+            (Vec3::Z, Vec3::Y),
+            "{odd}"
+        );
+        assert_eq!(mesh.uv_sets[0][0], Vec2::ZERO, "{odd}");
+        let counts = [WarningKind::BadUvs, WarningKind::BadNormals].map(|kind| scene.warned(kind));
+        assert_eq!(counts, [1, 1], "{odd}");
+        let used = format!("v {odd} 0 0\n{TRIANGLE}f 1 2 3\n");
+        let error = Folder::new().load("a.obj", used).unwrap_err().to_string();
+        assert!(error.contains("not finite"), "{error}");
+    }
+    let scene = load(&format!(
+        "{TRIANGLE}vt 0.5 1\nvn 0 1 0\nf 1/0/0 2/1/1 3/1/1\n"
+    ));
+    assert_eq!(
+        (scene.meshes[0].normals[0], scene.meshes[0].uv_sets[0][0]),
+        (Vec3::Z, Vec2::ZERO)
+    );
+    let kinds = [
+        WarningKind::IgnoredUvReferences,
+        WarningKind::IgnoredNormalReferences,
+    ];
+    assert_eq!(kinds.map(|kind| scene.warned(kind)), [1, 1]);
+}
+
+#[test]
+fn names_of_any_length_stay_names_of_their_own() {
+    let (folder, start) = (Folder::new(), "n".repeat(300));
+    folder.write(
+        "a.mtl",
+        format!("newmtl {start}a\nKd 1 0 0\nnewmtl {start}b\nKd 0 1 0\n"),
+    );
+    let scene = folder.load("a.obj", format!(
+        "mtllib a.mtl\n{TRIANGLE}o {start}a\nusemtl {start}a\nf 1 2 3\no {start}b\nusemtl {start}b\nf 1 3 2\n"
+    )).unwrap();
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    let albedos = [0, 1].map(|mesh| {
+        let material = &scene.materials[scene.meshes[mesh].material as usize];
+        let Surface::Phong { albedo, .. } = material.surface else {
+            panic!()
+        };
+        albedo
+    });
+    assert_eq!(albedos, [Vec3::X, Vec3::Y]);
+    assert_ne!(scene.meshes[0].name, scene.meshes[1].name);
+    assert!(scene.meshes.iter().all(|mesh| mesh.name.len() <= 200));
+}
+
+#[test]
+fn files_are_found_beside_the_scene_and_in_other_case_with_a_line() {
+    let folder = Folder::new();
+    let textures = folder.write("Wall.PNG", png(&[[255, 0, 0, 255]]));
+    let textures = textures.with_file_name("Textures");
+    std::fs::create_dir(&textures).unwrap();
+    std::fs::write(textures.join("floor.png"), png(&[[0, 255, 0, 255]])).unwrap();
+    for (named, red) in [
+        ("wall.png", true),
+        ("/home/somebody/art/wall.png", true),
+        ("C:\\art\\wall.png", true),
+        ("textures\\Floor.png", false),
+        ("D:\\art\\TEXTURES\\FLOOR.png", false),
+        ("../elsewhere/textures/floor.png", false),
+    ] {
+        folder.write("Room.mtl", format!("newmtl m\nmap_Kd {named}\n"));
+        let text = format!("mtllib room.MTL\nusemtl m\n{TRIANGLE}vt 0 0\nf 1/1 2/1 3/1\n");
+        let scene = folder.load("a.obj", text).unwrap();
+        // The library and the texture.
+        let kinds: Vec<_> = scene.warnings.iter().map(|w| w.kind).collect();
+        assert_eq!(kinds, [WarningKind::FilesFoundElsewhere; 2], "{named}");
+        let expected = if red {
+            [255, 0, 0, 255]
+        } else {
+            [0, 255, 0, 255]
+        };
+        assert_eq!(scene.images[0].pixels, [expected], "{named}");
+    }
+}
+
+#[test]
+fn materials_in_use_that_let_all_light_through_are_counted() {
+    let folder = Folder::new();
+    folder.write(
+        "a.mtl",
+        "newmtl a\nTr 1\nnewmtl b\nd 0\nnewmtl c\nTr 0\nnewmtl d\nd 1\nTr 1\nnewmtl unused\nd 0\n",
+    );
+    let faces: String = ["a", "b", "c", "d"]
+        .map(|m| format!("usemtl {m}\nf 1 2 3\n"))
+        .concat();
+    let scene = folder
+        .load("a.obj", format!("mtllib a.mtl\n{TRIANGLE}{faces}"))
+        .unwrap();
+    let places: Vec<_> = scene
+        .warnings
+        .iter()
+        .map(|w| (w.kind, w.place.as_str()))
+        .collect();
+    let kind = WarningKind::InvisibleMaterials;
+    assert_eq!(places, [(kind, "material `a`"), (kind, "material `b`")]);
+}
