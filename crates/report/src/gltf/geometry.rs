@@ -180,6 +180,9 @@ impl Geometry {
                     moved: self.moved,
                 })
             })?;
+            if let Some(to) = self.moved {
+                material::redirect(extensions, to);
+            }
             if extensions.is_empty() {
                 primitive.shift_remove("extensions");
             }

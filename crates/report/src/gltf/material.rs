@@ -170,9 +170,9 @@ fn matt() -> Value {
     })
 }
 
-/// Leads every texture of a material that reads UV set 1 to the set `to`; true where there was one. A texture names
-/// its set by the key `texCoord`, in the core, in any extension, and in `KHR_texture_transform`, which overrides it.
-fn redirect(map: &mut Map<String, Value>, to: u64) -> bool {
+/// Leads every texture of a material, or of the extensions of a primitive, that reads UV set 1 to the set `to`; true where there was one. A
+/// texture names its set by the key `texCoord`, in the core, in any extension, and in `KHR_texture_transform`, which overrides it.
+pub fn redirect(map: &mut Map<String, Value>, to: u64) -> bool {
     let mut found = false;
     for (key, value) in map {
         match value {

@@ -225,3 +225,22 @@ fn primitives_that_share_a_large_array_are_written() {
     }
     assert_valid(&written);
 }
+
+#[test]
+fn textures_in_extensions_of_a_primitive_follow_a_moved_uv_set() {
+    let dir = tempfile::tempdir().unwrap();
+    let input = dir.path().join("rich.glb");
+    let (mut before, bin) = rich();
+    let feature = |set: u32| json!({ "featureCount": 4, "texture": { "index": 0, "texCoord": set, "channels": [0] } });
+    let features = |sets: [u32; 2]| json!({ "featureIds": sets.map(feature) });
+    before["meshes"][0]["primitives"][0]["extensions"]["EXT_mesh_features"] = features([1, 0]);
+    fs::write(&input, glb(&before, &bin)).unwrap();
+    let scene = scene::load(&input).unwrap();
+    let atlas = layout(&scene, false, 1);
+    let (after, _) = open(&write(&scene, &atlas, dir.path(), "out.glb"));
+    let primitive = &after["meshes"][0]["primitives"][0];
+    assert_eq!(
+        primitive["extensions"]["EXT_mesh_features"],
+        features([2, 0])
+    );
+}
