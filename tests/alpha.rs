@@ -135,3 +135,17 @@ fn see_through_surfaces_pass_what_their_alpha_leaves_layer_by_layer() {
     let two = floor(&scene(&[1.0, 1.01], coloured, extra));
     assert_passes(&two, 0.49, beside(1.0), 0.004);
 }
+
+#[test]
+fn a_pane_passes_its_transmission_times_its_tint() {
+    // The mean of 1, 1/2 and 0 over the channels is a half.
+    for (factor, tint, share) in [(1.0, [1.0; 3], 1.0), (0.5, [1.0, 0.5, 0.0], 0.25)] {
+        let [r, g, b] = tint;
+        let extra = json!({ "materials": [{}, {
+            "pbrMetallicRoughness": { "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0 },
+            "extensions": { "KHR_materials_transmission": { "transmissionFactor": factor } },
+        }] });
+        let found = floor(&scene(&[1.0], |card| card, extra));
+        assert_passes(&found, share, beside(1.0), 0.003);
+    }
+}

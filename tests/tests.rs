@@ -11,6 +11,7 @@ mod bounces;
 mod broken;
 mod buried;
 mod capture;
+mod cases;
 mod cli;
 mod closed;
 mod compressed;

@@ -2,12 +2,14 @@
 //!
 //! **Cut-outs** block where alpha reaches the cutoff, equality included, as the glTF specification says.
 //!
-//! **See-through surfaces** (glTF BLEND, OBJ `d`) let the share `1 - alpha` of the light pass. Ambient light is a mean over
+//! **See-through surfaces** (glTF BLEND, OBJ `d`) let the share `1 - alpha` of the light pass, and a surface with transmission a share of
+//! what is left. Ambient light is a mean over
 //! rays, so it is enough that this share of the rays passes, which needs no partial hits and is right behind any number of
 //! such surfaces. Which rays pass is no matter of chance, or a bake would depend on its threads: every ray and triangle
 //! have a threshold in 0..1 by a hash, and the ray is stopped where alpha is above it. Both ray libraries get the same
 //! rays, so they agree. Instances of one mesh in a row are told apart by where on the triangle the ray meets them.
 
+use crate::material::transmitted;
 use glam::Vec2;
 use scene::{Alpha, Mesh, Scene, TextureRef};
 use std::sync::Arc;
@@ -27,7 +29,7 @@ impl AlphaTest {
     /// The test of a mesh of the scene; `None` where its material is opaque, unless `always`: then one that keeps all.
     pub fn of(scene: &Arc<Scene>, mesh: u32, always: bool) -> Option<Self> {
         let material = scene.meshes[mesh as usize].material;
-        let opaque = matches!(scene.materials[material as usize].alpha, Alpha::Opaque);
+        let opaque = scene.materials[material as usize].is_opaque();
         (!opaque || always).then(|| Self {
             scene: Arc::clone(scene),
             mesh,
@@ -43,17 +45,26 @@ impl AlphaTest {
         let alpha = |factor: f32, map: &Option<TextureRef>| {
             self.alpha(mesh, factor, map.as_ref(), primitive, barycentric)
         };
-        match &self.scene.materials[mesh.material as usize].alpha {
-            Alpha::Opaque => true,
+        let material = &self.scene.materials[mesh.material as usize];
+        let stopped = match &material.alpha {
+            Alpha::Opaque => 1.0,
             Alpha::Mask {
                 cutoff,
                 factor,
                 map,
-            } => alpha(*factor, map) >= *cutoff,
-            Alpha::Blend { factor, map } => {
-                alpha(*factor, map) > threshold([ray, self.mesh, primitive], barycentric)
+            } => f32::from(u8::from(alpha(*factor, map) >= *cutoff)),
+            Alpha::Blend { factor, map } => alpha(*factor, map),
+        };
+        let stopped = match material.transmission {
+            Some(_) if stopped > 0.0 => {
+                let [b, c] = barycentric.map(f64::from);
+                let weights = [1.0 - b - c, b, c];
+                stopped * (1.0 - transmitted(&self.scene, mesh, primitive, weights))
             }
-        }
+            _ => stopped,
+        };
+        // A threshold is below 1.
+        stopped >= 1.0 || stopped > threshold([ray, self.mesh, primitive], barycentric)
     }
 
     /// Alpha at a point: factor times vertex colour times texture, 0..=1.
@@ -139,6 +150,23 @@ mod tests {
             let stopped = stopped.count();
             assert!(share.contains(&stopped), "{factor}: {stopped}");
         }
+    }
+
+    #[test]
+    fn a_pane_passes_its_share_of_the_rays_and_a_hole_in_it_all() {
+        let mut scene = fixture::scene(vec![fixture::square(0.0)]);
+        fixture::mask_left_half(&mut scene);
+        scene.materials[0].transmission = Some(scene::Transmission {
+            factor: 0.75,
+            map: None,
+        });
+        let scene = Arc::new(scene);
+        let test = AlphaTest { scene, mesh: 0 };
+        let passed = |at: [f32; 2]| (0..100_000).filter(|&ray| !test.keep(0, at, ray)).count();
+        // The second corner is right, the first left. Three standard errors of 100,000 rays are 411.
+        let pane = passed([0.9, 0.05]);
+        assert!(pane.abs_diff(75_000) < 411, "{pane}");
+        assert_eq!(passed([0.05, 0.05]), 100_000);
     }
 
     #[test]

@@ -32,7 +32,7 @@ impl Lamps {
         power: Vec::new(),
     };
 
-    /// The triangles of a world whose material shines; both sides of them do.
+    /// The triangles of a world whose material shines. Rays are aimed at both sides of them, whether both shine or not.
     pub fn of(world: &World) -> Lamps {
         let scene = world.scene();
         let mut lamps = Lamps {

@@ -1,7 +1,8 @@
 //! The Phong parameters of a surface at a point: factors times maps, metallic-roughness mapped to Phong.
 
+use crate::backend::SurfaceHit;
 use glam::{DVec2, DVec3, Vec2, Vec3};
-use scene::{Mesh, Scene, Surface};
+use scene::{Material, Mesh, Scene, Surface, TextureRef};
 
 /// Parameters of the Phong model, of a point or averaged over an area.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -37,16 +38,15 @@ impl Overrides {
     }
 }
 
-/// True where the material varies over a surface.
-pub fn is_mapped(surface: &Surface) -> bool {
-    match surface {
-        Surface::Phong { albedo_map, .. } => albedo_map.is_some(),
-        Surface::MetallicRoughness {
-            base_map,
-            metallic_roughness_map,
-            ..
-        } => base_map.is_some() || metallic_roughness_map.is_some(),
-    }
+/// True where the material varies over the surface of an instance.
+pub fn is_mapped(scene: &Scene, instance: u32) -> bool {
+    let mesh = &scene.meshes[scene.instances[instance as usize].mesh as usize];
+    let material = &scene.materials[mesh.material as usize];
+    let transmission = material
+        .transmission
+        .as_ref()
+        .is_some_and(|t| t.map.is_some());
+    !mesh.colors.is_empty() || transmission || material.surface.textures().next().is_some()
 }
 
 /// The Phong parameters at a surface point.
@@ -59,60 +59,148 @@ pub fn material_at(
     weights: [f64; 3],
 ) -> PhongMaterial {
     let mesh = &scene.meshes[scene.instances[instance as usize].mesh as usize];
-    let uv = |set: u32| uv_at(mesh, triangle, weights, set);
-    match &scene.materials[mesh.material as usize].surface {
+    let point = SurfaceAt::of(scene, mesh, triangle, weights);
+    let (albedo, specular, exponent) = match &point.material.surface {
         Surface::Phong {
-            albedo,
-            albedo_map,
+            specular, exponent, ..
+        } => (point.base, *specular, *exponent),
+        Surface::MetallicRoughness { dielectric, .. } => {
+            let [roughness, metallic] = point.roughness_and_metallic();
+            scene::phong_from_metallic_roughness(point.base, metallic, roughness, *dielectric)
+        }
+        Surface::SpecularGlossiness {
             specular,
-            exponent,
+            glossiness,
+            specular_glossiness_map,
+            ..
         } => {
-            let tint = albedo_map
-                .as_ref()
-                .map_or(Vec3::ONE, |map| scene.color(map, uv(map.uv_set)));
-            PhongMaterial {
-                albedo: (*albedo * tint).as_dvec3(),
-                specular: specular.as_dvec3(),
-                exponent: *exponent,
-            }
+            let (tint, gloss) = point.color_and_alpha(specular_glossiness_map);
+            let glossiness = glossiness * f64::from(gloss);
+            scene::phong_from_specular_glossiness(point.base, *specular * tint, glossiness)
         }
-        Surface::MetallicRoughness {
-            base,
-            base_map,
-            metallic,
-            roughness,
-            metallic_roughness_map,
-            dielectric,
-        } => {
-            let base = *base
-                * base_map
-                    .as_ref()
-                    .map_or(Vec3::ONE, |map| scene.color(map, uv(map.uv_set)));
-            let (mut metallic, mut roughness) = (*metallic, *roughness);
-            if let Some(map) = metallic_roughness_map {
-                let texel = scene.linear_texel(map, uv(map.uv_set));
-                metallic *= f64::from(texel.z);
-                roughness *= f64::from(texel.y);
-            }
-            let (albedo, specular, exponent) =
-                scene::phong_from_metallic_roughness(base, metallic, roughness, *dielectric);
-            PhongMaterial {
-                albedo: albedo.as_dvec3(),
-                specular: specular.as_dvec3(),
-                exponent,
-            }
-        }
+    };
+    PhongMaterial {
+        albedo: albedo.as_dvec3() * f64::from(1.0 - point.transmission()),
+        specular: specular.as_dvec3(),
+        exponent,
     }
 }
 
-/// Radiance that a surface sends out by itself at a point, linear RGB.
-///
-/// * `weights`: of the triangle's corners; they add up to 1.
-pub fn emission_at(scene: &Scene, instance: u32, triangle: u32, weights: [f64; 3]) -> DVec3 {
-    let mesh = &scene.meshes[scene.instances[instance as usize].mesh as usize];
+/// The share of the light that goes straight through a surface at a point where alpha stops it, 0..=1: the mean of what its tint leaves
+/// of the channels, for a ray passes or is stopped with all of them.
+pub(crate) fn transmitted(scene: &Scene, mesh: &Mesh, triangle: u32, weights: [f64; 3]) -> f32 {
+    let point = SurfaceAt::of(scene, mesh, triangle, weights);
+    point.transmission() * point.base.element_sum() / 3.0
+}
+
+/// A point of a mesh, and its base colour.
+struct SurfaceAt<'a> {
+    scene: &'a Scene,
+    mesh: &'a Mesh,
+    material: &'a Material,
+    triangle: u32,
+    weights: [f64; 3],
+    /// Factor times texture times vertex colour, linear.
+    base: Vec3,
+}
+
+impl<'a> SurfaceAt<'a> {
+    fn of(scene: &'a Scene, mesh: &'a Mesh, triangle: u32, weights: [f64; 3]) -> Self {
+        let material = &scene.materials[mesh.material as usize];
+        let mut point = Self {
+            scene,
+            mesh,
+            material,
+            triangle,
+            weights,
+            base: Vec3::ONE,
+        };
+        let (factor, map) = match &material.surface {
+            Surface::Phong {
+                albedo, albedo_map, ..
+            } => (*albedo, albedo_map),
+            Surface::MetallicRoughness { base, base_map, .. } => (*base, base_map),
+            Surface::SpecularGlossiness {
+                diffuse,
+                diffuse_map,
+                ..
+            } => (*diffuse, diffuse_map),
+        };
+        point.base = factor * point.color_and_alpha(map).0 * vertex_color(mesh, triangle, weights);
+        point
+    }
+
+    fn uv(&self, map: &TextureRef) -> Vec2 {
+        uv_at(self.mesh, self.triangle, self.weights, map.uv_set)
+    }
+
+    /// White and 1 without a map.
+    fn color_and_alpha(&self, map: &Option<TextureRef>) -> (Vec3, f32) {
+        map.as_ref().map_or((Vec3::ONE, 1.0), |map| {
+            let uv = self.uv(map);
+            (self.scene.color(map, uv), self.scene.alpha(map, uv))
+        })
+    }
+
+    /// Red, green and blue of data; 1 without a map.
+    fn data(&self, map: Option<&TextureRef>) -> Vec3 {
+        map.map_or(Vec3::ONE, |map| self.scene.linear_texel(map, self.uv(map)))
+    }
+
+    fn roughness_and_metallic(&self) -> [f64; 2] {
+        match &self.material.surface {
+            Surface::MetallicRoughness {
+                metallic,
+                roughness,
+                metallic_roughness_map,
+                ..
+            } => {
+                let texel = self.data(metallic_roughness_map.as_ref());
+                [
+                    roughness * f64::from(texel.y),
+                    metallic * f64::from(texel.z),
+                ]
+            }
+            _ => [1.0, 0.0],
+        }
+    }
+
+    /// The share that the surface does not scatter but lets through, before its tint, 0..=1.
+    fn transmission(&self) -> f32 {
+        let Some(transmission) = &self.material.transmission else {
+            return 0.0;
+        };
+        let [_, metallic] = self.roughness_and_metallic();
+        let share = transmission.factor * self.data(transmission.map.as_ref()).x;
+        share * (1.0 - metallic as f32)
+    }
+}
+
+/// The mean of the corners' colours by their weights; white where the mesh has none.
+fn vertex_color(mesh: &Mesh, triangle: u32, weights: [f64; 3]) -> Vec3 {
+    if mesh.colors.is_empty() {
+        return Vec3::ONE;
+    }
+    let corners = mesh.triangles[triangle as usize].map(|corner| mesh.colors[corner as usize]);
+    let mut sum = DVec3::ZERO;
+    for (color, weight) in corners.iter().zip(weights) {
+        sum += color.as_dvec3() * weight;
+    }
+    sum.as_vec3()
+}
+
+/// Radiance that the surface at a hit sends out by itself toward the side from which it was met, linear RGB: nothing at the back of a
+/// material that is not double-sided.
+pub fn emission_at(scene: &Scene, hit: &SurfaceHit) -> DVec3 {
+    let mesh = &scene.meshes[scene.instances[hit.instance as usize].mesh as usize];
     let material = &scene.materials[mesh.material as usize];
+    if !hit.front && !material.double_sided {
+        return DVec3::ZERO;
+    }
+    let [b, c] = hit.barycentric.map(f64::from);
+    let weights = [1.0 - b - c, b, c];
     let picture = material.emission_map.as_ref().map_or(Vec3::ONE, |map| {
-        scene.color(map, uv_at(mesh, triangle, weights, map.uv_set))
+        scene.color(map, uv_at(mesh, hit.triangle, weights, map.uv_set))
     });
     (material.emission * picture).as_dvec3()
 }
@@ -135,4 +223,129 @@ fn uv_at(mesh: &Mesh, triangle: u32, weights: [f64; 3], set: u32) -> Vec2 {
         sum += uvs[*corner as usize].as_dvec2() * weight;
     }
     sum.as_vec2()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture;
+    use scene::{Image, Transmission, Wrap};
+
+    /// At the middle of the edge from the first corner of triangle 0 to its second.
+    const MIDDLE: [f64; 3] = [0.5, 0.5, 0.0];
+
+    fn square(surface: Surface) -> Scene {
+        let mut scene = fixture::scene(vec![fixture::square(0.0)]);
+        scene.materials[0].surface = surface;
+        scene
+    }
+
+    fn dielectric(base: Vec3, metallic: f64) -> Surface {
+        Surface::MetallicRoughness {
+            base,
+            base_map: None,
+            metallic,
+            roughness: 1.0,
+            metallic_roughness_map: None,
+            dielectric: Vec3::ZERO,
+        }
+    }
+
+    /// One pixel.
+    fn plain(scene: &mut Scene, pixel: [u8; 4]) -> Option<TextureRef> {
+        scene.images.push(Image {
+            name: "plain".into(),
+            width: 1,
+            height: 1,
+            pixels: vec![pixel],
+        });
+        Some(TextureRef {
+            image: scene.images.len() as u32 - 1,
+            uv_set: 0,
+            wrap: [Wrap::Clamp; 2],
+            linear: true,
+            transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        })
+    }
+
+    #[test]
+    fn vertex_colours_multiply_the_base_colour_between_the_corners() {
+        let mut scene = square(dielectric(Vec3::new(0.5, 1.0, 1.0), 0.0));
+        assert!(!is_mapped(&scene, 0));
+        scene.meshes[0].colors = vec![Vec3::X, Vec3::ONE, Vec3::ZERO, Vec3::ZERO];
+        assert!(is_mapped(&scene, 0));
+        let found = material_at(&scene, 0, 0, MIDDLE).albedo;
+        assert_eq!(found, DVec3::new(0.5, 0.5, 0.5));
+    }
+
+    #[test]
+    fn a_specular_glossiness_surface_has_what_its_coat_leaves_and_the_exponent_of_its_gloss() {
+        let mut scene = square(Surface::SpecularGlossiness {
+            diffuse: Vec3::new(0.5, 1.0, 0.25),
+            diffuse_map: None,
+            specular: Vec3::new(0.5, 0.25, 0.0),
+            glossiness: 1.0,
+            specular_glossiness_map: None,
+        });
+        let map = plain(&mut scene, [255, 255, 255, 51]);
+        if let Surface::SpecularGlossiness {
+            specular_glossiness_map,
+            ..
+        } = &mut scene.materials[0].surface
+        {
+            *specular_glossiness_map = map;
+        }
+        let found = material_at(&scene, 0, 0, MIDDLE);
+        // Half of the light is left by the coat's largest channel.
+        assert_eq!(found.albedo, DVec3::new(0.25, 0.5, 0.125));
+        assert_eq!(found.specular, DVec3::new(0.5, 0.25, 0.0));
+        // Gloss 51/255, roughness 0.8: (1 / 0.8^4 - 1) / 2.
+        assert!(
+            (found.exponent - 0.720_703_125).abs() < 1e-6,
+            "{}",
+            found.exponent
+        );
+    }
+
+    #[test]
+    fn what_is_transmitted_is_not_scattered_and_a_metal_transmits_nothing() {
+        for (metallic, through) in [(0.0, 0.5), (1.0, 0.0)] {
+            let mut scene = square(dielectric(Vec3::new(1.0, 0.5, 0.0), metallic));
+            // Red is the share: 127.5 would be half.
+            let map = plain(&mut scene, [255, 0, 0, 0]);
+            scene.materials[0].transmission = Some(Transmission { factor: 0.5, map });
+            let albedo = material_at(&scene, 0, 0, MIDDLE).albedo;
+            let left = (1.0 - metallic) * (1.0 - through);
+            assert_eq!(albedo, DVec3::new(1.0, 0.5, 0.0) * left, "{metallic}");
+            // The tint leaves 1, 1/2 and 0 of the channels: half of the light.
+            let share = transmitted(&scene, &scene.meshes[0], 0, MIDDLE);
+            assert_eq!(f64::from(share), through * 0.5, "{metallic}");
+        }
+    }
+
+    #[test]
+    fn the_back_of_a_single_sided_lamp_is_dark() {
+        let mut scene = square(dielectric(Vec3::ONE, 0.0));
+        scene.materials[0].emission = Vec3::new(3.0, 2.0, 1.0);
+        for (double_sided, front, shines) in [
+            (true, true, 1.0),
+            (true, false, 1.0),
+            (false, true, 1.0),
+            (false, false, 0.0),
+        ] {
+            scene.materials[0].double_sided = double_sided;
+            let hit = SurfaceHit {
+                t: 1.0,
+                instance: 0,
+                triangle: 0,
+                barycentric: [0.25, 0.25],
+                front,
+            };
+            assert_eq!(
+                emission_at(&scene, &hit),
+                DVec3::new(3.0, 2.0, 1.0) * shines,
+                "{double_sided} {front}"
+            );
+        }
+    }
 }

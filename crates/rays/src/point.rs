@@ -66,7 +66,7 @@ impl<'a> Surfaces<'a> {
                 .as_vec3()
                 .to_array(),
             material: material_at(scene, hit.instance, hit.triangle, weights.to_array()),
-            emission: emission_at(scene, hit.instance, hit.triangle, weights.to_array()),
+            emission: emission_at(scene, hit),
         }
     }
 
@@ -77,11 +77,9 @@ impl<'a> Surfaces<'a> {
         scene.materials[mesh.material as usize].emission != Vec3::ZERO
     }
 
-    /// Radiance that the surface at a hit sends out by itself, linear RGB; both sides shine.
+    /// Radiance that the surface at a hit sends out by itself toward the side from which it was met, linear RGB.
     pub fn emission(&self, hit: &SurfaceHit) -> DVec3 {
-        let [b, c] = hit.barycentric.map(f64::from);
-        let weights = [1.0 - b - c, b, c];
-        emission_at(self.world.scene(), hit.instance, hit.triangle, weights)
+        emission_at(self.world.scene(), hit)
     }
 }
 

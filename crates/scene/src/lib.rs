@@ -22,8 +22,8 @@ mod validate;
 mod warning;
 
 pub use error::Error;
-pub use gltf::{Elements, EncodedImage, GltfDocument};
-pub use material::{MAX_EXPONENT, phong_from_metallic_roughness};
+pub use gltf::{Elements, EncodedImage, GltfDocument, conformance};
+pub use material::{MAX_EXPONENT, phong_from_metallic_roughness, phong_from_specular_glossiness};
 pub use normal_map::{NormalMap, PackedImage};
 pub use source::Files;
 pub use types::*;

@@ -5,16 +5,21 @@ use glam::{Vec2, Vec3, Vec4};
 use std::sync::LazyLock;
 
 /// The sRGB transfer function of IEC 61966-2-1 for each 8-bit code, to linear.
-static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
-    std::array::from_fn(|code| {
-        let c = code as f64 / 255.0;
-        (if c <= 0.04045 {
-            c / 12.92
-        } else {
-            ((c + 0.055) / 1.055).powf(2.4)
-        }) as f32
-    })
-});
+static LINEAR: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|code| decoded(code as f64 / 255.0) as f32));
+
+fn decoded(c: f64) -> f64 {
+    if c <= 0.04045 {
+        c / 12.92
+    } else {
+        ((c + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+/// A channel in sRGB, to linear.
+pub(crate) fn linear(channel: f32) -> f32 {
+    decoded(f64::from(channel)) as f32
+}
 
 impl Scene {
     /// Linear RGB of a colour texture at a mesh's UV; texels are decoded from sRGB before they are filtered.

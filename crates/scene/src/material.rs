@@ -77,6 +77,19 @@ pub fn phong_from_metallic_roughness(
     )
 }
 
+/// Albedo, specular reflectance and lobe exponent of a specular-glossiness surface: the coat reflects `specular`, what it leaves of
+/// its largest channel reaches the base, and the roughness is `1 - glossiness` (KHR_materials_pbrSpecularGlossiness, its appendix).
+///
+/// * `diffuse`, `specular`: linear, 0..=1 a channel.
+/// * `glossiness`: 0..=1; values outside are clamped into the range, NaN counts as 1.
+pub fn phong_from_specular_glossiness(
+    diffuse: Vec3,
+    specular: Vec3,
+    glossiness: f64,
+) -> (Vec3, Vec3, f64) {
+    phong_from_metallic_roughness(diffuse, 0.0, 1.0 - glossiness, specular)
+}
+
 /// Albedo and specular reflectance, both in 0..=1: as given, or, where they add up to more than 1 in a channel, both
 /// times the largest factor that leaves no such channel. One factor for all keeps hue and gloss. Counted as
 /// [`WarningKind::ReflectanceScaled`].
@@ -113,6 +126,7 @@ pub(crate) fn untinted(name: &str) -> Material {
         emission: Vec3::ZERO,
         emission_map: None,
         alpha: Alpha::Opaque,
+        transmission: None,
         normal_map: None,
         double_sided: true,
     }

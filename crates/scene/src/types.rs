@@ -66,6 +66,9 @@ pub struct Mesh {
     /// Unit tangents along u of the normal map, one a vertex, `w` the side of the bitangent `w (normal x tangent)`: glTF
     /// `TANGENT`; empty where the file has none.
     pub tangents: Vec<Vec4>,
+    /// Vertex colours (glTF `COLOR_0`, OBJ `v x y z r g b`), linear, 0..=1 a channel, one a vertex; they multiply the material's base colour
+    /// or diffuse reflectance. Empty for white everywhere.
+    pub colors: Vec<Vec3>,
     /// Alpha of the vertex colours (glTF `COLOR_0`), one a vertex; it multiplies the material's. Empty for 1 everywhere.
     pub alphas: Vec<f32>,
     /// UV sets in the file's order (TEXCOORD_0, TEXCOORD_1, …), glTF orientation (v grows down), one a vertex each.
@@ -123,6 +126,8 @@ pub struct Material {
     pub emission_map: Option<TextureRef>,
     /// How alpha lets rays pass.
     pub alpha: Alpha,
+    /// What passes straight through where alpha stops a ray; `None` for nothing.
+    pub transmission: Option<Transmission>,
     /// What bends the shading normal, where a bake asks for it.
     pub normal_map: Option<NormalMap>,
     /// Both sides are visible surfaces (glTF `doubleSided`; OBJ is always double sided). Occluders always are.
@@ -158,6 +163,68 @@ pub enum Surface {
         /// Reflectance of a dielectric at normal view (0.04, or from KHR_materials_ior and KHR_materials_specular).
         dielectric: Vec3,
     },
+    /// glTF specular-glossiness (KHR_materials_pbrSpecularGlossiness), mapped per texel by [`crate::phong_from_specular_glossiness`].
+    SpecularGlossiness {
+        /// `diffuseFactor`, linear RGB.
+        diffuse: Vec3,
+        /// `diffuseTexture`.
+        diffuse_map: Option<TextureRef>,
+        /// `specularFactor`, linear RGB.
+        specular: Vec3,
+        /// `glossinessFactor`.
+        glossiness: f64,
+        /// `specularGlossinessTexture`: specular colour in sRGB, glossiness in alpha.
+        specular_glossiness_map: Option<TextureRef>,
+    },
+}
+
+impl Surface {
+    /// The textures that decide what the surface reflects.
+    pub fn textures(&self) -> impl Iterator<Item = &TextureRef> {
+        let maps = match self {
+            Surface::Phong { albedo_map, .. } => [albedo_map, &None],
+            Surface::MetallicRoughness {
+                base_map,
+                metallic_roughness_map,
+                ..
+            } => [base_map, metallic_roughness_map],
+            Surface::SpecularGlossiness {
+                diffuse_map,
+                specular_glossiness_map,
+                ..
+            } => [diffuse_map, specular_glossiness_map],
+        };
+        maps.into_iter().flatten()
+    }
+}
+
+impl Material {
+    /// Blocks every ray.
+    pub fn is_opaque(&self) -> bool {
+        matches!(self.alpha, Alpha::Opaque) && self.transmission.is_none()
+    }
+
+    /// Every texture that decides what the surface reflects, sends out or lets through.
+    pub fn textures(&self) -> impl Iterator<Item = &TextureRef> {
+        let alpha = match &self.alpha {
+            Alpha::Opaque => &None,
+            Alpha::Mask { map, .. } | Alpha::Blend { map, .. } => map,
+        };
+        let transmission = self.transmission.as_ref().and_then(|t| t.map.as_ref());
+        let maps = [alpha, &self.emission_map].into_iter().flatten();
+        self.surface.textures().chain(maps).chain(transmission)
+    }
+}
+
+/// Light that goes straight through a surface, as through a window (`KHR_materials_transmission`).
+///
+/// The share is `factor * red(map)` of what is no metal, tinted by the base colour. The surface scatters that much less.
+#[derive(Debug, Clone)]
+pub struct Transmission {
+    /// Share of the light, 0..=1.
+    pub factor: f32,
+    /// Red of this texture multiplies `factor`.
+    pub map: Option<TextureRef>,
 }
 
 /// How alpha lets rays pass.

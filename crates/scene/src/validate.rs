@@ -130,6 +130,7 @@ pub(crate) fn mesh(input: &mut Input, mesh: &mut Mesh, place: &str) -> Result<bo
         let message = "tangents that are zero or not finite: the mesh gets tangents from its UVs";
         input.warn(WarningKind::BadTangents, place, bad as u64, message);
     }
+    colors(input, mesh, place);
     for set in &mut mesh.uv_sets {
         let mut count = 0;
         for uv in set.iter_mut().filter(|uv| !uv.is_finite()) {
@@ -144,6 +145,25 @@ pub(crate) fn mesh(input: &mut Input, mesh: &mut Mesh, place: &str) -> Result<bo
         );
     }
     Ok(true)
+}
+
+/// Brings vertex colours into 0..=1, and leaves those away that change nothing.
+fn colors(input: &mut Input, mesh: &mut Mesh, place: &str) {
+    let mut changed = 0;
+    for color in &mut mesh.colors {
+        *color = color.map(|c| clamped(c, 0.0, 1.0, 1.0, &mut changed));
+    }
+    for alpha in &mut mesh.alphas {
+        *alpha = clamped(*alpha, 0.0, 1.0, 1.0, &mut changed);
+    }
+    let message = "channels of vertex colours out of 0 to 1 are clamped";
+    input.warn(WarningKind::ClampedFactors, place, changed, message);
+    if mesh.colors.iter().all(|&color| color == Vec3::ONE) {
+        mesh.colors = Vec::new();
+    }
+    if mesh.alphas.iter().all(|&alpha| alpha == 1.0) {
+        mesh.alphas = Vec::new();
+    }
 }
 
 fn bad_positions(input: &mut Input, mesh: &mut Mesh, place: &str) -> Result<(), Error> {
@@ -382,12 +402,21 @@ fn slots(material: &mut Material) -> impl Iterator<Item = &mut Option<TextureRef
             metallic_roughness_map,
             ..
         } => [Some(base_map), Some(metallic_roughness_map)],
+        Surface::SpecularGlossiness {
+            diffuse_map,
+            specular_glossiness_map,
+            ..
+        } => [Some(diffuse_map), Some(specular_glossiness_map)],
     };
     let alpha = match &mut material.alpha {
         Alpha::Opaque => None,
         Alpha::Mask { map, .. } | Alpha::Blend { map, .. } => Some(map),
     };
-    surface.into_iter().chain([alpha]).flatten()
+    let transmission = material.transmission.as_mut().map(|t| &mut t.map);
+    surface
+        .into_iter()
+        .chain([alpha, transmission, Some(&mut material.emission_map)])
+        .flatten()
 }
 
 /// How far the last row of a matrix may be from 0 0 0 1: what is left of it where matrices are multiplied in 32 bits, or where decimals

@@ -41,7 +41,7 @@ pub enum WarningKind {
     EmptyMeshes,
     /// A file that the scene names is not there; one of the same name, but for its folders or the case of letters, is read.
     FilesFoundElsewhere,
-    /// A glTF material extension that is not modelled.
+    /// A glTF extension that could change light and is not read, or not known.
     IgnoredExtensions,
     /// OBJ: lines, points and faces of fewer than three corners are left out.
     IgnoredLinesAndPoints,

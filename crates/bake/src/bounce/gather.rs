@@ -281,8 +281,6 @@ impl Gather<'_> {
     }
 
     fn emission(&self, hit: &rays::SurfaceHit) -> DVec3 {
-        let [b, c] = hit.barycentric.map(f64::from);
-        let scene = self.radiosity.world.scene();
-        emission_at(scene, hit.instance, hit.triangle, [1.0 - b - c, b, c])
+        emission_at(self.radiosity.world.scene(), hit)
     }
 }

@@ -96,7 +96,9 @@ impl Baker<'_> {
     /// True where texels of the mesh may take rays over the lobe.
     fn may_reflect(&self, mesh: &scene::Mesh) -> bool {
         let own = match &self.world.scene().materials[mesh.material as usize].surface {
-            Surface::Phong { specular, .. } => specular.max_element() > 0.0,
+            Surface::Phong { specular, .. } | Surface::SpecularGlossiness { specular, .. } => {
+                specular.max_element() > 0.0
+            }
             Surface::MetallicRoughness { .. } => true,
         };
         let overrides = &self.options.overrides;

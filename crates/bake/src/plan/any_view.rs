@@ -107,6 +107,12 @@ fn narrowest(scene: &Scene) -> Option<f64> {
                 dielectric,
                 ..
             } => scene::phong_from_metallic_roughness(*base, *metallic, *roughness, *dielectric).2,
+            Surface::SpecularGlossiness {
+                diffuse,
+                specular,
+                glossiness,
+                ..
+            } => scene::phong_from_specular_glossiness(*diffuse, *specular, *glossiness).2,
         });
     exponents.max_by(f64::total_cmp)
 }

@@ -94,5 +94,18 @@ fn most_albedo(surface: &Surface) -> Vec3 {
             };
             scene::phong_from_metallic_roughness(*base, metallic, *roughness, *dielectric).0
         }
+        Surface::SpecularGlossiness {
+            diffuse,
+            specular,
+            specular_glossiness_map,
+            ..
+        } => {
+            // A map can take the coat down to 0.
+            let specular = match specular_glossiness_map {
+                Some(_) => Vec3::ZERO,
+                None => *specular,
+            };
+            scene::phong_from_specular_glossiness(*diffuse, specular, 1.0).0
+        }
     }
 }

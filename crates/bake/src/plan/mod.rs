@@ -12,7 +12,7 @@ use crate::options::{Model, Options, Shading, Sky, View};
 use ambient::sampling::Mixture;
 use layers::Term;
 use rays::{Error, PlaneErrors, World, WorldOptions};
-use scene::{Alpha, Scene, Surface};
+use scene::{Scene, Surface};
 use std::sync::Arc;
 
 /// How a term comes about.
@@ -274,7 +274,9 @@ fn specular(scene: &Scene, options: &Options) -> Decision {
 
 fn reflects(surface: &Surface) -> bool {
     match surface {
-        Surface::Phong { specular, .. } => specular.max_element() > 0.0,
+        Surface::Phong { specular, .. } | Surface::SpecularGlossiness { specular, .. } => {
+            specular.max_element() > 0.0
+        }
         Surface::MetallicRoughness {
             dielectric,
             metallic,
@@ -344,7 +346,7 @@ fn alpha_test(scene: &Scene, options: &Options) -> Decision {
     let masked = scene
         .meshes
         .iter()
-        .filter(|mesh| !matches!(scene.materials[mesh.material as usize].alpha, Alpha::Opaque))
+        .filter(|mesh| !scene.materials[mesh.material as usize].is_opaque())
         .count();
     if masked > 0 {
         decision(

@@ -3,7 +3,7 @@
 use blake3::Hasher;
 use rayon::prelude::*;
 use rays::World;
-use scene::{Alpha, Scene, Surface, TextureRef};
+use scene::Scene;
 
 /// 128 bits of a blake3 hash: two different contents share one by chance in 2^64 scenes.
 pub type Fingerprint = [u8; 16];
@@ -120,22 +120,21 @@ fn seen(world: &World, instance: u32, images: &[Fingerprint]) -> Fingerprint {
         );
     }
     let mesh = geometry.mesh();
-    let alpha = &world.scene().materials[mesh.material as usize].alpha;
-    let map = match alpha {
-        Alpha::Opaque => return hasher.short(),
-        Alpha::Mask { map, .. } | Alpha::Blend { map, .. } => map,
-    };
+    let material = &world.scene().materials[mesh.material as usize];
+    if material.is_opaque() {
+        return hasher.short();
+    }
     // Which rays a see-through triangle stops depends on the number of its mesh.
     hasher.update(&geometry.mesh.to_le_bytes());
-    hasher.update(format!("{alpha:?}").as_bytes());
+    hasher.update(&surface(world.scene(), mesh.material as usize, images));
     for value in &mesh.alphas {
         hasher.update(&value.to_le_bytes());
     }
-    if let Some(map) = map {
-        hasher.update(&images[map.image as usize]);
-        for uv in mesh.uv_sets.get(map.uv_set as usize).into_iter().flatten() {
-            hasher.update(uv.to_array().map(f32::to_le_bytes).as_flattened());
-        }
+    for color in &mesh.colors {
+        hasher.update(color.to_array().map(f32::to_le_bytes).as_flattened());
+    }
+    for uv in mesh.uv_sets.iter().flatten() {
+        hasher.update(uv.to_array().map(f32::to_le_bytes).as_flattened());
     }
     hasher.short()
 }
@@ -154,6 +153,7 @@ fn mesh(mesh: &scene::Mesh) -> Fingerprint {
     array(&mut mesh.positions.iter().map(|p| [p.x, p.y, p.z, 0.0]));
     array(&mut mesh.normals.iter().map(|n| [n.x, n.y, n.z, 0.0]));
     array(&mut mesh.tangents.iter().map(|t| t.to_array()));
+    array(&mut mesh.colors.iter().map(|c| [c.x, c.y, c.z, 0.0]));
     array(&mut mesh.alphas.iter().map(|&a| [a, 0.0, 0.0, 0.0]));
     for set in &mesh.uv_sets {
         array(&mut set.iter().map(|uv| [uv.x, uv.y, 0.0, 0.0]));
@@ -171,20 +171,7 @@ fn surface(scene: &Scene, material: usize, images: &[Fingerprint]) -> Fingerprin
     material.name.clear();
     let mut hasher = Hasher::new();
     hasher.update(format!("{material:?}").as_bytes());
-    let alpha = match &material.alpha {
-        Alpha::Opaque => &None,
-        Alpha::Mask { map, .. } | Alpha::Blend { map, .. } => map,
-    };
-    let colours: [&Option<TextureRef>; 2] = match &material.surface {
-        Surface::Phong { albedo_map, .. } => [albedo_map, &None],
-        Surface::MetallicRoughness {
-            base_map,
-            metallic_roughness_map,
-            ..
-        } => [base_map, metallic_roughness_map],
-    };
-    let maps = [alpha, &material.emission_map].into_iter().chain(colours);
-    for map in maps.flatten() {
+    for map in material.textures() {
         hasher.update(&images[map.image as usize]);
     }
     if let Some(map) = &material.normal_map

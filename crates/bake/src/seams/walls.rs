@@ -8,7 +8,6 @@ use super::pair::{Pair, Walls};
 use glam::DVec3;
 use rayon::prelude::*;
 use rays::{Boxes, NUDGE, World};
-use scene::Alpha;
 
 /// How far to either side one looks for what stands there, in texels.
 const REACH: f64 = 0.5;
@@ -39,8 +38,7 @@ pub(super) fn walls(
     let instances = scene.instances.par_iter().enumerate();
     let found = instances.flat_map(|(instance, object)| {
         let mesh = &scene.meshes[object.mesh as usize];
-        let alpha = &scene.materials[mesh.material as usize].alpha;
-        let is_solid = matches!(alpha, Alpha::Opaque);
+        let is_solid = scene.materials[mesh.material as usize].is_opaque();
         let instance = instance as u32;
         let meets = |(low, high)| boxes.any(low, high, |_| true);
         let is_near = is_solid && world.box_of(instance).is_some_and(meets);

@@ -265,20 +265,13 @@ impl<'a> Surveyor<'a> {
     ) -> PhongMaterial {
         let scene = self.world.scene();
         let pieces = &tile.pieces[footprint.pieces.start as usize..footprint.pieces.end as usize];
-        let surface = |instance: u32| {
-            let mesh = &scene.meshes[scene.instances[instance as usize].mesh as usize];
-            &scene.materials[mesh.material as usize].surface
-        };
         let mut sum = PhongMaterial::default();
         let mut add = |material: PhongMaterial, weight: f64| {
             sum.albedo += material.albedo * weight;
             sum.specular += material.specular * weight;
             sum.exponent += material.exponent * weight;
         };
-        if pieces
-            .iter()
-            .any(|piece| is_mapped(surface(piece.instance)))
-        {
+        if pieces.iter().any(|piece| is_mapped(scene, piece.instance)) {
             for index in 0..SURVEY_POINTS {
                 let [_, _, u, v] = stream.point(index);
                 let point = tile.sample(footprint, [u, v]);

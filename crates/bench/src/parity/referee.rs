@@ -234,6 +234,7 @@ mod tests {
             },
             emission: glam::Vec3::ZERO,
             emission_map: None,
+            transmission: None,
             alpha: match masked {
                 false => Alpha::Opaque,
                 true => Alpha::Mask {
@@ -253,6 +254,7 @@ mod tests {
                 positions: corners.map(|c| c.extend(0.0)).to_vec(),
                 normals: Vec::new(),
                 tangents: Vec::new(),
+                colors: Vec::new(),
                 alphas: Vec::new(),
                 uv_sets: vec![corners.map(|c| (c + 1.0) * 0.5).to_vec()],
                 triangles: vec![[0, 1, 2], [0, 2, 3]],

@@ -6,7 +6,7 @@
 
 use super::opening::{Opening, openings};
 use glam::{DVec3, Vec3};
-use scene::{Alpha, Scene};
+use scene::Scene;
 use std::collections::HashMap;
 
 /// Volumes below this share of the box's are those of a folded sheet, which has no inside.
@@ -250,7 +250,7 @@ impl Surface {
         meshes.dedup();
         meshes.iter().any(|&mesh| {
             let material = scene.meshes[mesh as usize].material;
-            !matches!(scene.materials[material as usize].alpha, Alpha::Opaque)
+            !scene.materials[material as usize].is_opaque()
         })
     }
 

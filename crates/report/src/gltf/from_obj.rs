@@ -68,6 +68,14 @@ pub fn document(scene: &Scene, atlas: &Atlas) -> Result<(Document<'static>, Orig
                 .collect();
             attributes["NORMAL"] = document.push_floats(&gathered, false)?.into();
         }
+        if !mesh.colors.is_empty() {
+            let gathered: Vec<[f32; 3]> = layout
+                .source_vertices
+                .iter()
+                .map(|&v| mesh.colors[v as usize].into())
+                .collect();
+            attributes["COLOR_0"] = document.push_floats(&gathered, false)?.into();
+        }
         for (set, uvs) in mesh.uv_sets.iter().enumerate() {
             let gathered: Vec<[f32; 2]> = layout
                 .source_vertices
@@ -119,7 +127,8 @@ fn material_value(
             specular,
             exponent,
         } => (*albedo, albedo_map.as_ref(), *specular, *exponent),
-        Surface::MetallicRoughness { base, .. } => {
+        Surface::MetallicRoughness { base, .. }
+        | Surface::SpecularGlossiness { diffuse: base, .. } => {
             unreachable!("an OBJ or built material with base colour {base}")
         }
     };

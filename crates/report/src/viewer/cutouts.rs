@@ -76,8 +76,13 @@ struct Through<'a> {
 }
 
 fn alpha<'a>(scene: &'a Scene, mesh: &Mesh) -> Option<Through<'a>> {
-    let (factor, map, cutoff) = match &scene.materials[mesh.material as usize].alpha {
-        Alpha::Opaque => return None,
+    let material = &scene.materials[mesh.material as usize];
+    let (factor, map, cutoff) = match &material.alpha {
+        Alpha::Opaque => match &material.transmission {
+            // The viewer knows alpha alone: a pane is as clear as its factor says.
+            Some(transmission) => (1.0 - transmission.factor, &None, -1.0),
+            None => return None,
+        },
         Alpha::Mask {
             cutoff,
             factor,

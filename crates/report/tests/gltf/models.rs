@@ -137,6 +137,7 @@ fn materials_of_an_obj_scene_come_back_as_they_were() {
                 dielectric,
                 ..
             } => phong_from_metallic_roughness(*base, *metallic, *roughness, *dielectric),
+            Surface::SpecularGlossiness { .. } => unreachable!(),
         };
         scene.meshes.iter().map(of).collect::<Vec<_>>()
     };

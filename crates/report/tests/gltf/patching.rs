@@ -244,3 +244,20 @@ fn textures_in_extensions_of_a_primitive_follow_a_moved_uv_set() {
         features([2, 0])
     );
 }
+
+#[test]
+fn vertex_colours_of_an_obj_come_back_from_its_glb() {
+    let dir = tempfile::tempdir().unwrap();
+    let input = dir.path().join("a.obj");
+    fs::write(
+        &input,
+        "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\n",
+    )
+    .unwrap();
+    let before = scene::load(&input).unwrap();
+    let path = write(&before, &layout(&before, false, 1), dir.path(), "a.glb");
+    let after = scene::load(&path).unwrap();
+    assert_eq!(after.meshes[0].colors, before.meshes[0].colors);
+    assert_eq!(after.meshes[0].colors[1], glam::Vec3::Y);
+    assert_valid(&[path]);
+}

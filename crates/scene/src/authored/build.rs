@@ -103,6 +103,7 @@ fn add(input: &mut Input, parts: &mut Parts, number: usize, given: Mesh) -> Resu
         positions: vectors(given.positions),
         normals: vectors(given.normals),
         tangents: Vec::new(),
+        colors: Vec::new(),
         alphas: Vec::new(),
         uv_sets: Vec::new(),
         triangles: given.triangles,
@@ -193,6 +194,7 @@ fn material(
         },
         emission,
         emission_map: None,
+        transmission: None,
         normal_map: None,
         double_sided: given.double_sided,
     })

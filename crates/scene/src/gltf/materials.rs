@@ -7,22 +7,17 @@ use crate::material::conserving;
 use crate::source::{Input, Uri, short, uri};
 use crate::validate::{Parts, clamped};
 use crate::{
-    Alpha, Error, Image, Material, NormalMap, PackedImage, Surface, TextureRef, WarningKind, Wrap,
+    Alpha, Error, Image, Material, NormalMap, PackedImage, Surface, TextureRef, Transmission,
+    WarningKind, Wrap,
 };
 use glam::Vec3;
 use gltf::json::material::{AlphaMode, Material as Json};
 use gltf::json::texture::{Info, MagFilter, Sampler, WrappingMode};
 use gltf::json::validation::Checked;
 use rayon::prelude::*;
+use serde_json::Value;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
-
-/// Material extensions without influence on ambient reflection, or read here; the others are counted.
-const SILENT: [&str; 3] = [
-    "KHR_materials_emissive_strength",
-    "KHR_materials_unlit",
-    "KHR_materials_dispersion",
-];
 
 /// Converts all materials, in file order, and decodes the images that they read. The image files behind URIs go to
 /// `files`, by image number.
@@ -42,13 +37,23 @@ pub(super) fn load(
         let name = json.name.clone().unwrap_or_else(|| format!("material {i}"));
         let normal_map = normal_map(input, data, json, &name, &packed)?;
         let pbr = &json.pbr_metallic_roughness;
-        let is_metal = pbr.metallic_factor.0 >= 1.0 && pbr.metallic_roughness_texture.is_none();
+        let is_metal = pbr.metallic_factor.0 >= 1.0
+            && pbr.metallic_roughness_texture.is_none()
+            && extension(json, SPECULAR_GLOSSINESS).is_none();
+        // The typed material has the default in either case.
+        let given =
+            data.document.json["materials"][i].pointer("/pbrMetallicRoughness/metallicFactor");
         input.warn(
             WarningKind::BlackMetals,
             format!("material `{name}`"),
             u64::from(is_metal && used.contains(&i)),
-            "all metal, so its albedo and `lambert` are black, as glTF has it where no metallicFactor is given; give it a metallicFactor \
-             of 0 (Metallic 0 in Blender) unless it is one",
+            if given.is_some() {
+                "all metal by its metallicFactor, so its albedo and `lambert` are black; give it a metallicFactor of 0 (Metallic 0 in \
+                 Blender) unless it is one"
+            } else {
+                "all metal, as glTF has it where no metallicFactor is given, so its albedo and `lambert` are black; give it a metallicFactor \
+                 of 0 (Metallic 0 in Blender) unless it is one"
+            },
         );
         parts.materials.push(Material {
             normal_map,
@@ -56,6 +61,56 @@ pub(super) fn load(
         });
     }
     Ok(())
+}
+
+/// What an extension of a material holds; `None` where it has not that extension.
+fn extension<'a>(json: &'a Json, name: &str) -> Option<&'a Value> {
+    json.extensions.as_ref()?.others.get(name)
+}
+
+/// The texture that an extension names under a key, if it can be read as one.
+fn named(extension: Option<&Value>, key: &str) -> Option<Info> {
+    serde_json::from_value(extension?.get(key)?.clone()).ok()
+}
+
+/// Three or more numbers that an extension holds under a key, or `or`.
+fn factors<const N: usize>(extension: &Value, key: &str, or: [f32; N]) -> [f32; N] {
+    let found = extension.get(key).cloned();
+    found
+        .and_then(|value| serde_json::from_value::<Vec<f32>>(value).ok())
+        .and_then(|values| values.try_into().ok())
+        .unwrap_or(or)
+}
+
+/// A number that an extension holds under a key, or `or`.
+fn factor(extension: &Value, key: &str, or: f32) -> f32 {
+    let found = extension.get(key).and_then(Value::as_f64);
+    found.map_or(or, |value| value as f32)
+}
+
+const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
+const TRANSMISSION: &str = "KHR_materials_transmission";
+
+/// The textures of a material that are decoded: of its surface, its emission and what it lets through.
+fn infos(json: &Json) -> Vec<Info> {
+    let pbr = &json.pbr_metallic_roughness;
+    let glossy = extension(json, SPECULAR_GLOSSINESS);
+    let surface = match glossy {
+        Some(_) => ["diffuseTexture", "specularGlossinessTexture"].map(|key| named(glossy, key)),
+        None => [
+            pbr.base_color_texture.clone(),
+            pbr.metallic_roughness_texture.clone(),
+        ],
+    };
+    // A factor of 0 keeps its texture dark.
+    let shines = json.emissive_factor.0.iter().any(|e| *e > 0.0);
+    let emissive = json.emissive_texture.clone().filter(|_| shines);
+    let transmission = named(extension(json, TRANSMISSION), "transmissionTexture");
+    surface
+        .into_iter()
+        .chain([emissive, transmission])
+        .flatten()
+        .collect()
 }
 
 fn material(
@@ -69,7 +124,21 @@ fn material(
     let pbr = &json.pbr_metallic_roughness;
     let mut changed = 0;
     let mut unit = |value: f32| clamped(value, 0.0, 1.0, 1.0, &mut changed);
-    let [r, g, b, opacity] = pbr.base_color_factor.0.map(&mut unit);
+    let glossy = extension(json, SPECULAR_GLOSSINESS);
+    let base = match glossy {
+        Some(glossy) => factors(glossy, "diffuseFactor", [1.0; 4]),
+        None => pbr.base_color_factor.0,
+    };
+    let [r, g, b, opacity] = base.map(&mut unit);
+    let gloss = glossy.map(|glossy| {
+        let specular = factors(glossy, "specularFactor", [1.0; 3]).map(&mut unit);
+        (
+            Vec3::from_array(specular),
+            unit(factor(glossy, "glossinessFactor", 1.0)),
+        )
+    });
+    let transmitted = extension(json, TRANSMISSION);
+    let transmitted = transmitted.map_or(0.0, |t| unit(factor(t, "transmissionFactor", 0.0)));
     let metallic = unit(pbr.metallic_factor.0) as f64;
     let roughness = unit(pbr.roughness_factor.0) as f64;
 
@@ -88,7 +157,7 @@ fn material(
     let strength = extensions
         .and_then(|e| e.others.get("KHR_materials_emissive_strength"))
         .and_then(|e| e.get("emissiveStrength"))
-        .and_then(serde_json::Value::as_f64)
+        .and_then(Value::as_f64)
         .map_or(1.0, |strength| {
             clamped(strength as f32, 0.0, f32::MAX, 1.0, &mut changed)
         });
@@ -116,23 +185,11 @@ fn material(
         json.normal_texture.is_some() as u64,
         "normalTexture is left out, the mesh's normals stand alone; --normal-maps takes it in",
     );
-    for other in extensions
-        .into_iter()
-        .flat_map(|e| e.others.keys())
-        .filter(|o| !SILENT.contains(&o.as_str()))
-    {
-        input.warn(
-            WarningKind::IgnoredExtensions,
-            place.as_str(),
-            1,
-            format!("{} is not modelled", short(other)),
-        );
-    }
-
-    let base_map = pbr
-        .base_color_texture
-        .as_ref()
-        .and_then(|info| texture(data, info, images));
+    let picture = |info: Option<Info>| info.and_then(|info| texture(data, &info, images));
+    let base_map = match glossy {
+        Some(_) => picture(named(glossy, "diffuseTexture")),
+        None => picture(pbr.base_color_texture.clone()),
+    };
     let alpha = match json.alpha_mode {
         Checked::Valid(AlphaMode::Mask) => Alpha::Mask {
             cutoff: json.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0),
@@ -145,14 +202,18 @@ fn material(
         },
         _ => Alpha::Opaque,
     };
-    let metallic_roughness_map = pbr
-        .metallic_roughness_texture
-        .as_ref()
-        .and_then(|info| texture(data, info, images));
+    let metallic_roughness_map = picture(pbr.metallic_roughness_texture.clone());
     let base = Vec3::new(r, g, b);
     let matt = dielectric == Vec3::ZERO && metallic == 0.0 && metallic_roughness_map.is_none();
-    let surface = match phong(json).filter(|_| matt) {
-        Some(Phong { specular, exponent }) => {
+    let surface = match (gloss, phong(json).filter(|_| matt)) {
+        (Some((specular, glossiness)), _) => Surface::SpecularGlossiness {
+            diffuse: base,
+            diffuse_map: base_map,
+            specular,
+            glossiness: glossiness.into(),
+            specular_glossiness_map: picture(named(glossy, "specularGlossinessTexture")),
+        },
+        (None, Some(Phong { specular, exponent })) => {
             let [albedo, specular] = conserving(input, &place, [base, specular]);
             Surface::Phong {
                 albedo,
@@ -161,7 +222,7 @@ fn material(
                 exponent,
             }
         }
-        None => Surface::MetallicRoughness {
+        (None, None) => Surface::MetallicRoughness {
             base,
             base_map,
             metallic,
@@ -180,6 +241,10 @@ fn material(
             .filter(|_| emission != Vec3::ZERO)
             .and_then(|info| texture(data, info, images)),
         alpha,
+        transmission: (transmitted > 0.0).then(|| Transmission {
+            factor: transmitted,
+            map: picture(named(extension(json, TRANSMISSION), "transmissionTexture")),
+        }),
         normal_map: None,
         double_sided: json.double_sided,
     }
@@ -327,15 +392,7 @@ fn images(
     let mut wanted: Vec<(usize, Encoded)> = Vec::new();
     let mut seen = vec![false; data.root.images.len()];
     for (m, material) in data.root.materials.iter().enumerate() {
-        let pbr = &material.pbr_metallic_roughness;
-        // A factor of 0 keeps its texture dark.
-        let shines = material.emissive_factor.0.iter().any(|e| *e > 0.0);
-        let emissive = material.emissive_texture.as_ref().filter(|_| shines);
-        for info in [&pbr.base_color_texture, &pbr.metallic_roughness_texture]
-            .into_iter()
-            .flatten()
-            .chain(emissive)
-        {
+        for info in infos(material) {
             // A texture without a source has it in an extension: KTX2, AVIF or the like.
             let texture = data.root.get(info.index);
             let source = texture.map_or(usize::MAX, |texture| source_of(data, texture));

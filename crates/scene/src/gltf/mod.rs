@@ -5,12 +5,11 @@
 //! and unwrap where the file is wrong. Everything here goes through `get` on the parsed JSON and through the checked
 //! byte ranges of `accessor.rs`; `vendor-notes/gltf.md` lists what was found.
 //!
-//! What is left out is counted as a warning: `points-and-lines`, `leftover-indices`, `uv-sets-after-a-gap`, `skins`,
-//! `morph-targets`, `ignored-extensions` (of materials), `unread-textures`,
-//! `missing-textures`, `clamped-factors`.
+//! What is read, and what is left out and counted as a warning, is the table of `conformance.rs`.
 
 mod accessor;
 mod compressed;
+pub mod conformance;
 mod container;
 mod document;
 mod elements;
@@ -49,6 +48,7 @@ pub(crate) fn load(input: &mut Input, format: Format) -> Result<Parts, Error> {
         .map_err(|e| input.invalid("JSON", format!("{e}; export the file again")))?;
     // The typed model drops what a bake does not read, so the document keeps plain values beside it.
     let root = root::parsed(input, &json)?;
+    conformance::warn(input, &json);
     // The file's own memory becomes the first buffer's.
     let bin = bin.map(|bin| {
         bytes.truncate(bin.end);

@@ -96,12 +96,16 @@ fn read(
         positions.ok_or_else(|| invalid("it has no POSITION; export the file again".into()))?;
     let normals = attribute(Semantic::Normals, Type::Vec3)?;
     let tangents = attribute(Semantic::Tangents, Type::Vec4)?;
-    let color = primitive
+    let mut color = primitive
         .attributes
         .get(&Checked::Valid(Semantic::Colors(0)))
         .map(|&index| data.open(index, &[Type::Vec3, Type::Vec4]))
         .transpose()
         .map_err(invalid)?;
+    // Integers are always shares here; a file that does not say so has the same numbers.
+    if let Some(color) = &mut color {
+        color.normalized = true;
+    }
     let mut uvs = Vec::new();
     while let Some(set) = attribute(Semantic::TexCoords(uvs.len() as u32), Type::Vec2)? {
         uvs.push(set);
@@ -154,9 +158,14 @@ fn read(
         tangents: tangents
             .map(|tangents| gather(&tangents, &used, Vec4::from_array))
             .unwrap_or_default(),
+        colors: match &color {
+            Some(rgb) if rgb.lanes() == Some(3) => gather(rgb, &used, Vec3::from_array),
+            Some(rgba) => gather(rgba, &used, |[r, g, b, _]| Vec3::new(r, g, b)),
+            None => Vec::new(),
+        },
         alphas: color
             .filter(|color| color.lanes() == Some(4))
-            .map(|color| gather(&color, &used, alpha))
+            .map(|color| gather(&color, &used, |[_, _, _, alpha]| alpha))
             .unwrap_or_default(),
         uv_sets: uvs
             .iter()
@@ -188,15 +197,6 @@ fn read(
         "indices that make no whole triangle are left out",
     );
     Ok(Some(mesh))
-}
-
-/// Alpha of a vertex colour; 1 where it is not finite.
-fn alpha([_, _, _, alpha]: [f32; 4]) -> f32 {
-    if alpha.is_nan() {
-        1.0
-    } else {
-        alpha.clamp(0.0, 1.0)
-    }
 }
 
 /// The triangles of section 3.7.2.1 of the specification, in its order of corners.

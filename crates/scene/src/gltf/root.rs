@@ -1,5 +1,6 @@
 //! The JSON of a glTF file, typed and validated: what is refused before anything is read from it.
 
+use super::conformance;
 use crate::Error;
 use crate::source::{Input, short};
 use gltf::json::accessor::Accessor;
@@ -7,30 +8,6 @@ use gltf::json::validation::{Error as Finding, Validate};
 use gltf::json::{Path as JsonPath, Root};
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
-
-/// Required extensions that hold no obstacle: they are implemented, have no influence on ambient reflection, or name textures in a
-/// format without which a scene can be baked, with a warning.
-const SUPPORTED: [&str; 19] = [
-    "EXT_mesh_gpu_instancing",
-    "EXT_meshopt_compression",
-    "EXT_texture_avif",
-    "EXT_texture_webp",
-    "KHR_animation_pointer",
-    "KHR_draco_mesh_compression",
-    "KHR_lights_punctual",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_specular",
-    "KHR_materials_unlit",
-    "KHR_materials_variants",
-    "KHR_mesh_quantization",
-    "KHR_meshopt_compression",
-    "KHR_node_visibility",
-    "KHR_texture_basisu",
-    "KHR_texture_transform",
-    "KHR_xmp_json_ld",
-    "MSFT_texture_dds",
-];
 
 /// The typed and validated document: of each element what a bake reads. Nothing else can have a file refused: animations, cameras,
 /// skins and other scenes may be as they like.
@@ -76,7 +53,7 @@ pub(super) fn parsed(input: &Input, json: &Value) -> Result<Root, Error> {
     if let Some(name) = root
         .extensions_required
         .iter()
-        .find(|name| !SUPPORTED.contains(&name.as_str()))
+        .find(|name| !conformance::is_supported(name))
     {
         return Err(unsupported(input, name));
     }

@@ -2,6 +2,7 @@
 
 use super::corners::NONE;
 use super::{File, name, number, polygon};
+use crate::lookup::linear;
 use crate::source::{Input, open, short, without_mark};
 use crate::{Error, WarningKind};
 use glam::{Vec2, Vec3};
@@ -164,10 +165,7 @@ impl State {
             .unwrap_or(line.len());
         let (keyword, rest) = line.split_at(end);
         match keyword {
-            b"v" => self
-                .file
-                .positions
-                .push(Vec3::from_array(numbers(rest, 3)?)),
+            b"v" => self.vertex(rest)?,
             b"vt" => {
                 let [u, v] = numbers(rest, 1)?;
                 self.file.uvs.push(Vec2::new(u, v));
@@ -202,6 +200,19 @@ impl State {
             }
             _ => {}
         }
+        Ok(())
+    }
+
+    /// A position, and where six numbers stand a colour in sRGB, as programs that write them have it.
+    fn vertex(&mut self, rest: &[u8]) -> Result<(), String> {
+        let [x, y, z, r, g, b] = numbers_or(rest, 3, f32::INFINITY)?;
+        if b != f32::INFINITY {
+            self.file
+                .colors
+                .resize(self.file.positions.len(), Vec3::ONE);
+            self.file.colors.push(Vec3::new(r, g, b).map(linear));
+        }
+        self.file.positions.push(Vec3::new(x, y, z));
         Ok(())
     }
 
@@ -291,9 +302,14 @@ impl State {
     }
 }
 
-/// Numbers of a line, at least `needed` of the `N`; the others are 0, further ones (colours, w) are left.
+/// Numbers of a line, at least `needed` of the `N`; the others are 0, further ones are left.
 fn numbers<const N: usize>(rest: &[u8], needed: usize) -> Result<[f32; N], String> {
-    let mut out = [0.0; N];
+    numbers_or(rest, needed, 0.0)
+}
+
+/// As [`numbers`], where the others are `absent`.
+fn numbers_or<const N: usize>(rest: &[u8], needed: usize, absent: f32) -> Result<[f32; N], String> {
+    let mut out = [absent; N];
     let mut words = rest
         .split(u8::is_ascii_whitespace)
         .filter(|word| !word.is_empty());

@@ -24,6 +24,8 @@ use std::collections::HashMap;
 #[derive(Default)]
 struct File {
     positions: Vec<Vec3>,
+    /// Linear colours of the first positions, as far as one was named; the others are white.
+    colors: Vec<Vec3>,
     uvs: Vec<Vec2>,
     normals: Vec<Vec3>,
     corners: Corners,
@@ -126,6 +128,7 @@ fn meshes(input: &mut Input, file: &mut File) -> Vec<Mesh> {
             positions: Vec::new(),
             normals: Vec::new(),
             tangents: Vec::new(),
+            colors: Vec::new(),
             alphas: Vec::new(),
             uv_sets: Vec::new(),
             triangles: kept,
@@ -166,6 +169,10 @@ fn meshes(input: &mut Input, file: &mut File) -> Vec<Mesh> {
         let mesh = &mut meshes[corner.part as usize];
         mesh.positions
             .push(file.positions[corner.position as usize]);
+        if !file.colors.is_empty() {
+            let color = file.colors.get(corner.position as usize);
+            mesh.colors.push(color.copied().unwrap_or(Vec3::ONE));
+        }
         if let Some(set) = mesh.uv_sets.first_mut() {
             // OBJ counts v upward from the bottom of the picture, glTF downward from its top.
             let uv = file
@@ -183,6 +190,6 @@ fn meshes(input: &mut Input, file: &mut File) -> Vec<Mesh> {
             );
         }
     }
-    (file.positions, file.uvs, file.normals) = Default::default();
+    (file.positions, file.colors, file.uvs, file.normals) = Default::default();
     meshes
 }

@@ -253,6 +253,7 @@ fn material(
         emission,
         emission_map: None,
         alpha,
+        transmission: None,
         normal_map,
         double_sided: true,
     })

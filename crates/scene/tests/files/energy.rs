@@ -2,7 +2,9 @@
 
 use super::support::{Document, Folder};
 use ambake_scene::authored::{Material, Mesh};
-use ambake_scene::{Scene, Surface, WarningKind, phong_from_metallic_roughness};
+use ambake_scene::{
+    Scene, Surface, WarningKind, phong_from_metallic_roughness, phong_from_specular_glossiness,
+};
 use glam::Vec3;
 use serde_json::json;
 use std::fmt::Write;
@@ -25,6 +27,12 @@ fn reflectances(scene: &Scene) -> Vec<(Vec3, Vec3)> {
         } => {
             let (albedo, specular, _) =
                 phong_from_metallic_roughness(base, metallic, roughness, dielectric);
+            (albedo, specular)
+        }
+        Surface::SpecularGlossiness {
+            diffuse, specular, ..
+        } => {
+            let (albedo, specular, _) = phong_from_specular_glossiness(diffuse, specular, 1.0);
             (albedo, specular)
         }
     };

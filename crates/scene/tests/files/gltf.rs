@@ -500,3 +500,148 @@ fn hidden_nodes_and_all_below_them_are_absent() {
     let error = document.load().unwrap_err().to_string();
     assert!(error.contains("hidden"), "{error}");
 }
+
+#[test]
+fn vertex_colours_of_every_type_multiply_base_colour_and_alpha() {
+    // Shares of 255: a corner of each.
+    let codes = [[255u8, 0, 51, 255], [0, 255, 102, 0], [51, 51, 255, 51]];
+    let shares = codes.map(|c| c.map(|c| f32::from(c) / 255.0));
+    for lanes in [3, 4] {
+        let of = |corner: usize| codes[corner][..lanes].to_vec();
+        let bytes: Vec<Vec<u8>> = (0..3).map(of).collect();
+        for (component, normalized) in [
+            (U8, true),
+            (U8, false),
+            (U16, true),
+            (U16, false),
+            (F32, false),
+        ] {
+            let mut document = Document::triangle();
+            let encoded = |code: &u8| match component {
+                U8 => vec![*code],
+                U16 => (u16::from(*code) * 257).to_le_bytes().to_vec(),
+                _ => (f32::from(*code) / 255.0).to_le_bytes().to_vec(),
+            };
+            // Vertices begin on multiples of four.
+            let vertex = |corner: &Vec<u8>| {
+                let mut bytes: Vec<u8> = corner.iter().flat_map(encoded).collect();
+                bytes.resize(bytes.len().next_multiple_of(4), 0);
+                bytes
+            };
+            let data: Vec<u8> = bytes.iter().flat_map(vertex).collect();
+            let color = document.accessor(
+                component,
+                if lanes == 3 { "VEC3" } else { "VEC4" },
+                3,
+                &data,
+            );
+            document.json["accessors"][color]["normalized"] = json!(normalized);
+            let view = document.json["accessors"][color]["bufferView"]
+                .as_u64()
+                .unwrap() as usize;
+            document.json["bufferViews"][view]["byteStride"] = json!(data.len() / 3);
+            document.primitive()["attributes"]["COLOR_0"] = json!(color);
+            let mesh = document.load().unwrap().meshes.remove(0);
+            let expected = shares.map(|[r, g, b, _]| Vec3::new(r, g, b));
+            assert_eq!(mesh.colors, expected, "{lanes} x {component}");
+            let alphas: &[f32] = if lanes == 3 {
+                &[]
+            } else {
+                &shares.map(|c| c[3])
+            };
+            assert_eq!(mesh.alphas, alphas, "{lanes} x {component}");
+        }
+    }
+    let mut white = Document::triangle();
+    let color = white.floats("VEC4", &[1.0; 12]);
+    white.primitive()["attributes"]["COLOR_0"] = json!(color);
+    let mesh = white.load().unwrap().meshes.remove(0);
+    assert!(mesh.colors.is_empty() && mesh.alphas.is_empty());
+}
+
+#[test]
+fn specular_glossiness_and_transmission_are_read_with_their_textures() {
+    let mut document = textured(json!([{ "source": 0 }]), |document| {
+        let view = document.view(&png(&[[255, 255, 255, 128]]));
+        json!([{ "bufferView": view, "mimeType": "image/png" }])
+    });
+    let texture = json!({ "index": 0 });
+    document.json["materials"] = json!([
+        { "alphaMode": "MASK", "extensions": { "KHR_materials_pbrSpecularGlossiness": {
+            "diffuseFactor": [0.5, 0.25, 1, 0.75], "diffuseTexture": texture, "specularFactor": [0.25, 0.5, 0],
+            "glossinessFactor": 0.5, "specularGlossinessTexture": texture } } },
+        { "alphaMode": "BLEND", "extensions": { "KHR_materials_pbrSpecularGlossiness": {} } },
+        { "pbrMetallicRoughness": { "metallicFactor": 0 }, "extensions": { "KHR_materials_transmission": {
+            "transmissionFactor": 0.75, "transmissionTexture": texture } } },
+        { "pbrMetallicRoughness": { "metallicFactor": 0 }, "extensions": { "KHR_materials_transmission": {} } },
+    ]);
+    let scene = document.load().unwrap();
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    let Surface::SpecularGlossiness {
+        diffuse,
+        diffuse_map: Some(_),
+        specular,
+        glossiness,
+        specular_glossiness_map: Some(_),
+    } = &scene.materials[0].surface
+    else {
+        panic!("{:?}", scene.materials[0].surface)
+    };
+    assert_eq!(
+        (*diffuse, *specular, *glossiness),
+        (Vec3::new(0.5, 0.25, 1.0), Vec3::new(0.25, 0.5, 0.0), 0.5)
+    );
+    assert!(matches!(
+        scene.materials[0].alpha,
+        Alpha::Mask {
+            factor: 0.75,
+            map: Some(_),
+            cutoff: 0.5
+        }
+    ));
+    let Surface::SpecularGlossiness {
+        diffuse,
+        specular,
+        glossiness,
+        ..
+    } = scene.materials[1].surface
+    else {
+        panic!()
+    };
+    assert_eq!(
+        (diffuse, specular, glossiness),
+        (Vec3::ONE, Vec3::ONE, 1.0),
+        "the defaults of its text"
+    );
+    assert!(
+        scene.materials[2]
+            .transmission
+            .as_ref()
+            .is_some_and(|t| t.factor == 0.75 && t.map.is_some())
+    );
+    assert!(!scene.materials[2].is_opaque());
+    assert!(scene.materials[3].is_opaque(), "a factor of 0");
+}
+
+#[test]
+fn black_metals_are_told_of_by_what_the_file_says() {
+    for (pbr, says) in [
+        (json!({}), "where no metallicFactor is given"),
+        (
+            json!({ "metallicFactor": 1 }),
+            "all metal by its metallicFactor",
+        ),
+    ] {
+        let mut document = Document::triangle();
+        document.json["materials"] = json!([{ "pbrMetallicRoughness": pbr }]);
+        document.primitive()["material"] = json!(0);
+        let warnings = document.load().unwrap().warnings;
+        assert_eq!(warnings.len(), 1, "{warnings:?}");
+        assert_eq!(warnings[0].kind, WarningKind::BlackMetals);
+        assert!(
+            warnings[0].message.contains(says),
+            "{}",
+            warnings[0].message
+        );
+    }
+}

@@ -72,6 +72,7 @@ fn reds(scene: &Scene) -> Vec<(u32, f32)> {
     let map = |material: &ambake_scene::Material| match &material.surface {
         Surface::MetallicRoughness { base_map, .. } => base_map.clone(),
         Surface::Phong { albedo_map, .. } => albedo_map.clone(),
+        Surface::SpecularGlossiness { diffuse_map, .. } => diffuse_map.clone(),
     };
     let maps = scene.materials.iter().map(|m| map(m).unwrap());
     maps.map(|map| (map.image, scene.color(&map, Vec2::ZERO).x))

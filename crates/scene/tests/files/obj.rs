@@ -403,3 +403,29 @@ fn materials_in_use_that_let_all_light_through_are_counted() {
     let kind = WarningKind::InvisibleMaterials;
     assert_eq!(places, [(kind, "material `a`"), (kind, "material `b`")]);
 }
+
+#[test]
+fn vertex_colours_in_srgb_tint_their_vertices_and_the_others_are_white() {
+    let scene = load(
+        "v 0 0 0\nv 1 0 0 1 0.5 0.04\nv 0 1 0 2\nv 0 0 1 nan 0 0\no a\nf 1 2 3\no b\nf 1 3 4\n",
+    );
+    // IEC 61966-2-1, by hand: ((0.5 + 0.055) / 1.055)^2.4 and 0.04 / 12.92.
+    let tint = Vec3::new(1.0, 0.214_041_14, 0.003_095_975_2);
+    let colors = &scene.meshes[0].colors;
+    assert_eq!(
+        (colors[0], colors[2]),
+        (Vec3::ONE, Vec3::ONE),
+        "a fourth number alone is no colour"
+    );
+    assert!(
+        (colors[1] - tint).abs().max_element() < 1e-7,
+        "{}",
+        colors[1]
+    );
+    assert_eq!(
+        scene.meshes[1].colors[2],
+        Vec3::new(1.0, 0.0, 0.0),
+        "NaN counts as 1"
+    );
+    assert_eq!(scene.warned(WarningKind::ClampedFactors), 1);
+}

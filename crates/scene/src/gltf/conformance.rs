@@ -1,0 +1,450 @@
+//! What of glTF 2.0 and of its extensions a bake reads: one table. Warnings are made from it, and the table of `docs/formats.md`, which a
+//! test holds to it.
+//!
+//! Sources: the glTF 2.0 specification, section 5; the extensions of its repository, `extensions/2.0`, on 26 November 2026, and those of
+//! other makers that are in wide use.
+
+use crate::WarningKind;
+use crate::source::{Input, short};
+use Support::{Approximated, Harmless, Honoured, NotRead};
+use WarningKind::IgnoredExtensions as Ignored;
+use serde_json::Value;
+
+/// What becomes of a property or an extension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Support {
+    /// It decides the bake as its text says.
+    Honoured,
+    /// It cannot change a bake.
+    Harmless,
+    /// It decides the bake, but not to the letter; the note says how.
+    Approximated,
+    /// It could change light, and is left out with a counted warning.
+    NotRead,
+}
+
+/// A line of the table.
+pub struct Row {
+    /// The extension, or properties of the core with what they belong to.
+    pub name: &'static str,
+    /// What becomes of it.
+    pub support: Support,
+    /// How it is read, or what is done without it.
+    pub note: &'static str,
+    /// What is counted of it. [`warn`] counts [`WarningKind::IgnoredExtensions`], what reads the property the others.
+    pub warning: Option<WarningKind>,
+    /// Geometry cannot be had without it, so a file that requires it is refused.
+    pub needed: bool,
+}
+
+const fn row(name: &'static str, support: Support, note: &'static str) -> Row {
+    Row {
+        name,
+        support,
+        note,
+        warning: None,
+        needed: false,
+    }
+}
+
+const fn told(name: &'static str, support: Support, note: &'static str, kind: WarningKind) -> Row {
+    Row {
+        warning: Some(kind),
+        ..row(name, support, note)
+    }
+}
+
+const fn needed(name: &'static str, note: &'static str) -> Row {
+    Row {
+        needed: true,
+        ..told(name, NotRead, note, Ignored)
+    }
+}
+
+/// The properties of the core.
+#[rustfmt::skip]
+pub const CORE: &[Row] = &[
+    row("accessor: bufferView, byteOffset, componentType, normalized, count, type, sparse", Honoured, ""),
+    row("accessor: min, max", Harmless, "bounds are those of the numbers themselves"),
+    row("animation", Harmless, "nodes are baked where they stand"),
+    row("asset: version", Honoured, "2.x"),
+    row("buffer: uri, byteLength", Honoured, "a file in the folder of the scene or below, or a data URI"),
+    row("bufferView: buffer, byteOffset, byteLength, byteStride", Honoured, ""),
+    row("bufferView: target", Harmless, ""),
+    row("camera, node: camera", Harmless, ""),
+    row("extras, name", Harmless, "names stand in reports; `extras.ambake` says what `docs/using.md` lists"),
+    row("image: uri, bufferView", Honoured, "PNG and JPEG by their bytes; WebP, BMP and TGA too"),
+    row("image: mimeType", Harmless, "the bytes say what they are"),
+    row("material: alphaMode, alphaCutoff", Honoured, "BLEND lets the share 1 - alpha of the light pass"),
+    row("material: doubleSided", Approximated, "every triangle blocks and reflects light on both sides; the back of a single-sided one sends out none of its own"),
+    row("material: emissiveFactor, emissiveTexture", Honoured, "a lamp, with `--bounces` and in pictures"),
+    told("material: normalTexture", Approximated, "with `--normal-maps` it bends normals; relief casts no shadow", WarningKind::IgnoredNormalMaps),
+    row("material: occlusionTexture", Harmless, "the bake's own takes its place"),
+    row("material: baseColorFactor, baseColorTexture", Honoured, ""),
+    row("material: metallicFactor, roughnessFactor, metallicRoughnessTexture", Approximated, "as Phong's model; with `--model ggx` as the specification has it"),
+    row("primitive: attributes POSITION, NORMAL, TANGENT, TEXCOORD_n, COLOR_0", Honoured, "`COLOR_0` multiplies base colour and alpha; its integers are shares, said or not"),
+    row("primitive: attributes COLOR_1 and above, _OWN", Harmless, "only programs of their own know them"),
+    row("primitive: indices, material", Honoured, "without a material a surface is white and matt"),
+    row("primitive: mode 4, 5, 6", Honoured, "triangles, strips and fans"),
+    told("primitive: mode 0, 1, 2, 3", NotRead, "points and lines have no area", WarningKind::PointsAndLines),
+    told("primitive: targets; mesh, node: weights", NotRead, "the base shape is baked", WarningKind::MorphTargets),
+    row("node: children, mesh, matrix, translation, rotation, scale", Honoured, ""),
+    told("skin, node: skin, attributes JOINTS_n, WEIGHTS_n", NotRead, "the mesh is baked where its node stands", WarningKind::Skins),
+    row("sampler: magFilter, wrapS, wrapT", Honoured, ""),
+    row("sampler: minFilter", Harmless, "a texel has the mean of points of the finest level"),
+    row("scene, scenes", Honoured, "the default scene, else the first, else all nodes"),
+    row("texture: source, sampler; textureInfo: index, texCoord", Honoured, ""),
+];
+
+/// The extensions.
+#[rustfmt::skip]
+pub const EXTENSIONS: &[Row] = &[
+    row("KHR_animation_pointer", Harmless, "as animations"),
+    row("KHR_draco_mesh_compression", Honoured, ""),
+    told("KHR_gaussian_splatting", NotRead, "splats are left out", Ignored),
+    row("KHR_interactivity", Harmless, ""),
+    told("KHR_lights_punctual", NotRead, "lights of the file are not baked; name them by `--sun` and `--point`", Ignored),
+    told("KHR_materials_anisotropy", NotRead, "highlights are round", Ignored),
+    told("KHR_materials_clearcoat", NotRead, "the surface is baked without its coat", Ignored),
+    told("KHR_materials_diffuse_transmission", NotRead, "no light passes the surface", Ignored),
+    row("KHR_materials_dispersion", Harmless, "light that passes is not bent"),
+    row("KHR_materials_emissive_strength", Honoured, ""),
+    row("KHR_materials_ior", Honoured, "as reflectance; light that passes is not bent"),
+    told("KHR_materials_iridescence", NotRead, "highlights have the colour of the surface without its film", Ignored),
+    row("KHR_materials_pbrSpecularGlossiness", Honoured, "in place of metallic and roughness"),
+    told("KHR_materials_sheen", NotRead, "the surface is baked without its sheen", Ignored),
+    told("KHR_materials_specular", Approximated, "factors are read, textures are not", WarningKind::UnreadTextures),
+    row("KHR_materials_transmission", Approximated, "light passes straight on, its share by the mean of the tint over the channels"),
+    told("KHR_materials_unlit", Approximated, "viewers show the surface without light; it is baked as a lit one of its base colour", Ignored),
+    row("KHR_materials_variants", Harmless, "the materials that primitives name are baked"),
+    told("KHR_materials_volume", NotRead, "light that passes keeps its direction, and its colour but for the surface's", Ignored),
+    row("KHR_mesh_quantization", Honoured, ""),
+    row("KHR_meshopt_compression", Honoured, ""),
+    row("KHR_node_hoverability", Harmless, ""),
+    row("KHR_node_selectability", Harmless, ""),
+    row("KHR_node_visibility", Honoured, "hidden nodes and all below them are absent"),
+    told("KHR_techniques_webgl", NotRead, "shaders are not run; the material is baked as its other properties say", Ignored),
+    told("KHR_texture_basisu", NotRead, "the core's picture is read; without one the factor stands alone", WarningKind::UnreadTextures),
+    row("KHR_texture_transform", Honoured, ""),
+    row("KHR_xmp", Harmless, ""),
+    row("KHR_xmp_json_ld", Harmless, ""),
+    row("EXT_instance_features", Harmless, ""),
+    told("EXT_lights_ies", NotRead, "lights of the file are not baked", Ignored),
+    told("EXT_lights_image_based", NotRead, "the sky of the file is not baked; name one by `--sky`", Ignored),
+    row("EXT_mesh_features", Harmless, "coordinates that it reads keep their set in the written GLB"),
+    row("EXT_mesh_gpu_instancing", Honoured, ""),
+    row("EXT_mesh_manifold", Harmless, ""),
+    row("EXT_mesh_primitive_edge_visibility", Harmless, ""),
+    needed("EXT_mesh_primitive_restart", "strips are read as one"),
+    row("EXT_meshopt_compression", Honoured, ""),
+    row("EXT_structural_metadata", Harmless, ""),
+    told("EXT_texture_astc", NotRead, "the core's picture is read; without one the factor stands alone", WarningKind::UnreadTextures),
+    told("EXT_texture_avif", NotRead, "the core's picture is read; without one the factor stands alone", WarningKind::UnreadTextures),
+    row("EXT_texture_webp", Honoured, ""),
+    row("MSFT_lod", Harmless, "the nodes of the scene are baked, the finest level"),
+    row("MSFT_packing_normalRoughnessMetallic", Harmless, "the core's textures are read"),
+    row("MSFT_packing_occlusionRoughnessMetallic", Harmless, "the core's textures are read"),
+    told("MSFT_texture_dds", NotRead, "the core's picture is read; without one the factor stands alone", WarningKind::UnreadTextures),
+    told("ADOBE_materials_clearcoat_specular", NotRead, "the surface is baked without its coat", Ignored),
+    told("ADOBE_materials_clearcoat_tint", NotRead, "the surface is baked without its coat", Ignored),
+    told("ADOBE_materials_thin_transparency", NotRead, "no light passes the surface but by KHR_materials_transmission", Ignored),
+    row("AGI_articulations", Harmless, ""),
+    row("AGI_stk_metadata", Harmless, ""),
+    row("CESIUM_RTC", Harmless, "the scene is baked about its own origin"),
+    row("CESIUM_primitive_outline", Harmless, ""),
+    row("FB_geometry_metadata", Harmless, ""),
+    row("GODOT_single_root", Harmless, ""),
+    row("GRIFFEL_bim_data", Harmless, ""),
+    row("MOZ_hubs_components", Harmless, ""),
+    row("MOZ_lightmap", Harmless, "a lightmap of an earlier bake adds no light to this one"),
+    needed("MPEG_accessor_timed", "the numbers of the file's own buffers are read"),
+    row("MPEG_animation_timing", Harmless, ""),
+    row("MPEG_audio_spatial", Harmless, ""),
+    needed("MPEG_buffer_circular", "the file's own buffers are read"),
+    row("MPEG_media", Harmless, "what plays is named by the extensions that use it"),
+    told("MPEG_mesh_linking", NotRead, "the mesh is baked as it stands in the file", Ignored),
+    told("MPEG_scene_dynamic", NotRead, "the scene is baked as it stands in the file", Ignored),
+    told("MPEG_texture_video", NotRead, "the texture's picture is read, not its video", Ignored),
+    row("MPEG_viewport_recommended", Harmless, ""),
+    told("NV_materials_mdl", NotRead, "the material is baked as its other properties say", Ignored),
+    row("OMI_physics_body", Harmless, ""),
+    row("OMI_physics_shape", Harmless, ""),
+    row("VRM", Harmless, ""),
+    told("VRMC_materials_mtoon", NotRead, "the material is baked as its other properties say", Ignored),
+    row("VRMC_node_constraint", Harmless, ""),
+    row("VRMC_springBone", Harmless, ""),
+    row("VRMC_vrm", Harmless, ""),
+    needed("WEB3D_quantized_attributes", "positions are read as they stand"),
+];
+
+/// The line of an extension.
+fn extension(name: &str) -> Option<&'static Row> {
+    EXTENSIONS.iter().find(|row| row.name == name)
+}
+
+/// Whether a file that requires an extension can be baked.
+pub(super) fn is_supported(name: &str) -> bool {
+    extension(name).is_some_and(|row| !row.needed)
+}
+
+/// Counts the extensions that could change light and are not read, and those that are not known, with the names of what has them.
+pub(super) fn warn(input: &mut Input, json: &Value) {
+    let mut document = Vec::new();
+    collect(json.get("extensions"), &mut document);
+    note(input, "the file", document);
+    let lists = json.as_object().into_iter().flatten();
+    for (key, list) in lists {
+        let what = key.strip_suffix('s').unwrap_or(key);
+        let what = if key == "meshes" { "mesh" } else { what };
+        for (i, item) in list.as_array().into_iter().flatten().enumerate() {
+            let mut names = Vec::new();
+            find(item, &mut names);
+            let place = match item.get("name").and_then(Value::as_str) {
+                Some(name) => format!("{what} `{}`", short(name)),
+                None => format!("{what} {i}"),
+            };
+            note(input, &place, names);
+        }
+    }
+}
+
+/// The names of all extensions in an element, those of its parts and of other extensions included.
+fn find<'a>(value: &'a Value, names: &mut Vec<&'a str>) {
+    match value {
+        Value::Object(fields) => {
+            collect(fields.get("extensions"), names);
+            let parts = fields
+                .iter()
+                .filter(|(key, _)| *key != "extras" && *key != "extensions");
+            parts.for_each(|(_, part)| find(part, names));
+        }
+        Value::Array(parts) => parts.iter().for_each(|part| find(part, names)),
+        _ => {}
+    }
+}
+
+/// The names under `extensions`, and what stands in them.
+fn collect<'a>(extensions: Option<&'a Value>, names: &mut Vec<&'a str>) {
+    for (name, content) in extensions.and_then(Value::as_object).into_iter().flatten() {
+        names.push(name);
+        find(content, names);
+    }
+}
+
+fn note(input: &mut Input, place: &str, mut names: Vec<&str>) {
+    names.sort_unstable();
+    names.dedup();
+    for name in names {
+        let message = match extension(name) {
+            Some(row) if row.warning == Some(Ignored) => format!("{name}: {}", row.note),
+            Some(_) => continue,
+            None => format!(
+                "{} is not known here; where it changes how surfaces look, the bake does not show it",
+                short(name)
+            ),
+        };
+        input.warn(Ignored, place, 1, message);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+    use std::fmt::Write;
+
+    /// The two tables as Markdown.
+    fn tables() -> String {
+        let mut text = String::new();
+        for (head, rows) in [("core", CORE), ("extension", EXTENSIONS)] {
+            let _ = write!(text, "| {head} | | how | counted as |\n|---|---|---|---|\n");
+            for row in rows {
+                let support = match row.support {
+                    Honoured => "honoured",
+                    Harmless => "harmless",
+                    Approximated => "approximated",
+                    NotRead => "not read",
+                };
+                let needed = if row.needed {
+                    "; refused where it is required"
+                } else {
+                    ""
+                };
+                let kind = row
+                    .warning
+                    .map_or(String::new(), |kind| format!("`{kind}`"));
+                let _ = writeln!(
+                    text,
+                    "| {} | {support} | {}{needed} | {kind} |",
+                    row.name, row.note
+                );
+            }
+            text.push('\n');
+        }
+        text
+    }
+
+    #[test]
+    fn the_page_on_formats_has_this_table() {
+        let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/formats.md");
+        let page = std::fs::read_to_string(page).unwrap();
+        let tables = tables();
+        assert!(page.contains(&tables), "docs/formats.md lacks:\n{tables}");
+    }
+
+    #[test]
+    fn what_is_not_read_is_counted_and_what_is_harmless_is_not() {
+        for row in CORE.iter().chain(EXTENSIONS) {
+            match row.support {
+                NotRead => assert!(row.warning.is_some(), "{}", row.name),
+                Honoured | Harmless => assert!(row.warning.is_none(), "{}", row.name),
+                Approximated => assert!(!row.note.is_empty(), "{}", row.name),
+            }
+            assert!(
+                row.support == Honoured || row.warning.is_none() || !row.note.is_empty(),
+                "{}",
+                row.name
+            );
+        }
+        let mut names: Vec<&str> = EXTENSIONS.iter().map(|row| row.name).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), EXTENSIONS.len());
+    }
+
+    /// A triangle of one material, edited.
+    fn loaded(edit: impl FnOnce(&mut Value)) -> Result<crate::Scene, crate::Error> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.gltf");
+        let corners = [0.0f32, 0., 0., 1., 0., 0., 0., 1., 0.];
+        let bin: Vec<u8> = corners.iter().flat_map(|v| v.to_le_bytes()).collect();
+        std::fs::write(folder.path().join("a.bin"), bin).unwrap();
+        let mut json = json!({
+            "asset": { "version": "2.0" },
+            "buffers": [{ "byteLength": 36, "uri": "a.bin" }],
+            "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
+            "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }],
+            "materials": [{ "name": "m", "pbrMetallicRoughness": { "metallicFactor": 0 } }],
+            "meshes": [{ "name": "m", "primitives": [{ "attributes": { "POSITION": 0 }, "material": 0 }] }],
+            "nodes": [{ "name": "n", "mesh": 0 }],
+            "textures": [{}],
+            "scenes": [{ "nodes": [0] }],
+        });
+        edit(&mut json);
+        std::fs::write(&path, json.to_string()).unwrap();
+        crate::load(&path)
+    }
+
+    /// Required, with this content in a place of the document.
+    fn extended(name: &str, at: &str, content: Value) -> Result<crate::Scene, crate::Error> {
+        loaded(|json| {
+            json["extensionsRequired"] = json!([name]);
+            json.pointer_mut(at).unwrap()["extensions"] = json!({ name: content });
+        })
+    }
+
+    #[test]
+    fn every_property_of_the_core_is_counted_or_silent_as_its_row_says() {
+        // One for each row: a pointer, and what is put there.
+        let points = json!([{ "attributes": { "POSITION": 0 } }, { "attributes": { "POSITION": 0 }, "mode": 0 }]);
+        let samples = [
+            ("/accessors/0/byteOffset", json!(0)),
+            ("/accessors/0/min", json!([5, 5, 5])),
+            ("/animations", json!([{ "channels": [], "samplers": [] }])),
+            ("/asset/version", json!("2.1")),
+            ("/buffers/0/name", json!("b")),
+            ("/bufferViews/0/byteStride", json!(12)),
+            ("/bufferViews/0/target", json!(34962)),
+            ("/cameras", json!([{}])),
+            ("/nodes/0/extras", json!({ "a": 1 })),
+            ("/images", json!([{ "uri": "gone.png" }])),
+            ("/images", json!([{ "mimeType": "image/x-odd" }])),
+            ("/materials/0/alphaMode", json!("BLEND")),
+            ("/materials/0/doubleSided", json!(true)),
+            ("/materials/0/emissiveFactor", json!([1, 1, 1])),
+            ("/materials/0/normalTexture", json!({ "index": 0 })),
+            ("/materials/0/occlusionTexture", json!({ "index": 0 })),
+            (
+                "/materials/0/pbrMetallicRoughness/baseColorFactor",
+                json!([1, 0, 0, 1]),
+            ),
+            (
+                "/materials/0/pbrMetallicRoughness/roughnessFactor",
+                json!(0.5),
+            ),
+            ("/meshes/0/primitives/0/attributes/COLOR_0", json!(0)),
+            ("/meshes/0/primitives/0/attributes/_OWN", json!(0)),
+            (
+                "/meshes/0/primitives",
+                json!([{ "attributes": { "POSITION": 0 } }]),
+            ),
+            ("/meshes/0/primitives/0/mode", json!(5)),
+            ("/meshes/0/primitives", points),
+            ("/meshes/0/primitives/0/targets", json!([{ "POSITION": 0 }])),
+            ("/nodes/0/translation", json!([1, 2, 3])),
+            ("/nodes/0/skin", json!(0)),
+            ("/samplers", json!([{ "wrapS": 33071 }])),
+            ("/samplers", json!([{ "minFilter": 9728 }])),
+            ("/scene", json!(0)),
+            ("/textures", json!([{}, {}])),
+        ];
+        assert_eq!(samples.len(), CORE.len());
+        for (row, (at, value)) in CORE.iter().zip(samples) {
+            let scene = loaded(|json| {
+                let (parent, key) = at.rsplit_once('/').unwrap();
+                json.pointer_mut(parent).unwrap()[key] = value;
+            });
+            let scene = scene.unwrap_or_else(|e| panic!("{}: {e}", row.name));
+            let kinds: Vec<WarningKind> = scene.warnings.iter().map(|w| w.kind).collect();
+            assert_eq!(kinds, row.warning.as_slice(), "{} at {at}", row.name);
+        }
+    }
+
+    #[test]
+    fn every_extension_is_counted_or_silent_as_its_row_says_wherever_it_stands() {
+        let places = [
+            "",
+            "/nodes/0",
+            "/meshes/0",
+            "/meshes/0/primitives/0",
+            "/materials/0",
+            "/textures/0",
+            "/scenes/0",
+        ];
+        for row in EXTENSIONS {
+            // These read what they hold where it stands.
+            let own = match row.name {
+                "EXT_mesh_gpu_instancing" | "KHR_draco_mesh_compression" => continue,
+                name => name,
+            };
+            for at in places {
+                let scene = extended(own, at, json!({}));
+                if row.needed {
+                    let error = scene.unwrap_err().to_string();
+                    assert!(error.contains(own), "{error}");
+                    continue;
+                }
+                let scene = scene.unwrap_or_else(|e| panic!("{own} at {at}: {e}"));
+                let counted = u64::from(row.warning == Some(Ignored));
+                assert_eq!(
+                    scene.warned(Ignored),
+                    counted,
+                    "{own} at {at}: {:?}",
+                    scene.warnings
+                );
+                let places: Vec<&str> = scene.warnings.iter().map(|w| w.place.as_str()).collect();
+                match (counted, at) {
+                    (0, _) => {}
+                    (_, "") => assert_eq!(places, ["the file"]),
+                    (_, "/nodes/0") => assert_eq!(places, ["node `n`"]),
+                    (_, "/textures/0") => assert_eq!(places, ["texture 0"]),
+                    (_, "/scenes/0") => assert_eq!(places, ["scene 0"]),
+                    (_, "/materials/0") => assert_eq!(places, ["material `m`"]),
+                    _ => assert_eq!(places, ["mesh `m`"]),
+                }
+            }
+        }
+        let error = extended("ACME_unheard_of", "/nodes/0", Value::Null).unwrap_err();
+        assert!(error.to_string().contains("ACME_unheard_of"), "{error}");
+    }
+}

@@ -1,0 +1,90 @@
+//! Small public files that users reported, where they lie beside the project: what is loaded of each is held against values found
+//! without ambake. Areas are those of the polygons as a parser of twenty lines in another language reads them; albedos follow from the
+//! materials by hand: 0.96 of a dielectric's base colour, 188 in sRGB for 0.502886.
+
+use crate::support::say;
+use std::path::Path;
+
+/// File, area of all surfaces in the world, mean albedo by area, and the kinds of its warnings in order.
+type Case = (&'static str, f64, f64, &'static [&'static str]);
+
+const CASES: &[Case] = &[
+    ("anim_without_node.glb", 6.0, 0.96, &[]),
+    ("anim_pointer.glb", 6.0, 0.96, &[]),
+    ("scene_without_nodes.glb", 6.0, 0.96, &[]),
+    ("khr_node_visibility_false.glb", 4.0, 0.96, &[]),
+    ("mesh_features.glb", 6.0, 0.96, &[]),
+    ("touching.glb", 22.0, 0.96, &[]),
+    ("sky_dome.glb", 60_036.0, 0.96, &[]),
+    ("steps_o.glb", 66.179_2, 0.96, &[]),
+    ("comb510.obj", 8.4, 1.0, &[]),
+    ("comb514.obj", 8.4, 1.0, &[]),
+    ("stairs_origin.obj", 82.279_2, 1.0, &[]),
+    ("bom_mtllib.obj", 24.0, 0.25, &[]),
+    ("bom_v.obj", 24.0, 1.0, &[]),
+    ("bom_short.obj", 3.414_213_56, 1.0, &[]),
+    ("cr_only.obj", 24.0, 1.0, &[]),
+    ("nan_ind.obj", 24.0, 1.0, &["bad-normals"]),
+    ("msvc_ind.obj", 24.0, 1.0, &["missing-uvs", "bad-uvs"]),
+    (
+        "vn_zero.obj",
+        24.0,
+        1.0,
+        &["ignored-normal-references", "bad-normals"],
+    ),
+    ("tr1.obj", 88.0, 1.0, &["invisible-materials"]),
+    ("color_alpha_f32.glb", 8.0, 0.96, &[]),
+    ("color_alpha_u8n.glb", 8.0, 0.96, &[]),
+    ("color_alpha_u16n.glb", 8.0, 0.96, &[]),
+    ("color_alpha_u8_notnorm.glb", 8.0, 0.96, &[]),
+    // A lid of 4 that is all hole, on a well of 20.
+    (
+        "specgloss_mask.glb",
+        24.0,
+        (20.0 * 0.96 + 4.0 * 0.502_886) / 24.0,
+        &[],
+    ),
+    // A lid of 4 that scatters nothing.
+    ("glass_lid.glb", 24.0, 20.0 * 0.96 / 24.0, &[]),
+];
+
+#[test]
+fn every_public_case_has_the_area_the_albedo_and_the_warnings_that_are_its_own() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/cases/files");
+    if !folder.is_dir() {
+        say("../shared/cases/files is not here");
+        return;
+    }
+    for &(file, area, albedo, warnings) in CASES {
+        let scene = scene::load(&folder.join(file)).unwrap_or_else(|e| panic!("{e}"));
+        let kinds: Vec<&str> = scene.warnings.iter().map(|w| w.kind.name()).collect();
+        assert_eq!(kinds, warnings, "{file}: {:?}", scene.warnings);
+        let [found, mean] = area_and_albedo(&scene);
+        // Positions are in f32.
+        assert!(
+            (found / area - 1.0).abs() < 1e-6,
+            "{file}: area {found}, not {area}"
+        );
+        assert!(
+            (mean - albedo).abs() < 1e-5,
+            "{file}: albedo {mean}, not {albedo}"
+        );
+    }
+}
+
+/// The area of all instances, and the mean of their albedos over it, all channels together, from the middles of triangles.
+fn area_and_albedo(scene: &scene::Scene) -> [f64; 2] {
+    let (mut area, mut sum) = (0.0, 0.0);
+    for (number, instance) in scene.instances.iter().enumerate() {
+        let mesh = &scene.meshes[instance.mesh as usize];
+        for (t, triangle) in mesh.triangles.iter().enumerate() {
+            let corner = |v: u32| mesh.positions[v as usize].as_dvec3();
+            let [a, b, c] = triangle.map(|v| instance.transform.transform_point3(corner(v)));
+            let own = (b - a).cross(c - a).length() / 2.0;
+            let material = rays::material_at(scene, number as u32, t as u32, [1.0 / 3.0; 3]);
+            area += own;
+            sum += own * material.albedo.element_sum() / 3.0;
+        }
+    }
+    [area, sum / area]
+}
