@@ -43,12 +43,14 @@ impl World {
     pub fn is_buried(&self, instance: u32, triangle: u32, weights: [f64; 3]) -> bool {
         let solids = self.solids();
         let position = blend(self.corners(instance, triangle), weights);
+        let own = solids.own(instance, triangle);
+        if solids.swallow(position, position, own) {
+            return true;
+        }
         let near = solids.about(position, position);
         let reach = self.reach(&near, position.abs().max_element());
         let point = position + NUDGE * reach * self.front(instance, triangle);
-        let own = solids.own(instance, triangle);
-        let depth = |&body: &u32| solids.depth(body, point, own);
-        near.iter().map(depth).sum::<i32>() > 0
+        solids.outweigh(&near, |body| solids.depth(body, point, own))
     }
 
     /// The same for many points of a triangle.
@@ -59,6 +61,17 @@ impl World {
         let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let around = |(low, high): (DVec3, DVec3), &p: &DVec3| (low.min(p), high.max(p));
         let (low, high) = corners.iter().fold(limits, around);
+        if solids.swallow(low, high, own) {
+            return Burial {
+                world: self,
+                instance,
+                triangle,
+                corners,
+                own,
+                depth: 1,
+                close: Some(Vec::new()),
+            };
+        }
         let mut near = solids.about(low, high);
         let reach = self.reach(&near, low.abs().max(high.abs()).max_element());
         let above = NUDGE * reach * self.front(instance, triangle);

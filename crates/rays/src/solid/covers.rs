@@ -6,7 +6,7 @@
 //! at it from its other side, so it covers nothing; nor does what lies in the surface itself, which takes no light from it.
 
 use super::Solids;
-use super::placed::{Among, Placed};
+use super::placed::{ABOUT, Placed, Sheet};
 use super::rims::{box_corners, plane};
 use crate::boxes::Boxes;
 use crate::solid::NUDGE;
@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// How far above a surface a sheet may lie to be asked for, in sizes of the sheet.
-const ABOVE: f64 = 1.0 / 32.0;
+const ABOVE: f64 = ABOUT;
 /// The cosine of the angle between a surface and what covers it, at least.
 const ALONG: f64 = 0.999;
 
@@ -67,18 +67,17 @@ impl Solids {
         self.covers.get(&self.surface_key(instance, triangle))
     }
 
-    pub(super) fn find_covers(&self) -> HashMap<(u32, u32), Covers> {
-        let placed = self.placed_surfaces();
-        let all = Among::of(placed.iter().collect());
-        let of = |sheet: &Placed| {
+    pub(super) fn find_covers(
+        &self,
+        placed: &[Placed],
+        sheets: &[Sheet],
+    ) -> HashMap<(u32, u32), Covers> {
+        let of = |sheet: &Sheet| {
+            let near = sheet.near.iter().map(|&other| &placed[other as usize]);
+            let sheet = &placed[sheet.place];
             let mut covered = Vec::new();
             if let Some((normal, at)) = plane(&self.scene, sheet) {
-                let slack = ABOVE * sheet.size();
-                let near = all.meeting(sheet.low - slack, sheet.high + slack);
-                let near = near.into_iter().map(|other| &placed[other]);
-                let is_covered = |other: &&Placed| {
-                    other.key != sheet.key && self.lies_under((normal, at), sheet, other)
-                };
+                let is_covered = |other: &&Placed| self.lies_under((normal, at), sheet, other);
                 covered.extend(near.filter(is_covered).map(|other| other.key));
             }
             let mut triangles = Vec::new();
@@ -93,7 +92,7 @@ impl Solids {
                 .into_iter()
                 .map(move |key| (key, triangles.clone(), above))
         };
-        let found: Vec<_> = placed.par_iter().flat_map_iter(of).collect();
+        let found: Vec<_> = sheets.par_iter().flat_map_iter(of).collect();
         let mut covers: HashMap<(u32, u32), Covers> = HashMap::new();
         for (key, triangles, above) in found {
             let of = covers.entry(key).or_default();

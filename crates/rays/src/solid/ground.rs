@@ -10,7 +10,7 @@
 //! The part behind is buried, for this surface alone. But a ground that has something else behind it which does not cross it, and is not
 //! small beside it, is none: people stand under an awning, and see what it is fastened to.
 
-use super::placed::{Among, CROSSES, NEAR, Placed, SMALL};
+use super::placed::{Among, CROSSES, NEAR, Placed, SMALL, Sheet, sheets};
 use super::topology::corners;
 use super::tree::SurfaceTree;
 use super::{Inside, Solids};
@@ -25,6 +25,9 @@ const LOOKS: usize = 64;
 const ALONG_EDGES: [f64; 3] = [0.23, 0.5, 0.77];
 /// The cosine of the angle at which one sheet may go on where another ends.
 const ALONG: f64 = 0.999;
+
+/// Pairs of a sheet and a surface near it that are looked at before what they say is taken together.
+const AT_ONCE: usize = 1 << 14;
 
 /// A closed body stands out in front of a ground at least this share of what it reaches behind it. A stone may be sunk by four fifths; what
 /// only pokes through a wall belongs to the other side.
@@ -106,12 +109,6 @@ impl Stand {
     }
 }
 
-/// A sheet, and how the surfaces near it stand to it, by their places in a list.
-struct Sheet {
-    place: usize,
-    near: Vec<(usize, Stand)>,
-}
-
 /// Sheets that go on in one another.
 struct Ground {
     /// Their numbers, in order.
@@ -147,27 +144,7 @@ impl Solids {
     fn rooted_in_grounds(&self) -> BTreeMap<Key, Vec<Key>> {
         let placed = self.placed_surfaces();
         let all = Among::of(placed.iter().collect());
-        let sheets: Vec<usize> = (0..placed.len())
-            .filter(|&place| placed[place].surface.front.is_some())
-            .collect();
-        let look = |&place: &usize| {
-            let sheet = &placed[place];
-            let slack = NEAR * sheet.size();
-            let near = all
-                .meeting(sheet.low - slack, sheet.high + slack)
-                .into_iter();
-            let stand = |other: usize| {
-                let tree = self.tree_of(sheet.shape, sheet.key.1);
-                let stand = Stand::of(&self.scene, sheet, tree, &placed[other]);
-                (other, stand)
-            };
-            let near = near.filter(|&other| other != place).map(stand);
-            Sheet {
-                place,
-                near: near.collect(),
-            }
-        };
-        let sheets: Vec<Sheet> = sheets.par_iter().map(look).collect();
+        let sheets = sheets(&all);
         let grounds = self.grounds(&placed, &sheets);
         // The size of what a surface is part of.
         let mut sizes: Vec<f64> = placed.iter().map(Placed::size).collect();
@@ -191,17 +168,25 @@ impl Solids {
             }
             at
         }
-        for (own, sheet) in sheets.iter().enumerate() {
+        let goes_on = |sheet: &Sheet| -> Vec<usize> {
             let of = &placed[sheet.place];
-            for (other, stand) in &sheet.near {
-                let Some(&next) = number.get(other) else {
-                    continue;
-                };
-                let other = &placed[*other];
-                if looks_alike(of, other) && (stand.is_level() || self.is_in_plane(of, other)) {
-                    let (a, b) = (root(&mut parent, own), root(&mut parent, next));
-                    parent[a.max(b)] = a.min(b);
-                }
+            let tree = self.tree_of(of.shape, of.key.1);
+            let is_level = |other| Stand::of(&self.scene, of, tree, other).is_level();
+            let is_one = |&(place, _): &(usize, usize)| {
+                let other = &placed[place];
+                is_near(of, other)
+                    && looks_alike(of, other)
+                    && (self.is_in_plane(of, other) || is_level(other))
+            };
+            let near = sheet.near.iter().map(|&other| other as usize);
+            let known = near.filter_map(|other| Some((other, *number.get(&other)?)));
+            known.filter(is_one).map(|(_, next)| next).collect()
+        };
+        let links: Vec<Vec<usize>> = sheets.par_iter().map(goes_on).collect();
+        for (own, links) in links.into_iter().enumerate() {
+            for next in links {
+                let (a, b) = (root(&mut parent, own), root(&mut parent, next));
+                parent[a.max(b)] = a.min(b);
             }
         }
         let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
@@ -235,14 +220,30 @@ impl Solids {
     ) -> Vec<(Key, Vec<Key>)> {
         let members = || ground.sheets.iter().map(|&sheet| &sheets[sheet]);
         let own: BTreeSet<Key> = members().map(|sheet| placed[sheet.place].key).collect();
+        let pairs = members().flat_map(|sheet| {
+            let near = sheet.near.iter().map(|&other| other as usize);
+            near.map(|other| (&placed[sheet.place], other))
+        });
+        let pairs: Vec<(&Placed, usize)> = pairs
+            .filter(|(sheet, other)| {
+                let other = &placed[*other];
+                !own.contains(&other.key) && is_near(sheet, other)
+            })
+            .collect();
+        let stand = |&(sheet, other): &(&Placed, usize)| {
+            let tree = self.tree_of(sheet.shape, sheet.key.1);
+            let stand = Stand::of(&self.scene, sheet, tree, &placed[other]);
+            stand.meets.then_some((other, stand))
+        };
         let mut stands: BTreeMap<usize, Stand> = BTreeMap::new();
-        for (other, stand) in members().flat_map(|sheet| &sheet.near) {
-            if !own.contains(&placed[*other].key) {
-                let merged = match stands.get(other) {
-                    Some(known) => known.with(stand),
-                    None => stand.with(stand),
+        for some in pairs.chunks(AT_ONCE) {
+            let found: Vec<(usize, Stand)> = some.par_iter().filter_map(stand).collect();
+            for (other, stand) in found {
+                let merged = match stands.get(&other) {
+                    Some(known) => known.with(&stand),
+                    None => stand,
                 };
-                stands.insert(*other, merged);
+                stands.insert(other, merged);
             }
         }
         let crossing: BTreeSet<Key> = (stands.iter())
@@ -290,11 +291,12 @@ impl Solids {
             return Vec::new();
         }
         let of = |sheet: &Sheet| {
-            let near = sheet.near.iter().map(|(other, _)| other);
-            let near = near.filter(|other| rooted.contains(other));
-            let mut keys: Vec<Key> = near.map(|&other| placed[other].key).collect();
+            let of = &placed[sheet.place];
+            let near = sheet.near.iter().map(|&other| other as usize);
+            let near = near.filter(|other| rooted.contains(other) && is_near(of, &placed[*other]));
+            let mut keys: Vec<Key> = near.map(|other| placed[other].key).collect();
             keys.sort_unstable();
-            (placed[sheet.place].key, keys)
+            (of.key, keys)
         };
         let each = members().map(of);
         each.filter(|(_, rooted)| !rooted.is_empty()).collect()
@@ -329,6 +331,12 @@ impl Solids {
             tree.is_ahead(&self.scene, inverse.transform_point3(middle), direction)
         })
     }
+}
+
+/// True where a surface's box meets that of a sheet, or nearly does.
+fn is_near(sheet: &Placed, other: &Placed) -> bool {
+    let slack = NEAR * sheet.size();
+    other.meets(sheet.low - slack, sheet.high + slack)
 }
 
 /// Where the front of a sheet looks.

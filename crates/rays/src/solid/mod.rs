@@ -35,15 +35,17 @@ mod tree;
 
 use crate::boxes::Boxes;
 pub use covers::Covers;
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, Vec3};
 pub use near::Near;
 use opening::Opening;
 use placed::placed_box;
 use rayon::prelude::*;
 pub use rims::Rim;
+use rims::box_corners;
 use scene::Scene;
 use shape::Shape;
 use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 use topology::{Surface, corners};
 use tree::SurfaceTree;
@@ -107,6 +109,9 @@ pub struct Solids {
     /// Where they are, and where bodies are that bury or lay open.
     room_boxes: Boxes,
     counting: Boxes,
+    cavities: Boxes,
+    /// The longest edge of their boxes.
+    longest: f64,
     /// What sheets cut off from placements' surfaces.
     rims: HashMap<(u32, u32), Vec<Rim>>,
     /// What may cover placements' surfaces.
@@ -119,34 +124,45 @@ impl Solids {
         let scene = Arc::clone(scene);
         let mut groups: Vec<Vec<u32>> = Vec::new();
         let mut group_of = HashMap::new();
-        let mut times = HashMap::new();
         for (index, instance) in scene.instances.iter().enumerate() {
             let place = instance.transform.to_cols_array().map(f64::to_bits);
-            // A mesh that stands twice at one place is two bodies.
-            let time = times.entry((instance.mesh, place)).or_insert(0u32);
-            let key = (instance.node, instance.copy, place, *time);
-            *time += 1;
+            let key = (instance.node, instance.copy, place);
             let group = *group_of.entry(key).or_insert(groups.len());
             if group == groups.len() {
                 groups.push(Vec::new());
             }
             groups[group].push(index as u32);
         }
+        let twins = twins(&scene);
         let mut shape_of: HashMap<Vec<u32>, u32> = HashMap::new();
         let mut lists: Vec<Vec<u32>> = Vec::new();
         let mut instances = vec![(0, 0, 0); scene.instances.len()];
-        let mut shape_of_group = Vec::with_capacity(groups.len());
-        for (placement, group) in groups.iter().enumerate() {
-            let mesh_of = |&instance: &u32| scene.instances[instance as usize].mesh;
-            let meshes: Vec<u32> = group.iter().map(mesh_of).collect();
+        // Copies that coincide are one body, or each would be asked about all of the others.
+        let mut known = HashMap::new();
+        let mut firsts: Vec<u32> = Vec::new();
+        for group in &groups {
+            let (mut meshes, mut numbers) = (Vec::new(), HashMap::new());
+            let number = |&instance: &u32| {
+                let mesh = twins[scene.instances[instance as usize].mesh as usize];
+                *numbers.entry(mesh).or_insert_with(|| {
+                    meshes.push(mesh);
+                    meshes.len() as u32 - 1
+                })
+            };
+            let members: Vec<u32> = group.iter().map(number).collect();
             let shape = *shape_of.entry(meshes.clone()).or_insert_with(|| {
                 lists.push(meshes);
                 lists.len() as u32 - 1
             });
-            for (mesh, &instance) in group.iter().enumerate() {
-                instances[instance as usize] = (shape, mesh as u32, placement as u32);
+            let transform = &scene.instances[group[0] as usize].transform;
+            let place = transform.to_cols_array().map(f64::to_bits);
+            let placement = *known.entry((shape, place)).or_insert_with(|| {
+                firsts.push(group[0]);
+                firsts.len() as u32 - 1
+            });
+            for (mesh, &instance) in members.into_iter().zip(group) {
+                instances[instance as usize] = (shape, mesh, placement);
             }
-            shape_of_group.push(shape);
         }
         let shapes: Vec<Shape> = lists
             .into_par_iter()
@@ -154,8 +170,9 @@ impl Solids {
             .collect();
         let mut bodies = Vec::new();
         let mut placements = HashMap::new();
-        for (placement, (group, &shape)) in groups.iter().zip(&shape_of_group).enumerate() {
-            let transform = scene.instances[group[0] as usize].transform;
+        for (placement, &first) in firsts.iter().enumerate() {
+            let transform = scene.instances[first as usize].transform;
+            let shape = instances[first as usize].0;
             for (surface, of) in shapes[shape as usize].surfaces.iter().enumerate() {
                 if of.volume == 0.0 {
                     continue;
@@ -178,10 +195,12 @@ impl Solids {
             bodies,
             instances,
             placements,
-            firsts: groups.iter().map(|group| group[0]).collect(),
+            firsts,
             rooms: Vec::new(),
             room_boxes: Boxes::default(),
             counting: Boxes::default(),
+            cavities: Boxes::default(),
+            longest: 0.0,
             rims: HashMap::new(),
             covers: HashMap::new(),
         };
@@ -190,10 +209,17 @@ impl Solids {
         solids.root();
         solids.root_in_rooms();
         let counting = (0..solids.bodies()).filter(|&body| solids.box_of(body).is_some());
-        solids.counting = solids.boxes_of(counting);
+        let counting: Vec<u32> = counting.collect();
+        let cavities = counting
+            .iter()
+            .copied()
+            .filter(|&body| solids.is_cavity(body));
+        solids.cavities = solids.boxes_of(cavities);
+        let extents = counting.iter().map(|&body| solids.extent(body));
+        solids.longest = extents.fold(0.0, f64::max);
+        solids.counting = solids.boxes_of(counting.into_iter());
         solids.room_boxes = solids.boxes_of(solids.rooms.iter().copied());
-        solids.rims = solids.find_rims();
-        solids.covers = solids.find_covers();
+        (solids.rims, solids.covers) = solids.rims_and_covers();
         solids
     }
 
@@ -321,6 +347,37 @@ impl Solids {
     /// is open to its own walls. A ground and a room count for what is rooted in them alone.
     pub fn depth(&self, body: u32, point: DVec3, own: Option<u32>) -> i32 {
         self.depth_by(body, point, own, |of| self.holds(of, point))
+    }
+
+    /// True where what bodies count is above 0 together; as few as tell are asked.
+    pub fn outweigh(&self, bodies: &[u32], mut depth: impl FnMut(u32) -> i32) -> bool {
+        let is_cavity = |body: &&u32| self.is_cavity(**body);
+        // All others only add to what cavities take.
+        let cavities = bodies.iter().filter(is_cavity);
+        let mut sum: i32 = cavities.map(|&body| depth(body)).sum();
+        let mut others = bodies.iter().filter(|body| !is_cavity(body));
+        others.any(|&body| {
+            sum += depth(body);
+            sum > 0
+        })
+    }
+
+    /// True where one solid other than `own` holds all of a box, clear of its surface, where no cavity is: nothing lays that open. It
+    /// spares who asks the other bodies about the box, which may be all of the scene.
+    pub fn swallow(&self, low: DVec3, high: DVec3, own: Option<u32>) -> bool {
+        let reach = self.longest.max(low.abs().max(high.abs()).max_element());
+        let (low, high) = (low - 2.0 * NUDGE * reach, high + 2.0 * NUDGE * reach);
+        let corners = box_corners(low, high).into_iter();
+        let is_about = |body: u32| {
+            let of = &self.bodies[body as usize];
+            let is_other = own != Some(body) && of.inside == Inside::Solid;
+            is_other && self.holds(of, low) && !self.meets(body, corners.clone())
+        };
+        !self.cavities.any(low, high, |_| true) && self.counting.any(low, high, is_about)
+    }
+
+    fn is_cavity(&self, body: u32) -> bool {
+        self.bodies[body as usize].inside == Inside::Cavity
     }
 
     fn depth_by(
@@ -464,6 +521,29 @@ impl Solids {
 fn grown(low: DVec3, high: DVec3) -> (DVec3, DVec3) {
     let slack = NUDGE * low.abs().max(high.abs()).max_element();
     (low - slack, high + slack)
+}
+
+/// For each mesh the first one with the same triangles at the same corners, of the same material.
+fn twins(scene: &Scene) -> Vec<u32> {
+    let hashes: Vec<u64> = (scene.meshes.par_iter())
+        .map(|mesh| {
+            let mut hash = DefaultHasher::new();
+            let bits = |p: &Vec3| p.to_array().map(f32::to_bits);
+            (mesh.positions.iter()).for_each(|p| bits(p).hash(&mut hash));
+            (&mesh.triangles, mesh.material).hash(&mut hash);
+            hash.finish()
+        })
+        .collect();
+    let mut first: HashMap<u64, u32> = HashMap::new();
+    let of = |(index, hash): (u32, &u64)| {
+        let twin = *first.entry(*hash).or_insert(index);
+        let [own, other] = [index, twin].map(|mesh| &scene.meshes[mesh as usize]);
+        let is_same = own.positions == other.positions
+            && own.triangles == other.triangles
+            && own.material == other.material;
+        if is_same { twin } else { index }
+    };
+    (0..).zip(&hashes).map(of).collect()
 }
 
 fn is_among(rooted: &[u32], own: Option<u32>) -> bool {

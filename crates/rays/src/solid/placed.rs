@@ -15,6 +15,12 @@ pub(super) const SMALL: f64 = 0.5;
 /// How far a crossing surface stands at least on either side, in sizes of its box: what only touches does not cross.
 pub(super) const CROSSES: f64 = 1e-5;
 
+/// How far about a sheet surfaces are near it, in its sizes: as far as anything is asked below.
+pub(super) const ABOUT: f64 = 1.0 / 32.0;
+/// Surfaces near sheets, for each surface of the scene, that are looked at; and so many in any scene.
+const MEETINGS: usize = 64;
+const FEW_MEETINGS: usize = 1 << 17;
+
 /// A surface where it is placed.
 pub(super) struct Placed<'a> {
     /// Placement and number of the surface.
@@ -101,6 +107,53 @@ impl<'a> Among<'a> {
     pub fn any_place(&self, low: DVec3, high: DVec3, holds: impl Fn(usize) -> bool) -> bool {
         self.boxes.any(low, high, |number| holds(number as usize))
     }
+}
+
+/// A sheet, and what its box or the air just about it meets, by their places in a list.
+pub(super) struct Sheet {
+    pub place: usize,
+    pub near: Vec<u32>,
+}
+
+/// The sheets of a scene with what is near them. Where sheets lie in a heap, all of them meet all others, and a heap of sheets tells
+/// nothing about what is hidden behind which. So sheets are asked from the largest down, as long as the surfaces near them are no more
+/// than so many for each surface of the scene: a time and a memory that grow with the scene, not with its square.
+pub(super) fn sheets(all: &Among) -> Vec<Sheet> {
+    let placed = &all.placed;
+    let is_sheet = |&place: &usize| placed[place].surface.front.is_some();
+    let mut places: Vec<usize> = (0..placed.len()).filter(is_sheet).collect();
+    places.sort_by(|&a, &b| {
+        placed[b]
+            .size()
+            .total_cmp(&placed[a].size())
+            .then(a.cmp(&b))
+    });
+    let mut left = most_meetings(placed.len());
+    let mut found = Vec::new();
+    for place in places {
+        let sheet = placed[place];
+        let slack = ABOUT * sheet.size();
+        let mut near = Vec::new();
+        let is_too_much = all
+            .boxes
+            .any(sheet.low - slack, sheet.high + slack, |other| {
+                near.extend((other as usize != place).then_some(other));
+                near.len() > left
+            });
+        if is_too_much {
+            break;
+        }
+        left -= near.len();
+        near.sort_unstable();
+        found.push(Sheet { place, near });
+    }
+    found.sort_unstable_by_key(|sheet| sheet.place);
+    found
+}
+
+/// How many surfaces near sheets are looked at in a scene of so many.
+pub(super) fn most_meetings(surfaces: usize) -> usize {
+    FEW_MEETINGS.max(MEETINGS * surfaces)
 }
 
 impl Solids {

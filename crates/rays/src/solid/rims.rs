@@ -5,7 +5,8 @@
 //! of a texel cannot be shown beside what is not. So who bakes may end the surface at the wall, whichever side of it is seen.
 
 use super::Solids;
-use super::placed::{Among, CROSSES, Placed};
+use super::covers::Covers;
+use super::placed::{Among, CROSSES, Placed, Sheet, sheets};
 use super::topology::corners;
 use crate::solid::NUDGE;
 use glam::DVec3;
@@ -15,6 +16,11 @@ use std::collections::HashMap;
 
 /// Faces of a surface of which each corner is looked at; of a larger one the box.
 const FEW: usize = 1000;
+
+/// Placement and number of a surface.
+type Key = (u32, u32);
+
+type Rims = HashMap<Key, Vec<Rim>>;
 
 /// What a flat sheet cuts off from a surface, thinner than an eighth of what it leaves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,25 +84,28 @@ impl Solids {
         self.rims.get(&key).map_or(&[], Vec::as_slice)
     }
 
-    pub(super) fn find_rims(&self) -> HashMap<(u32, u32), Vec<Rim>> {
+    pub(super) fn rims_and_covers(&self) -> (Rims, HashMap<Key, Covers>) {
         let placed = self.placed_surfaces();
-        let all = Among::of(placed.iter().collect());
-        let of = |sheet: &Placed| {
+        let sheets = sheets(&Among::of(placed.iter().collect()));
+        let rims = self.find_rims(&placed, &sheets);
+        (rims, self.find_covers(&placed, &sheets))
+    }
+
+    fn find_rims(&self, placed: &[Placed], sheets: &[Sheet]) -> Rims {
+        let of = |sheet: &Sheet| {
+            let near = sheet.near.iter().map(|&other| &placed[other as usize]);
+            let sheet = &placed[sheet.place];
             let mut cut = Vec::new();
             if let Some(plane) = plane(&self.scene, sheet) {
-                for other in all.meeting(sheet.low, sheet.high) {
-                    let other = &placed[other];
+                for other in near.filter(|other| other.meets(sheet.low, sheet.high)) {
                     let rim = Rim::of(&self.scene, plane, sheet, other);
-                    cut.extend(
-                        rim.filter(|_| other.key != sheet.key)
-                            .map(|rim| (other.key, rim)),
-                    );
+                    cut.extend(rim.map(|rim| (other.key, rim)));
                 }
             }
             cut
         };
-        let found: Vec<((u32, u32), Rim)> = placed.par_iter().flat_map_iter(of).collect();
-        let mut rims: HashMap<(u32, u32), Vec<Rim>> = HashMap::new();
+        let found: Vec<(Key, Rim)> = sheets.par_iter().flat_map_iter(of).collect();
+        let mut rims = Rims::new();
         for (key, rim) in found {
             rims.entry(key).or_default().push(rim);
         }

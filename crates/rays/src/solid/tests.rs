@@ -1,3 +1,4 @@
+mod cliffs;
 mod grounds;
 
 use super::*;
@@ -158,8 +159,9 @@ fn a_cavity_is_air_with_or_without_furniture() {
 }
 
 #[test]
-fn a_solid_does_not_bury_itself_but_its_twin_may() {
-    let solids = solids(vec![unit(false), unit(false)]);
+fn a_solid_does_not_bury_itself_but_one_that_lies_elsewhere_may() {
+    let moved = block(Vec3::X * 0.1, Vec3::ONE, false);
+    let solids = solids(vec![unit(false), moved]);
     let own = solids.own(0, 0).expect("closed");
     assert_eq!(solids.depth(own, INSIDE, Some(own)), 0);
     assert_ne!(solids.own(1, 0), Some(own));
