@@ -1,6 +1,7 @@
 //! What a bake writes and what it must never touch.
 
 use crate::support::{bake, files, report, run, run_well, scene};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -196,6 +197,147 @@ fn a_rebake_removes_what_the_earlier_one_listed_and_keeps_the_rest() {
         .expect("files")
         .len();
     assert_eq!(listed + 2, names.len(), "{names:?}");
+}
+
+/// Bakes a scene small into a folder.
+fn bake_into(folder: &Path, scene: &Path, more: &[&str]) {
+    let words = ["bake", text(scene), "-o", text(folder)];
+    let small = ["--size=32", "--rays=4", "--quiet"];
+    run_well([&words[..], &small, more].concat());
+}
+
+/// What every file of a folder holds, by its name.
+fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let read = |name: &String| fs::read(folder.join(name)).expect("a file");
+    let names = files(folder).into_iter();
+    names.map(|name| (name.clone(), read(&name))).collect()
+}
+
+#[test]
+fn scenes_that_share_a_folder_cost_each_other_nothing() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let folder = folder.path();
+    let (plane, corner) = (scene("plane.obj"), scene("corner.obj"));
+    bake_into(folder, &plane, &["--layers=bent"]);
+    let of_plane = contents(folder);
+    assert!(!of_plane.contains_key("plane.bake.json"), "it is alone");
+    bake_into(folder, &corner, &["--layers=validity"]);
+    let both = contents(folder);
+    for (name, bytes) in &of_plane {
+        let own = if name == "bake.json" {
+            "plane.bake.json"
+        } else {
+            name
+        };
+        assert!(both.get(own) == Some(bytes), "{name} of the first scene");
+    }
+    assert_eq!(both["bake.json"], both["corner.bake.json"]);
+    // Each removes leftovers of its own, whichever was baked last.
+    bake_into(folder, &plane, &[]);
+    let again = contents(folder);
+    let gone: Vec<&String> = both
+        .keys()
+        .filter(|name| !again.contains_key(*name))
+        .collect();
+    assert_eq!(gone, ["plane.0.bent.png"]);
+    for (name, bytes) in both.iter().filter(|(name, _)| name.starts_with("corner")) {
+        assert!(again.get(name) == Some(bytes), "{name} of the second scene");
+    }
+    assert_eq!(again["bake.json"], again["plane.bake.json"]);
+    assert!(report(folder)["scene"]["path"] == text(&plane));
+    bake_into(
+        folder,
+        &corner,
+        &["--layers=validity", "--update", text(folder)],
+    );
+    let update = report(folder)["update"].clone();
+    assert_eq!(update["share"], 0.0, "its own state: {update}");
+    bake_into(folder, &corner, &[]);
+    let gone: Vec<String> = again
+        .into_keys()
+        .filter(|name| !files(folder).contains(name))
+        .collect();
+    assert_eq!(gone, ["corner.0.validity.png"]);
+}
+
+#[test]
+fn a_scene_of_the_same_name_in_another_file_removes_nothing() {
+    let (folder, first) = copied(&["plane.obj"]);
+    let out = folder.path().join("out");
+    bake_into(&out, &first, &["--layers=bent"]);
+    let second = out.join("again").join("plane.obj");
+    fs::create_dir(out.join("again")).expect("a folder");
+    fs::copy(&first, &second).expect("copied");
+    bake_into(&out, &second, &[]);
+    assert!(out.join("plane.0.bent.png").exists());
+    // It is the same file where the whole project has moved.
+    bake_into(&out, &first, &["--layers=bent"]);
+    let elsewhere = tempfile::tempdir().expect("a temporary directory");
+    let moved = elsewhere.path().join("project");
+    fs::rename(folder.path(), &moved).expect("renamed");
+    bake_into(&moved.join("out"), &moved.join("plane.obj"), &[]);
+    assert!(!moved.join("out/plane.0.bent.png").exists());
+}
+
+#[test]
+fn a_rebake_keeps_what_was_edited_since() {
+    let (folder, _) = bake(
+        &scene("plane.obj"),
+        &["--size=32", "--rays=4", "--layers=bent,validity"],
+    );
+    let edited = folder.path().join("plane.0.bent.png");
+    fs::write(&edited, b"mine").expect("written");
+    bake_into(folder.path(), &scene("plane.obj"), &[]);
+    assert_eq!(fs::read(&edited).expect("it is there"), b"mine");
+    assert!(!folder.path().join("plane.0.validity.png").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_report_is_no_list_of_files_to_delete() {
+    let (folder, file) = copied(&["plane.obj", "masked_card.gltf", "masked_card.png"]);
+    let dir = folder.path();
+    let outside = tempfile::tempdir().expect("a temporary directory");
+    for name in [
+        "thesis.txt",
+        ".profile",
+        "plane.txt",
+        "plane.0.txt",
+        "plane.0.0.exr",
+        "plane.0.bent.png.txt",
+        "corner.0.bent.png",
+    ] {
+        fs::write(dir.join(name), name).expect("written");
+    }
+    fs::create_dir(dir.join("sub")).expect("a folder");
+    fs::write(dir.join("sub/plane.0.bent.png"), "mine").expect("written");
+    fs::write(outside.path().join("mine"), "mine").expect("written");
+    let link = dir.join("plane.0.validity.png");
+    std::os::unix::fs::symlink(outside.path().join("mine"), &link).expect("a link");
+    bake_into(dir, &file, &[]);
+    let before = files(dir);
+    let mut forged = report(dir);
+    let outside = outside.path().join("mine");
+    let others = [
+        "sub/plane.0.bent.png",
+        "./thesis.txt",
+        "sub",
+        text(&outside),
+        "..",
+        "",
+    ];
+    for name in before.iter().map(String::as_str).chain(others) {
+        forged["files"]
+            .as_array_mut()
+            .expect("a list")
+            .push(name.into());
+        let bytes = fs::read(dir.join(name)).unwrap_or_default();
+        forged["hashes"][name] = blake3::hash(&bytes).to_hex().as_str().into();
+    }
+    fs::write(dir.join("bake.json"), forged.to_string()).expect("written");
+    bake_into(dir, &file, &[]);
+    assert_eq!(files(dir), before);
+    assert!(dir.join("sub/plane.0.bent.png").exists() && outside.exists());
 }
 
 #[test]

@@ -26,7 +26,9 @@ impl Earlier {
     /// # Errors
     /// No finished bake is there.
     pub fn open(dir: &Path, scene: &Scene, verify: bool) -> Result<Self, Error> {
-        let report = report::read_bake_report(&dir.join("bake.json")).map_err(|error| {
+        let last = || report::read_bake_report(&dir.join(report::REPORT_FILE));
+        let own = report::read_record(dir, &scene.stem());
+        let report = own.map_or_else(last, Ok).map_err(|error| {
             let problem = format!("no finished bake to update from: {error}");
             Error::option("--update", problem)
         })?;

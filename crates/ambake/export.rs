@@ -52,15 +52,7 @@ pub fn export(
         lightmaps.extend(scenes.stage(&mut output, stem, &glb, &chosen)?);
     }
     report.lightmaps = lightmaps;
-    // `bake.json` stays the last.
-    report.files.retain(|name| name != "bake.json");
-    for name in output.names() {
-        if !report.files.contains(&name) {
-            report.files.push(name);
-        }
-    }
-    report.files.push("bake.json".into());
-    output.stage_bytes("bake.json", report.to_json().as_bytes())?;
+    report::stage_report(&mut output, &mut report, stem)?;
     let files = output.publish()?;
     Ok(Exported { report, files })
 }

@@ -13,12 +13,13 @@ use ::bake::{BakedPage, BounceStats, Bounces, Fingerprint, LayerPlanes, SeamStat
 use layers::Layer;
 use rayon::prelude::*;
 use report::{
-    BakeReport, LightSource, LightmapReport, Output, PageHeader, PageLight, PageReport,
+    BakeReport, Engine, LightSource, LightmapReport, Output, PageHeader, PageLight, PageReport,
     PhaseReport, ScenePictures, SeamReport, UpdateReport,
 };
 use serde_json::{Value, json};
 use std::borrow::Cow;
-use std::path::PathBuf;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// The sentence about normalisation that every output carries.
@@ -65,23 +66,11 @@ impl<'a> Writer<'a> {
     pub fn new(job: &'a Job, mut output: Output) -> Result<Self, Error> {
         let stem = job.scene().stem();
         output.protect(job.inputs());
-        let pages = 0..job.atlas().page_count;
-        let mut names = vec!["bake.json".to_owned(), format!("{stem}.glb")];
-        if job.baker_options().any_view().is_some() {
-            names.extend(report::any_view_files(&stem));
-        }
-        names.push(lit_name(&stem));
-        names.push(state::head_name(&stem));
-        let engines = &job.options().engines;
-        names.extend(report::scene_files(&stem, engines));
-        for page in pages {
-            names.push(page_name(&stem, page));
-            names.push(state::tiles_name(&stem, page));
-            let directional = job.options().layers.contains(&Layer::Sh);
-            let engines = &job.options().engines;
-            names.extend(report::engine_files(&stem, page, engines, directional));
-            let layers = job.options().layers.iter();
-            names.extend(layers.map(|&layer| preview_name(&stem, page, layer)));
+        let (engines, layers) = (&job.options().engines, &job.options().layers);
+        let any_view = job.baker_options().any_view().is_some();
+        let mut names = names_of_bake(&stem, engines, any_view);
+        for page in 0..job.atlas().page_count {
+            names.extend(names_of_page(&stem, page, engines, layers));
         }
         for name in names {
             output.check(&name)?;
@@ -198,8 +187,7 @@ impl<'a> Writer<'a> {
     ) -> Result<Written, Error> {
         let clock = Instant::now();
         let bytes = glb(self.job, self.pictures.as_deref())?;
-        self.output
-            .stage_bytes(&format!("{}.glb", self.stem), &bytes)?;
+        self.output.stage_bytes(&glb_name(&self.stem), &bytes)?;
         let engines = &self.job.options().engines;
         let pictures = &self.scene_pictures;
         let scenes = pictures.stage(&mut self.output, &self.stem, &bytes, engines)?;
@@ -224,9 +212,8 @@ impl<'a> Writer<'a> {
             update = report;
         }
         let any_view = any_view::stage(self.job, &mut self.output, &self.stem)?;
-        let mut names = self.output.names();
-        names.push("bake.json".into());
-        let mut report = report_of(self.job, &self.described, self.pages, names, phases);
+        let mut report = report_of(self.job, &self.described, self.pages, phases);
+        report.scene.file = scene_file(self.job, self.output.dir());
         if let Some(backend) = self.backend {
             report.versions.backend_version = backend;
         }
@@ -240,11 +227,10 @@ impl<'a> Writer<'a> {
         let missing = bounces.and_then(|stats| light_is_missing(self.job, &stats));
         report.warnings.extend(missing);
         report.warnings.extend(edited(self.job));
-        self.output
-            .stage_bytes("bake.json", report.to_json().as_bytes())?;
-        let stale = report::stale_files(self.output.dir(), &report.files);
+        let earlier = leftovers(self.output.dir(), &self.stem, &report);
+        self.output.supersede(earlier);
+        report::stage_report(&mut self.output, &mut report, &self.stem)?;
         let files = self.output.publish()?;
-        report::remove_stale(&stale);
         Ok(Written { report, files })
     }
 }
@@ -314,6 +300,71 @@ fn page_light<'a>(job: &Job, page: &'a BakedPage) -> Result<PageLight<'a>, Error
         }),
         diffuse,
     })
+}
+
+/// The scene's file as seen from `dir`; `None` where it has none.
+fn scene_file(job: &Job, dir: &Path) -> Option<String> {
+    let scene = job.scene();
+    let has_file = !scene.inputs.is_empty();
+    has_file.then(|| report::scene_file(dir, &scene.path))?
+}
+
+/// What an earlier bake of the same scene file listed in `dir` and may have left: names that no bake of a scene of this stem makes are
+/// nobody's to remove, whoever listed them.
+fn leftovers(dir: &Path, stem: &str, now: &BakeReport) -> Vec<(String, String)> {
+    let earlier = report::read_record(dir, stem);
+    let same = earlier.filter(|of| of.scene.file.is_some() && of.scene.file == now.scene.file);
+    let hashes = same.map(|earlier| earlier.hashes).unwrap_or_default();
+    hashes
+        .into_iter()
+        .filter(|(name, _)| is_made(stem, name))
+        .collect()
+}
+
+/// True for the name of a file that some bake of a scene of this stem makes.
+fn is_made(stem: &str, name: &str) -> bool {
+    let number = || {
+        let (number, _) = name
+            .strip_prefix(stem)?
+            .strip_prefix('.')?
+            .split_once('.')?;
+        number.parse().ok()
+    };
+    let (engines, layers): (Vec<_>, Vec<_>) = (Engine::all().collect(), Layer::all().collect());
+    let of_bake = names_of_bake(stem, &engines, true);
+    let of_page = number().map(|page| names_of_page(stem, page, &engines, &layers));
+    let mut made = of_bake.into_iter().chain(of_page.unwrap_or_default());
+    made.any(|made| made == name)
+}
+
+/// The names of files that a bake makes once.
+fn names_of_bake(stem: &str, engines: &[Engine], any_view: bool) -> Vec<String> {
+    let mut names = vec![
+        report::REPORT_FILE.into(),
+        report::record_name(stem),
+        report::REPORT_NAME.into(),
+        glb_name(stem),
+        lit_name(stem),
+        state::head_name(stem),
+    ];
+    if any_view {
+        names.extend(report::any_view_files(stem));
+    }
+    names.extend(report::scene_files(stem, engines));
+    names
+}
+
+/// The names of files that a bake makes for each page.
+fn names_of_page(stem: &str, page: u32, engines: &[Engine], layers: &[Layer]) -> Vec<String> {
+    let directional = layers.contains(&Layer::Sh);
+    let mut names = vec![page_name(stem, page), state::tiles_name(stem, page)];
+    names.extend(report::engine_files(stem, page, engines, directional));
+    names.extend(layers.iter().map(|&layer| preview_name(stem, page, layer)));
+    names
+}
+
+fn glb_name(stem: &str) -> String {
+    format!("{stem}.glb")
 }
 
 fn page_name(stem: &str, page: u32) -> String {
@@ -401,7 +452,6 @@ fn report_of(
     job: &Job,
     described: &Value,
     pages: Vec<PageReport>,
-    files: Vec<String>,
     phases: Vec<PhaseReport>,
 ) -> BakeReport {
     let (scene, options) = (job.scene(), job.options());
@@ -439,6 +489,7 @@ fn report_of(
         warnings: job.warnings(),
         notes: job.atlas().notes.clone(),
         lightmaps: Vec::new(),
-        files,
+        files: Vec::new(),
+        hashes: BTreeMap::new(),
     }
 }

@@ -44,12 +44,14 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 /// Writes `DIR/report.html` and adds it to the files that `DIR/bake.json` lists, so that a rebake removes or replaces it.
 pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
     let json_path = dir.join("bake.json");
-    let bake = report::read_bake_report(&json_path)?;
-    let text = text_file(&json_path)?;
-    let mut json: Value = serde_json::from_str(&text)?;
-    let listed = bake.files.iter().any(|name| name == REPORT_NAME);
-    if let (false, Some(names)) = (listed, json["files"].as_array_mut()) {
-        names.push(REPORT_NAME.into());
+    let mut bake = report::read_bake_report(&json_path)?;
+    let mut json: Value = serde_json::from_str(&text_file(&json_path)?)?;
+    // What is embedded says nothing of the file that it is embedded in, so that a second one has the same bytes.
+    if let Some(names) = json["files"].as_array_mut() {
+        names.retain(|name| name != REPORT_NAME);
+    }
+    if let Some(hashes) = json["hashes"].as_object_mut() {
+        hashes.shift_remove(REPORT_NAME);
     }
     let files = report::page_files(dir, &bake)?;
     let stem = files.first().map_or("", |file| file.stem.as_str());
@@ -98,10 +100,7 @@ pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
     };
     let mut output = Output::create(dir)?;
     output.stage_bytes(REPORT_NAME, viewer.html().as_bytes())?;
-    if !listed {
-        let text = serde_json::to_string_pretty(&json)? + "\n";
-        output.stage_bytes("bake.json", text.as_bytes())?;
-    }
+    report::stage_report(&mut output, &mut bake, stem)?;
     output.publish()?;
     Ok(dir.join(REPORT_NAME))
 }

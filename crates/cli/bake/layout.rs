@@ -9,7 +9,7 @@ use report::Output;
 
 /// Runs the verb.
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    Output::create(&args.output)?;
+    let _folder = Output::create(&args.output)?.folder();
     host::set_threads(args.common.threads)?;
     let scene = ambake::load(&args.scene)?;
     let layout = options::bake(&scene, &args.job, &args.common)?.lay_out()?;

@@ -82,10 +82,10 @@ fn folder_of(args: &Args, scene: &Path) -> PathBuf {
 /// Bakes a scene into a folder.
 fn one(args: &Args, scene: &Path, output: &Path, stop: &Stop) -> anyhow::Result<Outcome> {
     // A directory that cannot be written, or is another bake's, is found before the scene is loaded. Shards share theirs.
-    drop(match args.shard {
-        Some(_) => Output::create(output)?,
-        None => Output::exclusive(output)?,
-    });
+    let _folder = match args.shard {
+        Some(_) => Output::create(output)?.folder(),
+        None => Output::exclusive(output)?.folder(),
+    };
     let typed: Vec<OsString> = std::env::args_os().collect();
     let target = Target {
         dir: output,

@@ -29,7 +29,7 @@ const KEPT: &str = ".ambake-watch";
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let stop = Stop::listen()?;
     host::set_threads(args.common.threads)?;
-    drop(Output::exclusive(&args.output)?);
+    let _folder = Output::exclusive(&args.output)?.folder();
     let mut files = Files::default();
     loop {
         files.look_at(&[

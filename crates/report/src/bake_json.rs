@@ -2,6 +2,7 @@
 
 use crate::{Error, check_regular};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The layout of [`BakeReport`] that this version writes and reads. It grows when a field changes its meaning or goes.
@@ -66,8 +67,11 @@ pub struct BakeReport {
     /// Lightmaps made for engines.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lightmaps: Vec<crate::LightmapReport>,
-    /// Every file written beside this one, by name.
+    /// Every file that was written, by name, this one included.
     pub files: Vec<String>,
+    /// Blake3 of each of them as it was written, in hex. Those of reports lack: they would have to hold their own.
+    #[serde(default)]
+    pub hashes: BTreeMap<String, String>,
 }
 
 /// What an update baked and what it kept.
@@ -105,6 +109,9 @@ pub struct Versions {
 pub struct SceneReport {
     /// Path as given; `scene` without a file.
     pub path: String,
+    /// The file as seen from the output folder, links resolved; absent without a file, or where that is not in UTF-8.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
     /// `obj`, `gltf`, `glb`, or `memory` without a file.
     pub format: String,
     /// Blake3 over all bytes read or handed over.
@@ -280,6 +287,7 @@ impl SceneReport {
         let triangles = |mesh: &scene::Mesh| mesh.triangles.len() as u64;
         SceneReport {
             path: scene.path.display().to_string(),
+            file: None,
             format: match scene.format {
                 scene::Format::Obj => "obj",
                 scene::Format::Gltf => "gltf",
@@ -453,6 +461,7 @@ pub(crate) mod tests {
             notes: vec!["TEXCOORD_0 overlaps itself".into()],
             lightmaps: Vec::new(),
             files: vec!["a.0.exr".into()],
+            hashes: [("a.0.exr".into(), "00".into())].into(),
         }
     }
 

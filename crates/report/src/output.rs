@@ -2,8 +2,9 @@
 
 use crate::Error;
 use crate::lock::Lock;
+use crate::regular::{hash_of, hash_own};
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tempfile::{NamedTempFile, TempDir, TempPath};
@@ -17,13 +18,24 @@ pub struct Output {
     dir: PathBuf,
     /// Files that no output may replace.
     inputs: Vec<PathBuf>,
-    staged: Vec<(TempPath, PathBuf)>,
+    staged: Vec<Staged>,
+    /// Names of files that go when the set is published, each with the hash of its content.
+    superseded: Vec<(String, String)>,
     /// Where files wait for their names.
     staging: Staging,
     /// Held for as long as nobody else may bake into `dir`.
     _lock: Option<Lock>,
     /// Dropped last, when nothing staged is left.
-    _made: Made,
+    folder: Folder,
+}
+
+/// A file that waits for its name.
+#[derive(Debug)]
+struct Staged {
+    file: TempPath,
+    path: PathBuf,
+    /// Blake3 of its content, in hex.
+    hash: String,
 }
 
 /// A folder of temporary files inside an output directory, locked for as long as its process lives: one that is there and not locked, a
@@ -37,17 +49,18 @@ struct Staging {
 /// How names of such folders begin.
 const STAGING: &str = ".ambake-staged-";
 
+/// How often a folder is made that other runs take away. Each of those that start or fail at this very moment may do so once.
+const TRIES: usize = 10_000;
+
 impl Staging {
-    /// A new one in `dir`.
+    /// A new one in `dir`; [`ErrorKind::NotFound`] where `dir` went, or where another run took the new one for a leftover before it was
+    /// locked.
     fn make(dir: &Path) -> io::Result<Self> {
-        loop {
-            let folder = tempfile::Builder::new().prefix(STAGING).tempdir_in(dir)?;
-            // Another run may take it for a leftover before it is locked, and remove it.
-            let lock = Lock::of(&File::open(folder.path())?)?;
-            match lock {
-                Some(_lock) if folder.path().is_dir() => return Ok(Self { folder, _lock }),
-                _ => {}
-            }
+        let folder = tempfile::Builder::new().prefix(STAGING).tempdir_in(dir)?;
+        let lock = Lock::of(&File::open(folder.path())?)?;
+        match lock {
+            Some(_lock) if folder.path().is_dir() => Ok(Self { folder, _lock }),
+            _ => Err(ErrorKind::NotFound.into()),
         }
     }
 
@@ -68,22 +81,25 @@ impl Staging {
     }
 }
 
-/// Directories that an output made, the innermost first; those that are empty in the end go again.
-#[derive(Debug)]
-struct Made(Vec<PathBuf>);
+/// The directories that an output made, the innermost first. Those that hold nothing when this is dropped go again: a job that may fail
+/// keeps it until its end.
+#[derive(Debug, Default)]
+pub struct Folder(Vec<PathBuf>);
 
-impl Made {
+impl Folder {
     /// Makes `dir` and its parents.
-    fn make(dir: &Path) -> io::Result<Self> {
+    fn make(&mut self, dir: &Path) -> io::Result<()> {
         let absent = |dir: &&Path| !dir.as_os_str().is_empty() && !dir.exists();
         let absent = dir.ancestors().take_while(absent).map(Path::to_owned);
-        let made = Self(absent.collect());
-        fs::create_dir_all(dir)?;
-        Ok(made)
+        let absent: Vec<PathBuf> = absent.collect();
+        if absent.len() > self.0.len() {
+            self.0 = absent;
+        }
+        fs::create_dir_all(dir)
     }
 }
 
-impl Drop for Made {
+impl Drop for Folder {
     fn drop(&mut self) {
         for dir in &self.0 {
             // One that holds something stays.
@@ -108,16 +124,23 @@ impl Output {
         if dir.exists() && !dir.is_dir() {
             return Err(fail("a file of that name exists".into()));
         }
-        let made = Made::make(dir).map_err(|e| fail(e.to_string()))?;
+        let mut folder = Folder::default();
+        let mut tries = 0..TRIES;
+        let staging = loop {
+            match folder.make(dir).and_then(|()| Staging::make(dir)) {
+                Err(error) if error.kind() == ErrorKind::NotFound && tries.next().is_some() => {}
+                made => break made.map_err(|e| fail(e.to_string()))?,
+            }
+        };
         Staging::sweep(dir);
-        let staging = Staging::make(dir).map_err(|e| fail(e.to_string()))?;
         Ok(Output {
             dir: dir.to_owned(),
             inputs: Vec::new(),
             staged: Vec::new(),
+            superseded: Vec::new(),
             staging,
             _lock: None,
-            _made: made,
+            folder,
         })
     }
 
@@ -174,6 +197,19 @@ impl Output {
         &self.dir
     }
 
+    /// Gives the set and the lock up. The directory stays at least until what is returned is dropped.
+    pub fn folder(self) -> Folder {
+        self.folder
+    }
+
+    /// Has files of an earlier set removed when this one is published, each by its name and the Blake3 hash of its content in hex. One that
+    /// holds anything else by then stays, as do inputs, links and what this set writes.
+    pub fn supersede(&mut self, earlier: impl IntoIterator<Item = (String, String)>) {
+        let plain = |name: &str| Path::new(name).file_name() == Some(name.as_ref());
+        let earlier = earlier.into_iter().filter(|(name, _)| plain(name));
+        self.superseded.extend(earlier);
+    }
+
     /// Stages one file called `name`: `write` fills it, then it is flushed to the disk under a temporary name.
     ///
     /// An error of `write` whose path is empty is given the file's final name.
@@ -195,10 +231,15 @@ impl Output {
             } if empty.as_os_str().is_empty() => Error::write(&path, source),
             other => other,
         })?;
-        file.as_file()
-            .sync_all()
-            .map_err(|e| Error::write(&path, e))?;
-        self.staged.push((file.into_temp_path(), path));
+        let hash = hash_of(file.as_file_mut()).and_then(|hash| {
+            file.as_file().sync_all()?;
+            Ok(hash)
+        });
+        self.staged.push(Staged {
+            hash: hash.map_err(|e| Error::write(&path, e))?,
+            file: file.into_temp_path(),
+            path,
+        });
         Ok(())
     }
 
@@ -213,29 +254,41 @@ impl Output {
         })
     }
 
-    /// Names of the staged files, in the order of staging.
-    pub fn names(&self) -> Vec<String> {
-        let name = |path: &PathBuf| path.file_name().map(|n| n.to_string_lossy().into_owned());
-        self.staged
-            .iter()
-            .filter_map(|(_, path)| name(path))
-            .collect()
+    /// The staged files in the order of staging: the name of each, and the Blake3 hash of its content in hex.
+    pub fn listed(&self) -> Vec<(String, String)> {
+        let listed = |staged: &Staged| {
+            let name = staged.path.file_name()?.to_string_lossy().into_owned();
+            Some((name, staged.hash.clone()))
+        };
+        self.staged.iter().filter_map(listed).collect()
     }
 
-    /// Renames every staged file to its final name, in the order of staging (stage `bake.json` last), and returns the names.
+    /// Renames every staged file to its final name, in the order of staging (stage `bake.json` last), removes what the set supersedes, and
+    /// returns the names.
     ///
     /// # Errors
     /// [`Error::Write`]. A name taken by a directory is found before the first rename.
     pub fn publish(self) -> Result<Vec<PathBuf>, Error> {
-        if let Some((_, path)) = self.staged.iter().find(|(_, path)| path.is_dir()) {
-            return Err(Error::write(path, io::ErrorKind::IsADirectory.into()));
+        if let Some(taken) = self.staged.iter().find(|staged| staged.path.is_dir()) {
+            return Err(Error::write(&taken.path, ErrorKind::IsADirectory.into()));
         }
+        let superseded = self.superseded.iter().filter(|(name, _)| {
+            let written = self.staged.iter().any(|s| s.path == self.dir.join(name));
+            !written && self.check(name).is_ok()
+        });
+        let superseded: Vec<_> = superseded.cloned().collect();
         let mut names = Vec::with_capacity(self.staged.len());
-        for (temporary, path) in self.staged {
-            temporary
-                .persist(&path)
+        for Staged { file, path, .. } in self.staged {
+            file.persist(&path)
                 .map_err(|e| Error::write(&path, e.error))?;
             names.push(path);
+        }
+        for (name, hash) in superseded {
+            let path = self.dir.join(name);
+            if hash_own(&path).is_ok_and(|found| found == hash) {
+                // One that cannot be removed stays; it is not listed any more.
+                let _ = fs::remove_file(path);
+            }
         }
         // The names themselves reach the disk with the directory; a file system that cannot sync one still has them.
         let _ = File::open(&self.dir).and_then(|dir| dir.sync_all());
@@ -257,27 +310,6 @@ fn same_file(a: &Path, b: &Path) -> bool {
         return real_a == real_b;
     }
     false
-}
-
-/// Files that an earlier `bake.json` in `dir` lists and that are not among `names`: leftovers of an earlier bake. Only files directly in `dir`
-/// count; without a readable `bake.json` there are none.
-pub fn stale_files(dir: &Path, names: &[String]) -> Vec<PathBuf> {
-    let Ok(earlier) = crate::read_bake_report(&dir.join("bake.json")) else {
-        return Vec::new();
-    };
-    let plain = |name: &String| Path::new(name).file_name() == Some(name.as_ref());
-    let stale = earlier
-        .files
-        .iter()
-        .filter(|name| plain(name) && !names.contains(name));
-    stale.map(|name| dir.join(name)).collect()
-}
-
-/// Removes leftovers of an earlier bake. One that cannot be removed stays; it is not listed any more.
-pub fn remove_stale(files: &[PathBuf]) {
-    for file in files {
-        let _ = fs::remove_file(file);
-    }
 }
 
 /// Copies of some files of a directory in another, which is made where it is absent; all of them or none.
@@ -370,12 +402,7 @@ mod tests {
         fs::write(dir.path().join("x.png"), b"good").unwrap();
         let mut out = Output::create(dir.path()).unwrap();
         out.stage_bytes("x.png", b"new").unwrap();
-        let full = |_: &mut File| {
-            Err(Error::write(
-                Path::new(""),
-                io::ErrorKind::StorageFull.into(),
-            ))
-        };
+        let full = |_: &mut File| Err(Error::write(Path::new(""), ErrorKind::StorageFull.into()));
         let error = out.stage("y.png", full).unwrap_err().to_string();
         assert!(
             error.contains("y.png") && error.contains("free some space"),
@@ -458,16 +485,62 @@ mod tests {
         assert_eq!(fs::read(&input).unwrap(), b"mine");
     }
 
+    #[cfg(unix)]
     #[test]
-    fn leftovers_are_what_an_earlier_report_lists_and_nothing_else() {
+    fn only_what_still_has_the_content_of_the_earlier_set_goes_with_it() {
         let dir = tempfile::tempdir().unwrap();
-        assert!(stale_files(dir.path(), &[]).is_empty());
-        let files = ["a.0.exr", "a.1.exr", "../outside", "bake.json"].map(String::from);
-        let mut report = crate::bake_json::tests::report();
-        report.files = files.to_vec();
-        fs::write(dir.path().join("bake.json"), report.to_json()).unwrap();
-        let kept = ["a.0.exr".to_owned(), "bake.json".to_owned()];
-        assert_eq!(stale_files(dir.path(), &kept), [dir.path().join("a.1.exr")]);
+        let folder = dir.path().join("out");
+        fs::create_dir_all(folder.join("sub")).unwrap();
+        for name in ["old", "edited", "input", "kept", "sub/old", "../old"] {
+            fs::write(folder.join(name), b"one").unwrap();
+        }
+        std::os::unix::fs::symlink("input", folder.join("link")).unwrap();
+        fs::write(folder.join("edited"), b"two").unwrap();
+        let hash = blake3::hash(b"one").to_hex().to_string();
+        let listed = [
+            "old", "edited", "input", "kept", "sub/old", "../old", "link", "gone", "sub",
+        ];
+        let mut out = Output::create(&folder).unwrap();
+        out.protect([folder.join("input")]);
+        out.supersede(listed.map(|name| (name.to_owned(), hash.clone())));
+        out.stage_bytes("kept", b"one").unwrap();
+        assert_eq!(out.listed(), [("kept".to_owned(), hash)]);
+        out.publish().unwrap();
+        assert_eq!(names(&folder), ["edited", "input", "kept", "link", "sub"]);
+        assert_eq!(names(&folder.join("sub")), ["old"]);
+        assert_eq!(names(dir.path()), ["old", "out"]);
+    }
+
+    /// Runs `job` for each of `count` numbers at the same moment.
+    fn at_once(count: usize, job: impl Fn(usize) + Sync) {
+        let start = std::sync::Barrier::new(count);
+        std::thread::scope(|scope| {
+            for number in 0..count {
+                let (start, job) = (&start, &job);
+                scope.spawn(move || {
+                    start.wait();
+                    job(number);
+                });
+            }
+        });
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn outputs_that_begin_at_once_in_an_absent_folder_take_nothing_from_each_other() {
+        let dir = tempfile::tempdir().unwrap();
+        for round in 0..20 {
+            let folder = dir.path().join(format!("{round}/a/b"));
+            at_once(32, |number| {
+                // Some end at once, with all that they made.
+                let mut out = Output::create(&folder).unwrap();
+                if number % 2 == 1 {
+                    out.stage_bytes(&number.to_string(), b"one").unwrap();
+                    out.publish().unwrap();
+                }
+            });
+            assert_eq!(names(&folder).len(), 16, "{:?}", names(&folder));
+        }
     }
 
     #[cfg(target_os = "linux")]

@@ -1,7 +1,7 @@
 //! What may be opened in a folder that somebody else may have filled.
 
 use std::fs::{File, FileType, OpenOptions};
-use std::io;
+use std::io::{self, Seek};
 use std::path::Path;
 
 /// Refuses what is no regular file: a pipe would be waited for, also by signals, and a device be read without end.
@@ -27,7 +27,34 @@ pub(crate) fn check_own(path: &Path) -> io::Result<()> {
 /// The system's, also for a link.
 pub(crate) fn open_own(path: &Path) -> io::Result<File> {
     let mut options = OpenOptions::new();
-    options.read(true).write(true).create(true).truncate(false);
+    options.write(true).create(true).truncate(false);
+    open(path, &mut options)
+}
+
+/// The Blake3 hash of a file in hex. A link is not followed.
+///
+/// # Errors
+/// The system's, also for a link.
+pub(crate) fn hash_own(path: &Path) -> io::Result<String> {
+    check_own(path)?;
+    hash_of(&mut open(path, &mut OpenOptions::new())?)
+}
+
+/// The Blake3 hash of all that an open file holds, in hex.
+///
+/// # Errors
+/// The system's.
+pub(crate) fn hash_of(file: &mut File) -> io::Result<String> {
+    file.rewind()?;
+    let mut hasher = blake3::Hasher::new();
+    hasher.update_reader(file)?;
+    Ok(hasher.finalize().to_hex().to_string())
+}
+
+/// Opens a regular file to be read, and for what else `options` say; nothing that has taken its place is followed or waited for, where the
+/// system can do so.
+fn open(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
+    options.read(true);
     #[cfg(unix)]
     {
         use rustix::fs::OFlags;
