@@ -415,6 +415,7 @@ impl Bake {
     pub fn prepare(&self) -> Result<Job, Error> {
         let mut options = self.options.clone().settled(self.scene.0.format);
         options.check()?;
+        options.check_lamps(&self.scene)?;
         options.complete();
         Job::prepare(
             self.scene.clone(),

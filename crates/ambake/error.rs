@@ -20,6 +20,26 @@ pub enum Error {
         /// What is wrong and what to do.
         problem: String,
     },
+    /// A material gives off more light than can be baked.
+    #[error(
+        "{scene}: material `{material}` has an emission of {value:e}; it must be from 0 to 1e12"
+    )]
+    Emission {
+        /// The scene.
+        scene: String,
+        /// Its material.
+        material: String,
+        /// Its largest channel.
+        value: f32,
+    },
+    /// A result would have a name that the file system does not take.
+    #[error(
+        "{path}: the name is too long for this file system; give the scene's file a shorter one"
+    )]
+    LongName {
+        /// Where the result would go.
+        path: String,
+    },
     /// The charts cannot be laid out.
     #[error("{scene}: {source}")]
     Layout {

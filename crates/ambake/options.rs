@@ -2,7 +2,8 @@
 //! say, and what an interrupted bake must share with the one that continues it are all made from it.
 
 use crate::error::Error;
-use crate::sky::Sky;
+use crate::scene::Scene;
+use crate::sky::{MAX_RADIANCE, Sky};
 use ::bake::{
     Bounces, Buried, Choice, Denoise, Footprint, Model, Pattern, PointSet, Seams, Shading, View,
 };
@@ -179,9 +180,8 @@ impl Options {
     pub(crate) fn check(&self) -> Result<(), Error> {
         let fail = |name, problem: &str| Err(Error::option(name, problem));
         let positive = |value: Option<f64>| value.is_none_or(|v| v > 0.0 && v.is_finite());
-        let colour = |rgb: Option<[f32; 3]>| {
-            rgb.is_none_or(|rgb| rgb.iter().all(|v| v.is_finite() && *v >= 0.0))
-        };
+        let within = |most: f32| move |v: &f32| (0.0..=most).contains(v);
+        let colour = |rgb: Option<[f32; 3]>| rgb.is_none_or(|rgb| rgb.iter().all(within(1e6)));
         if !(1..=16_384).contains(&self.size) {
             return fail("size", "must be between 1 and 16384");
         }
@@ -233,18 +233,21 @@ impl Options {
             return fail("exponent", "must be between 0 and 1e6");
         }
         if !colour(self.albedo) {
-            return fail("albedo", "each channel must be finite and 0 or above");
+            return fail("albedo", "each channel must be from 0 to 1e6");
         }
         if !colour(self.specular) {
-            return fail("specular", "each channel must be finite and 0 or above");
+            return fail("specular", "each channel must be from 0 to 1e6");
         }
-        if let ::bake::Sky::Uniform(rgb) = self.sky.light
-            && !colour(Some(rgb))
-        {
-            return fail("sky", "each channel must be finite and 0 or above");
+        if !self.sky.largest().iter().all(within(MAX_RADIANCE)) {
+            return fail("sky", "each channel must be from 0 to 1e12");
+        }
+        let sends = |rgb: [f32; 3]| self.bounces == Bounces::Off || rgb.iter().all(within(1.0));
+        if !self.albedo.is_none_or(sends) {
+            let problem = "each channel must be from 0 to 1 with --bounces: no surface sends on more light than it receives";
+            return fail("albedo", problem);
         }
         if !self.lights.iter().all(is_light) {
-            let problem = "each light needs a direction or a place, and a strength of 0 or above";
+            let problem = "each light needs a direction or a place, and a strength from 0 to 1e12";
             return fail("--sun and --point", problem);
         }
         if !self.lights.is_empty() && self.bounces == Bounces::Off {
@@ -276,6 +279,21 @@ impl Options {
             }
         }
         Ok(())
+    }
+
+    /// Checks what the scene gives off, where the bake takes it.
+    pub(crate) fn check_lamps(&self, scene: &Scene) -> Result<(), Error> {
+        let too_bright = |material: &&::scene::Material| {
+            self.bounces != Bounces::Off && material.emission.max_element() > MAX_RADIANCE
+        };
+        match scene.materials.iter().find(too_bright) {
+            None => Ok(()),
+            Some(material) => Err(Error::Emission {
+                scene: scene.path.display().to_string(),
+                material: material.name.clone(),
+                value: material.emission.max_element(),
+            }),
+        }
     }
 
     /// How terms are denoised: as was asked, else by regression wherever it can be. A single ray has no halves to compare, and
@@ -553,14 +571,13 @@ impl Options {
 
 /// True where all numbers of a light can be used.
 fn is_light(light: &Light) -> bool {
+    let within = |strength: &f64| (0.0..=f64::from(MAX_RADIANCE)).contains(strength);
     match light {
-        Light::Distant { toward, irradiance } => {
-            toward.is_normalized() && irradiance.is_finite() && *irradiance >= 0.0
-        }
+        Light::Distant { toward, irradiance } => toward.is_normalized() && within(irradiance),
         Light::Point {
             position,
             intensity,
-        } => position.is_finite() && intensity.is_finite() && *intensity >= 0.0,
+        } => position.is_finite() && within(intensity),
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::job::Job;
 use crate::resume::{END, Saved};
+use crate::write::check_length;
 use ::bake::Deal;
 use layers::Progress;
 use report::{Journal, Output};
@@ -85,6 +86,7 @@ impl Job {
         let mut output = Output::create(dir)?;
         output.protect(self.inputs());
         let stem = self.scene().stem();
+        check_length(dir, &state_name(&stem, Some(shard)))?;
         output.check(&part_name(&stem, shard))?;
         let path = dir.join(part_name(&stem, shard));
         let header = json!({

@@ -6,6 +6,9 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// The largest radiance of a sky, a lamp or a light that is baked. Squares of what it becomes after bounces are still 32-bit numbers.
+pub(crate) const MAX_RADIANCE: f32 = 1e12;
+
 /// The sky of a bake: uniform, or an illumination map from a file.
 #[derive(Debug, Clone)]
 pub struct Sky {
@@ -52,6 +55,20 @@ impl Sky {
         match &self.light {
             ::bake::Sky::Uniform(radiance) => radiance.map(f64::from),
             ::bake::Sky::Map(map) => map.mean(),
+        }
+    }
+
+    /// The largest radiance, channel by channel.
+    pub(crate) fn largest(&self) -> [f32; 3] {
+        match &self.light {
+            ::bake::Sky::Uniform(radiance) => *radiance,
+            ::bake::Sky::Map(map) => {
+                let (width, height) = map.size();
+                let excess = (0..(width * height) as u32).map(|texel| map.excess(texel));
+                let most = |a: [f32; 3], b: [f32; 3]| [0, 1, 2].map(|c| a[c].max(b[c]));
+                let (floor, excess) = (map.floor(), excess.fold([0.0; 3], most));
+                [0, 1, 2].map(|c| (floor[c] + map.scale() * f64::from(excess[c])) as f32)
+            }
         }
     }
 

@@ -7,6 +7,7 @@ use crate::interior::Brightness;
 use crate::job::Job;
 use crate::lit::LitScene;
 use crate::resume::Saved;
+use crate::shard::state_name;
 use crate::state::{self, Head};
 use crate::update::Tracker;
 use ::bake::{BakedPage, BounceStats, Bounces, Fingerprint, LayerPlanes, SeamStats};
@@ -19,6 +20,7 @@ use report::{
 use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -72,7 +74,9 @@ impl<'a> Writer<'a> {
         for page in 0..job.atlas().page_count {
             names.extend(names_of_page(&stem, page, engines, layers));
         }
+        check_length(output.dir(), &state_name(&stem, None))?;
         for name in names {
+            check_length(output.dir(), &name)?;
             output.check(&name)?;
         }
         Ok(Self {
@@ -251,6 +255,17 @@ impl Job {
     pub(crate) fn unsaved(&self, saved: &Saved) -> impl Fn(Error) -> Error {
         let kept = saved.is_begun();
         move |error| self.unwritten(error, kept)
+    }
+}
+
+/// Checks that the file system takes a file of that name.
+pub(crate) fn check_length(dir: &Path, name: &str) -> Result<(), Error> {
+    let path = dir.join(name);
+    match std::fs::symlink_metadata(&path) {
+        Err(error) if error.kind() == ErrorKind::InvalidFilename => Err(Error::LongName {
+            path: path.display().to_string(),
+        }),
+        _ => Ok(()),
     }
 }
 
