@@ -372,14 +372,13 @@ fn a_write_that_fails_keeps_what_was_baked() {
     let line = String::from_utf8_lossy(&failed.stderr);
     assert_eq!(failed.status.code(), Some(1), "{line}");
     assert!(
-        line.contains("corner.glb") && line.contains("--resume"),
+        line.contains("corner.glb") && line.contains("the same command goes on"),
         "{line}"
     );
     let left = files(&out);
     assert!(left.iter().any(|name| name.contains("resume")), "{left:?}");
     assert!(!left.iter().any(|name| name.contains("staged")), "{left:?}");
     std::fs::remove_dir(&blocked).expect("it is empty");
-    words.push("--resume".as_ref());
     run_well(&words);
     assert!(files(&out).contains(&"corner.glb".into()));
     assert!(
@@ -387,6 +386,160 @@ fn a_write_that_fails_keeps_what_was_baked() {
         "{:?}",
         files(&out)
     );
+}
+
+/// The end of a bake of the corner into `out` with more words, and what it said.
+fn corner_bake(out: &Path, more: &str) -> (Option<i32>, String) {
+    let mut command = ambake();
+    command
+        .arg("bake")
+        .arg(scene("corner.obj"))
+        .arg("-o")
+        .arg(out);
+    command.args("--size 64 --only diffuse".split(' '));
+    let output = command.args(more.split(' ')).output().expect("it runs");
+    let said = String::from_utf8(output.stderr).expect("UTF-8");
+    (output.status.code(), said)
+}
+
+#[test]
+fn a_bake_goes_on_from_what_was_saved_of_it_by_itself_and_says_so() {
+    let whole = tempfile::tempdir().expect("a folder");
+    assert_eq!(corner_bake(whole.path(), "--rays 16").0, Some(0));
+    let page = |folder: &Path| std::fs::read(folder.join("corner.0.exr")).expect("a page");
+    for (more, line) in [
+        ("--rays 16", Some("going on from what was saved in")),
+        (
+            "--rays 16 --resume",
+            Some("going on from what was saved in"),
+        ),
+        ("--rays 32", Some("differs; starting over")),
+        ("--rays 16 --fresh", None),
+    ] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let out = folder.path();
+        let blocked = out.join("corner.glb");
+        std::fs::create_dir(&blocked).expect("the folder is writable");
+        let (code, said) = corner_bake(out, "--rays 16 --quiet");
+        assert_eq!((code, said.lines().count()), (Some(1), 1), "{said}");
+        std::fs::remove_dir(&blocked).expect("it is empty");
+        let (code, said) = corner_bake(out, more);
+        assert_eq!(code, Some(0), "{more}: {said}");
+        let told = |word: &str| said.lines().filter(|line| line.contains(word)).count();
+        let all = told("going on") + told("starting over");
+        assert_eq!(all, usize::from(line.is_some()), "{more}: {said}");
+        assert_eq!(line.map_or(1, told), 1, "{more}: {said}");
+        assert_eq!(
+            page(out) == page(whole.path()),
+            more != "--rays 32",
+            "{more}"
+        );
+        assert!(
+            files(out).iter().all(|name| !name.starts_with('.')),
+            "{more}"
+        );
+    }
+    assert_eq!(
+        corner_bake(whole.path(), "--rays 16 --resume --fresh").0,
+        Some(2)
+    );
+}
+
+#[test]
+fn light_that_would_overflow_is_refused_with_its_range_before_the_bake() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [lamp, sky, out] = ["lamp.obj", "sky.exr", "out"].map(|name| folder.path().join(name));
+    let square = std::fs::read_to_string(scene("plane.obj")).expect("a scene");
+    let shines = format!("mtllib lamp.mtl\nusemtl lamp\n{square}");
+    std::fs::write(&lamp, shines).expect("a file");
+    std::fs::write(lamp.with_extension("mtl"), "newmtl lamp\nKe 1 1e30 1\n").expect("a file");
+    let mut image = maps::Image::filled(64, 32, [0.5; 3]);
+    image.pixels[70] = [1.0, 1e20, 1.0];
+    let bytes = maps::encode(&image, maps::Format::Exr, &maps::Labels::new()).expect("a picture");
+    std::fs::write(&sky, bytes).expect("a file");
+    let sky = format!("--sky={}", sky.display());
+    let plane = scene("plane.obj");
+    for (file, words, range) in [
+        (&plane, "--sky=1e20,1,1", "from 0 to 1e12"),
+        (&plane, sky.as_str(), "from 0 to 1e12"),
+        (&plane, "--bounces=1 --sun=0,1,0,1e30", "from 0 to 1e12"),
+        (&plane, "--bounces=1 --point=0,1,0,1e30", "from 0 to 1e12"),
+        (&plane, "--albedo=1e30,1,1", "from 0 to 1e6"),
+        (&plane, "--bounces=1 --albedo=2,1,1", "from 0 to 1"),
+        (
+            &lamp,
+            "--bounces=1",
+            "emission of 1e30; it must be from 0 to 1e12",
+        ),
+    ] {
+        let mut command = ambake();
+        command.arg("bake").arg(file).arg("-o").arg(&out);
+        command
+            .args(["--size=32", "--rays=4"])
+            .args(words.split(' '));
+        let output = command.output().expect("it runs");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{words}: {said}");
+        assert!(
+            said.contains(range) && said.lines().count() == 1,
+            "{words}: {said}"
+        );
+        assert!(!out.exists(), "{words}");
+    }
+    // Light that is not baked is nobody's concern, and the largest radiance bakes.
+    for (file, words) in [
+        (&lamp, "--bounces=off"),
+        (&plane, "--sky=1e12,1e12,1e12 --bounces=2"),
+    ] {
+        let words = words.split(' ').filter(|word| *word != "--bounces=off");
+        let mut command = ambake();
+        command.arg("bake").arg(file).arg("-o").arg(&out);
+        command
+            .args(["--size=32", "--rays=4", "--quiet"])
+            .args(words);
+        let output = command.output().expect("it runs");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!((output.status.code(), &*said), (Some(0), ""));
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_name_that_grows_too_long_is_refused_before_the_bake() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    // 255 bytes is the most. `.traditional.png` with the page has 18; a saved state has 15, of a part 22.
+    for (length, words, status) in [
+        (238, "--only=traditional", 1),
+        (237, "--only=traditional", 0),
+        (241, "--only=rays", 1),
+        (240, "--only=rays", 0),
+        (234, "--only=rays --shard=1/1", 1),
+    ] {
+        let path = folder.path().join("a".repeat(length) + ".obj");
+        std::fs::copy(scene("plane.obj"), &path).expect("the folder is writable");
+        let mut command = ambake();
+        command.arg("bake").arg(&path).arg("-o").arg(&out);
+        command
+            .args(["--size=32", "--rays=4", "--quiet"])
+            .args(words.split(' '));
+        let output = command.output().expect("it runs");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(
+            output.status.code(),
+            Some(status),
+            "{length} {words}: {said}"
+        );
+        if status == 1 {
+            assert!(
+                said.contains("shorter one") && said.lines().count() == 1,
+                "{said}"
+            );
+            assert!(!out.exists(), "{length} {words}");
+        } else {
+            std::fs::remove_dir_all(&out).expect("it is there");
+        }
+    }
 }
 
 #[cfg(unix)]
@@ -409,7 +562,7 @@ fn a_file_that_may_not_grow_is_one_line_and_the_bake_goes_on_later() {
     assert!(line.contains("cannot write"), "{line}");
     let left = files(&out);
     assert!(left.iter().all(|name| name.starts_with('.')), "{left:?}");
-    assert_eq!(bake("", "--resume").0, Some(0));
+    assert_eq!(bake("", "").0, Some(0));
     assert!(files(&out).contains(&"bake.json".into()));
 }
 

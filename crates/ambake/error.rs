@@ -59,7 +59,7 @@ pub enum Error {
     Output(#[from] report::Error),
     /// A file of a bake could not be written. What was saved before stays.
     #[error(
-        "{source}; what was saved is kept, the same command (a bake with --resume) goes on from it (all files take about {needed} MiB)"
+        "{source}; what was saved is kept, the same command goes on from it (all files take about {needed} MiB)"
     )]
     Unwritten {
         /// Which file, and why not.

@@ -33,7 +33,7 @@ pub struct Estimate {
     pub disk_bytes: u64,
     /// Bytes of these alone.
     pub state_bytes: u64,
-    /// Bytes that are needed on the disk while it bakes: the result and the tiles that `--resume` would go on from.
+    /// Bytes that are needed on the disk while it bakes: the result and the tiles that an interrupted bake goes on from.
     pub disk_peak_bytes: u64,
     /// Processor seconds of baking and writing, over all threads.
     pub cpu_seconds: f64,

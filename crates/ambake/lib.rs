@@ -95,6 +95,7 @@ pub use object::Object;
 pub use options::{Backend, Effort, Options, Pages, Uv};
 pub use rays::{self, Light};
 pub use report::{BakeReport, Engine, PageReport};
+pub use resume::Resume;
 pub use scene::{Files, Material, Mesh, Scene, Warning, load, load_with};
 pub use shard::{Part, Shard};
 pub use sky::Sky;

@@ -3,12 +3,14 @@
 //! A block is the page (u32; those of a gather of light count on where the pages before end), a line of JSON (the tiles and the seconds that they took), and for each tile its texels (u32) and their
 //! values (f32, texel by texel). Numbers are little-endian.
 
+use crate::differ::difference;
 use crate::error::Error;
 use crate::memory::{SPARED, WAITING};
 use ::bake::{BakedTile, KeepGathers, PageStats};
 use report::Journal;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -22,6 +24,29 @@ const PERIOD: Duration = Duration::from_secs(20);
 const SHARE: u32 = 50;
 /// A block is closed at this size in bytes.
 const BLOCK: usize = 4 << 20;
+
+/// What a bake does about the state that an interrupted one left.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Resume {
+    /// It goes on from it where scene, options and version are the same, and starts over where they are not. A note says which.
+    #[default]
+    IfFound,
+    /// The same; but what has the place of the state and cannot be one, such as a link, is an error.
+    Asked,
+    /// It starts anew.
+    Never,
+}
+
+impl Resume {
+    /// True where the file at `path` is to be opened.
+    pub(crate) fn wants(self, path: &Path) -> bool {
+        std::fs::symlink_metadata(path).is_ok_and(|facts| match self {
+            Self::IfFound => facts.is_file(),
+            Self::Asked => true,
+            Self::Never => false,
+        })
+    }
+}
 
 /// How many values a texel of a tile has.
 #[derive(Clone, Copy)]
@@ -182,16 +207,23 @@ impl Saved {
         }
     }
 
-    /// Opens the file now and takes what it holds, where it is of the same bake. What tells of damage is returned: then the bake starts
-    /// anew.
+    /// Opens the file now and takes what it holds, where it is of the same bake. What is to be said of that is returned.
     ///
     /// # Errors
     /// The file cannot be written, or another run writes it.
     pub fn resume(&mut self) -> Result<Option<String>, Error> {
+        let other = Cell::new(None);
         let same = |found: &Value| {
-            ["key", "shard"]
+            let same = ["key", "shard"]
                 .iter()
-                .all(|part| found[part] == self.header[part])
+                .all(|part| found[part] == self.header[part]);
+            if !same {
+                let differs = difference(&found["key"], &self.header["key"]);
+                other.set(Some(
+                    differs.unwrap_or_else(|| "what it tells of itself".into()),
+                ));
+            }
+            same
         };
         let (mut journal, mut damage) = Journal::resume(&self.path, &self.header, same)?;
         for number in 0..journal.len() {
@@ -211,7 +243,15 @@ impl Saved {
             self.found.entry(block.page).or_default().push(number);
         }
         self.journal = Some(journal);
-        Ok(damage.map(|damage| format!("{damage}; starting over")))
+        let path = self.path.display();
+        Ok(match (damage, other.take()) {
+            (Some(damage), _) => Some(format!("{damage}; starting over")),
+            (None, Some(differs)) => Some(format!(
+                "what was saved in {path} is of another bake, {differs} differs; starting over"
+            )),
+            (None, None) if self.found.is_empty() => None,
+            (None, None) => Some(format!("going on from what was saved in {path}")),
+        })
     }
 
     /// The tiles of a page that were found, block by block.
@@ -372,7 +412,7 @@ mod tests {
         std::mem::forget(saved);
         let mut again = Saved::new(folder.path().join("copy"), header, WIDTHS);
         std::fs::copy(&path, &again.path).expect("a copy");
-        assert_eq!(again.resume().expect("a file"), None);
+        assert!(again.resume().expect("a file").is_some());
         for (page, index) in [(0, 0), (1, 5)] {
             let mut found = Vec::new();
             let mut take = |block: Block| found.extend(block.tiles.into_iter().map(|t| t.index));
@@ -388,19 +428,23 @@ mod tests {
         let header = |scene: &str, shard: u32| serde_json::json!({"key": {"scene": scene}, "shard": [shard, 2], "given": "anything"});
         let blocks = |header: Value| {
             let mut saved = Saved::new(path.clone(), header, WIDTHS);
-            assert_eq!(saved.resume().expect("a file"), None);
+            let said = saved.resume().expect("a file").unwrap_or_default();
             let found = saved.found.len();
             saved.add(0, &tile(0, 4)).expect("a file");
             saved.flush().expect("a file");
-            found
+            (found, said)
         };
-        assert_eq!(blocks(header("a", 1)), 0);
-        assert_eq!(blocks(header("a", 1)), 1);
-        assert_eq!(blocks(header("b", 1)), 0, "of another scene");
-        assert_eq!(blocks(header("b", 2)), 0, "of another shard");
+        let case = |header: Value, found: usize, word: &str| {
+            let (blocks, said) = blocks(header);
+            assert!(blocks == found && said.contains(word), "{blocks}: {said}");
+        };
+        case(header("a", 1), 0, "");
+        case(header("a", 1), 1, "going on");
+        case(header("b", 1), 0, "the scene differs; starting over");
+        case(header("b", 2), 0, "differs; starting over");
         let mut other = header("b", 2);
-        other["given"] = "else".into();
-        assert_eq!(blocks(other), 1, "what was given along decides nothing");
+        other["given"] = "decides nothing".into();
+        case(other, 1, "going on");
     }
 
     #[test]

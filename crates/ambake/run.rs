@@ -3,7 +3,7 @@
 use crate::baked::{Baked, Page};
 use crate::error::Error;
 use crate::job::Job;
-use crate::resume::Saved;
+use crate::resume::{Resume, Saved};
 use crate::shard::state_name;
 use crate::update::Tracker;
 use crate::write::{Writer, Written};
@@ -89,15 +89,16 @@ impl Job {
 
     /// Bakes into a directory: pages are written as they are finished, so that one page is in memory at a time; where light bounces, all
     /// are, because it does from page to page. Nothing stands under a final name until all of it is complete. What is baked is saved now
-    /// and then; where the listener cancels, the process dies or a file cannot be written, the same call with `resume` continues it to the
-    /// same bytes.
+    /// and then; where the listener cancels, the process dies or a file cannot be written, the same call continues it to the same bytes.
+    ///
+    /// * `resume`: what is done about a state that was saved.
     ///
     /// # Errors
     /// The directory cannot be written, is too full or another bake's, an output would replace an input, or [`Error::Cancelled`].
     pub fn run_into(
         &self,
         dir: &Path,
-        resume: bool,
+        resume: Resume,
         progress: &dyn Progress,
     ) -> Result<Written, Error> {
         let output = Output::exclusive(dir)?;
@@ -106,9 +107,10 @@ impl Job {
         let baker = self.baker();
         let header = json!({"key": self.key()});
         let state = dir.join(state_name(&self.scene().stem(), None));
+        let resumes = resume.wants(&state);
         let mut saved = Saved::new(state, header, self.widths(&baker));
-        if resume && let Some(damage) = saved.resume()? {
-            progress.note(&damage);
+        if resumes && let Some(said) = saved.resume()? {
+            progress.note(&said);
         }
         let mut tracker = Tracker::of(self, &baker);
         if let Some(reason) = tracker.reason() {

@@ -242,12 +242,12 @@ impl<'a> Writer<'a> {
 impl Job {
     /// The error of a file that could not be written; `kept`: there is a saved state to go on from.
     pub(crate) fn unwritten(&self, error: Error, kept: bool) -> Error {
-        match (error, kept) {
-            (Error::Output(source @ report::Error::Write { .. }), true) => Error::Unwritten {
+        match error {
+            Error::Output(source @ report::Error::Write { .. }) if kept => Error::Unwritten {
                 source,
                 needed: self.room().peak().div_ceil(1 << 20),
             },
-            (error, _) => error,
+            error => error,
         }
     }
 

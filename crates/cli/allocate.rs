@@ -58,8 +58,8 @@ fn end(size: usize) -> ! {
     // Of a line that is too long, as none is, the beginning is told.
     let _ = writeln!(
         rest,
-        "ambake: the system refuses {size} more bytes of memory; raise its limit or take a smaller `--size`; `--resume` goes on with a \
-         bake that was saved"
+        "ambake: the system refuses {size} more bytes of memory; raise its limit or take a smaller `--size`; the same command goes on \
+         from what was saved"
     );
     let unused = rest.len();
     tell(&line[..line.len() - unused]);

@@ -4,7 +4,7 @@
 //! crates that do the work, and print.
 //!
 //! Exit status: 0 done, 1 the job failed (one line on standard error), 2 the command line is wrong (likewise), 130 and 143 stopped
-//! by Ctrl-C or SIGTERM with nothing half-written; a bake leaves a state that `--resume` continues.
+//! by Ctrl-C or SIGTERM with nothing half-written; a bake leaves a state that the same command continues.
 // `allocate` alone needs some: Rust has no safe word for an allocator.
 #![deny(unsafe_code)]
 

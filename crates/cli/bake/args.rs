@@ -22,8 +22,11 @@ pub struct Bake {
     /// is used
     #[arg(long = "for", value_name = "ENGINE,..", value_delimiter = ',', value_parser = engine)]
     pub engines: Vec<ambake::Engine>,
-    /// Continue an interrupted bake of the same scene and options in DIR
+    /// Start anew, also where an interrupted bake of the same scene and options left its state in DIR; without it the bake goes on from there
     #[arg(long)]
+    pub fresh: bool,
+    /// Refuse what has the place of that state and cannot be one, such as a link
+    #[arg(long, conflicts_with = "fresh")]
     pub resume: bool,
     /// Bake part I of N of the texels, I from 1; all parts share DIR, in any order and on any machine, and `ambake merge DIR` makes one
     /// bake of them. A part that was stopped continues

@@ -9,7 +9,7 @@ use crate::outcome::{Outcome, one_line, say, say_json_text, tell};
 use crate::progress::{Show, watch};
 use crate::stop::Stop;
 use crate::view;
-use ambake::Written;
+use ambake::{Resume, Written};
 use anyhow::bail;
 use report::Output;
 use std::collections::HashMap;
@@ -103,13 +103,18 @@ fn one(args: &Args, scene: &Path, output: &Path, stop: &Stop) -> anyhow::Result<
         unit: "texels",
         quiet: args.common.quiet,
     };
+    let resume = match (args.fresh, args.resume) {
+        (true, _) => Resume::Never,
+        (_, true) => Resume::Asked,
+        (..) => Resume::IfFound,
+    };
     let written = watch(show, stop, |progress| {
-        job.run_into(output, args.resume, progress)
+        job.run_into(output, resume, progress)
     });
     let mut written = match written {
         Err(ambake::Error::Cancelled) => {
             if !args.common.quiet {
-                tell("stopped; continue with the same command and --resume");
+                tell("stopped; the same command continues");
             }
             return Ok(stop.outcome());
         }

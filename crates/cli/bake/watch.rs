@@ -7,7 +7,7 @@ use crate::outcome::{Outcome, one_line, say, tell};
 use crate::progress::{Show, watch};
 use crate::stop::Stop;
 use crate::{host, project, view};
-use ambake::Written;
+use ambake::{Resume, Written};
 use layers::Progress;
 use report::Output;
 use std::collections::BTreeMap;
@@ -115,7 +115,7 @@ fn bake(
     };
     let files = &*files;
     let written = watch(show, stop, |progress| {
-        prepared.run_into(&args.output, false, &Until::of(progress, files))
+        prepared.run_into(&args.output, Resume::Never, &Until::of(progress, files))
     });
     let written = match written {
         Err(ambake::Error::Cancelled) => return Ok(None),
