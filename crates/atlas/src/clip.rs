@@ -14,21 +14,14 @@ pub(crate) struct Corner {
     pub w: DVec3,
 }
 
-/// Corners of a triangle cut by at most eight half-planes, with room for rounding.
-const CAPACITY: usize = 16;
+/// Corners of a triangle cut by at most four half-planes, with room for rounding.
+const CAPACITY: usize = 8;
 
 /// A convex polygon on the stack.
 #[derive(Clone)]
 pub(crate) struct Polygon {
     len: usize,
     corners: [Corner; CAPACITY],
-}
-
-/// Which side of a limit stays.
-#[derive(Clone, Copy, PartialEq)]
-pub(crate) enum Side {
-    Above,
-    Below,
 }
 
 impl Polygon {
@@ -53,19 +46,6 @@ impl Polygon {
         &self.corners[..self.len]
     }
 
-    /// The part between `low` and `high` along `axis`; empty when nothing or only a line is left. What is cut stands in `scratch`: a
-    /// polygon that the limits do not touch is not copied.
-    pub fn between<'a>(
-        &'a self,
-        axis: usize,
-        low: f64,
-        high: f64,
-        [first, second]: &'a mut [Polygon; 2],
-    ) -> &'a Polygon {
-        self.cut(axis, low, Side::Above, first)
-            .cut(axis, high, Side::Below, second)
-    }
-
     /// Smallest and largest coordinate along `axis`.
     pub fn range(&self, axis: usize) -> (f64, f64) {
         self.corners()
@@ -75,32 +55,17 @@ impl Polygon {
             })
     }
 
-    /// The part on one side of the line `coordinate(axis) = limit`.
-    fn cut<'a>(&'a self, axis: usize, limit: f64, side: Side, out: &'a mut Polygon) -> &'a Polygon {
-        let distance = |c: &Corner| match side {
-            Side::Above => c.p[axis] - limit,
-            Side::Below => limit - c.p[axis],
+    /// Parts it along the line `coordinate(axis) = limit`. A part of which nothing or only a line is left is empty.
+    #[inline(always)]
+    pub fn split(&self, axis: usize, limit: f64, before: &mut Polygon, after: &mut Polygon) {
+        (before.len, after.len) = (0, 0);
+        let (mut is_before, mut is_after) = (false, false);
+        let Some(mut a) = self.corners().last() else {
+            return;
         };
-        let (low, high) = self.range(axis);
-        let (inside, touches) = match side {
-            Side::Above => (low >= limit, high > limit),
-            Side::Below => (high <= limit, low < limit),
-        };
-        if inside && touches {
-            return self;
-        }
-        out.len = 0;
-        if !touches {
-            return out;
-        }
-        let corners = self.corners();
-        let mut da = distance(&corners[0]);
-        for (k, a) in corners.iter().enumerate() {
-            let b = &corners[if k + 1 < corners.len() { k + 1 } else { 0 }];
-            let db = distance(b);
-            if da >= 0.0 {
-                out.push(*a);
-            }
+        let mut da = a.p[axis] - limit;
+        for b in self.corners() {
+            let db = b.p[axis] - limit;
             if (da > 0.0 && db < 0.0) || (da < 0.0 && db > 0.0) {
                 let t = da / (da - db);
                 let mut cut = Corner {
@@ -108,13 +73,27 @@ impl Polygon {
                     w: a.w.lerp(b.w, t),
                 };
                 cut.p[axis] = limit;
-                out.push(cut);
+                before.push(cut);
+                after.push(cut);
             }
-            da = db;
+            if db <= 0.0 {
+                before.push(*b);
+            }
+            if db >= 0.0 {
+                after.push(*b);
+            }
+            (is_before, is_after) = (is_before | (db < 0.0), is_after | (db > 0.0));
+            (a, da) = (b, db);
         }
-        out
+        if !is_before {
+            before.len = 0;
+        }
+        if !is_after {
+            after.len = 0;
+        }
     }
 
+    #[inline(always)]
     fn push(&mut self, corner: Corner) {
         debug_assert!(self.len < CAPACITY, "polygon of {} corners", self.len + 1);
         if self.len < CAPACITY {

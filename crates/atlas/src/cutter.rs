@@ -15,8 +15,8 @@ pub(crate) struct Cutter {
     /// Texels beyond the page's edge are left out.
     width: u32,
     height: u32,
-    /// Where triangles are cut: to the tile along both axes, to a row, to a texel.
-    scratch: [[Polygon; 2]; 4],
+    /// What is left of a triangle and of a row of it, the part that is cut off, and where what is left is put.
+    scratch: [Polygon; 4],
 }
 
 /// The part of a triangle in a texel, or one triangle of it.
@@ -37,6 +37,9 @@ pub(crate) struct Part {
 /// edge that runs on the border would leave texels beyond it that see only the edge. The rest of the triangle stands.
 const SLIVER: f64 = 1e-14;
 
+/// A texel counts as lying in a triangle that leaves less than this of it uncovered, in texels: far above the rounding of its corners.
+const SLACK: f64 = 1e-10;
+
 /// Twice the area from which on a triangle within one texel is told from the texel itself beyond any rounding.
 const PLAIN: f64 = 1e-6;
 
@@ -47,7 +50,7 @@ impl Cutter {
             y0,
             width: TILE.min(page_size - x0),
             height: TILE.min(page_size - y0),
-            scratch: [const { [Polygon::EMPTY; 2] }; 4],
+            scratch: [const { Polygon::EMPTY }; 4],
         }
     }
 
@@ -86,43 +89,36 @@ impl Cutter {
             }
             return;
         }
-        let [tall, wide, strip, square] = &mut self.scratch;
-        let whole = Polygon::triangle(p);
-        let part = whole.between(1, 0.0, f64::from(self.height), tall).between(
-            0,
-            0.0,
-            f64::from(self.width),
-            wide,
-        );
+        let [mut left, mut row, part, mut next] = self.scratch.each_mut();
+        *left = Polygon::triangle(p);
         let plane = Weights::new(p, signed);
-        let (top, bottom) = part.range(1);
-        let (left, right) = part.range(0);
-        for y in cells(top, bottom, self.height) {
+        let columns = cells(low.x, high.x, self.width);
+        for y in cells(low.y, high.y, self.height) {
             let texel = |x: u32| (y * TILE + x) as u16;
-            if !cells(left, right, self.width).any(|x| wanted(texel(x))) {
+            if !columns.clone().any(|x| wanted(texel(x))) {
                 continue;
             }
-            let row = part.between(1, f64::from(y), f64::from(y + 1), strip);
-            let (left, right) = row.range(0);
-            for x in cells(left, right, self.width) {
+            slice::<1>(&mut left, y, row, &mut next);
+            let (start, end) = row.range(0);
+            let whole = plane.squares(y);
+            for x in cells(start, end, self.width) {
                 let texel = texel(x);
                 if !wanted(texel) {
                     continue;
                 }
-                let corner = DVec2::new(f64::from(x), f64::from(y));
-                let corners = plane.square(corner);
-                if plane.holds_square(corners) {
+                if whole.contains(&x) {
+                    let corner = DVec2::new(f64::from(x), f64::from(y));
                     found(Part {
                         texel,
                         centre: corner.x + 0.5,
                         square: true,
-                        corners,
+                        corners: plane.square(corner),
                         area: 1.0,
                     });
                     continue;
                 }
-                let cell = row.between(0, f64::from(x), f64::from(x + 1), square);
-                let c = cell.corners();
+                slice::<0>(&mut row, x, part, &mut next);
+                let c = part.corners();
                 for k in 2..c.len() {
                     let corners = [c[0].w, c[k - 1].w, c[k].w];
                     let part = share(c[0].w, c[k - 1].w, c[k].w);
@@ -139,6 +135,22 @@ impl Cutter {
             }
         }
     }
+}
+
+/// Takes the part of a polygon between a whole number and the next off it, and what lies before; the rest is left.
+fn slice<'p, const AXIS: usize>(
+    polygon: &mut &'p mut Polygon,
+    at: u32,
+    part: &mut Polygon,
+    next: &mut &'p mut Polygon,
+) {
+    let low = f64::from(at);
+    if polygon.range(AXIS).0 < low {
+        polygon.split(AXIS, low, part, next);
+        std::mem::swap(polygon, next);
+    }
+    polygon.split(AXIS, low + 1.0, part, next);
+    std::mem::swap(polygon, next);
 }
 
 /// How many texels of a tile triangles cover, without their pieces: a texel that is covered once, or is `known` to be, is not cut again.
@@ -170,7 +182,7 @@ pub(crate) fn covered(
 /// Cells of a row of `count` that an interval meets; none for the range of an empty polygon.
 fn cells(low: f64, high: f64, count: u32) -> Range<u32> {
     if low <= high {
-        // Both ends lie in 0..=count: the polygon was cut to the tile. A needle may have rounded to no width.
+        // A needle may have rounded to no width.
         let first = low.floor() as u32;
         first..(high.ceil() as u32).max(first + 1).min(count)
     } else {
@@ -207,9 +219,23 @@ impl Weights {
         [self.at(p), self.at(p + DVec2::X), self.at(p + DVec2::Y)]
     }
 
-    /// All four corners of the square lie in the triangle.
-    fn holds_square(&self, [a, b, c]: [DVec3; 3]) -> bool {
-        let d = b + c - a;
-        a.min(b).min(c).min(d).min_element() >= 0.0
+    /// The columns of a row of unit squares that lie in the triangle but for [`SLACK`].
+    fn squares(&self, row: u32) -> Range<u32> {
+        let (mut first, mut last) = (0.0f64, f64::from(TILE));
+        for k in 0..3 {
+            let (du, dv) = (self.du[k], self.dv[k]);
+            // The weight where it is least in the square of column 0.
+            let corner = DVec2::new(f64::from(du < 0.0), f64::from(row) + f64::from(dv < 0.0));
+            let least = self.at(corner)[k];
+            let border = -least / du;
+            if du > 0.0 {
+                first = first.max(border - SLACK);
+            } else if du < 0.0 {
+                last = last.min(border + SLACK + 1.0);
+            } else if least < 0.0 {
+                return 0..0;
+            }
+        }
+        first.ceil() as u32..last.max(0.0).floor() as u32
     }
 }

@@ -20,6 +20,8 @@ pub struct Tile {
     pub footprints: Vec<Footprint>,
     /// The parts that footprints are made of.
     pub pieces: Vec<Piece>,
+    /// Instance and triangle of all that has a piece, in order.
+    pub triangles: Vec<[u32; 2]>,
 }
 
 /// What is covered of one texel.
@@ -42,6 +44,8 @@ pub struct Piece {
     pub instance: u32,
     /// Triangle of the instance's mesh.
     pub triangle: u32,
+    /// Its place in [`Tile::triangles`].
+    pub number: u32,
     /// The piece is the parallelogram over `corners[0]`, `corners[1]`, `corners[2]`, not their triangle.
     pub square: bool,
     /// Barycentric weights in the object's triangle of the piece's three corners.
@@ -51,6 +55,15 @@ pub struct Piece {
 }
 
 impl Tile {
+    /// The parts of a footprint.
+    ///
+    /// # Panics
+    ///
+    /// If the footprint is not one of this tile's.
+    pub fn pieces_of(&self, footprint: &Footprint) -> &[Piece] {
+        &self.pieces[footprint.pieces.start as usize..footprint.pieces.end as usize]
+    }
+
     /// The point of the footprint at `u` of the unit square: uniform over its area in UV for uniform `u`.
     ///
     /// A texel wholly inside one triangle takes `u` as the position in its square. Otherwise `u[0]` chooses a piece
@@ -60,7 +73,7 @@ impl Tile {
     ///
     /// If the footprint is not one of this tile's.
     pub fn sample(&self, footprint: &Footprint, u: [f64; 2]) -> SurfacePoint {
-        let pieces = &self.pieces[footprint.pieces.start as usize..footprint.pieces.end as usize];
+        let pieces = self.pieces_of(footprint);
         let (piece, s) = if let [piece] = pieces {
             (piece, u[0])
         } else {
@@ -109,6 +122,7 @@ fn square_to_triangle([s, t]: [f64; 2]) -> [f64; 2] {
 pub(crate) struct Collector {
     cutter: Cutter,
     found: Vec<Found>,
+    triangles: Vec<[u32; 2]>,
 }
 
 /// A piece not yet sorted to its texel.
@@ -126,12 +140,14 @@ impl Collector {
         Collector {
             cutter: Cutter::new(x0, y0, page_size),
             found: Vec::new(),
+            triangles: Vec::new(),
         }
     }
 
     /// Clips a triangle (corners in texels of the page) to every texel of the tile that it meets.
     pub fn add(&mut self, instance: u32, triangle: u32, corners: [DVec2; 3]) {
         let found = &mut self.found;
+        let (before, number) = (found.len(), self.triangles.len() as u32);
         let everywhere = |_| true;
         self.cutter.cut(corners, everywhere, |part| {
             found.push(Found {
@@ -140,12 +156,16 @@ impl Collector {
                 piece: Piece {
                     instance,
                     triangle,
+                    number,
                     square: part.square,
                     corners: part.corners,
                     cumulative: part.area,
                 },
             });
         });
+        if found.len() > before {
+            self.triangles.push([instance, triangle]);
+        }
     }
 
     /// The finished tile.
@@ -169,6 +189,7 @@ impl Collector {
             y0: self.cutter.y0,
             footprints: Vec::with_capacity(order.len().min((TILE * TILE) as usize)),
             pieces: Vec::with_capacity(order.len()),
+            triangles: self.triangles,
         };
         let mut start = 0;
         for (at, &end) in (0..TILE * TILE).zip(&ends) {

@@ -52,6 +52,9 @@ impl Rasters {
 /// Triangles of an instance that are binned together.
 const VISITED: usize = 1 << 14;
 
+/// Parts of a texel to which centroids are told.
+const GRAIN: f64 = (1 << 20) as f64;
+
 /// Tiles are binned this much larger, in texels, than they are: far above the rounding of the test, so none is missed.
 const SLACK: f64 = 1e-6;
 
@@ -98,13 +101,14 @@ impl<'a> PageRaster<'a> {
         covered(cutter, known, triangles)
     }
 
-    /// The centroid of a footprint, in texels of the page.
+    /// The centroid of a footprint, in texels of the page, without its last bits: a look-up at the centre of a whole texel, found a
+    /// rounding beside it, would read that texel's neighbours too.
     ///
     /// # Panics
     ///
     /// If the footprint is not one of this tile's.
     pub fn middle(&self, tile: &Tile, footprint: &Footprint) -> DVec2 {
-        let pieces = &tile.pieces[footprint.pieces.start as usize..footprint.pieces.end as usize];
+        let pieces = tile.pieces_of(footprint);
         let (mut sum, mut before) = (DVec2::ZERO, 0.0);
         for piece in pieces {
             let layout = &self.layouts[self.index.meshes[piece.instance as usize] as usize];
@@ -120,7 +124,7 @@ impl<'a> PageRaster<'a> {
             sum += (p * w.x + q * w.y + r * w.z) * (piece.cumulative - before);
             before = piece.cumulative;
         }
-        sum / before
+        (sum / before * GRAIN).round() / GRAIN
     }
 
     /// The same with each footprint drawn together into its point nearest to the texel's centre.

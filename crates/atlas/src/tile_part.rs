@@ -29,22 +29,19 @@ impl PageRaster<'_> {
     /// If `index` is not below the number of tiles.
     pub fn parts(&self, index: usize) -> impl Iterator<Item = TilePart> + '_ {
         let origin = self.tile_origin(index).map(f64::from);
-        let range = move |axis: usize| {
-            let low = origin[axis];
-            (low - SLACK, low + f64::from(TILE) + SLACK)
-        };
         self.triangles(index).map(move |(entry, corners)| {
-            let ((left, right), (top, bottom)) = (range(0), range(1));
             let whole = Polygon::triangle(corners);
-            let (mut wide, mut tall) = ([Polygon::EMPTY; 2], [Polygon::EMPTY; 2]);
-            let part = whole
-                .between(0, left, right, &mut wide)
-                .between(1, top, bottom, &mut tall);
+            let mut part = whole.clone();
+            let [mut low, mut inside, mut high] = [const { Polygon::EMPTY }; 3];
+            for (axis, start) in origin.into_iter().enumerate() {
+                part.split(axis, start - SLACK, &mut low, &mut inside);
+                inside.split(axis, start + f64::from(TILE) + SLACK, &mut part, &mut high);
+            }
             // One that only touches the tile leaves nothing; it counts whole.
             let kept = if part.corners().is_empty() {
                 &whole
             } else {
-                part
+                &part
             };
             TilePart {
                 instance: entry[0],

@@ -113,6 +113,25 @@ fn coverage_sums_to_the_area_of_the_triangles() {
     }
 }
 
+#[test]
+fn the_middle_of_a_whole_texel_is_its_centre_to_the_last_bit() {
+    let mut whole = 0;
+    for (n, size) in [(1, 64), (3, 64), (40, 64), (200, 128)] {
+        let (scene, atlas) = jittered_grid(n, 3.1, f64::from(size) - 3.7, size);
+        let raster = PageRaster::new(&scene, &atlas, 0);
+        for tile in (0..raster.tiles().len()).map(|index| raster.tile(index)) {
+            let [low, high] = [4, size - 4];
+            let inner = |f: &&Footprint| (low..high).contains(&f.x) && (low..high).contains(&f.y);
+            for f in tile.footprints.iter().filter(inner) {
+                let centre = DVec2::new(f64::from(f.x) + 0.5, f64::from(f.y) + 0.5);
+                assert_eq!(raster.middle(&tile, f), centre, "{n}: {f:?}");
+                whole += 1;
+            }
+        }
+    }
+    assert_eq!(whole, 3 * 56 * 56 + 120 * 120);
+}
+
 /// The audit counts by sample points where it can, and cuts the rest.
 #[test]
 fn the_audit_counts_as_many_texels_as_there_are_footprints() {
@@ -157,7 +176,7 @@ fn ten_thousand_sub_texel_triangles_are_all_sampled() {
     let mut sampled = vec![false; 10_000];
     for tile in &tiles {
         for f in &tile.footprints {
-            let pieces = &tile.pieces[f.pieces.start as usize..f.pieces.end as usize];
+            let pieces = tile.pieces_of(f);
             let mut before = 0.0;
             for piece in pieces {
                 seen[piece.triangle as usize] += piece.cumulative - before;

@@ -39,9 +39,7 @@ pub(super) fn make(
             let texel = footprint.y as usize * size + footprint.x as usize;
             let direction = DVec3::from(bent.map(|plane| f64::from(plane[texel])));
             let (mut sum, mut before) = (DVec3::ZERO, 0.0);
-            for piece in
-                &tile.pieces[footprint.pieces.start as usize..footprint.pieces.end as usize]
-            {
+            for piece in tile.pieces_of(footprint) {
                 let [a, b, c] = piece.corners;
                 let middle = match piece.square {
                     true => (b + c) / 2.0,

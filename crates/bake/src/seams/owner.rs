@@ -58,7 +58,7 @@ impl Page<'_> {
         let place = |footprint: &Footprint| (footprint.y, footprint.x);
         let at = tile.footprints.binary_search_by_key(&own, place).ok()?;
         let footprint = &tile.footprints[at];
-        let pieces = &tile.pieces[footprint.pieces.start as usize..footprint.pieces.end as usize];
+        let pieces = tile.pieces_of(footprint);
         let chart = |piece: &atlas::Piece| {
             let mesh = self.scene.instances[piece.instance as usize].mesh;
             [

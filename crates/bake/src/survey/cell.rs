@@ -15,16 +15,15 @@ pub(crate) struct Cell {
     pub area: f64,
     /// The closed surface that it is part of.
     pub body: Option<u32>,
-    /// Shares of the footprint's area before the cell, and with it; 0 and 1 for an only cell.
+    /// Share of the footprint's area before the cell; 0 for an only cell.
     pub start: f32,
-    pub end: f32,
     inverse_share: f32,
     /// The unit square is folded onto the triangle under its diagonal by this times the lesser coordinate; 0 for a cell that
     /// is the whole parallelogram, 1/2 for a triangle.
     pub fold: f32,
     /// Position at (0, 0) and its change along s and t. Exactly constant along an axis in which the triangle is flat.
     pub position: [DVec3; 3],
-    /// Shading normal at (0, 0), not of unit length between corners, and its change along s and t.
+    /// Shading normal at (0, 0) and its change along s and t; of unit length where it does not change.
     pub normal: [DVec3; 3],
     /// Unit geometric normal by the winding.
     pub geometric: DVec3,
@@ -60,7 +59,7 @@ impl Sample {
 }
 
 impl Cell {
-    /// The cells of a piece of so much area in texels. Corners are kept the patch's inset away from the
+    /// Adds the cells of a piece of so much area in texels. Corners are kept the patch's inset away from the
     /// triangle's edges; a parallelogram that would need it at one corner becomes two triangles.
     pub fn push(
         cells: &mut Vec<Cell>,
@@ -69,14 +68,12 @@ impl Cell {
         area: f64,
     ) {
         let mut push = |fold, weights, area| {
-            cells.push(Self {
-                body,
-                ..Self::of(patch, fold, weights, area)
-            })
+            cells.push(Self::of((patch, body), fold, weights, area));
         };
         let [a, b, c] = piece.corners;
         if !piece.square {
-            push(0.5, [a, b, c].map(|w| patch.kept(w)), area);
+            let kept = |w| if patch.keeps(w) { w } else { patch.kept(w) };
+            push(0.5, [a, b, c].map(kept), area);
             return;
         }
         let d = b + c - a;
@@ -89,25 +86,30 @@ impl Cell {
         push(0.5, [d, c, b], 0.5 * area);
     }
 
-    fn of(patch: &Patch, fold: f32, weights: [DVec3; 3], area: f64) -> Self {
+    fn of((patch, body): (&Patch, Option<u32>), fold: f32, weights: [DVec3; 3], area: f64) -> Self {
+        let affine = |[a, b, c]: [DVec3; 3]| [a, b - a, c - a];
         let corners = weights.map(|w| patch.position(w));
+        let [a, b, c] = corners.map(DVec3::abs);
         let normals = weights.map(|w| patch.normal(w));
-        let affine = |p: [DVec3; 3]| [p[0], p[1] - p[0], p[2] - p[0]];
-        let reach = corners
-            .iter()
-            .fold(DVec3::ZERO, |reach, corner| reach.max(corner.abs()));
+        let smooth = normals[0] != normals[1] || normals[0] != normals[2];
+        let normal = match smooth {
+            true => affine(normals),
+            false => {
+                let normal = normals[0].try_normalize();
+                [normal.unwrap_or(patch.geometric), DVec3::ZERO, DVec3::ZERO]
+            }
+        };
         Self {
             area,
-            body: None,
+            body,
             start: 0.0,
-            end: 1.0,
             inverse_share: 1.0,
             fold,
             position: affine(corners),
-            normal: affine(normals),
+            normal,
             geometric: patch.geometric,
-            lift: patch.geometric * patch.offset(reach),
-            smooth: normals[0] != normals[1] || normals[0] != normals[2],
+            lift: patch.geometric * patch.offset(a.max(b).max(c)),
+            smooth,
         }
     }
 
@@ -132,12 +134,12 @@ impl Cell {
     pub fn share(cells: &mut [Cell]) {
         let total: f64 = cells.iter().map(|cell| cell.area).sum();
         let (mut before, mut start) = (0.0, 0.0);
-        for cell in cells.iter_mut() {
+        for cell in cells {
             before += cell.area;
+            let end = (before / total) as f32;
             cell.start = start;
-            cell.end = (before / total) as f32;
-            start = cell.end;
-            cell.inverse_share = 1.0 / (cell.end - cell.start).max(f32::MIN_POSITIVE);
+            cell.inverse_share = 1.0 / (end - start).max(f32::MIN_POSITIVE);
+            start = end;
         }
     }
 
@@ -207,10 +209,15 @@ impl Cell {
 
     /// The surface at (s, t).
     pub fn sample(&self, [s, t]: [f32; 2]) -> Sample {
-        let (s, t) = (f64::from(s), f64::from(t));
-        let at = |p: [DVec3; 3]| p[0] + p[1] * s + p[2] * t;
-        let position = at(self.position);
-        let normal = at(self.normal).try_normalize().unwrap_or(self.geometric);
+        let position = self.at([s, t]);
+        let normal = match self.smooth {
+            true => {
+                let [n, along, across] = self.normal;
+                let normal = n + along * f64::from(s) + across * f64::from(t);
+                normal.try_normalize().unwrap_or(self.geometric)
+            }
+            false => self.normal[0],
+        };
         let side = if normal.dot(self.geometric) < 0.0 {
             -1.0
         } else {
@@ -222,6 +229,12 @@ impl Cell {
             geometric: side * self.geometric,
         }
     }
+}
+
+/// The cell of a footprint that the first coordinate of a point of the unit square chooses by area.
+#[inline]
+pub(crate) fn choose(cells: &[Cell], u0: f32) -> usize {
+    cells[1..].partition_point(|cell| u0 >= cell.start)
 }
 
 /// (s, t) in a cell with this placement: the square is stretched over the cell, so that stratified numbers stay

@@ -152,6 +152,7 @@ mod tests {
             let piece = Piece {
                 instance: 0,
                 triangle: 0,
+                number: 0,
                 square,
                 corners: [
                     DVec3::X,
@@ -217,6 +218,7 @@ mod tests {
         let piece = Piece {
             instance: 0,
             triangle: 0,
+            number: 0,
             square: true,
             corners: [
                 DVec3::X,

@@ -1,15 +1,18 @@
 //! The part of a texel's footprint that can be seen: what does not lie inside of a solid.
 //!
-//! A first look costs one test a texel: if no solid's surface comes near the footprint, it is buried as a whole or not at all.
+//! Texels of a body are looked at together first, then by quarters: where no solid's surface comes near, they are buried all or not at all.
 //! Elsewhere the unit square of sample points is cut into strata. One whose corners lie in the open is kept,
 //! and samples are spread over those that are kept. So all rays of a texel serve what can be seen of it.
 
-use super::cell::Cell;
+use super::cell::{Cell, choose};
 use glam::DVec3;
 use rays::{NUDGE, Near, Solids};
 
 /// Strata along an edge of the unit square.
 const EDGE: usize = 8;
+
+/// Parts in which footprints are looked at that cannot be told together: of a tile four rows, a row, four texels, one.
+const PARTS: usize = 4;
 
 /// What can be seen of a footprint.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +21,129 @@ pub(crate) struct Seen {
     pub share: f32,
     /// The strata that samples are drawn from; empty for all.
     strata: Vec<u8>,
+}
+
+/// Where footprints are.
+#[derive(Clone, Copy)]
+struct Spot {
+    low: DVec3,
+    high: DVec3,
+    /// The closed surface that all of it is part of, if any; `None` where that differs.
+    own: Option<Option<u32>>,
+}
+
+impl Spot {
+    fn of(cells: &[Cell]) -> Self {
+        let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let corners = cells.iter().flat_map(Cell::corners);
+        let (low, high) = corners.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
+        let own = cells[0].body;
+        let is_uniform = cells.iter().all(|cell| cell.body == own);
+        let own = is_uniform.then_some(own);
+        Self { low, high, own }
+    }
+
+    fn with(self, other: &Self) -> Self {
+        Self {
+            low: self.low.min(other.low),
+            high: self.high.max(other.high),
+            own: self.own.filter(|_| self.own == other.own),
+        }
+    }
+
+    /// Those of the bodies near it that may bury some of it.
+    fn narrowed(&self, solids: &Solids, near: &[u32]) -> Vec<u32> {
+        let mut near = solids.narrowed(near, self.low, self.high);
+        near.retain(|&body| self.own.is_none_or(|own| !solids.spares(body, own)));
+        near
+    }
+
+    /// The largest coordinate of it and of the bodies near it.
+    fn reach(&self, solids: &Solids, near: &[u32]) -> f64 {
+        let extent = near.iter().map(|&body| solids.extent(body));
+        extent.fold(self.low.abs().max(self.high.abs()).max_element(), f64::max)
+    }
+
+    /// What can be seen of every footprint alike; `None` where that may differ.
+    fn alike(&self, solids: &Solids, near: &[u32]) -> Option<Seen> {
+        let own = self.own?;
+        // What lies behind a ground or outside of a room may end far from its surface.
+        if near.iter().any(|&body| !solids.rooted(body).is_empty()) {
+            return None;
+        }
+        let slack = NUDGE * self.reach(solids, near);
+        let ends = [self.low - slack, self.high + slack];
+        let corner = |k: usize| {
+            let [x, y, z] = [k & 1, k >> 1 & 1, k >> 2];
+            DVec3::new(ends[x].x, ends[y].y, ends[z].z)
+        };
+        let corners = (0..8).map(corner);
+        let is_close = |&body: &u32| own != Some(body) && solids.meets(body, corners.clone());
+        if near.iter().any(is_close) {
+            return None;
+        }
+        let middle = 0.5 * (self.low + self.high);
+        let depth = near.iter().map(|&body| solids.depth(body, middle, own));
+        Some(if depth.sum::<i32>() <= 0 {
+            Seen::ALL
+        } else {
+            Seen::NONE
+        })
+    }
+}
+
+/// What can be seen of footprints, each with its number and its cells, of which neighbours mostly follow one another; of those that are
+/// not among the answers all.
+pub(super) fn look<'a>(
+    solids: &Solids,
+    footprints: impl Iterator<Item = (usize, &'a [Cell])>,
+) -> Vec<(usize, Seen)> {
+    let footprint = |(number, cells)| (number, cells, Spot::of(cells));
+    let mut footprints: Vec<Placed> = footprints.map(footprint).collect();
+    // Bodies apart, so that what buries neither of two that lie far from one another is not asked for both.
+    footprints.sort_by_key(|(.., spot)| spot.own);
+    let mut found = Vec::new();
+    for part in footprints.chunk_by(|(.., a), (.., b)| a.own == b.own) {
+        if let Some(whole) = around(part) {
+            let near = solids.about(whole.low, whole.high);
+            look_among(solids, &near, (part, whole), &mut found);
+        }
+    }
+    found
+}
+
+/// A footprint's number, its cells and where it is.
+type Placed<'a> = (usize, &'a [Cell], Spot);
+
+fn around(footprints: &[Placed]) -> Option<Spot> {
+    let spots = footprints.iter().map(|(.., spot)| *spot);
+    spots.reduce(|whole, spot| whole.with(&spot))
+}
+
+/// The same for footprints that lie together in `whole`, among some of the bodies.
+fn look_among(
+    solids: &Solids,
+    near: &[u32],
+    (footprints, whole): (&[Placed], Spot),
+    found: &mut Vec<(usize, Seen)>,
+) {
+    let near = whole.narrowed(solids, near);
+    if near.is_empty() {
+        return;
+    }
+    if let [(number, cells, _)] = footprints {
+        found.push((*number, Seen::of(cells, &whole, solids, &near)));
+        return;
+    }
+    if let Some(seen) = whole.alike(solids, &near) {
+        found.extend((footprints.iter()).map(|(number, ..)| (*number, seen.clone())));
+        return;
+    }
+    for part in footprints.chunks(footprints.len().div_ceil(PARTS)) {
+        if let Some(whole) = around(part) {
+            look_among(solids, &near, (part, whole), found);
+        }
+    }
 }
 
 /// The lattice with buried corners open where none beside them along a row or column is buried: a body that only touches the surface
@@ -50,27 +176,10 @@ impl Seen {
         strata: Vec::new(),
     };
 
-    /// Looks at a texel of these cells among solids whose boxes may meet its own. `choose` gives the
-    /// cell under a point of the unit square by its first coordinate.
-    pub fn of(
-        cells: &[Cell],
-        choose: impl Fn(f32) -> usize,
-        solids: &Solids,
-        near: &[u32],
-    ) -> Self {
-        let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let corners = cells.iter().flat_map(Cell::corners);
-        let (low, high) = corners.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
-        let own = cells[0].body;
-        let is_uniform = cells.iter().all(|cell| cell.body == own);
-        let matters = |body: &u32| !(is_uniform && solids.spares(*body, own));
-        let mut near = solids.narrowed(near, low, high);
-        near.retain(matters);
-        if near.is_empty() {
-            return Self::ALL;
-        }
-        let extent = near.iter().map(|&body| solids.extent(body));
-        let reach = extent.fold(low.abs().max(high.abs()).max_element(), f64::max);
+    /// Looks at a texel of these cells, which is `whole`, among the solids whose boxes may meet its own.
+    fn of(cells: &[Cell], whole: &Spot, solids: &Solids, near: &[u32]) -> Self {
+        let (own, is_uniform) = (cells[0].body, whole.own.is_some());
+        let reach = whole.reach(solids, near);
         let tested = |position: DVec3, geometric: DVec3| position + NUDGE * reach * geometric;
         let faces: Vec<DVec3> = cells
             .iter()
@@ -84,7 +193,7 @@ impl Seen {
         let corners = || corners.iter().copied();
         let point_at = |u: [f64; 2]| {
             let u = u.map(|u| u as f32);
-            let index = choose(u[0]);
+            let index = choose(cells, u[0]);
             let (cell, place) = (&cells[index], cells[index].place(u));
             // Where the shading normal does not change, neither does the side that it is on.
             let geometric = match cell.is_smooth() {
@@ -180,6 +289,91 @@ impl Seen {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use atlas::Piece;
+    use rays::{Patch, PlaneErrors, World, WorldOptions};
+
+    /// A floor over y = 0, larger than 8 x 8, under boxes given by their lowest and highest corners.
+    fn world(boxes: &[[[f32; 3]; 2]]) -> World {
+        let mut floor = scene::authored::Mesh::default();
+        floor.positions = vec![[0.0; 3], [0.0, 0.0, 16.0], [16.0, 0.0, 0.0]];
+        floor.triangles = vec![[0, 1, 2]];
+        let block = |ends: &[[f32; 3]; 2]| {
+            let mut mesh = scene::authored::Mesh::default();
+            let corner = |k: usize| [0, 1, 2].map(|axis| ends[k >> axis & 1][axis]);
+            mesh.positions = (0..8).map(corner).collect();
+            let sides = [
+                [0, 4, 6, 2],
+                [1, 3, 7, 5],
+                [0, 1, 5, 4],
+                [2, 6, 7, 3],
+                [0, 2, 3, 1],
+                [4, 5, 7, 6],
+            ];
+            let halves = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
+            mesh.triangles = sides.into_iter().flat_map(halves).collect();
+            mesh
+        };
+        let meshes = std::iter::once(floor).chain(boxes.iter().map(block));
+        let scene = scene::Scene::from_meshes(meshes.collect(), vec![]).expect("a scene");
+        World::new(std::sync::Arc::new(scene), WorldOptions::default()).expect("a world")
+    }
+
+    /// What can be seen of texels of the floor, half a unit wide, 16 x 16 of them, row by row.
+    fn seen(world: &World) -> Vec<Seen> {
+        let patch = Patch::of(world, &PlaneErrors::of(world), 0, 0);
+        let weights = |x: f64, z: f64| DVec3::new(16.0 - x - z, z, x) / 16.0;
+        let texel = |k: usize| {
+            let [x, z] = [k % 16, k / 16].map(|k| k as f64 / 2.0);
+            let piece = Piece {
+                instance: 0,
+                triangle: 0,
+                number: 0,
+                square: true,
+                corners: [weights(x, z), weights(x + 0.5, z), weights(x, z + 0.5)],
+                cumulative: 1.0,
+            };
+            let mut cells = Vec::new();
+            Cell::push(&mut cells, (&patch, None), &piece, 1.0);
+            Cell::share(&mut cells);
+            cells
+        };
+        let texels: Vec<Vec<Cell>> = (0..256).map(texel).collect();
+        let mut seen = vec![Seen::ALL; 256];
+        let cells = texels.iter().map(|cells| &cells[..]);
+        for (number, found) in look(world.solids(), cells.enumerate()) {
+            seen[number] = found;
+        }
+        seen
+    }
+
+    #[test]
+    fn texels_looked_at_together_are_buried_where_a_body_stands_on_them() {
+        // Its sides are a sixteenth of a unit or less from borders of texels: no stratum is left of those that they cut.
+        let low = [2.03, -1.0, 2.03];
+        let cases: [(&[[[f32; 3]; 2]], usize); 4] = [
+            (&[], 0),
+            (&[[low, [5.97, 1.0, 3.97]]], 8 * 4),
+            // It hovers over the floor.
+            (&[[[2.03, 0.01, 2.03], [5.97, 1.0, 3.97]]], 0),
+            // All of the floor lies in it.
+            (&[[[-1.0; 3], [17.0, 1.0, 17.0]]], 256),
+        ];
+        for (boxes, expected) in cases {
+            let found = seen(&world(boxes));
+            let within = |k: usize| {
+                expected == 256 || (4..12).contains(&(k % 16)) && (4..8).contains(&(k / 16))
+            };
+            for (k, seen) in found.iter().enumerate() {
+                let is_buried = expected > 0 && within(k);
+                let expected = if is_buried { Seen::NONE } else { Seen::ALL };
+                assert_eq!(*seen, expected, "{boxes:?} {k}");
+            }
+            assert_eq!(
+                found.iter().filter(|seen| seen.share < 1.0).count(),
+                expected
+            );
+        }
+    }
 
     #[test]
     fn points_are_even_over_the_strata_that_are_kept() {

@@ -1,15 +1,16 @@
 //! What a texel's footprint is made of: its cells, its mean material and its mean position and normals.
 
-use super::cell::{Cell, Sample};
+use super::cell::{Cell, Sample, choose};
 use super::rims::{self, Ends};
-use super::seen::Seen;
+use super::seen::{Seen, look};
 use crate::labels;
 use crate::plan::Plan;
 use ambient::sampling::Stream;
 use atlas::{Footprint, Piece, Tile};
 use glam::DVec3;
 use rays::{Overrides, Patch, PhongMaterial, PlaneErrors, Solids, World, is_mapped, material_at};
-use rustc_hash::FxHashMap;
+use std::ops::{Deref, Range};
+use std::sync::Arc;
 
 /// Sample points over the footprint from which means of textured materials are taken.
 const SURVEY_POINTS: u32 = 16;
@@ -21,10 +22,7 @@ pub(crate) struct Texel {
     pub y: u32,
     /// Covered share of its square.
     pub coverage: f32,
-    /// Never empty.
-    pub cells: Vec<Cell>,
-    /// Shares of the footprint's area at which the cells end, but for the last.
-    ends: Vec<f32>,
+    pub cells: Cells,
     pub material: PhongMaterial,
     pub position: DVec3,
     pub normal: DVec3,
@@ -39,16 +37,32 @@ pub(crate) struct Texel {
     pub seen: Seen,
 }
 
+/// The cells of a texel, never none: a part of those of its tile.
+#[derive(Debug)]
+pub(crate) struct Cells {
+    all: Arc<Vec<Cell>>,
+    own: Range<usize>,
+}
+
+impl Deref for Cells {
+    type Target = [Cell];
+
+    #[inline(always)]
+    fn deref(&self) -> &[Cell] {
+        &self.all[self.own.clone()]
+    }
+}
+
 impl Texel {
     /// Where the cells end along the first coordinate of a point of the unit square, but for the last.
-    pub fn ends(&self) -> &[f32] {
-        &self.ends
+    pub fn ends(&self) -> impl ExactSizeIterator<Item = f32> {
+        self.cells[1..].iter().map(|cell| cell.start)
     }
 
     /// The cell that the first coordinate of a point of the unit square chooses by area.
     #[inline]
     pub fn choose(&self, u0: f32) -> usize {
-        self.ends.partition_point(|&end| u0 >= end)
+        choose(&self.cells, u0)
     }
 
     /// Area in the world, squared units.
@@ -79,12 +93,9 @@ impl Texel {
         cell.sample(cell.place(u))
     }
 
-    /// Looks for what can be seen, and takes the means over it.
-    fn look(&mut self, solids: &Solids, near: &[u32]) {
-        if self.seen == Seen::NONE {
-            return;
-        }
-        self.seen = Seen::of(&self.cells, |u| self.choose(u), solids, near);
+    /// Takes what can be seen, and the means over it.
+    fn see(&mut self, seen: Seen) {
+        self.seen = seen;
         if !self.seen.is_part() {
             return;
         }
@@ -111,29 +122,8 @@ struct Known<'a> {
     body: Option<u32>,
     /// What walls cut off from its surface, and sheets cover of it.
     ends: Ends<'a>,
-}
-
-/// What the texels of a tile have in common.
-#[derive(Default)]
-struct Shared<'a> {
-    /// By instance and triangle.
-    triangles: FxHashMap<(u32, u32), Known<'a>>,
-    /// Of the last instance that was asked for, one without maps.
-    material: Option<(u32, PhongMaterial)>,
-}
-
-impl Shared<'_> {
-    /// The material of an instance that has no maps.
-    fn plain(&mut self, world: &World, instance: u32, triangle: u32) -> PhongMaterial {
-        match self.material {
-            Some((known, material)) if known == instance => material,
-            _ => {
-                let material = material_at(world.scene(), instance, triangle, [1.0, 0.0, 0.0]);
-                self.material = Some((instance, material));
-                material
-            }
-        }
-    }
+    /// `None` where it varies.
+    material: Option<PhongMaterial>,
 }
 
 /// Makes the texels of tiles.
@@ -149,144 +139,156 @@ pub(crate) struct Surveyor<'a> {
 impl<'a> Surveyor<'a> {
     /// All texels of a tile. `stream` labels a texel's own points by its column and row.
     pub fn texels(&self, tile: &Tile, stream: impl Fn(u32, u32, u32) -> Stream) -> Vec<Texel> {
-        let mut shared = Shared::default();
-        let texels = tile.footprints.iter().map(|footprint| {
+        let known: Vec<Known> = (tile.triangles.iter())
+            .map(|&[instance, triangle]| self.known(instance, triangle))
+            .collect();
+        let mut cells = Vec::with_capacity(tile.pieces.len());
+        let cut = |footprint: &Footprint| {
+            let start = cells.len();
+            let is_left = self.cut(tile.pieces_of(footprint), &known, &mut cells);
+            (start..cells.len(), is_left)
+        };
+        let found: Vec<(Range<usize>, bool)> = tile.footprints.iter().map(cut).collect();
+        let all = Arc::new(cells);
+        let texel = |(footprint, (own, is_left)): (&Footprint, (Range<usize>, bool))| {
+            let all = Arc::clone(&all);
             let stream = stream(footprint.x, footprint.y, labels::SURVEY);
-            self.texel(tile, footprint, &mut shared, &stream)
-        });
-        let mut texels: Vec<Texel> = texels.collect();
+            let seen = if is_left { Seen::ALL } else { Seen::NONE };
+            self.texel((tile, footprint), &known, Cells { all, own }, seen, &stream)
+        };
+        let mut texels: Vec<Texel> = tile.footprints.iter().zip(found).map(texel).collect();
         if let Some(solids) = self.solids {
-            let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-            let cells = texels.iter().flat_map(|texel| &texel.cells);
-            let corners = cells.flat_map(Cell::corners);
-            let (low, high) = corners.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
-            let near = solids.about(low, high);
-            if !near.is_empty() {
-                texels
-                    .iter_mut()
-                    .for_each(|texel| texel.look(solids, &near));
+            let footprints = texels.iter().map(|texel| &texel.cells[..]).enumerate();
+            // What rims take is not looked at.
+            let left = footprints.filter(|&(index, _)| texels[index].seen != Seen::NONE);
+            for (index, seen) in look(solids, left) {
+                texels[index].see(seen);
             }
         }
         texels
     }
 
+    fn known(&self, instance: u32, triangle: u32) -> Known<'a> {
+        let scene = self.world.scene();
+        let varies = is_mapped(scene, instance);
+        let material = || material_at(scene, instance, triangle, [1.0, 0.0, 0.0]);
+        Known {
+            patch: Patch::of(self.world, self.errors, instance, triangle),
+            open: self.plan.open.contains(instance, triangle),
+            body: self.solids.and_then(|of| of.own(instance, triangle)),
+            ends: Ends {
+                rims: self.solids.map_or(&[], |of| of.rims(instance, triangle)),
+                covers: self.solids.and_then(|of| of.covers(instance, triangle)),
+            },
+            material: (!varies).then(material),
+        }
+    }
+
+    /// Adds the cells of a footprint to others: of what rims and sheets leave of it, or of all where they leave nothing and `false` is
+    /// returned.
+    fn cut(&self, pieces: &[Piece], known: &[Known], cells: &mut Vec<Cell>) -> bool {
+        let start = cells.len();
+        for all in [false, true] {
+            let mut before = 0.0;
+            for piece in pieces {
+                let known = &known[piece.number as usize];
+                let (triangle, corners) = (piece.triangle, piece.corners);
+                let bent =
+                    (self.world).bent_normal(piece.instance, triangle, corners, piece.square);
+                let mut push = |part: &Piece, area| {
+                    let first = cells.len();
+                    Cell::push(cells, (&known.patch, known.body), part, area);
+                    if let Some(normal) = bent {
+                        cells[first..].iter_mut().for_each(|cell| cell.bend(normal));
+                    }
+                };
+                let area = piece.cumulative - before;
+                before = piece.cumulative;
+                match all || known.ends.are_none() {
+                    true => push(piece, area),
+                    false => rims::without((&known.patch, known.ends), piece, area, push),
+                }
+            }
+            if cells.len() > start {
+                Cell::share(&mut cells[start..]);
+                return !all;
+            }
+        }
+        unreachable!("a footprint is never empty")
+    }
+
     fn texel(
         &self,
-        tile: &Tile,
-        footprint: &Footprint,
-        shared: &mut Shared<'a>,
+        (tile, footprint): (&Tile, &Footprint),
+        known: &[Known],
+        cells: Cells,
+        seen: Seen,
         stream: &Stream,
     ) -> Texel {
-        let pieces = &tile.pieces[footprint.pieces.start as usize..footprint.pieces.end as usize];
-        let mut cells = Vec::with_capacity(pieces.len());
-        // The same with what rims take and sheets cover, where there is some.
-        let (mut whole, mut lost) = (Vec::new(), 0.0);
-        let mut upward = None;
-        let (mut open, mut before) = (true, 0.0);
-        let mut largest = (0.0, 0);
+        let pieces = tile.pieces_of(footprint);
+        let of = |piece: &Piece| &known[piece.number as usize];
+        let (mut largest, mut before) = ((0.0, 0), 0.0);
         for piece in pieces {
-            let key = (piece.instance, piece.triangle);
-            let known = shared.triangles.entry(key).or_insert_with(|| Known {
-                patch: Patch::of(self.world, self.errors, key.0, key.1),
-                open: self.plan.open.contains(key.0, key.1),
-                body: self.solids.and_then(|solids| solids.own(key.0, key.1)),
-                ends: Ends {
-                    rims: self.solids.map_or(&[], |solids| solids.rims(key.0, key.1)),
-                    covers: self.solids.and_then(|solids| solids.covers(key.0, key.1)),
-                },
-            });
-            upward.get_or_insert_with(|| known.patch.upward());
-            open &= known.open;
             if piece.cumulative - before > largest.0 {
                 largest = (piece.cumulative - before, piece.instance);
             }
-            let surface = (&known.patch, known.body);
-            let bent = self
-                .world
-                .bent_normal(key.0, key.1, piece.corners, piece.square);
-            let push = |cells: &mut Vec<Cell>, piece: &Piece, area: f64| {
-                let first = cells.len();
-                Cell::push(cells, surface, piece, area);
-                if let Some(normal) = bent {
-                    cells[first..].iter_mut().for_each(|cell| cell.bend(normal));
-                }
-            };
-            let area = piece.cumulative - before;
-            if known.ends.are_none() {
-                push(&mut cells, piece, area);
-            } else {
-                let mut left = 0.0;
-                rims::without((&known.patch, known.ends), piece, area, |part, area| {
-                    push(&mut cells, part, area);
-                    left += area;
-                });
-                lost += area - left;
-                push(&mut whole, piece, area);
-            }
             before = piece.cumulative;
         }
-        let is_rim = cells.is_empty();
-        if is_rim {
-            (cells, lost) = (whole, 0.0);
-        }
-        Cell::share(&mut cells);
         let (mut position, mut normal, mut geometric) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
-        for cell in &cells {
+        let mut area = 0.0;
+        for cell in cells.iter() {
             let centre = cell.sample(cell.centre());
             position += centre.position * cell.area;
             normal += centre.normal * cell.area;
             geometric += centre.geometric * cell.area;
+            area += cell.area;
         }
-        let upward = upward.unwrap_or(DVec3::Z);
+        let upward = || of(&pieces[0]).patch.upward();
         Texel {
             x: footprint.x,
             y: footprint.y,
             coverage: footprint.coverage,
-            material: self.material(tile, footprint, shared, stream),
-            position: position / (before - lost),
-            normal: normal.try_normalize().unwrap_or(upward),
-            geometric: geometric.try_normalize().unwrap_or(upward),
+            material: self.material((tile, footprint), known, stream),
+            position: position / area,
+            normal: normal.try_normalize().unwrap_or_else(upward),
+            geometric: geometric.try_normalize().unwrap_or_else(upward),
             object: largest.1,
-            open,
+            open: pieces.iter().all(|piece| of(piece).open),
             tilted: !cells.iter().all(Cell::is_flat),
-            ends: cells[1..].iter().map(|cell| cell.start).collect(),
             cells,
-            seen: if is_rim { Seen::NONE } else { Seen::ALL },
+            seen,
         }
     }
 
-    /// The mean material: by area where no map is looked up, else from points over the footprint.
+    /// The mean material: by area where it varies over none of the triangles, else from points over the footprint.
     fn material(
         &self,
-        tile: &Tile,
-        footprint: &Footprint,
-        shared: &mut Shared<'a>,
+        (tile, footprint): (&Tile, &Footprint),
+        known: &[Known],
         stream: &Stream,
     ) -> PhongMaterial {
-        let scene = self.world.scene();
-        let pieces = &tile.pieces[footprint.pieces.start as usize..footprint.pieces.end as usize];
         let mut sum = PhongMaterial::default();
         let mut add = |material: PhongMaterial, weight: f64| {
             sum.albedo += material.albedo * weight;
             sum.specular += material.specular * weight;
             sum.exponent += material.exponent * weight;
         };
-        if pieces.iter().any(|piece| is_mapped(scene, piece.instance)) {
+        let pieces = tile.pieces_of(footprint);
+        let plain = |piece: &Piece| known[piece.number as usize].material;
+        if pieces.iter().any(|piece| plain(piece).is_none()) {
             for index in 0..SURVEY_POINTS {
                 let [_, _, u, v] = stream.point(index);
-                let point = tile.sample(footprint, [u, v]);
-                add(
-                    material_at(scene, point.instance, point.triangle, point.weights),
-                    1.0 / f64::from(SURVEY_POINTS),
-                );
+                let at = tile.sample(footprint, [u, v]);
+                let scene = self.world.scene();
+                let material = material_at(scene, at.instance, at.triangle, at.weights);
+                add(material, 1.0 / f64::from(SURVEY_POINTS));
             }
         } else {
             let (area, mut before) = (tile.area(footprint), 0.0);
             for piece in pieces {
-                add(
-                    shared.plain(self.world, piece.instance, piece.triangle),
-                    (piece.cumulative - before) / area,
-                );
+                if let Some(material) = plain(piece) {
+                    add(material, (piece.cumulative - before) / area);
+                }
                 before = piece.cumulative;
             }
         }

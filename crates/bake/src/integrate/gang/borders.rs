@@ -15,16 +15,16 @@ const MOST: usize = 24;
 ///
 /// Looking through the few ends of sixteen texels in step takes a fraction of what sixteen searches take.
 #[derive(Clone)]
-pub(super) struct Borders<'a> {
+pub(super) struct Borders {
     /// The ends of each lane's cells but the last, in their order. Lanes with fewer hold a number that no point reaches.
     rows: [Wide; MOST],
     /// Rows in use.
     used: usize,
     /// The ends of lanes with more.
-    long: Vec<(usize, &'a [f32])>,
+    long: Vec<(usize, Vec<f32>)>,
 }
 
-impl<'a> Borders<'a> {
+impl Borders {
     /// One cell under each lane.
     pub fn none() -> Self {
         Self {
@@ -42,14 +42,14 @@ impl<'a> Borders<'a> {
     }
 
     /// Takes the ends of the cells under a lane.
-    pub fn set(&mut self, lane: usize, ends: &'a [f32]) {
+    pub fn set(&mut self, lane: usize, ends: impl ExactSizeIterator<Item = f32>) {
         if ends.len() > MOST {
-            self.long.push((lane, ends));
+            self.long.push((lane, ends.collect()));
             return;
         }
         self.used = self.used.max(ends.len());
         for (row, end) in self.rows.iter_mut().zip(ends) {
-            row[lane] = *end;
+            row[lane] = end;
         }
     }
 
@@ -69,8 +69,8 @@ impl<'a> Borders<'a> {
                 cells[l] += u32::from(v0[l] >= ends[l]);
             }
         }
-        for &(l, ends) in &self.long {
-            cells[l] = ends.partition_point(|end| v0[l] >= *end) as u32;
+        for (l, ends) in &self.long {
+            cells[*l] = ends.partition_point(|end| v0[*l] >= *end) as u32;
         }
         cells
     }
@@ -82,12 +82,12 @@ mod tests {
 
     #[test]
     fn a_point_chooses_the_cell_before_whose_end_it_lies() {
-        let few: Vec<f32> = vec![0.25, 0.25, 0.5];
-        let many: Vec<f32> = (1..100).map(|k| k as f32 / 100.0).collect();
+        let few = [0.25, 0.25, 0.5];
+        let many = (1..100).map(|k| k as f32 / 100.0);
         let mut borders = Borders::none();
         assert!(!borders.any());
-        borders.set(3, &few);
-        borders.set(9, &many);
+        borders.set(3, few.into_iter());
+        borders.set(9, many);
         assert!(borders.any());
         let chosen = |u: f32| {
             let cells = borders.cells(&[u; LANES]);

@@ -62,7 +62,7 @@ pub(crate) struct Gang<'a> {
     stale: bool,
     /// Cell under each lane, where points choose it: lanes whose texels have several.
     cell: [u32; LANES],
-    borders: Borders<'a>,
+    borders: Borders,
     /// Lanes whose texels can be seen in part.
     parted: u32,
     /// Lanes in use, and those among them that nothing stands above, and whose hemisphere rays a guide sent.

@@ -257,6 +257,7 @@ mod tests {
         let piece = Piece {
             instance: 0,
             triangle: 0,
+            number: 0,
             square: false,
             corners: [
                 DVec3::X,
