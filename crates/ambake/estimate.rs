@@ -10,7 +10,7 @@ const WRITING: f64 = 1.2e-7;
 const DENOISING: f64 = 8e-7;
 const KEEPING: f64 = 1.7e-8;
 /// The same to solve a channel at a point of a seam.
-const JOINING: f64 = 2e-5;
+const JOINING: f64 = 7e-6;
 /// The same for the picture of the lit scene and for all that does not grow.
 const ONCE: f64 = 0.3;
 /// Bytes of a compressed 32-bit number, as a share: of pages with their previews, and of what is kept for later updates.

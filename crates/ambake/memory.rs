@@ -24,9 +24,9 @@ const GROUPING: u64 = 17;
 const FITTING: u64 = 140;
 const FITTED: u64 = 1 << 21;
 const FITTED_ROWS: u64 = 96;
-/// Bytes a point of a seam, and those of each thread that solves a term there.
+/// Bytes a point of a seam, and those of every four channels that are solved there together.
 const SEAM: u64 = 450;
-const SOLVING: u64 = 225;
+const SOLVING: u64 = 470;
 /// Bytes a page texel of Intel's, which was measured to take 0.6 GB at 1024².
 const OIDN: u64 = 600;
 /// Bytes a page texel of the light that a gather is sent, and of that which it brings.
@@ -130,7 +130,8 @@ impl Memory {
         };
         let bakes = texels * 4 * self.working + waiting.min(WAITING);
         let groups = texels * (4 * self.working + SHAPE) + covered * GROUPING;
-        let seams = known.map_or(0, |(_, points)| points * (SEAM + threads * SOLVING));
+        let solving = threads.min(self.denoised.div_ceil(4));
+        let seams = known.map_or(0, |(_, points)| points * (SEAM + solving * SOLVING));
         let finishes = texels * 4 * (self.working - places) + denoise + seams;
         let finishes = groups.max(finishes) + waiting.min(SPARED);
         let planes = 4 * (self.working - self.dropped + self.composed);

@@ -6,7 +6,6 @@ use super::planes::BakedPage;
 use super::terms::TermLayers;
 use crate::seams::{Across, Known, System};
 use layers::Layer;
-use rayon::prelude::*;
 
 /// The values that seams give to gutter texels: layer, channel, texels.
 pub(super) type Gutters = Vec<(Layer, usize, Vec<(u32, f32)>)>;
@@ -33,21 +32,16 @@ pub(super) fn solve_seams(
     let system = joined.system;
     let tied = system.tied();
     let coverage = page.layer(Layer::Coverage).unwrap_or_default();
-    let solved: Vec<_> = seamed(page, terms)
-        .into_par_iter()
+    let (planes, known): (Vec<_>, Vec<_>) = seamed(page, terms)
+        .into_iter()
         .filter_map(|(term, std_err, channel)| {
             let unit = match is_light(term) || term == Layer::Sh {
                 true => light,
                 false => 1.0,
             };
-            // In the dark every texel holds 0, and both sides agree.
-            if unit <= 0.0 {
-                return None;
-            }
             let plane = |layer, channel| page.channel(layer, channel).unwrap_or_default();
-            let tied = joined.across.found(joined.light, term, channel, &tied);
             let known = Known {
-                tied: &tied,
+                tied: joined.across.found(joined.light, term, channel, tied),
                 values: plane(term, channel),
                 std_errs: plane(std_err, 0),
                 unit,
@@ -57,13 +51,15 @@ pub(super) fn solve_seams(
                     1.0
                 },
             };
-            Some((term, channel, system.solve(&known, coverage)))
+            // In the dark every texel holds 0, and both sides agree.
+            (unit > 0.0).then_some(((term, channel), known))
         })
-        .collect();
+        .unzip();
+    let solved = system.solve(&known, coverage);
     let is_gutter: Vec<bool> = coverage.iter().map(|&coverage| coverage == 0.0).collect();
     let texels = page.texels();
     let mut gutters = Vec::new();
-    for (term, channel, moved) in solved {
+    for ((term, channel), moved) in planes.into_iter().zip(solved) {
         if term == Layer::Diffuse {
             page.stats.seams = moved.stats;
         }

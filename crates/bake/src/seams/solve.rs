@@ -3,9 +3,9 @@
 use super::across::Outer;
 use super::border::Chart;
 use super::owner::Page;
-use super::system::{Rows, conjugate_gradients};
+use super::system::{Equations, LANES, Sums};
 use super::{SeamPoint, SeamStats};
-use glam::DVec2;
+use glam::{DVec2, DVec4, Vec4};
 use rayon::prelude::*;
 
 /// What a difference of the two sides counts against, in units of the plane. Less would move texels for what nobody sees: at an eighth of
@@ -44,8 +44,11 @@ const REST: f64 = 1e-6;
 /// Texels that a plane cannot hold are put where it ends and the rest is solved again, so often at most.
 const ROUNDS: usize = 3;
 
+/// Places are looked up to so many parts of a texel, so that the weights of a look-up are exact and add up to 1.
+const PARTS: f64 = 4096.0;
+
 /// Texels and their weights in a bilinear look-up.
-type Taps = [(u32, f64); 4];
+pub(super) type Taps = [(u32, f32); 4];
 
 /// Which texels seams read, and how.
 #[derive(Debug)]
@@ -53,32 +56,21 @@ pub(crate) struct System {
     size: usize,
     /// The texels that may move, ascending.
     texels: Vec<u32>,
-    /// For each point of a seam, its two look-ups, the second negative; indices into `texels`.
-    steps: Vec<[(u32, f64); 8]>,
-    /// Square root of each point's length.
+    /// For each point of a seam the difference of its two look-ups, then the look-ups of `tied`, then for each texel the one that its mean
+    /// stands for; all by indices into `texels`.
+    sums: Sums,
+    /// Texels of seam that each point stands for, of those whose other side is on a page that is finished before too.
     lengths: Vec<f64>,
-    /// Points whose other side is on a page that is finished before, and those of which this page is finished before the other.
-    ties: Vec<Tie>,
+    /// Their numbers.
+    tied: Vec<usize>,
+    /// Points of which this page is finished before the other, and their look-ups.
     kept: Vec<(usize, Taps)>,
-    /// For each texel, the look-up that its mean stands for.
-    means: Vec<Taps>,
-}
-
-/// A look-up that is to find what another page holds.
-#[derive(Debug)]
-struct Tie {
-    /// Number of the point.
-    number: usize,
-    /// Indices into the texels of the system.
-    taps: Taps,
-    /// Square root of its length.
-    length: f64,
 }
 
 /// What is known about the texels of a plane.
 pub(crate) struct Known<'a> {
     /// What other pages hold at the points of [`System::tied`], NaN where that is not known.
-    pub tied: &'a [f64],
+    pub tied: Vec<f64>,
     /// The values, texel by texel of the page.
     pub values: &'a [f32],
     /// Their standard errors; 0 for a texel that is exact and stays.
@@ -116,235 +108,299 @@ impl System {
             let seen = |texel: u32| page.validity.is_none_or(|v| v[texel as usize] > 0.0);
             covered.peek().is_none() || covered.any(|tap| seen(tap.0))
         };
-        let points: Vec<&SeamPoint> = points
+        let points: Vec<(&SeamPoint, [Taps; 2])> = points
             .par_iter()
-            .filter(|point| {
-                let mut sides = look(point).into_iter().zip(point.charts);
-                sides.all(|(side, chart)| is_own(&side, chart) && is_seen(&side))
+            .map(|point| (point, look(point)))
+            .filter(|(point, sides)| {
+                let mut sides = sides.iter().zip(point.charts);
+                sides.all(|(side, chart)| is_own(side, chart) && is_seen(side))
             })
             .collect();
-        let looked_up: Vec<[Taps; 2]> = points.par_iter().map(|point| look(point)).collect();
         let (later, earlier): (Vec<_>, Vec<_>) = outer
             .iter()
             .map(|outer| (outer, on_page(outer)))
             .filter(|(outer, side)| is_own(side, outer.chart) && is_seen(side))
             .partition(|(outer, _)| outer.later);
-        let tied = later.par_iter().map(|(_, side)| *side);
-        let read = texels_of(looked_up.par_iter().flatten().copied().chain(tied.clone()));
-        let own: Vec<Taps> = read
-            .iter()
-            .map(|texel| {
-                taps(
-                    owner(texel).map_or(page.centre(*texel), |o| o.middle),
-                    page.size,
-                )
+        let sides = points.par_iter().flat_map_iter(|(_, sides)| *sides);
+        let sides = sides.chain(later.par_iter().map(|(_, side)| *side));
+        let read = texels_of(sides.clone());
+        let middle = |texel: &u32| owner(texel).map_or(page.centre(*texel), |owner| owner.middle);
+        let own: Vec<Taps> = read.iter().map(|t| taps(middle(t), page.size)).collect();
+        let texels = texels_of(sides.chain(own.par_iter().copied()));
+        let numbered = |taps: &Taps| {
+            taps.map(|(texel, weight)| match texels.binary_search(&texel) {
+                Ok(number) => (number as u32, weight),
+                Err(_) => (0, 0.0),
             })
-            .collect();
-        let within = looked_up.par_iter().flatten().chain(&own);
-        let texels = texels_of(within.copied().chain(tied));
-        let numbered = |(texel, weight): (u32, f64)| match texels.binary_search(&texel) {
-            Ok(number) if weight != 0.0 => (number as u32, weight),
-            _ => (0, 0.0),
         };
-        let means =
-            texels
-                .iter()
-                .enumerate()
-                .map(|(number, texel)| match read.binary_search(texel) {
-                    Ok(at) => own[at].map(numbered),
-                    Err(_) => [(number as u32, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)],
-                });
-        let steps = looked_up.par_iter().map(|[a, b]| {
-            let side = |k: usize| match k {
-                0..4 => a[k],
-                _ => (b[k - 4].0, -b[k - 4].1),
-            };
-            std::array::from_fn(|k| numbered(side(k)))
+        let steps = points.iter().flat_map(|(_, [a, b])| {
+            let b = b.map(|(texel, weight)| (texel, -weight));
+            [(false, numbered(a)), (true, numbered(&b))]
         });
+        let ties = later.iter().map(|(_, side)| (true, numbered(side)));
+        let means = texels.iter().enumerate().map(|(number, texel)| {
+            let own = read.binary_search(texel).map(|at| numbered(&own[at]));
+            let itself = [(number as u32, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)];
+            (true, own.unwrap_or(itself))
+        });
+        let lengths = points.iter().map(|(point, _)| point.length);
         Self {
             size: page.size as usize,
-            steps: steps.collect(),
-            lengths: points.iter().map(|point| point.length.sqrt()).collect(),
-            ties: later
-                .iter()
-                .map(|(outer, side)| Tie {
-                    number: outer.number,
-                    taps: side.map(numbered),
-                    length: outer.length.sqrt(),
-                })
+            sums: Sums::new(texels.len(), steps.chain(ties).chain(means)),
+            lengths: lengths
+                .chain(later.iter().map(|(outer, _)| outer.length))
                 .collect(),
+            tied: later.iter().map(|(outer, _)| outer.number).collect(),
             kept: earlier
                 .iter()
                 .map(|(outer, side)| (outer.number, *side))
                 .collect(),
-            means: means.collect(),
             texels,
         }
     }
 
     /// Numbers of the points whose other side is on pages that are finished before.
-    pub fn tied(&self) -> Vec<usize> {
-        self.ties.iter().map(|tie| tie.number).collect()
+    pub fn tied(&self) -> &[usize] {
+        &self.tied
     }
 
     /// What a finished plane holds at points whose other side is on pages that are finished later.
     pub fn kept(&self, plane: &[f32]) -> Vec<(usize, f32)> {
         let value = |side: &Taps| {
-            let of_tap = |&(texel, w): &(u32, f64)| w * f64::from(plane[texel as usize]);
+            let of_tap = |&(texel, w): &(u32, f32)| f64::from(w) * f64::from(plane[texel as usize]);
             side.iter().map(of_tap).sum::<f64>() as f32
         };
         let kept = self.kept.iter();
         kept.map(|(number, side)| (*number, value(side))).collect()
     }
 
-    /// Moves the texels of a plane whose other texels stay. `coverage` is the page's.
-    pub fn solve(&self, known: &Known<'_>, coverage: &[f32]) -> Moved {
-        let about: Vec<About> = self
-            .texels
+    /// Moves the texels of planes whose other texels stay. `coverage` is the page's.
+    pub fn solve(&self, planes: &[Known<'_>], coverage: &[f32]) -> Vec<Moved> {
+        let groups = planes.par_chunks(LANES);
+        let solved = groups.flat_map_iter(|group| self.solve_group(group, coverage));
+        solved.collect()
+    }
+
+    fn solve_group(&self, group: &[Known<'_>], coverage: &[f32]) -> Vec<Moved> {
+        let planes: Vec<Plane> = group
             .par_iter()
-            .map(|&texel| About::of(texel as usize, known.values, coverage, self.size))
+            .map(|known| Plane::new(self, known, coverage))
             .collect();
-        let covered = |i: usize| coverage[self.texels[i] as usize] > 0.0;
-        let std_err = |i: usize| f64::from(known.std_errs[self.texels[i] as usize]);
-        let mut fixed: Vec<bool> = (0..about.len())
-            .map(|i| covered(i) && std_err(i) == 0.0)
-            .collect();
-        let doubts = self.doubts(known, coverage, &about);
-        let rows = self.rows(known, coverage, &about, &doubts);
-        let start: Vec<f64> = about.iter().map(|about| about.value).collect();
-        let mut moved = start.clone();
+        let counts = |row: usize| {
+            let (mut weights, mut lacks) = (Vec4::ZERO, Vec4::ZERO);
+            for (lane, plane) in planes.iter().enumerate() {
+                let (weight, lack) = plane.counts(row);
+                (weights[lane], lacks[lane]) = (weight as f32, lack as f32);
+            }
+            (weights, lacks)
+        };
+        let (weights, lacks) = (0..self.sums.count()).into_par_iter().map(counts).unzip();
+        let equations = Equations {
+            sums: &self.sums,
+            weights,
+            lacks,
+        };
+        let mut free = vec![Vec4::ZERO; self.texels.len()];
+        let mut moves = free.clone();
+        for (lane, plane) in planes.iter().enumerate() {
+            let movable = free.iter_mut().enumerate();
+            movable
+                .filter(|(i, _)| !plane.is_exact(*i))
+                .for_each(|(_, free)| free[lane] = 1.0);
+        }
+        let mut rest = DVec4::ZERO;
         for _ in 0..ROUNDS {
-            moved = conjugate_gradients(&rows, &moved, &fixed);
-            let mut beyond = false;
-            for (i, about) in about.iter().enumerate() {
-                let most = known.most.max(about.high);
-                if !fixed[i] && !(0.0..=most).contains(&moved[i]) {
-                    (moved[i], fixed[i], beyond) = (moved[i].clamp(0.0, most), true, true);
+            equations.solve(&mut moves, &free, &mut rest);
+            let mut beyond = [false; LANES];
+            for (i, (moves, free)) in moves.iter_mut().zip(&mut free).enumerate() {
+                for (lane, plane) in planes.iter().enumerate() {
+                    let ([least, most], moved) = (plane.room(i), f64::from(moves[lane]));
+                    if free[lane] > 0.0 && !(least..=most).contains(&moved) {
+                        moves[lane] = moved.clamp(least, most) as f32;
+                        (free[lane], beyond[lane]) = (0.0, true);
+                    }
                 }
             }
-            if !beyond {
+            if beyond == [false; LANES] {
                 break;
             }
+            rest = DVec4::select(beyond.into(), rest, DVec4::INFINITY);
         }
-        let noisy = (0..about.len()).filter(|&i| covered(i) && std_err(i) > 0.0);
-        let (count, squares) = noisy.fold((0u32, 0.0), |(count, sum), i| {
-            (count + 1, sum + std_err(i).powi(2))
+        let lanes = planes.par_iter().enumerate();
+        let moved = |(lane, plane): (usize, &Plane<'_>)| plane.moved(|i| moves[i][lane].into());
+        lanes.map(moved).collect()
+    }
+}
+
+/// A plane while its seams are solved. Moves and what they count against are in its units.
+struct Plane<'a> {
+    system: &'a System,
+    known: &'a Known<'a>,
+    coverage: &'a [f32],
+    about: Vec<About>,
+    /// What is not known of the mean of each texel; 0 of a gutter texel, which has no mean.
+    doubts: Vec<f32>,
+}
+
+impl<'a> Plane<'a> {
+    fn new(system: &'a System, known: &'a Known<'a>, coverage: &'a [f32]) -> Self {
+        let texels = system.texels.par_iter().map(|&texel| texel as usize);
+        let about = texels.map(|texel| About::of(texel, known.values, coverage, system.size));
+        let mut plane = Self {
+            system,
+            known,
+            coverage,
+            about: about.collect(),
+            doubts: Vec::new(),
+        };
+        let doubt = |i: usize| match plane.covered(i) > 0.0 {
+            true => {
+                let squares = plane.std_err(i).powi(2) + (BEND * plane.range(i)).powi(2);
+                (squares + KNOWN.powi(2)).sqrt() as f32
+            }
+            false => 0.0,
+        };
+        plane.doubts = (0..plane.about.len()).into_par_iter().map(doubt).collect();
+        plane
+    }
+
+    fn value(&self, i: u32) -> f64 {
+        f64::from(self.about[i as usize].value) / self.known.unit
+    }
+
+    fn range(&self, i: usize) -> f64 {
+        f64::from(self.about[i].high - self.about[i].low) / self.known.unit
+    }
+
+    fn covered(&self, i: usize) -> f64 {
+        self.coverage[self.system.texels[i] as usize].into()
+    }
+
+    /// The standard error of a texel; 0 of a gutter texel.
+    fn std_err(&self, i: usize) -> f64 {
+        let std_err = self.known.std_errs[self.system.texels[i] as usize];
+        match self.covered(i) > 0.0 {
+            true => f64::from(std_err) / self.known.unit,
+            false => 0.0,
+        }
+    }
+
+    /// True for a texel that stays.
+    fn is_exact(&self, i: usize) -> bool {
+        self.covered(i) > 0.0 && self.std_err(i) == 0.0
+    }
+
+    /// How far a texel may move down and up, so that the plane can hold it.
+    fn room(&self, i: usize) -> [f64; 2] {
+        let About { value, high, .. } = self.about[i];
+        let most = self.known.most.max(high.into());
+        [0.0, most].map(|end| (end - f64::from(value)) / self.known.unit)
+    }
+
+    /// What the square of what a sum lacks counts, and what it lacks.
+    fn counts(&self, row: usize) -> (f64, f64) {
+        let taps = self.system.sums.taps(row);
+        let lack = self.other(row) - self.sum(row, |i| self.value(i));
+        let lengths = &self.system.lengths;
+        if let Some(i) = row.checked_sub(lengths.len()) {
+            return match self.covered(i) {
+                0.0 => ((GUTTER * (self.range(i) + KNOWN)).powi(-2), 0.0),
+                covered => (covered / f64::from(self.doubts[i]).powi(2), lack),
+            };
+        }
+        if lack.is_nan() {
+            return (0.0, 0.0);
+        }
+        let variance = |&(i, w): &(u32, f32)| f64::from(w * self.doubts[i as usize]).powi(2);
+        let noise = NOISE * taps.iter().map(variance).sum::<f64>().sqrt();
+        let against = STEP + HELD * (lack.abs() - noise).max(0.0).powi(2);
+        (lengths[row] / against.powi(2), lack)
+    }
+
+    fn sum(&self, row: usize, value: impl Fn(u32) -> f64) -> f64 {
+        let taps = self.system.sums.taps(row).iter();
+        taps.map(|&(i, w)| f64::from(w) * value(i)).sum()
+    }
+
+    /// What a sum should be: at a point nothing, which is no difference, or what another page holds there, else the value of its texel.
+    fn other(&self, row: usize) -> f64 {
+        let points = self.system.lengths.len();
+        match row.checked_sub(points) {
+            Some(texel) => self.value(texel as u32),
+            None => match row.checked_sub(points - self.system.tied.len()) {
+                Some(tie) => self.known.tied[tie] / self.known.unit,
+                None => 0.0,
+            },
+        }
+    }
+
+    /// Where its texels end, none of those that are covered farther away than it may go.
+    fn moved(&self, moves: impl Fn(usize) -> f64) -> Moved {
+        let texels = 0..self.about.len();
+        let std_errs = texels.clone().map(|i| self.std_err(i));
+        let (count, squares) = std_errs.fold((0u32, 0.0), |(count, sum), std_err| {
+            (count + u32::from(std_err > 0.0), sum + std_err.powi(2))
         });
         let common = (squares / f64::from(count.max(1))).sqrt();
-        for (i, (moved, start)) in moved.iter_mut().zip(&start).enumerate() {
-            if covered(i) {
-                let far = f64::max(NOISY * std_err(i).max(common), FREE * known.unit);
-                *moved = moved.clamp(start - far, start + far);
+        let end = |i: usize| {
+            let far = match self.covered(i) > 0.0 {
+                true => f64::max(NOISY * self.std_err(i).max(common), FREE),
+                false => f64::INFINITY,
+            };
+            // What is at rest stays to the last bit, and does not take up what rounding leaves.
+            match moves(i).clamp(-far, far) {
+                moved if moved.abs() < REST => self.about[i].value,
+                moved => ((self.value(i as u32) + moved).max(0.0) * self.known.unit) as f32,
             }
-        }
-        // What is at rest stays to the last bit, and does not take up what rounding leaves.
-        for (moved, start) in moved.iter_mut().zip(&start) {
-            if (*moved - start).abs() < REST * known.unit {
-                *moved = *start;
-            }
-        }
-        let (squares_before, max_before) = self.differences(&start, known.tied);
-        let (squares_after, max_after) = self.differences(&moved, known.tied);
-        let tied = known.tied.iter().filter(|value| !value.is_nan()).count();
-        let values = self.texels.iter().zip(moved);
+        };
+        let values: Vec<f32> = texels.map(end).collect();
+        let (squares_before, max_before) = self.differences(|i| self.about[i as usize].value);
+        let (squares_after, max_after) = self.differences(|i| values[i as usize]);
+        let known = self.known.tied.iter().filter(|value| !value.is_nan());
+        let steps = self.system.lengths.len() - self.system.tied.len();
         Moved {
-            values: values
-                .map(|(&texel, value)| (texel, value as f32))
-                .collect(),
             stats: SeamStats {
-                points: (self.steps.len() + tied) as u64,
+                points: (steps + known.count()) as u64,
                 squares_before,
                 squares_after,
                 max_before,
                 max_after,
             },
+            values: self.system.texels.iter().copied().zip(values).collect(),
         }
     }
 
     /// Sum of squares and largest of the differences of the two sides.
-    fn differences(&self, values: &[f64], tied: &[f64]) -> (f64, f64) {
-        let mut found = (0.0, 0.0f64);
-        let look = |taps: &[(u32, f64)]| -> f64 {
-            taps.iter().map(|&(i, w)| w * values[i as usize]).sum()
+    fn differences(&self, value: impl Fn(u32) -> f32) -> (f64, f64) {
+        let unit = self.known.unit;
+        let difference = |row: usize| {
+            let found = self.sum(row, |i| value(i).into());
+            (found - self.other(row) * unit).abs()
         };
-        let steps = self.steps.iter().map(|step| look(step));
-        let ties = self
-            .ties
-            .iter()
-            .zip(tied)
-            .map(|(tie, other)| look(&tie.taps) - other);
-        for difference in steps.chain(ties.filter(|difference| !difference.is_nan())) {
-            found = (
-                found.0 + difference * difference,
-                found.1.max(difference.abs()),
-            );
-        }
-        found
-    }
-
-    /// What is not known of the mean of each texel; none of a gutter texel, which has no mean.
-    fn doubts(&self, known: &Known<'_>, coverage: &[f32], about: &[About]) -> Vec<f64> {
-        let floor = KNOWN * known.unit;
-        let doubt = |(&texel, about): (&u32, &About)| match coverage[texel as usize] > 0.0 {
-            true => {
-                let std_err = f64::from(known.std_errs[texel as usize]);
-                (std_err.powi(2) + (BEND * about.range()).powi(2) + floor.powi(2)).sqrt()
-            }
-            false => 0.0,
-        };
-        self.texels.iter().zip(about).map(doubt).collect()
-    }
-
-    /// All equations of a plane, each divided by what it counts against.
-    fn rows(&self, known: &Known<'_>, coverage: &[f32], about: &[About], doubts: &[f64]) -> Rows {
-        let mut rows = Rows::new(self.texels.len());
-        let floor = KNOWN * known.unit;
-        let step = |taps: &[(u32, f64)], other: f64| {
-            let value = |&(i, w): &(u32, f64)| w * about[i as usize].value;
-            let variance = |&(i, w): &(u32, f64)| (w * doubts[i as usize]).powi(2);
-            let noise = NOISE * taps.iter().map(variance).sum::<f64>().sqrt();
-            let difference = (taps.iter().map(value).sum::<f64>() - other).abs();
-            STEP * known.unit + HELD * (difference - noise).max(0.0).powi(2) / known.unit
-        };
-        for (taps, length) in self.steps.iter().zip(&self.lengths) {
-            rows.push(taps, length / step(taps, 0.0), 0.0);
-        }
-        for (tie, other) in self.ties.iter().zip(known.tied) {
-            if !other.is_nan() {
-                rows.push(&tie.taps, tie.length / step(&tie.taps, *other), *other);
-            }
-        }
-        for (i, &texel) in self.texels.iter().enumerate() {
-            let covered = f64::from(coverage[texel as usize]);
-            if covered > 0.0 {
-                rows.push(&self.means[i], covered.sqrt() / doubts[i], about[i].value);
-            } else {
-                let own = [(i as u32, 1.0)];
-                let weight = 1.0 / (GUTTER * (about[i].range() + floor));
-                rows.push(&own, weight, about[i].value);
-            }
-        }
-        rows.transpose();
-        rows
+        let known = (0..self.system.lengths.len()).map(difference);
+        let known = known.filter(|difference| !difference.is_nan());
+        known.fold((0.0, 0.0), |(sum, most), difference| {
+            (sum + difference * difference, difference.max(most))
+        })
     }
 }
 
 /// A texel and its neighbours in a plane.
 struct About {
     /// Its value, or the mean of its covered neighbours where it has none.
-    value: f64,
+    value: f32,
     /// The least and the largest value of itself and its covered neighbours.
-    low: f64,
-    high: f64,
+    low: f32,
+    high: f32,
 }
 
 impl About {
     fn of(texel: usize, values: &[f32], coverage: &[f32], size: usize) -> Self {
         let (x, y) = (texel % size, texel / size);
         let mut about = Self {
-            value: f64::from(values[texel]),
-            low: f64::INFINITY,
-            high: f64::NEG_INFINITY,
+            value: values[texel],
+            low: f32::INFINITY,
+            high: f32::NEG_INFINITY,
         };
         let own = coverage[texel] > 0.0;
         for radius in 1..=2 {
@@ -353,25 +409,21 @@ impl About {
                 for u in x.saturating_sub(radius)..(x + radius + 1).min(size) {
                     let other = v * size + u;
                     if coverage[other] > 0.0 {
-                        let value = f64::from(values[other]);
-                        (sum, count) = (sum + value, count + 1);
+                        let value = values[other];
+                        (sum, count) = (sum + f64::from(value), count + 1);
                         (about.low, about.high) = (about.low.min(value), about.high.max(value));
                     }
                 }
             }
             if count > 0 {
                 if !own {
-                    about.value = sum / f64::from(count);
+                    about.value = (sum / f64::from(count)) as f32;
                 }
                 return about;
             }
         }
         (about.low, about.high) = (about.value, about.value);
         about
-    }
-
-    fn range(&self) -> f64 {
-        self.high - self.low
     }
 }
 
@@ -387,8 +439,9 @@ fn texels_of(looked_up: impl ParallelIterator<Item = Taps>) -> Vec<u32> {
 /// The four texels of a bilinear look-up at a place in texels of the page, whose edge is repeated outside. Texels that count nothing
 /// have the weight 0.
 pub(super) fn taps(p: DVec2, size: u32) -> Taps {
-    let low = (p - 0.5).floor();
-    let f = p - 0.5 - low;
+    let p = ((p - 0.5) * PARTS).round() / PARTS;
+    let low = p.floor();
+    let f = (p - low).as_vec2();
     let texel = |dx: f64, dy: f64| {
         let last = f64::from(size - 1);
         let at = (low + DVec2::new(dx, dy)).clamp(DVec2::ZERO, DVec2::splat(last));

@@ -142,7 +142,7 @@ fn rmse(page: &Page, values: &[f32], gutters: &[(u32, f32)]) -> f64 {
     let squares = page.truth.iter().map(|&(p, light)| {
         let found: f64 = super::solve::taps(p, SIZE)
             .iter()
-            .map(|&(texel, weight)| f64::from(values[texel as usize]) * weight)
+            .map(|&(texel, weight)| f64::from(values[texel as usize]) * f64::from(weight))
             .sum();
         (found - light).powi(2)
     });
@@ -155,14 +155,15 @@ fn moved(page: &Page, values: &[f32], std_err: f32, validity: Option<&[f32]>) ->
     let seams = Seams::find(&page.world, &page.atlas, 0, Scope::Scene, &across);
     let raster = PageRaster::new(page.world.scene(), &page.atlas, 0);
     let known = Known {
-        tied: &[],
+        tied: Vec::new(),
         values,
         std_errs: &vec![std_err; values.len()],
         unit: 1.0,
         most: 1.0,
     };
     let system = seams.system(&page.world, &raster, SIZE, validity);
-    system.solve(&known, &page.coverage)
+    let moved = system.solve(&[known], &page.coverage);
+    moved.into_iter().next().expect("a plane")
 }
 
 /// What seams leave, and the error of look-ups before and after.
