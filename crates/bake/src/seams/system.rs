@@ -181,3 +181,36 @@ fn each(numbers: &mut [Vec4], change: impl Fn(usize, &mut Vec4) -> Vec4 + Sync) 
     let parts: Vec<DVec4> = chunks.map(part).collect();
     parts.iter().sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 4 (1 - x + y)² + x² + y² is least at x = -y = 4/9; with y held at 0, at x = 4/5.
+    #[test]
+    fn two_texels_meet_where_the_squares_are_least() {
+        let none = (0, 0.0);
+        let looks = [
+            [(0, 1.0), (1, -1.0), none, none],
+            [(0, 1.0), none, none, none],
+            [(1, 1.0), none, none, none],
+        ];
+        let sums = Sums::new(2, looks.into_iter().map(|look| (true, look)));
+        let equations = Equations {
+            sums: &sums,
+            weights: vec![Vec4::splat(4.0), Vec4::ONE, Vec4::ONE],
+            lacks: vec![Vec4::ONE, Vec4::ZERO, Vec4::ZERO],
+        };
+        let mut moves = [Vec4::ZERO; 2];
+        let free = [Vec4::new(1.0, 1.0, 0.0, 0.0), Vec4::X];
+        let mut rest = DVec4::ZERO;
+        equations.solve(&mut moves, &free, &mut rest);
+        let exact = [
+            Vec4::new(4.0 / 9.0, 0.8, 0.0, 0.0),
+            Vec4::new(-4.0 / 9.0, 0.0, 0.0, 0.0),
+        ];
+        for (moved, exact) in moves.iter().zip(exact) {
+            assert!(moved.abs_diff_eq(exact, 1e-6), "{moved} {exact}");
+        }
+    }
+}

@@ -242,6 +242,39 @@ fn what_agrees_stays_to_the_last_bit() {
 }
 
 #[test]
+fn planes_solved_together_move_as_alone_with_any_number_of_threads() {
+    let page = page(sphere(false), LIGHTS[0], 0.01);
+    let across = Across::default();
+    let seams = Seams::find(&page.world, &page.atlas, 0, Scope::Scene, &across);
+    let raster = PageRaster::new(page.world.scene(), &page.atlas, 0);
+    let system = seams.system(&page.world, &raster, SIZE, None);
+    let std_errs = vec![0.01; page.values.len()];
+    // Light of other units, and planes that end where they would go beyond.
+    let unit = |k: i32| 3.0f32.powi(2 * k - 4);
+    let planes = (0..6).map(|k| page.values.iter().map(|v| v * unit(k)).collect());
+    let planes: Vec<Vec<f32>> = planes.collect();
+    let known = |k: usize| Known {
+        tied: Vec::new(),
+        values: &planes[k],
+        std_errs: &std_errs,
+        unit: unit(k as i32).into(),
+        most: f64::from(unit(k as i32)) * 0.6,
+    };
+    let on = |threads: usize, planes: &[Known<'_>]| -> Vec<Vec<(u32, f32)>> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let moved = pool
+            .expect("a pool")
+            .install(|| system.solve(planes, &page.coverage));
+        moved.into_iter().map(|moved| moved.values).collect()
+    };
+    let alone: Vec<_> = (0..6).flat_map(|k| on(1, &[known(k)])).collect();
+    let together: Vec<_> = (0..6).map(known).collect();
+    assert!(alone[0] != alone[1]);
+    assert_eq!(on(1, &together), alone);
+    assert_eq!(on(3, &together), alone);
+}
+
+#[test]
 fn objects_apart_have_no_seams_of_their_own() {
     let page = page(sphere(true), LIGHTS[0], 0.0);
     assert!(
