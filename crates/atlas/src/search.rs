@@ -33,6 +33,8 @@ pub(crate) const MOST_PAGES: u32 = 1024;
 const MOST_TEXELS: f64 = (1u64 << 30) as f64;
 /// The search ends when the budget is known to this factor.
 const CLOSE: f64 = 1.012;
+/// Where drafts promised too little, so many steps up are short.
+const SHORT_RISES: i32 = 4;
 /// The share of the pages that shapes with their gutters fill about.
 const FILL: f64 = 0.93;
 
@@ -124,7 +126,8 @@ pub(crate) fn search<T: Send>(
     };
     let mut before = 0.0;
     while pages <= most && least.is_finite() {
-        let found = fullest(f64::from(pages) * page, limit, &grown, &|budget| {
+        let capacity = f64::from(pages) * page;
+        let found = fullest(capacity, limit, least, &grown, &|budget| {
             attempt(densities(objects, budget, size), pages)
         })?;
         let coarse = |found: &Found<T>| {
@@ -163,28 +166,38 @@ pub(crate) fn search<T: Send>(
 }
 
 /// The fullest layout of at most `limit` texels: bisects the budget between one that fits and one that does not.
+///
+/// * `least`: what shapes take with their gutters where each is as small as it gets.
 fn fullest<T: Send>(
     capacity: f64,
     limit: f64,
+    least: f64,
     grown: &dyn Fn(f64) -> Result<f64, Error>,
     attempt: &(dyn Fn(f64) -> Result<Option<Found<T>>, Error> + Sync),
 ) -> Result<Option<Found<T>>, Error> {
     // With gutters the shapes take more than their budget, so drafts say where to begin.
     let most = capacity.min(limit);
     let (mut low, mut high) = (1.0, most);
-    if grown(most / 16.0)? <= FILL * capacity {
+    // Where gutters alone are more than fills the pages, shapes that take no more than the smallest fit if these do.
+    let is_tight = least > FILL * capacity;
+    let fill = least.max(FILL * capacity);
+    if grown(most / 16.0)? <= fill {
         low = most / 16.0;
     }
     while high > 1.05 * low {
         let middle = f64::sqrt(low * high);
-        match grown(middle)? <= FILL * capacity {
+        match grown(middle)? <= fill {
             true => low = middle,
             false => high = middle,
         }
     }
     let mut best: Option<(f64, Found<T>)> = None;
     let mut fails = f64::INFINITY;
-    let mut pair = [0.95 * low, low].map(|b| b.max(1.0));
+    let mut rises = 0;
+    let mut pair = match is_tight {
+        true => [1.0, low],
+        false => [0.95 * low, low].map(|b| b.max(1.0)),
+    };
     loop {
         // Two at once, whatever the number of threads, so that the result is the same at any.
         let (less, more) = rayon::join(|| attempt(pair[0]), || attempt(pair[1]));
@@ -204,8 +217,15 @@ fn fullest<T: Send>(
                 [fits * third, fits * third * third]
             }
             Some((fits, _)) if fits >= most => break,
-            Some((fits, _)) => [1.02, 1.05].map(|step| (step * fits).min(most)),
+            // Charts of a texel or two stay as they are over many steps: these become longer.
+            Some((fits, _)) => {
+                rises += 1;
+                let steps = 1 << (rises - SHORT_RISES).clamp(0, 16);
+                [1.02f64, 1.05].map(|step| (step.powi(steps) * fits).min(most))
+            }
             None if fails <= 1.0 => break,
+            // So far below what drafts promise, first of all whether anything fits.
+            None if fails < 0.5 * low => [1.0, (0.9 * fails).max(1.0)],
             None => [0.8, 0.9].map(|step| (step * fails).max(1.0)),
         };
     }
@@ -238,6 +258,53 @@ fn too_large(shapes: &[Shape], size: u32, gutter: u32) -> Result<(), Error> {
 mod tests {
     use super::*;
     use crate::mask::Mask;
+
+    /// The budget that is found where all up to `most` fit, though a draft takes `draft` of the pages, and how many were tried.
+    fn tried(most: f64, draft: f64) -> (Option<f64>, u32) {
+        let count = std::sync::atomic::AtomicU32::new(0);
+        let attempt = |budget: f64| {
+            count.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            let packed = Packed {
+                spots: Vec::new(),
+                pages: 1,
+            };
+            let found = Found {
+                densities: vec![budget],
+                packed,
+                kept: (),
+            };
+            Ok((budget <= most).then_some(found))
+        };
+        let grown = |_| Ok(draft * 1e6);
+        let found = fullest(1e6, f64::INFINITY, draft * 1e6, &grown, &attempt);
+        let budget = found.expect("no error").map(|found| found.densities[0]);
+        (budget, count.into_inner())
+    }
+
+    #[test]
+    fn few_layouts_are_tried_however_far_drafts_are_off() {
+        // Of a texel each, charts fill the page by gutters alone up to a budget that is far above the first; and the other way round.
+        for (most, draft) in [
+            (3e4, 0.99),
+            (1.5e5, 0.99),
+            (2.5, 0.01),
+            (5e4, 0.01),
+            (9e5, 0.01),
+        ] {
+            let (budget, count) = tried(most, draft);
+            let budget = budget.expect("something fits");
+            assert!(
+                budget <= most && most < budget * CLOSE,
+                "{budget} of {most}"
+            );
+            assert!(count <= 32, "{count} layouts for {most}");
+        }
+        let (nothing, count) = tried(0.5, 0.01);
+        assert!(
+            nothing.is_none() && count <= 12,
+            "{count} layouts for nothing"
+        );
+    }
 
     #[test]
     fn a_sliver_wider_than_any_number_is_an_error() {
