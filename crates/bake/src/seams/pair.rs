@@ -70,23 +70,22 @@ const SHORTEST: f64 = 1e-3;
 pub(super) fn pairs(borders: &[Border], scope: Scope) -> Vec<Pair> {
     let lengths: Vec<f64> = borders.iter().map(Border::length).collect();
     let reaches: Vec<f64> = borders.iter().map(reach).collect();
-    let spaces = borders.iter().map(|border| {
-        let [a, b] = border.ends;
-        [a.min(b), a.max(b)]
-    });
-    let spaces: Vec<[DVec3; 2]> = spaces.collect();
-    let numbered = (0..).zip(&spaces);
-    let boxes = Boxes::of(numbered.map(|(number, &[low, high])| (number, low, high)));
+    let heaps = Heaps::of(borders);
+    let boxes = Boxes::of((1..heaps.starts.len()).map(|end| {
+        let [low, high] = space(&borders[heaps.members(end - 1)[0] as usize]);
+        (end as u32 - 1, low, high)
+    }));
     let found = (0..borders.len() as u32).into_par_iter().map(|own| {
-        let ([low, high], reach) = (spaces[own as usize], reaches[own as usize]);
+        let ([low, high], reach) = (space(&borders[own as usize]), reaches[own as usize]);
         let mut near: Vec<u32> = Vec::new();
         // Both have to reach the other: the one that reaches less far looks.
         let is_mine = |other: u32| {
             let than = reaches[other as usize];
             reach < than || (reach == than && own < other)
         };
-        boxes.any(low - reach, high + reach, |other| {
-            near.extend(is_mine(other).then_some(other));
+        boxes.any(low - reach, high + reach, |heap| {
+            let others = heaps.beside(own, heap).iter().copied();
+            near.extend(others.filter(|&other| is_mine(other)));
             false
         });
         near.sort_unstable();
@@ -102,6 +101,59 @@ pub(super) fn pairs(borders: &[Border], scope: Scope) -> Vec<Pair> {
         near.into_iter().filter_map(pair).collect::<Vec<_>>()
     });
     found.flatten_iter().collect()
+}
+
+/// Of borders that coincide each is paired with so many before it and after it: those of copies of a mesh at one place are as many as the copies.
+const BESIDE: usize = 16;
+
+/// Borders by their ends: those of a heap have the same.
+struct Heaps {
+    /// The numbers of all borders, heap by heap, ascending in each.
+    borders: Vec<u32>,
+    /// Where each heap begins, and the end.
+    starts: Vec<usize>,
+    /// Of each border, its place in its heap.
+    places: Vec<usize>,
+}
+
+impl Heaps {
+    fn of(borders: &[Border]) -> Self {
+        let ends = |border: &Border| {
+            let mut ends = border.ends.map(|end| end.to_array().map(f64::to_bits));
+            ends.sort_unstable();
+            ends
+        };
+        let mut keyed: Vec<_> = borders.iter().map(ends).zip(0u32..).collect();
+        keyed.par_sort_unstable();
+        let (mut starts, mut places) = (vec![0], vec![0; borders.len()]);
+        for heap in keyed.chunk_by(|a, b| a.0 == b.0) {
+            starts.push(starts[starts.len() - 1] + heap.len());
+            let numbered = heap.iter().enumerate();
+            numbered.for_each(|(place, (_, border))| places[*border as usize] = place);
+        }
+        Self {
+            borders: keyed.into_iter().map(|(_, border)| border).collect(),
+            starts,
+            places,
+        }
+    }
+
+    fn members(&self, heap: usize) -> &[u32] {
+        &self.borders[self.starts[heap]..self.starts[heap + 1]]
+    }
+
+    /// Those of a heap that a border may be paired with: all, unless they are many.
+    fn beside(&self, own: u32, heap: u32) -> &[u32] {
+        let members = self.members(heap as usize);
+        let place = self.places[own as usize].min(members.len() - 1);
+        &members[place.saturating_sub(BESIDE)..members.len().min(place + BESIDE + 1)]
+    }
+}
+
+/// The box around a border.
+fn space(border: &Border) -> [DVec3; 2] {
+    let [a, b] = border.ends;
+    [a.min(b), a.max(b)]
 }
 
 /// How far a border reaches for others, in scene units.
@@ -181,6 +233,29 @@ mod tests {
         other.chart[0] = 1;
         assert!(common([0, 1], &a, &other, Scope::Object).is_none());
         assert!(common([0, 1], &a, &other, Scope::Scene).is_some());
+    }
+
+    #[test]
+    fn borders_that_coincide_are_paired_in_proportion_to_their_number() {
+        let count = |copies: u32| {
+            let sides = [DVec3::Y, -DVec3::Y].into_iter().cycle();
+            let borders = sides
+                .take(2 * copies as usize)
+                .map(|side| along_x(0.0, 1.0, side));
+            let pairs = pairs(&borders.collect::<Vec<_>>(), Scope::Scene);
+            // Both sides of every copy, whatever else.
+            let is_own = |copy: u32| {
+                pairs
+                    .iter()
+                    .any(|pair| pair.borders == [2 * copy, 2 * copy + 1])
+            };
+            assert!((0..copies).all(is_own), "{copies}");
+            pairs.len()
+        };
+        // Each copy's one side with the other side of each.
+        assert_eq!([1, 2, 8].map(count), [1, 4, 64]);
+        let most = |copies: usize| 2 * copies * (BESIDE + 1);
+        assert!(count(200) <= most(200) && count(800) <= most(800));
     }
 
     #[test]
