@@ -7,7 +7,7 @@ use ::bake::{Bounces, Denoise};
 /// Processor seconds to compose and write a channel of a page texel, as EXR and as preview.
 const WRITING: f64 = 1.2e-7;
 /// The same to denoise a channel of a chart's texel, and to keep one for later updates.
-const DENOISING: f64 = 8e-7;
+const DENOISING: f64 = 3.5e-7;
 const KEEPING: f64 = 1.7e-8;
 /// The same to solve a channel at a point of a seam.
 const JOINING: f64 = 7e-6;

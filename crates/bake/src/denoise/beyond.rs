@@ -17,7 +17,7 @@ const SHARE: f32 = 0.25;
 
 /// Cosine of the angle by which a surface may turn on the way, 0.8 degrees: it is flat. A map goes on straight only there; carried round
 /// bends of some degrees, charts of real models got more error than they had without.
-const ALIKE: f64 = 0.9999;
+const ALIKE: f32 = 0.9999;
 
 /// Texels of one step.
 const STEP: f32 = 0.5;
@@ -63,7 +63,7 @@ impl<'a> Borders<'a> {
     pub fn beyond(&self, own: u32, chart: &Chart, number: &[u32], crosses: bool) -> Vec<Beyond> {
         let first = self.sides.partition_point(|side| side[0] < own);
         let sides = self.sides[first..].iter().take_while(|side| side[0] == own);
-        let width = (chart.texels.len() as f32).sqrt();
+        let width = (chart.texels as f32).sqrt();
         let far = ((SHARE * width).ceil() / STEP) as u32;
         // The place, how far it is from the border, the texel.
         let mut found: Vec<([i32; 2], u32, u32)> = Vec::new();

@@ -2,24 +2,42 @@
 //!
 //! Two texels side by side are *linked* when nothing suggests that their surfaces differ: both have data, they belong to one
 //! object, their normals turn by less than a crease, and they are as near in space as their neighbours. Texels that a chain of
-//! links joins are one chart. Charts are what the denoiser works on; what goes on in other charts is [`super::beyond`]'s matter.
+//! links joins are one chart, kept as runs of texels in rows. Charts are what the denoiser works on; what goes on in other charts is [`super::beyond`]'s matter.
 
 use super::choose::{ALIGNED, REACH};
 use super::field::Field;
+use super::lanes::LANES;
 use super::plane::TASK;
 use rayon::prelude::*;
 use std::ops::Range;
 
 /// Cosine of the turn of the normal between neighbours that counts as a crease: 20 degrees.
-const CREASE: f64 = 0.939_692_620_785_908_4;
+const CREASE: f32 = 0.939_692_6;
 
 /// Neighbours farther apart than this many times the steps beside theirs lie on different surfaces.
-const JUMP: f64 = 3.0;
+const JUMP: f32 = 3.0;
+
+/// Texels side by side in a row of the page.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Run {
+    /// The first of them.
+    pub first: u32,
+    pub count: u32,
+}
+
+impl Run {
+    /// Its texels, by their number on the page.
+    pub fn texels(&self) -> Range<usize> {
+        self.first as usize..(self.first + self.count) as usize
+    }
+}
 
 /// A chart: its texels in the order of the page, and the rectangle about them.
 #[derive(Debug)]
 pub(super) struct Chart {
-    pub texels: Vec<u32>,
+    pub runs: Vec<Run>,
+    /// The number of its texels.
+    pub texels: usize,
     pub area: Area,
 }
 
@@ -52,22 +70,20 @@ pub(super) struct Band {
     pub about: Range<usize>,
 }
 
-impl Band {
-    /// Its rows, counted from the first of those about them.
-    pub fn inner(&self) -> Range<usize> {
-        self.rows.start - self.about.start..self.rows.end - self.about.start
-    }
-}
-
 impl Chart {
-    /// The texels of some of the rows of an area, on a page of this size.
-    pub fn texels_of(&self, area: &Area, rows: &Range<usize>, page: usize) -> &[u32] {
+    /// The texels in some of the rows of an area, on a page of this size.
+    pub fn runs_of(&self, area: &Area, rows: &Range<usize>, page: usize) -> &[Run] {
         let before = |row: usize| {
             let first = (i64::from(area.at[1]) + row as i64) * page as i64;
-            self.texels
-                .partition_point(|&texel| i64::from(texel) < first)
+            self.runs
+                .partition_point(|run| i64::from(run.first) < first)
         };
-        &self.texels[before(rows.start)..before(rows.end)]
+        &self.runs[before(rows.start)..before(rows.end)]
+    }
+
+    /// All its texels, by their number on the page.
+    pub fn all(&self) -> impl Iterator<Item = usize> + '_ {
+        self.runs.iter().flat_map(Run::texels)
     }
 }
 
@@ -91,6 +107,12 @@ impl Area {
         Self::about(places.chain([self.at, last]))
     }
 
+    /// The same in columns that fill whole lanes.
+    pub fn in_lanes(mut self) -> Self {
+        self.size[0] = self.size[0].next_multiple_of(LANES);
+        self
+    }
+
     /// Bands of about so many texels from top to bottom. Where they begin changes no texel's fits.
     pub fn bands(&self, texels: usize) -> Vec<Band> {
         let [width, height] = self.size;
@@ -106,123 +128,138 @@ impl Area {
         starts.map(band).collect()
     }
 
-    /// The place of a texel of the page in a plane over some of the rows.
-    pub fn local(&self, texel: u32, rows: &Range<usize>, page: usize) -> usize {
-        let place = [texel as usize % page, texel as usize / page];
-        self.local_at(place.map(|place| place as i32), rows)
+    /// The column and the row, counted from the first of some rows, of a texel of the page.
+    pub fn local(&self, texel: u32, rows: &Range<usize>, page: usize) -> [usize; 2] {
+        let page = page as u32;
+        self.local_at([texel % page, texel / page].map(|place| place as i32), rows)
     }
 
     /// The same of a column and row.
-    pub fn local_at(&self, place: [i32; 2], rows: &Range<usize>) -> usize {
+    pub fn local_at(&self, place: [i32; 2], rows: &Range<usize>) -> [usize; 2] {
         let [x, y] = [0, 1].map(|k| (place[k] - self.at[k]) as usize);
-        (y - rows.start) * self.size[0] + x
+        [x, y - rows.start]
     }
 }
 
 /// The charts of a page.
 pub(super) fn charts(field: &Field<'_>) -> Charts {
-    const RIGHT: u8 = 1;
-    const DOWN: u8 = 2;
     let size = field.size;
-    let mut bits = vec![0u8; size * size];
-    let rows = bits.par_chunks_mut(size).with_min_len(TASK.div_ceil(size));
-    rows.enumerate().for_each(|(y, row)| {
-        for (x, bits) in row.iter_mut().enumerate() {
-            let texel = y * size + x;
-            if x + 1 < size && linked(field, texel, texel + 1) {
-                *bits |= RIGHT;
+    let each = |of: &(dyn Fn(usize, usize) -> [f32; 2] + Sync)| {
+        let mut numbers = vec![[0.0; 2]; size * size];
+        let rows = numbers
+            .par_chunks_mut(size)
+            .with_min_len(TASK.div_ceil(size));
+        rows.enumerate().for_each(|(y, row)| {
+            row.iter_mut()
+                .enumerate()
+                .for_each(|(x, numbers)| *numbers = of(x, y));
+        });
+        numbers
+    };
+    let ways = [1, size];
+    let beside = |x: usize, y: usize| [x + 1 < size, y + 1 < size];
+    // To the texel on the right, and to that below.
+    let steps = each(&|x, y| {
+        let (a, has_next) = (y * size + x, beside(x, y));
+        [0, 1].map(|k| match has_next[k] {
+            true => step(field, a, a + ways[k]),
+            false => f32::INFINITY,
+        })
+    });
+    let is_linked = |x: usize, y: usize, k: usize| {
+        let a = y * size + x;
+        let own = steps[a][k];
+        let b = if own < f32::INFINITY {
+            a + ways[k]
+        } else {
+            return false;
+        };
+        let before = |texel: usize, at: usize, k: usize| match at {
+            0 => f32::INFINITY,
+            _ => steps[texel - ways[k]][k],
+        };
+        // The shorter of the steps that go on with it on either side; where both lead into void, the shortest across.
+        let [along, across] = if k == 0 { [x, y] } else { [y, x] };
+        let mut usual = before(a, along, k).min(steps[b][k]);
+        if usual == f32::INFINITY {
+            let k = 1 - k;
+            let sides = [a, b].map(|texel| before(texel, across, k).min(steps[texel][k]));
+            usual = sides[0].min(sides[1]);
+        }
+        own <= JUMP * JUMP * usual && field.normal(a).dot(field.normal(b)) >= CREASE
+    };
+    // Runs first, then runs of neighbouring rows joined: the lower number is the root.
+    let mut runs: Vec<Run> = Vec::new();
+    let mut number = vec![NONE; size * size];
+    let mut parent: Vec<u32> = Vec::new();
+    for texel in (0..size * size).filter(|&texel| field.has_data(texel)) {
+        let (x, y) = (texel % size, texel / size);
+        match runs.last_mut().filter(|_| x > 0 && is_linked(x - 1, y, 0)) {
+            Some(run) => run.count += 1,
+            None => {
+                parent.push(runs.len() as u32);
+                runs.push(Run {
+                    first: texel as u32,
+                    count: 1,
+                });
             }
-            if y + 1 < size && linked(field, texel, texel + size) {
-                *bits |= DOWN;
-            }
+        }
+        number[texel] = runs.len() as u32 - 1;
+        if y > 0 && is_linked(x, y - 1, 1) {
+            join(&mut parent, number[texel - size], number[texel]);
+        }
+    }
+    let mut charts: Vec<Vec<Run>> = Vec::new();
+    let mut of_run = vec![NONE; runs.len()];
+    for (k, run) in runs.into_iter().enumerate() {
+        let root = root(&mut parent, k as u32) as usize;
+        if root == k {
+            of_run[k] = charts.len() as u32;
+            charts.push(Vec::new());
+        }
+        of_run[k] = of_run[root];
+        charts[of_run[k] as usize].push(run);
+    }
+    number.par_iter_mut().with_min_len(TASK).for_each(|number| {
+        if *number != NONE {
+            *number = of_run[*number as usize];
         }
     });
-    // Union-find; the lower index is the root, so a root comes before its texels.
-    let mut parent: Vec<u32> = (0..size as u32 * size as u32).collect();
-    for (texel, &bits) in bits.iter().enumerate() {
-        if bits & RIGHT != 0 {
-            join(&mut parent, texel, texel + 1);
-        }
-        if bits & DOWN != 0 {
-            join(&mut parent, texel, texel + size);
-        }
-    }
-    let mut texels: Vec<Vec<u32>> = Vec::new();
-    let mut number = vec![NONE; size * size];
-    for texel in (0..size * size).filter(|&texel| field.has_data(texel)) {
-        let root = root(&mut parent, texel);
-        if root == texel {
-            number[texel] = texels.len() as u32;
-            texels.push(Vec::new());
-        }
-        number[texel] = number[root];
-        texels[number[root] as usize].push(texel as u32);
-    }
-    let chart = |mut texels: Vec<u32>| {
-        texels.shrink_to_fit();
-        let place = |&texel: &u32| [texel % size as u32, texel / size as u32];
-        let area = Area::about(texels.iter().map(|t| place(t).map(|place| place as i32)));
-        Chart { texels, area }
+    let chart = |mut runs: Vec<Run>| {
+        runs.shrink_to_fit();
+        let place =
+            |texel: u32| [texel % size as u32, texel / size as u32].map(|place| place as i32);
+        let ends = runs
+            .iter()
+            .flat_map(|run| [run.first, run.first + run.count - 1]);
+        let area = Area::about(ends.map(place));
+        let texels = runs.iter().map(|run| run.count as usize).sum();
+        Chart { runs, texels, area }
     };
     Charts {
-        charts: texels.into_iter().map(chart).collect(),
+        charts: charts.into_iter().map(chart).collect(),
         number,
     }
 }
 
-fn root(parent: &mut [u32], texel: usize) -> usize {
-    let mut at = texel;
-    while parent[at] as usize != at {
-        parent[at] = parent[parent[at] as usize];
-        at = parent[at] as usize;
+fn root(parent: &mut [u32], run: u32) -> u32 {
+    let mut at = run;
+    while parent[at as usize] != at {
+        parent[at as usize] = parent[parent[at as usize] as usize];
+        at = parent[at as usize];
     }
     at
 }
 
-fn join(parent: &mut [u32], a: usize, b: usize) {
+fn join(parent: &mut [u32], a: u32, b: u32) {
     let (a, b) = (root(parent, a), root(parent, b));
-    parent[a.max(b)] = a.min(b) as u32;
+    parent[a.max(b) as usize] = a.min(b);
 }
 
-fn linked(field: &Field<'_>, a: usize, b: usize) -> bool {
-    if !(field.has_data(a) && field.has_data(b)) || field.object[a] != field.object[b] {
-        return false;
+/// The squared distance of two texels with data of one object; infinite for others.
+fn step(field: &Field<'_>, a: usize, b: usize) -> f32 {
+    match field.has_data(a) && field.has_data(b) && field.object[a] == field.object[b] {
+        true => field.position(a).distance_squared(field.position(b)),
+        false => f32::INFINITY,
     }
-    if field.normal(a).dot(field.normal(b)) < CREASE {
-        return false;
-    }
-    let step = field.position(a).distance(field.position(b));
-    step <= JUMP * usual_step(field, a, b)
-}
-
-/// The shorter of the steps that continue the step from `a` to `b` on either side; where both lead into void, the
-/// shortest step across it.
-fn usual_step(field: &Field<'_>, a: usize, b: usize) -> f64 {
-    let size = field.size;
-    let (along, across) = if b - a == 1 { (1, size) } else { (size, 1) };
-    let step = |from: usize, stride: usize, forward: bool| -> f64 {
-        let room = if stride == 1 {
-            from % size
-        } else {
-            from / size
-        };
-        let to = match forward {
-            true if room + 1 < size => from + stride,
-            false if room > 0 => from - stride,
-            _ => return f64::INFINITY,
-        };
-        if field.has_data(to) && field.object[to] == field.object[from] {
-            field.position(from).distance(field.position(to))
-        } else {
-            f64::INFINITY
-        }
-    };
-    let usual = step(a, along, false).min(step(b, along, true));
-    if usual.is_finite() {
-        return usual;
-    }
-    [(a, false), (a, true), (b, false), (b, true)]
-        .into_iter()
-        .map(|(from, forward)| step(from, across, forward))
-        .fold(f64::INFINITY, f64::min)
 }

@@ -8,22 +8,28 @@
 //! matter ([`super::stated`]). After F. Rousselle, C. Knaus, M. Zwicker,
 //! "Adaptive Rendering with Non-Local Means Filtering", 2012, who tell noise from detail by two halves.
 
-use super::fit::{DEGREES, Fits, degrees, fit};
-use super::plane::{Plane, TASK};
-use super::stated::{Predicted, Squares};
-use pulp::Arch;
-use rayon::prelude::*;
-use std::ops::Range;
+use super::fit::{Fitter, Surface};
+use super::lanes::{LANES, Lanes};
+use super::plane::{About, Room, Sheet, rows};
 
-/// Strides of the fits; at each a quadratic and a linear one compete.
-pub(super) const STRIDES: &[usize] = &[2, 4, 8, 16, 32];
+/// Fits that compete, from fine to coarse: a stride, and whether its quadratic and its linear fits do.
+pub(super) type Fits = [(usize, [bool; 2])];
+
+/// Those of a page. A quadratic fit has about the variance of the linear one of half the stride, and less bias.
+pub(super) const FITS: &Fits = &[
+    (2, [true, false]),
+    (4, [true, true]),
+    (8, [true, true]),
+    (16, [true, false]),
+    (32, [false, true]),
+];
 
 /// Rows on each side of a texel that its value depends on: fewer than a window of the widest stride, which is two strides; 16 over which
 /// moves are averaged and 5 over which those of neighbours are pooled; and 5 from which strays ([`super::strays`]) are known.
 pub(super) const REACH: usize = 3 * ALIGNED;
 
 /// Windows begin at multiples of this row, whatever their stride.
-pub(super) const ALIGNED: usize = STRIDES[STRIDES.len() - 1];
+pub(super) const ALIGNED: usize = 32;
 
 /// Stride from which on moves are averaged over 33 x 33 texels in place of 11 x 11: they change slowly by then, and fewer are mere noise.
 const WIDE: usize = 16;
@@ -34,281 +40,406 @@ const STANDS_OUT: f32 = 0.5;
 /// Variances of the plain value by which both halves of a single texel must leave a fit to refuse it: a contact of one texel.
 const REFUSES: f32 = 25.0;
 
-/// Fits that no other follows from: without features they may be far from the truth where those of the next stride, with them, are not.
-const ASIDE: usize = 2;
+/// Planes of what is known of texels while candidates are tried: sums over the candidates by their weights, of the weights, of
+/// variances and of halves; variance and squared bias of the last candidate; and sums of the channels by the weights.
+const WEIGHTS: usize = 0;
+const VARIANCES: usize = 1;
+const HALVES: usize = 2;
+const VARIANCE: usize = 3;
+const VALUES: usize = 5;
 
-/// Channels of a term at most.
-pub(super) const CHANNELS: usize = 3;
+/// What is chosen for the texels of a surface, plane by plane.
+#[derive(Debug)]
+pub(super) struct Chosen(pub Sheet);
 
-/// What is known of a texel while candidates are tried.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Texel {
-    /// Variance of the plain mean; 0 where no ray of the neighbourhood disagrees, unless all of them met nothing that shines.
-    pub plain: f32,
-    /// No ray of the neighbourhood disagrees.
-    pub agrees: bool,
+impl Chosen {
+    /// Variance of the plain mean; 0 where no ray of the neighbourhood disagrees.
+    pub const PLAIN: usize = 0;
+    /// What the fits predict of the variance.
+    pub const VARIANCE: usize = 1;
     /// Squared bias that is seen of the texels about it.
-    pub near_bias: f32,
-    /// Variance and squared bias of the last candidate, mean of the channels.
-    variance: f32,
-    bias: f32,
-    /// Sums over the candidates by their weights.
-    weights: f32,
-    variances: f32,
-    half: f32,
-    values: [f32; CHANNELS],
+    pub const NEAR_BIAS: usize = 2;
+    /// Half the difference of the two halves.
+    pub const HALF: usize = 3;
+    /// The number of the surface's texels about it.
+    pub const NEAR: usize = 4;
+    /// From here on, the channels.
+    pub const VALUES: usize = 5;
 }
 
-impl Texel {
-    /// The mean of the candidates in one channel.
-    pub fn value(&self, channel: usize) -> f32 {
-        self.values[channel] / self.weights
-    }
-
-    /// What is predicted of its error and what its halves show; `plain` and `half` are the values before.
-    pub fn squares(&self, plain: f32, half: f32, channels: usize) -> Squares {
-        let moved =
-            self.values[..channels].iter().sum::<f32>() / (channels as f32 * self.weights) - plain;
-        let left = self.half / self.weights;
-        Squares {
-            predicted: Predicted {
-                plain: self.plain,
-                variance: self.variances,
-                near_bias: self.near_bias,
-            },
-            seen_variance: left * left,
-            seen_bias: moved * moved - (left - half) * (left - half),
-        }
-    }
-
-    /// Counts a candidate of this error and variance, in units of `unit`. Errors below 1e-5 of it weigh alike, and so do those beyond 1e5.
-    fn count(
-        &mut self,
-        [risk, variance]: [f32; 2],
-        unit: f32,
-        half: f32,
-        value: impl Fn(usize) -> f32,
-        channels: usize,
-    ) {
-        let inverse = 1.0 / (risk / unit).clamp(1e-5, 1e5);
-        let square = inverse * inverse;
-        let weight = square * square * square;
-        self.weights += weight;
-        self.variances += weight * variance;
-        self.half += weight * half;
-        for channel in 0..channels {
-            self.values[channel] += weight * value(channel);
-        }
-    }
-}
-
-/// A chart, or a band of one, ready to be fitted.
-#[derive(Debug)]
-pub(super) struct Surface {
-    /// 1 where it has texels.
-    pub mask: Plane,
-    /// What fits may follow beside the place.
-    pub features: Vec<Plane>,
-    /// The channels of M, then the mean channel of H.
-    pub data: Vec<Plane>,
-}
-
-/// What all bands of a chart have in common: squares of half differences over all of it.
-#[derive(Debug)]
-pub(super) struct Whole {
-    plain: f64,
-    texels: f64,
-    /// Of the fits of each stride.
-    fitted: Vec<[f64; DEGREES]>,
-}
-
-impl Whole {
-    /// Of one band, and which rows of it are its own.
-    pub fn of(band: &Surface, rows: &Range<usize>) -> Self {
-        let (mask, half) = (&band.mask, &band.data[band.data.len() - 1]);
-        let mut fits: Fits = std::array::from_fn(|_| vec![Plane::like(mask)]);
-        let mut fitted = |&stride: &usize| {
-            let half = std::slice::from_ref(half);
-            fit(mask, &band.features, half, stride, &mut fits);
-            fits.each_ref().map(|fits| squares(&fits[0], rows))
-        };
-        Self {
-            plain: squares(half, rows),
-            texels: squares(mask, rows),
-            fitted: STRIDES.iter().map(&mut fitted).collect(),
-        }
-    }
-
-    /// With those of the next band.
-    pub fn plus(mut self, next: Self) -> Self {
-        self.plain += next.plain;
-        self.texels += next.texels;
-        let sums = self.fitted.as_flattened_mut().iter_mut();
-        for (sum, next) in sums.zip(next.fitted.as_flattened()) {
-            *sum += next;
-        }
-        self
-    }
-}
-
-/// The texels of a surface after all candidates; `None` where the halves agree everywhere.
+/// What is chosen for the texels of a surface; `None` where the halves agree everywhere.
 ///
-/// * `strides`: of the fits that compete.
-/// * `whole`: of the chart that the surface is a band of.
-/// * `near`: becomes the number of the surface's texels about each.
-/// * `dark`: by the texel, the standard error of a neighbourhood of so many without light.
+/// * `dark`: the standard error of a neighbourhood of so many texels without light, from that of its texel.
 pub(super) fn choose(
     surface: &Surface,
-    strides: &[usize],
-    whole: Option<&Whole>,
-    near: &mut Plane,
-    dark: impl Fn(usize, f32) -> f32 + Sync,
-) -> Option<Vec<Texel>> {
-    let Surface {
-        mask,
-        features,
-        data,
-    } = surface;
-    let channels = data.len() - 1;
-    let half = &data[channels];
-    let rows = 0..mask.height();
-    let (all_plain, count) = match whole {
-        Some(whole) => (whole.plain, whole.texels),
-        None => (squares(half, &rows), squares(mask, &rows)),
-    };
-    let unit = (all_plain / count) as f32;
-    if unit < f32::MIN_POSITIVE {
-        return None;
+    fits: &Fits,
+    dark: impl Fn(f32, f32) -> f32 + Sync,
+) -> Option<Chosen> {
+    let mut choice = Choice::begin(surface, dark)?;
+    let mut fitter = Fitter::new(surface);
+    let mut before = surface.data.clone();
+    let mut fitted = [0; 2].map(|_| Sheet::new(surface.size(), before.planes));
+    // Windows that reach beyond all of it are like those of half the stride.
+    let extent = surface.size().into_iter().fold(0, usize::max);
+    for &(stride, mut degrees) in fits.iter().filter(|(stride, _)| *stride < 2 * extent) {
+        degrees[1] |= stride >= extent;
+        let [quadratic, linear] = fitted.each_mut();
+        fitter.fit(stride, [(degrees[0], quadratic), (degrees[1], linear)]);
+        for (now, _) in fitted
+            .iter_mut()
+            .zip(degrees)
+            .filter(|(_, is_tried)| *is_tried)
+        {
+            choice.try_fit(stride, &before, now);
+            std::mem::swap(&mut before, now);
+        }
     }
-    let mean = |planes: &[Plane], i: usize| match channels {
-        1 => planes[0].values[i],
-        _ => planes[..channels].iter().map(|p| p.values[i]).sum::<f32>() / channels as f32,
-    };
-    let new = || Plane::like(mask);
-    near.set_sums(|i| mask.values[i]);
-    let mut far = new();
-    far.set_wide_sums(|i| mask.values[i]);
-    let (mut variances, mut moves) = (new(), new());
-    variances.set_sums(|i| half.values[i] * half.values[i]);
-    let mut texels = vec![Texel::default(); mask.values.len()];
-    each(mask, &mut texels, |i, texel| {
-        texel.plain = variances.values[i] / near.values[i];
-        texel.agrees = texel.plain == 0.0;
-        if texel.agrees && mean(data, i) == 0.0 {
-            // What neighbours farther away met may reach here too.
-            texel.plain = dark(i, near.values[i]).powi(2);
-        }
-        texel.variance = texel.plain;
-        texel.count(
-            [texel.plain; 2],
-            unit,
-            half.values[i],
-            |channel| data[channel].values[i],
-            channels,
-        );
-    });
-    let mut fits: Fits = std::array::from_fn(|_| vec![new(); channels + 1]);
-    let mut last = data.to_vec();
-    for (number, &stride) in strides.iter().enumerate() {
-        fit(mask, features, data, stride, &mut fits);
-        // Texels that share one move.
-        let shared = (stride * stride) as f32 / 4.0;
-        for degree in 0..degrees(features) {
-            let now = &fits[degree];
-            let before = match degree {
-                0 => &last,
-                _ => &fits[degree - 1],
-            };
-            let moved = |i: usize, now: &[Plane], before: &[Plane]| {
-                let dm = mean(now, i) - mean(before, i);
-                let dh = now[channels].values[i] - before[channels].values[i];
-                dm * dm - dh * dh
-            };
-            let squared = |i: usize| now[channels].values[i].powi(2);
-            let squared_moves = |i: usize| moved(i, now, before);
-            let about = if stride >= WIDE {
-                variances.set_wide_sums(squared);
-                moves.set_wide_sums(squared_moves);
-                &far
-            } else {
-                variances.set_sums(squared);
-                moves.set_sums(squared_moves);
-                &*near
-            };
-            let all_fitted = match whole {
-                Some(whole) => whole.fitted[number][degree],
-                None => squares(&now[channels], &rows),
-            };
-            let reduced = (all_fitted / all_plain) as f32;
-            each(mask, &mut texels, |i, texel| {
-                let count = about.values[i];
-                let variance = 0.5 * (variances.values[i] / count + reduced * texel.plain);
-                let saved = texel.variance - variance;
-                let noise = 2.0 * saved.max(0.0) * (shared / count).min(1.0).sqrt();
-                // Its own noise must not speak for or against a texel's choice.
-                let own = moved(i, now, before);
-                let moves = (moves.values[i] - own) / (count - 1.0).max(1.0);
-                let bias = texel.bias + (moves - STANDS_OUT * noise).max(0.0);
-                // A texel of twice the value has twice the variance: two rays that meet in the dark are no detail.
-                let brighter = (mean(data, i) / mean(now, i).max(f32::MIN_POSITIVE)).max(1.0);
-                let alone = moved(i, now, data) - REFUSES * texel.plain * brighter;
-                let value = |channel: usize| now[channel].values[i];
-                let risk = (variance + bias).max(alone);
-                let half = now[channels].values[i];
-                texel.count([risk, variance], unit, half, value, channels);
-                if degree < ASIDE {
-                    (texel.variance, texel.bias) = (variance, bias);
-                }
-            });
-        }
-        std::mem::swap(&mut last, &mut fits[ASIDE - 1]);
-    }
-    // One texel's prediction is rough; neighbours pool theirs, as the plain values' do.
-    variances.set_sums(|i| match mask.values[i] > 0.0 {
-        true => texels[i].variances / texels[i].weights,
-        false => 0.0,
-    });
-    moves.set_ring_sums(|i| match mask.values[i] > 0.0 && texels[i].weights > 0.0 {
-        true => {
-            texels[i]
-                .squares(mean(data, i), half.values[i], channels)
-                .seen_bias
-        }
-        false => 0.0,
-    });
-    let mut ring = new();
-    ring.set_ring_sums(|i| mask.values[i]);
-    each(mask, &mut texels, |i, texel| {
-        texel.variances = variances.values[i] / near.values[i];
-        texel.near_bias = moves.values[i] / ring.values[i].max(1.0);
-    });
-    Some(texels)
+    drop((fitter, before, fitted));
+    Some(choice.end())
 }
 
-/// Updates the texels of the chart.
-fn each(mask: &Plane, texels: &mut [Texel], update: impl Fn(usize, &mut Texel) + Sync) {
-    let tasks = texels.par_chunks_mut(TASK).enumerate();
-    tasks.for_each(|(task, chunk)| {
-        Arch::new().dispatch(
+/// Candidates of a surface, tried one after the other.
+struct Choice<'a> {
+    surface: &'a Surface,
+    channels: usize,
+    /// Texels of the surface about each, in 11 x 11 and in 33 x 33.
+    near: Sheet,
+    far: Sheet,
+    /// Variance of the plain mean, by what is seen near it and by what may reach it from farther away.
+    plain: Sheet,
+    state: Sheet,
+    /// Squares of halves and of moves.
+    pair: Sheet,
+    /// The mean variance of plain values, and their sum.
+    unit: f32,
+    all_plain: f64,
+}
+
+impl<'a> Choice<'a> {
+    /// Begins with the plain values.
+    fn begin(surface: &'a Surface, dark: impl Fn(f32, f32) -> f32 + Sync) -> Option<Self> {
+        let (mask, data) = (&surface.mask, &surface.data);
+        let size @ [width, height] = surface.size();
+        let channels = data.planes - 1;
+        let mut pair = Sheet::new(size, 2);
+        let all_plain = pair.fill(|y, [squares, texels]| {
+            let halves = data.row(channels, y);
+            for (square, half) in squares.iter_mut().zip(halves) {
+                *square = half * half;
+            }
+            texels.copy_from_slice(mask.row(0, y));
+        });
+        let texels: f64 = (0..height).map(|y| f64::from(sum(mask.row(0, y)))).sum();
+        let unit = (all_plain / texels) as f32;
+        if unit < f32::MIN_POSITIVE {
+            return None;
+        }
+        let [mut near, mut far] = [0; 2].map(|_| Sheet::new(size, 1));
+        let mut plain = Sheet::new(size, 2);
+        let mut state = Sheet::new(size, VALUES + channels);
+        let sheets = [&mut state, &mut near, &mut far, &mut plain];
+        rows(
+            height,
+            1,
+            sheets.map(|sheet| &mut sheet.values[..]),
             #[inline(always)]
-            || {
-                for (k, texel) in chunk.iter_mut().enumerate() {
-                    let i = task * TASK + k;
-                    if mask.values[i] > 0.0 {
-                        update(i, texel);
+            |first, [state, near, far, plain]| {
+                let mut room = Room::new(width);
+                let mut mean = Mean::default();
+                let mut weights = vec![0.0; width];
+                let states = state.chunks_exact_mut((VALUES + channels) * width);
+                for (row, state) in states.enumerate() {
+                    let (y, line) = (first + row, row * width..(row + 1) * width);
+                    let (near, far) = (&mut near[line.clone()], &mut far[line]);
+                    let plain = &mut plain[2 * row * width..2 * (row + 1) * width];
+                    let (seen, plain) = plain.split_at_mut(width);
+                    pair.sums(1, y, About::Eleven, &mut room, near);
+                    pair.sums(1, y, About::Wide, &mut room, far);
+                    pair.sums(0, y, About::Eleven, &mut room, seen);
+                    let (values, errors) = (mean.row(data, y), surface.errors.row(0, y));
+                    for x in 0..width {
+                        seen[x] /= larger(near[x], 1.0);
+                        plain[x] = seen[x];
+                        if plain[x] == 0.0 && values[x] == 0.0 {
+                            // What neighbours farther away met may reach here too.
+                            plain[x] = dark(errors[x], near[x]).powi(2);
+                        }
+                    }
+                    weights.copy_from_slice(plain);
+                    let mut state = planes::<VALUES>(state, width);
+                    state.0[VARIANCE].copy_from_slice(plain);
+                    state.count(&mut weights, unit, plain, data, y);
+                }
+            },
+        );
+        Some(Self {
+            surface,
+            channels,
+            near,
+            far,
+            plain,
+            state,
+            pair,
+            unit,
+            all_plain,
+        })
+    }
+
+    /// Tries a fit that follows the one `before`.
+    fn try_fit(&mut self, stride: usize, before: &Sheet, now: &Sheet) {
+        let [width, height] = self.surface.size();
+        let (data, channels, unit) = (&self.surface.data, self.channels, self.unit);
+        let half = channels;
+        let all_fitted = self.pair.fill(|y, [squares, moves]| {
+            let mut means = <[Mean; 2]>::default();
+            let [now_mean, before_mean] = means.each_mut();
+            let (m, before_m) = (now_mean.row(now, y), before_mean.row(before, y));
+            let (h, before_h) = (now.row(half, y), before.row(half, y));
+            for x in 0..width {
+                squares[x] = h[x] * h[x];
+                moves[x] = moved([m[x], before_m[x]], [h[x], before_h[x]]);
+            }
+        });
+        let reduced = (all_fitted / self.all_plain) as f32;
+        let (about, counts) = match stride >= WIDE {
+            true => (About::Wide, &self.far),
+            false => (About::Eleven, &self.near),
+        };
+        // Texels that share one move.
+        let shared = (stride * stride) as f32 / 4.0;
+        let (pair, plain) = (&self.pair, &self.plain);
+        rows(
+            height,
+            1,
+            [&mut self.state.values],
+            #[inline(always)]
+            |first, [state]| {
+                let mut room = Room::new(width);
+                let mut means = <[Mean; 2]>::default();
+                let mut lines = vec![0.0; 4 * width];
+                let Planes([squares, moves, risks, own], _) = planes(&mut lines, width);
+                let states = state.chunks_exact_mut((VALUES + channels) * width);
+                for (row, state) in states.enumerate() {
+                    let y = first + row;
+                    pair.sums(0, y, about, &mut room, squares);
+                    pair.sums(1, y, about, &mut room, moves);
+                    let [now_mean, plain_mean] = means.each_mut();
+                    let (m, plain_m) = (now_mean.row(now, y), plain_mean.row(data, y));
+                    let (h, plain_h) = (now.row(half, y), data.row(half, y));
+                    let (counts, plain, own_moves) =
+                        (counts.row(0, y), plain.row(1, y), pair.row(1, y));
+                    let mut state = planes::<VALUES>(state, width);
+                    let [_, _, _, variances, biases] = &mut state.0;
+                    for x in 0..width {
+                        let count = larger(counts[x], 1.0);
+                        let variance = 0.5 * (squares[x] / count + reduced * plain[x]);
+                        let saved = larger(variances[x] - variance, 0.0);
+                        let noise = 2.0 * saved * smaller(shared / count, 1.0).sqrt();
+                        // Its own noise must not speak for or against a texel's choice.
+                        let moves = (moves[x] - own_moves[x]) / larger(count - 1.0, 1.0);
+                        let bias = biases[x] + larger(moves - STANDS_OUT * noise, 0.0);
+                        // A texel of twice the value has twice the variance: two rays that meet in the dark are no detail.
+                        let brighter = plain_m[x] / larger(m[x], f32::MIN_POSITIVE);
+                        let alone = moved([m[x], plain_m[x]], [h[x], plain_h[x]])
+                            - REFUSES * plain[x] * larger(brighter, 1.0);
+                        risks[x] = larger(variance + bias, alone);
+                        own[x] = variance;
+                        variances[x] = variance;
+                        biases[x] = bias;
+                    }
+                    state.count(risks, unit, own, now, y);
+                }
+            },
+        );
+    }
+
+    /// The means of the candidates, and what is expected of their errors: one texel's prediction is rough, so neighbours pool theirs, as
+    /// those of plain values are.
+    fn end(mut self) -> Chosen {
+        let size @ [width, height] = self.surface.size();
+        let (mask, data, channels) = (&self.surface.mask, &self.surface.data, self.channels);
+        let state = &self.state;
+        self.pair.fill(|y, [variances, biases]| {
+            let mut mean = Mean::default();
+            let mean = mean.row(data, y);
+            let (mask, weights) = (mask.row(0, y), state.row(WEIGHTS, y));
+            let (own, halves) = (state.row(VARIANCES, y), state.row(HALVES, y));
+            let halves_before = data.row(channels, y);
+            let value = |x: usize| match channels {
+                1 => state.row(VALUES, y)[x],
+                _ => {
+                    let sum: f32 = (0..channels).map(|c| state.row(VALUES + c, y)[x]).sum();
+                    sum / channels as f32
+                }
+            };
+            for x in 0..width {
+                let share = if mask[x] > 0.0 { 1.0 / weights[x] } else { 0.0 };
+                variances[x] = own[x] * share;
+                biases[x] = match mask[x] > 0.0 {
+                    true => moved(
+                        [value(x) * share, mean[x]],
+                        [halves[x] * share, halves_before[x]],
+                    ),
+                    false => 0.0,
+                };
+            }
+        });
+        let mut chosen = Sheet::new(size, Chosen::VALUES + channels);
+        let (pair, near, plain) = (&self.pair, &self.near, &self.plain);
+        rows(
+            height,
+            1,
+            [&mut chosen.values],
+            #[inline(always)]
+            |first, [chosen]| {
+                let mut room = Room::new(width);
+                let mut lines = vec![0.0; 2 * width];
+                let (inner, texels) = lines.split_at_mut(width);
+                let rows = chosen.chunks_exact_mut((Chosen::VALUES + channels) * width);
+                for (row, chosen) in rows.enumerate() {
+                    let y = first + row;
+                    let Planes([seen, variances, biases, halves, counts], values) =
+                        planes::<{ Chosen::VALUES }>(chosen, width);
+                    seen.copy_from_slice(plain.row(0, y));
+                    counts.copy_from_slice(near.row(0, y));
+                    pair.sums(0, y, About::Eleven, &mut room, variances);
+                    pair.sums(1, y, About::Eleven, &mut room, biases);
+                    // Not those whose fits share much of its noise.
+                    pair.sums(1, y, About::Seven, &mut room, inner);
+                    mask.sums(0, y, About::Seven, &mut room, texels);
+                    let weights = state.row(WEIGHTS, y);
+                    let (sums, plain) = (state.row(HALVES, y), plain.row(1, y));
+                    for x in 0..width {
+                        variances[x] /= larger(counts[x], 1.0);
+                        biases[x] = (biases[x] - inner[x]) / larger(counts[x] - texels[x], 1.0);
+                        halves[x] = sums[x] / weights[x];
+                    }
+                    for (channel, values) in values.chunks_exact_mut(width).enumerate() {
+                        let (sums, before) = (state.row(VALUES + channel, y), data.row(channel, y));
+                        for x in 0..width {
+                            values[x] = match plain[x] > 0.0 {
+                                true => sums[x] / weights[x],
+                                false => before[x],
+                            };
+                        }
                     }
                 }
             },
         );
-    });
+        Chosen(chosen)
+    }
 }
 
-/// The sum of the squares over some rows, in a fixed order.
-fn squares(plane: &Plane, rows: &Range<usize>) -> f64 {
-    let of = |part: &[f32]| part.iter().map(|v| f64::from(v * v)).sum::<f64>();
-    let values = &plane.values[rows.start * plane.width..rows.end * plane.width];
-    let parts: Vec<f64> = values.par_chunks(TASK).map(of).collect();
-    parts.iter().sum()
+/// A row of a sheet: its first planes, then the rest.
+struct Planes<'a, const N: usize>([&'a mut [f32]; N], &'a mut [f32]);
+
+#[inline(always)]
+fn planes<const N: usize>(row: &mut [f32], width: usize) -> Planes<'_, N> {
+    let (first, rest) = row.split_at_mut(N * width);
+    let mut planes = [0; N].map(|_| <&mut [f32]>::default());
+    for (plane, row) in planes.iter_mut().zip(first.chunks_exact_mut(width)) {
+        *plane = row;
+    }
+    Planes(planes, rest)
+}
+
+impl Planes<'_, VALUES> {
+    /// Counts a candidate by its errors, in units of `unit`; they become its weights. Errors below 1e-5 of it weigh alike, and so do those
+    /// beyond 1e5.
+    #[inline(always)]
+    fn count(&mut self, errors: &mut [f32], unit: f32, variances: &[f32], of: &Sheet, y: usize) {
+        let Self([weights, all_variances, halves, ..], values) = self;
+        let channels = of.planes - 1;
+        for error in &mut *errors {
+            let inverse = 1.0 / smaller(larger(*error / unit, 1e-5), 1e5);
+            let square = inverse * inverse;
+            *error = square * square * square;
+        }
+        for (sum, weight) in weights.iter_mut().zip(&*errors) {
+            *sum += weight;
+        }
+        add(all_variances, errors, variances);
+        add(halves, errors, of.row(channels, y));
+        for (channel, values) in values.chunks_exact_mut(of.width).enumerate() {
+            add(values, errors, of.row(channel, y));
+        }
+    }
+}
+
+#[inline(always)]
+fn add(sums: &mut [f32], weights: &[f32], numbers: &[f32]) {
+    for ((sum, weight), number) in sums.iter_mut().zip(weights).zip(numbers) {
+        *sum += weight * number;
+    }
+}
+
+/// The mean of the channels along a row; it needs no room where there is one.
+#[derive(Default)]
+struct Mean(Vec<f32>);
+
+impl Mean {
+    #[inline(always)]
+    fn row<'b>(&'b mut self, sheet: &'b Sheet, y: usize) -> &'b [f32] {
+        let channels = sheet.planes - 1;
+        if channels == 1 {
+            return sheet.row(0, y);
+        }
+        self.0.clear();
+        self.0.extend((0..sheet.width).map(|x| {
+            let sum: f32 = (0..channels).map(|channel| sheet.row(channel, y)[x]).sum();
+            sum / channels as f32
+        }));
+        &self.0
+    }
+}
+
+/// The square of what the truth moves by, from the means and the halves after and before.
+#[inline(always)]
+fn moved([m, before_m]: [f32; 2], [h, before_h]: [f32; 2]) -> f32 {
+    let (dm, dh) = (m - before_m, h - before_h);
+    dm * dm - dh * dh
+}
+
+/// The larger of two numbers, in one instruction.
+#[inline(always)]
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+#[inline(always)]
+fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// The sum of a row of whole lanes.
+#[inline(always)]
+fn sum(row: &[f32]) -> f32 {
+    let lanes = row.chunks_exact(LANES);
+    let sums = lanes.fold(Lanes::ZERO, |sums, row| sums + Lanes::load(row, 0));
+    sums.0.iter().sum()
+}
+
+impl Sheet {
+    /// Sets a sheet of two planes row by row; the sum of the first, in a fixed order.
+    fn fill(&mut self, of: impl Fn(usize, [&mut [f32]; 2]) + Sync) -> f64 {
+        let (width, height) = (self.width, self.height());
+        let mut sums = vec![0.0; height];
+        rows(
+            height,
+            1,
+            [&mut self.values, &mut sums],
+            #[inline(always)]
+            |first, [values, sums]| {
+                let rows = values.chunks_exact_mut(2 * width).zip(sums);
+                for (row, (values, own)) in rows.enumerate() {
+                    let (a, b) = values.split_at_mut(width);
+                    of(first + row, [&mut *a, b]);
+                    *own = sum(a);
+                }
+            },
+        );
+        sums.iter().copied().map(f64::from).sum()
+    }
 }
 
 #[cfg(test)]
@@ -317,29 +448,26 @@ mod tests {
 
     #[test]
     fn candidates_weigh_by_the_sixth_power_of_their_error() {
-        // Errors are squared already as risks: 2 against 1 is a sixty-fourth.
-        let mut texel = Texel::default();
-        texel.count([1.0; 2], 1.0, 0.25, |_| 3.0, 1);
-        texel.count([2.0; 2], 1.0, 0.5, |_| 7.0, 1);
+        // Errors are squared already as risks: 2 against 1 is a sixty-fourth. The unit does not matter; errors that are hardly any weigh alike.
         let share = 1.0 / 64.0;
         let expected = (3.0 + 7.0 * share) / (1.0 + share);
-        assert!(
-            (texel.value(0) - expected).abs() < 1e-6,
-            "{}",
-            texel.value(0)
-        );
-        // The unit does not matter; errors that are hardly any weigh alike.
-        let mut other = Texel::default();
-        other.count([100.0; 2], 100.0, 0.25, |_| 3.0, 1);
-        other.count([200.0; 2], 100.0, 0.5, |_| 7.0, 1);
-        assert!(
-            (other.value(0) - expected).abs() < 1e-6,
-            "{}",
-            other.value(0)
-        );
-        let mut alike = Texel::default();
-        alike.count([0.0; 2], 1.0, 0.0, |_| 3.0, 1);
-        alike.count([1e-6; 2], 1.0, 0.0, |_| 7.0, 1);
-        assert_eq!(alike.value(0), 5.0);
+        for (errors, unit, expected) in [
+            ([1.0, 2.0], 1.0, expected),
+            ([100.0, 200.0], 100.0, expected),
+            ([0.0, 1e-6], 1.0, 5.0),
+        ] {
+            let mut state = Sheet::new([LANES, 1], VALUES + 1);
+            for (error, value) in errors.into_iter().zip([3.0, 7.0]) {
+                let mut fit = Sheet::new([LANES, 1], 2);
+                fit.row_mut(0, 0).fill(value);
+                let mut state = planes::<VALUES>(&mut state.values, LANES);
+                let (mut errors, variances) = ([error; LANES], [0.0; LANES]);
+                state.count(&mut errors, unit, &variances, &fit, 0);
+            }
+            for x in 0..LANES {
+                let value = state.row(VALUES, 0)[x] / state.row(WEIGHTS, 0)[x];
+                assert!((value - expected).abs() < 1e-6, "{value} of {expected}");
+            }
+        }
     }
 }

@@ -8,7 +8,7 @@
 use super::charts::{Band, Chart, Charts};
 use super::field::Field;
 use super::fit::FEATURES;
-use super::plane::{Plane, TASK};
+use super::plane::{About, Room, Sheet, TASK, rows};
 use super::{FEWEST, at_least};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -43,7 +43,7 @@ impl Features {
             return Self { texels, bent };
         }
         let facing = |texel: usize| match field.has_data(texel) {
-            true => stored(field.normal(texel).as_vec3().extend(0.0).to_array()),
+            true => stored(field.normal(texel).extend(0.0).to_array()),
             false => [0; FEATURES],
         };
         let all = (0..field.size * field.size).into_par_iter();
@@ -58,8 +58,8 @@ impl Features {
         });
         let heights: Vec<Vec<f32>> = heights.collect();
         for (chart, heights) in charts.iter().zip(&heights) {
-            for (&texel, &height) in chart.texels.iter().zip(heights) {
-                texels[texel as usize][3] = stored([0.0, 0.0, 0.0, height])[3];
+            for (texel, &height) in chart.all().zip(heights) {
+                texels[texel][3] = stored([0.0, 0.0, 0.0, height])[3];
             }
         }
         Self { texels, bent }
@@ -82,58 +82,77 @@ fn stored(values: [f32; FEATURES]) -> [i16; FEATURES] {
 }
 
 fn is_bent(field: &Field<'_>, chart: &Chart) -> bool {
-    let texels = || chart.texels.iter();
-    let normal = |&texel: &u32| field.normal(texel as usize).as_vec3();
-    let count = texels().len() as f32;
-    let mean = texels().map(normal).sum::<Vec3>() / count;
-    let squares = || texels().map(|texel| normal(texel).distance_squared(mean));
-    texels().len() >= FEWEST && squares().sum::<f32>() > BENT * count
+    let normals = || chart.all().map(|texel| field.normal(texel));
+    let count = chart.texels as f32;
+    let mean = normals().sum::<Vec3>() / count;
+    let squares = normals().map(|normal| normal.distance_squared(mean));
+    chart.texels >= FEWEST && squares.sum::<f32>() > BENT * count
 }
 
 /// How far each texel of a band stands out above the mean of the 11 x 11 texels about it that are of its chart, along their mean normal, in
 /// edges of a texel.
 fn heights(field: &Field<'_>, chart: &Chart, band: &Band) -> Vec<f32> {
-    let width = chart.area.size[0];
-    let local = |texel: u32| chart.area.local(texel, &band.about, field.size);
-    let about = chart.texels_of(&chart.area, &band.about, field.size);
-    let home = field.position(chart.texels[0] as usize);
-    let plane = |of: &dyn Fn(usize) -> f32| {
-        let mut plane = Plane::new([width, band.about.len()]);
-        about
-            .iter()
-            .for_each(|&texel| plane.values[local(texel)] = of(texel as usize));
-        plane
-    };
-    let sums = |of: &Plane| {
-        let mut sums = Plane::like(of);
-        sums.set_sums(|i| of.values[i]);
-        sums
-    };
-    let mask = plane(&|_| 1.0);
-    let count = sums(&mask);
-    let place =
-        [0, 1, 2].map(|k: usize| plane(&|texel| (field.position(texel)[k] - home[k]) as f32));
-    let places = place.each_ref().map(sums);
-    let normals = [0, 1, 2].map(|k: usize| sums(&plane(&|texel| field.normal[k][texel])));
-    let at = |of: &[Plane; 3], i: usize| Vec3::from(of.each_ref().map(|plane| plane.values[i]));
-    let height = |&texel: &u32| {
-        let i = local(texel);
-        let own = at(&place, i);
-        let column = i % width;
-        let beside = [
-            (column > 0).then(|| i - 1),
-            (column + 1 < width).then_some(i + 1),
-            i.checked_sub(width),
-            Some(i + width),
-        ];
-        let beside = beside.into_iter().flatten();
-        let beside = beside.filter(|&j| mask.values.get(j).is_some_and(|mask| *mask > 0.0));
-        let edge = beside.map(|j| own.distance(at(&place, j)));
-        let edge = edge.fold(f32::INFINITY, f32::min);
-        let up = at(&normals, i).normalize_or_zero();
-        let height = up.dot(own - at(&places, i) / count.values[i]) / edge;
-        if height.abs() < FLAT { 0.0 } else { height }
-    };
-    let own = chart.texels_of(&chart.area, &band.rows, field.size);
-    own.iter().map(height).collect()
+    let area = chart.area.in_lanes();
+    let size @ [width, height] = [area.size[0], band.about.len()];
+    let home = field.position(chart.runs[0].first as usize);
+    // Whether there is a texel, its position, its normal.
+    let mut known = Sheet::new(size, 7);
+    for run in chart.runs_of(&area, &band.about, field.size) {
+        let [x, y] = area.local(run.first, &band.about, field.size);
+        for (x, texel) in (x..).zip(run.texels()) {
+            let place = field.position(texel) - home;
+            let all = [1.0].into_iter().chain(place.to_array());
+            let all = all.chain(field.normal(texel).to_array());
+            all.enumerate()
+                .for_each(|(plane, value)| known.row_mut(plane, y)[x] = value);
+        }
+    }
+    let mut heights = Sheet::new(size, 1);
+    rows(
+        height,
+        1,
+        [&mut heights.values],
+        #[inline(always)]
+        |first, [heights]| {
+            let mut room = Room::new(width);
+            let mut sums = vec![0.0; 7 * width];
+            for (row, heights) in heights.chunks_exact_mut(width).enumerate() {
+                let y = first + row;
+                for (plane, sums) in sums.chunks_exact_mut(width).enumerate() {
+                    known.sums(plane, y, About::Eleven, &mut room, sums);
+                }
+                let place = |x: usize, y: usize| Vec3::from([1, 2, 3].map(|k| known.at(k, [x, y])));
+                let sum = |x: usize, first: usize| {
+                    Vec3::from([0, 1, 2].map(|k| sums[(first + k) * width + x]))
+                };
+                for (x, out) in heights.iter_mut().enumerate() {
+                    if known.at(0, [x, y]) == 0.0 {
+                        continue;
+                    }
+                    let own = place(x, y);
+                    let beside = [
+                        (x.wrapping_sub(1), y),
+                        (x + 1, y),
+                        (x, y.wrapping_sub(1)),
+                        (x, y + 1),
+                    ];
+                    let is_there = |&(x, y): &(usize, usize)| {
+                        x < width && y < height && known.at(0, [x, y]) > 0.0
+                    };
+                    let beside = beside.into_iter().filter(is_there);
+                    let edges = beside.map(|(x, y)| own.distance_squared(place(x, y)));
+                    let edge = edges.fold(f32::INFINITY, f32::min).sqrt();
+                    let height =
+                        sum(x, 4).normalize_or_zero().dot(own - sum(x, 1) / sums[x]) / edge;
+                    *out = if height.abs() < FLAT { 0.0 } else { height };
+                }
+            }
+        },
+    );
+    let own = chart.runs_of(&area, &band.rows, field.size).iter();
+    let own = own.flat_map(|run| {
+        let [x, y] = area.local(run.first, &band.about, field.size);
+        heights.row(0, y)[x..x + run.count as usize].iter().copied()
+    });
+    own.collect()
 }

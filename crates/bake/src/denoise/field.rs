@@ -1,6 +1,6 @@
 //! The texels of a page as the denoiser sees them.
 
-use glam::DVec3;
+use glam::Vec3;
 
 /// What is known of a page's texels, row by row; nothing is read where the coverage is 0.
 #[derive(Debug, Clone, Copy)]
@@ -22,11 +22,11 @@ impl Field<'_> {
         self.coverage[texel] > 0.0 && self.validity.is_none_or(|valid| valid[texel] > 0.0)
     }
 
-    pub fn position(&self, texel: usize) -> DVec3 {
-        DVec3::from(self.position.map(|plane| f64::from(plane[texel])))
+    pub fn position(&self, texel: usize) -> Vec3 {
+        Vec3::from(self.position.map(|plane| plane[texel]))
     }
 
-    pub fn normal(&self, texel: usize) -> DVec3 {
-        DVec3::from(self.normal.map(|plane| f64::from(plane[texel])))
+    pub fn normal(&self, texel: usize) -> Vec3 {
+        Vec3::from(self.normal.map(|plane| plane[texel]))
     }
 }

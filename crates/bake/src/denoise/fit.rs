@@ -6,9 +6,15 @@
 //! of each fit add up to 0 under its weights, those of the blend add up to 0 over the chart: smoothing moves no chart's mean.
 //!
 //! Where a chart bends, the functions of a fit are those of the place and the *features* of its texels ([`super::features`]), linearly.
+//!
+//! All that a fit needs are *moments*: sums over the cells between corners of t^i q^j, by the place in the cell, 0..1 across and down. Those
+//! of a cell follow from those of its four quarters, so texels are summed once for all strides.
 
-use super::plane::{Plane, TASK};
-use rayon::prelude::*;
+// Indices are those of the mathematics.
+#![allow(clippy::needless_range_loop)]
+
+use super::lanes::{LANES, Lanes};
+use super::plane::{Sheet, rows};
 
 /// Functions of the place: 1, u and v, which linear fits have, and u², uv and v².
 const PLACES: usize = 6;
@@ -28,341 +34,694 @@ const DEPENDENT_FEATURE: f32 = 1e-4;
 /// the weights of a tent. Full windows have that.
 const TENT: f32 = 4.0 / 9.0;
 
-/// Corners whose fits are held at a time: 9 MB, or 16 with features.
-const CORNERS: usize = 1 << 17;
+/// Powers across and down of which a cell has the moments: of the mask, of a plane, and of the product of two.
+const MASK: usize = 6;
+const PLANE: usize = 4;
+const PRODUCT: usize = 2;
 
-/// Fits of several planes alike, from the most functions to the fewest: quadratic, linear, and where there are features the fits that are
-/// linear without them.
-pub(super) type Fits = [Vec<Plane>; DEGREES];
-pub(super) const DEGREES: usize = 3;
+/// The least stride.
+const LEAST: usize = 2;
 
-/// How many of the fits there are.
-pub(super) fn degrees(features: &[Plane]) -> usize {
-    if features.is_empty() { 2 } else { 3 }
+const BINOMIAL: [[f32; MASK]; MASK] = [
+    [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [1.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+    [1.0, 2.0, 1.0, 0.0, 0.0, 0.0],
+    [1.0, 3.0, 3.0, 1.0, 0.0, 0.0],
+    [1.0, 4.0, 6.0, 4.0, 1.0, 0.0],
+    [1.0, 5.0, 10.0, 10.0, 5.0, 1.0],
+];
+
+/// Powers of the middles of two halves of a cell.
+const NEAR: [f32; MASK] = powers(0.25);
+const FAR: [f32; MASK] = powers(0.75);
+const HALF: [f32; MASK] = powers(0.5);
+
+const fn powers(of: f32) -> [f32; MASK] {
+    let mut powers = [1.0; MASK];
+    let mut i = 1;
+    while i < MASK {
+        powers[i] = powers[i - 1] * of;
+        i += 1;
+    }
+    powers
 }
 
-/// A corner's fits of one plane. Of N functions the first are 1, u and v, then come the features, the last are u², uv and v².
-type Corner<const N: usize> = [[f32; N]; DEGREES];
+/// A chart, or a band of one, ready to be fitted.
+#[derive(Debug)]
+pub(super) struct Surface {
+    /// 1 where it has texels.
+    pub mask: Sheet,
+    /// What fits may follow beside the place: [`FEATURES`] planes or none.
+    pub features: Option<Sheet>,
+    /// The channels of the mean of two halves of the rays, then the mean channel of half their difference.
+    pub data: Sheet,
+    /// Standard errors of the plain values.
+    pub errors: Sheet,
+}
 
-/// Fits windows of `stride` to the planes of `data` where `mask` is 1, into `out`.
-///
-/// * `features`: one plane each, 0 outside; all of [`FEATURES`] or none.
-pub(super) fn fit(mask: &Plane, features: &[Plane], data: &[Plane], stride: usize, out: &mut Fits) {
-    match features {
-        [] => Fitter::<PLACES>::new(mask, features, data, stride).fit(out),
-        _ => Fitter::<{ PLACES + FEATURES }>::new(mask, features, data, stride).fit(out),
+impl Surface {
+    /// Columns and rows.
+    pub fn size(&self) -> [usize; 2] {
+        [self.mask.width, self.mask.height()]
     }
 }
 
-/// What windows of one stride are fitted to, by N functions.
-struct Fitter<'a, const N: usize> {
-    mask: &'a Plane,
-    features: &'a [Plane],
-    data: &'a [Plane],
+/// Fits over a surface, from the least stride to wider ones.
+pub(super) struct Fitter<'a> {
+    surface: &'a Surface,
     stride: usize,
-    /// Of the place of each texel across a cell, 0..1.
-    powers: Vec<Powers>,
+    /// The moments of all cells of the last stride; none of the least, whose cells are summed when they are needed.
+    cells: Vec<f32>,
 }
 
-/// The powers from 0 to 5 of a number.
-type Powers = [f32; 6];
+/// How a row of cells is laid out: moment by moment, each with a cell without texels at both ends.
+#[derive(Clone, Copy)]
+struct Layout {
+    features: usize,
+    planes: usize,
+    cells: usize,
+    /// Numbers of a moment's row.
+    room: usize,
+}
 
-impl<'a, const N: usize> Fitter<'a, N> {
-    fn new(mask: &'a Plane, features: &'a [Plane], data: &'a [Plane], stride: usize) -> Self {
-        assert_eq!(features.len() + PLACES, N, "functions");
-        let power = |i: usize| {
-            let t = (i as f32 + 0.5) / stride as f32;
-            let square = t * t;
+impl Layout {
+    fn of(surface: &Surface, stride: usize) -> Self {
+        let cells = surface.mask.width.div_ceil(stride);
+        Self {
+            features: surface.features.as_ref().map_or(0, |sheet| sheet.planes),
+            planes: surface.data.planes,
+            cells,
+            room: (cells + 2).next_multiple_of(LANES) + LANES,
+        }
+    }
+
+    /// The first moment of a feature's or a plane's.
+    #[inline(always)]
+    fn line(&self, line: usize) -> usize {
+        MASK * MASK + line * PLANE * PLANE
+    }
+
+    /// The first moment of the product of a line with a feature not after it.
+    #[inline(always)]
+    fn product(&self, line: usize, feature: usize) -> usize {
+        let before = match line.checked_sub(self.features) {
+            None => line * (line + 1) / 2,
+            Some(plane) => self.features * (self.features + 1) / 2 + plane * self.features,
+        };
+        self.line(self.features + self.planes) + (before + feature) * PRODUCT * PRODUCT
+    }
+
+    fn moments(&self) -> usize {
+        self.product(self.features + self.planes, 0)
+    }
+
+    /// Numbers of a row of cells.
+    fn row(&self) -> usize {
+        self.moments() * self.room
+    }
+
+    /// Lanes of a moment from the cell before cell `at` on.
+    #[inline(always)]
+    fn load(&self, row: &[f32], moment: usize, at: usize) -> Lanes {
+        Lanes::load(row, moment * self.room + at)
+    }
+
+    #[inline(always)]
+    fn store(&self, row: &mut [f32], moment: usize, cell: usize, lanes: Lanes) {
+        lanes.store(row, moment * self.room + 1 + cell);
+    }
+}
+
+impl<'a> Fitter<'a> {
+    pub fn new(surface: &'a Surface) -> Self {
+        Self {
+            surface,
+            stride: LEAST,
+            cells: Vec::new(),
+        }
+    }
+
+    /// Fits windows of `stride`, which is at least the last one, by quadratic and linear polynomials, where each is wanted.
+    pub fn fit(&mut self, stride: usize, out: [(bool, &mut Sheet); 2]) {
+        while self.stride < stride {
+            self.widen();
+        }
+        match self.surface.features {
+            None => self.fit_by::<PLACES>(out),
+            Some(_) => self.fit_by::<{ PLACES + FEATURES }>(out),
+        }
+    }
+
+    /// Goes on to cells of twice the size.
+    fn widen(&mut self) {
+        let [_, height] = self.surface.size();
+        let stride = 2 * self.stride;
+        let [fine, layout] = [self.stride, stride].map(|stride| Layout::of(self.surface, stride));
+        let count = height.div_ceil(stride);
+        let mut cells = vec![0.0; count * layout.row()];
+        rows(
+            count,
+            1,
+            [&mut cells],
+            #[inline(always)]
+            |first, [cells]| {
+                let mut room = [0; 2].map(|_| vec![0.0; fine.row()]);
+                for (row, out) in cells.chunks_exact_mut(layout.row()).enumerate() {
+                    for (k, room) in room.iter_mut().enumerate() {
+                        self.sum_texels(&fine, 2 * (first + row) + k, room);
+                    }
+                    let quarters = self.cells([0, 1].map(|k| Some(2 * (first + row) + k)), &room);
+                    merge(&fine, &layout, quarters, out);
+                }
+            },
+        );
+        (self.stride, self.cells) = (stride, cells);
+    }
+
+    /// The moments of two rows of cells, where they are not in `room`; there is none beyond the last.
+    #[inline(always)]
+    fn cells<'b>(&'b self, rows: [Option<usize>; 2], room: &'b [Vec<f32>; 2]) -> [&'b [f32]; 2] {
+        let [mut above, mut below] = [&room[0][..], &room[1][..]];
+        if self.stride > LEAST {
+            let length = above.len();
+            let stored = |row: usize| self.cells.get(row * length..(row + 1) * length);
+            (above, below) = (
+                rows[0].and_then(stored).unwrap_or(above),
+                rows[1].and_then(stored).unwrap_or(below),
+            );
+        }
+        [above, below]
+    }
+
+    /// Sums the texels of a row of cells of the least stride; nothing of wider ones, which are stored.
+    #[inline(always)]
+    fn sum_texels(&self, layout: &Layout, row: usize, out: &mut [f32]) {
+        if self.stride > LEAST {
+            return;
+        }
+        let height = self.surface.mask.height();
+        let texels = |sheet: &Sheet, plane: usize, at: usize| -> Quarters {
+            let below = match LEAST * row + 1 {
+                y if y < height => sheet.row(plane, y),
+                _ => &[],
+            };
+            let above = match LEAST * row {
+                y if y < height => sheet.row(plane, y),
+                _ => &[],
+            };
             [
-                1.0,
-                t,
-                square,
-                square * t,
-                square * square,
-                square * square * t,
+                Lanes::load_pairs(above, LEAST * at),
+                Lanes::load_pairs(below, LEAST * at),
             ]
         };
-        Self {
-            mask,
-            features,
-            data,
-            stride,
-            powers: (0..stride).map(power).collect(),
-        }
-    }
-
-    fn across(&self) -> usize {
-        self.mask.width.div_ceil(self.stride) + 1
-    }
-
-    fn fit(&self, out: &mut Fits) {
-        let (width, height, stride) = (self.mask.width, self.mask.height(), self.stride);
-        let across = self.across();
-        let down = height.div_ceil(stride) + 1;
-        let rows = TASK.div_ceil(across * stride * stride);
-        let planes = self.data.len();
-        // Row after row of corners, the planes of each side by side; so many rows of cells at a time that corners need little room.
-        let band = (CORNERS / (across * planes)).max(1);
-        for first in (0..down - 1).step_by(band) {
-            let last = (first + band).min(down - 1);
-            let corners: Vec<Corner<N>> = (first..last + 1)
-                .into_par_iter()
-                .with_min_len(rows)
-                .flat_map_iter(|row| self.corner_row(row))
-                .collect();
-            let texels = first * stride * width..(last * stride).min(height) * width;
-            for (degree, fits) in out.iter_mut().enumerate().take(degrees(self.features)) {
-                for (index, plane) in fits.iter_mut().enumerate() {
-                    let of = |row: usize, cell: usize, j: usize, i: usize| {
-                        let corner = (row + j) * across + cell + i;
-                        &corners[corner * planes + index][degree]
-                    };
-                    let lines = plane.values[texels.clone()].par_chunks_mut(width);
-                    let lines = lines.enumerate().with_min_len(TASK.div_ceil(width));
-                    lines.for_each(|(line, values)| {
-                        let row = texels.start / width + line;
-                        let of = |cell, j, i| of(line / stride, cell, j, i);
-                        self.line(row, of, values);
-                    });
-                }
-            }
-        }
-    }
-
-    /// A row of a blend, from the corners `of(cell, down, right)` about it.
-    fn line<'b>(
-        &self,
-        row: usize,
-        of: impl Fn(usize, usize, usize) -> &'b [f32; N],
-        values: &mut [f32],
-    ) {
-        let width = self.mask.width;
-        let q = self.powers[row % self.stride][1];
-        let mask = &self.mask.values[row * width..][..width];
-        let cells = values.chunks_mut(self.stride).zip(mask.chunks(self.stride));
-        for (cell, (values, mask)) in cells.enumerate() {
-            let corners = [
-                [of(cell, 0, 0), of(cell, 0, 1)],
-                [of(cell, 1, 0), of(cell, 1, 1)],
-            ];
-            let c = blend(corners, q);
-            for ((value, mask), [_, t, ..]) in values.iter_mut().zip(mask).zip(&self.powers) {
-                *value = mask * (c[0] + t * (c[1] + t * (c[2] + t * c[3])));
-            }
-            for (f, feature) in self.features.iter().enumerate() {
-                let [left, right] = [0, 1].map(|i| {
-                    let [above, below] = [0, 1].map(|j| corners[j][i][LINEAR + f]);
-                    (1.0 - q) * above + q * below
-                });
-                let feature = &feature.values[row * width + cell * self.stride..];
-                for ((value, feature), [_, t, ..]) in
-                    values.iter_mut().zip(feature).zip(&self.powers)
+        for at in (0..layout.cells).step_by(LANES) {
+            let mask = texels(&self.surface.mask, 0, at);
+            sum::<MASK>(layout, mask, 0, at, out);
+            let mut features = [mask; FEATURES];
+            for line in 0..layout.features + layout.planes {
+                let (own, known) = match (&self.surface.features, line.checked_sub(layout.features))
                 {
-                    *value += feature * (left + t * (right - left));
+                    (Some(sheet), None) => {
+                        features[line] = texels(sheet, line, at);
+                        (times(features[line], mask), line + 1)
+                    }
+                    (_, plane) => {
+                        let plane = texels(&self.surface.data, plane.unwrap_or(0), at);
+                        (plane, layout.features)
+                    }
+                };
+                sum::<PLANE>(layout, own, layout.line(line), at, out);
+                for (number, feature) in features.iter().enumerate().take(known) {
+                    let product = times(own, *feature);
+                    sum::<PRODUCT>(layout, product, layout.product(line, number), at, out);
                 }
             }
         }
     }
 
-    /// The fits of one row of corners.
-    fn corner_row(&self, row: usize) -> Vec<Corner<N>> {
-        let (width, height, stride) = (self.mask.width, self.mask.height(), self.stride);
-        let (across, planes, features) = (self.across(), self.data.len(), self.features.len());
-        // Sums of tent u^a v^b over each window: of the mask for a + b <= 4, of features and planes for a + b <= 2.
-        let mut masses = vec![[[0.0; 5]; 5]; across];
-        let mut sums = vec![[[0.0; 3]; 3]; across * (features + planes)];
-        // Sums of the tent times features, by themselves and by the planes.
-        let mut products = vec![[0.0; FEATURES]; across * (features + planes)];
-        let first = (row * stride).saturating_sub(stride);
-        for y in first..(row * stride + stride).min(height) {
-            let v = (y as f32 + 0.5) / stride as f32 - row as f32;
-            let tent = 1.0 - v.abs();
-            let vs: [f32; 5] = [
-                tent,
-                tent * v,
-                tent * v * v,
-                tent * v * v * v,
-                tent * v * v * v * v,
-            ];
-            for (cell, x) in (0..width).step_by(stride).enumerate() {
-                let at = y * width + x..y * width + (x + stride).min(width);
-                let moments = row_moments::<6>(&self.mask.values[at.clone()], &self.powers);
-                if moments[0] == 0.0 {
-                    continue;
-                }
-                add(&mut masses[cell], left(&moments), &vs);
-                add(&mut masses[cell + 1], right(&moments), &vs);
-                let lines = self.features.iter().chain(self.data);
-                for (index, plane) in lines.enumerate() {
-                    let line = &plane.values[at.clone()];
-                    let moments = row_moments::<4>(line, &self.powers);
-                    let [here, next] =
-                        [cell, cell + 1].map(|cell| cell * (features + planes) + index);
-                    add(&mut sums[here], left(&moments), &vs);
-                    add(&mut sums[next], right(&moments), &vs);
-                    // Those after it are found by symmetry.
-                    for (f, feature) in self.features.iter().enumerate().take(index + 1) {
-                        let (mut all, mut toward) = (0.0, 0.0);
-                        for ((a, b), [_, t, ..]) in line
-                            .iter()
-                            .zip(&feature.values[at.clone()])
-                            .zip(&self.powers)
-                        {
-                            all += a * b;
-                            toward += a * b * t;
+    fn fit_by<const N: usize>(&self, out: [(bool, &mut Sheet); 2]) {
+        let [width, height] = self.surface.size();
+        let stride = self.stride;
+        let layout = Layout::of(self.surface, stride);
+        let planes = layout.planes;
+        let wanted = out.each_ref().map(|(is_wanted, _)| *is_wanted);
+        let out = out.map(|(is_wanted, sheet)| match is_wanted {
+            true => &mut sheet.values[..],
+            false => &mut [],
+        });
+        rows(
+            height,
+            stride,
+            out,
+            #[inline(always)]
+            |first, mut out| {
+                let of_row = planes * width;
+                let count = out.iter().map(|out| out.len()).max().unwrap_or(0) / of_row;
+                let mut room = [0; 2].map(|_| vec![0.0; layout.row()]);
+                let corners = 2 * planes * N * layout.room;
+                let [mut upper, mut lower] = [0, 1].map(|_| vec![0.0; corners]);
+                let mut line = Line::<N>::new(&layout, width);
+                // The cells above the first row, those of it, and so on; from the second on the corners above them, then texels.
+                for step in 0..count.div_ceil(stride) + 2 {
+                    let row = first / stride + step;
+                    room.swap(0, 1);
+                    match row.checked_sub(1) {
+                        Some(row) => self.sum_texels(&layout, row, &mut room[1]),
+                        None => room[1].fill(0.0),
+                    }
+                    if step == 0 {
+                        continue;
+                    }
+                    std::mem::swap(&mut upper, &mut lower);
+                    let cells = self.cells([row.checked_sub(2), Some(row - 1)], &room);
+                    solve_row::<N>(&layout, cells, wanted, &mut lower);
+                    let Some(start) = step.checked_sub(2).map(|cell| cell * stride) else {
+                        continue;
+                    };
+                    for y in start..(start + stride).min(count) {
+                        let q = (y - start) as f32 + 0.5;
+                        for (degree, out) in out.iter_mut().enumerate() {
+                            let out = out.get_mut(y * of_row..(y + 1) * of_row);
+                            let lines = out.into_iter().flat_map(|out| out.chunks_mut(width));
+                            for (plane, values) in lines.enumerate() {
+                                let at = (degree * planes + plane) * N * layout.room;
+                                let corners =
+                                    [&upper, &lower].map(|row| &row[at..at + N * layout.room]);
+                                line.blend(&layout, degree, corners, q / stride as f32);
+                                line.write(self.surface, first + y, stride, values);
+                            }
                         }
-                        products[here][f] += tent * (all - toward);
-                        products[next][f] += tent * toward;
                     }
                 }
+            },
+        );
+    }
+}
+
+/// Numbers of the four quarters of cells: down, then across.
+type Quarters = [[Lanes; 2]; 2];
+
+#[inline(always)]
+fn times(mut a: Quarters, b: Quarters) -> Quarters {
+    for j in 0..2 {
+        for i in 0..2 {
+            a[j][i] = a[j][i] * b[j][i];
+        }
+    }
+    a
+}
+
+/// The moments of N powers of cells whose quarters are single texels.
+#[inline(always)]
+fn sum<const N: usize>(layout: &Layout, of: Quarters, moment: usize, at: usize, out: &mut [f32]) {
+    for j in 0..N {
+        let left = of[0][0] * NEAR[j] + of[1][0] * FAR[j];
+        let right = of[0][1] * NEAR[j] + of[1][1] * FAR[j];
+        for i in 0..N {
+            let sum = left * NEAR[i] + right * FAR[i];
+            layout.store(out, moment + j * N + i, at, sum);
+        }
+    }
+}
+
+/// The moments of a row of cells from those of two rows of their quarters.
+#[inline(always)]
+fn merge(fine: &Layout, layout: &Layout, quarters: [&[f32]; 2], out: &mut [f32]) {
+    let lines = layout.features + layout.planes;
+    for at in (0..layout.cells).step_by(LANES) {
+        merge_line::<MASK>(fine, layout, quarters, 0, at, out);
+        for line in 0..lines {
+            merge_line::<PLANE>(fine, layout, quarters, layout.line(line), at, out);
+        }
+        let products = layout.product(0, 0)..layout.moments();
+        for moment in products.step_by(PRODUCT * PRODUCT) {
+            merge_line::<PRODUCT>(fine, layout, quarters, moment, at, out);
+        }
+    }
+}
+
+#[inline(always)]
+fn merge_line<const N: usize>(
+    fine: &Layout,
+    layout: &Layout,
+    quarters: [&[f32]; 2],
+    moment: usize,
+    at: usize,
+    out: &mut [f32],
+) {
+    // A place of a quarter is half as far from its beginning, and the second begins in the middle.
+    let mut halves = [[[Lanes::ZERO; N]; N]; 2];
+    for (quarters, halves) in quarters.into_iter().zip(&mut halves) {
+        for (j, half) in halves.iter_mut().enumerate() {
+            let mut pairs = [[Lanes::ZERO; N]; 2];
+            for i in 0..N {
+                let row = &quarters[(moment + j * N + i) * fine.room..][..fine.room];
+                let [left, right] = Lanes::load_pairs(row, 1 + 2 * at);
+                (pairs[0][i], pairs[1][i]) = (left, right);
+            }
+            for (i, half) in half.iter_mut().enumerate() {
+                *half = joined(i, pairs[0][i], &pairs[1]);
             }
         }
-        let each = features + planes;
-        let corners = masses
-            .iter()
-            .zip(sums.chunks(each))
-            .zip(products.chunks(each));
-        corners
-            .flat_map(|((mass, sums), products)| {
-                let lower = Lower::<N>::of(mass, &sums[..features], &products[..features]);
-                let planes = sums[features..].iter().zip(&products[features..]);
-                planes.map(move |(sums, products)| lower.solve(sums, products))
-            })
-            .collect()
     }
-}
-
-/// The blend of four corners' polynomials along a row of their cell, as a cubic of the column, 0..1; `q`: the row, 0..1.
-fn blend<const N: usize>(corners: [[&[f32; N]; 2]; 2], q: f32) -> [f32; 4] {
-    let mut side = [[0.0; 3]; 2];
-    for (j, (tent, v)) in [(1.0 - q, q), (q, q - 1.0)].into_iter().enumerate() {
-        for (i, sum) in side.iter_mut().enumerate() {
-            let c = corners[j][i];
-            let square = &c[N - 3..];
-            sum[0] += tent * (c[0] + v * (c[2] + v * square[2]));
-            sum[1] += tent * (c[1] + v * square[1]);
-            sum[2] += tent * square[0];
+    for i in 0..N {
+        let mut below = [Lanes::ZERO; N];
+        for (below, half) in below.iter_mut().zip(&halves[1]) {
+            *below = half[i];
         }
-    }
-    // (1 - t) a(t) + t b(t - 1)
-    let [a, b] = side;
-    let b = [b[0] - b[1] + b[2], b[1] - 2.0 * b[2], b[2]];
-    [a[0], a[1] - a[0] + b[0], a[2] - a[1] + b[1], b[2] - a[2]]
-}
-
-/// Sums of t^a times the numbers of a row of a cell.
-fn row_moments<const M: usize>(line: &[f32], powers: &[Powers]) -> [f32; M] {
-    let mut sums = [0.0; M];
-    for (value, powers) in line.iter().zip(powers) {
-        for (sum, power) in sums.iter_mut().zip(powers) {
-            *sum += value * power;
-        }
-    }
-    sums
-}
-
-/// Moments of u^a with the tent of the corner on the left: u = t, tent = 1 - t.
-fn left<const M: usize, const L: usize>(m: &[f32; M]) -> [f32; L] {
-    std::array::from_fn(|a| m[a] - m[a + 1])
-}
-
-/// Moments of u^a with the tent of the corner on the right: u = t - 1, tent = t.
-fn right<const M: usize, const L: usize>(m: &[f32; M]) -> [f32; L] {
-    const BINOMIAL: [[f32; 5]; 5] = [
-        [1.0, 0.0, 0.0, 0.0, 0.0],
-        [-1.0, 1.0, 0.0, 0.0, 0.0],
-        [1.0, -2.0, 1.0, 0.0, 0.0],
-        [-1.0, 3.0, -3.0, 1.0, 0.0],
-        [1.0, -4.0, 6.0, -4.0, 1.0],
-    ];
-    std::array::from_fn(|a| (0..=a).map(|k| BINOMIAL[a][k] * m[k + 1]).sum())
-}
-
-/// Adds the moments of a row, times v^b, to those of a window.
-fn add<const L: usize>(window: &mut [[f32; L]; L], row: [f32; L], vs: &[f32; 5]) {
-    for (b, line) in window.iter_mut().enumerate() {
-        for (sum, moment) in line.iter_mut().zip(&row[..L - b]) {
-            *sum += vs[b] * moment;
+        for j in 0..N {
+            let sum = joined(j, halves[0][j][i], &below);
+            layout.store(out, moment + j * N + i, at, sum);
         }
     }
 }
 
-/// A function of a fit, by its exponents or by its number among the features.
-enum Function {
-    Place([usize; 2]),
-    Feature(usize),
+#[inline(always)]
+fn joined(power: usize, first: Lanes, second: &[Lanes]) -> Lanes {
+    let mut sum = first;
+    for (second, times) in second.iter().zip(BINOMIAL[power]).take(power + 1) {
+        sum += *second * times;
+    }
+    sum * HALF[power]
 }
 
-/// Function `number` of N.
-fn function<const N: usize>(number: usize) -> Function {
+/// The fits of a row of corners between two rows of cells: of each degree and plane the coefficients, each of all corners.
+#[inline(always)]
+fn solve_row<const N: usize>(
+    layout: &Layout,
+    cells: [&[f32]; 2],
+    wanted: [bool; 2],
+    out: &mut [f32],
+) {
     let features = N - PLACES;
-    match number.checked_sub(LINEAR) {
-        None => Function::Place(POWERS[number]),
-        Some(feature) if feature < features => Function::Feature(feature),
-        Some(_) => Function::Place(POWERS[number - features]),
+    for at in (0..layout.cells + 1).step_by(LANES) {
+        let mass = windows::<MASK, 5>(layout, cells, 0, at);
+        let of_line = |line: usize| windows::<PLANE, 3>(layout, cells, layout.line(line), at);
+        let product = |line: usize, feature: usize| {
+            windows::<PRODUCT, 1>(layout, cells, layout.product(line, feature), at)[0][0]
+        };
+        // Products of functions: features stand between those that are linear in the place and those that are quadratic.
+        let place = |number: usize| match number < LINEAR {
+            true => number,
+            false => number + features,
+        };
+        let mut gram = [[Lanes::ZERO; N]; N];
+        for (i, [a, b]) in POWERS.into_iter().enumerate() {
+            for (j, [c, d]) in POWERS.into_iter().enumerate().take(i + 1) {
+                gram[place(i)][place(j)] = mass[b + d][a + c];
+            }
+        }
+        for feature in 0..features {
+            let sums = of_line(feature);
+            for (number, [a, b]) in POWERS.into_iter().enumerate() {
+                let (i, j) = (LINEAR + feature, place(number));
+                gram[i.max(j)][i.min(j)] = sums[b][a];
+            }
+            for other in 0..=feature {
+                gram[LINEAR + feature][LINEAR + other] = product(feature, other);
+            }
+        }
+        let lower = Lower::of(gram, mass[0][0]);
+        for plane in 0..layout.planes {
+            let sums = of_line(features + plane);
+            let mut of = [Lanes::ZERO; N];
+            for (number, [a, b]) in POWERS.into_iter().enumerate() {
+                of[place(number)] = sums[b][a];
+            }
+            for feature in 0..features {
+                of[LINEAR + feature] = product(features + plane, feature);
+            }
+            let z = lower.forward(of);
+            for degree in (0..2).filter(|degree| wanted[*degree]) {
+                let functions = N - degree * (PLACES - LINEAR);
+                let of = lower.back(&z, functions);
+                for (number, lanes) in of.into_iter().enumerate().take(functions) {
+                    let row = (degree * layout.planes + plane) * N + number;
+                    lanes.store(out, row * layout.room + at);
+                }
+            }
+        }
     }
 }
 
-/// The lower triangle of Cholesky's method over the functions of a window that are kept. That of fewer functions is its leading part.
+/// Sums of tent u^a v^b over the windows of corners, for a + b < A, of the moments of N = A + 1 powers that begin with `moment`.
+#[inline(always)]
+fn windows<const N: usize, const A: usize>(
+    layout: &Layout,
+    cells: [&[f32]; 2],
+    moment: usize,
+    at: usize,
+) -> [[Lanes; A]; A] {
+    // From the cells on the left and on the right, then from those above and below: u = t - 1, tent = t, and u = t, tent = 1 - t.
+    let mut sides = [[[Lanes::ZERO; A]; N]; 2];
+    for (side, cells) in sides.iter_mut().zip(cells) {
+        for (j, side) in side.iter_mut().enumerate() {
+            let mut both = [[Lanes::ZERO; N]; 2];
+            for i in 0..N {
+                let moment = moment + j * N + i;
+                both[0][i] = layout.load(cells, moment, at);
+                both[1][i] = layout.load(cells, moment, at + 1);
+            }
+            for (a, side) in side.iter_mut().enumerate().take(N - j) {
+                *side = about(a, &both[0], &both[1]);
+            }
+        }
+    }
+    let mut windows = [[Lanes::ZERO; A]; A];
+    for a in 0..A {
+        let mut both = [[Lanes::ZERO; N]; 2];
+        for j in 0..N {
+            (both[0][j], both[1][j]) = (sides[0][j][a], sides[1][j][a]);
+        }
+        for (b, windows) in windows.iter_mut().enumerate().take(A - a) {
+            windows[a] = about(b, &both[0], &both[1]);
+        }
+    }
+    windows
+}
+
+#[inline(always)]
+fn about(power: usize, before: &[Lanes], after: &[Lanes]) -> Lanes {
+    let mut sum = after[power] - after[power + 1];
+    for k in 0..=power {
+        let sign = if (power - k).is_multiple_of(2) {
+            1.0
+        } else {
+            -1.0
+        };
+        sum += before[k + 1] * (sign * BINOMIAL[power][k]);
+    }
+    sum
+}
+
+/// The lower triangle of Cholesky's method over the functions of windows that are kept. That of fewer functions is its leading part.
 struct Lower<const N: usize> {
-    rows: [[f32; N]; N],
+    rows: [[Lanes; N]; N],
     /// 1 over the diagonal; 0 where the function is left out.
-    inverse: [f32; N],
+    inverse: [Lanes; N],
 }
 
 impl<const N: usize> Lower<N> {
-    /// * `mass`: moments of the mask.
-    /// * `sums`, `products`: of each feature, its moments, and with the features up to itself.
-    fn of(mass: &[[f32; 5]; 5], sums: &[[[f32; 3]; 3]], products: &[[f32; FEATURES]]) -> Self {
-        let gram = |i: usize, j: usize| match (function::<N>(i), function::<N>(j)) {
-            (Function::Place([a, b]), Function::Place([c, d])) => mass[b + d][a + c],
-            (Function::Place([a, b]), Function::Feature(f))
-            | (Function::Feature(f), Function::Place([a, b])) => sums[f][b][a],
-            (Function::Feature(f), Function::Feature(g)) => products[f.max(g)][f.min(g)],
-        };
-        let (mut rows, mut inverse) = ([[0.0; N]; N], [0.0; N]);
+    #[inline(always)]
+    fn of(gram: [[Lanes; N]; N], mass: Lanes) -> Self {
+        let (mut rows, mut inverse) = (gram, [Lanes::ZERO; N]);
         for i in 0..N {
-            let own = gram(i, i);
+            let own = gram[i][i];
             let mut left = own;
             for j in 0..i {
-                let dot: f32 = (0..j).map(|k| rows[i][k] * rows[j][k]).sum();
-                rows[i][j] = (gram(i, j) - dot) * inverse[j];
-                left -= rows[i][j] * rows[i][j];
+                let mut rest = rows[i][j];
+                for k in 0..j {
+                    rest = rest - rows[i][k] * rows[j][k];
+                }
+                rows[i][j] = rest * inverse[j];
+                left = left - rows[i][j] * rows[i][j];
             }
-            let dependent = match function::<N>(i) {
-                Function::Place(_) => DEPENDENT,
-                Function::Feature(_) => DEPENDENT_FEATURE,
+            let is_feature = (LINEAR..LINEAR + N - PLACES).contains(&i);
+            let dependent = if is_feature {
+                DEPENDENT_FEATURE
+            } else {
+                DEPENDENT
             };
-            let is_room = i < LINEAR || mass[0][0] > TENT * (i + 1) as f32;
-            if left > dependent * own && is_room {
-                rows[i][i] = left.sqrt();
-                inverse[i] = 1.0 / rows[i][i];
+            let least = if i < LINEAR {
+                0.0
+            } else {
+                TENT * (i + 1) as f32
+            };
+            for lane in 0..LANES {
+                let left = left.0[lane];
+                let is_kept = (left > dependent * own.0[lane]) & (mass.0[lane] > least);
+                let root = 1.0 / left.sqrt();
+                inverse[i].0[lane] = if is_kept { root } else { 0.0 };
             }
         }
         Self { rows, inverse }
     }
 
-    /// The coefficients of each fit of a plane.
-    ///
-    /// * `sums`, `products`: its moments, and with the features.
-    fn solve(&self, sums: &[[f32; 3]; 3], products: &[f32; FEATURES]) -> Corner<N> {
-        let mut z = [0.0; N];
+    #[inline(always)]
+    fn forward(&self, of: [Lanes; N]) -> [Lanes; N] {
+        let mut z = of;
         for i in 0..N {
-            let dot: f32 = (0..i).map(|k| self.rows[i][k] * z[k]).sum();
-            let sum = match function::<N>(i) {
-                Function::Place([a, b]) => sums[b][a],
-                Function::Feature(f) => products[f],
-            };
-            z[i] = (sum - dot) * self.inverse[i];
-        }
-        let plain = if N > PLACES { LINEAR } else { 0 };
-        [N, N - (PLACES - LINEAR), plain].map(|functions| {
-            let mut c = [0.0; N];
-            for i in (0..functions).rev() {
-                let dot: f32 = (i + 1..functions).map(|k| self.rows[k][i] * c[k]).sum();
-                c[i] = (z[i] - dot) * self.inverse[i];
+            for k in 0..i {
+                z[i] = z[i] - self.rows[i][k] * z[k];
             }
-            c
-        })
+            z[i] = z[i] * self.inverse[i];
+        }
+        z
     }
+
+    /// The coefficients of the first functions.
+    #[inline(always)]
+    fn back(&self, z: &[Lanes; N], functions: usize) -> [Lanes; N] {
+        let mut c = *z;
+        for i in (0..functions).rev() {
+            for k in i + 1..functions {
+                c[i] = c[i] - self.rows[k][i] * c[k];
+            }
+            c[i] = c[i] * self.inverse[i];
+        }
+        c
+    }
+}
+
+/// A row of a blend: the polynomials of corners at one place down, and those of the cells between them across.
+struct Line<const N: usize> {
+    /// Numbers of a coefficient's row.
+    room: usize,
+    /// By corners: the coefficients of 1, u, u² and of the features.
+    corners: Vec<f32>,
+    /// By cells: those of 1, t, t², t³, then of 1 and t of each feature.
+    cells: Vec<f32>,
+    /// A row of texels.
+    texels: Vec<f32>,
+}
+
+/// Coefficients of the place of a corner along a row, and of a cell.
+const ALONG: usize = 3;
+const BETWEEN: usize = 4;
+
+impl<const N: usize> Line<N> {
+    fn new(layout: &Layout, width: usize) -> Self {
+        Self {
+            room: layout.room,
+            corners: vec![0.0; (ALONG + FEATURES) * layout.room],
+            cells: vec![0.0; (BETWEEN + 2 * FEATURES) * layout.room],
+            texels: vec![0.0; width],
+        }
+    }
+
+    /// Blends the fits of two rows of corners at the place `q` down between them, 0..1.
+    #[inline(always)]
+    fn blend(&mut self, layout: &Layout, degree: usize, corners: [&[f32]; 2], q: f32) {
+        let (room, features) = (self.room, N - PLACES);
+        for at in (0..layout.cells + 1).step_by(LANES) {
+            let mut sums = [Lanes::ZERO; ALONG + FEATURES];
+            for (row, [tent, v]) in corners.into_iter().zip([[1.0 - q, q], [q, q - 1.0]]) {
+                let c = |number: usize| Lanes::load(row, number * room + at);
+                let mut along = [c(0) + c(2) * v, c(1), Lanes::ZERO];
+                if degree == 0 {
+                    let [uu, uv, vv] = [c(N - 3), c(N - 2), c(N - 1)];
+                    along = [along[0] + vv * (v * v), along[1] + uv * v, uu];
+                }
+                for (number, sum) in sums.iter_mut().enumerate().take(ALONG + features) {
+                    let own = if number < ALONG {
+                        along[number]
+                    } else {
+                        c(number)
+                    };
+                    *sum += own * tent;
+                }
+            }
+            for (number, sum) in sums.into_iter().enumerate().take(ALONG + features) {
+                sum.store(&mut self.corners, number * room + at);
+            }
+        }
+        for at in (0..layout.cells).step_by(LANES) {
+            // (1 - t) a(t) + t b(t - 1)
+            let load = |number: usize, k: usize| Lanes::load(&self.corners, number * room + at + k);
+            let a = [load(0, 0), load(1, 0), load(2, 0)];
+            let b = [load(0, 1), load(1, 1), load(2, 1)];
+            let b = [b[0] - b[1] + b[2], b[1] - b[2] * 2.0, b[2]];
+            let cubic = [a[0], a[1] - a[0] + b[0], a[2] - a[1] + b[1], b[2] - a[2]];
+            for (number, lanes) in cubic.into_iter().enumerate() {
+                lanes.store(&mut self.cells, number * room + at);
+            }
+            for feature in 0..features {
+                let [left, right] = [load(ALONG + feature, 0), load(ALONG + feature, 1)];
+                let row = (BETWEEN + 2 * feature) * room + at;
+                left.store(&mut self.cells, row);
+                (right - left).store(&mut self.cells, row + room);
+            }
+        }
+    }
+
+    /// What was blended, at the texels of row `y` of the surface.
+    #[inline(always)]
+    fn write(&mut self, surface: &Surface, y: usize, stride: usize, out: &mut [f32]) {
+        let row = |number: usize| &self.cells[number * self.room..][..self.room];
+        expand::<BETWEEN>([row(0), row(1), row(2), row(3)], stride, out);
+        for feature in 0..N - PLACES {
+            let first = BETWEEN + 2 * feature;
+            let of = [row(first), row(first + 1)];
+            expand::<2>(of, stride, &mut self.texels);
+            let features = surface.features.iter().map(|sheet| sheet.row(feature, y));
+            for features in features {
+                for ((out, feature), more) in out.iter_mut().zip(features).zip(&self.texels) {
+                    *out += feature * more;
+                }
+            }
+        }
+        for (out, mask) in out.iter_mut().zip(surface.mask.row(0, y)) {
+            *out *= mask;
+        }
+    }
+}
+
+/// Polynomials of cells at the texels of a row.
+#[inline(always)]
+fn expand<const T: usize>(of: [&[f32]; T], stride: usize, out: &mut [f32]) {
+    match stride {
+        2 => expand_short::<T, 2>(of, out),
+        4 => expand_short::<T, 4>(of, out),
+        _ => {
+            for (cell, out) in out.chunks_mut(stride).enumerate() {
+                let of = column(&of, cell);
+                for (k, out) in out.iter_mut().enumerate() {
+                    *out = polynomial(of, (k as f32 + 0.5) / stride as f32);
+                }
+            }
+        }
+    }
+}
+
+/// The same of cells of S texels, of which vectors take several.
+#[inline(always)]
+fn expand_short<const T: usize, const S: usize>(of: [&[f32]; T], out: &mut [f32]) {
+    let mut cut = of;
+    for row in &mut cut {
+        *row = &row[..out.len() / S];
+    }
+    for (cell, out) in out.chunks_exact_mut(S).enumerate() {
+        let of = column(&cut, cell);
+        for (k, out) in out.iter_mut().enumerate() {
+            *out = polynomial(of, (k as f32 + 0.5) / S as f32);
+        }
+    }
+}
+
+#[inline(always)]
+fn column<const T: usize>(of: &[&[f32]; T], cell: usize) -> [f32; T] {
+    let mut column = [0.0; T];
+    for (number, row) in column.iter_mut().zip(of) {
+        *number = row[cell];
+    }
+    column
+}
+
+#[inline(always)]
+fn polynomial<const T: usize>(of: [f32; T], t: f32) -> f32 {
+    let mut sum = of[T - 1];
+    for k in (0..T - 1).rev() {
+        sum = of[k] + t * sum;
+    }
+    sum
 }

@@ -11,29 +11,31 @@ mod choose;
 mod features;
 mod field;
 mod fit;
+mod lanes;
 pub(crate) mod oidn;
 mod plane;
 mod stated;
 mod strays;
 
 use crate::seams::SeamPoint;
-use beyond::Borders;
-use charts::{Band, Chart, Charts, charts};
-use choose::{STRIDES, Surface, Texel, Whole, choose};
+use beyond::{Beyond, Borders};
+use charts::{Area, Band, Charts, Run, charts};
+use choose::{Chosen, FITS, Fits, choose};
 use features::Features;
 pub(crate) use field::Field;
-use fit::FEATURES;
-use plane::{Plane, TASK};
+use fit::{FEATURES, Surface};
+use plane::{Sheet, TASK};
 use rayon::prelude::*;
-use stated::{Predicted, Seen, Stated};
+use stated::{Predicted, Seen, Squares, Stated};
+use std::ops::Range;
 
 /// Charts of fewer texels keep their plain values: too few to tell noise from detail.
 const FEWEST: usize = 4;
 
-/// Strides of the fits that foresee what is left of a tile's errors.
-const OF_TILE: &[usize] = &[4, 16];
+/// The fits that foresee what is left of a tile's errors.
+const OF_TILE: &Fits = &[(4, [true, true]), (16, [true, true])];
 
-/// Texels of a chart that are fitted at a time, each of which takes some 100 bytes meanwhile. Most charts have fewer.
+/// Texels of a chart that are fitted at a time, each of which takes some 100 to 230 bytes meanwhile. Most charts have fewer.
 const AT_A_TIME: usize = 1 << 21;
 
 /// Where halves of a chart differ less than by this share of the standard errors of its texels, in squares, they agree by chance.
@@ -62,25 +64,29 @@ pub(crate) struct Term<'a> {
 /// New values and standard errors of some texels of a term.
 #[derive(Debug, Default)]
 pub(crate) struct Denoised {
-    texels: Vec<u32>,
-    /// One line a channel; none where the values stay.
+    runs: Vec<Run>,
+    /// One line a channel.
     values: Vec<Vec<f32>>,
+    /// None where the errors stay.
     std_err: Vec<f32>,
 }
 
 impl Denoised {
     /// Writes the values of a channel into its plane.
     pub fn set_values(&self, channel: usize, plane: &mut [f32]) {
-        let values = self.values.iter().skip(channel).take(1).flatten();
-        for (&texel, &value) in self.texels.iter().zip(values) {
-            plane[texel as usize] = value;
-        }
+        self.set(&self.values[channel], plane);
     }
 
     /// Writes the standard errors into their plane.
     pub fn set_errors(&self, plane: &mut [f32]) {
-        for (&texel, &std_err) in self.texels.iter().zip(&self.std_err) {
-            plane[texel as usize] = std_err;
+        self.set(&self.std_err, plane);
+    }
+
+    fn set(&self, mut line: &[f32], plane: &mut [f32]) {
+        for run in self.runs.iter().filter(|_| !line.is_empty()) {
+            let (own, rest) = line.split_at(run.count as usize);
+            plane[run.texels()].copy_from_slice(own);
+            line = rest;
         }
     }
 }
@@ -91,7 +97,7 @@ pub(crate) struct Denoiser<'a> {
     charts: Charts,
     features: Features,
     borders: Borders<'a>,
-    strides: &'static [usize],
+    fits: &'static Fits,
     at_a_time: usize,
 }
 
@@ -104,7 +110,7 @@ impl<'a> Denoiser<'a> {
             features: Features::new(field, &charts, AT_A_TIME),
             borders: Borders::new(seams, &charts, field),
             charts,
-            strides: STRIDES,
+            fits: FITS,
             at_a_time: AT_A_TIME,
         }
     }
@@ -112,128 +118,180 @@ impl<'a> Denoiser<'a> {
     /// Finds the charts of a tile alone, to foresee with few fits what errors the page will state. One thread does it.
     pub fn of_tile(field: &Field<'_>) -> Self {
         Self {
-            strides: OF_TILE,
+            fits: OF_TILE,
             ..Self::new(field, &[])
         }
     }
 
     /// What changes of the term, in parts that share no texel.
     pub fn denoise(&self, term: &Term<'_>) -> Vec<Denoised> {
-        let charts = self.charts.charts.par_iter().with_max_len(1);
-        let charts = charts.with_min_len(at_least(self.size)).enumerate();
-        let charts = charts.filter(|(_, chart)| chart.texels.len() >= FEWEST);
-        let parts = charts.map(|(number, chart)| self.chart(number as u32, chart, term));
+        let tasks = self.tasks();
+        let tasks = tasks.par_iter().with_max_len(1);
+        let parts = tasks.map(|charts| {
+            let charts = charts
+                .clone()
+                .filter(|chart| self.charts.charts[*chart].texels >= FEWEST);
+            charts
+                .flat_map(|chart| self.chart(chart as u32, term))
+                .collect()
+        });
         let parts: Vec<Vec<Part>> = parts.collect();
         // In the order of the charts, whatever the number of threads.
-        let seen = parts.iter().flatten().map(|part| &part.seen);
-        let stated = Stated::of(seen);
-        let parts = parts.into_iter().flatten();
-        let finished = parts.map(|part| {
+        let stated = Stated::of(parts.iter().flatten().map(|part| &part.seen));
+        let finished = parts.into_iter().flatten().map(|part| {
             let predicted = part.predicted.into_iter();
-            let chosen = Denoised {
+            Denoised {
                 // In place: what is known of a whole page's texels is held once.
                 std_err: predicted.map(|texel| stated.std_err(&texel)).collect(),
                 ..part.chosen
-            };
-            [part.agreeing, chosen]
+            }
         });
-        finished.flatten().collect()
+        finished.collect()
     }
 
-    fn chart(&self, number: u32, chart: &Chart, term: &Term<'_>) -> Vec<Part> {
-        let half = |texel: usize| {
-            let halves = term.halves.iter().map(|half| half[texel]);
-            halves.sum::<f32>() / term.halves.len() as f32
-        };
+    /// Charts that one task takes: several where they are small.
+    fn tasks(&self) -> Vec<Range<usize>> {
+        let mut tasks = Vec::new();
+        let (mut first, mut texels) = (0, 0);
+        for (number, chart) in self.charts.charts.iter().enumerate() {
+            texels += chart.texels;
+            if texels >= TASK || number + 1 == self.charts.charts.len() {
+                tasks.push(first..number + 1);
+                (first, texels) = (number + 1, 0);
+            }
+        }
+        tasks
+    }
+
+    fn chart(&self, number: u32, term: &Term<'_>) -> Vec<Part> {
+        let chart = &self.charts.charts[number as usize];
         // A chart may have all its light of one or two texels that see any, the others being mended from them. Two rays of theirs, one in each
         // half, then look as if all were known.
         let (mut differs, mut errors) = (0.0, 0.0);
-        for &texel in &chart.texels {
-            let half = f64::from(half(texel as usize));
+        for texel in chart.all() {
+            let half = f64::from(term.half(texel));
             if half != 0.0 {
                 differs += half * half;
-                errors += f64::from(term.std_err[texel as usize]).powi(2);
+                errors += f64::from(term.std_err[texel]).powi(2);
             }
         }
         if differs < BY_CHANCE * errors {
             return Vec::new();
         }
-        let charts = &self.charts.number;
-        let beyond = self.borders.beyond(number, chart, charts, term.crosses);
-        let area = chart.area.with(beyond.iter().map(|beyond| beyond.place));
-        let features = &self.features;
-        let plane = |band: &Band, of: &dyn Fn(usize) -> f32| {
-            let mut plane = Plane::new([area.size[0], band.about.len()]);
-            for &texel in chart.texels_of(&area, &band.about, self.size) {
-                plane.values[area.local(texel, &band.about, self.size)] = of(texel as usize);
-            }
-            let before = |row: usize| {
-                beyond.partition_point(|beyond| ((beyond.place[1] - area.at[1]) as usize) < row)
-            };
-            for beyond in &beyond[before(band.about.start)..before(band.about.end)] {
-                plane.values[area.local_at(beyond.place, &band.about)] = of(beyond.texel as usize);
-            }
-            plane
-        };
-        let surface = |band: &Band| {
-            let plane = |of: &dyn Fn(usize) -> f32| plane(band, of);
-            let mask = plane(&|_| 1.0);
-            let feature = |k: usize| plane(&|texel| features.at(texel, k));
-            let is_bent = features.are_of(number);
-            let features: Vec<Plane> = (0..FEATURES).filter(|_| is_bent).map(feature).collect();
-            let values = term.values.iter();
-            let mut data: Vec<Plane> = values.map(|values| plane(&|texel| values[texel])).collect();
-            data.push(plane(&half));
-            if term.is_smooth {
-                strays::share(&mask, &mut data);
-            }
-            Surface {
-                mask,
-                features,
-                data,
-            }
-        };
-        let bands = area.bands(self.at_a_time);
-        // No more at a time than there are threads: one that waits for others takes up what else there is.
-        let together = || bands.chunks(rayon::current_num_threads());
-        let whole = (bands.len() > 1).then(|| {
-            let of = |band: &Band| Whole::of(&surface(band), &band.inner());
-            let wholes = together().flat_map(|bands| bands.par_iter().map(of).collect::<Vec<_>>());
-            wholes.reduce(Whole::plus)
-        });
-        let whole = whole.flatten();
+        let beyond = self
+            .borders
+            .beyond(number, chart, &self.charts.number, term.crosses);
+        let area = chart
+            .area
+            .with(beyond.iter().map(|beyond| beyond.place))
+            .in_lanes();
         let part = |band: &Band| {
-            let mut near = Plane::new([area.size[0], band.about.len()]);
-            let surface = surface(band);
-            let errors = plane(band, &|texel| term.std_err[texel]);
-            let dark = |i: usize, near: f32| agreed(errors.values[i], near);
-            let chosen = choose(&surface, self.strides, whole.as_ref(), &mut near, dark)?;
+            let surface = self.surface(number, &area, &beyond, band, term);
+            let chosen = choose(&surface, self.fits, agreed)?;
             // A band may fill its page, and what follows needs room of its own.
             drop(surface);
             let mut part = Part::new(term.values.len());
-            for &texel in chart.texels_of(&area, &band.rows, self.size) {
-                let i = area.local(texel, &band.about, self.size);
-                part.push(
-                    term,
-                    texel,
-                    half(texel as usize),
-                    &chosen[i],
-                    near.values[i],
-                );
+            for run in chart.runs_of(&area, &band.rows, self.size) {
+                let place = area.local(run.first, &band.about, self.size);
+                part.push(term, run, &chosen, place);
             }
             Some(part)
         };
+        let bands = area.bands(self.at_a_time);
+        // No more at a time than there are threads: one that waits for others takes up what else there is.
+        let together = bands.chunks(rayon::current_num_threads());
         let parts =
-            together().flat_map(|bands| bands.par_iter().filter_map(part).collect::<Vec<_>>());
+            together.flat_map(|bands| bands.par_iter().filter_map(part).collect::<Vec<_>>());
         parts.collect()
+    }
+
+    /// A band of a chart and what it goes on in.
+    fn surface(
+        &self,
+        number: u32,
+        area: &Area,
+        beyond: &[Beyond],
+        band: &Band,
+        term: &Term<'_>,
+    ) -> Surface {
+        let chart = &self.charts.charts[number as usize];
+        let channels = term.values.len();
+        let size = [area.size[0], band.about.len()];
+        let of_others = |row: usize| {
+            beyond.partition_point(|beyond| ((beyond.place[1] - area.at[1]) as usize) < row)
+        };
+        let own = chart.runs_of(area, &band.about, self.size).iter();
+        let own = own.map(|run| (area.local(run.first, &band.about, self.size), *run));
+        let others = beyond[of_others(band.about.start)..of_others(band.about.end)].iter();
+        let others = others.map(|beyond| {
+            let run = Run {
+                first: beyond.texel,
+                count: 1,
+            };
+            (area.local_at(beyond.place, &band.about), run)
+        });
+        let runs: Vec<([usize; 2], Run)> = own.chain(others).collect();
+        let set = |sheet: &mut Sheet, plane: usize, of: &[f32]| {
+            for ([x, y], run) in &runs {
+                sheet.row_mut(plane, *y)[*x..][..run.count as usize]
+                    .copy_from_slice(&of[run.texels()]);
+            }
+        };
+        let mut mask = Sheet::new(size, 1);
+        let mut errors = mask.clone();
+        set(&mut errors, 0, term.std_err);
+        let mut data = Sheet::new(size, channels + 1);
+        for (channel, values) in term.values.iter().enumerate() {
+            set(&mut data, channel, values);
+        }
+        if let [half] = term.halves[..] {
+            set(&mut data, channels, half);
+        }
+        let mut features = self
+            .features
+            .are_of(number)
+            .then(|| Sheet::new(size, FEATURES));
+        for ([x, y], run) in &runs {
+            let count = run.count as usize;
+            mask.row_mut(0, *y)[*x..][..count].fill(1.0);
+            if channels > 1 {
+                let halves = data.row_mut(channels, *y)[*x..]
+                    .iter_mut()
+                    .zip(run.texels());
+                halves.for_each(|(half, texel)| *half = term.half(texel));
+            }
+            if let Some(sheet) = &mut features {
+                for feature in 0..FEATURES {
+                    let row = sheet.row_mut(feature, *y)[*x..]
+                        .iter_mut()
+                        .zip(run.texels());
+                    row.for_each(|(value, texel)| *value = self.features.at(texel, feature));
+                }
+            }
+        }
+        if term.is_smooth {
+            strays::share(&mask, &mut data);
+        }
+        Surface {
+            mask,
+            features,
+            data,
+            errors,
+        }
+    }
+}
+
+impl Term<'_> {
+    /// The mean channel of half the difference of a texel's halves.
+    fn half(&self, texel: usize) -> f32 {
+        let halves = self.halves.iter().map(|half| half[texel]);
+        halves.sum::<f32>() / self.halves.len() as f32
     }
 }
 
 /// What becomes of the texels of a band, before the page has told their standard errors.
 struct Part {
-    /// Texels about which all rays agree, with their errors.
-    agreeing: Denoised,
-    /// The others, without errors, and what these follow from.
+    /// Without errors, and what these follow from.
     chosen: Denoised,
     predicted: Vec<Predicted>,
     seen: Seen,
@@ -241,44 +299,69 @@ struct Part {
 
 impl Part {
     fn new(channels: usize) -> Self {
-        let new = || Denoised {
-            values: vec![Vec::new(); channels],
-            ..Denoised::default()
-        };
         Self {
-            agreeing: new(),
-            chosen: new(),
+            chosen: Denoised {
+                values: vec![Vec::new(); channels],
+                ..Denoised::default()
+            },
             predicted: Vec::new(),
             seen: Seen::default(),
         }
     }
 
-    /// Adds a texel for which this was chosen, `near` so many of its chart about it; one that is exact stays as it is.
-    fn push(&mut self, term: &Term<'_>, texel: u32, half: f32, chosen: &Texel, near: f32) {
-        let std_err = term.std_err[texel as usize];
-        if std_err <= 0.0 {
-            return;
-        }
+    /// Adds texels from a place of what was chosen on; those that are exact stay as they are.
+    fn push(&mut self, term: &Term<'_>, run: &Run, chosen: &Chosen, [x, y]: [usize; 2]) {
         let channels = term.values.len();
-        let part = match chosen.agrees {
-            true => &mut self.agreeing,
-            false => &mut self.chosen,
-        };
-        part.texels.push(texel);
-        for (channel, line) in part.values.iter_mut().enumerate() {
-            line.push(match chosen.plain > 0.0 {
-                true => chosen.value(channel).clamp(0.0, term.largest),
-                false => term.values[channel][texel as usize],
+        self.chosen.runs.push(*run);
+        let line = |plane: usize| &chosen.0.row(plane, y)[x..];
+        for (channel, values) in self.chosen.values.iter_mut().enumerate() {
+            let chosen = line(Chosen::VALUES + channel).iter().zip(run.texels());
+            values.extend(
+                chosen.map(|(value, texel)| match term.std_err[texel] > 0.0 {
+                    true => value.clamp(0.0, term.largest),
+                    false => term.values[channel][texel],
+                }),
+            );
+        }
+        let [plain, variance, near_bias, halves, near] = [
+            Chosen::PLAIN,
+            Chosen::VARIANCE,
+            Chosen::NEAR_BIAS,
+            Chosen::HALF,
+            Chosen::NEAR,
+        ]
+        .map(line);
+        for (k, texel) in run.texels().enumerate() {
+            let std_err = term.std_err[texel];
+            if std_err <= 0.0 || plain[k] == 0.0 {
+                let known = if std_err > 0.0 {
+                    agreed(std_err, near[k])
+                } else {
+                    std_err
+                };
+                self.predicted.push(Predicted {
+                    plain: 0.0,
+                    variance: known * known,
+                    near_bias: 0.0,
+                });
+                continue;
+            }
+            let chosen = (0..channels).map(|channel| line(Chosen::VALUES + channel)[k]);
+            let before = term.values.iter().map(|values| values[texel]);
+            let moved = (chosen.sum::<f32>() - before.sum::<f32>()) / channels as f32;
+            let (left, half) = (halves[k], halves[k] - term.half(texel));
+            let predicted = Predicted {
+                plain: plain[k],
+                variance: variance[k],
+                near_bias: near_bias[k],
+            };
+            self.seen.count(&Squares {
+                predicted,
+                seen_variance: left * left,
+                seen_bias: moved * moved - half * half,
             });
+            self.predicted.push(predicted);
         }
-        if chosen.agrees {
-            part.std_err.push(agreed(std_err, near));
-            return;
-        }
-        let before = term.values.iter().map(|values| values[texel as usize]);
-        let squares = chosen.squares(before.sum::<f32>() / channels as f32, half, channels);
-        self.predicted.push(squares.predicted);
-        self.seen.count(&squares);
     }
 }
 

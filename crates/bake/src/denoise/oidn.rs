@@ -1,6 +1,6 @@
 //! Terms through Intel's denoiser: the page as one picture, its gutters filled, since void would bleed into charts.
 
-use super::{Denoised, Field, Term};
+use super::{Denoised, Field, Run, Term};
 use atlas::Dilation;
 
 /// Rings of the void that are filled for the picture.
@@ -29,23 +29,24 @@ pub(crate) fn denoise(field: &Field<'_>, term: &Term<'_>) -> Vec<Denoised> {
     });
     let denoised = denoised.unwrap_or_else(|error| panic!("{error}"));
     let inexact = |&texel: &usize| field.has_data(texel) && term.std_err[texel] > 0.0;
-    let texels: Vec<u32> = (0..texels)
-        .filter(inexact)
-        .map(|texel| texel as u32)
-        .collect();
+    let texels: Vec<usize> = (0..texels).filter(inexact).collect();
     let value = |channel: usize, value: [f32; 3]| match planes.len() {
         1 => value.iter().sum::<f32>() / 3.0,
         _ => value[channel],
     };
     let line = |channel: usize| {
-        let values = texels.iter().map(|&texel| denoised[texel as usize]);
+        let values = texels.iter().map(|&texel| denoised[texel]);
         values
             .map(|of| value(channel, of).clamp(0.0, term.largest))
             .collect()
     };
+    let run = |&texel: &usize| Run {
+        first: texel as u32,
+        count: 1,
+    };
     vec![Denoised {
         values: (0..planes.len()).map(line).collect(),
         std_err: Vec::new(),
-        texels,
+        runs: texels.iter().map(run).collect(),
     }]
 }

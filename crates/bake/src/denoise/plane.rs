@@ -1,139 +1,171 @@
-//! Numbers over the rectangle about a chart, and their local means.
+//! Numbers over the rectangle about a chart, row by row, and their local sums.
 
 use pulp::Arch;
-use rayon::prelude::*;
+use rayon::join;
+use std::mem::take;
 
-/// Texels to each side over which local means are taken.
+/// Texels to each side over which local sums are taken.
 const RADIUS: usize = 5;
+/// In a row.
+const ELEVEN: usize = 2 * RADIUS + 1;
 
-/// And over which wide ones are: three times as many in a row.
-const WIDE_RADIUS: usize = 3 * RADIUS + 1;
-
-/// Texels that one task takes at least.
+/// Numbers that one task takes at least.
 pub(super) const TASK: usize = 4096;
 
-/// A number for each texel of a rectangle, row by row; 0 outside the chart.
+/// Some numbers for each texel of a rectangle, 0 outside the chart. Each row has the rows of all planes, one after the other.
 #[derive(Debug, Clone)]
-pub(super) struct Plane {
+pub(super) struct Sheet {
     pub width: usize,
+    pub planes: usize,
     pub values: Vec<f32>,
 }
 
-impl Plane {
-    pub fn new([width, height]: [usize; 2]) -> Self {
+impl Sheet {
+    pub fn new([width, height]: [usize; 2], planes: usize) -> Self {
         Self {
             width,
-            values: vec![0.0; width * height],
+            planes,
+            values: vec![0.0; width * height * planes],
         }
-    }
-
-    /// Zeros over the same rectangle.
-    pub fn like(other: &Self) -> Self {
-        Self::new([other.width, other.height()])
     }
 
     pub fn height(&self) -> usize {
-        self.values.len() / self.width
+        self.values.len() / (self.width * self.planes)
     }
 
-    /// Sums of `of(index)` over the square of 11 x 11 texels about each texel, into `self`. Every sum has the same order, whatever the
-    /// number of threads.
-    pub fn set_sums(&mut self, of: impl Fn(usize) -> f32 + Sync) {
-        self.set_sums_by(of, RADIUS, eleven);
-    }
-
-    /// The same over 33 x 33 texels.
-    pub fn set_wide_sums(&mut self, of: impl Fn(usize) -> f32 + Sync) {
-        self.set_sums_by(of, WIDE_RADIUS, thirty_three);
-    }
-
-    /// The same as [`Self::set_sums`] without the 7 x 7 texels in the middle.
-    pub fn set_ring_sums(&mut self, of: impl Fn(usize) -> f32 + Sync) {
-        let mut middle = Self::like(self);
-        middle.set_sums_by(&of, RADIUS, seven);
-        self.set_sums_by(of, RADIUS, eleven);
-        for (sum, middle) in self.values.iter_mut().zip(&middle.values) {
-            *sum -= middle;
-        }
-    }
-
-    fn set_sums_by(
-        &mut self,
-        of: impl Fn(usize) -> f32 + Sync,
-        radius: usize,
-        line: impl Fn(&mut [f32], usize, &mut [Vec<f32>; 2]) + Sync,
-    ) {
-        let (width, height) = (self.width, self.height());
-        let rows = TASK.div_ceil(width);
-        let tasks = self.values.par_chunks_mut(width * rows).enumerate();
-        tasks.for_each(|(task, out)| {
-            Arch::new().dispatch(
-                #[inline(always)]
-                || {
-                    // With a border of zeros, or of what lies above and below.
-                    let wide = width + 2 * radius;
-                    let count = out.len() / width;
-                    let mut source = vec![0.0; (count + 2 * radius) * wide];
-                    for (k, line) in source.chunks_mut(wide).enumerate() {
-                        let y = (task * rows + k).wrapping_sub(radius);
-                        if y < height {
-                            for (x, value) in line[radius..][..width].iter_mut().enumerate() {
-                                *value = of(y * width + x);
-                            }
-                        }
-                    }
-                    let mut spare = [source.clone(), source.clone()];
-                    line(&mut source, wide, &mut spare);
-                    line(&mut source, 1, &mut spare);
-                    for (out, line) in out.chunks_mut(width).zip(source.chunks(wide)) {
-                        out.copy_from_slice(&line[..width]);
-                    }
-                },
-            );
-        });
-    }
-}
-
-/// Replaces each number by the sum of it and the ten that follow `step` apart; those without ten followers are left undefined.
-#[inline(always)]
-fn eleven(values: &mut [f32], step: usize, [two, eight]: &mut [Vec<f32>; 2]) {
+    /// A row of a plane.
     #[inline(always)]
-    fn add(out: &mut [f32], a: &[f32], b: &[f32]) {
-        for ((out, a), b) in out.iter_mut().zip(a).zip(b) {
-            *out = a + b;
+    pub fn row(&self, plane: usize, y: usize) -> &[f32] {
+        &self.values[(y * self.planes + plane) * self.width..][..self.width]
+    }
+
+    #[inline(always)]
+    pub fn row_mut(&mut self, plane: usize, y: usize) -> &mut [f32] {
+        &mut self.values[(y * self.planes + plane) * self.width..][..self.width]
+    }
+
+    /// A plane's number at a texel of the rectangle.
+    #[inline(always)]
+    pub fn at(&self, plane: usize, [x, y]: [usize; 2]) -> f32 {
+        self.row(plane, y)[x]
+    }
+
+    /// Sums of a row of a plane over the squares of texels about each.
+    #[inline(always)]
+    pub fn sums(&self, plane: usize, y: usize, about: About, room: &mut Room, out: &mut [f32]) {
+        let third = room.0.len() / 3;
+        let (line, rest) = room.0.split_at_mut(third);
+        let (part, zeros) = rest.split_at_mut(third);
+        let (width, height) = (self.width, self.height());
+        let radius = about.radius();
+        let row = |k: usize| match (y + k).checked_sub(radius) {
+            Some(y) if y < height => self.row(plane, y),
+            _ => &zeros[..width],
+        };
+        // Columns first, between zeros.
+        line[..radius].fill(0.0);
+        line[radius + width..][..radius].fill(0.0);
+        let inner = &mut line[radius..][..width];
+        match about {
+            About::Seven => add_rows::<7>(row, inner, false),
+            About::Eleven => add_rows::<ELEVEN>(row, inner, false),
+            About::Wide => {
+                for third in 0..3 {
+                    add_rows::<ELEVEN>(|k| row(third * ELEVEN + k), inner, third > 0);
+                }
+            }
+        }
+        let line = &line[..width + 2 * radius];
+        match about {
+            About::Seven => add_rows::<7>(|k| &line[k..][..width], out, false),
+            About::Eleven => add_rows::<ELEVEN>(|k| &line[k..][..width], out, false),
+            About::Wide => {
+                let length = width + 2 * ELEVEN;
+                let part = &mut part[..length];
+                add_rows::<ELEVEN>(|k| &line[k..][..length], part, false);
+                add_rows::<3>(|k| &part[k * ELEVEN..][..width], out, false);
+            }
         }
     }
-    add(two, values, &values[step..]);
-    add(eight, two, &two[2 * step..]);
-    for i in 0..eight.len().saturating_sub(4 * step) {
-        eight[i] += eight[i + 4 * step];
-    }
-    for i in 0..values.len().saturating_sub(10 * step) {
-        values[i] = eight[i] + (two[i + 8 * step] + values[i + 10 * step]);
+}
+
+/// Squares of texels about one over which numbers are summed: 7 x 7, 11 x 11 or 33 x 33.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum About {
+    Seven,
+    Eleven,
+    Wide,
+}
+
+impl About {
+    const fn radius(self) -> usize {
+        match self {
+            Self::Seven => 3,
+            Self::Eleven => RADIUS,
+            Self::Wide => 3 * RADIUS + 1,
+        }
     }
 }
 
-/// Replaces each number by the sum of it and the 32 that follow `step` apart.
-#[inline(always)]
-fn thirty_three(values: &mut [f32], step: usize, spare: &mut [Vec<f32>; 2]) {
-    eleven(values, step, spare);
-    let part = &mut spare[0];
-    part.copy_from_slice(values);
-    for i in 0..values.len().saturating_sub(32 * step) {
-        values[i] = part[i] + part[i + 11 * step] + part[i + 22 * step];
+/// What sums over rows of a width need.
+pub(super) struct Room(Vec<f32>);
+
+impl Room {
+    pub fn new(width: usize) -> Self {
+        Self(vec![0.0; 3 * (width + 2 * About::Wide.radius())])
     }
 }
 
-/// Replaces each number by the sum of the seven in the middle of it and the ten that follow `step` apart.
+/// The sum of rows, added to what is there if `adds`. It has one order, whatever the vectors.
 #[inline(always)]
-fn seven(values: &mut [f32], step: usize, [two, _]: &mut [Vec<f32>; 2]) {
-    for (out, (a, b)) in two.iter_mut().zip(values.iter().zip(&values[step..])) {
-        *out = a + b;
+fn add_rows<'a, const N: usize>(row: impl Fn(usize) -> &'a [f32], out: &mut [f32], adds: bool) {
+    let mut rows = [&[][..]; N];
+    for (k, own) in rows.iter_mut().enumerate() {
+        *own = &row(k)[..out.len()];
     }
-    for i in 0..values.len().saturating_sub(10 * step) {
-        values[i] =
-            (two[i + 2 * step] + two[i + 4 * step]) + (two[i + 6 * step] + values[i + 8 * step]);
+    for (x, out) in out.iter_mut().enumerate() {
+        let mut sum = rows[0][x];
+        for row in &rows[1..] {
+            sum += row[x];
+        }
+        *out = if adds { *out + sum } else { sum };
     }
+}
+
+/// Calls `work` for runs of rows, with the first of them and what `sheets` have of them: at once where there is little to do, else
+/// side by side. Runs begin at multiples of `step`.
+pub(super) fn rows<const K: usize>(
+    height: usize,
+    step: usize,
+    sheets: [&mut [f32]; K],
+    work: impl Fn(usize, [&mut [f32]; K]) + Sync,
+) {
+    split(0, height, step, sheets, &work);
+}
+
+fn split<const K: usize>(
+    first: usize,
+    height: usize,
+    step: usize,
+    sheets: [&mut [f32]; K],
+    work: &(impl Fn(usize, [&mut [f32]; K]) + Sync),
+) {
+    let numbers = sheets.iter().map(|sheet| sheet.len()).max().unwrap_or(0);
+    let middle = (height / 2).max(1).next_multiple_of(step);
+    if numbers <= 2 * TASK || middle >= height {
+        Arch::new().dispatch(
+            #[inline(always)]
+            || work(first, sheets),
+        );
+        return;
+    }
+    let mut halves = sheets.map(|sheet| sheet.split_at_mut(sheet.len() / height * middle));
+    let above = halves.each_mut().map(|(above, _)| take(above));
+    let below = halves.each_mut().map(|(_, below)| take(below));
+    join(
+        || split(first, middle, step, above, work),
+        || split(first + middle, height - middle, step, below, work),
+    );
 }
 
 #[cfg(test)]
@@ -142,25 +174,51 @@ mod tests {
 
     #[test]
     fn sums_are_over_squares_about_each_texel() {
-        let mut plane = Plane::new([50, 41]);
+        let mut sheet = Sheet::new([48, 41], 2);
         // Whole numbers, whose sums are exact in any order.
-        let of = |i: usize| ((i * i + 7 * i) % 23) as f32;
+        let of = |x: usize, y: usize| ((x * x + 7 * y * x + y) % 23) as f32;
+        for y in 0..41 {
+            for (x, value) in sheet.row_mut(1, y).iter_mut().enumerate() {
+                *value = of(x, y);
+            }
+        }
         let square = |[x, y]: [usize; 2], radius: usize| {
             let range =
                 |at: usize, end: usize| at.saturating_sub(radius)..(at + radius + 1).min(end);
-            let row = |y: usize| range(x, 50).map(|x| of(y * 50 + x)).sum::<f32>();
+            let row = |y: usize| range(x, 48).map(|x| of(x, y)).sum::<f32>();
             range(y, 41).map(row).sum::<f32>()
         };
-        let expect = |plane: &Plane, sum: &dyn Fn([usize; 2]) -> f32| {
-            for (i, value) in plane.values.iter().enumerate() {
-                assert_eq!(*value, sum([i % 50, i / 50]), "texel {i}");
+        let mut room = Room::new(48);
+        for (about, radius) in [(About::Seven, 3), (About::Eleven, 5), (About::Wide, 16)] {
+            for y in 0..41 {
+                let mut out = vec![1.0; 48];
+                sheet.sums(1, y, about, &mut room, &mut out);
+                for (x, sum) in out.iter().enumerate() {
+                    assert_eq!(*sum, square([x, y], radius), "{about:?} at {x}, {y}");
+                }
             }
-        };
-        plane.set_sums(of);
-        expect(&plane, &|at| square(at, 5));
-        plane.set_wide_sums(of);
-        expect(&plane, &|at| square(at, 16));
-        plane.set_ring_sums(of);
-        expect(&plane, &|at| square(at, 5) - square(at, 3));
+        }
+    }
+
+    #[test]
+    fn runs_of_rows_cover_each_row_once_and_begin_at_steps() {
+        let height = 1003;
+        let (mut wide, mut narrow) = (vec![0.0; 64 * height], vec![0.0; height]);
+        rows(
+            height,
+            32,
+            [&mut wide, &mut narrow],
+            |first, [wide, narrow]| {
+                assert!(first % 32 == 0 && wide.len() == 64 * narrow.len());
+                wide.iter_mut().for_each(|value| *value += first as f32);
+                for (row, value) in narrow.iter_mut().enumerate() {
+                    *value += (first + row) as f32;
+                }
+            },
+        );
+        assert!(narrow.iter().enumerate().all(|(y, v)| *v == y as f32));
+        let firsts = wide.chunks(64).zip(&narrow);
+        assert!(firsts.clone().all(|(row, y)| row[0] <= *y));
+        assert!(firsts.filter(|(row, y)| row[0] == **y).count() > 1);
     }
 }

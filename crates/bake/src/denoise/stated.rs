@@ -13,9 +13,9 @@
 /// What is expected of a texel's error, in squares.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Predicted {
-    /// Variance of the plain value, above 0.
+    /// Variance of the plain value; 0 where the error is known.
     pub plain: f32,
-    /// Variance that the fits predict.
+    /// Variance that the fits predict, or the known one.
     pub variance: f32,
     /// Squared bias that neighbours show whose fits share none of the texel's noise; of either sign.
     pub near_bias: f32,
@@ -86,16 +86,18 @@ impl Stated {
 
     /// The standard error of a texel.
     pub fn std_err(&self, texel: &Predicted) -> f32 {
+        if texel.plain == 0.0 {
+            return texel.variance.sqrt();
+        }
         let share = at(&self.variance, texel.variance / texel.plain)
             + at(&self.bias, texel.near_bias / texel.plain);
         (share * texel.plain).sqrt()
     }
 }
 
-/// Bins of what is expected, as a share of the plain variance; even in asinh(FINE x), from 0 to 4.
+/// Bins of what is expected, as a share of the plain variance; even in the binary logarithm of 1 + FINE x, from 0 to 4.
 const BINS: usize = 12;
 const FINE: f32 = 256.0;
-const WIDTH: f32 = 0.7;
 
 /// Sums over the texels of a bin.
 #[derive(Debug, Clone, Copy, Default)]
@@ -165,7 +167,11 @@ fn count(bins: &mut [Bin; BINS], expected: f32, seen: f32, texel: &Squares) {
 
 /// The bin of a share, and how far it lies toward the next.
 fn place(share: f32) -> (usize, f32) {
-    let at = ((FINE * share.max(0.0)).asinh() / WIDTH).min((BINS - 1) as f32 - 1e-3);
+    // As floating-point numbers hold it: linear between powers of two.
+    const ONE: u32 = 1.0_f32.to_bits();
+    const OCTAVE: f32 = (1 << (f32::MANTISSA_DIGITS - 1)) as f32;
+    let octaves = ((1.0 + FINE * share.max(0.0)).to_bits() - ONE) as f32 / OCTAVE;
+    let at = octaves.min((BINS - 1) as f32 - 1e-3);
     (at as usize, at.fract())
 }
 
