@@ -32,9 +32,6 @@ use std::ops::Range;
 /// Charts of fewer texels keep their plain values: too few to tell noise from detail.
 const FEWEST: usize = 4;
 
-/// The fits that foresee what is left of a tile's errors.
-const OF_TILE: &Fits = &[(4, [true, true]), (16, [true, true])];
-
 /// Texels of a chart that are fitted at a time, each of which takes some 100 to 230 bytes meanwhile. Most charts have fewer.
 const AT_A_TIME: usize = 1 << 21;
 
@@ -112,14 +109,6 @@ impl<'a> Denoiser<'a> {
             charts,
             fits: FITS,
             at_a_time: AT_A_TIME,
-        }
-    }
-
-    /// Finds the charts of a tile alone, to foresee with few fits what errors the page will state. One thread does it.
-    pub fn of_tile(field: &Field<'_>) -> Self {
-        Self {
-            fits: OF_TILE,
-            ..Self::new(field, &[])
         }
     }
 
