@@ -42,38 +42,22 @@ pub(super) fn finish(page: &mut BakedPage, site: &Site<'_>) {
         plan,
         atlas,
         options,
-        mends,
-        across,
         rasters,
+        ..
     } = *site;
-    let raster = &rasters.page(world.scene(), atlas, page.page);
-    let seams = &Seams::find(world, atlas, page.page, options.seams, across);
-    let terms = terms(options, plan);
-    if mends {
-        mend_terms(page, &terms);
-    }
-    if options.denoise != Denoise::Off {
-        denoise_terms(page, &terms, options, mends, seams);
-        count_errors(page, options);
-    }
-    let light = options.sky.mean().element_sum() / 3.0;
-    let validity = page.layer(Layer::Validity);
-    let system = || seams.system(world, raster, page.size, validity);
-    let joined = (!seams.is_empty()).then(system);
-    let joined = joined.as_ref().map(|system| Joined {
-        system,
-        across,
-        light: false,
-    });
-    let gutters = solve_seams(page, light, &terms, joined);
-    place(page, world.origin());
-    fill_gutters(page, options.rings, &gutters);
-    keep_sides(page, &terms, joined);
+    last_steps(page, site, &terms(options, plan), false);
     directional::unpack(page);
     if options.layers.contains(&Layer::BentTangent) {
+        let raster = &rasters.page(world.scene(), atlas, page.page);
         tangent::make(page, world, atlas, raster, options.rings);
     }
     compose_asked(page, options);
+    page.finished = true;
+}
+
+/// Finishes a page of light alone, but for the layers that would follow from it.
+pub(crate) fn finish_light(page: &mut BakedPage, site: &Site<'_>) {
+    last_steps(page, site, &lights(site.plan), true);
     page.finished = true;
 }
 
@@ -95,25 +79,49 @@ pub(super) fn settle(page: &mut BakedPage, site: &Site<'_>) {
     denoise_terms(page, &terms(options, plan), options, mends, &seams);
 }
 
-/// Finishes a page of light alone, in the same order, but for the layers that would follow from it.
-pub(crate) fn finish_light(page: &mut BakedPage, site: &Site<'_>) {
+/// Mends, denoises, solves seams and fills gutters.
+fn last_steps(page: &mut BakedPage, site: &Site<'_>, terms: &[TermLayers], of_light: bool) {
     let Site {
         world,
-        plan,
         atlas,
         options,
         mends,
         across,
         rasters,
+        ..
     } = *site;
-    let terms = lights(plan);
-    let seams = Seams::find(world, atlas, page.page, options.seams, across);
+    let seams = &Seams::find(world, atlas, page.page, options.seams, across);
     if mends {
-        mend_terms(page, &terms);
+        mend_terms(page, terms);
     }
     if options.denoise != Denoise::Off {
-        denoise_terms(page, &terms, options, mends, &seams);
+        denoise_terms(page, terms, options, mends, seams);
+        if !of_light {
+            count_errors(page, options);
+        }
     }
+    let light = match of_light {
+        true => mean_irradiance(page),
+        false => options.sky.mean().element_sum() / 3.0,
+    };
+    let raster = &rasters.page(world.scene(), atlas, page.page);
+    let validity = page.layer(Layer::Validity);
+    let is_dark = of_light && light == 0.0;
+    let system =
+        (!seams.is_empty() && !is_dark).then(|| seams.system(world, raster, page.size, validity));
+    let joined = system.as_ref().map(|system| Joined {
+        system,
+        across,
+        light: of_light,
+    });
+    let gutters = solve_seams(page, light, terms, joined);
+    place(page, world.origin());
+    fill_gutters(page, options.rings, &gutters);
+    keep_sides(page, terms, joined);
+}
+
+/// The mean irradiance of the texels of a page, of the mean of the channels.
+fn mean_irradiance(page: &BakedPage) -> f64 {
     let covered = fact(page, Layer::Coverage, 0);
     let lit = |channel| {
         let plane = fact(page, Layer::Irradiance, channel).iter().zip(covered);
@@ -121,20 +129,7 @@ pub(crate) fn finish_light(page: &mut BakedPage, site: &Site<'_>) {
         lit.map(|(light, _)| f64::from(*light)).sum::<f64>()
     };
     let texels = covered.iter().filter(|covered| **covered > 0.0).count();
-    let light = (0..3).map(lit).sum::<f64>() / (3 * texels.max(1)) as f64;
-    let raster = rasters.page(world.scene(), atlas, page.page);
-    let validity = page.layer(Layer::Validity);
-    let system = (light > 0.0 && !seams.is_empty())
-        .then(|| seams.system(world, &raster, page.size, validity));
-    let joined = system.as_ref().map(|system| Joined {
-        system,
-        across,
-        light: true,
-    });
-    let gutters = solve_seams(page, light, &terms, joined);
-    fill_gutters(page, options.rings, &gutters);
-    keep_sides(page, &terms, joined);
-    page.finished = true;
+    (0..3).map(lit).sum::<f64>() / (3 * texels.max(1)) as f64
 }
 
 /// What of a page decides how it is mended.
