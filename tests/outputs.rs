@@ -280,6 +280,42 @@ fn a_scene_of_the_same_name_in_another_file_removes_nothing() {
 }
 
 #[test]
+fn whoever_reads_a_folder_of_two_bakes_is_told() {
+    let plane = scene("plane.obj");
+    let [old, new] = [(); 2].map(|()| tempfile::tempdir().expect("a temporary directory"));
+    let small = ["--size=32", "--quiet"];
+    for (folder, rays) in [(&old, "--rays=4"), (&new, "--rays=8")] {
+        let words = ["bake", text(&plane), "-o", text(folder.path()), rays];
+        run_well([&words[..], &small].concat());
+    }
+    let picture = new.path().join("picture.png");
+    let dir = text(old.path());
+    let render = ["render", text(&plane), "-o", text(&picture), "--bake", dir];
+    let readers = [
+        vec!["export", dir, "--for", "gltf"],
+        vec!["compare", dir],
+        vec!["view", dir, "--no-open"],
+        [&render[..], &["--size=8x8", "--samples=1"]].concat(),
+    ];
+    // As a kill between two renames leaves it: the page is new, the report is old.
+    let page = "plane.0.exr";
+    let first = fs::read(old.path().join(page)).expect("a page");
+    fs::copy(new.path().join(page), old.path().join(page)).expect("copied");
+    for words in &readers {
+        let output = run(words);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{words:?}: {said}");
+        assert_eq!(said.lines().count(), 1, "{words:?}: {said}");
+        let names = said.contains(page) && said.contains("an option differs; bake again");
+        assert!(names, "{words:?}: {said}");
+    }
+    fs::write(old.path().join(page), first).expect("written");
+    for words in &readers {
+        run_well(words);
+    }
+}
+
+#[test]
 fn a_rebake_keeps_what_was_edited_since() {
     let (folder, _) = bake(
         &scene("plane.obj"),

@@ -67,7 +67,7 @@ fn one_page(
     scenes: &mut ScenePictures,
 ) -> Result<Vec<LightmapReport>, Error> {
     let path = dir.join(&named.name);
-    let file = report::read_page_exr(&path)?;
+    let file = report::read_page(dir, report, named)?;
     let light = PageLight::of(report, named.page, &file.page).map_err(|error| match error {
         report::Error::MissingLayer { layer } => report::Error::Read {
             path,

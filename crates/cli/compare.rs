@@ -58,7 +58,7 @@ fn compare_bake(args: &Args, dir: &Path) -> anyhow::Result<()> {
     // Pages are read twice, one at a time: the pictures share a scale, which is known after the last page.
     let pages = || {
         files.iter().map(|file| {
-            let page = report::read_page_exr(&dir.join(&file.name))?.page;
+            let page = report::read_page(dir, &bake, file)?.page;
             Ok((file, page))
         })
     };

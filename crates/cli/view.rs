@@ -71,7 +71,7 @@ pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
     let step = step(files.len() as u64, bake.atlas.page_size);
     let mut pages = Vec::with_capacity(files.len());
     for file in &files {
-        let page = report::read_page_exr(&dir.join(&file.name))?.page;
+        let page = report::read_page(dir, &bake, file)?.page;
         if let Some(layer) = LIGHT.iter().find_map(|name| page.layer(name)) {
             let last = layer.channels.len() - 1;
             let planes = [0, 1, 2].map(|k: usize| &layer.channels[k.min(last)].values[..]);

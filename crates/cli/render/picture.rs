@@ -39,7 +39,7 @@ pub fn draw(
     let lamps = Lamps::of(world);
     let mut direct = options::direct(args, model, &surfaces, backend, &lights, &lamps);
     if let (Some(dir), None) = (&args.bake, args.sky) {
-        direct.sky = baked_sky(dir)?;
+        direct.sky = baked_sky(dir, &args.scene)?;
     }
     if args.background.is_none() {
         direct.background = match fitted {
@@ -126,10 +126,14 @@ pub fn draw(
     Ok(Outcome::Done)
 }
 
-/// The mean radiance of the sky that a bake was lit by.
-fn baked_sky(dir: &Path) -> anyhow::Result<DVec3> {
-    let path = dir.join("bake.json");
-    let options = report::read_bake_report(&path)?.options;
+/// The mean radiance of the sky that a bake of the scene was lit by.
+fn baked_sky(dir: &Path, scene: &Path) -> anyhow::Result<DVec3> {
+    let path = dir.join(report::REPORT_FILE);
+    let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
+    let own = report::read_record(dir, &stem);
+    let options = own
+        .map_or_else(|| report::read_bake_report(&path), Ok)?
+        .options;
     let sky = options.get("sky").unwrap_or(&Value::Null);
     let mean = sky.get("mean").unwrap_or(sky);
     let mean: Option<[f64; 3]> = serde_json::from_value(mean.clone()).ok();

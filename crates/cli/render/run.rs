@@ -32,7 +32,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         }
         Some(dir) => {
             let stem = args.scene.file_stem().unwrap_or_default().to_string_lossy();
-            let model = options::model(args.model, || baked_model(dir));
+            let model = options::model(args.model, || baked_model(dir, &stem));
             let (scene, map) = Lightmap::load(dir, &stem, model.name())?;
             (scene, Some(map), model)
         }
@@ -57,8 +57,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 }
 
 /// The model that a bake was made by; Phong where that cannot be read.
-fn baked_model(dir: &Path) -> Model {
-    let bake = report::read_bake_report(&dir.join("bake.json")).ok();
+fn baked_model(dir: &Path, stem: &str) -> Model {
+    let bake = report::read_record(dir, stem);
     match bake.as_ref().and_then(|bake| bake.options.get("model")) {
         Some(model) if model == "ggx" => Model::Ggx,
         _ => Model::Phong,

@@ -75,24 +75,31 @@ impl Lightmap {
     pub fn load(dir: &Path, stem: &str, layer: &str) -> Result<(Scene, Lightmap), Error> {
         let (scene, page_of) = baked_scene(dir, stem)?;
         let count = page_of.iter().flatten().max().map_or(0, |last| last + 1);
-        let files: Vec<PathBuf> = (0..count)
-            .map(|number| dir.join(format!("{stem}.{number}.exr")))
-            .collect();
-        let mut pages = Vec::with_capacity(files.len());
-        for path in &files {
-            let mut page = report::read_page_exr(path)?.page;
+        let bake = report::read_record(dir, stem);
+        let named = (0..count).map(|page| report::NamedPage {
+            name: format!("{stem}.{page}.exr"),
+            stem: stem.into(),
+            page,
+        });
+        let mut files = Vec::new();
+        let mut pages = Vec::new();
+        for named in named {
+            let path = dir.join(&named.name);
+            let file = match &bake {
+                Some(bake) => report::read_page(dir, bake, &named)?,
+                None => report::read_page_exr(&path)?,
+            };
+            let mut page = file.page;
             page.layers
                 .retain(|kept| kept.name == layer && kept.channels.len() == 3);
             if page.layers.is_empty() {
                 let problem = format!(
                     "it has no layer {layer}; bake again with --layers {layer}, or take another --model"
                 );
-                return Err(Error::Bake {
-                    path: path.clone(),
-                    problem,
-                });
+                return Err(Error::Bake { path, problem });
             }
             pages.push(page);
+            files.push(path);
         }
         let layer = layer.into();
         Ok((

@@ -49,7 +49,7 @@ pub use layout_file::{layout_blocks, layout_hash, layout_of_blocks, read_layout,
 pub use origin::check_origin;
 pub use output::{Folder, Output, copy_files};
 pub use page::{Channel, Page, PageLayer};
-pub use page_files::{NamedPage, page_files};
+pub use page_files::{NamedPage, page_files, read_page};
 pub use picture::{matte_png, picture_png};
 pub use preview::{Encoding, occlusion_png, preview_png};
 pub use record::{REPORT_FILE, read_record, record_name, scene_file, stage_report};

@@ -1,6 +1,7 @@
 //! The EXR pages that a finished bake names.
 
-use crate::{BakeReport, Error};
+use crate::{BakeReport, Error, PageFile, read_page_exr};
+use serde_json::Value;
 use std::path::Path;
 
 /// One EXR page of a bake.
@@ -41,4 +42,52 @@ pub fn page_files(dir: &Path, bake: &BakeReport) -> Result<Vec<NamedPage>, Error
         return Err(broken("it has no pages; bake again".into()));
     }
     bake.pages.iter().map(|page| named(page.page)).collect()
+}
+
+/// The page in a file that `bake`, read from `dir`, names.
+///
+/// # Errors
+/// [`Error::Read`] where it is absent or damaged, or where its own header tells of another bake: of a set whose files were being given
+/// their names when the program was killed, some are of the bake before.
+pub fn read_page(dir: &Path, bake: &BakeReport, named: &NamedPage) -> Result<PageFile, Error> {
+    let path = dir.join(&named.name);
+    let file = read_page_exr(&path)?;
+    match other_bake(&file, bake) {
+        None => Ok(file),
+        Some(what) => Err(Error::read(
+            &path,
+            format!("it is of another bake than the report beside it, {what} differs; bake again"),
+        )),
+    }
+}
+
+/// What the header of a page says otherwise than the report. A header that says nothing, as another program leaves it, does not.
+fn other_bake(file: &PageFile, bake: &BakeReport) -> Option<&'static str> {
+    let mut options = bake.options.clone();
+    // It changes no value, so that headers do not have it.
+    options.remove("for");
+    let told = [
+        (
+            "ambakeSceneHash",
+            Value::from(&*bake.scene.content_hash),
+            "the scene",
+        ),
+        ("ambakeOptions", options.into(), "an option"),
+        (
+            "ambakeVersion",
+            Value::from(&*bake.versions.ambake),
+            "ambake's version",
+        ),
+    ];
+    let differs = |(name, told, _): &(&str, Value, &str)| {
+        let stated = file
+            .attributes
+            .get(*name)
+            .filter(|stated| !stated.is_empty());
+        stated.is_some_and(|stated| match told {
+            Value::String(told) => stated != told,
+            told => serde_json::from_str(stated).ok().as_ref() != Some(told),
+        })
+    };
+    told.into_iter().find(differs).map(|(.., what)| what)
 }
