@@ -45,6 +45,14 @@ pub enum Error {
         /// The first function that is missing.
         function: &'static str,
     },
+    /// A library of another version, whose functions may have other types.
+    #[error("{file} is version {}.{} of Intel Open Image Denoise; this ambake calls 1 and 2", version / 10_000, version / 100 % 100)]
+    Version {
+        /// Name or path of the library.
+        file: String,
+        /// 10,000 times the major version, 100 times the minor one, and the patch.
+        version: c_int,
+    },
     /// The library refused.
     #[error("Intel Open Image Denoise: {0}")]
     Refused(String),
@@ -55,6 +63,7 @@ type Handle = *mut c_void;
 /// The functions that are called, by their C types.
 struct Api {
     new_device: unsafe extern "C" fn(c_int) -> Handle,
+    get_device_int: unsafe extern "C" fn(Handle, *const c_char) -> c_int,
     set_device_int: unsafe extern "C" fn(Handle, *const c_char, c_int),
     commit_device: unsafe extern "C" fn(Handle),
     device_error: unsafe extern "C" fn(Handle, *mut *const c_char) -> c_int,
@@ -82,7 +91,7 @@ pub struct Oidn(Api);
 /// The library: of the folder that [`FOLDER`] names where it is set, else of the system. It is looked for once.
 ///
 /// # Errors
-/// [`Error::Absent`] or [`Error::Foreign`].
+/// [`Error::Absent`], [`Error::Foreign`] or [`Error::Version`].
 pub fn load() -> Result<&'static Oidn, Error> {
     static LOADED: OnceLock<Result<Oidn, Error>> = OnceLock::new();
     let loaded = LOADED.get_or_init(|| {
@@ -100,9 +109,7 @@ pub fn load() -> Result<&'static Oidn, Error> {
             if let Ok(library) = unsafe { Library::new(&place) } {
                 let library: &'static Library = Box::leak(Box::new(library));
                 let file = place.to_string_lossy().into_owned();
-                return Api::of(library)
-                    .map(Oidn)
-                    .map_err(|function| Error::Foreign { file, function });
+                return Oidn::of(library, file);
             }
         }
         Err(Error::Absent)
@@ -114,35 +121,64 @@ impl Api {
     /// The functions of a library, or the name of the first that it lacks.
     fn of(library: &'static Library) -> Result<Self, &'static str> {
         /// The function of the first name that the library has.
-        fn function<T: Copy>(
+        ///
+        /// # Safety
+        /// `T` is the C type of the functions of these names.
+        unsafe fn function<T: Copy>(
             library: &'static Library,
             names: &[&'static str],
         ) -> Result<T, &'static str> {
             for name in names {
-                // SAFETY: `T` is the C type that versions 1 and 2 of the header declare for these names; the library is never
-                // unloaded, so the pointer stays good.
+                // SAFETY: the caller answers for `T`; the library is never unloaded, so the pointer stays good.
                 if let Ok(found) = unsafe { library.get::<T>(name.as_bytes()) } {
                     return Ok(*found);
                 }
             }
             Err(names[0])
         }
-        Ok(Self {
-            new_device: function(library, &["oidnNewDevice"])?,
-            set_device_int: function(library, &["oidnSetDeviceInt", "oidnSetDevice1i"])?,
-            commit_device: function(library, &["oidnCommitDevice"])?,
-            device_error: function(library, &["oidnGetDeviceError"])?,
-            release_device: function(library, &["oidnReleaseDevice"])?,
-            new_filter: function(library, &["oidnNewFilter"])?,
-            set_image: function(library, &["oidnSetSharedFilterImage"])?,
-            commit_filter: function(library, &["oidnCommitFilter"])?,
-            execute_filter: function(library, &["oidnExecuteFilter"])?,
-            release_filter: function(library, &["oidnReleaseFilter"])?,
-        })
+        // SAFETY: the fields have the types that the header declares for these names in versions 1 and 2. `Oidn::of` hands out no other
+        // version, and to learn it calls three functions that have been the same since version 0.
+        unsafe {
+            Ok(Self {
+                new_device: function(library, &["oidnNewDevice"])?,
+                get_device_int: function(library, &["oidnGetDeviceInt", "oidnGetDevice1i"])?,
+                set_device_int: function(library, &["oidnSetDeviceInt", "oidnSetDevice1i"])?,
+                commit_device: function(library, &["oidnCommitDevice"])?,
+                device_error: function(library, &["oidnGetDeviceError"])?,
+                release_device: function(library, &["oidnReleaseDevice"])?,
+                new_filter: function(library, &["oidnNewFilter"])?,
+                set_image: function(library, &["oidnSetSharedFilterImage"])?,
+                commit_filter: function(library, &["oidnCommitFilter"])?,
+                execute_filter: function(library, &["oidnExecuteFilter"])?,
+                release_filter: function(library, &["oidnReleaseFilter"])?,
+            })
+        }
     }
 }
 
 impl Oidn {
+    /// The functions of a library at `file`, if it is of a version that has them as they are called.
+    fn of(library: &'static Library, file: String) -> Result<Self, Error> {
+        let api = match Api::of(library) {
+            Ok(api) => api,
+            Err(function) => return Err(Error::Foreign { file, function }),
+        };
+        // SAFETY: these three functions have had these types in all versions; the device is not null where it is asked and released, once.
+        let version = unsafe {
+            let device = (api.new_device)(CPU);
+            if device.is_null() {
+                return Err(no_device());
+            }
+            let version = (api.get_device_int)(device, c"version".as_ptr());
+            (api.release_device)(device);
+            version
+        };
+        match version {
+            10_000..30_000 => Ok(Self(api)),
+            _ => Err(Error::Version { file, version }),
+        }
+    }
+
     /// The picture through the filter for lightmaps, row by row, linear, 0 and above; with at most so many threads.
     ///
     /// # Errors
@@ -166,7 +202,7 @@ impl Oidn {
         unsafe {
             let device = (api.new_device)(CPU);
             if device.is_null() {
-                return Err(Error::Refused("no device for this processor".to_owned()));
+                return Err(no_device());
             }
             (api.set_device_int)(device, c"numThreads".as_ptr(), threads);
             (api.commit_device)(device);
@@ -207,6 +243,10 @@ impl Oidn {
     }
 }
 
+fn no_device() -> Error {
+    Error::Refused("no device for this processor".to_owned())
+}
+
 #[cfg(test)]
 #[path = "../../../tests/skip.rs"]
 mod skip;
@@ -214,6 +254,60 @@ mod skip;
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A library that states its version and ends the program where any other function is called.
+    const STATES: &str = "
+        #include <stdlib.h>
+        static int device;
+        void *oidnNewDevice(int type) { return &device; }
+        int oidnGetDeviceInt(void *of, const char *name) { return VERSION; }
+        void oidnReleaseDevice(void *of) { }
+        #define ENDS(name) void name(void) { abort(); }
+        ENDS(oidnSetDeviceInt) ENDS(oidnCommitDevice) ENDS(oidnGetDeviceError) ENDS(oidnNewFilter)
+        ENDS(oidnSetSharedFilterImage) ENDS(oidnCommitFilter) ENDS(oidnExecuteFilter) ENDS(oidnReleaseFilter)
+    ";
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_library_of_another_version_is_asked_for_it_and_nothing_else() {
+        let folder = std::env::temp_dir().join(format!("ambake-oidn-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let source = folder.join("states.c");
+        std::fs::write(&source, STATES).expect("a file");
+        for (version, taken) in [
+            (9_900, false),
+            (10_000, true),
+            (29_999, true),
+            (30_001, false),
+        ] {
+            let file = folder.join(format!("{version}.so"));
+            let built = std::process::Command::new("cc")
+                .arg(format!("-DVERSION={version}"))
+                .args(["-shared", "-fPIC", "-o"])
+                .args([&file, &source])
+                .status();
+            if built.is_err() {
+                return skip::skip("there is no C compiler");
+            }
+            // SAFETY: it was just built, and has no initialisers.
+            let library = unsafe { Library::new(&file) }.expect("a library");
+            let found = Oidn::of(Box::leak(Box::new(library)), "it".into()).err();
+            let refused = (!taken).then_some(Error::Version {
+                file: "it".into(),
+                version,
+            });
+            assert_eq!(found, refused);
+        }
+        let version = Error::Version {
+            file: "it".into(),
+            version: 30_102,
+        };
+        assert!(
+            version.to_string().starts_with("it is version 3.1 of"),
+            "{version}"
+        );
+        std::fs::remove_dir_all(folder).expect("it is there");
+    }
 
     #[test]
     fn noise_goes_and_a_step_stays_with_any_number_of_threads() {
