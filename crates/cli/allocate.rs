@@ -71,7 +71,8 @@ fn tell(line: &[u8]) {
     #[cfg(unix)]
     {
         use std::{fs::File, mem::ManuallyDrop, os::fd::FromRawFd};
-        // SAFETY: the file is never dropped, so that nothing is closed; where standard error is closed, the write fails and no more.
+        // SAFETY: 2 is open: where the program is started without it, Rust's runtime opens the null device there before `main`, and nothing
+        // of ours closes it. The file is never dropped, so that it stays open.
         let mut error = ManuallyDrop::new(unsafe { File::from_raw_fd(2) });
         let _ = error.write_all(line);
     }
