@@ -15,7 +15,7 @@ pub struct Geometry {
     attributes: Map<String, Value>,
     targets: Option<Value>,
     /// Where the file's own `TEXCOORD_1` went.
-    moved: Option<u64>,
+    pub moved: Option<u64>,
     /// The file's own `TEXCOORD_1` where it is the lightmap set already.
     own_lightmap: Option<usize>,
     /// One for each page the triangles lie on.

@@ -134,6 +134,7 @@ fn patch(
         .filter(|p| p.is_somewhere())
         .all(|p| p.scale == [1.0; 2] && p.offset == [0.0; 2]);
     let mut geometries: HashMap<u32, Geometry> = HashMap::new();
+    let mut properties = HashMap::new();
     let mut placed = Vec::with_capacity(users.len());
     for (user, objects) in &users {
         let original = plan.mesh_of(document, user.0)?;
@@ -177,9 +178,13 @@ fn patch(
             let lightmap = geometry::lightmap(document, geometry, layout, placement)?;
             for part in &geometry.parts {
                 let page = placement.page + u32::from(part.page);
-                primitives.push(geometry.primitive(primitive, part, lightmap, |uses| {
+                let mut own = geometry.primitive(primitive, part, lightmap, |uses| {
                     materials.get(document, uses, page)
-                })?);
+                })?;
+                if let Some(to) = geometry.moved {
+                    material::move_property_textures(document, &mut own, to, &mut properties);
+                }
+                primitives.push(own);
             }
         }
         mesh["primitives"] = Value::Array(primitives);

@@ -233,7 +233,13 @@ fn textures_in_extensions_of_a_primitive_follow_a_moved_uv_set() {
     let (mut before, bin) = rich();
     let feature = |set: u32| json!({ "featureCount": 4, "texture": { "index": 0, "texCoord": set, "channels": [0] } });
     let features = |sets: [u32; 2]| json!({ "featureIds": sets.map(feature) });
-    before["meshes"][0]["primitives"][0]["extensions"]["EXT_mesh_features"] = features([1, 0]);
+    let property =
+        |set: u32| json!({ "class": "c", "properties": { "p": { "index": 0, "texCoord": set } } });
+    let own = &mut before["meshes"][0]["primitives"][0]["extensions"];
+    own["EXT_mesh_features"] = features([1, 0]);
+    own["EXT_structural_metadata"] = json!({ "propertyTextures": [0, 1] });
+    before["extensions"]["EXT_structural_metadata"] =
+        json!({ "propertyTextures": [property(0), property(1)] });
     fs::write(&input, glb(&before, &bin)).unwrap();
     let scene = scene::load(&input).unwrap();
     let atlas = layout(&scene, false, 1);
@@ -242,6 +248,15 @@ fn textures_in_extensions_of_a_primitive_follow_a_moved_uv_set() {
     assert_eq!(
         primitive["extensions"]["EXT_mesh_features"],
         features([2, 0])
+    );
+    // The second is copied, once for both objects that share the mesh, and the copy is led to the set.
+    assert_eq!(
+        after["extensions"]["EXT_structural_metadata"]["propertyTextures"],
+        json!([property(0), property(1), property(2)])
+    );
+    assert_eq!(
+        primitive["extensions"]["EXT_structural_metadata"]["propertyTextures"],
+        json!([0, 2])
     );
 }
 

@@ -31,7 +31,7 @@ pub struct Row {
     pub support: Support,
     /// How it is read, or what is done without it.
     pub note: &'static str,
-    /// What is counted of it. [`warn`] counts [`WarningKind::IgnoredExtensions`], what reads the property the others.
+    /// What is counted of it: [`WarningKind::IgnoredExtensions`] wherever it stands, another kind where it is read.
     pub warning: Option<WarningKind>,
     /// Geometry cannot be had without it, so a file that requires it is refused.
     pub needed: bool,

@@ -408,9 +408,12 @@ fn metals_by_omission_are_named_where_they_are_used() {
     }
 }
 
+/// What is done to a document, in words and in deed.
+type Edit = (&'static str, fn(&mut Document));
+
 #[test]
 fn what_a_bake_does_not_read_cannot_have_a_file_refused() {
-    let edits: [(&str, fn(&mut Document)); 9] = [
+    let edits: [Edit; 9] = [
         ("an animation channel without a node", |d| {
             d.json["animations"] = json!([{ "samplers": [{ "input": 0, "output": 0 }],
                 "channels": [{ "sampler": 0, "target": { "path": "translation" } }] }]);
