@@ -188,8 +188,8 @@ impl Job {
         let state = parts.dir.join(state_name(&self.scene().stem(), None));
         let mut saved = Saved::new(state, json!({"key": self.key()}), widths);
         let bounces = self.options().bounces != Bounces::Off;
-        if bounces && let Some(said) = saved.resume()? {
-            progress.note(&said);
+        if bounces && let Some(damage) = saved.resume()? {
+            progress.note(&damage);
         }
         let (mut finishing, mut writing) = (0.0, 0.0);
         let mut waiting = Vec::new();

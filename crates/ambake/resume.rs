@@ -180,6 +180,8 @@ pub(crate) struct Saved {
     header: Value,
     widths: Widths,
     journal: Option<Journal>,
+    /// What was found there, in a line.
+    origin: Option<String>,
     /// Blocks of the journal by their page, as they were found.
     found: BTreeMap<u32, Vec<usize>>,
     waiting: Vec<Filled>,
@@ -199,6 +201,7 @@ impl Saved {
             header,
             widths,
             journal: None,
+            origin: None,
             found: BTreeMap::new(),
             waiting: Vec::new(),
             bytes: 0,
@@ -207,7 +210,8 @@ impl Saved {
         }
     }
 
-    /// Opens the file now and takes what it holds, where it is of the same bake. What is to be said of that is returned.
+    /// Opens the file now and takes what it holds, where it is of the same bake. What tells of damage is returned: then the bake starts
+    /// anew.
     ///
     /// # Errors
     /// The file cannot be written, or another run writes it.
@@ -244,14 +248,16 @@ impl Saved {
         }
         self.journal = Some(journal);
         let path = self.path.display();
-        Ok(match (damage, other.take()) {
-            (Some(damage), _) => Some(format!("{damage}; starting over")),
+        self.origin = match (&damage, other.take()) {
             (None, Some(differs)) => Some(format!(
                 "what was saved in {path} is of another bake, {differs} differs; starting over"
             )),
-            (None, None) if self.found.is_empty() => None,
-            (None, None) => Some(format!("going on from what was saved in {path}")),
-        })
+            (None, None) if !self.found.is_empty() => {
+                Some(format!("going on from what was saved in {path}"))
+            }
+            _ => None,
+        };
+        Ok(damage.map(|damage| format!("{damage}; starting over")))
     }
 
     /// The tiles of a page that were found, block by block.
@@ -302,6 +308,11 @@ impl Saved {
             true => self.flush(),
             false => Ok(()),
         }
+    }
+
+    /// What the bake goes on from, or why it does not, in a line.
+    pub fn origin(&self) -> Option<&str> {
+        self.origin.as_deref()
     }
 
     /// True where the file is there, with what was saved until now.
@@ -412,7 +423,7 @@ mod tests {
         std::mem::forget(saved);
         let mut again = Saved::new(folder.path().join("copy"), header, WIDTHS);
         std::fs::copy(&path, &again.path).expect("a copy");
-        assert!(again.resume().expect("a file").is_some());
+        assert_eq!(again.resume().expect("a file"), None);
         for (page, index) in [(0, 0), (1, 5)] {
             let mut found = Vec::new();
             let mut take = |block: Block| found.extend(block.tiles.into_iter().map(|t| t.index));
@@ -428,7 +439,8 @@ mod tests {
         let header = |scene: &str, shard: u32| serde_json::json!({"key": {"scene": scene}, "shard": [shard, 2], "given": "anything"});
         let blocks = |header: Value| {
             let mut saved = Saved::new(path.clone(), header, WIDTHS);
-            let said = saved.resume().expect("a file").unwrap_or_default();
+            assert_eq!(saved.resume().expect("a file"), None);
+            let said = saved.origin().unwrap_or_default().to_owned();
             let found = saved.found.len();
             saved.add(0, &tile(0, 4)).expect("a file");
             saved.flush().expect("a file");

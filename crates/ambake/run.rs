@@ -109,8 +109,10 @@ impl Job {
         let state = dir.join(state_name(&self.scene().stem(), None));
         let resumes = resume.wants(&state);
         let mut saved = Saved::new(state, header, self.widths(&baker));
-        if resumes && let Some(said) = saved.resume()? {
-            progress.note(&said);
+        if resumes {
+            let damage = saved.resume()?;
+            let said = damage.as_deref().into_iter().chain(saved.origin());
+            said.for_each(|line| progress.note(line));
         }
         let mut tracker = Tracker::of(self, &baker);
         if let Some(reason) = tracker.reason() {

@@ -114,8 +114,8 @@ impl Job {
         }
         let state = dir.join(state_name(&stem, Some(shard)));
         let mut saved = Saved::new(state, header, self.widths(&baker));
-        if let Some(said) = saved.resume()? {
-            progress.note(&said);
+        if let Some(damage) = saved.resume()? {
+            progress.note(&damage);
         }
         let started = Instant::now();
         let mut deal = Deal::new(shard.of);
