@@ -237,7 +237,7 @@ fn closed_furnace_is_the_geometric_sum_under_both_models() {
 
 #[test]
 fn luminous_picture_lights_as_its_mean() {
-    // Four texels, two of them dark, over the middle of a small floor: by symmetry each quarter counts alike.
+    // Four texels, two of them dark, over the middle of a small floor, which sees their back: by symmetry each quarter counts alike.
     let shining = |extra: serde_json::Value| {
         let floor = Quad::level(0.0, 0.02);
         let mut card = Quad::level(1.0, 2.0);
@@ -272,12 +272,14 @@ fn luminous_picture_lights_as_its_mean() {
         values.iter().sum::<f64>() / values.len() as f64
     };
     let textured = shining(json!({
-        "materials": [{}, { "emissiveFactor": [1, 1, 1], "emissiveTexture": { "index": 0 } }],
+        "materials": [{}, { "doubleSided": true, "emissiveFactor": [1, 1, 1], "emissiveTexture": { "index": 0 } }],
         "textures": [{ "source": 0, "sampler": 0 }],
         "samplers": [{ "magFilter": 9728 }],
         "images": [{ "uri": "checker.png" }],
     }));
-    let even = shining(json!({ "materials": [{}, { "emissiveFactor": [0.5, 0.5, 0.5] }] }));
+    let even = shining(
+        json!({ "materials": [{}, { "doubleSided": true, "emissiveFactor": [0.5, 0.5, 0.5] }] }),
+    );
     // From below the middle of a square of edge 2 at distance 1: 4/π · 1/√2 · atan(1/√2) of the light of a whole hemisphere.
     let root = 0.5_f64.sqrt();
     let exact = 0.5 * 4.0 / std::f64::consts::PI * root * root.atan();

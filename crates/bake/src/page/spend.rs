@@ -21,7 +21,7 @@ const LEAST: u32 = 4;
 
 /// How errors fall with the number of rays, after denoising and without: like its power of minus this.
 const DENOISED: f64 = 0.5;
-const PLAIN: f64 = 0.75;
+const PLAIN: f64 = 0.7;
 
 /// Steps of the scale of all numbers that are tried, for each doubling.
 const STEPS: i32 = 8;
