@@ -15,7 +15,7 @@ pub(super) const LANES: usize = 4;
 /// Most steps, and the share of the first gradient at which they end. On a helmet of 2,400 charts half of this takes nearly twice as many
 /// steps and leaves 1 % less at its seams.
 const STEPS: usize = 100;
-const ENOUGH: f64 = 1e-3;
+const ENOUGH: f64 = 2e-3;
 
 /// Numbers that one thread takes at a time.
 const CHUNK: usize = 2048;
