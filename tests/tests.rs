@@ -13,6 +13,7 @@ mod buried;
 mod capture;
 mod cases;
 mod cli;
+mod cliffs;
 mod closed;
 mod compressed;
 mod corpus;

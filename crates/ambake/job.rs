@@ -87,13 +87,11 @@ impl Job {
         options.layers.clone_from(&baker.layers);
         let (plan, world, atlas, backend) = within(pool.as_ref(), || {
             let (plan, world) = time(&mut phases, "plan", || Plan::of(&scene.0, &baker))?;
-            let triangles = scene
-                .0
-                .meshes
-                .iter()
-                .map(|mesh| mesh.triangles.len() as u64);
+            let meshes = scene.0.meshes.iter();
+            let triangles = meshes.map(|mesh| mesh.triangles.len() as u64).sum();
+            let content = [triangles, scene.0.instances.len() as u64];
             let memory = memory::Memory::of(&baker, &plan);
-            memory::check(options.size, &memory, triangles.sum(), limit)?;
+            memory::check(options.size, &memory, content, limit)?;
             let build = || match &make_backend {
                 Some(make) => make(&world),
                 None => rays::build(backend.kind(), &world, rayon::current_num_threads()),
