@@ -3,9 +3,8 @@
 //! **Hemisphere terms.** Directions follow one mixture of cosine-weighted and uniform directions with solid-angle
 //! density `(2 a mu + b) / 2 pi`, `mu = cos(theta)`, `a + b = 1`, by one analytic inverse, so that a single
 //! low-discrepancy set serves the diffuse term (weight `2 mu / (2 a mu + b)`) and the visibility (weight
-//! `1 / (2 a mu + b)`) with bounded weights. Both are divided by the sum of the weights drawn, which makes an open texel
-//! exactly 1 and a closed one exactly 0; the ratio's bias is of the order of the weights' own integration error
-//! squared and vanishes beside the variance (see the tests).
+//! `1 / (2 a mu + b)`) with bounded weights. What the weights are off by in each half of the
+//! rays is corrected by what the other half found (`estimate.rs`), so that an open texel is exactly 1 and a closed one exactly 0, and no mean is moved.
 //!
 //! Where a surface is dark, the points are warped toward the few directions that are open (`guides.rs`), and weights with them.
 //!
