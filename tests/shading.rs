@@ -133,3 +133,23 @@ fn production_lies_above_exact_by_at_most_the_share_of_the_wedge() {
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     assert!(mean(&production) > mean(&exact), "the wedge sees something");
 }
+
+/// Nothing stands above a square, so its hemisphere takes no rays; where a leaning normal hides a part of a rough lobe, the lobe alone says how much.
+#[test]
+fn rough_lobes_of_open_surfaces_are_the_same_with_or_without_the_diffuse_term() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("leaning.obj");
+    let square = "v 0 0 0\nv 0 0 1\nv 1 0 1\nv 1 0 0\nvn 0.8 0.6 0\nf 1//1 2//1 3//1 4//1\n";
+    std::fs::write(&file, square).expect("a file");
+    let mean = |layers: &str| {
+        let rough = ["--size=64", "--rays=256", "--model=ggx", "--exponent=0"];
+        let arguments = [&rough[..], &["--shading=exact", layers]].concat();
+        let (_baked, page) = bake(&file, &arguments);
+        let values = covered(&page, "specular");
+        values.iter().sum::<f64>() / values.len() as f64
+    };
+    let [alone, beside] = ["--only=specular", "--only=specular,diffuse,visibility"].map(mean);
+    assert!(alone < 0.95, "the surface hides something: {alone}");
+    // Thousands of texels of 256 rays each.
+    assert!((alone - beside).abs() < 1e-3, "{alone}, {beside}");
+}

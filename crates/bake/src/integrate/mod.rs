@@ -64,7 +64,12 @@ pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) ->
         (0..texels.len()).filter(|&i| wanted(i)).collect()
     };
     let mut moments = vec![<[Moments; REPLICATES as usize]>::default(); moments_of(task, texels)];
-    let lobe_of = |i: usize| (reflects[i] && !closed_lobe[i]).then(|| Lobe::of(task, &texels[i]));
+    let lobe_of = |i: usize| {
+        let mut lobe = Lobe::of(task, &texels[i]);
+        // There are no rays over the hemisphere where it is known.
+        lobe.joins &= !closed[i];
+        (reflects[i] && !closed_lobe[i]).then_some(lobe)
+    };
     let lobes: Vec<Option<Lobe>> = (0..texels.len()).map(lobe_of).collect();
     let tile = Lit {
         task,
