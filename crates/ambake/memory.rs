@@ -1,7 +1,7 @@
 //! How much memory a bake will take, and how much there is.
 
 use crate::error::{Error, LimitedBy};
-use ::bake::{Denoise, Plan, Seams};
+use ::bake::{Denoise, Effort, Plan, Seams};
 use layers::Layer;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -61,6 +61,8 @@ pub(crate) struct Memory {
     pub light: u64,
     denoise: Denoise,
     seams: bool,
+    /// A page of a few rays stands beside each while its target is sought.
+    seeks: bool,
 }
 
 impl Memory {
@@ -97,6 +99,7 @@ impl Memory {
             light: count(&light, &|_| true),
             denoise: options.denoise,
             seams: options.seams != Seams::Off,
+            seeks: matches!(options.effort, Effort::Target { .. }),
         }
     }
 
@@ -138,7 +141,12 @@ impl Memory {
         let finishes = groups.max(finishes) + waiting.min(SPARED);
         let planes = 4 * (self.working - self.dropped + self.composed);
         let composes = texels * (planes + WRITING) + waiting.min(SPARED);
-        let one = bakes.max(finishes).max(composes);
+        // The pilot of a target has its denoiser, beside a page that is still empty.
+        let seeks = match self.seeks {
+            true => texels * 8 * self.working + denoise,
+            false => 0,
+        };
+        let one = bakes.max(finishes).max(composes).max(seeks);
         if self.light == 0 {
             return one;
         }
