@@ -141,9 +141,9 @@ impl Memory {
         let finishes = groups.max(finishes) + waiting.min(SPARED);
         let planes = 4 * (self.working - self.dropped + self.composed);
         let composes = texels * (planes + WRITING) + waiting.min(SPARED);
-        // The pilot of a target has its denoiser, beside a page that is still empty.
+        // The pilot of a target has its denoiser; the page beside it is still empty, and so not in memory.
         let seeks = match self.seeks {
-            true => texels * 8 * self.working + denoise,
+            true => texels * 4 * self.working + denoise,
             false => 0,
         };
         let one = bakes.max(finishes).max(composes).max(seeks);
