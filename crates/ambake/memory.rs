@@ -340,6 +340,7 @@ mod tests {
             denoised: 3,
             broadest: 1,
             light: 0,
+            seeks: false,
             denoise: Denoise::Regression,
             seams: true,
         };
