@@ -9,7 +9,7 @@ use super::REPLICATES;
 use super::kernel::Kernel;
 use super::radiosity::Radiosity;
 use super::spots::{Aim, Reach, Spots};
-use crate::integrate::lobe;
+use crate::integrate::Coat;
 use crate::options::{Model, Shading, View};
 use crate::survey::{Sample, Texel};
 use ambient::ggx::{Ggx, alpha_of};
@@ -251,7 +251,7 @@ impl Gather<'_> {
     /// Rays over a texel's lobe for each ray over the hemisphere.
     pub fn lobe_share(&self, texel: &Texel, full: bool) -> f32 {
         let view = self.view_from(texel.position, texel.normal);
-        lobe::worth(self.model, full, &texel.material, texel.normal.dot(view))
+        Coat::of(self.model, &texel.material, texel.normal.dot(view)).worth(full)
     }
 
     /// What a light without extent brings, the same in all channels; `None` where no ray needs to be cast. Light from below a facet comes

@@ -9,6 +9,7 @@ use super::task::{SHARE, Task};
 use crate::options::Pattern;
 use crate::survey::Texel;
 use ambient::sampling::{Counts, Guide, LANES};
+use atlas::TILE;
 use std::ops::Range;
 use std::rc::Rc;
 
@@ -87,7 +88,7 @@ impl Caster<'_> {
     /// What the rays so far say.
     pub fn gathered(&self) -> Known<'_> {
         let gathered = Gathered {
-            sky: self.task.sky,
+            task: self.task,
             technique: self.technique,
             texels: self.texels,
             sums: &self.sums,
@@ -161,6 +162,9 @@ impl Caster<'_> {
         range: Range<u32>,
         aim: &mut Aim<'_>,
     ) {
+        let Some(&first) = which.first() else {
+            return;
+        };
         let lanes = lanes(self.task, self.texels, which, replicates.clone());
         which.iter().for_each(|&i| {
             self.points[i] += replicates.len() as u32 * range.len() as u32;
@@ -172,6 +176,7 @@ impl Caster<'_> {
             gang = gang.with_moments(order);
         }
         let is_guided = matches!(aim, Aim::Guided(_));
+        let joint = task.joint(&self.texels[first], technique, is_guided);
         gang = match aim {
             Aim::Even => gang,
             Aim::Learning(counts) => gang.with_counts(counts),
@@ -180,9 +185,7 @@ impl Caster<'_> {
         for lanes in lanes.chunks(LANES) {
             gang.load(lanes);
             for (net, points) in nets(range.clone()) {
-                gang.follow(|i, replicate| {
-                    task.net(&self.texels[i], technique, &net, (replicate, is_guided))
-                });
+                gang.follow(|i, replicate| task.net(&joint, &self.texels[i], &net, replicate));
                 gang.cast(task, technique, points);
             }
             gang.collect(technique, &mut self.sums);
@@ -226,16 +229,19 @@ fn packet_edge(pattern: Pattern) -> u32 {
 /// The lanes of the texels `which`, block by block.
 fn lanes(task: &Task<'_>, texels: &[Texel], which: &[usize], replicates: Range<u32>) -> Vec<Lane> {
     let edge = packet_edge(task.pattern);
-    let group = |i: usize| (texels[i].y / edge, texels[i].x / edge);
-    // Texels of one packet stand side by side; what is left of them after a round still does.
-    let mut which = which.to_vec();
-    which.sort_by_key(|&i| (group(i), i));
+    let group = |i: usize| [texels[i].y, texels[i].x].map(|at| at % TILE / edge);
+    // Texels of one packet stand side by side.
+    let key = |&i: &usize| (group(i), i);
+    let mut which: Vec<([u32; 2], usize)> = which.iter().map(key).collect();
+    which.sort_unstable();
     which
-        .chunk_by(|&a, &b| group(a) == group(b))
+        .chunk_by(|a, b| a.0 == b.0)
         .flat_map(|group| {
             replicates.clone().flat_map(move |replicate| {
                 let replicate = replicate as usize;
-                group.iter().map(move |&texel| Lane { texel, replicate })
+                group
+                    .iter()
+                    .map(move |&(_, texel)| Lane { texel, replicate })
             })
         })
         .collect()

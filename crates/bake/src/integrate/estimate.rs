@@ -14,22 +14,19 @@
 //! the weights of each replicate are corrected by what the other one found ([`Known::slopes`]).
 
 use super::lobe::Lobe;
+use super::pool::Pool;
 use super::sums::{REPLICATES, Replicates, Sums, Technique, Weights, corrected, mean};
+use super::task::Task;
 use super::terms::{Halves, Terms};
-use crate::options::Sky;
 use crate::survey::Texel;
 use ambient::Estimate;
-use atlas::TILE;
 use glam::DVec3;
 
-/// Neighbours pool where their normals are within acos of this, some 37 degrees.
-const NORMAL_AGREEMENT: f64 = 0.8;
-
 /// Texels this far away along an axis pool their variances.
-const POOL_RADIUS: i32 = 2;
+const POOL_RADIUS: usize = 2;
 
 /// Texels this far away along an axis pool their slopes.
-const SLOPE_RADIUS: i32 = 1;
+const SLOPE_RADIUS: usize = 1;
 
 /// What a technique estimates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,20 +41,11 @@ pub(super) enum Quantity {
 use Quantity::*;
 
 impl Technique {
-    /// Shares that it estimates; light comes on top where the sky is a map.
-    fn shares(self) -> &'static [Quantity] {
+    /// What it estimates: shares, and light.
+    fn quantities(self) -> &'static [Quantity] {
         match self {
-            Technique::Hemisphere => &[Diffuse, Visibility],
-            Technique::Lobe => &[Specular],
-            Technique::Sky => &[],
-        }
-    }
-
-    /// Light that it estimates.
-    fn lights(self) -> &'static [Quantity] {
-        match self {
-            Technique::Hemisphere => &[Irradiance],
-            Technique::Lobe => &[Reflection],
+            Technique::Hemisphere => &[Diffuse, Visibility, Irradiance],
+            Technique::Lobe => &[Specular, Reflection],
             Technique::Sky => &[Irradiance, Reflection],
         }
     }
@@ -72,7 +60,7 @@ struct Said {
 
 /// A tile's texels with the sums of their replicates under one technique, of which `points[i]` have been spent on each.
 pub(crate) struct Gathered<'a> {
-    pub sky: &'a Sky,
+    pub task: &'a Task<'a>,
     pub technique: Technique,
     pub texels: &'a [Texel],
     pub sums: &'a [Replicates],
@@ -87,37 +75,33 @@ pub(crate) struct Gathered<'a> {
 /// What is known of a tile's texels from their replicates under one technique.
 pub(crate) struct Known<'a> {
     pub from: Gathered<'a>,
-    /// Texel of each place in the tile; none where nothing was spent.
-    at: [usize; (TILE * TILE) as usize],
     said: Vec<[Said; 2]>,
-    /// Variance of each quantity's mean, by texel; 0 for what the technique does not estimate.
-    own: Vec<[f64; 5]>,
+    pool: Pool,
+    /// Open and all weights of both shares, of both replicates, of each texel and those about it; none where no texel is guided.
+    about: Vec<[f64; 8]>,
 }
 
 impl<'a> Gathered<'a> {
     /// What the sums say.
     pub fn known(self) -> Known<'a> {
-        let mut at = [usize::MAX; (TILE * TILE) as usize];
-        for (i, texel) in self.texels.iter().enumerate() {
-            if self.points[i] > 0 {
-                at[(texel.y % TILE * TILE + texel.x % TILE) as usize] = i;
-            }
-        }
+        let pool = Pool::of(self.task.arch, self.texels);
+        let about = match self.guided.contains(&true) {
+            true => pool.sums(SLOPE_RADIUS, self.texels, |i| {
+                let [a, b] = &self.sums[i];
+                let all = [a.diffuse, b.diffuse, a.visibility, b.visibility];
+                std::array::from_fn(|k| [all[k / 2].open, all[k / 2].all][k % 2])
+            }),
+            false => Vec::new(),
+        };
         let count = self.texels.len();
         let mut known = Known {
             from: self,
-            at,
             said: vec![Default::default(); count],
-            own: vec![Default::default(); count],
+            pool,
+            about,
         };
         for i in (0..count).filter(|&i| known.from.points[i] > 0) {
             known.said[i] = known.says(i);
-            let used = known.from.points[i].min(REPLICATES) as usize;
-            let technique = known.from.technique;
-            for &quantity in technique.shares().iter().chain(technique.lights()) {
-                let values = known.said[i].map(|said| said.of(quantity));
-                known.own[i][quantity as usize] = variance_of_mean(&values[..used]);
-            }
         }
         known
     }
@@ -163,13 +147,13 @@ impl Known<'_> {
                 for (k, said) in said.iter_mut().enumerate() {
                     said.shares[Specular as usize] = plain[k] / lobe.whole[0];
                     let open = [plain[k], white[k]].map(DVec3::splat);
-                    said.lights[1] = self.from.sky.floor() * lobe.tinted(open);
+                    said.lights[1] = self.from.task.sky.floor() * lobe.tinted(open);
                 }
             }
             Technique::Sky => {}
         }
         for (k, said) in said.iter_mut().enumerate() {
-            said.lights[0] = self.from.sky.floor() * said.shares[Diffuse as usize];
+            said.lights[0] = self.from.task.sky.floor() * said.shares[Diffuse as usize];
             self.add_map(i, k, said);
         }
         said
@@ -198,7 +182,7 @@ impl Known<'_> {
 
     /// Adds the light that stands out of the sky's floor.
     fn add_map(&self, i: usize, k: usize, said: &mut Said) {
-        let Some(map) = self.from.sky.map() else {
+        let Some(map) = self.from.task.sky.map() else {
             return;
         };
         // What has no points takes what the other says.
@@ -225,60 +209,78 @@ impl Known<'_> {
         if !self.from.guided[i] {
             return [a, b];
         }
-        let mut pooled = [Weights::default(); 2];
-        for j in neighbours(self.from.texels, &self.at, i, SLOPE_RADIUS) {
-            for (sum, sums) in pooled.iter_mut().zip(&self.from.sums[j]) {
-                *sum += weights(sums, quantity);
+        let first = if quantity == Visibility { 4 } else { 0 };
+        let share = |replicate: usize| {
+            let [open, all] = [0, 1].map(|k| self.about[i][first + 2 * replicate + k]);
+            Weights { open, all }.share()
+        };
+        [a.min(share(1)), b.min(share(0))]
+    }
+
+    /// Adds what the technique says to the terms of the texels on which points were spent.
+    pub fn add_to(&self, terms: &mut [Terms]) {
+        let quantities = self.from.technique.quantities();
+        let pools = self.pools(quantities);
+        for (i, terms) in terms.iter_mut().enumerate() {
+            let points = f64::from(self.from.points[i]);
+            if points == 0.0 {
+                continue;
             }
-        }
-        [a.min(pooled[1].share()), b.min(pooled[0].share())]
-    }
-
-    /// The terms of one texel as far as the technique estimates them; zeros where nothing was spent.
-    pub fn terms(&self, i: usize) -> Terms {
-        if self.from.points[i] == 0 {
-            return Terms::default();
-        }
-        let pool = self.pool(i, POOL_RADIUS);
-        let technique = self.from.technique;
-        let share = |quantity| match technique.shares().contains(&quantity) {
-            false => Estimate::default(),
-            true => Estimate {
-                value: self.value(i, quantity),
-                std_err: self.std_err(&pool, quantity),
-            },
-        };
-        let light = |quantity| match technique.lights().contains(&quantity) {
-            false => Estimate::default(),
-            true => Estimate {
-                value: self.light(i, quantity),
-                std_err: self.std_err(&pool, quantity),
-            },
-        };
-        Terms {
-            diffuse: share(Diffuse),
-            visibility: share(Visibility),
-            specular: share(Specular),
-            irradiance: light(Irradiance),
-            reflection: light(Reflection),
-            halves: self.halves(i),
-            rays: Sums::of(&self.from.sums[i]).rays,
-            ..Terms::default()
+            let [texels, all, variances @ ..] = pools[i];
+            for (&quantity, sum) in quantities.iter().zip(variances) {
+                let std_err = match sum > 0.0 {
+                    true => (sum / (texels * points * points.sqrt())).sqrt(),
+                    false => 1.5 / all * self.unit(quantity),
+                };
+                let share = || Estimate {
+                    value: self.value(i, quantity),
+                    std_err,
+                };
+                let light = || Estimate {
+                    value: self.light(i, quantity),
+                    std_err,
+                };
+                match quantity {
+                    Diffuse => terms.diffuse = share(),
+                    Visibility => terms.visibility = share(),
+                    Specular => terms.specular = share(),
+                    Irradiance if self.from.task.hemisphere => add(&mut terms.irradiance, light()),
+                    Reflection if self.from.lobes[i].is_some() => {
+                        add(&mut terms.reflection, light());
+                    }
+                    Irradiance | Reflection => {}
+                }
+            }
+            self.add_halves(i, &mut terms.halves);
+            terms.rays += Sums::of(&self.from.sums[i]).rays;
         }
     }
 
-    /// Half of what the two halves of a texel's replicates differ by, in all that the technique estimates.
-    fn halves(&self, i: usize) -> Halves {
+    /// Of each texel and those of its surface about it: how many have points, these points, and the sum of the variances of the mean of each quantity, as if all
+    /// had a point.
+    fn pools(&self, quantities: &[Quantity]) -> Vec<[f64; 5]> {
+        self.pool.sums(POOL_RADIUS, self.from.texels, |i| {
+            let points = self.from.points[i];
+            let weight = f64::from(points);
+            let used = points.min(REPLICATES) as usize;
+            let mut values = [f64::from(u8::from(points > 0)), weight, 0.0, 0.0, 0.0];
+            for (variance, &quantity) in values[2..].iter_mut().zip(quantities) {
+                let said = self.said[i].map(|said| said.of(quantity));
+                *variance = variance_of_mean(&said[..used]) * weight * weight.sqrt();
+            }
+            values
+        })
+    }
+
+    /// Adds half of what the two halves of a texel's replicates differ by, in all that the technique estimates.
+    fn add_halves(&self, i: usize, halves: &mut Halves) {
         let [a, b] = &self.said[i];
         let share = |quantity: Quantity| 0.5 * (a.of(quantity) - b.of(quantity));
-        Halves {
-            diffuse: share(Diffuse),
-            visibility: share(Visibility),
-            specular: share(Specular),
-            irradiance: 0.5 * (a.lights[0] - b.lights[0]),
-            reflection: 0.5 * (a.lights[1] - b.lights[1]),
-            ..Halves::default()
-        }
+        halves.diffuse += share(Diffuse);
+        halves.visibility += share(Visibility);
+        halves.specular += share(Specular);
+        halves.irradiance += 0.5 * (a.lights[0] - b.lights[0]);
+        halves.reflection += 0.5 * (a.lights[1] - b.lights[1]);
     }
 
     /// A quantity of all replicates: a share, or the mean of the channels of light.
@@ -299,8 +301,8 @@ impl Known<'_> {
             &self.from.sums[i],
             self.said[i].map(|said| said.lights[which]),
         );
-        match self.from.sky.map() {
-            None => light.clamp(DVec3::ZERO, self.from.sky.floor()),
+        match self.from.task.sky.map() {
+            None => light.clamp(DVec3::ZERO, self.from.task.sky.floor()),
             Some(_) => light,
         }
     }
@@ -309,69 +311,15 @@ impl Known<'_> {
     pub fn unit(&self, quantity: Quantity) -> f64 {
         match quantity {
             Diffuse | Visibility | Specular => 1.0,
-            Irradiance | Reflection => self.from.sky.mean().element_sum() / 3.0,
-        }
-    }
-
-    /// The variances of the texels about one, no more than `radius` away along an axis.
-    fn pool(&self, i: usize, radius: i32) -> Pool {
-        let mut pool = Pool::default();
-        for j in neighbours(self.from.texels, &self.at, i, radius) {
-            let (ratio, root) = match self.from.points[j] == self.from.points[i] {
-                true => (1.0, 1.0),
-                false => {
-                    let ratio = f64::from(self.from.points[j]) / f64::from(self.from.points[i]);
-                    (ratio, ratio.sqrt())
-                }
-            };
-            for (sum, own) in pool.variances.iter_mut().zip(&self.own[j]) {
-                *sum += own * ratio * root;
-            }
-            pool.texels += 1.0;
-            pool.points += f64::from(self.from.points[j]);
-        }
-        pool
-    }
-
-    /// Standard error of one of a texel's quantities.
-    fn std_err(&self, pool: &Pool, quantity: Quantity) -> f64 {
-        let variance = pool.variances[quantity as usize];
-        if variance > 0.0 {
-            f64::sqrt(variance / pool.texels)
-        } else {
-            1.5 / pool.points * self.unit(quantity)
+            Irradiance | Reflection => self.from.task.sky.mean().element_sum() / 3.0,
         }
     }
 }
 
-/// What texels of one surface share.
-#[derive(Default)]
-struct Pool {
-    /// Sums of the variances of each quantity's mean, as if all had the points of the texel that asks.
-    variances: [f64; 5],
-    texels: f64,
-    points: f64,
-}
-
-/// The texel and those about it in the tile that are of the same surface and have points.
-fn neighbours<'a>(
-    texels: &'a [Texel],
-    at: &'a [usize; (TILE * TILE) as usize],
-    centre: usize,
-    radius: i32,
-) -> impl Iterator<Item = usize> + 'a {
-    let texel = &texels[centre];
-    let (x, y) = ((texel.x % TILE) as i32, (texel.y % TILE) as i32);
-    let edge = TILE as i32;
-    (-radius..=radius)
-        .flat_map(move |dy| (-radius..=radius).map(move |dx| (x + dx, y + dy)))
-        .filter(move |&(x, y)| (0..edge).contains(&x) && (0..edge).contains(&y))
-        .map(move |(x, y)| at[(y * edge + x) as usize])
-        .filter(move |&j| {
-            j != usize::MAX
-                && texels[j].object == texel.object
-                && texels[j].normal.dot(texel.normal) > NORMAL_AGREEMENT
-        })
+/// Adds independent light.
+fn add(light: &mut Estimate<DVec3>, other: Estimate<DVec3>) {
+    light.value += other.value;
+    light.std_err = light.std_err.hypot(other.std_err);
 }
 
 /// The weights of a share of the hemisphere.

@@ -6,9 +6,9 @@
 //! of their own too.
 
 use super::task::Task;
-use crate::options::Model;
+use crate::options::{Model, View};
 use crate::survey::Texel;
-use ambient::ggx::{Ggx, alpha_of, base};
+use ambient::ggx::{Albedos, Ggx, alpha_of, base};
 use glam::DVec3;
 use rays::PhongMaterial;
 
@@ -39,32 +39,104 @@ pub(crate) struct Lobe {
     pub f0: Option<DVec3>,
 }
 
+/// What an open texel reflects.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Coat {
+    /// Diffuse reflectance: under GGX what the coat leaves of it.
+    pub base: DVec3,
+    /// Specular reflectance.
+    pub specular: DVec3,
+    /// Without colour, of GGX.
+    open: Albedos,
+}
+
+impl Coat {
+    /// Of a material whose view makes `cos` with its normal.
+    pub fn of(model: Model, material: &PhongMaterial, cos: f64) -> Self {
+        let PhongMaterial {
+            albedo,
+            specular,
+            exponent,
+        } = *material;
+        let none = Albedos {
+            tinted: 1.0,
+            white: 0.0,
+        };
+        let plain = |open| Self {
+            base: albedo,
+            specular,
+            open,
+        };
+        match model {
+            Model::Phong => plain(none),
+            Model::Ggx => {
+                let open = Ggx::new(alpha_of(exponent), cos).open();
+                let f0 = specular.min(DVec3::ONE);
+                if f0 == DVec3::ZERO {
+                    return plain(open);
+                }
+                let specular = open.of(f0);
+                Self {
+                    base: base(albedo, f0, specular),
+                    specular,
+                    open,
+                }
+            }
+        }
+    }
+
+    /// Those of texels; many have the material and the view of the one before.
+    pub fn of_all(task: &Task<'_>, texels: &[Texel]) -> Vec<Self> {
+        let mut last: Option<(PhongMaterial, f64, Self)> = None;
+        let mut of = |texel: &Texel| {
+            let cos = match task.view {
+                View::Normal => 1.0,
+                View::Eye(_) => {
+                    let view = task.view_from(texel.position, texel.normal);
+                    texel.normal.dot(view)
+                }
+            };
+            match last {
+                Some((material, seen, coat)) if material == texel.material && seen == cos => coat,
+                _ => {
+                    let coat = Self::of(task.model, &texel.material, cos);
+                    last = Some((texel.material, cos, coat));
+                    coat
+                }
+            }
+        };
+        texels.iter().map(&mut of).collect()
+    }
+
+    /// Rays of its lobe for each ray of the hemisphere: 1 where `full`, else down to a power of two.
+    pub fn worth(&self, full: bool) -> f32 {
+        match full {
+            true => 1.0,
+            false => share(weight(self.base, self.specular)),
+        }
+    }
+}
+
 impl Lobe {
     /// The lobe of a texel that reflects.
-    pub fn of(task: &Task<'_>, texel: &Texel) -> Self {
-        let PhongMaterial {
-            specular, exponent, ..
-        } = texel.material;
-        let view = task.view_from(texel.position, texel.normal);
-        let cos = texel.normal.dot(view);
+    pub fn of(task: &Task<'_>, material: &PhongMaterial, coat: &Coat) -> Self {
+        let Albedos { tinted, white } = coat.open;
         let plain = Self {
             alpha: 1.0,
-            scale: (1.0 / (exponent + 1.0)) as f32,
-            share: worth(task.model, task.full_lobes, &texel.material, cos),
+            scale: (1.0 / (material.exponent + 1.0)) as f32,
+            share: coat.worth(task.full_lobes),
             joins: false,
-            whole: [1.0, 0.0],
+            whole: [tinted + white, white],
             f0: None,
         };
         if task.model == Model::Phong {
             return plain;
         }
-        let alpha = alpha_of(exponent);
-        let open = Ggx::new(alpha, cos).open();
+        let alpha = alpha_of(material.exponent);
         Self {
             alpha: alpha.max(ambient::ggx::LEAST_ALPHA) as f32,
             joins: alpha >= LEAST_ALPHA && task.hemisphere,
-            whole: [open.tinted + open.white, open.white],
-            f0: Some(specular.min(DVec3::ONE)),
+            f0: Some(material.specular.min(DVec3::ONE)),
             ..plain
         }
     }
@@ -99,26 +171,4 @@ fn share(weight: f64) -> f32 {
         .floor()
         .exp2()
         .clamp(LEAST_SHARE, 1.0) as f32
-}
-
-/// Rays of a lobe of this material for each ray of the hemisphere, whose view makes `cos` with its normal.
-pub(crate) fn worth(model: Model, full: bool, material: &PhongMaterial, cos: f64) -> f32 {
-    let [base, lobe] = match model {
-        Model::Phong => [material.albedo, material.specular],
-        Model::Ggx => colours(material, cos),
-    };
-    match full {
-        true => 1.0,
-        false => share(weight(base, lobe)),
-    }
-}
-
-/// Diffuse and specular reflectance of an open texel with this material, whose view makes `cos` with its normal.
-pub(crate) fn colours(material: &PhongMaterial, cos: f64) -> [DVec3; 2] {
-    let f0 = material.specular.min(DVec3::ONE);
-    if f0 == DVec3::ZERO {
-        return [material.albedo, DVec3::ZERO];
-    }
-    let coat = Ggx::new(alpha_of(material.exponent), cos).open().of(f0);
-    [base(material.albedo, f0, coat), coat]
 }

@@ -28,110 +28,75 @@ mod closed_form;
 mod estimate;
 mod gang;
 mod guides;
-pub(crate) mod lobe;
+mod lobe;
+mod pool;
 mod sums;
 mod task;
 mod terms;
 
+pub(crate) use lobe::Coat;
 pub(crate) use task::Task;
 pub use terms::{AnyView, Directional, Halves, Terms};
 
 use crate::options::Shading;
 use crate::survey::Texel;
-use ambient::Estimate;
 use ambient::any_view::{count, order_for, stated};
 use cast::{Beside, Caster};
 use estimate::Quantity;
 use gang::{DirectionSums, Moments};
-use glam::DVec3;
 use lobe::Lobe;
 use sums::{REPLICATES, Replicates, Technique, mean};
 
 /// Integrates the texels of one tile. `reflects` says which of them need the specular term.
-pub(crate) fn integrate(task: &Task<'_>, texels: &[Texel], reflects: &[bool]) -> Vec<Terms> {
+pub(crate) fn integrate(
+    task: &Task<'_>,
+    texels: &[Texel],
+    coats: &[Coat],
+    reflects: &[bool],
+) -> Vec<Terms> {
     let lit = task.sky.map().is_some();
     let is_closed = |texel: &Texel| {
         let leans = task.shading == Shading::Exact && texel.tilted;
         texel.open && !lit && !(task.any_view.is_some() && leans)
     };
     let closed: Vec<bool> = texels.iter().map(is_closed).collect();
-    let closed_lobe: Vec<bool> = texels
-        .iter()
-        .zip(&closed)
-        .map(|(texel, closed)| *closed && closed_form::has_specular(task, texel))
-        .collect();
+    let known = |i: usize| closed[i] && closed_form::has_specular(task, &texels[i]);
+    let start = |i: usize| match closed[i] {
+        true => closed_form::terms(task, &texels[i], reflects[i] && known(i)),
+        false => Terms::default(),
+    };
+    let mut terms: Vec<Terms> = (0..texels.len()).map(start).collect();
+    let lobe_of = |i: usize| {
+        let mut lobe = Lobe::of(task, &texels[i].material, &coats[i]);
+        // There are no rays over the hemisphere where it is known.
+        lobe.joins &= !closed[i];
+        (reflects[i] && !known(i)).then_some(lobe)
+    };
+    let lobes: Vec<Option<Lobe>> = (0..texels.len()).map(lobe_of).collect();
     let which = |wanted: &dyn Fn(usize) -> bool| -> Vec<usize> {
         (0..texels.len()).filter(|&i| wanted(i)).collect()
     };
     let mut moments = vec![<[Moments; REPLICATES as usize]>::default(); moments_of(task, texels)];
-    let lobe_of = |i: usize| {
-        let mut lobe = Lobe::of(task, &texels[i]);
-        // There are no rays over the hemisphere where it is known.
-        lobe.joins &= !closed[i];
-        (reflects[i] && !closed_lobe[i]).then_some(lobe)
-    };
-    let lobes: Vec<Option<Lobe>> = (0..texels.len()).map(lobe_of).collect();
     let tile = Lit {
         task,
         texels,
         lobes: &lobes,
     };
+    let mut rounds = |technique, which: &[usize], moments: &mut [_], beside: &Beside| {
+        tile.rounds(technique, which, moments, beside, &mut terms)
+    };
+    let none = Beside::default();
     let above = which(&|i| !closed[i] && task.hemisphere);
-    let (hemisphere, beside) = tile.rounds(
-        Technique::Hemisphere,
-        above,
-        &mut moments,
-        &Beside::default(),
-    );
+    let beside = rounds(Technique::Hemisphere, &above, &mut moments, &none);
     let glossy = which(&|i| lobes[i].is_some());
-    let (lobe, _) = tile.rounds(Technique::Lobe, glossy, &mut [], &beside);
-    let aimed = which(&|i| !closed[i] && lit && task.draw_sky);
-    let (sky, _) = tile.rounds(Technique::Sky, aimed, &mut [], &Beside::default());
-    let of = |terms: &[Terms], i: usize| terms.get(i).cloned().unwrap_or_default();
-    (0..texels.len())
-        .map(|i| {
-            let sampled = of(&lobe, i);
-            if closed[i] {
-                let known = closed_form::terms(task, &texels[i], reflects[i] && closed_lobe[i]);
-                return match closed_lobe[i] {
-                    true => known,
-                    false => Terms {
-                        specular: sampled.specular,
-                        reflection: sampled.reflection,
-                        halves: sampled.halves,
-                        rays: sampled.rays,
-                        ..known
-                    },
-                };
-            }
-            let light = |asked: bool, own: Estimate<DVec3>, drawn: Estimate<DVec3>| match asked {
-                false => Estimate::default(),
-                true => Estimate {
-                    value: own.value + drawn.value,
-                    std_err: own.std_err.hypot(drawn.std_err),
-                },
-            };
-            let (above, aimed) = (of(&hemisphere, i), of(&sky, i));
-            let (own, drawn) = (&above.halves, &aimed.halves);
-            let halves = Halves {
-                specular: sampled.halves.specular,
-                irradiance: own.irradiance + drawn.irradiance,
-                reflection: sampled.halves.reflection + drawn.reflection,
-                directional: own.directional.with(&drawn.directional, |a, b| a + b),
-                ..*own
-            };
-            Terms {
-                halves,
-                any_view: any_view(task, &texels[i], moments.get(i)),
-                directional: above.directional.with(&aimed.directional, |a, b| a + b),
-                specular: sampled.specular,
-                irradiance: light(task.hemisphere, above.irradiance, aimed.irradiance),
-                reflection: light(reflects[i], sampled.reflection, aimed.reflection),
-                rays: above.rays + sampled.rays + aimed.rays,
-                ..above
-            }
-        })
-        .collect()
+    rounds(Technique::Lobe, &glossy, &mut [], &beside);
+    if lit && task.draw_sky {
+        rounds(Technique::Sky, &which(&|i| !closed[i]), &mut [], &none);
+    }
+    for (i, moments) in moments.iter().enumerate().filter(|(i, _)| !closed[*i]) {
+        terms[i].any_view = any_view(task, &texels[i], moments);
+    }
+    terms
 }
 
 /// How many texels gather harmonics: all or none.
@@ -143,9 +108,9 @@ fn moments_of(task: &Task<'_>, texels: &[Texel]) -> usize {
 fn any_view(
     task: &Task<'_>,
     texel: &Texel,
-    moments: Option<&[Moments; REPLICATES as usize]>,
+    moments: &[Moments; REPLICATES as usize],
 ) -> Option<Box<AnyView>> {
-    let (order, moments) = (task.any_view?, moments?);
+    let order = task.any_view?;
     let (mut coefficients, variances) = gang::coefficients(moments);
     let exponent = texel.material.exponent;
     let order = order.min(order_for(exponent, task.rays));
@@ -164,17 +129,18 @@ struct Lit<'a> {
 }
 
 impl Lit<'_> {
-    /// Casts the rays of one technique for the texels `which`. The terms of all texels; none where `which`
-    /// is empty. `beside` is what the hemisphere has found for lobes; it comes back from the hemisphere.
+    /// Casts the rays of one technique for the texels `which`, and adds what they say to the terms of all texels. `beside` is what the
+    /// hemisphere has found for lobes; it comes back from the hemisphere.
     fn rounds(
         &self,
         technique: Technique,
-        which: Vec<usize>,
+        which: &[usize],
         moments: &mut [[Moments; REPLICATES as usize]],
         beside: &Beside,
-    ) -> (Vec<Terms>, Beside) {
+        terms: &mut [Terms],
+    ) -> Beside {
         if which.is_empty() {
-            return Default::default();
+            return Beside::default();
         }
         let Self {
             task,
@@ -198,35 +164,35 @@ impl Lit<'_> {
             directions: vec![none; if gathers { texels.len() } else { 0 }],
             beside,
         };
-        caster.spend(task.rays, &which);
+        caster.spend(task.rays, which);
         let known = caster.gathered();
+        known.add_to(terms);
         let slopes: Vec<[f64; 2]> = match caster.moments.is_empty() {
             true => Vec::new(),
             false => (0..texels.len())
                 .map(|i| known.slopes(i, Quantity::Visibility))
                 .collect(),
         };
-        let mut terms: Vec<Terms> = (0..texels.len()).map(|i| known.terms(i)).collect();
-        for (i, directions) in caster.directions.iter().enumerate() {
-            if caster.points[i] == 0 {
-                continue;
-            }
+        for &i in which.iter().filter(|_| gathers) {
+            let directions = &caster.directions[i];
             let [a, b] = DirectionSums::terms(directions, task, &known, i);
-            terms[i].directional = a.with(&b, |a, b| mean(&caster.sums[i], [a, b]));
-            terms[i].halves.directional = a.with(&b, |a, b| 0.5 * (a - b));
+            let terms = &mut terms[i];
+            let all = a.with(&b, |a, b| mean(&caster.sums[i], [a, b]));
+            terms.directional = terms.directional.with(&all, |a, b| a + b);
+            let half = a.with(&b, |a, b| 0.5 * (a - b));
+            terms.halves.directional = terms.halves.directional.with(&half, |a, b| a + b);
         }
         for (moments, slopes) in caster.moments.iter_mut().zip(slopes) {
             for (moments, slope) in moments.iter_mut().zip(slopes) {
                 moments.slope = slope;
             }
         }
-        let beside = match joins {
+        match joins {
             false => Beside::default(),
             true => Beside {
                 sums: caster.sums,
                 sent: caster.sent,
             },
-        };
-        (terms, beside)
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! What the texels of a bake are integrated with.
 
-use super::sums::Technique;
+use super::sums::{REPLICATES, Technique};
 use crate::labels;
 use crate::options::{Model, Pattern, Shading, Sky, View};
 use crate::survey::Texel;
@@ -45,40 +45,57 @@ pub(crate) struct Task<'a> {
     pub draw_sky: bool,
 }
 
+/// What the points of a tile's texels have in common.
+pub(super) struct Joint {
+    label: u32,
+    streams: [Stream; REPLICATES as usize],
+}
+
 impl Task<'_> {
     /// A texel's own stream.
     pub fn stream(&self, x: u32, y: u32, label: u32, replicate: u32) -> Stream {
         Stream::new(self.seed, self.page, y * self.size + x, label, replicate)
     }
 
-    /// A texel's points `net` of a replicate under the pattern, counted from 0: the texels of a tile take parts of one sequence, or blocks of them
-    /// share directions but never places. Guided points are independent of those that their guide was made of.
-    pub fn net(
-        &self,
-        texel: &Texel,
-        technique: Technique,
-        net: &Range<u32>,
-        (replicate, is_guided): (u32, bool),
-    ) -> Stream {
+    /// What the texels of a block of this edge have in common of a replicate.
+    fn shared(&self, texel: &Texel, edge: u32, label: u32, replicate: u32) -> Stream {
+        // Blocks have labels that no texel has.
+        let across = self.size.div_ceil(edge);
+        let block = 1 << 31 | (texel.y / edge * across + texel.x / edge);
+        Stream::new(self.seed, self.page, block, label, replicate)
+    }
+
+    /// What the replicates of the texels of `texel`'s tile have in common. Guided points are independent of those that their guide was made of.
+    pub(super) fn joint(&self, texel: &Texel, technique: Technique, is_guided: bool) -> Joint {
         let label = match technique {
             Technique::Hemisphere if is_guided => labels::GUIDED,
             Technique::Hemisphere => labels::HEMISPHERE,
             Technique::Lobe => labels::LOBE,
             Technique::Sky => labels::SKY,
         };
-        // Blocks have labels that no texel has.
-        let shared = |edge: u32| {
-            let across = self.size.div_ceil(edge);
-            let block = 1 << 31 | (texel.y / edge * across + texel.x / edge);
-            Stream::new(self.seed, self.page, block, label, replicate)
-        };
-        let own = || self.stream(texel.x, texel.y, label, replicate);
+        let streams = std::array::from_fn(|k| self.shared(texel, TILE, label, k as u32));
+        Joint { label, streams }
+    }
+
+    /// A texel's points `net` of a replicate under the pattern, counted from 0: the texels of a tile take parts of one sequence, or blocks of them
+    /// share directions but never places.
+    pub(super) fn net(
+        &self,
+        joint: &Joint,
+        texel: &Texel,
+        net: &Range<u32>,
+        replicate: u32,
+    ) -> Stream {
+        let Texel { x, y, .. } = *texel;
+        let own = || self.stream(x, y, joint.label, replicate);
         match self.pattern {
             Pattern::Joint if self.points == PointSet::Sobol => {
-                shared(TILE).joint([texel.x, texel.y], TILE.ilog2(), net)
+                joint.streams[replicate as usize].joint([x, y], TILE.ilog2(), net)
             }
             Pattern::Joint => own(),
-            Pattern::Tiled => own().with_directions(&shared(SHARE)),
+            Pattern::Tiled => {
+                own().with_directions(&self.shared(texel, SHARE, joint.label, replicate))
+            }
         }
     }
 

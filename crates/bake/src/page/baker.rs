@@ -11,7 +11,7 @@ use super::tile::{BakedTile, Columns};
 use crate::bounce::{GatherPilot, Taken};
 use crate::choice::Choice;
 use crate::clock::ThreadClock;
-use crate::integrate::{Task, integrate, lobe};
+use crate::integrate::{Coat, Task, integrate};
 use crate::options::{Buried, Footprint, Model, Options, View};
 use crate::plan::Plan;
 use crate::seams::Across;
@@ -22,7 +22,7 @@ use atlas::{Atlas, PageRaster, Rasters, Tile};
 use layers::{Layer, Progress};
 use pulp::Arch;
 use rayon::prelude::*;
-use rays::{PlaneErrors, RayBackend, Solids, World};
+use rays::{PhongMaterial, PlaneErrors, RayBackend, Solids, World};
 use std::convert::Infallible;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -343,41 +343,34 @@ impl<'a> Baker<'a> {
         let texels = self.survey(tile, page);
         let lobes = self.plan.models(Choice::Specular);
         let specular: Vec<bool> = texels.iter().map(|t| lobes && self.reflects(t)).collect();
-        let microfacets = options.model == Model::Ggx;
-        let terms = integrate(&task, &texels, &specular);
-        let coloured = |texel: &Texel| {
-            let mut material = texel.material;
-            let mut base = material.albedo;
-            if microfacets {
+        let coats = Coat::of_all(&task, &texels);
+        let terms = integrate(&task, &texels, &coats, &specular);
+        let open_specular = |texel: &Texel| match options.model {
+            Model::Ggx => 1.0,
+            Model::Phong => {
                 let view = task.view_from(texel.position, texel.normal);
-                [base, material.specular] = lobe::colours(&material, texel.normal.dot(view));
-            }
-            (material, base)
-        };
-        let open_specular = |texel: &Texel| {
-            let view = task.view_from(texel.position, texel.normal);
-            match microfacets {
-                true => 1.0,
-                false => phong_open(
+                phong_open(
                     texel.material.exponent,
                     texel.normal.dot(view),
                     texel.normal.cross(view).length(),
-                ),
+                )
             }
         };
         texels
             .iter()
             .zip(terms)
-            .zip(&specular)
-            .map(|((texel, terms), reflects)| (texel, terms, coloured(texel), *reflects))
-            .map(|(texel, terms, (material, base), reflects)| BakedTexel {
+            .zip(coats.iter().zip(&specular))
+            .map(|((texel, terms), (coat, &reflects))| BakedTexel {
                 open_specular: if reflects { open_specular(texel) } else { 0.0 },
                 index: texel.y * self.atlas.page_size + texel.x,
                 coverage: texel.coverage,
                 object: texel.object,
                 terms,
-                material,
-                base,
+                material: PhongMaterial {
+                    specular: coat.specular,
+                    ..texel.material
+                },
+                base: coat.base,
                 position: texel.position,
                 normal: texel.normal,
                 geometric: texel.geometric,
