@@ -251,7 +251,7 @@ impl Gather<'_> {
     /// Rays over a texel's lobe for each ray over the hemisphere.
     pub fn lobe_share(&self, texel: &Texel, full: bool) -> f32 {
         let view = self.view_from(texel.position, texel.normal);
-        Coat::of(self.model, &texel.material, texel.normal.dot(view)).worth(full)
+        Coat::of(self.model, full, &texel.material, texel.normal.dot(view)).share
     }
 
     /// What a light without extent brings, the same in all channels; `None` where no ray needs to be cast. Light from below a facet comes

@@ -46,13 +46,16 @@ pub(crate) struct Coat {
     pub base: DVec3,
     /// Specular reflectance.
     pub specular: DVec3,
+    /// Rays of its lobe for each ray of the hemisphere.
+    pub share: f32,
     /// Without colour, of GGX.
     open: Albedos,
 }
 
 impl Coat {
-    /// Of a material whose view makes `cos` with its normal.
-    pub fn of(model: Model, material: &PhongMaterial, cos: f64) -> Self {
+    /// Of a material whose view makes `cos` with its normal. Its lobe has as many rays as the hemisphere where `full`, else as many as it is worth, down to a
+    /// power of two.
+    pub fn of(model: Model, full: bool, material: &PhongMaterial, cos: f64) -> Self {
         let PhongMaterial {
             albedo,
             specular,
@@ -62,26 +65,27 @@ impl Coat {
             tinted: 1.0,
             white: 0.0,
         };
-        let plain = |open| Self {
-            base: albedo,
-            specular,
-            open,
+        let f0 = specular.min(DVec3::ONE);
+        let open = match model {
+            Model::Phong => none,
+            Model::Ggx => Ggx::new(alpha_of(exponent), cos).open(),
         };
-        match model {
-            Model::Phong => plain(none),
-            Model::Ggx => {
-                let open = Ggx::new(alpha_of(exponent), cos).open();
-                let f0 = specular.min(DVec3::ONE);
-                if f0 == DVec3::ZERO {
-                    return plain(open);
-                }
+        let [base, specular] = match model {
+            Model::Ggx if f0 != DVec3::ZERO => {
                 let specular = open.of(f0);
-                Self {
-                    base: base(albedo, f0, specular),
-                    specular,
-                    open,
-                }
+                [base(albedo, f0, specular), specular]
             }
+            _ => [albedo, specular],
+        };
+        Self {
+            base,
+            specular,
+            share: if full {
+                1.0
+            } else {
+                share(weight(base, specular))
+            },
+            open,
         }
     }
 
@@ -99,21 +103,13 @@ impl Coat {
             match last {
                 Some((material, seen, coat)) if material == texel.material && seen == cos => coat,
                 _ => {
-                    let coat = Self::of(task.model, &texel.material, cos);
+                    let coat = Self::of(task.model, task.full_lobes, &texel.material, cos);
                     last = Some((texel.material, cos, coat));
                     coat
                 }
             }
         };
         texels.iter().map(&mut of).collect()
-    }
-
-    /// Rays of its lobe for each ray of the hemisphere: 1 where `full`, else down to a power of two.
-    pub fn worth(&self, full: bool) -> f32 {
-        match full {
-            true => 1.0,
-            false => share(weight(self.base, self.specular)),
-        }
     }
 }
 
@@ -124,7 +120,7 @@ impl Lobe {
         let plain = Self {
             alpha: 1.0,
             scale: (1.0 / (material.exponent + 1.0)) as f32,
-            share: coat.worth(task.full_lobes),
+            share: coat.share,
             joins: false,
             whole: [tinted + white, white],
             f0: None,

@@ -67,10 +67,12 @@ pub(crate) fn integrate(
     };
     let mut terms: Vec<Terms> = (0..texels.len()).map(start).collect();
     let lobe_of = |i: usize| {
-        let mut lobe = Lobe::of(task, &texels[i].material, &coats[i]);
-        // There are no rays over the hemisphere where it is known.
-        lobe.joins &= !closed[i];
-        (reflects[i] && !known(i)).then_some(lobe)
+        (reflects[i] && !known(i)).then(|| {
+            let mut lobe = Lobe::of(task, &texels[i].material, &coats[i]);
+            // There are no rays over the hemisphere where it is known.
+            lobe.joins &= !closed[i];
+            lobe
+        })
     };
     let lobes: Vec<Option<Lobe>> = (0..texels.len()).map(lobe_of).collect();
     let which = |wanted: &dyn Fn(usize) -> bool| -> Vec<usize> {

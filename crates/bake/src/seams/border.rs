@@ -35,7 +35,12 @@ impl Border {
 
     /// Scene units that a texel spans along the edge.
     pub fn texel(&self) -> f64 {
-        self.length() / self.texels[0].distance(self.texels[1])
+        self.length() / self.texels_across()
+    }
+
+    /// Its length on the page, in texels.
+    pub fn texels_across(&self) -> f64 {
+        self.texels[0].distance(self.texels[1])
     }
 
     /// Scene units that a texel spans in the direction in which it spans more.

@@ -63,7 +63,7 @@ const SAME_SURFACE: f64 = 0.998_629_534_754_574;
 /// side shows, which would only be spoilt.
 const UNLIKE: f64 = 8.0;
 
-/// Common parts below this many texels are no seam.
+/// Borders and common parts below this many texels are no seam.
 const SHORTEST: f64 = 1e-3;
 
 /// All pairs of borders that are seams.
@@ -75,7 +75,10 @@ pub(super) fn pairs(borders: &[Border], scope: Scope) -> Vec<Pair> {
         let [low, high] = space(&borders[heaps.members(end - 1)[0] as usize]);
         (end as u32 - 1, low, high)
     }));
-    let found = (0..borders.len() as u32).into_par_iter().map(|own| {
+    // What is shorter on the page than in space by far would reach for all that there is.
+    let is_seam = |border: &u32| borders[*border as usize].texels_across() >= SHORTEST;
+    let owns = (0..borders.len() as u32).into_par_iter().filter(is_seam);
+    let found = owns.map(|own| {
         let ([low, high], reach) = (space(&borders[own as usize]), reaches[own as usize]);
         let mut near: Vec<u32> = Vec::new();
         // Both have to reach the other: the one that reaches less far looks.
@@ -179,7 +182,7 @@ fn common(numbers: [u32; 2], a: &Border, b: &Border, scope: Scope) -> Option<Pai
     let ends = b.ends.map(|end| place(a, end));
     let from = ends[0].min(ends[1]).max(0.0);
     let to = ends[0].max(ends[1]).min(1.0);
-    if (to - from) * a.texels[0].distance(a.texels[1]) < SHORTEST {
+    if (to - from) * a.texels_across() < SHORTEST {
         return None;
     }
     let span = [from, to];
