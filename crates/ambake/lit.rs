@@ -3,9 +3,9 @@
 use crate::job::Job;
 use crate::options::Effort;
 use ::bake::{BakedPage, LayerPlanes};
-use glam::{DVec3, Vec2};
+use glam::{DVec3, Vec2, Vec3};
 use rays::{Overrides, SurfaceHit, Surfaces};
-use render::{Direct, Framing, Lamps, Lit, Model, TexelPlace};
+use render::{Direct, Exposure, Framing, Lamps, Lit, Model, TexelPlace};
 use std::time::Instant;
 
 /// Layers that can light a scene, the best one first.
@@ -27,7 +27,7 @@ const RAYS: u32 = 16;
 pub(crate) struct LitScene {
     /// Found with the first page.
     lit: Option<Lit>,
-    background: DVec3,
+    backdrop: DVec3,
     seconds: f64,
 }
 
@@ -40,8 +40,8 @@ impl LitScene {
             .find_map(|name| page.planes.iter().find(|p| p.layer.name() == *name));
         if let Some(LayerPlanes { values, .. }) = layer {
             if self.lit.is_none() {
-                self.background = render::backdrop(job.options().sky.mean().into());
-                self.lit = job.within(|| look(job, self.background));
+                self.backdrop = render::backdrop(job.options().sky.mean().into());
+                self.lit = job.within(|| look(job));
             }
             let mut planes = values.chunks_exact(page.texels());
             let red = planes.next().unwrap_or_default();
@@ -56,9 +56,12 @@ impl LitScene {
     /// The picture as a PNG file; `None` where no layer can light it.
     pub fn picture(&mut self) -> Option<Vec<u8>> {
         let clock = Instant::now();
-        let picture = self.lit.as_ref()?.picture();
-        let stops = render::exposure(&picture, self.background);
-        let picture = render::exposed(picture, f64::from(stops));
+        let (picture, alpha) = self.lit.as_ref()?.picture();
+        let mut picture = Exposure::of(&picture, &alpha).shown(picture);
+        let behind = self.backdrop.as_vec3();
+        for (pixel, alpha) in picture.pixels.iter_mut().zip(alpha) {
+            *pixel = (Vec3::from(*pixel) + (1.0 - alpha) * behind).to_array();
+        }
         let png = report::picture_png(picture.width, &picture.pixels);
         self.seconds += clock.elapsed().as_secs_f64();
         Some(png)
@@ -71,7 +74,7 @@ impl LitScene {
 }
 
 /// What the fitted camera sees; `None` where the scene has no extent to look at.
-fn look(job: &Job, background: DVec3) -> Option<Lit> {
+fn look(job: &Job) -> Option<Lit> {
     let (world, options) = (job.world(), job.options());
     let (surfaces, lamps) = (Surfaces::new(world), Lamps::of(world));
     let direct = Direct {
@@ -80,7 +83,7 @@ fn look(job: &Job, background: DVec3) -> Option<Lit> {
         model: Model::Lambert,
         rays: RAYS,
         sky: options.sky.mean().into(),
-        background,
+        background: DVec3::ZERO,
         lights: &[],
         max_distance: options.max_distance.unwrap_or(f32::INFINITY),
         seed: options.seed,

@@ -66,8 +66,7 @@ pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
     let look = camera.eye
         + camera.forward * distance.max(0.1 * (world.bounds().max - world.bounds().min).length());
 
-    let background = DVec3::NEG_ONE;
-    let mut lit = look_at(&world, backend.as_ref(), &camera, background, &page_of)?;
+    let mut lit = look_at(&world, backend.as_ref(), &camera, &page_of)?;
     let step = step(files.len() as u64, bake.atlas.page_size);
     let mut pages = Vec::with_capacity(files.len());
     for file in &files {
@@ -86,6 +85,7 @@ pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
         );
     }
     let bench = benchmark(dir);
+    let (seen, alpha) = lit.picture();
     let viewer = Viewer {
         title: stem,
         scene: world.scene(),
@@ -93,7 +93,7 @@ pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
         pages: &pages,
         view: [camera.eye, look],
         fov: 2.0 * camera.slope.atan(),
-        stops: render::exposure(&lit.picture(), background),
+        stops: render::Exposure::of(&seen, &alpha).stops as i32,
         kernel: kernel(&bake),
         bake: &json,
         bench: bench.as_deref(),
@@ -139,7 +139,6 @@ fn look_at(
     world: &World,
     backend: &dyn RayBackend,
     camera: &Camera,
-    background: DVec3,
     page_of: &[Option<u32>],
 ) -> Result<Lit, render::Error> {
     let (surfaces, lamps) = (Surfaces::new(world), Lamps::of(world));
@@ -149,7 +148,7 @@ fn look_at(
         model: Model::Lambert,
         rays: 1,
         sky: DVec3::ONE,
-        background,
+        background: DVec3::ZERO,
         lights: &[],
         max_distance: f32::INFINITY,
         seed: 0,

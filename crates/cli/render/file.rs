@@ -6,6 +6,7 @@ use crate::host;
 use ::render::Lightmap;
 use ::render::tables::specular_files;
 use anyhow::{Context, bail};
+use glam::DVec3;
 use maps::{Format, Image, Labels};
 use rays::World;
 use report::Output;
@@ -107,13 +108,24 @@ impl Behind {
         Ok(Behind::Plate(plate))
     }
 
+    /// One colour.
+    pub fn even([width, height]: [u32; 2], color: DVec3) -> Behind {
+        let [width, height] = [width, height].map(|n| n as usize);
+        let pixels = vec![color.as_vec3().to_array(); width * height];
+        Behind::Plate(Image {
+            width,
+            height,
+            pixels,
+        })
+    }
+
     /// A picture before black with its alpha, as it is written: over the plate, or with the alpha.
-    pub fn compose(&self, picture: &mut Image, alpha: Vec<f32>) -> Option<Vec<f32>> {
+    pub fn compose<'a>(&self, picture: &mut Image, alpha: &'a [f32]) -> Option<&'a [f32]> {
         match self {
             Behind::Own => None,
             Behind::Nothing => Some(alpha),
             Behind::Plate(plate) => {
-                ::render::over(picture, &alpha, plate);
+                ::render::over(picture, alpha, plate);
                 None
             }
         }

@@ -49,7 +49,7 @@ pub fn draw(
         for frame in sequence.frames(progress, |eye, toward| subject.hit(eye, toward)) {
             let mut frame = frame?;
             let alpha = std::mem::take(&mut frame.alpha);
-            let matte = behind.compose(&mut frame.picture, alpha);
+            let matte = behind.compose(&mut frame.picture, &alpha);
             shading += frame.shading_seconds;
             let about = about(args, world, &sequence, &set, &frame).to_string();
             for path in &args.output {
@@ -57,7 +57,7 @@ pub fn draw(
                     true => numbered_name(path, frame.number),
                     false => path.clone(),
                 };
-                file::write(&path, &frame.picture, matte.as_deref(), &about, &inputs)?;
+                file::write(&path, &frame.picture, matte, &about, &inputs)?;
                 written.push(path);
             }
         }

@@ -7,9 +7,7 @@ use crate::common::lights;
 use crate::outcome::{Outcome, say, say_json};
 use crate::progress::watch;
 use crate::stop::Stop;
-use ::render::{
-    Error, Lamps, Lightmap, Model, Sample, alpha, backdrop, exposed, exposure, picture,
-};
+use ::render::{Error, Lamps, Lightmap, Model, Sample, alpha, backdrop, picture};
 use anyhow::Context;
 use glam::DVec3;
 use rays::{RayBackend, Surfaces, World};
@@ -47,7 +45,16 @@ pub fn draw(
             false => direct.sky,
         };
     }
-    let behind = Behind::of(args)?;
+    // What stands behind the surfaces has no part in how bright they are shown.
+    let is_auto = match args.exposure {
+        Some(Exposure::Auto) => true,
+        Some(Exposure::Stops(_)) => false,
+        None => fitted,
+    };
+    let behind = match Behind::of(args)? {
+        Behind::Own if is_auto => Behind::even(camera.size, direct.background),
+        behind => behind,
+    };
     if !matches!(behind, Behind::Own) {
         direct.background = DVec3::ZERO;
     }
@@ -58,16 +65,15 @@ pub fn draw(
     let picture = watch(options::show(args, "pixels"), stop, |progress| {
         picture(&camera, args.view.samples, progress, radiance)
     });
-    let mut picture = match picture {
+    let picture = match picture {
         Err(Error::Cancelled) => return Ok(stop.outcome()),
         picture => picture?,
     };
-    let matte = match behind {
-        Behind::Own => None,
+    let alpha = match behind {
+        Behind::Own => Vec::new(),
         _ => {
             let meets = |sample: &Sample| direct.meets(sample);
-            let alpha = alpha(&camera, args.view.samples, &(), meets)?;
-            behind.compose(&mut picture, alpha)
+            alpha(&camera, args.view.samples, &(), meets)?
         }
     };
     let described = json!({
@@ -84,23 +90,18 @@ pub fn draw(
         "seed": args.common.seed,
     });
     let inputs = file::inputs(args, world, lightmap);
-    let stops = match args.exposure {
-        Some(Exposure::Stops(stops)) => stops,
-        None if !fitted => 0.0,
-        Some(Exposure::Auto) | None => f64::from(exposure(&picture, direct.background)),
+    let exposure = match args.exposure {
+        Some(Exposure::Stops(stops)) => ::render::Exposure::of_stops(stops),
+        _ if is_auto => ::render::Exposure::of(&picture, &alpha),
+        _ => ::render::Exposure::of_stops(0.0),
     };
     for path in &args.output {
-        let shown = match file::ending(path)? {
-            "png" => &exposed(picture.clone(), stops),
-            _ => &picture,
+        let mut shown = match file::ending(path)? {
+            "png" => exposure.shown(picture.clone()),
+            _ => picture.clone(),
         };
-        file::write(
-            path,
-            shown,
-            matte.as_deref(),
-            &described.to_string(),
-            &inputs,
-        )?;
+        let matte = behind.compose(&mut shown, &alpha);
+        file::write(path, &shown, matte, &described.to_string(), &inputs)?;
     }
     if args.common.json {
         say_json(&json!({

@@ -5,6 +5,7 @@ use crate::material::{PhongMaterial, emission_at, material_at};
 use crate::surface::{Patch, PlaneErrors};
 use crate::world::World;
 use glam::{DVec3, Vec3};
+use scene::Alpha;
 
 /// Turns hits into surface points.
 #[derive(Debug)]
@@ -75,6 +76,14 @@ impl<'a> Surfaces<'a> {
         let scene = self.world.scene();
         let mesh = &scene.meshes[scene.instances[hit.instance as usize].mesh as usize];
         scene.materials[mesh.material as usize].emission != Vec3::ZERO
+    }
+
+    /// True where the surface of an object lets a share of light pass: no cut-out, which stops or lets through.
+    pub fn is_see_through(&self, instance: u32) -> bool {
+        let scene = self.world.scene();
+        let mesh = &scene.meshes[scene.instances[instance as usize].mesh as usize];
+        let material = &scene.materials[mesh.material as usize];
+        matches!(material.alpha, Alpha::Blend { .. }) || material.transmission.is_some()
     }
 
     /// Radiance that the surface at a hit sends out by itself toward the side from which it was met, linear RGB.

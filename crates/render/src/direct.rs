@@ -101,24 +101,24 @@ impl Direct<'_> {
     /// The same with the ambient model taken from a bake; surfaces without texels are integrated.
     pub fn radiance_baked(&self, sample: &Sample, map: &Lightmap) -> DVec3 {
         let scene = self.surfaces.world().scene();
-        let (radiance, place) = self.beside_texels(sample, |hit| map.place(scene, hit));
+        let Some(hit) = self.hit(sample) else {
+            return self.background;
+        };
+        let (radiance, place) = self.beside_texels(sample, &hit, map.place(scene, &hit));
         radiance + place.map_or(DVec3::ZERO, |place| map.at(place))
     }
 
-    /// The radiance of a sample but for what a bake holds, and the place in the bake that holds the rest.
+    /// The radiance of what a sample meets but for what a bake holds, and the place in the bake that holds the rest, where there is one.
     pub(crate) fn beside_texels(
         &self,
         sample: &Sample,
-        place: impl Fn(&SurfaceHit) -> Option<TexelPlace>,
+        hit: &SurfaceHit,
+        place: Option<TexelPlace>,
     ) -> (DVec3, Option<TexelPlace>) {
-        let Some(hit) = self.hit(sample) else {
-            return (self.background, None);
-        };
-        let place = place(&hit);
-        if place.is_some() && self.lights.is_empty() && !self.surfaces.may_shine(&hit) {
+        if place.is_some() && self.lights.is_empty() && !self.surfaces.may_shine(hit) {
             return (DVec3::ZERO, place);
         }
-        let point = self.point(sample, &hit);
+        let point = self.point(sample, hit);
         let view = -sample.direction;
         let stream = |term| Stream::new(self.seed, 0, sample.pixel, term, sample.number);
         let coat = self.coat(&point, view, stream(LOBE));
@@ -141,7 +141,7 @@ impl Direct<'_> {
         Some((hit, point))
     }
 
-    fn hit(&self, sample: &Sample) -> Option<SurfaceHit> {
+    pub(crate) fn hit(&self, sample: &Sample) -> Option<SurfaceHit> {
         self.backend.closest(&Ray {
             origin: sample.eye.as_vec3().to_array(),
             direction: sample.direction.as_vec3().to_array(),

@@ -37,6 +37,15 @@ pub(crate) fn ground() -> Sheet {
 
 /// A world of sheets and the backend that needs no library.
 pub(crate) fn world(sheets: &[Sheet]) -> (World, Box<dyn RayBackend>) {
+    world_of(sheets, Alpha::Opaque)
+}
+
+/// A world of a white sheet that stops this share of the rays.
+pub(crate) fn see_through(place: [Vec3; 3], factor: f32) -> (World, Box<dyn RayBackend>) {
+    world_of(&[white(place)], Alpha::Blend { factor, map: None })
+}
+
+fn world_of(sheets: &[Sheet], alpha: Alpha) -> (World, Box<dyn RayBackend>) {
     let mesh = |(number, sheet): (usize, &Sheet)| {
         let [corner, a, b] = sheet.place;
         Mesh {
@@ -75,7 +84,7 @@ pub(crate) fn world(sheets: &[Sheet]) -> (World, Box<dyn RayBackend>) {
         emission: sheet.emission,
         emission_map: None,
         transmission: None,
-        alpha: Alpha::Opaque,
+        alpha: alpha.clone(),
         normal_map: None,
         double_sided: true,
     };

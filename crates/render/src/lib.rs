@@ -24,6 +24,7 @@ mod direct;
 #[cfg(test)]
 mod direct_tests;
 mod error;
+mod exposure;
 mod fit;
 #[cfg(test)]
 mod fixture;
@@ -42,10 +43,11 @@ pub use camera::Camera;
 pub use capture::{PointForm, add_points, capture};
 pub use direct::{Direct, Model};
 pub use error::Error;
+pub use exposure::{Exposure, backdrop};
 pub use fit::{Fit, Shot, fit};
 pub use framing::Framing;
 pub use lightmap::{Lightmap, TexelPlace, baked_scene};
-pub use lit::{Lit, backdrop, exposed, exposure};
+pub use lit::Lit;
 pub use matte::{alpha, over};
 pub use picture::{Sample, picture};
 pub use progress::Part;

@@ -8,29 +8,33 @@ use layers::Progress;
 use maps::Image;
 use rays::SurfaceHit;
 
+/// Samples across a pixel where something see-through may stand: which rays it stops is told ray by ray, and few would be pepper.
+const FINE: u32 = 6;
+
 /// A picture that waits for its pages.
 pub struct Lit {
     size: [u32; 2],
-    grid: u32,
-    /// Every sample of a pixel after another, pixel by pixel.
+    /// Every sample of a pixel after another, pixel by pixel, and where each pixel begins, with the end.
     seen: Vec<Seen>,
+    starts: Vec<usize>,
 }
 
 /// What one camera sample shows.
 struct Seen {
     /// What is known of its radiance so far.
     radiance: Vec3,
-    /// Where the rest stands; the page is [`Seen::KNOWN`] where nothing is missing.
+    /// Where the rest stands; the page is [`Seen::KNOWN`] where nothing is missing, and [`Seen::VOID`] where no surface is met.
     page: u32,
     uv: Vec2,
 }
 
 impl Seen {
     const KNOWN: u32 = u32::MAX;
+    const VOID: u32 = u32::MAX - 1;
 }
 
 impl Lit {
-    /// What a camera sees with a regular `grid` by `grid` of samples for each pixel.
+    /// What a camera sees with a regular `grid` by `grid` of samples for each pixel, and more about see-through surfaces.
     ///
     /// * `place`: where the texels of a hit lie; surfaces without any are integrated.
     ///
@@ -43,21 +47,55 @@ impl Lit {
         progress: &dyn Progress,
         place: impl Fn(&SurfaceHit) -> Option<TexelPlace> + Sync,
     ) -> Result<Lit, Error> {
-        let [width, height] = camera.size;
-        let count = grid * grid;
-        let look = |index: usize| {
-            let sample = Sample::of(camera, grid, index as u32 / count, index as u32 % count);
-            let (radiance, place) = direct.beside_texels(&sample, &place);
-            Seen {
-                radiance: radiance.as_vec3(),
-                page: place.map_or(Seen::KNOWN, |place| place.page),
-                uv: place.map_or(Vec2::ZERO, |place| place.uv),
-            }
+        let [width, height] = camera.size.map(|n| n as usize);
+        let pixels = width * height;
+        let look = |grid: u32, pixel: usize| -> (Vec<Seen>, bool) {
+            let mut is_glass = false;
+            let samples = (0..grid * grid).map(|number| {
+                let sample = Sample::of(camera, grid, pixel as u32, number);
+                let Some(hit) = direct.hit(&sample) else {
+                    return Seen {
+                        radiance: Vec3::ZERO,
+                        page: Seen::VOID,
+                        uv: Vec2::ZERO,
+                    };
+                };
+                is_glass |= direct.surfaces.is_see_through(hit.instance);
+                let (radiance, place) = direct.beside_texels(&sample, &hit, place(&hit));
+                Seen {
+                    radiance: radiance.as_vec3(),
+                    page: place.map_or(Seen::KNOWN, |place| place.page),
+                    uv: place.map_or(Vec2::ZERO, |place| place.uv),
+                }
+            });
+            (samples.collect(), is_glass)
         };
+        let mut all = each(pixels, 0, progress, |pixel| look(grid, pixel))?;
+        let is_glass: Vec<bool> = all.iter().map(|(_, is_glass)| *is_glass).collect();
+        // Where all samples of a pixel went through it, one beside met it.
+        let is_near = |pixel: &usize| {
+            let around = |at: usize, end: usize| at.saturating_sub(1)..(at + 2).min(end);
+            let mut rows = around(pixel / width, height);
+            rows.any(|y| around(pixel % width, width).any(|x| is_glass[y * width + x]))
+        };
+        let fine: Vec<usize> = (0..pixels)
+            .filter(is_near)
+            .filter(|_| grid < FINE)
+            .collect();
+        let finer = each(fine.len(), 0, progress, |k| look(FINE, fine[k]))?;
+        for (pixel, seen) in fine.into_iter().zip(finer) {
+            all[pixel] = seen;
+        }
+        let mut starts = vec![0];
+        starts.extend(all.iter().scan(0, |end, (seen, _)| {
+            *end += seen.len();
+            Some(*end)
+        }));
+        let seen = all.into_iter().flat_map(|(seen, _)| seen).collect();
         Ok(Lit {
             size: camera.size,
-            grid,
-            seen: each((width * height * count) as usize, 0, progress, look)?,
+            seen,
+            starts,
         })
     }
 
@@ -69,54 +107,34 @@ impl Lit {
         }
     }
 
-    /// The picture of all that came in, linear.
-    pub fn picture(&self) -> Image {
-        let count = (self.grid * self.grid) as usize;
+    /// The picture of all that came in, linear and before black, and the share of each pixel that shows surfaces.
+    pub fn picture(&self) -> (Image, Vec<f32>) {
+        let samples = || {
+            self.starts
+                .windows(2)
+                .map(|ends| &self.seen[ends[0]..ends[1]])
+        };
         let mean = |samples: &[Seen]| {
             let sum: DVec3 = samples.iter().map(|seen| seen.radiance.as_dvec3()).sum();
-            (sum / count as f64).as_vec3().to_array()
+            (sum / samples.len() as f64).as_vec3().to_array()
         };
-        Image {
+        let alpha = |samples: &[Seen]| {
+            let met = samples.iter().filter(|seen| seen.page != Seen::VOID);
+            met.count() as f32 / samples.len() as f32
+        };
+        let image = Image {
             width: self.size[0] as usize,
             height: self.size[1] as usize,
-            pixels: self.seen.chunks_exact(count).map(mean).collect(),
-        }
+            pixels: samples().map(mean).collect(),
+        };
+        (image, samples().map(alpha).collect())
     }
-}
-
-/// The radiance behind the lit scene: a pale blue as bright as the sky's mean, so that white surfaces stand out.
-pub fn backdrop(sky: DVec3) -> DVec3 {
-    DVec3::new(0.5, 0.65, 0.85) * (sky.element_sum() / 3.0)
-}
-
-/// Whole stops by which a picture is brightened (or darkened) so that it can be seen: 0 where the median of its surfaces lies
-/// between 0.08 and 1.2, otherwise what brings it near 0.3. Pixels that are exactly `background` do not count.
-pub fn exposure(picture: &Image, background: DVec3) -> i32 {
-    let background = background.as_vec3().to_array();
-    let surfaces = picture.pixels.iter().filter(|pixel| **pixel != background);
-    let mut bright: Vec<f32> = surfaces.map(|p| p[1].max(0.5 * (p[0] + p[2]))).collect();
-    bright.sort_unstable_by(f32::total_cmp);
-    match bright.get(bright.len() / 2) {
-        Some(&median) if median > 1e-6 && !(0.08..=1.2).contains(&median) => {
-            (0.3 / f64::from(median)).log2().round() as i32
-        }
-        _ => 0,
-    }
-}
-
-/// A picture brightened by so many stops.
-pub fn exposed(mut picture: Image, stops: f64) -> Image {
-    let factor = stops.exp2() as f32;
-    for value in picture.pixels.iter_mut().flatten() {
-        *value *= factor;
-    }
-    picture
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fixture::{ground, world};
+    use crate::fixture::{ground, see_through, world};
     use crate::{Lamps, Model};
     use rays::{Overrides, Surfaces};
 
@@ -152,21 +170,37 @@ mod tests {
         let mut lit = Lit::look(&direct, &camera, 2, &(), place).unwrap();
         lit.add(0, 1, [&[9.0], &[9.0], &[9.0]]);
         lit.add(1, 1, [&[0.25], &[0.5], &[0.75]]);
-        let picture = lit.picture();
-        assert_eq!(picture.pixels[0], [7.0; 3], "the sky");
+        let (picture, alpha) = lit.picture();
+        assert_eq!((picture.pixels[0], alpha[0]), ([0.0; 3], 0.0), "the sky");
+        assert_eq!((alpha[12], alpha[15]), (1.0, 1.0));
         assert_eq!(picture.pixels[12], [0.25, 0.5, 0.75], "texels of page 1");
         assert_eq!(picture.pixels[15], [1.0; 3], "integrated");
     }
 
     #[test]
-    fn only_pictures_that_cannot_be_seen_are_exposed_otherwise() {
-        let picture = |value: f32| Image {
-            width: 2,
-            height: 1,
-            pixels: vec![[value; 3], [1.0; 3]],
+    fn a_see_through_surface_is_no_pepper() {
+        let sheet = [Vec3::new(-8.0, -8.0, -1.0), Vec3::X * 16.0, Vec3::Y * 16.0];
+        let (world, backend) = see_through(sheet, 0.5);
+        let (surfaces, lamps) = (Surfaces::new(&world), Lamps::of(&world));
+        let direct = Direct {
+            surfaces: &surfaces,
+            backend: backend.as_ref(),
+            model: Model::Lambert,
+            rays: 1,
+            sky: DVec3::ONE,
+            background: DVec3::ZERO,
+            lights: &[],
+            max_distance: f32::INFINITY,
+            overrides: Overrides::default(),
+            seed: 0,
+            lamps: &lamps,
         };
-        for (value, stops) in [(0.3, 0), (0.09, 0), (0.02, 4), (9.0, -5), (0.0, 0)] {
-            assert_eq!(exposure(&picture(value), DVec3::ONE), stops, "{value}");
-        }
+        let camera = Camera::new(DVec3::ZERO, -DVec3::Z, DVec3::Y, 1.0, [16, 16]).unwrap();
+        let (_, alpha) = Lit::look(&direct, &camera, 1, &(), |_| None)
+            .unwrap()
+            .picture();
+        // 36 rays of which half are stopped: 0.083 is one standard deviation.
+        let off = alpha.iter().map(|alpha| (alpha - 0.5).powi(2)).sum::<f32>();
+        assert!((off / 256.0).sqrt() < 0.1, "{alpha:?}");
     }
 }

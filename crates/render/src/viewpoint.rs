@@ -9,8 +9,13 @@ use std::f64::consts::{PI, TAU};
 const WIDE: f64 = 65.0 * PI / 180.0;
 /// Directions in which a place looks around.
 const AROUND: u32 = 64;
-/// A place is closed where so many of them meet fronts of surfaces.
+/// A place is closed where so many of them meet fronts of surfaces, and half open where fewer do: a hall below a skylight.
 const CLOSED: u32 = 58;
+const HALF_OPEN: u32 = 36;
+/// Points on surfaces by which a view from inside and one from outside are compared.
+const POINTS: usize = 1024;
+/// The view from inside has to show so many times as many: a doll's house without a roof is looked at from above, a hall below a skylight is not.
+const MORE: usize = 3;
 /// A place is inside of a solid where so many meet backs.
 const SOLID: u32 = 12;
 /// A view from another side is taken where it shows so much more of the fronts of surfaces.
@@ -25,8 +30,8 @@ const SMALL: f64 = 0.2;
 
 impl Framing {
     /// The camera that shows a scene best: the one of [`Framing::camera`], from another side where that shows more fronts of
-    /// surfaces, and inside where most of the free space in the scene's box is closed. Inside, the field of view is at least
-    /// 65 degrees unless `keep_fov`.
+    /// surfaces, and inside where most of the free space in the scene's box is closed, or where three times as much of the surfaces' area is seen
+    /// from a place within that is half open. Inside, the field of view is at least 65 degrees unless `keep_fov`.
     ///
     /// # Errors
     /// [`Error::Camera`], see [`Camera::new`].
@@ -45,12 +50,16 @@ impl Framing {
             up: self.up.normalize_or(DVec3::Y),
             focus: focus.unwrap_or(world.bounds()),
         };
-        if let Some([eye, look]) = room.view() {
+        let inside = |view| {
             let fov = match keep_fov {
                 true => self.fov,
                 false => self.fov.max(WIDE),
             };
-            return Framing { fov, ..*self }.camera_at([eye, look]);
+            Framing { fov, ..*self }.camera_at(view)
+        };
+        let places = room.places();
+        if let Some(view) = room.closed(&places) {
+            return inside(view);
         }
         let turned = |step: u32| {
             let angle = TAU * f64::from(step) / 8.0;
@@ -78,9 +87,18 @@ impl Framing {
                 Camera::framing(corners, middle, turned(step), self.up, self.fov, self.size)
             }
         };
-        self.camera_at([eye, middle])
+        let outside = self.camera_at([eye, middle])?;
+        let Some(view) = room.best(&places, HALF_OPEN) else {
+            return Ok(outside);
+        };
+        let (inside, points) = (inside(view)?, points(world));
+        let [more, fewer] = [&inside, &outside].map(|camera| room.shown(camera, &points));
+        Ok(if more > MORE * fewer { inside } else { outside })
     }
 }
+
+/// A place where there is room, and how many directions meet fronts there.
+type Place = (DVec3, u32);
 
 /// The scene as a place to look around in.
 struct Room<'a> {
@@ -118,12 +136,11 @@ impl Room<'_> {
         f64::from(fronts) / f64::from(met.max(1))
     }
 
-    /// Eye and look-at point inside, where most of the free space is closed.
-    fn view(&self) -> Option<[DVec3; 2]> {
+    /// Places in the scene's box that are in no solid.
+    fn places(&self) -> Vec<Place> {
         let bounds = self.focus;
         let extent = bounds.max - bounds.min;
-        let (mut free, mut closed) = (0, Vec::new());
-        for index in 0..5 * 5 * 5 {
+        let place = |index: u32| {
             let part = [index % 5, index / 5 % 5, index / 25].map(|k| (f64::from(k) + 0.5) / 5.0);
             let eye = bounds.min + extent * DVec3::from_array(part);
             let (mut fronts, mut backs) = (0, 0);
@@ -134,18 +151,24 @@ impl Room<'_> {
                     None => {}
                 }
             }
-            if backs < SOLID {
-                free += 1;
-                if fronts >= CLOSED {
-                    closed.push(eye);
-                }
-            }
-        }
-        if closed.len() < 2 || 5 * closed.len() < 3 * free {
-            return None;
-        }
+            (backs < SOLID).then_some((eye, fronts))
+        };
+        (0..5 * 5 * 5).filter_map(place).collect()
+    }
+
+    /// Eye and look-at point inside, where most of the free space is closed.
+    fn closed(&self, places: &[Place]) -> Option<[DVec3; 2]> {
+        let closed = places
+            .iter()
+            .filter(|(_, fronts)| *fronts >= CLOSED)
+            .count();
+        (closed >= 2 && 5 * closed >= 3 * places.len()).then(|| self.best(places, CLOSED))?
+    }
+
+    /// Eye and look-at point that show most, at a place where so many directions meet fronts.
+    fn best(&self, places: &[Place], fronts: u32) -> Option<[DVec3; 2]> {
         let mut best: Option<(f64, [DVec3; 2])> = None;
-        for eye in closed {
+        for &(eye, _) in places.iter().filter(|place| place.1 >= fronts) {
             for step in 0..12 {
                 let (score, far) = self.depth(eye, TAU * f64::from(step) / 12.0);
                 if best.is_none_or(|(most, _)| score > most) {
@@ -154,6 +177,21 @@ impl Room<'_> {
             }
         }
         best.map(|(_, view)| view)
+    }
+
+    /// How many of some points on surfaces a camera sees from their front.
+    fn shown(&self, camera: &Camera, points: &[DVec3]) -> usize {
+        let is_shown = |point: &&DVec3| {
+            let way = **point - camera.eye;
+            let ahead = way.dot(camera.forward);
+            let [width, height] = camera.size.map(f64::from);
+            let [wide, high] = [camera.slope * width / height, camera.slope];
+            let is_in = way.dot(camera.right).abs() <= wide * ahead
+                && way.dot(camera.up).abs() <= high * ahead;
+            let hit = is_in.then(|| self.first(camera.eye, way)).flatten();
+            hit.is_some_and(|hit| hit.front && (f64::from(hit.t) - 1.0).abs() < 1e-3)
+        };
+        points.iter().filter(is_shown).count()
     }
 
     /// How much is to be seen in a horizontal direction, and a point to look at there: the mean logarithm of the distance of what
@@ -199,6 +237,30 @@ fn focus(world: &World) -> Option<Bounds> {
     let bounds = world.bounds();
     ((max - min).length() < SMALL * (bounds.max - bounds.min).length())
         .then_some(Bounds { min, max })
+}
+
+/// Points on the surfaces of a scene, evenly by area.
+fn points(world: &World) -> Vec<DVec3> {
+    let instances = 0..world.scene().instances.len() as u32;
+    let triangles = instances.flat_map(|instance| {
+        let count = world.part(instance).1.triangles().len() as u32;
+        (0..count).map(move |triangle| world.corners(instance, triangle))
+    });
+    let area = |[a, b, c]: &[DVec3; 3]| 0.5 * (*b - *a).cross(*c - *a).length();
+    let total: f64 = triangles.clone().map(|corners| area(&corners)).sum();
+    let step = total / POINTS as f64;
+    let (mut points, mut before) = (Vec::with_capacity(POINTS), 0.0);
+    for [a, b, c] in triangles {
+        before += area(&[a, b, c]);
+        while points.len() < POINTS && (points.len() as f64 + 0.5) * step < before {
+            // Of a triangle's points each has its own place in it.
+            let k = points.len() as f64;
+            let [u, v] = [0.754_877_666, 0.569_840_291].map(|turn| (k * turn).fract());
+            let root = f64::sqrt(u);
+            points.push(a + (b - a) * (root * (1.0 - v)) + (c - a) * (root * v));
+        }
+    }
+    points
 }
 
 /// The k-th of [`AROUND`] directions on a spiral over the sphere.
@@ -247,6 +309,19 @@ mod tests {
             assert_eq!(within, inside, "{sides} sides: {camera:?}");
             assert_eq!(camera.slope > 0.6, inside, "{sides} sides: {camera:?}");
         }
+    }
+
+    #[test]
+    fn a_hall_below_a_skylight_is_looked_at_from_inside() {
+        // Three eighths of its ceiling are open.
+        let [x, y, z] = [Vec3::X * 2.5, Vec3::Y * 3.0, Vec3::Z * 6.0];
+        let mut sheets = room(5);
+        sheets.extend([Vec3::ZERO, Vec3::X * 5.5].map(|at| white([at + y, x, z])));
+        let (world, backend) = world(&sheets);
+        let camera = FRAMING.fitted(&world, backend.as_ref(), false).unwrap();
+        let bounds = world.bounds();
+        let within = camera.eye.cmpgt(bounds.min).all() && camera.eye.cmplt(bounds.max).all();
+        assert!(within, "{camera:?}");
     }
 
     #[test]
