@@ -5,7 +5,7 @@ use crate::free::{Newcomers, insert};
 use crate::keep::{Square, own_layout, squares};
 use crate::measure::{AS_IT_STANDS, chart_count, density, sum, uv_area};
 use crate::objects::{Object, extent, object_names, objects};
-use crate::share::{CEILING, FLOOR};
+use crate::share::{FLOOR, GIVEN};
 use crate::{Atlas, Error, MeshLayout, Options, Placement, Seen, UvMode, UvSource};
 use glam::DVec3;
 use scene::{Mesh, Scene};
@@ -274,7 +274,7 @@ fn densities(
         let surface: f64 = (object.instances.iter())
             .map(|&instance| now[instance as usize].shape[0])
             .sum();
-        let most = (CEILING / surface).sqrt() * edge;
+        let most = ((1.0 - GIVEN) / surface).sqrt() * edge;
         for &instance in &object.instances {
             let claim = &now[instance as usize];
             let own = had

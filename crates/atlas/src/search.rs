@@ -22,9 +22,9 @@ pub(crate) struct Found<T> {
     pub kept: T,
 }
 
-/// Under `--pages auto` a page is added while an object has fewer texels across its extent, in page edges: a quarter of
-/// the floor, 4 at 1024².
-const LEAST_ACROSS: f64 = FLOOR / 4.0;
+/// Under `--pages auto` a page is added while an object has fewer texels across its extent, in page edges: its floor, 4 at 1024²,
+/// but for rounding.
+const LEAST_ACROSS: f64 = 0.99 * FLOOR;
 /// Where one page does not do, `--pages auto` adds pages until this share of them is inside charts.
 const LEAST_INSIDE: f64 = 0.25;
 /// Pages that `--pages auto` adds at most.

@@ -46,10 +46,11 @@ pub struct ObjectLayout {
     pub across: f64,
 }
 
-/// From this part of all texels an object is named in a warning, if there are several.
+/// From this part of all texels an object is named in a warning, if others have fewer than [`FEW`] across.
 const LARGE_SHARE: f64 = 0.5;
+const FEW: f64 = 32.0;
 /// With fewer texels across its extent an object is named in a warning.
-const COARSE: f64 = 4.0;
+const COARSE: f64 = 3.5;
 /// With less of the texels in use inside charts, the page is named in a warning.
 const LEAST_INSIDE: f64 = 0.25;
 
@@ -87,23 +88,24 @@ impl LayoutReport {
     pub fn warnings(&self) -> Vec<WarningReport> {
         let mut warnings = Vec::new();
         let taking: Vec<_> = self.objects.iter().filter(|o| o.texels > 0.0).collect();
-        if let [first, _, ..] = taking[..] {
-            let largest = taking
-                .iter()
-                .fold(first, |a, &b| if b.share > a.share { b } else { a });
-            if largest.share > LARGE_SHARE {
-                let name = &largest.name;
-                warnings.push(WarningReport {
-                    kind: "large-share".into(),
-                    place: format!("object `{name}`"),
-                    count: 1,
-                    message: format!(
-                        "one object has {:.0} % of the texels; `--density-of {name}=D` below {} leaves more for the others",
-                        100.0 * largest.share,
-                        short(largest.density),
-                    ),
-                });
-            }
+        let large = taking
+            .iter()
+            .find(|o| o.share > LARGE_SHARE && o.across >= FEW);
+        let few = taking.iter().filter(|o| o.across < FEW).count();
+        if let Some(large) = large.filter(|_| few > 0) {
+            let name = &large.name;
+            warnings.push(WarningReport {
+                kind: "large-share".into(),
+                place: format!("object `{name}`"),
+                count: 1,
+                message: format!(
+                    "one object has {:.0} % of the texels, while {few} of {} have fewer than {FEW} across; `--density-of {name}=D` \
+                     below {} leaves more for them",
+                    100.0 * large.share,
+                    taking.len(),
+                    short(large.density),
+                ),
+            });
         }
         let coarse: Vec<_> = taking.iter().filter(|o| o.across < COARSE).collect();
         if let Some(first) = coarse.first() {
@@ -207,7 +209,7 @@ mod tests {
         let mut layout = LayoutReport {
             objects: vec![
                 object("ground", 58.0, 90.0),
-                object("cup", 2.0, 3.5),
+                object("cup", 2.0, 3.25),
                 object("cup#2", 1.0, 2.5),
                 object("house", 39.0, 40.0),
                 object("excluded", 0.0, 0.0),
