@@ -57,7 +57,10 @@ impl Caster<'_> {
             own.sort_unstable();
             for alike in own.chunk_by(|a, b| a.0 == b.0) {
                 let which: Vec<usize> = alike.iter().map(|&(_, i)| i).collect();
-                self.cast_rays(&which, alike[0].0, Aim::Even);
+                match alike[0].0 {
+                    0 => self.borrow(&which),
+                    rays => self.cast_rays(&which, rays, Aim::Even),
+                }
             }
             return;
         }
@@ -77,6 +80,16 @@ impl Caster<'_> {
             }
         }
         self.cast_rays(&even, rays, Aim::Even);
+    }
+
+    /// Takes the points of the hemisphere for lobes that have none of their own: what these weigh is added where all of a lobe's are.
+    fn borrow(&mut self, which: &[usize]) {
+        for &i in which {
+            for (own, above) in self.sums[i].iter_mut().zip(&self.beside.sums[i]) {
+                own.points = above.points;
+                self.points[i] += above.points as u32;
+            }
+        }
     }
 
     /// Turns the rays of a surface to a guide: what it has gathered without is forgotten.

@@ -1,7 +1,7 @@
 //! The highlight of a texel: what its lobe is, and how many rays it is worth.
 //!
 //! What is asked for is a sum, of what the base reflects and what the coat does. A coat of 4 % adds 4 % of its lobe's error to it, so a few rays
-//! are enough. With errors that fall like N^-3/4 the error of a sum is least, at a given number of rays, where a term takes
+//! are enough, or none: a rough lobe is told by the hemisphere's rays. With errors that fall like N^-3/4 the error of a sum is least, at a given number of rays, where a term takes
 //! `weight^(4/5)` as many as one that weighs 1. The hemisphere weighs what its base reflects, but not less than a quarter: its terms are layers
 //! of their own too.
 
@@ -22,6 +22,11 @@ const LEAST_BASE: f64 = 0.25;
 /// Fewest rays of a lobe for each ray of the hemisphere.
 const LEAST_SHARE: f64 = 1.0 / 64.0;
 
+/// Least α of lobes that have no rays of their own where they are worth no more than the share [`FAINT`]: roughness 0.5. What hemisphere rays weigh for them
+/// is 4 at most along the normal, so that 64 of these tell more than a few of their own, which would cost as much as all else of a texel.
+const BROAD: f64 = 0.25;
+const FAINT: f32 = 1.0 / 8.0;
+
 /// The lobe of a texel.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Lobe {
@@ -29,7 +34,7 @@ pub(crate) struct Lobe {
     pub alpha: f32,
     /// 1 / (n + 1) of Phong; not used under GGX.
     pub scale: f32,
-    /// Its rays for each ray of the hemisphere: a power of two, 1 at most.
+    /// Its rays for each ray of the hemisphere: a power of two, 1 at most; 0 where those of the hemisphere serve alone.
     pub share: f32,
     /// Rays of the hemisphere count for it too.
     pub joins: bool,
@@ -114,8 +119,8 @@ impl Coat {
 }
 
 impl Lobe {
-    /// The lobe of a texel that reflects.
-    pub fn of(task: &Task<'_>, material: &PhongMaterial, coat: &Coat) -> Self {
+    /// The lobe of a texel that reflects; `closed` where its hemisphere is known without rays.
+    pub fn of(task: &Task<'_>, material: &PhongMaterial, coat: &Coat, closed: bool) -> Self {
         let Albedos { tinted, white } = coat.open;
         let plain = Self {
             alpha: 1.0,
@@ -129,16 +134,23 @@ impl Lobe {
             return plain;
         }
         let alpha = alpha_of(material.exponent);
+        // There are no rays over the hemisphere where it is known, and none count for the light of a map.
+        let joins = alpha >= LEAST_ALPHA && task.hemisphere && !closed;
+        let is_served = joins && alpha >= BROAD && coat.share <= FAINT && task.sky.map().is_none();
         Self {
             alpha: alpha.max(ambient::ggx::LEAST_ALPHA) as f32,
-            joins: alpha >= LEAST_ALPHA && task.hemisphere,
+            joins,
+            share: if is_served { 0.0 } else { coat.share },
             f0: Some(material.specular.min(DVec3::ONE)),
             ..plain
         }
     }
 
-    /// The share of its rays among `rays`: an even number, or 1 of 1.
+    /// The share of its rays among `rays`: an even number, 1 of 1, or none.
     pub fn rays(&self, rays: u32) -> u32 {
+        if self.share == 0.0 {
+            return 0;
+        }
         let own = (f64::from(rays) * f64::from(self.share)) as u32;
         own.next_multiple_of(2).clamp(2.min(rays), rays)
     }

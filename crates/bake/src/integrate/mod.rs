@@ -67,12 +67,8 @@ pub(crate) fn integrate(
     };
     let mut terms: Vec<Terms> = (0..texels.len()).map(start).collect();
     let lobe_of = |i: usize| {
-        (reflects[i] && !known(i)).then(|| {
-            let mut lobe = Lobe::of(task, &texels[i].material, &coats[i]);
-            // There are no rays over the hemisphere where it is known.
-            lobe.joins &= !closed[i];
-            lobe
-        })
+        let lobe = || Lobe::of(task, &texels[i].material, &coats[i], closed[i]);
+        (reflects[i] && !known(i)).then(lobe)
     };
     let lobes: Vec<Option<Lobe>> = (0..texels.len()).map(lobe_of).collect();
     let which = |wanted: &dyn Fn(usize) -> bool| -> Vec<usize> {
