@@ -34,7 +34,7 @@ fn bakes_are_denoised_unless_a_single_ray_leaves_nothing_to_compare() {
 fn no_rim_of_grain_stays_along_buried_texels() {
     let few = [
         "--size",
-        "256",
+        "512",
         "--rays",
         "16",
         "--only",

@@ -4,7 +4,7 @@ use crate::audit::audit;
 use crate::free::{Newcomers, insert};
 use crate::keep::{Square, own_layout, squares};
 use crate::measure::{AS_IT_STANDS, chart_count, density, sum, uv_area};
-use crate::objects::{Object, extent, object_names, objects};
+use crate::objects::{Object, object_names, objects};
 use crate::share::{FLOOR, GIVEN};
 use crate::{Atlas, Error, MeshLayout, Options, Placement, Seen, UvMode, UvSource};
 use glam::DVec3;
@@ -265,15 +265,10 @@ fn densities(
     let median = all.get(all.len() / 2).copied().unwrap_or(1.0);
     let mut densities = vec![(0.0, false); now.len()];
     for object in object_names(scene) {
-        let extent = extent(scene, &object.instances);
-        let floor = if extent > 0.0 {
-            FLOOR * edge / extent
-        } else {
-            0.0
-        };
         let surface: f64 = (object.instances.iter())
             .map(|&instance| now[instance as usize].shape[0])
             .sum();
+        let floor = (FLOOR / surface).sqrt();
         let most = ((1.0 - GIVEN) / surface).sqrt() * edge;
         for &instance in &object.instances {
             let claim = &now[instance as usize];

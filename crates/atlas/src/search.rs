@@ -22,9 +22,8 @@ pub(crate) struct Found<T> {
     pub kept: T,
 }
 
-/// Under `--pages auto` a page is added while an object has fewer texels across its extent, in page edges: its floor, 4 at 1024²,
-/// but for rounding.
-const LEAST_ACROSS: f64 = 0.99 * FLOOR;
+/// Under `--pages auto` a page is added while an object has fewer texels: half of its floor.
+const LEAST: f64 = 0.5 * FLOOR;
 /// Where one page does not do, `--pages auto` adds pages until this share of them is inside charts.
 const LEAST_INSIDE: f64 = 0.25;
 /// Pages that `--pages auto` adds at most.
@@ -135,7 +134,7 @@ pub(crate) fn search<T: Send>(
                 .iter()
                 .zip(&found.densities)
                 .filter(|(o, _)| o.asked.is_none());
-            free.any(|(o, &d)| d > 0.0 && o.extent * d < LEAST_ACROSS * f64::from(size))
+            free.any(|(o, &d)| d > 0.0 && o.area * d * d < LEAST)
         };
         // One page is what users expect, however full of gutters. Several that are mostly gutters help nobody, unless more
         // would not help either, as where a page is small for a single chart.
