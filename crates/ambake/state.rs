@@ -152,7 +152,7 @@ pub(crate) fn read_tiles(
 }
 
 fn encode(page: &BakedPage, block: &[(usize, &(u32, Fingerprint))]) -> Vec<u8> {
-    let (mut lines, mut places, mut values) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut lines, mut places, mut tiles) = (Vec::new(), Vec::new(), Vec::new());
     for &(index, &(number, fingerprint)) in block {
         // A tile that the page cannot give back is baked anew by whoever wants it.
         let Some(tile) = page.stored(index as u32, number) else {
@@ -169,19 +169,25 @@ fn encode(page: &BakedPage, block: &[(usize, &(u32, Fingerprint))]) -> Vec<u8> {
             (y % TILE * TILE + x % TILE) as u8
         };
         places.extend(tile.texels.iter().map(place));
-        values.extend(tile.values);
+        tiles.push(tile);
     }
     let texels = places.len();
-    let columns = values.len() / texels.max(1);
+    let columns = tiles.iter().map(|tile| tile.channels().count());
+    let columns = columns.max().unwrap_or(0);
     let mut bytes = places;
     bytes.resize(texels * (1 + 4 * columns), 0);
     let planes = &mut bytes[texels..];
-    for (texel, values) in values.chunks_exact(columns.max(1)).enumerate() {
-        for (column, value) in values.iter().enumerate() {
-            for (k, byte) in value.to_le_bytes().into_iter().enumerate() {
-                planes[(column * 4 + k) * texels + texel] = byte;
+    let mut first = 0;
+    for tile in &tiles {
+        for (column, values) in tile.channels().enumerate() {
+            for k in 0..4 {
+                let plane = &mut planes[(column * 4 + k) * texels + first..];
+                for (byte, value) in plane.iter_mut().zip(values) {
+                    *byte = value.to_le_bytes()[k];
+                }
             }
         }
+        first += tile.texels.len();
     }
     let mut block = serde_json::to_vec(&lines).expect("plain structs become JSON");
     block.push(b'\n');
@@ -243,8 +249,8 @@ fn decode(
             tile: BakedTile {
                 index: 0,
                 texels: places[own.clone()].iter().map(place).collect(),
-                values: own
-                    .flat_map(|texel| (0..columns).map(move |column| value(texel, column)))
+                values: (0..columns)
+                    .flat_map(|column| own.clone().map(move |texel| value(texel, column)))
                     .collect(),
                 stats: line.stats,
             },

@@ -1,7 +1,7 @@
 //! What a bake has done so far, as a file that grows: kept while a bake runs, left by an interrupted one, and what a shard hands to
 //! `ambake merge`.
 //!
-//! Layout: the line `ambake-part 1`; a line of JSON, the header; the blake3 hash of both lines in hex and a line feed; then blocks. A
+//! Layout: the line `ambake-part 2`; a line of JSON, the header; the blake3 hash of both lines in hex and a line feed; then blocks. A
 //! block is its length in bytes as a little-endian u64, the bytes, and the blake3 hash (32 bytes) over its number from 0 as a
 //! little-endian u64 and the bytes. A file that ends within a block was cut short by a crash: its whole blocks count. A hash that does
 //! not fit is damage.
@@ -14,7 +14,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-const MAGIC: &str = "ambake-part 1\n";
+const MAGIC: &str = "ambake-part 2\n";
 /// Longest header in bytes.
 const MAX_HEADER: u64 = 1 << 24;
 /// Bytes of a hash.

@@ -78,8 +78,8 @@ impl TexelLight {
 pub(super) fn tile(index: u32, texels: &[TexelLight], columns: &Columns) -> BakedTile {
     let value = |texel: &TexelLight, column: &Column| texel.value(column.layer)[column.channel];
     let columns = &columns.0;
-    let values = texels.iter().flat_map(|texel| {
-        let values = columns.iter().map(move |column| value(texel, column));
+    let values = columns.iter().flat_map(|column| {
+        let values = texels.iter().map(move |texel| value(texel, column));
         values.map(|value| value as f32)
     });
     BakedTile {
@@ -209,11 +209,13 @@ impl LightPage {
             return false;
         }
         let plane = self.page.texels();
-        for (&texel, values) in tile.texels.iter().zip(tile.values.chunks(columns.0.len())) {
-            let texel = texel as usize;
-            next.holds[texel] = true;
-            for (column, &value) in columns.0.iter().zip(values) {
-                let Column { layer, channel, .. } = *column;
+        for &texel in &tile.texels {
+            next.holds[texel as usize] = true;
+        }
+        for (column, values) in columns.0.iter().zip(tile.channels()) {
+            let Column { layer, channel, .. } = *column;
+            for (&texel, &value) in tile.texels.iter().zip(values) {
+                let texel = texel as usize;
                 let sum = &mut self.page.planes[column.planes].values[channel * plane + texel];
                 let (before, new) = (f64::from(*sum), f64::from(value));
                 *sum = match layer {

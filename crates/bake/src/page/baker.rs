@@ -7,7 +7,7 @@ use super::planes::{BakedPage, LayerPlanes};
 use super::spend::spend;
 use super::stats::PageStats;
 use super::terms::working_layers;
-use super::tile::{BakedTile, Columns};
+use super::tile::{BakedTile, Column, Columns};
 use crate::bounce::{GatherPilot, Taken};
 use crate::choice::Choice;
 use crate::clock::ThreadClock;
@@ -404,30 +404,24 @@ impl<'a> Baker<'a> {
     /// What the page keeps of a tile.
     fn result(&self, index: u32, columns: &Columns, texels: &[BakedTexel]) -> BakedTile {
         let size = self.atlas.page_size;
+        let value = |texel: &BakedTexel, column: &Column| match column.layer {
+            Layer::AnyView | Layer::AnyView4 | Layer::AnyView8 => {
+                let any = texel.terms.any_view.as_ref();
+                any.map_or(0.0, |any| any.coefficients.0[column.channel] as f32)
+            }
+            layer if directional::holds(layer) => {
+                directional::packed(&texel.terms, layer, column.channel) as f32
+            }
+            layer => texel.values(layer)[column.channel],
+        };
+        let channel = |column| texels.iter().map(move |texel| value(texel, column));
         let mut result = BakedTile {
             index,
-            texels: Vec::with_capacity(texels.len()),
-            values: Vec::with_capacity(texels.len() * columns.0.len()),
+            texels: texels.iter().map(|texel| texel.index).collect(),
+            values: columns.0.iter().flat_map(channel).collect(),
             ..BakedTile::default()
         };
         for texel in texels {
-            let mut values = (Layer::Coverage, texel.values(Layer::Coverage));
-            for column in &columns.0 {
-                if column.layer != values.0 {
-                    values = (column.layer, texel.values(column.layer));
-                }
-                result.values.push(match column.layer {
-                    Layer::AnyView | Layer::AnyView4 | Layer::AnyView8 => {
-                        let any = texel.terms.any_view.as_ref();
-                        any.map_or(0.0, |any| any.coefficients.0[column.channel] as f32)
-                    }
-                    layer if directional::holds(layer) => {
-                        directional::packed(&texel.terms, layer, column.channel) as f32
-                    }
-                    _ => values.1[column.channel],
-                });
-            }
-            result.texels.push(texel.index);
             let stats = &mut result.stats;
             stats.texels += 1;
             stats.coverage += f64::from(texel.coverage);

@@ -1,7 +1,7 @@
 //! A page in work or finished: its layers as planes of numbers.
 
 use super::stats::PageStats;
-use super::tile::{BakedTile, Column, Columns};
+use super::tile::{BakedTile, Columns};
 use atlas::TILE;
 use layers::Layer;
 
@@ -71,11 +71,9 @@ impl BakedPage {
         let plane = self.texels();
         let columns = self.columns().0;
         let mut values = Vec::with_capacity(texels.len() * columns.len());
-        for &texel in &texels {
-            let value = |column: &Column| {
-                self.planes[column.planes].values[column.channel * plane + texel as usize]
-            };
-            values.extend(columns.iter().map(value));
+        for column in &columns {
+            let channel = &self.planes[column.planes].values[column.channel * plane..][..plane];
+            values.extend(texels.iter().map(|&texel| channel[texel as usize]));
         }
         (texels.len() as u64 == stats.texels).then_some(BakedTile {
             index,
@@ -107,10 +105,11 @@ impl BakedPage {
             return false;
         }
         let plane = self.texels();
-        for (&texel, values) in tile.texels.iter().zip(tile.values.chunks(columns.0.len())) {
-            for (column, &value) in columns.0.iter().zip(values) {
-                let at = column.channel * plane + texel as usize;
-                self.planes[column.planes].values[at] = value;
+        for (column, values) in columns.0.iter().zip(tile.channels()) {
+            let planes = &mut self.planes[column.planes].values;
+            let channel = &mut planes[column.channel * plane..][..plane];
+            for (&texel, &value) in tile.texels.iter().zip(values) {
+                channel[texel as usize] = value;
             }
         }
         self.count(tile);
@@ -181,7 +180,7 @@ mod tests {
         let tile = BakedTile {
             index: 3,
             texels: vec![TILE, TILE + 1, size + TILE],
-            values: vec![1.0, 0.5, 1.0, 0.25, 0.5, 0.125],
+            values: vec![1.0, 1.0, 0.5, 0.5, 0.25, 0.125],
             stats: PageStats {
                 texels: 3,
                 ..PageStats::default()

@@ -10,10 +10,17 @@ pub struct BakedTile {
     pub index: u32,
     /// Its texels, row-major over the page.
     pub texels: Vec<u32>,
-    /// For each texel one value a channel, in the order of [`Baker::layers`](super::Baker::layers) and of their channels.
+    /// Channel by channel, in the order of [`Baker::layers`](super::Baker::layers) and of their channels, one value for each texel.
     pub values: Vec<f32>,
     /// Sums over its texels.
     pub stats: PageStats,
+}
+
+impl BakedTile {
+    /// The values of each channel, channel by channel.
+    pub fn channels(&self) -> impl Iterator<Item = &[f32]> {
+        self.values.chunks_exact(self.texels.len().max(1))
+    }
 }
 
 /// Every channel of the layers that a page keeps, layer by layer.
