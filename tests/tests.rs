@@ -29,6 +29,7 @@ mod furnace;
 mod ggx;
 mod habits;
 mod hard_cases;
+mod killed;
 mod layout;
 mod maps;
 mod memory;

@@ -43,6 +43,8 @@ pub struct Written {
 pub(crate) struct Writer<'a> {
     job: &'a Job,
     described: Value,
+    /// [`report::layout_hash`].
+    layout: String,
     stem: String,
     output: Output,
     pages: Vec<PageReport>,
@@ -82,6 +84,7 @@ impl<'a> Writer<'a> {
         Ok(Self {
             job,
             described: job.options().describe(),
+            layout: report::layout_hash(job.atlas()),
             stem,
             output,
             pages: Vec::new(),
@@ -130,6 +133,7 @@ impl<'a> Writer<'a> {
             convention: CONVENTION.into(),
             view: options.view_rule(),
             scene_hash: self.job.scene().content_hash.clone(),
+            layout: self.layout.clone(),
             page: page.page,
         };
         let mut channels = Vec::new();

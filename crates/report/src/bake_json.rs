@@ -167,6 +167,9 @@ pub struct AtlasReport {
     pub outside: u64,
     /// Texels that at least one chart touches.
     pub texels: u64,
+    /// [`crate::layout_hash`]; pages state it too.
+    #[serde(default)]
+    pub hash: String,
 }
 
 /// What lies inside of solids, where nobody sees it.
@@ -329,6 +332,7 @@ impl AtlasReport {
             missing: atlas.audit.missing,
             outside: atlas.audit.outside,
             texels: atlas.audit.texels,
+            hash: crate::layout_hash(atlas),
         }
     }
 }

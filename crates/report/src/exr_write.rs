@@ -33,12 +33,14 @@ pub struct PageHeader {
     pub view: String,
     /// `Scene::content_hash`: `ambakeSceneHash`.
     pub scene_hash: String,
+    /// [`crate::layout_hash`]: `ambakeLayout`.
+    pub layout: String,
     /// Page number from 0: `ambakePage`.
     pub page: u32,
 }
 
 impl PageHeader {
-    fn attributes(&self) -> [(&'static str, String); 7] {
+    fn attributes(&self) -> [(&'static str, String); 8] {
         [
             ("ambakeVersion", self.version.clone()),
             ("ambakeOptions", self.options.clone()),
@@ -46,6 +48,7 @@ impl PageHeader {
             ("ambakeConvention", self.convention.clone()),
             ("ambakeView", self.view.clone()),
             ("ambakeSceneHash", self.scene_hash.clone()),
+            ("ambakeLayout", self.layout.clone()),
             ("ambakePage", self.page.to_string()),
         ]
     }

@@ -73,6 +73,7 @@ fn other_bake(file: &PageFile, bake: &BakeReport) -> Option<&'static str> {
             "the scene",
         ),
         ("ambakeOptions", options.into(), "an option"),
+        ("ambakeLayout", Value::from(&*bake.atlas.hash), "the layout"),
         (
             "ambakeVersion",
             Value::from(&*bake.versions.ambake),

@@ -37,6 +37,7 @@ fn header() -> PageHeader {
         convention: "visibility = open solid angle / 2 pi".into(),
         view: "normal".into(),
         scene_hash: "00ff".into(),
+        layout: "aa00".into(),
         page: 3,
     }
 }
@@ -61,6 +62,7 @@ fn a_page_comes_back_bit_for_bit() {
     assert_eq!(read.attributes["ambakeOptions"], header().options);
     assert_eq!(read.attributes["ambakePage"], "3");
     assert_eq!(read.attributes["ambakeSceneHash"], "00ff");
+    assert_eq!(read.attributes["ambakeLayout"], "aa00");
 }
 
 #[test]
