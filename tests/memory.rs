@@ -1,7 +1,7 @@
 //! Memory that the system refuses: one line, and nothing lost.
 #![cfg(target_os = "linux")]
 
-use crate::support::{run_well, scene, shell};
+use crate::support::{report, run_well, scene, shell, skip};
 use std::path::Path;
 
 /// The program under a limit on its addresses in KiB, with traces asked for, as some have it in their shells.
@@ -78,4 +78,71 @@ fn memory_that_the_system_refuses_ends_a_bake_in_one_line_and_loses_nothing() {
         let read = |folder: &Path| std::fs::read(folder.join(name)).expect("a result");
         assert!(read(&whole) == read(&out), "{name}");
     }
+}
+
+#[test]
+fn a_scene_that_runs_out_of_memory_is_one_line_and_the_others_are_baked() {
+    if std::env::var_os("CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER").is_some() {
+        return skip("the loader that starts the program is not known to it");
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    // 400 MB of grey in 400 kB.
+    let grey = image::GrayImage::new(10_000, 10_000);
+    grey.save(folder.path().join("grey.png"))
+        .expect("a picture");
+    std::fs::write(
+        folder.path().join("big.mtl"),
+        "newmtl grey\nmap_Kd grey.png\n",
+    )
+    .expect("a file");
+    let plane = "v 0 0 0\nv 0 0 1\nv 1 0 1\nv 1 0 0\n";
+    let textured =
+        format!("mtllib big.mtl\n{plane}vt 0 0\nvt 1 0\nvt 1 1\nusemtl grey\nf 1/1 2/2 3/3\n");
+    let files = [
+        ("a.obj", "f 1 2 3 4\n"),
+        ("big.obj", &textured),
+        ("z.obj", "f 1 2 3 4\n"),
+    ];
+    let paths = files.map(|(name, text)| {
+        let path = folder.path().join(name);
+        let text = if name == "big.obj" {
+            text.into()
+        } else {
+            format!("{plane}{text}")
+        };
+        std::fs::write(&path, text).expect("a scene");
+        path.display().to_string()
+    });
+    let out = folder.path().join("out").display().to_string();
+    let words = [
+        "bake",
+        "--quiet",
+        "-o",
+        &out,
+        "--size=32",
+        "--rays=1",
+        "--threads=1",
+        "--",
+    ];
+    let words: Vec<&str> = words
+        .into_iter()
+        .chain(paths.iter().map(String::as_str))
+        .collect();
+    let (status, lines) = within_addresses(400_000, &words);
+    let lines: Vec<&str> = lines.lines().collect();
+    let [refused, told] = lines[..] else {
+        panic!("{lines:?}")
+    };
+    assert!(
+        refused.starts_with(&format!("ambake: {}: the system refuses", paths[1])),
+        "{refused}"
+    );
+    assert_eq!(
+        (status, told),
+        (Some(1), "ambake: 1 of 3 scenes were not baked")
+    );
+    for stem in ["a", "z"] {
+        report(&folder.path().join("out").join(stem));
+    }
+    assert!(!folder.path().join("out/big/bake.json").exists());
 }

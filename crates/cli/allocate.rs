@@ -1,10 +1,14 @@
 //! The end of a program that the system gives no more memory: one line and status 1, where Rust would abort with a trace.
 //!
-//! The allocator is the system's; only what it refuses is looked at. All that was saved stays as it would after a kill.
+//! The allocator is the system's; only what it refuses is looked at. All that was saved stays as it would after a kill. Where one of several
+//! scenes is refused, the program becomes one that bakes the rest: nothing less gives back what other threads hold.
 #![allow(unsafe_code)]
 
 use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
 use std::io::Write;
+use std::process::Command;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The system's allocator, which never refuses: it ends the program instead.
@@ -45,24 +49,48 @@ fn given(block: *mut u8, size: usize) -> *mut u8 {
     block
 }
 
+/// What is in work, and the program for what comes after it.
+static IN_WORK: Mutex<Option<(String, Command)>> = Mutex::new(None);
+
+/// From now on memory that is refused is told of with the name of what is in work, and `rest` runs in place of this program.
+pub fn in_work(name: String, rest: Command) {
+    if let Ok(mut in_work) = IN_WORK.lock() {
+        *in_work = Some((name, rest));
+    }
+}
+
 /// Tells what was refused and ends the program, without asking for memory and without running what others left for its end.
 #[cold]
 fn end(size: usize) -> ! {
     static ENDS: AtomicBool = AtomicBool::new(false);
+    thread_local!(static MINE: Cell<bool> = const { Cell::new(false) });
     // The other threads may be refused too before the program has ended; one line is enough.
     while ENDS.swap(true, Ordering::SeqCst) {
+        if MINE.get() {
+            signal_hook::low_level::exit(1);
+        }
         std::thread::yield_now();
     }
-    let mut line = [0; 200];
-    let mut rest = line.as_mut_slice();
-    // Of a line that is too long, as none is, the beginning is told.
-    let _ = writeln!(
+    MINE.set(true);
+    let mut in_work = IN_WORK.try_lock().ok();
+    let in_work = in_work.as_mut().and_then(|in_work| in_work.as_mut());
+    let (name, colon) = (in_work.as_ref()).map_or(("", ""), |(name, _)| (name.as_str(), ": "));
+    // Of a line that is too long the beginning is told.
+    let mut line = [b'\n'; 1024];
+    let most = line.len() - 1;
+    let mut rest = &mut line[..most];
+    let _ = write!(
         rest,
-        "ambake: the system refuses {size} more bytes of memory; raise its limit or take a smaller `--size`; the same command goes on \
-         from what was saved"
+        "ambake: {name}{colon}the system refuses {size} more bytes of memory; raise its limit or take a smaller `--size`; the same command \
+         goes on from what was saved"
     );
     let unused = rest.len();
-    tell(&line[..line.len() - unused]);
+    tell(&line[..=most - unused]);
+    #[cfg(unix)]
+    if let Some((_, rest)) = in_work {
+        // It returns only where the program cannot be started.
+        let _ = std::os::unix::process::CommandExt::exec(rest);
+    }
     signal_hook::low_level::exit(1)
 }
 

@@ -4,8 +4,9 @@ use super::args::Bake as Args;
 use super::prepare::{Target, prepare_in};
 use super::shard;
 use super::summary::summary;
+use crate::allocate;
 use crate::common::Common;
-use crate::outcome::{Outcome, one_line, say, say_json_text, tell};
+use crate::outcome::{Outcome, one_line, printable, say, say_json_text, tell};
 use crate::progress::{Show, watch};
 use crate::stop::Stop;
 use crate::view;
@@ -14,7 +15,9 @@ use anyhow::bail;
 use report::Output;
 use std::collections::HashMap;
 use std::ffi::OsString;
+use std::io;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// Runs the verb: one scene into `-o DIR`, several into a folder each, `DIR/STEM`. Where one of several fails the others are baked
 /// all the same.
@@ -53,8 +56,15 @@ fn several(args: &Args, stop: &Stop) -> anyhow::Result<Outcome> {
             );
         }
     }
-    let mut failed = 0;
-    for scene in &args.scene {
+    let (mut done, mut failed) = match args.after[..] {
+        [done, failed] => (done, failed),
+        _ => (0, 0),
+    };
+    for scene in args.scene.iter().skip(done) {
+        done += 1;
+        if let Ok(rest) = program_after(done, failed + 1) {
+            allocate::in_work(printable(&scene.to_string_lossy()).into(), rest);
+        }
         match one(args, scene, &folder_of(args, scene), stop) {
             Ok(Outcome::Done) => {}
             Ok(other) => return Ok(other),
@@ -68,6 +78,16 @@ fn several(args: &Args, stop: &Stop) -> anyhow::Result<Outcome> {
         0 => Ok(Outcome::Done),
         _ => bail!("{failed} of {} scenes were not baked", args.scene.len()),
     }
+}
+
+/// This program with its arguments, for the scenes after the first `done`, of which `failed` were not baked.
+fn program_after(done: usize, failed: usize) -> io::Result<Command> {
+    let mut typed = std::env::args_os().skip(1);
+    let mut program = Command::new(std::env::current_exe()?);
+    program.args(typed.next());
+    program.args(["--after".into(), done.to_string(), failed.to_string()]);
+    program.args(typed);
+    Ok(program)
 }
 
 /// The folder of one of several scenes.
