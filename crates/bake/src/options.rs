@@ -1,6 +1,8 @@
 //! What a bake was asked to do, typed and validated by the caller.
 
 use crate::choice::Choice;
+use ambient::any_view::Lobe;
+use ambient::ggx::alpha_of;
 pub use ambient::sampling::PointSet;
 use glam::DVec3;
 use layers::{Layer, Term};
@@ -191,6 +193,16 @@ pub enum Model {
     Phong,
     /// Microfacets: GGX, with [`Layer::Ggx`] in place of [`Layer::Phong`].
     Ggx,
+}
+
+impl Model {
+    /// The lobe of a material of this exponent, for any view.
+    pub(crate) fn lobe(self, exponent: f64) -> Lobe {
+        match self {
+            Self::Phong => Lobe::Phong(exponent),
+            Self::Ggx => Lobe::Ggx(alpha_of(exponent)),
+        }
+    }
 }
 
 /// How often surfaces send on the light that they receive, see [`crate::Baker::bounce`].

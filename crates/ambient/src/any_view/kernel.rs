@@ -85,20 +85,6 @@ fn nodes(start: f64, end: f64, drawn: bool) -> impl Iterator<Item = (f64, f64)> 
     GAUSS_32.into_iter().flat_map(both)
 }
 
-/// How much of each band of a visibility a Phong lobe of this exponent passes on, from l = 0: 1, (n+1)/(n+2), … (Funk-Hecke).
-///
-/// By the recurrence m(l) = m(l-2) (n - l + 2) / (n + l + 1) of the moments ∫ x^n P_l, which holds for any real n.
-pub fn bands(exponent: f64, count: usize) -> Vec<f64> {
-    let n = exponent;
-    let mut bands: Vec<f64> = vec![1.0, (n + 1.0) / (n + 2.0)];
-    for l in 2..count {
-        let order = l as f64;
-        bands.push(bands[l - 2] * (n - order + 2.0) / (n + order + 1.0));
-    }
-    bands.truncate(count);
-    bands
-}
-
 /// Angle of a column of a table, radians: equal steps from 0 to π/2.
 pub(super) fn angle(column: usize, columns: usize) -> f64 {
     0.5 * PI * column as f64 / (columns - 1) as f64
@@ -107,7 +93,7 @@ pub(super) fn angle(column: usize, columns: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::any_view::{ORDER, index, pair, pairs};
+    use crate::any_view::{ORDER, bands, index, pair, pairs};
     use crate::closed_form::phong_open_angle;
 
     #[test]
@@ -132,7 +118,7 @@ mod tests {
         let basis = Basis::new();
         for n in [0.0, 1.0, 7.5, 60.0] {
             let found = kernel(&basis, Lobe::Phong(n), 0.0);
-            let bands = bands(n, ORDER + 1);
+            let bands = bands(Lobe::Phong(n), ORDER + 1);
             for l in (0..=ORDER).step_by(2) {
                 let exact = bands[l] * ((2 * l + 1) as f64).sqrt();
                 let error = (found[pair(l, 0)] - exact).abs();

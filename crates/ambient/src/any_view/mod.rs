@@ -18,13 +18,15 @@
 //! light in harmonics); P.-P. Sloan, J. Kautz, J. Snyder, "Precomputed Radiance Transfer", SIGGRAPH 2002 (visibility in harmonics);
 //! R. Habel, M. Wimmer, "Efficient Irradiance Normal Mapping", I3D 2010 (harmonics over the hemisphere).
 
+mod bands;
 mod basis;
 mod kernel;
 mod order;
 mod table;
 
+pub use bands::bands;
 pub use basis::{Basis, COUNT, ORDER, PAIRS, count, index, pair, pairs};
-pub use kernel::{Kernel, Lobe, bands, kernel};
+pub use kernel::{Kernel, Lobe, kernel};
 pub use order::{ORDERS, expected_noise, order_for, truncation};
 pub use table::{COLUMNS, KernelTable, ROWS, row_of};
 
@@ -119,16 +121,16 @@ impl Default for Coefficients {
 /// the border of V spreads it over them as 1/l². Each band counts as the lobe passes it on. `variances` are those of the coefficients.
 ///
 /// ```
-/// use ambake_ambient::any_view::{Coefficients, stated};
-/// assert_eq!(stated(&Coefficients::OPEN, &[0.0; 45], 4, 20.0), 0.0);
+/// use ambake_ambient::any_view::{Coefficients, Lobe, stated};
+/// assert_eq!(stated(&Coefficients::OPEN, &[0.0; 45], 4, Lobe::Phong(20.0)), 0.0);
 /// ```
 pub fn stated(
     coefficients: &Coefficients,
     variances: &[f64; COUNT],
     order: usize,
-    exponent: f64,
+    lobe: Lobe,
 ) -> f64 {
-    let bands = bands(exponent, order + 1);
+    let bands = bands(lobe, order + 1);
     let (mut noise, mut held) = (0.0, 0.0);
     for (l, m) in pairs(order) {
         let places = [index(l, m as isize), index(l, -(m as isize))];
@@ -138,7 +140,7 @@ pub fn stated(
         }
     }
     let missing = (coefficients.0[0] - held).max(0.0);
-    noise.sqrt().hypot(order::left(missing, order, exponent))
+    noise.sqrt().hypot(order::left(missing, order, lobe))
 }
 
 #[cfg(test)]

@@ -110,12 +110,12 @@ fn any_view(
 ) -> Option<Box<AnyView>> {
     let order = task.any_view?;
     let (mut coefficients, variances) = gang::coefficients(moments);
-    let exponent = texel.material.exponent;
-    let order = order.min(order_for(exponent, task.rays));
+    let lobe = task.model.lobe(texel.material.exponent);
+    let order = order.min(order_for(lobe, task.rays));
     coefficients.0[count(order)..].fill(0.0);
     Some(Box::new(AnyView {
         coefficients,
-        std_err: stated(&coefficients, &variances, order, exponent),
+        std_err: stated(&coefficients, &variances, order, lobe),
     }))
 }
 

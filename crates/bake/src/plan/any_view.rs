@@ -1,8 +1,9 @@
 //! Layers for any view: which order they hold, and what the planner says of it.
 
 use super::reflects;
-use crate::options::{Effort, Options};
-use ambient::any_view::{self, ORDERS, order_for};
+use crate::options::{Effort, Model, Options};
+use ambient::any_view::{self, Lobe, ORDERS, order_for};
+use ambient::ggx::alpha_of;
 use layers::Layer;
 use scene::{Scene, Surface};
 
@@ -25,7 +26,7 @@ impl Options {
     pub fn with_order(mut self, scene: &Scene) -> Self {
         let has = |layer| self.layers.contains(&layer);
         let free = has(Layer::AnyView) && !has(Layer::AnyView4) && !has(Layer::AnyView8);
-        let needs = |n| order_for(n, rays(&self)) == ORDERS[1];
+        let needs = |n| order_for(self.model.lobe(n), rays(&self)) == ORDERS[1];
         let held = match free && exponent(scene, &self).is_some_and(needs) {
             true => Layer::AnyView8,
             false => Layer::AnyView,
@@ -48,12 +49,13 @@ impl Options {
     pub fn any_view_errors(&self, scene: &Scene) -> Option<AnyViewErrors> {
         let order = self.any_view()?;
         let (exponent, rays) = (exponent(scene, self), rays(self));
-        let of = |by: &dyn Fn(f64) -> f64| exponent.map_or(0.0, by);
+        let lobe = exponent.map(|n| self.model.lobe(n));
+        let of = |by: &dyn Fn(Lobe) -> f64| lobe.map_or(0.0, by);
         Some(AnyViewErrors {
             exponent,
             rays,
-            truncation: ORDERS.map(|order| of(&|n| any_view::truncation(order, n))),
-            noise: of(&|n| any_view::expected_noise(order, n, rays)),
+            truncation: ORDERS.map(|order| of(&|lobe| any_view::truncation(order, lobe))),
+            noise: of(&|lobe| any_view::expected_noise(order, lobe, rays)),
         })
     }
 }
@@ -68,8 +70,12 @@ pub(super) fn words(scene: &Scene, options: &Options) -> String {
         Some(n) => {
             let [four, eight] = errors.truncation;
             let (noise, rays) = (errors.noise, errors.rays);
+            let narrowest = match options.model {
+                Model::Phong => format!("n = {n:.0}"),
+                Model::Ggx => format!("roughness {:.2}", alpha_of(n).sqrt()),
+            };
             format!(
-                "for the narrowest lobe, n = {n:.0}, 15 numbers leave about {four:.3} and 45 about {eight:.3}, beside noise of {noise:.3} at {rays} rays"
+                "for the narrowest lobe, {narrowest}, 15 numbers leave about {four:.3} and 45 about {eight:.3}, beside noise of {noise:.3} at {rays} rays"
             )
         }
     };
