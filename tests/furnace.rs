@@ -1,6 +1,6 @@
 //! An open plane under a uniform sky of 1: it sends out what its material reflects, and never more than it receives.
 
-use crate::support::{Page, backends, bake, report};
+use crate::support::{Page, backends, bake, report, run_well, scene};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -98,4 +98,30 @@ fn a_glossy_obj_material_bakes_at_most_one_and_says_what_was_scaled() {
             &json!(1)
         )
     );
+}
+
+#[test]
+fn coefficients_that_reflect_more_than_arrives_are_told_of() {
+    let told = |words: &[&str]| {
+        let scene = scene("plane.obj").display().to_string();
+        let plan = run_well([&["plan", &scene, "--json"], words].concat());
+        let plan: Value = serde_json::from_str(&plan).expect("JSON");
+        let warnings = plan["warnings"].as_array().expect("a list").clone();
+        let mut warnings = warnings.into_iter();
+        warnings.find_map(|warning| match warning["kind"] == "too-bright" {
+            true => warning["message"].as_str().map(String::from),
+            false => None,
+        })
+    };
+    let white = told(&["--albedo", "1,1,1", "--specular", "1,1,1"]).expect("a warning");
+    assert!(white.contains("reflect 2 times the light"), "{white}");
+    assert!(told(&["--albedo", "0,0.75,0", "--specular", "0,0.5,0"]).is_some());
+    for quiet in [
+        &["--albedo", "0.75,0.75,0.75", "--specular", "0.25,0.25,0.25"][..],
+        &["--albedo", "1,1,1"],
+        &["--albedo", "1,0,1", "--specular", "0,1,0"],
+        &["--albedo", "1,1,1", "--specular", "1,1,1", "--model", "ggx"],
+    ] {
+        assert_eq!(told(quiet), None, "{quiet:?}");
+    }
 }

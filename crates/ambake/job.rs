@@ -8,7 +8,7 @@ use crate::options::{Backend, Options};
 use crate::resume::Widths;
 use crate::scene::Scene;
 use crate::seen::oracle;
-use ::bake::{Baker, Decision, Pilot, Plan};
+use ::bake::{Baker, Decision, Model, Pilot, Plan};
 use atlas::{Atlas, Pages, UvSource};
 use layers::Layer;
 use rays::{RayBackend, World};
@@ -222,7 +222,26 @@ impl Job {
             .chain(self.layout.warnings())
             .chain(small_page.flatten())
             .chain(self.inside_out())
+            .chain(self.too_bright())
             .collect()
+    }
+
+    /// Coefficients given for all surfaces by which the sum of diffuse and highlight is more than arrives.
+    fn too_bright(&self) -> Option<WarningReport> {
+        let (albedo, specular) = (self.options.albedo?, self.options.specular?);
+        let sums = [0, 1, 2].map(|channel| albedo[channel] + specular[channel]);
+        let most = sums.into_iter().fold(0.0, f32::max);
+        let adds = self.options.model != Some(Model::Ggx);
+        (adds && most > 1.0 + 1e-6).then(|| WarningReport {
+            kind: "too-bright".into(),
+            place: "scene".into(),
+            count: 1,
+            message: format!(
+                "`--albedo` and `--specular` together reflect {} times the light that arrives, and no surface reflects more than all of it; lower \
+                 one of them, or take `--model ggx`, which gives the highlight's share to it alone",
+                (100.0 * most).round() / 100.0
+            ),
+        })
     }
 
     /// Closed surfaces with texels that are lit from within.
