@@ -1,5 +1,4 @@
-//! Small files that could take much time or memory: what they take grows with them, and not with their squares. Bodies nested in each other by
-//! the thousand still do (docs/robustness.md); they are not among these.
+//! Small files that could take much time or memory: what they take grows with them, and not with their squares.
 
 use crate::support::{report, run_well};
 use serde_json::json;
@@ -93,11 +92,13 @@ fn spot(number: u32, count: u32, apart: f32) -> [f32; 3] {
     ]
 }
 
-/// The twelve cliffs.
-const KINDS: [&str; 11] = [
+/// The cliffs.
+const KINDS: [&str; 13] = [
     "touching",
     "coplanar",
     "coincident",
+    "nested",
+    "boxes",
     "slivers",
     "cards",
     "tiny",
@@ -124,6 +125,14 @@ fn made(kind: &str, count: u32) -> Made {
             level([x, 0.0, z], [1.5, 1.5])
         })),
         "coincident" => many(cube([0.0; 3], 1.0), (0..count).map(|_| [0.0; 3])),
+        "nested" => Made {
+            meshes: (0..count)
+                .map(|k| cube([0.0; 3], 1.0 + 1e-3 * k as f32))
+                .collect(),
+            nodes: (0..count).map(|k| json!({"mesh": k})).collect(),
+            materials: 1,
+        },
+        "boxes" => one((0..count).map(|k| cube(spot(k, count, 3.0), 1.0))),
         "cards" => one((0..count).map(|_| {
             let size = (count as f32).cbrt();
             level(other.point(size), [0.6, 0.4])

@@ -70,9 +70,12 @@ const SHORTEST: f64 = 1e-3;
 pub(super) fn pairs(borders: &[Border], scope: Scope) -> Vec<Pair> {
     let lengths: Vec<f64> = borders.iter().map(Border::length).collect();
     let reaches: Vec<f64> = borders.iter().map(reach).collect();
-    let heaps = Heaps::of(borders);
+    let heaps = Heaps::of(borders, &reaches);
     let boxes = Boxes::of((1..heaps.starts.len()).map(|end| {
-        let [low, high] = space(&borders[heaps.members(end - 1)[0] as usize]);
+        let members = heaps.members(end - 1).iter();
+        let spaces = members.map(|&border| space(&borders[border as usize]));
+        let around = |[low, high]: [DVec3; 2], [l, h]: [DVec3; 2]| [low.min(l), high.max(h)];
+        let [low, high] = spaces.reduce(around).expect("a heap has members");
         (end as u32 - 1, low, high)
     }));
     // What is shorter on the page than in space by far would reach for all that there is.
@@ -106,10 +109,11 @@ pub(super) fn pairs(borders: &[Border], scope: Scope) -> Vec<Pair> {
     found.flatten_iter().collect()
 }
 
-/// Of borders that coincide each is paired with so many before it and after it: those of copies of a mesh at one place are as many as the copies.
+/// Of borders that as good as coincide each is paired with so many before it and after it: those of copies of a mesh at one place, or of bodies
+/// nested in each other, are as many as these.
 const BESIDE: usize = 16;
 
-/// Borders by their ends: those of a heap have the same.
+/// Borders by their ends: those of a heap have theirs in the same cells, which are about as large as the borders reach.
 struct Heaps {
     /// The numbers of all borders, heap by heap, ascending in each.
     borders: Vec<u32>,
@@ -120,13 +124,15 @@ struct Heaps {
 }
 
 impl Heaps {
-    fn of(borders: &[Border]) -> Self {
-        let ends = |border: &Border| {
-            let mut ends = border.ends.map(|end| end.to_array().map(f64::to_bits));
-            ends.sort_unstable();
-            ends
+    fn of(borders: &[Border], reaches: &[f64]) -> Self {
+        let cells = |(border, reach): (&Border, &f64)| {
+            let size = reach.log2().ceil();
+            let cell = |end: DVec3| (end / size.exp2()).to_array().map(|x| x.floor() as i64);
+            let mut cells = border.ends.map(cell);
+            cells.sort_unstable();
+            (size as i64, cells)
         };
-        let mut keyed: Vec<_> = borders.iter().map(ends).zip(0u32..).collect();
+        let mut keyed: Vec<_> = borders.iter().zip(reaches).map(cells).zip(0u32..).collect();
         keyed.par_sort_unstable();
         let (mut starts, mut places) = (vec![0], vec![0; borders.len()]);
         for heap in keyed.chunk_by(|a, b| a.0 == b.0) {
@@ -256,6 +262,32 @@ mod tests {
             pairs.len()
         };
         // Each copy's one side with the other side of each.
+        assert_eq!([1, 2, 8].map(count), [1, 4, 64]);
+        let most = |copies: usize| 2 * copies * (BESIDE + 1);
+        assert!(count(200) <= most(200) && count(800) <= most(800));
+    }
+
+    #[test]
+    fn borders_that_as_good_as_coincide_are_paired_in_proportion_to_their_number() {
+        // A hundredth of a texel and less apart, of bodies nested in each other.
+        let count = |copies: u32| {
+            let nested = |k: u32| {
+                let side = [DVec3::Y, -DVec3::Y][k as usize % 2];
+                let mut border = along_x(0.0, 1.0, side);
+                border.ends = border
+                    .ends
+                    .map(|end| end + f64::from(k / 2) * 1e-6 * DVec3::Z);
+                border
+            };
+            let borders: Vec<Border> = (0..2 * copies).map(nested).collect();
+            let pairs = pairs(&borders, Scope::Scene);
+            let is_own = |copy: u32| {
+                let own = [2 * copy, 2 * copy + 1];
+                pairs.iter().any(|pair| pair.borders == own)
+            };
+            assert!((0..copies).all(is_own), "{copies}");
+            pairs.len()
+        };
         assert_eq!([1, 2, 8].map(count), [1, 4, 64]);
         let most = |copies: usize| 2 * copies * (BESIDE + 1);
         assert!(count(200) <= most(200) && count(800) <= most(800));

@@ -51,9 +51,14 @@ impl Spot {
         }
     }
 
-    /// Those of the bodies near it that may bury some of it.
-    fn narrowed(&self, solids: &Solids, near: &[u32]) -> Vec<u32> {
-        let mut near = solids.narrowed(near, self.low, self.high);
+    /// True where a crowd of bodies is near it and one of them holds all of it: what is nested in many bodies is asked of one.
+    fn is_swallowed(&self, solids: &Solids) -> bool {
+        let by_one = |own| solids.swallow(self.low, self.high, own);
+        solids.is_crowded(self.low, self.high) && self.own.is_some_and(by_one)
+    }
+
+    /// Those of the bodies about it that may bury some of it.
+    fn retained(&self, solids: &Solids, mut near: Vec<u32>) -> Vec<u32> {
         near.retain(|&body| self.own.is_none_or(|own| !solids.spares(body, own)));
         near
     }
@@ -105,8 +110,8 @@ pub(super) fn look<'a>(
     let mut found = Vec::new();
     for part in footprints.chunk_by(|(.., a), (.., b)| a.own == b.own) {
         if let Some(whole) = around(part) {
-            let near = solids.about(whole.low, whole.high);
-            look_among(solids, &near, (part, whole), &mut found);
+            let about = || solids.about(whole.low, whole.high);
+            look_among(solids, &about, (part, whole), &mut found);
         }
     }
     found
@@ -120,14 +125,18 @@ fn around(footprints: &[Placed]) -> Option<Spot> {
     spots.reduce(|whole, spot| whole.with(&spot))
 }
 
-/// The same for footprints that lie together in `whole`, among some of the bodies.
+/// The same for footprints that lie together in `whole`, among the bodies about them.
 fn look_among(
     solids: &Solids,
-    near: &[u32],
+    about: &dyn Fn() -> Vec<u32>,
     (footprints, whole): (&[Placed], Spot),
     found: &mut Vec<(usize, Seen)>,
 ) {
-    let near = whole.narrowed(solids, near);
+    if whole.is_swallowed(solids) {
+        found.extend((footprints.iter()).map(|(number, ..)| (*number, Seen::NONE)));
+        return;
+    }
+    let near = whole.retained(solids, about());
     if near.is_empty() {
         return;
     }
@@ -141,7 +150,8 @@ fn look_among(
     }
     for part in footprints.chunks(footprints.len().div_ceil(PARTS)) {
         if let Some(whole) = around(part) {
-            look_among(solids, &near, (part, whole), found);
+            let about = || solids.narrowed(&near, whole.low, whole.high);
+            look_among(solids, &about, (part, whole), found);
         }
     }
 }
@@ -372,6 +382,31 @@ mod tests {
                 found.iter().filter(|seen| seen.share < 1.0).count(),
                 expected
             );
+        }
+    }
+
+    #[test]
+    fn what_a_crowd_of_bodies_holds_is_buried_as_in_one() {
+        // Twenty nested in each other: about all of the floor, and standing on 8 x 4 texels of it.
+        let nested = |low: [f32; 3], high: [f32; 3]| -> Vec<[[f32; 3]; 2]> {
+            let by = |k: u8| {
+                [
+                    low.map(|x| x + 1e-3 * f32::from(k)),
+                    high.map(|x| x - 1e-3 * f32::from(k)),
+                ]
+            };
+            (0..20).map(by).collect()
+        };
+        for (low, high) in [
+            ([-1.0; 3], [17.0, 1.0, 17.0]),
+            ([2.03, -1.0, 2.03], [5.97, 1.0, 3.97]),
+        ] {
+            let (crowd, one) = (
+                seen(&world(&nested(low, high))),
+                seen(&world(&[[low, high]])),
+            );
+            assert_eq!(crowd, one, "{low:?}");
+            assert!(one.contains(&Seen::NONE), "{low:?}");
         }
     }
 

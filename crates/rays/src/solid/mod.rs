@@ -278,6 +278,16 @@ impl Solids {
         self.counting.meeting(low, high)
     }
 
+    /// True where those are more than a few.
+    pub fn is_crowded(&self, low: DVec3, high: DVec3) -> bool {
+        let (low, high) = grown(low, high);
+        let mut found = 0;
+        self.counting.any(low, high, |_| {
+            found += 1;
+            found > FEW
+        })
+    }
+
     /// Those of the bodies about a box that are about a smaller one in it.
     pub fn narrowed(&self, about: &[u32], low: DVec3, high: DVec3) -> Vec<u32> {
         if about.len() > FEW {
