@@ -27,6 +27,7 @@ pub fn packed(glb: &[u8]) -> Option<Vec<u8>> {
     let mut document = GltfDocument {
         json,
         buffers: vec![bin],
+        absent: Vec::new(),
         images: Vec::new(),
     };
     let mut made: BTreeMap<[usize; 2], usize> = BTreeMap::new();
@@ -218,6 +219,7 @@ mod tests {
         let document = GltfDocument {
             json,
             buffers: vec![bin],
+            absent: Vec::new(),
             images: Vec::new(),
         };
         let picture = picture(&document, 2).expect("a picture");

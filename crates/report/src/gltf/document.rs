@@ -225,7 +225,14 @@ impl<'a> Document<'a> {
             buffer.shift_remove("uri");
         }
         let start = self.buffers().first().map_or(&[][..], Vec::as_slice);
-        for (i, bytes) in self.buffers().iter().enumerate().skip(1) {
+        let has_content = |(_, bytes): &(usize, &Vec<u8>)| !bytes.is_empty();
+        for (i, bytes) in self
+            .buffers()
+            .iter()
+            .enumerate()
+            .skip(1)
+            .filter(has_content)
+        {
             let text = base64::engine::general_purpose::STANDARD.encode(bytes);
             let uri = format!("data:application/octet-stream;base64,{text}");
             self.json["buffers"][i]["uri"] = uri.into();

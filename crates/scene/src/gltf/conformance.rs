@@ -64,11 +64,11 @@ const fn needed(name: &'static str, note: &'static str) -> Row {
 /// The properties of the core.
 #[rustfmt::skip]
 pub const CORE: &[Row] = &[
-    row("accessor: bufferView, byteOffset, componentType, normalized, count, type, sparse", Honoured, ""),
+    row("accessor: bufferView, byteOffset, componentType, normalized, count, type, sparse", Honoured, "without a bufferView zeros; integers may be written as 1.0, here as elsewhere"),
     row("accessor: min, max", Harmless, "bounds are those of the numbers themselves"),
     row("animation", Harmless, "nodes are baked where they stand"),
     row("asset: version", Honoured, "2.x"),
-    row("buffer: uri, byteLength", Honoured, "a file in the folder of the scene or below, or a data URI"),
+    row("buffer: uri, byteLength", Honoured, "a file in the folder of the scene or below, or a data URI; one that cannot be had stops only what reads it"),
     row("bufferView: buffer, byteOffset, byteLength, byteStride", Honoured, ""),
     row("bufferView: target", Harmless, ""),
     row("camera, node: camera", Harmless, ""),
@@ -82,7 +82,7 @@ pub const CORE: &[Row] = &[
     row("material: occlusionTexture", Harmless, "the bake's own takes its place"),
     row("material: baseColorFactor, baseColorTexture", Honoured, ""),
     row("material: metallicFactor, roughnessFactor, metallicRoughnessTexture", Approximated, "as Phong's model; with `--model ggx` as the specification has it"),
-    row("primitive: attributes POSITION, NORMAL, TANGENT, TEXCOORD_n, COLOR_0", Honoured, "`COLOR_0` multiplies base colour and alpha; its integers are shares, said or not"),
+    row("primitive: attributes POSITION, NORMAL, TANGENT, TEXCOORD_n, COLOR_0", Honoured, "without POSITION there is no surface; `COLOR_0` multiplies base colour and alpha; its integers are shares, said or not"),
     row("primitive: attributes COLOR_1 and above, _OWN", Harmless, "only programs of their own know them"),
     row("primitive: indices, material", Honoured, "without a material a surface is white and matt"),
     row("primitive: mode 4, 5, 6", Honoured, "triangles, strips and fans"),

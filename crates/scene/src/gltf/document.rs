@@ -1,10 +1,11 @@
 //! The glTF document behind a scene, with everything in it that the scene does not use: a writer patches it and loses
 //! nothing, whatever has become of the file meanwhile.
 
+use super::accessor::number;
 use crate::Error;
 use crate::source::{Input, Uri, uri};
-use gltf::json::Root;
-use serde_json::Value;
+use gltf::json::{Buffer, Root};
+use serde_json::{Value, json};
 use std::collections::{BTreeMap, HashSet};
 
 /// A glTF file in its raw parts. They are as [`crate::load`] read them; the file is not opened again.
@@ -15,6 +16,8 @@ pub struct GltfDocument {
     pub json: Value,
     /// The bytes of each of the JSON's `buffers`, each exactly `byteLength` long. Compressed geometry is decoded.
     pub buffers: Vec<Vec<u8>>,
+    /// Why a buffer has no bytes though the JSON announces some; nothing that a bake reads lies in it. Shorter where the rest have theirs.
+    pub absent: Vec<Option<String>>,
     /// For each of the JSON's `images` the content behind its `uri`. `None` where it lies in a buffer view, where its file is
     /// absent or nothing uses it, and where its bytes are not those of a picture: that stays a URI.
     pub images: Vec<Option<EncodedImage>>,
@@ -31,58 +34,43 @@ pub struct EncodedImage {
 
 impl GltfDocument {
     /// The document with its buffers read, without its images. `bin` is the binary chunk of a GLB file. A buffer that only holds the place
-    /// of compressed views is empty.
+    /// of compressed views is empty, and so is one whose content cannot be had: only what reads it fails.
     ///
     /// # Errors
-    /// A buffer is absent or shorter than the JSON says.
+    /// A buffer lies where the scene may not have files read.
     pub(super) fn open(
         input: &mut Input,
         root: &Root,
         mut json: Value,
         mut bin: Option<Vec<u8>>,
     ) -> Result<GltfDocument, Error> {
-        let mut buffers = Vec::with_capacity(root.buffers.len());
+        let (mut buffers, mut absent) = (Vec::new(), Vec::new());
         for (i, buffer) in root.buffers.iter().enumerate() {
-            let place = format!("buffer {i}");
-            let mut bytes = match &buffer.uri {
-                Some(text) => {
-                    match uri(text).map_err(|problem| input.invalid(place.as_str(), problem))? {
-                        Uri::Data(bytes) => bytes,
-                        Uri::File(name) => {
-                            let path = input.located(&input.path.clone(), &name);
-                            input.read(&path, buffer.byte_length.0)?
-                        }
-                    }
+            let chunk = bin.take().filter(|_| i == 0 && buffer.uri.is_none());
+            let (bytes, reason) = match content(input, buffer, chunk) {
+                Ok(bytes) => (bytes, None),
+                Err(error @ Error::Outside { .. }) => return Err(error),
+                Err(_) if buffer.uri.is_none() && holds_a_place(root, i) => (Vec::new(), None),
+                Err(Error::Invalid { path, problem, .. }) if path == input.path => {
+                    (Vec::new(), Some(format!("buffer {i}: {problem}")))
                 }
-                None => match bin.take().filter(|_| i == 0) {
-                    Some(bin) => bin,
-                    None if holds_a_place(root, i) => {
-                        buffers.push(Vec::new());
-                        continue;
-                    }
-                    None => {
-                        let problem =
-                            "it has neither a uri nor a binary chunk; export the file again";
-                        return Err(input.invalid(place, problem));
-                    }
-                },
+                Err(error) => (Vec::new(), Some(format!("buffer {i}: {error}"))),
             };
-            let announced = buffer.byte_length.0;
-            if (bytes.len() as u64) < announced {
-                let problem = format!(
-                    "{announced} bytes are announced, {} are there; the file is truncated, copy or export it again",
-                    bytes.len()
-                );
-                return Err(input.invalid(place, problem));
-            }
-            bytes.truncate(announced as usize);
-            bytes.shrink_to_fit();
             buffers.push(bytes);
+            absent.push(reason);
         }
-        entries(&mut json, "buffers").for_each(cut_data_uri);
+        let read = entries(&mut json, "buffers").zip(&absent);
+        read.filter(|(_, absent)| absent.is_none())
+            .for_each(|(buffer, _)| cut_data_uri(buffer));
+        if let Some(reason) = absent.first_mut().and_then(Option::take) {
+            move_first_buffer(&mut json);
+            buffers.push(Vec::new());
+            absent.push(Some(reason));
+        }
         Ok(GltfDocument {
             json,
             buffers,
+            absent,
             images: Vec::new(),
         })
     }
@@ -125,6 +113,59 @@ impl GltfDocument {
         let images = entries(&mut self.json, "images").enumerate();
         self.images = images.map(&mut image).collect::<Result<_, _>>()?;
         Ok(())
+    }
+}
+
+/// The bytes of a buffer, of which `chunk` are those of a GLB file.
+fn content(input: &mut Input, buffer: &Buffer, chunk: Option<Vec<u8>>) -> Result<Vec<u8>, Error> {
+    let announced = buffer.byte_length.0;
+    let invalid = |input: &Input, problem: String| input.invalid("buffer", problem);
+    let mut bytes = match (&buffer.uri, chunk) {
+        (Some(text), _) => match uri(text).map_err(|problem| invalid(input, problem))? {
+            Uri::Data(bytes) => bytes,
+            Uri::File(name) => {
+                let path = input.located(&input.path.clone(), &name);
+                input.read(&path, announced)?
+            }
+        },
+        (None, Some(chunk)) => chunk,
+        (None, None) => {
+            let problem = "it has neither a uri nor a binary chunk; export the file again";
+            return Err(invalid(input, problem.into()));
+        }
+    };
+    if (bytes.len() as u64) < announced {
+        let there = bytes.len();
+        let problem = format!(
+            "{announced} bytes are announced, {there} are there; the file is truncated, copy or export it again"
+        );
+        return Err(invalid(input, problem));
+    }
+    bytes.truncate(announced as usize);
+    bytes.shrink_to_fit();
+    Ok(bytes)
+}
+
+/// Puts an empty buffer before all others, for bytes that are laid behind the first one, and what was there last.
+fn move_first_buffer(json: &mut Value) {
+    let Some(buffers) = json.get_mut("buffers").and_then(Value::as_array_mut) else {
+        return;
+    };
+    let last = buffers.len();
+    buffers.push(json!({ "byteLength": 0 }));
+    buffers.swap(0, last);
+    let renumber = |named: &mut Value| {
+        if number(named, "buffer") == Some(0) {
+            named["buffer"] = last.into();
+        }
+    };
+    for view in entries(json, "bufferViews") {
+        renumber(view);
+        let extensions = view.get_mut("extensions").and_then(Value::as_object_mut);
+        extensions
+            .into_iter()
+            .flatten()
+            .for_each(|(_, e)| renumber(e));
     }
 }
 

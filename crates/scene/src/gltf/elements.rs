@@ -173,6 +173,7 @@ mod tests {
         GltfDocument {
             json: json!({ "accessors": [accessor], "bufferViews": views }),
             buffers: vec![bytes.to_vec()],
+            absent: Vec::new(),
             images: Vec::new(),
         }
     }

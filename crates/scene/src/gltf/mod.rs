@@ -44,8 +44,9 @@ pub(crate) fn load(input: &mut Input, format: Format) -> Result<Parts, Error> {
         },
     };
     let text = without_mark(&bytes[json]);
-    let json = serde_json::from_slice(text)
+    let mut json = serde_json::from_slice(text)
         .map_err(|e| input.invalid("JSON", format!("{e}; export the file again")))?;
+    root::write_integers_as_such(&mut json);
     // The typed model drops what a bake does not read, so the document keeps plain values beside it.
     let root = root::parsed(input, &json)?;
     conformance::warn(input, &json);

@@ -72,6 +72,14 @@ fn read(
             return Ok(None);
         }
     };
+    if !primitive
+        .attributes
+        .contains_key(&Checked::Valid(Semantic::Positions))
+    {
+        let message = "a primitive without POSITION has no surface and is left out";
+        input.warn(WarningKind::EmptyMeshes, place, 1, message);
+        return Ok(None);
+    }
     let targets = primitive
         .targets
         .as_ref()

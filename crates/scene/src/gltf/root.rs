@@ -9,6 +9,46 @@ use gltf::json::{Path as JsonPath, Root};
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
 
+/// The properties of glTF that are integers, and lists of them.
+#[rustfmt::skip]
+const INTEGERS: &[&str] = &[
+    "buffer", "bufferView", "byteLength", "byteOffset", "byteStride", "camera", "children", "componentType", "count", "index", "indices",
+    "input", "inverseBindMatrices", "joints", "light", "magFilter", "material", "mesh", "minFilter", "mode", "node", "nodes", "output",
+    "sampler", "scene", "skeleton", "skin", "source", "target", "texCoord", "wrapS", "wrapT",
+];
+
+/// Brings integers that are written as `1.0` or `10e-1`, which JSON does not tell apart, to one form.
+pub(super) fn write_integers_as_such(json: &mut Value) {
+    match json {
+        Value::Array(items) => items.iter_mut().for_each(write_integers_as_such),
+        Value::Object(fields) => {
+            for (key, value) in fields.iter_mut().filter(|(key, _)| *key != "extras") {
+                match value {
+                    Value::Object(attributes) if key == "attributes" => {
+                        attributes.values_mut().for_each(as_integer)
+                    }
+                    Value::Number(_) if INTEGERS.contains(&key.as_str()) => as_integer(value),
+                    Value::Array(items) if INTEGERS.contains(&key.as_str()) => {
+                        items.iter_mut().for_each(as_integer)
+                    }
+                    _ => {}
+                }
+                write_integers_as_such(value);
+            }
+        }
+        _ => {}
+    }
+}
+
+fn as_integer(value: &mut Value) {
+    /// Up to here every integer is a 64-bit float.
+    const MOST: f64 = 9_007_199_254_740_992.0;
+    let float = value.as_f64().filter(|_| value.is_f64());
+    if let Some(float) = float.filter(|f| f.fract() == 0.0 && (0.0..=MOST).contains(f)) {
+        *value = (float as u64).into();
+    }
+}
+
 /// The typed and validated document: of each element what a bake reads. Nothing else can have a file refused: animations, cameras,
 /// skins and other scenes may be as they like.
 pub(super) fn parsed(input: &Input, json: &Value) -> Result<Root, Error> {
@@ -76,8 +116,9 @@ pub(super) fn parsed(input: &Input, json: &Value) -> Result<Root, Error> {
     let mut findings = Vec::new();
     root.validate(&root, JsonPath::new, &mut |path, finding| {
         let path = path().to_string();
-        // Bounds of POSITION are not used; accessors without a view and required extensions are judged elsewhere.
-        let other = path.ends_with("min") || path.ends_with("max") || path.ends_with("bufferView");
+        // Bounds of POSITION are not used. Accessors without a view, primitives without POSITION and required extensions are judged elsewhere.
+        let others = ["min", "max", "bufferView", "[\"POSITION\"]"];
+        let other = others.iter().any(|end| path.ends_with(end));
         let elsewhere = matches!(finding, Finding::Missing | Finding::Invalid) && other;
         if !elsewhere && !matches!(finding, Finding::Unsupported) {
             findings.push(format!("{path}: {}", finding.to_string().to_lowercase()));

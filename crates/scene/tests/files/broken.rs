@@ -115,7 +115,7 @@ fn references_and_ranges() {
         d.json["accessors"][0] = json!({ "componentType": 5126, "type": "VEC3", "count": 4_000_000_000u64,
                                          "sparse": sparse });
     });
-    edited("it has no data", |d| {
+    edited("no triangle", |d| {
         d.json["accessors"][0] = json!({ "componentType": 5126, "type": "VEC3", "count": 3 });
     });
     edited("index out of bounds", |d| {

@@ -5,7 +5,7 @@ use ambake_scene::{Alpha, Surface, Warning, WarningKind};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use glam::{DVec3, Vec2, Vec3};
-use serde_json::json;
+use serde_json::{Value, json};
 
 #[test]
 fn all_index_types_and_none_give_the_same_triangles() {
@@ -321,10 +321,7 @@ fn bad_normals_fall_back_to_the_geometry_and_bad_uvs_to_the_origin() {
 }
 
 /// A triangle whose base colour is texture 0.
-fn textured(
-    textures: serde_json::Value,
-    images: impl FnOnce(&mut Document) -> serde_json::Value,
-) -> Document {
+fn textured(textures: Value, images: impl FnOnce(&mut Document) -> Value) -> Document {
     let mut document = Document::triangle();
     let uvs = document.floats("VEC2", &[0.; 6]);
     document.json["images"] = images(&mut document);
@@ -377,7 +374,7 @@ fn textures_that_are_not_read_are_warned_of_and_the_scene_is_loaded() {
 
 #[test]
 fn metals_by_omission_are_named_where_they_are_used() {
-    let metals = |pbr: serde_json::Value, used: usize| {
+    let metals = |pbr: Value, used: usize| {
         let mut document = textured(json!([{ "source": 0 }]), |document| {
             let view = document.view(&png(&[[255; 4]]));
             json!([{ "bufferView": view, "mimeType": "image/png" }])
@@ -646,5 +643,96 @@ fn black_metals_are_told_of_by_what_the_file_says() {
             "{}",
             warnings[0].message
         );
+    }
+}
+
+#[test]
+fn integers_may_be_written_as_floats() {
+    let mut document = Document::triangle();
+    let indices = document.accessor(U8, "SCALAR", 3, &[2, 0, 1]);
+    document.primitive()["indices"] = json!(indices);
+    document.json["scene"] = json!(0);
+    document.json["asset"]["extras"] = json!({ "count": 1.0 });
+    let plain = document.load().unwrap();
+    fn float(value: &mut Value) {
+        match value {
+            Value::Number(number) => {
+                *number = serde_json::Number::from_f64(number.as_f64().unwrap()).unwrap()
+            }
+            Value::Array(items) => items.iter_mut().for_each(float),
+            Value::Object(fields) => fields.iter_mut().for_each(|(_, value)| float(value)),
+            _ => {}
+        }
+    }
+    float(&mut document.json);
+    assert!(document.json.to_string().contains("\"byteLength\":36.0"));
+    let scene = document.load().unwrap();
+    assert_eq!(scene.meshes[0].triangles, [[2, 0, 1]]);
+    assert_eq!(scene.meshes[0].positions, plain.meshes[0].positions);
+    let json = &scene.source.as_ref().unwrap().json;
+    assert_eq!(
+        json.to_string(),
+        plain.source.as_ref().unwrap().json.to_string()
+    );
+    assert_eq!(json["asset"]["extras"].to_string(), "{\"count\":1.0}");
+    document.json["meshes"][0]["primitives"][0]["indices"] = json!(0.5);
+    document.load().unwrap_err();
+}
+
+#[test]
+fn what_no_surface_needs_refuses_no_file() {
+    let mut document = Document::triangle();
+    // An accessor without data holds zeros: its triangle has no area. A primitive without POSITION has none either.
+    let zeros = json!({ "componentType": 5126, "type": "VEC3", "count": 3 });
+    let zeros = push(&mut document.json["accessors"], zeros);
+    let bare = json!({ "attributes": { "NORMAL": 0 } });
+    let primitives = &mut document.json["meshes"][0]["primitives"];
+    push(primitives, json!({ "attributes": { "POSITION": zeros } }));
+    push(primitives, bare);
+    let scene = document.load().unwrap();
+    assert_eq!(scene.meshes.len(), 1);
+    assert_eq!(scene.warned(WarningKind::EmptyMeshes), 2);
+    assert_eq!(scene.warned(WarningKind::ZeroAreaTriangles), 1);
+}
+
+#[test]
+fn a_buffer_that_cannot_be_had_refuses_only_what_reads_it() {
+    let document = Document::triangle();
+    let data = format!("data:;base64,{}", STANDARD.encode(&document.bin));
+    for gone in [
+        json!({ "byteLength": 12 }),
+        json!({ "byteLength": 12, "uri": "https://a.example/b.bin" }),
+        json!({ "byteLength": 12, "uri": "gone.bin" }),
+        json!({ "byteLength": 12, "uri": "data:,abc" }),
+    ] {
+        for place in [0, 1] {
+            let mut json = document.json.clone();
+            let mut buffers = vec![json!({ "byteLength": document.bin.len(), "uri": data })];
+            buffers.insert(place, gone.clone());
+            json["buffers"] = json!(buffers);
+            json["bufferViews"][0]["buffer"] = json!(1 - place);
+            let view = json!({ "buffer": place, "byteLength": 12 });
+            let unread = push(&mut json["bufferViews"], view);
+            let accessor =
+                json!({ "bufferView": unread, "componentType": 5126, "type": "VEC3", "count": 1 });
+            let unread = push(&mut json["accessors"], accessor);
+            let folder = Folder::new();
+            let scene = folder.load("a.gltf", json.to_string()).unwrap();
+            assert_eq!(scene.meshes[0].positions[1], Vec3::X);
+            // What stays of it for a writer is what the file had, and still no one's bytes.
+            let source = scene.source.as_ref().unwrap();
+            let kept = source.json["bufferViews"][1]["buffer"].as_u64().unwrap() as usize;
+            assert_eq!(source.json["buffers"][kept], gone);
+            assert!(source.accessor(unread).is_err() && source.buffers[kept].is_empty());
+            json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(unread);
+            let error = folder
+                .load("a.gltf", json.to_string())
+                .unwrap_err()
+                .to_string();
+            assert!(
+                error.contains(&format!("accessor {unread}: buffer {place}: ")),
+                "{error}"
+            );
+        }
     }
 }

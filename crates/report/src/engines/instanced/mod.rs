@@ -54,6 +54,7 @@ pub fn instanced(glb: &[u8]) -> Option<Vec<u8>> {
     let mut document = GltfDocument {
         json,
         buffers: vec![bin],
+        absent: Vec::new(),
         images: Vec::new(),
     };
     let found = groups(&document)?;
@@ -239,6 +240,7 @@ mod tests {
         let document = GltfDocument {
             json,
             buffers: vec![bin],
+            absent: Vec::new(),
             images: Vec::new(),
         };
         let attributes = &list(&document.json, "nodes")[5]["extensions"][INSTANCING]["attributes"];

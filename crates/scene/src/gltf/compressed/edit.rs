@@ -8,6 +8,19 @@ use serde_json::{Value, json};
 pub(super) type Problem = (String, String);
 
 impl GltfDocument {
+    /// Which buffers only hold the place of compressed views.
+    pub(super) fn placeholders(&self) -> Vec<bool> {
+        let is_one = |(i, json): (usize, &Value)| {
+            let announced = number(json, "byteLength") != Some(0);
+            announced && self.buffers[i].is_empty() && !matches!(self.absent.get(i), Some(Some(_)))
+        };
+        list(&self.json, "buffers")
+            .iter()
+            .enumerate()
+            .map(is_one)
+            .collect()
+    }
+
     /// Lays bytes behind the first buffer, from a multiple of four on, and returns where.
     pub(super) fn append(&mut self, bytes: &[u8]) -> usize {
         if self.buffers.is_empty() {

@@ -23,7 +23,7 @@ const EXPANSION: usize = 1024;
 pub(super) fn decode(document: &mut GltfDocument) -> Result<(), Problem> {
     let held: usize = document.buffers.iter().map(Vec::len).sum();
     let mut left = held.saturating_mul(EXPANSION);
-    let empty: Vec<bool> = document.buffers.iter().map(Vec::is_empty).collect();
+    let empty = document.placeholders();
     let is_empty = |buffer| empty.get(buffer) == Some(&true);
     for i in 0..list(&document.json, "bufferViews").len() {
         let view = &mut document.json["bufferViews"][i];
@@ -60,7 +60,7 @@ pub(super) fn decode(document: &mut GltfDocument) -> Result<(), Problem> {
 
 /// Takes the buffers away that have no content, and renumbers what names the others.
 fn drop_empty_buffers(document: &mut GltfDocument) {
-    let kept: Vec<bool> = document.buffers.iter().map(|b| !b.is_empty()).collect();
+    let kept: Vec<bool> = document.placeholders().iter().map(|empty| !empty).collect();
     if kept.iter().all(|&kept| kept) {
         return;
     }
@@ -81,6 +81,8 @@ fn drop_empty_buffers(document: &mut GltfDocument) {
     }
     let mut keep = kept.iter();
     document.buffers.retain(|_| keep.next() == Some(&true));
+    let mut keep = kept.iter();
+    document.absent.retain(|_| keep.next() == Some(&true));
     let mut keep = kept.iter();
     if let Some(buffers) = document
         .json
