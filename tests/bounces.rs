@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// An OBJ file with its materials, in `folder`.
-fn obj(folder: &Path, materials: &str, text: &str) -> PathBuf {
+pub fn obj(folder: &Path, materials: &str, text: &str) -> PathBuf {
     std::fs::write(folder.join("a.mtl"), materials).expect("a file");
     let path = folder.join("a.obj");
     std::fs::write(&path, format!("mtllib a.mtl\n{text}")).expect("a file");
@@ -17,7 +17,7 @@ fn obj(folder: &Path, materials: &str, text: &str) -> PathBuf {
 }
 
 /// The mean of a channel by covered area, and how far its texels stray from it at most.
-fn mean(page: &Page, channel: &str) -> (f64, f64) {
+pub fn mean(page: &Page, channel: &str) -> (f64, f64) {
     let texels = || page.plane(channel).iter().zip(page.plane("coverage"));
     let (mut sum, mut area) = (0.0, 0.0);
     for (value, coverage) in texels() {
@@ -32,7 +32,7 @@ fn mean(page: &Page, channel: &str) -> (f64, f64) {
 
 /// A ball of radius 1 seen from inside, in rings from the south pole to the latitude of the sine `top`; faces whose middle lies below
 /// the sine `lamp` are of material `lamp`.
-fn bowl(top: f64, lamp: f64) -> String {
+pub fn bowl(top: f64, lamp: f64) -> String {
     const RINGS: usize = 16;
     const TURNS: usize = 32;
     let mut text = String::new();
@@ -61,9 +61,9 @@ fn bowl(top: f64, lamp: f64) -> String {
     text
 }
 
-const SMALL: [&str; 4] = ["--size", "64", "--rays", "64"];
+pub const SMALL: [&str; 4] = ["--size", "64", "--rays", "64"];
 
-fn with<'a>(more: &[&'a str]) -> Vec<&'a str> {
+pub fn with<'a>(more: &[&'a str]) -> Vec<&'a str> {
     [&SMALL[..], more].concat()
 }
 
@@ -529,108 +529,4 @@ fn a_plan_counts_the_rays_of_the_gathers_within_30_percent() {
             "{bounces}: {planned} for {took}"
         );
     }
-}
-
-#[test]
-fn suns_and_point_lights_join_in_the_first_gather() {
-    let folder = tempfile::tempdir().expect("a temporary directory");
-    let materials = "newmtl matte\nKd 0.5 0.5 0.5\nnewmtl coat\nKd 0 0 0\nKs 0.5 0.5 0.5\nNs 8\n";
-    let floor = "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\no floor\n";
-    let wall = "v 0 0 -9\nv 0 0 9\nv 0 9 9\nv 0 9 -9\no wall\nusemtl matte\nf 5 6 7 8\nf 8 7 6 5\n";
-    let lights = |path: &Path, more: &[&str]| {
-        let dark = ["--sky", "0,0,0", "--bounces", "1", "--denoise", "off"];
-        let all = [&SMALL[..], &dark[..], more].concat();
-        bake(path, &all).1
-    };
-    // A floor under nothing: every texel is exact, though no ray of the sky is cast for it.
-    let path = obj(
-        folder.path(),
-        materials,
-        &format!("{floor}usemtl coat\nf 4 3 2 1\n"),
-    );
-    let layers = ["--only", "irradiance,phong,error.irradiance,position"];
-    let pi = std::f64::consts::PI;
-    let page = lights(&path, &[&layers[..], &["--sun", "0,0.8,0.6,2"]].concat());
-    // (n + 1)/2pi (R·L)^n E with R the normal.
-    let lobe = 0.5 * 9.0 / (2.0 * pi) * 0.8_f64.powi(8) * 2.0;
-    for (channel, exact) in [("irradiance.G", 0.8 * 2.0 / pi), ("phong.G", lobe)] {
-        let (found, worst) = mean(&page, channel);
-        assert!(
-            (found - exact).abs() < 1e-6 && worst < 1e-6,
-            "{channel}: {found}, not {exact}"
-        );
-    }
-    let page = lights(&path, &[&layers[..], &["--point=-1,2,0.5,3"]].concat());
-    let at = |channel: &str, texel: usize| f64::from(page.plane(channel)[texel]);
-    let covered = |texel: &usize| at("coverage", *texel) == 1.0;
-    let texels: Vec<usize> = (0..page.plane("coverage").len()).filter(covered).collect();
-    assert!(texels.len() > 1000);
-    for texel in texels {
-        let (x, z) = (at("position.X", texel), at("position.Z", texel));
-        let square = (x + 1.0).powi(2) + 4.0 + (z - 0.5).powi(2);
-        let exact = 3.0 * 2.0 / square.powf(1.5) / pi;
-        let found = at("irradiance.R", texel);
-        // A texel is a mean over its area.
-        assert!((found / exact - 1.0).abs() < 2e-3, "{found}, not {exact}");
-    }
-    // A wall through the middle hides the sun from half of the floor.
-    let path = obj(
-        folder.path(),
-        materials,
-        &format!("{floor}usemtl coat\nf 4 3 2 1\n{wall}"),
-    );
-    let only = [
-        "--only",
-        "irradiance,error.irradiance,position",
-        "--include",
-        "floor",
-    ];
-    let page = lights(&path, &[&only[..], &["--sun", "0.6,0.8,0,2"]].concat());
-    for (texel, found) in page.plane("irradiance.B").iter().enumerate() {
-        let x = page.plane("position.X")[texel];
-        if page.plane("coverage")[texel] == 1.0 && x.abs() > 0.1 {
-            let exact = if x > 0.0 { 1.6 / pi } else { 0.0 };
-            assert!((f64::from(*found) - exact).abs() < 1e-6, "{found} at {x}");
-        }
-    }
-}
-
-#[test]
-fn a_point_light_amid_a_ball_lights_all_of_it_by_the_geometric_sum() {
-    // E = I/R², all of which comes back to the wall that sends it on.
-    let folder = tempfile::tempdir().expect("a temporary directory");
-    let materials = "newmtl wall\nKd 0.6 0.6 0.6\nnewmtl lamp\nKd 0 0 0\n";
-    let path = obj(folder.path(), materials, &bowl(1.0, -9.0));
-    for (gathers, sum) in [("1", 1.0), ("2", 1.6), ("auto", 2.5)] {
-        let more = [
-            "--only",
-            "irradiance,error.irradiance",
-            "--point",
-            "0,0,0,2",
-        ];
-        let more = [&more[..], &["--bounces", gathers]].concat();
-        let (_folder, page) = bake(&path, &with(&more));
-        let (found, _) = mean(&page, "irradiance.R");
-        let exact = 2.0 / std::f64::consts::PI * sum;
-        // The facets of the ball lie a little nearer than its points.
-        assert!(
-            (found / exact - 1.0).abs() < 0.025,
-            "{gathers}: {found}, not {exact}"
-        );
-    }
-}
-
-#[test]
-fn lights_need_bounces() {
-    let out = run([
-        "bake",
-        "scenes/plane.obj",
-        "-o",
-        "nowhere",
-        "--sun",
-        "0,1,0,1",
-    ]);
-    assert_eq!(out.status.code(), Some(1));
-    let text = String::from_utf8_lossy(&out.stderr).into_owned();
-    assert!(text.contains("--bounces auto"), "{text}");
 }

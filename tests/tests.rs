@@ -31,6 +31,7 @@ mod habits;
 mod hard_cases;
 mod killed;
 mod layout;
+mod lights;
 mod maps;
 mod memory;
 mod methods;

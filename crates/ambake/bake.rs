@@ -258,9 +258,18 @@ impl Bake {
         self
     }
 
-    /// One more light: a sun or a point light, in scene units. Lights join in the first gather, so they need [`Bake::bounces`].
+    /// One more light: a sun, a point light or a spot, in scene units. Its light arrives straight, with hard shadows;
+    /// with [`Bake::bounces`]
+    /// surfaces send it on.
     pub fn light(mut self, light: Light) -> Self {
         self.options.lights.push(light);
+        self
+    }
+
+    /// Whether the lights of the scene's file are baked (glTF `KHR_lights_punctual`): lux and candela count as W·m⁻²
+    /// and W·sr⁻¹.
+    pub fn file_lights(mut self, on: bool) -> Self {
+        self.options.file_lights = Some(on);
         self
     }
 
@@ -413,7 +422,7 @@ impl Bake {
     /// # Errors
     /// An option is out of its range or excludes another, the charts do not fit, or a backend refuses the scene.
     pub fn prepare(&self) -> Result<Job, Error> {
-        let mut options = self.options.clone().settled(self.scene.0.format);
+        let mut options = self.options.clone().settled(&self.scene);
         options.check()?;
         options.check_lamps(&self.scene)?;
         options.complete();

@@ -103,6 +103,7 @@ impl Job {
             Bounces::Auto => GATHERS,
             Bounces::Off => 0,
         };
+        let gathers = gathers + u64::from(!self.options().lights.is_empty());
         Room {
             result: share(self.channels(), WRITTEN) + inputs.sum::<u64>(),
             state: share(working, KEPT),

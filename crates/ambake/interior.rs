@@ -1,7 +1,6 @@
 //! Finds out whether a scene is an interior: there the sky reaches little, and a limit of distance shows more.
 
 use crate::options::Options;
-use ::bake::Bounces;
 use report::WarningReport;
 
 /// Bins of the diffuse term, over 0..=1.
@@ -29,7 +28,7 @@ impl Brightness {
 
     /// The warning that names `--bounces` and `--max-distance`, where the median is dark and neither was given.
     pub fn interior(&self, options: &Options) -> Option<WarningReport> {
-        let helped = options.max_distance.is_some() || options.bounces != Bounces::Off;
+        let helped = options.max_distance.is_some() || options.adds_light();
         let dark: u64 = self.0[..(DARK * BINS as f64) as usize].iter().sum();
         let all: u64 = self.0.iter().sum();
         (!helped && all > 0 && 2 * dark > all).then(|| WarningReport {
@@ -48,6 +47,7 @@ impl Brightness {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ::bake::Bounces;
 
     #[test]
     fn a_dark_median_is_an_interior_unless_a_distance_or_bounces_were_given() {

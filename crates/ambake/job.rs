@@ -223,6 +223,7 @@ impl Job {
             .chain(small_page.flatten())
             .chain(self.inside_out())
             .chain(self.too_bright())
+            .chain(self.lights_left_out())
             .collect()
     }
 
@@ -256,6 +257,24 @@ impl Job {
             place: format!("object `{}`", first.name),
             count: found.len() as u64,
             message: "faces of a closed surface look inward, so it is lit from within and dark: turn them over, unless it is an empty room".into(),
+        })
+    }
+
+    /// Lights of the file that nobody said anything about.
+    fn lights_left_out(&self) -> Option<WarningReport> {
+        let lights = &self.scene.lights;
+        let first = lights
+            .first()
+            .filter(|_| self.options.file_lights.is_none())?;
+        let more = match lights.len() {
+            1 => String::new(),
+            more => format!(" and {} more", more - 1),
+        };
+        Some(WarningReport {
+            kind: "file-lights".into(),
+            place: format!("light `{}`{more}", first.name),
+            count: lights.len() as u64,
+            message: "lights of the file are not baked; `--lights file` bakes them, `--lights none` leaves them out".into(),
         })
     }
 

@@ -7,7 +7,6 @@ use crate::resume::{Block, END, Saved};
 use crate::shard::{Shard, is_complete, part_name, state_name};
 use crate::update::Tracker;
 use crate::write::{Writer, Written};
-use ::bake::Bounces;
 use layers::Progress;
 use report::{Journal, Output, PhaseReport};
 use serde_json::{Value, json};
@@ -161,7 +160,8 @@ fn parse(name: &str) -> Option<(String, Shard)> {
 }
 
 impl Job {
-    /// Writes into the parts' directory what a whole bake of this job writes there, and removes the parts. Light that bounces is gathered
+    /// Writes into the parts' directory what a whole bake of this job writes there, and removes the parts. Light that
+    /// is added to them is gathered
     /// here; a merge that was interrupted goes on from what it had gathered.
     ///
     /// # Errors
@@ -187,8 +187,8 @@ impl Job {
         // Of gathers alone: tiles of pages stay in the parts until all is written.
         let state = parts.dir.join(state_name(&self.scene().stem(), None));
         let mut saved = Saved::new(state, json!({"key": self.key()}), widths);
-        let bounces = self.options().bounces != Bounces::Off;
-        if bounces && let Some(damage) = saved.resume()? {
+        let adds_light = self.options().adds_light();
+        if adds_light && let Some(damage) = saved.resume()? {
             progress.note(&damage);
         }
         let (mut finishing, mut writing) = (0.0, 0.0);
@@ -228,7 +228,7 @@ impl Job {
             if !page.finished || progress.cancelled() {
                 return Err(Error::Cancelled);
             }
-            if bounces {
+            if adds_light {
                 waiting.push(page);
                 continue;
             }
@@ -259,7 +259,7 @@ impl Job {
         writer.tracked(tracker)?;
         let finished = writer.finish(phases, bounced);
         let written = finished.map_err(self.unsaved(&saved))?;
-        if bounces {
+        if adds_light {
             saved.remove();
         }
         for part in &parts.parts {

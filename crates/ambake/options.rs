@@ -8,8 +8,9 @@ use ::bake::{
     Bounces, Buried, Choice, Denoise, Footprint, Model, Pattern, PointSet, Seams, Shading, View,
 };
 use ::scene::Format;
+use glam::DVec3;
 use layers::Layer;
-use rays::{BackendKind, Layout, Light, Overrides};
+use rays::{BackendKind, Cone, Layout, Light, Overrides};
 use report::Engine;
 use serde_json::{Value, json};
 
@@ -113,8 +114,10 @@ pub struct Options {
     pub model: Option<Model>,
     /// How often surfaces send on the light that they receive.
     pub bounces: Bounces,
-    /// Suns and point lights, in scene units; they need bounces.
+    /// Suns, point lights and spots, in scene units.
     pub lights: Vec<Light>,
+    /// Whether the lights of the scene's file join [`Options::lights`]; `None` for no, and a warning names them.
+    pub file_lights: Option<bool>,
     /// Layers to produce, coverage first, without repeats.
     pub layers: Vec<Layer>,
     /// Normal maps of materials bend the shading normals.
@@ -163,6 +166,7 @@ impl Default for Options {
             model: None,
             bounces: Bounces::Off,
             lights: Vec::new(),
+            file_lights: None,
             layers: Layer::STANDARD.to_vec(),
             normal_maps: false,
             albedo: None,
@@ -248,12 +252,7 @@ impl Options {
         }
         if !self.lights.iter().all(is_light) {
             let problem = "each light needs a direction or a place, and a strength from 0 to 1e12";
-            return fail("--sun and --point", problem);
-        }
-        if !self.lights.is_empty() && self.bounces == Bounces::Off {
-            let problem = "lights join where light bounces: add --bounces auto, or --bounces 1 for their direct light and one \
-                           reflection of the sky's";
-            return fail("--sun and --point", problem);
+            return fail("--sun, --point and --lights", problem);
         }
         let asks = |layers: &[Layer]| self.layers.iter().any(|layer| layers.contains(layer));
         if self.model == Some(Model::Phong) && asks(&[Layer::Ggx, Layer::Base]) {
@@ -314,14 +313,27 @@ impl Options {
             wanted.push(Layer::Diffuse);
         }
         let light = self.layers.contains(&Layer::Lambert) || !self.engines.is_empty();
-        if light && (self.sky.is_map() || self.bounces != Bounces::Off) {
+        if light && self.light_varies() {
             wanted.push(Layer::Irradiance);
+        }
+        if light && !self.lights.is_empty() {
+            wanted.push(Layer::Direct);
         }
         for layer in wanted {
             if !self.layers.contains(&layer) {
                 self.layers.push(layer);
             }
         }
+    }
+
+    /// True where the light that arrives is more than the sky's mean times the diffuse term.
+    pub(crate) fn light_varies(&self) -> bool {
+        self.sky.is_map() || self.adds_light()
+    }
+
+    /// True where light is added to finished pages: that of lights, and what surfaces send on.
+    pub(crate) fn adds_light(&self) -> bool {
+        self.bounces != Bounces::Off || !self.lights.is_empty()
     }
 
     /// The model that was asked for, or that what was asked for needs, or else that the materials of such a file are made for.
@@ -342,9 +354,13 @@ impl Options {
         })
     }
 
-    /// The same for a scene of this format: with a model, and its layer in place of another's.
-    pub(crate) fn settled(mut self, format: Format) -> Self {
-        let model = self.model_for(format);
+    /// The same for a scene: with its lights where they are baked, and with a model, and its layer in place of
+    /// another's.
+    pub(crate) fn settled(mut self, scene: &Scene) -> Self {
+        if self.file_lights == Some(true) {
+            self.lights.extend(scene.lights.iter().map(Light::from));
+        }
+        let model = self.model_for(scene.format);
         self.model = Some(model);
         if model == Model::Ggx {
             let has = self.layers.contains(&Layer::Ggx);
@@ -466,6 +482,8 @@ impl Options {
             model,
             bounces,
             lights,
+            // Where they are baked they are among the others.
+            file_lights: _,
             layers,
             normal_maps,
             albedo,
@@ -571,13 +589,28 @@ impl Options {
 
 /// True where all numbers of a light can be used.
 fn is_light(light: &Light) -> bool {
-    let within = |strength: &f64| (0.0..=f64::from(MAX_RADIANCE)).contains(strength);
+    let within = |strength: &DVec3| {
+        let channels = strength.to_array();
+        channels
+            .iter()
+            .all(|v| (0.0..=f64::from(MAX_RADIANCE)).contains(v))
+    };
     match light {
         Light::Distant { toward, irradiance } => toward.is_normalized() && within(irradiance),
         Light::Point {
             position,
             intensity,
-        } => position.is_finite() && within(intensity),
+            cone,
+            range,
+        } => {
+            let is_cone = |cone: &Cone| {
+                cone.axis.is_normalized() && cone.cosines.iter().all(|c| c.is_finite())
+            };
+            position.is_finite()
+                && within(intensity)
+                && cone.as_ref().is_none_or(is_cone)
+                && *range > 0.0
+        }
     }
 }
 
@@ -585,11 +618,19 @@ fn is_light(light: &Light) -> bool {
 fn described(light: &Light) -> Value {
     match light {
         Light::Distant { toward, irradiance } => {
-            json!({ "sun": toward.to_array(), "irradiance": irradiance })
+            json!({ "sun": toward.to_array(), "irradiance": irradiance.to_array() })
         }
         Light::Point {
             position,
             intensity,
-        } => json!({ "point": position.to_array(), "intensity": intensity }),
+            cone,
+            range,
+        } => json!({
+            "point": position.to_array(),
+            "intensity": intensity.to_array(),
+            "axis": cone.map(|cone| cone.axis.to_array()),
+            "cosines": cone.map(|cone| cone.cosines),
+            "range": range.is_finite().then_some(range),
+        }),
     }
 }

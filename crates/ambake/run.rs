@@ -43,14 +43,16 @@ impl Job {
         self.end_phase("bake", started.elapsed().as_secs_f64());
         let started = Instant::now();
         let bounces = self.bounce(&mut pages, &mut (), progress)?;
-        if bounces.is_some() {
+        if self.options().adds_light() {
             self.end_phase("bounce", started.elapsed().as_secs_f64());
         }
         let pages = pages.into_iter().map(Page).collect();
         Ok(Baked::new(self, pages, bounces))
     }
 
-    /// Adds the light that surfaces send on to all pages, where that was asked for. Tiles of gathers go through `kept`.
+    /// Adds the light of lights and what surfaces send on to all pages, where that was asked for. Tiles of gathers go
+    /// through `kept`. `None` where
+    /// surfaces send none.
     pub(crate) fn bounce<K: KeepGathers>(
         &self,
         pages: &mut [BakedPage],
@@ -60,11 +62,12 @@ impl Job {
     where
         Error: From<K::Error>,
     {
-        if self.options().bounces == Bounces::Off {
+        if !self.options().adds_light() {
             return Ok(None);
         }
         let stats = self.within(|| self.baker().bounce(pages, kept, progress))?;
-        stats.map(Some).ok_or(Error::Cancelled)
+        let stats = stats.ok_or(Error::Cancelled)?;
+        Ok((self.options().bounces != Bounces::Off).then_some(stats))
     }
 
     /// The same with tiles of gathers brought to the disk now and then, and when the listener cancels.
@@ -74,7 +77,7 @@ impl Job {
         saved: &mut Saved,
         progress: &dyn Progress,
     ) -> Result<Option<BounceStats>, Error> {
-        if self.options().bounces != Bounces::Off {
+        if self.options().adds_light() {
             // Gathers take memory of their own.
             saved.flush().map_err(self.unsaved(saved))?;
         }
@@ -87,8 +90,10 @@ impl Job {
         }
     }
 
-    /// Bakes into a directory: pages are written as they are finished, so that one page is in memory at a time; where light bounces, all
-    /// are, because it does from page to page. Nothing stands under a final name until all of it is complete. What is baked is saved now
+    /// Bakes into a directory: pages are written as they are finished, so that one page is in memory at a time; where
+    /// light is added to
+    /// them, all are, because it goes from page to page. Nothing stands under a final name until all of it is complete.
+    /// What is baked is saved now
     /// and then; where the listener cancels, the process dies or a file cannot be written, the same call continues it to the same bytes.
     ///
     /// * `resume`: what is done about a state that was saved.
@@ -120,7 +125,7 @@ impl Job {
         }
         let (mut baking, mut writing) = (0.0, 0.0);
         let mut processors = Some(0.0);
-        let bounces = self.options().bounces != Bounces::Off;
+        let adds_light = self.options().adds_light();
         let mut waiting = Vec::new();
         for number in 0..self.atlas().page_count {
             let mut page = baker.start(number);
@@ -152,7 +157,7 @@ impl Job {
             self.within(|| baker.finish(&mut page));
             baking += clock.elapsed().as_secs_f64();
             processors = processors.and_then(|sum| Some(sum + cpu_seconds()? - cpu?));
-            if bounces {
+            if adds_light {
                 waiting.push(page);
                 continue;
             }
@@ -173,7 +178,7 @@ impl Job {
         }
         writing += clock.elapsed().as_secs_f64();
         let mut phases = self.phases().to_vec();
-        let bounce = bounced.map(|_| ("bounce", bouncing));
+        let bounce = adds_light.then_some(("bounce", bouncing));
         phases.push(PhaseReport {
             phase: "bake".into(),
             seconds: baking,

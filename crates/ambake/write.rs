@@ -298,7 +298,7 @@ fn page_light<'a>(job: &Job, page: &'a BakedPage) -> Result<PageLight<'a>, Error
         _ => None,
     };
     let source = match options.sky.light {
-        ::bake::Sky::Uniform(sky) if options.bounces == Bounces::Off => LightSource::Uniform(sky),
+        ::bake::Sky::Uniform(sky) if !options.light_varies() => LightSource::Uniform(sky),
         _ => LightSource::Irradiance,
     };
     let diffuse = layer(Layer::Diffuse)?;
@@ -419,16 +419,14 @@ fn page_report(job: &Job, page: &BakedPage) -> PageReport {
         worst_relative: stats.errors.relative,
         rmse: stats.rmse(),
         rmse_bound: stats.rmse_bound(),
-        irradiance_rmse: lights_vary(job).then(|| stats.irradiance_rmse()),
+        irradiance_rmse: job
+            .options()
+            .light_varies()
+            .then(|| stats.irradiance_rmse()),
         rays: stats.rays,
         seconds: stats.seconds,
         rays_per_second: stats.rays as f64 / stats.seconds.max(1e-9),
     }
-}
-
-/// True where irradiance has an error of its own, beside that of the diffuse term.
-fn lights_vary(job: &Job) -> bool {
-    job.options().sky.is_map() || job.options().bounces != Bounces::Off
 }
 
 /// A warning where gathers that should have gone on until nothing is missing were stopped before.

@@ -74,12 +74,12 @@ pub fn build(
 }
 
 /// The lights of `--sun` and `--point`.
-pub fn lights(suns: &[[f64; 4]], points: &[[f64; 4]]) -> Vec<Light> {
-    let sun = suns.iter().map(|&[x, y, z, e]| Light::sun([x, y, z], e));
-    let point = points
-        .iter()
-        .map(|&[x, y, z, e]| Light::point([x, y, z], e));
-    sun.chain(point).collect()
+pub fn lights(suns: &[[f64; 6]], points: &[[f64; 6]]) -> Vec<Light> {
+    let of = |make: fn([f64; 3], [f64; 3]) -> Light| {
+        move |&[x, y, z, r, g, b]: &[f64; 6]| make([x, y, z], [r, g, b])
+    };
+    let suns = suns.iter().map(of(Light::sun));
+    suns.chain(points.iter().map(of(Light::point))).collect()
 }
 
 /// What a text file holds; errors name it.

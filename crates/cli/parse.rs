@@ -46,22 +46,23 @@ pub fn color(text: &str) -> Result<[f32; 3], String> {
     }
 }
 
-/// X,Y,Z,E with E 0 or above.
-pub fn light(text: &str) -> Result<[f64; 4], String> {
-    let parts: Vec<&str> = text.split(',').collect();
-    let [x, y, z, e] = parts.as_slice() else {
-        return Err("expected four numbers separated by commas".into());
+/// X,Y,Z,E or X,Y,Z,R,G,B, the strength 0 or above; the first is grey.
+pub fn light(text: &str) -> Result<[f64; 6], String> {
+    let numbers: Vec<f64> = text.split(',').map(number).collect::<Result<_, _>>()?;
+    let values = match *numbers.as_slice() {
+        [x, y, z, e] => [x, y, z, e, e, e],
+        [x, y, z, r, g, b] => [x, y, z, r, g, b],
+        _ => return Err("expected four numbers separated by commas, or six with a colour".into()),
     };
-    let values = [number(x)?, number(y)?, number(z)?, number(e)?];
-    match values {
-        [.., e] if e < 0.0 => Err("the last must be 0 or above".into()),
-        _ => Ok(values),
+    match values[3..].iter().any(|strength| *strength < 0.0) {
+        true => Err("what follows X,Y,Z must be 0 or above".into()),
+        false => Ok(values),
     }
 }
 
 /// [`light`] whose place is a direction: not 0,0,0, nor so short or long that its length cannot be told.
-pub fn sun(text: &str) -> Result<[f64; 4], String> {
-    let values @ [x, y, z, _] = light(text)?;
+pub fn sun(text: &str) -> Result<[f64; 6], String> {
+    let values @ [x, y, z, ..] = light(text)?;
     match DVec3::new(x, y, z).try_normalize() {
         None => Err(format!("{x},{y},{z} is no direction")),
         Some(_) => Ok(values),
@@ -123,14 +124,17 @@ mod tests {
 
     #[test]
     fn a_sun_has_a_direction() {
-        assert_eq!(sun("0,1,0,2"), Ok([0.0, 1.0, 0.0, 2.0]));
-        assert_eq!(light("0,0,0,2"), Ok([0.0, 0.0, 0.0, 2.0]));
+        assert_eq!(sun("0,1,0,2"), Ok([0.0, 1.0, 0.0, 2.0, 2.0, 2.0]));
+        assert_eq!(light("0,0,0,2"), Ok([0.0, 0.0, 0.0, 2.0, 2.0, 2.0]));
+        assert_eq!(light("1,2,3,4,0,6"), Ok([1.0, 2.0, 3.0, 4.0, 0.0, 6.0]));
         for wrong in [
             "0,0,0,1",
             "1e-200,0,0,1",
             "1e200,0,0,1",
             "0,1,0,-1",
             "0,1,0",
+            "0,1,0,1,1",
+            "0,1,0,1,-1,1",
         ] {
             assert!(sun(wrong).is_err(), "{wrong}");
         }

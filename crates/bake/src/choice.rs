@@ -22,11 +22,13 @@ pub enum Choice {
     AlphaTest,
     /// No gathers where they are not asked for or no surface sends light to another.
     Bounces,
+    /// No shadow rays where there are no lights or no asked layer shows them.
+    Lights,
 }
 
 impl Choice {
     /// Every choice, in the order in which the planner reports them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Sky,
         Self::Diffuse,
         Self::Visibility,
@@ -35,6 +37,7 @@ impl Choice {
         Self::Instances,
         Self::AlphaTest,
         Self::Bounces,
+        Self::Lights,
     ];
 
     /// The name on the command line and in `bake.json`.
@@ -48,6 +51,7 @@ impl Choice {
             Self::Instances => "instances",
             Self::AlphaTest => "alpha_test",
             Self::Bounces => "bounces",
+            Self::Lights => "lights",
         }
     }
 

@@ -43,7 +43,7 @@ pub struct Options {
     pub model: Model,
     /// How often surfaces send light on.
     pub bounces: Bounces,
-    /// Lights without extent, in scene units; they join where light bounces.
+    /// Lights without extent, in scene units.
     pub lights: Vec<Light>,
     /// Layers to produce, without repeats.
     pub layers: Vec<Layer>,
@@ -299,8 +299,13 @@ impl Options {
         asks(Layer::Bent) || asks(Layer::BentTangent) || asks(Layer::Sh)
     }
 
-    /// True where an asked layer shows light that bounces.
-    pub(crate) fn shows_bounces(&self) -> bool {
+    /// True where light is added to finished pages: that of lights, and what surfaces send on.
+    pub fn adds_light(&self) -> bool {
+        self.bounces != Bounces::Off || !self.lights.is_empty()
+    }
+
+    /// True where an asked layer shows light that is added to finished pages.
+    pub(crate) fn shows_light(&self) -> bool {
         let shows = |layer: &Layer| {
             matches!(
                 layer,
@@ -314,15 +319,17 @@ impl Options {
                     | Layer::DifferenceLambert
                     | Layer::DifferencePhong
                     | Layer::Sh
+                    | Layer::Direct
             )
         };
-        self.bounces != Bounces::Off && self.layers.iter().any(shows)
+        self.adds_light() && self.layers.iter().any(shows)
     }
 
-    /// The layers of a finished page: those that were asked for and, where light bounces, what that needs until it has.
+    /// The layers of a finished page: those that were asked for and, where light is added to it, what that needs until
+    /// it is.
     pub(crate) fn kept(&self) -> Vec<Layer> {
         let mut layers = self.layers.clone();
-        if self.shows_bounces() {
+        if self.shows_light() {
             let base = (self.model == Model::Ggx).then_some(Layer::Base);
             let light = [
                 Layer::Irradiance,

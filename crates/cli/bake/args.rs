@@ -188,12 +188,17 @@ pub struct Job {
     /// error, or than half a step of 8 bits. Surfaces that shine join in
     #[arg(long, value_name = "N|auto", default_value = "0", value_parser = bounces)]
     pub bounces: ambake::Bounces,
-    /// Distant light in the direction X,Y,Z with irradiance E (W/m², facing); may be repeated, needs --bounces
-    #[arg(long, value_name = "X,Y,Z,E", allow_hyphen_values = true, value_parser = sun)]
-    pub sun: Vec<[f64; 4]>,
-    /// Point light at X,Y,Z with intensity E (W/sr: E over distance² arrives); may be repeated, needs --bounces
-    #[arg(long, value_name = "X,Y,Z,E", allow_hyphen_values = true, value_parser = light)]
-    pub point: Vec<[f64; 4]>,
+    /// Lights of the scene's file (glTF KHR_lights_punctual): bake them, lux as W/m² and candela as W/sr, or leave them
+    /// out [default: none,
+    /// and a line names them]
+    #[arg(long, value_enum)]
+    pub lights: Option<Lights>,
+    /// Distant light in the direction X,Y,Z with irradiance E or R,G,B (W/m², facing); may be repeated
+    #[arg(long, value_name = "X,Y,Z,E|X,Y,Z,R,G,B", allow_hyphen_values = true, value_parser = sun)]
+    pub sun: Vec<[f64; 6]>,
+    /// Point light at X,Y,Z with intensity E or R,G,B (W/sr: E over distance² arrives); may be repeated
+    #[arg(long, value_name = "X,Y,Z,E|X,Y,Z,R,G,B", allow_hyphen_values = true, value_parser = light)]
+    pub point: Vec<[f64; 6]>,
     /// Memory that the bake may take, such as 8G or 512M; one that would take more is refused before it starts [default: what the
     /// system has]
     #[arg(long, value_name = "SIZE", value_parser = memory)]
@@ -232,7 +237,7 @@ pub struct Job {
     /// Specular reflectance of every material, linear, as R,G,B
     #[arg(long, value_name = "R,G,B", value_parser = color)]
     pub specular: Option<[f32; 3]>,
-    /// Planner choices to switch off: sky, diffuse, visibility, specular, open, instances, alpha_test, bounces
+    /// Planner choices to switch off: sky, diffuse, visibility, specular, open, instances, alpha_test, bounces, lights
     #[arg(long, value_name = "NAME,..", value_delimiter = ',', value_parser = choice)]
     pub plan_off: Vec<Choice>,
 }
@@ -241,6 +246,12 @@ pub struct Job {
 pub enum Model {
     Phong,
     Ggx,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Lights {
+    File,
+    None,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -69,6 +69,7 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
     });
     options.bounces = job.bounces;
     options.lights = lights(&job.sun, &job.point);
+    options.file_lights = job.lights.map(|lights| lights == args::Lights::File);
     options.normal_maps = job.normal_maps;
     options.albedo = job.albedo;
     options.specular = job.specular;

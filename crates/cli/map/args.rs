@@ -268,9 +268,9 @@ pub struct Capture {
     /// Uniform sky radiance, linear, as R,G,B
     #[arg(long, value_name = "R,G,B", default_value = "1,1,1", value_parser = color)]
     pub sky: [f32; 3],
-    /// Point light at X,Y,Z with intensity E (W/sr: E over distance² arrives); may be repeated
-    #[arg(long, value_name = "X,Y,Z,E", allow_hyphen_values = true, value_parser = light)]
-    pub point: Vec<[f64; 4]>,
+    /// Point light at X,Y,Z with intensity E or R,G,B (W/sr: E over distance² arrives); may be repeated
+    #[arg(long, value_name = "X,Y,Z,E|X,Y,Z,R,G,B", allow_hyphen_values = true, value_parser = light)]
+    pub point: Vec<[f64; 6]>,
     /// What a point light adds to the map
     #[arg(long, value_enum, default_value_t = PointSource::Radiance)]
     pub point_source: PointSource,

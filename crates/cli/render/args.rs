@@ -49,12 +49,12 @@ pub struct Args {
     /// without --eye]
     #[arg(long, value_name = "auto|STOPS", allow_hyphen_values = true, value_parser = exposure)]
     pub exposure: Option<Exposure>,
-    /// Distant light in the direction X,Y,Z with irradiance E (W/m², facing); may be repeated
-    #[arg(long, value_name = "X,Y,Z,E", allow_hyphen_values = true, value_parser = sun)]
-    pub sun: Vec<[f64; 4]>,
-    /// Point light at X,Y,Z with intensity E (W/sr: E over distance² arrives); may be repeated
-    #[arg(long, value_name = "X,Y,Z,E", allow_hyphen_values = true, value_parser = light)]
-    pub point: Vec<[f64; 4]>,
+    /// Distant light in the direction X,Y,Z with irradiance E or R,G,B (W/m², facing); may be repeated
+    #[arg(long, value_name = "X,Y,Z,E|X,Y,Z,R,G,B", allow_hyphen_values = true, value_parser = sun)]
+    pub sun: Vec<[f64; 6]>,
+    /// Point light at X,Y,Z with intensity E or R,G,B (W/sr: E over distance² arrives); may be repeated
+    #[arg(long, value_name = "X,Y,Z,E|X,Y,Z,R,G,B", allow_hyphen_values = true, value_parser = light)]
+    pub point: Vec<[f64; 6]>,
     /// Occluders farther than this many scene units do not count [default: no limit]
     #[arg(long, value_name = "D", value_parser = positive)]
     pub max_distance: Option<f64>,

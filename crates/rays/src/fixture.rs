@@ -114,6 +114,7 @@ pub(crate) fn placed_scene(meshes: Vec<Mesh>, placed: &[(u32, DAffine3)]) -> Sce
         }],
         images: Vec::new(),
         packed_images: Vec::new(),
+        lights: Vec::new(),
         warnings: Vec::new(),
         content_hash: String::new(),
         source: None,

@@ -66,7 +66,7 @@ pub use error::Error;
 pub use frames::Frames;
 pub use geometry::{Bounds, Geometry, Positions};
 pub use lamps::Lamps;
-pub use light::{Arrival, Light};
+pub use light::{Arrival, Cone, Light};
 pub use material::{Overrides, PhongMaterial, emission_at, is_mapped, material_at};
 pub use mix::Mix;
 pub use obvhs_backend::ObvhsBackend;

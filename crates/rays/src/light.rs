@@ -7,8 +7,9 @@
 use crate::material::PhongMaterial;
 use ambient::convention::{PROJECTED_HEMISPHERE, lobe_scale};
 use glam::DVec3;
+use scene::LightKind;
 
-/// A light without extent.
+/// A light without extent. Strengths are linear RGB.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Light {
     /// So far away that its rays are parallel.
@@ -16,15 +17,44 @@ pub enum Light {
         /// Unit vector to the light.
         toward: DVec3,
         /// Irradiance of a surface that faces it, W·m⁻².
-        irradiance: f64,
+        irradiance: DVec3,
     },
     /// At a point; what arrives falls with the square of the distance.
     Point {
         /// World position.
         position: DVec3,
         /// Radiant intensity, W·sr⁻¹: irradiance times distance squared.
-        intensity: f64,
+        intensity: DVec3,
+        /// Whither it shines; `None` for every direction.
+        cone: Option<Cone>,
+        /// Distance from which on it lights nothing; infinite for none. Toward it light falls by `1 - (distance /
+        /// range)⁴` more.
+        range: f64,
     },
+}
+
+/// The cone of a spot light: all of its light within the inner angle, none beyond the outer one.
+///
+/// Between them it falls as section "Inner and Outer Cone Angles" of the glTF extension KHR_lights_punctual has it: by
+/// the square of what
+/// the cosine has left to go.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cone {
+    /// Unit vector along which it shines.
+    pub axis: DVec3,
+    /// Cosines of the inner and the outer angle, the first at least the second.
+    pub cosines: [f64; 2],
+}
+
+impl Cone {
+    /// The share of the light that goes in a unit direction, 0..=1.
+    pub fn share(&self, direction: DVec3) -> f64 {
+        /// Cones with a sharper border than this have this one.
+        const LEAST: f64 = 0.001;
+        let [inner, outer] = self.cosines;
+        let part = (self.axis.dot(direction) - outer) / (inner - outer).max(LEAST);
+        part.clamp(0.0, 1.0).powi(2)
+    }
 }
 
 /// Light that arrives at a point.
@@ -34,25 +64,35 @@ pub struct Arrival {
     pub toward: DVec3,
     /// Distance to it; infinite for a distant light.
     pub distance: f64,
-    /// Irradiance of a surface that faces it.
-    pub irradiance: f64,
+    /// Irradiance of a surface that faces it, linear RGB.
+    pub irradiance: DVec3,
 }
 
 impl Light {
     /// A distant light in a direction of any length, with the irradiance of a surface that faces it. No direction, no unit vector.
-    pub fn sun(direction: [f64; 3], irradiance: f64) -> Self {
+    pub fn sun(direction: [f64; 3], irradiance: [f64; 3]) -> Self {
         Self::Distant {
             toward: DVec3::from(direction).normalize_or_zero(),
-            irradiance,
+            irradiance: irradiance.into(),
         }
     }
 
     /// A point light of so much radiant intensity.
-    pub fn point(position: [f64; 3], intensity: f64) -> Self {
+    pub fn point(position: [f64; 3], intensity: [f64; 3]) -> Self {
         Self::Point {
             position: position.into(),
-            intensity,
+            intensity: intensity.into(),
+            cone: None,
+            range: f64::INFINITY,
         }
+    }
+
+    /// The same light where coordinates count from `origin`.
+    pub fn from_origin(mut self, origin: DVec3) -> Self {
+        if let Self::Point { position, .. } = &mut self {
+            *position -= origin;
+        }
+        self
     }
 
     /// What arrives at a point of empty space; no light at the place of a point light itself.
@@ -66,16 +106,19 @@ impl Light {
             Light::Point {
                 position,
                 intensity,
+                cone,
+                range,
             } => {
                 let to = position - point;
-                let square = to.length_squared();
+                let (square, toward) = (to.length_squared(), to.normalize_or_zero());
+                let near = (1.0 - (square / range.powi(2)).powi(2)).max(0.0);
+                let share = cone.map_or(1.0, |cone| cone.share(-toward)) * near;
                 Arrival {
-                    toward: to.normalize_or_zero(),
+                    toward,
                     distance: square.sqrt(),
-                    irradiance: if square > 0.0 {
-                        intensity / square
-                    } else {
-                        0.0
+                    irradiance: match square > 0.0 {
+                        true => intensity * (share / square),
+                        false => DVec3::ZERO,
                     },
                 }
             }
@@ -83,10 +126,35 @@ impl Light {
     }
 }
 
+/// A light of a file: its lux and candela are taken for W·m⁻² and W·sr⁻¹.
+impl From<&scene::Light> for Light {
+    fn from(light: &scene::Light) -> Self {
+        let cone = match light.kind {
+            LightKind::Directional => {
+                return Self::Distant {
+                    toward: -light.direction,
+                    irradiance: light.strength,
+                };
+            }
+            LightKind::Point => None,
+            LightKind::Spot { inner, outer } => Some(Cone {
+                axis: light.direction,
+                cosines: [inner.cos(), outer.cos()],
+            }),
+        };
+        Self::Point {
+            position: light.position,
+            intensity: light.strength,
+            cone,
+            range: light.range,
+        }
+    }
+}
+
 impl Arrival {
     /// Radiance that a Lambertian surface of this albedo and unit normal sends in every direction.
     pub fn diffuse(&self, normal: DVec3, albedo: DVec3) -> DVec3 {
-        albedo * (self.irradiance * normal.dot(self.toward).max(0.0) / PROJECTED_HEMISPHERE)
+        albedo * self.irradiance * (normal.dot(self.toward).max(0.0) / PROJECTED_HEMISPHERE)
     }
 
     /// Radiance that the Phong lobe about `mirror`, the mirrored view, adds; 0 for a light below the surface, or at right angles to
@@ -98,7 +166,7 @@ impl Arrival {
             return DVec3::ZERO;
         }
         let lobe = along.powf(material.exponent);
-        material.specular * (lobe_scale(material.exponent) * lobe * self.irradiance)
+        material.specular * self.irradiance * (lobe_scale(material.exponent) * lobe)
     }
 }
 
@@ -112,7 +180,7 @@ mod tests {
         let albedo = DVec3::new(0.5, 0.25, 1.0);
         let sun = Light::Distant {
             toward: DVec3::Z,
-            irradiance: PI,
+            irradiance: DVec3::splat(PI),
         };
         let arrival = sun.at(DVec3::ZERO);
         assert_eq!(arrival.diffuse(DVec3::Z, albedo), albedo);
@@ -124,13 +192,55 @@ mod tests {
 
     #[test]
     fn a_point_light_falls_with_the_square_of_the_distance() {
-        let lamp = Light::Point {
-            position: DVec3::new(0.0, 0.0, 4.0),
-            intensity: 8.0,
-        };
+        let lamp = Light::point([0.0, 0.0, 4.0], [8.0, 4.0, 0.0]);
         let arrival = lamp.at(DVec3::ZERO);
-        assert_eq!((arrival.irradiance, arrival.distance), (0.5, 4.0));
-        assert_eq!(lamp.at(DVec3::new(0.0, 0.0, 4.0)).irradiance, 0.0);
+        assert_eq!(arrival.irradiance, DVec3::new(0.5, 0.25, 0.0));
+        assert_eq!(arrival.distance, 4.0);
+        assert_eq!(lamp.at(DVec3::new(0.0, 0.0, 4.0)).irradiance, DVec3::ZERO);
+    }
+
+    #[test]
+    fn a_spot_has_all_of_its_light_inside_and_none_outside() {
+        let spot = |inner: f64, outer: f64, range| Light::Point {
+            position: DVec3::ZERO,
+            intensity: DVec3::splat(9.0),
+            cone: Some(Cone {
+                axis: DVec3::NEG_Z,
+                cosines: [inner.cos(), outer.cos()],
+            }),
+            range,
+        };
+        let at = |light: &Light, angle: f64, distance: f64| {
+            let (sine, cosine) = angle.sin_cos();
+            light
+                .at(distance * DVec3::new(sine, 0.0, -cosine))
+                .irradiance
+                .x
+        };
+        let light = spot(0.3, 0.7, f64::INFINITY);
+        // I/r², times the square of where the cosine stands between those of both angles.
+        let between = (0.5f64.cos() - 0.7f64.cos()) / (0.3f64.cos() - 0.7f64.cos());
+        for (angle, share) in [
+            (0.0, 1.0),
+            (0.29, 1.0),
+            (0.5, between.powi(2)),
+            (0.71, 0.0),
+            (3.0, 0.0),
+        ] {
+            let found = at(&light, angle, 3.0);
+            assert!(
+                (found - share).abs() < 1e-12,
+                "{angle}: {found}, not {share}"
+            );
+        }
+        // Angles that are alike make a border, not a division by 0.
+        let sharp = spot(0.5, 0.5, f64::INFINITY);
+        assert!((at(&sharp, 0.49, 3.0) - 1.0).abs() < 1e-12);
+        assert_eq!(at(&sharp, 0.51, 3.0), 0.0);
+        // Halfway to its range a sixteenth is missing.
+        let near = spot(0.3, 0.7, 6.0);
+        assert!((at(&near, 0.0, 3.0) - 15.0 / 16.0).abs() < 1e-12);
+        assert!(at(&near, 0.0, 6.0) < 1e-12 && at(&near, 0.0, 7.0) == 0.0);
     }
 
     #[test]
@@ -139,7 +249,7 @@ mod tests {
         let (albedo, cosine) = (DVec3::ONE, 0.6);
         let sun = Light::Distant {
             toward: DVec3::new(0.8, 0.0, cosine),
-            irradiance: 2.0,
+            irradiance: DVec3::splat(2.0),
         };
         let radiance = sun.at(DVec3::ZERO).diffuse(DVec3::Z, albedo);
         assert!((PI * radiance.x - cosine * 2.0).abs() < 1e-15);
@@ -164,7 +274,7 @@ mod tests {
                 let r = (1.0 - z * z).sqrt();
                 let sun = Light::Distant {
                     toward: DVec3::new(r * x, r * y, z),
-                    irradiance: 2.0 * PI / (CELLS * CELLS) as f64,
+                    irradiance: DVec3::splat(2.0 * PI / (CELLS * CELLS) as f64),
                 };
                 let arrival = sun.at(DVec3::ZERO);
                 arrival.specular(DVec3::Z, mirror, &material).x

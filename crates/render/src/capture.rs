@@ -121,8 +121,8 @@ pub fn add_points(
                 PointForm::Raw => 1.0,
             };
             if weight > 0.0 {
-                let value = weight * arrival.irradiance / omega;
-                if !(value as f32).is_finite() {
+                let value = arrival.irradiance * (weight / omega);
+                if !value.as_vec3().is_finite() {
                     return Err(fail("is too near").into());
                 }
                 added.push((texel, value));
@@ -132,7 +132,9 @@ pub fn add_points(
     let mut image = map.into_image();
     for (texel, value) in added {
         let pixel = &mut image.pixels[texel];
-        *pixel = pixel.map(|channel| (f64::from(channel) + value) as f32);
+        *pixel = (DVec3::from(pixel.map(f64::from)) + value)
+            .as_vec3()
+            .to_array();
     }
     Ok(IlluminationMap::new(image, projection)?)
 }

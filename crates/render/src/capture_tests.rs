@@ -190,10 +190,7 @@ fn a_point_light_brings_its_energy_by_distance_squared_at_every_size() {
     // Toward the middle of a face of the cube, which is a texel's centre where the face has an odd side.
     let (axis, slant) = (DVec3::new(0.0, 0.0, 5.0), DVec3::new(1.0, 3.0, -2.0));
     for position in [axis, slant] {
-        let lights = [Light::Point {
-            position: position + DVec3::ONE,
-            intensity: 50.0,
-        }];
+        let lights = [Light::point((position + DVec3::ONE).to_array(), [50.0; 3])];
         let direct = direct(&surfaces, backend.as_ref(), &lamps, &lights);
         let flux = 50.0 / position.length_squared();
         for projection in Projection::all() {
@@ -238,12 +235,7 @@ fn a_hidden_point_light_brings_nothing_and_the_raw_form_adds_plain_values() {
     let screen = white([Vec3::new(-1.0, -1.0, 1.0), Vec3::X * 2.0, Vec3::Y * 2.0]);
     let (world, backend) = world(&[screen]);
     let surfaces = Surfaces::new(&world);
-    let at = |z: f64| {
-        [Light::Point {
-            position: DVec3::new(0.0, 0.0, z),
-            intensity: 9.0,
-        }]
-    };
+    let at = |z: f64| [Light::point([0.0, 0.0, z], [9.0; 3])];
     let lamps = Lamps::NONE;
     let map = |z: f64, form| {
         let lights = at(z);

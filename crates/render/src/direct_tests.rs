@@ -135,7 +135,7 @@ fn a_sun_above_a_microfacet_mirror_shows_the_peak_of_its_lobe() {
     let surfaces = Surfaces::new(&world);
     let sun = [Light::Distant {
         toward: DVec3::Y,
-        irradiance: 2.0,
+        irradiance: DVec3::splat(2.0),
     }];
     let shader = Direct {
         rays: 0,
@@ -202,12 +202,9 @@ fn lights_follow_the_cosine_and_cast_shadows() {
     let lights = [
         Light::Distant {
             toward: DVec3::new(0.0, 0.6, 0.8),
-            irradiance: 2.0,
+            irradiance: DVec3::splat(2.0),
         },
-        Light::Point {
-            position: DVec3::new(0.0, 2.0, 0.0),
-            intensity: 8.0,
-        },
+        Light::point([0.0, 2.0, 0.0], [8.0; 3]),
     ];
     let eye = DVec3::new(0.0, 0.5, -3.0);
     for (lights, at, exact) in [

@@ -96,6 +96,7 @@ fn world_of(sheets: &[Sheet], alpha: Alpha) -> (World, Box<dyn RayBackend>) {
         materials: sheets.iter().map(material).collect(),
         images: vec![],
         packed_images: Vec::new(),
+        lights: Vec::new(),
         warnings: vec![],
         content_hash: String::new(),
         source: None,

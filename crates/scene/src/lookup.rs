@@ -179,6 +179,7 @@ mod tests {
                 pixels,
             }],
             packed_images: vec![],
+            lights: vec![],
             warnings: vec![],
             content_hash: String::new(),
             source: None,

@@ -5,7 +5,7 @@
 //! every index is in range, every number is finite, every triangle has a non-zero area in mesh space, images are decoded.
 
 use crate::{GltfDocument, NormalMap, PackedImage, Warning};
-use glam::{DAffine3, Vec2, Vec3, Vec4};
+use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -27,6 +27,8 @@ pub struct Scene {
     pub images: Vec<Image>,
     /// Images that are decoded only where they are asked for; [`NormalMap::texture`] indexes here.
     pub packed_images: Vec<PackedImage>,
+    /// Lights without extent (glTF `KHR_lights_punctual`) that stand in the scene.
+    pub lights: Vec<Light>,
     /// Everything that was repaired or ignored while loading, counted.
     pub warnings: Vec<Warning>,
     /// Blake3 hash, in hex, of all the bytes read for this scene (the file, its buffers, images and material files), or
@@ -111,6 +113,39 @@ pub struct Instance {
     pub node: u32,
     /// Which copy of the node's mesh this is under `EXT_mesh_gpu_instancing`; `None` without it.
     pub copy: Option<u32>,
+}
+
+/// A light without extent, as the file has it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Light {
+    /// The file's name for it, else its node's, else `light 3`.
+    pub name: String,
+    /// How it shines.
+    pub kind: LightKind,
+    /// Colour times intensity, linear RGB: lux where it is directional, else candela.
+    pub strength: DVec3,
+    /// Distance from which on it lights nothing; infinite for none.
+    pub range: f64,
+    /// World position.
+    pub position: DVec3,
+    /// Unit vector along which it shines.
+    pub direction: DVec3,
+}
+
+/// How a [`Light`] shines.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LightKind {
+    /// From so far away that its rays are parallel.
+    Directional,
+    /// From its place in all directions.
+    Point,
+    /// From its place into a cone.
+    Spot {
+        /// Angle from the axis within which it has all of its light, radians.
+        inner: f64,
+        /// Angle from which on it has none, at most a right one.
+        outer: f64,
+    },
 }
 
 /// Parameters of the Phong model, from MTL directly or mapped from metallic-roughness (see `material.rs`).

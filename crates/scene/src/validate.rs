@@ -20,8 +20,8 @@
 
 use crate::source::{Input, short};
 use crate::{
-    Alpha, Error, Format, GltfDocument, Image, Instance, Material, Mesh, NormalMap, PackedImage,
-    Scene, Surface, TextureRef, WarningKind,
+    Alpha, Error, Format, GltfDocument, Image, Instance, Light, Material, Mesh, NormalMap,
+    PackedImage, Scene, Surface, TextureRef, WarningKind,
 };
 use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use std::collections::HashMap;
@@ -42,6 +42,7 @@ pub(crate) struct Parts {
     pub materials: Vec<Material>,
     pub images: Vec<Image>,
     pub packed_images: Vec<PackedImage>,
+    pub lights: Vec<Light>,
     pub source: Option<Arc<GltfDocument>>,
 }
 
@@ -73,6 +74,7 @@ pub(crate) fn scene(mut input: Input, format: Format, mut parts: Parts) -> Resul
         mut materials,
         mut images,
         packed_images,
+        lights,
         source,
     } = parts;
     meshes.shrink_to_fit();
@@ -88,6 +90,7 @@ pub(crate) fn scene(mut input: Input, format: Format, mut parts: Parts) -> Resul
         materials,
         images,
         packed_images,
+        lights,
         warnings: input.warnings,
         content_hash,
         source,

@@ -14,6 +14,8 @@ mod energy;
 mod fuzz;
 #[path = "files/gltf.rs"]
 mod gltf;
+#[path = "files/lights.rs"]
+mod lights;
 #[path = "files/memory.rs"]
 mod memory;
 #[path = "files/obj.rs"]

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 /// Every option, as its flag is called with underscores.
-pub const NAMES: [&str; 38] = [
+pub const NAMES: [&str; 39] = [
     "size",
     "density",
     "density_of",
@@ -37,6 +37,7 @@ pub const NAMES: [&str; 38] = [
     "max_distance",
     "model",
     "bounces",
+    "lights",
     "sun",
     "point",
     "layers",
@@ -99,7 +100,7 @@ fn named(py: Python<'_>, name: &str, error: PyErr) -> PyErr {
     }
 }
 
-fn one(bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
+fn one(mut bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
     Ok(match name {
         "size" => bake.size(value.extract()?),
         "density" => bake.density(value.extract()?),
@@ -196,9 +197,17 @@ fn one(bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
         }),
         "sun" | "point" => {
             let make = if name == "sun" { Light::sun } else { Light::point };
-            let lights = value.extract::<Vec<[f64; 4]>>()?.into_iter();
-            lights.fold(bake, |bake, [x, y, z, e]| bake.light(make([x, y, z], e)))
+            for light in value.extract::<Vec<Vec<f64>>>()? {
+                let (place, strength) = match *light.as_slice() {
+                    [x, y, z, e] => ([x, y, z], [e; 3]),
+                    [x, y, z, r, g, b] => ([x, y, z], [r, g, b]),
+                    _ => return Err(PyValueError::new_err("each must be (x, y, z, e) or (x, y, z, r, g, b)")),
+                };
+                bake = bake.light(make(place, strength));
+            }
+            bake
         }
+        "lights" => bake.file_lights(word(value, &[("file", true), ("none", false)])?),
         "layers" => bake.layers(layers(value)?),
         "only" => bake.only(layers(value)?),
         "normal_maps" => bake.normal_maps(value.extract()?),

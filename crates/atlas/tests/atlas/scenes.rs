@@ -55,6 +55,7 @@ pub fn scene(meshes: Vec<Mesh>, instances: &[(u32, u32, DAffine3)]) -> Scene {
         }],
         images: Vec::new(),
         packed_images: Vec::new(),
+        lights: Vec::new(),
         warnings: Vec::new(),
         content_hash: String::new(),
         source: None,

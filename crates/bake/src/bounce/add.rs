@@ -1,13 +1,12 @@
-//! Adds a page of bounced light to the layers of a finished page. Every layer that shows light is linear in it.
+//! Adds a page of light to the layers of a finished page. Every layer that shows light is linear in it.
 
-use crate::options::Options;
 use crate::page::BakedPage;
 use glam::DVec3;
 use layers::Layer;
 use rayon::prelude::*;
 
-/// Adds `light`, finished, to what `page` shows.
-pub(super) fn add(page: &mut BakedPage, light: BakedPage, options: &Options) {
+/// Adds `light`, finished, to what `page` shows; `direct` where it comes straight from lights.
+pub(super) fn add(page: &mut BakedPage, light: BakedPage, direct: bool) {
     let texels = page.texels();
     let mut planes = std::mem::take(&mut page.planes);
     let facts = |layer: Layer| {
@@ -58,6 +57,7 @@ pub(super) fn add(page: &mut BakedPage, light: BakedPage, options: &Options) {
                 Layer::StdErrIrradiance | Layer::StdErrReflection => {
                     before.hypot(f64::from(own().unwrap_or(0.0)))
                 }
+                Layer::Direct if direct => before + rgb(irradiance, texel)[channel],
                 Layer::Lambert => before + lambert(texel)[channel],
                 Layer::Phong => before + phong(texel)[channel],
                 Layer::Ggx => before + ggx(texel)[channel],
@@ -85,10 +85,4 @@ pub(super) fn add(page: &mut BakedPage, light: BakedPage, options: &Options) {
     page.stats.irradiance_squares += counted(&seen);
     let rays = light.layer(Layer::Rays).unwrap_or_default();
     page.stats.rays += rays.iter().map(|rays| *rays as u64).sum::<u64>();
-    debug_assert!(
-        options
-            .layers
-            .iter()
-            .all(|layer| page.layer(*layer).is_some())
-    );
 }

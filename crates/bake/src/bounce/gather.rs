@@ -1,4 +1,4 @@
-//! One gather of a texel: what its surface receives of the light that other surfaces send.
+//! One gather of a texel: what its surface receives of the light that other surfaces send, or of that of lights.
 //!
 //! Rays follow the cosine for the irradiance and the lobe for the reflection, and go to the first surface. Half of the rays of the cosine are
 //! aimed at bright surfaces instead, where there are some. In the first gather surfaces that shine are aimed at too, by as many rays. All
@@ -29,7 +29,7 @@ pub(super) struct Gather<'a> {
     pub radiosity: Radiosity<'a>,
     /// Surfaces that shine; `None` after the first gather.
     pub lamps: Option<&'a Lamps>,
-    /// Lights without extent, in the world's coordinates; none after the first gather.
+    /// Lights without extent, in the world's coordinates. Where there are some, only their light is gathered.
     pub lights: &'a [Light],
     /// Bright surfaces.
     pub spots: &'a Spots,
@@ -79,18 +79,28 @@ impl Gather<'_> {
         reach: &mut Reach,
     ) -> (Received, u64) {
         let mut rays = 0;
+        let mirror = self.mirror(texel, integral);
+        if !self.lights.is_empty() {
+            let each = self.shadow_rays(count);
+            let received = std::array::from_fn(|replicate| {
+                let stream = stream(Points::Lamps, replicate as u32);
+                let mut sum = DVec3::ZERO;
+                for point in 0..each {
+                    let [.., v0, v1] = stream.point(point);
+                    let (surface, origin) = texel.start([v0, v1]);
+                    let kernel = self.kernel(texel, &surface, integral, mirror);
+                    for light in self.lights {
+                        let light = self.arriving(light, &kernel, &surface, origin);
+                        rays += u64::from(light.is_some());
+                        sum += light.unwrap_or_default();
+                    }
+                }
+                sum / f64::from(each)
+            });
+            return (received, rays);
+        }
         // Over an open texel stands nothing that could send light.
         let points = if texel.open { 0 } else { count };
-        // What an open texel reflects, by which its lobe is divided.
-        let mirror = match (self.model, integral) {
-            (Model::Ggx, Integral::Reflection) => {
-                let view = self.view_from(texel.position, texel.normal);
-                let ggx = Ggx::new(alpha_of(texel.material.exponent), texel.normal.dot(view));
-                let open = ggx.open();
-                open.tinted + open.white
-            }
-            _ => 1.0,
-        };
         let aim = match integral {
             Integral::Irradiance if !texel.open => {
                 let size = texel.world_area().sqrt();
@@ -136,22 +146,20 @@ impl Gather<'_> {
                     sum += light.unwrap_or_default();
                 }
             }
-            // Their points are those of rays to lamps, which take other numbers of them.
-            let stream = stream(Points::Lamps, replicate as u32);
-            let count = self.shadow_rays(count);
-            for point in 0..count {
-                let [.., v0, v1] = stream.point(point);
-                let (surface, origin) = texel.start([v0, v1]);
-                let kernel = self.kernel(texel, &surface, integral, mirror);
-                for light in self.lights {
-                    let light = self.arriving(light, &kernel, &surface, origin);
-                    rays += u64::from(light.is_some());
-                    sum += DVec3::splat(light.unwrap_or_default() / f64::from(count));
-                }
-            }
             sum
         });
         (received, rays)
+    }
+
+    /// What an open texel reflects, by which its lobe is divided.
+    fn mirror(&self, texel: &Texel, integral: Integral) -> f64 {
+        if (self.model, integral) != (Model::Ggx, Integral::Reflection) {
+            return 1.0;
+        }
+        let view = self.view_from(texel.position, texel.normal);
+        let ggx = Ggx::new(alpha_of(texel.material.exponent), texel.normal.dot(view));
+        let open = ggx.open();
+        open.tinted + open.white
     }
 
     fn kernel(&self, texel: &Texel, surface: &Sample, integral: Integral, mirror: f64) -> Kernel {
@@ -254,7 +262,7 @@ impl Gather<'_> {
         Coat::of(self.model, full, &texel.material, texel.normal.dot(view)).share
     }
 
-    /// What a light without extent brings, the same in all channels; `None` where no ray needs to be cast. Light from below a facet comes
+    /// What a light without extent brings; `None` where no ray needs to be cast. Light from below a facet comes
     /// through the mirror image of its direction, as that of the sky does.
     fn arriving(
         &self,
@@ -262,21 +270,19 @@ impl Gather<'_> {
         kernel: &Kernel,
         surface: &Sample,
         origin: [f32; 3],
-    ) -> Option<f64> {
+    ) -> Option<DVec3> {
         let arrival = light.at(surface.position);
-        let weight = kernel.toward(surface, arrival.toward);
-        if weight * arrival.irradiance <= 0.0 {
+        let light = arrival.irradiance * kernel.toward(surface, arrival.toward);
+        if light == DVec3::ZERO {
             return None;
         }
         let ray = Ray {
             t_max: self.t_max.min(arrival.distance as f32),
             ..self.ray(origin, surface.leaving(self.shading, arrival.toward)?)
         };
-        let lit = !self.backend.occluded(&ray);
-        Some(if lit {
-            weight * arrival.irradiance
-        } else {
-            0.0
+        Some(match self.backend.occluded(&ray) {
+            true => DVec3::ZERO,
+            false => light,
         })
     }
 

@@ -1,13 +1,18 @@
 //! Light that bounces: surfaces send on what they receive, gather after gather.
 //!
 //! A gather integrates, at every texel, the radiosity of the surfaces that its rays meet: albedo at the hit, textures included, times
-//! the irradiance that the pages hold there. The first one meets the light of the sky that surfaces have received, and surfaces that shine by
-//! themselves; the next ones meet what the gather before has added. The sum of all is the Neumann series of the radiosity equation
+//! the irradiance that the pages hold there. The first one meets the light of sky and lights that surfaces have
+//! received, and surfaces that shine
+//! by themselves; the next ones meet what the gather before has added. The sum of all is the Neumann series of the
+//! radiosity equation
 //! (C. Goral, K. Torrance, D. Greenberg, B. Battaile, "Modeling the Interaction of Light Between Diffuse Surfaces", 1984):
 //!
 //! ```text
-//! E0 = sky          E1 = gather(albedo E0 + emission)          Ek+1 = gather(albedo Ek)          E = E0 + E1 + E2 + ...
+//! E0 = sky + lights     E1 = gather(albedo E0 + emission)          Ek+1 = gather(albedo Ek)          E = E0 + E1 + E2
+//! + ...
 //! ```
+//!
+//! Lights without extent come first, by a gather of their own ([`Baker::bounce`] runs it whether or not light bounces).
 //!
 //! Only the sum is shown, and `E - E0 = gather(albedo (E0 + E1 + E2 + ...) + emission)`. So all gathers but the last take few rays, and smooth what
 //! they find over neighbours: the last one, which has all rays, averages it over all the texels that its rays meet. What is left of their noise is in the
@@ -98,7 +103,8 @@ impl KeepGathers for () {
 }
 
 impl Baker<'_> {
-    /// Adds the light that surfaces send on to all pages of the bake, which must be finished, and drops the layers that only this needed.
+    /// Adds the light of lights and what surfaces send on to all pages of the bake, which must be finished, and drops
+    /// the layers that only this needed.
     /// `None` where the listener cancels; the pages then stand as they were. Tiles of gathers go through `kept`: a run that finds
     /// those of one that was interrupted ends with the same values.
     ///
@@ -111,11 +117,31 @@ impl Baker<'_> {
         progress: &dyn Progress,
     ) -> Result<Option<BounceStats>, K::Error> {
         let mut stats = BounceStats::default();
+        let layers = self.layers_of_gathers();
+        let lights = self.lights();
+        // The gather of the lights comes before all others.
+        let first = u32::from(!lights.is_empty());
+        if !lights.is_empty() {
+            let spots = Spots::default();
+            let gather = Gather {
+                lights: &lights,
+                ..self.gather(&[], true, &spots)
+            };
+            let dark = pages.iter().map(|page| LightPage::new(page, &layers));
+            let mut light: Vec<LightPage> = dark.collect();
+            if self
+                .gathered(&gather, 0, &mut light, kept, progress)?
+                .is_none()
+            {
+                return Ok(None);
+            }
+            for (page, light) in pages.iter_mut().zip(light) {
+                add::add(page, light.finished(self), true);
+            }
+        }
         if self.plan.models(Choice::Bounces) {
             let lamps = Lamps::of(self.world);
             let lamps = (!lamps.is_empty()).then_some(&lamps);
-            let lights = self.lights();
-            let layers = self.layers_of_gathers();
             let dark = || pages.iter().map(|page| LightPage::new(page, &layers));
             let mut sum: Vec<PageLight> = pages.iter().map(first_light).collect();
             let mut sent = sum.clone();
@@ -125,14 +151,13 @@ impl Baker<'_> {
             stats.start(pages);
             while stats.goes_on(self.options.bounces.before_last(), self.enough()) {
                 let spots = Spots::of(&patches, &sent);
-                let first = stats.gathers == 0;
                 let gather = Gather {
-                    lamps: lamps.filter(|_| first),
-                    lights: if first { &lights } else { &[] },
+                    lamps: lamps.filter(|_| stats.gathers == 0),
                     ..self.gather(&sent, false, &spots)
                 };
                 let mut light: Vec<LightPage> = dark().collect();
-                let gathered = self.gathered(&gather, stats.gathers, &mut light, kept, progress)?;
+                let number = first + stats.gathers;
+                let gathered = self.gathered(&gather, number, &mut light, kept, progress)?;
                 let Some(gathered) = gathered else {
                     return Ok(None);
                 };
@@ -152,17 +177,17 @@ impl Baker<'_> {
             let spots = Spots::of(&patches, &sum);
             let gather = Gather {
                 lamps,
-                lights: &lights,
                 ..self.gather(&sum, true, &spots)
             };
             let mut light: Vec<LightPage> = dark().collect();
-            let gathered = self.gathered(&gather, stats.gathers, &mut light, kept, progress)?;
+            let number = first + stats.gathers;
+            let gathered = self.gathered(&gather, number, &mut light, kept, progress)?;
             if gathered.is_none() {
                 return Ok(None);
             }
             stats.end_last(&light);
             for (page, light) in pages.iter_mut().zip(light) {
-                add::add(page, light.finished(self), self.options);
+                add::add(page, light.finished(self), false);
             }
         }
         for page in pages {
@@ -185,20 +210,12 @@ impl Baker<'_> {
         }
     }
 
-    /// The lights without extent, in the world's coordinates.
+    /// The lights without extent that are modelled, in the world's coordinates.
     fn lights(&self) -> Vec<Light> {
         let lights = self.options.lights.iter();
+        let lights = lights.filter(|_| self.plan.models(Choice::Lights));
         lights
-            .map(|light| match *light {
-                Light::Point {
-                    position,
-                    intensity,
-                } => Light::Point {
-                    position: position - self.world.origin(),
-                    intensity,
-                },
-                distant => distant,
-            })
+            .map(|light| light.from_origin(self.world.origin()))
             .collect()
     }
 
@@ -377,7 +394,7 @@ impl Baker<'_> {
     }
 }
 
-/// The light of a finished page that surfaces send on first: that of the sky.
+/// The light of a finished page that surfaces send on first: that of the sky and of lights.
 fn first_light(page: &BakedPage) -> PageLight {
     let channel = |layer, channel| page.channel(layer, channel).unwrap_or_default();
     let [r, g, b] = [0, 1, 2].map(|c| channel(Layer::Irradiance, c));

@@ -1,7 +1,8 @@
-//! What gathers will take, from the first one on a few tiles in light that is even everywhere.
+//! What gathers will take, from that of the lights and the first of surfaces on a few tiles in light that is even
+//! everywhere.
 
 use super::REPLICATES;
-use super::light::BounceStats;
+use super::light::{BounceStats, TexelLight};
 use super::radiosity::PageLight;
 use super::spots::Spots;
 use super::{Gather, mean};
@@ -14,9 +15,10 @@ use glam::DVec3;
 use rays::{Lamps, Light};
 use std::iter::Sum;
 
-/// The first gather as a pilot runs it.
+/// The first gathers as a pilot runs them.
 pub(crate) struct GatherPilot<'a> {
     baker: &'a Baker<'a>,
+    bounces: bool,
     lamps: Lamps,
     lights: Vec<Light>,
     spots: Spots,
@@ -32,18 +34,22 @@ pub(crate) struct Taken {
     light: f64,
     /// What the texels received, and its squares.
     received: [f64; 2],
+    /// Rays to lights, and the processor seconds of their gather.
+    direct: [f64; 2],
 }
 
 impl<'a> GatherPilot<'a> {
-    /// `None` where no light bounces.
+    /// `None` where no light is added to finished pages.
     pub fn of(baker: &'a Baker<'a>) -> Option<Self> {
         let texels = (baker.atlas.page_size as usize).pow(2);
         let even = || PageLight {
             irradiance: vec![[1.0; 3]; texels],
             holds: vec![true; texels],
         };
-        baker.plan.models(Choice::Bounces).then(|| Self {
+        let bounces = baker.plan.models(Choice::Bounces);
+        (bounces || baker.plan.models(Choice::Lights)).then(|| Self {
             baker,
+            bounces,
             lamps: Lamps::of(baker.world),
             lights: baker.lights(),
             spots: Spots::default(),
@@ -53,15 +59,31 @@ impl<'a> GatherPilot<'a> {
 
     /// Runs a tile.
     pub fn tile(&self, raster: &PageRaster<'_>, page: u32, index: usize) -> Taken {
-        let lamps = (!self.lamps.is_empty()).then_some(&self.lamps);
-        let gather = Gather {
-            lamps,
-            lights: &self.lights,
-            ..self.baker.gather(&self.sent, true, &self.spots)
-        };
+        let of_surfaces = || self.baker.gather(&self.sent, true, &self.spots);
         let clock = ThreadClock::now();
         let texels = self.baker.survey(&self.baker.cut(raster, index), page);
         let survey = clock.seconds();
+        let rays = |light: &[TexelLight]| light.iter().map(|texel| texel.rays as f64).sum();
+        let mut direct = [0.0; 2];
+        if !self.lights.is_empty() {
+            let gather = Gather {
+                lights: &self.lights,
+                ..of_surfaces()
+            };
+            let light = self.baker.tile_light(&gather, 0, page as usize, &texels);
+            direct = [rays(&light), clock.seconds()];
+        }
+        if !self.bounces {
+            return Taken {
+                direct,
+                ..Taken::default()
+            };
+        }
+        let gather = Gather {
+            lamps: (!self.lamps.is_empty()).then_some(&self.lamps),
+            ..of_surfaces()
+        };
+        let clock = ThreadClock::now();
         let light = self.baker.tile_light(&gather, 0, page as usize, &texels);
         let received = |rgb: &[DVec3]| mean(rgb.iter().sum::<DVec3>()) / f64::from(REPLICATES);
         let received: Vec<f64> = light
@@ -69,15 +91,20 @@ impl<'a> GatherPilot<'a> {
             .map(|texel| received(&texel.irradiance))
             .collect();
         Taken {
-            rays: light.iter().map(|texel| texel.rays as f64).sum(),
+            rays: rays(&light),
             survey,
-            light: clock.seconds() - survey,
+            light: clock.seconds(),
+            direct,
             received: [received.iter().sum(), received.iter().map(|r| r * r).sum()],
         }
     }
 
     /// Rays and seconds of all gathers over the tiles of the pilot.
     pub fn all(&self, taken: &Taken) -> (u64, f64) {
+        let [rays, seconds] = taken.direct;
+        if !self.bounces {
+            return (rays as u64, seconds);
+        }
         // A step of the power iteration: light gathers where most of it comes back.
         let [sum, squares] = taken.received;
         let ratio = if sum > 0.0 { squares / sum } else { 0.0 };
@@ -86,8 +113,8 @@ impl<'a> GatherPilot<'a> {
         // In units of the last.
         let points = |last| f64::from(self.baker.gather(&self.sent, last, &self.spots).points);
         let work = 1.0 + before * points(false) / points(true);
-        let seconds = (1.0 + before) * taken.survey + work * taken.light;
-        ((taken.rays * work) as u64, seconds)
+        let seconds = seconds + (1.0 + before) * taken.survey + work * taken.light;
+        ((rays + taken.rays * work) as u64, seconds)
     }
 }
 
@@ -110,6 +137,7 @@ impl Sum for Taken {
             survey: a.survey + b.survey,
             light: a.light + b.light,
             received: [0, 1].map(|k| a.received[k] + b.received[k]),
+            direct: [0, 1].map(|k| a.direct[k] + b.direct[k]),
         })
     }
 }

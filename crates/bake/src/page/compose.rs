@@ -64,6 +64,8 @@ impl Composition {
             }
             Layer::DifferenceLambert => traditional() - lambert(),
             Layer::DifferencePhong => traditional() - phong(),
+            // The light of lights is added to the finished page.
+            Layer::Direct => DVec3::ZERO,
             fact => unreachable!("layer {} is a fact", fact.name()),
         }
     }
@@ -80,6 +82,7 @@ pub(crate) fn is_composed(layer: Layer) -> bool {
             | Layer::Ggx
             | Layer::DifferenceLambert
             | Layer::DifferencePhong
+            | Layer::Direct
     )
 }
 

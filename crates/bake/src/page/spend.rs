@@ -167,6 +167,7 @@ fn pilot_options(baker: &Baker<'_>) -> Options {
         effort: Effort::Rays(PILOT),
         seed: options.seed ^ SEED,
         bounces: Bounces::Off,
+        lights: Vec::new(),
         denoise: match options.denoise {
             Denoise::Regression => Denoise::Regression,
             _ => Denoise::Off,

@@ -115,12 +115,13 @@ pub fn layers_in_work(options: &Options, plan: &Plan) -> Vec<Layer> {
     working_layers(options, plan, options.buried == Buried::Drop)
 }
 
-/// The layers of a finished page before light is bounced, and those of the page of light beside it; the latter is empty where no light
-/// bounces.
+/// The layers of a finished page before light is added to it, and those of the page of light beside it; the latter is
+/// empty where none is
+/// added.
 pub fn layers_of_light(options: &Options, plan: &Plan) -> [Vec<Layer>; 2] {
-    let bounces = plan.models(Choice::Bounces);
+    let adds = plan.models(Choice::Bounces) || plan.models(Choice::Lights);
     let mends = options.buried == Buried::Drop;
-    let light = bounces.then(|| light_layers(options, plan, mends));
+    let light = adds.then(|| light_layers(options, plan, mends));
     [options.kept(), light.unwrap_or_default()]
 }
 

@@ -22,12 +22,11 @@ pub(super) fn decide(scene: &Scene, options: &Options, open: &OpenTriangles) -> 
         Bounces::Most(most) => format!("{most} gathers"),
         Bounces::Auto => "gathers until what is missing no longer counts".to_owned(),
     };
-    if !options.shows_bounces() {
+    if !options.shows_light() {
         return left_out("no asked layer shows light");
     }
-    let lights = options.lights.len();
     let alone = open.total > 0 && open.open == open.total;
-    if alone && lights == 0 && options.allows(Choice::Bounces) {
+    if alone && options.allows(Choice::Bounces) {
         return left_out("nothing stands above any triangle: no surface sees another");
     }
     let used = |index: usize| {
@@ -51,7 +50,7 @@ pub(super) fn decide(scene: &Scene, options: &Options, open: &OpenTriangles) -> 
         .filter(|m| albedo(m).max_element() > 0.0)
         .count();
     let shine = used.iter().filter(|m| m.emission != Vec3::ZERO).count();
-    if sends + shine + lights == 0 && options.allows(Choice::Bounces) {
+    if sends + shine == 0 && options.allows(Choice::Bounces) {
         return left_out("no material has an albedo or shines: no surface sends light on");
     }
     let brightest = used
@@ -63,14 +62,9 @@ pub(super) fn decide(scene: &Scene, options: &Options, open: &OpenTriangles) -> 
     } else {
         String::new()
     };
-    let lights = match lights {
-        0 => String::new(),
-        1 => ", and one light".to_owned(),
-        more => format!(", and {more} lights"),
-    };
     let all = used.len();
     let reason = format!(
-        "{gathers} of what surfaces send on: {sends} of {all} materials reflect diffusely, {shine} shine{lights}{bright}"
+        "{gathers} of what surfaces send on: {sends} of {all} materials reflect diffusely, {shine} shine{bright}"
     );
     decision(Choice::Bounces, true, reason)
 }

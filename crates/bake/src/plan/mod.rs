@@ -2,6 +2,7 @@
 
 mod any_view;
 mod bounces;
+mod lights;
 mod open;
 
 pub use any_view::AnyViewErrors;
@@ -95,6 +96,7 @@ impl Plan {
             instances,
             alpha_test,
             bounces::decide(scene, options, &open_triangles),
+            lights::decide(options),
         ];
         for term in Term::ALL {
             let decision = &mut decisions[place(choice_of(term))];

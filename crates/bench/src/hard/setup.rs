@@ -212,6 +212,7 @@ fn scene(meshes: Vec<Mesh>) -> Scene {
         }],
         images: Vec::new(),
         packed_images: Vec::new(),
+        lights: Vec::new(),
         warnings: Vec::new(),
         content_hash: String::new(),
         source: None,

@@ -281,6 +281,7 @@ mod tests {
                 pixels: vec![[255, 255, 255, 0], [255; 4]],
             }],
             packed_images: Vec::new(),
+            lights: Vec::new(),
             warnings: Vec::new(),
             content_hash: String::new(),
             source: None,

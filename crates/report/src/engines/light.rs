@@ -47,7 +47,12 @@ pub fn light_source(bake: &BakeReport) -> LightSource {
     // Light that surfaces reflect is in no other layer.
     let bounces = bake.options.get("bounces");
     let once = bounces.is_none_or(|bounces| bounces.is_null() || bounces.as_u64() == Some(0));
-    match rgb.filter(|_| once) {
+    let lights = bake
+        .options
+        .get("lights")
+        .and_then(|lights| lights.as_array());
+    let alone = once && lights.is_none_or(Vec::is_empty);
+    match rgb.filter(|_| alone) {
         Some(sky) => LightSource::Uniform(sky),
         None => LightSource::Irradiance,
     }

@@ -103,7 +103,7 @@ pub const EXTENSIONS: &[Row] = &[
     row("KHR_draco_mesh_compression", Honoured, ""),
     told("KHR_gaussian_splatting", NotRead, "splats are left out", Ignored),
     row("KHR_interactivity", Harmless, ""),
-    told("KHR_lights_punctual", NotRead, "lights of the file are not baked; name them by `--sun` and `--point`", Ignored),
+    row("KHR_lights_punctual", Honoured, "with `--lights file`; lux and candela are units of irradiance and intensity"),
     told("KHR_materials_anisotropy", NotRead, "highlights are round", Ignored),
     told("KHR_materials_clearcoat", NotRead, "the surface is baked without its coat", Ignored),
     told("KHR_materials_diffuse_transmission", NotRead, "no light passes the surface", Ignored),

@@ -13,6 +13,7 @@ pub mod conformance;
 mod container;
 mod document;
 mod elements;
+mod lights;
 mod materials;
 mod nodes;
 mod phong;
@@ -65,7 +66,8 @@ pub(crate) fn load(input: &mut Input, format: Format) -> Result<Parts, Error> {
         root: &root,
         document: &document,
     };
-    let placements = nodes::placements(input, &data)?;
+    let (placements, lights) = nodes::placements(input, &data)?;
+    parts.lights = lights;
     let mut primitives = primitives::load(input, &data, &placements, &mut parts)?;
     nodes::instances(&root, placements, &mut primitives, &mut parts);
     materials::load(input, &data, &mut parts, &mut image_files)?;

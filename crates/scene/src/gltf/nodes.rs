@@ -1,9 +1,10 @@
 //! The node hierarchy: which mesh stands where.
 
 use super::accessor::{Data, number};
+use super::lights;
 use crate::source::Input;
 use crate::validate::{Parts, affine};
-use crate::{Error, Instance, WarningKind};
+use crate::{Error, Instance, Light, WarningKind};
 use glam::{DAffine3, DQuat, DVec3, DVec4};
 use gltf::json::accessor::Type;
 use gltf::json::scene::Node;
@@ -19,10 +20,14 @@ pub(super) struct Placement {
     transform: DAffine3,
 }
 
-/// All visible placements of the default scene (`scene`, else the first, else every root node), parents before children.
-pub(super) fn placements(input: &mut Input, data: &Data) -> Result<Vec<Placement>, Error> {
+/// All visible placements and lights of the default scene (`scene`, else the first, else every root node), parents
+/// before children.
+pub(super) fn placements(
+    input: &mut Input,
+    data: &Data,
+) -> Result<(Vec<Placement>, Vec<Light>), Error> {
     let root = data.root;
-    let mut out = Vec::new();
+    let (mut out, mut shining) = (Vec::new(), Vec::new());
     let mut seen = vec![false; root.nodes.len()];
     // A stack of our own: a chain of nodes may be deeper than the call stack.
     let mut open: Vec<(usize, DAffine3)> = roots(data)
@@ -47,6 +52,7 @@ pub(super) fn placements(input: &mut Input, data: &Data) -> Result<Vec<Placement
             parent * local(node).map_err(|problem| input.invalid(place.as_str(), problem))?;
         let children = node.children.iter().flatten().rev();
         open.extend(children.map(|child| (child.value(), world)));
+        shining.extend(lights::of(input, &data.document.json, node, &world));
         let Some(mesh) = node.mesh.map(|mesh| mesh.value()) else {
             continue;
         };
@@ -72,7 +78,7 @@ pub(super) fn placements(input: &mut Input, data: &Data) -> Result<Vec<Placement
             }),
         }
     }
-    Ok(out)
+    Ok((out, shining))
 }
 
 /// One instance for each placement of each of its mesh's loaded primitives.

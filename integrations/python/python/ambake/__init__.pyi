@@ -42,6 +42,7 @@ class Options(TypedDict, total=False):
     max_distance: float
     model: Literal["phong", "ggx"]
     bounces: Union[int, Literal["auto"]]
+    lights: Literal["file", "none"]
     sun: Sequence[Sequence[float]]
     point: Sequence[Sequence[float]]
     layers: Union[str, Sequence[str]]
