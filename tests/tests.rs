@@ -12,6 +12,7 @@ mod broken;
 mod buried;
 mod capture;
 mod cases;
+mod casts;
 mod cli;
 mod cliffs;
 mod closed;

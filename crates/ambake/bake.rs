@@ -109,6 +109,14 @@ impl Bake {
         self
     }
 
+    /// The objects with this name, which may have wildcards, block no light: no ray meets them and nothing counts as
+    /// buried in them.
+    /// They take texels.
+    pub fn no_cast(mut self, name: impl Into<String>) -> Self {
+        self.options.no_cast.push(name.into());
+        self
+    }
+
     /// Charts that can be seen from none of these points, in scene units, take one texel; their texels go to the others.
     pub fn seen_from(mut self, eyes: impl IntoIterator<Item = [f64; 3]>) -> Self {
         self.options.seen_from.extend(eyes);
@@ -427,7 +435,7 @@ impl Bake {
         options.check_lamps(&self.scene)?;
         options.complete();
         Job::prepare(
-            self.scene.clone(),
+            options.cast(&self.scene)?,
             options,
             self.backend,
             self.make_backend.clone(),

@@ -1,6 +1,9 @@
 //! Finds out whether a scene is an interior: there the sky reaches little, and a limit of distance shows more.
 
+use crate::job::Job;
 use crate::options::Options;
+use atlas::ObjectName;
+use glam::DVec3;
 use report::WarningReport;
 
 /// Bins of the diffuse term, over 0..=1.
@@ -26,6 +29,23 @@ impl Brightness {
         }
     }
 
+    /// The warning that names what hides the sky from everything, where one object does.
+    pub fn enclosed(&self, job: &Job) -> Option<WarningReport> {
+        let all: u64 = self.0.iter().sum();
+        if all == 0 || self.0[0] < all {
+            return None;
+        }
+        let name = enclosing(job)?;
+        Some(WarningReport {
+            kind: "enclosed".into(),
+            place: format!("object `{name}`"),
+            count: 1,
+            message: "nothing sees the sky, because one object stands around everything; where it is a sky dome or a shell, `--no-cast NAME` \
+                      lets the light through it"
+                .into(),
+        })
+    }
+
     /// The warning that names `--bounces` and `--max-distance`, where the median is dark and neither was given.
     pub fn interior(&self, options: &Options) -> Option<WarningReport> {
         let helped = options.max_distance.is_some() || options.adds_light();
@@ -42,6 +62,26 @@ impl Brightness {
             ),
         })
     }
+}
+
+/// The name of the object whose box holds those of all others.
+fn enclosing(job: &Job) -> Option<String> {
+    let world = job.world();
+    let objects = atlas::object_names(world.scene());
+    let around = |object: &ObjectName| {
+        let boxes = object.instances.iter().filter_map(|&i| world.box_of(i));
+        boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    };
+    let bounds = world.bounds();
+    let holds_all = |object: &&ObjectName| {
+        let casts = object.instances.iter().any(|&i| world.casts(i));
+        let holds = |(low, high): (DVec3, DVec3)| {
+            low.cmple(bounds.min).all() && high.cmpge(bounds.max).all()
+        };
+        casts && around(object).is_some_and(holds)
+    };
+    let found = objects.iter().find(holds_all)?;
+    (objects.len() > 1).then(|| found.name.clone())
 }
 
 #[cfg(test)]

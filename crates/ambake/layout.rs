@@ -10,12 +10,13 @@ use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 
 /// The options that decide a layout, as [`Options::describe`] calls them.
-pub(crate) const DECIDING: [&str; 13] = [
+pub(crate) const DECIDING: [&str; 14] = [
     "size",
     "density",
     "density_of",
     "include",
     "exclude",
+    "no_cast",
     "seen_from",
     "buried",
     "pages",

@@ -73,6 +73,8 @@ pub struct Options {
     pub include: Vec<String>,
     /// Names, with wildcards, of objects that take no texels; they still occlude.
     pub exclude: Vec<String>,
+    /// Names, with wildcards, of objects that block no light; they take texels.
+    pub no_cast: Vec<String>,
     /// Eye points in scene units: charts that none of them sees take one texel; empty for no such test.
     pub seen_from: Vec<[f64; 3]>,
     /// How many pages there are.
@@ -145,6 +147,7 @@ impl Default for Options {
             density_of: Vec::new(),
             include: Vec::new(),
             exclude: Vec::new(),
+            no_cast: Vec::new(),
             seen_from: Vec::new(),
             pages: Pages::Auto,
             one_page_per_mesh: false,
@@ -326,6 +329,25 @@ impl Options {
         }
     }
 
+    /// The scene, in which what [`Options::no_cast`] names blocks no light.
+    pub(crate) fn cast(&self, scene: &Scene) -> Result<Scene, Error> {
+        if self.no_cast.is_empty() {
+            return Ok(scene.clone());
+        }
+        let mut own = ::scene::Scene::clone(scene);
+        for pattern in &self.no_cast {
+            let named = atlas::instances_named(scene, pattern, "--no-cast");
+            let named = named.map_err(|source| Error::Layout {
+                scene: scene.path.display().to_string(),
+                source,
+            })?;
+            for instance in named {
+                own.instances[instance as usize].casts = false;
+            }
+        }
+        Ok(own.into())
+    }
+
     /// True where the light that arrives is more than the sky's mean times the diffuse term.
     pub(crate) fn light_varies(&self) -> bool {
         self.sky.is_map() || self.adds_light()
@@ -461,6 +483,7 @@ impl Options {
             density_of,
             include,
             exclude,
+            no_cast,
             seen_from,
             pages,
             one_page_per_mesh,
@@ -510,6 +533,7 @@ impl Options {
             "density_of": density_of.iter().map(|(name, d)| format!("{name}={d}")).collect::<Vec<_>>(),
             "include": include,
             "exclude": exclude,
+            "no_cast": no_cast,
             "seen_from": seen_from,
             "pages": match pages {
                 Pages::Auto => json!("auto"),

@@ -231,7 +231,8 @@ impl<'a> Writer<'a> {
         report.any_view = any_view;
         report.lightmaps = self.lightmaps;
         let interior = self.brightness.interior(self.job.options());
-        report.warnings.extend(interior);
+        let enclosed = self.brightness.enclosed(self.job);
+        report.warnings.extend(enclosed.or(interior));
         let missing = bounces.and_then(|stats| light_is_missing(self.job, &stats));
         report.warnings.extend(missing);
         report.warnings.extend(edited(self.job));

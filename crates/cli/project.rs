@@ -206,9 +206,10 @@ fn object_flags(name: &str, wishes: &Value) -> anyhow::Result<Vec<String>> {
                 flags.push(format!("--density-of={name}={value}"));
             }
             ("include" | "exclude", Value::Boolean(true)) => flags.push(format!("--{key}={name}")),
-            ("include" | "exclude", Value::Boolean(false)) => {}
+            ("cast", Value::Boolean(false)) => flags.push(format!("--no-cast={name}")),
+            ("include" | "exclude", Value::Boolean(false)) | ("cast", Value::Boolean(true)) => {}
             _ => bail!(
-                "`{key} = {value}` in {place}; there are density = NUMBER, include = true and exclude = true"
+                "`{key} = {value}` in {place}; there are density = NUMBER, include = true, exclude = true and cast = false"
             ),
         }
     }
@@ -252,11 +253,12 @@ mod tests {
     #[test]
     fn typed_flags_win_over_the_scene_and_the_scene_over_the_folder() {
         let file = "[bake]\nsize = 64\nrays = 8\nlayers = ['bent', 'normal']\nnormal-maps = true\nsky = [1, 0.5, 0.25]\n\
-            [scene.'hall.glb']\nsize = 128\n[scene.'other.glb']\nsize = 256\n[object.'wall*']\ndensity = 20\nexclude = false";
+            [scene.'hall.glb']\nsize = 128\n[scene.'other.glb']\nsize = 256\n[object.'wall*']\ndensity = 20\nexclude = false\ncast = false";
         let plain = job(file, "").unwrap();
         assert_eq!((plain.size, plain.rays, plain.layers.len()), (128, 8, 2));
         assert!(plain.normal_maps);
         assert_eq!(plain.density_of, [("wall*".to_owned(), 20.0)]);
+        assert_eq!(plain.no_cast, ["wall*"]);
         let typed = job(file, "--size 32 --target-error 0.1 --density-of door=4").unwrap();
         assert_eq!((typed.size, typed.target_error), (32, Some(0.1)));
         assert_eq!(typed.density_of.len(), 2, "later ones win, so both stand");

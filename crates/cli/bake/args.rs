@@ -125,6 +125,11 @@ pub struct Job {
     /// Objects with this name take no texels, but still occlude; * and ? are wildcards, and the flag may be repeated
     #[arg(long, value_name = "NAME")]
     pub exclude: Vec<String>,
+    /// Objects with this name block no light, such as decals, water or a sky dome: no ray meets them. They take texels,
+    /// unless --exclude
+    /// names them; * and ? are wildcards, and the flag may be repeated
+    #[arg(long, value_name = "NAME")]
+    pub no_cast: Vec<String>,
     /// Eye points in scene units, and boxes between two corners, separated by semicolons: charts that none of them sees take
     /// one texel
     #[arg(long, value_name = "X,Y,Z[:X,Y,Z][;..]", allow_hyphen_values = true, value_delimiter = ';', value_parser = eyes)]

@@ -14,6 +14,7 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
     options.density_of = job.density_of.clone();
     options.include = job.include.clone();
     options.exclude = job.exclude.clone();
+    options.no_cast = job.no_cast.clone();
     options.seen_from = job.seen_from.iter().flatten().copied().collect();
     options.pages = job.pages;
     options.one_page_per_mesh = job.one_page_per_mesh;

@@ -35,7 +35,7 @@ impl EmbreeBackend {
         let mut traced = Vec::with_capacity(world.parts.len());
         for (instance, part) in world.parts.iter().enumerate() {
             let geometry = &world.geometries[part.geometry as usize];
-            if geometry.triangles().is_empty() {
+            if geometry.triangles().is_empty() || !world.casts(instance as u32) {
                 continue;
             }
             let id = match part.transform {

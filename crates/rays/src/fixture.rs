@@ -91,6 +91,7 @@ pub(crate) fn placed_scene(meshes: Vec<Mesh>, placed: &[(u32, DAffine3)]) -> Sce
         transform,
         node: 0,
         copy: None,
+        casts: true,
     };
     Scene {
         path: PathBuf::from("fixture.obj"),

@@ -45,7 +45,7 @@ impl Lamps {
         for (instance, placed) in scene.instances.iter().enumerate() {
             let mesh = &scene.meshes[placed.mesh as usize];
             let radiance = lamps.radiance[mesh.material as usize];
-            if radiance == 0.0 {
+            if radiance == 0.0 || !placed.casts {
                 continue;
             }
             for triangle in 0..mesh.triangles.len() {

@@ -70,7 +70,7 @@ impl ObvhsBackend {
         for (instance, part) in world.parts.iter().enumerate() {
             let instance = instance as u32;
             let geometry = &world.geometries[part.geometry as usize];
-            if geometry.triangles().is_empty() {
+            if geometry.triangles().is_empty() || !world.casts(instance) {
                 continue;
             }
             let triangles =

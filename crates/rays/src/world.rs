@@ -199,11 +199,22 @@ impl World {
         self.scene.materials[mesh.material as usize].double_sided
     }
 
-    /// Points whose convex hull holds every triangle: all vertices of flattened parts, the corners of the transformed
+    /// True where rays meet an instance.
+    pub fn casts(&self, instance: u32) -> bool {
+        self.scene.instances[instance as usize].casts
+    }
+
+    /// Points whose convex hull holds every triangle that a ray can meet: all vertices of flattened parts, the corners
+    /// of the transformed
     /// mesh box of instanced ones.
     pub fn hull_points(&self) -> Vec<DVec3> {
         let mut points = Vec::new();
-        for part in &self.parts {
+        for (part, _) in self
+            .parts
+            .iter()
+            .zip(&self.scene.instances)
+            .filter(|(_, of)| of.casts)
+        {
             let geometry = &self.geometries[part.geometry as usize];
             match part.transform {
                 None => points.extend(geometry.positions.iter().map(|p| p.as_dvec3())),

@@ -72,6 +72,7 @@ fn world_of(sheets: &[Sheet], alpha: Alpha) -> (World, Box<dyn RayBackend>) {
         transform: DAffine3::IDENTITY,
         node: 0,
         copy: None,
+        casts: true,
     };
     let material = |sheet: &Sheet| Material {
         name: "sheet".into(),

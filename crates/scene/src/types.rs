@@ -113,6 +113,9 @@ pub struct Instance {
     pub node: u32,
     /// Which copy of the node's mesh this is under `EXT_mesh_gpu_instancing`; `None` without it.
     pub copy: Option<u32>,
+    /// It blocks light. What does not is met by no ray, buries nothing and sends nothing; it takes texels like the
+    /// others.
+    pub casts: bool,
 }
 
 /// A light without extent, as the file has it.

@@ -9,12 +9,13 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 /// Every option, as its flag is called with underscores.
-pub const NAMES: [&str; 39] = [
+pub const NAMES: [&str; 40] = [
     "size",
     "density",
     "density_of",
     "include",
     "exclude",
+    "no_cast",
     "seen_from",
     "pages",
     "one_page_per_mesh",
@@ -111,6 +112,7 @@ fn one(mut bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
         }
         "include" => texts(value)?.into_iter().fold(bake, Bake::include),
         "exclude" => texts(value)?.into_iter().fold(bake, Bake::exclude),
+        "no_cast" => texts(value)?.into_iter().fold(bake, Bake::no_cast),
         "seen_from" => bake.seen_from(value.extract::<Vec<[f64; 3]>>()?),
         "pages" => bake.pages(match value.cast::<PyString>() {
             Ok(_) => word(value, &[("auto", Pages::Auto)])?,

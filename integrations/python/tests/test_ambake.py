@@ -136,7 +136,7 @@ def test_a_mistake_is_one_clear_line(call, kind, words):
 
 def test_every_option_is_taken():
     values = dict(
-        size=32, density=4.0, density_of={"m*": 4.0}, include="mesh", exclude=["other"], seen_from=[(0, 3, 0)], pages=2,
+        size=32, density=4.0, density_of={"m*": 4.0}, include="mesh", exclude=["other"], no_cast="mesh", seen_from=[(0, 3, 0)], pages=2,
         one_page_per_mesh=True, uv="unwrap", gutter=1, mips=1, align=2, target_error=0.3, target_relative=0.3, max_rays=16,
         pattern="joint", footprint="centre", denoise="regression", seams="object", sky=(1, 0.5, 0.2), view=(0, 5, 0),
         buried="keep", shading="exact", max_distance=2.0, model="ggx", bounces=1, lights="none",

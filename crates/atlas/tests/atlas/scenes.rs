@@ -32,6 +32,7 @@ pub fn scene(meshes: Vec<Mesh>, instances: &[(u32, u32, DAffine3)]) -> Scene {
         transform,
         node,
         copy: None,
+        casts: true,
     };
     Scene {
         path: "test".into(),

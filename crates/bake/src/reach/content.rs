@@ -104,6 +104,10 @@ pub(super) fn contents(world: &World) -> Vec<Content> {
 fn seen(world: &World, instance: u32, images: &[Fingerprint]) -> Fingerprint {
     let (part, geometry) = world.part(instance);
     let mut hasher = Feed::default();
+    if !world.casts(instance) {
+        hasher.update(b"unseen");
+        return hasher.short();
+    }
     for position in geometry.positions.iter() {
         hasher.update(position.to_array().map(f32::to_le_bytes).as_flattened());
     }

@@ -189,6 +189,7 @@ fn scene(meshes: Vec<Mesh>) -> Scene {
         transform: DAffine3::IDENTITY,
         node: 0,
         copy: None,
+        casts: true,
     });
     Scene {
         path: PathBuf::from("hard.obj"),

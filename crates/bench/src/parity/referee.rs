@@ -272,6 +272,7 @@ mod tests {
                 transform: DAffine3::IDENTITY,
                 node: 0,
                 copy: None,
+                casts: true,
             }],
             materials: vec![material],
             images: vec![Image {

@@ -126,7 +126,7 @@ impl Solids {
         let mut group_of = HashMap::new();
         for (index, instance) in scene.instances.iter().enumerate() {
             let place = instance.transform.to_cols_array().map(f64::to_bits);
-            let key = (instance.node, instance.copy, place);
+            let key = (instance.node, instance.copy, instance.casts, place);
             let group = *group_of.entry(key).or_insert(groups.len());
             if group == groups.len() {
                 groups.push(Vec::new());
@@ -154,9 +154,9 @@ impl Solids {
                 lists.push(meshes);
                 lists.len() as u32 - 1
             });
-            let transform = &scene.instances[group[0] as usize].transform;
-            let place = transform.to_cols_array().map(f64::to_bits);
-            let placement = *known.entry((shape, place)).or_insert_with(|| {
+            let first = &scene.instances[group[0] as usize];
+            let place = first.transform.to_cols_array().map(f64::to_bits);
+            let placement = *known.entry((shape, first.casts, place)).or_insert_with(|| {
                 firsts.push(group[0]);
                 firsts.len() as u32 - 1
             });
@@ -171,6 +171,9 @@ impl Solids {
         let mut bodies = Vec::new();
         let mut placements = HashMap::new();
         for (placement, &first) in firsts.iter().enumerate() {
+            if !scene.instances[first as usize].casts {
+                continue;
+            }
             let transform = scene.instances[first as usize].transform;
             let shape = instances[first as usize].0;
             for (surface, of) in shapes[shape as usize].surfaces.iter().enumerate() {

@@ -157,12 +157,12 @@ pub(super) fn most_meetings(surfaces: usize) -> usize {
 }
 
 impl Solids {
-    /// Every surface of every placement.
+    /// Every surface of every placement that blocks light.
     pub(super) fn placed_surfaces(&self) -> Vec<Placed<'_>> {
         let mut known = std::collections::HashSet::new();
         let mut placed = Vec::new();
         for (index, &(shape, _, placement)) in self.instances.iter().enumerate() {
-            if !known.insert(placement) {
+            if !known.insert(placement) || !self.scene.instances[index].casts {
                 continue;
             }
             let transform = self.scene.instances[index].transform;

@@ -126,6 +126,7 @@ fn add(input: &mut Input, parts: &mut Parts, number: usize, given: Mesh) -> Resu
             transform,
             node: 0,
             copy: None,
+            casts: true,
         });
         parts.meshes.push(mesh);
     }

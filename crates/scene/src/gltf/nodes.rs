@@ -18,6 +18,7 @@ pub(super) struct Placement {
     node: usize,
     copy: Option<u32>,
     transform: DAffine3,
+    casts: bool,
 }
 
 /// All visible placements and lights of the default scene (`scene`, else the first, else every root node), parents
@@ -63,18 +64,22 @@ pub(super) fn placements(
             skin.into(),
             "the skin is left out: the mesh is baked where its node stands",
         );
+        let casts = casts(&data.document.json, n, mesh)
+            .map_err(|problem| input.invalid(place.as_str(), problem))?;
         match copies(data, node).map_err(|problem| input.invalid(place, problem))? {
             Some(copies) => out.extend(copies.into_iter().enumerate().map(|(i, copy)| Placement {
                 mesh,
                 node: n,
                 copy: Some(i as u32),
                 transform: world * copy,
+                casts,
             })),
             None => out.push(Placement {
                 mesh,
                 node: n,
                 copy: None,
                 transform: world,
+                casts,
             }),
         }
     }
@@ -106,6 +111,7 @@ pub(super) fn instances(
                 transform: placement.transform,
                 node,
                 copy,
+                casts: placement.casts,
             });
         }
     }
@@ -144,6 +150,22 @@ fn roots(data: &Data) -> Result<Vec<usize>, String> {
         }
     }
     Ok((0..count).filter(|&n| !is_child[n]).collect())
+}
+
+/// Whether what stands at a node blocks light: `extras.ambake.cast` of the node, else of its mesh, else it does.
+fn casts(json: &Value, node: usize, mesh: usize) -> Result<bool, String> {
+    let said = |list: &str, index: usize| {
+        json.get(list)?
+            .get(index)?
+            .get("extras")?
+            .get("ambake")?
+            .get("cast")
+    };
+    match said("nodes", node).or_else(|| said("meshes", mesh)) {
+        None => Ok(true),
+        Some(Value::Bool(casts)) => Ok(*casts),
+        Some(other) => Err(format!("extras.ambake.cast is {other}; give true or false")),
+    }
 }
 
 /// `KHR_node_visibility`: the node and all below it are absent.

@@ -109,6 +109,7 @@ fn add(input: &mut Input, parts: &mut Parts, mut mesh: Mesh) -> Result<(), Error
             transform: DAffine3::IDENTITY,
             node: 0,
             copy: None,
+            casts: true,
         });
         parts.meshes.push(mesh);
     }

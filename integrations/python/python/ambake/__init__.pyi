@@ -20,6 +20,7 @@ class Options(TypedDict, total=False):
     density_of: Mapping[str, float]
     include: Union[str, Sequence[str]]
     exclude: Union[str, Sequence[str]]
+    no_cast: Union[str, Sequence[str]]
     seen_from: Sequence[_Rgb]
     pages: Union[int, Literal["auto"]]
     one_page_per_mesh: bool

@@ -1,0 +1,107 @@
+//! Objects that block no light.
+
+use crate::bounces::{mean, obj};
+use crate::quads::{self, Quad};
+use crate::support::{Page, backends, bake, report};
+use serde_json::{Value, json};
+
+const SMALL: [&str; 6] = [
+    "--size",
+    "64",
+    "--rays",
+    "16",
+    "--only",
+    "diffuse,object,validity",
+];
+
+/// The mean of a channel over the texels of an object.
+fn of_object(page: &Page, object: f32, channel: &str) -> f64 {
+    let texels = page.plane("object").iter().zip(page.plane(channel));
+    let own: Vec<f64> = texels
+        .filter(|(number, _)| **number == object)
+        .map(|(_, value)| f64::from(*value))
+        .collect();
+    assert!(own.len() > 50, "{} texels", own.len());
+    own.iter().sum::<f64>() / own.len() as f64
+}
+
+#[test]
+fn what_casts_nothing_hides_nothing_and_takes_texels() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // A roof of the floor's size over it, and a box that is sunk into it by half.
+    let text = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv -1 1 -1\nv 1 1 -1\nv 1 1 1\nv -1 1 1\n\
+        v -.5 -.5 -.5\nv .5 -.5 -.5\nv .5 -.5 .5\nv -.5 -.5 .5\nv -.5 .5 -.5\nv .5 .5 -.5\nv .5 .5 .5\nv -.5 .5 .5\n\
+        o floor\nf 4 3 2 1\no roof\nf 8 7 6 5\n\
+        o box\nf 9 10 11 12\nf 16 15 14 13\nf 9 13 14 10\nf 10 14 15 11\nf 11 15 16 12\nf 12 16 13 9\n";
+    let path = obj(folder.path(), "", text);
+    for backend in backends() {
+        let with =
+            |more: &[&str]| bake(&path, &[&SMALL[..], &["--backend", backend], more].concat()).1;
+        let plain = with(&[]);
+        assert!(of_object(&plain, 0.0, "diffuse") < 0.8);
+        assert!(
+            of_object(&plain, 0.0, "validity") < 0.9,
+            "the box buries a quarter of the floor"
+        );
+        let open = with(&["--no-cast", "roof", "--no-cast", "b?x"]);
+        assert_eq!(of_object(&open, 0.0, "diffuse"), 1.0);
+        assert_eq!(of_object(&open, 0.0, "validity"), 1.0);
+        assert_eq!(
+            of_object(&open, 1.0, "diffuse"),
+            1.0,
+            "nothing stands above the roof"
+        );
+        // The floor goes on hiding the sky from the lower half of the box, whose top sees all of it.
+        let of_box = of_object(&open, 2.0, "diffuse");
+        assert!(of_box > 0.1 && of_box < 0.9, "{of_box}");
+    }
+}
+
+#[test]
+fn a_file_says_by_its_extras_what_casts_nothing() {
+    for (list, said, open) in [
+        ("nodes", json!(false), true),
+        ("meshes", json!(false), true),
+        ("nodes", json!(true), false),
+    ] {
+        let folder = quads::write(&[Quad::level(0.0, 2.0), Quad::level(0.5, 2.0)], json!({}));
+        let path = folder.path().join("scene.gltf");
+        let text = std::fs::read_to_string(&path).expect("the scene");
+        let mut document: Value = serde_json::from_str(&text).expect("JSON");
+        document["materials"] = json!([{}]);
+        document[list][1]["extras"] = json!({ "ambake": { "cast": said } });
+        std::fs::write(&path, document.to_string()).expect("a file");
+        let (_folder, page) = bake(&path, &SMALL);
+        let floor = of_object(&page, 0.0, "diffuse");
+        assert_eq!(floor == 1.0, open, "{list} {said}: {floor}");
+    }
+}
+
+#[test]
+fn what_stands_around_everything_in_the_dark_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\n\
+        v -5 -5 -5\nv 5 -5 -5\nv 5 -5 5\nv -5 -5 5\nv -5 5 -5\nv 5 5 -5\nv 5 5 5\nv -5 5 5\n\
+        o floor\nf 4 3 2 1\no dome\nf 8 7 6 5\nf 9 10 11 12\nf 6 10 9 5\nf 7 11 10 6\nf 8 12 11 7\nf 5 9 12 8\n";
+    let path = obj(folder.path(), "", text);
+    let small = ["--size", "64", "--rays", "4", "--only", "diffuse"];
+    let (baked, page) = bake(&path, &small);
+    assert_eq!(mean(&page, "diffuse").0, 0.0);
+    let told = |report: &Value| -> Vec<String> {
+        let warnings = report["warnings"].as_array().expect("a list").iter();
+        let own = warnings.filter(|warning| warning["kind"] == "enclosed");
+        own.map(|warning| format!("{}: {}", warning["place"], warning["message"]))
+            .collect()
+    };
+    let said = told(&report(baked.path()));
+    assert!(
+        said.len() == 1 && said[0].contains("dome") && said[0].contains("--no-cast"),
+        "{said:?}"
+    );
+    let (baked, page) = bake(
+        &path,
+        &[&small[..], &["--no-cast", "dome", "--exclude", "dome"]].concat(),
+    );
+    assert_eq!(mean(&page, "diffuse").0, 1.0);
+    assert!(told(&report(baked.path())).is_empty());
+}
