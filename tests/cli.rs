@@ -104,7 +104,7 @@ fn plan_is_machine_readable_and_writes_nothing() {
         "--size".as_ref(),
         "256".as_ref(),
     ]);
-    for word in ["texels", "rays", "GiB", "specular", "open"] {
+    for word in ["texels", "rays", "iB of memory", "specular", "open"] {
         assert!(text.contains(word), "no {word} in\n{text}");
     }
 }

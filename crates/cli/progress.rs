@@ -167,6 +167,25 @@ pub fn count(number: impl Into<u64>, thing: &str) -> String {
     format!("{number} {thing}{plural}")
 }
 
+/// A number of bytes in the unit that fits it, of powers of 1024: `7.20 GiB`, `340 KiB`.
+pub fn size(bytes: u64) -> String {
+    let units = ["bytes", "KiB", "MiB", "GiB", "TiB"];
+    let mut value = bytes as f64;
+    let mut unit = 0;
+    // What would round to 1000 digits of three is one of the next.
+    while value >= 999.5 && unit + 1 < units.len() {
+        value /= 1024.0;
+        unit += 1;
+    }
+    let digits = match value {
+        _ if unit == 0 => 0,
+        ..9.995 => 2,
+        ..99.95 => 1,
+        _ => 0,
+    };
+    format!("{value:.digits$} {}", units[unit])
+}
+
 /// Rays per second in words: `3.0 million rays/s`, `40 thousand rays/s`.
 pub fn ray_rate(rays: u64, seconds: f64) -> String {
     let rate = rays as f64 / seconds.max(1e-9);
@@ -201,6 +220,21 @@ fn status(seen: Seen, before: Seen, unit: &str, elapsed: Duration) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sizes_have_the_unit_that_fits_them() {
+        for (bytes, text) in [
+            (0, "0 bytes"),
+            (999, "999 bytes"),
+            (1000, "0.98 KiB"),
+            (340 << 10, "340 KiB"),
+            (1 << 20, "1.00 MiB"),
+            (23 << 30, "23.0 GiB"),
+            (1023 << 30, "1.00 TiB"),
+        ] {
+            assert_eq!(size(bytes), text);
+        }
+    }
 
     #[test]
     fn a_status_tells_work_rays_and_the_time_left() {

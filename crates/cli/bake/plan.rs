@@ -4,7 +4,7 @@ use super::args::Plan as Args;
 use super::prepare::prepare;
 use super::summary;
 use crate::outcome::{Outcome, say, say_json};
-use crate::progress::count;
+use crate::progress::{count, size};
 use ambake::{Choice, Effort, Estimate, Job, Method, Term};
 use serde_json::json;
 
@@ -45,7 +45,7 @@ fn warnings(job: &Job) -> Vec<report::WarningReport> {
 }
 
 fn text(job: &Job, cost: &Estimate) -> String {
-    let mut text = String::new();
+    let mut text = format!("{:<10} {:<9} {}\n", "what", "decision", "why");
     for decision in &job.plan().decisions {
         let word = if decision.modelled {
             "modelled"
@@ -59,28 +59,24 @@ fn text(job: &Job, cost: &Estimate) -> String {
         );
     }
     text += &format!(
-        "\n{} texels on {} of {}², {}\nabout {} rays, {:.1} GiB, {:.1} s ({:.1} processor seconds) with {}\n\
-         about {:.2} GiB on the disk, {:.2} of it for --update; {:.2} while it bakes\n",
+        "\n{} texels on {} of {}², {}\nabout {} rays, {} of memory, {:.1} s ({:.1} processor seconds) with {}\n\
+         about {} on the disk, {} of it for --update; {} while it bakes\n",
         cost.texels,
         count(job.atlas().page_count, "page"),
         job.atlas().page_size,
         effort(job),
         cost.rays,
-        gib(cost.memory_bytes),
+        size(cost.memory_bytes),
         cost.seconds,
         cost.cpu_seconds,
         job.backend().describe(),
-        gib(cost.disk_bytes),
-        gib(cost.state_bytes),
-        gib(cost.disk_peak_bytes),
+        size(cost.disk_bytes),
+        size(cost.state_bytes),
+        size(cost.disk_peak_bytes),
     );
     text += &job.layout_report().text();
     text += &summary::lines(&warnings(job));
     text
-}
-
-fn gib(bytes: u64) -> f64 {
-    bytes as f64 / f64::from(1u32 << 30)
 }
 
 /// What is cast for each texel.

@@ -49,7 +49,8 @@ pub fn summary(report: &BakeReport, verbose: bool, dir: &Path) -> String {
         .any(|d| d.decision == "diffuse" && d.modelled)
     {
         text += &format!(
-            "error of diffuse: RMSE {rmse:.5} (below {bound:.5} with 99.9 % confidence), worst texel {worst:.5}\n"
+            "error of diffuse: RMSE {rmse:.5} (below {bound:.5} with 99.9 % confidence), worst texel {worst:.5}: {}\n",
+            grade(rmse)
         );
     }
     if report
@@ -62,8 +63,16 @@ pub fn summary(report: &BakeReport, verbose: bool, dir: &Path) -> String {
     }
     if let Some(seams) = &report.seams {
         text += &format!(
-            "seams: steps of RMS {:.5}, at most {:.5}; before {:.5} and {:.5}\n",
-            seams.rms_after, seams.max_after, seams.rms_before, seams.max_before
+            "seams: steps of RMS {:.5}, at most {:.5}; before {:.5} and {:.5}: {}\n",
+            seams.rms_after,
+            seams.max_after,
+            seams.rms_before,
+            seams.max_before,
+            match seams.max_after {
+                ..STEP => "no step shows",
+                _ if seams.rms_after < STEP => "a few may show",
+                _ => "steps may show",
+            }
         );
     }
     if let Some(update) = &report.update {
@@ -84,6 +93,18 @@ pub fn summary(report: &BakeReport, verbose: bool, dir: &Path) -> String {
         text += &format!("look at {}\n", dir.join(name).display());
     }
     text
+}
+
+/// A step of 8 bits.
+const STEP: f64 = 1.0 / 255.0;
+
+/// What an error of shares looks like, and what helps.
+fn grade(rmse: f64) -> &'static str {
+    match rmse / STEP {
+        ..0.5 => "good, under half a step of 8 bits",
+        ..2.0 => "fair, a step of 8 bits or so; four times the --rays halve it",
+        _ => "grainy; four times the --rays halve it, and --target-error 0.004 is a step of 8 bits",
+    }
 }
 
 /// Places of one warning that are named; the others are counted.
@@ -175,5 +196,11 @@ mod tests {
         let mixed = [warning("x", "scene", 1), warning("x", "node 3", 1)];
         assert_eq!(lines(&mixed), "warning: x (2 places: scene, node 3)\n");
         assert_eq!(lines(&mixed[..1]), "warning: x (scene)\n");
+    }
+    #[test]
+    fn an_error_is_graded_by_steps_of_8_bits() {
+        let words =
+            [0.0, 0.0019, 0.002, 0.0078, 0.008, 1.0].map(|rmse| grade(rmse)[..4].to_owned());
+        assert_eq!(words, ["good", "good", "fair", "fair", "grai", "grai"]);
     }
 }

@@ -158,31 +158,50 @@ impl LayoutReport {
     /// What an artist asks first, a few lines.
     pub fn text(&self) -> String {
         let Spread { min, median, max } = &self.texels_per_unit;
+        let coarse = match self.triangles_under_one_texel {
+            0 => "every triangle has a texel or more".into(),
+            some => {
+                format!("{some} triangles under one texel: they share their light with neighbours")
+            }
+        };
         let mut text = format!(
-            "{:.1} % of the pages in use ({:.1} % inside charts), {} charts, {} triangles under one texel\n\
-             texels per unit: {} to {}, median {}\n",
+            "{:.1} % of the pages in use ({:.1} % inside charts), {} charts; {coarse}\n\
+             texels per unit: {} to {}, median {}{}\n",
             100.0 * self.page_use,
             100.0 * self.covered,
             self.charts,
-            self.triangles_under_one_texel,
             short(*min),
             short(*max),
             short(*median),
+            match max / min {
+                UNEVEN.. => ", uneven: `--density D` makes them alike",
+                _ => "",
+            },
         );
         let mut largest: Vec<_> = self.objects.iter().collect();
         largest.sort_by(|a, b| b.share.total_cmp(&a.share));
-        for object in largest.into_iter().take(5).filter(|o| o.share > 0.0) {
+        text += "    texels  per unit  across  object\n";
+        for object in largest.into_iter().take(LISTED).filter(|o| o.share > 0.0) {
             text += &format!(
-                "  {:>5.1} % {} ({} texels per unit, {:.0} across)\n",
+                "{:>8.1} %  {:>8}  {:>6.0}  {}\n",
                 100.0 * object.share,
-                object.name,
                 short(object.density),
                 object.across,
+                object.name,
             );
+        }
+        let further = self.objects.iter().filter(|o| o.share > 0.0).count();
+        if further > LISTED {
+            text += &format!("            and {} more in bake.json\n", further - LISTED);
         }
         text
     }
 }
+
+/// So many objects stand in the text, the largest ones.
+const LISTED: usize = 5;
+/// Densities that are so many times apart show.
+const UNEVEN: f64 = 4.0;
 
 /// Three digits.
 fn short(value: f64) -> String {
