@@ -49,6 +49,9 @@ pub struct Job {
     phases: Vec<PhaseReport>,
 }
 
+/// Share of the texels from which charts that touch are told of.
+const LEAST_TOUCHING: f64 = 1e-3;
+
 impl std::fmt::Debug for Job {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Job")
@@ -221,6 +224,7 @@ impl Job {
             .map(Into::into)
             .chain(self.layout.warnings())
             .chain(small_page.flatten())
+            .chain(self.touching())
             .chain(self.inside_out())
             .chain(self.too_bright())
             .chain(self.lights_left_out())
@@ -242,6 +246,22 @@ impl Job {
                  one of them, or take `--model ggx`, which gives the highlight's share to it alone",
                 (100.0 * most).round() / 100.0
             ),
+        })
+    }
+
+    /// Coordinates of the file of which look-ups mix surfaces.
+    fn touching(&self) -> Option<WarningReport> {
+        let is_kept = self.atlas.source != UvSource::Unwrapped;
+        let found = is_kept.then(|| self.within(|| atlas::touching(&self.scene, &self.atlas)));
+        let (texels, instance) = found.flatten()?;
+        let share = texels as f64 / self.atlas.audit.texels.max(1) as f64;
+        (share >= LEAST_TOUCHING).then(|| WarningReport {
+            kind: "touching-charts".into(),
+            place: format!("object `{}`", self.scene.instances[instance as usize].name),
+            count: texels,
+            message: "texels of the file's coordinates stand beside those of other surfaces without a gutter, so that look-ups mix both; give the charts \
+                      two empty texels between them, or let `--uv unwrap` make others"
+                .into(),
         })
     }
 

@@ -22,8 +22,9 @@ pub(crate) struct Found<T> {
     pub kept: T,
 }
 
-/// Under `--pages auto` a page is added while an object has fewer texels: half of its floor.
+/// Under `--pages auto` a page is added while an object has fewer texels, half of its floor, and fewer across its extent, in page edges: 4 at 1024².
 const LEAST: f64 = 0.5 * FLOOR;
+const LEAST_ACROSS: f64 = 1.0 / 256.0;
 /// Where one page does not do, `--pages auto` adds pages until this share of them is inside charts.
 const LEAST_INSIDE: f64 = 0.25;
 /// Pages that `--pages auto` adds at most.
@@ -134,7 +135,10 @@ pub(crate) fn search<T: Send>(
                 .iter()
                 .zip(&found.densities)
                 .filter(|(o, _)| o.asked.is_none());
-            free.any(|(o, &d)| d > 0.0 && o.area * d * d < LEAST)
+            free.any(|(o, &d)| {
+                let is_small = o.area * d * d < LEAST;
+                d > 0.0 && is_small && o.extent * d < LEAST_ACROSS * f64::from(size)
+            })
         };
         // One page is what users expect, however full of gutters. Several that are mostly gutters help nobody, unless more
         // would not help either, as where a page is small for a single chart.

@@ -85,6 +85,27 @@ fn a_usable_set_is_kept_as_it_stands() {
 }
 
 #[test]
+fn charts_of_a_file_that_touch_are_told_of_and_gaps_are_not() {
+    let of = |cube: Mesh| {
+        let scene = scene(vec![cube], &[(0, 0, DAffine3::IDENTITY)]);
+        let atlas = auto(&scene, 96);
+        assert_eq!(atlas.source, UvSource::Kept { set: 0 });
+        ambake_atlas::touching(&scene, &atlas)
+    };
+    assert_eq!(of(cube()), None);
+    // Each face fills its sixth of the page: 32 x 48 texels. Along two lines down the page and one across, which are borders of tiles too, a texel on
+    // either side has a neighbour of another face, those in the corners twice.
+    let mut full = cube();
+    for (k, uv) in full.uv_sets[0].iter_mut().enumerate() {
+        let [column, row] = [k / 4 % 3, k / 12].map(|cell| cell as f32);
+        let [right, up] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]][k % 4];
+        *uv = Vec2::new((column + right) / 3.0, (row + up) / 2.0);
+    }
+    let count = 2 * (2 * 96 + 96) - 4 * 2;
+    assert_eq!(of(full), Some((count, 0)));
+}
+
+#[test]
 fn the_second_set_goes_before_the_first() {
     let mut cube = cube();
     cube.uv_sets.insert(0, vec![Vec2::splat(7.0); 24]);

@@ -1,0 +1,129 @@
+//! Texels of coordinates that were kept from the file, of which one look-up mixes surfaces that do not go on in each other: charts that lie side by side
+//! without a gutter.
+
+use crate::types::TILE;
+use crate::uv::{corners, twice_area};
+use crate::{Atlas, Footprint, PageRaster, Tile};
+use glam::{DMat3, DVec3};
+use rayon::prelude::*;
+use scene::Scene;
+
+/// Cosine of the turn from which two surfaces are not one: 60 degrees.
+const TURN: f64 = 0.5;
+
+/// Texels side by side are as many texels apart in space at most, where they are of one surface.
+const JUMP: f64 = 8.0;
+
+/// The surface of a texel.
+#[derive(Clone, Copy)]
+struct Place {
+    instance: u32,
+    position: DVec3,
+    normal: DVec3,
+    /// Edge of a texel, in scene units.
+    step: f64,
+}
+
+impl Place {
+    fn goes_on_in(&self, other: &Self) -> bool {
+        let apart = self.position.distance(other.position);
+        self.normal.dot(other.normal) >= TURN && apart <= JUMP * self.step.max(other.step)
+    }
+}
+
+/// Texels of some rows of a page: the surface of each, and whether it holds another that this does not go on in.
+type Rows = Vec<Option<(Place, bool)>>;
+
+/// How many texels hold, or have beside them, a surface that their own does not go on in, and one of the instances that have any.
+pub fn touching(scene: &Scene, atlas: &Atlas) -> Option<(u64, u32)> {
+    let width = atlas.page_size as usize;
+    let across = atlas.page_size.div_ceil(TILE);
+    let (mut count, mut first) = (0, None);
+    for page in 0..atlas.page_count {
+        let raster = PageRaster::new(scene, atlas, page);
+        let tiles: Vec<(usize, u32)> = raster.tiles().iter().copied().enumerate().collect();
+        let mut above: Option<(u32, Rows)> = None;
+        for band in tiles.chunk_by(|a, b| a.1 / across == b.1 / across) {
+            let found = band
+                .par_iter()
+                .map(|&(tile, _)| of_tile(scene, atlas, &raster.tile(tile)));
+            let found: Vec<Vec<(u32, u32, Place, bool)>> = found.collect();
+            // A row before those of the band, where the band above has any.
+            let number = band[0].1 / across;
+            let mut rows: Rows = match above.take() {
+                Some((last, rows)) if last + 1 == number => rows[rows.len() - width..].to_vec(),
+                _ => vec![None; width],
+            };
+            rows.resize(width * (TILE as usize + 1), None);
+            let mut mark = |texel: &mut (Place, bool)| {
+                if !texel.1 {
+                    texel.1 = true;
+                    count += 1;
+                    first.get_or_insert(texel.0.instance);
+                }
+            };
+            for (x, y, place, mixed) in found.into_iter().flatten() {
+                let texel = rows[((y - number * TILE + 1) as usize) * width + x as usize]
+                    .insert((place, false));
+                if mixed {
+                    mark(texel);
+                }
+            }
+            for at in 0..rows.len() {
+                let right = Some(at + 1).filter(|right| !right.is_multiple_of(width));
+                for other in right.into_iter().chain([at + width]) {
+                    if let Ok([Some(a), Some(b)]) = rows.get_disjoint_mut([at, other])
+                        && !a.0.goes_on_in(&b.0)
+                    {
+                        mark(a);
+                        mark(b);
+                    }
+                }
+            }
+            above = Some((number, rows));
+        }
+    }
+    first.map(|first| (count, first))
+}
+
+/// Column, row and surface of each texel of a tile, and whether it holds another that this does not go on in.
+fn of_tile(scene: &Scene, atlas: &Atlas, tile: &Tile) -> Vec<(u32, u32, Place, bool)> {
+    let texel = |footprint: &Footprint| {
+        let pieces = tile.pieces_of(footprint).iter();
+        let mut places = pieces.filter_map(|piece| {
+            let weights = piece.corners.iter().sum::<DVec3>() / 3.0;
+            place(scene, atlas, [piece.instance, piece.triangle], weights)
+        });
+        let first = places.next()?;
+        let mixed = places.any(|place| !first.goes_on_in(&place));
+        Some((footprint.x, footprint.y, first, mixed))
+    };
+    tile.footprints.iter().filter_map(texel).collect()
+}
+
+/// The surface at weights of a triangle's corners; `None` where the triangle has no area.
+fn place(
+    scene: &Scene,
+    atlas: &Atlas,
+    [instance, triangle]: [u32; 2],
+    weights: DVec3,
+) -> Option<Place> {
+    let object = &scene.instances[instance as usize];
+    let mesh = &scene.meshes[object.mesh as usize];
+    let at = |vertex: u32| {
+        let position = mesh.positions[vertex as usize].as_dvec3();
+        object.transform.transform_point3(position)
+    };
+    let [a, b, c] = mesh.triangles[triangle as usize].map(at);
+    let across = (b - a).cross(c - a);
+    let layout = &atlas.meshes[object.mesh as usize];
+    let placement = &atlas.placements[instance as usize];
+    let size = f64::from(atlas.page_size);
+    let texels = twice_area(corners(layout, placement, triangle as usize, size)).abs();
+    Some(Place {
+        instance,
+        position: DMat3::from_cols(a, b, c) * weights,
+        normal: across.try_normalize()?,
+        step: (across.length() / texels).sqrt(),
+    })
+}
