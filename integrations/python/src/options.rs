@@ -135,10 +135,7 @@ fn one(mut bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
         "target_relative" => bake.target_relative(value.extract()?),
         "max_rays" => bake.max_rays(value.extract()?),
         "pattern" => {
-            let words = [
-                ("joint", Pattern::Joint),
-                ("tiled", Pattern::Tiled),
-            ];
+            let words = [("joint", Pattern::Joint), ("tiled", Pattern::Tiled)];
             bake.pattern(word(value, &words)?)
         }
         "footprint" => {
@@ -198,12 +195,20 @@ fn one(mut bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
             },
         }),
         "sun" | "point" => {
-            let make = if name == "sun" { Light::sun } else { Light::point };
+            let make = if name == "sun" {
+                Light::sun
+            } else {
+                Light::point
+            };
             for light in value.extract::<Vec<Vec<f64>>>()? {
                 let (place, strength) = match *light.as_slice() {
                     [x, y, z, e] => ([x, y, z], [e; 3]),
                     [x, y, z, r, g, b] => ([x, y, z], [r, g, b]),
-                    _ => return Err(PyValueError::new_err("each must be (x, y, z, e) or (x, y, z, r, g, b)")),
+                    _ => {
+                        return Err(PyValueError::new_err(
+                            "each must be (x, y, z, e) or (x, y, z, r, g, b)",
+                        ));
+                    }
                 };
                 bake = bake.light(make(place, strength));
             }
