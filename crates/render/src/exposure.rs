@@ -23,7 +23,7 @@ const BLACK: f32 = 1e-6;
 pub struct Exposure {
     /// Powers of two.
     pub stops: f64,
-    /// 1 or more. What lies below is drawn together from [`SHOULDER`] on, in a curve that starts straight and keeps colours apart.
+    /// 1 or more. What lies below is drawn together from 0.7 on, in a curve that starts straight and keeps colours apart.
     pub white: f32,
 }
 
