@@ -5,7 +5,7 @@ use crate::ggx::Ggx;
 use crate::quadrature::gauss_legendre;
 use glam::DVec3;
 use std::f64::consts::PI;
-use std::sync::{LazyLock, OnceLock};
+use std::sync::OnceLock;
 
 /// Bands that count.
 pub(super) const BANDS: usize = 64;
@@ -16,8 +16,10 @@ const STEPS: usize = 32;
 /// The first step that is integrated: lobes below are narrower than bands, and go over into a mirror, which passes on all of each.
 const FIRST: usize = 5;
 
-/// Heights and azimuths of directions that a kernel is integrated over.
-const NODES: usize = 160;
+/// Heights and azimuths of directions that a kernel is integrated over: so many times 1/α, and not fewer nor more than these.
+const NODES: f64 = 20.0;
+const LEAST_NODES: f64 = 160.0;
+const MOST_NODES: f64 = 800.0;
 
 /// Cosines of views that a mean over all views is taken from.
 const VIEWS: usize = 12;
@@ -75,15 +77,15 @@ fn of_ggx(alpha: f64) -> [f64; BANDS] {
 
 /// k(l, m) of GGX seen from one direction, band after band.
 fn kernel(ggx: &Ggx) -> [[f64; BANDS]; BANDS] {
-    static HEIGHTS: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(NODES));
+    let nodes = (NODES / ggx.alpha).clamp(LEAST_NODES, MOST_NODES) as usize;
     let mut sums = [[0.0; BANDS]; BANDS];
-    for &(node, weight) in &*HEIGHTS {
+    for (node, weight) in gauss_legendre(nodes) {
         let z = 0.5 * (node + 1.0);
         let r = (1.0 - z * z).sqrt();
         // What the lobe is at this height, and what it weighs cos mφ with. It is even in φ.
         let mut ring = [0.0; BANDS];
-        for step in 0..NODES {
-            let (sin, cos) = (PI * (step as f64 + 0.5) / NODES as f64).sin_cos();
+        for step in 0..nodes {
+            let (sin, cos) = (PI * (step as f64 + 0.5) / nodes as f64).sin_cos();
             // The view stands at x > 0 there, its mirror image at x < 0.
             let direction = DVec3::new(-r * cos, r * sin, z);
             let lobe = weight * ggx.pdf(direction) * ggx.weight(direction);

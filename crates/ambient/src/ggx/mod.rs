@@ -38,7 +38,7 @@ pub const LEAST_COS: f64 = 1e-3;
 /// A GGX surface seen from one direction, in a frame whose z axis is the normal and whose xz plane holds the view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ggx {
-    alpha: f64,
+    pub(crate) alpha: f64,
     view: DVec3,
 }
 
