@@ -237,7 +237,8 @@ fn closed_furnace_is_the_geometric_sum_under_both_models() {
 
 #[test]
 fn luminous_picture_lights_as_its_mean() {
-    // Four texels, two of them dark, over the middle of a small floor, which sees their back: by symmetry each quarter counts alike.
+    // Four texels, two of them dark, over the middle of a small floor, which sees their back: by symmetry each
+    // quarter counts alike.
     let shining = |extra: serde_json::Value| {
         let floor = Quad::level(0.0, 0.02);
         let mut card = Quad::level(1.0, 2.0);

@@ -245,7 +245,8 @@ fn cost(folder: &Path, kind: &str, count: u32) -> [f64; 2] {
     [seconds, peak / f64::from(1 << 20)]
 }
 
-/// Four times as much may take eight times as long, where it takes long at all; what is of the size squared takes sixteen times as long.
+/// Four times as much may take eight times as long, where it takes long at all; what is of the size squared takes
+/// sixteen times as long.
 #[test]
 fn four_times_as_much_of_what_meets_itself_takes_at_most_eight_times_the_time_and_memory() {
     let folder = tempfile::tempdir().expect("a folder");

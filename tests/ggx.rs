@@ -246,7 +246,8 @@ const PLAIN: [&str; 14] = [
 fn hemisphere_rays_lower_the_error_of_lobes_and_what_is_stated_stays_true() {
     let folder = tempfile::tempdir().expect("a temporary directory");
     let wall = [[0., 0., -1e4], [0., 1e4, 0.], [0., 0., 2e4]];
-    // At 0.4 and 1 the points of the lobe alone follow the edge of the wall, and have half of the error that they have otherwise (docs/theory.md).
+    // At 0.4 and 1 the points of the lobe alone follow the edge of the wall, and have half of the error that they
+    // have otherwise (docs/theory.md).
     for (roughness, most) in [(0.4, 2.1), (0.6, 0.95), (0.8, 0.95), (1.0, 1.3)] {
         let path = squares(folder.path(), pbr([1.0; 3], 1.0, roughness), &[FLOOR, wall]);
         let exact = open_share(roughness, |l| l[0] > 0.0);

@@ -125,7 +125,8 @@ fn read_by_all(scene: &Path, folder: &Path) -> Vec<Result<Vec<Vec<u8>>, String>>
     ]
 }
 
-/// Checks every state that a kill can leave of a publication of what is in `new` over what is in `old`, both bakes of `scene`.
+/// Checks every state that a kill can leave of a publication of what is in `new` over what is in `old`, both bakes
+/// of `scene`.
 fn check(scene: &Path, old: &Path, new: &Path) {
     let [before, after] = [old, new].map(|folder| read_by_all(scene, folder));
     assert!(before.iter().chain(&after).all(Result::is_ok), "{before:?}");

@@ -31,7 +31,8 @@ fn every_bake_ends_with_a_picture_that_render_makes_again() {
     );
     let (lit, again) = (bytes(&lit), bytes(Path::new(&again)));
     assert_eq!(lit.len(), again.len());
-    // The GLB holds its page coordinates in f32, and excluded chairs, which fill some 2 % of the picture, are integrated with other rays.
+    // The GLB holds its page coordinates in f32, and excluded chairs, which fill some 2 % of the picture, are
+    // integrated with other rays.
     let far = lit
         .iter()
         .zip(&again)

@@ -134,7 +134,8 @@ fn production_lies_above_exact_by_at_most_the_share_of_the_wedge() {
     assert!(mean(&production) > mean(&exact), "the wedge sees something");
 }
 
-/// Nothing stands above a square, so its hemisphere takes no rays; where a leaning normal hides a part of a rough lobe, the lobe alone says how much.
+/// Nothing stands above a square, so its hemisphere takes no rays; where a leaning normal hides a part of a rough
+/// lobe, the lobe alone says how much.
 #[test]
 fn rough_lobes_of_open_surfaces_are_the_same_with_or_without_the_diffuse_term() {
     let folder = tempfile::tempdir().expect("a folder");

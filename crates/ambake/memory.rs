@@ -36,7 +36,8 @@ const PATCH: u64 = 36;
 /// Bytes a triangle of the ray library's trees and of what plan and layout keep, over all meshes; and while these are made.
 const TREE: u64 = 120;
 const MAKING: u64 = 200;
-/// Bytes an instance of what plan and layout keep of it: its part, its surfaces where they are placed, its body. Measured with 8,000 boxes.
+/// Bytes an instance of what plan and layout keep of it: its part, its surfaces where they are placed, its body.
+/// Measured with 8,000 boxes.
 const PLACED: u64 = 2800;
 /// Bytes of stack of a thread, and of addresses that the system's allocator reserves for it.
 const STACK: u64 = 8 << 20;

@@ -210,8 +210,8 @@ impl Saved {
         }
     }
 
-    /// Opens the file now and takes what it holds, where it is of the same bake. What tells of damage is returned: then the bake starts
-    /// anew.
+    /// Opens the file now and takes what it holds, where it is of the same bake. What tells of damage is returned:
+    /// then the bake starts anew.
     ///
     /// # Errors
     /// The file cannot be written, or another run writes it.

@@ -1,7 +1,8 @@
 //! The end of a program that the system gives no more memory: one line and status 1, where Rust would abort with a trace.
 //!
-//! The allocator is the system's; only what it refuses is looked at. All that was saved stays as it would after a kill. Where one of several
-//! scenes is refused, the program becomes one that bakes the rest: nothing less gives back what other threads hold.
+//! The allocator is the system's; only what it refuses is looked at. All that was saved stays as it would after a
+//! kill. Where one of several scenes is refused, the program becomes one that bakes the rest: nothing less gives
+//! back what other threads hold.
 #![allow(unsafe_code)]
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -52,7 +53,8 @@ fn given(block: *mut u8, size: usize) -> *mut u8 {
 /// What is in work, and the program for what comes after it.
 static IN_WORK: Mutex<Option<(String, Command)>> = Mutex::new(None);
 
-/// From now on memory that is refused is told of with the name of what is in work, and `rest` runs in place of this program.
+/// From now on memory that is refused is told of with the name of what is in work, and `rest` runs in place of this
+/// program.
 pub fn in_work(name: String, rest: Command) {
     if let Ok(mut in_work) = IN_WORK.lock() {
         *in_work = Some((name, rest));
@@ -99,8 +101,8 @@ fn tell(line: &[u8]) {
     #[cfg(unix)]
     {
         use std::{fs::File, mem::ManuallyDrop, os::fd::FromRawFd};
-        // SAFETY: 2 is open: where the program is started without it, Rust's runtime opens the null device there before `main`, and nothing
-        // of ours closes it. The file is never dropped, so that it stays open.
+        // SAFETY: 2 is open: where the program is started without it, Rust's runtime opens the null device there
+        // before `main`, and nothing of ours closes it. The file is never dropped, so that it stays open.
         let mut error = ManuallyDrop::new(unsafe { File::from_raw_fd(2) });
         let _ = error.write_all(line);
     }

@@ -22,7 +22,8 @@ pub(crate) struct Found<T> {
     pub kept: T,
 }
 
-/// Under `--pages auto` a page is added while an object has fewer texels, half of its floor, and fewer across its extent, in page edges: 4 at 1024².
+/// Under `--pages auto` a page is added while an object has fewer texels, half of its floor, and fewer across its
+/// extent, in page edges: 4 at 1024².
 const LEAST: f64 = 0.5 * FLOOR;
 const LEAST_ACROSS: f64 = 1.0 / 256.0;
 /// Where one page does not do, `--pages auto` adds pages until this share of them is inside charts.

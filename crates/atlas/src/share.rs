@@ -3,15 +3,17 @@
 //! Without a density of the user's, this rule holds.
 //!
 //! 1. **Equal density.** All objects have one density, so that parts which abut match.
-//! 2. **Small objects.** One that has few texels then gets more, up to [`MOST`] times that density, until it has [`USEFUL`] of a page's edge across its
-//!    extent, or as many texels as the largest object has across its own, if that is less: a lamp in a room needs no more than a wall. Where this would
-//!    take more than the share [`GIVEN`] of the texels of the others, all such objects get so many times less.
-//! 3. **Floor.** Every object has at least [`FLOOR`] texels. Where all floors take more than [`FLOORS`] of the texels, they shrink by one factor until they
-//!    take that much.
+//! 2. **Small objects.** One that has few texels then gets more, up to [`MOST`] times that density, until it has
+//!    [`USEFUL`] of a page's edge across its extent, or as many texels as the largest object has across its own, if
+//!    that is less: a lamp in a room needs no more than a wall. Where this would take more than the share [`GIVEN`]
+//!    of the texels of the others, all such objects get so many times less.
+//! 3. **Floor.** Every object has at least [`FLOOR`] texels. Where all floors take more than [`FLOORS`] of the
+//!    texels, they shrink by one factor until they take that much.
 //!
-//! So no object has more texels than its area allows: its share is at most 16 times what it would be at equal density, and a surface that has what it
-//! needs gets no more than another. Only specks of fewer than 16 texels have more than [`MOST`] times the density of others. Objects whose density was asked
-//! for have it; the rule shares what they leave.
+//! So no object has more texels than its area allows: its share is at most 16 times what it would be at equal
+//! density, and a surface that has what it needs gets no more than another. Only specks of fewer than 16 texels have
+//! more than [`MOST`] times the density of others. Objects whose density was asked for have it; the rule shares what
+//! they leave.
 
 use crate::objects::Object;
 
@@ -169,7 +171,8 @@ mod tests {
 
     #[test]
     fn a_table_has_no_more_than_its_area_allows() {
-        // A room of 12 x 3 x 12 and its table, a hundredth of all area: 93 texels a unit at equal density are 148 across.
+        // A room of 12 x 3 x 12 and its table, a hundredth of all area: 93 texels a unit at equal density are 148
+        // across.
         let room = [object(432.0, 12.0), object(4.4, 1.6)];
         let densities = densities(&room, BUDGET, 1024);
         let equal = f64::sqrt(BUDGET / 436.4);

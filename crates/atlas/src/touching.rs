@@ -1,5 +1,5 @@
-//! Texels of coordinates that were kept from the file, of which one look-up mixes surfaces that do not go on in each other: charts that lie side by side
-//! without a gutter.
+//! Texels of coordinates that were kept from the file, of which one look-up mixes surfaces that do not go on in each
+//! other: charts that lie side by side without a gutter.
 
 use crate::types::TILE;
 use crate::uv::{corners, twice_area};
@@ -34,7 +34,8 @@ impl Place {
 /// Texels of some rows of a page: the surface of each, and whether it holds another that this does not go on in.
 type Rows = Vec<Option<(Place, bool)>>;
 
-/// How many texels hold, or have beside them, a surface that their own does not go on in, and one of the instances that have any.
+/// How many texels hold, or have beside them, a surface that their own does not go on in, and one of the instances
+/// that have any.
 pub fn touching(scene: &Scene, atlas: &Atlas) -> Option<(u64, u32)> {
     let width = atlas.page_size as usize;
     let across = atlas.page_size.div_ceil(TILE);

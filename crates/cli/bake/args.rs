@@ -42,7 +42,8 @@ pub struct Bake {
     /// Also write DIR/report.html, one file to look at the bake in a browser, as `ambake view` does
     #[arg(long)]
     pub report: bool,
-    /// Of several scenes so many are done, and so many of these were not baked: how the program goes on where the system refused it memory
+    /// Of several scenes so many are done, and so many of these were not baked: how the program goes on where the
+    /// system refused it memory
     #[arg(long, hide = true, num_args = 2, value_names = ["DONE", "FAILED"])]
     pub after: Vec<usize>,
     #[command(flatten)]

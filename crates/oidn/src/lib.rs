@@ -136,8 +136,8 @@ impl Api {
             }
             Err(names[0])
         }
-        // SAFETY: the fields have the types that the header declares for these names in versions 1 and 2. `Oidn::of` hands out no other
-        // version, and to learn it calls three functions that have been the same since version 0.
+        // SAFETY: the fields have the types that the header declares for these names in versions 1 and 2. `Oidn::of`
+        // hands out no other version, and to learn it calls three functions that have been the same since version 0.
         unsafe {
             Ok(Self {
                 new_device: function(library, &["oidnNewDevice"])?,
@@ -163,7 +163,8 @@ impl Oidn {
             Ok(api) => api,
             Err(function) => return Err(Error::Foreign { file, function }),
         };
-        // SAFETY: these three functions have had these types in all versions; the device is not null where it is asked and released, once.
+        // SAFETY: these three functions have had these types in all versions; the device is not null where it is
+        // asked and released, once.
         let version = unsafe {
             let device = (api.new_device)(CPU);
             if device.is_null() {

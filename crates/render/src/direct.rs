@@ -108,7 +108,8 @@ impl Direct<'_> {
         radiance + place.map_or(DVec3::ZERO, |place| map.at(place))
     }
 
-    /// The radiance of what a sample meets but for what a bake holds, and the place in the bake that holds the rest, where there is one.
+    /// The radiance of what a sample meets but for what a bake holds, and the place in the bake that holds the rest,
+    /// where there is one.
     pub(crate) fn beside_texels(
         &self,
         sample: &Sample,

@@ -23,7 +23,8 @@ const BLACK: f32 = 1e-6;
 pub struct Exposure {
     /// Powers of two.
     pub stops: f64,
-    /// 1 or more. What lies below is drawn together from 0.7 on, in a curve that starts straight and keeps colours apart.
+    /// 1 or more. What lies below is drawn together from 0.7 on, in a curve that starts straight and keeps colours
+    /// apart.
     pub white: f32,
 }
 
@@ -33,9 +34,9 @@ impl Exposure {
         Self { stops, white: 1.0 }
     }
 
-    /// Of what a picture shows of surfaces, `picture` being their light before black and `alpha` their share of each pixel: none where their median
-    /// lies between 0.08 and 1.2, otherwise whole stops that bring it near 0.3. Where most is black, the median is that of the
-    /// rest.
+    /// Of what a picture shows of surfaces, `picture` being their light before black and `alpha` their share of each
+    /// pixel: none where their median lies between 0.08 and 1.2, otherwise whole stops that bring it near 0.3. Where
+    /// most is black, the median is that of the rest.
     pub fn of(picture: &Image, alpha: &[f32]) -> Self {
         let surfaces = picture.pixels.iter().zip(alpha);
         let surfaces = surfaces.filter(|(_, alpha)| **alpha >= 0.5);
@@ -80,9 +81,13 @@ impl Exposure {
     }
 }
 
-/// The radiance behind the lit scene, whatever its exposure: a pale blue as bright as the sky's mean, so that white surfaces stand out.
+/// What is shown behind the lit scene, whatever its exposure: a pale blue, so that white surfaces stand out; black
+/// where there is no sky.
 pub fn backdrop(sky: DVec3) -> DVec3 {
-    DVec3::new(0.5, 0.65, 0.85) * (sky.element_sum() / 3.0).min(1.0)
+    match sky == DVec3::ZERO {
+        true => DVec3::ZERO,
+        false => DVec3::new(0.5, 0.65, 0.85),
+    }
 }
 
 #[cfg(test)]

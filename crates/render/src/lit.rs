@@ -8,7 +8,8 @@ use layers::Progress;
 use maps::Image;
 use rays::SurfaceHit;
 
-/// Samples across a pixel where something see-through may stand: which rays it stops is told ray by ray, and few would be pepper.
+/// Samples across a pixel where something see-through may stand: which rays it stops is told ray by ray, and few
+/// would be pepper.
 const FINE: u32 = 6;
 
 /// A picture that waits for its pages.
@@ -23,7 +24,8 @@ pub struct Lit {
 struct Seen {
     /// What is known of its radiance so far.
     radiance: Vec3,
-    /// Where the rest stands; the page is [`Seen::KNOWN`] where nothing is missing, and [`Seen::VOID`] where no surface is met.
+    /// Where the rest stands; the page is [`Seen::KNOWN`] where nothing is missing, and [`Seen::VOID`] where no
+    /// surface is met.
     page: u32,
     uv: Vec2,
 }
@@ -34,7 +36,8 @@ impl Seen {
 }
 
 impl Lit {
-    /// What a camera sees with a regular `grid` by `grid` of samples for each pixel, and more about see-through surfaces.
+    /// What a camera sees with a regular `grid` by `grid` of samples for each pixel, and more about see-through
+    /// surfaces.
     ///
     /// * `place`: where the texels of a hit lie; surfaces without any are integrated.
     ///
@@ -136,25 +139,34 @@ mod tests {
     use super::*;
     use crate::fixture::{ground, see_through, world};
     use crate::{Lamps, Model};
-    use rays::{Overrides, Surfaces};
+    use rays::{Overrides, RayBackend, Surfaces};
+
+    /// A matt scene under a sky of 1.
+    fn direct<'a>(
+        surfaces: &'a Surfaces<'a>,
+        backend: &'a dyn RayBackend,
+        lamps: &'a Lamps,
+    ) -> Direct<'a> {
+        Direct {
+            surfaces,
+            backend,
+            model: Model::Lambert,
+            rays: 4,
+            sky: DVec3::ONE,
+            background: DVec3::ZERO,
+            lights: &[],
+            max_distance: f32::INFINITY,
+            overrides: Overrides::default(),
+            seed: 0,
+            lamps,
+        }
+    }
 
     #[test]
     fn pages_light_what_they_hold_and_the_rest_is_integrated() {
         let (world, backend) = world(&[ground()]);
         let (surfaces, lamps) = (Surfaces::new(&world), Lamps::of(&world));
-        let direct = Direct {
-            surfaces: &surfaces,
-            backend: backend.as_ref(),
-            model: Model::Lambert,
-            rays: 4,
-            sky: DVec3::ONE,
-            background: DVec3::splat(7.0),
-            lights: &[],
-            max_distance: f32::INFINITY,
-            overrides: Overrides::default(),
-            seed: 0,
-            lamps: &lamps,
-        };
+        let direct = direct(&surfaces, backend.as_ref(), &lamps);
         let eye = DVec3::new(0.0, 1.0, 0.0);
         let camera = Camera::new(eye, eye - DVec3::Z, DVec3::Y, 1.0, [4, 4]).unwrap();
         // Texels on the left; nothing on the right, where an open white ground under a sky of 1 is 1.
@@ -182,19 +194,7 @@ mod tests {
         let sheet = [Vec3::new(-8.0, -8.0, -1.0), Vec3::X * 16.0, Vec3::Y * 16.0];
         let (world, backend) = see_through(sheet, 0.5);
         let (surfaces, lamps) = (Surfaces::new(&world), Lamps::of(&world));
-        let direct = Direct {
-            surfaces: &surfaces,
-            backend: backend.as_ref(),
-            model: Model::Lambert,
-            rays: 1,
-            sky: DVec3::ONE,
-            background: DVec3::ZERO,
-            lights: &[],
-            max_distance: f32::INFINITY,
-            overrides: Overrides::default(),
-            seed: 0,
-            lamps: &lamps,
-        };
+        let direct = direct(&surfaces, backend.as_ref(), &lamps);
         let camera = Camera::new(DVec3::ZERO, -DVec3::Z, DVec3::Y, 1.0, [16, 16]).unwrap();
         let (_, alpha) = Lit::look(&direct, &camera, 1, &(), |_| None)
             .unwrap()

@@ -9,12 +9,14 @@ use std::f64::consts::{PI, TAU};
 const WIDE: f64 = 65.0 * PI / 180.0;
 /// Directions in which a place looks around.
 const AROUND: u32 = 64;
-/// A place is closed where so many of them meet fronts of surfaces, and half open where fewer do: a hall below a skylight.
+/// A place is closed where so many of them meet fronts of surfaces, and half open where fewer do: a hall below a
+/// skylight.
 const CLOSED: u32 = 58;
 const HALF_OPEN: u32 = 36;
 /// Points on surfaces by which a view from inside and one from outside are compared.
 const POINTS: usize = 1024;
-/// The view from inside has to show so many times as many: a doll's house without a roof is looked at from above, a hall below a skylight is not.
+/// The view from inside has to show so many times as many: a doll's house without a roof is looked at from above, a
+/// hall below a skylight is not.
 const MORE: usize = 3;
 /// A place is inside of a solid where so many meet backs.
 const SOLID: u32 = 12;
@@ -30,8 +32,9 @@ const SMALL: f64 = 0.2;
 
 impl Framing {
     /// The camera that shows a scene best: the one of [`Framing::camera`], from another side where that shows more fronts of
-    /// surfaces, and inside where most of the free space in the scene's box is closed, or where three times as much of the surfaces' area is seen
-    /// from a place within that is half open. Inside, the field of view is at least 65 degrees unless `keep_fov`.
+    /// surfaces, and inside where most of the free space in the scene's box is closed, or where three times as much
+    /// of the surfaces' area is seen from a place within that is half open. Inside, the field of view is at least 65
+    /// degrees unless `keep_fov`.
     ///
     /// # Errors
     /// [`Error::Camera`], see [`Camera::new`].

@@ -1,10 +1,10 @@
 //! What a bake has done so far, as a file that grows: kept while a bake runs, left by an interrupted one, and what a shard hands to
 //! `ambake merge`.
 //!
-//! Layout: the line `ambake-part 2`; a line of JSON, the header; the blake3 hash of both lines in hex and a line feed; then blocks. A
-//! block is its length in bytes as a little-endian u64, the bytes, and the blake3 hash (32 bytes) over its number from 0 as a
-//! little-endian u64 and the bytes. A file that ends within a block was cut short by a crash: its whole blocks count. A hash that does
-//! not fit is damage.
+//! Layout: the line `ambake-part 2`; a line of JSON, the header; the blake3 hash of both lines in hex and a line
+//! feed; then blocks. A block is its length in bytes as a little-endian u64, the bytes, and the blake3 hash (32
+//! bytes) over its number from 0 as a little-endian u64 and the bytes. A file that ends within a block was cut short
+//! by a crash: its whole blocks count. A hash that does not fit is damage.
 
 use crate::lock::Lock;
 use crate::regular::{check_own, open_own};

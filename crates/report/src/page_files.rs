@@ -47,8 +47,8 @@ pub fn page_files(dir: &Path, bake: &BakeReport) -> Result<Vec<NamedPage>, Error
 /// The page in a file that `bake`, read from `dir`, names.
 ///
 /// # Errors
-/// [`Error::Read`] where it is absent or damaged, or where its own header tells of another bake: of a set whose files were being given
-/// their names when the program was killed, some are of the bake before.
+/// [`Error::Read`] where it is absent or damaged, or where its own header tells of another bake: of a set whose
+/// files were being given their names when the program was killed, some are of the bake before.
 pub fn read_page(dir: &Path, bake: &BakeReport, named: &NamedPage) -> Result<PageFile, Error> {
     let path = dir.join(&named.name);
     let file = read_page_exr(&path)?;
@@ -61,7 +61,8 @@ pub fn read_page(dir: &Path, bake: &BakeReport, named: &NamedPage) -> Result<Pag
     }
 }
 
-/// What the header of a page says otherwise than the report. A header that says nothing, as another program leaves it, does not.
+/// What the header of a page says otherwise than the report. A header that says nothing, as another program leaves
+/// it, does not.
 fn other_bake(file: &PageFile, bake: &BakeReport) -> Option<&'static str> {
     let mut options = bake.options.clone();
     // It changes no value, so that headers do not have it.

@@ -13,10 +13,12 @@ pub(super) const BANDS: usize = 64;
 /// Steps of the roughness of GGX: between them bands are linear.
 const STEPS: usize = 32;
 
-/// The first step that is integrated: lobes below are narrower than bands, and go over into a mirror, which passes on all of each.
+/// The first step that is integrated: lobes below are narrower than bands, and go over into a mirror, which passes
+/// on all of each.
 const FIRST: usize = 5;
 
-/// Heights and azimuths of directions that a kernel is integrated over: so many times 1/α, and not fewer nor more than these.
+/// Heights and azimuths of directions that a kernel is integrated over: so many times 1/α, and not fewer nor more
+/// than these.
 const NODES: f64 = 20.0;
 const LEAST_NODES: f64 = 160.0;
 const MOST_NODES: f64 = 800.0;
@@ -26,9 +28,9 @@ const VIEWS: usize = 12;
 
 /// How much of each band of a visibility a lobe passes on, from l = 0, root mean square over all views; at most 64.
 ///
-/// Phong: 1, (n+1)/(n+2), … (Funk-Hecke), by the recurrence m(l) = m(l-2) (n - l + 2) / (n + l + 1) of the moments ∫ x^n P_l, which
-/// holds for any real n. GGX: its lobe is another for each view, so b(l)² = Σ k(l, m; θ)² / (l + 1) is a mean over the views of the
-/// hemisphere, with the kernels k of the [module](super).
+/// Phong: 1, (n+1)/(n+2), … (Funk-Hecke), by the recurrence m(l) = m(l-2) (n - l + 2) / (n + l + 1) of the moments ∫
+/// x^n P_l, which holds for any real n. GGX: its lobe is another for each view, so b(l)² = Σ k(l, m; θ)² / (l + 1)
+/// is a mean over the views of the hemisphere, with the kernels k of the [module](super).
 pub fn bands(lobe: Lobe, count: usize) -> Vec<f64> {
     let mut bands = match lobe {
         Lobe::Phong(n) => {

@@ -13,8 +13,8 @@ const MISSING: [f64; 2] = [0.0653, 0.0327];
 /// Noise of coefficients at one ray: falls like N^-3/4. Measured on five scenes from 64 to 1,024 rays, where it is 0.4 to 1.2.
 const NOISE: f64 = 0.8;
 
-/// What missing energy above an order leaves in the term of a lobe, root mean square over all views. The border of what is open spreads
-/// it over the bands as 1/l²; each counts as the lobe passes it on.
+/// What missing energy above an order leaves in the term of a lobe, root mean square over all views. The border of
+/// what is open spreads it over the bands as 1/l²; each counts as the lobe passes it on.
 pub(super) fn left(missing: f64, order: usize, lobe: Lobe) -> f64 {
     let bands = bands(lobe, BANDS);
     let above = || (order + 1..BANDS).map(|l| (l, (l as f64).powi(-2)));
@@ -23,7 +23,8 @@ pub(super) fn left(missing: f64, order: usize, lobe: Lobe) -> f64 {
     (missing * passed / share).sqrt()
 }
 
-/// What one of [`ORDERS`] leaves in the term of a lobe beside walls and under lids, root mean square over all views; the larger order for others.
+/// What one of [`ORDERS`] leaves in the term of a lobe beside walls and under lids, root mean square over all views;
+/// the larger order for others.
 ///
 /// ```
 /// use ambake_ambient::any_view::{Lobe, truncation};

@@ -213,7 +213,8 @@ fn orders_leave_what_is_stated_of_ggx() {
                 println!(
                     "{name} order {order} roughness {roughness}: rms {rms:.4}, stated {stated:.4}"
                 );
-                // The quadratures are off by a thousandth. Walls and lids leave less than any border, at most of what is small by half.
+                // The quadratures are off by a thousandth. Walls and lids leave less than any border, at most of
+                // what is small by half.
                 assert!(
                     rms < 1.5 * stated + 2e-3 && stated < 3.0 * rms + 6e-3,
                     "{name} {order} {roughness}: {rms} where {stated} is stated"

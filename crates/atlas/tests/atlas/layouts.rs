@@ -93,8 +93,8 @@ fn charts_of_a_file_that_touch_are_told_of_and_gaps_are_not() {
         ambake_atlas::touching(&scene, &atlas)
     };
     assert_eq!(of(cube()), None);
-    // Each face fills its sixth of the page: 32 x 48 texels. Along two lines down the page and one across, which are borders of tiles too, a texel on
-    // either side has a neighbour of another face, those in the corners twice.
+    // Each face fills its sixth of the page: 32 x 48 texels. Along two lines down the page and one across, which are
+    // borders of tiles too, a texel on either side has a neighbour of another face, those in the corners twice.
     let mut full = cube();
     for (k, uv) in full.uv_sets[0].iter_mut().enumerate() {
         let [column, row] = [k / 4 % 3, k / 12].map(|cell| cell as f32);

@@ -767,7 +767,8 @@ mod tests {
         ][plane]
     }
 
-    /// Fits of one degree for each stride, with the largest difference from the data one stride or more inside of the square.
+    /// Fits of one degree for each stride, with the largest difference from the data one stride or more inside of
+    /// the square.
     fn fits(surface: &Surface, degree: usize) -> Vec<(usize, Sheet, f32)> {
         let mut fitter = Fitter::new(surface);
         let fit = |stride: usize| {
@@ -839,7 +840,8 @@ mod tests {
             let truth = sum(&surface.data);
             for degree in [0, 1] {
                 for (stride, out, _) in fits(&surface, degree) {
-                    // Rounding of some thousand numbers, in equations whose pivots are a thousandth of their diagonal at least.
+                    // Rounding of some thousand numbers, in equations whose pivots are a thousandth of their
+                    // diagonal at least.
                     let moved = sum(&out) / truth - 1.0;
                     assert!(
                         moved.abs() < 2e-4,

@@ -8,8 +8,8 @@
 //! bin state what they show together.
 //!
 //! What all show together is still too hopeful of the bias where few rays were cast, because the fits were chosen for small moves of the
-//! very same rays. So no bin states less bias than the best width of a linear fit has in two dimensions ([`BALANCE`]), where fits have less
-//! variance than plain values, which have no bias.
+//! very same rays. So no bin states less bias than the best width of a linear fit has in two dimensions
+//! ([`BALANCE`]), where fits have less variance than plain values, which have no bias.
 
 /// What is expected of a texel's error, in squares.
 #[derive(Debug, Clone, Copy)]
@@ -130,7 +130,8 @@ impl Bin {
         share.max(0.0) as f32
     }
 
-    /// So many times the mean variance of the fits, and as much less as they have of the plain variance: a plain value has no bias.
+    /// So many times the mean variance of the fits, and as much less as they have of the plain variance: a plain
+    /// value has no bias.
     fn least(&self, times: f64) -> f32 {
         if self.plain == 0.0 {
             return 0.0;

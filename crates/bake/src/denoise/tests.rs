@@ -253,7 +253,8 @@ fn bright_texels_that_others_are_like_stay() {
 
 #[test]
 fn what_no_fit_can_smooth_states_the_plain_error() {
-    // A chequerboard that stands out of its noise two hundredfold: every fit but the plain value is refused, and that has no bias.
+    // A chequerboard that stands out of its noise two hundredfold: every fit but the plain value is refused, and
+    // that has no bias.
     let of = |place: f64| (place * SIZE as f64) as usize;
     let truth = |x: f64, y: f64| 0.3 + 0.4 * ((of(x) + of(y)) % 2) as f64;
     let made = made(9, truth, |_, _| 0.002, one_object);

@@ -82,7 +82,8 @@ impl Caster<'_> {
         self.cast_rays(&even, rays, Aim::Even);
     }
 
-    /// Takes the points of the hemisphere for lobes that have none of their own: what these weigh is added where all of a lobe's are.
+    /// Takes the points of the hemisphere for lobes that have none of their own: what these weigh is added where all
+    /// of a lobe's are.
     fn borrow(&mut self, which: &[usize]) {
         for &i in which {
             for (own, above) in self.sums[i].iter_mut().zip(&self.beside.sums[i]) {

@@ -77,7 +77,8 @@ pub(crate) struct Known<'a> {
     pub from: Gathered<'a>,
     said: Vec<[Said; 2]>,
     pool: Pool,
-    /// Open and all weights of both shares, of both replicates, of each texel and those about it; none where no texel is guided.
+    /// Open and all weights of both shares, of both replicates, of each texel and those about it; none where no
+    /// texel is guided.
     about: Vec<[f64; 8]>,
 }
 
@@ -256,8 +257,8 @@ impl Known<'_> {
         }
     }
 
-    /// Of each texel and those of its surface about it: how many have points, these points, and the sum of the variances of the mean of each quantity, as if all
-    /// had a point.
+    /// Of each texel and those of its surface about it: how many have points, these points, and the sum of the
+    /// variances of the mean of each quantity, as if all had a point.
     fn pools(&self, quantities: &[Quantity]) -> Vec<[f64; 5]> {
         self.pool.sums(POOL_RADIUS, self.from.texels, |i| {
             let points = self.from.points[i];

@@ -1,9 +1,9 @@
 //! The highlight of a texel: what its lobe is, and how many rays it is worth.
 //!
 //! What is asked for is a sum, of what the base reflects and what the coat does. A coat of 4 % adds 4 % of its lobe's error to it, so a few rays
-//! are enough, or none: a rough lobe is told by the hemisphere's rays. With errors that fall like N^-3/4 the error of a sum is least, at a given number of rays, where a term takes
-//! `weight^(4/5)` as many as one that weighs 1. The hemisphere weighs what its base reflects, but not less than a quarter: its terms are layers
-//! of their own too.
+//! are enough, or none: a rough lobe is told by the hemisphere's rays. With errors that fall like N^-3/4 the error
+//! of a sum is least, at a given number of rays, where a term takes `weight^(4/5)` as many as one that weighs 1. The
+//! hemisphere weighs what its base reflects, but not less than a quarter: its terms are layers of their own too.
 
 use super::task::Task;
 use crate::options::{Model, View};
@@ -22,8 +22,9 @@ const LEAST_BASE: f64 = 0.25;
 /// Fewest rays of a lobe for each ray of the hemisphere.
 const LEAST_SHARE: f64 = 1.0 / 64.0;
 
-/// Least α of lobes that have no rays of their own where they are worth no more than the share [`FAINT`]: roughness 0.5. What hemisphere rays weigh for them
-/// is 4 at most along the normal, so that 64 of these tell more than a few of their own, which would cost as much as all else of a texel.
+/// Least α of lobes that have no rays of their own where they are worth no more than the share [`FAINT`]: roughness
+/// 0.5. What hemisphere rays weigh for them is 4 at most along the normal, so that 64 of these tell more than a few
+/// of their own, which would cost as much as all else of a texel.
 const BROAD: f64 = 0.25;
 const FAINT: f32 = 1.0 / 8.0;
 
@@ -58,8 +59,8 @@ pub(crate) struct Coat {
 }
 
 impl Coat {
-    /// Of a material whose view makes `cos` with its normal. Its lobe has as many rays as the hemisphere where `full`, else as many as it is worth, down to a
-    /// power of two.
+    /// Of a material whose view makes `cos` with its normal. Its lobe has as many rays as the hemisphere where
+    /// `full`, else as many as it is worth, down to a power of two.
     pub fn of(model: Model, full: bool, material: &PhongMaterial, cos: f64) -> Self {
         let PhongMaterial {
             albedo,

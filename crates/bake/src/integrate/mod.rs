@@ -4,7 +4,8 @@
 //! density `(2 a mu + b) / 2 pi`, `mu = cos(theta)`, `a + b = 1`, by one analytic inverse, so that a single
 //! low-discrepancy set serves the diffuse term (weight `2 mu / (2 a mu + b)`) and the visibility (weight
 //! `1 / (2 a mu + b)`) with bounded weights. What the weights are off by in each half of the
-//! rays is corrected by what the other half found (`estimate.rs`), so that an open texel is exactly 1 and a closed one exactly 0, and no mean is moved.
+//! rays is corrected by what the other half found (`estimate.rs`), so that an open texel is exactly 1 and a closed
+//! one exactly 0, and no mean is moved.
 //!
 //! Where a surface is dark, the points are warped toward the few directions that are open (`guides.rs`), and weights with them.
 //!
@@ -127,8 +128,8 @@ struct Lit<'a> {
 }
 
 impl Lit<'_> {
-    /// Casts the rays of one technique for the texels `which`, and adds what they say to the terms of all texels. `beside` is what the
-    /// hemisphere has found for lobes; it comes back from the hemisphere.
+    /// Casts the rays of one technique for the texels `which`, and adds what they say to the terms of all texels.
+    /// `beside` is what the hemisphere has found for lobes; it comes back from the hemisphere.
     fn rounds(
         &self,
         technique: Technique,

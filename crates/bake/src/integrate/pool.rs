@@ -49,7 +49,8 @@ impl Pool {
         pool
     }
 
-    /// Sums of what `of` says of texels, over each of them and those that are no more than `radius` away along an axis and of its surface.
+    /// Sums of what `of` says of texels, over each of them and those that are no more than `radius` away along an
+    /// axis and of its surface.
     pub fn sums<const N: usize>(
         &self,
         radius: usize,

@@ -65,7 +65,8 @@ impl Task<'_> {
         Stream::new(self.seed, self.page, block, label, replicate)
     }
 
-    /// What the replicates of the texels of `texel`'s tile have in common. Guided points are independent of those that their guide was made of.
+    /// What the replicates of the texels of `texel`'s tile have in common. Guided points are independent of those
+    /// that their guide was made of.
     pub(super) fn joint(&self, texel: &Texel, technique: Technique, is_guided: bool) -> Joint {
         let label = match technique {
             Technique::Hemisphere if is_guided => labels::GUIDED,
@@ -77,8 +78,8 @@ impl Task<'_> {
         Joint { label, streams }
     }
 
-    /// A texel's points `net` of a replicate under the pattern, counted from 0: the texels of a tile take parts of one sequence, or blocks of them
-    /// share directions but never places.
+    /// A texel's points `net` of a replicate under the pattern, counted from 0: the texels of a tile take parts of
+    /// one sequence, or blocks of them share directions but never places.
     pub(super) fn net(
         &self,
         joint: &Joint,

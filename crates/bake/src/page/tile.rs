@@ -10,7 +10,8 @@ pub struct BakedTile {
     pub index: u32,
     /// Its texels, row-major over the page.
     pub texels: Vec<u32>,
-    /// Channel by channel, in the order of [`Baker::layers`](super::Baker::layers) and of their channels, one value for each texel.
+    /// Channel by channel, in the order of [`Baker::layers`](super::Baker::layers) and of their channels, one value
+    /// for each texel.
     pub values: Vec<f32>,
     /// Sums over its texels.
     pub stats: PageStats,

@@ -109,8 +109,8 @@ pub(super) fn pairs(borders: &[Border], scope: Scope) -> Vec<Pair> {
     found.flatten_iter().collect()
 }
 
-/// Of borders that as good as coincide each is paired with so many before it and after it: those of copies of a mesh at one place, or of bodies
-/// nested in each other, are as many as these.
+/// Of borders that as good as coincide each is paired with so many before it and after it: those of copies of a mesh
+/// at one place, or of bodies nested in each other, are as many as these.
 const BESIDE: usize = 16;
 
 /// Borders by their ends: those of a heap have theirs in the same cells, which are about as large as the borders reach.

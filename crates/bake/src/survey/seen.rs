@@ -51,7 +51,8 @@ impl Spot {
         }
     }
 
-    /// True where a crowd of bodies is near it and one of them holds all of it: what is nested in many bodies is asked of one.
+    /// True where a crowd of bodies is near it and one of them holds all of it: what is nested in many bodies is
+    /// asked of one.
     fn is_swallowed(&self, solids: &Solids) -> bool {
         let by_one = |own| solids.swallow(self.low, self.high, own);
         solids.is_crowded(self.low, self.high) && self.own.is_some_and(by_one)

@@ -56,7 +56,8 @@ fn smooth_bodies_of_few_faces_throw_no_shade_on_themselves() {
 
 #[test]
 fn a_seam_of_six_charts_is_found_and_solved_at_no_cost() {
-    // Of plain texels: what texels may move by must not hold back what only mends their noise. With 16 rays single steps of two 255ths are left.
+    // Of plain texels: what texels may move by must not hold back what only mends their noise. With 16 rays single
+    // steps of two 255ths are left.
     holds("T6", 64, |_| true);
 }
 

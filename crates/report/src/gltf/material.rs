@@ -192,8 +192,8 @@ pub fn redirect(map: &mut Map<String, Value>, to: u64) -> bool {
     found
 }
 
-/// Gives a primitive copies of the textures of properties (`EXT_structural_metadata`) that read UV set 1, led to the set `to`: they stand in
-/// the document, where other primitives name them too. `copies` holds those made so far.
+/// Gives a primitive copies of the textures of properties (`EXT_structural_metadata`) that read UV set 1, led to the
+/// set `to`: they stand in the document, where other primitives name them too. `copies` holds those made so far.
 pub fn move_property_textures(
     document: &mut Document,
     primitive: &mut Value,

@@ -16,7 +16,8 @@ pub struct GltfDocument {
     pub json: Value,
     /// The bytes of each of the JSON's `buffers`, each exactly `byteLength` long. Compressed geometry is decoded.
     pub buffers: Vec<Vec<u8>>,
-    /// Why a buffer has no bytes though the JSON announces some; nothing that a bake reads lies in it. Shorter where the rest have theirs.
+    /// Why a buffer has no bytes though the JSON announces some; nothing that a bake reads lies in it. Shorter where
+    /// the rest have theirs.
     pub absent: Vec<Option<String>>,
     /// For each of the JSON's `images` the content behind its `uri`. `None` where it lies in a buffer view, where its file is
     /// absent or nothing uses it, and where its bytes are not those of a picture: that stays a URI.
@@ -154,18 +155,21 @@ fn move_first_buffer(json: &mut Value) {
     let last = buffers.len();
     buffers.push(json!({ "byteLength": 0 }));
     buffers.swap(0, last);
-    let renumber = |named: &mut Value| {
-        if number(named, "buffer") == Some(0) {
-            named["buffer"] = last.into();
+    renumber(json, |buffer| if buffer == 0 { last } else { buffer });
+}
+
+/// Gives the buffers that views and their extensions name new numbers.
+pub(super) fn renumber(json: &mut Value, to: impl Fn(usize) -> usize) {
+    let one = |named: &mut Value| {
+        if let Some(buffer) = number(named, "buffer") {
+            named["buffer"] = to(buffer).into();
         }
     };
     for view in entries(json, "bufferViews") {
-        renumber(view);
+        one(view);
         let extensions = view.get_mut("extensions").and_then(Value::as_object_mut);
-        extensions
-            .into_iter()
-            .flatten()
-            .for_each(|(_, e)| renumber(e));
+        let extensions = extensions.into_iter().flatten();
+        extensions.for_each(|(_, extension)| one(extension));
     }
 }
 

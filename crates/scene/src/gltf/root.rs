@@ -116,7 +116,8 @@ pub(super) fn parsed(input: &Input, json: &Value) -> Result<Root, Error> {
     let mut findings = Vec::new();
     root.validate(&root, JsonPath::new, &mut |path, finding| {
         let path = path().to_string();
-        // Bounds of POSITION are not used. Accessors without a view, primitives without POSITION and required extensions are judged elsewhere.
+        // Bounds of POSITION are not used. Accessors without a view, primitives without POSITION and required
+        // extensions are judged elsewhere.
         let others = ["min", "max", "bufferView", "[\"POSITION\"]"];
         let other = others.iter().any(|end| path.ends_with(end));
         let elsewhere = matches!(finding, Finding::Missing | Finding::Invalid) && other;

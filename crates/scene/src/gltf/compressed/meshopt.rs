@@ -5,7 +5,7 @@
 
 use super::edit::{Problem, list, take_extension};
 use crate::gltf::accessor::number;
-use crate::gltf::document::GltfDocument;
+use crate::gltf::document::{GltfDocument, renumber};
 use meshopt::{
     decode_filter_color, decode_filter_exp, decode_filter_oct, decode_filter_quat,
     decode_index_buffer, decode_index_sequence, decode_vertex_buffer,
@@ -64,21 +64,8 @@ fn drop_empty_buffers(document: &mut GltfDocument) {
     if kept.iter().all(|&kept| kept) {
         return;
     }
-    let renumber = |json: &mut Value| {
-        if let Some(buffer) = number(json, "buffer") {
-            let before = kept.iter().take(buffer).filter(|&&kept| kept).count();
-            json["buffer"] = before.into();
-        }
-    };
-    let views = document.json.get_mut("bufferViews");
-    for view in views.and_then(Value::as_array_mut).into_iter().flatten() {
-        renumber(view);
-        let extensions = view.get_mut("extensions").and_then(Value::as_object_mut);
-        extensions
-            .into_iter()
-            .flatten()
-            .for_each(|(_, e)| renumber(e));
-    }
+    let before = |buffer: usize| kept.iter().take(buffer).filter(|&&kept| kept).count();
+    renumber(&mut document.json, before);
     let mut keep = kept.iter();
     document.buffers.retain(|_| keep.next() == Some(&true));
     let mut keep = kept.iter();
