@@ -1,6 +1,6 @@
 //! Denoising from outside: what is done by default, and what each word of `--denoise` means.
 
-use crate::support::{Page, ambake, bake, page_path, report, run, run_well, scene};
+use crate::support::{Page, ambake, backends, bake, page_path, report, run, run_well, scene};
 
 /// Bakes without a word about denoising.
 fn by_default(name: &str, arguments: &[&str]) -> (tempfile::TempDir, Page) {
@@ -150,4 +150,72 @@ fn the_error_that_a_report_states_is_that_of_the_texels_that_are_seen() {
         (errors().map(|e| e * e).sum::<f64>() / seen.len() as f64).sqrt(),
     );
     close("max_error", errors().fold(0.0, f64::max));
+}
+
+#[test]
+fn what_a_box_a_millimetre_above_the_floor_seals_is_its_area_in_each_texel() {
+    const SIZE: usize = 64;
+    // Sides of the box in texels of the floor, one unit each; some lie on the borders of tiles.
+    let cases = [[[8.3, 20.7], [10.1, 16.0]], [[15.9, 33.25], [31.5, 48.6]]];
+    for [x, z] in cases {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("hovering.obj");
+        let mut text = String::from("o floor\n");
+        for [u, v] in [[0, 0], [0, SIZE], [SIZE, SIZE], [SIZE, 0]] {
+            let [s, t] = [u, v].map(|at| at as f64 / (2 * SIZE) as f64);
+            text += &format!("v {u} 0 {v}\nvt {s} {}\n", 1.0 - t);
+        }
+        text += "f 1/1 2/2 3/3 4/4\no box\n";
+        for y in [0.01, 3.0] {
+            for [x, z] in [[x[0], z[0]], [x[0], z[1]], [x[1], z[1]], [x[1], z[0]]] {
+                text += &format!("v {x} {y} {z}\n");
+            }
+        }
+        let faces = [
+            [8, 7, 6, 5],
+            [9, 10, 11, 12],
+            [5, 6, 10, 9],
+            [6, 7, 11, 10],
+            [7, 8, 12, 11],
+            [8, 5, 9, 12],
+        ];
+        for (number, face) in faces.iter().enumerate() {
+            let left = 0.02 + 0.15 * number as f64;
+            for (u, v) in [(0.0, 0.0), (0.1, 0.0), (0.1, 0.1), (0.0, 0.1)] {
+                text += &format!("vt {} {}\n", left + u, 0.2 + v);
+            }
+            let corner = |k: usize| format!(" {}/{}", face[k], 5 + 4 * number + k);
+            text += &format!("f{}\n", (0..4).map(corner).collect::<String>());
+        }
+        std::fs::write(&path, text).expect("a file");
+        for backend in backends() {
+            let size = (2 * SIZE).to_string();
+            let flags = [
+                "--size",
+                &size,
+                "--rays",
+                "256",
+                "--layers",
+                "sealed,diffuse",
+                "--uv",
+                "keep",
+                "--backend",
+                backend,
+            ];
+            let (_folder, page) = bake(&path, &flags);
+            let overlap = |[low, high]: [f64; 2], at: usize| {
+                (high.min(at as f64 + 1.0) - low.max(at as f64)).clamp(0.0, 1.0)
+            };
+            for (i, &sealed) in page.plane("sealed").iter().enumerate() {
+                let [u, v] = [i % (2 * SIZE), i / (2 * SIZE)];
+                if u >= SIZE || v >= SIZE {
+                    continue;
+                }
+                let exact = overlap(x, u) * overlap(z, v);
+                let off = (f64::from(sealed) - exact).abs();
+                // Eight places along an edge of the texel.
+                assert!(off < 0.135, "{backend} {u} {v}: {sealed} of {exact}");
+            }
+        }
+    }
 }

@@ -83,7 +83,7 @@ impl Memory {
             place.contains(layer) && !kept.contains(layer)
         };
         let goes = |layer: &Layer| {
-            let done = *layer == Layer::Validity || layer.is_of_halves();
+            let done = matches!(layer, Layer::Validity | Layer::Sealed) || layer.is_of_halves();
             is_place(layer) || (done && !kept.contains(layer))
         };
         Self {

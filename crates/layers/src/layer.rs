@@ -63,6 +63,8 @@ pub enum Layer {
     StdErrIrradiance,
     /// Standard error of the reflection, of the mean of its channels.
     StdErrReflection,
+    /// Share of the texel that something seals: what stands so close above it that it takes all light from it.
+    Sealed,
     /// Half of the difference between the diffuse terms of two independent halves of the rays.
     HalfDiffuse,
     /// The same of the visibility.
@@ -208,7 +210,7 @@ const UNIT_VECTOR: (Unit, Preview) = (Unit::Direction, Preview::Signed);
 
 /// Every layer in the order of the enum.
 #[rustfmt::skip]
-const TABLE: [Row; 44] = [
+const TABLE: [Row; 45] = [
     counted(row(Coverage, "coverage", ONE, SHARE, &[], "fraction of the texel inside its chart")),
     row(Visibility, "visibility", ONE, SHARE, &[Term::Visibility], "open solid angle / 2 pi, the traditional occlusion factor"),
     row(Diffuse, "diffuse", ONE, SHARE, &[Term::Diffuse], "the Lambertian ambient term"),
@@ -237,6 +239,7 @@ const TABLE: [Row; 44] = [
     row(Reflection, "reflection", RGB, LIGHT, &[Term::Specular], "light that the lobe reflects, without its colour"),
     row(StdErrIrradiance, "error.irradiance", ONE, (Unit::Radiance, Preview::Linear), &[Term::Diffuse], "standard error of irradiance"),
     row(StdErrReflection, "error.reflection", ONE, (Unit::Radiance, Preview::Linear), &[Term::Specular], "standard error of reflection"),
+    row(Sealed, "sealed", ONE, SHARE, &[Term::Diffuse], "share of the texel that has something close above it"),
     row(HalfDiffuse, "half.diffuse", ONE, HALF, &[Term::Diffuse], "half the difference of diffuse between two halves of the rays"),
     row(HalfVisibility, "half.visibility", ONE, HALF, &[Term::Visibility], "the same of visibility"),
     row(HalfSpecular, "half.specular", ONE, HALF, &[Term::Specular], "the same of specular"),

@@ -69,7 +69,7 @@ const fn powers(of: f32) -> [f32; MASK] {
 /// A chart, or a band of one, ready to be fitted.
 #[derive(Debug)]
 pub(super) struct Surface {
-    /// 1 where it has texels.
+    /// 1 where it has texels; of those that something seals in part, what is left.
     pub mask: Sheet,
     /// What fits may follow beside the place: [`FEATURES`] planes or none.
     pub features: Option<Sheet>,

@@ -50,6 +50,8 @@ pub(crate) struct Term<'a> {
     pub halves: Vec<&'a [f32]>,
     /// Standard error of the mean of the channels; 0 where the value is exact.
     pub std_err: &'a [f32],
+    /// Share of what can be seen of a texel that something seals: the term is 0 there, and fits leave it out. `None` where nothing is.
+    pub sealed: Option<&'a [f32]>,
     /// The largest value that there is; the least is 0.
     pub largest: f32,
     /// It is a mean over the hemisphere, which no single texel has much more of than all about it.
@@ -242,7 +244,17 @@ impl<'a> Denoiser<'a> {
             .then(|| Sheet::new(size, FEATURES));
         for ([x, y], run) in &runs {
             let count = run.count as usize;
-            mask.row_mut(0, *y)[*x..][..count].fill(1.0);
+            let shares = &mut mask.row_mut(0, *y)[*x..][..count];
+            match term.sealed {
+                None => shares.fill(1.0),
+                Some(sealed) => {
+                    let open = sealed[run.texels()].iter().map(|sealed| 1.0 - sealed);
+                    shares
+                        .iter_mut()
+                        .zip(open)
+                        .for_each(|(share, open)| *share = open);
+                }
+            }
             if channels > 1 {
                 let halves = data.row_mut(channels, *y)[*x..]
                     .iter_mut()

@@ -20,6 +20,8 @@ struct Made {
     mean: Vec<f32>,
     half: Vec<f32>,
     std_err: Vec<f32>,
+    /// What something seals; empty for nothing.
+    sealed: Vec<f32>,
 }
 
 /// `sigma` is the noise of the mean; `truth` and `sigma` are functions of the column and row, 0..1.
@@ -40,6 +42,7 @@ fn made(
         mean: Vec::new(),
         half: Vec::new(),
         std_err: Vec::new(),
+        sealed: Vec::new(),
     };
     for i in 0..SIZE * SIZE {
         let (x, y) = (i % SIZE, i / SIZE);
@@ -99,6 +102,7 @@ impl Made {
             values: vec![&self.mean],
             halves: vec![&self.half],
             std_err: &self.std_err,
+            sealed: (!self.sealed.is_empty()).then_some(&self.sealed[..]),
             largest: 1.0,
             is_smooth: true,
             crosses,
@@ -553,6 +557,7 @@ fn three_channels_of_one_light_are_denoised_alike() {
         values: values.iter().map(Vec::as_slice).collect(),
         halves: halves.iter().map(Vec::as_slice).collect(),
         std_err: &made.std_err,
+        sealed: None,
         largest: f32::INFINITY,
         is_smooth: false,
         crosses: true,
@@ -569,4 +574,33 @@ fn three_channels_of_one_light_are_denoised_alike() {
             assert!((own_errs[i] - 4.0 * std_errs[i]).abs() < 1e-4, "texel {i}");
         }
     }
+}
+
+#[test]
+fn a_step_at_a_seal_is_no_detail() {
+    // Under a disk the light is 0, about it it falls off; a texel on its rim has its share.
+    let sealed = |x: f64, y: f64| {
+        let from = DVec2::new(x - 0.5, y - 0.5).length() * SIZE as f64 - 20.0;
+        (0.5 - from).clamp(0.0, 1.0)
+    };
+    let truth = |x: f64, y: f64| (0.4 + 0.3 * x + 0.2 * y * y) * (1.0 - sealed(x, y));
+    let mut made = made(7, truth, |x, y| 0.1 * (1.0 - sealed(x, y)), |_, _| 0.0);
+    let [plain, without, ..] = made.judged();
+    made.sealed = (0..SIZE * SIZE)
+        .map(|i| {
+            sealed(
+                (i % SIZE) as f64 / SIZE as f64,
+                (i / SIZE) as f64 / SIZE as f64,
+            ) as f32
+        })
+        .collect();
+    let [_, with, _, inside] = made.judged();
+    assert!(
+        with < 0.6 * without && with < 0.2 * plain,
+        "{plain}, {without}, {with}"
+    );
+    assert!(inside > 0.93, "{inside}");
+    let (values, _) = made.denoised();
+    let dark = made.covered().filter(|&i| made.sealed[i] == 1.0);
+    assert!(dark.map(|i| values[i]).all(|value| value == 0.0));
 }

@@ -31,11 +31,13 @@ mod gang;
 mod guides;
 mod lobe;
 mod pool;
+mod seal;
 mod sums;
 mod task;
 mod terms;
 
 pub(crate) use lobe::Coat;
+pub(crate) use seal::seals;
 pub(crate) use task::Task;
 pub use terms::{AnyView, Directional, Halves, Terms};
 

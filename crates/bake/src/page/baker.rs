@@ -6,12 +6,12 @@ use super::finish::{Site, finish};
 use super::planes::{BakedPage, LayerPlanes};
 use super::spend::spend;
 use super::stats::PageStats;
-use super::terms::working_layers;
+use super::terms::{finds_seals, working_layers};
 use super::tile::{BakedTile, Column, Columns};
 use crate::bounce::{GatherPilot, Taken};
 use crate::choice::Choice;
 use crate::clock::ThreadClock;
-use crate::integrate::{Coat, Task, integrate};
+use crate::integrate::{Coat, Task, integrate, seals};
 use crate::options::{Buried, Footprint, Model, Options, View};
 use crate::plan::Plan;
 use crate::seams::Across;
@@ -345,6 +345,10 @@ impl<'a> Baker<'a> {
         let specular: Vec<bool> = texels.iter().map(|t| lobes && self.reflects(t)).collect();
         let coats = Coat::of_all(&task, &texels);
         let terms = integrate(&task, &texels, &coats, &specular);
+        let sealed = match finds_seals(options, self.plan) {
+            true => seals(&task, &texels, &terms),
+            false => vec![0.0; texels.len()],
+        };
         let open_specular = |texel: &Texel| match options.model {
             Model::Ggx => 1.0,
             Model::Phong => {
@@ -359,8 +363,8 @@ impl<'a> Baker<'a> {
         texels
             .iter()
             .zip(terms)
-            .zip(coats.iter().zip(&specular))
-            .map(|((texel, terms), (coat, &reflects))| BakedTexel {
+            .zip(coats.iter().zip(&specular).zip(sealed))
+            .map(|((texel, terms), ((coat, &reflects), sealed))| BakedTexel {
                 open_specular: if reflects { open_specular(texel) } else { 0.0 },
                 index: texel.y * self.atlas.page_size + texel.x,
                 coverage: texel.coverage,
@@ -375,6 +379,7 @@ impl<'a> Baker<'a> {
                 normal: texel.normal,
                 geometric: texel.geometric,
                 validity: texel.seen.share,
+                sealed,
             })
             .collect()
     }

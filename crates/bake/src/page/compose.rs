@@ -116,6 +116,8 @@ pub(crate) struct BakedTexel {
     pub geometric: DVec3,
     /// Share of the footprint that can be seen.
     pub validity: f32,
+    /// Share of what can be seen that something seals.
+    pub sealed: f32,
     /// The specular term of an open texel with this material and view; 0 where it does not reflect specularly.
     pub open_specular: f64,
 }
@@ -145,6 +147,7 @@ impl BakedTexel {
             Layer::Exponent => one(material.exponent),
             Layer::Object => one(f64::from(self.object)),
             Layer::Validity => [self.validity, 0.0, 0.0],
+            Layer::Sealed => [self.sealed, 0.0, 0.0],
             Layer::OpenSpecular => one(self.open_specular),
             Layer::StdErrAnyView => one(terms.any_view.as_ref().map_or(0.0, |any| any.std_err)),
             // Their channels are read from the terms.

@@ -78,6 +78,7 @@ pub(super) fn denoise(
                 values: planes(layer),
                 halves: regression.map_or(Vec::new(), |_| planes(half)),
                 std_err: page.layer(Layer::StdErrDiffuse).unwrap_or_default(),
+                sealed: page.layer(Layer::Sealed),
                 largest: f32::INFINITY,
                 is_smooth: false,
                 crosses: true,

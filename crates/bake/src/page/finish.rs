@@ -228,6 +228,7 @@ fn denoise_terms(
                 .as_ref()
                 .map_or(Vec::new(), |_| all(half_of(term))),
             std_err: fact(page, std_err, 0),
+            sealed: page.layer(Layer::Sealed),
             largest: if is_light(term) { f32::INFINITY } else { 1.0 },
             is_smooth: matches!(term, Layer::Diffuse | Layer::Visibility),
             crosses: !matches!(term, Layer::Specular | Layer::Reflection),
@@ -251,7 +252,9 @@ fn denoise_terms(
         found.iter().for_each(|part| part.set_errors(errors));
     }
     directional::denoise(page, regression.as_ref(), unseen.as_ref(), field);
-    drop_unasked(page, options, Layer::is_of_halves);
+    drop_unasked(page, options, |layer| {
+        layer.is_of_halves() || layer == Layer::Sealed
+    });
 }
 
 /// The texels of the page as the denoiser sees them.

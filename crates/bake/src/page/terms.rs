@@ -88,6 +88,9 @@ pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec
     if mends {
         add(Layer::Validity);
     }
+    if finds_seals(options, plan) {
+        add(Layer::Sealed);
+    }
     if options.layers.iter().any(|&layer| is_composed(layer)) {
         add(Layer::Albedo);
         // Where nothing reflects specularly it is 0, and composing takes what is missing for 0.
@@ -108,6 +111,12 @@ pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec
         add(Layer::OpenSpecular);
     }
     layers
+}
+
+/// Whether tiles look for what is sealed: fits leave it out.
+pub(super) fn finds_seals(options: &Options, plan: &Plan) -> bool {
+    let fits = options.denoise == Denoise::Regression || options.kept().contains(&Layer::Sealed);
+    fits && plan.models(Choice::Diffuse)
 }
 
 /// The layers that are kept while tiles of a bake are baked, coverage first, where solids may bury texels.
