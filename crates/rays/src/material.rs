@@ -74,9 +74,11 @@ pub fn material_at(
             specular_glossiness_map,
             ..
         } => {
-            let (tint, gloss) = point.color_and_alpha(specular_glossiness_map);
+            let map = specular_glossiness_map.as_ref();
+            let gloss = map.map_or(1.0, |map| scene.alpha(map, point.uv(map)));
             let glossiness = glossiness * f64::from(gloss);
-            scene::phong_from_specular_glossiness(point.base, *specular * tint, glossiness)
+            let specular = *specular * point.color(map);
+            scene::phong_from_specular_glossiness(point.base, specular, glossiness)
         }
     };
     PhongMaterial {
@@ -126,7 +128,7 @@ impl<'a> SurfaceAt<'a> {
                 ..
             } => (*diffuse, diffuse_map),
         };
-        point.base = factor * point.color_and_alpha(map).0 * vertex_color(mesh, triangle, weights);
+        point.base = factor * point.color(map.as_ref()) * vertex_color(mesh, triangle, weights);
         point
     }
 
@@ -134,12 +136,9 @@ impl<'a> SurfaceAt<'a> {
         uv_at(self.mesh, self.triangle, self.weights, map.uv_set)
     }
 
-    /// White and 1 without a map.
-    fn color_and_alpha(&self, map: &Option<TextureRef>) -> (Vec3, f32) {
-        map.as_ref().map_or((Vec3::ONE, 1.0), |map| {
-            let uv = self.uv(map);
-            (self.scene.color(map, uv), self.scene.alpha(map, uv))
-        })
+    /// White without a map.
+    fn color(&self, map: Option<&TextureRef>) -> Vec3 {
+        map.map_or(Vec3::ONE, |map| self.scene.color(map, self.uv(map)))
     }
 
     /// Red, green and blue of data; 1 without a map.

@@ -87,7 +87,6 @@ impl TextureRef {
 
 impl Image {
     fn texel(&self, texture: &TextureRef, uv: Vec2, decode: impl Fn([u8; 4]) -> Vec4) -> Vec4 {
-        let image = self;
         let [u, v] = texture.transform.map(|[a, b, c]| {
             let t = a as f64 * uv.x as f64 + b as f64 * uv.y as f64 + c as f64;
             if t.is_finite() { t } else { 0.0 }
@@ -95,14 +94,14 @@ impl Image {
         let [wrap_u, wrap_v] = texture.wrap;
         if !texture.linear {
             let (x, y) = (
-                nearest(u, image.width, wrap_u),
-                nearest(v, image.height, wrap_v),
+                nearest(u, self.width, wrap_u),
+                nearest(v, self.height, wrap_v),
             );
-            return decode(pixel(image, x, y));
+            return decode(pixel(self, x, y));
         }
-        let (x0, x1, fx) = pair(u, image.width, wrap_u);
-        let (y0, y1, fy) = pair(v, image.height, wrap_v);
-        let row = |y| mix(decode(pixel(image, x0, y)), decode(pixel(image, x1, y)), fx);
+        let (x0, x1, fx) = pair(u, self.width, wrap_u);
+        let (y0, y1, fy) = pair(v, self.height, wrap_v);
+        let row = |y| mix(decode(pixel(self, x0, y)), decode(pixel(self, x1, y)), fx);
         mix(row(y0), row(y1), fy)
     }
 }
@@ -120,23 +119,39 @@ fn pixel(image: &Image, x: u32, y: u32) -> [u8; 4] {
     image.pixels[y as usize * image.width as usize + x as usize]
 }
 
+/// The largest whole number that is not above `t`; processors that have an instruction for it are not all there are.
+fn floor(t: f64) -> f64 {
+    // From here on every number is whole.
+    const WHOLE: f64 = (1_i64 << 52) as f64;
+    if t.abs() >= WHOLE {
+        return t;
+    }
+    let whole = t as i64 as f64;
+    if whole > t { whole - 1.0 } else { whole }
+}
+
 /// The coordinate brought near the image: 0..=1 for repeat and clamp, 0..=2 for mirror.
 fn reduce(t: f64, wrap: Wrap) -> f64 {
     match wrap {
-        Wrap::Repeat => t - t.floor(),
+        Wrap::Repeat => t - floor(t),
         Wrap::Clamp => t.clamp(0.0, 1.0),
-        Wrap::Mirror => t - 2.0 * (t / 2.0).floor(),
+        Wrap::Mirror => t - 2.0 * floor(t / 2.0),
     }
 }
 
-/// Index of a texel that may lie beside the image, -1 the first to the left.
+/// Index of a texel of the image for one at most one beside it, -1 the first to the left; beside its mirror image for mirror.
 fn wrapped(i: i64, size: u32, wrap: Wrap) -> u32 {
-    let n = size as i64;
+    let n = i64::from(size);
+    let around = |i: i64, n: i64| match i {
+        _ if i < 0 => i + n,
+        _ if i < n => i,
+        _ => i - n,
+    };
     let inside = match wrap {
-        Wrap::Repeat => i.rem_euclid(n),
+        Wrap::Repeat => around(i, n),
         Wrap::Clamp => i.clamp(0, n - 1),
         Wrap::Mirror => {
-            let j = i.rem_euclid(2 * n);
+            let j = around(i, 2 * n);
             if j < n { j } else { 2 * n - 1 - j }
         }
     };
@@ -144,13 +159,14 @@ fn wrapped(i: i64, size: u32, wrap: Wrap) -> u32 {
 }
 
 fn nearest(t: f64, size: u32, wrap: Wrap) -> u32 {
-    wrapped((reduce(t, wrap) * size as f64).floor() as i64, size, wrap)
+    let i = floor(reduce(t, wrap) * f64::from(size)) as i64;
+    wrapped(i, size, wrap)
 }
 
 /// The two texels whose centres (at half-integers) enclose a coordinate, and the weight of the second.
 fn pair(t: f64, size: u32, wrap: Wrap) -> (u32, u32, f32) {
-    let x = reduce(t, wrap) * size as f64 - 0.5;
-    let i = x.floor();
+    let x = reduce(t, wrap) * f64::from(size) - 0.5;
+    let i = floor(x);
     (
         wrapped(i as i64, size, wrap),
         wrapped(i as i64 + 1, size, wrap),
