@@ -10,6 +10,9 @@ use super::{LANES, Wide};
 /// Cells of a guide along each axis.
 const EDGE: usize = 16;
 
+/// Cells of a guide.
+const CELLS: usize = EDGE * EDGE;
+
 /// Digits of a cell's number along an axis.
 const DIGITS: u32 = EDGE.ilog2();
 
@@ -91,62 +94,44 @@ impl Counts {
 /// section 13.6.7.
 #[derive(Clone, Debug)]
 pub struct Guide {
-    /// Where each row begins and how wide it is, in points.
-    rows: Axis,
-    /// The same of each column, row by row.
-    columns: [Axis; EDGE],
+    /// Where each row begins, and 1 over how wide it is, in points.
+    rows: [[f32; EDGE]; 2],
+    /// The same of each column, row by row, and what a search by halves compares with.
+    columns: [[f32; CELLS]; 2],
+    middles: [f32; CELLS],
     /// What a hit without a guide has of variance, over what it has with it.
     gain: f64,
 }
 
-/// The cells along one axis.
-#[derive(Clone, Copy, Debug)]
-struct Axis {
-    /// Where each cell begins, the cells in the order of a search by halves; the first is not read.
-    middles: [f32; EDGE],
-    begins: [f32; EDGE],
-    widths: [f32; EDGE],
-    inverse: [f32; EDGE],
+/// Where the cells along an axis begin, and 1 over their widths.
+fn axis(weights: &[f32; EDGE]) -> [[f32; EDGE]; 2] {
+    let sum: f64 = weights.iter().map(|&w| f64::from(w)).sum();
+    let (mut begins, mut before) = ([0.0; EDGE], 0.0);
+    for (begin, weight) in begins.iter_mut().zip(weights) {
+        *begin = (before / sum) as f32;
+        before += f64::from(*weight);
+    }
+    let width = |k: usize| begins.get(k + 1).unwrap_or(&1.0) - begins[k];
+    [begins, std::array::from_fn(|k| 1.0 / width(k))]
 }
 
-impl Axis {
-    fn of(weights: &[f32; EDGE]) -> Self {
-        let sum: f64 = weights.iter().map(|&w| f64::from(w)).sum();
-        let (mut begins, mut before) = ([0.0; EDGE], 0.0);
-        for (begin, weight) in begins.iter_mut().zip(weights) {
-            *begin = (before / sum) as f32;
-            before += f64::from(*weight);
+/// Where cells begin, in the order of a search by halves; the first is not read.
+fn middles(begins: &[f32; EDGE]) -> [f32; EDGE] {
+    std::array::from_fn(|node| {
+        let level = node.max(1).ilog2();
+        let step = EDGE >> level;
+        match node {
+            0 => 0.0,
+            _ => begins[(node - (1 << level)) * step + step / 2],
         }
-        let widths: [f32; EDGE] =
-            std::array::from_fn(|k| begins.get(k + 1).unwrap_or(&1.0) - begins[k]);
-        let middle = |node: usize| {
-            let level = node.max(1).ilog2();
-            let step = EDGE >> level;
-            begins[(node - (1 << level)) * step + step / 2]
-        };
-        Self {
-            middles: std::array::from_fn(|node| if node == 0 { 0.0 } else { middle(node) }),
-            begins,
-            widths,
-            inverse: widths.map(|w| 1.0 / w),
-        }
-    }
+    })
+}
 
-    /// The cell of a point, and where the point goes.
-    #[inline(always)]
-    fn place(&self, u: f32) -> (usize, f32) {
-        let mut node = 1;
-        for _ in 0..DIGITS {
-            node = 2 * node + usize::from(u >= self.middles[node & (EDGE - 1)]);
-        }
-        let cell = node & (EDGE - 1);
-        let within = (u - self.begins[cell]) * self.inverse[cell];
-        let most = 1.0 - f32::EPSILON;
-        (
-            cell,
-            ((cell as f32 + within) * (1.0 / EDGE as f32)).min(most),
-        )
-    }
+/// Where a point of a cell goes that is so far in it, 0..1.
+#[inline(always)]
+fn moved(cell: u32, within: f32) -> f32 {
+    let most = 1.0 - f32::EPSILON;
+    ((cell as f32 + within) * (1.0 / EDGE as f32)).min(most)
 }
 
 impl Guide {
@@ -155,7 +140,7 @@ impl Guide {
         let shares = counts.shares();
         let roots = shares.map(|row| row.map(f32::sqrt));
         let sum: f32 = roots.as_flattened().iter().sum();
-        let cells = (EDGE * EDGE) as f32;
+        let cells = CELLS as f32;
         let density = |root: f32| match sum > 0.0 {
             true => EVEN + (1.0 - EVEN) * root * cells / sum,
             false => 1.0,
@@ -170,9 +155,14 @@ impl Guide {
             .sum();
         let first: f32 = shares.as_flattened().iter().sum();
         let (first, second) = (f64::from(first / cells), f64::from(second / cells));
+        let columns = densities.each_ref().map(axis);
+        let flat = |of: &dyn Fn(usize) -> [f32; EDGE]| {
+            std::array::from_fn(|cell| of(cell / EDGE)[cell % EDGE])
+        };
         Self {
-            rows: Axis::of(&rows),
-            columns: densities.each_ref().map(Axis::of),
+            rows: axis(&rows),
+            columns: [0, 1].map(|k: usize| flat(&|row| columns[row][k])),
+            middles: flat(&|row| middles(&columns[row][0])),
             gain: match second > first * first {
                 true => (first - first * first) / (second - first * first),
                 false => 1.0,
@@ -188,22 +178,37 @@ impl Guide {
     /// The density of the warped points at a point of the square, 0..=1 along both axes; it is 1 where they go everywhere alike.
     pub fn density(&self, u: [f64; 2]) -> f64 {
         let [row, column] = u.map(|u| ((u * EDGE as f64) as usize).min(EDGE - 1));
-        let share = self.rows.widths[row] * self.columns[row].widths[column];
-        f64::from((EDGE * EDGE) as f32 * share)
+        let inverse = self.rows[1][row] * self.columns[1][row * EDGE + column];
+        CELLS as f64 / f64::from(inverse)
     }
 
     /// Where the points of `u0` and `u1` go, and the inverse of the density there: what each of them weighs.
     #[inline(always)]
     pub fn warp16(&self, u0: &mut Wide, u1: &mut Wide) -> Wide {
+        // All lanes compare with the same rows, but each with columns of its own.
+        let mut rows = [0; LANES];
+        for begin in &self.rows[0][1..] {
+            for l in 0..LANES {
+                rows[l] += u32::from(u0[l] >= *begin);
+            }
+        }
+        let mut nodes = [1; LANES];
+        for _ in 0..DIGITS {
+            for l in 0..LANES {
+                let at = EDGE as u32 * rows[l] + nodes[l];
+                let after = u1[l] >= self.middles[at as usize % CELLS];
+                nodes[l] = 2 * nodes[l] + u32::from(after);
+            }
+        }
         let mut weights = [0.0; LANES];
         for l in 0..LANES {
-            let (row, to) = self.rows.place(u0[l]);
-            let columns = &self.columns[row];
-            u0[l] = to;
-            let (column, to) = columns.place(u1[l]);
-            u1[l] = to;
-            let share = self.rows.widths[row] * columns.widths[column];
-            weights[l] = 1.0 / ((EDGE * EDGE) as f32 * share);
+            let (row, column) = (rows[l], nodes[l] % EDGE as u32);
+            let cell = (EDGE as u32 * row + column) as usize % CELLS;
+            let [begin, inverse] = [0, 1].map(|k: usize| self.rows[k][row as usize % EDGE]);
+            let [left, across] = [0, 1].map(|k: usize| self.columns[k][cell]);
+            u0[l] = moved(row, (u0[l] - begin) * inverse);
+            u1[l] = moved(column, (u1[l] - left) * across);
+            weights[l] = inverse * across * (1.0 / CELLS as f32);
         }
         weights
     }
