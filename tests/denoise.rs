@@ -219,3 +219,36 @@ fn what_a_box_a_millimetre_above_the_floor_seals_is_its_area_in_each_texel() {
         }
     }
 }
+
+#[test]
+fn what_texels_move_by_at_seams_is_in_their_stated_errors() {
+    let few = "--size 256 --buried keep --only diffuse,error,validity";
+    let words = |more: &'static str| few.split(' ').chain(more.split(' ')).collect::<Vec<_>>();
+    let (folder, page) = by_default("interior.gltf", &words("--rays 64"));
+    let (_folder, exact) = bake(
+        &scene("interior.gltf"),
+        &words("--rays 4096 --seed 5 --seams off"),
+    );
+    let [values, error, covered] = ["diffuse", "error", "coverage"].map(|l| page.plane(l));
+    let texels: Vec<usize> = (0..covered.len()).filter(|&i| covered[i] > 0.0).collect();
+    let rms = |of: &dyn Fn(usize) -> f32| {
+        let squares = texels.iter().map(|&i| f64::from(of(i)).powi(2));
+        (squares.sum::<f64>() / texels.len() as f64).sqrt()
+    };
+    let stated = rms(&|i| error[i]);
+    let report = report(folder.path());
+    let number = |of: &serde_json::Value, name: &str| of[name].as_f64().expect("a number");
+    let moved = number(&report["seams"], "rms_moved");
+    let before = number(&report["pages"][0], "rmse");
+    assert!(
+        (stated / before.hypot(moved) - 1.0).abs() < 1e-4,
+        "{stated} of {before} and {moved}"
+    );
+    // Far more than the rays leave.
+    assert!(moved > 0.5 * before, "{moved} of {before}");
+    let truth = rms(&|i| values[i] - exact.plane("diffuse")[i]);
+    assert!(
+        (0.85..1.15).contains(&(truth / stated)),
+        "{truth} of {stated}"
+    );
+}

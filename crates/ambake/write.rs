@@ -226,7 +226,8 @@ impl<'a> Writer<'a> {
             report.versions.backend_version = backend;
         }
         report.update = update;
-        report.seams = seam_report(&self.seams);
+        let texels = report.pages.iter().map(|page| page.texels).sum();
+        report.seams = seam_report(&self.seams, texels);
         report.bounces = bounces.map(bounce_report);
         report.any_view = any_view;
         report.lightmaps = self.lightmaps;
@@ -455,7 +456,7 @@ fn bounce_report(stats: BounceStats) -> report::BounceReport {
     }
 }
 
-fn seam_report(seams: &SeamStats) -> Option<SeamReport> {
+fn seam_report(seams: &SeamStats, texels: u64) -> Option<SeamReport> {
     let mean = |squares: f64| (squares / seams.points as f64).sqrt();
     (seams.points > 0).then(|| SeamReport {
         points: seams.points,
@@ -463,6 +464,7 @@ fn seam_report(seams: &SeamStats) -> Option<SeamReport> {
         rms_after: mean(seams.squares_after),
         max_before: seams.max_before,
         max_after: seams.max_after,
+        rms_moved: (seams.squares_moved / texels.max(1) as f64).sqrt(),
     })
 }
 

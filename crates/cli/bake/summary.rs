@@ -63,11 +63,12 @@ pub fn summary(report: &BakeReport, verbose: bool, dir: &Path) -> String {
     }
     if let Some(seams) = &report.seams {
         text += &format!(
-            "seams: steps of RMS {:.5}, at most {:.5}; before {:.5} and {:.5}: {}\n",
+            "seams: steps of RMS {:.5}, at most {:.5}; before {:.5} and {:.5}; texels moved by RMS {:.5} for it: {}\n",
             seams.rms_after,
             seams.max_after,
             seams.rms_before,
             seams.max_before,
+            seams.rms_moved,
             match seams.max_after {
                 ..STEP => "no step shows",
                 _ if seams.rms_after < STEP => "a few may show",

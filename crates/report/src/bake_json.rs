@@ -203,7 +203,7 @@ pub struct PageReport {
     /// Largest standard error of `diffuse` over its value, of texels whose value is at least 1/255.
     #[serde(default)]
     pub worst_relative: f64,
-    /// Estimated root mean square error of `diffuse` over covered texels.
+    /// Estimated root mean square error of `diffuse` over covered texels, before seams were solved.
     #[serde(default)]
     pub rmse: f64,
     /// What the true root mean square error stays below with 99.9 % confidence.
@@ -233,6 +233,9 @@ pub struct SeamReport {
     pub max_before: f64,
     /// Largest step in the written pages.
     pub max_after: f64,
+    /// Root mean square over all texels of what they moved by for that.
+    #[serde(default)]
+    pub rms_moved: f64,
 }
 
 /// What the gathers of light that bounces added.

@@ -20,6 +20,7 @@ pub(super) struct Joined<'a> {
 }
 
 /// Makes the terms agree across seams; `light` is what an open texel receives, about. Texels of charts move here, those of gutters when gutters are filled.
+/// What a texel moves by is an error of its own mean, which its standard error takes in.
 pub(super) fn solve_seams(
     page: &mut BakedPage,
     light: f64,
@@ -35,6 +36,7 @@ pub(super) fn solve_seams(
     let (planes, known): (Vec<_>, Vec<_>) = seamed(page, terms)
         .into_iter()
         .filter_map(|(term, std_err, channel)| {
+            let layers = (term, std_err, channel);
             let unit = match is_light(term) || term == Layer::Sh {
                 true => light,
                 false => 1.0,
@@ -52,14 +54,16 @@ pub(super) fn solve_seams(
                 },
             };
             // In the dark every texel holds 0, and both sides agree.
-            (unit > 0.0).then_some(((term, channel), known))
+            (unit > 0.0).then_some((layers, known))
         })
         .unzip();
     let solved = system.solve(&known, coverage);
     let is_gutter: Vec<bool> = coverage.iter().map(|&coverage| coverage == 0.0).collect();
     let texels = page.texels();
     let mut gutters = Vec::new();
-    for ((term, channel), moved) in planes.into_iter().zip(solved) {
+    // What the channels of a term so far moved by.
+    let mut moves: Vec<f32> = Vec::new();
+    for ((term, std_err, channel), moved) in planes.into_iter().zip(solved) {
         if term == Layer::Diffuse {
             page.stats.seams = moved.stats;
         }
@@ -68,8 +72,20 @@ pub(super) fn solve_seams(
             .into_iter()
             .partition(|(texel, _)| is_gutter[*texel as usize]);
         let plane = &mut page.planes_of(term)[channel * texels..][..texels];
-        for (texel, value) in own {
-            plane[texel as usize] = value;
+        if channel == 0 {
+            moves = vec![0.0; own.len()];
+        }
+        for (&(texel, value), moved) in own.iter().zip(&mut moves) {
+            let value_before = std::mem::replace(&mut plane[texel as usize], value);
+            *moved += value - value_before;
+        }
+        let channels = term.channels().len();
+        if channel + 1 == channels && !directional::holds(term) {
+            let errors = page.planes_of(std_err);
+            for (&(texel, _), moved) in own.iter().zip(&moves) {
+                let error = &mut errors[texel as usize];
+                *error = error.hypot(moved / channels as f32);
+            }
         }
         gutters.push((term, channel, gutter));
     }

@@ -72,6 +72,8 @@ pub struct SeamStats {
     pub max_before: f64,
     /// The largest difference after.
     pub max_after: f64,
+    /// Sum over the texels of charts of the squares of what they moved by.
+    pub squares_moved: f64,
 }
 
 impl SeamStats {
@@ -82,6 +84,7 @@ impl SeamStats {
         self.squares_after += other.squares_after;
         self.max_before = self.max_before.max(other.max_before);
         self.max_after = self.max_after.max(other.max_after);
+        self.squares_moved += other.squares_moved;
     }
 }
 

@@ -356,6 +356,10 @@ impl<'a> Plane<'a> {
         let values: Vec<f32> = texels.map(end).collect();
         let (squares_before, max_before) = self.differences(|i| self.about[i as usize].value);
         let (squares_after, max_after) = self.differences(|i| values[i as usize]);
+        let own = self.about.iter().zip(&values).enumerate();
+        let own = own.filter(|&(i, _)| self.covered(i) > 0.0);
+        let squares = own.map(|(_, (about, value))| f64::from(value - about.value).powi(2));
+        let squares_moved = squares.sum();
         let known = self.known.tied.iter().filter(|value| !value.is_nan());
         let steps = self.system.lengths.len() - self.system.tied.len();
         Moved {
@@ -365,6 +369,7 @@ impl<'a> Plane<'a> {
                 squares_after,
                 max_before,
                 max_after,
+                squares_moved,
             },
             values: self.system.texels.iter().copied().zip(values).collect(),
         }
