@@ -5,7 +5,7 @@ mod compare;
 mod interrupt;
 mod planner;
 
-use crate::support::{Page, backends, bake, files, page_path, report, run_well, scene};
+use crate::support::{Page, backends, bake, files, page_path, report, run, run_well, scene};
 use serde_json::Value;
 use std::path::Path;
 
@@ -292,5 +292,37 @@ fn bytes_do_not_depend_on_threads_but_on_the_seed() {
                 "{backend} {way:?}: another seed leaves {file} as it was"
             );
         }
+    }
+}
+
+#[test]
+fn a_scene_without_a_word_is_baked_into_a_folder_beside_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let copies = ["plane.obj", "corner.OBJ"].map(|name| {
+        let copy = folder.path().join(name);
+        std::fs::copy(scene(&name.to_lowercase()), &copy).expect("a copy");
+        copy
+    });
+    let few = ["--size", "32", "--rays", "4", "--quiet"];
+    let [plane, corner] = copies.each_ref().map(|copy| copy.to_str().expect("UTF-8"));
+    run_well([&[plane][..], &few].concat());
+    assert!(folder.path().join("plane.ambake/plane.glb").is_file());
+    assert!(!folder.path().join("corner.ambake").exists());
+    run_well([&[corner, plane][..], &few].concat());
+    assert!(folder.path().join("corner.ambake/corner.glb").is_file());
+}
+
+#[test]
+fn a_number_below_0_is_told_what_belongs_there() {
+    let path = scene("plane.obj").display().to_string();
+    for (flag, says) in [
+        ("--max-distance", "above 0"),
+        ("--rays", "1..="),
+        ("--albedo", "three numbers"),
+    ] {
+        let output = run(["bake", &path, flag, "-1"]);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{errors}");
+        assert!(errors.contains(flag) && errors.contains(says), "{errors}");
     }
 }

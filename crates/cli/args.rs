@@ -1,9 +1,10 @@
 //! What was typed: the verbs. Each has its own arguments.
 
 use crate::{bake, bench, fit, map, render};
-use clap::{Args as ClapArgs, Parser, Subcommand};
+use clap::{Args as ClapArgs, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
-use std::path::PathBuf;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 
 /// Ambient-reflection lightmap baker that states its error.
 #[derive(Parser)]
@@ -11,6 +12,35 @@ use std::path::PathBuf;
 pub struct Args {
     #[command(subcommand)]
     pub verb: Verb,
+}
+
+impl Args {
+    /// What was typed. A scene in the place of the verb is baked.
+    ///
+    /// # Errors
+    /// Those of clap, help and version among them.
+    pub fn typed() -> Result<Self, clap::Error> {
+        let mut words: Vec<OsString> = std::env::args_os().collect();
+        if words.get(1).is_some_and(|word| is_scene(word.as_ref())) {
+            words.insert(1, "bake".into());
+        }
+        let found = with_signs(Self::command()).try_get_matches_from(words)?;
+        Self::from_arg_matches(&found)
+    }
+}
+
+fn is_scene(path: &Path) -> bool {
+    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+    ["obj", "gltf", "glb"].iter().any(|known| ending == *known)
+}
+
+/// A number below 0 is the value of its flag, which says what belongs there, and no unknown flag.
+fn with_signs(command: Command) -> Command {
+    let command = command.mut_args(|arg| {
+        let is_value = !arg.is_positional() && arg.get_action().takes_values();
+        arg.allow_negative_numbers(is_value)
+    });
+    command.mut_subcommands(with_signs)
 }
 
 #[derive(Subcommand)]

@@ -29,11 +29,10 @@ mod stop;
 mod view;
 
 use args::Verb;
-use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let args = match args::Args::try_parse() {
+    let args = match args::Args::typed() {
         Ok(args) => args,
         Err(error) => return outcome::misused(&error),
     };

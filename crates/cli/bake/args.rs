@@ -6,7 +6,7 @@ use crate::common::{Backend, Common};
 use crate::parse::{color, exponent, light, number, positive, sun, triple};
 use ambake::{Choice, Layer};
 use clap::{Args as ClapArgs, ValueEnum};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(ClapArgs)]
 pub struct Bake {
@@ -15,9 +15,9 @@ pub struct Bake {
     pub scene: Vec<PathBuf>,
     #[command(flatten)]
     pub job: Job,
-    /// Directory for the results; it is made if needed
+    /// Directory for the results; it is made if needed [default: SCENE with the ending .ambake, beside the scene]
     #[arg(short = 'o', long = "output", value_name = "DIR")]
-    pub output: PathBuf,
+    pub output: Option<PathBuf>,
     /// Also write files for these engines, separated by commas: gltf, three, blender, bevy, godot, unity, unreal. `bake.json` says how each
     /// is used
     #[arg(long = "for", value_name = "ENGINE,..", value_delimiter = ',', value_parser = engine)]
@@ -48,6 +48,20 @@ pub struct Bake {
     pub after: Vec<usize>,
     #[command(flatten)]
     pub common: Common,
+}
+
+impl Bake {
+    /// The folder of a scene: what was asked for, of several scenes one in it for each, or else one beside the scene.
+    pub fn folder(&self, scene: &Path) -> PathBuf {
+        let is_input = scene == Path::new("-");
+        match (&self.output, &self.scene[..]) {
+            (Some(folder), [_]) => folder.clone(),
+            (Some(folder), _) if is_input => folder.join("scene"),
+            (Some(folder), _) => folder.join(scene.file_stem().unwrap_or_default()),
+            (None, _) if is_input => "scene.ambake".into(),
+            (None, _) => scene.with_extension("ambake"),
+        }
+    }
 }
 
 #[derive(ClapArgs)]

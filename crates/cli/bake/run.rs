@@ -19,7 +19,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Runs the verb: one scene into `-o DIR`, several into a folder each, `DIR/STEM`. Where one of several fails the others are baked
+/// Runs the verb: one scene into `-o DIR`, several into a folder each, `DIR/STEM`; without `-o` each into one beside it. Where one of several fails the others are baked
 /// all the same.
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let stop = Stop::listen()?;
@@ -34,7 +34,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             "--update keeps what --shard would bake; leave out one of them: a merged bake can be updated"
         );
     }
-    one(args, scene, &args.output, &stop)
+    one(args, scene, &args.folder(scene), &stop)
 }
 
 fn several(args: &Args, stop: &Stop) -> anyhow::Result<Outcome> {
@@ -46,7 +46,7 @@ fn several(args: &Args, stop: &Stop) -> anyhow::Result<Outcome> {
     }
     let mut folders: HashMap<PathBuf, &Path> = HashMap::new();
     for scene in &args.scene {
-        let folder = folder_of(args, scene);
+        let folder = args.folder(scene);
         if let Some(other) = folders.insert(folder.clone(), scene) {
             bail!(
                 "{} and {} would both be baked into {}; bake them one by one with different -o",
@@ -65,7 +65,7 @@ fn several(args: &Args, stop: &Stop) -> anyhow::Result<Outcome> {
         if let Ok(rest) = program_after(done, failed + 1) {
             allocate::in_work(printable(&scene.to_string_lossy()).into(), rest);
         }
-        match one(args, scene, &folder_of(args, scene), stop) {
+        match one(args, scene, &args.folder(scene), stop) {
             Ok(Outcome::Done) => {}
             Ok(other) => return Ok(other),
             Err(error) => {
@@ -90,15 +90,6 @@ fn program_after(done: usize, failed: usize) -> io::Result<Command> {
     Ok(program)
 }
 
-/// The folder of one of several scenes.
-fn folder_of(args: &Args, scene: &Path) -> PathBuf {
-    let stem = match scene == Path::new("-") {
-        true => "scene".as_ref(),
-        false => scene.file_stem().unwrap_or_default(),
-    };
-    args.output.join(stem)
-}
-
 /// Bakes a scene into a folder.
 fn one(args: &Args, scene: &Path, output: &Path, stop: &Stop) -> anyhow::Result<Outcome> {
     // A directory that cannot be written, or is another bake's, is found before the scene is loaded. Shards share theirs.
@@ -117,7 +108,7 @@ fn one(args: &Args, scene: &Path, output: &Path, stop: &Stop) -> anyhow::Result<
     };
     let job = prepare_in(&target, scene, &args.job, &args.common)?;
     if let Some(part) = args.shard {
-        return shard::run(args, &job, part, stop);
+        return shard::run(args, output, &job, part, stop);
     }
     let show = Show {
         unit: "texels",

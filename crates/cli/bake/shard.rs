@@ -7,10 +7,17 @@ use crate::stop::Stop;
 use ambake::{Job, Shard};
 use anyhow::Context;
 use serde_json::{Value, json};
+use std::path::Path;
 use std::time::Instant;
 
 /// Bakes the part.
-pub fn run(args: &Args, job: &Job, shard: Shard, stop: &Stop) -> anyhow::Result<Outcome> {
+pub fn run(
+    args: &Args,
+    output: &Path,
+    job: &Job,
+    shard: Shard,
+    stop: &Stop,
+) -> anyhow::Result<Outcome> {
     let started = Instant::now();
     let given = given()?;
     let show = Show {
@@ -18,7 +25,7 @@ pub fn run(args: &Args, job: &Job, shard: Shard, stop: &Stop) -> anyhow::Result<
         quiet: args.common.quiet,
     };
     let part = watch(show, stop, |progress| {
-        job.run_shard(&args.output, shard, &given, progress)
+        job.run_shard(output, shard, &given, progress)
     });
     let part = match part {
         Err(ambake::Error::Cancelled) => {
@@ -54,7 +61,7 @@ pub fn run(args: &Args, job: &Job, shard: Shard, stop: &Stop) -> anyhow::Result<
                 part.tiles,
                 part.texels,
                 part.rays,
-                args.output.display(),
+                output.display(),
             ),
         })?;
     }
