@@ -326,3 +326,23 @@ fn a_number_below_0_is_told_what_belongs_there() {
         assert!(errors.contains(flag) && errors.contains(says), "{errors}");
     }
 }
+
+#[test]
+fn of_a_flag_that_stands_twice_the_last_one_counts_and_suns_add_up() {
+    let path = scene("corner.obj").display().to_string();
+    let planned = run_well([
+        "plan", &path, "--json", "--size", "32", "--rays", "64", "--rays", "4", "--sun", "0,1,0,1",
+        "--sun", "1,1,0,1",
+    ]);
+    let planned: Value = serde_json::from_str(&planned).expect("JSON");
+    assert_eq!(planned["options"]["rays"], 4);
+    let decisions = planned["plan"].as_array().expect("a list");
+    let lights = decisions
+        .iter()
+        .find(|decision| decision["decision"] == "lights");
+    let reason = lights.expect("a decision")["reason"]
+        .as_str()
+        .expect("words");
+    assert!(reason.contains("2 suns"), "{reason}");
+    assert!(run_well(["plan", &path, "--quiet"]).is_empty());
+}

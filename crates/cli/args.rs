@@ -24,7 +24,7 @@ impl Args {
         if words.get(1).is_some_and(|word| is_scene(word.as_ref())) {
             words.insert(1, "bake".into());
         }
-        let found = with_signs(Self::command()).try_get_matches_from(words)?;
+        let found = lenient(Self::command()).try_get_matches_from(words)?;
         Self::from_arg_matches(&found)
     }
 }
@@ -34,13 +34,13 @@ fn is_scene(path: &Path) -> bool {
     ["obj", "gltf", "glb"].iter().any(|known| ending == *known)
 }
 
-/// A number below 0 is the value of its flag, which says what belongs there, and no unknown flag.
-fn with_signs(command: Command) -> Command {
+/// A number below 0 is the value of its flag, which says what belongs there, and no unknown flag. Of a flag that stands twice the last one counts.
+fn lenient(command: Command) -> Command {
     let command = command.mut_args(|arg| {
         let is_value = !arg.is_positional() && arg.get_action().takes_values();
         arg.allow_negative_numbers(is_value)
     });
-    command.mut_subcommands(with_signs)
+    command.args_override_self(true).mut_subcommands(lenient)
 }
 
 #[derive(Subcommand)]

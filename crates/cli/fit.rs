@@ -188,15 +188,15 @@ fn described(fit: &Fit, args: &Args) -> Value {
 
 fn words(fit: &Fit) -> String {
     let three = |name: &str, estimates: &[Estimate; 3]| {
-        let each = estimates.map(|e| format!("{:.4} ± {:.4}", e.value, interval(&e)));
+        let each = estimates.map(|e| format!("{:.4} +- {:.4}", e.value, interval(&e)));
         format!("{name:<9} {}\n", each.join(", "))
     };
     let exponent = match fit.exponent {
         None => "exponent  none: nothing reflects specularly\n".into(),
-        Some(e) => format!("exponent  {:.2} ± {:.2}\n", e.value, interval(&e)),
+        Some(e) => format!("exponent  {:.2} +- {:.2}\n", e.value, interval(&e)),
     };
     format!(
-        "{}{}{exponent}{} pixels, {:.2e} root mean square is left; ± holds 95 of 100 true values\n",
+        "{}{}{exponent}{} pixels, {:.2e} root mean square is left; +- holds 95 of 100 true values\n",
         three("albedo", &fit.albedo),
         three("specular", &fit.specular),
         fit.pixels,

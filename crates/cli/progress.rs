@@ -167,6 +167,11 @@ pub fn count(number: impl Into<u64>, thing: &str) -> String {
     format!("{number} {thing}{plural}")
 }
 
+/// The size of a page of this edge, in texels.
+pub fn square(edge: u32) -> String {
+    format!("{edge} x {edge}")
+}
+
 /// A number of bytes in the unit that fits it, of powers of 1024: `7.20 GiB`, `340 KiB`.
 pub fn size(bytes: u64) -> String {
     let units = ["bytes", "KiB", "MiB", "GiB", "TiB"];

@@ -4,7 +4,7 @@ use super::args::Layout as Args;
 use super::options;
 use crate::host;
 use crate::outcome::{Outcome, say, say_json};
-use crate::progress::count;
+use crate::progress::{count, square};
 use report::Output;
 
 /// Runs the verb.
@@ -19,9 +19,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     } else if !args.common.quiet {
         let atlas = layout.atlas();
         say(&format!(
-            "{} of {}², {} texels, layout {}\n{}{} files in {}\n",
+            "{} of {}, {} texels, layout {}\n{}{} files in {}\n",
             count(atlas.page_count, "page"),
-            atlas.page_size,
+            square(atlas.page_size),
             atlas.audit.texels,
             layout.hash(),
             layout.report().text(),

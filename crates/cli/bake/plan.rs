@@ -4,7 +4,7 @@ use super::args::Plan as Args;
 use super::prepare::prepare;
 use super::summary;
 use crate::outcome::{Outcome, say, say_json};
-use crate::progress::{count, size};
+use crate::progress::{count, size, square};
 use ambake::{Choice, Effort, Estimate, Job, Method, Term};
 use serde_json::json;
 
@@ -34,7 +34,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             "backend": job.backend().describe(),
             "warnings": warnings,
         }))?;
-    } else {
+    } else if !args.common.quiet {
         say(&text(&job, &cost))?;
     }
     Ok(Outcome::Done)
@@ -59,11 +59,11 @@ fn text(job: &Job, cost: &Estimate) -> String {
         );
     }
     text += &format!(
-        "\n{} texels on {} of {}², {}\nabout {} rays, {} of memory, {:.1} s ({:.1} processor seconds) with {}\n\
+        "\n{} texels on {} of {}, {}\nabout {} rays, {} of memory, {:.1} s ({:.1} processor seconds) with {}\n\
          about {} on the disk, {} of it for --update; {} while it bakes\n",
         cost.texels,
         count(job.atlas().page_count, "page"),
-        job.atlas().page_size,
+        square(job.atlas().page_size),
         effort(job),
         cost.rays,
         size(cost.memory_bytes),

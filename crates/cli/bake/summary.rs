@@ -1,6 +1,6 @@
 //! What `ambake bake` says at its end.
 
-use crate::progress::{count, ray_rate};
+use crate::progress::{count, ray_rate, square};
 use report::{BakeReport, REPORT_NAME, WarningReport};
 use std::path::Path;
 
@@ -25,13 +25,13 @@ pub fn summary(report: &BakeReport, verbose: bool, dir: &Path) -> String {
     };
     let (rmse, bound) = (mean_square(|p| p.rmse), mean_square(|p| p.rmse_bound));
     text += &format!(
-        "{}: {}, {}, {} on {} of {}², UVs {}\n",
+        "{}: {}, {}, {} on {} of {}, UVs {}\n",
         report.scene.path,
         count(report.scene.triangles, "triangle"),
         count(report.scene.instances, "object"),
         count(report.atlas.charts, "chart"),
         count(report.atlas.pages, "page"),
-        report.atlas.page_size,
+        square(report.atlas.page_size),
         report.atlas.source,
     );
     text += &report.layout.text();
@@ -78,9 +78,12 @@ pub fn summary(report: &BakeReport, verbose: bool, dir: &Path) -> String {
     }
     if let Some(update) = &report.update {
         text += &format!(
-            "update: {:.1} % of the texels baked, the others kept; {} object(s) changed\n",
+            "update: {:.1} % of the texels baked, the others kept; {}\n",
             100.0 * update.share,
-            update.changed.len()
+            match update.changed.len() {
+                0 => "no object changed".into(),
+                changed => count(changed as u64, "object") + " changed",
+            }
         );
     }
     for phase in report.timings.iter().filter(|_| verbose) {
@@ -161,7 +164,7 @@ fn named(places: &[&str]) -> String {
         .take(NAMED)
         .map(|place| &place[skip..])
         .collect();
-    let more = if places.len() > NAMED { ", …" } else { "" };
+    let more = if places.len() > NAMED { ", ..." } else { "" };
     format!("{} {plural}: {}{more}", places.len(), some.join(", "))
 }
 
@@ -187,7 +190,7 @@ mod tests {
         warnings.push(warning("left out", "material `e`", 2));
         assert_eq!(
             lines(&warnings),
-            "warning: left out (6 times, 5 materials: `Glass`, `two words`, `100%`, …)\n\
+            "warning: left out (6 times, 5 materials: `Glass`, `two words`, `100%`, ...)\n\
              warning: dropped (7 times, mesh `m` primitive 0)\n"
         );
         warnings.truncate(3);

@@ -165,11 +165,12 @@ impl LayoutReport {
             }
         };
         let mut text = format!(
-            "{:.1} % of the pages in use ({:.1} % inside charts), {} charts; {coarse}\n\
+            "{:.1} % of the pages in use ({:.1} % inside charts), {} chart{}; {coarse}\n\
              texels per unit: {} to {}, median {}{}\n",
             100.0 * self.page_use,
             100.0 * self.covered,
             self.charts,
+            if self.charts == 1 { "" } else { "s" },
             short(*min),
             short(*max),
             short(*median),
