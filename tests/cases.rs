@@ -2,7 +2,7 @@
 //! without ambake. Areas are those of the polygons as a parser of twenty lines in another language reads them; albedos follow from the
 //! materials by hand: 0.96 of a dielectric's base colour, 188 in sRGB for 0.502886.
 
-use crate::support::say;
+use crate::support::{bake, say};
 use std::path::Path;
 
 /// File, area of all surfaces in the world, mean albedo by area, and the kinds of its warnings in order.
@@ -20,6 +20,9 @@ const CASES: &[Case] = &[
     ("comb510.obj", 8.4, 1.0, &[]),
     ("comb514.obj", 8.4, 1.0, &[]),
     ("stairs_origin.obj", 82.279_2, 1.0, &[]),
+    ("stairs_100km.obj", 82.279_2, 1.0, &[]),
+    ("stairs_utm.obj", 82.279_2, 1.0, &[]),
+    ("steps_utm_root.glb", 66.179_2, 0.96, &[]),
     ("bom_mtllib.obj", 24.0, 0.25, &[]),
     ("bom_v.obj", 24.0, 1.0, &[]),
     ("bom_short.obj", 3.414_213_56, 1.0, &[]),
@@ -69,6 +72,49 @@ fn every_public_case_has_the_area_the_albedo_and_the_warnings_that_are_its_own()
             (mean - albedo).abs() < 1e-5,
             "{file}: albedo {mean}, not {albedo}"
         );
+    }
+}
+
+#[test]
+fn stairs_bake_alike_wherever_they_stand() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/cases/files");
+    if !folder.is_dir() {
+        say("../shared/cases/files is not here");
+        return;
+    }
+    let mut at_home = None;
+    for file in ["stairs_origin.obj", "stairs_100km.obj", "stairs_utm.obj"] {
+        let scene = scene::load(&folder.join(file)).unwrap_or_else(|e| panic!("{e}"));
+        let triangles: usize = scene.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+        assert_eq!(triangles, 170, "{file}");
+        let step = scene.instances.iter().position(|of| of.name == "step3");
+        let step = step.expect("a step") as f32;
+        let more = ["--size", "256", "--rays", "64", "--layers", "object"];
+        let (baked, page) = bake(&folder.join(file), &more);
+        let (mut sum, mut count) = (0.0, 0);
+        for texel in 0..page.plane("coverage").len() {
+            if page.plane("coverage")[texel] > 0.0 && page.plane("object")[texel] == step {
+                sum += f64::from(page.plane("diffuse")[texel]);
+                count += 1;
+            }
+        }
+        let mean = sum / f64::from(count);
+        // The value beside the case, a mean over texels, which are others in another layout.
+        assert!((mean - 0.483).abs() < 0.01, "{file}: {mean} over {count}");
+        let home = *at_home.get_or_insert(mean);
+        assert!((mean - home).abs() < 0.003, "{file}: {mean}, not {home}");
+        // What is written stands in the author's coordinates.
+        let stem = file.strip_suffix(".obj").expect("an ending");
+        let glb = baked.path().join(format!("{stem}.glb"));
+        let written = scene::load(&glb).unwrap_or_else(|e| panic!("{e}"));
+        let corner = |scene: &scene::Scene| {
+            let (instance, mesh) = (&scene.instances[0], &scene.meshes[0]);
+            let at = mesh.triangles[0].map(|v| mesh.positions[v as usize].as_dvec3());
+            let at = at.map(|p| instance.transform.transform_point3(p));
+            at.into_iter().sum::<glam::DVec3>() / 3.0
+        };
+        let (read, written) = (corner(&scene), corner(&written));
+        assert!((read - written).length() < 1e-5, "{file}: {read} {written}");
     }
 }
 

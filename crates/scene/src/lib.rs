@@ -8,6 +8,7 @@
 pub mod authored;
 mod edited;
 mod error;
+pub mod far;
 mod gltf;
 mod image;
 mod lookup;

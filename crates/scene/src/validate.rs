@@ -21,9 +21,9 @@
 use crate::source::{Input, short};
 use crate::{
     Alpha, Error, Format, GltfDocument, Image, Instance, Light, Material, Mesh, NormalMap,
-    PackedImage, Scene, Surface, TextureRef, WarningKind,
+    PackedImage, Scene, Surface, TextureRef, WarningKind, far,
 };
-use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
+use glam::{DAffine3, DVec3, DVec4, Vec2, Vec3, Vec4};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -66,6 +66,7 @@ pub(crate) fn scene(mut input: Input, format: Format, mut parts: Parts) -> Resul
             hint,
         });
     }
+    far::warn(&mut input, format, &parts);
     invisible_materials(&mut input, &parts);
     textures_without_uvs(&mut input, &mut parts);
     let Parts {
@@ -424,14 +425,14 @@ fn slots(material: &mut Material) -> impl Iterator<Item = &mut Option<TextureRef
 
 /// How far the last row of a matrix may be from 0 0 0 1: what is left of it where matrices are multiplied in 32 bits, or where decimals
 /// of six digits are written. A row that means a perspective is farther.
-const ROUNDING: f32 = 1e-5;
+const ROUNDING: f64 = 1e-5;
 
 /// The affine transform of a matrix given column by column; `None` where its last row is not 0 0 0 1, but for rounding.
-pub(crate) fn affine(columns: [[f32; 4]; 4]) -> Option<DAffine3> {
-    let [x, y, z, w] = columns.map(|[x, y, z, _]| Vec3::new(x, y, z).as_dvec3());
-    let row = Vec4::from_array(columns.map(|column| column[3]));
+pub(crate) fn affine(columns: [[f64; 4]; 4]) -> Option<DAffine3> {
+    let [x, y, z, w] = columns.map(|[x, y, z, _]| DVec3::new(x, y, z));
+    let row = DVec4::from_array(columns.map(|column| column[3]));
     // False for NaN too.
-    let affine = (row - Vec4::W).abs().max_element() <= ROUNDING && row.is_finite();
+    let affine = (row - DVec4::W).abs().max_element() <= ROUNDING && row.is_finite();
     affine.then(|| DAffine3::from_cols(x, y, z, w))
 }
 

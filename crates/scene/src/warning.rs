@@ -39,6 +39,8 @@ pub enum WarningKind {
     ReflectanceScaled,
     /// A mesh without a triangle is left out, with its instances.
     EmptyMeshes,
+    /// An object that lies so far from most of the scene that the 32-bit numbers of rays do not tell its details apart.
+    FarApart,
     /// A file that the scene names is not there; one of the same name, but for its folders or the case of letters, is read.
     FilesFoundElsewhere,
     /// A glTF extension that could change light and is not read, or not known.
@@ -58,6 +60,8 @@ pub enum WarningKind {
     InvisibleMaterials,
     /// glTF: indices that make no whole triangle are left out.
     LeftoverIndices,
+    /// A mesh whose 32-bit coordinates lie so far from its origin that the file has lost its details.
+    LostDigits,
     /// OBJ: a material library that is absent.
     MissingMaterialLibraries,
     /// A texture whose file is absent: the factor stands alone.
@@ -99,6 +103,7 @@ impl WarningKind {
             WarningKind::ClampedFactors => "clamped-factors",
             WarningKind::ReflectanceScaled => "reflectance-scaled",
             WarningKind::EmptyMeshes => "empty-meshes",
+            WarningKind::FarApart => "far-apart",
             WarningKind::FilesFoundElsewhere => "files-found-elsewhere",
             WarningKind::IgnoredExtensions => "ignored-extensions",
             WarningKind::IgnoredLinesAndPoints => "ignored-lines-and-points",
@@ -108,6 +113,7 @@ impl WarningKind {
             WarningKind::IgnoredUvReferences => "ignored-uv-references",
             WarningKind::InvisibleMaterials => "invisible-materials",
             WarningKind::LeftoverIndices => "leftover-indices",
+            WarningKind::LostDigits => "lost-digits",
             WarningKind::MissingMaterialLibraries => "missing-material-libraries",
             WarningKind::MissingTextures => "missing-textures",
             WarningKind::MissingUvs => "missing-uvs",

@@ -10,6 +10,8 @@ mod compressed;
 mod document;
 #[path = "files/energy.rs"]
 mod energy;
+#[path = "files/far.rs"]
+mod far;
 #[path = "files/fuzz.rs"]
 mod fuzz;
 #[path = "files/gltf.rs"]

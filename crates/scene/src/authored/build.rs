@@ -94,7 +94,7 @@ fn add(input: &mut Input, parts: &mut Parts, number: usize, given: Mesh) -> Resu
         );
         return Err(input.invalid(place, problem));
     }
-    let transform = validate::affine(given.transform).ok_or_else(|| {
+    let transform = validate::affine(given.transform.map(|column| column.map(f64::from))).ok_or_else(|| {
         let problem = "its transform is not affine (the last row is not 0 0 0 1); are rows and columns exchanged?";
         input.invalid(place.as_str(), problem)
     })?;

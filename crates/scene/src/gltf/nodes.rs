@@ -49,15 +49,16 @@ pub(super) fn placements(
             let problem = "it is reached twice, but glTF nodes form trees; export the file again";
             return Err(input.invalid(place, problem));
         }
+        let json = &data.document.json["nodes"][n];
         let world =
-            parent * local(node).map_err(|problem| input.invalid(place.as_str(), problem))?;
+            parent * local(json).map_err(|problem| input.invalid(place.as_str(), problem))?;
         let children = node.children.iter().flatten().rev();
         open.extend(children.map(|child| (child.value(), world)));
         shining.extend(lights::of(input, &data.document.json, node, &world));
         let Some(mesh) = node.mesh.map(|mesh| mesh.value()) else {
             continue;
         };
-        let skin = data.document.json["nodes"][n].get("skin").is_some();
+        let skin = json.get("skin").is_some();
         input.warn(
             WarningKind::Skins,
             place.as_str(),
@@ -176,26 +177,31 @@ fn is_hidden(node: &Node) -> bool {
 }
 
 /// A node's own transform, in f64.
-fn local(node: &Node) -> Result<DAffine3, String> {
-    if let Some(m) = node.matrix {
+fn local(node: &Value) -> Result<DAffine3, String> {
+    if let Some(m) = numbers::<16>(node, "matrix") {
         let columns = [0, 4, 8, 12].map(|i| [m[i], m[i + 1], m[i + 2], m[i + 3]]);
         let problem =
             "its matrix is not affine (the last row is not 0 0 0 1); export the file again";
         return affine(columns).ok_or_else(|| problem.into());
     }
-    let vector =
-        |v: Option<[f32; 3]>, or: DVec3| v.map_or(or, |v| DVec3::from_array(v.map(f64::from)));
-    let rotation = node.rotation.unwrap_or_default().0;
+    let vector = |key: &str, or: DVec3| numbers(node, key).map_or(or, DVec3::from_array);
     placed(
-        vector(node.translation, DVec3::ZERO),
-        rotation,
-        vector(node.scale, DVec3::ONE),
+        vector("translation", DVec3::ZERO),
+        numbers(node, "rotation").unwrap_or([0.0, 0.0, 0.0, 1.0]),
+        vector("scale", DVec3::ONE),
     )
 }
 
+/// A list of numbers as the text has them: 32 bits would round the places of what stands far away.
+fn numbers<const N: usize>(node: &Value, key: &str) -> Option<[f64; N]> {
+    let list = node.get(key)?.as_array()?;
+    let numbers: Option<Vec<f64>> = list.iter().map(Value::as_f64).collect();
+    numbers?.try_into().ok()
+}
+
 /// Translation times rotation times scale. Writers round quaternions, so it is brought to unit length.
-fn placed(translation: DVec3, rotation: [f32; 4], scale: DVec3) -> Result<DAffine3, String> {
-    let unit = DVec4::from_array(rotation.map(f64::from)).try_normalize();
+fn placed(translation: DVec3, rotation: [f64; 4], scale: DVec3) -> Result<DAffine3, String> {
+    let unit = DVec4::from_array(rotation).try_normalize();
     let unit = unit.ok_or("its rotation is a quaternion without length; export the file again")?;
     Ok(DAffine3::from_scale_rotation_translation(
         scale,
@@ -249,7 +255,7 @@ fn copies(data: &Data, node: &Node) -> Result<Option<Vec<DAffine3>>, String> {
                 .map_or(DVec3::ZERO, |t| vector(t.floats(i))),
             rotation
                 .as_ref()
-                .map_or([0.0, 0.0, 0.0, 1.0], |r| r.floats(i)),
+                .map_or([0.0, 0.0, 0.0, 1.0], |r| r.floats(i).map(f64::from)),
             scale.as_ref().map_or(DVec3::ONE, |s| vector(s.floats(i))),
         )
         .map_err(|problem| format!("instancing copy {i}: {problem}"))

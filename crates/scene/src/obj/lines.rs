@@ -5,7 +5,7 @@ use super::{File, name, number, polygon};
 use crate::lookup::linear;
 use crate::source::{Input, open, short, without_mark};
 use crate::{Error, WarningKind};
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use std::collections::HashMap;
 use std::io::{BufRead, BufReader};
 
@@ -27,7 +27,7 @@ struct State {
     ignored_normals: u64,
     // Kept between faces, so that a face costs no allocation.
     face: Vec<[u32; 3]>,
-    outline: Vec<Vec3>,
+    outline: Vec<DVec3>,
     triangles: Vec<[usize; 3]>,
 }
 
@@ -167,10 +167,10 @@ impl State {
         match keyword {
             b"v" => self.vertex(rest)?,
             b"vt" => {
-                let [u, v] = numbers(rest, 1)?;
-                self.file.uvs.push(Vec2::new(u, v));
+                let uv: [f64; 2] = numbers(rest, 1)?;
+                self.file.uvs.push(Vec2::from_array(uv.map(|x| x as f32)));
             }
-            b"vn" => self.file.normals.push(Vec3::from_array(numbers(rest, 3)?)),
+            b"vn" => (self.file.normals).push(DVec3::from_array(numbers(rest, 3)?).as_vec3()),
             b"f" | b"fo" => self.face(rest)?,
             b"l" | b"p" => self.ignored_elements += 1,
             b"o" => {
@@ -205,14 +205,16 @@ impl State {
 
     /// A position, and where six numbers stand a colour in sRGB, as programs that write them have it.
     fn vertex(&mut self, rest: &[u8]) -> Result<(), String> {
-        let [x, y, z, r, g, b] = numbers_or(rest, 3, f32::INFINITY)?;
-        if b != f32::INFINITY {
+        let [x, y, z, r, g, b] = numbers_or(rest, 3, f64::INFINITY)?;
+        if b != f64::INFINITY {
             self.file
                 .colors
                 .resize(self.file.positions.len(), Vec3::ONE);
-            self.file.colors.push(Vec3::new(r, g, b).map(linear));
+            self.file
+                .colors
+                .push(DVec3::new(r, g, b).as_vec3().map(linear));
         }
-        self.file.positions.push(Vec3::new(x, y, z));
+        self.file.positions.push(DVec3::new(x, y, z));
         Ok(())
     }
 
@@ -303,12 +305,12 @@ impl State {
 }
 
 /// Numbers of a line, at least `needed` of the `N`; the others are 0, further ones are left.
-fn numbers<const N: usize>(rest: &[u8], needed: usize) -> Result<[f32; N], String> {
+fn numbers<const N: usize>(rest: &[u8], needed: usize) -> Result<[f64; N], String> {
     numbers_or(rest, needed, 0.0)
 }
 
 /// As [`numbers`], where the others are `absent`.
-fn numbers_or<const N: usize>(rest: &[u8], needed: usize, absent: f32) -> Result<[f32; N], String> {
+fn numbers_or<const N: usize>(rest: &[u8], needed: usize, absent: f64) -> Result<[f64; N], String> {
     let mut out = [absent; N];
     let mut words = rest
         .split(u8::is_ascii_whitespace)

@@ -1,4 +1,5 @@
-//! Wavefront OBJ: one [`Mesh`] and one identity [`Instance`] for each (object or group, material) of the file.
+//! Wavefront OBJ: one [`Mesh`] and one [`Instance`] for each (object or group, material) of the file. It stands where the file says, or,
+//! far from the origin, at one place for all, from which their coordinates count.
 //!
 //! The file is read as a stream by a reader of our own, for reasons measured in `vendor-notes/obj.md`: a line costs no
 //! allocation, a face is turned into corners at once, and memory stays near twice the raw data. `tobj` is the referee of
@@ -15,15 +16,16 @@ mod polygon;
 use crate::material::untinted;
 use crate::source::{Input, short};
 use crate::validate::{self, Parts};
-use crate::{Error, Instance, Mesh, MeshOrigin, WarningKind};
+use crate::{Error, Instance, Mesh, MeshOrigin, WarningKind, far};
 use corners::{Corners, NONE};
-use glam::{DAffine3, Vec2, Vec3};
+use glam::{DAffine3, DVec3, Vec2, Vec3};
 use std::collections::HashMap;
 
 /// What the lines of the file say, before corners become vertices.
 #[derive(Default)]
 struct File {
-    positions: Vec<Vec3>,
+    /// As precise as the text has them: far from the origin 32 bits would lose what is fine.
+    positions: Vec<DVec3>,
     /// Linear colours of the first positions, as far as one was named; the others are white.
     colors: Vec<Vec3>,
     uvs: Vec<Vec2>,
@@ -60,7 +62,8 @@ pub(crate) fn load(input: &mut Input) -> Result<Parts, Error> {
         })
     };
     let mut materials = HashMap::new();
-    for (mesh, part) in meshes(input, &mut file).into_iter().zip(&file.parts) {
+    let home = far::home(far::samples(file.positions.len()).map(|v| file.positions[v]));
+    for (mesh, part) in meshes(input, &mut file, home).into_iter().zip(&file.parts) {
         let name = &file.materials[part.1 as usize];
         let material = match materials.get(name) {
             Some(&known) => known,
@@ -68,7 +71,7 @@ pub(crate) fn load(input: &mut Input) -> Result<Parts, Error> {
                 .entry(name)
                 .or_insert(index_of(input, &mut parts, name)),
         };
-        add(input, &mut parts, Mesh { material, ..mesh })?;
+        add(input, &mut parts, Mesh { material, ..mesh }, home)?;
     }
     if parts.materials.is_empty() {
         parts.materials.push(untinted("none"));
@@ -77,10 +80,10 @@ pub(crate) fn load(input: &mut Input) -> Result<Parts, Error> {
 }
 
 /// A number, also as C libraries print what is none: `-nan(ind)`, `-1.#IND`, `1.#INF`.
-fn number(word: &str) -> Option<f32> {
+fn number(word: &str) -> Option<f64> {
     let none = || {
         let bare = word.trim_start_matches(['-', '+']).to_ascii_lowercase();
-        (bare.starts_with("nan") || bare.starts_with("1.#")).then_some(f32::NAN)
+        (bare.starts_with("nan") || bare.starts_with("1.#")).then_some(f64::NAN)
     };
     word.parse().ok().or_else(none)
 }
@@ -100,13 +103,13 @@ fn name(bytes: &[u8]) -> String {
     }
 }
 
-fn add(input: &mut Input, parts: &mut Parts, mut mesh: Mesh) -> Result<(), Error> {
+fn add(input: &mut Input, parts: &mut Parts, mut mesh: Mesh, home: DVec3) -> Result<(), Error> {
     let place = format!("part {} `{}`", mesh.origin.mesh, mesh.name);
     if validate::mesh(input, &mut mesh, &place)? {
         parts.instances.push(Instance {
             name: mesh.name.clone(),
             mesh: parts.meshes.len() as u32,
-            transform: DAffine3::IDENTITY,
+            transform: DAffine3::from_translation(home),
             node: 0,
             copy: None,
             casts: true,
@@ -116,8 +119,8 @@ fn add(input: &mut Input, parts: &mut Parts, mut mesh: Mesh) -> Result<(), Error
     Ok(())
 }
 
-/// One mesh a part, material not yet set. Takes the corners and the vertex data out of `file`.
-fn meshes(input: &mut Input, file: &mut File) -> Vec<Mesh> {
+/// One mesh a part, material not yet set, whose coordinates count from `home`. Takes the corners and the vertex data out of `file`.
+fn meshes(input: &mut Input, file: &mut File, home: DVec3) -> Vec<Mesh> {
     let mut meshes: Vec<Mesh> = Vec::with_capacity(file.parts.len());
     let (corners, mut triangles) =
         std::mem::take(&mut file.corners).into_vertices(file.parts.len());
@@ -168,8 +171,8 @@ fn meshes(input: &mut Input, file: &mut File) -> Vec<Mesh> {
     }
     for corner in &corners {
         let mesh = &mut meshes[corner.part as usize];
-        mesh.positions
-            .push(file.positions[corner.position as usize]);
+        let position = file.positions[corner.position as usize] - home;
+        mesh.positions.push(position.as_vec3());
         if !file.colors.is_empty() {
             let color = file.colors.get(corner.position as usize);
             mesh.colors.push(color.copied().unwrap_or(Vec3::ONE));

@@ -103,6 +103,11 @@ struct Statements {
     norm: Option<String>,
 }
 
+/// As [`number`], rounded to 32 bits.
+fn single(word: &str) -> Option<f32> {
+    number(word).map(|number| number as f32)
+}
+
 /// The materials of a library. Lines without the number or the name that they need, or before the first material, are counted.
 fn parsed(input: &mut Input, path: &Path, bytes: &[u8]) -> Vec<Statements> {
     let source = String::from_utf8_lossy(without_mark(bytes));
@@ -111,7 +116,7 @@ fn parsed(input: &mut Input, path: &Path, bytes: &[u8]) -> Vec<Statements> {
     for line in source.split(['\n', '\r']).map(str::trim) {
         let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         let rest = rest.trim();
-        let numbers: Vec<f32> = rest.split_whitespace().map_while(number).collect();
+        let numbers: Vec<f32> = rest.split_whitespace().map_while(single).collect();
         let color = match *numbers {
             [r, g, b, ..] => Some([r, g, b]),
             [grey] => Some([grey; 3]),
@@ -138,7 +143,7 @@ fn parsed(input: &mut Input, path: &Path, bytes: &[u8]) -> Vec<Statements> {
                 let halo = rest.strip_prefix("-halo");
                 set(
                     &mut material.d,
-                    halo.map_or(value, |rest| number(rest.trim())),
+                    halo.map_or(value, |rest| single(rest.trim())),
                 )
             }
             "tr" => set(&mut material.tr, value),

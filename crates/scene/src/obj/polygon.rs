@@ -4,7 +4,7 @@
 //! alone stand in a grid and are asked; and a cut changes only whether its two neighbours are ears. Both keep the work near the number
 //! of corners. `vendor-notes/obj.md` says why no library does it.
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3};
 use std::collections::VecDeque;
 
 /// Appends triangles, as numbers of corners, that cover the polygon once and keep its orientation.
@@ -12,7 +12,7 @@ use std::collections::VecDeque;
 /// A convex polygon gives the fan from its first corner, any other is cut ear by ear in the plane of its mean (Newell) normal; a hole
 /// may hang on it by a slit. There are always `corners.len() - 2` triangles; a degenerate polygon gives degenerate ones, and one that
 /// crosses itself some that overlap.
-pub(crate) fn triangulate(corners: &[Vec3], out: &mut Vec<[usize; 3]>) {
+pub(crate) fn triangulate(corners: &[DVec3], out: &mut Vec<[usize; 3]>) {
     let n = corners.len();
     let plane = flattened(corners);
     let convex = (0..n).all(|i| turn(plane[i], plane[(i + 1) % n], plane[(i + 2) % n]) >= 0.0);
@@ -24,10 +24,10 @@ pub(crate) fn triangulate(corners: &[Vec3], out: &mut Vec<[usize; 3]>) {
 }
 
 /// The polygon seen against its mean normal, so that it turns counter-clockwise.
-fn flattened(corners: &[Vec3]) -> Vec<DVec2> {
-    let points = corners.iter().map(|p| p.as_dvec3());
+fn flattened(corners: &[DVec3]) -> Vec<DVec2> {
+    let points = corners.iter().copied();
     let next = points.clone().cycle().skip(1);
-    let origin = corners[0].as_dvec3();
+    let origin = corners[0];
     let normal: DVec3 = points
         .clone()
         .zip(next)
@@ -212,11 +212,18 @@ impl Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
+
+    fn triangles(corners: &[Vec3]) -> Vec<[usize; 3]> {
+        let corners: Vec<DVec3> = corners.iter().map(|corner| corner.as_dvec3()).collect();
+        let mut triangles = Vec::new();
+        triangulate(&corners, &mut triangles);
+        triangles
+    }
 
     /// Sum of the triangles' area vectors and of their absolute areas, twice.
     fn areas(corners: &[Vec3]) -> (DVec3, f64) {
-        let mut triangles = Vec::new();
-        triangulate(corners, &mut triangles);
+        let triangles = triangles(corners);
         assert_eq!(triangles.len(), corners.len() - 2);
         let vectors = triangles.iter().map(|t| {
             let [a, b, c] = t.map(|i| corners[i].as_dvec3());
@@ -364,9 +371,7 @@ mod tests {
                     .map(|i| Vec3::new(i as f32, (i % 3) as f32, 0.0))
                     .collect();
                 corners[at].x = bad;
-                let mut triangles = Vec::new();
-                triangulate(&corners, &mut triangles);
-                assert_eq!(triangles.len(), 8, "{bad} at {at}");
+                assert_eq!(triangles(&corners).len(), 8, "{bad} at {at}");
             }
         }
     }
