@@ -266,9 +266,8 @@ impl Bake {
         self
     }
 
-    /// One more light: a sun, a point light or a spot, in scene units. Its light arrives straight, with hard shadows;
-    /// with [`Bake::bounces`]
-    /// surfaces send it on.
+    /// One more light: a sun, a point light, a spot, a ball or a panel, in scene units. Its light arrives straight, with shadows; with
+    /// [`Bake::bounces`] surfaces send it on.
     pub fn light(mut self, light: Light) -> Self {
         self.options.lights.push(light);
         self

@@ -254,8 +254,8 @@ impl Options {
             return fail("albedo", problem);
         }
         if !self.lights.iter().all(is_light) {
-            let problem = "each light needs a direction or a place, and a strength from 0 to 1e12";
-            return fail("--sun, --point and --lights", problem);
+            let problem = "each light needs a direction or a place, a size where it has one, and a strength from 0 to 1e12";
+            return fail("--sun, --point, --sphere, --rect and --lights", problem);
         }
         let asks = |layers: &[Layer]| self.layers.iter().any(|layer| layers.contains(layer));
         if self.model == Some(Model::Phong) && asks(&[Layer::Ggx, Layer::Base]) {
@@ -635,6 +635,19 @@ fn is_light(light: &Light) -> bool {
                 && cone.as_ref().is_none_or(is_cone)
                 && *range > 0.0
         }
+        Light::Sphere {
+            position,
+            radius,
+            radiance,
+        } => position.is_finite() && radius.is_finite() && *radius > 0.0 && within(radiance),
+        Light::Rect {
+            corner,
+            sides: [a, b],
+            radiance,
+        } => {
+            let area = a.cross(*b).length();
+            corner.is_finite() && area.is_finite() && area > 0.0 && within(radiance)
+        }
     }
 }
 
@@ -655,6 +668,24 @@ fn described(light: &Light) -> Value {
             "axis": cone.map(|cone| cone.axis.to_array()),
             "cosines": cone.map(|cone| cone.cosines),
             "range": range.is_finite().then_some(range),
+        }),
+        Light::Sphere {
+            position,
+            radius,
+            radiance,
+        } => json!({
+            "sphere": position.to_array(),
+            "radius": radius,
+            "radiance": radiance.to_array(),
+        }),
+        Light::Rect {
+            corner,
+            sides,
+            radiance,
+        } => json!({
+            "rect": corner.to_array(),
+            "sides": sides.map(|side| side.to_array()),
+            "radiance": radiance.to_array(),
         }),
     }
 }

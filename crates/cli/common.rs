@@ -2,6 +2,7 @@
 
 use anyhow::Context;
 use clap::{Args as ClapArgs, ValueEnum};
+use glam::DVec3;
 use rays::{RayBackend, World, WorldOptions};
 use render::Light;
 use scene::Scene;
@@ -62,24 +63,39 @@ impl Common {
     }
 }
 
-/// A scene as camera rays see it.
+/// A scene as camera rays see it. Coordinates count from [`World::origin`].
 pub fn build(
     scene: Scene,
     backend: Option<Backend>,
     threads: usize,
 ) -> anyhow::Result<(World, Box<dyn RayBackend>)> {
-    let world = World::new(Arc::new(scene), WorldOptions::default())?;
+    let world = World::near(Arc::new(scene), WorldOptions::default())?;
     let backend = rays::build(Backend::chosen(backend).kind(), &world, threads)?;
     Ok((world, backend))
 }
 
-/// The lights of `--sun` and `--point`.
-pub fn lights(suns: &[[f64; 6]], points: &[[f64; 6]]) -> Vec<Light> {
+/// The lights of `--sun` and `--point`, where coordinates count from `origin`.
+pub fn lights(suns: &[[f64; 6]], points: &[[f64; 6]], origin: DVec3) -> Vec<Light> {
     let of = |make: fn([f64; 3], [f64; 3]) -> Light| {
         move |&[x, y, z, r, g, b]: &[f64; 6]| make([x, y, z], [r, g, b])
     };
     let suns = suns.iter().map(of(Light::sun));
-    suns.chain(points.iter().map(of(Light::point))).collect()
+    let all = suns.chain(points.iter().map(of(Light::point)));
+    all.map(|light| light.from_origin(origin)).collect()
+}
+
+/// The lights of `--sphere` and `--rect`, where coordinates count from `origin`.
+pub fn lamps(spheres: &[[f64; 7]], rects: &[[f64; 12]], origin: DVec3) -> Vec<Light> {
+    let balls = spheres
+        .iter()
+        .map(|&[x, y, z, radius, r, g, b]| Light::sphere([x, y, z], radius, [r, g, b]));
+    let panels = rects
+        .iter()
+        .map(|&[x, y, z, a, b, c, d, e, f, red, green, blue]| {
+            Light::rect([x, y, z], [[a, b, c], [d, e, f]], [red, green, blue])
+        });
+    let all = balls.chain(panels);
+    all.map(|light| light.from_origin(origin)).collect()
 }
 
 /// What a text file holds; errors name it.

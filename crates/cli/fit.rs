@@ -77,8 +77,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         .collect::<Result<Vec<_>, _>>()?;
     let scene = scene::load_with(&args.scene, args.common.files())?;
     let (world, backend) = build(scene, args.backend, threads)?;
-    let nth =
-        |given: &[[f64; 3]], at: usize| given.get(at).or(given.first()).copied().map(DVec3::from);
+    let nth = |given: &[[f64; 3]], at: usize| {
+        let place = given.get(at).or(given.first()).copied();
+        place.map(|place| DVec3::from(place) - world.origin())
+    };
     let mut shots = Vec::new();
     for (at, picture) in pictures.iter().enumerate() {
         let framing = Framing {

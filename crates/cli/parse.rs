@@ -48,14 +48,43 @@ pub fn color(text: &str) -> Result<[f32; 3], String> {
 
 /// X,Y,Z,E or X,Y,Z,R,G,B, the strength 0 or above; the first is grey.
 pub fn light(text: &str) -> Result<[f64; 6], String> {
-    let numbers: Vec<f64> = text.split(',').map(number).collect::<Result<_, _>>()?;
-    let values = match *numbers.as_slice() {
-        [x, y, z, e] => [x, y, z, e, e, e],
-        [x, y, z, r, g, b] => [x, y, z, r, g, b],
-        _ => return Err("expected four numbers separated by commas, or six with a colour".into()),
-    };
-    match values[3..].iter().any(|strength| *strength < 0.0) {
-        true => Err("what follows X,Y,Z must be 0 or above".into()),
+    with_strength(text)
+}
+
+/// X,Y,Z,RADIUS,L or X,Y,Z,RADIUS,R,G,B, as [`light`].
+pub fn sphere(text: &str) -> Result<[f64; 7], String> {
+    let values: [f64; 7] = with_strength(text)?;
+    match values[3] > 0.0 {
+        true => Ok(values),
+        false => Err(format!("the radius {} must be above 0", values[3])),
+    }
+}
+
+/// X,Y,Z of a corner and of two sides, then L or R,G,B, as [`light`].
+pub fn rect(text: &str) -> Result<[f64; 12], String> {
+    let values: [f64; 12] = with_strength(text)?;
+    let [_, _, _, a, b, c, d, e, f, ..] = values;
+    let area = DVec3::new(a, b, c).cross(DVec3::new(d, e, f)).length();
+    match area > 0.0 && area.is_finite() {
+        true => Ok(values),
+        false => Err(format!(
+            "the sides {a},{b},{c} and {d},{e},{f} enclose no area"
+        )),
+    }
+}
+
+/// So many numbers of which the last three are a strength, 0 or above; one stands for three that are alike.
+fn with_strength<const ALL: usize>(text: &str) -> Result<[f64; ALL], String> {
+    let mut numbers: Vec<f64> = text.split(',').map(number).collect::<Result<_, _>>()?;
+    if numbers.len() + 2 == ALL {
+        numbers.extend([numbers[ALL - 3]; 2]);
+    }
+    let values: [f64; ALL] = numbers.try_into().map_err(|_| {
+        let one = ALL - 2;
+        format!("expected {one} numbers separated by commas, or {ALL} with a colour")
+    })?;
+    match values[ALL - 3..].iter().any(|strength| *strength < 0.0) {
+        true => Err("the strength at the end must be 0 or above".into()),
         false => Ok(values),
     }
 }
@@ -119,6 +148,38 @@ mod tests {
         assert_eq!(size("960x540"), Ok([960, 540]));
         for wrong in ["960", "0x9", "9x16385", "9x9x9", "-1x2"] {
             assert!(size(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn balls_and_panels_have_a_size() {
+        assert_eq!(
+            sphere("1,2,3,0.5,4"),
+            Ok([1.0, 2.0, 3.0, 0.5, 4.0, 4.0, 4.0])
+        );
+        assert_eq!(
+            sphere("1,2,3,0.5,4,5,6"),
+            Ok([1.0, 2.0, 3.0, 0.5, 4.0, 5.0, 6.0])
+        );
+        assert_eq!(
+            rect("0,1,0,1,0,0,0,0,1,7").map(|values| values[8..].to_vec()),
+            Ok(vec![1.0, 7.0, 7.0, 7.0])
+        );
+        for wrong in [
+            "1,2,3,0,4",
+            "1,2,3,-1,4",
+            "1,2,3,4",
+            "1,2,3,1,-4",
+            "1,2,3,1,4,5",
+        ] {
+            assert!(sphere(wrong).is_err(), "{wrong}");
+        }
+        for wrong in [
+            "0,1,0,1,0,0,2,0,0,7",
+            "0,1,0,1,0,0,0,0,1",
+            "0,1,0,1,0,0,0,0,1,-7",
+        ] {
+            assert!(rect(wrong).is_err(), "{wrong}");
         }
     }
 

@@ -36,7 +36,7 @@ pub fn run(args: &Capture) -> anyhow::Result<Outcome> {
     let (world, backend) = build(scene, args.backend, threads)?;
     let surfaces = Surfaces::new(&world);
     let lamps = Lamps::of(&world);
-    let points: Vec<Light> = lights(&[], &args.point);
+    let points: Vec<Light> = lights(&[], &args.point, world.origin());
     let sky = glam::Vec3::from(args.sky).as_dvec3();
     let black = sky == DVec3::ZERO && lamps.is_empty() && points.is_empty();
     if black && !args.common.quiet {
@@ -55,7 +55,7 @@ pub fn run(args: &Capture) -> anyhow::Result<Outcome> {
         seed: args.seed,
         lamps: &lamps,
     };
-    let at = DVec3::from(args.at);
+    let at = DVec3::from(args.at) - world.origin();
     let show = Show {
         unit: "texels",
         quiet: args.common.quiet,

@@ -76,7 +76,7 @@ fn models(
 ) -> anyhow::Result<Files> {
     let (surfaces, lamps) = (Surfaces::new(world), Lamps::of(world));
     let mut direct = options::direct(args, Model::Phong, &surfaces, backend, &[], &lamps);
-    let camera = options::framing(&args.view).camera(world)?;
+    let camera = options::framing(&args.view, world).camera(world)?;
     let figure = watch(options::show(args, "pixels"), stop, |progress| {
         fig3(&mut direct, &camera, args.view.samples, progress)
     })?;
@@ -84,7 +84,7 @@ fn models(
         "scene": world.scene().content_hash,
         "rays": args.rays,
         "samples": args.view.samples,
-        "eye": camera.eye.to_array(),
+        "eye": (camera.eye + world.origin()).to_array(),
         "forward": camera.forward.to_array(),
         "fov_deg": args.view.fov_deg(),
         "sky": options::sky(args),
@@ -105,7 +105,7 @@ fn balls(
     let path = args.tables.environment.as_deref();
     let path = path.context("--figure balls needs --environment")?;
     let balls = Balls::of(&maps::read_polar(path)?.map)?;
-    let mut camera = options::framing(&args.view).camera(world)?;
+    let mut camera = options::framing(&args.view, world).camera(world)?;
     camera.size = Balls::picture_size(camera.size);
     let lookup = options::lookup(args.tables.lookup);
     let sheet = watch(options::show(args, "pixels"), stop, |progress| {

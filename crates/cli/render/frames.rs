@@ -102,7 +102,7 @@ fn sequence<'a>(
     for shader in &mut shaders {
         shader.translucency = tables.translucency;
     }
-    let framing = options::framing(&args.view);
+    let framing = options::framing(&args.view, world);
     let axis = framing.up.try_normalize();
     let path = tables.path.as_deref();
     let path = path
@@ -113,7 +113,7 @@ fn sequence<'a>(
         frames: tables.frames.or(keys).unwrap_or(1),
         motion: match path {
             None => Motion::Still(framing.camera(world)?),
-            Some(path) => Motion::Path(path, framing),
+            Some(path) => Motion::Path(path.counted_from(world.origin()), framing),
         },
         turn_deg: tables.turn_deg.unwrap_or(0.0),
         about: [
@@ -147,7 +147,7 @@ fn about(
         "samples": sequence.samples,
         "frame": frame.number,
         "turn_deg": frame.angle.to_degrees(),
-        "eye": frame.camera.eye.to_array(),
+        "eye": (frame.camera.eye + world.origin()).to_array(),
         "forward": frame.camera.forward.to_array(),
         "fov_deg": args.view.fov_deg(),
     })

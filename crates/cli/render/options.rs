@@ -7,15 +7,16 @@ use crate::progress::Show;
 use ::render::tables::{Lookup, NormalCode, Shading, Subject, SurfaceType, Weight};
 use ::render::{Direct, Framing, Lamps, Light, Model};
 use anyhow::bail;
-use glam::Vec3;
-use rays::{Overrides, RayBackend, Surfaces};
+use glam::{DVec3, Vec3};
+use rays::{Overrides, RayBackend, Surfaces, World};
 use scene::Scene;
 
-/// Where the picture is taken from.
-pub fn framing(view: &View) -> Framing {
+/// Where the picture is taken from, in coordinates of the world.
+pub fn framing(view: &View, world: &World) -> Framing {
+    let near = |place: [f64; 3]| DVec3::from(place) - world.origin();
     Framing {
-        eye: view.eye.map(Into::into),
-        look: view.look.map(Into::into),
+        eye: view.eye.map(near),
+        look: view.look.map(near),
         up: view.up.into(),
         fov: view.fov_deg().to_radians(),
         size: view.size,

@@ -3,7 +3,7 @@
 use super::args::{Args, Exposure};
 use super::file::Behind;
 use super::{file, options};
-use crate::common::lights;
+use crate::common::{lamps, lights};
 use crate::outcome::{Outcome, say, say_json};
 use crate::progress::watch;
 use crate::stop::Stop;
@@ -25,7 +25,7 @@ pub fn draw(
     stop: &Stop,
     started: Instant,
 ) -> anyhow::Result<Outcome> {
-    let framing = options::framing(&args.view);
+    let framing = options::framing(&args.view, world);
     // From a bake and without a view of one's own, the picture is that of STEM.lit.png.
     let fitted = lightmap.is_some() && args.view.eye.is_none();
     let camera = match fitted {
@@ -33,7 +33,8 @@ pub fn draw(
         false => framing.camera(world)?,
     };
     let surfaces = Surfaces::new(world);
-    let lights = lights(&args.sun, &args.point);
+    let mut lights = lights(&args.sun, &args.point, world.origin());
+    lights.extend(lamps(&args.sphere, &args.rect, world.origin()));
     let lamps = Lamps::of(world);
     let mut direct = options::direct(args, model, &surfaces, backend, &lights, &lamps);
     if let (Some(dir), None) = (&args.bake, args.sky) {
@@ -81,12 +82,14 @@ pub fn draw(
         "model": direct.model.name(),
         "rays": args.bake.is_none().then_some(args.rays),
         "samples": args.view.samples,
-        "eye": camera.eye.to_array(),
+        "eye": (camera.eye + world.origin()).to_array(),
         "forward": camera.forward.to_array(),
         "fov_deg": (1e9 * 2.0 * camera.slope.atan().to_degrees()).round() / 1e9,
         "sky": direct.sky.to_array(),
         "sun": args.sun,
         "point": args.point,
+        "sphere": args.sphere,
+        "rect": args.rect,
         "seed": args.common.seed,
     });
     let inputs = file::inputs(args, world, lightmap);

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// Shading from tables: section 3 of the 1984 text.
 #[derive(ClapArgs)]
 #[command(group = ArgGroup::new("shading").multiple(true)
-    .conflicts_with_all(["bake", "figure", "model", "rays", "sky", "background", "sun", "point", "max_distance", "exponent"]))]
+    .conflicts_with_all(["bake", "figure", "model", "rays", "sky", "background", "sun", "point", "sphere", "rect", "max_distance", "exponent"]))]
 #[command(group = ArgGroup::new("lit").multiple(true))]
 pub struct Tables {
     /// Shade from the reflection maps D and S, as `ambake map diffuse` and `specular` write them

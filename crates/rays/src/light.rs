@@ -1,4 +1,4 @@
-//! Distant and point lights on a surface: albedo over π, clamped cosine.
+//! Suns, point lights, luminous balls and panels on a surface: albedo over π, clamped cosine.
 //!
 //! The diffuse part is the Lambertian model of the diffuse-shading chapter (Scratchapixel): `albedo / π · E · max(N·L, 0)`,
 //! which reflects no more than arrives. The specular part is equation (7) of X. Zhang, Y. Gao, ICIP 2009, in the
@@ -8,8 +8,9 @@ use crate::material::PhongMaterial;
 use ambient::convention::{PROJECTED_HEMISPHERE, lobe_scale};
 use glam::DVec3;
 use scene::LightKind;
+use std::f64::consts::TAU;
 
-/// A light without extent. Strengths are linear RGB.
+/// A light that no ray meets. Strengths are linear RGB.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Light {
     /// So far away that its rays are parallel.
@@ -30,6 +31,24 @@ pub enum Light {
         /// Distance from which on it lights nothing; infinite for none. Toward it light falls by `1 - (distance /
         /// range)⁴` more.
         range: f64,
+    },
+    /// A ball that sends the same radiance from all of its surface. Within it is no light.
+    Sphere {
+        /// World position of its middle.
+        position: DVec3,
+        /// Its radius in scene units, above 0.
+        radius: f64,
+        /// W·m⁻²·sr⁻¹.
+        radiance: DVec3,
+    },
+    /// A rectangle, or a parallelogram, that sends the same radiance from all of one side.
+    Rect {
+        /// World position of a corner.
+        corner: DVec3,
+        /// The sides from there. It shines where their cross product points to.
+        sides: [DVec3; 2],
+        /// W·m⁻²·sr⁻¹.
+        radiance: DVec3,
     },
 }
 
@@ -57,14 +76,15 @@ impl Cone {
     }
 }
 
-/// Light that arrives at a point.
+/// Light that arrives at a point, or an estimate of it by one direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arrival {
-    /// Unit vector to the light.
+    /// Unit vector to the light, or to the point of it that was drawn.
     pub toward: DVec3,
     /// Distance to it; infinite for a distant light.
     pub distance: f64,
-    /// Irradiance of a surface that faces it, linear RGB.
+    /// Irradiance of a surface that faces it, linear RGB; of a light with extent what it would be if all came from that direction, whose
+    /// mean over all draws, each with its own cosine, is exact.
     pub irradiance: DVec3,
 }
 
@@ -87,17 +107,70 @@ impl Light {
         }
     }
 
+    /// A ball of this radius that sends this radiance.
+    pub fn sphere(position: [f64; 3], radius: f64, radiance: [f64; 3]) -> Self {
+        Self::Sphere {
+            position: position.into(),
+            radius,
+            radiance: radiance.into(),
+        }
+    }
+
+    /// A rectangle with a corner here and these sides, which shines where their cross product points to.
+    pub fn rect(corner: [f64; 3], sides: [[f64; 3]; 2], radiance: [f64; 3]) -> Self {
+        Self::Rect {
+            corner: corner.into(),
+            sides: sides.map(DVec3::from),
+            radiance: radiance.into(),
+        }
+    }
+
+    /// True where the direction to it depends on what is drawn.
+    pub fn has_extent(&self) -> bool {
+        matches!(self, Self::Sphere { .. } | Self::Rect { .. })
+    }
+
     /// The same light where coordinates count from `origin`.
     pub fn from_origin(mut self, origin: DVec3) -> Self {
-        if let Self::Point { position, .. } = &mut self {
-            *position -= origin;
+        match &mut self {
+            Self::Distant { .. } => {}
+            Self::Point { position, .. }
+            | Self::Sphere { position, .. }
+            | Self::Rect {
+                corner: position, ..
+            } => *position -= origin,
         }
         self
     }
 
     /// What arrives at a point of empty space; no light at the place of a point light itself.
-    pub fn at(&self, point: DVec3) -> Arrival {
+    ///
+    /// * `u`: a point of the unit square that draws the direction to a light with extent. Balls are drawn by solid angle, rectangles by
+    ///   area.
+    pub fn at(&self, point: DVec3, u: [f64; 2]) -> Arrival {
         match *self {
+            Light::Sphere {
+                position,
+                radius,
+                radiance,
+            } => from_ball(position - point, radius, radiance, u),
+            Light::Rect {
+                corner,
+                sides: [a, b],
+                radiance,
+            } => {
+                let to = corner + a * u[0] + b * u[1] - point;
+                let (square, toward) = (to.length_squared(), to.normalize_or_zero());
+                let seen = -a.cross(b).dot(toward);
+                Arrival {
+                    toward,
+                    distance: square.sqrt(),
+                    irradiance: match square > 0.0 && seen > 0.0 {
+                        true => radiance * (seen / square),
+                        false => DVec3::ZERO,
+                    },
+                }
+            }
             Light::Distant { toward, irradiance } => Arrival {
                 toward,
                 distance: f64::INFINITY,
@@ -123,6 +196,32 @@ impl Light {
                 }
             }
         }
+    }
+}
+
+/// What arrives from a luminous ball whose middle is at `to`, by one direction of the cone that it fills.
+fn from_ball(to: DVec3, radius: f64, radiance: DVec3, u: [f64; 2]) -> Arrival {
+    let distance = to.length();
+    if distance <= radius {
+        return Arrival {
+            toward: to.normalize_or_zero(),
+            distance,
+            irradiance: DVec3::ZERO,
+        };
+    }
+    let axis = to / distance;
+    let square = (radius / distance).powi(2);
+    // 1 - cos of the cone's half angle, and of the direction's: exact however far the ball is.
+    let cone = square / (1.0 + (1.0 - square).sqrt());
+    let off = u[0] * cone;
+    let (cosine, sine) = (1.0 - off, (off * (2.0 - off)).sqrt());
+    let (y, x) = (TAU * u[1]).sin_cos();
+    let (a, b) = axis.any_orthonormal_pair();
+    let half_chord = (radius.powi(2) - (distance * sine).powi(2)).max(0.0).sqrt();
+    Arrival {
+        toward: (axis * cosine + (a * x + b * y) * sine).normalize(),
+        distance: distance * cosine - half_chord,
+        irradiance: radiance * (TAU * cone),
     }
 }
 
@@ -182,7 +281,7 @@ mod tests {
             toward: DVec3::Z,
             irradiance: DVec3::splat(PI),
         };
-        let arrival = sun.at(DVec3::ZERO);
+        let arrival = sun.at(DVec3::ZERO, [0.5; 2]);
         assert_eq!(arrival.diffuse(DVec3::Z, albedo), albedo);
         assert_eq!(arrival.diffuse(DVec3::NEG_Z, albedo), DVec3::ZERO);
         assert_eq!(arrival.diffuse(DVec3::X, albedo), DVec3::ZERO);
@@ -193,10 +292,72 @@ mod tests {
     #[test]
     fn a_point_light_falls_with_the_square_of_the_distance() {
         let lamp = Light::point([0.0, 0.0, 4.0], [8.0, 4.0, 0.0]);
-        let arrival = lamp.at(DVec3::ZERO);
+        let arrival = lamp.at(DVec3::ZERO, [0.5; 2]);
         assert_eq!(arrival.irradiance, DVec3::new(0.5, 0.25, 0.0));
         assert_eq!(arrival.distance, 4.0);
-        assert_eq!(lamp.at(DVec3::new(0.0, 0.0, 4.0)).irradiance, DVec3::ZERO);
+        assert_eq!(
+            lamp.at(DVec3::new(0.0, 0.0, 4.0), [0.5; 2]).irradiance,
+            DVec3::ZERO
+        );
+    }
+
+    /// The mean over all draws of what a surface of this unit normal at the origin receives.
+    fn received(light: &Light, normal: DVec3) -> f64 {
+        const CELLS: usize = 400;
+        let middle = |k: usize| (k as f64 + 0.5) / CELLS as f64;
+        let of = |cell: usize| {
+            let u = [middle(cell / CELLS), middle(cell % CELLS)];
+            let arrival = light.at(DVec3::ZERO, u);
+            arrival.irradiance.x * normal.dot(arrival.toward).max(0.0)
+        };
+        (0..CELLS * CELLS).map(of).sum::<f64>() / (CELLS * CELLS) as f64
+    }
+
+    #[test]
+    fn a_ball_above_the_horizon_brings_pi_times_the_square_of_its_sine_times_the_cosine() {
+        for (distance, radius, degrees) in [
+            (2.0, 1.0, 0.0),
+            (2.0, 1.0, 50.0),
+            (1.001, 1.0, 0.0),
+            (1e4, 0.5, 80.0_f64),
+        ] {
+            let (sine, cosine) = degrees.to_radians().sin_cos();
+            let place = [distance * sine, 0.0, distance * cosine];
+            let ball = Light::sphere(place, radius, [3.0; 3]);
+            let exact = PI * 3.0 * (radius / distance).powi(2) * cosine;
+            let found = received(&ball, DVec3::Z);
+            assert!(
+                (found / exact - 1.0).abs() < 1e-5,
+                "{distance} {degrees}: {found}, not {exact}"
+            );
+        }
+        // Half below the horizon, by J. R. Howell's catalogue of configuration factors.
+        let half = Light::sphere([2.0, 0.0, 0.0], 1.0, [1.0; 3]);
+        let (h, root) = (2.0_f64, 3.0_f64.sqrt());
+        let exact = (1.0 / root).atan() - root / (h * h);
+        let found = received(&half, DVec3::Z);
+        assert!((found / exact - 1.0).abs() < 1e-4, "{found}, not {exact}");
+        // The way ends on the ball, and within it is no light.
+        let arrival = Light::sphere([0.0, 0.0, 4.0], 1.0, [1.0; 3]).at(DVec3::ZERO, [0.0, 0.0]);
+        assert!((arrival.distance - 3.0).abs() < 1e-12, "{arrival:?}");
+        let within = Light::sphere([0.1, 0.0, 0.0], 1.0, [1.0; 3]);
+        assert_eq!(within.at(DVec3::ZERO, [0.5; 2]).irradiance, DVec3::ZERO);
+    }
+
+    #[test]
+    fn a_rectangle_brings_its_form_factor_and_nothing_behind_itself() {
+        // One corner straight above, at height 1.5: a parallel rectangle of 2 by 1.
+        let (height, a, b) = (1.5, 2.0, 1.0);
+        let sides = [[0.0, b, 0.0], [a, 0.0, 0.0]];
+        let panel = Light::rect([0.0, 0.0, height], sides, [2.0; 3]);
+        let part = |x: f64, y: f64| x / x.hypot(1.0) * (y / x.hypot(1.0)).atan();
+        let (x, y) = (a / height, b / height);
+        let exact = 2.0 * 0.5 * (part(x, y) + part(y, x));
+        let found = received(&panel, DVec3::Z);
+        assert!((found / exact - 1.0).abs() < 1e-5, "{found}, not {exact}");
+        let turned = Light::rect([0.0, 0.0, height], [sides[1], sides[0]], [2.0; 3]);
+        assert_eq!(received(&turned, DVec3::Z), 0.0);
+        assert_eq!(received(&panel, DVec3::NEG_Z), 0.0);
     }
 
     #[test]
@@ -213,7 +374,7 @@ mod tests {
         let at = |light: &Light, angle: f64, distance: f64| {
             let (sine, cosine) = angle.sin_cos();
             light
-                .at(distance * DVec3::new(sine, 0.0, -cosine))
+                .at(distance * DVec3::new(sine, 0.0, -cosine), [0.5; 2])
                 .irradiance
                 .x
         };
@@ -251,7 +412,7 @@ mod tests {
             toward: DVec3::new(0.8, 0.0, cosine),
             irradiance: DVec3::splat(2.0),
         };
-        let radiance = sun.at(DVec3::ZERO).diffuse(DVec3::Z, albedo);
+        let radiance = sun.at(DVec3::ZERO, [0.5; 2]).diffuse(DVec3::Z, albedo);
         assert!((PI * radiance.x - cosine * 2.0).abs() < 1e-15);
     }
 
@@ -276,7 +437,7 @@ mod tests {
                     toward: DVec3::new(r * x, r * y, z),
                     irradiance: DVec3::splat(2.0 * PI / (CELLS * CELLS) as f64),
                 };
-                let arrival = sun.at(DVec3::ZERO);
+                let arrival = sun.at(DVec3::ZERO, [0.5; 2]);
                 arrival.specular(DVec3::Z, mirror, &material).x
             };
             let sum: f64 = (0..CELLS * CELLS).map(of).sum();

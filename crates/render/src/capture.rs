@@ -93,8 +93,8 @@ pub fn add_points(
 ) -> Result<IlluminationMap, Error> {
     let (projection, size) = (map.projection(), map.size());
     let points = direct.lights.iter().filter_map(|light| match light {
-        Light::Point { position, .. } => Some((*position, light.at(at))),
-        Light::Distant { .. } => None,
+        Light::Point { position, .. } => Some((*position, light.at(at, [0.5; 2]))),
+        _ => None,
     });
     let mut added = Vec::new();
     for (position, arrival) in points {

@@ -12,7 +12,9 @@ use ambient::lunar::lommel_seeliger;
 use ambient::models;
 use ambient::sampling::{Lobe, Mixture, Stream};
 use glam::DVec3;
-use rays::{Coherence, Overrides, Ray, RayBackend, RayPacket, SurfaceHit, SurfacePoint, Surfaces};
+use rays::{
+    Arrival, Coherence, Overrides, Ray, RayBackend, RayPacket, SurfaceHit, SurfacePoint, Surfaces,
+};
 
 /// Which ambient model shades a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,6 +80,10 @@ pub struct Direct<'a> {
 /// Stream labels.
 const HEMISPHERE: u32 = 1;
 const LOBE: u32 = 2;
+const SHADOWS: u32 = 3;
+
+/// Shadow rays of a sample to each light with extent.
+const SHADOW_RAYS: u32 = 16;
 
 /// Points of a coat where no rays are asked for.
 const LEAST_POINTS: u32 = 64;
@@ -95,7 +101,7 @@ impl Direct<'_> {
         }
         let coat = self.coat(&point, view, stream(LOBE));
         let ambient = self.ambient(&point, view, coat.as_ref(), stream);
-        point.emission + ambient + self.direct(&point, view, coat.as_ref())
+        point.emission + ambient + self.direct(&point, view, coat.as_ref(), stream(SHADOWS))
     }
 
     /// The same with the ambient model taken from a bake; surfaces without texels are integrated.
@@ -123,7 +129,8 @@ impl Direct<'_> {
         let view = -sample.direction;
         let stream = |term| Stream::new(self.seed, 0, sample.pixel, term, sample.number);
         let coat = self.coat(&point, view, stream(LOBE));
-        let mut radiance = point.emission + self.direct(&point, view, coat.as_ref());
+        let mut radiance =
+            point.emission + self.direct(&point, view, coat.as_ref(), stream(SHADOWS));
         if place.is_none() {
             radiance += self.ambient(&point, view, coat.as_ref(), stream);
         }
@@ -348,33 +355,55 @@ impl Direct<'_> {
     }
 
     /// Light of the lights reflected toward the unit direction `view`.
-    fn direct(&self, point: &SurfacePoint, view: DVec3, coat: Option<&Coat>) -> DVec3 {
+    fn direct(
+        &self,
+        point: &SurfacePoint,
+        view: DVec3,
+        coat: Option<&Coat>,
+        stream: Stream,
+    ) -> DVec3 {
         let mut sum = DVec3::ZERO;
         for light in self.lights {
-            let arrival = light.at(point.position);
-            let matte = coat.map_or(point.material.albedo, |coat| coat.base);
-            let mut reflected = arrival.diffuse(point.normal, matte)
-                * self.beside_lambert(point.normal, arrival.toward, view);
-            if let Some(coat) = coat {
-                reflected += coat.reflected(arrival.toward) * arrival.irradiance;
-            } else if self.model == Model::Phong {
-                let mirror = mirrored(point.normal, view);
-                reflected += arrival.specular(point.normal, mirror, &point.material);
-            }
-            if reflected == DVec3::ZERO || point.geometric.dot(arrival.toward) <= 0.0 {
-                continue;
-            }
-            let ray = Ray {
-                origin: point.origin,
-                direction: arrival.toward.as_vec3().to_array(),
-                t_min: 0.0,
-                t_max: arrival.distance as f32,
+            let rays = if light.has_extent() { SHADOW_RAYS } else { 1 };
+            let ray = |index: u32| {
+                let [u0, u1, ..] = stream.point(index);
+                self.reflected(&light.at(point.position, [u0, u1]), point, view, coat)
             };
-            if !self.backend.occluded(&ray) {
-                sum += reflected;
-            }
+            sum += (0..rays).map(ray).sum::<DVec3>() / f64::from(rays);
         }
         sum
+    }
+
+    /// What of a light arrives, past what stands before it, and is reflected toward the unit direction `view`.
+    fn reflected(
+        &self,
+        arrival: &Arrival,
+        point: &SurfacePoint,
+        view: DVec3,
+        coat: Option<&Coat>,
+    ) -> DVec3 {
+        let matte = coat.map_or(point.material.albedo, |coat| coat.base);
+        let mut reflected = arrival.diffuse(point.normal, matte)
+            * self.beside_lambert(point.normal, arrival.toward, view);
+        if let Some(coat) = coat {
+            reflected += coat.reflected(arrival.toward) * arrival.irradiance;
+        } else if self.model == Model::Phong {
+            let mirror = mirrored(point.normal, view);
+            reflected += arrival.specular(point.normal, mirror, &point.material);
+        }
+        if reflected == DVec3::ZERO || point.geometric.dot(arrival.toward) <= 0.0 {
+            return DVec3::ZERO;
+        }
+        let ray = Ray {
+            origin: point.origin,
+            direction: arrival.toward.as_vec3().to_array(),
+            t_min: 0.0,
+            t_max: arrival.distance as f32,
+        };
+        match self.backend.occluded(&ray) {
+            true => DVec3::ZERO,
+            false => reflected,
+        }
     }
 }
 

@@ -41,6 +41,8 @@ pub const NAMES: [&str; 40] = [
     "lights",
     "sun",
     "point",
+    "sphere",
+    "rect",
     "layers",
     "only",
     "normal_maps",
@@ -51,6 +53,15 @@ pub const NAMES: [&str; 40] = [
     "backend",
     "threads",
 ];
+
+/// The strength behind so many numbers of a light, grey or in colour.
+fn strength(light: &[f64], place: usize, expected: &str) -> PyResult<[f64; 3]> {
+    match light.get(place..) {
+        Some(&[e]) => Ok([e; 3]),
+        Some(&[r, g, b]) => Ok([r, g, b]),
+        _ => Err(PyValueError::new_err(format!("each must be {expected}"))),
+    }
+}
 
 /// Sets the options of a bake. Those that only mean something after `target_error` follow it in [`NAMES`].
 ///
@@ -211,6 +222,30 @@ fn one(mut bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
                     }
                 };
                 bake = bake.light(make(place, strength));
+            }
+            bake
+        }
+        "sphere" => {
+            for light in value.extract::<Vec<Vec<f64>>>()? {
+                let strength = strength(
+                    &light,
+                    4,
+                    "(x, y, z, radius, l) or (x, y, z, radius, r, g, b)",
+                )?;
+                bake = bake.light(Light::sphere(
+                    [light[0], light[1], light[2]],
+                    light[3],
+                    strength,
+                ));
+            }
+            bake
+        }
+        "rect" => {
+            for light in value.extract::<Vec<Vec<f64>>>()? {
+                let what = "a corner (x, y, z), two sides of three numbers each, and l or r, g, b";
+                let strength = strength(&light, 9, what)?;
+                let vector = |k: usize| [light[k], light[k + 1], light[k + 2]];
+                bake = bake.light(Light::rect(vector(0), [vector(3), vector(6)], strength));
             }
             bake
         }

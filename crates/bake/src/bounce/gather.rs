@@ -86,11 +86,11 @@ impl Gather<'_> {
                 let stream = stream(Points::Lamps, replicate as u32);
                 let mut sum = DVec3::ZERO;
                 for point in 0..each {
-                    let [.., v0, v1] = stream.point(point);
+                    let [u0, u1, v0, v1] = stream.point(point);
                     let (surface, origin) = texel.start([v0, v1]);
                     let kernel = self.kernel(texel, &surface, integral, mirror);
                     for light in self.lights {
-                        let light = self.arriving(light, &kernel, &surface, origin);
+                        let light = self.arriving(light, [u0, u1], &kernel, &surface, origin);
                         rays += u64::from(light.is_some());
                         sum += light.unwrap_or_default();
                     }
@@ -262,16 +262,17 @@ impl Gather<'_> {
         Coat::of(self.model, full, &texel.material, texel.normal.dot(view)).share
     }
 
-    /// What a light without extent brings; `None` where no ray needs to be cast. Light from below a facet comes
+    /// What a light brings by a direction that `u` draws; `None` where no ray needs to be cast. Light from below a facet comes
     /// through the mirror image of its direction, as that of the sky does.
     fn arriving(
         &self,
         light: &Light,
+        u: [f64; 2],
         kernel: &Kernel,
         surface: &Sample,
         origin: [f32; 3],
     ) -> Option<DVec3> {
-        let arrival = light.at(surface.position);
+        let arrival = light.at(surface.position, u);
         let light = arrival.irradiance * kernel.toward(surface, arrival.toward);
         if light == DVec3::ZERO {
             return None;

@@ -1,4 +1,4 @@
-//! Whether lights without extent join in a bake, and why.
+//! Whether lights join in a bake, and why.
 
 use super::{Decision, decision};
 use crate::choice::Choice;
@@ -9,7 +9,9 @@ use rays::Light;
 pub(super) fn decide(options: &Options) -> Decision {
     let left_out = |reason: &str| decision(Choice::Lights, false, reason);
     if options.lights.is_empty() {
-        return left_out("there are none: `--sun`, `--point` and `--lights file` name some");
+        return left_out(
+            "there are none: `--sun`, `--point`, `--sphere`, `--rect` and `--lights file` name some",
+        );
     }
     if !options.shows_light() {
         return left_out("no asked layer shows light");
@@ -27,6 +29,8 @@ pub(super) fn decide(options: &Options) -> Decision {
         count("spot", |light| {
             matches!(light, Light::Point { cone: Some(_), .. })
         }),
+        count("ball", |light| matches!(light, Light::Sphere { .. })),
+        count("panel", |light| matches!(light, Light::Rect { .. })),
     ];
     let kinds: Vec<String> = kinds.into_iter().flatten().collect();
     decision(

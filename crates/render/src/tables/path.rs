@@ -32,6 +32,15 @@ impl CameraPath {
         ))
     }
 
+    /// The same path where coordinates count from `origin`.
+    pub fn counted_from(mut self, origin: DVec3) -> CameraPath {
+        self.keys
+            .as_flattened_mut()
+            .iter_mut()
+            .for_each(|place| *place -= origin);
+        self
+    }
+
     /// Number of key frames.
     pub fn keys(&self) -> usize {
         self.keys.len()

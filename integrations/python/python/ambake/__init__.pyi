@@ -46,6 +46,8 @@ class Options(TypedDict, total=False):
     lights: Literal["file", "none"]
     sun: Sequence[Sequence[float]]
     point: Sequence[Sequence[float]]
+    sphere: Sequence[Sequence[float]]
+    rect: Sequence[Sequence[float]]
     layers: Union[str, Sequence[str]]
     only: Union[str, Sequence[str]]
     normal_maps: bool
