@@ -286,6 +286,136 @@ fn lights_of_the_file_are_named_until_somebody_decides() {
 }
 
 #[test]
+fn surfaces_that_shine_are_named_where_they_send_nothing() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let materials = "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl tube\nKe 3 3 3\nnewmtl bulb\nKe 1 0 0\nnewmtl unused\nKe 1 1 1\n";
+    let quad = |name: &str, material: &str, y: f64| {
+        let corners = [[-1, -1], [-1, 1], [1, 1], [1, -1]].map(|[x, z]| format!("v {x} {y} {z}\n"));
+        format!(
+            "o {name}\nusemtl {material}\n{}f -4 -3 -2 -1\n",
+            corners.concat()
+        )
+    };
+    let text = [
+        ("a", "wall", 0.0),
+        ("b", "bulb", 1.0),
+        ("c", "tube", 2.0),
+        ("d", "tube", 3.0),
+    ];
+    let path = obj(
+        folder.path(),
+        materials,
+        &text
+            .map(|(name, material, y)| quad(name, material, y))
+            .concat(),
+    );
+    let told = |more: &[&str]| {
+        let all = [&["--size", "16", "--rays", "1"][..], more].concat();
+        let report = report(bake(&path, &all).0.path());
+        let warnings = report["warnings"].as_array().expect("a list");
+        warnings
+            .iter()
+            .find(|warning| warning["kind"] == "dark-lamps")
+            .cloned()
+    };
+    let found = told(&[]).expect("a warning");
+    assert_eq!(
+        (&found["count"], &found["place"]),
+        (&json!(2), &json!("material `tube` and 1 more"))
+    );
+    assert!(
+        found["message"]
+            .as_str()
+            .is_some_and(|text| text.contains("--bounces 1"))
+    );
+    // Lights of the file are other lights.
+    assert!(told(&["--lights", "file"]).is_some());
+    for silent in [
+        &["--bounces", "1"][..],
+        &["--lights", "none"],
+        &["--only", "diffuse"],
+        &["--no-cast", "b", "--no-cast", "c", "--no-cast", "d"],
+    ] {
+        assert_eq!(told(silent), None, "{silent:?}");
+    }
+}
+
+#[test]
+fn balls_and_panels_bring_their_form_factors_and_soft_shadows() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let floor = "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\no floor\nusemtl matte\nf 4 3 2 1\n";
+    let path = obj(folder.path(), "newmtl matte\nKd 0.5 0.5 0.5\n", floor);
+    let only = [
+        "--sky",
+        "0,0,0",
+        "--denoise",
+        "off",
+        "--only",
+        "direct,position",
+    ];
+    let lit = |path: &Path, light: &[&str]| bake(path, &with(&[&only[..], light].concat())).1;
+    // Each texel's mean over 8 x 8 places of it, from the first texel's size.
+    let check = |page: &Page, form: &dyn Fn(f64, f64) -> f64, tolerance: f64| {
+        let at = |channel: &str, texel: usize| f64::from(page.plane(channel)[texel]);
+        let full = |texel: &usize| at("coverage", *texel) == 1.0;
+        let texels: Vec<usize> = (0..page.plane("coverage").len()).filter(full).collect();
+        assert!(texels.len() > 1000, "{}", texels.len());
+        let (mut sum, mut whole) = (0.0, 0.0);
+        for &texel in &texels {
+            let exact = form(at("position.X", texel), at("position.Z", texel));
+            let found = at("direct.R", texel);
+            assert!((found - exact).abs() <= tolerance, "{found}, not {exact}");
+            assert!((at("direct.B", texel) - 0.25 * found).abs() <= 1e-6 * found);
+            (sum, whole) = (sum + found, whole + exact);
+        }
+        assert!((sum / whole - 1.0).abs() < 2e-3, "{sum}, not {whole}");
+    };
+    // E / pi = L (R / d)^2 cos.
+    let page = lit(&path, &["--sphere", "0.5,1.5,-0.25,0.5,4,2,1"]);
+    let ball = |x: f64, z: f64| {
+        let square = (x - 0.5_f64).powi(2) + 1.5_f64.powi(2) + (z + 0.25_f64).powi(2);
+        4.0 * 0.25 / square * (1.5 / square.sqrt())
+    };
+    check(&page, &ball, 0.02);
+    // Four rectangles with a corner straight above, with their signs.
+    let page = lit(&path, &["--rect=-0.5,1,-0.4,1,0,0,0,0,0.8,4,2,1"]);
+    let corner = |x: f64, z: f64| {
+        let part = |x: f64, y: f64| x / x.hypot(1.0) * (y / x.hypot(1.0)).atan();
+        (part(x, z) + part(z, x)) / (2.0 * PI)
+    };
+    let panel = |x: f64, z: f64| {
+        let ([low, high], [near, far]) = ([-0.5 - x, 0.5 - x], [-0.4 - z, 0.4 - z]);
+        4.0 * (corner(high, far) - corner(low, far) - corner(high, near) + corner(low, near))
+    };
+    check(&page, &panel, 0.06);
+    // A wide lid below the lamp hides all of it from what lies beneath.
+    let lid = "v -0.2 0.5 -0.2\nv 0.2 0.5 -0.2\nv 0.2 0.5 0.2\nv -0.2 0.5 0.2\no lid\nusemtl matte\nf 5 6 7 8\n";
+    let path = obj(
+        folder.path(),
+        "newmtl matte\nKd 0.5 0.5 0.5\n",
+        &format!("{floor}{lid}"),
+    );
+    let page = lit(&path, &["--include", "floor", "--sphere", "0,1.5,0,0.2,9"]);
+    let (mut dark, mut between) = (0, 0);
+    for texel in (0..page.plane("coverage").len()).filter(|&t| page.plane("coverage")[t] == 1.0) {
+        let [x, z] =
+            ["X", "Z"].map(|axis| f64::from(page.plane(&format!("position.{axis}"))[texel]));
+        let far = x.abs().max(z.abs());
+        let open = 9.0 * 0.04 * 1.5 / (x * x + 2.25 + z * z).powf(1.5);
+        let share = f64::from(page.plane("direct.G")[texel]) / open;
+        // Umbra to .2 - (.2 - .2) * .5 and penumbra from there to .4, with a texel's width.
+        dark += usize::from(share == 0.0);
+        between += usize::from((0.1..0.9).contains(&share));
+        assert!(
+            far < 0.6 || (share - 1.0).abs() < 0.05,
+            "{share} at {x}, {z}"
+        );
+        assert!(far > 0.05 || share == 0.0, "{share} at {x}, {z}");
+    }
+    assert!(dark >= 1 && between > 20, "{dark} {between}");
+}
+
+#[test]
 fn parts_and_shadows_of_lights_are_those_of_a_whole_bake() {
     let file = scene("courtyard.obj");
     let light = [

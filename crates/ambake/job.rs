@@ -8,7 +8,7 @@ use crate::options::{Backend, Options};
 use crate::resume::Widths;
 use crate::scene::Scene;
 use crate::seen::oracle;
-use ::bake::{Baker, Decision, Model, Pilot, Plan};
+use ::bake::{Baker, Bounces, Decision, Model, Pilot, Plan};
 use atlas::{Atlas, Pages, UvSource};
 use layers::Layer;
 use rays::{RayBackend, World};
@@ -228,6 +228,7 @@ impl Job {
             .chain(self.inside_out())
             .chain(self.too_bright())
             .chain(self.lights_left_out())
+            .chain(self.lamps_left_out())
             .collect()
     }
 
@@ -286,15 +287,39 @@ impl Job {
         let first = lights
             .first()
             .filter(|_| self.options.file_lights.is_none())?;
-        let more = match lights.len() {
-            1 => String::new(),
-            more => format!(" and {} more", more - 1),
-        };
         Some(WarningReport {
             kind: "file-lights".into(),
-            place: format!("light `{}`{more}", first.name),
+            place: named("light", &first.name, lights.len()),
             count: lights.len() as u64,
             message: "lights of the file are not baked; `--lights file` bakes them, `--lights none` leaves them out".into(),
+        })
+    }
+
+    /// Surfaces of the file that shine, in a bake in which no light bounces and nobody said that they should not.
+    fn lamps_left_out(&self) -> Option<WarningReport> {
+        let is_dark = self.options.bounces == Bounces::Off && self.baker.asks_for_light();
+        if !is_dark || self.options.file_lights == Some(false) {
+            return None;
+        }
+        let casting = self.scene.instances.iter().filter(|of| of.casts);
+        let shines = |&material: &u32| {
+            let emission = self.scene.materials[material as usize].emission;
+            emission != glam::Vec3::ZERO
+        };
+        let mut lit: Vec<u32> = casting
+            .map(|of| self.scene.meshes[of.mesh as usize].material)
+            .filter(shines)
+            .collect();
+        lit.sort_unstable();
+        lit.dedup();
+        let first = &self.scene.materials[*lit.first()? as usize];
+        Some(WarningReport {
+            kind: "dark-lamps".into(),
+            place: named("material", &first.name, lit.len()),
+            count: lit.len() as u64,
+            message: "surfaces that shine (`Ke`, emissiveFactor) send out no light where none bounces; `--bounces 1` bakes what they send, \
+                      `--bounces auto` also what others send on, and `--lights none` says that they should stay dark"
+                .into(),
         })
     }
 
@@ -367,6 +392,14 @@ impl Job {
             page: width(baker.layers()),
             gather: width(baker.layers_of_gathers()),
         }
+    }
+}
+
+/// The first of so many things, for a message.
+fn named(what: &str, first: &str, count: usize) -> String {
+    match count {
+        1 => format!("{what} `{first}`"),
+        _ => format!("{what} `{first}` and {} more", count - 1),
     }
 }
 

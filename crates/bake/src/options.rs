@@ -306,6 +306,11 @@ impl Options {
 
     /// True where an asked layer shows light that is added to finished pages.
     pub(crate) fn shows_light(&self) -> bool {
+        self.adds_light() && self.asks_for_light()
+    }
+
+    /// True where an asked layer would show light that is added to finished pages.
+    pub fn asks_for_light(&self) -> bool {
         let shows = |layer: &Layer| {
             matches!(
                 layer,
@@ -322,7 +327,7 @@ impl Options {
                     | Layer::Direct
             )
         };
-        self.adds_light() && self.layers.iter().any(shows)
+        self.layers.iter().any(shows)
     }
 
     /// The layers of a finished page: those that were asked for and, where light is added to it, what that needs until
