@@ -212,38 +212,63 @@ pub(crate) fn pack(shapes: &[Shape], chosen: &[usize], frame: Frame) -> Result<V
 ///
 /// As [`pack`]; what was placed stays taken.
 pub(crate) fn add(page: &mut Page, shapes: &[Shape], chosen: &[usize]) -> Result<Vec<Spot>, usize> {
+    let mut spots = vec![Spot::default(); chosen.len()];
+    let mut begin = Begin::new();
+    for (placed, k) in largest_first(shapes, chosen).into_iter().enumerate() {
+        spots[k] = put(page, &shapes[chosen[k]], &mut begin).ok_or(placed)?;
+    }
+    Ok(spots)
+}
+
+/// Places as many shapes in one frame as find room, the largest first. Spots of those named in `chosen`, in that order.
+pub(crate) fn pack_some(shapes: &[Shape], chosen: &[usize], frame: Frame) -> Vec<Option<Spot>> {
+    let mut page = Page::new(frame);
+    let mut spots = vec![None; chosen.len()];
+    let mut begin = Begin::new();
+    for k in largest_first(shapes, chosen) {
+        spots[k] = put(&mut page, &shapes[chosen[k]], &mut begin);
+    }
+    spots
+}
+
+/// The numbers of `chosen` in the order in which they are placed.
+fn largest_first(shapes: &[Shape], chosen: &[usize]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..chosen.len()).collect();
     order.sort_by_key(|&k| {
         let mask = &shapes[chosen[k]][0];
         (Reverse(mask.width + mask.height), k)
     });
-    let mut spots = vec![Spot::default(); chosen.len()];
-    // The row where the last shape of a class went: lower rows have no room for one like it.
-    let mut begin: HashMap<[u32; 3], u32> = HashMap::new();
-    for (placed, &k) in order.iter().enumerate() {
-        let shape = &shapes[chosen[k]];
-        let mut best: Option<(u32, Spot)> = None;
-        for (turn, mask) in shape.iter().enumerate() {
-            let from = begin.entry(class(mask, turn)).or_default();
-            let below = best.map_or(u32::MAX - 1, |(bottom, _)| bottom - 1);
-            match page.place(mask, *from, below) {
-                Some([x, y]) => {
-                    *from = y;
-                    let spot = Spot {
+    order
+}
+
+/// The row where the last shape of a class went: lower rows have no room for one like it.
+type Begin = HashMap<[u32; 3], u32>;
+
+/// Places a shape in the turn in which it ends lowest.
+fn put(page: &mut Page, shape: &Shape, begin: &mut Begin) -> Option<Spot> {
+    let mut best: Option<(u32, Spot)> = None;
+    for (turn, mask) in shape.iter().enumerate() {
+        let from = begin.entry(class(mask, turn)).or_default();
+        let below = best.map_or(u32::MAX - 1, |(bottom, _)| bottom - 1);
+        match page.place(mask, *from, below) {
+            Some([x, y]) => {
+                *from = y;
+                let turn = turn as u8;
+                best = Some((
+                    y + mask.height,
+                    Spot {
                         page: 0,
                         x,
                         y,
-                        turn: turn as u8,
-                    };
-                    best = Some((y + mask.height, spot));
-                }
-                None if best.is_none() => *from = page.frame.height,
-                None => {}
+                        turn,
+                    },
+                ));
             }
+            None if best.is_none() => *from = page.frame.height,
+            None => {}
         }
-        let (_, spot) = best.ok_or(placed)?;
-        page.insert(&shape[spot.turn as usize], [spot.x, spot.y]);
-        spots[k] = spot;
     }
-    Ok(spots)
+    let (_, spot) = best?;
+    page.insert(&shape[spot.turn as usize], [spot.x, spot.y]);
+    Some(spot)
 }

@@ -1,7 +1,7 @@
 //! Shapes on as many pages as they need.
 
 use crate::mask::Mask;
-use crate::pack::{Frame, Shape, Spot, pack};
+use crate::pack::{Frame, Shape, Spot, pack, pack_some};
 
 /// How shapes are spread.
 #[derive(Debug, Clone, Copy)]
@@ -44,6 +44,9 @@ pub(crate) fn spread(shapes: &[Shape], groups: &[u32], how: Spread) -> Option<Pa
     }
     if how.pages <= 1 {
         return None;
+    }
+    if groups.windows(2).all(|pair| pair[0] != pair[1]) {
+        return one_by_one(shapes, &areas, how);
     }
     // The shapes of each group and their area, the largest first.
     let mut waiting: Vec<(u64, Vec<usize>)> = Vec::new();
@@ -114,4 +117,33 @@ pub(crate) fn spread(shapes: &[Shape], groups: &[u32], how: Spread) -> Option<Pa
         page += 1;
     }
     Some(Packed { spots, pages: page })
+}
+
+/// Shapes that are each a group: what finds no room on a page waits for the next.
+fn one_by_one(shapes: &[Shape], areas: &[u64], how: Spread) -> Option<Packed> {
+    let capacity = u64::from(how.frame.width) * u64::from(how.frame.height);
+    let mut spots = vec![Spot::default(); shapes.len()];
+    let mut waiting: Vec<usize> = (0..shapes.len()).collect();
+    for page in 0..how.pages {
+        let area: u64 = waiting.iter().map(|&i| areas[i]).sum();
+        if area > capacity * u64::from(how.pages - page) {
+            return None;
+        }
+        let found = pack_some(shapes, &waiting, how.frame);
+        let mut left = Vec::new();
+        for (&i, spot) in waiting.iter().zip(found) {
+            match spot {
+                Some(spot) => spots[i] = Spot { page, ..spot },
+                None => left.push(i),
+            }
+        }
+        if left.is_empty() {
+            return Some(Packed {
+                spots,
+                pages: page + 1,
+            });
+        }
+        waiting = left;
+    }
+    None
 }
