@@ -258,3 +258,97 @@ fn what_no_eye_sees_takes_a_texel() {
         );
     }
 }
+
+/// Boxes between these corners, each an object.
+fn boxes(path: &Path, all: &[(&str, [f64; 3], [f64; 3])]) {
+    let mut obj = String::new();
+    for (name, low, high) in all {
+        writeln!(obj, "o {name}").expect("memory");
+        for corner in 0..8 {
+            let at = |axis: usize| [low, high][corner >> axis & 1][axis];
+            writeln!(obj, "v {} {} {}", at(0), at(1), at(2)).expect("memory");
+        }
+        for face in [
+            "1 5 7 3", "2 4 8 6", "1 2 6 5", "3 7 8 4", "1 3 4 2", "5 6 8 7",
+        ] {
+            let corners = face
+                .split(' ')
+                .map(|k| k.parse::<i32>().expect("a number") - 9);
+            let corners: Vec<String> = corners.map(|k| k.to_string()).collect();
+            writeln!(obj, "f {}", corners.join(" ")).expect("memory");
+        }
+    }
+    std::fs::write(path, obj).expect("a scene file");
+}
+
+#[test]
+fn outsides_of_rooms_are_told_of_and_found_without_coordinates() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let room = [
+        ("floor", [0.0, -0.2, 0.0], [6.0, 0.0, 6.0]),
+        ("ceiling", [0.0, 3.0, 0.0], [6.0, 3.2, 6.0]),
+        ("west", [-0.2, -0.2, -0.2], [0.0, 3.2, 6.2]),
+        ("east", [6.0, -0.2, -0.2], [6.2, 3.2, 6.2]),
+        ("north", [0.0, -0.2, -0.2], [6.0, 3.2, 0.0]),
+        ("south", [0.0, -0.2, 6.0], [6.0, 3.2, 6.2]),
+        ("table", [2.0, 0.7, 2.0], [4.0, 0.8, 3.0]),
+    ];
+    let file = folder.path().join("room.obj");
+    boxes(&file, &room);
+    let plan = |more: &[&str]| -> Value {
+        let words = [
+            &["plan", "--json", "--rays=1", "--size=256", text(&file)][..],
+            more,
+        ]
+        .concat();
+        serde_json::from_str(&run_well(words)).expect("JSON")
+    };
+    let told = |plan: &Value| {
+        let warnings = plan["warnings"].as_array().expect("a list").iter();
+        warnings.filter(|w| w["kind"] == "outsides").count()
+    };
+    let density = |plan: &Value, name: &str| number(&object(&plan["layout"], name)["density"]);
+    let (plain, auto) = (plan(&[]), plan(&["--seen-from=auto"]));
+    assert_eq!((told(&plain), told(&auto)), (1, 0), "{plain}");
+    // Of each slab one large side is seen, and the other is as large: what is seen has nearly twice the texels. The density of an object
+    // counts what nobody sees too.
+    let more = density(&auto, "table") / density(&plain, "table");
+    assert!(more > 1.3, "{more}");
+    assert!(density(&auto, "floor") > density(&plain, "floor"));
+    // Nobody is inside of a table that stands in the open.
+    let file = folder.path().join("open.obj");
+    boxes(&file, &room[..1]);
+    let plan = |more: &[&str]| planned(&[&["--size=256", text(&file)], more].concat());
+    assert_eq!(plan(&["--seen-from=auto"]), plan(&[]));
+    let both = run(["plan", text(&file), "--seen-from=auto;1,2,3"]);
+    assert_eq!(both.status.code(), Some(1));
+}
+
+#[test]
+fn an_even_density_is_one_for_all_and_the_largest_that_fits() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let file = town(folder.path());
+    let layout = planned(&[text(&file), "--size=512", "--density=even"]);
+    let objects = layout["objects"].as_array().expect("objects");
+    let densities: Vec<f64> = objects.iter().map(|o| number(&o["density"])).collect();
+    let first = densities[0];
+    assert!(
+        densities.iter().all(|d| (d / first - 1.0).abs() < 1e-4),
+        "{densities:?}"
+    );
+    // They are measured on coordinates of 32 bits. The ground of 2,000 units nearly fills the page with its gutters of 2.
+    assert!((0.22..=0.254).contains(&first), "{first}");
+    let two = planned(&[text(&file), "--size=512", "--density=even", "--pages=2"]);
+    let two = number(&object(&two, "ground")["density"]);
+    assert!(two >= first, "{two} on two pages");
+    // A density by name stays law.
+    let named = planned(&[
+        text(&file),
+        "--size=512",
+        "--density=even",
+        "--density-of=house_1=3",
+    ]);
+    assert!((number(&object(&named, "house_1")["density"]) - 3.0).abs() < 1e-3);
+    let others = number(&object(&named, "house_2")["density"]);
+    assert!(others < first, "{others}");
+}

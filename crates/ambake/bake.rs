@@ -97,6 +97,12 @@ impl Bake {
         self
     }
 
+    /// One density for all objects, the largest that fits the pages, but for those with one of their own.
+    pub fn even_density(mut self) -> Self {
+        self.options.even_density = true;
+        self
+    }
+
     /// Only objects that one of these names fits take texels; `*` and `?` are wildcards. The others still occlude.
     pub fn include(mut self, name: impl Into<String>) -> Self {
         self.options.include.push(name.into());
@@ -120,6 +126,12 @@ impl Bake {
     /// Charts that can be seen from none of these points, in scene units, take one texel; their texels go to the others.
     pub fn seen_from(mut self, eyes: impl IntoIterator<Item = [f64; 3]>) -> Self {
         self.options.seen_from.extend(eyes);
+        self
+    }
+
+    /// Charts on the outsides of a scene of rooms, which nobody within sees, take one texel; their texels go to the others.
+    pub fn seen_from_within(mut self) -> Self {
+        self.options.seen_from_within = true;
         self
     }
 

@@ -8,6 +8,7 @@ use crate::options::{Backend, Options};
 use crate::resume::Widths;
 use crate::scene::Scene;
 use crate::seen::oracle;
+use crate::shell::Shell;
 use ::bake::{Baker, Bounces, Decision, Model, Pilot, Plan};
 use atlas::{Atlas, Pages, UvSource};
 use layers::Layer;
@@ -49,8 +50,8 @@ pub struct Job {
     phases: Vec<PhaseReport>,
 }
 
-/// Share of the texels from which charts that touch are told of.
-const LEAST_TOUCHING: f64 = 1e-3;
+/// Share of the texels from which outsides are told of.
+const LEAST_OUTSIDE: f64 = 0.1;
 
 impl std::fmt::Debug for Job {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -225,6 +226,7 @@ impl Job {
             .chain(self.layout.warnings())
             .chain(small_page.flatten())
             .chain(self.touching())
+            .chain(self.outsides())
             .chain(self.inside_out())
             .chain(self.too_bright())
             .chain(self.lights_left_out())
@@ -256,13 +258,34 @@ impl Job {
         let found = is_kept.then(|| self.within(|| atlas::touching(&self.scene, &self.atlas)));
         let (texels, instance) = found.flatten()?;
         let share = texels as f64 / self.atlas.audit.texels.max(1) as f64;
-        (share >= LEAST_TOUCHING).then(|| WarningReport {
+        (share >= atlas::LEAST_TOUCHING).then(|| WarningReport {
             kind: "touching-charts".into(),
             place: format!("object `{}`", self.scene.instances[instance as usize].name),
             count: texels,
             message: "texels of the file's coordinates stand beside those of other surfaces without a gutter, so that look-ups mix both; give the charts \
                       two empty texels between them, or let `--uv unwrap` make others"
                 .into(),
+        })
+    }
+
+    /// Outsides of rooms that take texels though nobody within sees them.
+    fn outsides(&self) -> Option<WarningReport> {
+        let options = &self.options;
+        let is_asked = options.seen_from_within || !options.seen_from.is_empty();
+        if is_asked || self.atlas.source != UvSource::Unwrapped {
+            return None;
+        }
+        let share =
+            self.within(|| Some(Shell::of(&self.world, self.backend())?.share(&self.atlas)))?;
+        (share >= LEAST_OUTSIDE).then(|| WarningReport {
+            kind: "outsides".into(),
+            place: "scene".into(),
+            count: (share * self.atlas.audit.texels as f64) as u64,
+            message: format!(
+                "{:.0} % of the texels lie on outsides of rooms, which nobody within sees; `--seen-from auto` gives each of their charts one \
+                 texel, and theirs to what is seen",
+                100.0 * share
+            ),
         })
     }
 

@@ -72,6 +72,7 @@ mod run;
 mod scene;
 mod seen;
 mod shard;
+mod shell;
 mod sky;
 mod state;
 mod update;

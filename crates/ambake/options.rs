@@ -67,6 +67,8 @@ pub struct Options {
     pub size: u32,
     /// Texels per scene unit of every object; `None` shares the texels of the pages by a rule.
     pub density: Option<f64>,
+    /// All objects have one density, the largest that fits the pages, but for those with one of their own.
+    pub even_density: bool,
     /// Texels per scene unit of the objects that a name with wildcards fits; later ones win.
     pub density_of: Vec<(String, f64)>,
     /// Names, with wildcards, of the objects that take texels; empty for all.
@@ -77,6 +79,8 @@ pub struct Options {
     pub no_cast: Vec<String>,
     /// Eye points in scene units: charts that none of them sees take one texel; empty for no such test.
     pub seen_from: Vec<[f64; 3]>,
+    /// The same for the outsides of a scene of rooms, which nobody within sees; no other scene changes.
+    pub seen_from_within: bool,
     /// How many pages there are.
     pub pages: Pages,
     /// A mesh that does not fit on one page is an error.
@@ -144,11 +148,13 @@ impl Default for Options {
         Self {
             size: 1024,
             density: None,
+            even_density: false,
             density_of: Vec::new(),
             include: Vec::new(),
             exclude: Vec::new(),
             no_cast: Vec::new(),
             seen_from: Vec::new(),
+            seen_from_within: false,
             pages: Pages::Auto,
             one_page_per_mesh: false,
             uv: Uv::Auto,
@@ -195,8 +201,14 @@ impl Options {
         if !positive(self.density) {
             return fail("density", "must be above 0");
         }
+        if self.even_density && self.density.is_some() {
+            return fail("density", "is either a number or even");
+        }
         if !self.density_of.iter().all(|(_, d)| positive(Some(*d))) {
             return fail("density-of", "each density must be above 0");
+        }
+        if self.seen_from_within && !self.seen_from.is_empty() {
+            return fail("seen-from", "is either auto or places");
         }
         if !self.seen_from.iter().flatten().all(|v| v.is_finite()) {
             return fail("seen-from", "each coordinate must be finite");
@@ -465,6 +477,8 @@ impl Options {
             },
             page_size: self.size,
             density: self.density,
+            even: self.even_density,
+            cut_hidden: self.seen_from_within,
             density_of: self.density_of.clone(),
             include: self.include.clone(),
             exclude: self.exclude.clone(),
@@ -480,11 +494,13 @@ impl Options {
         let Self {
             size,
             density,
+            even_density,
             density_of,
             include,
             exclude,
             no_cast,
             seen_from,
+            seen_from_within,
             pages,
             one_page_per_mesh,
             uv,
@@ -529,12 +545,18 @@ impl Options {
         };
         json!({
             "size": size,
-            "density": density,
+            "density": match even_density {
+                true => json!("even"),
+                false => json!(density),
+            },
             "density_of": density_of.iter().map(|(name, d)| format!("{name}={d}")).collect::<Vec<_>>(),
             "include": include,
             "exclude": exclude,
             "no_cast": no_cast,
-            "seen_from": seen_from,
+            "seen_from": match seen_from_within {
+                true => json!("auto"),
+                false => json!(seen_from),
+            },
             "pages": match pages {
                 Pages::Auto => json!("auto"),
                 Pages::Most(pages) => json!(pages),

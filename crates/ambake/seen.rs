@@ -1,6 +1,7 @@
-//! Whether a point of a surface can be seen: by `--seen-from` from some places, and not inside of another body.
+//! Whether a point of a surface can be seen: by `--seen-from` from some places or within rooms, and not inside of another body.
 
 use crate::options::Options;
+use crate::shell::Shell;
 use ::bake::Buried;
 use atlas::SurfacePoint;
 use rays::{Ray, RayBackend, World};
@@ -17,11 +18,15 @@ pub(crate) fn oracle<'a>(
 ) -> Option<Box<atlas::Seen<'a>>> {
     let buries = options.buried == Buried::Drop && world.solids().count() > 0;
     let eyes = &options.seen_from[..];
-    if !buries && eyes.is_empty() {
+    let within = options.seen_from_within;
+    let shell = within.then(|| Shell::of(world, backend)).flatten();
+    if !buries && eyes.is_empty() && shell.is_none() {
         return None;
     }
-    let is_seen =
-        move |point: &SurfacePoint| eyes.is_empty() || is_seen(eyes, point, world, backend);
+    let is_seen = move |point: &SurfacePoint| match &shell {
+        Some(shell) => !shell.hides(point),
+        None => eyes.is_empty() || is_seen(eyes, point, world, backend),
+    };
     Some(Box::new(move |points| {
         let Some((first, others)) = points.split_first() else {
             return false;
@@ -43,7 +48,7 @@ pub(crate) fn oracle<'a>(
 
 /// True where nothing stands between the point and one of the eyes, and the eye is on a side that can be seen: the front,
 /// or any side of a double-sided surface.
-fn is_seen(
+pub(crate) fn is_seen(
     eyes: &[[f64; 3]],
     point: &SurfacePoint,
     world: &World,

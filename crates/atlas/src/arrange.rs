@@ -1,6 +1,7 @@
 //! From charts to an atlas: each chart at its object's density, packed by shape.
 
 use crate::audit::audit;
+use crate::authored::authored_sheets;
 use crate::charts::{Sheet, sheets};
 use crate::hidden::hide;
 use crate::mask::Mask;
@@ -28,10 +29,13 @@ const STEP: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// A mesh placed once is unwrapped in its world shape, so its texels are square there, and its charts go wherever there
 /// is room. A mesh placed several times is unwrapped once in its own shape; each object gets a rectangle, scaled by the
 /// square root of its mean area scale.
+///
+/// * `authored`: layouts of the meshes by coordinates of the file, whose charts are packed in place of others.
 pub(crate) fn unwrap(
     scene: &Scene,
     objects: &[Object],
     options: &Options,
+    authored: Option<&[MeshLayout]>,
     seen: Option<&Seen<'_>>,
     cancel: &(dyn Fn() -> bool + Sync),
 ) -> Result<Atlas, Error> {
@@ -42,10 +46,13 @@ pub(crate) fn unwrap(
         }
     }
     let included: Vec<bool> = object_of.iter().map(|&o| objects[o].included).collect();
-    let mut sheets = sheets(scene, &included, cancel)?;
+    let mut sheets = match authored {
+        Some(layouts) => authored_sheets(scene, &included, layouts),
+        None => sheets(scene, &included, cancel)?,
+    };
     let mut objects = objects.to_vec();
     if let Some(seen) = seen {
-        hide(&mut sheets, seen);
+        hide(&mut sheets, seen, options.cut_hidden);
         for sheet in &sheets {
             let hidden = sheet.hidden_area();
             for (&i, scale) in sheet.instances.iter().zip(&sheet.scales) {

@@ -53,6 +53,21 @@ impl Sheet {
         if scale > 0.0 { scale.min(texel) } else { texel }
     }
 
+    /// Moves the points of a chart, which no other chart has, so that it begins at (0, 0).
+    pub fn move_to_origin(&mut self, chart: usize) {
+        let corners = self.charts[chart].iter();
+        let mut own: Vec<u32> = corners.flat_map(|&t| self.triangles[t as usize]).collect();
+        own.sort_unstable();
+        own.dedup();
+        let low = own
+            .iter()
+            .map(|&v| self.points[v as usize])
+            .reduce(DVec2::min);
+        for v in own {
+            self.points[v as usize] -= low.unwrap_or_default();
+        }
+    }
+
     /// The corners of a chart's triangles times `scale`.
     pub fn corners(&self, chart: usize, scale: f64) -> impl Iterator<Item = [DVec2; 3]> + '_ {
         let scale = self.scale(chart, scale);

@@ -50,7 +50,7 @@ pub(crate) fn insert(
 ) -> Option<()> {
     let mut sheets = sheets(scene, new.anew, cancel).ok()?;
     if let Some(seen) = seen {
-        hide(&mut sheets, seen);
+        hide(&mut sheets, seen, options.cut_hidden);
     }
     let size = f64::from(atlas.page_size);
     let rectangle = |&(_, sibling, ratio): &(u32, u32, f64)| {

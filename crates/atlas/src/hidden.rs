@@ -3,34 +3,57 @@
 use crate::charts::Sheet;
 use crate::{Seen, SurfacePoint};
 use rayon::prelude::*;
+use std::collections::{HashMap, HashSet};
 
 /// Points of a chart that are asked for, at least: one that is not seen in so many is taken for hidden.
 const POINTS: f64 = 256.0;
 
+/// Of a chart that is seen in part, triangles that are not are cut off where they are this share of its area.
+const LEAST_CUT: f64 = 0.125;
+
 /// Marks the charts of which no point is seen in any place where their mesh stands.
-pub(crate) fn hide(sheets: &mut [Sheet], seen: &Seen<'_>) {
+///
+/// * `cuts`: what is not seen of other charts becomes a chart of its own.
+pub(crate) fn hide(sheets: &mut [Sheet], seen: &Seen<'_>, cuts: bool) {
     sheets.par_iter_mut().for_each(|sheet| {
         let of: &Sheet = sheet;
-        let hidden = |chart: usize| !points(of, chart).any(|points| seen(&points));
-        let hidden = (0..of.charts.len()).into_par_iter().map(hidden).collect();
-        sheet.hidden = hidden;
+        let unseen = |chart: usize| -> Vec<u32> {
+            let (whole, all) = (of.area(chart), &of.charts[chart]);
+            let is_unseen =
+                |triangle: &&u32| !points(of, whole, **triangle).any(|points| seen(&points));
+            match cuts {
+                true => all.iter().filter(is_unseen).copied().collect(),
+                false if all.iter().all(|triangle| is_unseen(&triangle)) => all.clone(),
+                false => Vec::new(),
+            }
+        };
+        let unseen: Vec<Vec<u32>> = (0..of.charts.len()).into_par_iter().map(unseen).collect();
+        for (chart, unseen) in unseen.into_iter().enumerate() {
+            let area: f64 = unseen.iter().map(|&t| sheet.triangle_area(t)).sum();
+            if unseen.len() == sheet.charts[chart].len() {
+                sheet.hidden[chart] = true;
+            } else if area > 0.0 && area >= LEAST_CUT * sheet.area(chart) {
+                sheet.cut_off(chart, unseen);
+            }
+        }
     });
 }
 
-/// Points spread over a chart, by triangle and by place where it stands: as many in a triangle as its area asks for, one at least.
-fn points(sheet: &Sheet, chart: usize) -> impl Iterator<Item = Vec<SurfacePoint>> + '_ {
-    let whole = sheet.area(chart);
-    sheet.charts[chart].iter().flat_map(move |&triangle| {
-        let share = sheet.triangle_area(triangle) / whole;
-        let count = (share * POINTS).ceil().clamp(1.0, POINTS) as u32;
-        let point = move |instance: u32, k: u32| SurfacePoint {
-            instance,
-            triangle,
-            weights: spread(k, count),
-        };
-        let places = sheet.instances.iter();
-        places.map(move |&instance| (0..count).map(|k| point(instance, k)).collect())
-    })
+/// Points spread over a triangle of a chart of area `whole`, by place where it stands: as many as its area asks for, one at least.
+fn points(
+    sheet: &Sheet,
+    whole: f64,
+    triangle: u32,
+) -> impl Iterator<Item = Vec<SurfacePoint>> + '_ {
+    let share = sheet.triangle_area(triangle) / whole;
+    let count = (share * POINTS).ceil().clamp(1.0, POINTS) as u32;
+    let point = move |instance: u32, k: u32| SurfacePoint {
+        instance,
+        triangle,
+        weights: spread(k, count),
+    };
+    let places = sheet.instances.iter();
+    places.map(move |&instance| (0..count).map(|k| point(instance, k)).collect())
 }
 
 /// Weights of point `k` of `count`, spread evenly over a triangle: the sequence of the plastic number (M. Roberts, "The
@@ -54,6 +77,27 @@ impl Sheet {
     pub fn hidden_area(&self) -> f64 {
         let hidden = (0..self.charts.len()).filter(|&c| self.hidden[c]);
         hidden.map(|chart| self.area(chart)).sum()
+    }
+
+    /// Makes a hidden chart of some triangles of another.
+    fn cut_off(&mut self, chart: usize, triangles: Vec<u32>) {
+        let mut numbers = HashMap::new();
+        for &t in &triangles {
+            for corner in &mut self.triangles[t as usize] {
+                let own = *corner as usize;
+                *corner = *numbers.entry(own).or_insert_with(|| {
+                    self.points.push(self.points[own]);
+                    self.sources.push(self.sources[own]);
+                    self.points.len() as u32 - 1
+                });
+            }
+        }
+        let off: HashSet<u32> = triangles.iter().copied().collect();
+        self.charts[chart].retain(|t| !off.contains(t));
+        self.charts.push(triangles);
+        self.hidden.push(true);
+        self.move_to_origin(chart);
+        self.move_to_origin(self.charts.len() - 1);
     }
 
     fn area(&self, chart: usize) -> f64 {

@@ -3,6 +3,7 @@
 use crate::arrange::unwrap;
 use crate::keep::{keep, note};
 use crate::objects::objects;
+use crate::touching::is_touching;
 use crate::{Atlas, Error, Options, Pages, SurfacePoint, UvMode, Why};
 use scene::Scene;
 
@@ -58,6 +59,20 @@ pub fn layout_seen(
             }
             match keep(scene, &objects, options, set, cancel) {
                 Ok(mut atlas) => {
+                    if options.uv == UvMode::Auto && is_touching(scene, &atlas) {
+                        let meshes = Some(&atlas.meshes[..]);
+                        match unwrap(scene, &objects, options, meshes, seen, cancel) {
+                            Ok(mut apart) => {
+                                notes.push(format!(
+                                    "charts of TEXCOORD_{set} stand side by side without a gutter: they are packed apart, each in its own shape"
+                                ));
+                                apart.notes = notes;
+                                return Ok(apart);
+                            }
+                            Err(Error::Cancelled) => return Err(Error::Cancelled),
+                            Err(why) => notes.push(note(&why)),
+                        }
+                    }
                     if seen.is_some() {
                         let note = "the file's coordinates are kept, so charts that nobody sees keep their size";
                         notes.push(note.into());
@@ -84,7 +99,7 @@ pub fn layout_seen(
     if cancel() {
         return Err(Error::Cancelled);
     }
-    let mut atlas = unwrap(scene, &objects, options, seen, cancel)?;
+    let mut atlas = unwrap(scene, &objects, options, None, seen, cancel)?;
     atlas.notes = notes;
     Ok(atlas)
 }

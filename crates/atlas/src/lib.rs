@@ -20,6 +20,7 @@
 
 mod arrange;
 mod audit;
+mod authored;
 mod centre;
 mod charts;
 mod clip;
@@ -63,6 +64,6 @@ pub use raster::{PageRaster, Rasters};
 pub use reuse::{Claim, claims, reuse};
 pub use room::roomy_size;
 pub use tile_part::TilePart;
-pub use touching::touching;
+pub use touching::{LEAST_TOUCHING, touching};
 pub use types::*;
 pub use uv::triangle_uv;

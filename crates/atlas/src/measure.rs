@@ -138,7 +138,7 @@ pub(crate) fn chart_count(layout: &MeshLayout) -> u32 {
 }
 
 /// The vertex that stands for all that were joined to `v`.
-fn root(parents: &mut [u32], mut v: u32) -> u32 {
+pub(crate) fn root(parents: &mut [u32], mut v: u32) -> u32 {
     while parents[v as usize] != v {
         parents[v as usize] = parents[parents[v as usize] as usize];
         v = parents[v as usize];
@@ -146,7 +146,7 @@ fn root(parents: &mut [u32], mut v: u32) -> u32 {
     v
 }
 
-fn join(parents: &mut [u32], a: u32, b: u32) {
+pub(crate) fn join(parents: &mut [u32], a: u32, b: u32) {
     let (a, b) = (root(parents, a), root(parents, b));
     parents[a.max(b) as usize] = a.min(b);
 }

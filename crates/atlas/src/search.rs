@@ -67,6 +67,7 @@ pub(crate) fn search<T: Send>(
         Pages::Auto => MOST_PAGES,
         Pages::Most(pages) => pages,
     };
+    let shared = |budget: f64| densities(objects, budget, size, options.even);
     let attempt = |densities: Vec<f64>, pages: u32| -> Result<Option<Found<T>>, Error> {
         if cancel() {
             return Err(Error::Cancelled);
@@ -83,7 +84,7 @@ pub(crate) fn search<T: Send>(
             kept,
         }))
     };
-    let texels: f64 = texels(objects, &densities(objects, 0.0, size));
+    let texels: f64 = texels(objects, &shared(0.0));
     if texels > MOST_TEXELS {
         return Err(Error::TooManyTexels(texels as u64));
     }
@@ -91,7 +92,7 @@ pub(crate) fn search<T: Send>(
         .iter()
         .all(|o| o.asked.is_some() || !o.included || o.area <= 0.0)
     {
-        let densities = densities(objects, 0.0, size);
+        let densities = shared(0.0);
         let draft = cut(&densities, true)?;
         too_large(&draft.shapes, size, options.gutter)?;
         let found = attempt(densities, most)?;
@@ -99,11 +100,12 @@ pub(crate) fn search<T: Send>(
     }
     // The least that a layout can be: one texel and its gutter a chart.
     let page = f64::from(size).powi(2);
+    let texels_of = |densities: &[f64]| self::texels(objects, densities);
     let grown = |budget: f64| -> Result<f64, Error> {
         if cancel() {
             return Err(Error::Cancelled);
         }
-        let draft = cut(&densities(objects, budget, size), true)?;
+        let draft = cut(&shared(budget), true)?;
         too_large(&draft.shapes, size, options.gutter).map_or(Ok(f64::INFINITY), |()| {
             Ok(draft
                 .shapes
@@ -125,32 +127,42 @@ pub(crate) fn search<T: Send>(
         Pages::Auto if texels > 0.0 => texels + page,
         _ => f64::INFINITY,
     };
-    let mut before = 0.0;
-    while pages <= most && least.is_finite() {
-        let capacity = f64::from(pages) * page;
-        let found = fullest(capacity, limit, least, &grown, &|budget| {
-            attempt(densities(objects, budget, size), pages)
-        })?;
-        let coarse = |found: &Found<T>| {
-            let mut free = objects
-                .iter()
-                .zip(&found.densities)
-                .filter(|(o, _)| o.asked.is_none());
-            free.any(|(o, &d)| {
+    let coarse = |densities: &[f64]| {
+        let mut free = (objects.iter().zip(densities)).filter(|(o, _)| o.asked.is_none());
+        !options.even
+            && free.any(|(o, &d)| {
                 let is_small = o.area * d * d < LEAST;
                 d > 0.0 && is_small && o.extent * d < LEAST_ACROSS * f64::from(size)
             })
-        };
+    };
+    let mut before = 0.0;
+    let mut promised = 0.0;
+    while pages <= most && least.is_finite() {
+        let capacity = f64::from(pages) * page;
         // One page is what users expect, however full of gutters. Several that are mostly gutters help nobody, unless more
         // would not help either, as where a page is small for a single chart.
-        let inside = |found: &Found<T>| match pages {
+        let inside = |densities: &[f64]| match pages {
             1 => 1.0,
-            _ => self::texels(objects, &found.densities) / (page * f64::from(pages)),
+            _ => texels_of(densities) / capacity,
         };
+        // Shapes that leave no texel empty show what pages can hold at most: where even that is too little, nothing is tried.
+        if pages < most {
+            let best = shared(promise(capacity.min(limit), capacity, &grown)?);
+            let inside = inside(&best);
+            let is_empty = inside < LEAST_INSIDE && inside > promised && limit.is_infinite();
+            if coarse(&best) || is_empty {
+                promised = if pages == 1 { 0.0 } else { inside };
+                pages += 1 + pages / 4;
+                continue;
+            }
+        }
+        let found = fullest(capacity, limit, least, &grown, &|budget| {
+            attempt(shared(budget), pages)
+        })?;
         match found {
             Some(found) if pages == most => return Ok(found),
-            Some(found) if !coarse(&found) => {
-                let inside = inside(&found);
+            Some(found) if !coarse(&found.densities) => {
+                let inside = inside(&found.densities);
                 if inside >= LEAST_INSIDE || inside <= before || limit.is_finite() {
                     return Ok(found);
                 }
@@ -163,10 +175,30 @@ pub(crate) fn search<T: Send>(
     Err(match options.pages {
         Pages::Most(pages) => Error::PagesFull { pages, size },
         Pages::Auto => Error::PageFull {
-            charts: cut(&densities(objects, 1.0, size), true)?.shapes.len() as u32,
+            charts: cut(&shared(1.0), true)?.shapes.len() as u32,
             size,
         },
     })
+}
+
+/// A budget of at most `most` that no layout exceeds by more than a twentieth: shapes with their gutters share no texel.
+fn promise(
+    most: f64,
+    capacity: f64,
+    grown: &dyn Fn(f64) -> Result<f64, Error>,
+) -> Result<f64, Error> {
+    let (mut low, mut high) = (1.0, most);
+    if grown(most)? <= capacity {
+        return Ok(most);
+    }
+    while high > 1.05 * low {
+        let middle = f64::sqrt(low * high);
+        match grown(middle)? <= capacity {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    Ok(high)
 }
 
 /// The fullest layout of at most `limit` texels: bisects the budget between one that fits and one that does not.

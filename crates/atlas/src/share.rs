@@ -30,7 +30,9 @@ const FLOORS: f64 = 0.5;
 
 /// The density of each object, in texels per scene unit, when all have about `budget` texels together on pages of
 /// `edge` texels; 0 for objects that take none.
-pub(crate) fn densities(objects: &[Object], budget: f64, edge: u32) -> Vec<f64> {
+///
+/// * `even`: the first point of the rule alone.
+pub(crate) fn densities(objects: &[Object], budget: f64, edge: u32, even: bool) -> Vec<f64> {
     let asked_for = |o: &Object| o.asked.filter(|_| o.included).unwrap_or(0.0);
     let mut out: Vec<f64> = objects.iter().map(asked_for).collect();
     let free: Vec<usize> = (0..objects.len())
@@ -44,10 +46,19 @@ pub(crate) fn densities(objects: &[Object], budget: f64, edge: u32) -> Vec<f64> 
     // What was asked for may take more than there is: the rest then has its floors, and the page overflows.
     let rest = (budget - asked).max(budget / 16.0);
     let shared: Vec<&Object> = free.iter().map(|&i| &objects[i]).collect();
-    for (&i, density) in free.iter().zip(shares(&shared, rest, f64::from(edge))) {
+    let shares = match even {
+        true => vec![common(&shared, rest); shared.len()],
+        false => shares(&shared, rest, f64::from(edge)),
+    };
+    for (&i, density) in free.iter().zip(shares) {
         out[i] = density;
     }
     out
+}
+
+/// The density at which objects have so many texels together.
+fn common(objects: &[&Object], budget: f64) -> f64 {
+    (budget / objects.iter().map(|o| o.area).sum::<f64>()).sqrt()
 }
 
 /// The rule over objects without a density of their own.
@@ -57,37 +68,53 @@ fn shares(objects: &[&Object], budget: f64, edge: f64) -> Vec<f64> {
         [only] => return vec![(budget / only.area).sqrt()],
         _ => {}
     }
-    let texels =
-        |f: &dyn Fn(&Object) -> f64| -> f64 { objects.iter().map(|o| o.area * f(o).powi(2)).sum() };
     let shrink = (FLOORS * budget / (FLOOR * objects.len() as f64)).min(1.0);
-    let floor = |o: &Object| (shrink * FLOOR / o.area).sqrt();
-    let equal = (budget / texels(&|_| 1.0)).sqrt();
+    let equal = common(objects, budget);
     let largest = objects.iter().map(|o| o.extent).fold(0.0, f64::max);
     let useful = (USEFUL * edge).min(equal * largest);
-    let density = |o: &Object, common: f64, times: f64| {
-        let wanted = useful / o.extent.max(f64::MIN_POSITIVE);
-        common.max(wanted.min(times * common)).max(floor(o))
-    };
-    let common = |times: f64| {
-        bisect(0.0, equal, |common| {
-            texels(&|o| density(o, common, times)) <= budget
+    let wishes: Vec<Wish> = objects
+        .iter()
+        .map(|o| Wish {
+            area: o.area,
+            wanted: useful / o.extent.max(f64::MIN_POSITIVE),
+            floor: (shrink * FLOOR / o.area).sqrt(),
         })
+        .collect();
+    let fits = |common: f64, times: f64| {
+        let texels = wishes
+            .iter()
+            .map(|w| w.area * w.density(common, times).powi(2));
+        texels.sum::<f64>() <= budget
     };
     let kept = (1.0 - GIVEN).sqrt() * equal;
     let mut times = MOST;
-    if common(times) < kept {
+    if !fits(kept, times) {
         let (mut low, mut high) = (1.0, MOST);
         for _ in 0..STEPS {
             let middle = 0.5 * (low + high);
-            match common(middle) < kept {
-                true => high = middle,
-                false => low = middle,
+            match fits(kept, middle) {
+                true => low = middle,
+                false => high = middle,
             }
         }
         times = low;
     }
-    let common = common(times);
-    objects.iter().map(|o| density(o, common, times)).collect()
+    let common = bisect(0.0, equal, |common| fits(common, times));
+    wishes.iter().map(|w| w.density(common, times)).collect()
+}
+
+/// What an object would have: the densities at which it is large enough, and at which it has its floor.
+struct Wish {
+    area: f64,
+    wanted: f64,
+    floor: f64,
+}
+
+impl Wish {
+    /// Its density where the others have `common`, and small ones so many times that at most.
+    fn density(&self, common: f64, times: f64) -> f64 {
+        common.max(self.wanted.min(times * common)).max(self.floor)
+    }
 }
 
 /// Steps in which it is found how many times the common density small objects get.
@@ -144,13 +171,25 @@ mod tests {
         let mut all = vec![object(100.0, 10.0), object(900.0, 30.0)];
         // 100 x 50 x 50 texels of 800,000; the other has what is left.
         all[0].asked = Some(50.0);
-        let found = densities(&all, BUDGET, 1024);
+        let found = densities(&all, BUDGET, 1024, false);
         let left: f64 = (BUDGET - 250_000.0) / 900.0;
         assert_eq!(found[0], 50.0);
         assert!((found[1] / left.sqrt() - 1.0).abs() < 1e-9, "{found:?}");
         all[0].included = false;
-        let found = densities(&all, BUDGET, 1024);
+        let found = densities(&all, BUDGET, 1024, false);
         assert_eq!(found, [0.0, (BUDGET / 900.0).sqrt()]);
+    }
+
+    #[test]
+    fn an_even_density_is_one_for_all_that_asked_for_none() {
+        let mut all = vec![object(900.0, 30.0), object(0.01, 0.1), object(100.0, 10.0)];
+        let found = densities(&all, BUDGET, 1024, true);
+        shares_of(&all, &found);
+        assert!(found.iter().all(|&d| d == found[0]), "{found:?}");
+        all[2].asked = Some(50.0);
+        let found = densities(&all, BUDGET, 1024, true);
+        assert_eq!((found[0], found[2]), (found[1], 50.0));
+        shares_of(&all, &found);
     }
 
     #[test]
@@ -158,7 +197,7 @@ mod tests {
         let mut town = vec![object(4e6, 2e3)];
         town.extend((0..40).map(|_| object(500.0, 12.0)));
         town.extend((0..60).map(|_| object(6.0, 1.0)));
-        let densities = densities(&town, BUDGET, 1024);
+        let densities = densities(&town, BUDGET, 1024, false);
         shares_of(&town, &densities);
         assert!((densities[1] / densities[0] - 4.0).abs() < 1e-9);
         assert!(
@@ -174,12 +213,12 @@ mod tests {
         // A room of 12 x 3 x 12 and its table, a hundredth of all area: 93 texels a unit at equal density are 148
         // across.
         let room = [object(432.0, 12.0), object(4.4, 1.6)];
-        let densities = densities(&room, BUDGET, 1024);
+        let densities = densities(&room, BUDGET, 1024, false);
         let equal = f64::sqrt(BUDGET / 436.4);
         assert!((densities[0] - equal).abs() < 1e-9 * equal && densities[0] == densities[1]);
         // A cup of a tenth has 64 texels across where four times the density leave it so many.
         let room = [object(432.0, 12.0), object(0.05, 0.1)];
-        let densities = super::densities(&room, BUDGET, 1024);
+        let densities = super::densities(&room, BUDGET, 1024, false);
         let across = densities[1] * 0.1;
         assert!(
             (densities[1] / densities[0] - 4.0).abs() < 1e-9 && across < 64.0,
@@ -192,7 +231,7 @@ mod tests {
         let mut room = vec![object(214.0, 10.0)];
         room.extend((0..16).map(|_| object(2.2, 0.9)));
         room.extend((0..200).map(|_| object(0.05, 0.1)));
-        let densities = densities(&room, BUDGET, 1024);
+        let densities = densities(&room, BUDGET, 1024, false);
         let equal = (BUDGET / room.iter().map(|o| o.area).sum::<f64>()).sqrt();
         assert!(densities[0] > 0.77 * equal, "{} of {equal}", densities[0]);
         let most = densities.iter().copied().fold(0.0, f64::max);
@@ -204,12 +243,15 @@ mod tests {
         let walls: Vec<Object> = (1..=20)
             .map(|k| object(f64::from(k), 3.0 + 0.1 * f64::from(k)))
             .collect();
-        let densities = densities(&walls, BUDGET, 1024);
+        let densities = densities(&walls, BUDGET, 1024, false);
         for d in &densities {
             assert!((d / densities[0] - 1.0).abs() < 1e-9, "{densities:?}");
         }
         assert_eq!(
-            shares_of(&walls[..1], &super::densities(&walls[..1], BUDGET, 1024)),
+            shares_of(
+                &walls[..1],
+                &super::densities(&walls[..1], BUDGET, 1024, false)
+            ),
             [1.0]
         );
     }
@@ -217,7 +259,7 @@ mod tests {
     #[test]
     fn a_centimetre_beside_ten_kilometres_is_seen() {
         let scene = [object(5e7, 1e4), object(6e-4, 0.01)];
-        let densities = densities(&scene, BUDGET, 1024);
+        let densities = densities(&scene, BUDGET, 1024, false);
         assert!(
             (densities[1].powi(2) * 6e-4 - FLOOR).abs() < 1e-6,
             "{densities:?}"
@@ -235,7 +277,7 @@ mod tests {
             object(1.37e4, 130.0),
         ];
         let budget = 5e5;
-        let densities = densities(&scene, budget, 1024);
+        let densities = densities(&scene, budget, 1024, false);
         let equal = (budget / scene.iter().map(|o| o.area).sum::<f64>()).sqrt();
         let across = densities[3] * 130.0;
         assert!(across <= equal * 560.0 * (1.0 + 1e-9), "{across}");
@@ -248,13 +290,13 @@ mod tests {
         let mut scene = vec![object(1e4, 100.0), object(100.0, 10.0), object(100.0, 10.0)];
         scene[1].asked = Some(7.5);
         scene[2].included = false;
-        let densities = densities(&scene, BUDGET, 1024);
+        let densities = densities(&scene, BUDGET, 1024, false);
         assert_eq!(densities[1], 7.5);
         assert_eq!(densities[2], 0.0);
         let many: Vec<Object> = (0..10_000)
             .map(|k| object(3.0, if k < 2 { 8.0 } else { 1.0 }))
             .collect();
-        let densities = super::densities(&many, BUDGET, 1024);
+        let densities = super::densities(&many, BUDGET, 1024, false);
         shares_of(&many, &densities);
         assert!(
             densities[9] < 16.0 && densities[9] > 4.0,

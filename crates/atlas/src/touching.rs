@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use scene::Scene;
 
 /// Cosine of the turn from which two surfaces are not one: 60 degrees.
-const TURN: f64 = 0.5;
+pub(crate) const TURN: f64 = 0.5;
 
 /// Texels side by side are as many texels apart in space at most, where they are of one surface.
 const JUMP: f64 = 8.0;
@@ -33,6 +33,15 @@ impl Place {
 
 /// Texels of some rows of a page: the surface of each, and whether it holds another that this does not go on in.
 type Rows = Vec<Option<(Place, bool)>>;
+
+/// Share of the texels from which charts that touch are told of, or packed apart.
+pub const LEAST_TOUCHING: f64 = 1e-3;
+
+/// True where enough look-ups of the atlas mix surfaces to be told of.
+pub(crate) fn is_touching(scene: &Scene, atlas: &Atlas) -> bool {
+    let texels = touching(scene, atlas).map_or(0, |found| found.0);
+    texels as f64 >= LEAST_TOUCHING * atlas.audit.texels.max(1) as f64
+}
 
 /// How many texels hold, or have beside them, a surface that their own does not go on in, and one of the instances
 /// that have any.

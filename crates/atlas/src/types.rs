@@ -124,6 +124,10 @@ pub struct Options {
     pub page_size: u32,
     /// `--density`: texels per scene unit of every object; `None` shares the texels by the rule of `share.rs`.
     pub density: Option<f64>,
+    /// `--density even`: all objects without a density that was asked for have one, the largest that fits the pages.
+    pub even: bool,
+    /// What of a chart is not seen becomes a chart of its own.
+    pub cut_hidden: bool,
     /// Texels that stay empty around every chart that is packed, and around every object's rectangle: two charts are
     /// twice as many apart, and a chart is as many from the page's edge.
     pub gutter: u32,
@@ -145,6 +149,8 @@ impl Default for Options {
             uv: UvMode::Auto,
             page_size: 1024,
             density: None,
+            even: false,
+            cut_hidden: false,
             gutter: 2,
             density_of: Vec::new(),
             include: Vec::new(),

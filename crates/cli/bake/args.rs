@@ -127,10 +127,10 @@ pub struct Job {
     /// Page edge in texels
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=16384))]
     pub size: u32,
-    /// Texels per scene unit of every object; pages are added as needed [default: one page, shared so that no large object
-    /// ruins the rest]
-    #[arg(long, value_name = "D", value_parser = positive)]
-    pub density: Option<f64>,
+    /// Texels per scene unit of every object, for which pages are added as needed; `even` is one for all, the largest that fits the
+    /// pages [default: one page, shared so that no large object ruins the rest]
+    #[arg(long, value_name = "D|even", value_parser = density)]
+    pub density: Option<Density>,
     /// Texels per scene unit of the objects with this name; * and ? are wildcards, and the flag may be repeated
     #[arg(long, value_name = "NAME=D", value_parser = density_of)]
     pub density_of: Vec<(String, f64)>,
@@ -146,9 +146,9 @@ pub struct Job {
     #[arg(long, value_name = "NAME")]
     pub no_cast: Vec<String>,
     /// Eye points in scene units, and boxes between two corners, separated by semicolons: charts that none of them sees take
-    /// one texel
-    #[arg(long, value_name = "X,Y,Z[:X,Y,Z][;..]", allow_hyphen_values = true, value_delimiter = ';', value_parser = eyes)]
-    pub seen_from: Vec<Vec<[f64; 3]>>,
+    /// one texel; `auto` finds the outsides of rooms, which nobody within sees
+    #[arg(long, value_name = "auto|X,Y,Z[:X,Y,Z][;..]", allow_hyphen_values = true, value_delimiter = ';', value_parser = eyes)]
+    pub seen_from: Vec<Eyes>,
     /// Pages of --size: auto takes one, and more where a density needs them or the charts do not fit; a number is the most
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = pages)]
     pub pages: ambake::Pages,
@@ -343,15 +343,43 @@ fn density_of(text: &str) -> Result<(String, f64), String> {
     Ok((name.into(), positive(density)?))
 }
 
-/// An eye point, or 27 of a box: corners, middles of edges and faces, and the centre.
-fn eyes(text: &str) -> Result<Vec<[f64; 3]>, String> {
+/// What `--density` asks for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Density {
+    /// Texels per scene unit.
+    Of(f64),
+    /// One for all.
+    Even,
+}
+
+fn density(text: &str) -> Result<Density, String> {
+    match text {
+        "even" => Ok(Density::Even),
+        _ => positive(text).map(Density::Of),
+    }
+}
+
+/// What `--seen-from` asks for.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Eyes {
+    /// Wherever people stand in rooms.
+    Within,
+    /// These places.
+    At(Vec<[f64; 3]>),
+}
+
+/// `auto`, an eye point, or 27 of a box: corners, middles of edges and faces, and the centre.
+fn eyes(text: &str) -> Result<Eyes, String> {
+    if text == "auto" {
+        return Ok(Eyes::Within);
+    }
     let Some((low, high)) = text.split_once(':') else {
-        return Ok(vec![triple(text)?]);
+        return Ok(Eyes::At(vec![triple(text)?]));
     };
     let (low, high) = (triple(low)?, triple(high)?);
     let at = |k: usize, axis: usize| low[axis] + (high[axis] - low[axis]) * 0.5 * k as f64;
     let point = |k: usize| [at(k % 3, 0), at(k / 3 % 3, 1), at(k / 9, 2)];
-    Ok((0..27).map(point).collect())
+    Ok(Eyes::At((0..27).map(point).collect()))
 }
 
 /// A number of bytes: `8G`, `512M`, `1.5GiB`; without a unit, bytes. Units are powers of 1024.

@@ -10,12 +10,21 @@ use ambake::{
 pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, ambake::Error> {
     let mut options = Options::default();
     options.size = job.size;
-    options.density = job.density;
+    match job.density {
+        Some(args::Density::Of(density)) => options.density = Some(density),
+        Some(args::Density::Even) => options.even_density = true,
+        None => {}
+    }
     options.density_of = job.density_of.clone();
     options.include = job.include.clone();
     options.exclude = job.exclude.clone();
     options.no_cast = job.no_cast.clone();
-    options.seen_from = job.seen_from.iter().flatten().copied().collect();
+    for eyes in &job.seen_from {
+        match eyes {
+            args::Eyes::Within => options.seen_from_within = true,
+            args::Eyes::At(places) => options.seen_from.extend(places),
+        }
+    }
     options.pages = job.pages;
     options.one_page_per_mesh = job.one_page_per_mesh;
     options.uv = match job.uv {

@@ -52,3 +52,4 @@ pub use matte::{alpha, over};
 pub use picture::{Sample, picture};
 pub use progress::Part;
 pub use rays::{Lamps, Light};
+pub use viewpoint::places_within;

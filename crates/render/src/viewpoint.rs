@@ -100,6 +100,28 @@ impl Framing {
     }
 }
 
+/// Places in a scene from which people look, where most of the free space in its box is closed; none elsewhere.
+pub fn places_within(world: &World, backend: &dyn RayBackend) -> Vec<DVec3> {
+    let room = Room {
+        backend,
+        up: DVec3::Y,
+        focus: focus(world).unwrap_or(world.bounds()),
+    };
+    let places = room.places();
+    match is_closed(&places) {
+        true => (places.iter().filter(|place| place.1 >= CLOSED))
+            .map(|place| place.0)
+            .collect(),
+        false => Vec::new(),
+    }
+}
+
+/// True where most of the free space is closed.
+fn is_closed(places: &[Place]) -> bool {
+    let closed = places.iter().filter(|place| place.1 >= CLOSED).count();
+    closed >= 2 && 5 * closed >= 3 * places.len()
+}
+
 /// A place where there is room, and how many directions meet fronts there.
 type Place = (DVec3, u32);
 
@@ -161,11 +183,7 @@ impl Room<'_> {
 
     /// Eye and look-at point inside, where most of the free space is closed.
     fn closed(&self, places: &[Place]) -> Option<[DVec3; 2]> {
-        let closed = places
-            .iter()
-            .filter(|(_, fronts)| *fronts >= CLOSED)
-            .count();
-        (closed >= 2 && 5 * closed >= 3 * places.len()).then(|| self.best(places, CLOSED))?
+        is_closed(places).then(|| self.best(places, CLOSED))?
     }
 
     /// Eye and look-at point that show most, at a place where so many directions meet fronts.

@@ -175,7 +175,7 @@ impl LayoutReport {
             short(*max),
             short(*median),
             match max / min {
-                UNEVEN.. => ", uneven: `--density D` makes them alike",
+                UNEVEN.. => ", uneven: `--density even` makes them alike",
                 _ => "",
             },
         );

@@ -115,7 +115,13 @@ fn named(py: Python<'_>, name: &str, error: PyErr) -> PyErr {
 fn one(mut bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
     Ok(match name {
         "size" => bake.size(value.extract()?),
-        "density" => bake.density(value.extract()?),
+        "density" => match value.cast::<PyString>() {
+            Ok(_) => {
+                word(value, &[("even", ())])?;
+                bake.even_density()
+            }
+            Err(_) => bake.density(value.extract()?),
+        },
         "density_of" => {
             let each: Vec<(String, f64)> = value.cast::<PyDict>()?.items().extract()?;
             each.into_iter()
@@ -124,7 +130,13 @@ fn one(mut bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
         "include" => texts(value)?.into_iter().fold(bake, Bake::include),
         "exclude" => texts(value)?.into_iter().fold(bake, Bake::exclude),
         "no_cast" => texts(value)?.into_iter().fold(bake, Bake::no_cast),
-        "seen_from" => bake.seen_from(value.extract::<Vec<[f64; 3]>>()?),
+        "seen_from" => match value.cast::<PyString>() {
+            Ok(_) => {
+                word(value, &[("auto", ())])?;
+                bake.seen_from_within()
+            }
+            Err(_) => bake.seen_from(value.extract::<Vec<[f64; 3]>>()?),
+        },
         "pages" => bake.pages(match value.cast::<PyString>() {
             Ok(_) => word(value, &[("auto", Pages::Auto)])?,
             Err(_) => Pages::Most(value.extract()?),

@@ -88,21 +88,50 @@ fn a_usable_set_is_kept_as_it_stands() {
 fn charts_of_a_file_that_touch_are_told_of_and_gaps_are_not() {
     let of = |cube: Mesh| {
         let scene = scene(vec![cube], &[(0, 0, DAffine3::IDENTITY)]);
-        let atlas = auto(&scene, 96);
+        let atlas = layout(&scene, &options(UvMode::Keep, 96, None), &|| false).unwrap();
         assert_eq!(atlas.source, UvSource::Kept { set: 0 });
         ambake_atlas::touching(&scene, &atlas)
     };
     assert_eq!(of(cube()), None);
-    // Each face fills its sixth of the page: 32 x 48 texels. Along two lines down the page and one across, which are
-    // borders of tiles too, a texel on either side has a neighbour of another face, those in the corners twice.
+    // Along two lines down the page and one across, which are borders of tiles too, a texel on either side has a
+    // neighbour of another face, those in the corners twice.
+    let count = 2 * (2 * 96 + 96) - 4 * 2;
+    assert_eq!(of(crowded_cube()), Some((count, 0)));
+}
+
+/// A cube of which each face fills its sixth of the page: of 96 texels 32 x 48.
+fn crowded_cube() -> Mesh {
     let mut full = cube();
     for (k, uv) in full.uv_sets[0].iter_mut().enumerate() {
         let [column, row] = [k / 4 % 3, k / 12].map(|cell| cell as f32);
         let [right, up] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]][k % 4];
         *uv = Vec2::new((column + right) / 3.0, (row + up) / 2.0);
     }
-    let count = 2 * (2 * 96 + 96) - 4 * 2;
-    assert_eq!(of(full), Some((count, 0)));
+    full
+}
+
+#[test]
+fn charts_of_a_file_that_touch_are_packed_apart_in_their_own_shapes() {
+    let places = [(0, 0, DAffine3::IDENTITY), (0, 1, moved(3.0, 0.0, 0.0))];
+    for places in [&places[..1], &places] {
+        let scene = scene(vec![crowded_cube()], places);
+        let atlas = auto(&scene, 128);
+        assert_eq!(atlas.source, UvSource::Unwrapped, "{:?}", atlas.notes);
+        assert!(atlas.notes[0].contains("packed apart"), "{:?}", atlas.notes);
+        assert_clean(&atlas);
+        assert_eq!(ambake_atlas::touching(&scene, &atlas), None);
+        assert_eq!(atlas.chart_count, 6);
+        // Faces of 2 by 3, of one size, as they stand or turned.
+        let (own, scale) = (&atlas.meshes[0], Vec2::from(atlas.placements[0].scale));
+        let at = |v: u32| own.uvs[v as usize] * scale;
+        let side = |a: u32, b: u32| at(a).distance(at(b));
+        for face in own.triangles.chunks(2) {
+            let [a, b, c] = face[0];
+            let mut sides = [side(a, b), side(b, c)];
+            sides.sort_by(f32::total_cmp);
+            assert!((sides[1] / sides[0] - 1.5).abs() < 1e-4, "{sides:?}");
+        }
+    }
 }
 
 #[test]

@@ -16,12 +16,12 @@ OPTIONS: tuple[str, ...]
 
 class Options(TypedDict, total=False):
     size: int
-    density: float
+    density: Union[float, Literal["even"]]
     density_of: Mapping[str, float]
     include: Union[str, Sequence[str]]
     exclude: Union[str, Sequence[str]]
     no_cast: Union[str, Sequence[str]]
-    seen_from: Sequence[_Rgb]
+    seen_from: Union[Sequence[_Rgb], Literal["auto"]]
     pages: Union[int, Literal["auto"]]
     one_page_per_mesh: bool
     uv: Literal["auto", "keep", "unwrap"]

@@ -1,0 +1,100 @@
+//! The outsides of rooms, which nobody within sees.
+
+use crate::seen::is_seen;
+use atlas::{Atlas, SurfacePoint};
+use glam::{DVec2, DVec3, Vec2};
+use rays::{Ray, RayBackend, World};
+use std::f64::consts::{PI, TAU};
+
+/// Rays over the hemisphere of a point. It is outside where at least every fourth of them leaves the scene.
+const RAYS: u32 = 32;
+const LEAVING: u32 = RAYS / 4;
+
+/// Points by which the texels of outsides are counted.
+const POINTS: u32 = 1024;
+
+/// The outsides of a scene of rooms.
+pub(crate) struct Shell<'a> {
+    world: &'a World,
+    backend: &'a dyn RayBackend,
+    /// Places within, in the file's coordinates.
+    eyes: Vec<[f64; 3]>,
+}
+
+impl<'a> Shell<'a> {
+    /// `None` where most of the free space among the scene's surfaces is open: there people look from anywhere.
+    pub fn of(world: &'a World, backend: &'a dyn RayBackend) -> Option<Self> {
+        let places = render::places_within(world, backend).into_iter();
+        let eyes: Vec<[f64; 3]> = places.map(|p| (p + world.origin()).to_array()).collect();
+        (!eyes.is_empty()).then_some(Self {
+            world,
+            backend,
+            eyes,
+        })
+    }
+
+    /// True where a point looks out of the scene and none of the places within sees it.
+    pub fn hides(&self, point: &SurfacePoint) -> bool {
+        let corners = self.world.corners(point.instance, point.triangle);
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        let bounds = self.world.bounds();
+        let place: DVec3 = (corners.iter().zip(point.weights))
+            .map(|(&p, w)| p * w)
+            .sum();
+        // Far enough off the surface for rays in 32 bits.
+        let origin = place + normal * (1e-5 * bounds.diagonal());
+        let leaves = |k: &u32| {
+            let up = (f64::from(*k) + 0.5) / f64::from(RAYS);
+            let (y, x) = (f64::from(*k) * PI * (3.0 - 5.0f64.sqrt()))
+                .rem_euclid(TAU)
+                .sin_cos();
+            let (u, v) = normal.any_orthonormal_pair();
+            let direction = normal * up + (u * x + v * y) * (1.0 - up * up).sqrt();
+            let ray = Ray {
+                origin: origin.as_vec3().to_array(),
+                direction: direction.as_vec3().to_array(),
+                t_min: 0.0,
+                t_max: f32::INFINITY,
+            };
+            !self.backend.occluded(&ray)
+        };
+        let leaving = (0..RAYS).filter(leaves).take(LEAVING as usize).count();
+        leaving as u32 == LEAVING && !is_seen(&self.eyes, point, self.world, self.backend)
+    }
+
+    /// The share of an atlas's texels that lie on outsides.
+    pub fn share(&self, atlas: &Atlas) -> f64 {
+        let scene = self.world.scene();
+        let placed = scene.instances.iter().zip(&atlas.placements);
+        let triangles: Vec<(u32, u32, f64)> = (0..)
+            .zip(placed)
+            .filter(|(_, (_, placement))| placement.is_somewhere())
+            .flat_map(|(i, (instance, placement))| {
+                let layout = &atlas.meshes[instance.mesh as usize];
+                let scale = Vec2::from(placement.scale).as_dvec2();
+                (0..).zip(&layout.triangles).map(move |(t, corners)| {
+                    let at = |k: usize| layout.uvs[corners[k] as usize].as_dvec2() * scale;
+                    let [a, b, c]: [DVec2; 3] = [at(0), at(1), at(2)];
+                    (i, t, (b - a).perp_dot(c - a).abs())
+                })
+            })
+            .collect();
+        let whole: f64 = triangles.iter().map(|triangle| triangle.2).sum();
+        let step = whole / f64::from(POINTS);
+        let (mut along, mut next, mut hidden) = (0.0, 0.5 * step, 0);
+        for (instance, triangle, area) in triangles {
+            along += area;
+            while next < along {
+                let point = SurfacePoint {
+                    instance,
+                    triangle,
+                    weights: [1.0 / 3.0; 3],
+                };
+                hidden += u32::from(self.hides(&point));
+                next += step;
+            }
+        }
+        f64::from(hidden) / f64::from(POINTS)
+    }
+}
