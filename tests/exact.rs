@@ -17,7 +17,7 @@ mod polygon;
 mod scenes;
 mod statistics;
 
-use crate::support::{Page, bake};
+use crate::support::{Page, bake_kept};
 use footprint::{Point, Texel, averages};
 use glam::DVec3;
 use mesh::Mesh;
@@ -136,7 +136,7 @@ fn bake_terms(
         "--exponent", &exponent.to_string(), "--specular", "0.5,0.5,0.5", "--pattern", "independent", "--shading", "exact", "--seams", "off", "--only", &layers.join(","),
         "--seed", &std::env::var("AMBAKE_TEST_SEED").unwrap_or("0".into()),
     ];
-    bake(file, &arguments).1
+    bake_kept(file, &arguments).1
 }
 
 fn check_coverage(file: &Path, page: &Page, texels: &BTreeMap<(usize, usize), Texel>) {

@@ -85,9 +85,10 @@ fn sane(name: &str, size: usize, least_coverage: f64) -> Option<Value> {
 }
 
 #[test]
-fn gazebo_keeps_its_own_uvs() {
+fn gazebo_keeps_the_shapes_of_its_own_charts_which_touch() {
     if let Some(json) = sane("gazebo/gazebo.obj", 256, 0.3) {
-        assert_eq!(json["atlas"]["source"], "kept", "{}", json["atlas"]);
+        // Packed anew; what the author gave them stays.
+        assert_eq!(json["atlas"]["source"], "unwrapped", "{}", json["atlas"]);
     }
 }
 

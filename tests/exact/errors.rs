@@ -3,7 +3,7 @@
 use super::footprint::{Point, averages};
 use super::mesh::Mesh;
 use super::{View, error_layer, exact, pick};
-use crate::support::{bake, report, run, scene};
+use crate::support::{bake, bake_kept, report, run, scene};
 use glam::DVec3;
 
 /// Scenes with their page edges: every texel of their receivers has a known value.
@@ -34,7 +34,7 @@ fn errors(terms: &[&str], arguments: &[&str], seeds: std::ops::Range<u32>) -> (V
             let mut all = vec!["--size", &edge, "--seed", &seed, "--only", only];
             all.extend(["--seams", "off"]);
             all.extend(arguments);
-            let (_folder, page) = bake(&scene(name), &all);
+            let (_folder, page) = bake_kept(&scene(name), &all);
             for (&(x, y), texel) in &texels {
                 let at = y * size + x;
                 for term in terms {
@@ -101,7 +101,7 @@ fn a_share_of_the_value_is_enough_where_it_is_more() {
         // Seams move values after errors are counted.
         let base = ["--size", "32", "--seams", "off", "--target-error", "0.005"];
         let only = ["--only", "diffuse,error,rays"];
-        bake(&scene("trench.obj"), &[&base[..], &only, more].concat())
+        bake_kept(&scene("trench.obj"), &[&base[..], &only, more].concat())
     };
     let (_folder, strict) = asked(&[]);
     let (folder, eased) = asked(&["--target-relative", "0.04"]);
@@ -132,7 +132,7 @@ fn a_texel_sampled_at_its_centre_has_the_value_of_that_point() {
     let receivers = Mesh::read(&scene("wall_finite.obj"));
     let only = "diffuse,error,position,normal";
     let arguments = ["--size", "16", "--rays", "4096", "--footprint", "centre"];
-    let (_folder, page) = bake(
+    let (_folder, page) = bake_kept(
         &scene("wall_finite.obj"),
         &[&arguments[..], &["--only", only]].concat(),
     );
@@ -168,8 +168,10 @@ fn a_texel_sampled_at_its_centre_has_the_value_of_that_point() {
 #[test]
 fn halves_of_the_rays_differ_by_what_the_error_says() {
     let only = "diffuse,visibility,error,error.visibility,half.diffuse,half.visibility";
-    let arguments = ["--size", "64", "--rays", "30", "--only", only];
-    let (_folder, page) = bake(&scene("trench.obj"), &arguments);
+    let arguments = [
+        "--size", "64", "--rays", "30", "--seams", "off", "--only", only,
+    ];
+    let (_folder, page) = bake_kept(&scene("trench.obj"), &arguments);
     for (half, error) in [
         ("half.diffuse", "error"),
         ("half.visibility", "error.visibility"),
@@ -249,7 +251,10 @@ fn denoised_pages_hold_what_was_asked_and_compose_from_denoised_terms() {
 
 #[test]
 fn a_page_states_its_rmse_a_bound_and_its_worst_texel() {
-    let (folder, page) = bake(&scene("trench.obj"), &["--size", "32", "--rays", "64"]);
+    let (folder, page) = bake_kept(
+        &scene("trench.obj"),
+        &["--size", "32", "--rays", "64", "--seams", "off"],
+    );
     let stated = &report(folder.path())["pages"][0];
     let number = |key: &str| stated[key].as_f64().unwrap_or(f64::NAN);
     let covered: Vec<usize> = (0..32 * 32)

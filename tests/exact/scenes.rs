@@ -5,7 +5,7 @@ use super::glb;
 use super::mesh::Mesh;
 use super::polygon::{Shares, shares};
 use super::{Comparison, LIMIT, View, agree_with, exact, setting};
-use crate::support::{backends, bake, report, scene};
+use crate::support::{backends, bake_kept, report, scene};
 use bench::exact::{Open, round, shapes};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
@@ -49,7 +49,7 @@ fn paper(name: &str, (x, z): (f64, f64), paper: Open, within: f64) {
 #[test]
 fn open_plane_agrees_by_closed_form_and_by_rays() {
     agree("plane.obj", 16, &backends()[..1]);
-    let (_folder, page) = bake(
+    let (_folder, page) = bake_kept(
         &scene("plane.obj"),
         &["--size", "16", "--rays", "64", "--plan-off", "open"],
     );
@@ -243,7 +243,7 @@ fn instances_bake_as_their_flattened_twin() {
     let twin = Mesh::read(&scene("instances_twin.obj"));
     let file = scene("instances.gltf");
     // ambake lays the objects out anew, so the written GLB says where the floor went.
-    let (folder, _page) = bake(&file, &["--size", "80", "--rays", "1"]);
+    let (folder, _page) = bake_kept(&file, &["--size", "80", "--rays", "1"]);
     let floor = glb::receiver(&folder.path().join("instances.glb"), "receiver_floor");
     let flat = each(&scene("instances_twin.obj"), &backends()[..1]);
     for (receivers, size, bakes) in [(&twin, 16, flat), (&floor, 80, each(&file, &backends()))] {
@@ -273,7 +273,7 @@ fn closed_rooms_are_exactly_dark() {
                 "--size", &size.to_string(), "--rays", &rays.to_string(), "--backend", backend,
                 "--exponent", "5", "--specular", "0.5,0.5,0.5",
             ];
-            let (folder, page) = bake(&scene(name), &arguments);
+            let (folder, page) = bake_kept(&scene(name), &arguments);
             let covered: Vec<usize> = (0..size * size)
                 .filter(|&i| page.plane("coverage")[i] > 0.0)
                 .collect();
