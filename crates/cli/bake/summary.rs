@@ -63,7 +63,7 @@ pub fn summary(report: &BakeReport, verbose: bool, dir: &Path) -> String {
     }
     if let Some(seams) = &report.seams {
         text += &format!(
-            "seams: steps of RMS {:.5}, at most {:.5}; before {:.5} and {:.5}; texels moved by RMS {:.5} for it: {}\n",
+            "seams: steps of RMS {:.5}, at most {:.5}; before {:.5} and {:.5}; texels moved by RMS {:.5} for it: {}{}\n",
             seams.rms_after,
             seams.max_after,
             seams.rms_before,
@@ -73,6 +73,10 @@ pub fn summary(report: &BakeReport, verbose: bool, dir: &Path) -> String {
                 ..STEP => "no step shows",
                 _ if seams.rms_after < STEP => "a few may show",
                 _ => "steps may show",
+            },
+            match seams.rms_moved > rmse {
+                true => "; that is more than the rays leave: a larger --size lowers it",
+                false => "",
             }
         );
     }
