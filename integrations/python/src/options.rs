@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 /// Every option, as its flag is called with underscores.
-pub const NAMES: [&str; 40] = [
+pub const NAMES: [&str; 42] = [
     "size",
     "density",
     "density_of",
