@@ -310,8 +310,8 @@ fn outsides_of_rooms_are_told_of_and_found_without_coordinates() {
     let density = |plan: &Value, name: &str| number(&object(&plan["layout"], name)["density"]);
     let (plain, auto) = (plan(&[]), plan(&["--seen-from=auto"]));
     assert_eq!((told(&plain), told(&auto)), (1, 0), "{plain}");
-    // Of each slab one large side is seen, and the other is as large: what is seen has nearly twice the texels. The density of an object
-    // counts what nobody sees too.
+    // Of each slab one large side is seen, and the other is as large: what is seen has nearly twice the texels.
+    // The density of an object counts what nobody sees too.
     let more = density(&auto, "table") / density(&plain, "table");
     assert!(more > 1.3, "{more}");
     assert!(density(&auto, "floor") > density(&plain, "floor"));
@@ -336,7 +336,8 @@ fn an_even_density_is_one_for_all_and_the_largest_that_fits() {
         densities.iter().all(|d| (d / first - 1.0).abs() < 1e-4),
         "{densities:?}"
     );
-    // They are measured on coordinates of 32 bits. The ground of 2,000 units nearly fills the page with its gutters of 2.
+    // They are measured on coordinates of 32 bits. The ground of 2,000 units nearly fills the page with its
+    // gutters of 2.
     assert!((0.22..=0.254).contains(&first), "{first}");
     let two = planned(&[text(&file), "--size=512", "--density=even", "--pages=2"]);
     let two = number(&object(&two, "ground")["density"]);

@@ -191,7 +191,8 @@ pub fn bake(scene: &Path, arguments: &[&str]) -> (tempfile::TempDir, Page) {
     (folder, page)
 }
 
-/// [`bake`] with the scene's own coordinates as they stand, though charts may touch: every texel is where its author put it.
+/// [`bake`] with the scene's own coordinates as they stand, though charts may touch: every texel is where its
+/// author put it.
 pub fn bake_kept(scene: &Path, arguments: &[&str]) -> (tempfile::TempDir, Page) {
     bake(scene, &[&["--uv", "keep"], arguments].concat())
 }

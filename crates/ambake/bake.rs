@@ -129,7 +129,8 @@ impl Bake {
         self
     }
 
-    /// Charts on the outsides of a scene of rooms, which nobody within sees, take one texel; their texels go to the others.
+    /// Charts on the outsides of a scene of rooms, which nobody within sees, take one texel; their texels go to
+    /// the others.
     pub fn seen_from_within(mut self) -> Self {
         self.options.seen_from_within = true;
         self
@@ -278,8 +279,8 @@ impl Bake {
         self
     }
 
-    /// One more light: a sun, a point light, a spot, a ball or a panel, in scene units. Its light arrives straight, with shadows; with
-    /// [`Bake::bounces`] surfaces send it on.
+    /// One more light: a sun, a point light, a spot, a ball or a panel, in scene units. Its light arrives
+    /// straight, with shadows; with [`Bake::bounces`] surfaces send it on.
     pub fn light(mut self, light: Light) -> Self {
         self.options.lights.push(light);
         self

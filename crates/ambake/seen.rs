@@ -1,4 +1,5 @@
-//! Whether a point of a surface can be seen: by `--seen-from` from some places or within rooms, and not inside of another body.
+//! Whether a point of a surface can be seen: by `--seen-from` from some places or within rooms, and not inside
+//! of another body.
 
 use crate::options::Options;
 use crate::shell::Shell;

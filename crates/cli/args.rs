@@ -34,7 +34,8 @@ fn is_scene(path: &Path) -> bool {
     ["obj", "gltf", "glb"].iter().any(|known| ending == *known)
 }
 
-/// A number below 0 is the value of its flag, which says what belongs there, and no unknown flag. Of a flag that stands twice the last one counts.
+/// A number below 0 is the value of its flag, which says what belongs there, and no unknown flag. Of a flag
+/// that stands twice the last one counts.
 fn lenient(command: Command) -> Command {
     let command = command.mut_args(|arg| {
         let is_value = !arg.is_positional() && arg.get_action().takes_values();

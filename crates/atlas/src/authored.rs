@@ -1,10 +1,10 @@
 //! Charts of the file's own coordinates, to be packed apart where they stand side by side without a gutter.
 //!
-//! A chart keeps its shape: it is moved, turned by quarters and scaled, with all charts of its mesh by one factor. So what the author
-//! gave to one chart more than to another, it keeps.
+//! A chart keeps its shape: it is moved, turned by quarters and scaled, with all charts of its mesh by one
+//! factor. So what the author gave to one chart more than to another, it keeps.
 
 use crate::MeshLayout;
-use crate::charts::Sheet;
+use crate::charts::{Sheet, users};
 use crate::measure::{join, mesh_area, root, uv_area, world_area};
 use crate::touching::TURN;
 use scene::{Mesh, Scene};
@@ -16,16 +16,7 @@ pub(crate) fn authored_sheets(
     included: &[bool],
     layouts: &[MeshLayout],
 ) -> Vec<Sheet> {
-    let mut instances = vec![Vec::new(); scene.meshes.len()];
-    for (i, instance) in scene
-        .instances
-        .iter()
-        .enumerate()
-        .filter(|&(i, _)| included[i])
-    {
-        instances[instance.mesh as usize].push(i as u32);
-    }
-    let placed = instances.into_iter().enumerate();
+    let placed = users(scene, included).into_iter().enumerate();
     let placed = placed.filter(|(_, users)| !users.is_empty());
     placed
         .map(|(mesh, instances)| sheet(scene, mesh, instances, &layouts[mesh]))
@@ -73,8 +64,8 @@ fn sheet(scene: &Scene, mesh: usize, instances: Vec<u32>, layout: &MeshLayout) -
     sheet
 }
 
-/// The chart of each triangle: sets that hang together by edges at one place, on the surface as by their coordinates, and that do not
-/// turn so far there that look-ups across would mix two surfaces.
+/// The chart of each triangle: sets that hang together by edges at one place, on the surface as by their
+/// coordinates, and that do not turn so far there that look-ups across would mix two surfaces.
 fn charts(mesh: &Mesh, layout: &MeshLayout) -> Vec<u32> {
     let key = |v: u32| {
         let own = layout.source_vertices[v as usize];

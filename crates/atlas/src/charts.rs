@@ -88,22 +88,23 @@ impl Sheet {
     }
 }
 
+/// The instances of each mesh that are included, in order.
+pub(crate) fn users(scene: &Scene, included: &[bool]) -> Vec<Vec<u32>> {
+    let mut users = vec![Vec::new(); scene.meshes.len()];
+    let instances = scene.instances.iter().zip(included).enumerate();
+    for (i, (instance, _)) in instances.filter(|(_, (_, included))| **included) {
+        users[instance.mesh as usize].push(i as u32);
+    }
+    users
+}
+
 /// The charts of every mesh that takes texels, in the order of meshes. `included` says which instances do.
 pub(crate) fn sheets(
     scene: &Scene,
     included: &[bool],
     cancel: &(dyn Fn() -> bool + Sync),
 ) -> Result<Vec<Sheet>, Error> {
-    let mut instances = vec![Vec::new(); scene.meshes.len()];
-    for (i, instance) in scene
-        .instances
-        .iter()
-        .enumerate()
-        .filter(|&(i, _)| included[i])
-    {
-        instances[instance.mesh as usize].push(i as u32);
-    }
-    let placed: Vec<(usize, Vec<u32>)> = instances
+    let placed: Vec<(usize, Vec<u32>)> = users(scene, included)
         .into_iter()
         .enumerate()
         .filter(|(m, users)| !users.is_empty() && !scene.meshes[*m].triangles.is_empty())

@@ -39,7 +39,8 @@ pub(crate) fn hide(sheets: &mut [Sheet], seen: &Seen<'_>, cuts: bool) {
     });
 }
 
-/// Points spread over a triangle of a chart of area `whole`, by place where it stands: as many as its area asks for, one at least.
+/// Points spread over a triangle of a chart of area `whole`, by place where it stands: as many as its area asks
+/// for, one at least.
 fn points(
     sheet: &Sheet,
     whole: f64,

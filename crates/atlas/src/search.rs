@@ -145,7 +145,8 @@ pub(crate) fn search<T: Send>(
             1 => 1.0,
             _ => texels_of(densities) / capacity,
         };
-        // Shapes that leave no texel empty show what pages can hold at most: where even that is too little, nothing is tried.
+        // Shapes that leave no texel empty show what pages can hold at most: where even that is too little,
+        // nothing is tried.
         if pages < most {
             let best = shared(promise(capacity.min(limit), capacity, &grown)?);
             let inside = inside(&best);
@@ -181,7 +182,8 @@ pub(crate) fn search<T: Send>(
     })
 }
 
-/// A budget of at most `most` that no layout exceeds by more than a twentieth: shapes with their gutters share no texel.
+/// A budget of at most `most` that no layout exceeds by more than a twentieth: shapes with their gutters share
+/// no texel.
 fn promise(
     most: f64,
     capacity: f64,

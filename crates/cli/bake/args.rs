@@ -127,8 +127,8 @@ pub struct Job {
     /// Page edge in texels
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=16384))]
     pub size: u32,
-    /// Texels per scene unit of every object, for which pages are added as needed; `even` is one for all, the largest that fits the
-    /// pages [default: one page, shared so that no large object ruins the rest]
+    /// Texels per scene unit of every object, for which pages are added as needed; `even` is one for all, the
+    /// largest that fits the pages [default: one page, shared so that no large object ruins the rest]
     #[arg(long, value_name = "D|even", value_parser = density)]
     pub density: Option<Density>,
     /// Texels per scene unit of the objects with this name; * and ? are wildcards, and the flag may be repeated
@@ -222,8 +222,8 @@ pub struct Job {
     /// Luminous ball at X,Y,Z of this radius that sends the radiance L or R,G,B; may be repeated
     #[arg(long, value_name = "X,Y,Z,RADIUS,L|X,Y,Z,RADIUS,R,G,B", allow_hyphen_values = true, value_parser = sphere)]
     pub sphere: Vec<[f64; 7]>,
-    /// Luminous rectangle with a corner at X,Y,Z and the sides U and V (three numbers each) that sends the radiance L or R,G,B to the side
-    /// to which U x V points; may be repeated
+    /// Luminous rectangle with a corner at X,Y,Z and the sides U and V (three numbers each) that sends the
+    /// radiance L or R,G,B to the side to which U x V points; may be repeated
     #[arg(long, value_name = "X,Y,Z,U,V,L|X,Y,Z,U,V,R,G,B", allow_hyphen_values = true, value_parser = rect)]
     pub rect: Vec<[f64; 12]>,
     /// Memory that the bake may take, such as 8G or 512M; one that would take more is refused before it starts [default: what the

@@ -19,8 +19,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Runs the verb: one scene into `-o DIR`, several into a folder each, `DIR/STEM`; without `-o` each into one beside it. Where one of several fails the others are baked
-/// all the same.
+/// Runs the verb: one scene into `-o DIR`, several into a folder each, `DIR/STEM`; without `-o` each into one
+/// beside it. Where one of several fails the others are baked all the same.
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let stop = Stop::listen()?;
     let [scene] = args.scene.as_slice() else {

@@ -60,8 +60,8 @@ pub struct Args {
     /// Luminous ball at X,Y,Z of this radius that sends the radiance L or R,G,B; may be repeated
     #[arg(long, value_name = "X,Y,Z,RADIUS,L|X,Y,Z,RADIUS,R,G,B", allow_hyphen_values = true, value_parser = sphere)]
     pub sphere: Vec<[f64; 7]>,
-    /// Luminous rectangle with a corner at X,Y,Z and the sides U and V (three numbers each) that sends the radiance L or R,G,B to the side
-    /// to which U x V points; may be repeated
+    /// Luminous rectangle with a corner at X,Y,Z and the sides U and V (three numbers each) that sends the
+    /// radiance L or R,G,B to the side to which U x V points; may be repeated
     #[arg(long, value_name = "X,Y,Z,U,V,L|X,Y,Z,U,V,R,G,B", allow_hyphen_values = true, value_parser = rect)]
     pub rect: Vec<[f64; 12]>,
     /// Occluders farther than this many scene units do not count [default: no limit]

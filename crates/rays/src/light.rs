@@ -83,8 +83,8 @@ pub struct Arrival {
     pub toward: DVec3,
     /// Distance to it; infinite for a distant light.
     pub distance: f64,
-    /// Irradiance of a surface that faces it, linear RGB; of a light with extent what it would be if all came from that direction, whose
-    /// mean over all draws, each with its own cosine, is exact.
+    /// Irradiance of a surface that faces it, linear RGB; of a light with extent what it would be if all came
+    /// from that direction, whose mean over all draws, each with its own cosine, is exact.
     pub irradiance: DVec3,
 }
 
@@ -145,8 +145,8 @@ impl Light {
 
     /// What arrives at a point of empty space; no light at the place of a point light itself.
     ///
-    /// * `u`: a point of the unit square that draws the direction to a light with extent. Balls are drawn by solid angle, rectangles by
-    ///   area.
+    /// * `u`: a point of the unit square that draws the direction to a light with extent. Balls are drawn by
+    ///   solid angle, rectangles by area.
     pub fn at(&self, point: DVec3, u: [f64; 2]) -> Arrival {
         match *self {
             Light::Sphere {

@@ -1,7 +1,7 @@
 //! Scenes far from the origin, brought near it before coordinates are rounded to 32 bits.
 //!
-//! At 100,000 units from the origin neighbouring 32-bit numbers are 1/128 apart, and so are the origins of rays. The distance
-//! ([`scene::far`]) is taken off in 64 bits first.
+//! At 100,000 units from the origin neighbouring 32-bit numbers are 1/128 apart, and so are the origins of
+//! rays. The distance ([`scene::far`]) is taken off in 64 bits first.
 
 use glam::{DAffine3, DVec3};
 use scene::Scene;

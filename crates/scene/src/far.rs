@@ -1,8 +1,8 @@
 //! Scenes far from the origin: the place that 32-bit coordinates should count from, and what 32 bits have lost.
 //!
-//! At 100,000 units from the origin neighbouring 32-bit numbers are 1/128 apart, at 5,000,000 half a unit. So the distance is taken off
-//! in 64 bits first. It is a multiple of a power of two no less than half of what most of the scene spans, so that 32-bit corners
-//! that were modelled far away keep their bits' worth.
+//! At 100,000 units from the origin neighbouring 32-bit numbers are 1/128 apart, at 5,000,000 half a unit. So
+//! the distance is taken off in 64 bits first. It is a multiple of a power of two no less than half of what
+//! most of the scene spans, so that 32-bit corners that were modelled far away keep their bits' worth.
 
 use crate::source::{Input, short};
 use crate::validate::Parts;
@@ -15,8 +15,8 @@ const FAR: f64 = 8.0;
 /// So many points tell where a scene lies, so many triangles how fine a mesh is.
 const SAMPLES: usize = 1 << 14;
 
-/// Points in the first or the last sixteenth of all along an axis do not tell where a scene lies: something may have been left at the
-/// origin.
+/// Points in the first or the last sixteenth of all along an axis do not tell where a scene lies: something may
+/// have been left at the origin.
 const STRAYS: usize = 16;
 
 /// Edges of fewer steps than this, from one 32-bit number to the next, have lost digits.
@@ -70,8 +70,8 @@ pub fn home_of<'a>(placed: impl Iterator<Item = (&'a Mesh, &'a DAffine3)>) -> DV
     home(samples(ends.last().copied().unwrap_or(0)).map(point))
 }
 
-/// Tells of meshes whose 32-bit coordinates lie so far from their origin that details are lost, and of objects that lie so far from
-/// the others that rays lose them.
+/// Tells of meshes whose 32-bit coordinates lie so far from their origin that details are lost, and of objects
+/// that lie so far from the others that rays lose them.
 pub(crate) fn warn(input: &mut Input, format: Format, parts: &Parts) {
     let homes = home_of(
         parts

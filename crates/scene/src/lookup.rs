@@ -139,7 +139,8 @@ fn reduce(t: f64, wrap: Wrap) -> f64 {
     }
 }
 
-/// Index of a texel of the image for one at most one beside it, -1 the first to the left; beside its mirror image for mirror.
+/// Index of a texel of the image for one at most one beside it, -1 the first to the left; beside its mirror
+/// image for mirror.
 fn wrapped(i: i64, size: u32, wrap: Wrap) -> u32 {
     let n = i64::from(size);
     let around = |i: i64, n: i64| match i {

@@ -262,8 +262,8 @@ impl Gather<'_> {
         Coat::of(self.model, full, &texel.material, texel.normal.dot(view)).share
     }
 
-    /// What a light brings by a direction that `u` draws; `None` where no ray needs to be cast. Light from below a facet comes
-    /// through the mirror image of its direction, as that of the sky does.
+    /// What a light brings by a direction that `u` draws; `None` where no ray needs to be cast. Light from
+    /// below a facet comes through the mirror image of its direction, as that of the sky does.
     fn arriving(
         &self,
         light: &Light,

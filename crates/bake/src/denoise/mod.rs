@@ -50,7 +50,8 @@ pub(crate) struct Term<'a> {
     pub halves: Vec<&'a [f32]>,
     /// Standard error of the mean of the channels; 0 where the value is exact.
     pub std_err: &'a [f32],
-    /// Share of what can be seen of a texel that something seals: the term is 0 there, and fits leave it out. `None` where nothing is.
+    /// Share of what can be seen of a texel that something seals: the term is 0 there, and fits leave it out.
+    /// `None` where nothing is.
     pub sealed: Option<&'a [f32]>,
     /// The largest value that there is; the least is 0.
     pub largest: f32,

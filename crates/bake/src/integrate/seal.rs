@@ -1,8 +1,9 @@
 //! Seals: what stands so close above a surface that it takes all light from it.
 //!
-//! A box that stands a millimetre above a floor leaves the floor under it as dark as if it stood on it, and the texels beside it bright.
-//! Smoothing over such a step would blur it, and half of a furnished room's error would lie there. The share of a texel that is sealed
-//! therefore does not count where surfaces are fitted: its light is 0, and the rest is fitted as if the seal were an edge of the surface.
+//! A box that stands a millimetre above a floor leaves the floor under it as dark as if it stood on it, and the
+//! texels beside it bright. Smoothing over such a step would blur it, and half of a furnished room's error
+//! would lie there. The share of a texel that is sealed therefore does not count where surfaces are fitted: its
+//! light is 0, and the rest is fitted as if the seal were an edge of the surface.
 //!
 //! Seals are found by short rays along the normal: from the middle of each dark texel, and from
 //! places all over those where a seal may end.
@@ -23,7 +24,8 @@ const EDGE: [u32; 2] = [4, 8];
 /// A texel is sealed in the middle only where it has no more light than this.
 const DARK: f64 = 0.5;
 
-/// Texels beside the border of a tile that have more light than this are not asked whether a seal ends in them that lies in the next.
+/// Texels beside the border of a tile that have more light than this are not asked whether a seal ends in them
+/// that lies in the next.
 const BRIGHT: f64 = 0.75;
 
 /// A texel and a place of its unit square.
@@ -39,10 +41,10 @@ pub(crate) fn seals(task: &Task<'_>, texels: &[Texel], terms: &[Terms]) -> Vec<f
     for (&(i, _), is_sealed) in middles.iter().zip(sealed(task, texels, &middles)) {
         whole[i] = is_sealed;
     }
-    let beside = Beside::of(texels);
+    let neighbours = Neighbours::of(texels);
     let ends = |&i: &usize| {
-        let is_at_border = beside.is_at_border(i) && light(i) <= BRIGHT;
-        can_be(i) && (is_at_border || beside.of_texel(i).any(|j| whole[j] != whole[i]))
+        let is_at_border = neighbours.is_at_border(i) && light(i) <= BRIGHT;
+        can_be(i) && (is_at_border || neighbours.of_texel(i).any(|j| whole[j] != whole[i]))
     };
     let ends: Vec<usize> = (0..texels.len()).filter(ends).collect();
     let edge = (task.rays / 4).isqrt().clamp(EDGE[0], EDGE[1]);
@@ -50,16 +52,18 @@ pub(crate) fn seals(task: &Task<'_>, texels: &[Texel], terms: &[Terms]) -> Vec<f
     let mut counts: Vec<u32> = whole.iter().map(|&is| all(is)).collect();
     // Corners first: where they agree, the rest mostly does.
     let of_corners = count(task, texels, &ends, edge, |is_corner| is_corner);
-    let apart = |(_, corners): &(usize, u32)| (1..4).contains(corners);
-    let ends = ends.into_iter().zip(of_corners);
-    let (apart, alike): (Vec<(usize, u32)>, Vec<_>) = ends.partition(apart);
-    alike
-        .iter()
-        .for_each(|&(i, corners)| counts[i] = all(corners > 0));
-    let (apart, of_corners): (Vec<usize>, Vec<u32>) = apart.into_iter().unzip();
+    for (&i, &corners) in ends.iter().zip(&of_corners) {
+        counts[i] = match corners {
+            1..4 => corners,
+            _ => all(corners > 0),
+        };
+    }
+    let apart = ends.iter().zip(of_corners);
+    let apart = apart.filter(|(_, corners)| (1..4).contains(corners));
+    let apart: Vec<usize> = apart.map(|(&i, _)| i).collect();
     let of_others = count(task, texels, &apart, edge, |is_corner| !is_corner);
-    for (&i, both) in apart.iter().zip(of_corners.iter().zip(of_others)) {
-        counts[i] = both.0 + both.1;
+    for (&i, others) in apart.iter().zip(of_others) {
+        counts[i] += others;
     }
     let places = f64::from(edge * edge);
     let share = |(i, &count): (usize, &u32)| {
@@ -118,13 +122,13 @@ fn sealed(task: &Task<'_>, texels: &[Texel], places: &[Place]) -> Vec<bool> {
 }
 
 /// Which texels of a tile lie beside each other.
-struct Beside<'a> {
+struct Neighbours<'a> {
     texels: &'a [Texel],
     /// One more than the number of the texel at each place of the tile; 0 where there is none.
     at: [u16; (TILE * TILE) as usize],
 }
 
-impl<'a> Beside<'a> {
+impl<'a> Neighbours<'a> {
     fn of(texels: &'a [Texel]) -> Self {
         let mut at = [0; (TILE * TILE) as usize];
         for (number, texel) in (1..).zip(texels) {

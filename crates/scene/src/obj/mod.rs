@@ -1,5 +1,5 @@
-//! Wavefront OBJ: one [`Mesh`] and one [`Instance`] for each (object or group, material) of the file. It stands where the file says, or,
-//! far from the origin, at one place for all, from which their coordinates count.
+//! Wavefront OBJ: one [`Mesh`] and one [`Instance`] for each (object or group, material) of the file. It stands
+//! where the file says, or, far from the origin, at one place for all, from which their coordinates count.
 //!
 //! The file is read as a stream by a reader of our own, for reasons measured in `vendor-notes/obj.md`: a line costs no
 //! allocation, a face is turned into corners at once, and memory stays near twice the raw data. `tobj` is the referee of
@@ -119,7 +119,8 @@ fn add(input: &mut Input, parts: &mut Parts, mut mesh: Mesh, home: DVec3) -> Res
     Ok(())
 }
 
-/// One mesh a part, material not yet set, whose coordinates count from `home`. Takes the corners and the vertex data out of `file`.
+/// One mesh a part, material not yet set, whose coordinates count from `home`. Takes the corners and the vertex
+/// data out of `file`.
 fn meshes(input: &mut Input, file: &mut File, home: DVec3) -> Vec<Mesh> {
     let mut meshes: Vec<Mesh> = Vec::with_capacity(file.parts.len());
     let (corners, mut triangles) =

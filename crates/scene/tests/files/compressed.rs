@@ -181,3 +181,16 @@ fn damaged_compression_is_refused_in_one_line() {
             .remove("indices");
     });
 }
+
+#[test]
+fn attributes_of_a_stream_may_share_an_accessor() {
+    let folder = Folder::new();
+    // As an exporter writes coordinates that it found equal: the stream has both, the file one accessor.
+    let shared = edited("draco.glb", |json| {
+        let primitive = &mut json["meshes"][0]["primitives"][0];
+        primitive["attributes"]["_AGAIN"] = json!(2);
+        primitive["extensions"]["KHR_draco_mesh_compression"]["attributes"]["_AGAIN"] = json!(0);
+    });
+    let found = folder.load("shared.glb", shared).expect("a scene");
+    assert_same("shared", &found, &scene("draco.glb"));
+}

@@ -18,8 +18,9 @@ const FACES_A_BYTE: u64 = 4096;
 /// The most bytes of decoded attributes in a file: as much as its indices can tell apart in the usual layout.
 const MOST_BYTES: u64 = 16 << 30;
 
-/// Which stream and which of its attributes an accessor was filled from.
-type Filled = BTreeMap<usize, (usize, Option<u64>)>;
+/// Which stream an accessor was filled from. Where several attributes of one stream share an accessor, as coordinates that
+/// an exporter found equal, they are equal, and the first is taken.
+type Filled = BTreeMap<usize, usize>;
 
 /// Decodes every primitive whose accessors have no data of their own. Decoded bytes lie behind the first buffer.
 pub(super) fn decode(document: &mut GltfDocument) -> Result<(), Problem> {
@@ -105,15 +106,7 @@ fn fill(
     };
     total += numbers.len() as u64;
     let shape = json!({ "componentType": kind, "count": 3 * mesh.num_faces() });
-    place(
-        document,
-        indices,
-        &numbers,
-        None,
-        shape,
-        filled,
-        (view, None),
-    )?;
+    place(document, indices, &numbers, None, shape, filled, view)?;
 
     for (name, id) in stream
         .get("attributes")
@@ -129,15 +122,7 @@ fn fill(
         let (rows, stride) = rows(document, accessor, attribute, points)?;
         total += rows.len() as u64;
         let shape = json!({ "count": points });
-        place(
-            document,
-            accessor,
-            &rows,
-            Some(stride),
-            shape,
-            filled,
-            (view, id.as_u64()),
-        )?;
+        place(document, accessor, &rows, Some(stride), shape, filled, view)?;
     }
     Ok(total)
 }
@@ -189,7 +174,7 @@ fn place(
     stride: Option<usize>,
     shape: Value,
     filled: &mut Filled,
-    from: (usize, Option<u64>),
+    from: usize,
 ) -> Result<(), String> {
     let json = list(&document.json, "accessors").get(accessor);
     let json = json.ok_or_else(|| format!("accessor {accessor} does not exist"))?;
