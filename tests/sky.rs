@@ -1,6 +1,6 @@
 //! `bake --sky FILE`: an illumination map in place of the uniform sky, against closed forms and against the maps convolved from it.
 
-use crate::support::{Page, backends, bake, run, scene};
+use crate::support::{Page, backends, bake, run, run_well, scene};
 use maps::{Format, IlluminationMap, Image, Labels, Projection};
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
@@ -123,6 +123,67 @@ fn a_constant_map_bakes_the_bytes_of_a_uniform_sky() {
     {
         assert_eq!(values, map.plane(name), "{name}");
     }
+}
+
+#[test]
+fn a_picture_under_a_map_is_that_of_its_light_with_either_seed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let even = sky(folder.path(), 16, |_| [0.5, 1.0, 2.0]);
+    let shot = |name: &str, more: &[&str]| {
+        let path = folder.path().join(name);
+        let path = path.to_str().expect("UTF-8");
+        let courtyard = scene("courtyard.obj");
+        let courtyard = courtyard.to_str().expect("UTF-8");
+        let common = [
+            "render",
+            courtyard,
+            "-o",
+            path,
+            "--size",
+            "48x27",
+            "--samples",
+            "2",
+            "-q",
+        ];
+        run_well([&common[..], more].concat());
+        maps::read(Path::new(path)).expect("a picture").image.pixels
+    };
+    let even = even.to_str().expect("UTF-8");
+    let map = shot("a.exr", &["--rays", "8", "--sky", even]);
+    assert_eq!(map, shot("b.exr", &["--rays", "8", "--sky", "0.5,1,2"]));
+    // One texel of 256 x 128 holds two thirds of the light.
+    let sun = sky(folder.path(), 256, |[x, y, z]| {
+        [1.0 + 1e4 * f32::from(u8::from(0.6 * x + 0.64 * y + 0.48 * z > 0.9998)); 3]
+    });
+    let sun = [
+        "--sky",
+        sun.to_str().expect("UTF-8"),
+        "--background",
+        "0,0,0",
+    ];
+    for model in ["lambert", "phong", "ggx"] {
+        let mean = |seed: &str| {
+            let more = ["--rays", "64", "--model", model, "--seed", seed];
+            let pixels = shot("c.exr", &[&sun[..], &more].concat());
+            pixels.iter().map(|p| f64::from(p[1])).sum::<f64>() / pixels.len() as f64
+        };
+        let [a, b] = [mean("0"), mean("1")];
+        assert!((a / b - 1.0).abs() < 0.005, "{model}: {a} and {b}");
+    }
+    let folder = folder.path().join("d.png");
+    let output = run([
+        "render".as_ref(),
+        scene("courtyard.obj").as_os_str(),
+        "-o".as_ref(),
+        folder.as_os_str(),
+        "--sky".as_ref(),
+        "night.hdr".as_ref(),
+    ]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        !output.status.success() && said.contains("cannot read night.hdr"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -91,6 +91,7 @@ pub use host::{REVISION, VERSION, peak_memory};
 pub use job::Job;
 pub use layers::{Layer, Preview, Progress, Term, Unit};
 pub use layout::Layout;
+pub use maps;
 pub use merge::Parts;
 pub use object::Object;
 pub use options::{Backend, Effort, Options, Pages, Uv};

@@ -12,7 +12,7 @@ pub(crate) const MAX_RADIANCE: f32 = 1e12;
 /// The sky of a bake: uniform, or an illumination map from a file.
 #[derive(Debug, Clone)]
 pub struct Sky {
-    pub(crate) light: ::bake::Sky,
+    pub(crate) light: maps::Sky,
     /// What outputs say of it: everything that decides its values.
     described: Value,
     /// The picture it was read from.
@@ -23,7 +23,7 @@ impl Sky {
     /// The same radiance from every direction, linear RGB; each channel is finite and at least 0.
     pub fn uniform(radiance: [f32; 3]) -> Self {
         Self {
-            light: ::bake::Sky::Uniform(radiance),
+            light: maps::Sky::Uniform(radiance),
             described: json!(radiance),
             file: None,
         }
@@ -45,24 +45,26 @@ impl Sky {
                 "size": [width, height],
                 "mean": sky.map.mean(),
             }),
-            light: ::bake::Sky::Map(Arc::new(sky.map)),
+            light: maps::Sky::Map(Arc::new(sky.map)),
             file: Some(path.to_owned()),
         })
     }
 
+    /// The light itself, for what takes it elsewhere.
+    pub fn light(&self) -> &maps::Sky {
+        &self.light
+    }
+
     /// Mean radiance over the sphere, linear RGB.
     pub fn mean(&self) -> [f64; 3] {
-        match &self.light {
-            ::bake::Sky::Uniform(radiance) => radiance.map(f64::from),
-            ::bake::Sky::Map(map) => map.mean(),
-        }
+        self.light.mean()
     }
 
     /// The largest radiance, channel by channel.
     pub(crate) fn largest(&self) -> [f32; 3] {
         match &self.light {
-            ::bake::Sky::Uniform(radiance) => *radiance,
-            ::bake::Sky::Map(map) => {
+            maps::Sky::Uniform(radiance) => *radiance,
+            maps::Sky::Map(map) => {
                 let (width, height) = map.size();
                 let excess = (0..(width * height) as u32).map(|texel| map.excess(texel));
                 let most = |a: [f32; 3], b: [f32; 3]| [0, 1, 2].map(|c| a[c].max(b[c]));

@@ -300,7 +300,7 @@ fn page_light<'a>(job: &Job, page: &'a BakedPage) -> Result<PageLight<'a>, Error
         _ => None,
     };
     let source = match options.sky.light {
-        ::bake::Sky::Uniform(sky) if !options.light_varies() => LightSource::Uniform(sky),
+        maps::Sky::Uniform(sky) if !options.light_varies() => LightSource::Uniform(sky),
         _ => LightSource::Irradiance,
     };
     let diffuse = layer(Layer::Diffuse)?;

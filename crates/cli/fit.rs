@@ -11,6 +11,7 @@ use ambient::convention::lobe_scale;
 use anyhow::{Context, bail};
 use clap::Args as ClapArgs;
 use glam::DVec3;
+use maps::Sky;
 use rays::{Overrides, Surfaces};
 use render::{Direct, Error, Fit, Framing, Lamps, Model, Shot, fit};
 use serde_json::{Value, json};
@@ -105,8 +106,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         backend: backend.as_ref(),
         model: Model::Phong,
         rays: args.rays,
-        sky: glam::Vec3::from(args.sky).as_dvec3(),
-        background: DVec3::ZERO,
+        sky: Sky::Uniform(args.sky),
+        background: None,
         lights: &[],
         max_distance: f32::INFINITY,
         seed: args.common.seed,

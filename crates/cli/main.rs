@@ -25,6 +25,7 @@ mod parse;
 mod progress;
 mod project;
 mod render;
+mod sky;
 mod stop;
 mod view;
 

@@ -4,7 +4,7 @@ use crate::args::View as Args;
 use crate::common::{build, text_file};
 use crate::outcome::{Outcome, say};
 use anyhow::bail;
-use glam::DVec3;
+use maps::Sky;
 use rays::{Overrides, RayBackend, SurfaceHit, Surfaces, World};
 use render::{Camera, Direct, Framing, Lamps, Lit, Model, TexelPlace};
 use report::{EmbeddedPage, Kernel, Output, REPORT_NAME, Viewer};
@@ -147,8 +147,8 @@ fn look_at(
         backend,
         model: Model::Lambert,
         rays: 1,
-        sky: DVec3::ONE,
-        background: DVec3::ZERO,
+        sky: Sky::WHITE,
+        background: None,
         lights: &[],
         max_distance: f32::INFINITY,
         seed: 0,

@@ -6,9 +6,8 @@ use ambient::ggx::alpha_of;
 pub use ambient::sampling::PointSet;
 use glam::DVec3;
 use layers::{Layer, Term};
-use maps::SkyMap;
+pub use maps::Sky;
 use rays::{Light, Overrides};
-use std::sync::Arc;
 
 /// Options of one bake. The command line's words are turned into this once; nothing below reads flags.
 #[derive(Debug, Clone, PartialEq)]
@@ -130,41 +129,6 @@ pub enum Seams {
     Scene,
 }
 
-/// Radiance of the sky, linear RGB.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Sky {
-    /// The same from every direction, each channel finite and `>= 0`.
-    Uniform([f32; 3]),
-    /// An illumination map.
-    Map(Arc<SkyMap>),
-}
-
-impl Sky {
-    /// What is the same from every direction.
-    pub(crate) fn floor(&self) -> DVec3 {
-        match self {
-            Sky::Uniform(sky) => DVec3::from(sky.map(f64::from)),
-            Sky::Map(map) => DVec3::from(map.floor()),
-        }
-    }
-
-    /// Mean radiance over the sphere: the constant of the traditional model.
-    pub(crate) fn mean(&self) -> DVec3 {
-        match self {
-            Sky::Uniform(_) => self.floor(),
-            Sky::Map(map) => DVec3::from(map.mean()),
-        }
-    }
-
-    /// What stands out of the floor, where anything does.
-    pub(crate) fn map(&self) -> Option<&SkyMap> {
-        match self {
-            Sky::Map(map) if map.scale() > 0.0 => Some(map),
-            _ => None,
-        }
-    }
-}
-
 /// Where the eye of the specular term stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum View {
@@ -249,7 +213,7 @@ impl Default for Options {
             denoise: Denoise::default(),
             seams: Seams::default(),
             seed: 0,
-            sky: Sky::Uniform([1.0; 3]),
+            sky: Sky::WHITE,
             draw_sky: true,
             view: View::Normal,
             shading: Shading::default(),

@@ -1,9 +1,9 @@
 //! What was typed after `ambake bake` and `ambake plan`. `options.rs` says what it means.
 
 use super::layer_help::layer_help;
-use super::sky;
 use crate::common::{Backend, Common};
 use crate::parse::{color, exponent, light, number, positive, rect, sphere, sun, triple};
+use crate::sky::{SkyArg, sky};
 use ambake::{Choice, Layer};
 use clap::{Args as ClapArgs, ValueEnum};
 use std::path::{Path, PathBuf};
@@ -185,8 +185,8 @@ pub struct Job {
     pub seams: Seams,
     /// Sky radiance, linear: R,G,B for a uniform sky, or an illumination map (.hdr, .exr; polar unless its header says otherwise),
     /// from whose light as many rays again are drawn
-    #[arg(long, value_name = "R,G,B|FILE", default_value = "1,1,1", value_parser = sky::sky)]
-    pub sky: sky::SkyArg,
+    #[arg(long, value_name = "R,G,B|FILE", default_value = "1,1,1", value_parser = sky)]
+    pub sky: SkyArg,
     /// View of the specular term: `normal` (V = N everywhere) or an eye point X,Y,Z in scene units
     #[arg(long, value_name = "normal|X,Y,Z", default_value = "normal", allow_hyphen_values = true, value_parser = view)]
     pub view: ambake::View,

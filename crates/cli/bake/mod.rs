@@ -9,7 +9,6 @@ pub mod plan;
 pub mod prepare;
 pub mod run;
 pub mod shard;
-mod sky;
 mod stdin;
 mod summary;
 pub mod watch;

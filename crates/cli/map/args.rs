@@ -1,7 +1,8 @@
 //! What was typed after `ambake map`.
 
 use crate::common::Backend;
-use crate::parse::{color, field_of_view, light, number, size, triple};
+use crate::parse::{field_of_view, light, number, size, triple};
+use crate::sky::{SkyArg, sky};
 use clap::{Args as ClapArgs, Subcommand, ValueEnum};
 use maps::ball::Circle;
 use maps::merge::Model;
@@ -265,9 +266,9 @@ pub struct Capture {
     /// Rays of every camera ray over the hemisphere where it ends, and as many toward shining surfaces
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(0..=65_536))]
     pub rays: u32,
-    /// Uniform sky radiance, linear, as R,G,B
-    #[arg(long, value_name = "R,G,B", default_value = "1,1,1", value_parser = color)]
-    pub sky: [f32; 3],
+    /// Sky radiance, linear: R,G,B for a uniform sky, or an illumination map (.hdr, .exr; polar unless its header says otherwise)
+    #[arg(long, value_name = "R,G,B|FILE", default_value = "1,1,1", value_parser = sky)]
+    pub sky: SkyArg,
     /// Point light at X,Y,Z with intensity E or R,G,B (W/sr: E over distance² arrives); may be repeated
     #[arg(long, value_name = "X,Y,Z,E|X,Y,Z,R,G,B", allow_hyphen_values = true, value_parser = light)]
     pub point: Vec<[f64; 6]>,

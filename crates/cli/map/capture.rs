@@ -37,8 +37,8 @@ pub fn run(args: &Capture) -> anyhow::Result<Outcome> {
     let surfaces = Surfaces::new(&world);
     let lamps = Lamps::of(&world);
     let points: Vec<Light> = lights(&[], &args.point, world.origin());
-    let sky = glam::Vec3::from(args.sky).as_dvec3();
-    let black = sky == DVec3::ZERO && lamps.is_empty() && points.is_empty();
+    let sky = args.sky.load()?;
+    let black = sky.light().is_black() && lamps.is_empty() && points.is_empty();
     if black && !args.common.quiet {
         tell("warning: nothing shines here, the map is black; give --sky or --point");
     }
@@ -47,8 +47,8 @@ pub fn run(args: &Capture) -> anyhow::Result<Outcome> {
         backend: backend.as_ref(),
         model: Model::Lambert,
         rays: args.rays,
-        sky,
-        background: sky,
+        sky: sky.light().clone(),
+        background: None,
         lights: &points,
         max_distance: f32::INFINITY,
         overrides: Overrides::default(),
@@ -78,9 +78,11 @@ pub fn run(args: &Capture) -> anyhow::Result<Outcome> {
         orientation: Orientation::Ambake,
         size,
     };
+    let inputs = world.scene().inputs.iter().chain(args.sky.file());
+    let inputs: Vec<_> = inputs.cloned().collect();
     let target = Target {
         path: &args.output,
-        inputs: &world.scene().inputs,
+        inputs: &inputs,
     };
     let written = write(&target, &[(None, map.image())], layout, normalisation)?;
     if args.common.json {

@@ -5,6 +5,7 @@ use crate::common::{Backend, Common};
 use crate::parse::{
     color, exponent, field_of_view, light, number, positive, rect, size, sphere, sun, triple,
 };
+use crate::sky::{SkyArg, sky};
 use clap::{Args as ClapArgs, ValueEnum};
 use std::path::PathBuf;
 
@@ -41,9 +42,10 @@ pub struct Args {
     /// was made for (`bake --view`), not of this camera
     #[arg(long, value_name = "DIR")]
     pub bake: Option<PathBuf>,
-    /// Uniform sky radiance, linear, as R,G,B; also what is seen behind the scene [default: 1,1,1; with --bake the mean of the bake's sky]
-    #[arg(long, value_name = "R,G,B", value_parser = color)]
-    pub sky: Option<[f32; 3]>,
+    /// Sky radiance, linear: R,G,B for a uniform sky, or an illumination map (.hdr, .exr; polar unless its header says otherwise), toward
+    /// whose light as many rays again are cast; also what is seen behind the scene [default: 1,1,1; with --bake the mean of the bake's sky]
+    #[arg(long, value_name = "R,G,B|FILE", value_parser = sky)]
+    pub sky: Option<SkyArg>,
     /// Another radiance behind the scene, linear, as R,G,B [default: the sky's; a pale blue with --bake and without --eye]
     #[arg(long, value_name = "R,G,B", value_parser = color)]
     pub background: Option<[f32; 3]>,

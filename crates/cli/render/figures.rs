@@ -56,7 +56,8 @@ fn points(
     stop: &Stop,
 ) -> anyhow::Result<Files> {
     let (surfaces, lamps) = (Surfaces::new(world), Lamps::of(world));
-    let mut direct = options::direct(args, Model::Phong, &surfaces, backend, &[], &lamps);
+    let sky = options::sky(args)?;
+    let mut direct = options::direct(args, Model::Phong, &sky, &surfaces, backend, &[], &lamps);
     let points = watch(options::show(args, "points"), stop, |progress| {
         fig1(&mut direct, progress)
     })?;
@@ -75,7 +76,8 @@ fn models(
     stop: &Stop,
 ) -> anyhow::Result<Files> {
     let (surfaces, lamps) = (Surfaces::new(world), Lamps::of(world));
-    let mut direct = options::direct(args, Model::Phong, &surfaces, backend, &[], &lamps);
+    let sky = options::sky(args)?;
+    let mut direct = options::direct(args, Model::Phong, &sky, &surfaces, backend, &[], &lamps);
     let camera = options::framing(&args.view, world).camera(world)?;
     let figure = watch(options::show(args, "pixels"), stop, |progress| {
         fig3(&mut direct, &camera, args.view.samples, progress)
@@ -87,7 +89,7 @@ fn models(
         "eye": (camera.eye + world.origin()).to_array(),
         "forward": camera.forward.to_array(),
         "fov_deg": args.view.fov_deg(),
-        "sky": options::sky(args),
+        "sky": sky,
         "seed": args.common.seed,
     });
     Ok(figure.files(&file::labels(&about.to_string()))?)

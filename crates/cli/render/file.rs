@@ -3,10 +3,10 @@
 use super::args::Args;
 use super::tables_args::WeightName;
 use crate::host;
+use crate::sky::SkyArg;
 use ::render::Lightmap;
 use ::render::tables::specular_files;
 use anyhow::{Context, bail};
-use glam::DVec3;
 use maps::{Format, Image, Labels};
 use rays::World;
 use report::Output;
@@ -42,7 +42,8 @@ pub fn inputs(args: &Args, world: &World, lightmap: Option<&Lightmap>) -> Vec<Pa
         .chain(lightmap.map_or(&[][..], Lightmap::files))
         .chain(&tables.environment)
         .chain(&tables.path)
-        .chain(&args.matte.backdrop);
+        .chain(&args.matte.backdrop)
+        .chain(args.sky.as_ref().and_then(SkyArg::file));
     world.scene().inputs.iter().chain(others).cloned().collect()
 }
 
@@ -106,17 +107,6 @@ impl Behind {
             );
         }
         Ok(Behind::Plate(plate))
-    }
-
-    /// One colour.
-    pub fn even([width, height]: [u32; 2], color: DVec3) -> Behind {
-        let [width, height] = [width, height].map(|n| n as usize);
-        let pixels = vec![color.as_vec3().to_array(); width * height];
-        Behind::Plate(Image {
-            width,
-            height,
-            pixels,
-        })
     }
 
     /// A picture before black with its alpha, as it is written: over the plate, or with the alpha.

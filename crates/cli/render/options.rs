@@ -4,8 +4,10 @@ use super::args::{Args, ModelName, View};
 use super::tables_args::{LookupName, NormalsName, ShaderName, Tables, WeightName};
 use crate::common::parsed;
 use crate::progress::Show;
+use crate::sky::SkyArg;
 use ::render::tables::{Lookup, NormalCode, Shading, Subject, SurfaceType, Weight};
 use ::render::{Direct, Framing, Lamps, Light, Model};
+use ambake::Sky;
 use anyhow::bail;
 use glam::{DVec3, Vec3};
 use rays::{Overrides, RayBackend, Surfaces, World};
@@ -37,28 +39,33 @@ pub fn model(name: Option<ModelName>, or: impl FnOnce() -> Model) -> Model {
     }
 }
 
-/// The uniform sky, without a bake.
-pub fn sky(args: &Args) -> [f32; 3] {
-    args.sky.unwrap_or([1.0; 3])
+/// The sky that is asked for, read; white where none is.
+///
+/// # Errors
+/// A map that cannot be read.
+pub fn sky(args: &Args) -> Result<Sky, ambake::Error> {
+    args.sky
+        .as_ref()
+        .map_or_else(|| Ok(Sky::default()), SkyArg::load)
 }
 
 /// What shades camera rays by integration.
 pub fn direct<'a>(
     args: &Args,
     model: Model,
+    sky: &Sky,
     surfaces: &'a Surfaces<'a>,
     backend: &'a dyn RayBackend,
     lights: &'a [Light],
     lamps: &'a Lamps,
 ) -> Direct<'a> {
-    let rgb = |rgb: [f32; 3]| Vec3::from(rgb).as_dvec3();
     Direct {
         surfaces,
         backend,
         model,
         rays: args.rays,
-        sky: rgb(sky(args)),
-        background: rgb(args.background.unwrap_or(sky(args))),
+        sky: sky.light().clone(),
+        background: args.background.map(|rgb| Vec3::from(rgb).as_dvec3()),
         lights,
         max_distance: args.max_distance.map_or(f32::INFINITY, |d| d as f32),
         seed: args.common.seed,

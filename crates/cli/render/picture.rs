@@ -8,6 +8,7 @@ use crate::outcome::{Outcome, say, say_json};
 use crate::progress::watch;
 use crate::stop::Stop;
 use ::render::{Error, Lamps, Lightmap, Model, Sample, alpha, backdrop, picture};
+use ambake::Sky;
 use anyhow::Context;
 use glam::DVec3;
 use rays::{RayBackend, Surfaces, World};
@@ -36,15 +37,13 @@ pub fn draw(
     let mut lights = lights(&args.sun, &args.point, world.origin());
     lights.extend(lamps(&args.sphere, &args.rect, world.origin()));
     let lamps = Lamps::of(world);
-    let mut direct = options::direct(args, model, &surfaces, backend, &lights, &lamps);
-    if let (Some(dir), None) = (&args.bake, args.sky) {
-        direct.sky = baked_sky(dir, &args.scene)?;
-    }
-    if args.background.is_none() {
-        direct.background = match fitted {
-            true => backdrop(direct.sky),
-            false => direct.sky,
-        };
+    let sky = match (&args.bake, &args.sky) {
+        (Some(dir), None) => baked_sky(dir, &args.scene)?,
+        _ => options::sky(args)?,
+    };
+    let mut direct = options::direct(args, model, &sky, &surfaces, backend, &lights, &lamps);
+    if fitted && args.background.is_none() {
+        direct.background = Some(backdrop(sky.mean().into()));
     }
     // What stands behind the surfaces has no part in how bright they are shown.
     let is_auto = match args.exposure {
@@ -53,11 +52,14 @@ pub fn draw(
         None => fitted,
     };
     let behind = match Behind::of(args)? {
-        Behind::Own if is_auto => Behind::even(camera.size, direct.background),
+        Behind::Own if is_auto => {
+            let behind = |sample: &Sample| direct.behind(sample);
+            Behind::Plate(picture(&camera, args.view.samples, &(), behind)?)
+        }
         behind => behind,
     };
     if !matches!(behind, Behind::Own) {
-        direct.background = DVec3::ZERO;
+        direct.background = Some(DVec3::ZERO);
     }
     let radiance = |sample: &Sample| match lightmap {
         None => direct.radiance(sample),
@@ -85,7 +87,7 @@ pub fn draw(
         "eye": (camera.eye + world.origin()).to_array(),
         "forward": camera.forward.to_array(),
         "fov_deg": (1e9 * 2.0 * camera.slope.atan().to_degrees()).round() / 1e9,
-        "sky": direct.sky.to_array(),
+        "sky": sky,
         "sun": args.sun,
         "point": args.point,
         "sphere": args.sphere,
@@ -131,7 +133,7 @@ pub fn draw(
 }
 
 /// The mean radiance of the sky that a bake of the scene was lit by.
-fn baked_sky(dir: &Path, scene: &Path) -> anyhow::Result<DVec3> {
+fn baked_sky(dir: &Path, scene: &Path) -> anyhow::Result<Sky> {
     let path = dir.join(report::REPORT_FILE);
     let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
     let own = report::read_record(dir, &stem);
@@ -140,7 +142,7 @@ fn baked_sky(dir: &Path, scene: &Path) -> anyhow::Result<DVec3> {
         .options;
     let sky = options.get("sky").unwrap_or(&Value::Null);
     let mean = sky.get("mean").unwrap_or(sky);
-    let mean: Option<[f64; 3]> = serde_json::from_value(mean.clone()).ok();
+    let mean: Option<[f32; 3]> = serde_json::from_value(mean.clone()).ok();
     let mean = mean.with_context(|| format!("{}: it names no sky; bake again", path.display()))?;
-    Ok(mean.into())
+    Ok(Sky::uniform(mean))
 }

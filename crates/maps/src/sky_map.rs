@@ -177,6 +177,26 @@ impl SkyMap {
         self.excess[texel as usize]
     }
 
+    /// Radiance in a unit direction, linear between the middles of texels. Above the highest and below the lowest row it is theirs.
+    pub fn seen(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        let (width, height) = (self.width, self.rows.len());
+        let polar = x.hypot(z).atan2(y) / PI * height as f64 - 0.5;
+        let turns = (x.atan2(z) / TAU + 0.5) * width as f64 - 0.5;
+        let mut sum = self.floor;
+        for (row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            let weight = |at: f64, next: usize| match next {
+                0 => 1.0 - (at - at.floor()),
+                _ => at - at.floor(),
+            };
+            let weight = weight(polar, row) * weight(turns, column);
+            let row = (polar.floor() as i64 + row as i64).clamp(0, height as i64 - 1) as usize;
+            let column = (turns.floor() as i64 + column as i64).rem_euclid(width as i64) as usize;
+            let excess = self.excess[row * width + column].map(f64::from);
+            sum = std::array::from_fn(|c| sum[c] + weight * self.scale * excess[c]);
+        }
+        sum
+    }
+
     /// The texels that sixteen directions of unit length meet.
     #[inline(always)]
     pub fn texels16(&self, directions: &[Wide; 3]) -> [u32; LANES] {

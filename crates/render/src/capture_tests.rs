@@ -3,7 +3,7 @@
 use crate::fixture::{Sheet, white, world};
 use crate::{Direct, Lamps, Light, Model, PointForm, add_points, capture};
 use glam::{DVec3, Vec3};
-use maps::{IlluminationMap, Image, Lobe, Normalise, Projection, Request, convolve};
+use maps::{IlluminationMap, Image, Lobe, Normalise, Projection, Request, Sky, convolve};
 use rays::{Overrides, RayBackend, Surfaces};
 use std::f64::consts::PI;
 
@@ -19,8 +19,8 @@ fn direct<'a>(
         backend,
         model: Model::Lambert,
         rays: 16,
-        sky: DVec3::ZERO,
-        background: DVec3::ZERO,
+        sky: Sky::BLACK,
+        background: None,
         lights,
         max_distance: f32::INFINITY,
         overrides: Overrides::default(),

@@ -8,10 +8,12 @@ use crate::microfacets::Coat;
 use crate::{Lamps, Light, Lightmap, Sample, TexelPlace};
 use ambient::Frame;
 use ambient::closed_form::phong_open;
+use ambient::lanes::{LANES, Wide};
 use ambient::lunar::lommel_seeliger;
 use ambient::models;
 use ambient::sampling::{Lobe, Mixture, Stream};
 use glam::DVec3;
+use maps::{Sky, SkyMap};
 use rays::{
     Arrival, Coherence, Overrides, Ray, RayBackend, RayPacket, SurfaceHit, SurfacePoint, Surfaces,
 };
@@ -59,12 +61,12 @@ pub struct Direct<'a> {
     /// The ambient model.
     pub model: Model,
     /// Rays over the hemisphere of every camera sample, and as many over a specular lobe; where surfaces shine, as many
-    /// again toward those. 0 leaves all of this light out.
+    /// again toward those, and under a map as many again toward what is bright in it. 0 leaves all of this light out.
     pub rays: u32,
-    /// Uniform sky radiance.
-    pub sky: DVec3,
-    /// What a camera ray that meets nothing shows.
-    pub background: DVec3,
+    /// The sky. To the traditional models it is its mean.
+    pub sky: Sky,
+    /// What a camera ray that meets nothing shows, where that is not the sky.
+    pub background: Option<DVec3>,
     /// Lights without extent; they cast shadows.
     pub lights: &'a [Light],
     /// Occluders farther than this do not count.
@@ -92,7 +94,7 @@ impl Direct<'_> {
     /// The radiance that reaches the eye of a sample.
     pub fn radiance(&self, sample: &Sample) -> DVec3 {
         let Some((_, point)) = self.surface(sample) else {
-            return self.background;
+            return self.behind(sample);
         };
         let stream = |term| Stream::new(self.seed, 0, sample.pixel, term, sample.number);
         let view = -sample.direction;
@@ -108,7 +110,7 @@ impl Direct<'_> {
     pub fn radiance_baked(&self, sample: &Sample, map: &Lightmap) -> DVec3 {
         let scene = self.surfaces.world().scene();
         let Some(hit) = self.hit(sample) else {
-            return self.background;
+            return self.behind(sample);
         };
         let (radiance, place) = self.beside_texels(sample, &hit, map.place(scene, &hit));
         radiance + place.map_or(DVec3::ZERO, |place| map.at(place))
@@ -135,6 +137,12 @@ impl Direct<'_> {
             radiance += self.ambient(&point, view, coat.as_ref(), stream);
         }
         (radiance, place)
+    }
+
+    /// What a sample that meets nothing shows.
+    pub fn behind(&self, sample: &Sample) -> DVec3 {
+        let sky = || self.sky.seen(sample.direction.to_array()).into();
+        self.background.unwrap_or_else(sky)
     }
 
     /// True where a sample shows a surface, not the background.
@@ -195,9 +203,12 @@ impl Direct<'_> {
         }
         let frame = Frame::from_normal(point.normal);
         let (normal, material) = (point.normal, &point.material);
-        let mixture = match self.model {
-            Model::Traditional | Model::TraditionalClosed => Mixture::UNIFORM,
-            _ => Mixture::COSINE,
+        let (mixture, sky) = match self.model {
+            Model::Traditional | Model::TraditionalClosed => {
+                let mean = self.sky.mean().map(|v| v as f32);
+                (Mixture::UNIFORM, &Sky::Uniform(mean))
+            }
+            _ => (Mixture::COSINE, &self.sky),
         };
         let matte = match self.model {
             Model::TraditionalClosed => {
@@ -210,6 +221,7 @@ impl Direct<'_> {
             DVec3::ZERO
         } else {
             self.arriving(
+                sky,
                 point,
                 stream(HEMISPHERE),
                 |u| frame.to_world(mixture.sample(u)),
@@ -221,6 +233,7 @@ impl Direct<'_> {
         if let Some(coat) = coat {
             return reflected
                 + self.arriving(
+                    sky,
                     point,
                     stream(LOBE),
                     |u| coat.sample(u),
@@ -234,6 +247,7 @@ impl Direct<'_> {
         let about = Frame::from_normal(mirrored(normal, view));
         let lobe = Lobe::new(material.exponent);
         let specular = self.arriving(
+            sky,
             point,
             stream(LOBE),
             |u| about.to_world(lobe.sample(u)),
@@ -245,63 +259,85 @@ impl Direct<'_> {
 
     /// Mean weighted radiance from directions of a distribution; those below the shading or the geometric horizon bring none.
     ///
+    /// Rays of the distribution find all light. As many that are aimed at lamps, and under a map at what is bright in it, find the
+    /// same light again, each by its share: E. Veach, "Robust Monte Carlo Methods for Light Transport Simulation" (1997), 9.2.
+    ///
     /// * `pdf`: the distribution's probability per steradian of a unit direction.
     /// * `weight`: what radiance from a unit direction counts.
     fn arriving(
         &self,
+        sky: &Sky,
         point: &SurfacePoint,
         stream: Stream,
         direction: impl Fn([f64; 2]) -> DVec3,
         pdf: impl Fn(DVec3) -> f64,
         weight: impl Fn(DVec3) -> DVec3,
     ) -> DVec3 {
+        let floor = DVec3::from(sky.floor());
         let mut sum = DVec3::ZERO;
-        let mut packet = RayPacket::<16>::new();
-        let mut weights = [DVec3::ZERO; 16];
-        let mut lanes = 0;
-        let mut open = DVec3::ZERO;
-        for index in 0..self.rays {
-            let [u0, u1, u2, u3] = stream.point(index);
-            let toward = direction([u0, u1]);
-            if !self.lamps.is_empty() {
-                sum += self.luminous(point, toward, &pdf, &weight);
-                sum += self.aimed(point, [u2, u3], &pdf, &weight);
-                continue;
+        for first in (0..self.rays).step_by(LANES) {
+            let lanes = (self.rays - first).min(LANES as u32) as usize;
+            let points: [[f64; 4]; LANES] = std::array::from_fn(|l| stream.point(first + l as u32));
+            let own: [DVec3; LANES] = points.map(|[u0, u1, ..]| direction([u0, u1]));
+            let open = if self.lamps.is_empty() {
+                self.open(point, &own[..lanes])
+            } else {
+                let mut open = 0;
+                for (l, &toward) in own[..lanes].iter().enumerate() {
+                    let [_, _, u2, u3] = points[l];
+                    sum += self.aimed(point, [u2, u3], &pdf, &weight);
+                    if above(point, toward) {
+                        match self.backend.closest(&self.ray(point, toward)) {
+                            None => open |= 1 << l,
+                            Some(hit) => {
+                                sum += weight(toward) * self.shared(&hit, toward, pdf(toward));
+                            }
+                        }
+                    }
+                }
+                open
+            };
+            let of = |open: u32| (0..lanes).filter(move |l| open >> l & 1 == 1);
+            sum += floor * of(open).map(|l| weight(own[l])).sum::<DVec3>();
+            let Some(map) = sky.map() else { continue };
+            let texels = map.texels16(&wide(&own));
+            for l in of(open) {
+                let density = pdf(own[l]);
+                let [light, _] = shares(map, texels[l], density);
+                sum += weight(own[l]) * light;
             }
-            if above(point, toward) {
-                packet.set(lanes, &self.ray(point, toward));
-                weights[lanes] = weight(toward);
-                lanes += 1;
-            }
-            if lanes == 16 || (index + 1 == self.rays && lanes > 0) {
-                let active = u32::MAX >> (32 - lanes);
-                let blocked = self
-                    .backend
-                    .occluded16(&packet, active, Coherence::Incoherent);
-                let lit = (0..lanes).filter(|lane| blocked >> lane & 1 == 0);
-                open += lit.map(|lane| weights[lane]).sum::<DVec3>();
-                lanes = 0;
+            let [u2, u3]: [Wide; 2] = [2, 3].map(|k| points.map(|point| point[k] as f32));
+            let (axes, texels) = map.sample16(&u2, &u3);
+            let drawn: [DVec3; LANES] =
+                std::array::from_fn(|l| DVec3::from(axes.map(|axis| f64::from(axis[l]))));
+            for l in of(self.open(point, &drawn[..lanes])) {
+                let density = pdf(drawn[l]);
+                if density > 0.0 {
+                    let [_, light] = shares(map, texels[l], density);
+                    sum += weight(drawn[l]) * light;
+                }
             }
         }
-        (sum + self.sky * open) / f64::from(self.rays)
+        sum / f64::from(self.rays)
     }
 
-    /// What a ray of the distribution brings: the sky, or its share of a lamp's radiance.
-    fn luminous(
-        &self,
-        point: &SurfacePoint,
-        toward: DVec3,
-        pdf: impl Fn(DVec3) -> f64,
-        weight: impl Fn(DVec3) -> DVec3,
-    ) -> DVec3 {
-        if !above(point, toward) {
-            return DVec3::ZERO;
+    /// Which of sixteen directions or fewer nothing blocks, a bit each; those below a horizon are blocked.
+    fn open(&self, point: &SurfacePoint, toward: &[DVec3]) -> u32 {
+        let mut packet = RayPacket::<LANES>::new();
+        let mut active = 0;
+        for (lane, &toward) in toward.iter().enumerate() {
+            if above(point, toward) {
+                packet.set(lane, &self.ray(point, toward));
+                active |= 1 << lane;
+            }
         }
-        let radiance = match self.backend.closest(&self.ray(point, toward)) {
-            None => self.sky,
-            Some(hit) => self.shared(&hit, toward, pdf(toward)),
-        };
-        weight(toward) * radiance
+        if active == 0 {
+            return 0;
+        }
+        active
+            & !self
+                .backend
+                .occluded16(&packet, active, Coherence::Incoherent)
     }
 
     /// What a ray toward a lamp brings: the other share, where that lamp is what it meets first.
@@ -405,6 +441,21 @@ impl Direct<'_> {
             false => reflected,
         }
     }
+}
+
+/// What a texel of a map adds to its floor, by the power heuristic: to a ray of a distribution that has this probability per steradian
+/// there, and to a ray that was drawn from the map, in units of the distribution's weight.
+fn shares(map: &SkyMap, texel: u32, density: f64) -> [DVec3; 2] {
+    let excess = DVec3::from(map.excess(texel).map(f64::from));
+    let of_map = excess.element_sum();
+    let squares = (density * density + of_map * of_map).max(f64::MIN_POSITIVE);
+    let light = excess * (map.scale() * density / squares);
+    [light * density, light * of_map]
+}
+
+/// Directions axis by axis.
+fn wide(directions: &[DVec3; LANES]) -> [Wide; 3] {
+    [0, 1, 2].map(|axis| directions.map(|direction| direction[axis] as f32))
 }
 
 /// True above the shading and the geometric horizon.

@@ -5,9 +5,10 @@ use crate::{Camera, Direct, Lamps, Light, Model, Sample, picture};
 use ambient::closed_form::phong_open;
 use ambient::ggx::Ggx;
 use glam::{DVec3, Vec3};
-use maps::Image;
+use maps::{IlluminationMap, Image, Projection, Sky, SkyMap};
 use rays::{Overrides, RayBackend, Surfaces};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 static DARK: Lamps = Lamps::NONE;
 
@@ -17,8 +18,8 @@ fn direct<'a>(surfaces: &'a Surfaces<'a>, backend: &'a dyn RayBackend, model: Mo
         backend,
         model,
         rays: 1024,
-        sky: DVec3::ONE,
-        background: DVec3::ZERO,
+        sky: Sky::WHITE,
+        background: None,
         lights: &[],
         max_distance: f32::INFINITY,
         overrides: Overrides::default(),
@@ -236,7 +237,7 @@ fn a_luminous_patch_lights_the_floor_by_its_form_factor() {
     let mut shader = direct(&surfaces, backend.as_ref(), Model::Lambert);
     let lamps = Lamps::of(&world);
     shader.lamps = &lamps;
-    shader.sky = DVec3::ZERO;
+    shader.sky = Sky::BLACK;
     // Form factor of a parallel rectangle of 2 by 1 at height 1 over its corner.
     let (a, b) = (5.0f64.sqrt(), 2.0f64.sqrt());
     let factor = (2.0 / a * (1.0 / a).atan() + 1.0 / b * (2.0 / b).atan()) / (2.0 * PI);
@@ -267,7 +268,7 @@ fn small_and_near_lamps_light_the_floor_without_noise() {
         let surfaces = Surfaces::new(&world);
         let lamps = Lamps::of(&world);
         let mut shader = direct(&surfaces, backend.as_ref(), Model::Lambert);
-        (shader.lamps, shader.sky, shader.rays) = (&lamps, DVec3::ZERO, 64);
+        (shader.lamps, shader.sky, shader.rays) = (&lamps, Sky::BLACK, 64);
         // Form factor of a parallel square over its corner.
         let x = f64::from(side) / f64::from(height);
         let root = (1.0 + x * x).sqrt();
@@ -302,7 +303,7 @@ fn a_luminous_ceiling_is_as_good_as_the_sky_to_both_terms() {
     let surfaces = Surfaces::new(&world);
     let lamps = Lamps::of(&world);
     let mut shader = direct(&surfaces, backend.as_ref(), Model::Phong);
-    (shader.lamps, shader.sky) = (&lamps, DVec3::ZERO);
+    (shader.lamps, shader.sky) = (&lamps, Sky::BLACK);
     for theta in [0.0, 0.5, 1.0] {
         let (sin, cos) = f64::sin_cos(theta);
         let exact = 0.5 + 0.25 * phong_open(20.0, cos, sin);
@@ -327,7 +328,7 @@ fn a_screen_before_half_of_a_lamp_takes_its_light() {
     let surfaces = Surfaces::new(&world);
     let lamps = Lamps::of(&world);
     let mut shader = direct(&surfaces, backend.as_ref(), Model::Lambert);
-    (shader.lamps, shader.sky) = (&lamps, DVec3::ZERO);
+    (shader.lamps, shader.sky) = (&lamps, Sky::BLACK);
     let whole = 4.0 / PI * 0.5f64.sqrt() * 0.5f64.sqrt().atan();
     let (value, error) = mean(&shader, DVec3::new(-3.0, 0.5, 0.0), DVec3::ZERO);
     let exact = 0.5 * whole;
@@ -354,4 +355,96 @@ fn a_picture_is_the_same_at_any_thread_count() {
         pool.install(|| picture(&camera, 2, &(), |sample| shader.radiance(sample)).unwrap())
     };
     assert_eq!(take(1), take(3));
+}
+
+/// A map of a grey floor and one bright texel; and what it shines on a plane of a model by a sum over 64 x 64 places of that texel.
+fn small_sun(reflected: impl Fn(DVec3) -> f64) -> (Sky, f64) {
+    let (width, height, row, column) = (256, 128, 21, 77);
+    let mut image = Image::filled(width, height, [0.25; 3]);
+    image.pixels[row * width + column] = [2e4; 3];
+    let map = IlluminationMap::new(image, Projection::Polar).unwrap();
+    let step = PI / height as f64;
+    let mut sum = 0.0;
+    for (i, j) in (0..64 * 64).map(|k| (k % 64, k / 64)) {
+        let polar = (row as f64 + (f64::from(i) + 0.5) / 64.0) * step;
+        let turn = (column as f64 + (f64::from(j) + 0.5) / 64.0) * step - PI;
+        let toward = DVec3::new(
+            polar.sin() * turn.sin(),
+            polar.cos(),
+            polar.sin() * turn.cos(),
+        );
+        sum += polar.sin() * (step / 64.0).powi(2) * toward.y * reflected(toward);
+    }
+    let sky = Sky::Map(Arc::new(SkyMap::new(&map).unwrap()));
+    (sky, (2e4 - 0.25) * sum)
+}
+
+#[test]
+fn a_small_sun_in_a_map_lights_all_models_with_little_noise() {
+    let (sin, cos) = f64::sin_cos(0.9);
+    let eye = 4.0 * DVec3::new(sin, cos, 0.0);
+    for (model, roughness) in [
+        (Model::Lambert, 1.0_f64),
+        (Model::Phong, 0.3),
+        (Model::Ggx, 0.9),
+        (Model::Ggx, 0.6),
+        (Model::Ggx, 0.3),
+    ] {
+        let exponent = 0.5 * (roughness.powi(-4) - 1.0);
+        let mut sheet = ground();
+        (sheet.albedo, sheet.specular) = (Vec3::ZERO, Vec3::ONE);
+        sheet.exponent = exponent;
+        if model == Model::Lambert {
+            (sheet.albedo, sheet.specular) = (Vec3::ONE, Vec3::ZERO);
+        }
+        let (world, backend) = world(&[sheet]);
+        let surfaces = Surfaces::new(&world);
+        let mirror = DVec3::new(-eye.x, eye.y, 0.0) / 4.0;
+        let ggx = Ggx::new(roughness.powi(2), cos);
+        let gain = ggx.open().gain(DVec3::ONE).x;
+        let frame = ambient::ggx::frame(DVec3::Y, eye / 4.0);
+        // Radiance per irradiance on the plane, and what the grey floor of the map adds.
+        let (sky, exact) = small_sun(|toward| match model {
+            Model::Lambert => 1.0 / PI,
+            Model::Phong => {
+                (exponent + 1.0) / (2.0 * PI) * mirror.dot(toward).max(0.0).powf(exponent)
+                    / toward.y
+            }
+            _ => {
+                let local = frame.to_local(toward);
+                gain * ggx.pdf(local) * ggx.weight(local) / toward.y
+            }
+        });
+        let even = match model {
+            Model::Phong => 0.25 * phong_open(exponent, cos, sin),
+            _ => 0.25,
+        };
+        let shader = Direct {
+            rays: 64,
+            sky,
+            ..direct(&surfaces, backend.as_ref(), model)
+        };
+        let (value, error) = mean(&shader, eye, DVec3::ZERO);
+        // Of 64 x 64 places, and of albedos that few points stand for.
+        assert!(
+            (value - even - exact).abs() < 5.0 * error + 2e-3 * (even + exact),
+            "{model:?} {roughness}: {value} ± {error} for {}",
+            even + exact
+        );
+        // 64 pixels of 64 rays: a pixel is off by 4 % of the sun's light at most.
+        assert!(
+            error * 8.0 < 0.04 * (even + exact),
+            "{model:?} {roughness}: ± {error} of {exact}"
+        );
+        // Straight up the map is its floor; toward the texel's middle it is the texel.
+        let behind = |x: f64, y: f64, z: f64| shader.sky.seen([x, y, z])[0];
+        assert_eq!(behind(0.0, 1.0, 0.0), 0.25);
+        let (polar, turn) = (21.5 * PI / 128.0, 77.5 * PI / 128.0 - PI);
+        let seen = behind(
+            polar.sin() * turn.sin(),
+            polar.cos(),
+            polar.sin() * turn.cos(),
+        );
+        assert!((seen / 2e4 - 1.0).abs() < 1e-6, "{seen}");
+    }
 }

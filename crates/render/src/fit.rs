@@ -81,7 +81,7 @@ pub fn fit(
     progress: &dyn Progress,
 ) -> Result<Fit, Error> {
     direct.model = Model::Phong;
-    direct.background = DVec3::NAN;
+    direct.background = Some(DVec3::NAN);
     let all = u64::from(STEPS + SECTIONS + 6);
     let mut passes = 0..all;
     let mut basis = |pixels: &[Pixel], specular: Option<f64>| {

@@ -139,6 +139,7 @@ mod tests {
     use super::*;
     use crate::fixture::{ground, see_through, world};
     use crate::{Lamps, Model};
+    use maps::Sky;
     use rays::{Overrides, RayBackend, Surfaces};
 
     /// A matt scene under a sky of 1.
@@ -152,8 +153,8 @@ mod tests {
             backend,
             model: Model::Lambert,
             rays: 4,
-            sky: DVec3::ONE,
-            background: DVec3::ZERO,
+            sky: Sky::WHITE,
+            background: None,
             lights: &[],
             max_distance: f32::INFINITY,
             overrides: Overrides::default(),

@@ -33,7 +33,7 @@ pub(super) fn has_specular(task: &Task<'_>, texel: &Texel) -> bool {
 
 /// The terms of an open texel under a uniform sky. `specular` asks for the specular term, which must have a closed form.
 pub(super) fn terms(task: &Task<'_>, texel: &Texel, specular: bool) -> Terms {
-    let sky = task.sky.floor();
+    let sky = DVec3::from(task.sky.floor());
     let with_light = |terms: Terms| Terms {
         irradiance: uniform_light(sky, terms.diffuse),
         reflection: uniform_light(sky, terms.specular),

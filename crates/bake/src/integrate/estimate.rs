@@ -148,13 +148,14 @@ impl Known<'_> {
                 for (k, said) in said.iter_mut().enumerate() {
                     said.shares[Specular as usize] = plain[k] / lobe.whole[0];
                     let open = [plain[k], white[k]].map(DVec3::splat);
-                    said.lights[1] = self.from.task.sky.floor() * lobe.tinted(open);
+                    said.lights[1] = DVec3::from(self.from.task.sky.floor()) * lobe.tinted(open);
                 }
             }
             Technique::Sky => {}
         }
         for (k, said) in said.iter_mut().enumerate() {
-            said.lights[0] = self.from.task.sky.floor() * said.shares[Diffuse as usize];
+            said.lights[0] =
+                DVec3::from(self.from.task.sky.floor()) * said.shares[Diffuse as usize];
             self.add_map(i, k, said);
         }
         said
@@ -303,7 +304,7 @@ impl Known<'_> {
             self.said[i].map(|said| said.lights[which]),
         );
         match self.from.task.sky.map() {
-            None => light.clamp(DVec3::ZERO, self.from.task.sky.floor()),
+            None => light.clamp(DVec3::ZERO, DVec3::from(self.from.task.sky.floor())),
             Some(_) => light,
         }
     }
@@ -312,7 +313,7 @@ impl Known<'_> {
     pub fn unit(&self, quantity: Quantity) -> f64 {
         match quantity {
             Diffuse | Visibility | Specular => 1.0,
-            Irradiance | Reflection => self.from.task.sky.mean().element_sum() / 3.0,
+            Irradiance | Reflection => self.from.task.sky.brightness(),
         }
     }
 }

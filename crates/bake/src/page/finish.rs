@@ -102,7 +102,7 @@ fn last_steps(page: &mut BakedPage, site: &Site<'_>, terms: &[TermLayers], of_li
     }
     let light = match of_light {
         true => mean_irradiance(page),
-        false => options.sky.mean().element_sum() / 3.0,
+        false => options.sky.brightness(),
     };
     let raster = &rasters.page(world.scene(), atlas, page.page);
     let validity = page.layer(Layer::Validity);
@@ -296,7 +296,7 @@ fn count_errors(page: &mut BakedPage, options: &Options) {
         }
     }
     if options.sky.map().is_none() {
-        lights = (options.sky.mean().element_sum() / 3.0).powi(2) * errors.squares;
+        lights = (options.sky.brightness()).powi(2) * errors.squares;
     }
     errors.share(page.stats.errors.squares);
     page.stats.errors = errors;
@@ -340,7 +340,7 @@ impl<'a> Facts<'a> {
     fn at(&self, texel: usize, sky: &Sky, model: Model) -> Composition {
         let one = |plane: Option<&[f32]>| plane.map_or(0.0, |plane| f64::from(plane[texel]));
         let rgb = |planes: [Option<&[f32]>; 3]| DVec3::from(planes.map(one));
-        let mean = sky.mean();
+        let mean = DVec3::from(sky.mean());
         let [irradiance, reflection] = match sky.map() {
             None if model == Model::Ggx => [mean * one(self.diffuse), rgb(self.reflection)],
             None => [mean * one(self.diffuse), mean * one(self.specular)],

@@ -210,7 +210,7 @@ impl<'a> Errors<'a> {
                     (Layer::Irradiance, Layer::StdErrIrradiance),
                     (Layer::Reflection, Layer::StdErrReflection),
                 ],
-                options.sky.mean().element_sum() / 3.0,
+                options.sky.brightness(),
             ),
         };
         let watched = terms.into_iter().filter_map(|(term, std_err)| {

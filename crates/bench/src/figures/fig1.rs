@@ -99,6 +99,7 @@ pub fn fig1_csv(points: &[Fig1Point]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use maps::Sky;
     use rays::{BackendKind, Layout, Overrides, Surfaces, World, WorldOptions, build};
     use render::{Lamps, Model};
     use std::sync::Arc;
@@ -119,8 +120,8 @@ mod tests {
             backend: backend.as_ref(),
             model: Model::Phong,
             rays: 1024,
-            sky: DVec3::ONE,
-            background: DVec3::ZERO,
+            sky: Sky::WHITE,
+            background: None,
             lights: &[],
             max_distance: f32::INFINITY,
             overrides: Overrides::default(),

@@ -153,7 +153,7 @@ impl DirectionSums {
                 terms.bent = mean(0, cosines[k], normal * (2.0 / 3.0));
                 let mean = 0.5 * mean(1, even[k], 0.5 * normal);
                 let share = corrected(sums.visibility.over(points), even[k], 1.0);
-                terms.light = Directional::even(task.sky.floor(), 0.5 * share, mean);
+                terms.light = Directional::even(DVec3::from(task.sky.floor()), 0.5 * share, mean);
             }
             if let Some(map) = task.sky.map() {
                 let scale = map.scale() / points as f64;

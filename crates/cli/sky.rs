@@ -30,6 +30,14 @@ impl SkyArg {
             Self::File(path) => ambake::Sky::load(path),
         }
     }
+
+    /// The file of its picture.
+    pub fn file(&self) -> Option<&PathBuf> {
+        match self {
+            Self::Uniform(_) => None,
+            Self::File(path) => Some(path),
+        }
+    }
 }
 
 #[cfg(test)]
