@@ -14,7 +14,8 @@ pub trait RayBackend: Send + Sync {
     /// True where the ray meets a surface.
     fn occluded(&self, ray: &Ray) -> bool;
 
-    /// The first surface on the ray.
+    /// The first surface on the ray. Of opaque triangles with the same corners it is the first in the order of the scene whose front faces
+    /// the ray, else the first.
     fn closest(&self, ray: &Ray) -> Option<SurfaceHit>;
 
     /// The word for it on the command line.

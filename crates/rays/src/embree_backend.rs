@@ -1,6 +1,7 @@
 //! Rays through Embree, built robust: watertight along shared edges.
 
 use crate::backend::{Coherence, Ray, RayBackend, RayPacket, SurfaceHit};
+use crate::coincident::Coincident;
 use crate::error::Error;
 use crate::geometry::Geometry;
 use crate::world::World;
@@ -12,6 +13,7 @@ pub struct EmbreeBackend {
     scene: Scene,
     /// By geometry id of the traced scene.
     traced: Vec<Traced>,
+    coincident: Coincident,
 }
 
 struct Traced {
@@ -63,6 +65,7 @@ impl EmbreeBackend {
             device,
             scene,
             traced,
+            coincident: Coincident::of(world),
         })
     }
 }
@@ -103,13 +106,13 @@ impl RayBackend for EmbreeBackend {
     fn closest(&self, ray: &Ray) -> Option<SurfaceHit> {
         let hit = self.scene.closest(ray)?;
         let traced = &self.traced[hit.instance.unwrap_or(hit.geometry) as usize];
-        Some(SurfaceHit {
+        Some(self.coincident.resolved(SurfaceHit {
             t: hit.t,
             instance: traced.instance,
             triangle: hit.primitive,
             barycentric: hit.barycentric,
             front: hit.front != traced.reversed,
-        })
+        }))
     }
 
     fn name(&self) -> &'static str {

@@ -31,6 +31,7 @@ mod backend;
 mod boxes;
 mod build;
 mod buried;
+mod coincident;
 mod embree_backend;
 mod error;
 #[cfg(test)]

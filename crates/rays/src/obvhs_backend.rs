@@ -6,6 +6,7 @@
 
 use crate::alpha_test::AlphaTest;
 use crate::backend::{Coherence, Layout, Ray, RayBackend, RayPacket, SurfaceHit};
+use crate::coincident::Coincident;
 use crate::tree::Tree;
 use crate::triangle::ShearedRay;
 use crate::world::World;
@@ -19,6 +20,7 @@ pub struct ObvhsBackend {
     placements: Vec<Placement>,
     top: Tree,
     parts: Vec<PartTraits>,
+    coincident: Coincident,
 }
 
 /// Triangles of one space.
@@ -115,6 +117,7 @@ impl ObvhsBackend {
                     reversed: part.transform.is_none() && part.mirrors(),
                 })
                 .collect(),
+            coincident: Coincident::of(world),
         }
     }
 
@@ -232,7 +235,8 @@ impl RayBackend for ObvhsBackend {
     }
 
     fn closest(&self, ray: &Ray) -> Option<SurfaceHit> {
-        self.first(&Query::of(ray))
+        let hit = self.first(&Query::of(ray))?;
+        Some(self.coincident.resolved(hit))
     }
 
     fn name(&self) -> &'static str {

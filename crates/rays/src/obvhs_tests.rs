@@ -365,3 +365,45 @@ fn packets_answer_their_active_lanes_alone() {
     );
     assert_eq!(backend.occluded16(&packet, 0, Coherence::Coherent), 0);
 }
+
+#[test]
+fn of_triangles_in_one_place_the_first_that_faces_the_ray_is_met() {
+    let [a, b, c] = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    // Up, down, up again, and down by other first corners; beside them a triangle of its own.
+    let orders = [[a, b, c], [a, c, b], [b, c, a], [c, b, a], [a, b, -c]];
+    let own = scene(orders.map(|order| soup(&[order])).to_vec());
+    let one = scene(vec![soup(&orders)]);
+    let mirror = DAffine3::from_scale(DVec3::new(1.0, 1.0, -1.0));
+    // A placement that mirrors turns corners in the world, not fronts.
+    let mirrored = placed_scene(
+        orders.map(|order| soup(&[order])).to_vec(),
+        &[(1, mirror), (0, DAffine3::IDENTITY), (2, mirror)],
+    );
+    let twice = placed_scene(
+        vec![soup(&orders[..2])],
+        &[(0, mirror * DAffine3::from_translation(DVec3::Z)); 3],
+    );
+    let at = |z: f32| endless(Vec3::new(0.2, 0.3, z), Vec3::new(0.0, 0.0, -z));
+    for (scene, above, below) in [
+        (own, (0, 0), (1, 0)),
+        (one, (0, 0), (0, 1)),
+        // The first looks up in the mesh, which is down after the mirror, and so on.
+        (mirrored, (0, 0), (2, 0)),
+        (twice, (0, 1), (0, 0)),
+    ] {
+        let world = world(scene);
+        for layout in LAYOUTS {
+            let backend = ObvhsBackend::build(&world, layout);
+            for (z, place) in [(5.0, above), (-5.0, below)] {
+                let hit = backend.closest(&at(z)).expect("the triangle is there");
+                assert_eq!((hit.instance, hit.triangle), place, "{layout:?} from {z}");
+                assert!(hit.front, "{layout:?} from {z}");
+                let [a, b, c] = world.corners(hit.instance, hit.triangle);
+                let [v, w] = hit.barycentric.map(f64::from);
+                let met = (1.0 - v - w) * a + v * b + w * c;
+                let z = met.z;
+                assert!((met - DVec3::new(0.2, 0.3, z)).length() < 1e-6, "{met}");
+            }
+        }
+    }
+}
