@@ -53,6 +53,7 @@ mod report;
 mod shading;
 mod shards;
 mod sky;
+mod stated;
 mod stopped;
 mod support;
 mod texels;

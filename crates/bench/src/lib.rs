@@ -15,6 +15,7 @@ pub mod maps;
 pub mod parity;
 pub mod samplers;
 pub mod speed;
+pub mod stated;
 pub mod summary;
 pub mod tables;
 mod tables_truth;

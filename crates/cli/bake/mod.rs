@@ -4,7 +4,7 @@ pub mod args;
 mod layer_help;
 pub mod layout;
 pub mod merge;
-mod options;
+pub mod options;
 pub mod plan;
 pub mod prepare;
 pub mod run;

@@ -8,12 +8,12 @@ use std::path::PathBuf;
 #[derive(ClapArgs)]
 pub struct Args {
     /// Scene file: .obj, .gltf or .glb
-    #[arg(required_unless_present_any = ["samplers", "hard", "maps", "peers", "tables", "texels"])]
+    #[arg(required_unless_present_any = ["samplers", "hard", "maps", "peers", "stated", "tables", "texels"])]
     pub scene: Option<PathBuf>,
     #[command(flatten)]
     pub job: Job,
     /// Directory for bench.csv, bench.svg and bench.md; it is made if needed
-    #[arg(short = 'o', long = "output", value_name = "DIR", required_unless_present_any = ["samplers", "ceiling", "grain", "hard", "texels"])]
+    #[arg(short = 'o', long = "output", value_name = "DIR", required_unless_present_any = ["samplers", "ceiling", "grain", "hard", "stated", "texels"])]
     pub output: Option<PathBuf>,
     /// Only the ratio of a bake to the bare loop of rtcOccluded16 over its packets
     #[arg(long, conflicts_with = "samplers")]
@@ -38,9 +38,13 @@ pub struct Args {
     /// texels.md in DIR; exit 1 if one fails. With a scene: page use, buried texels, seams and grain of its bake
     #[arg(long, conflicts_with_all = ["samplers", "ceiling", "hard", "maps", "tables"])]
     pub texels: bool,
+    /// Only stated errors beside true ones, of a bake of a quarter of --rays and of all of them: a Markdown table, with -o also stated.md
+    /// in DIR. Without a scene five are made by --seed
+    #[arg(long, conflicts_with_all = ["samplers", "ceiling", "grain", "hard", "maps", "tables", "texels"])]
+    pub stated: bool,
     /// Only other programs on the same texels of three generated scenes: peers.csv, peers.svg and peers.md in DIR. They are installed
     /// from PyPI into DIR/peers.work (bpy, mitsuba, open3d, pymeshlab); what cannot be is skipped
-    #[arg(long, conflicts_with_all = ["scene", "samplers", "ceiling", "grain", "hard", "maps", "tables", "texels"])]
+    #[arg(long, conflicts_with_all = ["scene", "samplers", "ceiling", "grain", "hard", "maps", "stated", "tables", "texels"])]
     pub peers: bool,
     /// The Python that --peers runs; its version decides which bpy fits
     #[arg(

@@ -3,4 +3,5 @@
 pub mod args;
 mod peers;
 pub mod run;
+mod stated;
 mod texels;

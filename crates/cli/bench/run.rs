@@ -32,6 +32,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if args.texels {
         return super::texels::run(args);
     }
+    if args.stated {
+        return super::stated::run(args);
+    }
     if args.peers {
         return super::peers::run(args);
     }
