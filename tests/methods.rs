@@ -153,3 +153,53 @@ fn closed_forms_of_a_smooth_body_are_no_samples() {
     );
     assert_eq!(report(baked.path())["rays"], 0, "no ray is cast");
 }
+
+/// Equation (1) of the paper: J = I_a k_a, times visibility.
+#[test]
+fn the_traditional_term_reflects_by_the_coefficient_that_is_asked_for() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let materials = "newmtl own\nKa 0.9 0.1 0.2\nKd 0.3 0.3 0.3\nnewmtl none\nKd 0.5 0.25 0.75\n\
+                     newmtl white\nKa 1 1 1\nKd 0.4 0.4 0.4\n";
+    let quad = |x: i32, name: &str| {
+        format!(
+            "o {name}\nusemtl {name}\nv {x} 0 0\nv {x} 0 1\nv {y} 0 1\nv {y} 0 0\nf -4 -3 -2 -1\n",
+            y = x + 1
+        )
+    };
+    let text = ["own", "none", "white"].into_iter().zip([0, 2, 4]);
+    let text: String = text.map(|(name, x)| quad(x, name)).collect();
+    let path = crate::bounces::obj(folder.path(), materials, &text);
+    let common = "--size 32 --rays 4 --sky 2,3,4 --layers ambient,object,visibility";
+    let common: Vec<&str> = common.split(' ').collect();
+    let kd = [[0.3; 3], [0.5, 0.25, 0.75], [0.4; 3]];
+    let ka = [[0.9, 0.1, 0.2], [0.5, 0.25, 0.75], [1.0; 3]];
+    let one = [[0.6, 0.7, 0.8]; 3];
+    for (more, expected, warns) in [
+        (&[][..], kd, true),
+        (&["--ambient-coefficient", "file"], ka, false),
+        (&["--ambient-coefficient", "0.6,0.7,0.8"], one, false),
+    ] {
+        let (out, page) = bake(&path, &[&common[..], more].concat());
+        let counted = report(out.path())["warnings"].to_string();
+        assert_eq!(counted.contains("ambient-coefficients"), warns, "{counted}");
+        let objects = page.plane("object");
+        let mut judged = [0; 3];
+        for (c, channel) in ["R", "G", "B"].into_iter().enumerate() {
+            let sky = [2.0, 3.0, 4.0][c];
+            let [value, own] =
+                ["traditional", "ambient"].map(|layer| page.plane(&format!("{layer}.{channel}")));
+            for texel in (0..objects.len()).filter(|&texel| objects[texel] >= 0.0) {
+                let object = objects[texel] as usize;
+                let exact = expected[object][c];
+                // Nothing stands over the quads.
+                assert!(
+                    (f64::from(value[texel]) - sky * exact).abs() < 1e-6,
+                    "{more:?}"
+                );
+                assert!((f64::from(own[texel]) - exact).abs() < 1e-7, "{more:?}");
+                judged[object] += 1;
+            }
+        }
+        assert!(judged.iter().all(|&count| count > 100), "{judged:?}");
+    }
+}

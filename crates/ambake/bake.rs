@@ -8,7 +8,10 @@ use crate::memory::Limit;
 use crate::options::{Backend, Effort, Options, Pages, Uv};
 use crate::scene::Scene;
 use crate::sky::Sky;
-use ::bake::{Bounces, Buried, Choice, Denoise, Footprint, Model, Pattern, Seams, Shading, View};
+use ::bake::{
+    AmbientCoefficient, Bounces, Buried, Choice, Denoise, Footprint, Model, Pattern, Seams,
+    Shading, View,
+};
 use layers::{Layer, Progress};
 use rays::{Light, RayBackend, World};
 use report::Engine;
@@ -329,6 +332,12 @@ impl Bake {
     /// Lobe exponent of every material, 0..=1e6.
     pub fn exponent(mut self, exponent: f64) -> Self {
         self.options.exponent = Some(exponent);
+        self
+    }
+
+    /// k_a, by which the layer `traditional` reflects ambient light; the albedo by default. Each channel of a colour is from 0 to 1e6.
+    pub fn ambient_coefficient(mut self, coefficient: AmbientCoefficient) -> Self {
+        self.options.ambient_coefficient = coefficient;
         self
     }
 

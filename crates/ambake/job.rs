@@ -9,7 +9,7 @@ use crate::resume::Widths;
 use crate::scene::Scene;
 use crate::seen::oracle;
 use crate::shell::Shell;
-use ::bake::{Baker, Bounces, Decision, Model, Pilot, Plan};
+use ::bake::{AmbientCoefficient, Baker, Bounces, Decision, Model, Pilot, Plan};
 use atlas::{Atlas, Pages, UvSource};
 use layers::Layer;
 use rays::{RayBackend, World};
@@ -205,6 +205,11 @@ impl Job {
             let tinted = [Layer::Lambert, Layer::Traditional];
             match warning.kind {
                 ::scene::WarningKind::IgnoredNormalMaps => self.options.normal_maps,
+                ::scene::WarningKind::AmbientCoefficients => {
+                    let options = &self.options;
+                    let shown = options.layers.contains(&Layer::Traditional);
+                    !shown || options.ambient_coefficient != AmbientCoefficient::Albedo
+                }
                 // Light without a tint is not black on them.
                 ::scene::WarningKind::BlackMetals => !tinted
                     .iter()

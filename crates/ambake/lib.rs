@@ -80,8 +80,8 @@ mod write;
 
 pub use crate::bake::Bake;
 pub use ::bake::{
-    BakedPage, BounceStats, Bounces, Buried, Choice, Decision, Denoise, Footprint, Method, Model,
-    PageStats, Pattern, Pilot, PointSet, SeamStats, Seams, Shading, View,
+    AmbientCoefficient, BakedPage, BounceStats, Bounces, Buried, Choice, Decision, Denoise,
+    Footprint, Method, Model, PageStats, Pattern, Pilot, PointSet, SeamStats, Seams, Shading, View,
 };
 pub use baked::{Baked, Page};
 pub use error::{Error, LimitedBy};

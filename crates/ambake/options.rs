@@ -5,7 +5,8 @@ use crate::error::Error;
 use crate::scene::Scene;
 use crate::sky::{MAX_RADIANCE, Sky};
 use ::bake::{
-    Bounces, Buried, Choice, Denoise, Footprint, Model, Pattern, PointSet, Seams, Shading, View,
+    AmbientCoefficient, Bounces, Buried, Choice, Denoise, Footprint, Model, Pattern, PointSet,
+    Seams, Shading, View,
 };
 use ::scene::Format;
 use glam::DVec3;
@@ -128,6 +129,8 @@ pub struct Options {
     pub layers: Vec<Layer>,
     /// Normal maps of materials bend the shading normals.
     pub normal_maps: bool,
+    /// k_a, by which the layer `traditional` reflects.
+    pub ambient_coefficient: AmbientCoefficient,
     /// Diffuse reflectance of every material, linear RGB.
     pub albedo: Option<[f32; 3]>,
     /// Specular reflectance of every material, linear RGB.
@@ -178,6 +181,7 @@ impl Default for Options {
             file_lights: None,
             layers: Layer::STANDARD.to_vec(),
             normal_maps: false,
+            ambient_coefficient: AmbientCoefficient::Albedo,
             albedo: None,
             specular: None,
             exponent: None,
@@ -250,6 +254,13 @@ impl Options {
         }
         if !self.exponent.is_none_or(|n| (0.0..=1e6).contains(&n)) {
             return fail("exponent", "must be between 0 and 1e6");
+        }
+        let ambient = match self.ambient_coefficient {
+            AmbientCoefficient::Rgb(rgb) => Some(rgb),
+            _ => None,
+        };
+        if !colour(ambient) {
+            return fail("ambient_coefficient", "each channel must be from 0 to 1e6");
         }
         if !colour(self.albedo) {
             return fail("albedo", "each channel must be from 0 to 1e6");
@@ -432,6 +443,7 @@ impl Options {
             layers: self.layers.clone(),
             normal_maps: self.normal_maps,
             rings: atlas::RINGS.max(self.layout().gutter),
+            ambient: self.ambient_coefficient,
             overrides: Overrides {
                 albedo: self.albedo,
                 specular: self.specular,
@@ -525,6 +537,7 @@ impl Options {
             file_lights: _,
             layers,
             normal_maps,
+            ambient_coefficient,
             albedo,
             specular,
             exponent,
@@ -616,6 +629,11 @@ impl Options {
             "lights": lights.iter().map(described).collect::<Vec<_>>(),
             "layers": layers,
             "normal_maps": normal_maps,
+            "ambient_coefficient": match ambient_coefficient {
+                AmbientCoefficient::Albedo => json!("albedo"),
+                AmbientCoefficient::Rgb(rgb) => json!(rgb),
+                AmbientCoefficient::Material => json!("file"),
+            },
             "albedo": albedo,
             "specular": specular,
             "exponent": exponent,

@@ -52,10 +52,24 @@ pub struct Options {
     pub normal_maps: bool,
     /// Highlights take as many rays as the hemisphere, however little of them comes through to what is composed.
     pub full_highlights: bool,
+    /// k_a of the traditional model.
+    pub ambient: AmbientCoefficient,
     /// Values that replace the materials' own.
     pub overrides: Overrides,
     /// Planner choices that are switched off: what they would leave out is modelled all the same.
     pub switched_off: Vec<Choice>,
+}
+
+/// k_a, by which the traditional model reflects ambient light: equation (1) of the paper.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum AmbientCoefficient {
+    /// That of ambient light reflected by a Lambertian surface: k_d.
+    #[default]
+    Albedo,
+    /// One for all materials, linear RGB.
+    Rgb([f32; 3]),
+    /// Each material's own ([`scene::Material::ambient`]); the albedo where it has none.
+    Material,
 }
 
 /// How many rays a texel takes over the hemisphere.
@@ -226,6 +240,7 @@ impl Default for Options {
             rings: atlas::RINGS,
             normal_maps: false,
             full_highlights: true,
+            ambient: AmbientCoefficient::Albedo,
             overrides: Overrides::default(),
             switched_off: Vec::new(),
         }

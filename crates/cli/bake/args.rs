@@ -258,6 +258,10 @@ pub struct Job {
     /// Lobe exponent of every material, 0 to 1e6
     #[arg(long, value_name = "N", value_parser = exponent)]
     pub exponent: Option<f64>,
+    /// By what the layer `traditional` reflects ambient light: one colour for all materials, linear, or `file`: the Ka of each material of an
+    /// OBJ file [default: the albedo, as a Lambertian surface reflects ambient light]
+    #[arg(long, value_name = "R,G,B|file", value_parser = coefficient)]
+    pub ambient_coefficient: Option<ambake::AmbientCoefficient>,
     /// Diffuse reflectance of every material, linear, as R,G,B
     #[arg(long, value_name = "R,G,B", value_parser = color)]
     pub albedo: Option<[f32; 3]>,
@@ -435,6 +439,15 @@ fn bounces(text: &str) -> Result<ambake::Bounces, String> {
         Ok(0) => Ok(ambake::Bounces::Off),
         Ok(gathers) if gathers <= 1000 => Ok(ambake::Bounces::Most(gathers)),
         _ => Err("expected auto or a number of gathers from 0 to 1000".into()),
+    }
+}
+
+fn coefficient(text: &str) -> Result<ambake::AmbientCoefficient, String> {
+    match text {
+        "file" => Ok(ambake::AmbientCoefficient::Material),
+        _ => color(text)
+            .map(ambake::AmbientCoefficient::Rgb)
+            .map_err(|e| format!("expected `file` or R,G,B: {e}")),
     }
 }
 

@@ -82,6 +82,7 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
     (options.lights).extend(lamps(&job.sphere, &job.rect, glam::DVec3::ZERO));
     options.file_lights = job.lights.map(|lights| lights == args::Lights::File);
     options.normal_maps = job.normal_maps;
+    options.ambient_coefficient = job.ambient_coefficient.unwrap_or_default();
     options.albedo = job.albedo;
     options.specular = job.specular;
     options.exponent = job.exponent;

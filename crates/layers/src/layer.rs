@@ -98,6 +98,8 @@ pub enum Layer {
     AnyView4,
     /// The part of [`Layer::Irradiance`] that comes straight from lights without extent.
     Direct,
+    /// k_a, by which the traditional model reflects.
+    Ambient,
 }
 
 /// An integral over the directions of a texel. A bake models those that its layers need.
@@ -210,7 +212,7 @@ const UNIT_VECTOR: (Unit, Preview) = (Unit::Direction, Preview::Signed);
 
 /// Every layer in the order of the enum.
 #[rustfmt::skip]
-const TABLE: [Row; 45] = [
+const TABLE: [Row; 46] = [
     counted(row(Coverage, "coverage", ONE, SHARE, &[], "fraction of the texel inside its chart")),
     row(Visibility, "visibility", ONE, SHARE, &[Term::Visibility], "open solid angle / 2 pi, the traditional occlusion factor"),
     row(Diffuse, "diffuse", ONE, SHARE, &[Term::Diffuse], "the Lambertian ambient term"),
@@ -256,6 +258,7 @@ const TABLE: [Row; 45] = [
     row(BentTangent, "bent.tangent", XYZ, UNIT_VECTOR, &[Term::Diffuse], "bent in the tangent frame of the surface (MikkTSpace, green up)"),
     row(AnyView4, "any-view.4", NUMBERS.first_chunk::<15>().unwrap(), (Unit::Number, Preview::None), &[Term::Visibility], "15 such numbers, whatever the lobes; written as any-view"),
     row(Direct, "direct", RGB, LIGHT, &[], "light that arrives straight from suns, points and spots, E / pi"),
+    row(Ambient, "ambient", RGB, TINT, &[], "coefficient of the traditional model (--ambient-coefficient)"),
 ];
 
 impl Layer {

@@ -106,6 +106,7 @@ pub(crate) fn placed_scene(meshes: Vec<Mesh>, placed: &[(u32, DAffine3)]) -> Sce
                 specular: Vec3::ZERO,
                 exponent: 0.0,
             },
+            ambient: None,
             emission: Vec3::ZERO,
             emission_map: None,
             transmission: None,

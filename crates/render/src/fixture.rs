@@ -82,6 +82,7 @@ fn world_of(sheets: &[Sheet], alpha: Alpha) -> (World, Box<dyn RayBackend>) {
             specular: sheet.specular,
             exponent: sheet.exponent,
         },
+        ambient: None,
         emission: sheet.emission,
         emission_map: None,
         transmission: None,

@@ -123,6 +123,7 @@ pub(crate) fn untinted(name: &str) -> Material {
             specular: Vec3::ZERO,
             exponent: 0.0,
         },
+        ambient: None,
         emission: Vec3::ZERO,
         emission_map: None,
         alpha: Alpha::Opaque,

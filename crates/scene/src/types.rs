@@ -158,6 +158,8 @@ pub struct Material {
     pub name: String,
     /// Surface colour model.
     pub surface: Surface,
+    /// k_a of the traditional ambient term, linear, 0..=1 a channel (OBJ `Ka`); `None` where the file gives none.
+    pub ambient: Option<Vec3>,
     /// Radiance that the surface sends out by itself, linear (OBJ `Ke`; glTF `emissiveFactor` times its strength).
     pub emission: Vec3,
     /// Colour texture that multiplies `emission` (glTF `emissiveTexture`).

@@ -23,6 +23,8 @@ pub struct Warning {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum WarningKind {
+    /// OBJ: `Ka` of a material is neither black, white nor its `Kd`, and the traditional term takes `Kd`.
+    AmbientCoefficients,
     /// glTF: a material that is all metal, by `metallicFactor` 1 or without one, and no texture says otherwise. A metal has no albedo, so that
     /// Lambert's and the traditional model are black on it.
     BlackMetals,
@@ -96,6 +98,7 @@ impl WarningKind {
     /// The stable word that scripts look for in `bake.json`, such as `zero-area-triangles`.
     pub fn name(self) -> &'static str {
         match self {
+            WarningKind::AmbientCoefficients => "ambient-coefficients",
             WarningKind::BlackMetals => "black-metals",
             WarningKind::BadNormals => "bad-normals",
             WarningKind::BadTangents => "bad-tangents",

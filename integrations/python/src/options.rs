@@ -1,15 +1,15 @@
 //! Options by the names of their flags.
 
 use ambake::{
-    Backend, Bake, Bounces, Buried, Choice, Denoise, Footprint, Layer, Light, Model, Pages,
-    Pattern, Seams, Shading, Sky, Uv, View,
+    AmbientCoefficient, Backend, Bake, Bounces, Buried, Choice, Denoise, Footprint, Layer, Light,
+    Model, Pages, Pattern, Seams, Shading, Sky, Uv, View,
 };
 use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 /// Every option, as its flag is called with underscores.
-pub const NAMES: [&str; 42] = [
+pub const NAMES: [&str; 43] = [
     "size",
     "density",
     "density_of",
@@ -47,6 +47,7 @@ pub const NAMES: [&str; 42] = [
     "only",
     "normal_maps",
     "exponent",
+    "ambient_coefficient",
     "albedo",
     "specular",
     "seed",
@@ -266,6 +267,16 @@ fn one(mut bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
         "only" => bake.only(layers(value)?),
         "normal_maps" => bake.normal_maps(value.extract()?),
         "exponent" => bake.exponent(value.extract()?),
+        "ambient_coefficient" => bake.ambient_coefficient(match value.extract() {
+            Ok(rgb) => AmbientCoefficient::Rgb(rgb),
+            Err(_) => word(
+                value,
+                &[
+                    ("albedo", AmbientCoefficient::Albedo),
+                    ("file", AmbientCoefficient::Material),
+                ],
+            )?,
+        }),
         "albedo" => bake.albedo(value.extract()?),
         "specular" => bake.specular(value.extract()?),
         "seed" => bake.seed(value.extract()?),

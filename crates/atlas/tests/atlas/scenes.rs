@@ -47,6 +47,7 @@ pub fn scene(meshes: Vec<Mesh>, instances: &[(u32, u32, DAffine3)]) -> Scene {
                 specular: Vec3::ZERO,
                 exponent: 0.0,
             },
+            ambient: None,
             emission: Vec3::ZERO,
             emission_map: None,
             transmission: None,

@@ -12,13 +12,14 @@ use crate::bounce::{GatherPilot, Taken};
 use crate::choice::Choice;
 use crate::clock::ThreadClock;
 use crate::integrate::{Coat, Task, integrate, seals};
-use crate::options::{Buried, Footprint, Model, Options, View};
+use crate::options::{AmbientCoefficient, Buried, Footprint, Model, Options, View};
 use crate::plan::Plan;
 use crate::seams::Across;
 use crate::survey::{Surveyor, Texel};
 use ambient::closed_form::phong_open;
 use ambient::sampling::Stream;
 use atlas::{Atlas, PageRaster, Rasters, Tile};
+use glam::DVec3;
 use layers::{Layer, Progress};
 use pulp::Arch;
 use rayon::prelude::*;
@@ -374,6 +375,7 @@ impl<'a> Baker<'a> {
                     specular: coat.specular,
                     ..texel.material
                 },
+                ambient: self.ambient(texel),
                 base: coat.base,
                 position: texel.position,
                 normal: texel.normal,
@@ -382,6 +384,21 @@ impl<'a> Baker<'a> {
                 sealed,
             })
             .collect()
+    }
+
+    /// k_a of a texel.
+    fn ambient(&self, texel: &Texel) -> DVec3 {
+        let own = || {
+            let scene = self.world.scene();
+            let mesh = scene.instances[texel.object as usize].mesh;
+            let material = scene.meshes[mesh as usize].material;
+            scene.materials[material as usize].ambient
+        };
+        match self.options.ambient {
+            AmbientCoefficient::Albedo => texel.material.albedo,
+            AmbientCoefficient::Rgb(rgb) => DVec3::from(rgb.map(f64::from)),
+            AmbientCoefficient::Material => own().map_or(texel.material.albedo, |ka| ka.as_dvec3()),
+        }
     }
 
     /// The texels of a tile, ready to be integrated.

@@ -17,6 +17,8 @@ pub(crate) struct Composition {
     /// Standard errors of the diffuse and the specular term.
     pub diffuse_error: f64,
     pub specular_error: f64,
+    /// k_a of the traditional model.
+    pub ambient: DVec3,
     /// Diffuse reflectance.
     pub albedo: DVec3,
     /// Specular reflectance.
@@ -30,7 +32,7 @@ pub(crate) struct Composition {
 impl Composition {
     /// The channels of a layer; only the first counts where the layer has one.
     pub fn value(&self, layer: Layer) -> DVec3 {
-        let traditional = || models::traditional(self.sky, self.albedo, self.visibility);
+        let traditional = || models::traditional(self.sky, self.ambient, self.visibility);
         let lambert = || models::lambert(self.irradiance, self.albedo);
         let phong = || {
             let (irradiance, reflection) = (self.irradiance, self.reflection);
@@ -106,6 +108,8 @@ pub(crate) struct BakedTexel {
     pub terms: Terms,
     /// Mean over the footprint.
     pub material: PhongMaterial,
+    /// k_a of the traditional model.
+    pub ambient: DVec3,
     /// Diffuse reflectance under the coat of the microfacet model.
     pub base: DVec3,
     /// Mean world position.
@@ -161,6 +165,7 @@ impl BakedTexel {
             Layer::Albedo => three(material.albedo),
             Layer::Reflectance => three(material.specular),
             Layer::Base => three(self.base),
+            Layer::Ambient => three(self.ambient),
             composed => unreachable!("layer {} is no fact", composed.name()),
         }
     }

@@ -313,6 +313,7 @@ struct Facts<'a> {
     irradiance: [Option<&'a [f32]>; 3],
     reflection: [Option<&'a [f32]>; 3],
     albedo: [Option<&'a [f32]>; 3],
+    ambient: [Option<&'a [f32]>; 3],
     reflectance: [Option<&'a [f32]>; 3],
     base: [Option<&'a [f32]>; 3],
     open_specular: Option<&'a [f32]>,
@@ -330,6 +331,7 @@ impl<'a> Facts<'a> {
             irradiance: three(Layer::Irradiance),
             reflection: three(Layer::Reflection),
             albedo: three(Layer::Albedo),
+            ambient: three(Layer::Ambient),
             reflectance: three(Layer::Reflectance),
             base: three(Layer::Base),
             open_specular: page.layer(Layer::OpenSpecular),
@@ -354,6 +356,11 @@ impl<'a> Facts<'a> {
             diffuse_error: one(self.diffuse_error),
             specular_error: one(self.specular_error),
             albedo: rgb(self.albedo),
+            // What has no plane of its own is the albedo.
+            ambient: rgb(match self.ambient[0] {
+                Some(_) => self.ambient,
+                None => self.albedo,
+            }),
             specular: rgb(self.reflectance),
             base: rgb(self.base),
             open_specular: one(self.open_specular),

@@ -2,7 +2,7 @@
 
 use super::compose::{is_composed, is_light};
 use crate::choice::Choice;
-use crate::options::{Buried, Denoise, Model, Options, Seams};
+use crate::options::{AmbientCoefficient, Buried, Denoise, Model, Options, Seams};
 use crate::plan::Plan;
 use layers::Layer;
 
@@ -93,6 +93,9 @@ pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec
     }
     if options.layers.iter().any(|&layer| is_composed(layer)) {
         add(Layer::Albedo);
+        if options.ambient != AmbientCoefficient::Albedo {
+            add(Layer::Ambient);
+        }
         // Where nothing reflects specularly it is 0, and composing takes what is missing for 0.
         if plan.models(Choice::Specular) || options.layers.contains(&Layer::TraditionalClosed) {
             add(Layer::Reflectance);

@@ -45,6 +45,7 @@ pub(super) fn bake(setup: &Setup, case: &str, kind: BackendKind) -> Result<Baked
         rings: atlas::RINGS,
         normal_maps: false,
         full_highlights: true,
+        ambient: Default::default(),
         overrides: Overrides {
             exponent: setup.exponent,
             ..Overrides::default()

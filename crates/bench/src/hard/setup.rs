@@ -204,6 +204,7 @@ fn scene(meshes: Vec<Mesh>) -> Scene {
                 specular: Vec3::ONE,
                 exponent: 0.0,
             },
+            ambient: None,
             emission: Vec3::ZERO,
             emission_map: None,
             transmission: None,

@@ -232,6 +232,7 @@ mod tests {
                 specular: glam::Vec3::ZERO,
                 exponent: 0.0,
             },
+            ambient: None,
             emission: glam::Vec3::ZERO,
             emission_map: None,
             transmission: None,

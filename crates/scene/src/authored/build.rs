@@ -193,6 +193,7 @@ fn material(
             specular,
             exponent,
         },
+        ambient: None,
         emission,
         emission_map: None,
         transmission: None,

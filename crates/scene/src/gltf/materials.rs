@@ -234,6 +234,7 @@ fn material(
     Material {
         name,
         surface,
+        ambient: None,
         emission,
         emission_map: json
             .emissive_texture

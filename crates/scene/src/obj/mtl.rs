@@ -1,8 +1,8 @@
 //! Material libraries: the parameters of the Phong model as OBJ files give them.
 //!
-//! Read: `Kd`, `Ks`, `Ns`, `Ke`, `d`, `Tr`, `map_Kd`, `map_d`; missing ones are white, black, 0, black and opaque. Where
-//! Kd + Ks is above 1 in a channel, both are scaled down, for no surface reflects more than it receives. `Ka` is not used:
-//! the ambient term that is baked reflects with `Kd`. `norm`, else `map_Bump` or `bump`, is the normal map. `map_Ks` is noted
+//! Read: `Ka`, `Kd`, `Ks`, `Ns`, `Ke`, `d`, `Tr`, `map_Kd`, `map_d`; missing ones are white, black, 0, black and opaque. Where
+//! Kd + Ks is above 1 in a channel, both are scaled down, for no surface reflects more than it receives. `Ka` serves the
+//! traditional term alone, where it is asked for. `norm`, else `map_Bump` or `bump`, is the normal map. `map_Ks` is noted
 //! and left out.
 //! `illum` is not used either: which model is shown is chosen by layer.
 
@@ -90,6 +90,7 @@ fn libraries(input: &mut Input, main: &Path, line: &str) -> Vec<PathBuf> {
 #[derive(Default)]
 struct Statements {
     name: String,
+    ka: Option<[f32; 3]>,
     kd: Option<[f32; 3]>,
     ks: Option<[f32; 3]>,
     ke: Option<[f32; 3]>,
@@ -135,6 +136,7 @@ fn parsed(input: &mut Input, path: &Path, bytes: &[u8]) -> Vec<Statements> {
         let mut none = Statements::default();
         let material = materials.last_mut().unwrap_or(&mut none);
         let is_set = match keyword.as_str() {
+            "ka" => set(&mut material.ka, color),
             "kd" => set(&mut material.kd, color),
             "ks" => set(&mut material.ks, color),
             "ke" => set(&mut material.ke, color),
@@ -186,6 +188,7 @@ fn material(
         Some(c) => Vec3::from_array(c.map(|v| clamped(v, 0.0, 1.0, or, &mut changed))),
         None => Vec3::splat(or),
     };
+    let ambient = raw.ka.map(|ka| color(Some(ka), 0.0));
     let albedo = color(raw.kd, 1.0);
     let specular = color(raw.ks, 0.0);
     let exponent = clamped(
@@ -210,6 +213,14 @@ fn material(
         place.as_str(),
         changed,
         "factors out of range are clamped",
+    );
+    // Exporters write black or white where nobody chose anything.
+    let is_chosen = |ka: &Vec3| ![Vec3::ZERO, Vec3::ONE, albedo].contains(ka);
+    input.warn(
+        WarningKind::AmbientCoefficients,
+        place.as_str(),
+        ambient.iter().filter(|ka| is_chosen(ka)).count() as u64,
+        "Ka differs from Kd, by which `traditional` reflects; --ambient-coefficient file takes Ka",
     );
     let [albedo, specular] = conserving(input, &place, [albedo, specular]);
     let normal_maps = raw.bump.is_some() as u64 + raw.norm.is_some() as u64;
@@ -255,6 +266,7 @@ fn material(
     Ok(Material {
         name: raw.name.clone(),
         surface,
+        ambient,
         emission,
         emission_map: None,
         alpha,

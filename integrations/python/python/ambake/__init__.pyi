@@ -52,6 +52,7 @@ class Options(TypedDict, total=False):
     only: Union[str, Sequence[str]]
     normal_maps: bool
     exponent: float
+    ambient_coefficient: Union[_Rgb, Literal["albedo", "file"]]
     albedo: _Rgb
     specular: _Rgb
     seed: int
