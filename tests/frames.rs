@@ -402,6 +402,11 @@ fn a_wrong_request_is_one_line_and_leaves_no_picture() {
         (only(&[lit, &environment]), 2, "--maps"),
         (only(&["--figure", "balls"]), 2, lit),
         (only(&["--lookup", "quad"]), 2, "--maps"),
+        (
+            only(&["--specular-weight", "schlick:0.1"]),
+            1,
+            "--model phong",
+        ),
     ];
     let ball = scene("ball.obj").display().to_string();
     for (more, status, word) in cases {

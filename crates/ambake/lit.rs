@@ -5,7 +5,7 @@ use crate::options::Effort;
 use ::bake::{BakedPage, LayerPlanes};
 use glam::{DVec3, Vec2, Vec3};
 use rays::{Overrides, SurfaceHit, Surfaces};
-use render::{Direct, Exposure, Framing, Lamps, Lit, Model, TexelPlace};
+use render::{Direct, Exposure, Framing, Lamps, Lit, TexelPlace};
 use std::time::Instant;
 
 /// Layers that can light a scene, the best one first.
@@ -78,13 +78,8 @@ fn look(job: &Job) -> Option<Lit> {
     let (world, options) = (job.world(), job.options());
     let (surfaces, lamps) = (Surfaces::new(world), Lamps::of(world));
     let direct = Direct {
-        surfaces: &surfaces,
-        backend: job.backend(),
-        model: Model::Lambert,
         rays: RAYS,
         sky: options.sky.light.clone(),
-        background: None,
-        lights: &[],
         max_distance: options.max_distance.unwrap_or(f32::INFINITY),
         seed: options.seed,
         overrides: Overrides {
@@ -92,7 +87,7 @@ fn look(job: &Job) -> Option<Lit> {
             specular: options.specular,
             exponent: options.exponent,
         },
-        lamps: &lamps,
+        ..Direct::new(&surfaces, job.backend(), &lamps)
     };
     let (size, grid) = size(job);
     let framing = Framing {

@@ -12,7 +12,7 @@ use anyhow::{Context, bail};
 use clap::Args as ClapArgs;
 use glam::DVec3;
 use maps::Sky;
-use rays::{Overrides, Surfaces};
+use rays::Surfaces;
 use render::{Direct, Error, Fit, Framing, Lamps, Model, Shot, fit};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
@@ -102,17 +102,11 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         );
     }
     let mut direct = Direct {
-        surfaces: &surfaces,
-        backend: backend.as_ref(),
         model: Model::Phong,
         rays: args.rays,
         sky: Sky::Uniform(args.sky),
-        background: None,
-        lights: &[],
-        max_distance: f32::INFINITY,
         seed: args.common.seed,
-        overrides: Overrides::default(),
-        lamps: &lamps,
+        ..Direct::new(&surfaces, backend.as_ref(), &lamps)
     };
     let how = (args.samples, args.exposure);
     let mut with = |rays: u32| {

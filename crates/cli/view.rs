@@ -4,9 +4,9 @@ use crate::args::View as Args;
 use crate::common::{build, text_file};
 use crate::outcome::{Outcome, say};
 use anyhow::bail;
-use maps::Sky;
-use rays::{Overrides, RayBackend, SurfaceHit, Surfaces, World};
-use render::{Camera, Direct, Framing, Lamps, Lit, Model, TexelPlace};
+
+use rays::{RayBackend, SurfaceHit, Surfaces, World};
+use render::{Camera, Direct, Framing, Lamps, Lit, TexelPlace};
 use report::{EmbeddedPage, Kernel, Output, REPORT_NAME, Viewer};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -143,17 +143,8 @@ fn look_at(
 ) -> Result<Lit, render::Error> {
     let (surfaces, lamps) = (Surfaces::new(world), Lamps::of(world));
     let direct = Direct {
-        surfaces: &surfaces,
-        backend,
-        model: Model::Lambert,
         rays: 1,
-        sky: Sky::WHITE,
-        background: None,
-        lights: &[],
-        max_distance: f32::INFINITY,
-        seed: 0,
-        overrides: Overrides::default(),
-        lamps: &lamps,
+        ..Direct::new(&surfaces, backend, &lamps)
     };
     let camera = Camera {
         size: [160, 120],

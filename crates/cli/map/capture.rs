@@ -7,11 +7,11 @@ use crate::host;
 use crate::outcome::{Outcome, say, say_json, tell};
 use crate::progress::{Show, watch};
 use crate::stop::Stop;
-use ::render::{Direct, Error, Lamps, Light, Model, PointForm, add_points, capture};
+use ::render::{Direct, Error, Lamps, Light, PointForm, add_points, capture};
 use anyhow::bail;
 use glam::DVec3;
 use maps::{Format, Layout, Orientation};
-use rays::{Overrides, Surfaces};
+use rays::Surfaces;
 use scene::Scene;
 use serde_json::json;
 use std::time::Instant;
@@ -43,17 +43,11 @@ pub fn run(args: &Capture) -> anyhow::Result<Outcome> {
         tell("warning: nothing shines here, the map is black; give --sky or --point");
     }
     let direct = Direct {
-        surfaces: &surfaces,
-        backend: backend.as_ref(),
-        model: Model::Lambert,
         rays: args.rays,
         sky: sky.light().clone(),
-        background: None,
         lights: &points,
-        max_distance: f32::INFINITY,
-        overrides: Overrides::default(),
         seed: args.seed,
-        lamps: &lamps,
+        ..Direct::new(&surfaces, backend.as_ref(), &lamps)
     };
     let at = DVec3::from(args.at) - world.origin();
     let show = Show {

@@ -60,8 +60,6 @@ pub fn direct<'a>(
     lamps: &'a Lamps,
 ) -> Direct<'a> {
     Direct {
-        surfaces,
-        backend,
         model,
         rays: args.rays,
         sky: sky.light().clone(),
@@ -70,7 +68,7 @@ pub fn direct<'a>(
         max_distance: args.max_distance.map_or(f32::INFINITY, |d| d as f32),
         seed: args.common.seed,
         overrides: overrides(args),
-        lamps,
+        ..Direct::new(surfaces, backend, lamps)
     }
 }
 
@@ -154,6 +152,25 @@ fn surface_type(tables: &Tables, name: ShaderName) -> SurfaceType {
         ShaderName::Luminous => SurfaceType::Luminous,
         ShaderName::Traced => SurfaceType::Traced,
     }
+}
+
+/// What weighs the highlights of lights by their incidence.
+///
+/// # Errors
+/// There is nothing to weigh, or its file cannot be read.
+pub fn incidence(args: &Args, model: Model) -> anyhow::Result<Weight> {
+    let [_, weight] = weights(&args.tables)?;
+    let lights = [
+        args.sun.len(),
+        args.point.len(),
+        args.sphere.len(),
+        args.rect.len(),
+    ];
+    let serves = model == Model::Phong && lights.iter().any(|&count| count > 0);
+    if weight != Weight::Constant && !serves {
+        bail!("--specular-weight: without --maps it weighs lights under --model phong; give both");
+    }
+    Ok(weight)
 }
 
 /// Wd and Ws, read from their files where they are in files.

@@ -42,6 +42,7 @@ pub fn draw(
         _ => options::sky(args)?,
     };
     let mut direct = options::direct(args, model, &sky, &surfaces, backend, &lights, &lamps);
+    direct.incidence = options::incidence(args, direct.model)?;
     if fitted && args.background.is_none() {
         direct.background = Some(backdrop(sky.mean().into()));
     }

@@ -43,8 +43,8 @@ pub struct Tables {
     /// after a first line `degrees` angles from the normal
     #[arg(long, value_name = "W", default_value = "constant", value_parser = weight, requires = "shading")]
     pub diffuse_weight: WeightName,
-    /// Ws, likewise
-    #[arg(long, value_name = "W", default_value = "constant", value_parser = weight, requires = "shading")]
+    /// Ws, likewise. Without --maps it weighs the Phong highlight of --sun and its kin by the cosine of their incidence
+    #[arg(long, value_name = "W", default_value = "constant", value_parser = weight)]
     pub specular_weight: WeightName,
     /// Share of the diffuse light that comes through from behind, 0 to 1: it is looked up in D at -N
     #[arg(long, value_name = "T", default_value = "0", value_parser = share, requires = "shading")]

@@ -1,10 +1,10 @@
 //! Captured maps against answers known on paper.
 
 use crate::fixture::{Sheet, white, world};
-use crate::{Direct, Lamps, Light, Model, PointForm, add_points, capture};
+use crate::{Direct, Lamps, Light, PointForm, add_points, capture};
 use glam::{DVec3, Vec3};
 use maps::{IlluminationMap, Image, Lobe, Normalise, Projection, Request, Sky, convolve};
-use rays::{Overrides, RayBackend, Surfaces};
+use rays::{RayBackend, Surfaces};
 use std::f64::consts::PI;
 
 /// Black under a black sky, but for lamps and lights.
@@ -15,17 +15,10 @@ fn direct<'a>(
     lights: &'a [Light],
 ) -> Direct<'a> {
     Direct {
-        surfaces,
-        backend,
-        model: Model::Lambert,
         rays: 16,
         sky: Sky::BLACK,
-        background: None,
         lights,
-        max_distance: f32::INFINITY,
-        overrides: Overrides::default(),
-        seed: 0,
-        lamps,
+        ..Direct::new(surfaces, backend, lamps)
     }
 }
 

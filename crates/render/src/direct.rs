@@ -5,6 +5,7 @@
 //! about R = 2(N·E)N − E of every point.
 
 use crate::microfacets::Coat;
+use crate::tables::Weight;
 use crate::{Lamps, Light, Lightmap, Sample, TexelPlace};
 use ambient::Frame;
 use ambient::closed_form::phong_open;
@@ -69,6 +70,9 @@ pub struct Direct<'a> {
     pub background: Option<DVec3>,
     /// Lights without extent; they cast shadows.
     pub lights: &'a [Light],
+    /// Share of the Phong highlight of lights by the cosine of their incidence, W of section 2.1 of the 1984 text. Other models have a Fresnel
+    /// term of their own, or no highlight.
+    pub incidence: Weight,
     /// Occluders farther than this do not count.
     pub max_distance: f32,
     /// Values that replace the materials' own.
@@ -89,6 +93,30 @@ const SHADOW_RAYS: u32 = 16;
 
 /// Points of a coat where no rays are asked for.
 const LEAST_POINTS: u32 = 64;
+
+impl<'a> Direct<'a> {
+    /// Lambert's model by 64 rays under a white sky, without lights.
+    pub fn new(
+        surfaces: &'a Surfaces<'a>,
+        backend: &'a dyn RayBackend,
+        lamps: &'a Lamps,
+    ) -> Direct<'a> {
+        Direct {
+            surfaces,
+            backend,
+            model: Model::Lambert,
+            rays: 64,
+            sky: Sky::WHITE,
+            background: None,
+            lights: &[],
+            incidence: Weight::Constant,
+            max_distance: f32::INFINITY,
+            overrides: Overrides::default(),
+            seed: 0,
+            lamps,
+        }
+    }
+}
 
 impl Direct<'_> {
     /// The radiance that reaches the eye of a sample.
@@ -425,7 +453,9 @@ impl Direct<'_> {
             reflected += coat.reflected(arrival.toward) * arrival.irradiance;
         } else if self.model == Model::Phong {
             let mirror = mirrored(point.normal, view);
-            reflected += arrival.specular(point.normal, mirror, &point.material);
+            let weight = self.incidence.at(point.normal.dot(arrival.toward) as f32);
+            let weight = DVec3::from(weight.map(f64::from));
+            reflected += weight * arrival.specular(point.normal, mirror, &point.material);
         }
         if reflected == DVec3::ZERO || point.geometric.dot(arrival.toward) <= 0.0 {
             return DVec3::ZERO;

@@ -1,12 +1,13 @@
 //! Direct pictures against answers known on paper.
 
 use crate::fixture::{Sheet, ground, white, world};
+use crate::tables::Weight;
 use crate::{Camera, Direct, Lamps, Light, Model, Sample, picture};
 use ambient::closed_form::phong_open;
 use ambient::ggx::Ggx;
 use glam::{DVec3, Vec3};
 use maps::{IlluminationMap, Image, Projection, Sky, SkyMap};
-use rays::{Overrides, RayBackend, Surfaces};
+use rays::{RayBackend, Surfaces};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -14,17 +15,9 @@ static DARK: Lamps = Lamps::NONE;
 
 fn direct<'a>(surfaces: &'a Surfaces<'a>, backend: &'a dyn RayBackend, model: Model) -> Direct<'a> {
     Direct {
-        surfaces,
-        backend,
         model,
         rays: 1024,
-        sky: Sky::WHITE,
-        background: None,
-        lights: &[],
-        max_distance: f32::INFINITY,
-        overrides: Overrides::default(),
-        seed: 0,
-        lamps: &DARK,
+        ..Direct::new(surfaces, backend, &DARK)
     }
 }
 
@@ -224,6 +217,37 @@ fn lights_follow_the_cosine_and_cast_shadows() {
         // The ray's direction is rounded to f32, which moves the lit point.
         assert!((value - exact).abs() < 1e-6, "{at}: {value} for {exact}");
     }
+}
+
+#[test]
+fn a_highlight_is_weighed_by_the_incidence_of_its_light() {
+    let mut sheet = ground();
+    (sheet.albedo, sheet.specular) = (Vec3::splat(0.5), Vec3::splat(0.25));
+    sheet.exponent = 3.0;
+    let (world, backend) = world(&[sheet]);
+    let surfaces = Surfaces::new(&world);
+    let lights = [Light::Distant {
+        toward: DVec3::new(0.8, 0.6, 0.0),
+        irradiance: DVec3::splat(2.0),
+    }];
+    let mut shader = direct(&surfaces, backend.as_ref(), Model::Phong);
+    (shader.rays, shader.lights) = (0, &lights);
+    let eye = DVec3::new(-3.0, 4.0, 0.0);
+    let seen = |shader: &Direct<'_>| shader.radiance(&seen(eye, DVec3::ZERO, 0));
+    let plain = seen(&shader);
+    // The mirrored view (0.6, 0.8, 0) and the light are arccos 0.96 apart; (n+1)/2pi E ks cos^n.
+    let highlight = 4.0 / (2.0 * PI) * 2.0 * 0.25 * 0.96f64.powi(3);
+    let matte = 0.5 * 2.0 * 0.6 / PI;
+    assert!((plain.x - matte - highlight).abs() < 1e-6, "{plain}");
+    shader.incidence = Weight::Schlick(0.1);
+    let share = 0.1 + 0.9 * 0.4f64.powi(5);
+    let weighed = seen(&shader);
+    assert!(
+        (weighed.x - matte - share * highlight).abs() < 1e-6,
+        "{weighed}"
+    );
+    shader.model = Model::Lambert;
+    assert!((seen(&shader).x - matte).abs() < 1e-6, "no highlight");
 }
 
 #[test]

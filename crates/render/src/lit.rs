@@ -137,10 +137,9 @@ impl Lit {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Lamps;
     use crate::fixture::{ground, see_through, world};
-    use crate::{Lamps, Model};
-    use maps::Sky;
-    use rays::{Overrides, RayBackend, Surfaces};
+    use rays::{RayBackend, Surfaces};
 
     /// A matt scene under a sky of 1.
     fn direct<'a>(
@@ -149,17 +148,8 @@ mod tests {
         lamps: &'a Lamps,
     ) -> Direct<'a> {
         Direct {
-            surfaces,
-            backend,
-            model: Model::Lambert,
             rays: 4,
-            sky: Sky::WHITE,
-            background: None,
-            lights: &[],
-            max_distance: f32::INFINITY,
-            overrides: Overrides::default(),
-            seed: 0,
-            lamps,
+            ..Direct::new(surfaces, backend, lamps)
         }
     }
 

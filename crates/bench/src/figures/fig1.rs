@@ -99,8 +99,8 @@ pub fn fig1_csv(points: &[Fig1Point]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use maps::Sky;
-    use rays::{BackendKind, Layout, Overrides, Surfaces, World, WorldOptions, build};
+
+    use rays::{BackendKind, Layout, Surfaces, World, WorldOptions, build};
     use render::{Lamps, Model};
     use std::sync::Arc;
 
@@ -114,19 +114,11 @@ mod tests {
         };
         let world = World::new(Arc::new(scene), options).expect("the plane fits");
         let backend = build(BackendKind::Obvhs(Layout::Cwbvh), &world, 0).expect("no library");
-        let surfaces = Surfaces::new(&world);
+        let (surfaces, lamps) = (Surfaces::new(&world), Lamps::NONE);
         let mut direct = Direct {
-            surfaces: &surfaces,
-            backend: backend.as_ref(),
             model: Model::Phong,
             rays: 1024,
-            sky: Sky::WHITE,
-            background: None,
-            lights: &[],
-            max_distance: f32::INFINITY,
-            overrides: Overrides::default(),
-            seed: 0,
-            lamps: &Lamps::NONE,
+            ..Direct::new(&surfaces, backend.as_ref(), &lamps)
         };
         let points = fig1(&mut direct, &()).expect("nothing cancels it");
         assert_eq!(points.len(), 80);
