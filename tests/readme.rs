@@ -143,3 +143,48 @@ fn every_command_of_the_docs_ends_well_in_a_fresh_clone() {
     }
     assert!(failed.is_empty(), "\n{}", failed.join("\n"));
 }
+
+/// The rows of a page's tables, cell by cell.
+fn rows(page: &str) -> impl Iterator<Item = Vec<&str>> {
+    let rows = page.lines().filter(|line| line.starts_with("| "));
+    rows.map(|line| line.trim_matches('|').split('|').map(str::trim).collect())
+}
+
+/// What stands between backticks.
+fn quoted(cell: &str) -> impl Iterator<Item = &str> {
+    cell.split('`').skip(1).step_by(2)
+}
+
+#[test]
+fn every_row_of_the_sources_has_a_command_that_ends_well_and_tests_that_are_there() {
+    let page = std::fs::read_to_string(repository().join("docs/sources.md")).expect("the page");
+    let (mut commands, mut tests) = (0, 0);
+    let clone = Clone::new();
+    for row in rows(&page) {
+        for line in row.iter().flat_map(|cell| quoted(cell)) {
+            if line.starts_with("ambake ") {
+                let output = clone.run(line);
+                let said = String::from_utf8_lossy(&output.stderr);
+                assert!(output.status.success(), "{line}\n{said}");
+                commands += 1;
+            }
+        }
+        let mut file = String::new();
+        for word in row.last().into_iter().flat_map(|cell| quoted(cell)) {
+            if word.ends_with(".rs") {
+                let path = repository().join(word);
+                file = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{word}: {e}"));
+            } else {
+                assert!(
+                    file.contains(&format!("fn {word}(")),
+                    "there is no test {word}"
+                );
+                tests += 1;
+            }
+        }
+    }
+    assert!(
+        commands > 30 && tests > 50,
+        "{commands} commands, {tests} tests"
+    );
+}
