@@ -1,6 +1,6 @@
 //! Photographs to maps, by the built program: mirrored balls and exposure brackets.
 
-use crate::support::{exr_layer, files, run, run_well};
+use crate::support::{exr_layer, files, run, run_well, scene};
 use image::{ImageBuffer, Rgb};
 use maps::{Format, Image, Labels, Projection};
 use serde_json::Value;
@@ -569,4 +569,45 @@ fn unusable_photographs_are_one_line_and_leave_no_file() {
         assert_eq!(errors.lines().count(), 1, "{errors}");
     }
     assert_eq!(files(folder.path()), before);
+}
+
+#[test]
+fn a_scene_is_laid_over_a_photograph_in_the_tones_of_its_film() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    // A film that records the 1.6th root of exposure, and a photograph of every level.
+    let exposure = |level: u32| (f64::from(level) / 255.0).powf(1.6);
+    let lines = (0..256).map(|k| format!("{k} {0:e} {0:e} {0:e}\n", exposure(k)));
+    fs::write(at("film.txt"), lines.collect::<String>()).expect("a file");
+    let level = |x: u32, y: u32| ((x + 64 * y) % 256) as u8;
+    let plate: ImageBuffer<Rgb<u8>, Vec<u8>> =
+        ImageBuffer::from_fn(64, 64, |x, y| Rgb([level(x, y), 255 - level(x, y), 128]));
+    plate.save(at("plate.png")).expect("it is written");
+    // An open plane under a white sky has the radiance of its albedo in all of its pixels.
+    let plane = scene("plane.obj").display().to_string();
+    let [film, plate_file, out] = ["film.txt", "plate.png", "out.png"].map(at);
+    let words = "--eye 0,8,0 --look 0,0,0 --up 0,0,-1 --size 64x64 --samples 1 --rays 1 --model lambert --albedo 0.3,0.2,0.1";
+    let asked = ["render", &plane, "-o", &out, "--backdrop", &plate_file];
+    let asked: Vec<&str> = asked.into_iter().chain(words.split(' ')).collect();
+    run_well([&asked[..], &["--response", &film]].concat());
+    let picture = image::open(&out).expect("a picture").to_rgb8();
+    // The level nearest to an exposure.
+    let recorded = |e: f64| (255.0 * e.powf(1.0 / 1.6)).round() as u8;
+    let own = [0.3, 0.2, 0.1].map(recorded);
+    let (mut behind, mut before) = (0, 0);
+    for (x, y, pixel) in picture.enumerate_pixels() {
+        let of_plate = pixel == plate.get_pixel(x, y);
+        // Between levels the curve is linear: a level up or down.
+        let of_plane = (0..3).all(|c| pixel[c].abs_diff(own[c]) <= 1);
+        assert!(of_plate || of_plane, "{x}, {y}: {pixel:?} for {own:?}");
+        behind += u32::from(of_plate);
+        before += u32::from(of_plane);
+    }
+    assert!(behind > 1000 && before > 500, "{behind} {before}");
+    let output = run([&asked[..], &["--response", &at("none.txt")]].concat());
+    let line = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        !output.status.success() && line.contains("none.txt"),
+        "{line}"
+    );
 }

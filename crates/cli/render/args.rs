@@ -32,6 +32,10 @@ pub struct Args {
     pub view: View,
     #[command(flatten)]
     pub matte: Matte,
+    /// Film's curve, a file that `map merge --save-response` wrote: a .png holds what the film would record, in place of sRGB, and the
+    /// photograph of --backdrop is read by it, so that a scene is laid over it in the photograph's own tones
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["figure", "alpha"])]
+    pub response: Option<PathBuf>,
     /// Ambient model [default: that of the bake; without one ggx for glTF and phong for OBJ]
     #[arg(long, value_enum)]
     pub model: Option<ModelName>,

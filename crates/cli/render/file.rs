@@ -7,9 +7,11 @@ use crate::sky::SkyArg;
 use ::render::Lightmap;
 use ::render::tables::specular_files;
 use anyhow::{Context, bail};
+use maps::merge::Response;
 use maps::{Format, Image, Labels};
 use rays::World;
 use report::Output;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// What a picture's name asks for.
@@ -43,6 +45,7 @@ pub fn inputs(args: &Args, world: &World, lightmap: Option<&Lightmap>) -> Vec<Pa
         .chain(&tables.environment)
         .chain(&tables.path)
         .chain(&args.matte.backdrop)
+        .chain(&args.response)
         .chain(args.sky.as_ref().and_then(SkyArg::file));
     world.scene().inputs.iter().chain(others).cloned().collect()
 }
@@ -54,6 +57,7 @@ pub fn write(
     alpha: Option<&[f32]>,
     about: &str,
     inputs: &[PathBuf],
+    film: &Film,
 ) -> anyhow::Result<()> {
     let name = path
         .file_name()
@@ -66,6 +70,7 @@ pub fn write(
         let bytes = maps::encode_with(picture, alpha, Format::Exr, &labels(about))?;
         output.stage_bytes(name, &bytes)?;
     } else {
+        let picture = film.recorded(picture.clone());
         let png = match alpha {
             Some(alpha) => report::matte_png(picture.width, &picture.pixels, alpha),
             None => report::picture_png(picture.width, &picture.pixels),
@@ -74,6 +79,42 @@ pub fn write(
     }
     output.publish()?;
     Ok(())
+}
+
+/// What records pictures of 8 bits: the curves of a film, else sRGB.
+pub struct Film(Option<[Response; 3]>);
+
+impl Film {
+    /// The film of `--response`.
+    pub fn of(args: &Args) -> anyhow::Result<Film> {
+        let curves = args.response.as_deref().map(maps::merge::read_curves);
+        Ok(Film(curves.transpose()?))
+    }
+
+    /// A photograph's radiance; pictures that are linear already stay as they are.
+    fn developed(&self, path: &Path) -> Result<Image, maps::Error> {
+        let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+        match &self.0 {
+            Some(curves) if !["exr", "hdr"].map(OsStr::new).contains(&&*ending) => {
+                maps::merge::develop(path, curves)
+            }
+            _ => maps::read(path).map(|file| file.image),
+        }
+    }
+
+    /// The picture that looks in sRGB as the film would record this one.
+    fn recorded(&self, mut picture: Image) -> Image {
+        let Some(curves) = &self.0 else {
+            return picture;
+        };
+        let display = Response::srgb();
+        for pixel in &mut picture.pixels {
+            for (value, curve) in pixel.iter_mut().zip(curves) {
+                *value = display.exposure(curve.recorded(f64::from(*value))) as f32;
+            }
+        }
+        picture
+    }
 }
 
 /// What a picture stands before.
@@ -88,7 +129,7 @@ pub enum Behind {
 
 impl Behind {
     /// What the arguments ask for.
-    pub fn of(args: &Args) -> anyhow::Result<Behind> {
+    pub fn of(args: &Args, film: &Film) -> anyhow::Result<Behind> {
         let Some(path) = &args.matte.backdrop else {
             return Ok(if args.matte.alpha {
                 Behind::Nothing
@@ -96,7 +137,7 @@ impl Behind {
                 Behind::Own
             });
         };
-        let plate = maps::read(path)?.image;
+        let plate = film.developed(path)?;
         let [width, height] = args.view.size.map(|n| n as usize);
         if (plate.width, plate.height) != (width, height) {
             bail!(

@@ -1,7 +1,7 @@
 //! Frames shaded from reflection maps.
 
 use super::args::Args;
-use super::file::Behind;
+use super::file::{Behind, Film};
 use super::{file, options};
 use crate::common::parsed;
 use crate::outcome::{Outcome, say, say_json};
@@ -33,7 +33,8 @@ pub fn draw(
         [&tables.exponents, &tables.incidences],
         tables.environment.as_deref(),
     )?;
-    let behind = Behind::of(args)?;
+    let film = Film::of(args)?;
+    let behind = Behind::of(args, &film)?;
     let mut sequence = sequence(args, world, &set, &types)?;
     if !matches!(behind, Behind::Own) {
         sequence.environment = None;
@@ -57,7 +58,7 @@ pub fn draw(
                     true => numbered_name(path, frame.number),
                     false => path.clone(),
                 };
-                file::write(&path, &frame.picture, matte, &about, &inputs)?;
+                file::write(&path, &frame.picture, matte, &about, &inputs, &film)?;
                 written.push(path);
             }
         }

@@ -1,7 +1,7 @@
 //! A picture by the ambient models and lights.
 
 use super::args::{Args, Exposure};
-use super::file::Behind;
+use super::file::{Behind, Film};
 use super::{file, options};
 use crate::common::{lamps, lights};
 use crate::outcome::{Outcome, say, say_json};
@@ -52,7 +52,8 @@ pub fn draw(
         Some(Exposure::Stops(_)) => false,
         None => fitted,
     };
-    let behind = match Behind::of(args)? {
+    let film = Film::of(args)?;
+    let behind = match Behind::of(args, &film)? {
         Behind::Own if is_auto => {
             let behind = |sample: &Sample| direct.behind(sample);
             Behind::Plate(picture(&camera, args.view.samples, &(), behind)?)
@@ -107,7 +108,7 @@ pub fn draw(
             _ => picture.clone(),
         };
         let matte = behind.compose(&mut shown, &alpha);
-        file::write(path, &shown, matte, &described.to_string(), &inputs)?;
+        file::write(path, &shown, matte, &described.to_string(), &inputs, &film)?;
     }
     if args.common.json {
         say_json(&json!({

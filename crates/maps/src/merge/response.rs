@@ -81,6 +81,14 @@ impl Response {
         self.0[usize::from(value)]
     }
 
+    /// The value at which an exposure is recorded: the inverse of [`Response::exposure`], to the nearest value.
+    pub fn recorded(&self, exposure: f64) -> u16 {
+        let after = self.0.partition_point(|&own| own < exposure);
+        let [low, high] = [after.saturating_sub(1), after.min(VALUES - 1)];
+        let is_low = exposure - self.0[low] < self.0[high] - exposure;
+        (if is_low { low } else { high }) as u16
+    }
+
     /// Exposure by level at a value: over the level about it, which is as fine as a photograph of 8 bits tells.
     pub fn slope(&self, value: u16) -> f64 {
         let low = usize::from(value).saturating_sub(STEP / 2);
