@@ -221,3 +221,55 @@ fn a_broken_map_is_one_line_where_it_is_asked_for() {
         "{error}"
     );
 }
+
+#[test]
+fn pictures_show_relief_by_integration_and_from_tables() {
+    let square = Quad::level(0.0, 2.0).with("NORMAL", &[0.0, 1.0, 0.0]);
+    let (folder, _) = loaded(square, json!({ "index": 0 }));
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let (scene, out) = (at("scene.gltf"), at("out.exr"));
+    // From straight above, the whole picture within the square.
+    let view = "--eye 0,1,0 --look 0,0,0 --up 0,0,-1 --size 8x8 --samples 1 --albedo 0.5,0.5,0.5 --specular 0,0,0";
+    let shot = |more: &[&str]| -> Vec<[f32; 3]> {
+        let words = ["render", &scene, "-o", &out, "-q"];
+        let words: Vec<&str> = words.into_iter().chain(view.split(' ')).collect();
+        run_well([&words[..], more].concat());
+        maps::read(Path::new(&out)).expect("a picture").image.pixels
+    };
+    let normal = bent(1.0, Vec3::X, -Vec3::Z, Vec3::Y);
+    let sun = Vec3::new(1.0, 2.0, 0.5).normalize();
+    let lit = ["--model", "lambert", "--rays", "0", "--sun", "1,2,0.5,3"];
+    for (more, normal) in [(&[][..], Vec3::Y), (&["--normal-maps"], normal)] {
+        let exact = 0.5 * 3.0 / std::f32::consts::PI * normal.dot(sun);
+        for pixel in shot(&[&lit[..], more].concat()) {
+            assert!((pixel[0] - exact).abs() < 1e-4, "{pixel:?} for {exact}");
+        }
+    }
+    // D whose texel at a direction is that direction, moved into 0..1.
+    let (width, height) = (256, 128);
+    let texel = |at: usize| {
+        let turn = ((at % width) as f32 + 0.5) / width as f32 * std::f32::consts::TAU
+            - std::f32::consts::PI;
+        let polar = ((at / width) as f32 + 0.5) / height as f32 * std::f32::consts::PI;
+        let toward = [
+            polar.sin() * turn.sin(),
+            polar.cos(),
+            polar.sin() * turn.cos(),
+        ];
+        toward.map(|v| 0.5 + 0.5 * v)
+    };
+    let image = maps::Image {
+        width,
+        height,
+        pixels: (0..width * height).map(texel).collect(),
+    };
+    let bytes = maps::encode(&image, maps::Format::Exr, &maps::Labels::new()).expect("a map");
+    std::fs::write(at("D.exr"), bytes).expect("a file");
+    let tables = [at("D.exr"), at("D.exr")].join(",");
+    for pixel in shot(&["--maps", &tables, "--normal-maps"]) {
+        // Bilinear between texels of 1.4 degrees: 0.5 (half a step)^2 / 2.
+        let expected = (0.5 + 0.5 * normal) * 0.5;
+        let off = (Vec3::from(pixel) - expected).abs().max_element();
+        assert!(off < 5e-4, "{pixel:?} for {expected}");
+    }
+}

@@ -36,6 +36,9 @@ pub struct Args {
     /// photograph of --backdrop is read by it, so that a scene is laid over it in the photograph's own tones
     #[arg(long, value_name = "FILE", conflicts_with_all = ["figure", "alpha"])]
     pub response: Option<PathBuf>,
+    /// Let normal maps of materials bend the shading normals
+    #[arg(long)]
+    pub normal_maps: bool,
     /// Ambient model [default: that of the bake; without one ggx for glTF and phong for OBJ]
     #[arg(long, value_enum)]
     pub model: Option<ModelName>,

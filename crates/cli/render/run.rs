@@ -37,7 +37,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             (scene, Some(map), model)
         }
     };
-    let (world, backend) = build(scene, args.backend, threads)?;
+    let (mut world, backend) = build(scene, args.backend, threads)?;
+    if args.normal_maps {
+        world.read_normal_maps()?;
+    }
     let backend = backend.as_ref();
     if let Some(figure) = args.figure {
         return figures::draw(figure, args, &world, backend, &stop);

@@ -77,13 +77,7 @@ impl NormalMaps {
         corners: [DVec3; 3],
         square: bool,
     ) -> Option<DVec3> {
-        let tangents = self.tangents[mesh as usize].get(triangle as usize)?;
-        let mesh = &scene.meshes[mesh as usize];
-        let map = scene.materials[mesh.material as usize]
-            .normal_map
-            .as_ref()?;
-        let image = self.images[map.texture.image as usize].as_ref()?;
-        let surface = Corners::of(mesh, map, triangle, tangents)?;
+        let (surface, map, image) = self.surface(scene, mesh, triangle)?;
         let points = points(&surface, map, image, corners);
         let fold = if square { 0.0 } else { 0.5 };
         let mut sum = DVec3::ZERO;
@@ -99,6 +93,38 @@ impl NormalMaps {
             }
         }
         sum.try_normalize()
+    }
+
+    /// The unit bent shading normal, in the world, at a point of a triangle of a placed mesh; `None` where the mesh has no normal map.
+    ///
+    /// * `weights`: corner weights of the triangle.
+    pub fn at(
+        &self,
+        scene: &Scene,
+        part: &Part,
+        mesh: u32,
+        triangle: u32,
+        weights: DVec3,
+    ) -> Option<DVec3> {
+        let (surface, map, image) = self.surface(scene, mesh, triangle)?;
+        let bent = surface.bent(weights, map, image);
+        part.carry_normal(bent).try_normalize()
+    }
+
+    /// A triangle with what bends its normals.
+    fn surface<'a>(
+        &'a self,
+        scene: &'a Scene,
+        mesh: u32,
+        triangle: u32,
+    ) -> Option<(Corners<'a>, &'a NormalMap, &'a Image)> {
+        let tangents = self.tangents[mesh as usize].get(triangle as usize)?;
+        let mesh = &scene.meshes[mesh as usize];
+        let material = &scene.materials[mesh.material as usize];
+        let map = material.normal_map.as_ref()?;
+        let image = self.images[map.texture.image as usize].as_ref()?;
+        let surface = Corners::of(mesh, map, triangle, tangents)?;
+        Some((surface, map, image))
     }
 }
 

@@ -21,7 +21,7 @@ pub struct SurfacePoint {
     pub position: DVec3,
     /// Unit geometric normal on the side of the viewer.
     pub geometric: DVec3,
-    /// Unit shading normal, on the same side of the surface.
+    /// Unit shading normal, on the same side of the surface; bent by the material's normal map where the world has read them.
     pub normal: DVec3,
     /// Origin of rays that leave the surface on that side; it cannot meet the own triangle.
     pub origin: [f32; 3],
@@ -55,7 +55,8 @@ impl<'a> Surfaces<'a> {
         let up = patch.upward();
         let side = if up.dot(toward) < 0.0 { -1.0 } else { 1.0 };
         let geometric = up * side;
-        let normal = (patch.normal(weights) * side)
+        let bent = self.world.bent_at(hit.instance, hit.triangle, weights);
+        let normal = (bent.unwrap_or_else(|| patch.normal(weights)) * side)
             .try_normalize()
             .unwrap_or(geometric);
         let scene = self.world.scene();

@@ -147,6 +147,14 @@ impl World {
         maps.mean(&self.scene, part, geometry.mesh, triangle, corners, square)
     }
 
+    /// The unit shading normal at a point of a triangle, bent by the normal map of its material; `None` where it has none, or where
+    /// [`World::read_normal_maps`] was not called.
+    pub(crate) fn bent_at(&self, instance: u32, triangle: u32, weights: DVec3) -> Option<DVec3> {
+        let (part, geometry) = self.part(instance);
+        let maps = self.normal_maps.as_ref()?;
+        maps.at(&self.scene, part, geometry.mesh, triangle, weights)
+    }
+
     /// The scene this world was built from.
     pub fn scene(&self) -> &Arc<Scene> {
         &self.scene
