@@ -419,3 +419,70 @@ fn a_wrong_request_is_one_line_and_leaves_no_picture() {
         assert_eq!(files(folder.path()), ["in"], "{more:?}");
     }
 }
+
+#[test]
+fn a_picture_of_codes_is_relit_as_its_scene_is_shaded() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    let text = |name: &str| at(name).display().to_string();
+    let ball = scene("ball.obj").display().to_string();
+    let view = "--size 40x40 --eye 1,2,4 --look 0,0,0 --samples 1 --quiet";
+    let colors = "--albedo 0.5,0.4,0.3 --specular 0.25,0.25,0.25";
+    let shot = |words: &[&str]| {
+        let all = words.iter().flat_map(|words| words.split(' '));
+        run_well(["render"].into_iter().chain(all));
+    };
+    for code in ["256", "oct8+8", "oct16+16"] {
+        let codes = text("codes.exr");
+        shot(&[&ball, "--encode", code, "-o", &codes, view, colors]);
+        // Two tables, the picture of codes as it is; each time as the scene is shaded with normals of that code.
+        for blue in [0.25, 1.0] {
+            write_map(&at("I.exr"), 64, |k| {
+                [(k % 64) as f32 / 32.0, (k / 64) as f32 / 32.0, blue]
+            });
+            let maps = reflect(folder.path(), &at("I.exr"), &[]);
+            let environment = text("I.exr");
+            let lit = format!("--maps {maps} --environment {environment}");
+            let [relit, shaded] = ["relit.exr", "shaded.exr"].map(text);
+            shot(&[&codes, "--relight", &lit, "-o", &relit, "--quiet"]);
+            shot(&[&ball, &lit, "--normals", code, "-o", &shaded, view, colors]);
+            let [relit, shaded] =
+                [relit, shaded].map(|path| maps::read(Path::new(&path)).expect("a picture").image);
+            assert_eq!(relit.pixels.len(), 1600);
+            for (a, b) in relit.pixels.iter().zip(&shaded.pixels) {
+                // Views are rounded once more or less.
+                let off = (0..3).map(|c| (a[c] - b[c]).abs()).fold(0.0, f32::max);
+                assert!(off < 1e-5, "{code}: {a:?} for {b:?}");
+            }
+        }
+    }
+    // Other reflectances, and what is no such picture.
+    let maps = format!("{},{}", text("D.exr"), text("S.exr"));
+    let dark = text("dark.exr");
+    let black = "--albedo 0,0,0 --specular 0,0,0 --quiet";
+    shot(&[
+        &text("codes.exr"),
+        "--relight --maps",
+        &maps,
+        "-o",
+        &dark,
+        black,
+    ]);
+    let pixels = maps::read(Path::new(&dark))
+        .expect("a picture")
+        .image
+        .pixels;
+    assert!(pixels.iter().all(|pixel| *pixel == [0.0; 3]));
+    for (file, more, says) in [
+        (text("I.exr"), &[][..], "--encode"),
+        (text("codes.exr"), &["--lookup", "quad"], "--lookup"),
+        (text("none.exr"), &[], "none.exr"),
+    ] {
+        let out = text("wrong.exr");
+        let words = ["render", &file, "--relight", "--maps", &maps, "-o", &out];
+        let output = run([&words[..], more].concat());
+        let line = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(!output.status.success() && line.contains(says), "{line}");
+        assert!(!at("wrong.exr").exists());
+    }
+}

@@ -26,6 +26,13 @@ pub fn ending(path: &Path) -> anyhow::Result<&'static str> {
 
 /// Every file that a picture of the arguments is made from; the pages of `--bake` are those of `lightmap`.
 pub fn inputs(args: &Args, world: &World, lightmap: Option<&Lightmap>) -> Vec<PathBuf> {
+    let pages = lightmap.map_or(&[][..], Lightmap::files);
+    let own = world.scene().inputs.iter().chain(pages).cloned();
+    own.chain(tables_inputs(args)).collect()
+}
+
+/// Those of them that the command line names beside the scene.
+pub fn tables_inputs(args: &Args) -> Vec<PathBuf> {
     let tables = &args.tables;
     let weights = [&tables.diffuse_weight, &tables.specular_weight];
     let weights = weights.into_iter().filter_map(|weight| match weight {
@@ -41,13 +48,12 @@ pub fn inputs(args: &Args, world: &World, lightmap: Option<&Lightmap>) -> Vec<Pa
     let others = maps
         .chain(&glosses)
         .chain(weights)
-        .chain(lightmap.map_or(&[][..], Lightmap::files))
         .chain(&tables.environment)
         .chain(&tables.path)
         .chain(&args.matte.backdrop)
         .chain(&args.response)
         .chain(args.sky.as_ref().and_then(SkyArg::file));
-    world.scene().inputs.iter().chain(others).cloned().collect()
+    others.cloned().collect()
 }
 
 /// Writes a picture, or nothing under its name; never in the place of one of its `inputs`.
@@ -129,7 +135,7 @@ pub enum Behind {
 
 impl Behind {
     /// What the arguments ask for.
-    pub fn of(args: &Args, film: &Film) -> anyhow::Result<Behind> {
+    pub fn of(args: &Args, size: [u32; 2], film: &Film) -> anyhow::Result<Behind> {
         let Some(path) = &args.matte.backdrop else {
             return Ok(if args.matte.alpha {
                 Behind::Nothing
@@ -138,7 +144,7 @@ impl Behind {
             });
         };
         let plate = film.developed(path)?;
-        let [width, height] = args.view.size.map(|n| n as usize);
+        let [width, height] = size.map(|n| n as usize);
         if (plate.width, plate.height) != (width, height) {
             bail!(
                 "{0}: it has {1} x {2} pixels, the picture {width} x {height}; ask for --size {1}x{2}",

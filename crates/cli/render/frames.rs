@@ -34,7 +34,7 @@ pub fn draw(
         tables.environment.as_deref(),
     )?;
     let film = Film::of(args)?;
-    let behind = Behind::of(args, &film)?;
+    let behind = Behind::of(args, args.view.size, &film)?;
     let mut sequence = sequence(args, world, &set, &types)?;
     if !matches!(behind, Behind::Own) {
         sequence.environment = None;

@@ -6,5 +6,6 @@ mod file;
 mod frames;
 mod options;
 mod picture;
+mod relit;
 pub mod run;
 mod tables_args;

@@ -87,7 +87,7 @@ pub fn subject<'a>(
     }
 }
 
-fn overrides(args: &Args) -> Overrides {
+pub fn overrides(args: &Args) -> Overrides {
     Overrides {
         albedo: args.albedo,
         specular: args.specular,
@@ -142,7 +142,7 @@ fn lacks(tables: &Tables, surface: SurfaceType) -> [bool; 2] {
     [0, 1].map(|k| needs[k] && !given[k])
 }
 
-fn surface_type(tables: &Tables, name: ShaderName) -> SurfaceType {
+pub fn surface_type(tables: &Tables, name: ShaderName) -> SurfaceType {
     match name {
         ShaderName::Phong => SurfaceType::Phong,
         ShaderName::Mirror => SurfaceType::Mirror,

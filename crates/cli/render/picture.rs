@@ -53,7 +53,7 @@ pub fn draw(
         None => fitted,
     };
     let film = Film::of(args)?;
-    let behind = match Behind::of(args, &film)? {
+    let behind = match Behind::of(args, args.view.size, &film)? {
         Behind::Own if is_auto => {
             let behind = |sample: &Sample| direct.behind(sample);
             Behind::Plate(picture(&camera, args.view.samples, &(), behind)?)

@@ -1,7 +1,7 @@
 //! `ambake render`: the scene is loaded, then a picture, frames or a figure are made.
 
 use super::args::Args;
-use super::{figures, file, frames, options, picture};
+use super::{figures, file, frames, options, picture, relit};
 use crate::common::build;
 use crate::host;
 use crate::outcome::Outcome;
@@ -20,6 +20,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         for path in &args.output {
             file::ending(path)?;
         }
+    }
+    if args.tables.relight {
+        return relit::relight(args);
     }
     let (scene, lightmap, model) = match &args.bake {
         None => {
@@ -44,6 +47,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let backend = backend.as_ref();
     if let Some(figure) = args.figure {
         return figures::draw(figure, args, &world, backend, &stop);
+    }
+    if let Some(code) = args.tables.encode {
+        return relit::encode(code, args, &world, backend, &stop);
     }
     if args.tables.asked() {
         return frames::draw(args, &world, backend, &stop, started);

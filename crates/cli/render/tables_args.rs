@@ -55,6 +55,12 @@ pub struct Tables {
     /// Round normals to what a frame buffer would hold: one of 256, or an octahedral code of this many bits
     #[arg(long, value_enum, requires = "shading")]
     pub normals: Option<NormalsName>,
+    /// Write the normals that the camera sees as codes in place of a picture, with camera and materials in the header of the .exr, for --relight
+    #[arg(long, value_enum, value_name = "CODE", conflicts_with_all = ["shading", "bake", "figure"])]
+    pub encode: Option<NormalsName>,
+    /// SCENE is a picture that --encode wrote: shade it from --maps
+    #[arg(long, requires = "maps", conflicts_with_all = ["shader_of", "frames", "path", "normals", "eye", "look", "up", "fov_deg", "size", "samples", "normal_maps"])]
+    pub relight: bool,
     /// Frames of a sequence OUT.0000.exr, OUT.0001.exr, … [default with --path: one a key]
     #[arg(long, value_name = "N", requires = "shading", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub frames: Option<u32>,

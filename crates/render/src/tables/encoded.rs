@@ -23,29 +23,52 @@ pub enum NormalCode {
 const SIDE: u32 = 16;
 
 impl NormalCode {
+    /// The word for it, as on the command line: `256`, or `oct8+8` and its kin.
+    pub fn name(self) -> String {
+        match self {
+            NormalCode::Visible256 => "256".into(),
+            NormalCode::Octahedral(bits) => format!("oct{bits}+{bits}"),
+        }
+    }
+
+    /// The code of that name.
+    pub fn from_name(name: &str) -> Option<NormalCode> {
+        let codes = (2..=16).map(NormalCode::Octahedral);
+        let mut codes = codes.chain([NormalCode::Visible256]);
+        codes.find(|code| code.name() == name)
+    }
+
+    /// How many cells a code has along each of its two axes.
+    pub fn side(self) -> u32 {
+        match self {
+            NormalCode::Visible256 => SIDE,
+            NormalCode::Octahedral(bits) => 1 << bits,
+        }
+    }
+
+    /// A code's cells along its two axes.
+    pub fn cells(self, code: u32) -> [u32; 2] {
+        [code % self.side(), code / self.side()]
+    }
+
     /// The code of a unit normal. `axes`: right, up and toward the viewer.
     pub fn encode(self, normal: DVec3, axes: [DVec3; 3]) -> u32 {
         let cell = |v: f64, count: u32| {
             ((0.5 * (v + 1.0) * f64::from(count)).max(0.0) as u32).min(count - 1)
         };
-        let (place, count) = match self {
-            NormalCode::Visible256 => {
-                (square(DVec3::from_array(axes.map(|a| a.dot(normal)))), SIDE)
-            }
-            NormalCode::Octahedral(bits) => (octahedron(normal), 1 << bits),
+        let place = match self {
+            NormalCode::Visible256 => square(DVec3::from_array(axes.map(|a| a.dot(normal)))),
+            NormalCode::Octahedral(_) => octahedron(normal),
         };
+        let count = self.side();
         // At 16 bits the last code is u32::MAX.
         cell(place.y, count) * count + cell(place.x, count)
     }
 
     /// The unit normal in the middle of a code's cell.
     pub fn decode(self, code: u32, axes: [DVec3; 3]) -> DVec3 {
-        let count = match self {
-            NormalCode::Visible256 => SIDE,
-            NormalCode::Octahedral(bits) => 1 << bits,
-        };
-        let middle = |cell: u32| (2.0 * f64::from(cell) + 1.0) / f64::from(count) - 1.0;
-        let place = DVec2::new(middle(code % count), middle(code / count));
+        let middle = |cell: u32| (2.0 * f64::from(cell) + 1.0) / f64::from(self.side()) - 1.0;
+        let place = DVec2::from(self.cells(code).map(middle));
         match self {
             NormalCode::Visible256 => {
                 let n = hemisphere(place);

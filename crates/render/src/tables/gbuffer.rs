@@ -74,16 +74,16 @@ pub(super) struct Glimpse {
 }
 
 /// A pixel on its way into the buffer.
-struct Pixel {
-    column: u16,
-    coverage: f32,
-    normal: DVec3,
-    view: DVec3,
-    material: [[f32; 4]; 2],
-    exponent: f64,
-    object: u32,
-    shader: u32,
-    mirrored: Vec<Mirrored>,
+pub(super) struct Pixel {
+    pub column: u16,
+    pub coverage: f32,
+    pub normal: DVec3,
+    pub view: DVec3,
+    pub material: [[f32; 4]; 2],
+    pub exponent: f64,
+    pub object: u32,
+    pub shader: u32,
+    pub mirrored: Vec<Mirrored>,
 }
 
 impl GBuffer {
@@ -131,7 +131,18 @@ impl GBuffer {
         };
         let (corners, corner_objects) = each(count, 0, progress, corner)?.into_iter().unzip();
         let mut buffer = GBuffer {
-            camera: *view.camera,
+            corners,
+            corner_objects,
+            ..GBuffer::empty(*view.camera)
+        };
+        buffer.fill(rows);
+        Ok(buffer)
+    }
+
+    /// One without pixels.
+    pub(super) fn empty(camera: Camera) -> GBuffer {
+        GBuffer {
+            camera,
             rows: vec![0],
             columns: Vec::new(),
             coverage: Vec::new(),
@@ -142,15 +153,14 @@ impl GBuffer {
             exponents: Vec::new(),
             shaders: Vec::new(),
             mirrored: Vec::new(),
-            corners,
-            corner_objects,
+            corners: Vec::new(),
+            corner_objects: Vec::new(),
             objects: Vec::new(),
-        };
-        buffer.fill(rows);
-        Ok(buffer)
+        }
     }
 
-    fn fill(&mut self, rows: Vec<Vec<Pixel>>) {
+    /// Takes the pixels in, row by row from the top.
+    pub(super) fn fill(&mut self, rows: Vec<Vec<Pixel>>) {
         let mut known = HashMap::new();
         for row in rows {
             for pixel in row {

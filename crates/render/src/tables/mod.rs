@@ -17,6 +17,7 @@ mod object_tests;
 mod path;
 #[cfg(test)]
 mod reflectance_tests;
+mod relit;
 mod row;
 mod sequence;
 mod set;
@@ -36,6 +37,7 @@ pub use encoded::NormalCode;
 pub use gbuffer::{GBuffer, Turn, View};
 pub use index::Index;
 pub use path::CameraPath;
+pub use relit::Encoded;
 pub use sequence::{Frame, Motion, Sequence};
 pub use set::{SurfaceType, TableSet, specular_files};
 pub use shade::{backdrop, frame};
