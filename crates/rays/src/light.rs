@@ -5,6 +5,7 @@
 //! normalisation of the ambient term, so that a sky full of lights gives that term: `(n+1)/2π (R·L)ⁿ E`.
 
 use crate::material::PhongMaterial;
+use ambient::closed_form::ball;
 use ambient::convention::{PROJECTED_HEMISPHERE, lobe_scale};
 use glam::DVec3;
 use scene::LightKind;
@@ -141,6 +142,29 @@ impl Light {
             } => *position -= origin,
         }
         self
+    }
+
+    /// E/π that a surface at this point, of this unit normal, receives from the whole light where nothing hides any of it; `None` where
+    /// only its directions tell ([`Light::at`]).
+    pub fn open(&self, point: DVec3, normal: DVec3) -> Option<DVec3> {
+        let Light::Sphere {
+            position,
+            radius,
+            radiance,
+        } = *self
+        else {
+            return None;
+        };
+        let to = position - point;
+        let distance = to.length();
+        // Nothing arrives within the ball itself, as in `at`.
+        let outside = distance > radius;
+        let share = || ball(to.dot(normal) / distance, (radius / distance).powi(2));
+        Some(if outside {
+            radiance * share()
+        } else {
+            DVec3::ZERO
+        })
     }
 
     /// What arrives at a point of empty space; no light at the place of a point light itself.

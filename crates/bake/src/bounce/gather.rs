@@ -67,6 +67,26 @@ struct Techniques<'a> {
     rays: [f64; 3],
 }
 
+/// What the points of a texel see of a light.
+#[derive(Clone, Default)]
+struct Shadow {
+    /// What all of it would bring, where that is known exactly.
+    open: DVec3,
+    /// The same by the directions that were drawn, and the part of them that nothing hides.
+    drawn: DVec3,
+    seen: DVec3,
+}
+
+impl Shadow {
+    /// The seen share of what is exact: rays then tell no more than where shadows are.
+    fn light(&self) -> DVec3 {
+        match self.open == DVec3::ZERO || self.drawn == DVec3::ZERO {
+            true => self.seen,
+            false => self.open * (self.seen.element_sum() / self.drawn.element_sum()),
+        }
+    }
+}
+
 impl Gather<'_> {
     /// What the texel receives by so many points of each replicate, and how many rays that took. `stream` gives a replicate's points. `reach` tells how well aimed rays of
     /// neighbours met what they were aimed at, and learns.
@@ -84,18 +104,25 @@ impl Gather<'_> {
             let each = self.shadow_rays(count);
             let received = std::array::from_fn(|replicate| {
                 let stream = stream(Points::Lamps, replicate as u32);
-                let mut sum = DVec3::ZERO;
+                let mut sums = vec![Shadow::default(); self.lights.len()];
                 for point in 0..each {
                     let [u0, u1, v0, v1] = stream.point(point);
                     let (surface, origin) = texel.start([v0, v1]);
                     let kernel = self.kernel(texel, &surface, integral, mirror);
-                    for light in self.lights {
-                        let light = self.arriving(light, [u0, u1], &kernel, &surface, origin);
-                        rays += u64::from(light.is_some());
-                        sum += light.unwrap_or_default();
+                    for (light, sum) in self.lights.iter().zip(&mut sums) {
+                        if integral == Integral::Irradiance {
+                            let open = light.open(surface.position, surface.normal);
+                            sum.open += open.unwrap_or_default();
+                        }
+                        let drawn = self.arriving(light, [u0, u1], &kernel, &surface, origin);
+                        if let Some((light, is_hidden)) = drawn {
+                            rays += 1;
+                            sum.drawn += light;
+                            sum.seen += if is_hidden { DVec3::ZERO } else { light };
+                        }
                     }
                 }
-                sum / f64::from(each)
+                sums.iter().map(Shadow::light).sum::<DVec3>() / f64::from(each)
             });
             return (received, rays);
         }
@@ -262,8 +289,8 @@ impl Gather<'_> {
         Coat::of(self.model, full, &texel.material, texel.normal.dot(view)).share
     }
 
-    /// What a light brings by a direction that `u` draws; `None` where no ray needs to be cast. Light from
-    /// below a facet comes through the mirror image of its direction, as that of the sky does.
+    /// What a light brings by a direction that `u` draws, and whether something hides it, be it the facet itself; `None` where it brings
+    /// none. Light from below a facet comes through the mirror image of its direction, as that of the sky does.
     fn arriving(
         &self,
         light: &Light,
@@ -271,20 +298,20 @@ impl Gather<'_> {
         kernel: &Kernel,
         surface: &Sample,
         origin: [f32; 3],
-    ) -> Option<DVec3> {
+    ) -> Option<(DVec3, bool)> {
         let arrival = light.at(surface.position, u);
         let light = arrival.irradiance * kernel.toward(surface, arrival.toward);
         if light == DVec3::ZERO {
             return None;
         }
-        let ray = Ray {
-            t_max: self.t_max.min(arrival.distance as f32),
-            ..self.ray(origin, surface.leaving(self.shading, arrival.toward)?)
+        let is_hidden = |direction| {
+            self.backend.occluded(&Ray {
+                t_max: self.t_max.min(arrival.distance as f32),
+                ..self.ray(origin, direction)
+            })
         };
-        Some(match self.backend.occluded(&ray) {
-            true => DVec3::ZERO,
-            false => light,
-        })
+        let direction = surface.leaving(self.shading, arrival.toward);
+        Some((light, direction.is_none_or(is_hidden)))
     }
 
     fn emission(&self, hit: &rays::SurfaceHit) -> DVec3 {
