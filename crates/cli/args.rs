@@ -1,5 +1,6 @@
 //! What was typed: the verbs. Each has its own arguments.
 
+use crate::help::arranged;
 use crate::{bake, bench, fit, map, render};
 use clap::{Args as ClapArgs, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
@@ -24,8 +25,13 @@ impl Args {
         if words.get(1).is_some_and(|word| is_scene(word.as_ref())) {
             words.insert(1, "bake".into());
         }
-        let found = lenient(Self::command()).try_get_matches_from(words)?;
+        let found = Self::grammar().try_get_matches_from(words)?;
         Self::from_arg_matches(&found)
+    }
+
+    /// What may be typed, and its help.
+    pub fn grammar() -> Command {
+        lenient(arranged(Self::command()))
     }
 }
 

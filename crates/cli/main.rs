@@ -17,6 +17,7 @@ mod compare;
 mod doctor;
 mod export;
 mod fit;
+mod help;
 mod host;
 mod manual;
 mod map;

@@ -2,20 +2,19 @@
 
 use crate::args::{Args, Completions, Man};
 use crate::outcome::{Outcome, say};
-use clap::CommandFactory;
 use report::Output;
 
 /// Prints the completions of a shell.
 pub fn completions(args: &Completions) -> anyhow::Result<Outcome> {
     let mut text = Vec::new();
-    clap_complete::generate(args.shell, &mut Args::command(), "ambake", &mut text);
+    clap_complete::generate(args.shell, &mut Args::grammar(), "ambake", &mut text);
     say(&String::from_utf8_lossy(&text))?;
     Ok(Outcome::Done)
 }
 
 /// Prints the manual page, or writes that of every verb into a directory.
 pub fn pages(args: &Man) -> anyhow::Result<Outcome> {
-    let mut command = Args::command();
+    let mut command = Args::grammar();
     command.build();
     let Some(dir) = &args.output else {
         say(&String::from_utf8_lossy(&page(&command)?))?;

@@ -23,7 +23,7 @@ use crate::bake::args::Job;
 use crate::common::{Common, text_file};
 use anyhow::{Context, bail};
 use clap::parser::ValueSource;
-use clap::{Arg, ArgAction, ArgMatches, Args as ClapArgs, CommandFactory, FromArgMatches};
+use clap::{Arg, ArgAction, ArgMatches, Args as ClapArgs, FromArgMatches};
 use std::ffi::OsString;
 use std::path::Path;
 use toml::{Table, Value};
@@ -79,7 +79,7 @@ fn with_flags(
         let line = text.lines().next().unwrap_or_default();
         anyhow::anyhow!("{}", line.strip_prefix("error: ").unwrap_or(line))
     };
-    let matches = Args::command()
+    let matches = Args::grammar()
         .try_get_matches_from(typed)
         .map_err(one_line)?;
     let Some((verb, below)) = matches.subcommand() else {
@@ -89,7 +89,7 @@ fn with_flags(
     let more = flags(below)?.into_iter().map(OsString::from);
     let words = typed[..at].iter().cloned().chain(more);
     let words = words.chain(typed[at..].iter().cloned());
-    let matches = Args::command()
+    let matches = Args::grammar()
         .try_get_matches_from(words)
         .map_err(one_line)?;
     Args::from_arg_matches(&matches).map_err(one_line)

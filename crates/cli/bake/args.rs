@@ -247,7 +247,7 @@ pub struct Job {
     /// 12 for ASTC
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
     pub align: u32,
-    #[arg(long, value_name = "A,B,C", value_delimiter = ',', value_parser = layer, help = layer_help("Further layers, separated by commas"))]
+    #[arg(long, value_name = "A,B,C", value_delimiter = ',', value_parser = layer, help = "Further layers, separated by commas; --help lists them", long_help = layer_help("Further layers, separated by commas"))]
     pub layers: Vec<Layer>,
     /// Exactly these layers (coverage is always written); terms that none of them needs are not computed
     #[arg(long, value_name = "A,B,C", value_delimiter = ',', value_parser = layer, conflicts_with = "layers")]
