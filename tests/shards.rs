@@ -320,3 +320,58 @@ fn a_layout_is_the_bake_s_and_is_taken_from_its_file() {
     run_well(words(&file, folder.path(), &small));
     assert_eq!(report(folder.path())["layout"], said["layout"]);
 }
+
+#[test]
+fn a_project_file_serves_every_verb_and_a_merge_makes_its_report() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    std::fs::copy(scene("trench.obj"), at("trench.obj")).expect("a scene");
+    let text =
+        "[bake]\nsize = 32\nrays = 4\nreport = true\nfor = ['three']\nthreads = 1\nseed = 7\n";
+    std::fs::write(at("ambake.toml"), text).expect("a file");
+    let file = at("trench.obj");
+    let holds = |folder: &Path| {
+        let names = files(folder);
+        assert!(names.contains(&"report.html".to_owned()), "{names:?}");
+        assert!(
+            names.iter().any(|name| name.ends_with("lightmap.glb")),
+            "{names:?}"
+        );
+        let facts = report(folder);
+        assert_eq!(facts["options"]["size"], 32);
+        assert_eq!(facts["options"]["rays"], 4);
+        assert_eq!(facts["options"]["seed"], 7);
+    };
+    // Without a verb, the last of a flag counts.
+    let typed = [
+        file.as_os_str(),
+        "--rays".as_ref(),
+        "2".as_ref(),
+        "--rays".as_ref(),
+        "4".as_ref(),
+    ];
+    run_well(typed);
+    holds(&at("trench.ambake"));
+    for shard in ["1/2", "2/2"] {
+        part(&file, &at("parts"), shard, &[]);
+    }
+    merge_well(&at("parts"));
+    holds(&at("parts"));
+    let layout = at("layout");
+    run_well([
+        "layout".as_ref(),
+        file.as_os_str(),
+        "-o".as_ref(),
+        layout.as_os_str(),
+    ]);
+    let told = run_well(["plan".as_ref(), file.as_os_str(), "--json".as_ref()]);
+    let plan: Value = serde_json::from_str(&told).expect("JSON");
+    assert_eq!(plan["options"]["size"], 32);
+    // The bake takes the layout of the same size.
+    run_well(words(&file, &layout, &[]));
+    holds(&layout);
+    std::fs::write(at("ambake.toml"), "[bake]\nresume = true\n").expect("a file");
+    let output = run(["plan".as_ref(), file.as_os_str()]);
+    let line = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(line.contains("unknown option `resume` in [bake]"), "{line}");
+}

@@ -1,5 +1,6 @@
 //! What was typed: the verbs. Each has its own arguments.
 
+use crate::common::Common;
 use crate::help::arranged;
 use crate::{bake, bench, fit, map, render};
 use clap::{Args as ClapArgs, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -21,17 +22,36 @@ impl Args {
     /// # Errors
     /// Those of clap, help and version among them.
     pub fn typed() -> Result<Self, clap::Error> {
-        let mut words: Vec<OsString> = std::env::args_os().collect();
-        if words.get(1).is_some_and(|word| is_scene(word.as_ref())) {
-            words.insert(1, "bake".into());
-        }
-        let found = Self::grammar().try_get_matches_from(words)?;
+        let found = Self::grammar().try_get_matches_from(words())?;
         Self::from_arg_matches(&found)
     }
 
     /// What may be typed, and its help.
     pub fn grammar() -> Command {
         lenient(arranged(Self::command()))
+    }
+}
+
+/// What was typed, the program's name and a verb first.
+pub fn words() -> Vec<OsString> {
+    let mut words: Vec<OsString> = std::env::args_os().collect();
+    if words.get(1).is_some_and(|word| is_scene(word.as_ref())) {
+        words.insert(1, "bake".into());
+    }
+    words
+}
+
+impl Verb {
+    /// The options of a bake, of the verbs that take them and a scene.
+    pub fn options(&self) -> Option<(&bake::args::Job, &Common)> {
+        match self {
+            Verb::Bake(bake) => Some((&bake.job, &bake.common)),
+            Verb::Plan(plan) => Some((&plan.job, &plan.common)),
+            Verb::Watch(watch) => Some((&watch.job, &watch.common)),
+            Verb::Layout(layout) => Some((&layout.job, &layout.common)),
+            Verb::Bench(bench) => Some((&bench.job, &bench.common)),
+            _ => None,
+        }
     }
 }
 

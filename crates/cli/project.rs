@@ -1,4 +1,4 @@
-//! `ambake.toml` beside a scene: flags of `bake` and `plan` that need not be typed again.
+//! `ambake.toml` beside a scene: flags of the verbs that bake, plan, watch or lay out, which need not be typed again.
 //!
 //! ```toml
 //! [bake]                    # every scene of the folder
@@ -19,8 +19,8 @@
 //! parser, so that each has the range and the meaning of its flag.
 
 use crate::args::{Args, Verb};
-use crate::bake::args::Job;
-use crate::common::{Common, text_file};
+use crate::bake::args::Bake;
+use crate::common::text_file;
 use anyhow::{Context, bail};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Args as ClapArgs, FromArgMatches};
@@ -37,11 +37,16 @@ const EXCLUDE: [(&[&str], &[&str]); 2] = [
     (&["layers"], &["only"]),
 ];
 
+/// Flags that are for one run alone.
+const ONCE: [&str; 8] = [
+    "output", "fresh", "resume", "shard", "update", "verify", "after", "json",
+];
+
 /// What was `typed`, the program's name first, completed by the project file beside the scene; `None` where there is no such file.
 ///
 /// # Errors
 /// One line that names the file, the table and the option.
-pub fn completed(scene: &Path, typed: &[OsString]) -> anyhow::Result<Option<(Job, Common)>> {
+pub fn completed(scene: &Path, typed: &[OsString]) -> anyhow::Result<Option<Verb>> {
     let path = scene.with_file_name(PROJECT_FILE);
     if scene == Path::new("-") || !path.is_file() {
         return Ok(None);
@@ -49,12 +54,7 @@ pub fn completed(scene: &Path, typed: &[OsString]) -> anyhow::Result<Option<(Job
     let table = read(&path)?;
     let args = with_flags(typed, |typed| flags(&path, &table, scene, typed))
         .with_context(|| path.display().to_string())?;
-    match args.verb {
-        Verb::Bake(bake) => Ok(Some((bake.job, bake.common))),
-        Verb::Plan(plan) => Ok(Some((plan.job, plan.common))),
-        Verb::Watch(watch) => Ok(Some((watch.job, watch.common))),
-        _ => Ok(None),
-    }
+    Ok(Some(args.verb))
 }
 
 /// The file's tables.
@@ -102,8 +102,9 @@ fn flags(
     scene: &Path,
     typed: &ArgMatches,
 ) -> anyhow::Result<Vec<String>> {
-    let known = Job::augment_args(clap::Command::new("bake"));
-    let known: Vec<&Arg> = known.get_arguments().collect();
+    let known = Bake::augment_args(clap::Command::new("bake"));
+    let once = |arg: &&Arg| arg.get_long().is_some_and(|name| !ONCE.contains(&name));
+    let known: Vec<&Arg> = known.get_arguments().filter(once).collect();
     let name = scene.file_name().unwrap_or_default().to_string_lossy();
     let mut options: Vec<(String, String, Value)> = Vec::new();
     let mut flags = Vec::new();
@@ -150,14 +151,19 @@ fn flags(
     let is_typed = |flag: &str| {
         let arg = known.iter().find(|arg| arg.get_long() == Some(flag));
         arg.is_some_and(|arg| {
-            typed.value_source(arg.get_id().as_str()) == Some(ValueSource::CommandLine)
+            let source = typed.try_contains_id(arg.get_id().as_str()).is_ok();
+            source && typed.value_source(arg.get_id().as_str()) == Some(ValueSource::CommandLine)
         })
     };
     for (title, key, value) in options {
         let arg = known.iter().find(|arg| arg.get_long() == Some(&key));
         let arg = arg.with_context(|| {
-            format!("unknown option `{key}` in [{title}]; options are the flags of `ambake plan --help` without dashes")
+            format!("unknown option `{key}` in [{title}]; options are the flags of `ambake bake --help` without dashes")
         })?;
+        // What a verb does not take, such as files for engines in a plan, serves the others.
+        if typed.try_contains_id(arg.get_id().as_str()).is_err() {
+            continue;
+        }
         let repeats = matches!(arg.get_action(), ArgAction::Append);
         let excluded = EXCLUDE.iter().any(|(a, b)| {
             let against = |one: &[&str], other: &[&str]| {
@@ -236,7 +242,7 @@ fn words(value: &Value) -> Option<Vec<String>> {
 mod tests {
     use super::*;
 
-    fn job(file: &str, typed: &str) -> anyhow::Result<Job> {
+    fn job(file: &str, typed: &str) -> anyhow::Result<crate::bake::args::Job> {
         let table: Table = file.parse().expect("TOML");
         let typed = format!("ambake bake folder/hall.glb -o out {typed}");
         let typed: Vec<OsString> = typed.split_whitespace().map(OsString::from).collect();

@@ -2,16 +2,22 @@
 
 use super::args::Layout as Args;
 use super::options;
-use crate::host;
+use crate::args::{Verb, words};
 use crate::outcome::{Outcome, say, say_json};
 use crate::progress::{count, square};
+use crate::{host, project};
 use report::Output;
 
 /// Runs the verb.
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let _folder = Output::create(&args.output)?.folder();
+    let completed = project::completed(&args.scene, &words())?;
+    let args = match &completed {
+        Some(Verb::Layout(layout)) => layout,
+        _ => args,
+    };
     host::set_threads(args.common.threads)?;
-    let scene = ambake::load(&args.scene)?;
+    let scene = ambake::load_with(&args.scene, args.common.files())?;
     let layout = options::bake(&scene, &args.job, &args.common)?.lay_out()?;
     let files = layout.write(&args.output)?;
     if args.common.json {

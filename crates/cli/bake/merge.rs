@@ -2,15 +2,16 @@
 
 use super::args::{Bake, Merge as Args};
 use super::prepare::{Target, prepare_in};
-use super::run::tell_written;
+use super::run::{report, tell_written};
 use crate::args::{Args as Line, Verb};
 use crate::common::Common;
 use crate::outcome::{Outcome, tell};
 use crate::progress::{Show, watch};
+use crate::project;
 use crate::stop::Stop;
 use ambake::Parts;
 use anyhow::{Context, bail};
-use clap::Parser;
+use clap::FromArgMatches;
 use serde_json::Value;
 use std::ffi::OsString;
 
@@ -29,6 +30,11 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if let Some(folder) = parts.given()["folder"].as_str() {
         let _ = std::env::set_current_dir(folder);
     }
+    let completed = project::completed(scene, &typed)?;
+    let bake = match &completed {
+        Some(Verb::Bake(bake)) => bake,
+        _ => &bake,
+    };
     let common = Common {
         threads: args.threads,
         seed: bake.common.seed,
@@ -43,7 +49,6 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         engines: &bake.engines,
         update: None,
         verify: false,
-        typed: &typed,
     };
     let job = prepare_in(&target, scene, &bake.job, &common)?;
     let show = Show {
@@ -58,7 +63,13 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             }
             Ok(stop.outcome())
         }
-        other => tell_written(&other?, &common, &args.dir),
+        other => {
+            let mut written = other?;
+            if bake.report {
+                report(&mut written, &dir)?;
+            }
+            tell_written(&written, &common, &args.dir)
+        }
     }
 }
 
@@ -72,9 +83,12 @@ fn typed(given: &Value) -> anyhow::Result<Vec<OsString>> {
 
 /// The bake of that command line.
 fn given(typed: &[OsString]) -> anyhow::Result<Bake> {
-    let line = Line::try_parse_from(typed)
-        .context("this program does not know the command line of the parts")?;
-    match line.verb {
+    let line = Line::grammar().try_get_matches_from(typed);
+    let line = line.and_then(|line| Line::from_arg_matches(&line));
+    match line
+        .context("this program does not know the command line of the parts")?
+        .verb
+    {
         Verb::Bake(bake) => Ok(bake),
         _ => bail!("the parts were not made by `ambake bake`"),
     }

@@ -2,18 +2,21 @@
 
 use super::args::Job;
 use super::{options, stdin};
+use crate::args::{Verb, words};
 use crate::common::Common;
 use crate::{host, project};
 use ambake::{Bake, Engine, Scene};
-use std::ffi::OsString;
 use std::path::Path;
 use std::time::Instant;
 
 /// Loads the scene, plans its bake, lays its texels out and builds its ray scene. `-` is standard input. A project file beside
 /// the scene completes what was typed.
 pub fn prepare(file: &Path, job: &Job, common: &Common) -> anyhow::Result<ambake::Job> {
-    let typed: Vec<OsString> = std::env::args_os().collect();
-    prepare_with(|bake, _| bake, &typed, file, job, common)
+    let completed = project::completed(file, &words())?;
+    let completed = completed.as_ref().and_then(Verb::options);
+    let (job, common) = completed.unwrap_or((job, common));
+    host::set_threads(common.threads)?;
+    loaded(|bake, _| bake, file, job, common)
 }
 
 /// What a bake into a directory says beside its options.
@@ -25,34 +28,19 @@ pub struct Target<'a> {
     /// A finished bake that this one updates, and whether what is kept of it is tried.
     pub update: Option<&'a Path>,
     pub verify: bool,
-    /// The command line that asks for the bake.
-    pub typed: &'a [OsString],
 }
 
-/// The same for a bake into a directory: a layout that `ambake layout` left there is taken, and what does not fit into memory is refused.
+/// The same for a bake into a directory, by arguments that the project file has completed: a layout that `ambake layout` left there is taken,
+/// and what does not fit into memory is refused.
 pub fn prepare_in(
     target: &Target<'_>,
     file: &Path,
     job: &Job,
     common: &Common,
 ) -> anyhow::Result<ambake::Job> {
+    host::set_threads(common.threads)?;
     let with = |bake: Bake, scene: &Scene| target.complete(bake, scene);
-    prepare_with(with, target.typed, file, job, common)
-}
-
-/// The same for arguments that the project file has completed.
-pub fn prepare_completed(
-    target: &Target<'_>,
-    file: &Path,
-    job: &Job,
-    common: &Common,
-) -> anyhow::Result<ambake::Job> {
-    loaded(
-        |bake, scene| target.complete(bake, scene),
-        file,
-        job,
-        common,
-    )
+    loaded(with, file, job, common)
 }
 
 impl Target<'_> {
@@ -70,22 +58,6 @@ impl Target<'_> {
             false => bake.within_memory(),
         }
     }
-}
-
-fn prepare_with(
-    with: impl FnOnce(Bake, &Scene) -> Bake,
-    typed: &[OsString],
-    file: &Path,
-    job: &Job,
-    common: &Common,
-) -> anyhow::Result<ambake::Job> {
-    let completed = project::completed(file, typed)?;
-    let (job, common) = match &completed {
-        Some((job, common)) => (job, common),
-        None => (job, common),
-    };
-    host::set_threads(common.threads)?;
-    loaded(with, file, job, common)
 }
 
 fn loaded(

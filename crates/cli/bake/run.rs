@@ -4,17 +4,16 @@ use super::args::Bake as Args;
 use super::prepare::{Target, prepare_in};
 use super::shard;
 use super::summary::summary;
-use crate::allocate;
+use crate::args::{Verb, words};
 use crate::common::Common;
 use crate::outcome::{Outcome, one_line, printable, say, say_json_text, tell};
 use crate::progress::{Show, watch};
 use crate::stop::Stop;
-use crate::view;
+use crate::{allocate, project, view};
 use ambake::{Resume, Written};
 use anyhow::bail;
 use report::Output;
 use std::collections::HashMap;
-use std::ffi::OsString;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -82,7 +81,7 @@ fn several(args: &Args, stop: &Stop) -> anyhow::Result<Outcome> {
 
 /// This program with its arguments, for the scenes after the first `done`, of which `failed` were not baked.
 fn program_after(done: usize, failed: usize) -> io::Result<Command> {
-    let mut typed = std::env::args_os().skip(1);
+    let mut typed = words().into_iter().skip(1);
     let mut program = Command::new(std::env::current_exe()?);
     program.args(typed.next());
     program.args(["--after".into(), done.to_string(), failed.to_string()]);
@@ -97,14 +96,17 @@ fn one(args: &Args, scene: &Path, output: &Path, stop: &Stop) -> anyhow::Result<
         Some(_) => Output::create(output)?.folder(),
         None => Output::exclusive(output)?.folder(),
     };
-    let typed: Vec<OsString> = std::env::args_os().collect();
+    let completed = project::completed(scene, &words())?;
+    let args = match &completed {
+        Some(Verb::Bake(bake)) => bake,
+        _ => args,
+    };
     let target = Target {
         dir: output,
         parts: args.shard.is_some(),
         engines: &args.engines,
         update: args.update.as_deref(),
         verify: args.verify,
-        typed: &typed,
     };
     let job = prepare_in(&target, scene, &args.job, &args.common)?;
     if let Some(part) = args.shard {
@@ -132,11 +134,17 @@ fn one(args: &Args, scene: &Path, output: &Path, stop: &Stop) -> anyhow::Result<
         other => other?,
     };
     if args.report {
-        let path = view::write(output)?;
-        written.report.files.push(report::REPORT_NAME.into());
-        written.files.push(path);
+        report(&mut written, output)?;
     }
     tell_written(&written, &args.common, output)
+}
+
+/// Writes the report of a bake beside its files.
+pub fn report(written: &mut Written, dir: &Path) -> anyhow::Result<()> {
+    let path = view::write(dir)?;
+    written.report.files.push(::report::REPORT_NAME.into());
+    written.files.push(path);
+    Ok(())
 }
 
 /// Says what was written.

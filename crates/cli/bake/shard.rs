@@ -1,6 +1,7 @@
 //! `ambake bake --shard I/N`: one part of a bake.
 
 use super::args::Bake as Args;
+use crate::args::words;
 use crate::outcome::{Outcome, say, say_json, tell};
 use crate::progress::{Show, watch};
 use crate::stop::Stop;
@@ -79,7 +80,8 @@ fn given() -> anyhow::Result<Value> {
             )
         })
     };
-    let words: Vec<String> = std::env::args_os()
+    let words: Vec<String> = words()
+        .into_iter()
         .skip(1)
         .map(text)
         .collect::<anyhow::Result<_>>()?;

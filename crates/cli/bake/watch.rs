@@ -1,7 +1,8 @@
 //! `ambake watch`: bakes a scene again whenever its files are saved, coarse at first and finer until the next save.
 
 use super::args::{Job, Watch as Args};
-use super::prepare::{Target, prepare_completed};
+use super::prepare::{Target, prepare_in};
+use crate::args::{Verb, words};
 use crate::common::Common;
 use crate::outcome::{Outcome, one_line, say, tell};
 use crate::progress::{Show, watch};
@@ -11,7 +12,6 @@ use ambake::{Resume, Written};
 use layers::Progress;
 use report::Output;
 use std::collections::BTreeMap;
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -63,12 +63,12 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 
 /// Bakes all steps, until a file changes or the listener stops.
 fn refine(args: &Args, files: &mut Files, stop: &Stop) -> anyhow::Result<()> {
-    let typed: Vec<OsString> = std::env::args_os().collect();
-    let completed = project::completed(&args.scene, &typed)?;
-    let (job, common) = match &completed {
-        Some((job, common)) => (job, common),
-        None => (&args.job, &args.common),
+    let completed = project::completed(&args.scene, &words())?;
+    let args = match &completed {
+        Some(Verb::Watch(watch)) => watch,
+        _ => args,
     };
+    let (job, common) = (&args.job, &args.common);
     for step in (0..STEPS).rev() {
         let rays = job.rays / FINER.pow(step);
         // Under a target error there is one step.
@@ -98,16 +98,14 @@ fn bake(
     files: &mut Files,
     stop: &Stop,
 ) -> anyhow::Result<Option<Written>> {
-    let typed: Vec<OsString> = std::env::args_os().collect();
     let target = Target {
         dir: &args.output,
         parts: false,
         engines: &args.engines,
         update: Some(kept).filter(|kept| kept.join("bake.json").is_file()),
         verify: false,
-        typed: &typed,
     };
-    let prepared = prepare_completed(&target, &args.scene, job, common)?;
+    let prepared = prepare_in(&target, &args.scene, job, common)?;
     files.look_at(&prepared.inputs());
     let show = Show {
         unit: "texels",
