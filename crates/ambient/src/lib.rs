@@ -30,6 +30,7 @@ pub mod convention;
 mod estimate;
 pub mod frame;
 pub mod ggx;
+pub mod harmonics;
 pub mod lanes;
 pub mod lunar;
 pub mod models;

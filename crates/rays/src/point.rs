@@ -72,6 +72,12 @@ impl<'a> Surfaces<'a> {
         }
     }
 
+    /// True where an eye in the direction `toward`, of any length, sees the side of a surface that its shading normals are on.
+    pub fn shows_front(&self, hit: &SurfaceHit, toward: DVec3) -> bool {
+        let patch = Patch::of(self.world, &self.errors, hit.instance, hit.triangle);
+        patch.upward().dot(toward) > 0.0
+    }
+
     /// False where the surface at a hit sends out no light by itself.
     pub fn may_shine(&self, hit: &SurfaceHit) -> bool {
         let scene = self.world.scene();
@@ -124,6 +130,10 @@ mod tests {
                 point.normal
             );
             assert!((f64::from(point.origin[2]) - 3.0) * side >= 0.0);
+            assert_eq!(
+                Surfaces::new(&world).shows_front(&hit, DVec3::Z * side),
+                side > 0.0
+            );
         }
     }
 }

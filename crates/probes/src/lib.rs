@@ -1,0 +1,28 @@
+//! Light for what moves: what arrives at places in the air, from all directions.
+//!
+//! A probe is an illumination map at a place, kept as real spherical harmonics of low order, each with its standard error. [`Gather`]
+//! makes one from the sky, the lights and the surfaces around it. Surfaces tell their own light by a look-up in a finished bake, or it
+//! is followed on from them. [`Grid`] and [`fill`] make volumes of probes, and [`interpolation`] says what a look-up between probes
+//! costs. [`Gather::reflection`] keeps all directions, for what is no matt surface. The crate casts rays and computes; it opens no
+//! files and prints nothing.
+#![forbid(unsafe_code)]
+
+mod estimate;
+#[cfg(test)]
+mod fixture;
+mod gather;
+mod grid;
+mod interpolate;
+mod path;
+mod reflect;
+mod sky;
+#[cfg(test)]
+mod tests;
+mod volume;
+
+pub use gather::{BakedLight, DISTANCE_EDGE, Gather, LEAST_RAYS, Part, Probe};
+pub use grid::Grid;
+pub use interpolate::{Interpolation, fill, interpolation};
+pub use reflect::{LEAST_EDGE, Level, Reflection};
+pub use sky::Sky;
+pub use volume::{Cancelled, Placed, State, gather};

@@ -1,0 +1,89 @@
+//! The sky as probes see it: a uniform floor and what stands out of it.
+
+use ambient::convention::SPHERE;
+use glam::{DVec3, Vec3};
+use maps::SkyMap;
+
+/// Radiance from every direction that meets no surface, linear RGB.
+#[derive(Debug, Clone, Copy)]
+pub enum Sky<'a> {
+    /// The same from everywhere.
+    Uniform(DVec3),
+    /// An illumination map.
+    Map(&'a SkyMap),
+}
+
+impl<'a> Sky<'a> {
+    /// What is the same from every direction.
+    pub fn floor(&self) -> DVec3 {
+        match self {
+            Sky::Uniform(radiance) => *radiance,
+            Sky::Map(map) => map.floor().into(),
+        }
+    }
+
+    /// The map, where directions are to be drawn from it.
+    pub(crate) fn drawn(&self) -> Option<&'a SkyMap> {
+        match self {
+            Sky::Map(map) if map.scale() > 0.0 => Some(map),
+            _ => None,
+        }
+    }
+
+    /// Radiance along a unit direction.
+    pub(crate) fn radiance(&self, direction: DVec3) -> DVec3 {
+        match self.drawn() {
+            None => self.floor(),
+            Some(map) => self.floor() + above(map, texel(map, direction)).0,
+        }
+    }
+
+    /// Radiance along a unit direction that counts for a ray of this density per steradian, beside as many that are drawn from the map.
+    pub(crate) fn shared(&self, direction: DVec3, density: f64) -> DVec3 {
+        let floor = self.floor();
+        let Some(map) = self.drawn() else {
+            return floor;
+        };
+        let (above, drawn) = above(map, texel(map, direction));
+        floor + above * power(density, drawn)
+    }
+
+    /// A direction drawn from the map for a point of the unit square, and the radiance above the floor over its density there.
+    pub(crate) fn draw(
+        map: &SkyMap,
+        [u0, u1]: [f64; 2],
+        density: impl Fn(DVec3) -> f64,
+    ) -> (DVec3, DVec3) {
+        let (directions, texels) = map.sample16(&[u0 as f32; 16], &[u1 as f32; 16]);
+        let direction = Vec3::from(directions.map(|axis| axis[0])).as_dvec3();
+        let (above, drawn) = above(map, texels[0]);
+        (
+            direction,
+            above * (power(drawn, density(direction)) / drawn),
+        )
+    }
+}
+
+/// The texel that a unit direction shows.
+fn texel(map: &SkyMap, direction: DVec3) -> u32 {
+    map.texels16(&direction.as_vec3().to_array().map(|v| [v; 16]))[0]
+}
+
+/// Radiance of a texel above the floor, and the density with which it is drawn.
+fn above(map: &SkyMap, texel: u32) -> (DVec3, f64) {
+    let excess = Vec3::from(map.excess(texel)).as_dvec3();
+    (excess * map.scale(), excess.element_sum())
+}
+
+/// The power heuristic of E. Veach, L. Guibas (1995): what a sample of the first density counts.
+fn power(first: f64, second: f64) -> f64 {
+    let [first, second] = [first * first, second * second];
+    if first > 0.0 {
+        first / (first + second)
+    } else {
+        0.0
+    }
+}
+
+/// Density of even directions over the sphere, per steradian.
+pub(crate) const EVEN: f64 = 1.0 / SPHERE;

@@ -1,0 +1,95 @@
+//! Many probes: those in solids are moved to the nearest air, or marked.
+
+use crate::{Gather, Probe};
+use glam::DVec3;
+use layers::Progress;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// The listener asked the job to stop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Cancelled;
+
+/// Where a probe stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum State {
+    /// Where it was asked for.
+    There,
+    /// In the nearest air.
+    Moved,
+    /// Where it was asked for, in a solid or behind surfaces: its light is that of no air.
+    Invalid,
+}
+
+/// A probe and where it was asked for, in coordinates of the world.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Placed {
+    /// Where it was asked for.
+    pub asked: DVec3,
+    /// How far it got.
+    pub state: State,
+    /// Its light.
+    pub probe: Probe,
+}
+
+/// Share of directions that must meet no back of a surface where there is air. Above a ground without a bottom all do, below it half of
+/// them.
+pub(crate) const LEAST_VALIDITY: f64 = 0.75;
+
+/// How far from a surface a moved probe stands, as a share of the way that it may be moved.
+const CLEARANCE: f64 = 0.1;
+
+/// The probes at places of the world, in order.
+///
+/// * `first`: number of the first one, by which its sample points are labelled.
+/// * `most`: how far a probe in a solid, or behind a surface, may be moved, in scene units; 0 marks it.
+///
+/// The values do not depend on the number of threads. `progress` hears of probes.
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn gather(
+    gather: &Gather<'_>,
+    places: &[DVec3],
+    first: u32,
+    most: f64,
+    progress: &dyn Progress,
+) -> Result<Vec<Placed>, Cancelled> {
+    let done = AtomicU64::new(0);
+    let made = |(number, &asked): (usize, &DVec3)| {
+        if progress.cancelled() {
+            return None;
+        }
+        let placed = place(gather, first + number as u32, asked, most);
+        progress.rays(u64::from(gather.rays));
+        let before = done.fetch_add(1, Ordering::Relaxed);
+        progress.advance(before + 1, places.len() as u64);
+        Some(placed)
+    };
+    let each = places.par_iter().enumerate().with_max_len(1);
+    let placed: Option<Vec<Placed>> = each.map(made).collect();
+    placed.ok_or(Cancelled)
+}
+
+/// The probe at a place, or in the air past the nearest surface that keeps it in.
+fn place(gather: &Gather<'_>, number: u32, asked: DVec3, most: f64) -> Placed {
+    let probe = gather.probe(number, asked);
+    let placed = |state, probe| Placed {
+        asked,
+        state,
+        probe,
+    };
+    if probe.validity >= LEAST_VALIDITY {
+        return placed(State::There, probe);
+    }
+    if let Some((surface, far)) = probe.way_out {
+        let air = surface + far * (CLEARANCE * most);
+        if air.distance(asked) <= most {
+            let moved = gather.probe(number, air);
+            if moved.validity >= LEAST_VALIDITY {
+                return placed(State::Moved, moved);
+            }
+        }
+    }
+    placed(State::Invalid, probe)
+}
