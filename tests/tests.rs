@@ -46,6 +46,7 @@ mod parity;
 mod peers;
 mod photo;
 mod pipes;
+mod probes;
 mod quads;
 mod readme;
 mod render;

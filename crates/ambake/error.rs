@@ -57,6 +57,9 @@ pub enum Error {
     /// A result cannot be written, or an earlier one cannot be read.
     #[error(transparent)]
     Output(#[from] report::Error),
+    /// The pages of a finished bake cannot be looked up.
+    #[error(transparent)]
+    Lightmap(#[from] render::Error),
     /// A file of a bake could not be written. What was saved before stays.
     #[error(
         "{source}; what was saved is kept, the same command goes on from it (all files take about {needed} MiB)"

@@ -692,7 +692,7 @@ fn is_light(light: &Light) -> bool {
 }
 
 /// A light as outputs state it.
-fn described(light: &Light) -> Value {
+pub(crate) fn described(light: &Light) -> Value {
     match light {
         Light::Distant { toward, irradiance } => {
             json!({ "sun": toward.to_array(), "irradiance": irradiance.to_array() })

@@ -2,7 +2,7 @@
 
 use crate::common::Common;
 use crate::help::arranged;
-use crate::{bake, bench, fit, map, render};
+use crate::{bake, bench, fit, map, probes, render};
 use clap::{Args as ClapArgs, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
 use std::ffi::OsString;
@@ -88,6 +88,8 @@ pub enum Verb {
     Export(Export),
     /// A picture of a scene through a camera, shaded by an ambient model and lights
     Render(Box<render::args::Args>),
+    /// Light for what moves: what arrives at places in the air from all directions, as harmonics with their errors
+    Probes(Box<probes::args::Args>),
     /// Diffuse and specular reflectance and exponent of a known shape, from pictures of it in ambient light
     Fit(Box<fit::Args>),
     /// Illumination maps and reflection maps: convert, convolve, measure

@@ -23,6 +23,7 @@ mod manual;
 mod map;
 mod outcome;
 mod parse;
+mod probes;
 mod progress;
 mod project;
 mod render;
@@ -48,6 +49,7 @@ fn main() -> ExitCode {
         Verb::Export(export) => export::run(export),
         Verb::Fit(fit) => fit::run(fit),
         Verb::Render(render) => render::run::run(render),
+        Verb::Probes(probes) => probes::run::run(probes),
         Verb::Map(map) => map::run::run(map),
         Verb::Bench(bench) => bench::run::run(bench),
         Verb::View(view) => view::run(view),

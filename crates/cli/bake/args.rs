@@ -433,7 +433,8 @@ fn pages(text: &str) -> Result<ambake::Pages, String> {
     }
 }
 
-fn bounces(text: &str) -> Result<ambake::Bounces, String> {
+/// `auto`, or how often light bounces.
+pub fn bounces(text: &str) -> Result<ambake::Bounces, String> {
     match text.parse() {
         _ if text == "auto" => Ok(ambake::Bounces::Auto),
         Ok(0) => Ok(ambake::Bounces::Off),

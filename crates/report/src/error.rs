@@ -69,6 +69,14 @@ pub enum Error {
         /// The value.
         value: f32,
     },
+    /// A file is asked for that cannot be made of what is there.
+    #[error("{option}: {problem}")]
+    Mismatched {
+        /// The file, or the flag that asks for it.
+        option: String,
+        /// Why not, and what to do.
+        problem: String,
+    },
     /// A page lacks a layer that the job needs.
     #[error("the page has no layer {layer}; bake again with --layers {layer}")]
     MissingLayer {

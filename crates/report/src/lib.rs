@@ -25,6 +25,7 @@ mod page;
 mod page_files;
 mod picture;
 mod preview;
+mod probes;
 mod record;
 mod regular;
 mod space;
@@ -52,6 +53,11 @@ pub use page::{Channel, Page, PageLayer};
 pub use page_files::{NamedPage, page_files, read_page};
 pub use picture::{matte_png, picture_png};
 pub use preview::{Encoding, occlusion_png, preview_png};
+pub use probes::{
+    InterpolationReport, PROBES_SCHEMA, ProbeFile, ProbeGrid, ProbeRecord, ProbeReport, ProbeSet,
+    ReflectionLevel, ReflectionMaps, ReflectionReport, probe_file, probe_files, read_probes,
+    stage_probes,
+};
 pub use record::{REPORT_FILE, read_record, record_name, scene_file, stage_report};
 pub use regular::check_regular;
 pub use space::check_space;

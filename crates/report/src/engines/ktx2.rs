@@ -14,24 +14,46 @@ const HEADER: usize = 80;
 /// Offset, length and uncompressed length of a level.
 const LEVEL_INDEX: usize = 24;
 
-/// The bytes of the file. Levels stand from the largest in the index and from the smallest in the file, as the format
-/// wants it; alpha is 1. Of an array of several `layers` each level holds one after another.
+/// What kind of picture a file holds.
+pub struct Shape {
+    /// Width, height and depth of the largest level; 0 deep for no volume.
+    pub extent: [u32; 3],
+    /// Pictures of an array; 0 for none.
+    pub layers: u32,
+    /// 6 for a cube, else 1.
+    pub faces: u32,
+    /// Where columns, rows and slices grow to, as the format's `KTXorientation` says it.
+    pub orientation: &'static str,
+}
+
+/// The bytes of the file of a picture; of an array of several `layers` each level holds one after another.
 pub fn encode(levels: &[Level], layers: u32) -> Vec<u8> {
-    // 0 is no array.
-    let array = if layers == 1 { 0 } else { layers };
-    let (descriptor, values) = (descriptor(), key_values());
+    let shape = Shape {
+        extent: [levels[0].size, levels[0].size, 0],
+        layers: if layers == 1 { 0 } else { layers },
+        faces: 1,
+        orientation: "rd",
+    };
+    let levels: Vec<&[[f32; 3]]> = levels.iter().map(|level| &level.pixels[..]).collect();
+    encode_as(&shape, &levels)
+}
+
+/// The bytes of a file. Levels stand from the largest in the index and from the smallest in the file, as the format wants it; alpha is 1.
+pub fn encode_as(shape: &Shape, levels: &[&[[f32; 3]]]) -> Vec<u8> {
+    let (descriptor, values) = (descriptor(), key_values(shape.orientation));
     let descriptor_at = HEADER + LEVEL_INDEX * levels.len();
     let values_at = descriptor_at + descriptor.len();
     let data_at = (values_at + values.len()).next_multiple_of(TEXEL);
-    let size = levels[0].size;
+    let [width, height, depth] = shape.extent;
 
     let mut file = IDENTIFIER.to_vec();
     let mut words = |words: &[u32]| file.extend(words.iter().flat_map(|w| w.to_le_bytes()));
     // Format, bytes of a number, width, height, depth, layers, faces, levels, supercompression.
-    words(&[FORMAT, 2, size, size, 0, array, 1, levels.len() as u32, 0]);
+    words(&[FORMAT, 2, width, height, depth]);
+    words(&[shape.layers, shape.faces, levels.len() as u32, 0]);
     words(&[descriptor_at, descriptor.len(), values_at, values.len()].map(|at| at as u32));
     words(&[0; 4]); // no global data
-    let lengths: Vec<usize> = levels.iter().map(|l| l.pixels.len() * TEXEL).collect();
+    let lengths: Vec<usize> = levels.iter().map(|pixels| pixels.len() * TEXEL).collect();
     for i in 0..levels.len() {
         let at = data_at + lengths[i + 1..].iter().sum::<usize>();
         for number in [at, lengths[i], lengths[i]] {
@@ -42,7 +64,7 @@ pub fn encode(levels: &[Level], layers: u32) -> Vec<u8> {
     file.extend(values);
     file.resize(data_at, 0);
     for level in levels.iter().rev() {
-        for &[r, g, b] in &level.pixels {
+        for &[r, g, b] in *level {
             let texel = [r, g, b, 1.0].map(|v| f16::from_f32(v).to_le_bytes());
             file.extend(texel.as_flattened());
         }
@@ -68,10 +90,10 @@ fn descriptor() -> Vec<u8> {
     bytes
 }
 
-/// Rows run down and columns to the right; who wrote the file.
-fn key_values() -> Vec<u8> {
+/// Where columns, rows and slices run to; who wrote the file.
+fn key_values(orientation: &str) -> Vec<u8> {
     let mut bytes = Vec::new();
-    for (key, value) in [("KTXorientation", "rd"), ("KTXwriter", "ambake")] {
+    for (key, value) in [("KTXorientation", orientation), ("KTXwriter", "ambake")] {
         let entry = format!("{key}\0{value}\0");
         bytes.extend((entry.len() as u32).to_le_bytes());
         bytes.extend(entry.bytes());

@@ -18,6 +18,7 @@ mod scene_kind;
 mod sh;
 mod table;
 
+pub(crate) use ktx2::{Shape, encode_as};
 pub use light::{LightSource, PageLight, light_source};
 pub use scene_glb::{ScenePictures, scene_files};
 pub use table::Engine;
@@ -26,6 +27,7 @@ use crate::{Error, Output};
 use maps::{Format, Image, Labels};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+pub(crate) use table::BEVY_WHITE;
 use table::Kind;
 
 /// A lightmap in `bake.json`: which engine it is for, and how that engine shows it.

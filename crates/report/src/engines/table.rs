@@ -51,7 +51,7 @@ struct Row {
 }
 
 /// What Bevy's default camera (EV100 9.7) divides luminance by: 1.2 * 2^9.7.
-const BEVY_WHITE: f64 = 998.095_744_642_541_7;
+pub(crate) const BEVY_WHITE: f64 = 998.095_744_642_541_7;
 
 use Kind::*;
 

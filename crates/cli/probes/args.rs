@@ -1,0 +1,112 @@
+//! What was typed after `ambake probes`. `run.rs` says what it means.
+
+use crate::bake::args::{Lights, bounces, engine};
+use crate::sky::{SkyArg, sky};
+use crate::common::{Backend, Common};
+use crate::parse::{light, positive, rect, sphere, sun, triple};
+use clap::{ArgGroup, Args as ClapArgs};
+use std::path::PathBuf;
+
+#[derive(ClapArgs)]
+#[command(group = ArgGroup::new("asked").required(true).multiple(true))]
+pub struct Args {
+    /// Scene file: .obj, .gltf or .glb
+    pub scene: PathBuf,
+    /// Directory for the results; it is made if needed
+    #[arg(short = 'o', long = "output", value_name = "DIR")]
+    pub output: PathBuf,
+    /// A volume of probes so many scene units apart, which fills the box of the scene
+    #[arg(long, value_name = "D", groups = ["places", "asked"], value_parser = positive)]
+    pub spacing: Option<f64>,
+    /// A volume of so many probes along x, y and z, which fills the box of the scene
+    #[arg(long, value_name = "NXxNYxNZ", groups = ["places", "asked"], value_parser = counts)]
+    pub grid: Option<[u32; 3]>,
+    /// Probes at these places, separated by semicolons
+    #[arg(long, value_name = "X,Y,Z;..", groups = ["places", "asked"], value_delimiter = ';', allow_hyphen_values = true, value_parser = triple)]
+    pub at: Vec<[f64; 3]>,
+    /// Reflection maps of these places, separated by semicolons: cubes with a level for each roughness, and one for matt surfaces
+    #[arg(long, value_name = "X,Y,Z;..", group = "asked", value_delimiter = ';', allow_hyphen_values = true, value_parser = triple)]
+    pub reflections: Vec<[f64; 3]>,
+    /// Edge of a face of their largest level in texels: a power of two from 8 to 1024
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 256,
+        requires = "reflections"
+    )]
+    pub reflection_size: u32,
+    /// The box of the volume, by two corners [default: that of the scene]
+    #[arg(long, value_name = "X,Y,Z:X,Y,Z", conflicts_with = "at", allow_hyphen_values = true, value_parser = corners)]
+    pub within: Option<[[f64; 3]; 2]>,
+    /// Take the light that surfaces reflect from the finished bake of SCENE in DIR, so that surfaces and probes agree; sky and lights are
+    /// those of the bake too, unless others are given. Without it light is followed from surface to surface
+    #[arg(long, value_name = "DIR")]
+    pub bake: Option<PathBuf>,
+    /// Also write files for these engines, separated by commas: bevy, three, unity, godot
+    #[arg(long = "for", value_name = "ENGINE,..", value_delimiter = ',', value_parser = engine)]
+    pub engines: Vec<ambake::Engine>,
+    /// Order of the harmonics: 4, 9 or 16 of them
+    #[arg(long, value_name = "L", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=3))]
+    pub order: u8,
+    /// Rays of a probe in even directions; as many again are aimed at lamps, at lights with extent and by a mapped sky
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(64..=16_777_216))]
+    pub rays: u32,
+    /// Radiance of the sky, linear, as R,G,B, or an illumination map [default: 1,1,1; with --bake that of the bake]
+    #[arg(long, value_name = "R,G,B|FILE", value_parser = sky)]
+    pub sky: Option<SkyArg>,
+    /// How often light is reflected from surface to surface, without --bake
+    #[arg(long, value_name = "N|auto", default_value = "auto", value_parser = bounces)]
+    pub bounces: ambake::Bounces,
+    /// What to do with the lights of a glTF file (KHR_lights_punctual) [default: none; with --bake those of the bake]
+    #[arg(long, value_enum)]
+    pub lights: Option<Lights>,
+    /// Surfaces farther than this many scene units do not count [default: no limit]
+    #[arg(long, value_name = "D", value_parser = positive)]
+    pub max_distance: Option<f64>,
+    /// Distant light in the direction X,Y,Z with irradiance E or R,G,B (W/m², facing); may be repeated
+    #[arg(long, value_name = "X,Y,Z,E|X,Y,Z,R,G,B", allow_hyphen_values = true, value_parser = sun)]
+    pub sun: Vec<[f64; 6]>,
+    /// Point light at X,Y,Z with intensity E or R,G,B (W/sr: E over distance² arrives); may be repeated
+    #[arg(long, value_name = "X,Y,Z,E|X,Y,Z,R,G,B", allow_hyphen_values = true, value_parser = light)]
+    pub point: Vec<[f64; 6]>,
+    /// Luminous ball at X,Y,Z of this radius that sends the radiance L or R,G,B; may be repeated
+    #[arg(long, value_name = "X,Y,Z,RADIUS,L|X,Y,Z,RADIUS,R,G,B", allow_hyphen_values = true, value_parser = sphere)]
+    pub sphere: Vec<[f64; 7]>,
+    /// Luminous rectangle with a corner at X,Y,Z and the sides U and V (three numbers each) that sends the
+    /// radiance L or R,G,B to the side to which U x V points; may be repeated
+    #[arg(long, value_name = "X,Y,Z,U,V,L|X,Y,Z,U,V,R,G,B", allow_hyphen_values = true, value_parser = rect)]
+    pub rect: Vec<[f64; 12]>,
+    /// Take so much contrast from probes that no matt surface receives less than no light: few harmonics ring beside a bright light
+    #[arg(long)]
+    pub window: bool,
+    /// Also keep the light of the sky, of lights and of surfaces apart
+    #[arg(long)]
+    pub parts: bool,
+    /// Random places at which interpolation between probes is tried; 0 for none
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    pub tried: u32,
+    /// Ray library [default: embree where it is built in, else obvhs]
+    #[arg(long, value_enum)]
+    pub backend: Option<Backend>,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+fn counts(text: &str) -> Result<[u32; 3], String> {
+    let numbers: Result<Vec<u32>, _> = text.split('x').map(str::parse).collect();
+    match numbers.as_deref() {
+        Ok(&[x, y, z]) if x > 0 && y > 0 && z > 0 => Ok([x, y, z]),
+        _ => Err("expected three numbers from 1, such as 8x4x8".into()),
+    }
+}
+
+fn corners(text: &str) -> Result<[[f64; 3]; 2], String> {
+    let (a, b) = text
+        .split_once(':')
+        .ok_or("expected two corners, X,Y,Z:X,Y,Z")?;
+    let (a, b) = (triple(a)?, triple(b)?);
+    Ok([
+        [0, 1, 2].map(|k| a[k].min(b[k])),
+        [0, 1, 2].map(|k| a[k].max(b[k])),
+    ])
+}

@@ -1,0 +1,4 @@
+//! `ambake probes`: light for what moves.
+
+pub mod args;
+pub mod run;

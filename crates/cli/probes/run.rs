@@ -1,0 +1,157 @@
+//! What the flags of `ambake probes` mean, and what is printed.
+
+use super::args::Args;
+use crate::bake::args::Lights;
+use crate::common::{Backend, lamps, lights};
+use crate::host;
+use crate::outcome::{Outcome, say, say_json, tell};
+use crate::progress::{Show, count, watch};
+use crate::stop::Stop;
+use ambake::{Places, ProbeOptions, ProbeReport, Probes, Scene};
+use ambient::harmonics::{MOST, matt_rms};
+use glam::DVec3;
+use serde_json::json;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Runs the verb.
+pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let started = Instant::now();
+    let stop = Stop::listen()?;
+    host::set_threads(args.common.threads)?;
+    let scene = ambake::load_with(&args.scene, args.common.files())?;
+    let options = options(args, &scene)?;
+    let left_out = options.lights.is_none() && args.bake.is_none() && !scene.lights.is_empty();
+    if left_out && args.lights.is_none() && !args.common.quiet {
+        tell(
+            "warning: lights of the file are not gathered; `--lights file` takes them, `--lights none` leaves them out",
+        );
+    }
+    let places = match (args.spacing, args.grid) {
+        (Some(spacing), _) => Places::Spacing(spacing),
+        (_, Some(counts)) => Places::Grid(counts),
+        _ => Places::At(args.at.clone()),
+    };
+    let show = Show {
+        unit: "probes",
+        quiet: args.common.quiet,
+    };
+    let gathered = watch(show, &stop, |progress| {
+        Probes::gather(&scene, &places, &options, progress)
+    });
+    let mut probes = match gathered {
+        Err(ambake::Error::Cancelled) => return Ok(stop.outcome()),
+        probes => probes?,
+    };
+    let written = probes.write(&args.output, &args.engines)?;
+    let seconds = started.elapsed().as_secs_f64();
+    if args.common.json {
+        let report = probes.report();
+        say_json(&json!({
+            "schema_version": 1, "scene": args.scene, "options": report.options, "probes": report.probes.len(),
+            "grid": report.grid, "moved": moved(report), "invalid": invalid(report), "std_err": std_err(report),
+            "interpolation": report.interpolation, "reflections": report.reflections, "files": report.files, "written": written, "seconds": seconds,
+        }))?;
+    } else if !args.common.quiet {
+        say(&summary(probes.report(), &written, seconds))?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn options(args: &Args, scene: &Scene) -> anyhow::Result<ProbeOptions> {
+    let mut own = lights(&args.sun, &args.point, DVec3::ZERO);
+    own.extend(lamps(&args.sphere, &args.rect, DVec3::ZERO));
+    if args.lights == Some(Lights::File) {
+        own.extend(scene.lights.iter().map(ambake::Light::from));
+    }
+    let mut options = ProbeOptions::default();
+    options.within = args.within;
+    options.bake = args.bake.clone();
+    options.sky = args.sky.as_ref().map(|sky| sky.load()).transpose()?;
+    options.lights = (!own.is_empty() || args.lights.is_some()).then_some(own);
+    options.bounces = args.bounces;
+    options.max_distance = args.max_distance.map(|distance| distance as f32);
+    options.rays = args.rays;
+    options.order = args.order.into();
+    options.window = args.window;
+    options.parts = args.parts;
+    options.seed = args.common.seed;
+    options.backend = Backend::chosen(args.backend);
+    options.reflections = args.reflections.clone();
+    options.reflection_size = args.reflection_size;
+    options.tried = args.tried as usize;
+    Ok(options)
+}
+
+fn moved(report: &ProbeReport) -> usize {
+    report
+        .probes
+        .iter()
+        .filter(|probe| probe.asked.is_some())
+        .count()
+}
+
+fn invalid(report: &ProbeReport) -> usize {
+    report.probes.iter().filter(|probe| probe.invalid).count()
+}
+
+/// Root mean square of the standard errors of the light E / π, over probes, normals and channels.
+fn std_err(report: &ProbeReport) -> f64 {
+    let square = |probe: &ambake::ProbeRecord| {
+        let mut errors = [DVec3::ZERO; MOST];
+        for (error, stated) in errors.iter_mut().zip(&probe.std_err) {
+            *error = DVec3::from(stated.map(f64::from));
+        }
+        matt_rms(&errors).length_squared() / 3.0
+    };
+    let sum: f64 = report.probes.iter().map(square).sum();
+    (sum / report.probes.len().max(1) as f64).sqrt()
+}
+
+fn summary(report: &ProbeReport, written: &[PathBuf], seconds: f64) -> String {
+    let mut text = String::new();
+    if !report.probes.is_empty() {
+        text += &of_probes(report);
+    }
+    if let Some(of) = &report.interpolation {
+        let share = 100.0 * of.rms / of.mean.max(f64::MIN_POSITIVE);
+        text += &format!(
+            "linear interpolation at {} places in the air: mean light {:.3e}, RMS error {:.1e} ({share:.1} %), p99 {:.1e}; {:.1e} of it is noise\n",
+            of.places, of.mean, of.rms, of.p99, of.noise
+        );
+    }
+    for of in &report.reflections {
+        let level = |level: &ambake::ReflectionLevel| {
+            format!("{:.1}: {:.1e}", level.roughness, level.error)
+        };
+        let levels: Vec<String> = of.levels.iter().map(level).collect();
+        text += &format!(
+            "{}: standard error by roughness {}\n",
+            of.specular,
+            levels.join(", ")
+        );
+    }
+    for path in written {
+        text += &format!("wrote {}\n", path.display());
+    }
+    text + &format!("{seconds:.1} s\n")
+}
+
+/// How many probes there are, and their error.
+fn of_probes(report: &ProbeReport) -> String {
+    let mut text = count(report.probes.len() as u64, "probe");
+    if let Some(grid) = &report.grid {
+        let [x, y, z] = grid.counts;
+        text += &format!(", {x} x {y} x {z}");
+    }
+    for (number, what) in [
+        (moved(report), "moved out of solids"),
+        (invalid(report), "invalid"),
+    ] {
+        if number > 0 {
+            text += &format!(", {number} {what}");
+        }
+    }
+    text += &format!("\nstandard error of E/pi {:.2e}\n", std_err(report));
+    text
+}
