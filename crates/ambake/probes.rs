@@ -164,12 +164,7 @@ impl Probes {
         let gatherer = Gather {
             surfaces: &surfaces,
             backend: backend.as_ref(),
-            sky: match &light.sky.light {
-                ::bake::Sky::Uniform(sky) => {
-                    ::probes::Sky::Uniform(DVec3::from(sky.map(f64::from)))
-                }
-                ::bake::Sky::Map(map) => ::probes::Sky::Map(map),
-            },
+            sky: ::probes::Sky(light.sky.light()),
             lamps: &lamps,
             lights: &lights,
             baked: map.is_some().then_some(&baked),

@@ -1,9 +1,9 @@
 //! What was typed after `ambake probes`. `run.rs` says what it means.
 
 use crate::bake::args::{Lights, bounces, engine};
-use crate::sky::{SkyArg, sky};
 use crate::common::{Backend, Common};
 use crate::parse::{light, positive, rect, sphere, sun, triple};
+use crate::sky::{SkyArg, sky};
 use clap::{ArgGroup, Args as ClapArgs};
 use std::path::PathBuf;
 

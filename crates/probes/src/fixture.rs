@@ -87,6 +87,7 @@ pub(crate) fn world(all: &[Sheets]) -> (World, Box<dyn RayBackend>) {
             specular: Vec3::ZERO,
             exponent: 0.0,
         },
+        ambient: None,
         emission: Vec3::splat(sheets.emission),
         emission_map: None,
         transmission: None,

@@ -6,28 +6,17 @@ use maps::SkyMap;
 
 /// Radiance from every direction that meets no surface, linear RGB.
 #[derive(Debug, Clone, Copy)]
-pub enum Sky<'a> {
-    /// The same from everywhere.
-    Uniform(DVec3),
-    /// An illumination map.
-    Map(&'a SkyMap),
-}
+pub struct Sky<'a>(pub &'a maps::Sky);
 
 impl<'a> Sky<'a> {
     /// What is the same from every direction.
     pub fn floor(&self) -> DVec3 {
-        match self {
-            Sky::Uniform(radiance) => *radiance,
-            Sky::Map(map) => map.floor().into(),
-        }
+        self.0.floor().into()
     }
 
     /// The map, where directions are to be drawn from it.
     pub(crate) fn drawn(&self) -> Option<&'a SkyMap> {
-        match self {
-            Sky::Map(map) if map.scale() > 0.0 => Some(map),
-            _ => None,
-        }
+        self.0.map()
     }
 
     /// Radiance along a unit direction.

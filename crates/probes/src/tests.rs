@@ -8,6 +8,7 @@ use glam::DVec3;
 use maps::{IlluminationMap, Image, Projection, SkyMap};
 use rays::{Lamps, Light, Surfaces};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::Arc;
 
 const ROOT: f64 = 3.544_907_701_811_032; // √4π
 
@@ -45,7 +46,7 @@ fn speck() -> Sheets {
     sheets(block(low, low + 1e-3), 0.0, 0.0)
 }
 
-const UNIFORM: Sky<'static> = Sky::Uniform(DVec3::new(1.0, 0.5, 0.25));
+const UNIFORM: Sky<'static> = Sky(&maps::Sky::Uniform([1.0, 0.5, 0.25]));
 
 /// Coefficients of a radiance that is `light` over the sphere: Gauss in z between the heights where it jumps, longitudes between those.
 fn quadrature(heights: &[f64], turns: &[f64], light: impl Fn(DVec3) -> f64) -> Vec<f64> {
@@ -130,8 +131,8 @@ fn a_mapped_sky_is_its_sum_over_texels() {
             }
         }
     }
-    let sky = SkyMap::new(&map).unwrap();
-    gathering(&[speck()], Sky::Map(&sky), |mut gather| {
+    let sky = maps::Sky::Map(Arc::new(SkyMap::new(&map).unwrap()));
+    gathering(&[speck()], Sky(&sky), |mut gather| {
         gather.rays = 16_384;
         gather.order = 3;
         let probe = gather.probe(0, DVec3::ZERO);
@@ -276,7 +277,7 @@ fn baked_light_is_taken_where_it_is_and_lights_are_seen_where_nothing_hides_them
         DVec3::Z * 100.0,
         DVec3::Y * 100.0,
     ];
-    let black = Sky::Uniform(DVec3::ZERO);
+    let black = Sky(&maps::Sky::BLACK);
     gathering(&[sheets(vec![wall], 0.5, 0.0)], black, |gather| {
         let baked = |_: &rays::SurfaceHit| Some(DVec3::new(0.0, 0.5, 1.0));
         let lights = [
@@ -336,7 +337,7 @@ fn stated_errors_are_those_that_are_made() {
 fn reflections_of_a_half_are_those_on_paper() {
     // A white wall on one side of a black sky: the lobes see the share of them that the wall takes.
     let wall = [DVec3::new(1.0, -1e5, -1e5), DVec3::Z * 2e5, DVec3::Y * 2e5];
-    let black = Sky::Uniform(DVec3::ZERO);
+    let black = Sky(&maps::Sky::BLACK);
     gathering(&[sheets(vec![wall], 0.0, 2.0)], black, |gather| {
         let found = gather
             .reflection(0, DVec3::new(0.5, 0.0, 0.0), 32, &())
