@@ -1,6 +1,7 @@
 //! Charts made by `uvunwrap`, which nothing outside this file names. See vendor-notes/uvunwrap.md.
 
 use crate::Error;
+use crate::flat::Face;
 use crate::measure::{mesh_area, world_area};
 use crate::parts::{Part, parts, weld};
 use crate::twins::{self, Shape};
@@ -227,44 +228,7 @@ fn sheet(
     let shaped = placed.corners(data);
     let Unit { positions, size } =
         unit(data, &shaped).ok_or_else(|| extent(scene, placed.instances[0]))?;
-    let parts = parts(data, &positions, cancel);
-    let area: f64 = data
-        .triangles
-        .iter()
-        .map(|t| {
-            let [a, b, c] = t.map(|v| shaped[v as usize] / size);
-            0.5 * (b - a).cross(c - a).length()
-        })
-        .sum();
-    let count = data.triangles.len() as f64;
-    let most = match count > SOLVABLE {
-        true => (area * SOLVABLE / count) as f32,
-        false => 0.0,
-    };
-    // Long charts may be longer than the mesh: then once more at half the size.
-    let mut scale = (count.clamp(1e3, 2.5e5) * HANDED_TRIANGLE / area).sqrt();
-    scale = scale.min(f64::from(HANDED) / 2.0);
-    let made = loop {
-        let settings = uvunwrap::Options {
-            density: Density::Fixed {
-                texels_per_unit: scale as f32,
-                page_size: Some(HANDED),
-            },
-            padding: 0,
-            packing: Packing::Fast,
-            max_chart_area: most,
-            ..uvunwrap::Options::default()
-        };
-        let inputs: Vec<MeshInput<'_>> = parts.iter().map(Part::input).collect();
-        match uvunwrap::generate_with_progress(&inputs, &settings, |_| !cancel()) {
-            Err(uvunwrap::Error::ChartTooLarge { .. }) if scale > 1.0 => scale *= 0.25,
-            Err(uvunwrap::Error::Cancelled) => return Err(Error::Cancelled),
-            Err(other) => return Err(Error::Unwrap(other.to_string())),
-            Ok(made) => break made,
-        }
-    };
-    let texel = size / f64::from(scale as f32);
-    let page = DVec2::new(f64::from(made.width), f64::from(made.height)) * texel;
+    let (faces, parts) = parts(data, &positions, cancel);
     let mut sheet = Sheet {
         mesh: placed.mesh,
         instances: placed.instances.clone(),
@@ -272,42 +236,132 @@ fn sheet(
         sources: Vec::new(),
         points: Vec::new(),
         triangles: vec![[0; 3]; data.triangles.len()],
-        charts: vec![Vec::new(); made.chart_count as usize],
-        hidden: vec![false; made.chart_count as usize],
+        charts: Vec::new(),
+        hidden: Vec::new(),
     };
-    let mut chart_of = Vec::new();
-    for (part, out) in parts.iter().zip(&made.meshes) {
-        // Corners of the unwrapper's vertices by the mesh's own, which it does not know apart.
-        let mut numbers = HashMap::new();
-        for (&t, corners) in part.triangles.iter().zip(out.indices.chunks_exact(3)) {
-            let corners = corners.iter().zip(data.triangles[t as usize]);
-            let mut number = |(&made, own): (&u32, u32)| {
-                *numbers.entry((made, own)).or_insert_with(|| {
-                    let vertex = &out.vertices[made as usize];
-                    let [u, v] = vertex.uv.map(f64::from);
-                    sheet.sources.push(own);
-                    sheet.points.push(DVec2::new(u, v) * page);
-                    chart_of.push(vertex.chart);
-                    sheet.sources.len() as u32 - 1
-                })
+    if !parts.is_empty() {
+        let area: f64 = data
+            .triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = t.map(|v| shaped[v as usize] / size);
+                0.5 * (b - a).cross(c - a).length()
+            })
+            .sum();
+        sheet.unwrap(data, &parts, [area, size], cancel)?;
+    }
+    for face in &faces {
+        sheet.add(face, data, size);
+    }
+    sheet.hidden = vec![false; sheet.charts.len()];
+    Ok(sheet)
+}
+
+impl Sheet {
+    /// Adds the charts that the unwrapper makes of parts of a mesh.
+    ///
+    /// * `area`: of the mesh, in units of which each is `size` of its own.
+    fn unwrap(
+        &mut self,
+        data: &Mesh,
+        parts: &[Part],
+        [area, size]: [f64; 2],
+        cancel: &(dyn Fn() -> bool + Sync),
+    ) -> Result<(), Error> {
+        let count = data.triangles.len() as f64;
+        let most = match count > SOLVABLE {
+            true => (area * SOLVABLE / count) as f32,
+            false => 0.0,
+        };
+        // Long charts may be longer than the mesh: then once more at half the size.
+        let mut scale = (count.clamp(1e3, 2.5e5) * HANDED_TRIANGLE / area).sqrt();
+        scale = scale.min(f64::from(HANDED) / 2.0);
+        let made = loop {
+            let settings = uvunwrap::Options {
+                density: Density::Fixed {
+                    texels_per_unit: scale as f32,
+                    page_size: Some(HANDED),
+                },
+                padding: 0,
+                packing: Packing::Fast,
+                max_chart_area: most,
+                ..uvunwrap::Options::default()
             };
-            let numbered: Vec<u32> = corners.map(&mut number).collect();
-            sheet.triangles[t as usize] = [numbered[0], numbered[1], numbered[2]];
-            if let Some(chart) = chart_of[numbered[0] as usize] {
-                sheet.charts[chart as usize].push(t);
+            let inputs: Vec<MeshInput<'_>> = parts.iter().map(Part::input).collect();
+            match uvunwrap::generate_with_progress(&inputs, &settings, |_| !cancel()) {
+                Err(uvunwrap::Error::ChartTooLarge { .. }) if scale > 1.0 => scale *= 0.25,
+                Err(uvunwrap::Error::Cancelled) => return Err(Error::Cancelled),
+                Err(other) => return Err(Error::Unwrap(other.to_string())),
+                Ok(made) => break made,
+            }
+        };
+        let texel = size / f64::from(scale as f32);
+        let page = DVec2::new(f64::from(made.width), f64::from(made.height)) * texel;
+        self.charts = vec![Vec::new(); made.chart_count as usize];
+        let mut chart_of = Vec::new();
+        for (part, out) in parts.iter().zip(&made.meshes) {
+            // Corners of the unwrapper's vertices by the mesh's own, which it does not know apart.
+            let mut numbers = HashMap::new();
+            for (&t, corners) in part.triangles.iter().zip(out.indices.chunks_exact(3)) {
+                let first = corners[0];
+                let chart = |made: &u32| out.vertices[*made as usize].chart;
+                // One that is too thin for a chart may have its corners in several: it goes to the first.
+                let is_parted = corners.iter().any(|made| chart(made) != chart(&corners[0]));
+                let corners = corners.iter().zip(data.triangles[t as usize]);
+                let mut number = |(&made, own): (&u32, u32)| {
+                    let made = if is_parted { first } else { made };
+                    *numbers.entry((made, own)).or_insert_with(|| {
+                        let vertex = &out.vertices[made as usize];
+                        let [u, v] = vertex.uv.map(f64::from);
+                        self.sources.push(own);
+                        self.points.push(DVec2::new(u, v) * page);
+                        chart_of.push(vertex.chart);
+                        self.sources.len() as u32 - 1
+                    })
+                };
+                let numbered: Vec<u32> = corners.map(&mut number).collect();
+                self.triangles[t as usize] = [numbered[0], numbered[1], numbered[2]];
+                if let Some(chart) = chart_of[numbered[0] as usize] {
+                    self.charts[chart as usize].push(t);
+                }
             }
         }
-    }
-    // Charts begin at (0, 0).
-    let mut low = vec![DVec2::INFINITY; sheet.charts.len()];
-    let places = |chart: &Option<u32>| chart.map(|c| c as usize);
-    for (p, chart) in sheet.points.iter().zip(chart_of.iter().map(places)) {
-        if let Some(chart) = chart {
-            low[chart] = low[chart].min(*p);
+        // Charts begin at (0, 0).
+        let mut low = vec![DVec2::INFINITY; self.charts.len()];
+        let places = |chart: &Option<u32>| chart.map(|c| c as usize);
+        for (p, chart) in self.points.iter().zip(chart_of.iter().map(places)) {
+            if let Some(chart) = chart {
+                low[chart] = low[chart].min(*p);
+            }
         }
+        for (p, chart) in self.points.iter_mut().zip(chart_of.iter().map(places)) {
+            *p = chart.map_or(DVec2::ZERO, |chart| *p - low[chart]);
+        }
+        Ok(())
     }
-    for (p, chart) in sheet.points.iter_mut().zip(chart_of.iter().map(places)) {
-        *p = chart.map_or(DVec2::ZERO, |chart| *p - low[chart]);
+
+    /// Adds a face as a chart; its units are `size` of the mesh's.
+    fn add(&mut self, face: &Face, data: &Mesh, size: f64) {
+        let mut numbers = HashMap::new();
+        for (&t, places) in face.triangles.iter().zip(&face.places) {
+            let mut number = |own: u32, place: DVec2| {
+                // A triangle that is turned over lies elsewhere than its corners.
+                let key = (own, place.to_array().map(f64::to_bits));
+                *numbers.entry(key).or_insert_with(|| {
+                    self.sources.push(own);
+                    self.points.push(place * size);
+                    self.sources.len() as u32 - 1
+                })
+            };
+            let [a, b, c] = data.triangles[t as usize];
+            let corners = [
+                number(a, places[0]),
+                number(b, places[1]),
+                number(c, places[2]),
+            ];
+            self.triangles[t as usize] = corners;
+        }
+        self.charts.push(face.triangles.clone());
+        self.move_to_origin(self.charts.len() - 1);
     }
-    Ok(sheet)
 }

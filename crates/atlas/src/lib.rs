@@ -28,6 +28,7 @@ mod cutter;
 mod dilate;
 mod error;
 mod facts;
+mod flat;
 mod flatten;
 mod footprint;
 mod free;

@@ -1,5 +1,6 @@
-//! What of a mesh is handed to the unwrapper, and with which coordinates of ours.
+//! What of a mesh is a chart as it lies, what is handed to the unwrapper, and with which coordinates of ours.
 
+use crate::flat::{Face, Faces};
 use crate::flatten::{self, Piece, Surface};
 use glam::{DVec3, Vec3};
 use scene::Mesh;
@@ -22,19 +23,23 @@ pub(crate) struct Part {
     indices: Vec<u32>,
     /// Flat coordinates that the unwrapper need not find itself.
     flat: Option<Vec<[f32; 2]>>,
+    /// The flat face of each triangle, which the unwrapper leaves whole.
+    faces: Vec<u32>,
 }
 
 impl Part {
     pub fn input(&self) -> MeshInput<'_> {
         MeshInput {
             existing_uvs: self.flat.as_deref(),
+            polygons: Some(&self.faces),
             ..MeshInput::new(&self.positions, &self.indices)
         }
     }
 
-    fn of(piece: Piece, surface: &Surface) -> Self {
+    fn of(piece: Piece, surface: &Surface, faces: &[u32]) -> Self {
         let corner = |&c: &u32| surface.corners[c as usize].as_vec3().to_array();
         Self {
+            faces: piece.triangles.iter().map(|&t| faces[t as usize]).collect(),
             triangles: piece.triangles,
             positions: piece.corners.iter().map(corner).collect(),
             indices: piece.local.into_iter().flatten().collect(),
@@ -43,48 +48,53 @@ impl Part {
     }
 }
 
-/// The parts of a mesh whose corners are at `positions`, about 1 in size.
+/// The faces of a mesh that are charts as they lie, and the parts of the rest. Its corners are at `positions`, about 1 in size.
 pub(crate) fn parts(
     mesh: &Mesh,
     positions: &[[f32; 3]],
     cancel: &(dyn Fn() -> bool + Sync),
-) -> Vec<Part> {
+) -> (Vec<Face>, Vec<Part>) {
     let welded = weld(mesh, positions);
-    let part = |triangles: Vec<u32>| {
+    let part = |triangles: Vec<u32>, faces: &[u32]| {
         let corners = triangles.iter().flat_map(|&t| mesh.triangles[t as usize]);
         Part {
             indices: corners.map(|v| welded[v as usize]).collect(),
             positions: positions.to_vec(),
+            faces: triangles.iter().map(|&t| faces[t as usize]).collect(),
             triangles,
             flat: None,
         }
     };
     let all = 0..mesh.triangles.len() as u32;
-    if mesh.triangles.len() < CURVED {
-        return vec![part(all.collect())];
-    }
     let alone = |flat: &Vec<[f32; 2]>| !flatten::overlaps(&mesh.triangles, flat);
     if let Some(flat) = projection(&mesh.triangles, positions).filter(alone) {
-        return vec![Part {
+        let each: Vec<u32> = all.clone().collect();
+        let part = Part {
             flat: Some(flat),
-            ..part(all.collect())
-        }];
+            ..part(each.clone(), &each)
+        };
+        return (Vec::new(), vec![part]);
     }
     let surface = surface(mesh, positions, &welded);
-    let pieces = flatten::flatten(&surface, cancel);
+    let faces = Faces::of(&surface);
     let mut left: Vec<bool> = vec![true; mesh.triangles.len()];
-    for &t in pieces.iter().flat_map(|piece| &piece.triangles) {
+    for &t in faces.loose.iter().flat_map(|face| &face.triangles) {
         left[t as usize] = false;
     }
-    let rest: Vec<u32> = all.filter(|&t| left[t as usize]).collect();
-    let mut parts: Vec<Part> = pieces
-        .into_iter()
-        .map(|piece| Part::of(piece, &surface))
-        .collect();
-    if !rest.is_empty() {
-        parts.push(part(rest));
+    let mut parts = Vec::new();
+    if left.iter().filter(|left| **left).count() >= CURVED {
+        let pieces = flatten::flatten(&surface, &faces.of, &left, cancel);
+        for &t in pieces.iter().flat_map(|piece| &piece.triangles) {
+            left[t as usize] = false;
+        }
+        let part = |piece| Part::of(piece, &surface, &faces.of);
+        parts = pieces.into_iter().map(part).collect();
     }
-    parts
+    let rest: Vec<u32> = all.filter(|&t| left[t as usize]).collect();
+    if !rest.is_empty() {
+        parts.push(part(rest, &faces.of));
+    }
+    (faces.loose, parts)
 }
 
 fn surface(mesh: &Mesh, positions: &[[f32; 3]], welded: &[u32]) -> Surface {

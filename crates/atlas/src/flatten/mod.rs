@@ -2,13 +2,12 @@
 //! `cholesky.rs`), and checked (`overlap.rs`). Small pieces and what fails here are left to the unwrapper.
 
 mod cholesky;
-mod overlap;
+pub(crate) mod overlap;
 mod pieces;
 mod rigid;
 
 use glam::{DVec2, DVec3};
-use pieces::NONE;
-pub(crate) use pieces::Surface;
+pub(crate) use pieces::{NONE, Surface};
 use rayon::prelude::*;
 use std::collections::{HashMap, VecDeque};
 
@@ -42,13 +41,21 @@ pub(crate) fn overlaps(triangles: &[[u32; 3]], flat: &[[f32; 2]]) -> bool {
 }
 
 /// The pieces that could be flattened; the other triangles of the surface are in none. Empty when cancelled.
-pub(crate) fn flatten(surface: &Surface, cancel: &(dyn Fn() -> bool + Sync)) -> Vec<Piece> {
+///
+/// * `faces`: the flat face of each triangle; no piece ends inside of one.
+/// * `left`: the triangles that pieces may have.
+pub(crate) fn flatten(
+    surface: &Surface,
+    faces: &[u32],
+    left: &[bool],
+    cancel: &(dyn Fn() -> bool + Sync),
+) -> Vec<Piece> {
     let count = surface.triangles.len() as f64;
     let most = match count > SOLVABLE {
         true => surface.areas.iter().sum::<f64>() * SOLVABLE / count,
         false => f64::INFINITY,
     };
-    let pieces = surface.pieces(LEAST, most);
+    let pieces = surface.pieces(faces, left, LEAST, most);
     pieces
         .into_par_iter()
         .with_max_len(1)
@@ -59,7 +66,7 @@ pub(crate) fn flatten(surface: &Surface, cancel: &(dyn Fn() -> bool + Sync)) -> 
                 if piece.len() < LEAST || cancel() {
                     continue;
                 }
-                match Piece::new(surface, piece) {
+                match Piece::new(surface, faces, piece) {
                     Ok(piece) => done.push(piece),
                     Err(halves) => waiting.extend(halves),
                 }
@@ -71,7 +78,7 @@ pub(crate) fn flatten(surface: &Surface, cancel: &(dyn Fn() -> bool + Sync)) -> 
 
 impl Piece {
     /// The piece laid flat without the few triangles that spoil it, or its halves where it cannot be.
-    fn new(surface: &Surface, triangles: Vec<u32>) -> Result<Self, [Vec<u32>; 2]> {
+    fn new(surface: &Surface, faces: &[u32], triangles: Vec<u32>) -> Result<Self, [Vec<u32>; 2]> {
         let mut piece = Self::seen_along_its_normal(surface, triangles);
         let areas = |piece: &Self, t: usize| {
             let [a, b, c] = piece.places(t);
@@ -86,7 +93,7 @@ impl Piece {
         let spoilt = |(a, b): &(f64, f64)| !(a * scale * STRETCH >= *b && a * scale <= STRETCH * b);
         let share = all().filter(spoilt).map(|(_, b)| b).sum::<f64>() / solid;
         if !(flat > 0.0 && share <= SPOILT) {
-            return Err(halves(surface, &piece.triangles, None));
+            return Err(halves(surface, faces, &piece.triangles, None));
         }
         let kept: Vec<bool> = all().map(|(a, _)| a > FLAT * flat).collect();
         piece.keep(&kept);
@@ -94,7 +101,7 @@ impl Piece {
         let pairs = overlap::overlaps(&places, places.len() / 4);
         let pair = |pair: &[usize; 2]| pair.map(|t| piece.triangles[t]);
         if let Some(apart) = pairs.iter().map(pair).find(|p| !surface.are_near(*p)) {
-            return Err(halves(surface, &piece.triangles, Some(apart)));
+            return Err(halves(surface, faces, &piece.triangles, Some(apart)));
         }
         // Of two neighbours at one place the smaller goes, as long as that is little.
         let area = |t: usize| surface.areas[piece.triangles[t] as usize];
@@ -109,7 +116,7 @@ impl Piece {
         }
         if lost > SPOILT * solid {
             let middle = pair(&pairs[pairs.len() / 2]);
-            return Err(halves(surface, &piece.triangles, Some(middle)));
+            return Err(halves(surface, faces, &piece.triangles, Some(middle)));
         }
         piece.keep(&kept);
         Ok(piece)
@@ -165,8 +172,14 @@ impl Piece {
     }
 }
 
-/// A piece cut in two: what is nearer to one of two triangles than to the other. Without a pair they are far apart.
-fn halves(surface: &Surface, triangles: &[u32], pair: Option<[u32; 2]>) -> [Vec<u32>; 2] {
+/// A piece cut in two: what is nearer to one of two triangles than to the other. Without a pair they are far apart. A flat face goes where
+/// its first triangle goes, unless it is all that there is.
+fn halves(
+    surface: &Surface,
+    faces: &[u32],
+    triangles: &[u32],
+    pair: Option<[u32; 2]>,
+) -> [Vec<u32>; 2] {
     let index: HashMap<u32, usize> = triangles.iter().copied().zip(0..).collect();
     // Steps from triangle to triangle; what cannot be reached is as far as can be.
     let steps = |from: usize| {
@@ -199,7 +212,17 @@ fn halves(surface: &Surface, triangles: &[u32], pair: Option<[u32; 2]>) -> [Vec<
         }
     };
     let nearer = |t: usize| first[t] <= second[t];
-    let (one, other): (Vec<usize>, Vec<usize>) = (0..triangles.len()).partition(|&t| nearer(t));
+    let mut sides = HashMap::new();
+    let side = |&t: &usize| {
+        *sides
+            .entry(faces[triangles[t] as usize])
+            .or_insert(nearer(t))
+    };
+    let mut parted: (Vec<usize>, Vec<usize>) = (0..triangles.len()).partition(side);
+    if parted.0.is_empty() || parted.1.is_empty() {
+        parted = (0..triangles.len()).partition(|&t| nearer(t));
+    }
+    let (one, other) = parted;
     if one.is_empty() || other.is_empty() {
         // Both triangles stand alone.
         let (one, other) = triangles.split_at(triangles.len() / 2);

@@ -8,7 +8,7 @@ const MOST: f64 = 1024.0;
 const ROUNDING: f64 = 1e-9;
 
 /// Pairs of triangles that overlap, `most` at most.
-pub(super) fn overlaps(triangles: &[[DVec2; 3]], most: usize) -> Vec<[usize; 2]> {
+pub(crate) fn overlaps(triangles: &[[DVec2; 3]], most: usize) -> Vec<[usize; 2]> {
     let bounds: Vec<[DVec2; 2]> = triangles
         .iter()
         .map(|[a, b, c]| [a.min(*b).min(*c), a.max(*b).max(*c)])

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-pub(super) const NONE: u32 = u32::MAX;
+pub(crate) const NONE: u32 = u32::MAX;
 /// Cosine of the largest angle between a smoothed normal and its piece's mean normal while pieces are begun: 60 degrees. Flattening is easy
 /// below it.
 const CONE: f64 = 0.5;
@@ -106,7 +106,8 @@ impl Surface {
         sums.par_iter().zip(&self.normals).map(unit).collect()
     }
 
-    fn length(&self, t: usize, k: usize) -> f64 {
+    /// Length of an edge of a triangle.
+    pub fn length(&self, t: usize, k: usize) -> f64 {
         let [a, b] = [self.triangles[t][k], self.triangles[t][(k + 1) % 3]];
         self.corners[a as usize].distance(self.corners[b as usize])
     }
@@ -118,19 +119,19 @@ impl Surface {
         a.distance(b) <= NEAR * pair.map(reach).iter().sum::<f64>()
     }
 
-    /// Connected pieces of at least `least` triangles and at most `most` area. The other triangles are in none.
-    pub fn pieces(&self, least: usize, most: f64) -> Vec<Vec<u32>> {
-        let smoothed = self.smoothed();
-        let mut seeds: Vec<u32> = (0..self.triangles.len() as u32).collect();
-        seeds.retain(|&t| self.normals[t as usize] != DVec3::ZERO);
+    /// Connected pieces of at least `least` triangles and at most `most` area, of the triangles that are `left`. The other triangles are in
+    /// none. Each piece has the flat `faces` whole that it has at all.
+    pub fn pieces(&self, faces: &[u32], left: &[bool], least: usize, most: f64) -> Vec<Vec<u32>> {
+        let units = Units::new(self, faces, left);
+        let mut seeds: Vec<u32> = (0..units.members.len() as u32).collect();
+        seeds.retain(|&u| units.normals[u as usize] != DVec3::ZERO);
         seeds.par_sort_unstable_by(|&a, &b| {
-            let areas = self.areas[b as usize].total_cmp(&self.areas[a as usize]);
+            let areas = units.areas[b as usize].total_cmp(&units.areas[a as usize]);
             areas.then(a.cmp(&b))
         });
         let mut growing = Growing {
-            surface: self,
-            smoothed: &smoothed,
-            piece_of: vec![NONE; self.triangles.len()],
+            units: &units,
+            piece_of: vec![NONE; units.members.len()],
             most,
             heap: BinaryHeap::new(),
         };
@@ -140,22 +141,126 @@ impl Surface {
                 pieces.push(growing.grow(pieces.len() as u32, vec![seed], CONE));
             }
         }
-        pieces.retain(|piece| piece.len() >= least);
+        let count = |piece: &[u32]| -> usize {
+            let sizes = piece.iter().map(|&u| units.members[u as usize].len());
+            sizes.sum()
+        };
+        pieces.retain(|piece| count(piece) >= least);
         growing.piece_of.fill(NONE);
         for (piece, number) in pieces.iter().zip(0..) {
             piece
                 .iter()
-                .for_each(|&t| growing.piece_of[t as usize] = number);
+                .for_each(|&u| growing.piece_of[u as usize] = number);
         }
         let wider = |(piece, number)| growing.grow(number, piece, WIDE);
-        pieces.into_iter().zip(0..).map(wider).collect()
+        let pieces: Vec<Vec<u32>> = pieces.into_iter().zip(0..).map(wider).collect();
+        let triangles = |piece: &Vec<u32>| -> Vec<u32> {
+            let members = piece.iter().flat_map(|&u| &units.members[u as usize]);
+            members.copied().collect()
+        };
+        pieces.iter().map(triangles).collect()
     }
 }
 
-/// Pieces while triangles are added to them, the cheapest first.
+/// What a piece takes whole: a flat face, in most curved surfaces a single triangle.
+struct Units {
+    /// Triangles of each, numbered in the order of the first.
+    members: Vec<Vec<u32>>,
+    /// Mean of the smoothed normals, of length 1.
+    normals: Vec<DVec3>,
+    areas: Vec<f64>,
+    /// Length of the border of each.
+    borders: Vec<f64>,
+    links: Vec<Vec<Link>>,
+}
+
+/// The border of a unit with another.
+struct Link {
+    other: u32,
+    length: f64,
+    /// Sum over its edges of length times one minus the cosine of the bend.
+    bend: f64,
+}
+
+impl Units {
+    fn new(surface: &Surface, faces: &[u32], left: &[bool]) -> Self {
+        let smoothed = surface.smoothed();
+        let mut number_of = vec![NONE; faces.len()];
+        let mut of = vec![NONE; faces.len()];
+        let mut members: Vec<Vec<u32>> = Vec::new();
+        for t in (0..faces.len()).filter(|&t| left[t]) {
+            let number = &mut number_of[faces[t] as usize];
+            if *number == NONE {
+                *number = members.len() as u32;
+                members.push(Vec::new());
+            }
+            of[t] = *number;
+            members[*number as usize].push(t as u32);
+        }
+        let areas = members
+            .iter()
+            .map(|m| m.iter().map(|&t| surface.areas[t as usize]).sum())
+            .collect();
+        let normal = |m: &Vec<u32>| match m[..] {
+            [only] => smoothed[only as usize],
+            _ => {
+                let weighted = |&t: &u32| smoothed[t as usize] * surface.areas[t as usize];
+                m.iter().map(weighted).sum::<DVec3>().normalize_or_zero()
+            }
+        };
+        let normals = members.iter().map(normal).collect();
+        let around = |(own, members): (u32, &Vec<u32>)| {
+            let mut border = 0.0;
+            let mut links: Vec<Link> = Vec::new();
+            for &t in members {
+                for (k, &beside) in surface.neighbours[t as usize].iter().enumerate() {
+                    let other = if beside == NONE {
+                        NONE
+                    } else {
+                        of[beside as usize]
+                    };
+                    if other == own {
+                        continue;
+                    }
+                    let length = surface.length(t as usize, k);
+                    border += length;
+                    if other != NONE {
+                        let turned =
+                            surface.normals[t as usize].dot(surface.normals[beside as usize]);
+                        let bend = length * (1.0 - turned);
+                        links.push(Link {
+                            other,
+                            length,
+                            bend,
+                        });
+                    }
+                }
+            }
+            links.sort_by_key(|link| link.other);
+            links.dedup_by(|next, first| {
+                let one = next.other == first.other;
+                if one {
+                    first.length += next.length;
+                    first.bend += next.bend;
+                }
+                one
+            });
+            (border, links)
+        };
+        let (borders, links) = (0..).zip(&members).map(around).unzip();
+        Self {
+            members,
+            normals,
+            areas,
+            borders,
+            links,
+        }
+    }
+}
+
+/// Pieces while units are added to them, the cheapest first.
 struct Growing<'a> {
-    surface: &'a Surface,
-    smoothed: &'a [DVec3],
+    units: &'a Units,
     piece_of: Vec<u32>,
     most: f64,
     heap: BinaryHeap<Offer>,
@@ -172,7 +277,7 @@ struct State {
 }
 
 impl Growing<'_> {
-    /// The triangles of a piece that begins with `members`.
+    /// The units of a piece that begins with `members`.
     fn grow(&mut self, number: u32, mut members: Vec<u32>, cone: f64) -> Vec<u32> {
         let mut state = State {
             number,
@@ -181,24 +286,24 @@ impl Growing<'_> {
             cone,
         };
         self.heap.clear();
-        for &t in &members {
-            self.add(t, &mut state);
+        for &unit in &members {
+            self.add(unit, &mut state);
         }
-        for &t in &members {
-            self.offer_beside(t, &state);
+        for &unit in &members {
+            self.offer_beside(unit, &state);
         }
         while let Some(offer) = self.heap.pop() {
-            let t = offer.triangle;
-            if self.piece_of[t as usize] != NONE {
+            let unit = offer.unit;
+            if self.piece_of[unit as usize] != NONE {
                 continue;
             }
             // The piece has grown since the offer was made.
-            match self.cost(t, &state) {
+            match self.cost(unit, &state) {
                 Some(cost) if cost > offer.cost + 1e-9 => self.heap.push(Offer { cost, ..offer }),
                 Some(_) => {
-                    self.add(t, &mut state);
-                    members.push(t);
-                    self.offer_beside(t, &state);
+                    self.add(unit, &mut state);
+                    members.push(unit);
+                    self.offer_beside(unit, &state);
                 }
                 None => {}
             }
@@ -206,57 +311,56 @@ impl Growing<'_> {
         members
     }
 
-    fn add(&mut self, t: u32, state: &mut State) {
-        let (t, area) = (t as usize, self.surface.areas[t as usize]);
-        self.piece_of[t] = state.number;
-        state.normal += self.smoothed[t] * area;
+    fn add(&mut self, unit: u32, state: &mut State) {
+        let unit = unit as usize;
+        let area = self.units.areas[unit];
+        self.piece_of[unit] = state.number;
+        state.normal += self.units.normals[unit] * area;
         state.area += area;
     }
 
-    fn offer_beside(&mut self, t: u32, state: &State) {
-        for triangle in self.surface.neighbours[t as usize] {
-            if triangle == NONE || self.piece_of[triangle as usize] != NONE {
+    fn offer_beside(&mut self, unit: u32, state: &State) {
+        for link in &self.units.links[unit as usize] {
+            if self.piece_of[link.other as usize] != NONE {
                 continue;
             }
-            if let Some(cost) = self.cost(triangle, state) {
-                self.heap.push(Offer { cost, triangle });
+            if let Some(cost) = self.cost(link.other, state) {
+                self.heap.push(Offer {
+                    cost,
+                    unit: link.other,
+                });
             }
         }
     }
 
-    /// `None` for a triangle that the piece may not have.
-    fn cost(&self, t: u32, state: &State) -> Option<f64> {
-        let t = t as usize;
-        let turned = self.smoothed[t].dot(state.normal.normalize_or_zero());
-        if turned < state.cone || state.area + self.surface.areas[t] > self.most {
+    /// `None` for a unit that the piece may not have.
+    fn cost(&self, unit: u32, state: &State) -> Option<f64> {
+        let unit = unit as usize;
+        let turned = self.units.normals[unit].dot(state.normal.normalize_or_zero());
+        if turned < state.cone || state.area + self.units.areas[unit] > self.most {
             return None;
         }
-        let (mut inside, mut whole, mut bend) = (0.0, 0.0, 0.0);
-        for (k, &other) in self.surface.neighbours[t].iter().enumerate() {
-            let length = self.surface.length(t, k);
-            whole += length;
-            if other != NONE && self.piece_of[other as usize] == state.number {
-                inside += length;
-                let other = self.surface.normals[other as usize];
-                bend += length * (1.0 - self.surface.normals[t].dot(other));
-            }
-        }
-        let filled = (1.0 - 2.0 * inside / whole).min(0.0);
+        let links = self.units.links[unit].iter();
+        let shared = links.filter(|link| self.piece_of[link.other as usize] == state.number);
+        let (inside, bend) = shared.fold((0.0, 0.0), |(length, bend), link| {
+            (length + link.length, bend + link.bend)
+        });
+        let filled = (1.0 - 2.0 * inside / self.units.borders[unit]).min(0.0);
         Some(TURNING * (1.0 - turned) + BENDING * bend / inside + FILLING * filled)
     }
 }
 
-/// A triangle that a piece could take.
+/// A unit that a piece could take.
 struct Offer {
     cost: f64,
-    triangle: u32,
+    unit: u32,
 }
 
 impl Ord for Offer {
     /// The cheapest is the greatest: a heap gives it first.
     fn cmp(&self, other: &Self) -> Ordering {
         let costs = other.cost.total_cmp(&self.cost);
-        costs.then(other.triangle.cmp(&self.triangle))
+        costs.then(other.unit.cmp(&self.unit))
     }
 }
 
@@ -286,13 +390,13 @@ mod tests {
         corners.push(DVec3::new(0.0, 1.8, 0.6));
         let triangles = vec![[0, 1, 2], [0, 2, 3], [3, 2, 4]];
         let surface = Surface::new(corners, triangles.clone(), &triangles);
-        let smoothed = vec![DVec3::Z; 3];
+        let mut units = Units::new(&surface, &[0, 1, 2], &[true; 3]);
+        units.normals = vec![DVec3::Z; 3];
         let cost = |members: &[usize]| {
             let mut piece_of = vec![NONE; 3];
             members.iter().for_each(|&t| piece_of[t] = 7);
             let growing = Growing {
-                surface: &surface,
-                smoothed: &smoothed,
+                units: &units,
                 piece_of,
                 most: f64::INFINITY,
                 heap: BinaryHeap::new(),

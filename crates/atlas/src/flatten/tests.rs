@@ -20,7 +20,9 @@ fn grid(n: u32, m: u32, at: impl Fn(f64, f64) -> DVec3) -> Surface {
 }
 
 fn flat(surface: &Surface) -> Vec<Piece> {
-    flatten(surface, &|| false)
+    let count = surface.triangles.len();
+    let each: Vec<u32> = (0..count as u32).collect();
+    flatten(surface, &each, &vec![true; count], &|| false)
 }
 
 /// Lengths of all edges in the plane over those in space, at one scale for the piece.

@@ -1,5 +1,6 @@
 //! The atlas from outside: layouts, footprints, gutters.
 
+mod cuts;
 mod footprints;
 mod gutters;
 mod layouts;

@@ -1,7 +1,7 @@
 //! Real models, where they are present.
 
 #[path = "../../../../tests/skip.rs"]
-mod skip;
+pub mod skip;
 
 use ambake_atlas::{Atlas, Options, PageRaster, UvSource, layout};
 use rayon::prelude::*;
