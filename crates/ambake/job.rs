@@ -10,7 +10,7 @@ use crate::scene::Scene;
 use crate::seen::oracle;
 use crate::shell::Shell;
 use ::bake::{AmbientCoefficient, Baker, Bounces, Decision, Model, Pilot, Plan};
-use atlas::{Atlas, Pages, UvSource};
+use atlas::{Atlas, Pages};
 use layers::Layer;
 use rays::{RayBackend, World};
 use report::{DecisionReport, LayoutReport, PhaseReport, WarningReport, cpu_seconds};
@@ -219,7 +219,7 @@ impl Job {
         };
         let layout = self.options.layout();
         let alone = layout.pages == Pages::Auto && !layout.one_page_per_mesh;
-        let small_page = (layout.is_shared() && self.atlas.source == UvSource::Unwrapped)
+        let small_page = (layout.is_shared() && self.atlas.source.is_packed())
             .then(|| self.layout.small_page(&self.scene, &self.atlas, alone));
         let of_scene = self
             .scene
@@ -259,7 +259,7 @@ impl Job {
 
     /// Coordinates of the file of which look-ups mix surfaces.
     fn touching(&self) -> Option<WarningReport> {
-        let is_kept = self.atlas.source != UvSource::Unwrapped;
+        let is_kept = !self.atlas.source.is_packed();
         let found = is_kept.then(|| self.within(|| atlas::touching(&self.scene, &self.atlas)));
         let (texels, instance) = found.flatten()?;
         let share = texels as f64 / self.atlas.audit.texels.max(1) as f64;
@@ -277,7 +277,7 @@ impl Job {
     fn outsides(&self) -> Option<WarningReport> {
         let options = &self.options;
         let is_asked = options.seen_from_within || !options.seen_from.is_empty();
-        if is_asked || self.atlas.source != UvSource::Unwrapped {
+        if is_asked || !self.atlas.source.is_packed() {
             return None;
         }
         let share =

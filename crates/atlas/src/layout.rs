@@ -4,7 +4,7 @@ use crate::arrange::unwrap;
 use crate::keep::{keep, note};
 use crate::objects::objects;
 use crate::touching::is_touching;
-use crate::{Atlas, Error, Options, Pages, SurfacePoint, UvMode, Why};
+use crate::{Atlas, Error, Options, Pages, SurfacePoint, UvMode, UvSource, Why};
 use scene::Scene;
 
 /// Tells whether any of some points of one triangle in one place can be seen. It is asked from any thread.
@@ -66,6 +66,7 @@ pub fn layout_seen(
                                 notes.push(format!(
                                     "charts of TEXCOORD_{set} stand side by side without a gutter: they are packed apart, each in its own shape"
                                 ));
+                                apart.source = UvSource::Apart { set };
                                 apart.notes = notes;
                                 return Ok(apart);
                             }

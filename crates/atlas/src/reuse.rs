@@ -84,7 +84,7 @@ pub fn reuse(
     let mut joining = Vec::new();
     let set = match earlier.source {
         UvSource::Kept { set } | UvSource::Repacked { set } => Some(set),
-        UvSource::Unwrapped => None,
+        UvSource::Apart { .. } | UvSource::Unwrapped => None,
     };
     let mut users = vec![Vec::new(); scene.meshes.len()];
     for (instance, claim) in now.iter().enumerate() {
@@ -278,7 +278,13 @@ fn densities(
                 .map(of)
                 .filter(|d| d.is_normal());
             let asked = claim.asked.or(options.density);
-            let density = asked.or(own).unwrap_or(median.max(floor).min(most));
+            // One density for all knows neither least nor most.
+            let usual = if options.even {
+                median
+            } else {
+                median.max(floor).min(most)
+            };
+            let density = asked.or(own).unwrap_or(usual);
             densities[instance as usize] = (density, asked.is_none());
         }
     }

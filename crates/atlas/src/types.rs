@@ -95,8 +95,20 @@ pub enum UvSource {
         /// TEXCOORD number.
         set: u32,
     },
+    /// The file's UV set was kept chart by chart, and its charts were packed apart.
+    Apart {
+        /// TEXCOORD number.
+        set: u32,
+    },
     /// Charts were made and packed by ambake.
     Unwrapped,
+}
+
+impl UvSource {
+    /// True where ambake packed the charts, each by itself.
+    pub fn is_packed(self) -> bool {
+        matches!(self, Self::Apart { .. } | Self::Unwrapped)
+    }
 }
 
 /// What the raster audit of a layout found. A usable layout has no overlap and nothing missing or outside.

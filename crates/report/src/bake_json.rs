@@ -321,7 +321,9 @@ impl AtlasReport {
     pub fn of(atlas: &atlas::Atlas) -> AtlasReport {
         let (source, kept_set) = match atlas.source {
             atlas::UvSource::Kept { set } => ("kept", Some(set)),
-            atlas::UvSource::Repacked { set } => ("repacked", Some(set)),
+            atlas::UvSource::Repacked { set } | atlas::UvSource::Apart { set } => {
+                ("repacked", Some(set))
+            }
             atlas::UvSource::Unwrapped => ("unwrapped", None),
         };
         AtlasReport {

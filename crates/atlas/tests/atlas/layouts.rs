@@ -116,7 +116,12 @@ fn charts_of_a_file_that_touch_are_packed_apart_in_their_own_shapes() {
     for places in [&places[..1], &places] {
         let scene = scene(vec![crowded_cube()], places);
         let atlas = auto(&scene, 128);
-        assert_eq!(atlas.source, UvSource::Unwrapped, "{:?}", atlas.notes);
+        assert_eq!(
+            atlas.source,
+            UvSource::Apart { set: 0 },
+            "{:?}",
+            atlas.notes
+        );
         assert!(atlas.notes[0].contains("packed apart"), "{:?}", atlas.notes);
         assert_clean(&atlas);
         assert_eq!(ambake_atlas::touching(&scene, &atlas), None);

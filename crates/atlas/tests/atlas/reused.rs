@@ -204,3 +204,29 @@ fn authored_coordinates_that_lie_on_others_take_a_rectangle_of_free_space() {
     assert_kept(&old, &new, &[0, 1], &[0, 1]);
     assert!(new.placements[2].is_somewhere());
 }
+
+#[test]
+fn what_is_new_has_the_one_density_of_an_even_layout() {
+    let of = |more: bool| {
+        let mut meshes = vec![cube(), ball(12)];
+        let mut instances = vec![(0, 0, moved(0.0, 0.0, 0.0)), (1, 1, moved(5.0, 0.0, 0.0))];
+        if more {
+            // So small that otherwise it would have more texels than its share.
+            meshes.push(cube());
+            instances.push((2, 2, scaled(0.02, 0.02, 0.02)));
+        }
+        named(meshes, &instances)
+    };
+    let options = Options {
+        even: true,
+        ..options(256)
+    };
+    let (before, after) = (of(false), of(true));
+    let old = layout(&before, &options, &|| false).expect("a layout");
+    let [was, now] = [&before, &after].map(|scene| claims(scene, &options).expect("claims"));
+    let new = reuse(&old, &was, &after, &now, &options, None).expect("there is room");
+    let facts = ambake_atlas::facts(&after, &new);
+    let [first, second, small] = [0, 1, 2].map(|o| facts.objects[o].density);
+    assert!((first / second - 1.0).abs() < 0.01, "{first} {second}");
+    assert!((small / first - 1.0).abs() < 0.01, "{small}, not {first}");
+}
