@@ -58,4 +58,5 @@ mod stated;
 mod stopped;
 mod support;
 mod texels;
+mod under;
 mod update;

@@ -263,6 +263,13 @@ impl Bake {
         self
     }
 
+    /// A flat sheet at most so many scene units above a surface (paper on a desk, a decal, a rug) takes no light from it, so that no dark line is
+    /// seen around it; 0 for none. By default an eighth of a texel. It fades out up to twice as far.
+    pub fn under(mut self, distance: f64) -> Self {
+        self.options.under = Some(distance);
+        self
+    }
+
     /// Occluders farther than this many scene units do not count; by default there is no limit.
     pub fn max_distance(mut self, distance: f32) -> Self {
         self.options.max_distance = Some(distance);

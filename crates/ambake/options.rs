@@ -114,6 +114,8 @@ pub struct Options {
     pub shading: Shading,
     /// What happens to samples inside of solids.
     pub buried: Buried,
+    /// How far above a surface a flat sheet may lie that takes no light from it, in scene units; `None` for an eighth of a texel.
+    pub under: Option<f64>,
     /// Occluders farther than this do not count, in scene units.
     pub max_distance: Option<f32>,
     /// What the highlight is; under GGX the layer `ggx` stands in place of `phong`. `None`: the model that layers or an exponent ask for, else
@@ -174,6 +176,7 @@ impl Default for Options {
             view: View::Normal,
             shading: Shading::Production,
             buried: Buried::Drop,
+            under: None,
             max_distance: None,
             model: None,
             bounces: Bounces::Off,
@@ -233,6 +236,9 @@ impl Options {
         }
         if !(1..=16).contains(&self.align) {
             return fail("align", "must be between 1 and 16");
+        }
+        if !self.under.is_none_or(|d| d.is_finite() && d >= 0.0) {
+            return fail("under", "must be at least 0");
         }
         if !positive(self.max_distance.map(f64::from)) {
             return fail("max-distance", "must be above 0");
@@ -436,6 +442,7 @@ impl Options {
             view: self.view,
             shading: self.shading,
             buried: self.buried,
+            under: self.under,
             max_distance: self.max_distance,
             model: self.model.unwrap_or_default(),
             bounces: self.bounces,
@@ -529,6 +536,7 @@ impl Options {
             view: _,
             shading,
             buried,
+            under,
             max_distance,
             model,
             bounces,
@@ -616,6 +624,7 @@ impl Options {
                 Buried::Drop => "drop",
                 Buried::Keep => "keep",
             },
+            "under": under,
             "max_distance": max_distance,
             "model": model.map(|model| match model {
                 Model::Phong => "phong",

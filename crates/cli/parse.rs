@@ -19,6 +19,15 @@ pub fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A number of at least 0 that f32 holds.
+pub fn at_least_zero(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        value if value >= 0.0 && (value as f32).is_finite() => Ok(value),
+        value if value > 0.0 => Err("must be at most 3.4e38".into()),
+        _ => Err("must be at least 0".into()),
+    }
+}
+
 /// A lobe exponent.
 pub fn exponent(text: &str) -> Result<f64, String> {
     match number(text)? {

@@ -36,6 +36,9 @@ pub struct Options {
     pub shading: Shading,
     /// What happens to samples inside of solids.
     pub buried: Buried,
+    /// A flat sheet at most so far above a surface, in scene units, takes no light from it; 0 for none. `None` for an eighth of a texel.
+    /// From there to twice as far that fades.
+    pub under: Option<f64>,
     /// Occluders farther than this do not count, in scene units; `None` for no limit.
     pub max_distance: Option<f32>,
     /// What the highlight is.
@@ -232,6 +235,7 @@ impl Default for Options {
             view: View::Normal,
             shading: Shading::default(),
             buried: Buried::default(),
+            under: None,
             max_distance: None,
             model: Model::default(),
             bounces: Bounces::default(),

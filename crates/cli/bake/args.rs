@@ -2,7 +2,9 @@
 
 use super::layer_help::layer_help;
 use crate::common::{Backend, Common};
-use crate::parse::{color, exponent, light, number, positive, rect, sphere, sun, triple};
+use crate::parse::{
+    at_least_zero, color, exponent, light, number, positive, rect, sphere, sun, triple,
+};
 use crate::sky::{SkyArg, sky};
 use ambake::{Choice, Layer};
 use clap::{Args as ClapArgs, ValueEnum};
@@ -196,6 +198,10 @@ pub struct Job {
     /// What happens to samples inside of other solids, where nobody sees them
     #[arg(long, value_enum, default_value_t = Buried::Drop)]
     pub buried: Buried,
+    /// A flat sheet at most so many scene units above a surface, such as paper on a desk, a decal or a rug, takes no light from it, so that
+    /// no dark line is seen around it; 0 for none [default: an eighth of a texel]
+    #[arg(long, value_name = "D", value_parser = at_least_zero)]
+    pub under: Option<f64>,
     /// Occluders farther than this many scene units do not count [default: no limit]
     #[arg(long, value_name = "D", value_parser = positive)]
     pub max_distance: Option<f64>,
@@ -209,8 +215,8 @@ pub struct Job {
     #[arg(long, value_name = "N|auto", default_value = "0", value_parser = bounces)]
     pub bounces: ambake::Bounces,
     /// Lights of the scene's file (glTF KHR_lights_punctual): bake them, lux as W/m² and candela as W/sr, or leave them
-    /// out [default: none,
-    /// and a line names them]
+    /// out. Surfaces that shine are no such lights: where light bounces they send theirs, and --no-cast keeps one from it
+    /// [default: none, and a line names them]
     #[arg(long, value_enum)]
     pub lights: Option<Lights>,
     /// Distant light in the direction X,Y,Z with irradiance E or R,G,B (W/m², facing); may be repeated

@@ -72,6 +72,7 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
         args::Buried::Drop => Buried::Drop,
         args::Buried::Keep => Buried::Keep,
     };
+    options.under = job.under;
     options.max_distance = job.max_distance.map(|d| d as f32);
     options.model = job.model.map(|model| match model {
         args::Model::Phong => Model::Phong,

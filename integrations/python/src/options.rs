@@ -34,6 +34,7 @@ pub const NAMES: [&str; 43] = [
     "sky",
     "view",
     "buried",
+    "under",
     "shading",
     "max_distance",
     "model",
@@ -206,6 +207,7 @@ fn one(mut bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
             ];
             bake.shading(word(value, &words)?)
         }
+        "under" => bake.under(value.extract()?),
         "max_distance" => bake.max_distance(value.extract()?),
         "model" => bake.model(word(
             value,

@@ -409,6 +409,7 @@ impl<'a> Baker<'a> {
             overrides: &self.options.overrides,
             plan: self.plan,
             solids: self.solids,
+            under: self.options.under,
         };
         let (seed, size) = (self.options.seed, self.atlas.page_size);
         surveyor.texels(tile, |x, y, term| {

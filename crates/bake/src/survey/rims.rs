@@ -1,8 +1,9 @@
-//! Footprints end where a thin wall cuts a rim off from their surface that is thinner than an eighth of a texel, and where a flat sheet
-//! lies less than that above it.
+//! Footprints end where a thin wall cuts a rim off from their surface that is thinner than an eighth of a texel, and begin rays above a
+//! flat sheet that lies just over them.
 //!
 //! Such a rim cannot be shown beside the rest, and may see the other side of the wall. So it does not matter whether somebody sees it. What
-//! the sheet covers is dark, and a texel that its edge crosses cannot show that beside what is not covered.
+//! the sheet covers is dark, and a texel that its edge crosses cannot show that beside what is not covered. With its rays above the sheet
+//! it has the light of the surface without the sheet.
 
 use atlas::Piece;
 use glam::DVec3;
@@ -22,6 +23,16 @@ const LEAST: f64 = 1e-9;
 pub(super) struct Ends<'a> {
     pub rims: &'a [Rim],
     pub covers: Option<&'a Covers>,
+    /// How far above the surface a sheet may lie, in scene units; `None` for [`Rim::THIN`] of a texel.
+    pub under: Option<f64>,
+}
+
+/// A convex polygon of a triangle, of which rays begin so far above it. Where sheets are neither near nor far, several are in one place,
+/// with a share each.
+struct Part {
+    corners: Vec<DVec3>,
+    lift: f64,
+    share: f64,
 }
 
 impl Ends<'_> {
@@ -31,12 +42,13 @@ impl Ends<'_> {
     }
 }
 
-/// Hands over the parts of a piece of so much area in texels that no rim takes and no sheet covers, with their areas.
+/// Hands over the parts of a piece of so much area in texels that no rim takes, with their areas and with how far above the surface their
+/// rays begin.
 pub(super) fn without(
     (patch, ends): (&Patch, Ends),
     piece: &Piece,
     area: f64,
-    mut take: impl FnMut(&Piece, f64),
+    mut take: impl FnMut(&Piece, f64, f64),
 ) {
     let [a, b, c] = piece.corners;
     let d = b + c - a;
@@ -63,49 +75,76 @@ pub(super) fn without(
             left = cut(&left, |w| rim.height(at(w)) - margin);
         }
     }
-    let parts = match ends.covers {
-        Some(covers) if left.len() > 2 => uncovered(covers, patch, left, Rim::THIN * texel),
-        _ => vec![left],
-    };
-    if parts.len() == 1 && parts[0] == whole {
-        take(piece, area);
+    let mut parts = vec![Part {
+        corners: left,
+        lift: 0.0,
+        share: 1.0,
+    }];
+    if let Some(covers) = ends.covers.filter(|_| parts[0].corners.len() > 2) {
+        let under = ends.under.unwrap_or(Rim::THIN * texel);
+        parts = lifted(covers, patch, parts, under);
+    }
+    if parts.len() == 1 && parts[0].corners == whole {
+        take(piece, area, parts[0].lift);
         return;
     }
     for part in &parts {
-        for pair in part.get(1..).unwrap_or_default().windows(2) {
-            let corners = [part[0], pair[0], pair[1]];
-            let share = world(&corners) / before;
+        let corners = &part.corners;
+        for pair in corners.get(1..).unwrap_or_default().windows(2) {
+            let corners = [corners[0], pair[0], pair[1]];
+            let share = part.share * world(&corners) / before;
             if share > LEAST {
-                let part = Piece {
+                let piece = Piece {
                     square: false,
                     corners,
                     ..*piece
                 };
-                take(&part, area * share);
+                take(&piece, area * share, part.lift);
             }
         }
     }
 }
 
-/// The convex parts of a convex polygon of a triangle that no sheet at most so far `above` it covers.
-fn uncovered(covers: &Covers, patch: &Patch, whole: Vec<DVec3>, above: f64) -> Vec<Vec<DVec3>> {
+/// Parts of a triangle cut at the borders of the sheets over it. Rays begin above those that are at most `under` away. Of twice that and
+/// more nothing is lifted, and between the two a share that falls evenly, so that no value jumps where a sheet is a little higher.
+fn lifted(covers: &Covers, patch: &Patch, mut parts: Vec<Part>, under: f64) -> Vec<Part> {
     let at = |w: DVec3| patch.corners[0] * w.x + patch.corners[1] * w.y + patch.corners[2] * w.z;
     let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let corners = whole.iter().map(|&w| at(w));
+    let corners = parts.iter().flat_map(|part| &part.corners).map(|&w| at(w));
     let around = corners.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
-    let mut parts = vec![whole];
-    for &[a, b, c] in covers.over(around, (patch.corners[0], patch.geometric), above) {
+    let reach = around.0.abs().max(around.1.abs()).max_element();
+    for &[a, b, c] in covers.over(around, (patch.corners[0], patch.geometric), 2.0 * under) {
+        let front = (b - a).cross(c - a);
+        let steep = front.dot(patch.geometric);
         let mut next = Vec::new();
-        for mut rest in parts {
+        for part in parts {
+            let mut rest = part.corners.clone();
             for (from, to) in [(a, b), (b, c), (c, a)] {
                 let inward = patch.geometric.cross(to - from);
                 let height = |w| (at(w) - from).dot(inward);
-                let out = cut(&rest, |w| -height(w));
-                if out.len() > 2 {
-                    next.push(out);
+                let corners = cut(&rest, |w| -height(w));
+                if corners.len() > 2 {
+                    next.push(Part { corners, ..part });
                 }
                 rest = cut(&rest, height);
             }
+            if rest.len() < 3 {
+                continue;
+            }
+            let height = |&w: &DVec3| (a - at(w)).dot(front) / steep;
+            let height = rest.iter().map(height).fold(0.0, f64::max);
+            let share = (2.0 - height / under).clamp(0.0, 1.0);
+            let above = Part {
+                corners: rest.clone(),
+                lift: part.lift.max(height + AWAY * NUDGE * reach),
+                share: share * part.share,
+            };
+            let below = Part {
+                corners: rest,
+                share: (1.0 - share) * part.share,
+                ..part
+            };
+            next.extend([above, below].into_iter().filter(|part| part.share > 0.0));
         }
         parts = next;
     }
@@ -163,8 +202,12 @@ mod tests {
             };
             let left = |rims: &[Rim]| {
                 let (mut parts, mut world) = (0.0, 0.0);
-                let ends = Ends { rims, covers: None };
-                without((&patch, ends), &piece, 8.0, |piece, area| {
+                let ends = Ends {
+                    rims,
+                    covers: None,
+                    under: None,
+                };
+                without((&patch, ends), &piece, 8.0, |piece, area, _| {
                     let [a, b, c] = piece.corners.map(|w| DVec3::new(w.y, w.z, 0.0));
                     let share = if piece.square { 1.0 } else { 0.5 };
                     world += share * (b - a).cross(c - a).length();
@@ -214,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn a_footprint_ends_where_a_mark_lies_less_than_an_eighth_of_a_texel_above_it() {
+    fn rays_begin_above_a_mark_that_lies_over_a_footprint() {
         let piece = Piece {
             instance: 0,
             triangle: 0,
@@ -227,33 +270,47 @@ mod tests {
             ],
             cumulative: 0.0,
         };
-        // A texel is 0.5 wide, and the mark takes a quarter of it.
-        for (above, share) in [(0.06, 0.75), (0.001, 0.75), (0.063, 1.0)] {
+        // A texel is 0.5 wide, of which an eighth is 0.0625. The mark takes a quarter of it, and all that is less than it lies away is
+        // lifted; of what lies between once and twice as far, a share that falls evenly.
+        for (above, under, share) in [
+            (0.06, None, 1.0),
+            (0.001, None, 1.0),
+            (0.09375, None, 0.5),
+            (0.126, None, 0.0),
+            (0.06, Some(0.06), 1.0),
+            (0.06, Some(0.048), 0.75),
+            (0.06, Some(0.04), 0.5),
+            (0.06, Some(0.03), 0.0),
+        ] {
             let world = marked(above);
             let patch = Patch::of(&world, &rays::PlaneErrors::of(&world), 0, 0);
+            let covers = world.solids().covers(0, 0);
             let ends = Ends {
                 rims: &[],
-                covers: world.solids().covers(0, 0),
+                covers,
+                under,
             };
-            let (mut parts, mut moment) = (0.0, DVec3::ZERO);
-            without((&patch, ends), &piece, 1.0, |piece, area| {
+            let (mut whole, mut lifted, mut moment) = (0.0, 0.0, DVec3::ZERO);
+            without((&patch, ends), &piece, 1.0, |piece, area, lift| {
                 let [a, b, c] = piece.corners;
                 let middle = if piece.square {
                     0.5 * (b + c)
                 } else {
                     (a + b + c) / 3.0
                 };
-                parts += area;
-                moment += area * DVec3::new(middle.y, middle.z, 0.0);
+                whole += area;
+                if lift > 0.0 {
+                    let over = lift - f64::from(above);
+                    assert!((0.0..1e-4).contains(&over), "{above}: {lift}");
+                    lifted += area;
+                    moment += area * DVec3::new(middle.y, middle.z, 0.0);
+                }
             });
-            assert!((parts - share).abs() < 1e-6, "{above}: {parts}");
-            // What is left is an L about the corner.
-            let middle = if share == 1.0 {
-                0.25
-            } else {
-                (0.25 - 0.375 * 0.25) / 0.75
-            };
-            assert!((moment / parts - DVec3::new(middle, middle, 0.0)).length() < 1e-6);
+            assert!((whole - 1.0).abs() < 1e-6, "{above}: {whole}");
+            assert!((lifted - 0.25 * share).abs() < 1e-5, "{above}: {lifted}");
+            let middle = moment / lifted;
+            let expected = DVec3::new(0.375, 0.375, 0.0);
+            assert!(share == 0.0 || (middle - expected).length() < 1e-6);
         }
     }
 }

@@ -134,6 +134,8 @@ pub(crate) struct Surveyor<'a> {
     pub plan: &'a Plan,
     /// What may bury samples; `None` where nothing can.
     pub solids: Option<&'a Solids>,
+    /// How far above a surface sheets may lie that take no light from it, see [`Options::under`](crate::Options::under).
+    pub under: Option<f64>,
 }
 
 impl<'a> Surveyor<'a> {
@@ -178,13 +180,15 @@ impl<'a> Surveyor<'a> {
             body: self.solids.and_then(|of| of.own(instance, triangle)),
             ends: Ends {
                 rims: self.solids.map_or(&[], |of| of.rims(instance, triangle)),
-                covers: self.solids.and_then(|of| of.covers(instance, triangle)),
+                covers: (self.solids.filter(|_| self.under != Some(0.0)))
+                    .and_then(|of| of.covers(instance, triangle)),
+                under: self.under,
             },
             material: (!varies).then(material),
         }
     }
 
-    /// Adds the cells of a footprint to others: of what rims and sheets leave of it, or of all where they leave nothing and `false` is
+    /// Adds the cells of a footprint to others: of what rims leave of it, or of all where they leave nothing and `false` is
     /// returned.
     fn cut(&self, pieces: &[Piece], known: &[Known], cells: &mut Vec<Cell>) -> bool {
         let start = cells.len();
@@ -195,9 +199,12 @@ impl<'a> Surveyor<'a> {
                 let (triangle, corners) = (piece.triangle, piece.corners);
                 let bent =
                     (self.world).bent_normal(piece.instance, triangle, corners, piece.square);
-                let mut push = |part: &Piece, area| {
+                let mut push = |part: &Piece, area, lift: f64| {
                     let first = cells.len();
                     Cell::push(cells, (&known.patch, known.body), part, area);
+                    for cell in &mut cells[first..] {
+                        cell.lift += lift * cell.geometric;
+                    }
                     if let Some(normal) = bent {
                         cells[first..].iter_mut().for_each(|cell| cell.bend(normal));
                     }
@@ -205,7 +212,7 @@ impl<'a> Surveyor<'a> {
                 let area = piece.cumulative - before;
                 before = piece.cumulative;
                 match all || known.ends.are_none() {
-                    true => push(piece, area),
+                    true => push(piece, area, 0.0),
                     false => rims::without((&known.patch, known.ends), piece, area, push),
                 }
             }

@@ -37,6 +37,7 @@ pub(super) fn bake(setup: &Setup, case: &str, kind: BackendKind) -> Result<Baked
             .map_or(View::Normal, |v| View::Eye(setup.centre() + v * 1e6)),
         shading: Shading::Exact,
         buried: Buried::default(),
+        under: None,
         max_distance: None,
         bounces: Default::default(),
         lights: Vec::new(),

@@ -1,8 +1,9 @@
-//! Covers: flat sheets that lie just above a surface, such as decals, rugs and road marks.
+//! Covers: flat sheets that lie just above a surface, such as paper on a desk, decals, rugs and road marks.
 //!
-//! What is between the two is dark, and nobody sees it: the sheet hides it. Where the sheet ends within a texel of the surface, that texel
-//! would still hold some of the dark, as a line around every mark of a street. So who bakes may leave out what is covered where the way
-//! between is short beside a texel, as it may with [`Rim`](super::Rim)s. A sheet that looks at the surface hides nothing from who looks
+//! What is between the two is dark, and nobody sees it as that: an opaque sheet hides it, and through a see-through one it is to look as the
+//! surface does beside it. Where the sheet ends within a texel of the surface, that texel
+//! would still hold some of the dark, as a line around every mark of a street. So who bakes may let rays of what is covered begin above the
+//! sheet. A sheet that looks at the surface hides nothing from who looks
 //! at it from its other side, so it covers nothing; nor does what lies in the surface itself, which takes no light from it.
 
 use super::Solids;
@@ -181,14 +182,15 @@ mod tests {
         let floor = || level(0.0, 4.0, true);
         let mark = |y: f32| level(y, 0.5, true);
         assert_eq!(over(vec![floor(), mark(0.001)], false, 0, 0.01), [2; 3]);
-        // Too high for this texel; in the floor, below it, and looking at it; with holes.
+        // Too high for this texel; in the floor, below it, and looking at it.
         assert_eq!(over(vec![floor(), mark(0.001)], false, 0, 0.0009), [0; 3]);
         for y in [0.0, -0.001] {
             assert_eq!(over(vec![floor(), mark(y)], false, 0, 0.01), [0; 3], "{y}");
         }
         let plate = level(0.001, 0.5, false);
         assert_eq!(over(vec![floor(), plate], false, 0, 0.01), [0; 3]);
-        assert_eq!(over(vec![floor(), mark(0.001)], true, 0, 0.01), [0; 3]);
+        // A mark that is cut out is one too.
+        assert_eq!(over(vec![floor(), mark(0.001)], true, 0, 0.01), [2; 3]);
     }
 
     #[test]

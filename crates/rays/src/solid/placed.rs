@@ -119,8 +119,13 @@ pub(super) struct Sheet {
 /// nothing about what is hidden behind which. So sheets are asked from the largest down, as long as the surfaces near them are no more
 /// than so many for each surface of the scene: a time and a memory that grow with the scene, not with its square.
 pub(super) fn sheets(all: &Among) -> Vec<Sheet> {
+    sheets_of(all, |surface| surface.front.is_some())
+}
+
+/// The same with what else is taken for a sheet.
+pub(super) fn sheets_of(all: &Among, is_sheet: impl Fn(&Surface) -> bool) -> Vec<Sheet> {
     let placed = &all.placed;
-    let is_sheet = |&place: &usize| placed[place].surface.front.is_some();
+    let is_sheet = |&place: &usize| is_sheet(placed[place].surface);
     let mut places: Vec<usize> = (0..placed.len()).filter(is_sheet).collect();
     places.sort_by(|&a, &b| {
         placed[b]

@@ -30,6 +30,8 @@ pub(super) struct Surface {
     pub volume: f64,
     /// Where an open surface of opaque triangles looks, if to one side.
     pub front: Option<DVec3>,
+    /// The same of a surface that is cut out or see-through.
+    pub veil: Option<DVec3>,
     /// What an opaque surface would enclose whose openings were filled, where it has some, does not look to one side, and each of them
     /// has a flat border: above 0 where its front faces look outward, below 0 where they look inward. 0 for any other.
     pub hollow: f64,
@@ -114,7 +116,8 @@ pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
     let positions = std::cell::LazyCell::new(positions);
     let finish = |((surface, open), rims): ((Surface, bool), Vec<[u32; 2]>)| {
         if surface.is_masked(scene) {
-            return surface;
+            let veil = front(scene, &surface.faces);
+            return Surface { veil, ..surface };
         }
         if !open {
             let volume = surface.enclosed(scene);
@@ -231,6 +234,7 @@ impl Surface {
             high: Vec3::NEG_INFINITY,
             volume: 0.0,
             front: None,
+            veil: None,
             hollow: 0.0,
             openings: Vec::new(),
         }
