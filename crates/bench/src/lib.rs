@@ -5,6 +5,7 @@ use atlas::Atlas;
 use bake::{BakedPage, Baker, Options, Plan, Seams};
 use rays::{RayBackend, World};
 
+pub mod burial;
 pub mod ceiling;
 mod clock;
 pub mod exact;

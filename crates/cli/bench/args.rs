@@ -8,12 +8,12 @@ use std::path::PathBuf;
 #[derive(ClapArgs)]
 pub struct Args {
     /// Scene file: .obj, .gltf or .glb
-    #[arg(required_unless_present_any = ["samplers", "hard", "maps", "peers", "stated", "tables", "texels"])]
+    #[arg(required_unless_present_any = ["burial", "samplers", "hard", "maps", "peers", "stated", "tables", "texels"])]
     pub scene: Option<PathBuf>,
     #[command(flatten)]
     pub job: Job,
     /// Directory for bench.csv, bench.svg and bench.md; it is made if needed
-    #[arg(short = 'o', long = "output", value_name = "DIR", required_unless_present_any = ["samplers", "ceiling", "grain", "hard", "stated", "texels"])]
+    #[arg(short = 'o', long = "output", value_name = "DIR", required_unless_present_any = ["burial", "samplers", "ceiling", "grain", "hard", "stated", "texels"])]
     pub output: Option<PathBuf>,
     /// Only the ratio of a bake to the bare loop of rtcOccluded16 over its packets
     #[arg(long, conflicts_with = "samplers")]
@@ -42,6 +42,9 @@ pub struct Args {
     /// in DIR. Without a scene five are made by --seed
     #[arg(long, conflicts_with_all = ["samplers", "ceiling", "grain", "hard", "maps", "tables", "texels"])]
     pub stated: bool,
+    /// Only what counts as buried, by the rule of a bake and by others, on small scenes whose hidden parts are known: a Markdown table
+    #[arg(long, conflicts_with_all = ["scene", "samplers", "ceiling", "grain", "hard", "maps", "tables", "texels"])]
+    pub burial: bool,
     /// Only other programs on the same texels of three generated scenes: peers.csv, peers.svg and peers.md in DIR. They are installed
     /// from PyPI into DIR/peers.work (bpy, mitsuba, open3d, pymeshlab); what cannot be is skipped
     #[arg(long, conflicts_with_all = ["scene", "samplers", "ceiling", "grain", "hard", "maps", "stated", "tables", "texels"])]

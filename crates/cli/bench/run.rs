@@ -9,7 +9,7 @@ use anyhow::Context;
 use bench::ceiling::{Loop, Pair, ceiling, loops};
 use bench::speed::{quantity, speed};
 use bench::summary::{Spread, markdown, median, svg};
-use bench::{Subject, grain, hard, maps, samplers, tables};
+use bench::{Subject, burial, grain, hard, maps, samplers, tables};
 use rays::{EmbreeBackend, RayBackend};
 use report::Output;
 use serde_json::json;
@@ -22,6 +22,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     }
     if args.hard {
         return hard_cases(args);
+    }
+    if args.burial {
+        return buried(args);
     }
     if args.maps {
         return convolution(args);
@@ -115,6 +118,19 @@ fn against_error(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
         )?;
     } else if !args.common.quiet {
         say(&table)?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// Prints what counts as buried by each rule.
+fn buried(args: &Args) -> anyhow::Result<Outcome> {
+    host::set_threads(args.common.threads)?;
+    let rows = burial::run()?;
+    if args.common.json {
+        let rules: Vec<&str> = burial::rules().collect();
+        say_json(&json!({ "schema_version": 1, "rules": rules, "rows": rows }))?;
+    } else if !args.common.quiet {
+        say(&burial::markdown(&rows))?;
     }
     Ok(Outcome::Done)
 }
