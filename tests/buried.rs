@@ -1,6 +1,8 @@
 //! Texels under and inside other bodies: dropped, mended and counted.
 
+use crate::quads::{self, Quad};
 use crate::support::{Page, backends, bake, report, run_well};
+use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -356,7 +358,7 @@ fn charts_inside_of_another_body_leave_their_texels_to_the_rest() {
     let texels = |buried: &str| {
         let name = file.to_str().expect("UTF-8");
         let plan = run_well(["plan", name, "--json", "--size", "128", "--buried", buried]);
-        let plan: serde_json::Value = serde_json::from_str(&plan).expect("JSON");
+        let plan: Value = serde_json::from_str(&plan).expect("JSON");
         let objects = plan["layout"]["objects"]
             .as_array()
             .expect("objects")
@@ -521,13 +523,74 @@ fn a_post_through_the_floor_of_a_room_is_one_that_ends_there() {
 }
 
 #[test]
+fn an_object_keeps_or_drops_what_is_buried_of_it_as_flags_and_files_say() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = sunk_cube(folder.path(), 17.0, false);
+    let validity = |more: &[&str]| {
+        let flags = [
+            "--size=64",
+            "--uv=keep",
+            "--rays=4",
+            "--only=diffuse,validity,object",
+        ];
+        let (_baked, page) = bake(&file, &[&flags[..], more].concat());
+        let texels = page.plane("object").iter().zip(page.plane("validity"));
+        let covered = texels.zip(page.plane("coverage"));
+        let covered: Vec<(f32, f32)> = covered
+            .filter(|(_, c)| **c > 0.0)
+            .map(|(t, _)| (*t.0, *t.1))
+            .collect();
+        [0.0, 1.0].map(|object| {
+            let own = covered.iter().filter(|(of, _)| *of == object);
+            own.filter(|(_, validity)| *validity < 1.0).count()
+        })
+    };
+    let [floor, cube] = validity(&[]);
+    assert!(floor > 36 && cube > 36, "{floor} {cube}");
+    assert_eq!(validity(&["--buried-of=cube=keep"]), [floor, 0]);
+    assert_eq!(
+        validity(&["--buried=keep", "--buried-of=c*=drop"]),
+        [0, cube]
+    );
+    assert_eq!(
+        validity(&["--buried-of=*=keep", "--buried-of=floor=drop"]),
+        [floor, 0]
+    );
+    assert_eq!(validity(&["--buried=keep"]), [0, 0]);
+}
+
+#[test]
+fn a_file_says_by_its_extras_what_is_kept() {
+    for (list, said, expected) in [
+        ("nodes", json!("keep"), true),
+        ("meshes", json!("keep"), true),
+        ("nodes", json!("drop"), false),
+    ] {
+        // A mark just above a floor covers a part of it.
+        let folder = quads::write(&[Quad::level(0.0, 2.0), Quad::level(0.002, 1.0)], json!({}));
+        let path = folder.path().join("scene.gltf");
+        let text = std::fs::read_to_string(&path).expect("the scene");
+        let mut document: Value = serde_json::from_str(&text).expect("JSON");
+        document["materials"] = json!([{}]);
+        document[list][0]["extras"] = json!({ "ambake": { "buried": said } });
+        std::fs::write(&path, document.to_string()).expect("a file");
+        let flags = ["--size=64", "--rays=4", "--only=diffuse,validity"];
+        let (_folder, page) = bake(&path, &flags);
+        let covered = page.plane("validity").iter().zip(page.plane("coverage"));
+        let mut covered = covered.filter(|(_, coverage)| **coverage > 0.0);
+        let is_kept = covered.all(|(validity, _)| *validity == 1.0);
+        assert_eq!(is_kept, expected, "{list} {said}");
+    }
+}
+
+#[test]
 fn a_body_that_is_wound_the_wrong_way_is_named() {
     let folder = tempfile::tempdir().expect("a folder");
     for inward in [false, true] {
         let file = sunk_cube(folder.path(), 17.0, inward);
         let file = file.display().to_string();
         let plan = run_well(["plan", &file, "--json", "--size", "64"]);
-        let plan: serde_json::Value = serde_json::from_str(&plan).expect("JSON");
+        let plan: Value = serde_json::from_str(&plan).expect("JSON");
         let warnings = plan["warnings"].as_array().expect("a list");
         let mut named = warnings.iter().filter(|w| w["kind"] == "inside-out");
         assert_eq!(named.next().is_some(), inward, "{warnings:?}");

@@ -126,6 +126,12 @@ impl Bake {
         self
     }
 
+    /// What happens to samples that are buried, of the objects with this name, which may have wildcards; later ones win.
+    pub fn buried_of(mut self, name: impl Into<String>, buried: Buried) -> Self {
+        self.options.buried_of.push((name.into(), buried));
+        self
+    }
+
     /// Charts that can be seen from none of these points, in scene units, take one texel; their texels go to the others.
     pub fn seen_from(mut self, eyes: impl IntoIterator<Item = [f64; 3]>) -> Self {
         self.options.seen_from.extend(eyes);
@@ -462,8 +468,9 @@ impl Bake {
         options.check()?;
         options.check_lamps(&self.scene)?;
         options.complete();
+        let scene = options.cast(&self.scene)?;
         Job::prepare(
-            options.cast(&self.scene)?,
+            scene,
             options,
             self.backend,
             self.make_backend.clone(),

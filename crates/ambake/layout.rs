@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 
 /// The options that decide a layout, as [`Options::describe`] calls them.
-pub(crate) const DECIDING: [&str; 14] = [
+pub(crate) const DECIDING: [&str; 15] = [
     "size",
     "density",
     "density_of",
@@ -19,6 +19,7 @@ pub(crate) const DECIDING: [&str; 14] = [
     "no_cast",
     "seen_from",
     "buried",
+    "buried_of",
     "pages",
     "one_page_per_mesh",
     "uv",

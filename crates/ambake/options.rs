@@ -8,7 +8,7 @@ use ::bake::{
     AmbientCoefficient, Bounces, Buried, Choice, Denoise, Footprint, Model, Pattern, PointSet,
     Seams, Shading, View,
 };
-use ::scene::Format;
+use ::scene::{Format, Instance};
 use glam::DVec3;
 use layers::Layer;
 use rays::{BackendKind, Cone, Layout, Light, Overrides};
@@ -60,6 +60,14 @@ impl Backend {
     }
 }
 
+/// The word of the command line.
+fn word(buried: Buried) -> &'static str {
+    match buried {
+        Buried::Drop => "drop",
+        Buried::Keep => "keep",
+    }
+}
+
 /// The options of a bake. [`crate::Bake`] sets them one by one; `Options::default()` are those of a plain bake.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
@@ -78,6 +86,8 @@ pub struct Options {
     pub exclude: Vec<String>,
     /// Names, with wildcards, of objects that block no light; they take texels.
     pub no_cast: Vec<String>,
+    /// What happens to samples that are buried, of the objects that a name with wildcards fits; later ones win.
+    pub buried_of: Vec<(String, Buried)>,
     /// Eye points in scene units: charts that none of them sees take one texel; empty for no such test.
     pub seen_from: Vec<[f64; 3]>,
     /// The same for the outsides of a scene of rooms, which nobody within sees; no other scene changes.
@@ -158,6 +168,7 @@ impl Default for Options {
             include: Vec::new(),
             exclude: Vec::new(),
             no_cast: Vec::new(),
+            buried_of: Vec::new(),
             seen_from: Vec::new(),
             seen_from_within: false,
             pages: Pages::Auto,
@@ -358,21 +369,36 @@ impl Options {
         }
     }
 
-    /// The scene, in which what [`Options::no_cast`] names blocks no light.
-    pub(crate) fn cast(&self, scene: &Scene) -> Result<Scene, Error> {
-        if self.no_cast.is_empty() {
+    /// The scene, in which what [`Options::no_cast`] names blocks no light and objects are told what happens to what is buried of
+    /// them. Where one drops it, [`Options::buried`] says so, and each of the others that keeps it.
+    pub(crate) fn cast(&mut self, scene: &Scene) -> Result<Scene, Error> {
+        let drops = |of: &Instance| of.keeps_buried == Some(false);
+        let is_told = self.buried == Buried::Keep && scene.instances.iter().any(drops);
+        if self.no_cast.is_empty() && self.buried_of.is_empty() && !is_told {
             return Ok(scene.clone());
         }
-        let mut own = ::scene::Scene::clone(scene);
-        for pattern in &self.no_cast {
-            let named = atlas::instances_named(scene, pattern, "--no-cast");
-            let named = named.map_err(|source| Error::Layout {
+        let named = |pattern: &str, flag: &'static str| {
+            let named = atlas::instances_named(scene, pattern, flag);
+            named.map_err(|source| Error::Layout {
                 scene: scene.path.display().to_string(),
                 source,
-            })?;
-            for instance in named {
+            })
+        };
+        let mut own = ::scene::Scene::clone(scene);
+        for pattern in &self.no_cast {
+            for instance in named(pattern, "--no-cast")? {
                 own.instances[instance as usize].casts = false;
             }
+        }
+        for (pattern, buried) in &self.buried_of {
+            for instance in named(pattern, "--buried-of")? {
+                own.instances[instance as usize].keeps_buried = Some(*buried == Buried::Keep);
+            }
+        }
+        if self.buried == Buried::Keep && own.instances.iter().any(drops) {
+            let others = own.instances.iter_mut();
+            others.for_each(|of| of.keeps_buried = of.keeps_buried.or(Some(true)));
+            self.buried = Buried::Drop;
         }
         Ok(own.into())
     }
@@ -518,6 +544,7 @@ impl Options {
             include,
             exclude,
             no_cast,
+            buried_of,
             seen_from,
             seen_from_within,
             pages,
@@ -574,6 +601,7 @@ impl Options {
             "include": include,
             "exclude": exclude,
             "no_cast": no_cast,
+            "buried_of": buried_of.iter().map(|(name, of)| format!("{name}={}", word(*of))).collect::<Vec<_>>(),
             "seen_from": match seen_from_within {
                 true => json!("auto"),
                 false => json!(seen_from),
@@ -620,10 +648,7 @@ impl Options {
                 Shading::Production => "production",
                 Shading::Exact => "exact",
             },
-            "buried": match buried {
-                Buried::Drop => "drop",
-                Buried::Keep => "keep",
-            },
+            "buried": word(*buried),
             "under": under,
             "max_distance": max_distance,
             "model": model.map(|model| match model {

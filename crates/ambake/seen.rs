@@ -33,6 +33,7 @@ pub(crate) fn oracle<'a>(
             return false;
         };
         let (instance, triangle) = (first.instance, first.triangle);
+        let buries = buries && !world.keeps_buried(instance);
         // One point often tells.
         let is_open = !buries || !world.is_buried(instance, triangle, first.weights);
         if is_open && is_seen(first) {

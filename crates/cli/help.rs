@@ -31,7 +31,7 @@ const HEADINGS: [(&str, &[&str]); 7] = [
             "mips",
             "align",
             "footprint",
-            "buried",
+            "buried", "buried-of", "under",
             "seams",
         ],
     ),
@@ -81,7 +81,9 @@ const HEADINGS: [(&str, &[&str]); 7] = [
 ];
 
 /// What `-h` leaves to `--help`.
-const LONG: [&str; 38] = [
+const LONG: [&str; 40] = [
+    "buried-of",
+    "under",
     "allow-outside",
     "albedo",
     "specular",

@@ -212,10 +212,11 @@ fn object_flags(name: &str, wishes: &Value) -> anyhow::Result<Vec<String>> {
                 flags.push(format!("--density-of={name}={value}"));
             }
             ("include" | "exclude", Value::Boolean(true)) => flags.push(format!("--{key}={name}")),
+            ("buried", Value::String(word)) => flags.push(format!("--buried-of={name}={word}")),
             ("cast", Value::Boolean(false)) => flags.push(format!("--no-cast={name}")),
             ("include" | "exclude", Value::Boolean(false)) | ("cast", Value::Boolean(true)) => {}
             _ => bail!(
-                "`{key} = {value}` in {place}; there are density = NUMBER, include = true, exclude = true and cast = false"
+                "`{key} = {value}` in {place}; there are density = NUMBER, include = true, exclude = true, cast = false and buried = \"keep\" or \"drop\""
             ),
         }
     }
@@ -259,12 +260,17 @@ mod tests {
     #[test]
     fn typed_flags_win_over_the_scene_and_the_scene_over_the_folder() {
         let file = "[bake]\nsize = 64\nrays = 8\nlayers = ['bent', 'normal']\nnormal-maps = true\nsky = [1, 0.5, 0.25]\n\
-            [scene.'hall.glb']\nsize = 128\n[scene.'other.glb']\nsize = 256\n[object.'wall*']\ndensity = 20\nexclude = false\ncast = false";
+            [scene.'hall.glb']\nsize = 128\n[scene.'other.glb']\nsize = 256\n[object.'wall*']\ndensity = 20\nexclude = false\ncast = false\nburied = 'keep'";
         let plain = job(file, "").unwrap();
         assert_eq!((plain.size, plain.rays, plain.layers.len()), (128, 8, 2));
         assert!(plain.normal_maps);
         assert_eq!(plain.density_of, [("wall*".to_owned(), 20.0)]);
         assert_eq!(plain.no_cast, ["wall*"]);
+        assert_eq!(plain.buried_of.len(), 1);
+        assert!(
+            plain.buried_of[0].0 == "wall*"
+                && plain.buried_of[0].1 == crate::bake::args::Buried::Keep
+        );
         let typed = job(file, "--size 32 --target-error 0.1 --density-of door=4").unwrap();
         assert_eq!((typed.size, typed.target_error), (32, Some(0.1)));
         assert_eq!(typed.density_of.len(), 2, "later ones win, so both stand");

@@ -198,6 +198,9 @@ pub struct Job {
     /// What happens to samples inside of other solids, where nobody sees them
     #[arg(long, value_enum, default_value_t = Buried::Drop)]
     pub buried: Buried,
+    /// The same for the objects with this name; * and ? are wildcards, and the flag may be repeated
+    #[arg(long, value_name = "NAME=drop|keep", value_parser = buried_of)]
+    pub buried_of: Vec<(String, Buried)>,
     /// A flat sheet at most so many scene units above a surface, such as paper on a desk, a decal or a rug, takes no light from it, so that
     /// no dark line is seen around it; 0 for none [default: an eighth of a texel]
     #[arg(long, value_name = "D", value_parser = at_least_zero)]
@@ -351,6 +354,13 @@ fn density_of(text: &str) -> Result<(String, f64), String> {
         .rsplit_once('=')
         .ok_or("expected NAME=D, such as `wall*=20`")?;
     Ok((name.into(), positive(density)?))
+}
+
+fn buried_of(text: &str) -> Result<(String, Buried), String> {
+    let (name, word) = text
+        .rsplit_once('=')
+        .ok_or("expected NAME=drop or NAME=keep, such as `wall*=keep`")?;
+    Ok((name.into(), Buried::from_str(word, false)?))
 }
 
 /// What `--density` asks for.

@@ -68,10 +68,13 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
         args::Shading::Production => Shading::Production,
         args::Shading::Exact => Shading::Exact,
     };
-    options.buried = match job.buried {
+    let buried = |typed: args::Buried| match typed {
         args::Buried::Drop => Buried::Drop,
         args::Buried::Keep => Buried::Keep,
     };
+    options.buried = buried(job.buried);
+    let of = job.buried_of.iter();
+    options.buried_of = of.map(|(name, of)| (name.clone(), buried(*of))).collect();
     options.under = job.under;
     options.max_distance = job.max_distance.map(|d| d as f32);
     options.model = job.model.map(|model| match model {

@@ -92,6 +92,7 @@ pub(crate) fn placed_scene(meshes: Vec<Mesh>, placed: &[(u32, DAffine3)]) -> Sce
         node: 0,
         copy: None,
         casts: true,
+        keeps_buried: None,
     };
     Scene {
         path: PathBuf::from("fixture.obj"),

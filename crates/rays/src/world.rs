@@ -207,6 +207,11 @@ impl World {
         self.scene.materials[mesh.material as usize].double_sided
     }
 
+    /// True where what is buried of an instance is baked like the rest of it.
+    pub fn keeps_buried(&self, instance: u32) -> bool {
+        self.scene.instances[instance as usize].keeps_buried == Some(true)
+    }
+
     /// True where rays meet an instance.
     pub fn casts(&self, instance: u32) -> bool {
         self.scene.instances[instance as usize].casts

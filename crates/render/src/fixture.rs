@@ -73,6 +73,7 @@ fn world_of(sheets: &[Sheet], alpha: Alpha) -> (World, Box<dyn RayBackend>) {
         node: 0,
         copy: None,
         casts: true,
+        keeps_buried: None,
     };
     let material = |sheet: &Sheet| Material {
         name: "sheet".into(),

@@ -116,6 +116,8 @@ pub struct Instance {
     /// It blocks light. What does not is met by no ray, buries nothing and sends nothing; it takes texels like the
     /// others.
     pub casts: bool,
+    /// What lies inside of other bodies or is hidden behind them is baked like the rest of it; `None` leaves that to the bake.
+    pub keeps_buried: Option<bool>,
 }
 
 /// A light without extent, as the file has it.

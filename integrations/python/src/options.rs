@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 /// Every option, as its flag is called with underscores.
-pub const NAMES: [&str; 43] = [
+pub const NAMES: [&str; 45] = [
     "size",
     "density",
     "density_of",
@@ -34,6 +34,7 @@ pub const NAMES: [&str; 43] = [
     "sky",
     "view",
     "buried",
+    "buried_of",
     "under",
     "shading",
     "max_distance",
@@ -55,6 +56,9 @@ pub const NAMES: [&str; 43] = [
     "backend",
     "threads",
 ];
+
+/// What happens to what is buried.
+const BURIED: [(&str, Buried); 2] = [("drop", Buried::Drop), ("keep", Buried::Keep)];
 
 /// The strength behind so many numbers of a light, grey or in colour.
 fn strength(light: &[f64], place: usize, expected: &str) -> PyResult<[f64; 3]> {
@@ -196,10 +200,13 @@ fn one(mut bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
             Ok(_) => word(value, &[("normal", View::Normal)])?,
             Err(_) => View::Eye(value.extract::<[f64; 3]>()?.into()),
         }),
-        "buried" => bake.buried(word(
-            value,
-            &[("drop", Buried::Drop), ("keep", Buried::Keep)],
-        )?),
+        "buried" => bake.buried(word(value, &BURIED)?),
+        "buried_of" => {
+            for (name, buried) in value.cast::<PyDict>()?.iter() {
+                bake = bake.buried_of(name.extract::<String>()?, word(&buried, &BURIED)?);
+            }
+            bake
+        }
         "shading" => {
             let words = [
                 ("production", Shading::Production),

@@ -33,6 +33,7 @@ pub fn scene(meshes: Vec<Mesh>, instances: &[(u32, u32, DAffine3)]) -> Scene {
         node,
         copy: None,
         casts: true,
+        keeps_buried: None,
     };
     Scene {
         path: "test".into(),

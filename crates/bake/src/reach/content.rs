@@ -92,6 +92,7 @@ pub(super) fn contents(world: &World) -> Vec<Content> {
             own.update(&meshes[placed.mesh as usize]);
             own.update(&materials[material]);
             own.update(&numbers(&placed.transform.to_cols_array()));
+            own.update(format!("{:?}", placed.keeps_buried).as_bytes());
             Content {
                 own: short(&own),
                 seen,

@@ -161,8 +161,11 @@ impl<'a> Surveyor<'a> {
         let mut texels: Vec<Texel> = tile.footprints.iter().zip(found).map(texel).collect();
         if let Some(solids) = self.solids {
             let footprints = texels.iter().map(|texel| &texel.cells[..]).enumerate();
-            // What rims take is not looked at.
-            let left = footprints.filter(|&(index, _)| texels[index].seen != Seen::NONE);
+            // What rims take is not looked at, nor what is kept.
+            let left = footprints.filter(|&(index, _)| {
+                let texel: &Texel = &texels[index];
+                texel.seen != Seen::NONE && !self.world.keeps_buried(texel.object)
+            });
             for (index, seen) in look(solids, left) {
                 texels[index].see(seen);
             }
@@ -174,13 +177,14 @@ impl<'a> Surveyor<'a> {
         let scene = self.world.scene();
         let varies = is_mapped(scene, instance);
         let material = || material_at(scene, instance, triangle, [1.0, 0.0, 0.0]);
+        let ending = self.solids.filter(|_| !self.world.keeps_buried(instance));
         Known {
             patch: Patch::of(self.world, self.errors, instance, triangle),
             open: self.plan.open.contains(instance, triangle),
             body: self.solids.and_then(|of| of.own(instance, triangle)),
             ends: Ends {
-                rims: self.solids.map_or(&[], |of| of.rims(instance, triangle)),
-                covers: (self.solids.filter(|_| self.under != Some(0.0)))
+                rims: ending.map_or(&[], |of| of.rims(instance, triangle)),
+                covers: (ending.filter(|_| self.under != Some(0.0)))
                     .and_then(|of| of.covers(instance, triangle)),
                 under: self.under,
             },

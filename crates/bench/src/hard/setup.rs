@@ -190,6 +190,7 @@ fn scene(meshes: Vec<Mesh>) -> Scene {
         node: 0,
         copy: None,
         casts: true,
+        keeps_buried: None,
     });
     Scene {
         path: PathBuf::from("hard.obj"),

@@ -274,6 +274,7 @@ mod tests {
                 node: 0,
                 copy: None,
                 casts: true,
+                keeps_buried: None,
             }],
             materials: vec![material],
             images: vec![Image {

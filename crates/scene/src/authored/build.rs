@@ -127,6 +127,7 @@ fn add(input: &mut Input, parts: &mut Parts, number: usize, given: Mesh) -> Resu
             node: 0,
             copy: None,
             casts: true,
+            keeps_buried: None,
         });
         parts.meshes.push(mesh);
     }

@@ -19,6 +19,7 @@ pub(super) struct Placement {
     copy: Option<u32>,
     transform: DAffine3,
     casts: bool,
+    keeps_buried: Option<bool>,
 }
 
 /// All visible placements and lights of the default scene (`scene`, else the first, else every root node), parents
@@ -65,8 +66,9 @@ pub(super) fn placements(
             skin.into(),
             "the skin is left out: the mesh is baked where its node stands",
         );
-        let casts = casts(&data.document.json, n, mesh)
-            .map_err(|problem| input.invalid(place.as_str(), problem))?;
+        let said = |problem| input.invalid(place.as_str(), problem);
+        let casts = casts(&data.document.json, n, mesh).map_err(said)?;
+        let keeps_buried = keeps_buried(&data.document.json, n, mesh).map_err(said)?;
         match copies(data, node).map_err(|problem| input.invalid(place, problem))? {
             Some(copies) => out.extend(copies.into_iter().enumerate().map(|(i, copy)| Placement {
                 mesh,
@@ -74,6 +76,7 @@ pub(super) fn placements(
                 copy: Some(i as u32),
                 transform: world * copy,
                 casts,
+                keeps_buried,
             })),
             None => out.push(Placement {
                 mesh,
@@ -81,6 +84,7 @@ pub(super) fn placements(
                 copy: None,
                 transform: world,
                 casts,
+                keeps_buried,
             }),
         }
     }
@@ -113,6 +117,7 @@ pub(super) fn instances(
                 node,
                 copy,
                 casts: placement.casts,
+                keeps_buried: placement.keeps_buried,
             });
         }
     }
@@ -155,18 +160,32 @@ fn roots(data: &Data) -> Result<Vec<usize>, String> {
 
 /// Whether what stands at a node blocks light: `extras.ambake.cast` of the node, else of its mesh, else it does.
 fn casts(json: &Value, node: usize, mesh: usize) -> Result<bool, String> {
-    let said = |list: &str, index: usize| {
-        json.get(list)?
-            .get(index)?
-            .get("extras")?
-            .get("ambake")?
-            .get("cast")
-    };
-    match said("nodes", node).or_else(|| said("meshes", mesh)) {
+    match said(json, "cast", node, mesh) {
         None => Ok(true),
         Some(Value::Bool(casts)) => Ok(*casts),
         Some(other) => Err(format!("extras.ambake.cast is {other}; give true or false")),
     }
+}
+
+/// Whether what nobody sees of a node is baked like the rest: `extras.ambake.buried` of the node, else of its mesh.
+fn keeps_buried(json: &Value, node: usize, mesh: usize) -> Result<Option<bool>, String> {
+    match said(json, "buried", node, mesh) {
+        None => Ok(None),
+        Some(Value::String(word)) if word == "drop" => Ok(Some(false)),
+        Some(Value::String(word)) if word == "keep" => Ok(Some(true)),
+        Some(other) => Err(format!(
+            "extras.ambake.buried is {other}; give \"drop\" or \"keep\""
+        )),
+    }
+}
+
+/// What `extras.ambake` of a node says, or else of its mesh.
+fn said<'a>(json: &'a Value, what: &str, node: usize, mesh: usize) -> Option<&'a Value> {
+    let of = |list: &str, index: usize| {
+        let extras = json.get(list)?.get(index)?.get("extras")?;
+        extras.get("ambake")?.get(what)
+    };
+    of("nodes", node).or_else(|| of("meshes", mesh))
 }
 
 /// `KHR_node_visibility`: the node and all below it are absent.

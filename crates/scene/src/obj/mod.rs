@@ -113,6 +113,7 @@ fn add(input: &mut Input, parts: &mut Parts, mut mesh: Mesh, home: DVec3) -> Res
             node: 0,
             copy: None,
             casts: true,
+            keeps_buried: None,
         });
         parts.meshes.push(mesh);
     }

@@ -39,6 +39,7 @@ class Options(TypedDict, total=False):
     sky: Union[_Rgb, _Path]
     view: Union[Literal["normal"], Sequence[float]]
     buried: Literal["drop", "keep"]
+    buried_of: Mapping[str, Literal["drop", "keep"]]
     under: float
     shading: Literal["production", "exact"]
     max_distance: float
