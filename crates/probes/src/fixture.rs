@@ -78,6 +78,7 @@ pub(crate) fn world(all: &[Sheets]) -> (World, Box<dyn RayBackend>) {
         node: 0,
         copy: None,
         casts: true,
+        keeps_buried: None,
     };
     let material = |sheets: &Sheets| Material {
         name: "sheets".into(),
