@@ -63,7 +63,7 @@ const LIGHT: &[Case] = &[
         &["black-metals"; 4],
     ),
     ("sky_boxes65.gltf", 48.532_295, 0.0, &["black-metals"]),
-    ("ka.obj", 4.0, 0.3, &[]),
+    ("ka.obj", 4.0, 0.3, &["ambient-coefficients"]),
 ];
 
 const SCENES: &[Case] = &[

@@ -427,11 +427,12 @@ fn balls_and_panels_bring_their_form_factors_and_soft_shadows() {
 #[test]
 fn parts_and_shadows_of_lights_are_those_of_a_whole_bake() {
     let file = scene("courtyard.obj");
+    // Large enough for one page.
     let light = [
         "--size",
-        "64",
+        "256",
         "--rays",
-        "8",
+        "4",
         "--sun",
         "0.5,0.8,0.3,2",
         "--point",

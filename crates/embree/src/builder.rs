@@ -7,6 +7,10 @@ use embree4_sys as sys;
 use std::fmt;
 use std::ptr;
 
+/// Bytes that the system must be able to give before a tree is built. TBB, on which Embree builds, ends the program where memory is refused amid
+/// its tasks, so what they take is asked for beforehand.
+const ROOM: usize = 32 << 20;
+
 /// Collects meshes and instances, each with the next geometry id, and becomes a [`Scene`].
 pub struct SceneBuilder {
     geometries: Vec<Geometry>,
@@ -161,6 +165,9 @@ impl SceneBuilder {
             return Err(Error::RobustMismatch { instance: other.id });
         }
         const MAKING: &str = "making a scene";
+        if Vec::<u8>::new().try_reserve_exact(ROOM).is_err() {
+            return Err(Error::OutOfMemory { during: MAKING });
+        }
         // SAFETY: the device is alive; the new reference passes to `parts`, which releases it.
         let raw = unsafe { sys::rtcNewScene(self.device.raw()) };
         if raw.is_null() {
