@@ -364,6 +364,19 @@ fn reflections_are_cubes_whose_levels_are_blurred_and_bevy_gets_them_turned() {
     let middle = |face: usize| value(&diffuse[0], (face * small + small / 2) * small + small / 2);
     assert!(middle(2) > 1.5 * middle(3), "{} {}", middle(2), middle(3));
     assert!(path("three.exr").exists());
+    // Beside places, which make no volume for Bevy, its cubes are there all the same.
+    let (folder, _) = probes(
+        "courtyard.obj",
+        &[
+            "--at=0,1,0",
+            "--reflections=0,1.5,3",
+            "--reflection-size=8",
+            "--for=bevy",
+        ],
+    );
+    let has = |name: &str| folder.path().join(name).exists();
+    assert!(has("courtyard.reflection.0.bevy.specular.ktx2") && has("courtyard.probes.exr"));
+    assert!(!has("courtyard.probes.bevy.ktx2"));
 }
 
 /// A ball of 24 by 12 faces in the words of an OBJ file, of the material `white_ball`.

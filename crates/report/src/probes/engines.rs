@@ -69,6 +69,8 @@ pub fn probe_files(
             }
         };
         match engine {
+            // Places alone make no volume; who asked for cubes gets these.
+            Engine::Bevy if set.report.grid.is_none() && !set.reflections.is_empty() => {}
             Engine::Bevy => {
                 let name = format!("{stem}.probes.bevy.ktx2");
                 output.stage_bytes(&name, &bevy(set, &name)?)?;
