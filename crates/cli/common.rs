@@ -1,5 +1,6 @@
 //! Flags that several verbs share, and what they mean.
 
+use crate::parse::{light, rect, sphere, sun};
 use anyhow::Context;
 use clap::{Args as ClapArgs, ValueEnum};
 use glam::DVec3;
@@ -74,28 +75,58 @@ pub fn build(
     Ok((world, backend))
 }
 
-/// The lights of `--sun` and `--point`, where coordinates count from `origin`.
-pub fn lights(suns: &[[f64; 6]], points: &[[f64; 6]], origin: DVec3) -> Vec<Light> {
-    let of = |make: fn([f64; 3], [f64; 3]) -> Light| {
-        move |&[x, y, z, r, g, b]: &[f64; 6]| make([x, y, z], [r, g, b])
-    };
-    let suns = suns.iter().map(of(Light::sun));
-    let all = suns.chain(points.iter().map(of(Light::point)));
-    all.map(|light| light.from_origin(origin)).collect()
+/// Lights that are typed.
+#[derive(ClapArgs, Clone)]
+pub struct Shining {
+    /// Distant light in the direction X,Y,Z with irradiance E or R,G,B (W/m², facing); may be repeated
+    #[arg(long, value_name = "X,Y,Z,E|X,Y,Z,R,G,B", allow_hyphen_values = true, value_parser = sun)]
+    pub sun: Vec<[f64; 6]>,
+    /// Point light at X,Y,Z with intensity E or R,G,B (W/sr: E over distance² arrives); may be repeated
+    #[arg(long, value_name = "X,Y,Z,E|X,Y,Z,R,G,B", allow_hyphen_values = true, value_parser = light)]
+    pub point: Vec<[f64; 6]>,
+    /// Luminous ball at X,Y,Z of this radius that sends the radiance L or R,G,B; may be repeated
+    #[arg(long, value_name = "X,Y,Z,RADIUS,L|X,Y,Z,RADIUS,R,G,B", allow_hyphen_values = true, value_parser = sphere)]
+    pub sphere: Vec<[f64; 7]>,
+    /// Luminous rectangle with a corner at X,Y,Z and the sides U and V (three numbers each) that sends the
+    /// radiance L or R,G,B to the side to which U x V points; may be repeated
+    #[arg(long, value_name = "X,Y,Z,U,V,L|X,Y,Z,U,V,R,G,B", allow_hyphen_values = true, value_parser = rect)]
+    pub rect: Vec<[f64; 12]>,
 }
 
-/// The lights of `--sphere` and `--rect`, where coordinates count from `origin`.
-pub fn lamps(spheres: &[[f64; 7]], rects: &[[f64; 12]], origin: DVec3) -> Vec<Light> {
-    let balls = spheres
-        .iter()
-        .map(|&[x, y, z, radius, r, g, b]| Light::sphere([x, y, z], radius, [r, g, b]));
-    let panels = rects
-        .iter()
-        .map(|&[x, y, z, a, b, c, d, e, f, red, green, blue]| {
-            Light::rect([x, y, z], [[a, b, c], [d, e, f]], [red, green, blue])
-        });
-    let all = balls.chain(panels);
-    all.map(|light| light.from_origin(origin)).collect()
+impl Shining {
+    /// All of them, where coordinates count from `origin`.
+    pub fn lights(&self, origin: DVec3) -> Vec<Light> {
+        let suns = self
+            .sun
+            .iter()
+            .map(|&[x, y, z, r, g, b]| Light::sun([x, y, z], [r, g, b]));
+        let balls = self
+            .sphere
+            .iter()
+            .map(|&[x, y, z, radius, r, g, b]| Light::sphere([x, y, z], radius, [r, g, b]));
+        let panels = self
+            .rect
+            .iter()
+            .map(|&[x, y, z, a, b, c, d, e, f, red, green, blue]| {
+                Light::rect([x, y, z], [[a, b, c], [d, e, f]], [red, green, blue])
+            });
+        let far = suns.map(|light| light.from_origin(origin));
+        let wide = balls.chain(panels).map(|light| light.from_origin(origin));
+        far.chain(points(&self.point, origin)).chain(wide).collect()
+    }
+
+    /// True where there is none.
+    pub fn is_dark(&self) -> bool {
+        self.lights(DVec3::ZERO).is_empty()
+    }
+}
+
+/// The lights of `--point`, where coordinates count from `origin`.
+pub fn points(points: &[[f64; 6]], origin: DVec3) -> impl Iterator<Item = Light> {
+    let light = move |&[x, y, z, r, g, b]: &[f64; 6]| {
+        Light::point([x, y, z], [r, g, b]).from_origin(origin)
+    };
+    points.iter().map(light)
 }
 
 /// What a text file holds; errors name it.

@@ -1,10 +1,8 @@
 //! What was typed after `ambake bake` and `ambake plan`. `options.rs` says what it means.
 
 use super::layer_help::layer_help;
-use crate::common::{Backend, Common};
-use crate::parse::{
-    at_least_zero, color, exponent, light, number, positive, rect, sphere, sun, triple,
-};
+use crate::common::{Backend, Common, Shining};
+use crate::parse::{at_least_zero, color, exponent, number, positive, triple};
 use crate::sky::{SkyArg, sky};
 use ambake::{Choice, Layer};
 use clap::{Args as ClapArgs, ValueEnum};
@@ -222,19 +220,8 @@ pub struct Job {
     /// [default: none, and a line names them]
     #[arg(long, value_enum)]
     pub lights: Option<Lights>,
-    /// Distant light in the direction X,Y,Z with irradiance E or R,G,B (W/m², facing); may be repeated
-    #[arg(long, value_name = "X,Y,Z,E|X,Y,Z,R,G,B", allow_hyphen_values = true, value_parser = sun)]
-    pub sun: Vec<[f64; 6]>,
-    /// Point light at X,Y,Z with intensity E or R,G,B (W/sr: E over distance² arrives); may be repeated
-    #[arg(long, value_name = "X,Y,Z,E|X,Y,Z,R,G,B", allow_hyphen_values = true, value_parser = light)]
-    pub point: Vec<[f64; 6]>,
-    /// Luminous ball at X,Y,Z of this radius that sends the radiance L or R,G,B; may be repeated
-    #[arg(long, value_name = "X,Y,Z,RADIUS,L|X,Y,Z,RADIUS,R,G,B", allow_hyphen_values = true, value_parser = sphere)]
-    pub sphere: Vec<[f64; 7]>,
-    /// Luminous rectangle with a corner at X,Y,Z and the sides U and V (three numbers each) that sends the
-    /// radiance L or R,G,B to the side to which U x V points; may be repeated
-    #[arg(long, value_name = "X,Y,Z,U,V,L|X,Y,Z,U,V,R,G,B", allow_hyphen_values = true, value_parser = rect)]
-    pub rect: Vec<[f64; 12]>,
+    #[command(flatten)]
+    pub shining: Shining,
     /// Memory that the bake may take, such as 8G or 512M; one that would take more is refused before it starts [default: what the
     /// system has]
     #[arg(long, value_name = "SIZE", value_parser = memory)]

@@ -1,7 +1,7 @@
 //! What the flags of a bake mean.
 
 use super::args::{self, Job};
-use crate::common::{Backend, Common, lamps, lights};
+use crate::common::{Backend, Common};
 use ambake::{
     Bake, Buried, Denoise, Effort, Footprint, Model, Options, Pattern, Seams, Shading, Uv,
 };
@@ -82,8 +82,7 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
         args::Model::Ggx => Model::Ggx,
     });
     options.bounces = job.bounces;
-    options.lights = lights(&job.sun, &job.point, glam::DVec3::ZERO);
-    (options.lights).extend(lamps(&job.sphere, &job.rect, glam::DVec3::ZERO));
+    options.lights = job.shining.lights(glam::DVec3::ZERO);
     options.file_lights = job.lights.map(|lights| lights == args::Lights::File);
     options.normal_maps = job.normal_maps;
     options.ambient_coefficient = job.ambient_coefficient.unwrap_or_default();

@@ -2,7 +2,7 @@
 
 use super::args::{Capture, PointSource};
 use super::file::{Target, picture_size, write};
-use crate::common::{build, lights};
+use crate::common::{build, points};
 use crate::host;
 use crate::outcome::{Outcome, say, say_json, tell};
 use crate::progress::{Show, watch};
@@ -36,7 +36,7 @@ pub fn run(args: &Capture) -> anyhow::Result<Outcome> {
     let (world, backend) = build(scene, args.backend, threads)?;
     let surfaces = Surfaces::new(&world);
     let lamps = Lamps::of(&world);
-    let points: Vec<Light> = lights(&[], &args.point, world.origin());
+    let points: Vec<Light> = points(&args.point, world.origin()).collect();
     let sky = args.sky.load()?;
     let black = sky.light().is_black() && lamps.is_empty() && points.is_empty();
     if black && !args.common.quiet {

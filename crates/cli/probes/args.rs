@@ -1,8 +1,8 @@
 //! What was typed after `ambake probes`. `run.rs` says what it means.
 
 use crate::bake::args::{Lights, bounces, engine};
-use crate::common::{Backend, Common};
-use crate::parse::{light, positive, rect, sphere, sun, triple};
+use crate::common::{Backend, Common, Shining};
+use crate::parse::{positive, triple};
 use crate::sky::{SkyArg, sky};
 use clap::{ArgGroup, Args as ClapArgs};
 use std::path::PathBuf;
@@ -63,19 +63,8 @@ pub struct Args {
     /// Surfaces farther than this many scene units do not count [default: no limit]
     #[arg(long, value_name = "D", value_parser = positive)]
     pub max_distance: Option<f64>,
-    /// Distant light in the direction X,Y,Z with irradiance E or R,G,B (W/m², facing); may be repeated
-    #[arg(long, value_name = "X,Y,Z,E|X,Y,Z,R,G,B", allow_hyphen_values = true, value_parser = sun)]
-    pub sun: Vec<[f64; 6]>,
-    /// Point light at X,Y,Z with intensity E or R,G,B (W/sr: E over distance² arrives); may be repeated
-    #[arg(long, value_name = "X,Y,Z,E|X,Y,Z,R,G,B", allow_hyphen_values = true, value_parser = light)]
-    pub point: Vec<[f64; 6]>,
-    /// Luminous ball at X,Y,Z of this radius that sends the radiance L or R,G,B; may be repeated
-    #[arg(long, value_name = "X,Y,Z,RADIUS,L|X,Y,Z,RADIUS,R,G,B", allow_hyphen_values = true, value_parser = sphere)]
-    pub sphere: Vec<[f64; 7]>,
-    /// Luminous rectangle with a corner at X,Y,Z and the sides U and V (three numbers each) that sends the
-    /// radiance L or R,G,B to the side to which U x V points; may be repeated
-    #[arg(long, value_name = "X,Y,Z,U,V,L|X,Y,Z,U,V,R,G,B", allow_hyphen_values = true, value_parser = rect)]
-    pub rect: Vec<[f64; 12]>,
+    #[command(flatten)]
+    pub shining: Shining,
     /// Take so much contrast from probes that no matt surface receives less than no light: few harmonics ring beside a bright light
     #[arg(long)]
     pub window: bool,

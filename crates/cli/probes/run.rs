@@ -2,7 +2,7 @@
 
 use super::args::Args;
 use crate::bake::args::Lights;
-use crate::common::{Backend, lamps, lights};
+use crate::common::Backend;
 use crate::host;
 use crate::outcome::{Outcome, say, say_json, tell};
 use crate::progress::{Show, count, watch};
@@ -59,8 +59,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 }
 
 fn options(args: &Args, scene: &Scene) -> anyhow::Result<ProbeOptions> {
-    let mut own = lights(&args.sun, &args.point, DVec3::ZERO);
-    own.extend(lamps(&args.sphere, &args.rect, DVec3::ZERO));
+    let mut own = args.shining.lights(DVec3::ZERO);
     if args.lights == Some(Lights::File) {
         own.extend(scene.lights.iter().map(ambake::Light::from));
     }

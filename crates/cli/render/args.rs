@@ -1,10 +1,8 @@
 //! What was typed after `ambake render`. `options.rs` says what it means.
 
 use super::tables_args::Tables;
-use crate::common::{Backend, Common};
-use crate::parse::{
-    color, exponent, field_of_view, light, number, positive, rect, size, sphere, sun, triple,
-};
+use crate::common::{Backend, Common, Shining};
+use crate::parse::{color, exponent, field_of_view, number, positive, size, triple};
 use crate::sky::{SkyArg, sky};
 use clap::{Args as ClapArgs, ValueEnum};
 use std::path::PathBuf;
@@ -60,19 +58,8 @@ pub struct Args {
     /// without --eye]
     #[arg(long, value_name = "auto|STOPS", allow_hyphen_values = true, value_parser = exposure)]
     pub exposure: Option<Exposure>,
-    /// Distant light in the direction X,Y,Z with irradiance E or R,G,B (W/m², facing); may be repeated
-    #[arg(long, value_name = "X,Y,Z,E|X,Y,Z,R,G,B", allow_hyphen_values = true, value_parser = sun)]
-    pub sun: Vec<[f64; 6]>,
-    /// Point light at X,Y,Z with intensity E or R,G,B (W/sr: E over distance² arrives); may be repeated
-    #[arg(long, value_name = "X,Y,Z,E|X,Y,Z,R,G,B", allow_hyphen_values = true, value_parser = light)]
-    pub point: Vec<[f64; 6]>,
-    /// Luminous ball at X,Y,Z of this radius that sends the radiance L or R,G,B; may be repeated
-    #[arg(long, value_name = "X,Y,Z,RADIUS,L|X,Y,Z,RADIUS,R,G,B", allow_hyphen_values = true, value_parser = sphere)]
-    pub sphere: Vec<[f64; 7]>,
-    /// Luminous rectangle with a corner at X,Y,Z and the sides U and V (three numbers each) that sends the
-    /// radiance L or R,G,B to the side to which U x V points; may be repeated
-    #[arg(long, value_name = "X,Y,Z,U,V,L|X,Y,Z,U,V,R,G,B", allow_hyphen_values = true, value_parser = rect)]
-    pub rect: Vec<[f64; 12]>,
+    #[command(flatten)]
+    pub shining: Shining,
     /// Occluders farther than this many scene units do not count [default: no limit]
     #[arg(long, value_name = "D", value_parser = positive)]
     pub max_distance: Option<f64>,

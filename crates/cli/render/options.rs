@@ -160,13 +160,7 @@ pub fn surface_type(tables: &Tables, name: ShaderName) -> SurfaceType {
 /// There is nothing to weigh, or its file cannot be read.
 pub fn incidence(args: &Args, model: Model) -> anyhow::Result<Weight> {
     let [_, weight] = weights(&args.tables)?;
-    let lights = [
-        args.sun.len(),
-        args.point.len(),
-        args.sphere.len(),
-        args.rect.len(),
-    ];
-    let serves = model == Model::Phong && lights.iter().any(|&count| count > 0);
+    let serves = model == Model::Phong && !args.shining.is_dark();
     if weight != Weight::Constant && !serves {
         bail!("--specular-weight: without --maps it weighs lights under --model phong; give both");
     }

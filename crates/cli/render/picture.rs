@@ -3,7 +3,6 @@
 use super::args::{Args, Exposure};
 use super::file::{Behind, Film};
 use super::{file, options};
-use crate::common::{lamps, lights};
 use crate::outcome::{Outcome, say, say_json};
 use crate::progress::watch;
 use crate::stop::Stop;
@@ -34,8 +33,7 @@ pub fn draw(
         false => framing.camera(world)?,
     };
     let surfaces = Surfaces::new(world);
-    let mut lights = lights(&args.sun, &args.point, world.origin());
-    lights.extend(lamps(&args.sphere, &args.rect, world.origin()));
+    let lights = args.shining.lights(world.origin());
     let lamps = Lamps::of(world);
     let sky = match (&args.bake, &args.sky) {
         (Some(dir), None) => baked_sky(dir, &args.scene)?,
@@ -90,10 +88,10 @@ pub fn draw(
         "forward": camera.forward.to_array(),
         "fov_deg": (1e9 * 2.0 * camera.slope.atan().to_degrees()).round() / 1e9,
         "sky": sky,
-        "sun": args.sun,
-        "point": args.point,
-        "sphere": args.sphere,
-        "rect": args.rect,
+        "sun": args.shining.sun,
+        "point": args.shining.point,
+        "sphere": args.shining.sphere,
+        "rect": args.shining.rect,
         "seed": args.common.seed,
     });
     let inputs = file::inputs(args, world, lightmap);
