@@ -258,6 +258,8 @@ fn wrong_words_are_one_line_and_leave_no_folder() {
         (&["--grid=2x2x2", "--rays=8"], "64"),
         (&["--grid=2x2x2", "--bake=/nowhere"], "/nowhere"),
         (&["--grid=2x2x2", "--sky=nowhere.hdr"], "nowhere.hdr"),
+        (&["--grid=2x2x2", "--sky=1e20,1,1"], "1e12"),
+        (&["--grid=2x2x2", "--point=0,2,0,1e30"], "1e12"),
     ] {
         let output = run(base
             .iter()

@@ -285,18 +285,13 @@ impl Options {
         if !colour(self.specular) {
             return fail("specular", "each channel must be from 0 to 1e6");
         }
-        if !self.sky.largest().iter().all(within(MAX_RADIANCE)) {
-            return fail("sky", "each channel must be from 0 to 1e12");
-        }
+        check_sky(&self.sky)?;
         let sends = |rgb: [f32; 3]| self.bounces == Bounces::Off || rgb.iter().all(within(1.0));
         if !self.albedo.is_none_or(sends) {
             let problem = "each channel must be from 0 to 1 with --bounces: no surface sends on more light than it receives";
             return fail("albedo", problem);
         }
-        if !self.lights.iter().all(is_light) {
-            let problem = "each light needs a direction or a place, a size where it has one, and a strength from 0 to 1e12";
-            return fail("--sun, --point, --sphere, --rect and --lights", problem);
-        }
+        check_lights(&self.lights)?;
         let asks = |layers: &[Layer]| self.layers.iter().any(|layer| layers.contains(layer));
         if self.model == Some(Model::Phong) && asks(&[Layer::Ggx, Layer::Base]) {
             return fail("layers", "`ggx` and `base` need --model ggx");
@@ -683,6 +678,27 @@ impl Options {
             View::Eye(eye) => format!("{},{},{}", eye.x, eye.y, eye.z),
         }
     }
+}
+
+/// Light of the sky that no sum of samples overflows.
+pub(crate) fn check_sky(sky: &Sky) -> Result<(), Error> {
+    let within = |v: &f32| (0.0..=MAX_RADIANCE).contains(v);
+    if !sky.largest().iter().all(within) {
+        return Err(Error::option("sky", "each channel must be from 0 to 1e12"));
+    }
+    Ok(())
+}
+
+/// Lights whose numbers can all be used.
+pub(crate) fn check_lights(lights: &[Light]) -> Result<(), Error> {
+    if !lights.iter().all(is_light) {
+        let problem = "each light needs a direction or a place, a size where it has one, and a strength from 0 to 1e12";
+        return Err(Error::option(
+            "--sun, --point, --sphere, --rect and --lights",
+            problem,
+        ));
+    }
+    Ok(())
 }
 
 /// True where all numbers of a light can be used.

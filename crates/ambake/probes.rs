@@ -1,6 +1,7 @@
 //! Probes of a scene: light for what moves.
 
 use crate::error::Error;
+use crate::options::{check_lights, check_sky};
 use crate::{Backend, Bounces, Engine, Scene, Sky, VERSION};
 use ::probes::{
     Cancelled, DISTANCE_EDGE, Gather, Grid, LEAST_EDGE, LEAST_RAYS, Placed, Reflection, State, fill,
@@ -416,6 +417,8 @@ impl Lit {
             (None, Some(lights)) => lights.iter().filter_map(light_of).collect(),
             (None, None) => Vec::new(),
         };
+        check_sky(&sky)?;
+        check_lights(&lights)?;
         Ok(Self { sky, lights })
     }
 }
