@@ -177,6 +177,12 @@ impl SkyMap {
         self.excess[texel as usize]
     }
 
+    /// Radiance of a texel above the floor, and the density per steradian with which it is drawn.
+    pub fn above(&self, texel: u32) -> ([f64; 3], f64) {
+        let excess = self.excess(texel).map(f64::from);
+        (excess.map(|v| v * self.scale), excess.iter().sum())
+    }
+
     /// Radiance in a unit direction, linear between the middles of texels. Above the highest and below the lowest row it is theirs.
     pub fn seen(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         let (width, height) = (self.width, self.rows.len());

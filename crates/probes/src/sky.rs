@@ -1,6 +1,7 @@
 //! The sky as probes see it: a uniform floor and what stands out of it.
 
 use ambient::convention::SPHERE;
+use ambient::sampling::power_over_density;
 use glam::{DVec3, Vec3};
 use maps::SkyMap;
 
@@ -23,7 +24,7 @@ impl<'a> Sky<'a> {
     pub(crate) fn radiance(&self, direction: DVec3) -> DVec3 {
         match self.drawn() {
             None => self.floor(),
-            Some(map) => self.floor() + above(map, texel(map, direction)).0,
+            Some(map) => self.floor() + DVec3::from(map.above(texel(map, direction)).0),
         }
     }
 
@@ -33,8 +34,8 @@ impl<'a> Sky<'a> {
         let Some(map) = self.drawn() else {
             return floor;
         };
-        let (above, drawn) = above(map, texel(map, direction));
-        floor + above * power(density, drawn)
+        let (above, drawn) = map.above(texel(map, direction));
+        floor + DVec3::from(above) * (density * power_over_density(density, drawn))
     }
 
     /// A direction drawn from the map for a point of the unit square, and the radiance above the floor over its density there.
@@ -45,10 +46,10 @@ impl<'a> Sky<'a> {
     ) -> (DVec3, DVec3) {
         let (directions, texels) = map.sample16(&[u0 as f32; 16], &[u1 as f32; 16]);
         let direction = Vec3::from(directions.map(|axis| axis[0])).as_dvec3();
-        let (above, drawn) = above(map, texels[0]);
+        let (above, drawn) = map.above(texels[0]);
         (
             direction,
-            above * (power(drawn, density(direction)) / drawn),
+            DVec3::from(above) * power_over_density(drawn, density(direction)),
         )
     }
 }
@@ -56,22 +57,6 @@ impl<'a> Sky<'a> {
 /// The texel that a unit direction shows.
 fn texel(map: &SkyMap, direction: DVec3) -> u32 {
     map.texels16(&direction.as_vec3().to_array().map(|v| [v; 16]))[0]
-}
-
-/// Radiance of a texel above the floor, and the density with which it is drawn.
-fn above(map: &SkyMap, texel: u32) -> (DVec3, f64) {
-    let excess = Vec3::from(map.excess(texel)).as_dvec3();
-    (excess * map.scale(), excess.element_sum())
-}
-
-/// The power heuristic of E. Veach, L. Guibas (1995): what a sample of the first density counts.
-fn power(first: f64, second: f64) -> f64 {
-    let [first, second] = [first * first, second * second];
-    if first > 0.0 {
-        first / (first + second)
-    } else {
-        0.0
-    }
 }
 
 /// Density of even directions over the sphere, per steradian.

@@ -12,9 +12,9 @@ use ambient::closed_form::phong_open;
 use ambient::lanes::{LANES, Wide};
 use ambient::lunar::lommel_seeliger;
 use ambient::models;
-use ambient::sampling::{Lobe, Mixture, Stream};
+use ambient::sampling::{Lobe, Mixture, Stream, power_over_density};
 use glam::DVec3;
-use maps::{Sky, SkyMap};
+use maps::Sky;
 use rays::{
     Arrival, Coherence, Overrides, Ray, RayBackend, RayPacket, SurfaceHit, SurfacePoint, Surfaces,
 };
@@ -330,9 +330,10 @@ impl Direct<'_> {
             let Some(map) = sky.map() else { continue };
             let texels = map.texels16(&wide(&own));
             for l in of(open) {
+                let (light, drawn) = map.above(texels[l]);
                 let density = pdf(own[l]);
-                let [light, _] = shares(map, texels[l], density);
-                sum += weight(own[l]) * light;
+                let share = density * power_over_density(density, drawn);
+                sum += weight(own[l]) * DVec3::from(light) * share;
             }
             let [u2, u3]: [Wide; 2] = [2, 3].map(|k| points.map(|point| point[k] as f32));
             let (axes, texels) = map.sample16(&u2, &u3);
@@ -341,8 +342,9 @@ impl Direct<'_> {
             for l in of(self.open(point, &drawn[..lanes])) {
                 let density = pdf(drawn[l]);
                 if density > 0.0 {
-                    let [_, light] = shares(map, texels[l], density);
-                    sum += weight(drawn[l]) * light;
+                    let (light, of_map) = map.above(texels[l]);
+                    let share = density * power_over_density(of_map, density);
+                    sum += weight(drawn[l]) * DVec3::from(light) * share;
                 }
             }
         }
@@ -471,16 +473,6 @@ impl Direct<'_> {
             false => reflected,
         }
     }
-}
-
-/// What a texel of a map adds to its floor, by the power heuristic: to a ray of a distribution that has this probability per steradian
-/// there, and to a ray that was drawn from the map, in units of the distribution's weight.
-fn shares(map: &SkyMap, texel: u32, density: f64) -> [DVec3; 2] {
-    let excess = DVec3::from(map.excess(texel).map(f64::from));
-    let of_map = excess.element_sum();
-    let squares = (density * density + of_map * of_map).max(f64::MIN_POSITIVE);
-    let light = excess * (map.scale() * density / squares);
-    [light * density, light * of_map]
 }
 
 /// Directions axis by axis.

@@ -24,5 +24,11 @@ pub use stream::Stream;
 pub use turn::turn_sin_cos;
 pub use wide::{Block, PointSet, Streams};
 
+/// What a sample of the first density counts beside one of the second, over the first: the power heuristic of E. Veach, L. Guibas,
+/// "Optimally Combining Sampling Techniques for Monte Carlo Rendering" (1995). Finite where either is 0, and 0 where the first is.
+pub fn power_over_density(first: f64, second: f64) -> f64 {
+    first / (first * first + second * second).max(f64::MIN_POSITIVE)
+}
+
 #[cfg(test)]
 mod chi_square;
