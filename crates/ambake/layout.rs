@@ -119,7 +119,7 @@ impl Layout {
             .map(|tile| {
                 let tile = raster.tile(tile);
                 let texel = |footprint: &atlas::Footprint| {
-                    let piece = &tile.pieces[footprint.pieces.start as usize];
+                    let piece = &tile.pieces_of(footprint)[0];
                     let mesh = self.scene.instances[piece.instance as usize].mesh as usize;
                     let chart = charts[mesh][piece.triangle as usize];
                     let at = footprint.y as usize * size + footprint.x as usize;

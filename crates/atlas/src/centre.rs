@@ -9,7 +9,7 @@ pub(crate) fn draw_together(tile: &mut Tile, corners: impl Fn(u32, u32) -> [DVec
     let pieces = std::mem::take(&mut tile.pieces);
     for footprint in &mut tile.footprints {
         let centre = DVec2::new(f64::from(footprint.x) + 0.5, f64::from(footprint.y) + 0.5);
-        let own = &pieces[footprint.pieces.start as usize..footprint.pieces.end as usize];
+        let own = &pieces[footprint.parts.start as usize..footprint.parts.end as usize];
         let points = own.iter().map(|piece| {
             let page = corners(piece.instance, piece.triangle);
             let at = |w: DVec3| page[0] * w.x + page[1] * w.y + page[2] * w.z;
@@ -34,7 +34,7 @@ pub(crate) fn draw_together(tile: &mut Tile, corners: impl Fn(u32, u32) -> [DVec
             cumulative: own[own.len() - 1].cumulative,
             ..*piece
         });
-        footprint.pieces = start..start + 1;
+        footprint.parts = start..start + 1;
     }
 }
 

@@ -190,15 +190,16 @@ fn cells(low: f64, high: f64, count: u32) -> Range<u32> {
     }
 }
 
-/// Barycentric weights as affine functions of the position.
-pub(crate) struct Weights {
+/// Barycentric weights as affine functions of the position, in texels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Weights {
     origin: DVec2,
     du: DVec3,
     dv: DVec3,
 }
 
 impl Weights {
-    pub fn new([a, b, c]: [DVec2; 3], twice_area: f64) -> Weights {
+    pub(crate) fn new([a, b, c]: [DVec2; 3], twice_area: f64) -> Weights {
         let slope =
             |from: DVec2, to: DVec2| DVec2::new(-(to.y - from.y), to.x - from.x) / twice_area;
         let (w0, w1, w2) = (slope(b, c), slope(c, a), slope(a, b));
@@ -209,6 +210,7 @@ impl Weights {
         }
     }
 
+    /// At a place.
     pub fn at(&self, p: DVec2) -> DVec3 {
         let d = p - self.origin;
         DVec3::X + self.du * d.x + self.dv * d.y

@@ -3,6 +3,7 @@
 //! Source of the square-to-triangle map: E. Heitz, "A Low-Distortion Map Between Triangle and Square", 2019.
 
 use crate::SurfacePoint;
+use crate::cover::{Held, Wholes};
 use crate::cutter::{Cutter, Weights};
 use crate::types::TILE;
 use crate::uv::twice_area;
@@ -20,8 +21,12 @@ pub struct Tile {
     pub footprints: Vec<Footprint>,
     /// The parts that footprints are made of.
     pub pieces: Vec<Piece>,
-    /// Instance and triangle of all that has a piece, in order.
+    /// Instance and triangle of all that covers something, in order.
     pub triangles: Vec<[u32; 2]>,
+    /// Of triangles that footprints hold whole, their corner weights as functions of the place in the tile.
+    pub weights: Vec<Weights>,
+    /// What whole footprints hold, footprint by footprint.
+    pub held: Vec<Held>,
 }
 
 /// What is covered of one texel.
@@ -33,8 +38,10 @@ pub struct Footprint {
     pub y: u32,
     /// Covered share of the texel's area, above 0 and at most 1.
     pub coverage: f32,
-    /// Its parts in [`Tile::pieces`]; never empty.
-    pub pieces: Range<u32>,
+    /// Triangles cover all of it, and it holds them uncut: a point lies in the one whose least weight is the largest there.
+    pub is_whole: bool,
+    /// Its parts in [`Tile::pieces`], or if it is whole in [`Tile::held`]; never empty.
+    pub parts: Range<u32>,
 }
 
 /// A triangle, or the whole square of a texel, inside one triangle of an object.
@@ -55,24 +62,88 @@ pub struct Piece {
 }
 
 impl Tile {
-    /// The parts of a footprint.
+    /// The parts of a footprint; none of a whole one.
     ///
     /// # Panics
     ///
     /// If the footprint is not one of this tile's.
     pub fn pieces_of(&self, footprint: &Footprint) -> &[Piece] {
-        &self.pieces[footprint.pieces.start as usize..footprint.pieces.end as usize]
+        match footprint.is_whole {
+            true => &[],
+            false => &self.pieces[footprint.parts.start as usize..footprint.parts.end as usize],
+        }
+    }
+
+    /// The triangles that a whole footprint holds; none of another.
+    ///
+    /// # Panics
+    ///
+    /// If the footprint is not one of this tile's.
+    pub fn held_of(&self, footprint: &Footprint) -> &[Held] {
+        match footprint.is_whole {
+            true => &self.held[footprint.parts.start as usize..footprint.parts.end as usize],
+            false => &[],
+        }
+    }
+
+    /// The triangles of a footprint, as places in [`Tile::triangles`], each with its share of the area; one may come
+    /// several times.
+    ///
+    /// # Panics
+    ///
+    /// If the footprint is not one of this tile's.
+    pub fn shares(&self, footprint: &Footprint) -> impl Iterator<Item = (u32, f64)> + '_ {
+        let held = self.held_of(footprint).iter();
+        let held = held.map(|held| (held.number, f64::from(held.share)));
+        let (area, mut before) = (self.area(footprint), 0.0);
+        let pieces = self.pieces_of(footprint).iter().map(move |piece| {
+            let own = piece.cumulative - before;
+            before = piece.cumulative;
+            (piece.number, own / area)
+        });
+        held.chain(pieces)
     }
 
     /// The point of the footprint at `u` of the unit square: uniform over its area in UV for uniform `u`.
     ///
-    /// A texel wholly inside one triangle takes `u` as the position in its square. Otherwise `u[0]` chooses a piece
-    /// by area and is stretched over it, so that stratified numbers stay stratified.
+    /// A whole footprint takes `u` as the position in its square. Otherwise `u[0]` chooses a piece by area and is stretched over it, so
+    /// that stratified numbers stay stratified.
     ///
     /// # Panics
     ///
     /// If the footprint is not one of this tile's.
     pub fn sample(&self, footprint: &Footprint, u: [f64; 2]) -> SurfacePoint {
+        let ([instance, triangle], w) = match footprint.is_whole {
+            true => self.holding(footprint, u),
+            false => self.piece_at(footprint, u),
+        };
+        let w = w.max(DVec3::ZERO);
+        SurfacePoint {
+            instance,
+            triangle,
+            weights: (w / w.element_sum()).to_array(),
+        }
+    }
+
+    /// The triangle of a whole footprint that holds a point of its square, and the weights there.
+    fn holding(&self, footprint: &Footprint, u: [f64; 2]) -> ([u32; 2], DVec3) {
+        let corner = [footprint.x - self.x0, footprint.y - self.y0].map(f64::from);
+        let at = DVec2::from(corner) + DVec2::from(u);
+        let weights = |held: &Held| {
+            let number = held.number as usize;
+            (number, self.weights[number].at(at))
+        };
+        let all = self.held_of(footprint).iter().map(weights);
+        let best = all.reduce(|a, b| match b.1.min_element() > a.1.min_element() {
+            true => b,
+            false => a,
+        });
+        let (number, weights) = best.unwrap_or_else(|| unreachable!("a footprint is never empty"));
+        (self.triangles[number], weights)
+    }
+
+    /// The triangle of the piece that the first number chooses, and the weights at the place in it.
+    fn piece_at(&self, footprint: &Footprint, u: [f64; 2]) -> ([u32; 2], DVec3) {
         let pieces = self.pieces_of(footprint);
         let (piece, s) = if let [piece] = pieces {
             (piece, u[0])
@@ -95,17 +166,15 @@ impl Tile {
         } else {
             square_to_triangle([s, u[1]])
         };
-        let w = (a + (b - a) * s + (c - a) * t).max(DVec3::ZERO);
-        SurfacePoint {
-            instance: piece.instance,
-            triangle: piece.triangle,
-            weights: (w / w.element_sum()).to_array(),
-        }
+        let w = a + (b - a) * s + (c - a) * t;
+        ([piece.instance, piece.triangle], w)
     }
 
     /// Covered area of a footprint in texels: [`Footprint::coverage`] before it was rounded and limited to 1.
     pub fn area(&self, footprint: &Footprint) -> f64 {
-        self.pieces[footprint.pieces.end as usize - 1].cumulative
+        self.pieces_of(footprint)
+            .last()
+            .map_or(1.0, |last| last.cumulative)
     }
 }
 
@@ -122,7 +191,8 @@ fn square_to_triangle([s, t]: [f64; 2]) -> [f64; 2] {
 pub(crate) struct Collector {
     cutter: Cutter,
     found: Vec<Found>,
-    triangles: Vec<[u32; 2]>,
+    tile: Tile,
+    wholes: Wholes,
 }
 
 /// A piece not yet sorted to its texel.
@@ -136,85 +206,119 @@ struct Found {
 }
 
 impl Collector {
-    pub fn new(x0: u32, y0: u32, page_size: u32) -> Collector {
+    /// Of a tile some texels of which are held whole.
+    pub fn new(x0: u32, y0: u32, page_size: u32, wholes: Wholes) -> Collector {
+        let tile = Tile {
+            x0,
+            y0,
+            footprints: Vec::with_capacity((TILE * TILE) as usize),
+            pieces: Vec::new(),
+            triangles: Vec::new(),
+            weights: Vec::new(),
+            held: vec![Held::default(); wholes.total()],
+        };
         Collector {
             cutter: Cutter::new(x0, y0, page_size),
             found: Vec::new(),
-            triangles: Vec::new(),
+            tile,
+            wholes,
         }
     }
 
-    /// Clips a triangle (corners in texels of the page) to every texel of the tile that it meets.
-    pub fn add(&mut self, instance: u32, triangle: u32, corners: [DVec2; 3]) {
-        let found = &mut self.found;
-        let (before, number) = (found.len(), self.triangles.len() as u32);
-        let everywhere = |_| true;
-        self.cutter.cut(corners, everywhere, |part| {
-            found.push(Found {
-                texel: part.texel,
-                centre: part.centre,
-                piece: Piece {
-                    instance,
-                    triangle,
-                    number,
-                    square: part.square,
-                    corners: part.corners,
-                    cumulative: part.area,
-                },
+    /// Clips the next triangle (corners in texels of the page) to every texel of the tile that it meets and that is not whole.
+    pub fn add(&mut self, [instance, triangle]: [u32; 2], corners: [DVec2; 3]) {
+        let Collector {
+            cutter,
+            found,
+            tile,
+            wholes,
+        } = self;
+        let (before, number) = (found.len(), tile.triangles.len() as u32);
+        let met = wholes.place(number, &mut tile.held);
+        if met.is_cut {
+            let wanted = |texel: u16| wholes.held(texel).is_none();
+            cutter.cut(corners, wanted, |part| {
+                found.push(Found {
+                    texel: part.texel,
+                    centre: part.centre,
+                    piece: Piece {
+                        instance,
+                        triangle,
+                        number,
+                        square: part.square,
+                        corners: part.corners,
+                        cumulative: part.area,
+                    },
+                });
             });
-        });
-        if found.len() > before {
-            self.triangles.push([instance, triangle]);
+        }
+        if !met.is_held && found.len() == before {
+            return;
+        }
+        tile.triangles.push([instance, triangle]);
+        if wholes.total() > 0 {
+            let origin = DVec2::new(tile.x0.into(), tile.y0.into());
+            let local = corners.map(|corner| corner - origin);
+            tile.weights.push(Weights::new(local, twice_area(local)));
         }
     }
 
     /// The finished tile.
     pub fn finish(self) -> Tile {
+        let Collector {
+            found,
+            mut tile,
+            wholes,
+            ..
+        } = self;
         // Sorted by texel in one pass that keeps the order of instances and triangles, then each texel's few by their centres.
         let mut ends = [0u32; (TILE * TILE) as usize + 1];
-        for found in &self.found {
+        for found in &found {
             ends[usize::from(found.texel) + 1] += 1;
         }
         for texel in 1..ends.len() {
             ends[texel] += ends[texel - 1];
         }
-        let mut order = vec![0u32; self.found.len()];
-        for (index, found) in self.found.iter().enumerate() {
+        let mut order = vec![0u32; found.len()];
+        for (index, found) in found.iter().enumerate() {
             let place = &mut ends[usize::from(found.texel)];
             order[*place as usize] = index as u32;
             *place += 1;
         }
-        let mut tile = Tile {
-            x0: self.cutter.x0,
-            y0: self.cutter.y0,
-            footprints: Vec::with_capacity(order.len().min((TILE * TILE) as usize)),
-            pieces: Vec::with_capacity(order.len()),
-            triangles: self.triangles,
-        };
+        tile.pieces.reserve(order.len());
         let mut start = 0;
         for (at, &end) in (0..TILE * TILE).zip(&ends) {
+            let mut add = |is_whole, coverage, parts| {
+                tile.footprints.push(Footprint {
+                    x: tile.x0 + at % TILE,
+                    y: tile.y0 + at / TILE,
+                    coverage,
+                    is_whole,
+                    parts,
+                });
+            };
+            if let Some(held) = wholes.held(at as u16) {
+                add(true, 1.0, held);
+                continue;
+            }
             let texel = &mut order[start as usize..end as usize];
             if texel.is_empty() {
                 continue;
             }
-            let centre = |&index: &u32| self.found[index as usize].centre;
+            let centre = |&index: &u32| found[index as usize].centre;
             // Stable: equal centres keep their order.
             texel.sort_by(|a, b| centre(a).total_cmp(&centre(b)));
             let mut cumulative = 0.0;
             for &index in texel.iter() {
-                let piece = self.found[index as usize].piece;
+                let piece = found[index as usize].piece;
                 cumulative += piece.cumulative;
                 tile.pieces.push(Piece {
                     cumulative,
                     ..piece
                 });
             }
-            tile.footprints.push(Footprint {
-                x: self.cutter.x0 + at % TILE,
-                y: self.cutter.y0 + at / TILE,
-                coverage: (cumulative as f32).clamp(f32::MIN_POSITIVE, 1.0),
-                pieces: start..end,
-            });
+            let coverage = (cumulative as f32).clamp(f32::MIN_POSITIVE, 1.0);
+            add(false, coverage, start..end);
             start = end;
         }
         tile

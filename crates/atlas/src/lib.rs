@@ -24,6 +24,7 @@ mod authored;
 mod centre;
 mod charts;
 mod clip;
+mod cover;
 mod cutter;
 mod dilate;
 mod error;
@@ -54,6 +55,8 @@ mod twins;
 mod types;
 mod uv;
 
+pub use cover::Held;
+pub use cutter::Weights;
 pub use dilate::{Dilation, RINGS};
 pub use error::{Error, Why};
 pub use facts::{Facts, ObjectFacts, facts};

@@ -1,6 +1,7 @@
 //! An index of a page's triangles by tile. Footprints are cut out on demand, a tile at a time.
 
 use crate::centre::draw_together;
+use crate::cover::{Cover, Wholes};
 use crate::cutter::{Cutter, covered};
 use crate::footprint::{Collector, Footprint, Tile};
 use crate::types::TILE;
@@ -85,9 +86,33 @@ impl<'a> PageRaster<'a> {
     /// If `index` is not below the number of tiles.
     pub fn tile(&self, index: usize) -> Tile {
         let [x0, y0] = self.tile_origin(index);
-        let mut collector = Collector::new(x0, y0, self.page_size);
+        let mut collector = Collector::new(x0, y0, self.page_size, Wholes::none());
         for (entry, corners) in self.triangles(index) {
-            collector.add(entry[0], entry[1], corners);
+            collector.add(entry, corners);
+        }
+        collector.finish()
+    }
+
+    /// The same, where texels that triangles of one object cover wholly hold these uncut ([`Footprint::is_whole`]) if all of them are
+    /// `kept`, by instance and triangle.
+    ///
+    /// # Panics
+    ///
+    /// If `index` is not below the number of tiles.
+    pub fn whole_tile(&self, index: usize, kept: impl Fn([u32; 2]) -> bool) -> Tile {
+        let [x0, y0] = self.tile_origin(index);
+        let triangles: Vec<([u32; 2], [DVec2; 3])> = self.triangles(index).collect();
+        let mut cover = Cover::new(x0, y0, self.page_size);
+        triangles
+            .iter()
+            .for_each(|&(_, corners)| cover.add(corners));
+        let wholes = cover.wholes(|number| {
+            let (entry, _) = triangles[number];
+            (entry[0], kept(entry))
+        });
+        let mut collector = Collector::new(x0, y0, self.page_size, wholes);
+        for (entry, corners) in triangles {
+            collector.add(entry, corners);
         }
         collector.finish()
     }

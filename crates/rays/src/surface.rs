@@ -179,6 +179,11 @@ impl Patch {
         kept / kept.element_sum()
     }
 
+    /// The least corner weights that [`Patch::kept`] leaves.
+    pub fn least_weights(&self) -> DVec3 {
+        self.least(AWAY)
+    }
+
     /// Least corner weights at so many times the bound.
     fn least(&self, times: f64) -> DVec3 {
         (self.inset * times).min(DVec3::splat(LARGEST_INSET))

@@ -147,6 +147,16 @@ impl World {
         maps.mean(&self.scene, part, geometry.mesh, triangle, corners, square)
     }
 
+    /// True where a normal map may bend the shading normals of an instance.
+    pub fn bends_normals(&self, instance: u32) -> bool {
+        let (_, geometry) = self.part(instance);
+        let mesh = &self.scene.meshes[geometry.mesh as usize];
+        let has_map = self.scene.materials[mesh.material as usize]
+            .normal_map
+            .is_some();
+        self.normal_maps.is_some() && has_map
+    }
+
     /// The unit shading normal at a point of a triangle, bent by the normal map of its material; `None` where it has none, or where
     /// [`World::read_normal_maps`] was not called.
     pub(crate) fn bent_at(&self, instance: u32, triangle: u32, weights: DVec3) -> Option<DVec3> {

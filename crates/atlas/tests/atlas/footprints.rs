@@ -211,7 +211,7 @@ fn needles_thinner_than_a_texel_cover_every_texel_they_cross() {
         let mut columns: Vec<u32> = tiles
             .iter()
             .flat_map(|t| t.footprints.iter().map(move |f| (t, f)))
-            .filter(|(t, f)| t.pieces[f.pieces.start as usize].triangle == triangle)
+            .filter(|(t, f)| t.pieces_of(f)[0].triangle == triangle)
             .map(|(_, f)| f.x)
             .collect();
         columns.sort_unstable();
@@ -269,7 +269,7 @@ fn a_triangle_larger_than_the_page_fills_it_with_whole_squares() {
     for tile in &tiles {
         for f in &tile.footprints {
             assert_eq!(f.coverage, 1.0);
-            assert!(tile.pieces[f.pieces.start as usize].square);
+            assert!(tile.pieces_of(f)[0].square);
             let p = position(&scene, &atlas, &tile.sample(f, [0.25, 0.75]));
             let expected = DVec2::new(f64::from(f.x) + 0.25, f64::from(f.y) + 0.75);
             assert!((p - expected).length() < 1e-12, "{p} for {expected}");

@@ -38,8 +38,7 @@ pub fn apart(scene: &Scene, atlas: &Atlas) -> i64 {
         for i in 0..raster.tiles().len() {
             let tile = raster.tile(i);
             for f in &tile.footprints {
-                owner[f.y as usize * size + f.x as usize] =
-                    tile.pieces[f.pieces.start as usize].instance;
+                owner[f.y as usize * size + f.x as usize] = tile.pieces_of(f)[0].instance;
             }
         }
         for y in 0..size as i64 {

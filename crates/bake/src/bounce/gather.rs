@@ -130,7 +130,7 @@ impl Gather<'_> {
         let points = if texel.open { 0 } else { count };
         let aim = match integral {
             Integral::Irradiance if !texel.open => {
-                let size = texel.world_area().sqrt();
+                let size = texel.area.sqrt();
                 self.spots.aim(texel.position, texel.normal, size, reach)
             }
             _ => Aim::default(),

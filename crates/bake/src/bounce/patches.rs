@@ -19,7 +19,7 @@ pub(super) struct Patch {
 impl Patch {
     /// That of a texel; `None` where it sends nothing on.
     pub fn of(texel: &Texel, index: u32) -> Option<Self> {
-        let (area, albedo) = (texel.world_area(), super::mean(texel.material.albedo));
+        let (area, albedo) = (texel.area, super::mean(texel.material.albedo));
         let sends = area > 0.0 && albedo > 0.0 && texel.seen.share > 0.0;
         sends.then(|| Self::new(index, texel.position, texel.normal, area, albedo))
     }

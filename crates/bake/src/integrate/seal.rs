@@ -109,7 +109,7 @@ fn sealed(task: &Task<'_>, texels: &[Texel], places: &[Place]) -> Vec<bool> {
                 packet.origin[axis][lane] = origin[axis];
                 packet.direction[axis][lane] = direction[axis];
             }
-            let edge = (texel.world_area() / f64::from(texel.coverage)).sqrt();
+            let edge = (texel.area / f64::from(texel.coverage)).sqrt();
             packet.t_max[lane] = ((REACH * edge) as f32).min(task.t_max);
         }
         let active = (1 << places.len()) - 1;

@@ -309,8 +309,9 @@ impl<'a> Baker<'a> {
 
     /// The footprints of a tile.
     pub(crate) fn cut(&self, raster: &PageRaster<'_>, index: usize) -> Tile {
+        let surveyor = self.surveyor();
         match self.options.footprint {
-            Footprint::Texel => raster.tile(index),
+            Footprint::Texel => raster.whole_tile(index, |of| surveyor.keeps_whole(of)),
             Footprint::Centre => raster.centres(index),
         }
     }
@@ -401,18 +402,21 @@ impl<'a> Baker<'a> {
         }
     }
 
-    /// The texels of a tile, ready to be integrated.
-    pub(crate) fn survey(&self, tile: &Tile, page: u32) -> Vec<Texel> {
-        let surveyor = Surveyor {
+    fn surveyor(&self) -> Surveyor<'_> {
+        Surveyor {
             world: self.world,
             errors: &self.errors,
             overrides: &self.options.overrides,
             plan: self.plan,
             solids: self.solids,
             under: self.options.under,
-        };
+        }
+    }
+
+    /// The texels of a tile, ready to be integrated.
+    pub(crate) fn survey(&self, tile: &Tile, page: u32) -> Vec<Texel> {
         let (seed, size) = (self.options.seed, self.atlas.page_size);
-        surveyor.texels(tile, |x, y, term| {
+        self.surveyor().texels(tile, |x, y, term| {
             Stream::new(seed, page, y * size + x, term, 0)
         })
     }

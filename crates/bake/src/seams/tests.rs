@@ -299,7 +299,7 @@ fn what_is_seen_does_not_give_way_to_what_is_buried() {
     for index in 0..raster.tiles().len() {
         let tile = raster.tile(index);
         for footprint in &tile.footprints {
-            if tile.pieces[footprint.pieces.start as usize].instance == 1 {
+            if tile.pieces_of(footprint)[0].instance == 1 {
                 validity[(footprint.y * SIZE + footprint.x) as usize] = 0.0;
             }
         }

@@ -1,8 +1,9 @@
 //! One piece of a texel's footprint inside one triangle, ready to be sampled: everything is affine in (s, t).
 
+use super::cells::Weights;
 use crate::options::Shading;
-use atlas::Piece;
-use glam::DVec3;
+use atlas::{Piece, TILE};
+use glam::{DVec2, DVec3};
 use rays::Patch;
 
 /// Least cosine between a bent normal and the surface: one degree above it.
@@ -29,6 +30,9 @@ pub(crate) struct Cell {
     pub geometric: DVec3,
     /// How a ray's origin stands off where the shading normal is on the geometric normal's side; else its opposite.
     pub lift: DVec3,
+    /// Of a whole triangle, the weights of its second and third corner over its tile, and the least corner weights of a sample.
+    pub weights: Weights,
+    pub least: [f32; 3],
     smooth: bool,
 }
 
@@ -86,6 +90,24 @@ impl Cell {
         push(0.5, [d, c, b], 0.5 * area);
     }
 
+    /// All of a triangle that texels hold whole, by its corner weights as affine functions of the place in the tile: (s, t) are the
+    /// weights of its second and third corner. It has no area in texels.
+    pub fn whole((patch, body): (&Patch, Option<u32>), weights: &dyn Fn(DVec2) -> DVec3) -> Self {
+        let corners = [DVec3::X, DVec3::Y, DVec3::Z];
+        let mut cell = Self::of((patch, body), 0.5, corners, 0.0);
+        let [a, b, c] = [DVec2::ZERO, DVec2::X, DVec2::Y].map(weights);
+        cell.weights = [a, b - a, c - a].map(|w| [w.y as f32, w.z as f32]);
+        cell.least = patch.least_weights().as_vec3().to_array();
+        let edge = TILE as f32;
+        let reach = cell.corners_in(|[u, v]| {
+            let [a, b, c] = cell.weights;
+            [0, 1].map(|k: usize| a[k] + edge * (b[k] * u + c[k] * v))
+        });
+        let [a, b, c, d] = reach.map(DVec3::abs);
+        cell.lift = patch.geometric * patch.offset(a.max(b).max(c).max(d));
+        cell
+    }
+
     fn of((patch, body): (&Patch, Option<u32>), fold: f32, weights: [DVec3; 3], area: f64) -> Self {
         let affine = |[a, b, c]: [DVec3; 3]| [a, b - a, c - a];
         let corners = weights.map(|w| patch.position(w));
@@ -109,6 +131,8 @@ impl Cell {
             normal,
             geometric: patch.geometric,
             lift: patch.geometric * patch.offset(a.max(b).max(c)),
+            weights: [[0.0; 2]; 3],
+            least: [0.0; 3],
             smooth,
         }
     }
@@ -148,10 +172,10 @@ impl Cell {
         !self.smooth && self.normal[0].dot(self.geometric).abs() >= 1.0 - 1e-12
     }
 
-    /// (s, t) in the cell of a point of the unit square whose first coordinate chose it.
+    /// Weights of the second and third corner, moved as far from the edges of a whole triangle as samples stay.
     #[inline(always)]
-    pub fn place(&self, u: [f32; 2]) -> [f32; 2] {
-        place_in(self.placement(), u)
+    pub fn kept(&self, weights: [f32; 2]) -> [f32; 2] {
+        kept_in(self.least, weights)
     }
 
     /// Start, 1 over the share of the footprint's area, and fold.
@@ -193,6 +217,30 @@ impl Cell {
         share * s.cross(t).length()
     }
 
+    /// Area in the world of a texel's square on the plane of a whole triangle, squared units.
+    pub fn texel_area(&self) -> f64 {
+        let [_, s, t] = self.position;
+        let [_, along, across] = self.weights.map(|w| w.map(f64::from));
+        s.cross(t).length() * (along[0] * across[1] - along[1] * across[0]).abs()
+    }
+
+    /// Corners about what a square has of a whole triangle: its own where it is small, else those of the square on its plane. `weights`
+    /// are those at points of the unit square.
+    pub fn corners_in(&self, weights: impl Fn([f32; 2]) -> [f32; 2]) -> [DVec3; 4] {
+        let own = self.corners();
+        let square = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|u| self.at(weights(u)));
+        let extent = |of: &[DVec3; 4]| {
+            let low = of[0].min(of[1]).min(of[2]).min(of[3]);
+            let high = of[0].max(of[1]).max(of[2]).max(of[3]);
+            (high - low).element_sum()
+        };
+        if extent(&own) < extent(&square) {
+            own
+        } else {
+            square
+        }
+    }
+
     /// (s, t) of the centroid.
     pub fn centre(&self) -> [f32; 2] {
         if self.fold == 0.0 {
@@ -231,12 +279,6 @@ impl Cell {
     }
 }
 
-/// The cell of a footprint that the first coordinate of a point of the unit square chooses by area.
-#[inline]
-pub(crate) fn choose(cells: &[Cell], u0: f32) -> usize {
-    cells[1..].partition_point(|cell| u0 >= cell.start)
-}
-
 /// (s, t) in a cell with this placement: the square is stretched over the cell, so that stratified numbers stay
 /// stratified, and folded onto a triangle as in E. Heitz, "A Low-Distortion Map Between Triangle and Square", 2019.
 #[inline(always)]
@@ -244,6 +286,15 @@ pub(crate) fn place_in([start, inverse, fold]: [f32; 3], [u0, u1]: [f32; 2]) -> 
     let s = ((u0 - start) * inverse).clamp(0.0, 1.0);
     let folded = fold * s.min(u1);
     [s - folded, u1 - folded]
+}
+
+/// Weights of the second and third corner of a triangle of whose corners none has less than `least`.
+#[inline(always)]
+pub(crate) fn kept_in(least: [f32; 3], [s, t]: [f32; 2]) -> [f32; 2] {
+    let first = (1.0 - s - t).max(least[0]);
+    let [s, t] = [s.max(least[1]), t.max(least[2])];
+    let scale = 1.0 / (first + s + t);
+    [s * scale, t * scale]
 }
 
 #[cfg(test)]

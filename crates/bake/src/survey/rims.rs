@@ -169,19 +169,8 @@ fn cut(polygon: &[DVec3], height: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::fixture::patch;
     use super::*;
-
-    /// A triangle of a unit square over z = 0, with these normals.
-    fn patch(normals: [[f32; 3]; 3]) -> Patch {
-        let mut mesh = scene::authored::Mesh::default();
-        mesh.positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-        mesh.normals = normals.to_vec();
-        mesh.triangles = vec![[0, 1, 2]];
-        let scene = scene::Scene::from_meshes(vec![mesh], vec![]).unwrap();
-        let world = rays::World::new(std::sync::Arc::new(scene), rays::WorldOptions::default());
-        let world = world.unwrap();
-        Patch::of(&world, &rays::PlaneErrors::of(&world), 0, 0)
-    }
 
     #[test]
     fn a_footprint_ends_at_the_wall_that_cuts_a_thin_rim_off() {

@@ -4,7 +4,7 @@
 //! Elsewhere the unit square of sample points is cut into strata. One whose corners lie in the open is kept,
 //! and samples are spread over those that are kept. So all rays of a texel serve what can be seen of it.
 
-use super::cell::{Cell, choose};
+use super::cells::Cells;
 use glam::DVec3;
 use rays::{NUDGE, Near, Solids};
 
@@ -33,11 +33,11 @@ struct Spot {
 }
 
 impl Spot {
-    fn of(cells: &[Cell]) -> Self {
+    fn of(cells: &Cells) -> Self {
         let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let corners = cells.iter().flat_map(Cell::corners);
+        let corners = cells.corners().flatten();
         let (low, high) = corners.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
-        let own = cells[0].body;
+        let own = cells.cell(0).body;
         let is_uniform = cells.iter().all(|cell| cell.body == own);
         let own = is_uniform.then_some(own);
         Self { low, high, own }
@@ -102,7 +102,7 @@ impl Spot {
 /// not among the answers all.
 pub(super) fn look<'a>(
     solids: &Solids,
-    footprints: impl Iterator<Item = (usize, &'a [Cell])>,
+    footprints: impl Iterator<Item = (usize, &'a Cells)>,
 ) -> Vec<(usize, Seen)> {
     let footprint = |(number, cells)| (number, cells, Spot::of(cells));
     let mut footprints: Vec<Placed> = footprints.map(footprint).collect();
@@ -119,7 +119,7 @@ pub(super) fn look<'a>(
 }
 
 /// A footprint's number, its cells and where it is.
-type Placed<'a> = (usize, &'a [Cell], Spot);
+type Placed<'a> = (usize, &'a Cells, Spot);
 
 fn around(footprints: &[Placed]) -> Option<Spot> {
     let spots = footprints.iter().map(|(.., spot)| *spot);
@@ -188,8 +188,8 @@ impl Seen {
     };
 
     /// Looks at a texel of these cells, which is `whole`, among the solids whose boxes may meet its own.
-    fn of(cells: &[Cell], whole: &Spot, solids: &Solids, near: &[u32]) -> Self {
-        let (own, is_uniform) = (cells[0].body, whole.own.is_some());
+    fn of(cells: &Cells, whole: &Spot, solids: &Solids, near: &[u32]) -> Self {
+        let (own, is_uniform) = (cells.cell(0).body, whole.own.is_some());
         let reach = whole.reach(solids, near);
         let tested = |position: DVec3, geometric: DVec3| position + NUDGE * reach * geometric;
         let faces: Vec<DVec3> = cells
@@ -197,15 +197,14 @@ impl Seen {
             .map(|cell| cell.sample(cell.centre()).geometric)
             .collect();
         let corners: Vec<DVec3> = cells
-            .iter()
+            .corners()
             .zip(&faces)
-            .flat_map(|(cell, &face)| cell.corners().map(|corner| tested(corner, face)))
+            .flat_map(|(corners, &face)| corners.map(|corner| tested(corner, face)))
             .collect();
         let corners = || corners.iter().copied();
         let point_at = |u: [f64; 2]| {
-            let u = u.map(|u| u as f32);
-            let index = choose(cells, u[0]);
-            let (cell, place) = (&cells[index], cells[index].place(u));
+            let (index, place) = cells.place(u.map(|u| u as f32));
+            let cell = cells.cell(index);
             // Where the shading normal does not change, neither does the side that it is on.
             let geometric = match cell.is_smooth() {
                 true => cell.sample(place).geometric,
@@ -299,6 +298,7 @@ impl Seen {
 
 #[cfg(test)]
 mod tests {
+    use super::super::fixture;
     use super::*;
     use atlas::Piece;
     use rays::{Patch, PlaneErrors, World, WorldOptions};
@@ -343,15 +343,11 @@ mod tests {
                 corners: [weights(x, z), weights(x + 0.5, z), weights(x, z + 0.5)],
                 cumulative: 1.0,
             };
-            let mut cells = Vec::new();
-            Cell::push(&mut cells, (&patch, None), &piece, 1.0);
-            Cell::share(&mut cells);
-            cells
+            fixture::cells(&patch, &[(piece, 1.0)])
         };
-        let texels: Vec<Vec<Cell>> = (0..256).map(texel).collect();
+        let texels: Vec<Cells> = (0..256).map(texel).collect();
         let mut seen = vec![Seen::ALL; 256];
-        let cells = texels.iter().map(|cells| &cells[..]);
-        for (number, found) in look(world.solids(), cells.enumerate()) {
+        for (number, found) in look(world.solids(), texels.iter().enumerate()) {
             seen[number] = found;
         }
         seen

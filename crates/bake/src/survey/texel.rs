@@ -1,6 +1,7 @@
 //! What a texel's footprint is made of: its cells, its mean material and its mean position and normals.
 
-use super::cell::{Cell, Sample, choose};
+use super::cell::{Cell, Sample};
+use super::cells::{Cells, Ground};
 use super::rims::{self, Ends};
 use super::seen::{Seen, look};
 use crate::labels;
@@ -9,7 +10,7 @@ use ambient::sampling::Stream;
 use atlas::{Footprint, Piece, Tile};
 use glam::DVec3;
 use rays::{Overrides, Patch, PhongMaterial, PlaneErrors, Solids, World, is_mapped, material_at};
-use std::ops::{Deref, Range};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Sample points over the footprint from which means of textured materials are taken.
@@ -27,6 +28,8 @@ pub(crate) struct Texel {
     pub position: DVec3,
     pub normal: DVec3,
     pub geometric: DVec3,
+    /// In the world, squared units.
+    pub area: f64,
     /// Object with the largest share of the footprint.
     pub object: u32,
     /// Nothing stands above the footprint: no ray is needed.
@@ -37,60 +40,20 @@ pub(crate) struct Texel {
     pub seen: Seen,
 }
 
-/// The cells of a texel, never none: a part of those of its tile.
-#[derive(Debug)]
-pub(crate) struct Cells {
-    all: Arc<Vec<Cell>>,
-    own: Range<usize>,
-}
-
-impl Deref for Cells {
-    type Target = [Cell];
-
-    #[inline(always)]
-    fn deref(&self) -> &[Cell] {
-        &self.all[self.own.clone()]
-    }
-}
-
 impl Texel {
-    /// Where the cells end along the first coordinate of a point of the unit square, but for the last.
-    pub fn ends(&self) -> impl ExactSizeIterator<Item = f32> {
-        self.cells[1..].iter().map(|cell| cell.start)
-    }
-
-    /// The cell that the first coordinate of a point of the unit square chooses by area.
-    #[inline]
-    pub fn choose(&self, u0: f32) -> usize {
-        choose(&self.cells, u0)
-    }
-
-    /// Area in the world, squared units.
-    pub fn world_area(&self) -> f64 {
-        self.cells.iter().map(Cell::world_area).sum()
-    }
-
     /// The surface at a point of the unit square, spread over what can be seen.
     pub fn sample(&self, u: [f64; 2]) -> Sample {
-        let [u, v] = self.seen.place(u.map(|u| u as f32));
-        self.sample_of([u.into(), v.into()])
+        self.cells.sample(self.seen.place(u.map(|u| u as f32)))
     }
 
     /// The surface at a point of the unit square, spread over what can be seen, and the origin of rays that leave it there.
     pub fn start(&self, u: [f64; 2]) -> (Sample, [f32; 3]) {
-        let placed = self.seen.place(u.map(|u| u as f32));
-        let cell = &self.cells[self.choose(placed[0])];
-        let sample = cell.sample(cell.place(placed));
+        let (number, place) = self.cells.place(self.seen.place(u.map(|u| u as f32)));
+        let cell = self.cells.cell(number);
+        let sample = cell.sample(place);
         let side = sample.geometric.dot(cell.geometric).signum();
         let origin = sample.position + cell.lift * side;
         (sample, origin.as_vec3().to_array())
-    }
-
-    /// The surface at a point of the unit square of the whole footprint.
-    fn sample_of(&self, u: [f64; 2]) -> Sample {
-        let u = u.map(|u| u as f32);
-        let cell = &self.cells[self.choose(u[0])];
-        cell.sample(cell.place(u))
     }
 
     /// Takes what can be seen, and the means over it.
@@ -102,7 +65,7 @@ impl Texel {
         let (mut position, mut normal, mut geometric) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
         let mut count = 0.0;
         for middle in self.seen.middles() {
-            let sample = self.sample_of(middle);
+            let sample = self.cells.sample(middle.map(|u| u as f32));
             position += sample.position;
             normal += sample.normal;
             geometric += sample.geometric;
@@ -144,23 +107,41 @@ impl<'a> Surveyor<'a> {
         let known: Vec<Known> = (tile.triangles.iter())
             .map(|&[instance, triangle]| self.known(instance, triangle))
             .collect();
-        let mut cells = Vec::with_capacity(tile.pieces.len());
-        let cut = |footprint: &Footprint| {
-            let start = cells.len();
-            let is_left = self.cut(tile.pieces_of(footprint), &known, &mut cells);
-            (start..cells.len(), is_left)
+        let mut ground = Ground::default();
+        let mut cells = vec![None; known.len()];
+        for held in &tile.held {
+            let number = held.number as usize;
+            let cell = *cells[number].get_or_insert_with(|| {
+                let known = &known[number];
+                let weights = |at| tile.weights[number].at(at);
+                ground
+                    .cells
+                    .push(Cell::whole((&known.patch, known.body), &weights));
+                ground.cells.len() as u32 - 1
+            });
+            ground.wholes.push((cell, held.share));
+        }
+        let mut cut = |footprint: &Footprint| {
+            if footprint.is_whole {
+                return (footprint.parts.clone(), true);
+            }
+            let start = ground.cells.len() as u32;
+            let is_left = self.cut(tile.pieces_of(footprint), &known, &mut ground.cells);
+            (start..ground.cells.len() as u32, is_left)
         };
-        let found: Vec<(Range<usize>, bool)> = tile.footprints.iter().map(cut).collect();
-        let all = Arc::new(cells);
-        let texel = |(footprint, (own, is_left)): (&Footprint, (Range<usize>, bool))| {
-            let all = Arc::clone(&all);
+        let found: Vec<_> = tile.footprints.iter().map(&mut cut).collect();
+        let ground = Arc::new(ground);
+        let texel = |(footprint, (own, is_left)): (&Footprint, (Range<u32>, bool))| {
+            let corner = [footprint.x - tile.x0, footprint.y - tile.y0].map(|at| at as f32);
+            let whole = footprint.is_whole.then_some(corner);
+            let cells = Cells::new(Arc::clone(&ground), own, whole);
             let stream = stream(footprint.x, footprint.y, labels::SURVEY);
             let seen = if is_left { Seen::ALL } else { Seen::NONE };
-            self.texel((tile, footprint), &known, Cells { all, own }, seen, &stream)
+            self.texel((tile, footprint), &known, cells, seen, &stream)
         };
         let mut texels: Vec<Texel> = tile.footprints.iter().zip(found).map(texel).collect();
         if let Some(solids) = self.solids {
-            let footprints = texels.iter().map(|texel| &texel.cells[..]).enumerate();
+            let footprints = texels.iter().map(|texel| &texel.cells).enumerate();
             // What rims take is not looked at, nor what is kept.
             let left = footprints.filter(|&(index, _)| {
                 let texel: &Texel = &texels[index];
@@ -173,21 +154,31 @@ impl<'a> Surveyor<'a> {
         texels
     }
 
+    /// True where texels may hold a triangle uncut: nothing ends it, and its normals are its own.
+    pub fn keeps_whole(&self, [instance, triangle]: [u32; 2]) -> bool {
+        !self.world.bends_normals(instance) && self.ends(instance, triangle).are_none()
+    }
+
+    /// What may end footprints on a triangle.
+    fn ends(&self, instance: u32, triangle: u32) -> Ends<'a> {
+        let ending = self.solids.filter(|_| !self.world.keeps_buried(instance));
+        Ends {
+            rims: ending.map_or(&[], |of| of.rims(instance, triangle)),
+            covers: (ending.filter(|_| self.under != Some(0.0)))
+                .and_then(|of| of.covers(instance, triangle)),
+            under: self.under,
+        }
+    }
+
     fn known(&self, instance: u32, triangle: u32) -> Known<'a> {
         let scene = self.world.scene();
         let varies = is_mapped(scene, instance);
         let material = || material_at(scene, instance, triangle, [1.0, 0.0, 0.0]);
-        let ending = self.solids.filter(|_| !self.world.keeps_buried(instance));
         Known {
             patch: Patch::of(self.world, self.errors, instance, triangle),
             open: self.plan.open.contains(instance, triangle),
             body: self.solids.and_then(|of| of.own(instance, triangle)),
-            ends: Ends {
-                rims: ending.map_or(&[], |of| of.rims(instance, triangle)),
-                covers: (ending.filter(|_| self.under != Some(0.0)))
-                    .and_then(|of| of.covers(instance, triangle)),
-                under: self.under,
-            },
+            ends: self.ends(instance, triangle),
             material: (!varies).then(material),
         }
     }
@@ -236,36 +227,24 @@ impl<'a> Surveyor<'a> {
         seen: Seen,
         stream: &Stream,
     ) -> Texel {
-        let pieces = tile.pieces_of(footprint);
-        let of = |piece: &Piece| &known[piece.number as usize];
-        let (mut largest, mut before) = ((0.0, 0), 0.0);
-        for piece in pieces {
-            if piece.cumulative - before > largest.0 {
-                largest = (piece.cumulative - before, piece.instance);
-            }
-            before = piece.cumulative;
-        }
-        let (mut position, mut normal, mut geometric) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
-        let mut area = 0.0;
-        for cell in cells.iter() {
-            let centre = cell.sample(cell.centre());
-            position += centre.position * cell.area;
-            normal += centre.normal * cell.area;
-            geometric += centre.geometric * cell.area;
-            area += cell.area;
-        }
-        let upward = || of(&pieces[0]).patch.upward();
+        let shares = || tile.shares(footprint);
+        let largest = shares().reduce(|a, b| if b.1 > a.1 { b } else { a });
+        let (first, _) = largest.unwrap_or_else(|| unreachable!("a footprint is never empty"));
+        let means = cells.means();
+        let tilted = !cells.iter().all(Cell::is_flat);
+        let upward = || known[first as usize].patch.upward();
         Texel {
             x: footprint.x,
             y: footprint.y,
             coverage: footprint.coverage,
             material: self.material((tile, footprint), known, stream),
-            position: position / area,
-            normal: normal.try_normalize().unwrap_or_else(upward),
-            geometric: geometric.try_normalize().unwrap_or_else(upward),
-            object: largest.1,
-            open: pieces.iter().all(|piece| of(piece).open),
-            tilted: !cells.iter().all(Cell::is_flat),
+            position: means.position,
+            normal: means.normal.try_normalize().unwrap_or_else(upward),
+            geometric: means.geometric.try_normalize().unwrap_or_else(upward),
+            area: means.area,
+            object: tile.triangles[first as usize][0],
+            open: shares().all(|(number, _)| known[number as usize].open),
+            tilted,
             cells,
             seen,
         }
@@ -284,9 +263,9 @@ impl<'a> Surveyor<'a> {
             sum.specular += material.specular * weight;
             sum.exponent += material.exponent * weight;
         };
-        let pieces = tile.pieces_of(footprint);
-        let plain = |piece: &Piece| known[piece.number as usize].material;
-        if pieces.iter().any(|piece| plain(piece).is_none()) {
+        let plain = |number: u32| known[number as usize].material;
+        let shares = || tile.shares(footprint);
+        if shares().any(|(number, _)| plain(number).is_none()) {
             for index in 0..SURVEY_POINTS {
                 let [_, _, u, v] = stream.point(index);
                 let at = tile.sample(footprint, [u, v]);
@@ -295,12 +274,10 @@ impl<'a> Surveyor<'a> {
                 add(material, 1.0 / f64::from(SURVEY_POINTS));
             }
         } else {
-            let (area, mut before) = (tile.area(footprint), 0.0);
-            for piece in pieces {
-                if let Some(material) = plain(piece) {
-                    add(material, (piece.cumulative - before) / area);
+            for (number, share) in shares() {
+                if let Some(material) = plain(number) {
+                    add(material, share);
                 }
-                before = piece.cumulative;
             }
         }
         self.overrides.applied(sum)

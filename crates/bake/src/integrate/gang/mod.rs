@@ -62,7 +62,7 @@ pub(crate) struct Gang<'a> {
     stale: bool,
     /// Cell under each lane, where points choose it: lanes whose texels have several.
     cell: [u32; LANES],
-    borders: Borders,
+    borders: Borders<'a>,
     /// Lanes whose texels can be seen in part.
     parted: u32,
     /// Lanes in use, and those among them that nothing stands above, and whose hemisphere rays a guide sent.
@@ -176,7 +176,7 @@ impl<'a> Gang<'a> {
             self.open |= u32::from(texel.open) << l;
             let sent = self.sent.get(lane.texel);
             self.guided |= u32::from(sent.is_some_and(Option::is_some)) << l;
-            self.borders.set(l, texel.ends());
+            self.borders.set(l, &texel.cells);
             self.parted |= u32::from(texel.seen.is_part()) << l;
             if let Some(lobe) = &self.highlights[lane.texel] {
                 self.lobes |= 1 << l;
@@ -185,7 +185,7 @@ impl<'a> Gang<'a> {
                     gloss.set(l, lobe);
                 }
             }
-            self.surfaces.set(l, &texel.cells[0]);
+            self.surfaces.set(l, &texel.cells);
             if let Some(moments) = &mut self.moments {
                 moments.set(l, texel);
             }
@@ -248,7 +248,7 @@ impl<'a> Gang<'a> {
             [v0[l], v1[l]] = seen.place([v0[l], v1[l]]);
         }
         if self.borders.any() {
-            let cells = self.borders.cells(&v0);
+            let cells = self.borders.cells(&v0, &v1);
             let mut moved = 0;
             for l in 0..LANES {
                 moved |= u32::from(cells[l] != self.cell[l]) << l;
@@ -313,9 +313,9 @@ impl<'a> Gang<'a> {
     #[inline(always)]
     fn walk(&mut self, lane: usize, to: u32) {
         let cells = &self.texels[self.lanes[lane].texel].cells;
-        let (old, new) = (&cells[self.cell[lane] as usize], &cells[to as usize]);
+        let [old, new] = [self.cell[lane], to].map(|number| cells.cell(number as usize));
         self.cell[lane] = to;
-        self.surfaces.set_position(lane, new);
+        self.surfaces.set_position(lane, cells, to as usize);
         if !new.shades_like(old) {
             self.surfaces.set_normal(lane, new);
             self.stale = true;

@@ -6,7 +6,7 @@
 )]
 
 use crate::options::View;
-use crate::survey::{Cell, place_in};
+use crate::survey::{Cell, Cells, kept_in, place_in};
 use ambient::ggx::LEAST_COS;
 use ambient::sampling::{LANES, Wide};
 use glam::DVec3;
@@ -24,6 +24,11 @@ pub(super) struct LaneSurfaces {
     pub geometric: [Wide; 3],
     /// Start, inverse share and fold.
     place: [Wide; 3],
+    /// Of lanes whose texels triangles cover wholly, the weights of the second and third corner over the unit square, and the least of
+    /// all three.
+    weights: [[Wide; 2]; 3],
+    least: [Wide; 3],
+    whole: u32,
     /// Lanes whose shading normal changes over their cell.
     pub smooth: u32,
 }
@@ -47,25 +52,41 @@ impl LaneSurfaces {
             normal: [[[0.0; LANES]; 3]; 3],
             geometric: [[0.0; LANES]; 3],
             place: [[0.0; LANES]; 3],
+            weights: [[[0.0; LANES]; 2]; 3],
+            least: [[0.0; LANES]; 3],
+            whole: 0,
             smooth: 0,
         }
     }
 
-    pub fn set(&mut self, lane: usize, cell: &Cell) {
-        self.set_position(lane, cell);
-        self.set_normal(lane, cell);
+    /// Puts a texel's first cell under a lane.
+    pub fn set(&mut self, lane: usize, cells: &Cells) {
+        self.set_position(lane, cells, 0);
+        self.set_normal(lane, cells.cell(0));
     }
 
+    /// Puts a cell of a texel under a lane, but for its normals.
     #[inline(always)]
-    pub fn set_position(&mut self, lane: usize, cell: &Cell) {
+    pub fn set_position(&mut self, lane: usize, cells: &Cells, number: usize) {
+        let cell = cells.cell(number);
         for axis in 0..3 {
             for k in 0..3 {
                 self.position[k][axis][lane] = cell.position[k][axis];
             }
             self.lift[axis][lane] = cell.lift[axis];
         }
-        for (row, value) in self.place.iter_mut().zip(cell.placement()) {
-            row[lane] = value;
+        self.whole = self.whole & !(1 << lane) | u32::from(cells.are_whole()) << lane;
+        if cells.are_whole() {
+            for (row, weights) in self.weights.iter_mut().zip(cells.weights(number)) {
+                (row[0][lane], row[1][lane]) = (weights[0], weights[1]);
+            }
+            for (row, least) in self.least.iter_mut().zip(cell.least) {
+                row[lane] = least;
+            }
+        } else {
+            for (row, value) in self.place.iter_mut().zip(cell.placement()) {
+                row[lane] = value;
+            }
         }
     }
 
@@ -87,6 +108,20 @@ impl LaneSurfaces {
         for l in 0..LANES {
             let place = [self.place[0][l], self.place[1][l], self.place[2][l]];
             [at[0][l], at[1][l]] = place_in(place, [v0[l], v1[l]]);
+        }
+        if self.whole == 0 {
+            return at;
+        }
+        let ([a, b, c], least) = (&self.weights, &self.least);
+        for l in 0..LANES {
+            let weight = |k: usize| a[k][l] + b[k][l] * v0[l] + c[k][l] * v1[l];
+            let [s, t] = kept_in(
+                [least[0][l], least[1][l], least[2][l]],
+                [weight(0), weight(1)],
+            );
+            let is_whole = self.whole >> l & 1 == 1;
+            at[0][l] = if is_whole { s } else { at[0][l] };
+            at[1][l] = if is_whole { t } else { at[1][l] };
         }
         at
     }
@@ -237,48 +272,21 @@ pub(super) fn mirrored(normal: &[Wide; 3], origin: &[Wide; 3], eye: DVec3) -> [W
 #[cfg(test)]
 mod tests {
     use super::*;
-    use atlas::Piece;
-    use rays::Patch;
-
-    /// A triangle of a unit square over z = 0, with these normals.
-    fn patch(normals: [[f32; 3]; 3]) -> Patch {
-        let mut mesh = scene::authored::Mesh::default();
-        mesh.positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-        mesh.normals = normals.to_vec();
-        mesh.triangles = vec![[0, 1, 2]];
-        let scene = scene::Scene::from_meshes(vec![mesh], vec![]).unwrap();
-        let world = rays::World::new(std::sync::Arc::new(scene), rays::WorldOptions::default());
-        let world = world.unwrap();
-        Patch::of(&world, &rays::PlaneErrors::of(&world), 0, 0)
-    }
+    use crate::survey::fixture;
 
     #[test]
     fn a_lane_is_smooth_as_the_last_cell_under_it() {
-        let piece = Piece {
-            instance: 0,
-            triangle: 0,
-            number: 0,
-            square: false,
-            corners: [
-                DVec3::X,
-                DVec3::new(0.5, 0.5, 0.0),
-                DVec3::new(0.5, 0.0, 0.5),
-            ],
-            cumulative: 0.0,
-        };
-        let cell = |normals| {
-            let mut cells = Vec::new();
-            Cell::push(&mut cells, (&patch(normals), None), &piece, 1.0);
-            cells.remove(0)
-        };
+        let piece = fixture::piece(false, [[0.0, 0.0], [0.5, 0.0], [0.0, 0.5]]);
         let up = [0.0, 0.0, 1.0];
-        let [flat, smooth] = [cell([up; 3]), cell([up, [0.6, 0.0, 0.8], up])];
+        let [flat, smooth] = [[up; 3], [up, [0.6, 0.0, 0.8], up]]
+            .map(|normals| fixture::cells(&fixture::patch(normals), &[(piece, 1.0)]));
+        let [flat, smooth] = [flat.cell(0), smooth.cell(0)];
         assert_eq!([flat.is_smooth(), smooth.is_smooth()], [false, true]);
         let mut surfaces = LaneSurfaces::none();
         let mut expected = 0u32;
         for turn in 0..3 * LANES {
             let (lane, is_smooth) = (turn * 7 % LANES, turn % 3 != 1);
-            surfaces.set_normal(lane, if is_smooth { &smooth } else { &flat });
+            surfaces.set_normal(lane, if is_smooth { smooth } else { flat });
             expected = expected & !(1 << lane) | u32::from(is_smooth) << lane;
             assert_eq!(surfaces.smooth, expected, "after {turn}");
         }
