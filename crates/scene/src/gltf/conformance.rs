@@ -1,4 +1,4 @@
-//! What of glTF 2.0 and of its extensions a bake reads: one table. Warnings are made from it, and the table of `docs/formats.md`, which a
+//! What of glTF 2.0 and of its extensions a bake reads: one table. Warnings are made from it, and the table of `docs/gltf.md`, which a
 //! test holds to it.
 //!
 //! Sources: the glTF 2.0 specification, section 5; the extensions of its repository, `extensions/2.0`, on 26 November 2026, and those of
@@ -74,7 +74,7 @@ pub const CORE: &[Row] = &[
     row("bufferView: target", Harmless, ""),
     row("camera, node: camera", Harmless, ""),
     row("extensionsRequired, extensionsUsed", Honoured, "a file is refused where it requires one that is not known, or geometry that cannot be read"),
-    row("extras, name", Harmless, "names stand in reports; `extras.ambake` says what `docs/using.md` lists"),
+    row("extras, name", Harmless, "names stand in reports; `extras.ambake` says what `docs/flags.md` lists"),
     row("image: uri, bufferView", Honoured, "PNG and JPEG by their bytes; WebP, BMP and TGA too"),
     row("image: mimeType", Harmless, "the bytes say what they are"),
     row("material: alphaMode, alphaCutoff", Honoured, "BLEND lets the share 1 - alpha of the light pass"),
@@ -287,11 +287,11 @@ mod tests {
     }
 
     #[test]
-    fn the_page_on_formats_has_this_table() {
-        let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/formats.md");
+    fn the_page_on_gltf_has_this_table() {
+        let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/gltf.md");
         let page = std::fs::read_to_string(page).unwrap();
         let tables = tables();
-        assert!(page.contains(&tables), "docs/formats.md lacks:\n{tables}");
+        assert!(page.contains(&tables), "docs/gltf.md lacks:\n{tables}");
     }
 
     #[test]
