@@ -49,6 +49,18 @@
 //!
 //! Directions point away from surfaces, colours are linear, angles are radians, and lengths are in scene units. The stored terms
 //! are 1 for an open texel under a sky of radiance 1.
+//!
+//! # Where what is
+//!
+//! For those who change the library:
+//!
+//! * What is asked for: `bake.rs` and `options.rs`. A bake between plan and result: `job.rs` and `run.rs`. What is
+//!   written, and which names of an earlier bake go: `write.rs`.
+//! * What a bake will take: `estimate.rs`, its memory `memory.rs`. Whether a scene is an interior: `interior.rs`.
+//! * What can be seen: `seen.rs` for points of a triangle, `shell.rs` for the outsides of rooms.
+//! * Saved states: `resume.rs`. Shards: `shard.rs` and `merge.rs`. Updates: `update.rs`, their files `state.rs`. The
+//!   atlas alone: `layout.rs`.
+//! * The picture of the lit scene: `lit.rs`. Probes: `probes.rs`.
 #![forbid(unsafe_code)]
 
 mod any_view;

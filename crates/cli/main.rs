@@ -5,6 +5,15 @@
 //!
 //! Exit status: 0 done, 1 the job failed (one line on standard error), 2 the command line is wrong (likewise), 130 and 143 stopped
 //! by Ctrl-C or SIGTERM with nothing half-written; a bake leaves a state that the same command continues.
+//!
+//! # Where what is
+//!
+//! * The verbs that bake, lay out, merge and watch: `bake`. Maps: `map`. Pictures: `render`. Measurements: `bench`.
+//!   Light for what moves: `probes`. Every other verb is a file beside this one.
+//! * `ambake.toml`: `project.rs`. When `watch` bakes, and how fine: `bake/watch.rs`. What a picture file of `render`
+//!   holds: `render/file.rs`.
+//! * Progress: `progress.rs`. Ctrl-C: `stop.rs`. What `--version` says: `host.rs` with the root's build script. The end
+//!   of memory: `allocate.rs`; `crates/ambake/memory.rs` looks before a bake.
 // `allocate` alone needs some: Rust has no safe word for an allocator.
 #![deny(unsafe_code)]
 

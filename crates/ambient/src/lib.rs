@@ -21,6 +21,16 @@
 //! assert!((lobe_scale(20.0) * std::f64::consts::TAU - 21.0).abs() < 1e-14);
 //! assert_eq!(Frame::from_normal(normal).to_world(DVec3::Z), normal);
 //! ```
+//!
+//! # Where what is
+//!
+//! * Normalisation: `convention.rs`, and nowhere else. The models traditional, Lambert and Phong: `models.rs`. The
+//!   Moon's dust: `lunar.rs`.
+//! * Points without anything above them: `closed_form`. Microfacets: `ggx`.
+//! * How directions are drawn: `sampling`, with the hemisphere, the lobe, the point sets, and in `guide.rs` the warp
+//!   for dark surfaces. Those that a sky draws are in `crates/maps/src/sky_map.rs`.
+//! * Layers for any view: `any_view`, and in its `order.rs` how many numbers they take. Harmonics of probes:
+//!   `harmonics.rs`.
 
 #![forbid(unsafe_code)]
 

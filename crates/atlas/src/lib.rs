@@ -16,6 +16,21 @@
 //! assert_eq!((atlas.page_count, atlas.chart_count), (1, 1));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! # Where what is
+//!
+//! * How many texels an object gets: `share.rs` is the rule, `search.rs` finds the densities that fit.
+//! * How charts are made: `charts.rs`; flat faces, which are not cut, in `flat.rs`; what is handed to the unwrapper in
+//!   `parts.rs`; how large curved pieces are cut and laid flat in `flatten`.
+//! * Coordinates of the file: `keep.rs`, and `authored.rs` where their charts are packed apart.
+//! * Packing: `pack.rs` for a page, `pages.rs` for several. How wide gutters are: `gutter.rs`. How they are filled:
+//!   `dilate.rs`.
+//! * Which charts count as hidden: `hidden.rs` asks, `crates/ambake/seen.rs` answers for points of a triangle,
+//!   `crates/ambake/shell.rs` for the outsides of rooms.
+//! * Which part of a texel counts: `footprint.rs`. How triangles are cut to texels: `cutter.rs`.
+//! * Layouts that follow an earlier one: `reuse.rs`, with room for what is new by `free.rs`.
+//! * What is said of a layout: `facts.rs` measures, `room.rs` finds a page that is large enough; words and warnings are
+//!   in `crates/report/src/layout.rs`.
 #![forbid(unsafe_code)]
 
 mod arrange;

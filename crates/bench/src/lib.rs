@@ -1,4 +1,17 @@
 //! Speed against error, measured: how far a bake is from the bare ray loop, and what each technique costs at equal error.
+//!
+//! # Where what is
+//!
+//! * What `bench` compares: `speed.rs`, with tables and pictures in `summary`. Other programs:
+//!   `crates/cli/bench/peers.rs` with `crates/bench/peers`.
+//! * Exact answers: `exact`. Hard cases: `hard`. Two backends on the same rays: `parity`. Whether stated errors are
+//!   true: `stated`.
+//! * What counts as buried: `burial`, where `scenes.rs` makes the scenes and `rules.rs` has the rules that are
+//!   compared.
+//! * Lightmaps on their surface, with their seams: `texels`, whose ten scenes are in `cases`;
+//!   `crates/bench/lightmaps.py` makes a table of bakes of any scenes.
+//! * Figures of the papers: `figures`. What plans predict: `crates/bench/plan.py`. What updates cost:
+//!   `crates/bench/update.py`. Raw measurements: `crates/bench/runs`.
 #![forbid(unsafe_code)]
 
 use atlas::Atlas;

@@ -27,6 +27,11 @@
 //!
 //! Everything `unsafe` of the project stands here, in `embree4-sys` and in `oidn`. Rules of the library that this crate keeps are
 //! listed in `vendor-notes/embree.md`.
+//!
+//! # Where what is
+//!
+//! `builder.rs` makes scenes and `scene.rs` asks them. What is new of Embree gets a function in
+//! `crates/embree4-sys/shim/shim.c` first. Without Embree `absent.rs` stands in.
 
 mod check;
 mod config;

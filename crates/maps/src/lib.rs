@@ -25,6 +25,14 @@
 //! assert_eq!(bytes[..4], [0x76, 0x2f, 0x31, 0x01]); // OpenEXR's magic number
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! # Where what is
+//!
+//! * Projections: `projection`; a new one has its file there. Axes of other tools: `orientation.rs`.
+//! * Blurs: `convolve`, where `lobe.rs` has the kinds of surfaces. Measured surfaces: `lobe_table.rs` and
+//!   `reflectance.rs`; how frames read between their maps is in `crates/render/src/tables/shader.rs`.
+//! * Photographs to maps: `ball`, `merge`, and `mosaic.rs` with `gains.rs`.
+//! * Directions drawn from a sky: `sky_map.rs`.
 #![forbid(unsafe_code)]
 
 pub mod ball;

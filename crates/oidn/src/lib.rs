@@ -3,6 +3,10 @@
 //! Versions 1 and 2 of its C interface agree in all functions that are called here, but for the name of one. The processor's device
 //! is used, whose bits do not depend on the number of threads; another version of the library, or another set of vector
 //! instructions, may give others. Its documentation is <https://www.openimagedenoise.org/documentation.html>.
+//!
+//! # Where what is
+//!
+//! `crates/bake/src/denoise/oidn.rs` hands it pages.
 
 use libloading::Library;
 use std::ffi::{CStr, OsString, c_char, c_int, c_void};

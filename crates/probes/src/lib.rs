@@ -5,6 +5,12 @@
 //! is followed on from them. [`Grid`] and [`fill`] make volumes of probes, and [`interpolation`] says what a look-up between probes
 //! costs. [`Gather::reflection`] keeps all directions, for what is no matt surface. The crate casts rays and computes; it opens no
 //! files and prints nothing.
+//!
+//! # Where what is
+//!
+//! `gather.rs` gathers the light of a probe and `estimate.rs` states its errors. `path.rs` has the light from surface
+//! to surface, `grid.rs` and `volume.rs` say where probes stand, `reflect.rs` makes reflection maps. Harmonics are in
+//! `crates/ambient/src/harmonics.rs`, files in `crates/report/src/probes`.
 #![forbid(unsafe_code)]
 
 mod estimate;

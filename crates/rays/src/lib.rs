@@ -24,6 +24,19 @@
 //! # Ok(())
 //! # }
 //! ```
+//!
+//! # Where what is
+//!
+//! * Backends: `backend.rs` is the trait, `build.rs` the choice. Which of coinciding triangles a ray meets:
+//!   `coincident.rs`.
+//! * The world and its precision: `world.rs`. Where its coordinates count from: `origin.rs`. Where rays start:
+//!   `surface.rs`.
+//! * What cut-out and see-through surfaces let through: `alpha_test.rs`. Material at a point: `material.rs`.
+//! * How normal maps bend normals: `normal_maps.rs`, with tangents from `tangents.rs` and their frames in `frames.rs`.
+//! * What counts as inside of something: `solid`, with closed bodies and cavities in `mod.rs`, grounds in `ground.rs`,
+//!   rooms in `rooms.rs`, bodies without a bottom in `shut.rs`, ends of surfaces that nobody sees in `rims.rs` and what
+//!   flat sheets cover in `covers.rs`. Whether a point of a triangle lies in it: `buried.rs`.
+//! * Suns, point lights, spots, balls and panels: `light.rs`. Surfaces that shine: `lamps.rs`.
 #![forbid(unsafe_code)]
 
 mod alpha_test;

@@ -14,6 +14,14 @@
 //! assert!(image.pixels[3][0] > image.pixels[2][0]);
 //! # Ok::<(), ambake_render::Error>(())
 //! ```
+//!
+//! # Where what is
+//!
+//! * The camera: `camera.rs`. Where a scene is seen from when nobody says: `viewpoint.rs`; how bright it is shown:
+//!   `exposure.rs`.
+//! * Alpha, and scenes over a backdrop: `matte.rs`. How a place in a scene is captured: `capture.rs`.
+//! * Frames from tables: `tables`, with the summed-area look-up in `slices.rs`.
+//! * Materials fitted to pictures: `fit.rs`.
 #![forbid(unsafe_code)]
 
 mod camera;

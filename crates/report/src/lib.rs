@@ -2,6 +2,21 @@
 //!
 //! The crate takes plain data (a [`Page`], a `Scene`, an `Atlas`, a [`BakeReport`]) and never the baker. Files are made
 //! in memory or under a temporary name; [`Output`] gives them their final names only when the whole set is complete.
+//!
+//! # Where what is
+//!
+//! * EXR pages: `exr_write.rs`. Previews: `preview.rs`. The GLB: `gltf`. `bake.json`: `bake_json.rs`, and whose report
+//!   it is: `record.rs`.
+//! * What an engine gets: `engines`, with its table in `table.rs`, the pictures in the files beside it, GLB files with
+//!   light in them in `scene_glb.rs`, occlusion beside roughness in `orm_glb.rs`, copies as instances in `instanced`
+//!   and light by direction in `sh.rs`. Shaders for any view: `any_view`.
+//! * `report.html`: `viewer`, where `mod.rs`, `embed.rs` and `cutouts.rs` write it; the page itself is HTML, CSS and
+//!   JavaScript beside them.
+//! * `compare`: `compare.rs`, with pictures by `difference.rs`. Files of probes: `probes`. Layouts: `layout.rs` has
+//!   words and warnings, `layout_file.rs` the file.
+//! * Saved tiles and parts: `checkpoint.rs` is the format; `crates/ambake/resume.rs` says what is in it and when.
+//! * Temporary names, and which files of an earlier bake go: `output.rs`. The lock on a folder: `lock.rs`. What may be
+//!   opened in it: `regular.rs`.
 #![forbid(unsafe_code)]
 
 mod any_view;

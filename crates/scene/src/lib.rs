@@ -3,6 +3,17 @@
 //! [`load`] is the entrance, [`Scene::from_meshes`] the one for a program that has its meshes in memory. What is
 //! repaired or ignored is the list of [`WarningKind`], what stops a load stands at the head of `validate.rs`. Colours
 //! and alpha of a material's textures are read with [`Scene::color`] and its neighbours.
+//!
+//! # Where what is
+//!
+//! * OBJ: `obj`. glTF: `gltf`, where `conformance.rs` is the table of what is read, `compressed` decodes meshes and
+//!   `lights.rs` has the lights. Scenes made in memory: `authored`.
+//! * What is repaired and what is refused: `validate.rs`.
+//! * Where the files of a scene may lie, and which are read: `source.rs`, for pictures of a glTF `gltf/document.rs`.
+//!   `SECURITY.md` says why.
+//! * From where coordinates count, and what is said of lost digits: `far.rs`. `crates/rays/src/origin.rs` moves worlds.
+//! * Materials as Phong parameters: `material.rs`. How normal maps are decoded: `normal_map.rs`. At a point of a
+//!   surface both are `rays`' matter.
 #![forbid(unsafe_code)]
 
 pub mod authored;
