@@ -2,14 +2,16 @@
 
     python3 tests/tools/check_links.py
 
-Four rules, each broken one printed as `file:line: what is wrong`, exit status 1 if there is any:
+Five rules, each broken one printed as `file:line: what is wrong`, exit status 1 if there is any:
 
 1. A relative link or picture in a Markdown file of the repository names a file or folder that exists, and its
    `#anchor` names a heading of that file.
 2. A path in `code` that begins with crates/, tests/, scenes/, docs/, vendor-notes/ or .ci/ exists. `*` and `{a,b}`
-   are expanded; each must match something. Histories are exempt: CHANGELOG.md and crates/bench/runs/.
+   are expanded; each must match something. Histories are exempt: CHANGELOG.md and crates/bench/runs/. The same holds
+   for the documentation comments of Rust files.
 3. Every page of docs/ stands in docs/SUMMARY.md, and its links stay inside docs/, so that the book is whole.
 4. A name in `code` of five words or more that underscores join, as tests have, is a function in some Rust file. Histories are exempt.
+5. A Rust file that the list "Where what is" of a crate names in `code` stands in that crate's folder or below it.
 """
 
 import functools
@@ -78,12 +80,16 @@ def exists(path):
     return any(ROOT.glob(path.rstrip("/"))) if "*" in path else (ROOT / path).exists()
 
 
+def sources():
+    """Every Rust file that git knows."""
+    names = subprocess.run(["git", "ls-files", "*.rs"], cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    return [path for path in map(ROOT.joinpath, names.splitlines()) if path.exists()]
+
+
 @functools.cache
 def functions():
     """The names of all functions in Rust files."""
-    names = subprocess.run(["git", "ls-files", "*.rs"], cwd=ROOT, check=True, capture_output=True, text=True).stdout
-    texts = (path.read_text(encoding="utf-8") for path in map(ROOT.joinpath, names.splitlines()) if path.exists())
-    return {name for text in texts for name in re.findall(r"\bfn (\w+)", text)}
+    return {name for path in sources() for name in re.findall(r"\bfn (\w+)", path.read_text(encoding="utf-8"))}
 
 
 def link_fault(document, target):
@@ -121,8 +127,24 @@ def faults(document):
             yield 1, "the page is missing in docs/SUMMARY.md"
 
 
+def comment_faults(source):
+    """Every broken rule of the documentation comments of one Rust file with its line."""
+    listed = False
+    for number, line in enumerate(source.read_text(encoding="utf-8").splitlines(), 1):
+        if not (comment := line.lstrip()).startswith(("//!", "///")):
+            continue
+        listed = listed or comment == "//! # Where what is"
+        for _, code in CODE.findall(comment):
+            if PATH.fullmatch(code):
+                yield from ((number, f"{path} does not exist") for path in expand(code) if not exists(path))
+            elif listed and comment.startswith("//!") and re.fullmatch(r"[\w/]+\.rs", code):
+                if not any(source.parent.rglob(code)):
+                    yield number, f"{code} is not in this crate"
+
+
 def main():
     found = [(path.relative_to(ROOT), *fault) for path in documents() for fault in faults(path)]
+    found += [(path.relative_to(ROOT), *fault) for path in sources() for fault in comment_faults(path)]
     for path, number, fault in found:
         print(f"{path}:{number}: {fault}")
     return 1 if found else 0
