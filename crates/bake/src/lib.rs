@@ -27,7 +27,8 @@
 //! # Where what is
 //!
 //! * What is left out of a bake, with the reason that is printed: `plan`.
-//! * What lies under a texel: `survey`; which part of it is sampled: `survey/seen.rs`.
+//! * What lies under a texel: `survey`; what a sample stands on: `survey/cells.rs`; which part of it is sampled:
+//!   `survey/seen.rs`.
 //! * How rays become terms: `integrate/mod.rs`, sixteen at a time in `integrate/gang`. There `gloss.rs` has
 //!   microfacets, `moments.rs` layers for any view and `directional.rs` light by direction, which `page/directional.rs`
 //!   carries through the last steps.
