@@ -332,8 +332,14 @@ impl BounceStats {
     /// Counts the last gather. It brings the light of all others again, and what they send on.
     pub(super) fn end_last(&mut self, light: &[LightPage]) {
         self.rays += light.iter().map(|page| page.rays).sum::<u64>();
+        self.end_with(light.iter().map(LightPage::power).sum());
+    }
+
+    /// Counts the last gather, of which the light of all of them is told. From the third on the ratio of those before tells better what it
+    /// added than the difference of two large numbers.
+    fn end_with(&mut self, added: f64) {
         match self.gathers {
-            0 => self.end(self.sky, light.iter().map(LightPage::power).sum()),
+            0 | 1 => self.end(self.sky, added),
             _ => {
                 self.gathers += 1;
                 self.change *= self.ratio;
@@ -349,7 +355,7 @@ impl BounceStats {
 
     /// Counts a gather after which all of them have added so much to the light of the sky.
     pub(super) fn end(&mut self, sky: f64, added: f64) {
-        let last = added - self.added;
+        let last = (added - self.added).max(0.0);
         let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
         let (first, ratio) = (self.gathers == 0, share(last, self.last).min(0.999));
         (self.before, self.ratio) = (self.ratio, ratio);
@@ -366,6 +372,26 @@ impl BounceStats {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn each_number_of_gathers_tells_what_is_missing_of_a_geometric_series() {
+        // The sky brings 8, the gathers 4, 2, 1 and so on: 16 in all.
+        let after = |gathers: u32| {
+            let mut stats = BounceStats {
+                sky: 8.0,
+                ..BounceStats::default()
+            };
+            let added = |count: u32| 8.0 - 8.0 * 0.5f64.powi(count as i32);
+            (1..gathers).for_each(|count| stats.end(8.0, added(count)));
+            stats.end_with(added(gathers));
+            assert_eq!(stats.gathers, gathers);
+            [stats.change, stats.missing]
+        };
+        assert_eq!(after(1), [4.0 / 12.0, 1.0], "one tells nothing of the rest");
+        assert_eq!(after(2), [2.0 / 14.0; 2]);
+        // Of the third nothing but the ratio of the two before is used: half of 2 / 14.
+        assert_eq!(after(3), [1.0 / 14.0; 2]);
+    }
 
     #[test]
     fn halves_are_every_second_replicate_and_what_they_share_cancels() {
