@@ -1,5 +1,7 @@
 //! The denoiser on made charts: a square of texels with noise of a known size over a known truth.
 
+mod limits;
+
 use super::{Denoiser, Field, Term};
 use crate::seams::SeamPoint;
 use glam::{DVec2, Vec2};

@@ -12,6 +12,8 @@
 
 mod contact;
 mod fit;
+#[cfg(test)]
+mod tests;
 
 use contact::{Holds, Window};
 use fit::Place;

@@ -1,5 +1,7 @@
 //! A sphere of six charts that are turned, mirrored and of unlike density, under a smooth light: both sides of each seam must show the same.
 
+mod borders;
+
 use super::solve::Moved;
 use super::{Across, Known, SeamStats, Seams};
 use crate::options::{Options, Seams as Scope};
