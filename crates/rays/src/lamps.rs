@@ -135,4 +135,34 @@ mod tests {
             );
         }
     }
+
+    /// The mean of one over the density, over points that are even over a lamp, is the solid angle that it fills.
+    #[test]
+    fn the_density_of_a_lamp_is_even_over_the_solid_angle_that_it_fills() {
+        for height in [0.5f32, 2.0] {
+            let mut scene = fixture::scene(vec![fixture::square(height)]);
+            scene.materials[0].emission = Vec3::ONE;
+            let world = fixture::world(scene);
+            let lamps = Lamps::of(&world);
+            let across = 256i32;
+            let of_point = |i: i32| {
+                let u = [i % across, i / across].map(|k| (f64::from(k) + 0.5) / f64::from(across));
+                let ((instance, triangle), at) = lamps.sample(&world, u);
+                let hit = SurfaceHit {
+                    t: at.length() as f32,
+                    instance,
+                    triangle,
+                    barycentric: [0.0; 2],
+                    front: false,
+                };
+                1.0 / lamps.pdf(&world, &hit, at.normalize())
+            };
+            let count = across * across;
+            let found = (0..count).map(of_point).sum::<f64>() / f64::from(count);
+            // A square of the half edge 1 above its middle.
+            let square = 1.0 + f64::from(height).powi(2);
+            let exact = 4.0 * (1.0 / square).asin();
+            assert!((found / exact - 1.0).abs() < 1e-3, "{found}, not {exact}");
+        }
+    }
 }

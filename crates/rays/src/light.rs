@@ -366,6 +366,34 @@ mod tests {
         assert!((arrival.distance - 3.0).abs() < 1e-12, "{arrival:?}");
         let within = Light::sphere([0.1, 0.0, 0.0], 1.0, [1.0; 3]);
         assert_eq!(within.at(DVec3::ZERO, [0.5; 2]).irradiance, DVec3::ZERO);
+        let found = within.open(DVec3::ZERO, DVec3::X);
+        assert_eq!(found, Some(DVec3::ZERO));
+        let ball = Light::sphere([0.0, 0.0, 4.0], 1.0, [3.0; 3]);
+        let found = ball.open(DVec3::ZERO, DVec3::Z).expect("a ball").x;
+        assert!((found - 3.0 / 16.0).abs() < 1e-12, "{found}");
+    }
+
+    #[test]
+    fn lights_of_a_file_are_taken_at_their_strength_and_shine_where_it_says() {
+        let light = |kind| scene::Light {
+            name: String::new(),
+            kind,
+            strength: DVec3::new(3.0, 2.0, 1.0),
+            range: 5.0,
+            position: DVec3::new(0.0, 0.0, 2.0),
+            direction: DVec3::NEG_Z,
+        };
+        let sun = Light::from(&light(LightKind::Directional));
+        let exact = Light::sun([0.0, 0.0, 1.0], [3.0, 2.0, 1.0]);
+        assert_eq!(sun, exact);
+        let (inner, outer) = (0.2, 0.6);
+        let spot = Light::from(&light(LightKind::Spot { inner, outer }));
+        // Below it at a distance of 2 of 5: a quarter of its candela, less the share of the range.
+        let found = spot.at(DVec3::ZERO, [0.5; 2]).irradiance;
+        let exact = DVec3::new(3.0, 2.0, 1.0) / 4.0 * (1.0 - (2.0f64 / 5.0).powi(4));
+        assert!(found.abs_diff_eq(exact, 1e-12), "{found}, not {exact}");
+        let above = DVec3::new(0.0, 0.0, 3.0);
+        assert_eq!(spot.at(above, [0.5; 2]).irradiance, DVec3::ZERO);
     }
 
     #[test]
