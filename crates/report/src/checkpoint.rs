@@ -433,6 +433,37 @@ mod tests {
     }
 
     #[test]
+    fn of_a_long_torn_tail_nothing_is_left_behind_a_shorter_block() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("state");
+        let (mut journal, _) = Journal::resume(&path, &json!(1), |_| true).unwrap();
+        journal.append(&[0; 1000]).unwrap();
+        drop(journal);
+        let bytes = std::fs::read(&path).unwrap();
+        std::fs::write(&path, &bytes[..bytes.len() - 1]).unwrap();
+        let (mut journal, damage) = Journal::resume(&path, &json!(1), |_| true).unwrap();
+        assert_eq!((journal.len(), damage), (0, None));
+        journal.append(b"short").unwrap();
+        drop(journal);
+        let journal = Journal::open(&path).unwrap();
+        assert_eq!(journal.expect("it is there").len(), 1);
+    }
+
+    #[test]
+    fn a_block_that_changed_since_it_was_found_is_not_handed_out() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("state");
+        let mut bytes = written(&path, &json!(1));
+        let mut journal = Journal::open(&path).unwrap().unwrap();
+        let last = bytes.len() - HASH - 1;
+        bytes[last] ^= 1;
+        std::fs::write(&path, bytes).unwrap();
+        let error = journal.block(2).unwrap_err().to_string();
+        assert!(error.contains("does not fit its checksum"), "{error}");
+        assert_eq!(journal.block(0).unwrap(), b"one");
+    }
+
+    #[test]
     fn flipped_bits_are_found() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("state");
