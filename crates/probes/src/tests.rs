@@ -1,5 +1,7 @@
 //! Probes against answers on paper.
 
+mod limits;
+
 use crate::fixture::{Sheets, block, room, world};
 use crate::{Gather, Probe, Sky, State, gather};
 use ambient::harmonics::{basis, count, matt};

@@ -1,0 +1,44 @@
+//! Where things end: shadow rays at their light, and the way that a probe may be moved.
+
+use super::{ROOT, UNIFORM, gathering, sheets};
+use crate::fixture::block;
+use crate::{Gather, Sky, State, gather};
+use glam::DVec3;
+use rays::Light;
+
+#[test]
+fn what_stands_behind_a_light_hides_none_of_it() {
+    let wall = [
+        DVec3::new(-9.0, -9.0, 3.0),
+        DVec3::Y * 18.0,
+        DVec3::X * 18.0,
+    ];
+    let black = Sky(&maps::Sky::BLACK);
+    gathering(&[sheets(vec![wall], 0.0, 0.0)], black, |gather| {
+        let lights = [Light::point([0.0, 0.0, 2.0], [4.0; 3])];
+        let gather = Gather {
+            lights: &lights,
+            ..gather
+        };
+        // 4 W/sr at a distance of 2.
+        let found = gather.probe(0, DVec3::ZERO).parts[1][0].x * ROOT;
+        assert!((found - 1.0).abs() < 1e-6, "{found}");
+        let behind = gather.probe(0, DVec3::Z * 4.0).parts[1][0];
+        assert_eq!(behind, DVec3::ZERO);
+    });
+}
+
+#[test]
+fn a_probe_is_moved_as_far_as_it_may_be_and_no_farther() {
+    let solid = sheets(block(DVec3::splat(-0.5), DVec3::splat(0.5)), 0.8, 0.0);
+    gathering(&[solid], UNIFORM, |gatherer| {
+        // The air is 0.2 away, and a tenth of the way that it may take beyond the face.
+        let inside = DVec3::new(0.3, 0.1, 0.0);
+        for (most, state) in [(0.2, State::Invalid), (0.25, State::Moved)] {
+            let found = gather(&gatherer, &[inside], 0, most, &()).unwrap();
+            assert_eq!(found[0].state, state, "{most}");
+            let away = found[0].probe.place.distance(inside);
+            assert!(away <= most, "{away} of {most}");
+        }
+    });
+}
