@@ -208,6 +208,10 @@ fn a_part_that_was_killed_goes_on_unless_it_is_damaged_or_of_another_scene() {
     assert_eq!(go_on(), (0, String::new()), "it was complete already");
     begun(&out, "corner");
     assert_eq!(go_on(), (0, String::new()), "every tile was saved");
+    // Killed after its last block, before it had its name.
+    let [done, work] = ["corner.1-of-1.part", ".corner.1-of-1.ambake-resume"];
+    std::fs::rename(out.join(done), out.join(work)).expect("a part");
+    assert_eq!(go_on(), (0, String::new()), "nothing was missing");
     let work = begun(&out, "corner");
     let mut bytes = std::fs::read(&work).expect("a state");
     let middle = bytes.len() / 2;

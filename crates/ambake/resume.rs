@@ -433,6 +433,18 @@ mod tests {
     }
 
     #[test]
+    fn pages_and_the_gathers_of_each_share_no_number() {
+        let saved = Saved::new("state".into(), Value::Null, WIDTHS);
+        let pages = 0..WIDTHS.pages;
+        let gathers = (0..4).flat_map(|gather| pages.clone().map(move |page| (gather, page)));
+        let numbers = gathers.map(|(gather, page)| saved.number(gather, page));
+        let mut numbers: Vec<u32> = numbers.chain(pages.clone()).chain([END]).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        assert_eq!(numbers.len(), 5 * 9 + 1);
+    }
+
+    #[test]
     fn a_saved_state_is_of_its_key_and_its_shard_alone() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("state");
