@@ -1,7 +1,7 @@
 //! Memory that the system refuses: one line, and nothing lost.
 #![cfg(target_os = "linux")]
 
-use crate::support::{report, run_well, scene, shell, skip};
+use crate::support::{files, report, run_well, scene, shell, skip};
 use std::path::Path;
 
 /// The program under a limit on its addresses in KiB, with traces asked for, as some have it in their shells.
@@ -77,6 +77,34 @@ fn memory_that_the_system_refuses_ends_a_bake_in_one_line_and_loses_nothing() {
     for name in ["corner.0.exr", "corner.glb"] {
         let read = |folder: &Path| std::fs::read(folder.join(name)).expect("a result");
         assert!(read(&whole) == read(&out), "{name}");
+    }
+}
+
+#[test]
+fn what_is_said_of_refused_memory_reaches_no_file_where_standard_error_is_closed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    let words = "--size 4096 --rays 1 --max-memory 1000G --threads 1 --quiet";
+    let bake = |streams: &str| {
+        let line =
+            format!(r#"ulimit -v 400000 && ambake bake "$1" -o "$2" {words} --fresh {streams}"#);
+        let output = shell(&line)
+            .args([scene("plane.obj"), out.clone()])
+            .output();
+        let output = output.expect("sh starts");
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        (output.status.code(), said)
+    };
+    let (status, said) = bake("");
+    assert!(
+        status == Some(1) && said.contains("the system refuses"),
+        "{status:?} {said}"
+    );
+    // Number 2 is then free for the first file that is opened.
+    assert_eq!(bake("2>&-"), (Some(1), String::new()));
+    for name in files(&out) {
+        let bytes = std::fs::read(out.join(&name)).expect("a file");
+        assert!(!bytes.windows(7).any(|w| w == b"refuses"), "{name}");
     }
 }
 

@@ -118,12 +118,18 @@ fn compare(before: (f32, &[Prop]), after: (f32, &[Prop]), more: &[&str]) -> Valu
     let at = |name: &str| folder.path().join(name);
     let old = write(&at("a"), before.0, before.1);
     let new = write(&at("b"), after.0, after.1);
-    bake(&old, &at("old"), more);
-    let said = update(&new, &at("old"), &at("new"), more);
+    compare_files(folder.path(), [&old, &new], more)
+}
+
+/// The same of two scene files of one name, in a folder of its own.
+pub fn compare_files(folder: &Path, [old, new]: [&Path; 2], more: &[&str]) -> Value {
+    let at = |name: &str| folder.join(name);
+    bake(old, &at("old"), more);
+    let said = update(new, &at("old"), &at("new"), more);
     // Another seed keeps the layout and nothing else.
-    bake(&old, &at("layout"), &[more, &["--seed", "9"]].concat());
+    bake(old, &at("layout"), &[more, &["--seed", "9"]].concat());
     let layout = at("layout").display().to_string();
-    bake(&new, &at("whole"), &[more, &["--update", &layout]].concat());
+    bake(new, &at("whole"), &[more, &["--update", &layout]].concat());
     assert_eq!(report(&at("whole"))["update"]["kept"], 0);
     assert_same(&at("whole"), &at("new"));
     said
