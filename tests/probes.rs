@@ -83,7 +83,7 @@ fn volumes_hold_the_light_of_the_report_where_engines_look_for_it() {
         if probe.get("invalid").is_some() {
             continue;
         }
-        let light = triples(&probe["light"]);
+        let light = triples(&probe["sh"]);
         let [x, y, z] = [index % 5, index / 5 % 3, index / 15];
         for axis in 0..3 {
             for sign in [1.0, -1.0] {
@@ -172,14 +172,14 @@ fn pictures_hold_the_report_and_the_bytes_are_those_of_any_number_of_threads() {
     }
     let (folder, report) = &folders[0];
     let picture = Page::read(&folder.path().join("courtyard.probes.exr"));
-    let plane = picture.plane("light.3.G");
+    let plane = picture.plane("sh.3.G");
     for (index, probe) in report["probes"]
         .as_array()
         .expect("probes")
         .iter()
         .enumerate()
     {
-        let light = triples(&probe["light"]);
+        let light = triples(&probe["sh"]);
         assert!((f64::from(plane[index]) - light[3][1]).abs() < 1e-6);
         let parts = ["sky", "lights", "surfaces"].map(|part| triples(&probe[part])[3][1]);
         assert!(
@@ -219,7 +219,7 @@ fn light_of_a_bake_is_that_which_is_followed() {
         .zip(followed["probes"].as_array().into_iter().flatten())
     {
         let [(a, ea), (b, eb)] =
-            [a, b].map(|probe| (triples(&probe["light"]), triples(&probe["std_err"])));
+            [a, b].map(|probe| (triples(&probe["sh"]), triples(&probe["std_err"])));
         for k in 0..9 {
             for c in 0..3 {
                 let off = (a[k][c] - b[k][c]).abs();
@@ -413,6 +413,32 @@ fn ball(center: [f64; 3], radius: f64) -> String {
 }
 
 #[test]
+fn a_lamp_that_no_bake_takes_lights_no_probe() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let lamp = folder.path().join("lamp.obj");
+    fs::write(
+        &lamp,
+        "mtllib lamp.mtl\nusemtl lamp\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+    )
+    .expect("written");
+    fs::write(folder.path().join("lamp.mtl"), "newmtl lamp\nKe 1e13 0 0\n").expect("written");
+    let out = folder.path().join("out");
+    let output = run([
+        "probes".as_ref(),
+        lamp.as_os_str(),
+        "-o".as_ref(),
+        out.as_os_str(),
+        "--at=0,0,1".as_ref(),
+    ]);
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        !output.status.success() && text.contains("emission of 1e13"),
+        "{text}"
+    );
+    assert!(!out.exists());
+}
+
+#[test]
 fn a_white_ball_looks_in_the_light_of_a_probe_as_it_is_baked() {
     let folder = tempfile::tempdir().expect("a temporary directory");
     let path = folder.path().join("courtyard.obj");
@@ -436,7 +462,7 @@ fn a_white_ball_looks_in_the_light_of_a_probe_as_it_is_baked() {
         );
         let at = format!("--at={},{},{}", center[0], center[1], center[2]);
         let (_made, report) = probes("courtyard.obj", &[&at, "--rays=16384"]);
-        let light = triples(&report["probes"][0]["light"]);
+        let light = triples(&report["probes"][0]["sh"]);
         let objects = crate::support::report(baked.path())["objects"].clone();
         let names = objects.as_array().expect("objects").iter();
         let own = names.map(|object| object["name"] == "probe_ball");

@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::job::{Given, Job, MakeBackend};
 use crate::layout::Layout;
 use crate::memory::Limit;
-use crate::options::{Backend, Effort, Options, Pages, Uv};
+use crate::options::{Backend, Effort, Options, Pages, Uv, check_lamps};
 use crate::scene::Scene;
 use crate::sky::Sky;
 use ::bake::{
@@ -466,7 +466,9 @@ impl Bake {
     pub fn prepare(&self) -> Result<Job, Error> {
         let mut options = self.options.clone().settled(&self.scene);
         options.check()?;
-        options.check_lamps(&self.scene)?;
+        if options.bounces != Bounces::Off {
+            check_lamps(&self.scene)?;
+        }
         options.complete();
         let scene = options.cast(&self.scene)?;
         Job::prepare(

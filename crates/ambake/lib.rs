@@ -42,7 +42,7 @@
 //! * [`load`], [`Scene`], [`Mesh`], [`Material`]: what is baked.
 //! * [`Bake`]: the options, named as the flags of the command line, and the start of a bake.
 //! * [`Baked`], [`Page`], [`Layer`], [`Object`]: the result in memory, where objects lie on it, and how it is written.
-//! * [`Probes`]: light for what moves, at places in the air.
+//! * [`Probes`], [`ProbeVolume`]: light for what moves, at places in the air and between them.
 //! * [`Progress`]: how a bake tells how far it is, and is told to stop; `()` is a silent one.
 //! * [`Job`]: a bake that is planned, laid out and ready, for programs that want to look before they start.
 //! * [`rays`]: the trait of ray backends, to bring one of your own ([`Bake::with_backend`]).
@@ -109,7 +109,7 @@ pub use maps;
 pub use merge::Parts;
 pub use object::Object;
 pub use options::{Backend, Effort, Options, Pages, Uv};
-pub use probes::{Places, ProbeOptions, Probes};
+pub use probes::{Places, ProbeOptions, ProbeVolume, Probes};
 pub use rays::{self, Light};
 pub use report::{
     BakeReport, Engine, PageReport, ProbeRecord, ProbeReport, ReflectionLevel, ReflectionReport,

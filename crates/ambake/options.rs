@@ -318,21 +318,6 @@ impl Options {
         Ok(())
     }
 
-    /// Checks what the scene gives off, where the bake takes it.
-    pub(crate) fn check_lamps(&self, scene: &Scene) -> Result<(), Error> {
-        let too_bright = |material: &&::scene::Material| {
-            self.bounces != Bounces::Off && material.emission.max_element() > MAX_RADIANCE
-        };
-        match scene.materials.iter().find(too_bright) {
-            None => Ok(()),
-            Some(material) => Err(Error::Emission {
-                scene: scene.path.display().to_string(),
-                material: material.name.clone(),
-                value: material.emission.max_element(),
-            }),
-        }
-    }
-
     /// How terms are denoised: as was asked, else by regression wherever it can be. A single ray has no halves to compare, and
     /// blocks that share their directions share their errors.
     pub fn denoises(&self) -> Denoise {
@@ -687,6 +672,20 @@ pub(crate) fn check_sky(sky: &Sky) -> Result<(), Error> {
         return Err(Error::option("sky", "each channel must be from 0 to 1e12"));
     }
     Ok(())
+}
+
+/// Surfaces that give off no more light than can be gathered.
+pub(crate) fn check_lamps(scene: &Scene) -> Result<(), Error> {
+    let brightest = |material: &::scene::Material| material.emission.max_element();
+    let mut materials = scene.materials.iter();
+    match materials.find(|material| brightest(material) > MAX_RADIANCE) {
+        None => Ok(()),
+        Some(material) => Err(Error::Emission {
+            scene: scene.path.display().to_string(),
+            material: material.name.clone(),
+            value: brightest(material),
+        }),
+    }
 }
 
 /// Lights whose numbers can all be used.

@@ -455,7 +455,7 @@ fn coefficient(text: &str) -> Result<ambake::AmbientCoefficient, String> {
     }
 }
 
-fn target_error(text: &str) -> Result<f64, String> {
+pub fn target_error(text: &str) -> Result<f64, String> {
     match number(text)? {
         value if value > 0.0 && value < 1.0 => Ok(value),
         _ => Err("must be above 0 and below 1".into()),

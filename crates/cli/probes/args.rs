@@ -1,6 +1,6 @@
 //! What was typed after `ambake probes`. `run.rs` says what it means.
 
-use crate::bake::args::{Lights, bounces, engine};
+use crate::bake::args::{Lights, bounces, engine, target_error};
 use crate::common::{Backend, Common, Shining};
 use crate::parse::{positive, triple};
 use crate::sky::{SkyArg, sky};
@@ -51,6 +51,13 @@ pub struct Args {
     /// Rays of a probe in even directions; as many again are aimed at lamps, at lights with extent and by a mapped sky
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(64..=16_777_216))]
     pub rays: u32,
+    /// Instead of a fixed number: the rays by which the standard error of each probe is at most E, of the light on a matt white surface, which an
+    /// open sky of 1 makes 1
+    #[arg(long, value_name = "E", value_parser = target_error, conflicts_with = "rays")]
+    pub target_error: Option<f64>,
+    /// With --target-error: the most rays that a probe may take
+    #[arg(long, value_name = "N", default_value_t = 65_536, requires = "target_error", value_parser = clap::value_parser!(u32).range(64..=16_777_216))]
+    pub max_rays: u32,
     /// Radiance of the sky, linear, as R,G,B, or an illumination map [default: 1,1,1; with --bake that of the bake]
     #[arg(long, value_name = "R,G,B|FILE", value_parser = sky)]
     pub sky: Option<SkyArg>,
@@ -89,7 +96,7 @@ fn counts(text: &str) -> Result<[u32; 3], String> {
     }
 }
 
-fn corners(text: &str) -> Result<[[f64; 3]; 2], String> {
+pub fn corners(text: &str) -> Result<[[f64; 3]; 2], String> {
     let (a, b) = text
         .split_once(':')
         .ok_or("expected two corners, X,Y,Z:X,Y,Z")?;

@@ -71,6 +71,8 @@ fn options(args: &Args, scene: &Scene) -> anyhow::Result<ProbeOptions> {
     options.bounces = args.bounces;
     options.max_distance = args.max_distance.map(|distance| distance as f32);
     options.rays = args.rays;
+    options.target_error = args.target_error;
+    options.max_rays = args.max_rays;
     options.order = args.order.into();
     options.window = args.window;
     options.parts = args.parts;

@@ -3,7 +3,7 @@
 use crate::Sky;
 use crate::estimate::{PARTS, REPLICATES, Replicate, add, coefficients};
 use crate::sky::EVEN;
-use ambient::harmonics::{MOST, basis, count};
+use ambient::harmonics::{self, MOST, basis, matt_rms};
 use ambient::sampling::Stream;
 use glam::DVec3;
 use maps::Projection;
@@ -32,8 +32,11 @@ pub struct Gather<'a> {
     /// Surfaces farther than this do not count; infinite for none.
     pub max_distance: f32,
     /// Rays of a probe in even directions, at least [`LEAST_RAYS`]; as many are aimed at lamps and at what stands out of the sky, where
-    /// there are some, and at each light with extent.
+    /// there are some, and at each light with extent. With a target, the most that a probe takes.
     pub rays: u32,
+    /// Standard error of the light E / π at which a probe has rays enough, root mean square over normals and channels; `None` for
+    /// [`Self::rays`] everywhere.
+    pub target: Option<f64>,
     /// Order of the harmonics, 0..=3.
     pub order: usize,
     /// Distances of surfaces are cut here, in scene units.
@@ -44,6 +47,13 @@ pub struct Gather<'a> {
 
 /// Fewest rays of a probe.
 pub const LEAST_RAYS: u32 = 64;
+
+/// Rays that tell how many a target takes. They are no part of the result: what is kept has points of its own, so that nothing is biased by
+/// where it stops.
+const PILOT: u32 = 256;
+
+/// Rays are asked for beyond what the pilot says, because its error is itself an estimate.
+const MARGIN: f64 = 1.3;
 
 /// Texels of a side of the octahedron on which distances lie.
 pub const DISTANCE_EDGE: usize = 8;
@@ -68,6 +78,8 @@ pub struct Probe {
     pub light: Vec<DVec3>,
     /// One standard error of each.
     pub std_err: Vec<DVec3>,
+    /// Even rays that it took.
+    pub rays: u32,
     /// The light of each [`Part`], which add up to all of it.
     pub parts: [Vec<DVec3>; PARTS],
     /// Share of the directions that meet no back of a surface, 0..=1; 0 in a solid.
@@ -77,6 +89,14 @@ pub struct Probe {
     pub distance: Vec<[f32; 2]>,
     /// The nearest surface, in a solid, else the nearest that a ray met from its back: where, and the unit normal on the far side.
     pub(crate) way_out: Option<(DVec3, DVec3)>,
+}
+
+impl Probe {
+    /// Standard error of the light E / π: root mean square over normals and channels.
+    pub fn error(&self) -> f64 {
+        let rms = matt_rms(&self.std_err);
+        (rms.dot(rms) / 3.0).sqrt()
+    }
 }
 
 /// The label of probes among the pages of a bake.
@@ -96,15 +116,37 @@ impl Gather<'_> {
     /// With fewer rays than [`LEAST_RAYS`], or an order above 3.
     pub fn probe(&self, number: u32, place: DVec3) -> Probe {
         assert!(self.rays >= LEAST_RAYS, "{} rays", self.rays);
-        let terms = count(self.order);
+        let Some(target) = self.target else {
+            return self.by_rays(number, place, self.rays, 0);
+        };
+        let mut found = self.by_rays(number, place, PILOT.min(self.rays), 1);
+        for round in 2.. {
+            // Where the target was missed the last rays said too little: at least half as many more are taken.
+            let least = match round {
+                2 => LEAST_RAYS,
+                _ => found.rays.saturating_add(found.rays / 2).min(self.rays),
+            };
+            let needed = MARGIN * f64::from(found.rays) * (found.error() / target).powi(2);
+            let rays = (needed.ceil() as u32).clamp(least, self.rays);
+            found = self.by_rays(number, place, rays, round);
+            if found.error() <= target || rays == self.rays {
+                break;
+            }
+        }
+        found
+    }
+
+    /// The light by so many rays. Rounds share no points.
+    fn by_rays(&self, number: u32, place: DVec3, count: u32, round: u32) -> Probe {
+        let terms = harmonics::count(self.order);
         assert!(terms <= MOST, "order {}", self.order);
         let origin = place.as_vec3().to_array();
-        let rays = self.rays.div_ceil(REPLICATES as u32);
+        let rays = count.div_ceil(REPLICATES as u32);
         let mut seen = Seen::new(self.reach);
         let replicate = |replicate: usize| {
             let stream = |term: u32, of: u32| {
                 let label = replicate as u32 + REPLICATES as u32 * of;
-                Stream::new(self.seed, PAGE, number, term, label)
+                Stream::new(self.seed, PAGE - round, number, term, label)
             };
             self.replicate(place, origin, rays, terms, &mut seen, stream)
         };
@@ -121,18 +163,26 @@ impl Gather<'_> {
         let solids = self.surfaces.world().solids();
         let near = solids.about(place, place);
         let is_inside = solids.outweigh(&near, |body| solids.depth(body, place, None));
-        let met_backs = f64::from(seen.backs) / f64::from(rays * REPLICATES as u32);
+        // Where neither the sky nor any light is seen, surfaces that are drawn from both sides tell the inside of a body from a dark room too:
+        // files of many kinds know no others.
+        let lit = &parts[Part::Lights as usize];
+        let is_shut = !seen.light && lit.iter().all(|value| *value == DVec3::ZERO);
+        let kind = if is_shut { Met::Behind } else { Met::Back } as usize;
+        let met_backs = f64::from(seen.met[kind]) / f64::from(rays * REPLICATES as u32);
         Probe {
             place,
             light: (0..terms).map(whole).collect(),
             std_err: std_err[..terms].to_vec(),
+            rays: rays * REPLICATES as u32,
             parts: parts.map(|part| part[..terms].to_vec()),
             validity: if is_inside { 0.0 } else { 1.0 - met_backs },
             distance: seen.distances(),
-            way_out: seen.nearest[usize::from(!is_inside)].map(|(hit, direction)| {
-                let far = self.surfaces.at(&hit, direction);
-                (far.position, far.geometric)
-            }),
+            way_out: seen.nearest[if is_inside { Met::Any as usize } else { kind }].map(
+                |(hit, direction)| {
+                    let far = self.surfaces.at(&hit, direction);
+                    (far.position, far.geometric)
+                },
+            ),
         }
     }
 
@@ -156,17 +206,20 @@ impl Gather<'_> {
             found.direction(basis);
             match self.backend.closest(&self.ray(origin, direction)) {
                 None => {
+                    seen.light = true;
                     seen.meet(direction, None);
                     let radiance = self.sky.shared(direction, EVEN);
                     found.light(Part::Sky as usize, basis, radiance);
                 }
                 Some(hit) => {
-                    let is_back = self.is_back(&hit, direction);
+                    let is_behind = !self.surfaces.shows_front(&hit, -direction);
+                    let is_back = is_behind && self.is_back(&hit, direction);
                     seen.meet(direction, Some(hit.t));
-                    seen.surface(&hit, direction, is_back);
+                    seen.surface(&hit, direction, [true, is_back, is_behind]);
                     let random = |term| stream(PATHS + term, ray).point(0);
-                    let radiance = self.emitted(&hit, direction, EVEN)
-                        + self.reflected(hit, direction, random);
+                    let emitted = self.emitted(&hit, direction, EVEN);
+                    seen.light |= emitted != DVec3::ZERO;
+                    let radiance = emitted + self.reflected(hit, direction, random);
                     found.light(Part::Surfaces as usize, basis, radiance);
                 }
             }
@@ -224,9 +277,20 @@ struct Seen {
     texels: Vec<[f32; 3]>,
     /// Weight, distance and its square by texel, summed.
     sums: Vec<[f32; 3]>,
-    backs: u32,
-    /// The nearest surface, and the nearest one seen from its back, each with the direction of the ray.
-    nearest: [Option<(SurfaceHit, DVec3)>; 2],
+    /// True where a ray left the scene or met what shines.
+    light: bool,
+    /// Rays by [`Met`].
+    met: [u32; 3],
+    /// The nearest surface by [`Met`], with the direction of the ray.
+    nearest: [Option<(SurfaceHit, DVec3)>; 3],
+}
+
+/// What a ray met: a surface, its back, or what would be its back if it were not drawn from both sides.
+#[derive(Clone, Copy)]
+enum Met {
+    Any,
+    Back,
+    Behind,
 }
 
 impl Seen {
@@ -242,8 +306,9 @@ impl Seen {
             reach,
             texels: (0..DISTANCE_EDGE * DISTANCE_EDGE).map(direction).collect(),
             sums: vec![[0.0; 3]; DISTANCE_EDGE * DISTANCE_EDGE],
-            backs: 0,
-            nearest: [None; 2],
+            light: false,
+            met: [0; 3],
+            nearest: [None; 3],
         }
     }
 
@@ -263,9 +328,11 @@ impl Seen {
         }
     }
 
-    fn surface(&mut self, hit: &SurfaceHit, direction: DVec3, is_back: bool) {
-        self.backs += u32::from(is_back);
-        for nearest in &mut self.nearest[..1 + usize::from(is_back)] {
+    /// Takes in a surface that is of these kinds of [`Met`].
+    fn surface(&mut self, hit: &SurfaceHit, direction: DVec3, kinds: [bool; 3]) {
+        for kind in (0..3).filter(|&kind| kinds[kind]) {
+            self.met[kind] += 1;
+            let nearest = &mut self.nearest[kind];
             if nearest.is_none_or(|(old, _)| hit.t < old.t) {
                 *nearest = Some((*hit, direction));
             }

@@ -1,7 +1,7 @@
 //! What a look-up between the probes of a volume gives, and what that costs.
 
 use crate::volume::LEAST_VALIDITY;
-use crate::{Cancelled, Gather, Grid, Placed, State, gather};
+use crate::{Error, Gather, Grid, Placed, State, gather};
 use ambient::harmonics::matt_rms;
 use ambient::sampling::Stream;
 use glam::DVec3;
@@ -57,7 +57,7 @@ pub fn fill<T: Clone>(grid: &Grid, values: &mut [T], valid: &[bool], mean: impl 
 /// * `filled`: the light of its probes, invalid ones filled.
 ///
 /// # Errors
-/// [`Cancelled`].
+/// [`Error::Cancelled`].
 pub fn interpolation(
     gatherer: &Gather<'_>,
     grid: &Grid,
@@ -66,7 +66,7 @@ pub fn interpolation(
     filled: &[Vec<DVec3>],
     places: usize,
     progress: &dyn Progress,
-) -> Result<Option<Interpolation>, Cancelled> {
+) -> Result<Option<Interpolation>, Error> {
     let stream = Stream::new(gatherer.seed, u32::MAX, 0, PLACES, 0);
     let place = |number: usize| {
         let [x, y, z, _] = stream.point(number as u32);

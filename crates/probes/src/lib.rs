@@ -13,6 +13,7 @@
 //! `crates/ambient/src/harmonics.rs`, files in `crates/report/src/probes`.
 #![forbid(unsafe_code)]
 
+mod error;
 mod estimate;
 #[cfg(test)]
 mod fixture;
@@ -26,9 +27,10 @@ mod sky;
 mod tests;
 mod volume;
 
+pub use error::Error;
 pub use gather::{BakedLight, DISTANCE_EDGE, Gather, LEAST_RAYS, Part, Probe};
 pub use grid::Grid;
 pub use interpolate::{Interpolation, fill, interpolation};
 pub use reflect::{LEAST_EDGE, Level, Reflection};
 pub use sky::Sky;
-pub use volume::{Cancelled, Placed, State, gather};
+pub use volume::{Placed, State, gather};

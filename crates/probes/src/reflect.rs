@@ -1,7 +1,7 @@
 //! Reflection maps of places: what a mirror shows there, and rougher surfaces.
 
+use crate::Error;
 use crate::gather::{Gather, PAGE};
-use crate::volume::Cancelled;
 use ambient::sampling::Stream;
 use glam::DVec3;
 use layers::Progress;
@@ -52,7 +52,7 @@ impl Gather<'_> {
     /// * `edge`: width of the mirror's faces in texels, a power of two from [`LEAST_EDGE`] on.
     ///
     /// # Errors
-    /// [`Cancelled`].
+    /// [`Error::Cancelled`], or a map that cannot be filtered.
     ///
     /// # Panics
     /// For another edge.
@@ -62,11 +62,10 @@ impl Gather<'_> {
         place: DVec3,
         edge: usize,
         progress: &dyn Progress,
-    ) -> Result<Reflection, Cancelled> {
+    ) -> Result<Reflection, Error> {
         assert!(edge.is_power_of_two() && edge >= LEAST_EDGE, "edge {edge}");
         let halves = [0, 1].map(|half| self.capture(number, half, place, edge, progress));
         let [first, second] = halves;
-        let halves = [first?, second?];
         let count = (edge / LEAST_EDGE).ilog2() as usize + 1;
         let roughness = |level: usize| level as f64 / (count - 1).max(1) as f64;
         // Lobes are integrated on polar maps, along whose rows that is quick, with twice the texels of the cube.
@@ -78,16 +77,14 @@ impl Gather<'_> {
         };
         let rough = (1..count).map(|level| polar(Lobe::Ggx(roughness(level)), edge >> level));
         let requests: Vec<Request> = rough.chain([polar(Lobe::Lambert, DIFFUSE_EDGE)]).collect();
-        let maps = halves.map(|half| {
-            let size = Projection::Polar.size(4 * edge);
-            let blurred = convert(&half, Projection::Polar, size)
-                .and_then(|polar| convolve(&polar, &requests))
-                .expect("sizes fit, and so does every roughness");
+        let filtered = |half: IlluminationMap| -> Result<Vec<Image>, Error> {
+            let polar = convert(&half, Projection::Polar, Projection::Polar.size(4 * edge))?;
+            let blurred = convolve(&polar, &requests)?;
             let edges = requests.iter().map(|request| request.size.0 / 8);
             let cubes = blurred.iter().zip(edges).map(|(map, edge)| cube(map, edge));
-            let cubes: Vec<Image> = cubes.collect();
-            [vec![half.into_image()], cubes].concat()
-        });
+            Ok(std::iter::once(half.into_image()).chain(cubes).collect())
+        };
+        let maps = [filtered(first?)?, filtered(second?)?];
         let level = |k: usize| joined(&maps[0][k], &maps[1][k], roughness(k));
         let toward = [DVec3::X, DVec3::Y, DVec3::Z];
         Ok(Reflection {
@@ -115,7 +112,7 @@ impl Gather<'_> {
         place: DVec3,
         edge: usize,
         progress: &dyn Progress,
-    ) -> Result<IlluminationMap, Cancelled> {
+    ) -> Result<IlluminationMap, Error> {
         let size = (edge, 6 * edge);
         let origin = place.as_vec3().to_array();
         let done = AtomicU64::new(0);
@@ -154,9 +151,9 @@ impl Gather<'_> {
         let image = Image {
             width: size.0,
             height: size.1,
-            pixels: rows.ok_or(Cancelled)?.concat(),
+            pixels: rows.ok_or(Error::Cancelled)?.concat(),
         };
-        Ok(IlluminationMap::new(image, Projection::Cube).expect("six faces"))
+        Ok(IlluminationMap::new(image, Projection::Cube)?)
     }
 
     /// Radiance that arrives along a ray of this unit direction.

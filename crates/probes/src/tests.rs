@@ -3,7 +3,7 @@
 mod limits;
 
 use crate::fixture::{Sheets, block, room, world};
-use crate::{Gather, Probe, Sky, State, gather};
+use crate::{Gather, LEAST_RAYS, Probe, Sky, State, gather};
 use ambient::harmonics::{basis, count, matt};
 use ambient::quadrature::gauss_legendre;
 use glam::DVec3;
@@ -28,6 +28,7 @@ fn gathering<R>(sheets: &[Sheets], sky: Sky<'_>, with: impl FnOnce(Gather<'_>) -
         bounces: 255,
         max_distance: f32::INFINITY,
         rays: 1024,
+        target: None,
         order: 2,
         reach: 10.0,
         seed: 0,
@@ -39,6 +40,7 @@ fn sheets(places: Vec<[DVec3; 3]>, albedo: f32, emission: f32) -> Sheets {
         places,
         albedo,
         emission,
+        double_sided: false,
     }
 }
 
@@ -247,6 +249,48 @@ fn a_closed_box_is_dark_and_a_solid_is_no_place() {
 }
 
 #[test]
+fn the_inside_of_a_pillar_is_no_place_though_both_sides_are_drawn() {
+    // A pillar without ends between a ground and a lintel is no closed body. Light creeps in below it, and none comes to a dark room.
+    let mut pillar = block(DVec3::new(-0.5, 0.02, -0.5), DVec3::new(0.5, 2.0, 0.5));
+    pillar.retain(|[_, a, b]| a.cross(*b).y.abs() < 0.5);
+    let ground = [
+        DVec3::new(-9.0, 0.0, -9.0),
+        DVec3::Z * 18.0,
+        DVec3::X * 18.0,
+    ];
+    let mut all = sheets(pillar, 0.5, 0.0);
+    all.places.push(ground);
+    all.places.extend(block(
+        DVec3::new(-3.0, 2.0, -0.5),
+        DVec3::new(3.0, 2.5, 0.5),
+    ));
+    all.double_sided = true;
+    // What stands in it makes it a room.
+    let mut walls = room(DVec3::new(20.0, 0.0, 0.0), DVec3::new(22.0, 2.0, 2.0));
+    walls.extend(block(
+        DVec3::new(20.1, 0.1, 0.1),
+        DVec3::new(20.3, 0.3, 0.3),
+    ));
+    let dark = Sheets {
+        double_sided: true,
+        ..sheets(walls, 0.5, 0.0)
+    };
+    gathering(&[all, dark], UNIFORM, |gatherer| {
+        let places = [
+            DVec3::new(0.2, 1.0, 0.1),
+            DVec3::new(1.2, 1.0, 0.1),
+            DVec3::new(21.0, 1.0, 1.0),
+        ];
+        assert_ne!(gatherer.probe(0, places[0]).light[0], DVec3::ZERO);
+        let found = gather(&gatherer, &places, 0, 1.0, &()).unwrap();
+        let states: Vec<State> = found.iter().map(|placed| placed.state).collect();
+        assert_eq!(states, [State::Moved, State::There, State::There]);
+        let moved = found[0].probe.place;
+        assert!((moved.x - 0.6).abs() < 1e-6, "{moved}");
+    });
+}
+
+#[test]
 fn a_furnace_is_the_geometric_sum() {
     for (albedo, bounces) in [(0.5_f32, 255), (0.5, 2), (0.5, 0), (0.9, 255)] {
         let furnace = sheets(room(DVec3::NEG_ONE, DVec3::splat(2.0)), albedo, 1.0);
@@ -332,6 +376,54 @@ fn stated_errors_are_those_that_are_made() {
                 "{k}: z-scores spread by {spread}"
             );
         }
+    });
+}
+
+#[test]
+fn a_target_is_met_by_as_many_rays_as_it_takes_and_biases_nothing() {
+    let floor = [DVec3::new(-2.0, -1.0, -2.0), DVec3::Z * 4.0, DVec3::X * 4.0];
+    let lamp = [DVec3::new(0.5, 2.0, 0.0), DVec3::X * 0.5, DVec3::Z * 0.5];
+    let scene = [sheets(vec![floor], 0.6, 0.0), sheets(vec![lamp], 0.0, 20.0)];
+    gathering(&scene, UNIFORM, |mut gatherer| {
+        let place = DVec3::new(-0.7, 0.1, 0.3);
+        let first = |probes: &[Probe]| {
+            let count = probes.len() as f64;
+            let mean = probes.iter().map(|p| p.light[0].x).sum::<f64>() / count;
+            let variance = probes
+                .iter()
+                .map(|p| (p.light[0].x - mean).powi(2))
+                .sum::<f64>();
+            (mean, (variance / (count * (count - 1.0))).sqrt())
+        };
+        gatherer.rays = 4096;
+        let (plain, plain_error) = first(
+            &(0..50)
+                .map(|k| gatherer.probe(k, place))
+                .collect::<Vec<_>>(),
+        );
+        (gatherer.rays, gatherer.target) = (65_536, Some(0.02));
+        let probes: Vec<Probe> = (0..200).map(|k| gatherer.probe(k, place)).collect();
+        for probe in &probes {
+            assert!(probe.error() <= 0.02, "{} by {}", probe.error(), probe.rays);
+        }
+        let (mean, error) = first(&probes);
+        let off = (mean - plain).abs();
+        assert!(
+            off < 4.0 * error.hypot(plain_error),
+            "{mean} {plain}: {error} {plain_error}"
+        );
+        // Half the error takes more rays, and what is exact takes the fewest.
+        let spent = |probe: &Probe| probe.rays;
+        gatherer.target = Some(0.01);
+        let finer: u32 = (0..20).map(|k| spent(&gatherer.probe(k, place))).sum();
+        let coarse: u32 = probes[..20].iter().map(spent).sum();
+        assert!(finer > 2 * coarse, "{finer} {coarse}");
+        let open = gatherer.probe(0, DVec3::new(0.0, 1e6, 0.0));
+        assert!(
+            open.error() <= 0.01 && open.rays == LEAST_RAYS,
+            "{}",
+            open.rays
+        );
     });
 }
 

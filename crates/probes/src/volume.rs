@@ -1,14 +1,10 @@
 //! Many probes: those in solids are moved to the nearest air, or marked.
 
-use crate::{Gather, Probe};
+use crate::{Error, Gather, Probe};
 use glam::DVec3;
 use layers::Progress;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
-
-/// The listener asked the job to stop.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Cancelled;
 
 /// Where a probe stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,28 +43,28 @@ const CLEARANCE: f64 = 0.1;
 /// The values do not depend on the number of threads. `progress` hears of probes.
 ///
 /// # Errors
-/// [`Cancelled`].
+/// [`Error::Cancelled`].
 pub fn gather(
     gather: &Gather<'_>,
     places: &[DVec3],
     first: u32,
     most: f64,
     progress: &dyn Progress,
-) -> Result<Vec<Placed>, Cancelled> {
+) -> Result<Vec<Placed>, Error> {
     let done = AtomicU64::new(0);
     let made = |(number, &asked): (usize, &DVec3)| {
         if progress.cancelled() {
             return None;
         }
         let placed = place(gather, first + number as u32, asked, most);
-        progress.rays(u64::from(gather.rays));
+        progress.rays(u64::from(placed.probe.rays));
         let before = done.fetch_add(1, Ordering::Relaxed);
         progress.advance(before + 1, places.len() as u64);
         Some(placed)
     };
     let each = places.par_iter().enumerate().with_max_len(1);
     let placed: Option<Vec<Placed>> = each.map(made).collect();
-    placed.ok_or(Cancelled)
+    placed.ok_or(Error::Cancelled)
 }
 
 /// The probe at a place, or in the air past the nearest surface that keeps it in.

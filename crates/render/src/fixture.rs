@@ -1,8 +1,9 @@
 //! Small scenes for this crate's tests.
 
-use glam::{DAffine3, Vec3};
+use glam::Vec3;
 use rays::{BackendKind, Layout, RayBackend, World, WorldOptions, build};
-use scene::{Alpha, Format, Instance, Material, Mesh, MeshOrigin, Scene, Surface};
+use scene::authored::{Material, Mesh};
+use scene::{Alpha, Scene};
 use std::sync::Arc;
 
 /// A parallelogram and what it is made of.
@@ -46,65 +47,28 @@ pub(crate) fn see_through(place: [Vec3; 3], factor: f32) -> (World, Box<dyn RayB
 }
 
 fn world_of(sheets: &[Sheet], alpha: Alpha) -> (World, Box<dyn RayBackend>) {
-    let mesh = |(number, sheet): (usize, &Sheet)| {
+    let meshes = sheets.iter().enumerate().map(|(number, sheet)| {
         let [corner, a, b] = sheet.place;
-        Mesh {
-            name: "sheet".into(),
-            positions: vec![corner, corner + a, corner + a + b, corner + b],
-            normals: vec![],
-            tangents: Vec::new(),
-            colors: Vec::new(),
-            alphas: Vec::new(),
-            uv_sets: vec![],
-            triangles: vec![[0, 1, 2], [0, 2, 3]],
-            source_triangles: vec![],
-            source_vertices: vec![],
-            material: number as u32,
-            origin: MeshOrigin {
-                mesh: number as u32,
-                primitive: 0,
-            },
-        }
-    };
-    let instance = |mesh: usize| Instance {
-        name: "sheet".into(),
-        mesh: mesh as u32,
-        transform: DAffine3::IDENTITY,
-        node: 0,
-        copy: None,
-        casts: true,
-        keeps_buried: None,
-    };
-    let material = |sheet: &Sheet| Material {
-        name: "sheet".into(),
-        surface: Surface::Phong {
-            albedo: sheet.albedo,
-            albedo_map: None,
-            specular: sheet.specular,
-            exponent: sheet.exponent,
-        },
-        ambient: None,
-        emission: sheet.emission,
-        emission_map: None,
-        transmission: None,
-        alpha: alpha.clone(),
-        normal_map: None,
-        double_sided: true,
-    };
-    let scene = Scene {
-        path: "sheets.obj".into(),
-        format: Format::Obj,
-        meshes: sheets.iter().enumerate().map(mesh).collect(),
-        instances: (0..sheets.len()).map(instance).collect(),
-        materials: sheets.iter().map(material).collect(),
-        images: vec![],
-        packed_images: Vec::new(),
-        lights: Vec::new(),
-        warnings: vec![],
-        content_hash: String::new(),
-        source: None,
-        inputs: Vec::new(),
-    };
+        let mut mesh = Mesh::default();
+        mesh.positions = [corner, corner + a, corner + a + b, corner + b]
+            .map(|p| p.to_array())
+            .to_vec();
+        mesh.triangles = vec![[0, 1, 2], [0, 2, 3]];
+        mesh.material = number;
+        mesh
+    });
+    let materials = sheets.iter().map(|sheet| {
+        let mut material = Material::default();
+        material.albedo = sheet.albedo.to_array();
+        material.specular = sheet.specular.to_array();
+        material.exponent = sheet.exponent;
+        material.emission = sheet.emission.to_array();
+        material
+    });
+    let mut scene = Scene::from_meshes(meshes.collect(), materials.collect()).unwrap();
+    for material in &mut scene.materials {
+        material.alpha = alpha.clone();
+    }
     let options = WorldOptions {
         instancing: false,
         alpha_test_all: false,

@@ -145,8 +145,8 @@ fn pretty(value: &Value) -> Vec<u8> {
     value.to_string().replace("},", "},\n").into_bytes()
 }
 
-/// Coefficients of the polynomial from those of the radiance.
-fn polynomial(light: &[[f32; 3]]) -> [DVec3; TERMS] {
+/// Coefficients of the light E / pi as a polynomial of the normal, by [`TERMS`], from those of the radiance.
+pub(crate) fn polynomial(light: &[DVec3]) -> [DVec3; TERMS] {
     // Where each harmonic's polynomial has a value that tells its constant, and that value.
     let root = 0.5f64.sqrt();
     let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
@@ -165,12 +165,8 @@ fn polynomial(light: &[[f32; 3]]) -> [DVec3; TERMS] {
     std::array::from_fn(|k| {
         let (direction, value) = at[k];
         let factor = basis(direction)[k] / value * COSINE[order_of(k)];
-        light.get(k).map_or(DVec3::ZERO, |rgb| rgb_of(rgb) * factor)
+        light.get(k).map_or(DVec3::ZERO, |rgb| *rgb * factor)
     })
-}
-
-fn rgb_of(rgb: &[f32; 3]) -> DVec3 {
-    DVec3::from(rgb.map(f64::from))
 }
 
 /// The texture of Bevy's `IrradianceVolume`: (Rx, 2 Ry, 3 Rz) texels, the ambient cube's x, y and z sides one after another along z,
@@ -178,11 +174,7 @@ fn rgb_of(rgb: &[f32; 3]) -> DVec3 {
 /// the signs the other way round.
 fn bevy(set: &ProbeSet, name: &str) -> Result<Vec<u8>, Error> {
     let [nx, ny, nz] = counts(set, name)?;
-    let cubes: Vec<[DVec3; 6]> = set
-        .filled
-        .iter()
-        .map(|light| ambient_cube(&light.iter().map(rgb_of).collect::<Vec<_>>()))
-        .collect();
+    let cubes: Vec<[DVec3; 6]> = set.filled.iter().map(|light| ambient_cube(light)).collect();
     let mut texels = Vec::with_capacity(6 * cubes.len());
     for axis in 0..3 {
         for z in 0..nz {
@@ -242,9 +234,10 @@ fn three(set: &ProbeSet) -> Value {
     let probes = set.report.probes.iter().zip(&set.filled);
     probes
         .map(|(probe, light)| {
-            let mut sh: Vec<f32> = light.iter().take(TERMS).flatten().copied().collect();
+            let first = light.iter().take(TERMS);
+            let mut sh: Vec<f32> = first.flat_map(|rgb| rgb.as_vec3().to_array()).collect();
             sh.resize(3 * TERMS, 0.0);
-            let [x, y, z] = probe.asked.unwrap_or(probe.at);
+            let [x, y, z] = probe.asked.unwrap_or(probe.position);
             json!({
                 "metadata": { "version": 4.6, "type": "Object", "generator": "ambake" },
                 "object": {
@@ -266,7 +259,7 @@ fn unity(set: &ProbeSet) -> Value {
             for k in [3, 4, 7] {
                 terms[k] = -terms[k];
             }
-            let [x, y, z] = probe.asked.unwrap_or(probe.at);
+            let [x, y, z] = probe.asked.unwrap_or(probe.position);
             let coefficients: Vec<f32> = (0..3)
                 .flat_map(|c| terms.iter().map(move |term| term[c] as f32))
                 .collect();
@@ -280,7 +273,7 @@ fn godot(set: &ProbeSet) -> String {
     let mut text = "[gd_scene format=3]\n\n[node name=\"Probes\" type=\"Node3D\"]\n".to_owned();
     let in_air = set.report.probes.iter().filter(|probe| !probe.invalid);
     for (number, probe) in in_air.enumerate() {
-        let [x, y, z] = probe.at;
+        let [x, y, z] = probe.position;
         text += &format!(
             "\n[node name=\"Probe{number}\" type=\"LightmapProbe\" parent=\".\"]\n\
              transform = Transform3D(1, 0, 0, 0, 1, 0, 0, 0, 1, {x}, {y}, {z})\n"
@@ -296,11 +289,10 @@ mod tests {
 
     #[test]
     fn the_polynomial_is_the_light_of_the_harmonics() {
-        let light: Vec<[f32; 3]> = (0..16)
-            .map(|k| [1.0 + k as f32, -0.5 * k as f32, 2.0])
+        let light: Vec<DVec3> = (0..16)
+            .map(|k| DVec3::new(1.0 + f64::from(k), -0.5 * f64::from(k), 2.0))
             .collect();
         let terms = polynomial(&light);
-        let coefficients: Vec<DVec3> = light.iter().map(rgb_of).collect();
         for n in [
             DVec3::X,
             DVec3::new(0.48, -0.6, 0.64),
@@ -319,7 +311,7 @@ mod tests {
                 x * x - y * y,
             ];
             let found: DVec3 = terms.iter().zip(values).map(|(t, v)| *t * v).sum();
-            let exact = matt(&coefficients, n);
+            let exact = matt(&light, n);
             assert!(
                 (found - exact).length() < 1e-12,
                 "{n}: {found}, not {exact}"

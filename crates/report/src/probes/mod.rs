@@ -8,6 +8,7 @@ pub use reflections::{ReflectionLevel, ReflectionMaps, ReflectionReport};
 
 use crate::{Engine, Error, Output, PageHeader, check_regular, write_page_exr};
 use ambient::harmonics::count;
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
@@ -30,10 +31,8 @@ pub struct ProbeReport {
     pub options: Value,
     /// Order of the harmonics.
     pub order: usize,
-    /// Which functions the coefficients belong to.
-    pub basis: String,
-    /// What they are coefficients of.
-    pub unit: String,
+    /// What the coefficients are of, and which functions they belong to.
+    pub convention: String,
     /// Where the probes of a volume stand; their order is x, then y, then z.
     pub grid: Option<ProbeGrid>,
     /// What a look-up between probes of the volume costs.
@@ -47,6 +46,20 @@ pub struct ProbeReport {
     pub reflections: Vec<ReflectionReport>,
     /// The probes.
     pub probes: Vec<ProbeRecord>,
+}
+
+impl ProbeReport {
+    /// The coefficients of each probe.
+    pub fn lights(&self) -> impl Iterator<Item = Vec<DVec3>> {
+        let of = |probe: &ProbeRecord| {
+            probe
+                .sh
+                .iter()
+                .map(|rgb| DVec3::from(rgb.map(f64::from)))
+                .collect()
+        };
+        self.probes.iter().map(of)
+    }
 }
 
 /// A grid of probes, each in the middle of its cell.
@@ -79,7 +92,7 @@ pub struct InterpolationReport {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ProbeRecord {
     /// Where its light was gathered.
-    pub at: [f64; 3],
+    pub position: [f64; 3],
     /// Where it was asked for, if that is somewhere else.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub asked: Option<[f64; 3]>,
@@ -88,8 +101,10 @@ pub struct ProbeRecord {
     pub invalid: bool,
     /// Share of the directions that meet no back of a surface; 0 in a solid.
     pub validity: f32,
-    /// Coefficients.
-    pub light: Vec<[f32; 3]>,
+    /// Rays in even directions.
+    pub rays: u32,
+    /// Coefficients of the light.
+    pub sh: Vec<[f32; 3]>,
     /// One standard error of each.
     pub std_err: Vec<[f32; 3]>,
     /// The part of the sky, where parts were asked for.
@@ -112,7 +127,7 @@ pub struct ProbeSet {
     /// What is said of them.
     pub report: ProbeReport,
     /// Coefficients of each probe for engines, invalid ones filled from their neighbours.
-    pub filled: Vec<Vec<[f32; 3]>>,
+    pub filled: Vec<Vec<DVec3>>,
     /// Mean distance and its square of each probe: an octahedron, row by row.
     pub distance: Vec<Vec<[f32; 2]>>,
     /// The pictures of [`ProbeReport::reflections`].
@@ -137,7 +152,7 @@ pub fn stage_probes(
     let header = PageHeader {
         version: set.report.version.clone(),
         options: set.report.options.to_string(),
-        convention: format!("{}; {}", set.report.unit, set.report.basis),
+        convention: set.report.convention.clone(),
         scene_hash: set.report.scene_hash.clone(),
         ..PageHeader::default()
     };
@@ -151,7 +166,7 @@ pub fn stage_probes(
     let text =
         serde_json::to_string(&set.report).map_err(|e| Error::write(Path::new(""), e.into()))?;
     // A probe a line: the file can be read, and compared, and is half as large as one that is indented.
-    let text = text.replace("{\"at\"", "\n{\"at\"") + "\n";
+    let text = text.replace("{\"position\"", "\n{\"position\"") + "\n";
     output.stage_bytes(&probe_file(stem), text.as_bytes())
 }
 
@@ -215,13 +230,13 @@ fn planes(set: &ProbeSet) -> Vec<Plane> {
     };
     let mut planes = vec![plane("validity".into(), &|probe| probe.validity)];
     for (axis, name) in ["X", "Y", "Z"].into_iter().enumerate() {
-        planes.push(plane(format!("at.{name}"), &|probe| probe.at[axis] as f32));
+        planes.push(plane(format!("position.{name}"), &|probe| {
+            probe.position[axis] as f32
+        }));
     }
     for k in 0..count(set.report.order) {
         for (c, name) in ["R", "G", "B"].into_iter().enumerate() {
-            planes.push(plane(format!("light.{k}.{name}"), &|probe| {
-                probe.light[k][c]
-            }));
+            planes.push(plane(format!("sh.{k}.{name}"), &|probe| probe.sh[k][c]));
             planes.push(plane(format!("std_err.{k}.{name}"), &|probe| {
                 probe.std_err[k][c]
             }));

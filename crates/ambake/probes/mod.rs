@@ -1,23 +1,25 @@
 //! Probes of a scene: light for what moves.
 
+mod lit;
+mod told;
+mod volume;
+
+pub use volume::ProbeVolume;
+
 use crate::error::Error;
-use crate::options::{check_lights, check_sky};
+use crate::options::check_lamps;
 use crate::{Backend, Bounces, Engine, Scene, Sky, VERSION};
-use ::probes::{
-    Cancelled, DISTANCE_EDGE, Gather, Grid, LEAST_EDGE, LEAST_RAYS, Placed, Reflection, State, fill,
-};
+use ::probes::{DISTANCE_EDGE, Gather, Grid, LEAST_EDGE, LEAST_RAYS, Placed, State, fill};
 use ambient::harmonics::window;
 use glam::DVec3;
 use layers::Progress;
-use rays::{Cone, Lamps, Light, Surfaces, World, WorldOptions};
+use lit::Lit;
+use rays::{Lamps, Light, Surfaces, World, WorldOptions};
 use render::Lightmap;
-use report::{
-    InterpolationReport, Output, PROBES_SCHEMA, ProbeGrid, ProbeRecord, ProbeReport, ProbeSet,
-    ReflectionLevel, ReflectionMaps, ReflectionReport,
-};
-use serde_json::{Value, json};
+use report::{InterpolationReport, Output, PROBES_SCHEMA, ProbeGrid, ProbeReport, ProbeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use told::{describe, file_name, pictures, record, reflection};
 
 /// Where probes stand.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,6 +51,10 @@ pub struct ProbeOptions {
     pub max_distance: Option<f32>,
     /// Rays of a probe, at least 64.
     pub rays: u32,
+    /// In place of a number of rays: the standard error of the light E / π, 1 under an open sky of 1, that each probe is to have at most.
+    pub target_error: Option<f64>,
+    /// With a target, the most rays of a probe.
+    pub max_rays: u32,
     /// Order of the harmonics, 1 to 3.
     pub order: usize,
     /// Take the contrast at which a matt surface would receive less than no light.
@@ -77,6 +83,8 @@ impl Default for ProbeOptions {
             bounces: Bounces::Auto,
             max_distance: None,
             rays: 1024,
+            target_error: None,
+            max_rays: 65_536,
             order: 2,
             window: false,
             parts: false,
@@ -88,6 +96,10 @@ impl Default for ProbeOptions {
         }
     }
 }
+
+/// What the coefficients of a report are.
+const CONVENTION: &str = "radiance that arrives, linear RGB, in the axes of the scene's file; real harmonics, orthonormal over the sphere, by l, then m from \
+                          -l to l: 1; y, z, x; xy, yz, 3z²-1, xz, x²-y²; y(3x²-y²), xyz, y(5z²-1), z(5z²-3), x(5z²-1), z(x²-y²), x(x²-3y²)";
 
 /// Most probes of a scene.
 const MOST_PROBES: u64 = 1 << 20;
@@ -116,7 +128,7 @@ const MOST_BOUNCES: u32 = 255;
 /// let probes = Probes::gather(&scene, &places, &ProbeOptions::default(), &())?;
 /// let probe = &probes.report().probes[0];
 /// // Nine coefficients of red, green and blue, each with its standard error.
-/// assert_eq!((probe.light.len(), probe.std_err.len()), (9, 9));
+/// assert_eq!((probe.sh.len(), probe.std_err.len()), (9, 9));
 /// assert_eq!(probe.validity, 1.0);
 /// # Ok(())
 /// # }
@@ -140,6 +152,7 @@ impl Probes {
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         check(options)?;
+        check_lamps(scene)?;
         let stem = scene.stem();
         let (baked_scene, map) = match &options.bake {
             None => (Arc::clone(&scene.0), None),
@@ -175,7 +188,11 @@ impl Probes {
                 Bounces::Most(count) => count,
             },
             max_distance: options.max_distance.unwrap_or(f32::INFINITY),
-            rays: options.rays,
+            rays: match options.target_error {
+                Some(_) => options.max_rays,
+                None => options.rays,
+            },
+            target: options.target_error,
             order: options.order,
             reach: way.map_or(world.bounds().diagonal(), |way| REACH * way),
             seed: options.seed,
@@ -234,10 +251,7 @@ impl Probes {
             scene_hash: scene.content_hash.clone(),
             options: describe(places, options, &light),
             order: options.order,
-            basis: "real harmonics, orthonormal over the sphere, by l, then m from -l to l: 1; y, z, x; xy, yz, 3z²-1, xz, x²-y²; y(3x²-y²), xyz, \
-                    y(5z²-1), z(5z²-3), x(5z²-1), z(x²-y²), x(x²-3y²)"
-                .into(),
-            unit: "radiance that arrives, linear RGB, in the axes of the scene's file".into(),
+            convention: CONVENTION.into(),
             grid: grid.map(|grid| ProbeGrid {
                 low: (grid.low + origin).to_array(),
                 cell: grid.cell.to_array(),
@@ -266,7 +280,7 @@ impl Probes {
         inputs.extend(map.iter().flat_map(|map| map.files().to_vec()));
         let set = ProbeSet {
             report,
-            filled: filled.iter().map(|light| rgb(light)).collect(),
+            filled,
             distance: placed.into_iter().map(|p| p.probe.distance).collect(),
             reflections: reflections.into_iter().map(pictures).collect(),
         };
@@ -295,9 +309,12 @@ impl Probes {
     }
 }
 
-impl From<Cancelled> for Error {
-    fn from(_: Cancelled) -> Self {
-        Self::Cancelled
+impl From<::probes::Error> for Error {
+    fn from(error: ::probes::Error) -> Self {
+        match error {
+            ::probes::Error::Cancelled => Self::Cancelled,
+            ::probes::Error::Map(error) => Self::Sky(error),
+        }
     }
 }
 
@@ -325,9 +342,20 @@ impl Progress for Span<'_> {
 }
 
 fn check(options: &ProbeOptions) -> Result<(), Error> {
-    if options.rays < LEAST_RAYS {
-        let problem = format!("{}; a probe takes at least {LEAST_RAYS}", options.rays);
-        return Err(Error::option("--rays", problem));
+    for (flag, rays) in [("--rays", options.rays), ("--max-rays", options.max_rays)] {
+        if rays < LEAST_RAYS {
+            let problem = format!("{rays}; a probe takes at least {LEAST_RAYS}");
+            return Err(Error::option(flag, problem));
+        }
+    }
+    if !options
+        .target_error
+        .is_none_or(|target| target > 0.0 && target < 1.0)
+    {
+        return Err(Error::option(
+            "--target-error",
+            "it must be above 0 and below 1",
+        ));
     }
     let edge = options.reflection_size;
     if !edge.is_power_of_two() || !(LEAST_EDGE..=1024).contains(&(edge as usize)) {
@@ -374,93 +402,6 @@ fn stand(
     Ok((Some(grid), places.collect()))
 }
 
-/// The light of a scene that does not come from its surfaces.
-struct Lit {
-    sky: Sky,
-    lights: Vec<Light>,
-}
-
-impl Lit {
-    /// What was asked for, and what the bake had where nothing was.
-    fn of(scene: &Scene, options: &ProbeOptions) -> Result<Self, Error> {
-        let baked = match &options.bake {
-            Some(dir) => match report::read_record(dir, &scene.stem()) {
-                Some(record) => Some(record),
-                None => Some(report::read_bake_report(&dir.join(report::REPORT_FILE))?),
-            },
-            None => None,
-        };
-        if let Some(baked) = &baked
-            && baked.scene.content_hash != scene.content_hash
-        {
-            let problem = "the scene was changed after this bake; bake it again";
-            return Err(Error::option("--bake", problem));
-        }
-        let known = |name: &str| baked.as_ref().and_then(|bake| bake.options.get(name));
-        let sky = match (&options.sky, known("sky")) {
-            (Some(sky), _) => sky.clone(),
-            (None, Some(sky)) if sky.is_array() => {
-                let uniform: Option<[f32; 3]> = serde_json::from_value(sky.clone()).ok();
-                uniform.map(Sky::uniform).unwrap_or_default()
-            }
-            (None, Some(sky)) if sky.get("file").is_some() => {
-                let problem = format!(
-                    "the bake was lit by {}; give --sky with that file",
-                    sky["file"]
-                );
-                return Err(Error::option("--bake", problem));
-            }
-            _ => Sky::default(),
-        };
-        let lights = match (&options.lights, known("lights").and_then(Value::as_array)) {
-            (Some(lights), _) => lights.clone(),
-            (None, Some(lights)) => lights.iter().filter_map(light_of).collect(),
-            (None, None) => Vec::new(),
-        };
-        check_sky(&sky)?;
-        check_lights(&lights)?;
-        Ok(Self { sky, lights })
-    }
-}
-
-/// A light as the report of a bake states it.
-fn light_of(value: &Value) -> Option<Light> {
-    let triple = |value: &Value| -> Option<DVec3> {
-        let numbers: [f64; 3] = serde_json::from_value(value.clone()).ok()?;
-        Some(numbers.into())
-    };
-    let at = |name: &str| value.get(name).and_then(triple);
-    if let Some(toward) = at("sun") {
-        return Some(Light::Distant {
-            toward,
-            irradiance: at("irradiance")?,
-        });
-    }
-    if let Some(position) = at("sphere") {
-        return Some(Light::Sphere {
-            position,
-            radius: value["radius"].as_f64()?,
-            radiance: at("radiance")?,
-        });
-    }
-    if let Some(corner) = at("rect") {
-        return Some(Light::Rect {
-            corner,
-            sides: [triple(&value["sides"][0])?, triple(&value["sides"][1])?],
-            radiance: at("radiance")?,
-        });
-    }
-    let cosines: Option<[f64; 2]> = serde_json::from_value(value["cosines"].clone()).ok();
-    Some(Light::Point {
-        position: at("point")?,
-        intensity: at("intensity")?,
-        cone: at("axis")
-            .zip(cosines)
-            .map(|(axis, cosines)| Cone { axis, cosines }),
-        range: value["range"].as_f64().unwrap_or(f64::INFINITY),
-    })
-}
-
 /// Mean of coefficients.
 fn mean(near: &[&Vec<DVec3>]) -> Vec<DVec3> {
     let sum = |k: usize| near.iter().map(|light| light[k]).sum::<DVec3>();
@@ -474,124 +415,4 @@ fn rgb(values: &[DVec3]) -> Vec<[f32; 3]> {
         .iter()
         .map(|value| value.as_vec3().to_array())
         .collect()
-}
-
-fn record(
-    placed: &Placed,
-    strength: Option<f64>,
-    options: &ProbeOptions,
-    origin: DVec3,
-) -> ProbeRecord {
-    let probe = &placed.probe;
-    let mut light = probe.light.clone();
-    if options.window {
-        window(&mut light);
-    }
-    let part = |number: usize| match options.parts {
-        true => rgb(&probe.parts[number]),
-        false => Vec::new(),
-    };
-    let moved = placed.state == State::Moved;
-    ProbeRecord {
-        at: (probe.place + origin).to_array(),
-        asked: moved.then(|| (placed.asked + origin).to_array()),
-        invalid: placed.state == State::Invalid,
-        validity: probe.validity as f32,
-        light: rgb(&light),
-        std_err: rgb(&probe.std_err),
-        sky: part(0),
-        lights: part(1),
-        surfaces: part(2),
-        window: strength,
-    }
-}
-
-/// What is said of reflection maps.
-fn reflection(stem: &str, number: usize, of: &Reflection, origin: DVec3) -> ReflectionReport {
-    let [east, west, up, down, south, north] = of.walls;
-    let (low, high) = (DVec3::new(west, down, north), DVec3::new(east, up, south));
-    let level = |level: &::probes::Level| ReflectionLevel {
-        size: level.image.width,
-        roughness: level.roughness,
-        error: level.error,
-    };
-    let place = of.place + origin;
-    ReflectionReport {
-        place: place.to_array(),
-        specular: format!("{stem}.reflection.{number}.specular.ktx2"),
-        levels: of.levels.iter().map(level).collect(),
-        diffuse: format!("{stem}.reflection.{number}.diffuse.ktx2"),
-        diffuse_error: of.diffuse.error,
-        room: (low + high)
-            .is_finite()
-            .then(|| [(place - low).to_array(), (place + high).to_array()]),
-    }
-}
-
-fn pictures(of: Reflection) -> ReflectionMaps {
-    ReflectionMaps {
-        levels: of.levels.into_iter().map(|level| level.image).collect(),
-        diffuse: of.diffuse.image,
-    }
-}
-
-fn file_name(path: &Path) -> String {
-    path.file_name()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned()
-}
-
-fn describe(places: &Places, options: &ProbeOptions, light: &Lit) -> Value {
-    let lights: Vec<Value> = light.lights.iter().map(crate::options::described).collect();
-    json!({
-        "spacing": match places { Places::Spacing(spacing) => Some(spacing), _ => None },
-        "grid": match places { Places::Grid(counts) => Some(counts), _ => None },
-        "at": match places { Places::At(places) => Some(places), _ => None },
-        "within": options.within,
-        "bake": options.bake.as_deref().map(file_name),
-        "sky": light.sky,
-        "lights": lights,
-        "bounces": match options.bounces {
-            Bounces::Off => json!(0),
-            Bounces::Auto => json!("auto"),
-            Bounces::Most(count) => json!(count),
-        },
-        "max_distance": options.max_distance,
-        "rays": options.rays,
-        "order": options.order,
-        "window": options.window,
-        "parts": options.parts,
-        "reflections": options.reflections,
-        "reflection_size": options.reflection_size,
-        "seed": options.seed,
-        "tried": options.tried,
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lights_come_back_from_the_report_of_a_bake() {
-        let spot = Light::Point {
-            position: DVec3::new(1.0, 2.0, 3.0),
-            intensity: DVec3::splat(4.0),
-            cone: Some(Cone {
-                axis: DVec3::NEG_Y,
-                cosines: [0.9, 0.5],
-            }),
-            range: 7.0,
-        };
-        for light in [
-            Light::sun([0.0, 2.0, 0.0], [1.0, 2.0, 3.0]),
-            Light::point([1.0, 0.0, 0.0], [5.0; 3]),
-            spot,
-            Light::sphere([1.0, 2.0, 3.0], 0.5, [2.0; 3]),
-            Light::rect([0.0; 3], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], [3.0; 3]),
-        ] {
-            assert_eq!(light_of(&crate::options::described(&light)), Some(light));
-        }
-    }
 }
