@@ -1,5 +1,6 @@
 //! What was typed after `ambake render`. `options.rs` says what it means.
 
+use super::balls::Balls;
 use super::tables_args::Tables;
 use crate::common::{Backend, Common, Shining};
 use crate::parse::{color, exponent, field_of_view, number, positive, size, triple};
@@ -30,6 +31,8 @@ pub struct Args {
     pub view: View,
     #[command(flatten)]
     pub matte: Matte,
+    #[command(flatten)]
+    pub balls: Balls,
     /// Film's curve, a file that `map merge --save-response` wrote: a .png holds what the film would record, in place of sRGB, and the
     /// photograph of --backdrop is read by it, so that a scene is laid over it in the photograph's own tones
     #[arg(long, value_name = "FILE", conflicts_with_all = ["figure", "alpha"])]

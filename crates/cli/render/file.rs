@@ -52,6 +52,8 @@ pub fn tables_inputs(args: &Args) -> Vec<PathBuf> {
         .chain(&tables.path)
         .chain(&args.matte.backdrop)
         .chain(&args.response)
+        .chain(&args.balls.probes)
+        .chain(&args.balls.reflection)
         .chain(args.sky.as_ref().and_then(SkyArg::file));
     others.cloned().collect()
 }

@@ -2,7 +2,7 @@
 
 use super::args::{Args, Exposure};
 use super::file::{Behind, Film};
-use super::{file, options};
+use super::{balls, file, options};
 use crate::outcome::{Outcome, say, say_json};
 use crate::progress::watch;
 use crate::stop::Stop;
@@ -61,10 +61,13 @@ pub fn draw(
     if !matches!(behind, Behind::Own) {
         direct.background = Some(DVec3::ZERO);
     }
-    let radiance = |sample: &Sample| match lightmap {
+    let balls = balls::balls(args, world)?;
+    let scene = |sample: &Sample| match lightmap {
         None => direct.radiance(sample),
         Some(map) => direct.radiance_baked(sample, map),
     };
+    let on_balls = |sample: &Sample| direct.on_balls(sample, &balls, scene);
+    let radiance = |sample: &Sample| on_balls(sample).unwrap_or_else(|| scene(sample));
     let picture = watch(options::show(args, "pixels"), stop, |progress| {
         picture(&camera, args.view.samples, progress, radiance)
     });
@@ -75,7 +78,7 @@ pub fn draw(
     let alpha = match behind {
         Behind::Own => Vec::new(),
         _ => {
-            let meets = |sample: &Sample| direct.meets(sample);
+            let meets = |sample: &Sample| direct.meets(sample) || on_balls(sample).is_some();
             alpha(&camera, args.view.samples, &(), meets)?
         }
     };

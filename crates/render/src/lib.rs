@@ -24,6 +24,7 @@
 //! * Materials fitted to pictures: `fit.rs`.
 #![forbid(unsafe_code)]
 
+mod ball;
 mod camera;
 mod capture;
 #[cfg(test)]
@@ -47,6 +48,7 @@ pub mod tables;
 mod text;
 mod viewpoint;
 
+pub use ball::{Ball, Shows};
 pub use camera::Camera;
 pub use capture::{PointForm, add_points, capture};
 pub use direct::{Direct, Model};
