@@ -222,6 +222,46 @@ fn a_browser_shows_the_report_and_picks_the_texel_that_is_there() {
 }
 
 #[test]
+fn a_browser_shows_probes_as_balls_in_the_light_that_engines_look_up() {
+    let courtyard = scene("courtyard.obj");
+    let (folder, _) = bake(&courtyard, &["--size=64", "--rays=4"]);
+    let [file, place] = [&courtyard, folder.path()].map(|path| path.display().to_string());
+    let flags = "--grid=3x2x3 --within=-6,0.2,-6:6,4,6 --rays=64 --tried=0 -q";
+    run_well(
+        ["probes", &file, "-o", &place]
+            .into_iter()
+            .chain(flags.split(' ')),
+    );
+    run_well(["view", &place, "--no-open", "-q"]);
+    let Some(found) = in_browser(folder.path()) else {
+        return;
+    };
+    let balls = &found["balls"];
+    assert!(balls["shown"].as_u64() > Some(50), "the probes: {balls}");
+    assert!(balls["moved"].as_u64() > Some(50), "the other: {balls}");
+    assert_eq!(found["same"], true, "switched off and on again");
+    let text = fs::read_to_string(folder.path().join("courtyard.probes.json"));
+    let report: Value = serde_json::from_str(&text.expect("probes")).expect("JSON");
+    // The mean of E / pi over all normals is the first coefficient over 2 sqrt(pi).
+    let mean = |probe: usize| {
+        let first = &report["probes"][probe]["sh"][0][1];
+        first.as_f64().expect("a number") / (4.0 * std::f64::consts::PI).sqrt()
+    };
+    let wanted = [mean(0), mean(1 + 3 * 2), 0.5 * (mean(0) + mean(1))];
+    for (k, wanted) in wanted.into_iter().enumerate() {
+        let light = balls["light"][k][1].as_f64().expect("a number");
+        assert!(
+            wanted > 0.0 && (light - wanted).abs() < 1e-4 * wanted,
+            "{k}: {light} {wanted}"
+        );
+    }
+    // To the right and up on the screen, as far from the eye's plane as before.
+    assert_ne!(balls["at"], balls["dragged"]);
+    let [before, after] = ["at", "dragged"].map(|name| balls[name][1].as_f64().expect("y"));
+    assert!(after > before, "{balls}");
+}
+
+#[test]
 fn a_browser_turns_the_highlight_as_render_integrates_it() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("shiny.obj");

@@ -5,9 +5,11 @@ use crate::common::{build, text_file};
 use crate::outcome::{Outcome, say};
 use anyhow::bail;
 
+use ambake::{ProbeReport, ProbeVolume};
+use glam::DVec3;
 use rays::{RayBackend, SurfaceHit, Surfaces, World};
 use render::{Camera, Direct, Framing, Lamps, Lit, TexelPlace};
-use report::{EmbeddedPage, Kernel, Output, REPORT_NAME, Viewer};
+use report::{EmbeddedPage, EmbeddedProbes, Kernel, Output, REPORT_NAME, Viewer};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -85,6 +87,7 @@ pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
         );
     }
     let bench = benchmark(dir);
+    let probes = probes(dir, stem, &bake);
     let (seen, alpha) = lit.picture();
     let viewer = Viewer {
         title: stem,
@@ -95,6 +98,9 @@ pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
         fov: 2.0 * camera.slope.atan(),
         stops: render::Exposure::of(&seen, &alpha).stops as i32,
         kernel: kernel(&bake),
+        probes: probes
+            .as_ref()
+            .and_then(|(report, light)| EmbeddedProbes::of(report, light)),
         bake: &json,
         bench: bench.as_deref(),
     };
@@ -116,6 +122,23 @@ fn kernel(bake: &report::BakeReport) -> Option<Kernel> {
         columns: table.columns(),
         values: table.values,
     })
+}
+
+/// The probes of the scene that stand beside the bake, and the light that each is shown with.
+fn probes(
+    dir: &Path,
+    stem: &str,
+    bake: &report::BakeReport,
+) -> Option<(ProbeReport, Vec<Vec<DVec3>>)> {
+    let report = report::read_probes(&dir.join(report::probe_file(stem))).ok()?;
+    if report.scene_hash != bake.scene.content_hash {
+        return None;
+    }
+    let light = match ProbeVolume::of(&report) {
+        Some(volume) => volume.probes().to_vec(),
+        None => report.lights().collect(),
+    };
+    Some((report, light))
 }
 
 /// The rows of a benchmark that stands in the folder of the bake or in its `bench`, where there is one.

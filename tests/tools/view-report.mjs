@@ -48,6 +48,24 @@ const found = await page.evaluate(async () => {
     out.views[view.name] = colors();
   }
   await app.show(app.views[0].name);
+  const balls = app.balls();
+  if (balls) {
+    const changed = (a, b) => a.reduce((sum, value, i) => sum + (value !== b[i]), 0);
+    const press = async (id) => { document.getElementById(id).click(); await drawn(); return pixels("scene"); };
+    const with_all = pixels("scene"), without = await press("balls"), none = await press("moved");
+    out.balls = { shown: changed(with_all, without), moved: changed(without, none), at: [...balls.at] };
+    await press("balls");
+    await press("moved");
+    const { low, size, counts } = balls.volume;
+    // Light at the places of probes, and half way between two.
+    const place = (at) => at.map((k, axis) => low[axis] + (k + 0.5) / counts[axis] * size[axis]);
+    out.balls.light = [[0, 0, 0], [1, 0, 1], [0.5, 0, 0]].map((at) => [...balls.lightAt(place(at))]);
+    // Where the ball is on the screen.
+    const c = app.camera(), box = document.getElementById("scene").getBoundingClientRect(), slope = Math.tan(c.fov / 2);
+    const along = (axis) => axis.reduce((sum, x, k) => sum + x * (balls.at[k] - c.eye[k]), 0), depth = along(c.forward);
+    const [x, y] = [along(c.right) / (depth * slope * box.width / box.height), along(c.upright) / (depth * slope)];
+    out.balls.screen = [box.left + (x + 1) / 2 * box.width, box.top + (1 - y) / 2 * box.height];
+  }
   const eye = [...app.camera().eye];
   document.getElementById("scene").focus();
   out.eye = eye;
@@ -55,6 +73,14 @@ const found = await page.evaluate(async () => {
   out.same = pixels("scene").every((value, i) => value === first[i]);
   return out;
 });
+if (found.balls) {
+  const [x, y] = found.balls.screen;
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x + 30, y - 10, { steps: 4 });
+  await page.mouse.up();
+  found.balls.dragged = await page.evaluate(() => [...window.ambake.balls().at]);
+}
 await page.keyboard.press("ArrowRight");
 await page.keyboard.press("1");
 await page.mouse.move(400, 400);

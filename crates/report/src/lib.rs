@@ -76,4 +76,4 @@ pub use probes::{
 pub use record::{REPORT_FILE, read_record, record_name, scene_file, stage_report};
 pub use regular::check_regular;
 pub use space::check_space;
-pub use viewer::{EmbeddedPage, Kernel, REPORT_NAME, Viewer};
+pub use viewer::{EmbeddedPage, EmbeddedProbes, Kernel, REPORT_NAME, Viewer};

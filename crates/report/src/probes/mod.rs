@@ -3,6 +3,7 @@
 mod engines;
 mod reflections;
 
+pub(crate) use engines::polynomial;
 pub use engines::{ProbeFile, probe_files};
 pub use reflections::{ReflectionLevel, ReflectionMaps, ReflectionReport};
 

@@ -2,7 +2,7 @@
 
 const KEYS = [
   ["arrows", "turn"], ["W A S D, Q E", "move, down and up"], ["+ -", "nearer, farther"], ["O, P", "orbit, walk"], ["1 2 3", "traditional, Lambert, Phong"],
-  ["[ ]", "darker, brighter"], ["V", "next view"], ["B", "hide back faces"], ["Enter", "pick the middle"], ["Home", "first view"], ["?", "these keys"],
+  ["[ ]", "darker, brighter"], ["V", "next view"], ["B", "hide back faces"], ["N", "probes"], ["Enter", "pick the middle"], ["Home", "first view"], ["?", "these keys"],
 ];
 
 function press(key) {
@@ -16,7 +16,7 @@ function press(key) {
     o: () => { document.querySelector("input[value=orbit]").checked = true; }, p: () => { document.querySelector("input[value=walk]").checked = true; },
     1: () => model(0), 2: () => model(1), 3: () => model(2), "[": () => expose(-0.5), "]": () => expose(0.5),
     v: () => { $("view").selectedIndex = ($("view").selectedIndex + 1) % list.length; show(); },
-    b: () => { $("backs").checked = !$("backs").checked; }, Enter: () => pickAt(0, 0), Home: () => camera.reset(), "?": () => { $("keys").hidden = !$("keys").hidden; },
+    b: () => { $("backs").checked = !$("backs").checked; }, n: () => { $("balls").checked = !$("balls").checked; }, Enter: () => pickAt(0, 0), Home: () => camera.reset(), "?": () => { $("keys").hidden = !$("keys").hidden; },
   };
   const action = actions[key.length === 1 ? key.toLowerCase() : key];
   if (action) { action(); redraw(); }
@@ -32,13 +32,30 @@ function expose(stops) {
 
 function listen() {
   const canvas = $("scene");
-  let last = null, moved = 0;
-  canvas.addEventListener("pointerdown", (event) => { last = event; moved = 0; canvas.setPointerCapture(event.pointerId); });
+  let last = null, moved = 0, held = null;
+  // What the pointer shows: the camera's ray.
+  const rayOf = (event) => {
+    const box = canvas.getBoundingClientRect();
+    return camera.ray(2 * (event.clientX - box.left) / box.width - 1, 1 - 2 * (event.clientY - box.top) / box.height, box.width / box.height);
+  };
+  canvas.addEventListener("pointerdown", (event) => {
+    [last, moved] = [event, 0];
+    const ray = rayOf(event), along = balls && event.button === 0 ? balls.meets(camera.eye, ray) : null;
+    // The ball keeps its distance from the plane of the picture, and its place under the pointer.
+    held = along === null ? null : { depth: dot(sub(balls.at, camera.eye), camera.forward), off: sub(balls.at, add(camera.eye, ray, along)) };
+    canvas.setPointerCapture(event.pointerId);
+  });
   canvas.addEventListener("pointermove", (event) => {
     if (!last) return;
     const [x, y] = [event.clientX - last.clientX, event.clientY - last.clientY];
     moved += Math.abs(x) + Math.abs(y);
     if (moved <= 4) return;
+    if (held) {
+      const ray = rayOf(event);
+      balls.move(add(add(camera.eye, ray, held.depth / dot(ray, camera.forward)), held.off));
+      last = event;
+      return redraw();
+    }
     const scale = 2 * Math.tan(camera.fov / 2) / canvas.clientHeight;
     if (event.buttons > 1 || event.shiftKey) camera.move(-x * scale, y * scale, 0);
     else if (walking()) camera.turn(-x * scale, y * scale, false);
@@ -68,7 +85,13 @@ function listen() {
   $("model").addEventListener("change", show);
   $("exposure").addEventListener("input", () => expose(0));
   $("home").addEventListener("click", () => { camera.reset(); redraw(); });
-  $("backs").addEventListener("change", redraw);
+  ["backs", "balls", "moved"].forEach((id) => $(id).addEventListener("change", redraw));
+  ["ballX", "ballY", "ballZ"].forEach((id, axis) => $(id).addEventListener("input", (event) => {
+    const { low, size } = balls.volume, at = [...balls.at];
+    at[axis] = low[axis] + Number(event.target.value) * size[axis];
+    balls.move(at);
+    redraw();
+  }));
   document.querySelectorAll("input[name=move]").forEach((box) => box.addEventListener("change", redraw));
   $("page").addEventListener("change", () => { state.page = Number($("page").value); sheet(); });
   window.addEventListener("resize", redraw);
@@ -102,6 +125,11 @@ async function start() {
   [meshes, pictures] = await Promise.all([geometry(), alphaPictures()]);
   instances = head.instances.map((instance) => ({ ...instance, undo: inverse(instance.matrix) }));
   painter.take(meshes, pictures);
+  if (head.probes) {
+    balls = new Balls(painter, await bytesOf("probes"));
+    $("probesRow").hidden = false;
+    $("ballRow").hidden = !head.probes.volume;
+  }
   camera = new Camera(head.camera);
   listen();
   await show();
@@ -116,4 +144,4 @@ const ready = start().catch((error) => {
   throw error;
 });
 // For scripts and tests.
-window.ambake = { ready, pickAt, press, state, get views() { return list; }, camera: () => camera, show: (name) => { $("view").value = name; return show(); } };
+window.ambake = { ready, pickAt, press, state, get views() { return list; }, camera: () => camera, balls: () => balls, show: (name) => { $("view").value = name; return show(); } };

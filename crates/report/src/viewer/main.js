@@ -1,7 +1,7 @@
 // The page: what is shown, what is picked, and the tables beside it.
 
 const state = { view: null, part: 0, picked: null, page: 0, ranges: new Map(), first: null };
-let list, painter, meshes, pictures, instances, camera;
+let list, painter, meshes, pictures, instances, camera, balls = null;
 
 /** The layers and the numbers that a view asks of the painter. */
 function look() {
@@ -79,7 +79,9 @@ function paint() {
   const canvas = $("scene"), over = $("over"), sharp = Math.min(window.devicePixelRatio || 1, 2);
   const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((n) => Math.max(1, Math.round(n * sharp)));
   if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [over.width, over.height] = [width, height];
-  painter.draw(camera, instances, head.radius, look(), $("backs").checked);
+  const current = look();
+  painter.draw(camera, instances, head.radius, current, $("backs").checked);
+  if (balls) balls.draw(camera.matrix(width / height, head.radius), current.factor);
   state.first ??= performance.now();
   const pen = over.getContext("2d");
   pen.clearRect(0, 0, width, height);

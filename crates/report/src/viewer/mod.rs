@@ -4,9 +4,11 @@
 //! JSON head, the geometry, and every page's layers as 16-bit floats, deflated and in base64. Names cannot end the script
 //! element that they stand in, because the head has no `<`.
 
+mod balls;
 mod cutouts;
 mod embed;
 
+pub use balls::EmbeddedProbes;
 pub use embed::EmbeddedPage;
 
 use cutouts::Cutouts;
@@ -20,12 +22,13 @@ pub const REPORT_NAME: &str = "report.html";
 
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("style.css");
-const SCRIPT: [&str; 8] = [
+const SCRIPT: [&str; 9] = [
     include_str!("data.js"),
     include_str!("colors.js"),
     include_str!("camera.js"),
     include_str!("live.js"),
     include_str!("gl.js"),
+    include_str!("balls.js"),
     include_str!("main.js"),
     include_str!("plot.js"),
     include_str!("input.js"),
@@ -51,6 +54,8 @@ pub struct Viewer<'a> {
     pub bake: &'a Value,
     /// What the harmonics of the pages are evaluated with, where they hold any.
     pub kernel: Option<Kernel>,
+    /// Probes of the scene, where some stand beside the bake.
+    pub probes: Option<EmbeddedProbes<'a>>,
     /// The rows of a benchmark that stands beside the bake, as its `bench.csv` has them.
     pub bench: Option<&'a str>,
 }
@@ -143,6 +148,7 @@ impl Viewer<'_> {
             "pages": pages,
             "layers": self.pages.first().map_or(&[][..], |page| &page.layers),
             "kernel": self.kernel.as_ref().map(|kernel| json!({ "order": kernel.order, "columns": kernel.columns })),
+            "probes": self.probes.as_ref().map(|probes| probes.head(origin, radius)),
             "bake": self.bake,
             "bench": self.bench,
         });
@@ -154,6 +160,9 @@ impl Viewer<'_> {
         if let Some(kernel) = &self.kernel {
             let bytes: Vec<u8> = kernel.values.iter().flat_map(|v| v.to_le_bytes()).collect();
             data += &element("kernel", &blob(&bytes));
+        }
+        if let Some(probes) = &self.probes {
+            data += &element("probes", &probes.blob(origin));
         }
         for (number, text) in alpha_texts.iter().enumerate() {
             data += &element(&format!("a{number}"), text);
@@ -245,6 +254,7 @@ mod tests {
             fov: 0.7,
             stops: 0,
             kernel: None,
+            probes: None,
             bake: &json!({ "warnings": ["</script>"] }),
             bench: Some("technique\n</script>\n"),
         };
