@@ -209,7 +209,7 @@ fn in_three(folder: &Path, scene: &Path, [eye, look, fov]: [&str; 3]) -> Option<
         .output();
     let node = match node {
         Ok(node) if node.status.code() == Some(77) => {
-            skip(String::from_utf8_lossy(&node.stderr).trim());
+            skip(String::from_utf8_lossy(&node.stdout).trim());
             return None;
         }
         Ok(node) => node,

@@ -5,32 +5,15 @@
 // difference of the scene, lit by that lightmap as bake.json says, to the picture, away from silhouettes; both in 1/255.
 // Exit status 77 where playwright-core, three or Chromium is absent (`npm install` in this folder; Debian's package chromium).
 
-import { createServer } from "node:http";
-import { readFile } from "node:fs/promises";
 import { existsSync } from "node:fs";
-import { createRequire } from "node:module";
+import { readFile } from "node:fs/promises";
 import path from "node:path";
-
-const executablePath = process.env.CHROMIUM ?? "/usr/bin/chromium";
-let chromium, three;
-try {
-  chromium = (await import("playwright-core")).chromium;
-  three = path.dirname(path.dirname(createRequire(import.meta.url).resolve("three")));
-} catch {
-  console.error("playwright-core or three is absent; run npm install in tests/tools");
-  process.exit(77);
-}
-if (!existsSync(executablePath)) {
-  console.error(`${executablePath} is absent; install Debian's package chromium`);
-  process.exit(77);
-}
+import { threePage } from "./three-page.mjs";
 
 const [dir, stem, picture, eye, look, fov] = process.argv.slice(2);
 const point = (text) => text.split(",").map(Number);
 
-const page = `<!doctype html><script type="importmap">
-{ "imports": { "three": "/three/build/three.module.js", "three/addons/": "/three/examples/jsm/" } }</script>
-<script type="module">
+const script = `
 import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { EXRLoader } from "three/addons/loaders/EXRLoader.js";
@@ -52,10 +35,10 @@ const lightMaps = (parser) => ({
   },
 });
 
-window.measure = async ({ stem, eye, look, fov, pages, scale, instanced }) => {
+window.measure = async ({ picture, stem, eye, look, fov, pages, scale, instanced }) => {
   const renderer = new THREE.WebGLRenderer();
   const at = (name) => "/bake/" + encodeURIComponent(name);
-  const wanted = await new EXRLoader().setDataType(THREE.FloatType).loadAsync("/picture");
+  const wanted = await new EXRLoader().setDataType(THREE.FloatType).loadAsync("/picture/" + encodeURIComponent(picture));
   const { width, height, data } = wanted.image;
   const camera = new THREE.PerspectiveCamera(fov, width / height, 0.001, 1e5);
   camera.position.fromArray(eye);
@@ -135,46 +118,17 @@ window.measure = async ({ stem, eye, look, fov, pages, scale, instanced }) => {
     };
   }
   return told;
-};
-window.ready = true;
-</script>`;
-
-const types = { ".js": "text/javascript", ".html": "text/html" };
-const server = createServer(async (request, response) => {
-  const { pathname } = new URL(request.url, "http://127.0.0.1");
-  try {
-    if (pathname === "/") return response.setHeader("content-type", "text/html").end(page);
-    const [, root, ...rest] = pathname.split("/").map(decodeURIComponent);
-    const file = { three: path.join(three, ...rest), bake: path.join(dir, ...rest), picture }[root];
-    if (!file) throw new Error("unknown");
-    const body = await readFile(file);
-    response.setHeader("content-type", types[path.extname(file)] ?? "application/octet-stream").end(body);
-  } catch {
-    response.writeHead(404).end();
-  }
-});
-await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
+};`;
 
 const bake = JSON.parse(await readFile(path.join(dir, "bake.json"), "utf8"));
 const scale = bake.lightmaps.find((map) => map.engine === "three").scale;
-const browser = await chromium.launch({
-  executablePath,
-  args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking"],
-});
+const { tab, errors, close } = await threePage(script, { bake: dir, picture: path.dirname(picture) });
 try {
-  const tab = await browser.newPage();
-  const errors = [];
-  tab.on("pageerror", (error) => errors.push(String(error)));
-  tab.on("console", (message) => message.type() === "error" && errors.push(message.text()));
-  await tab.goto(`http://127.0.0.1:${server.address().port}/`);
-  await tab.waitForFunction(() => window.ready, null, { timeout: 60000 });
   const told = await tab.evaluate((job) => window.measure(job), {
-    stem, eye: point(eye), look: point(look), fov: Number(fov), pages: bake.pages.length, scale,
+    picture: path.basename(picture), stem, eye: point(eye), look: point(look), fov: Number(fov), pages: bake.pages.length, scale,
     instanced: existsSync(path.join(dir, stem + ".instanced.glb")),
   });
-  // A browser asks for an icon, which nobody has.
-  console.log(JSON.stringify({ ...told, errors: errors.filter((e) => !e.includes("404")) }));
+  console.log(JSON.stringify({ ...told, errors }));
 } finally {
-  await browser.close();
-  server.close();
+  await close();
 }
