@@ -8,6 +8,7 @@ CLASSES = (
     settings.AMBAKE_PG_settings,
     settings.AMBAKE_AP_preferences,
     bake.AMBAKE_OT_bake,
+    bake.AMBAKE_OT_probes,
     bake.AMBAKE_OT_cancel,
     bake.AMBAKE_OT_switch,
     panel.AMBAKE_PT_bake,

@@ -6,6 +6,7 @@ import tempfile
 import time
 
 import bpy
+from mathutils import Vector
 
 from . import command, nodes, receive, send
 from .settings import program
@@ -29,19 +30,26 @@ class Bake:
             os.makedirs(os.path.dirname(scene))
             self.sent = send.export(context, settings, scene)
             self.settings = _frozen(settings)
-            flags = command.arguments(self.settings, scene, self.folder, self.sent.occluders)
-            self.run = command.Run(self.found, flags)
             self.scene = scene
+            self.run = command.Run(self.found, self.flags(context))
         except BaseException:
             self.close()
             raise
 
-    def finish(self):
-        """Brings the result back; one sentence for the status bar, and notes. A ValueError where ambake failed."""
+    def flags(self, _context):
+        """What ambake is asked for."""
+        return command.arguments(self.settings, self.scene, self.folder, self.sent.occluders)
+
+    def result(self):
+        """What ambake tells when it has ended. A ValueError where it failed."""
         try:
-            report = self.run.result()
+            return self.run.result()
         except ValueError as problem:
             raise ValueError(str(problem).replace(f"{self.scene}: ", "")) from None
+
+    def finish(self):
+        """Brings the result back; one sentence for the status bar, and notes. A ValueError where ambake failed."""
+        report = self.result()
         count, notes = receive.bring_back(self.settings, self.sent, self.folder, report)
         pages = report["pages"]
         error = max((page["rmse"] for page in pages), default=0.0)
@@ -58,6 +66,48 @@ class Bake:
     def close(self):
         """Removes its temporary files."""
         shutil.rmtree(self.temporary, ignore_errors=True)
+
+
+class Probes(Bake):
+    """Light for what moves: the files of probes, in the folder of the settings. The scene stays as it is."""
+
+    def __init__(self, context):
+        if not context.scene.ambake.folder:
+            raise ValueError("name a folder for the files of the probes, under Output and More")
+        self.volume = _volume(context)
+        super().__init__(context)
+
+    def flags(self, _context):
+        return command.probe_arguments(self.settings, self.scene, self.folder, *self.volume)
+
+    def finish(self):
+        report = self.result()
+        for receiver in self.sent.receivers:
+            send.forget(receiver)
+        seconds = time.monotonic() - self.started
+        words = f"{report['probes']} probes in {seconds:.1f} s, error {report['std_err']:.4f}, in {self.folder}"
+        notes = [f"{report['invalid']} probes are in solids and have the light of their neighbours"] if report["invalid"] else []
+        return words, notes
+
+
+def _volume(context):
+    """The box of a light probe volume in glTF's axes, by two corners, and how many probes it has along each. A ValueError where there is none."""
+    volumes = [item for item in context.visible_objects if item.type == "LIGHT_PROBE" and item.data.type in {"VOLUME", "GRID"}]
+    if context.active_object in volumes:
+        volumes = [context.active_object]
+    if len(volumes) != 1:
+        raise ValueError(
+            "add a light probe volume (Add, Light Probe, Volume) around the air in which things move"
+            if not volumes
+            else "there are several light probe volumes; select one"
+        )
+    (volume,) = volumes
+    corners = [volume.matrix_world @ Vector((x, y, z)) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+    # glTF's axes: x, z, -y of Blender's.
+    turned = [(x, z, -y) for x, y, z in corners]
+    low, high = [tuple(of(axis) for axis in zip(*turned)) for of in (min, max)]
+    data = volume.data
+    return low, high, (data.resolution_x, data.resolution_z, data.resolution_y)
 
 
 class _frozen:
@@ -90,6 +140,7 @@ class AMBAKE_OT_bake(bpy.types.Operator):
     bl_idname = "ambake.bake"
     bl_label = "Bake with ambake"
     bl_options = {"REGISTER", "UNDO"}
+    job = Bake
 
     @classmethod
     def poll(cls, context):
@@ -101,7 +152,7 @@ class AMBAKE_OT_bake(bpy.types.Operator):
     def execute(self, context):
         """Without a window, as in a script: waits for the end."""
         try:
-            bake = Bake(context)
+            bake = self.job(context)
         except ValueError as problem:
             return self._fail(problem)
         bake.run.wait()
@@ -110,7 +161,7 @@ class AMBAKE_OT_bake(bpy.types.Operator):
     def invoke(self, context, _event):
         global _running
         try:
-            _running = Bake(context)
+            _running = self.job(context)
         except ValueError as problem:
             return self._fail(problem)
         manager = context.window_manager
@@ -159,6 +210,14 @@ class AMBAKE_OT_bake(bpy.types.Operator):
     def _fail(self, problem):
         self.report({"ERROR"}, str(problem))
         return {"CANCELLED"}
+
+
+class AMBAKE_OT_probes(AMBAKE_OT_bake):
+    """Gather the light that arrives in a light probe volume, and write it for game engines"""
+
+    bl_idname = "ambake.probes"
+    bl_label = "Write Light Probes"
+    job = Probes
 
 
 class AMBAKE_OT_cancel(bpy.types.Operator):

@@ -58,14 +58,7 @@ def arguments(settings, scene, output, occluders):
         flag("--max-rays", settings.max_rays)
     else:
         flag("--rays", settings.rays)
-    if settings.sky_file:
-        flag("--sky", settings.sky_file)
-    else:
-        flag("--sky", ",".join(_number(v) for v in settings.sky))
-    if settings.max_distance > 0.0:
-        flag("--max-distance", _number(settings.max_distance))
-    if settings.backend != "auto":
-        flag("--backend", settings.backend)
+    result += light(settings)
     flag("--uv", settings.uv)
     flag("--gutter", settings.gutter)
     flag("--mips", settings.mips)
@@ -74,12 +67,32 @@ def arguments(settings, scene, output, occluders):
     flag("--seed", settings.seed)
     if settings.normal_maps:
         result.append("--normal-maps")
-    if settings.threads > 0:
-        flag("--threads", settings.threads)
     further = [name for name in layers(settings) if name not in STANDARD]
     if further:
         flag("--layers", ",".join(further))
     return result + shlex.split(settings.further)
+
+
+def probe_arguments(settings, scene, output, low, high, counts):
+    """The arguments of `ambake probes` for a volume of so many probes between two corners in glTF's axes."""
+    corners = ":".join(",".join(_number(v) for v in corner) for corner in (low, high))
+    result = ["probes", scene, "-o", output, "--json", f"--within={corners}", "--grid", "x".join(map(str, counts))]
+    engines = re.split(r"[\s,;]+", settings.probe_engines.strip(" ,;"))
+    if any(engines):
+        result += ["--for", ",".join(engines)]
+    return result + light(settings) + ["--seed", str(settings.seed)]
+
+
+def light(settings):
+    """The flags that baking and gathering share: light, and how rays are cast."""
+    result = ["--sky", settings.sky_file or ",".join(_number(v) for v in settings.sky)]
+    if settings.max_distance > 0.0:
+        result += ["--max-distance", _number(settings.max_distance)]
+    if settings.backend != "auto":
+        result += ["--backend", settings.backend]
+    if settings.threads > 0:
+        result += ["--threads", str(settings.threads)]
+    return result
 
 
 def _number(value):

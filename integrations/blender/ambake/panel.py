@@ -26,6 +26,7 @@ class AMBAKE_PT_bake(bpy.types.Panel):
         row.scale_y = 1.4
         row.operator("ambake.bake", icon="RENDER_STILL")
         layout.operator("ambake.switch", icon="HIDE_OFF")
+        layout.operator("ambake.probes", icon="OUTLINER_OB_LIGHTPROBE")
         for name in ("targets", "show", "apply_modifiers", "size", "effort"):
             layout.prop(settings, name)
         names = ("rays",) if settings.effort == "RAYS" else ("target_error", "target_relative", "max_rays")
@@ -61,4 +62,4 @@ class AMBAKE_PT_layout(_Part, bpy.types.Panel):
 
 class AMBAKE_PT_output(_Part, bpy.types.Panel):
     bl_label = "Output and More"
-    names = ("layers", "folder", "backend", "threads", "seed", "further")
+    names = ("layers", "folder", "probe_engines", "backend", "threads", "seed", "further")

@@ -101,6 +101,10 @@ class AMBAKE_PG_settings(bpy.types.PropertyGroup):
     further: StringProperty(
         name="More Flags", description="Any further flags of `ambake bake`, as on the command line"
     )
+    probe_engines: StringProperty(
+        name="Probes For", description="Engines that light probes are written for, separated by commas: bevy, three, unity, godot",
+        default="bevy, three, unity, godot",
+    )
     folder: StringProperty(
         name="Folder", description="Where the EXR pages, the GLB and bake.json stay; empty to keep none of them. The images "
         "are in the .blend either way", subtype="DIR_PATH",

@@ -4,7 +4,9 @@
 
 needs Python 3.11 with the packages of requirements.txt. Without them it prints a skip."""
 
+import json
 import os
+import tempfile
 import unittest
 
 import with_blender  # first: it prints a skip where Blender is absent
@@ -53,6 +55,30 @@ class MadeScene(BlenderTest):
         self.assertEqual(len(objects["doubled"].modifiers), 0)
         self.assertEqual(len(objects["doubled"].data.polygons), 12)
         self.positions_agree(objects["doubled"], 1.5)
+
+    def test_a_light_probe_volume_is_written_for_engines_and_the_scene_stays(self):
+        made.make()
+        bpy.ops.object.lightprobe_add(type="VOLUME", location=(0, 0, 2))
+        volume = bpy.context.active_object
+        volume.scale = (3, 2, 1)
+        volume.data.resolution_x, volume.data.resolution_y, volume.data.resolution_z = 4, 3, 2
+        bpy.context.view_layer.update()
+        before = {item.name: item.data for item in bpy.data.objects if item.type == "MESH"}
+        with tempfile.TemporaryDirectory() as folder:
+            self.settings(folder=folder, seed=1)
+            self.assertEqual(bpy.ops.ambake.probes(), {"FINISHED"})
+            (report,) = [name for name in os.listdir(folder) if name.endswith(".probes.json")]
+            with open(os.path.join(folder, report)) as file:
+                found = json.load(file)
+            self.assertTrue(os.path.exists(os.path.join(folder, report.replace(".json", ".bevy.ktx2"))))
+        # glTF's axes: x, z, -y of Blender's.
+        self.assertEqual(found["grid"]["counts"], [4, 2, 3])
+        np.testing.assert_allclose(found["grid"]["low"], [-3, 1, -2], atol=1e-5)
+        np.testing.assert_allclose(found["grid"]["cell"], [1.5, 1, 4 / 3], atol=1e-5)
+        self.assertEqual(before, {item.name: item.data for item in bpy.data.objects if item.type == "MESH"})
+        self.settings(folder="")
+        with self.assertRaisesRegex(RuntimeError, "name a folder"):
+            bpy.ops.ambake.probes()
 
     def test_several_pages_and_a_second_bake_show_each_face_on_its_page(self):
         objects = made.make()
