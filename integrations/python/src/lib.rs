@@ -5,6 +5,7 @@
 mod baked;
 mod error;
 mod options;
+mod probes;
 mod run;
 mod scene;
 
@@ -18,5 +19,7 @@ fn _ambake(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("OPTIONS", options::NAMES)?;
     module.add_class::<baked::Baked>()?;
     module.add_function(wrap_pyfunction!(run::bake_meshes, module)?)?;
-    module.add_function(wrap_pyfunction!(run::bake_file, module)?)
+    module.add_class::<probes::Probes>()?;
+    module.add_function(wrap_pyfunction!(run::bake_file, module)?)?;
+    module.add_function(wrap_pyfunction!(run::probes_file, module)?)
 }

@@ -106,7 +106,7 @@ pub fn set(mut bake: Bake, options: &Bound<'_, PyDict>) -> PyResult<Bake> {
 }
 
 /// The error of a value that cannot be converted, with the name of the option before it.
-fn named(py: Python<'_>, name: &str, error: PyErr) -> PyErr {
+pub fn named(py: Python<'_>, name: &str, error: PyErr) -> PyErr {
     let problem = match error.is_instance_of::<PyOverflowError>(py) {
         true => "below 0 or too large".into(),
         false => error.value(py).to_string(),
@@ -187,15 +187,7 @@ fn one(mut bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
             ];
             bake.seams(word(value, &words)?)
         }
-        "sky" => match value.extract::<[f32; 3]>() {
-            Ok(radiance) => bake.sky(radiance),
-            Err(_) => {
-                let file = value.extract::<std::path::PathBuf>().map_err(|_| {
-                    PyTypeError::new_err("expected (red, green, blue) or the path of a map")
-                })?;
-                bake.sky(Sky::load(file).map_err(|e| PyValueError::new_err(e.to_string()))?)
-            }
-        },
+        "sky" => bake.sky(sky(value)?),
         "view" => bake.view(match value.cast::<PyString>() {
             Ok(_) => word(value, &[("normal", View::Normal)])?,
             Err(_) => View::Eye(value.extract::<[f64; 3]>()?.into()),
@@ -220,56 +212,9 @@ fn one(mut bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
             value,
             &[("phong", Model::Phong), ("ggx", Model::Ggx)],
         )?),
-        "bounces" => bake.bounces(match value.cast::<PyString>() {
-            Ok(_) => word(value, &[("auto", Bounces::Auto)])?,
-            Err(_) => match value.extract()? {
-                0 => Bounces::Off,
-                most => Bounces::Most(most),
-            },
-        }),
-        "sun" | "point" => {
-            let make = if name == "sun" {
-                Light::sun
-            } else {
-                Light::point
-            };
-            for light in value.extract::<Vec<Vec<f64>>>()? {
-                let (place, strength) = match *light.as_slice() {
-                    [x, y, z, e] => ([x, y, z], [e; 3]),
-                    [x, y, z, r, g, b] => ([x, y, z], [r, g, b]),
-                    _ => {
-                        return Err(PyValueError::new_err(
-                            "each must be (x, y, z, e) or (x, y, z, r, g, b)",
-                        ));
-                    }
-                };
-                bake = bake.light(make(place, strength));
-            }
-            bake
-        }
-        "sphere" => {
-            for light in value.extract::<Vec<Vec<f64>>>()? {
-                let strength = strength(
-                    &light,
-                    4,
-                    "(x, y, z, radius, l) or (x, y, z, radius, r, g, b)",
-                )?;
-                bake = bake.light(Light::sphere(
-                    [light[0], light[1], light[2]],
-                    light[3],
-                    strength,
-                ));
-            }
-            bake
-        }
-        "rect" => {
-            for light in value.extract::<Vec<Vec<f64>>>()? {
-                let what = "a corner (x, y, z), two sides of three numbers each, and l or r, g, b";
-                let strength = strength(&light, 9, what)?;
-                let vector = |k: usize| [light[k], light[k + 1], light[k + 2]];
-                bake = bake.light(Light::rect(vector(0), [vector(3), vector(6)], strength));
-            }
-            bake
+        "bounces" => bake.bounces(bounces(value)?),
+        "sun" | "point" | "sphere" | "rect" => {
+            lights(name, value)?.into_iter().fold(bake, Bake::light)
         }
         "lights" => bake.file_lights(word(value, &[("file", true), ("none", false)])?),
         "layers" => bake.layers(layers(value)?),
@@ -289,14 +234,7 @@ fn one(mut bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
         "albedo" => bake.albedo(value.extract()?),
         "specular" => bake.specular(value.extract()?),
         "seed" => bake.seed(value.extract()?),
-        "backend" => {
-            let words = [
-                ("embree", Backend::Embree),
-                ("obvhs", Backend::Obvhs),
-                ("obvhs-bvh2", Backend::ObvhsBvh2),
-            ];
-            bake.backend(word(value, &words)?)
-        }
+        "backend" => bake.backend(backend(value)?),
         "threads" => match value.extract()? {
             0 => return Err(PyValueError::new_err("must be at least 1")),
             threads => bake.threads(threads),
@@ -312,8 +250,64 @@ fn one(mut bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
     })
 }
 
+/// A uniform sky, or the path of a map.
+pub fn sky(value: &Bound<'_, PyAny>) -> PyResult<Sky> {
+    if let Ok(radiance) = value.extract::<[f32; 3]>() {
+        return Ok(Sky::uniform(radiance));
+    }
+    let file = value
+        .extract::<std::path::PathBuf>()
+        .map_err(|_| PyTypeError::new_err("expected (red, green, blue) or the path of a map"))?;
+    Sky::load(file).map_err(|e| PyValueError::new_err(e.to_string()))
+}
+
+/// So many bounces, or `auto`.
+pub fn bounces(value: &Bound<'_, PyAny>) -> PyResult<Bounces> {
+    match value.cast::<PyString>() {
+        Ok(_) => word(value, &[("auto", Bounces::Auto)]),
+        Err(_) => Ok(match value.extract()? {
+            0 => Bounces::Off,
+            most => Bounces::Most(most),
+        }),
+    }
+}
+
+/// A ray library.
+pub fn backend(value: &Bound<'_, PyAny>) -> PyResult<Backend> {
+    let words = [
+        ("embree", Backend::Embree),
+        ("obvhs", Backend::Obvhs),
+        ("obvhs-bvh2", Backend::ObvhsBvh2),
+    ];
+    word(value, &words)
+}
+
+/// The lights of the option `sun`, `point`, `sphere` or `rect`.
+pub fn lights(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Light>> {
+    let (place, expected) = match name {
+        "sphere" => (4, "(x, y, z, radius, l) or (x, y, z, radius, r, g, b)"),
+        "rect" => (
+            9,
+            "a corner (x, y, z), two sides of three numbers each, and l or r, g, b",
+        ),
+        _ => (3, "(x, y, z, e) or (x, y, z, r, g, b)"),
+    };
+    let light = |numbers: Vec<f64>| {
+        let strength = strength(&numbers, place, expected)?;
+        let vector = |k: usize| [numbers[k], numbers[k + 1], numbers[k + 2]];
+        Ok(match name {
+            "sun" => Light::sun(vector(0), strength),
+            "sphere" => Light::sphere(vector(0), numbers[3], strength),
+            "rect" => Light::rect(vector(0), [vector(3), vector(6)], strength),
+            _ => Light::point(vector(0), strength),
+        })
+    };
+    let each = value.extract::<Vec<Vec<f64>>>()?;
+    each.into_iter().map(light).collect()
+}
+
 /// The value that a word stands for.
-fn word<T: Clone>(value: &Bound<'_, PyAny>, words: &[(&str, T)]) -> PyResult<T> {
+pub fn word<T: Clone>(value: &Bound<'_, PyAny>, words: &[(&str, T)]) -> PyResult<T> {
     let text: String = value.extract()?;
     match words.iter().find(|(word, _)| *word == text) {
         Some((_, meaning)) => Ok(meaning.clone()),

@@ -1,13 +1,14 @@
-//! Runs a bake beside Python: without its lock, with Ctrl-C heard.
+//! Runs jobs beside Python: without its lock, with Ctrl-C heard.
 
 use crate::baked::Baked;
 use crate::error::error;
+use crate::probes::{self, Probes};
 use crate::{options, scene};
 use ambake::{Bake, Progress, Scene};
 use pyo3::exceptions::{PyFileNotFoundError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
@@ -34,12 +35,17 @@ pub fn bake_file(
     options: &Bound<'_, PyDict>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Baked> {
+    let scene = file(py, &path)?;
+    bake(py, scene, options, progress)
+}
+
+/// The scene in a file.
+fn file(py: Python<'_>, path: &Path) -> PyResult<Scene> {
     if !path.is_file() {
         let problem = format!("there is no scene file {}", path.display());
         return Err(PyFileNotFoundError::new_err(problem));
     }
-    let scene = py.detach(|| ambake::load(&path)).map_err(error)?;
-    bake(py, scene, options, progress)
+    py.detach(|| ambake::load(path)).map_err(error)
 }
 
 /// What is told from the bake's threads to Python's.
@@ -68,12 +74,35 @@ fn bake(
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Baked> {
     let bake = options::set(Bake::new(&scene), given)?;
+    Ok(Baked(beside(py, progress, |meter| bake.run(meter))?))
+}
+
+/// The light of places in the scene of a file.
+#[pyfunction]
+pub fn probes_file(
+    py: Python<'_>,
+    path: PathBuf,
+    options: &Bound<'_, PyDict>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Probes> {
+    let scene = file(py, &path)?;
+    let (places, options) = probes::asked(&scene, options)?;
+    let gather = |meter: &Meter| ambake::Probes::gather(&scene, &places, &options, meter);
+    Ok(Probes::new(beside(py, progress, gather)?))
+}
+
+/// Runs a job on a thread of its own, while Python's signals are heard.
+fn beside<T: Send>(
+    py: Python<'_>,
+    progress: Option<Bound<'_, PyAny>>,
+    job: impl FnOnce(&Meter) -> Result<T, ambake::Error> + Send,
+) -> PyResult<T> {
     let meter = Meter::default();
     let (mut interrupted, mut told) = (None, 0);
     let result = std::thread::scope(|scope| {
-        let (bake, meter, python) = (&bake, &meter, std::thread::current());
+        let (meter, python) = (&meter, std::thread::current());
         let worker = scope.spawn(move || {
-            let result = bake.run(meter);
+            let result = job(meter);
             python.unpark();
             result
         });
@@ -92,9 +121,9 @@ fn bake(
         return Err(error);
     }
     match result {
-        Some(result) => Ok(Baked(result.map_err(error)?)),
+        Some(result) => result.map_err(error),
         None => Err(PyRuntimeError::new_err(
-            "the bake broke off; this is a fault of ambake, please report it",
+            "the job broke off; this is a fault of ambake, please report it",
         )),
     }
 }

@@ -194,3 +194,23 @@ def test_ctrl_c_is_a_keyboard_interrupt():
     time.sleep(0.5)
     process.send_signal(signal.SIGINT)
     assert process.communicate(timeout=30)[0] == "interrupted\n"
+
+
+def test_probes_are_arrays_of_harmonics(tmp_path):
+    found = ambake.probes(SCENES / "courtyard.obj", grid=(3, 2, 4), rays=64, tried=0, sky=(1, 1, 1), sun=[(0, 1, 0, 2)])
+    assert found.grid["counts"] == (3, 2, 4) and found.positions.shape == (24, 3)
+    assert found.sh.shape == found.std_err.shape == (24, 9, 3) and found.sh.dtype == np.float32
+    assert found.validity.shape == found.invalid.shape == (24,) and found.invalid.dtype == bool
+    # x runs first; far above all the light is that of the sky, the sun and what the ground sends back.
+    step = found.positions[1] - found.positions[0]
+    assert step[0] > 0 and abs(step[1:]).max() == 0
+    high = ambake.probes(SCENES / "courtyard.obj", at=[(0, 1e5, 0)], bounces=0)
+    # Nothing but the sky is there: 1 in all directions, less the speck that the courtyard is.
+    assert abs(high.sh[0, 0, 0] - 2 * np.sqrt(np.pi)) < 0.01 and high.grid is None
+    names = [pathlib.Path(path).name for path in found.write(tmp_path, ["bevy"])]
+    assert "courtyard.probes.json" in names and "courtyard.probes.bevy.ktx2" in names
+    for options in [{}, {"at": [(0, 0, 0)], "spacing": 1.0}, {"at": [(0, 0, 0)], "rays": 1}]:
+        with pytest.raises(ValueError):
+            ambake.probes(SCENES / "courtyard.obj", **options)
+    with pytest.raises(TypeError):
+        ambake.probes(SCENES / "courtyard.obj", at=[(0, 0, 0)], size=3)

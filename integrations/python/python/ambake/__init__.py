@@ -16,7 +16,7 @@ import numpy as np
 from . import _ambake
 from ._ambake import LAYERS, OPTIONS, __version__
 
-__all__ = ["LAYERS", "OPTIONS", "Baked", "Object", "__version__", "bake", "bake_file"]
+__all__ = ["LAYERS", "OPTIONS", "Baked", "Object", "Probes", "__version__", "bake", "bake_file", "probes"]
 
 # Names of all layers, each with the suffixes of its channels.
 LAYERS = dict(LAYERS)
@@ -138,6 +138,40 @@ def bake_file(source, *, progress=None, **options):
                 file.write(source)
             return _without(folder + os.sep, lambda: Baked(_ambake.bake_file(path, options, progress)))
     return Baked(_ambake.bake_file(os.fspath(source), options, progress))
+
+
+class Probes:
+    """Light that arrives at places of a scene, as real spherical harmonics, orthonormal, in the axes of the scene's file.
+
+    * `positions`: (n, 3) float64. `grid`: of a volume a dict with `low`, `cell` and `counts`, else None; x runs first, then y, then z.
+    * `sh`, `std_err`: (n, k, 3) float32, k coefficients of red, green and blue with their standard errors; 1 from all directions is
+      2 sqrt(pi) in the first.
+    * `validity`: (n,) float32, share of the directions that meet no back of a surface. `invalid`: (n,) bool, those in no air.
+    """
+
+    def __init__(self, native):
+        self._native = native
+        self.grid = native.grid and dict(zip(("low", "cell", "counts"), map(tuple, native.grid)))
+        self.positions = np.frombuffer(native.positions(), "<f8").reshape(-1, 3)
+        count = len(self.positions)
+        self.sh, self.std_err = (np.frombuffer(of(), "<f4").reshape(count, -1, 3) for of in (native.sh, native.std_err))
+        self.validity = np.frombuffer(native.validity(), "<f4")
+        self.invalid = np.frombuffer(native.invalid(), "?")
+
+    def write(self, folder, engines=()):
+        """Writes what the command line writes into a folder, files for engines such as "bevy" among them. Returns the files."""
+        return self._native.write(os.fspath(folder), list(engines))
+
+
+def probes(source, *, progress=None, **options):
+    """Light for what moves: what arrives at places of the scene in an OBJ, glTF or GLB file.
+
+    Options have the names of the flags of `ambake probes`; one of `at` (n places), `grid` (numbers along x, y and z) and `spacing` is
+    needed. Errors are those of `bake_file`.
+    """
+    if options.get("at") is not None:
+        options["at"] = _rows("at", options["at"], 3, "<f8").tolist()
+    return Probes(_ambake.probes_file(os.fspath(source), options, progress))
 
 
 class _Mesh:

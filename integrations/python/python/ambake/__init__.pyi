@@ -104,3 +104,42 @@ def bake_file(
     progress: _Progress | None = None,
     **options: Unpack[Options],
 ) -> Baked: ...
+
+class Grid(TypedDict):
+    low: tuple[float, float, float]
+    cell: tuple[float, float, float]
+    counts: tuple[int, int, int]
+
+class Probes:
+    grid: Union[Grid, None]
+    positions: npt.NDArray[np.float64]
+    sh: npt.NDArray[np.float32]
+    std_err: npt.NDArray[np.float32]
+    validity: npt.NDArray[np.float32]
+    invalid: npt.NDArray[np.bool_]
+    def write(self, folder: _Path, engines: Sequence[str] = ()) -> list[os.PathLike[str]]: ...
+
+class ProbeOptions(TypedDict, total=False):
+    at: Union[Sequence[_Rgb], npt.NDArray[np.float64]]
+    grid: Sequence[int]
+    spacing: float
+    within: Sequence[_Rgb]
+    bake: _Path
+    sky: Union[_Rgb, _Path]
+    lights: Literal["file", "none"]
+    sun: Sequence[Sequence[float]]
+    point: Sequence[Sequence[float]]
+    sphere: Sequence[Sequence[float]]
+    rect: Sequence[Sequence[float]]
+    bounces: Union[int, Literal["auto"]]
+    max_distance: float
+    rays: int
+    target_error: float
+    max_rays: int
+    order: int
+    window: bool
+    tried: int
+    seed: int
+    backend: Literal["embree", "obvhs", "obvhs-bvh2"]
+
+def probes(source: _Path, *, progress: _Progress | None = None, **options: Unpack[ProbeOptions]) -> Probes: ...
