@@ -60,7 +60,7 @@
 //! * What can be seen: `seen.rs` for points of a triangle, `shell.rs` for the outsides of rooms.
 //! * Saved states: `resume.rs`. Shards: `shard.rs` and `merge.rs`. Updates: `update.rs`, their files `state.rs`. The
 //!   atlas alone: `layout.rs`.
-//! * The picture of the lit scene: `lit.rs`. Probes: `probes.rs`.
+//! * The picture of the lit scene: `lit.rs`. Probes: `probes`.
 #![forbid(unsafe_code)]
 
 mod any_view;

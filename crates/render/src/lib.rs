@@ -21,7 +21,7 @@
 //!   `exposure.rs`.
 //! * Alpha, and scenes over a backdrop: `matte.rs`. How a place in a scene is captured: `capture.rs`.
 //! * Frames from tables: `tables`, with the summed-area look-up in `slices.rs`.
-//! * Materials fitted to pictures: `fit.rs`.
+//! * Materials fitted to pictures: `fit.rs`. White balls and mirrors at places: `ball.rs`.
 #![forbid(unsafe_code)]
 
 mod ball;
