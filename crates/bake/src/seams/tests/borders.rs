@@ -30,8 +30,10 @@ fn a_floor_goes_on_in_its_mirror_image() {
 fn a_diagonal_whose_vertices_are_repeated_is_no_border() {
     let mut floor = floor([2.0, 2.0]);
     let corners = floor.triangles.concat();
-    let of = |list: &[[f32; 3]]| corners.iter().map(|&k| list[k as usize]).collect();
-    floor.positions = of(&floor.positions);
+    floor.positions = corners
+        .iter()
+        .map(|&k| floor.positions[k as usize])
+        .collect();
     floor.uvs = corners.iter().map(|&k| floor.uvs[k as usize]).collect();
     floor.triangles = vec![[0, 1, 2], [3, 4, 5]];
     assert_eq!(points(vec![floor]), 0);
