@@ -1,4 +1,5 @@
-//! Brings a ray backend of one's own: the plainest there is, which tries every triangle. Any engine's ray tracer fits in its place.
+//! Brings a ray backend of one's own: the plainest there is, which tries every triangle. Any engine's ray tracer fits
+//! in its place.
 //!
 //! Run it with `cargo run --release --example custom_backend`.
 

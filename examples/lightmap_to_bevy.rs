@@ -1,5 +1,5 @@
-//! Writes what Bevy's `Lightmap` component reads: a GLB whose meshes carry the lightmap coordinates as `TEXCOORD_1` (Bevy's
-//! `ATTRIBUTE_UV_1`), and for each page an OpenEXR picture with plain R, G, B channels in half floats.
+//! Writes what Bevy's `Lightmap` component reads: a GLB whose meshes carry the lightmap coordinates as `TEXCOORD_1`
+//! (Bevy's `ATTRIBUTE_UV_1`), and for each page an OpenEXR picture with plain R, G, B channels in half floats.
 //!
 //! Run it with `cargo run --release --example lightmap_to_bevy -- scenes/courtyard.obj out-bevy`.
 //!
@@ -9,8 +9,8 @@
 //! Lightmap { image: asset_server.load("courtyard.0.lightmap.exr"), uv_rect: Rect::new(0., 0., 1., 1.), ..default() }
 //! ```
 //!
-//! and set `StandardMaterial::lightmap_exposure`. The values are light that arrives, without albedo: E / pi, which is 1 under an open
-//! sky of radiance 1. Bevy multiplies them by the base colour.
+//! and set `StandardMaterial::lightmap_exposure`. The values are light that arrives, without albedo: E / pi, which is 1
+//! under an open sky of radiance 1. Bevy multiplies them by the base colour.
 
 use ambake::{Bake, Layer};
 use exr::prelude::{f16, write_rgb_file};

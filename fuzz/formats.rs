@@ -1,5 +1,5 @@
-//! One function a format: what a fuzzer hands bytes to, and what the suite replays the corpus through (tests/corpus.rs). Each returns
-//! whatever the bytes are; a panic, a hang or memory without end is a finding.
+//! One function a format: what a fuzzer hands bytes to, and what the suite replays the corpus through
+//! (tests/corpus.rs). Each returns whatever the bytes are; a panic, a hang or memory without end is a finding.
 
 use ambake::{Bake, Layout, Parts, Shard};
 use report::Journal;
@@ -76,8 +76,8 @@ pub fn report_of(bytes: &[u8]) {
     let _ = report::read_bake_report(&file("bake.json", bytes));
 }
 
-/// The saved state of a bake, the part of a shard, or a layout: they are journals. One that is damaged starts anew, with a line that says
-/// so; what is read of a sound one is what it held.
+/// The saved state of a bake, the part of a shard, or a layout: they are journals. One that is damaged starts anew,
+/// with a line that says so; what is read of a sound one is what it held.
 pub fn state(bytes: &[u8]) {
     let path = file(".a.ambake-resume", bytes);
     let found = Journal::open(&path).ok().flatten().map(|mut journal| {
@@ -168,8 +168,8 @@ fn sound_bake() -> Sound {
     }
 }
 
-/// Writes a journal of blocks that were altered. `edits` is a list of: where (u16, little-endian; over all blocks, modulo their length),
-/// how many bytes are cut there (u8), how many come in their place (u8), and these bytes.
+/// Writes a journal of blocks that were altered. `edits` is a list of: where (u16, little-endian; over all blocks,
+/// modulo their length), how many bytes are cut there (u8), how many come in their place (u8), and these bytes.
 fn write_journal(path: &std::path::Path, sound: &(Value, Vec<Vec<u8>>), mut edits: &[u8]) {
     let (header, mut blocks) = sound.clone();
     while let [low, high, cut, fresh, rest @ ..] = edits {

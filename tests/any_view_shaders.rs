@@ -114,7 +114,8 @@ fn shaders_give_the_numbers_of_this_program_at_thirty_views() {
         for (numbers, normal) in all.iter().step_by(all.len() / 40) {
             let (along, across) = normal.any_orthonormal_pair();
             for view in 0..30 {
-                // Every third view lies halfway between two of the table's 49 columns, the others on one; all lie on a row.
+                // Every third view lies halfway between two of the table's 49 columns, the others on one; all lie on a
+                // row.
                 let between = view % 3 == 0;
                 let column = f64::from(view * 3 / 2) + if between { 0.5 } else { 0.0 };
                 let (sine, cosine) = (column * std::f64::consts::FRAC_PI_2 / 48.0).sin_cos();
@@ -154,10 +155,11 @@ fn shaders_give_the_numbers_of_this_program_at_thirty_views() {
                 *worst = worst.max((value - exact).abs());
             }
             println!("{language}, order {order}: {worst:?}");
-            // On a column of the table a filter still misses its place by up to 1/256 of a column: that of order 8 changes by at most
-            // 8 x 1.9 degrees / 256 = 0.001 there, and numbers add up to about 1.
+            // On a column of the table a filter still misses its place by up to 1/256 of a column: that of order 8
+            // changes by at most 8 x 1.9 degrees / 256 = 0.001 there, and numbers add up to about 1.
             assert!(worst[0] < 0.002, "{language}, order {order}: {worst:?}");
-            // Halfway between columns a straight line misses a wave of order l by l (l + 1) h^2 / 8, 0.0096 for order 8.
+            // Halfway between columns a straight line misses a wave of order l by l (l + 1) h^2 / 8, 0.0096 for order
+            // 8.
             assert!(worst[1] < 0.0096, "{language}, order {order}: {worst:?}");
         }
     }

@@ -206,7 +206,8 @@ fn a_second_bake_into_one_folder_is_refused_and_a_second_signal_ends_the_first()
     let folder = tempfile::tempdir().expect("a folder");
     let (scene, out) = (scene("courtyard.obj"), folder.path().join("out"));
     let mut first = long(&scene, &out).spawn().expect("the program starts");
-    // The lock is held from the end of the layout on. A bake that tried it again and again would hold it itself when the first wants it.
+    // The lock is held from the end of the layout on. A bake that tried it again and again would hold it itself when
+    // the first wants it.
     wait_for("the lock", || {
         let folder = std::fs::File::open(&out);
         folder.is_ok_and(|folder| matches!(folder.try_lock(), Err(TryLockError::WouldBlock)))
@@ -304,7 +305,8 @@ fn closed_and_full_streams_are_no_panic_and_control_characters_never_reach_a_ter
     }
     let done = r#"ambake bake "$1" -o "$2" --size 16 --rays 1 >&- 2>&-"#;
     assert_eq!(status(done), Some(0));
-    // A saved state that is no journal is told of in a line that names it, and is baked anew, whether or not anybody can read that.
+    // A saved state that is no journal is told of in a line that names it, and is baked anew, whether or not anybody
+    // can read that.
     let odd = folder.path().join("o\u{1b}[31mdd.obj");
     std::fs::copy(scene("plane.obj"), &odd).expect("the folder is writable");
     let resume = |stderr: &str| {

@@ -30,8 +30,8 @@ pub fn mean(page: &Page, channel: &str) -> (f64, f64) {
     (mean, worst.fold(0.0, f64::max))
 }
 
-/// A ball of radius 1 seen from inside, in rings from the south pole to the latitude of the sine `top`; faces whose middle lies below
-/// the sine `lamp` are of material `lamp`.
+/// A ball of radius 1 seen from inside, in rings from the south pole to the latitude of the sine `top`; faces whose
+/// middle lies below the sine `lamp` are of material `lamp`.
 pub fn bowl(top: f64, lamp: f64) -> String {
     const RINGS: usize = 16;
     const TURNS: usize = 32;
@@ -133,7 +133,8 @@ fn bowl_under_the_sky_is_the_closed_form_of_a_diffuse_cavity() {
 
 #[test]
 fn lit_cap_of_a_ball_lights_all_of_it_alike() {
-    // From any point of a sphere to any part of it the form factor is the part's share of the sphere, here a quarter that shines at 2.
+    // From any point of a sphere to any part of it the form factor is the part's share of the sphere, here a quarter
+    // that shines at 2.
     let folder = tempfile::tempdir().expect("a temporary directory");
     let materials = "newmtl wall\nKd 0.6 0.6 0.6\nnewmtl lamp\nKd 0.6 0.6 0.6\nKe 2 1 0\n";
     let path = obj(folder.path(), materials, &bowl(1.0, -0.5));
@@ -168,7 +169,8 @@ fn lit_cap_of_a_ball_lights_all_of_it_alike() {
 
 #[test]
 fn facing_squares_exchange_their_view_factor() {
-    // Unit squares at distance 1: F = 0.199825 (J. R. Howell, "A Catalog of Radiation Heat Transfer Configuration Factors", C-11).
+    // Unit squares at distance 1: F = 0.199825 (J. R. Howell, "A Catalog of Radiation Heat Transfer Configuration
+    // Factors", C-11).
     let folder = tempfile::tempdir().expect("a temporary directory");
     let materials = "newmtl lamp\nKd 0 0 0\nKe 1 1 1\nnewmtl wall\nKd 0.5 0.5 0.5\n";
     let text = "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0 1 0\nv 1 1 0\nv 1 1 1\nv 0 1 1\n\
@@ -201,7 +203,8 @@ fn facing_squares_exchange_their_view_factor() {
 
 #[test]
 fn closed_furnace_is_the_geometric_sum_under_both_models() {
-    // All of the inside shines at 1 and reflects half: 1 arrives from the lamps, 1/2, 1/4, … after bounces, in every direction alike.
+    // All of the inside shines at 1 and reflects half: 1 arrives from the lamps, 1/2, 1/4, … after bounces, in every
+    // direction alike.
     let folder = tempfile::tempdir().expect("a temporary directory");
     let materials =
         "newmtl wall\nKd 0.5 0.5 0.5\nKe 1 1 1\nKs 0.25 0.25 0.25\nNs 12\nnewmtl lamp\nKd 0 0 0\n";
@@ -281,7 +284,8 @@ fn luminous_picture_lights_as_its_mean() {
     let even = shining(
         json!({ "materials": [{}, { "doubleSided": true, "emissiveFactor": [0.5, 0.5, 0.5] }] }),
     );
-    // From below the middle of a square of edge 2 at distance 1: 4/π · 1/√2 · atan(1/√2) of the light of a whole hemisphere.
+    // From below the middle of a square of edge 2 at distance 1: 4/π · 1/√2 · atan(1/√2) of the light of a whole
+    // hemisphere.
     let root = 0.5_f64.sqrt();
     let exact = 0.5 * 4.0 / std::f64::consts::PI * root * root.atan();
     for found in [textured, even] {
@@ -308,7 +312,8 @@ fn ends_well(mut command: Command) {
     assert!(command.status().expect("it runs").success());
 }
 
-/// A command stopped by SIGINT while it runs: about when 60 of 100 of `whole` are over, or sooner. `begin` makes its folder.
+/// A command stopped by SIGINT while it runs: about when 60 of 100 of `whole` are over, or sooner. `begin` makes its
+/// folder.
 fn stopped_amid(
     whole: Duration,
     begin: impl Fn() -> tempfile::TempDir,

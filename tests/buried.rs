@@ -63,8 +63,8 @@ fn sunk_cube(folder: &Path, degrees: f64, inward: bool) -> PathBuf {
     path
 }
 
-/// The share of a horizontal point's cosine-weighted sky that a vertical wall hides, from the ground between `a` and `b` up to
-/// `height`: Lambert's sum over the edges of a polygon.
+/// The share of a horizontal point's cosine-weighted sky that a vertical wall hides, from the ground between `a` and
+/// `b` up to `height`: Lambert's sum over the edges of a polygon.
 fn hidden(point: [f64; 2], a: [f64; 2], b: [f64; 2], height: f64) -> f64 {
     let at = |p: [f64; 2], y: f64| glam::DVec3::new(p[0] - point[0], y, p[1] - point[1]);
     let corners = [at(a, 0.0), at(b, 0.0), at(b, height), at(a, height)];
@@ -111,7 +111,8 @@ fn look_up(page: &Page, layer: &str, point: [f64; 2]) -> f64 {
     (at(0, 0) * (1.0 - s) + at(1, 0) * s) * (1.0 - t) + (at(0, 1) * (1.0 - s) + at(1, 1) * s) * t
 }
 
-/// Root mean square and mean error of look-ups within two texels of the cube and not as near to its corners, 16 a texel.
+/// Root mean square and mean error of look-ups within two texels of the cube and not as near to its corners, 16 a
+/// texel.
 fn ring(page: &Page, degrees: f64) -> (f64, f64) {
     let (sin, cos) = degrees.to_radians().sin_cos();
     let count = (4.0 * DENSITY * 2.4) as usize;
@@ -158,8 +159,8 @@ fn a_sunk_box_draws_no_ring_however_it_is_wound() {
             let (rms, mean) = ring(&page, degrees);
             let case =
                 format!("{backend}, {degrees} degrees, inward {inward}: rms {rms}, mean {mean}");
-            // Look-ups through means are off by an eighth of the second difference of the light, where there is no contact too: here that is
-            // -0.5/255 in the mean. The rest of the RMS is noise and how it varies.
+            // Look-ups through means are off by an eighth of the second difference of the light, where there is no
+            // contact too: here that is -0.5/255 in the mean. The rest of the RMS is noise and how it varies.
             assert!(rms < 1.5 / 255.0 && mean.abs() < 1.0 / 255.0, "{case}");
             let (_baked, kept) = bake(&file, &options(backend, &["--buried=keep"]));
             assert!(
@@ -378,7 +379,8 @@ fn charts_inside_of_another_body_leave_their_texels_to_the_rest() {
     assert!(others(drop) > 1.1 * others(keep), "{drop:?} {keep:?}");
 }
 
-/// Four walls about the origin from y = `low` to 1.1, turned by 20 degrees, in a level square ground at y = 0 of 200 x 200.
+/// Four walls about the origin from y = `low` to 1.1, turned by 20 degrees, in a level square ground at y = 0 of 200 x
+/// 200.
 fn rooted_walls(folder: &Path, low: f64) -> PathBuf {
     let mut text = String::from("o ground\n");
     for (x, z) in [(-100, -100), (-100, 100), (100, 100), (100, -100)] {
@@ -432,8 +434,8 @@ fn walls_that_stand_in_an_open_ground_are_buried_below_it() {
     }
 }
 
-/// A room of 8 x 3 x 8 that looks inward, without its wall toward +x where `open`, and the four sides of a post about the origin from
-/// `low` to 1: one row of faces from the floor up, at 16 texels a unit, and one below.
+/// A room of 8 x 3 x 8 that looks inward, without its wall toward +x where `open`, and the four sides of a post about
+/// the origin from `low` to 1: one row of faces from the floor up, at 16 texels a unit, and one below.
 fn post_in_a_room(folder: &Path, low: f64, open: bool) -> PathBuf {
     let mut text = String::from("o room\n");
     for (y, x, z) in (0..8).map(|k| ([0, 3][k >> 2], [-4, 4][k & 1], [-4, 4][k >> 1 & 1])) {

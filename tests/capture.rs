@@ -22,8 +22,8 @@ fn the_diffuse_map_of_a_captured_lamp_is_its_form_factor() {
         let arguments = format!("--at 0,0,0 --sky 0,0,0 --face 64 --backend {backend}");
         capture(folder.path(), "i.exr", &format!("{arguments} --to strip"));
         capture(folder.path(), "p.exr", &arguments);
-        // A unit square at distance 1 on the axis. The strip holds it in whole texels; in the polar map its sides of four
-        // lengths may each be off by half a cell, 1/6 of a texel.
+        // A unit square at distance 1 on the axis. The strip holds it in whole texels; in the polar map its sides of
+        // four lengths may each be off by half a cell, 1/6 of a texel.
         let root = 1.25f64.sqrt();
         let factor = 4.0 / std::f64::consts::PI * 0.5 / root * (0.5 / root).atan();
         for (map, bound) in [

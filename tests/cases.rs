@@ -1,6 +1,6 @@
-//! Small public files that users reported, where they lie beside the project: what is loaded of each is held against values found
-//! without ambake. Areas are those of the polygons as a parser of twenty lines in another language reads them; albedos follow from the
-//! materials by hand: 0.96 of a dielectric's base colour, 188 in sRGB for 0.502886.
+//! Small public files that users reported, where they lie beside the project: what is loaded of each is held against
+//! values found without ambake. Areas are those of the polygons as a parser of twenty lines in another language reads
+//! them; albedos follow from the materials by hand: 0.96 of a dielectric's base colour, 188 in sRGB for 0.502886.
 
 use crate::support::{bake, say};
 use std::path::Path;
@@ -51,7 +51,8 @@ const FILES: &[Case] = &[
     ("glass_lid.glb", 24.0, 20.0 * 0.96 / 24.0, &[]),
 ];
 
-/// Metals scatter nothing, of which those are told that are metal all over; a material of both its part: 0.96 of the base colour times what is not metallic.
+/// Metals scatter nothing, of which those are told that are metal all over; a material of both its part: 0.96 of the
+/// base colour times what is not metallic.
 const LIGHT: &[Case] = &[
     ("av_boxes41.gltf", 47.838_617, 1.0, &[]),
     ("av_walls42.gltf", 51.842_903, 1.0, &[]),
@@ -172,7 +173,8 @@ fn stairs_bake_alike_wherever_they_stand() {
     }
 }
 
-/// The area of all instances, and the mean of their albedos over it, all channels together, from the middles of triangles.
+/// The area of all instances, and the mean of their albedos over it, all channels together, from the middles of
+/// triangles.
 fn area_and_albedo(scene: &scene::Scene) -> [f64; 2] {
     let (mut area, mut sum) = (0.0, 0.0);
     for (number, instance) in scene.instances.iter().enumerate() {

@@ -1,5 +1,6 @@
-//! The corpus of the fuzz targets, replayed as it stands and with each file damaged a few times: every reader returns. With
-//! `AMBAKE_CORPUS_COPIES=10000` it is a plain fuzzer that needs no nightly Rust; `AMBAKE_CORPUS_FIRST` numbers the first copy.
+//! The corpus of the fuzz targets, replayed as it stands and with each file damaged a few times: every reader returns.
+//! With `AMBAKE_CORPUS_COPIES=10000` it is a plain fuzzer that needs no nightly Rust; `AMBAKE_CORPUS_FIRST` numbers the
+//! first copy.
 
 #[path = "../fuzz/formats.rs"]
 #[allow(dead_code)]

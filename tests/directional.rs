@@ -166,7 +166,8 @@ fn what_bounces_has_the_irradiance_of_its_own_and_no_side() {
     assert!(most > 0.01, "{most}");
 }
 
-/// A square of 1 x 1, a corner of it near the origin, with texture coordinates along two of its sides, and a wall beside it on request.
+/// A square of 1 x 1, a corner of it near the origin, with texture coordinates along two of its sides, and a wall
+/// beside it on request.
 fn square(folder: &Path, sides: [[f64; 3]; 2], uvs: Option<[[f64; 2]; 4]>, wall: bool) -> PathBuf {
     let [a, b] = sides;
     let corner = |x: f64, y: f64| [0, 1, 2].map(|k| x * a[k] + y * b[k]);

@@ -175,8 +175,8 @@ fn what_cannot_be_exported_is_said_in_one_line() {
     }
 }
 
-/// What three.js in Chromium makes of a bake's files, beside the program's own picture of the same view; `None` with a printed line
-/// where a tool is absent.
+/// What three.js in Chromium makes of a bake's files, beside the program's own picture of the same view; `None` with a
+/// printed line where a tool is absent.
 fn in_three(folder: &Path, scene: &Path, [eye, look, fov]: [&str; 3]) -> Option<Value> {
     let picture = folder.join("view.exr");
     let eye_flag = format!("--eye={eye}");

@@ -4,9 +4,9 @@ use crate::support::{report, run_well, scene};
 
 #[test]
 fn a_plan_is_near_what_a_bake_takes() {
-    // Many small charts; a large one, whose memory the denoiser decides; no seams and no denoiser; light that bounces; one term alone; a
-    // sky from a picture. Pages of few layers are large, so that pictures and what the process holds anyhow do
-    // not decide.
+    // Many small charts; a large one, whose memory the denoiser decides; no seams and no denoiser; light that bounces;
+    // one term alone; a sky from a picture. Pages of few layers are large, so that pictures and what the process holds
+    // anyhow do not decide.
     let sky = format!("--sky={}", scene("sky.hdr").display());
     for (name, options) in [
         ("courtyard.obj", &["--size=512", "--rays=4"][..]),

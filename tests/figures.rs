@@ -147,8 +147,8 @@ fn plate() -> tempfile::TempDir {
     folder
 }
 
-/// A picture of the plate from `distance` away, `angle` off its normal, `side` pixels square, a field of view of 1/40 sr
-/// and less.
+/// A picture of the plate from `distance` away, `angle` off its normal, `side` pixels square, a field of view of 1/40
+/// sr and less.
 fn plate_from(folder: &Path, distance: f64, angle: f64, fov: f64, side: usize) -> Vec<[f32; 3]> {
     let at = |name: &str| folder.join(name).display().to_string();
     let eye = format!("{},0,{}", distance * angle.sin(), distance * angle.cos());
@@ -230,8 +230,8 @@ fn the_flux_of_a_lambertian_patch_through_a_detector_follows_the_cosine() {
 #[test]
 fn a_lambertian_full_moon_is_two_thirds_of_a_flat_disc() {
     // Lit from the eye with irradiance pi, the globe is as bright as a white disc in its middle alone: sqrt(1 - r^2).
-    // The full moon sends about as much from its rim as from its middle, so it looks like the flat disc, and 1 would stand
-    // below in place of 2/3.
+    // The full moon sends about as much from its rim as from its middle, so it looks like the flat disc, and 1 would
+    // stand below in place of 2/3.
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("moon.exr");
     let (ball, output) = (scene("ball.obj"), path.display().to_string());

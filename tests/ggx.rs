@@ -5,8 +5,8 @@ use serde_json::{Value, json};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
-/// A scene of squares of one glTF material: each is its corner and two edges, whose cross product is its normal. The first is called
-/// `floor`, the others `wall`.
+/// A scene of squares of one glTF material: each is its corner and two edges, whose cross product is its normal. The
+/// first is called `floor`, the others `wall`.
 fn squares(folder: &Path, material: Value, squares: &[[[f32; 3]; 3]]) -> PathBuf {
     let mut bytes: Vec<u8> = [0u16, 1, 2, 0, 2, 3]
         .iter()
@@ -145,7 +145,8 @@ fn half_space(f0: f64, roughness: f64, cos: f64) -> f64 {
 #[test]
 fn lobe_beside_a_wall_is_the_integral_over_the_open_half_space() {
     let folder = tempfile::tempdir().expect("a temporary directory");
-    // A wall in the plane x = 0 without end, as the floor sees it; the eye is far away on the open side, so the lobe leans to the wall.
+    // A wall in the plane x = 0 without end, as the floor sees it; the eye is far away on the open side, so the lobe
+    // leans to the wall.
     let wall = [[0., 0., -1e4], [0., 1e4, 0.], [0., 0., 2e4]];
     let base = [1.0, 0.77, 0.34];
     for (roughness, view, cos) in [
@@ -247,7 +248,7 @@ fn hemisphere_rays_lower_the_error_of_lobes_and_what_is_stated_stays_true() {
     let folder = tempfile::tempdir().expect("a temporary directory");
     let wall = [[0., 0., -1e4], [0., 1e4, 0.], [0., 0., 2e4]];
     // At 0.4 and 1 the points of the lobe alone follow the edge of the wall, and have half of the error that they
-    // have otherwise (docs/theory.md).
+    // have otherwise (docs/microfacets.md).
     for (roughness, most) in [(0.4, 2.1), (0.6, 0.95), (0.8, 0.95), (1.0, 1.3)] {
         let path = squares(folder.path(), pbr([1.0; 3], 1.0, roughness), &[FLOOR, wall]);
         let exact = open_share(roughness, |l| l[0] > 0.0);

@@ -44,7 +44,8 @@ fn formulas_of_the_hard_cases_give_the_digits_of_the_table() {
                 })
                 .unwrap_or_else(|| panic!("{}: {entry:?} is not in the table", case.name));
             let value = if entry.complement { 1.0 - value } else { value };
-            // The formulas run in f64: a few of its ulps of 1, and the ulp of an angle times the slope √(n/2π) of a lobe.
+            // The formulas run in f64: a few of its ulps of 1, and the ulp of an angle times the slope √(n/2π) of a
+            // lobe.
             let slope = (case.setup.exponent.unwrap_or(0.0) / TAU).sqrt();
             assert!(
                 (expected.value - value).abs() < 4e-15 + slope * f64::EPSILON,

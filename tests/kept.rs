@@ -1,4 +1,5 @@
-//! What an update may not keep: one change each that reaches other texels by a way of its own, and the bytes of a whole bake.
+//! What an update may not keep: one change each that reaches other texels by a way of its own, and the bytes of a whole
+//! bake.
 
 use crate::support::scene;
 use crate::update::compare_files;
@@ -84,7 +85,8 @@ fn holes_in_a_picture_let_light_through_to_what_lies_below() {
     assert!(share > 0.0, "{share}");
 }
 
-/// Writes squares that look up, each with the shading normal of its corners, as an OBJ file; the last one moves by `step`.
+/// Writes squares that look up, each with the shading normal of its corners, as an OBJ file; the last one moves by
+/// `step`.
 fn squares(folder: &Path, normal: &str, step: f32) -> PathBuf {
     fs::create_dir_all(folder).expect("a folder");
     let mut text = format!("{normal}\n");

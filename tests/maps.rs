@@ -35,7 +35,8 @@ fn every_kernel_of_a_constant_map_has_its_exact_value() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name);
     picture(&at("one.exr"), (64, 32), |_, _| [1.0, 0.5, 0.0]);
-    // A lobe of 1 within 60 degrees and 0 from 61 on, in the seed's scale: the mean of the cosine's line over the sphere.
+    // A lobe of 1 within 60 degrees and 0 from 61 on, in the seed's scale: the mean of the cosine's line over the
+    // sphere.
     fs::write(at("cap.csv"), "degrees,value\n0,1\n60,1\n61,0\n180,0\n").expect("a table");
     fs::write(at("line.csv"), "# x^1\ncosine value\n0 0\n1 1\n").expect("a table");
     let cap = 0.5 * (1.0 - 0.5 * (60f64.to_radians().cos() + 61f64.to_radians().cos()));

@@ -123,8 +123,9 @@ fn closed_forms_of_a_smooth_body_are_no_samples() {
         .filter(|&i| coverage[i] == 1.0)
         .collect();
     assert!(covered.len() > 1000, "{} texels", covered.len());
-    // Both are functions of the lean of the shading normal alone: diffuse = (1 + cos(pi (1 - visibility))) / 2. A texel is
-    // a mean over leans, and the curve's second derivative is at most 1/2: it misses by at most a quarter of their variance.
+    // Both are functions of the lean of the shading normal alone: diffuse = (1 + cos(pi (1 - visibility))) / 2. A texel
+    // is a mean over leans, and the curve's second derivative is at most 1/2: it misses by at most a quarter of their
+    // variance.
     let lean = |i: usize| std::f64::consts::PI * (1.0 - f64::from(visibility[i]));
     let most = covered.iter().map(|&i| lean(i)).fold(0.0, f64::max);
     // No normal of this body leans by more than 0.16 rad, so the variance is at most 0.08².

@@ -1,4 +1,5 @@
-//! Real models, baked short. Each is skipped with a printed line where it is absent. `parity.rs` asks both backends of them.
+//! Real models, baked short. Each is skipped with a printed line where it is absent. `parity.rs` asks both backends of
+//! them.
 
 use crate::support::{Page, backends, bake, files, model, page_path, report};
 use serde_json::Value;

@@ -34,7 +34,8 @@ fn six_photographs_of_unlike_exposure_become_the_map_that_they_were_taken_of() {
     for (face, gain) in gains.into_iter().enumerate() {
         let found = told["gains"][face][1].as_f64().expect("a factor");
         let off = (found * gain).ln() - mean;
-        // Faces of 90 degrees share no pixel: their outermost ones lie 1.9 degrees apart, over which this sky changes by 1 to 2 %.
+        // Faces of 90 degrees share no pixel: their outermost ones lie 1.9 degrees apart, over which this sky changes
+        // by 1 to 2 %.
         assert!(
             off.abs() < 0.01,
             "{face}: {found} undoes {gain} but for {off}"

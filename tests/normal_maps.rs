@@ -86,7 +86,8 @@ fn tangents_follow_the_picture_on_the_surface() {
     let (_folder, scene) = loaded(turned, json!({ "index": 0, "texCoord": 1 }));
     assert_bent(&scene, bent(1.0, z, x, y), "the second set, turned");
 
-    // A quarter turn counter-clockwise of the coordinates turns the picture clockwise: its right points to +z, its top to +x.
+    // A quarter turn counter-clockwise of the coordinates turns the picture clockwise: its right points to +z, its top
+    // to +x.
     let transform = json!({ "KHR_texture_transform": { "rotation": std::f64::consts::FRAC_PI_2 } });
     let (_folder, scene) = loaded(square(), json!({ "index": 0, "extensions": transform }));
     assert_bent(&scene, bent(1.0, z, x, y), "a turned texture");

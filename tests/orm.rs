@@ -1,5 +1,5 @@
-//! Occlusion, roughness and metalness in one picture, where a file's coordinates are kept: read back by the crate `gltf` and judged by
-//! Khronos' validator.
+//! Occlusion, roughness and metalness in one picture, where a file's coordinates are kept: read back by the crate
+//! `gltf` and judged by Khronos' validator.
 
 use crate::support::{Page, bake, files, report, skip};
 use gltf::json::Root;

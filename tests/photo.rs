@@ -30,8 +30,8 @@ fn frame([x, y, z]: Direction) -> [Direction; 3] {
     ]
 }
 
-/// A photograph of a mirrored ball of reflectance 0.5, 0.6, 0.7 at (`middle`, radius), seen from `toward` at `d` radii, in
-/// front of gray.
+/// A photograph of a mirrored ball of reflectance 0.5, 0.6, 0.7 at (`middle`, radius), seen from `toward` at `d` radii,
+/// in front of gray.
 fn photograph(d: f64, toward: Direction, circle: [f64; 3], side: usize) -> Image {
     const PARTS: usize = 4;
     let frame = frame(toward);

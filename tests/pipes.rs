@@ -1,5 +1,5 @@
-//! Pipes and links in the place of files: refused in one line, where to open a pipe would be to wait for ever, and a link would have
-//! another file overwritten.
+//! Pipes and links in the place of files: refused in one line, where to open a pipe would be to wait for ever, and a
+//! link would have another file overwritten.
 #![cfg(unix)]
 
 use crate::support::{ambake, ended, files, scene};

@@ -436,7 +436,8 @@ fn a_picture_shows_balls_in_the_light_of_their_places() {
         let page = Page::read(Path::new(&picture));
         ["R", "G", "B"].map(|name| page.plane(name)[4 * 9 + 4])
     };
-    // Half of all directions show a sky of 1: E / pi is (1 + cos) / 2, which two harmonics hold; nothing is reflected without a bake.
+    // Half of all directions show a sky of 1: E / pi is (1 + cos) / 2, which two harmonics hold; nothing is reflected
+    // without a bake.
     for (eye, up, exact) in [("0,5,0", "0,0,1", 1.0), ("0,1,5", "0,1,0", 0.5)] {
         let found = middle(&format!(
             "--probe-ball=0,1,0,0.5 --sky=1,2,0.5 --eye={eye} --up={up}"

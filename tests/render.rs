@@ -136,7 +136,8 @@ fn a_lambertian_moon_darkens_toward_its_rim_and_a_wall_does_not() {
             assert!(facing.abs() < 2e-3, "r {r}: {facing}");
         }
     }
-    // A globe in front of an open sky of 1: the closed form at each angle, and in the mean closer than the noise of one pixel.
+    // A globe in front of an open sky of 1: the closed form at each angle, and in the mean closer than the noise of one
+    // pixel.
     let grey = format!(
         "--model lommel-seeliger --albedo 0.1,0.1,0.1 --rays 256 --size 31x31 --eye 0,0,1000 --fov-deg {fov}"
     );

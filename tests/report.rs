@@ -144,7 +144,8 @@ fn a_browser_sees_through_the_holes_of_a_cut_out_and_plots_a_benchmark() {
     };
     let plotted = found["benchmark"].as_str().expect("a text");
     assert!(plotted.contains("a, <b>: 0.05 after 2 s"), "{plotted}");
-    // The card at height 1 keeps the cells of its 8 x 8 board whose numbers have an even sum; the floor is seen through the others.
+    // The card at height 1 keeps the cells of its 8 x 8 board whose numbers have an even sum; the floor is seen through
+    // the others.
     let (mut kept, mut through) = (0, 0);
     for pick in found["grid"].as_array().expect("picks") {
         let [x, y, z] = [0, 1, 2].map(|k| pick["point"][k].as_f64().unwrap_or(f64::NAN));
@@ -337,7 +338,8 @@ fn a_browser_turns_the_highlight_as_render_integrates_it() {
         .unwrap_or_else(|| panic!("no live view: {found}"));
     for view in views {
         assert!(view["pixels"].as_u64() > Some(500), "{found}");
-        // The numbers are not denoised: 256 rays leave some 2 of 255. What is left on the mean is the order's, 0.01 at exponent 12.
+        // The numbers are not denoised: 256 rays leave some 2 of 255. What is left on the mean is the order's, 0.01 at
+        // exponent 12.
         assert!(view["mean"].as_f64() <= Some(4.0), "{found}");
         let bias = view["bias"].as_f64().expect("a number");
         assert!(bias.abs() <= 0.75, "{found}");

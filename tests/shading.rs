@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 /// Sides of the prism.
 const SIDES: usize = 8;
 
-/// A prism of height 2 about the y axis with its corners on the unit circle, its side smooth-shaded: closed by caps, or open and
-/// turned inside out.
+/// A prism of height 2 about the y axis with its corners on the unit circle, its side smooth-shaded: closed by caps, or
+/// open and turned inside out.
 fn prism(folder: &Path, inward: bool) -> PathBuf {
     let sign = if inward { -1.0 } else { 1.0 };
     let mut text = String::new();
@@ -124,7 +124,8 @@ fn production_lies_above_exact_by_at_most_the_share_of_the_wedge() {
     let ((production, errors), (exact, _)) = (bake("production"), bake("exact"));
     let wedge = (0.5 * PI / SIDES as f64).sin().powi(2);
     for ((p, e), error) in production.iter().zip(&exact).zip(errors) {
-        // Both bakes draw the same directions, so the difference has less noise than either; what corrects uneven weights follows what they met.
+        // Both bakes draw the same directions, so the difference has less noise than either; what corrects uneven
+        // weights follows what they met.
         assert!(
             *p >= *e - error && p - e <= wedge + 4.0 * error,
             "production {p}, exact {e}, wedge {wedge}"

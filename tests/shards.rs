@@ -1,4 +1,5 @@
-//! Bakes in parts: any order, interruptions and odd numbers of parts give the bytes of a whole bake, and what lacks is named.
+//! Bakes in parts: any order, interruptions and odd numbers of parts give the bytes of a whole bake, and what lacks is
+//! named.
 
 use crate::support::{ambake, files, report, run, run_well, scene};
 use serde_json::Value;

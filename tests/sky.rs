@@ -1,4 +1,5 @@
-//! `bake --sky FILE`: an illumination map in place of the uniform sky, against closed forms and against the maps convolved from it.
+//! `bake --sky FILE`: an illumination map in place of the uniform sky, against closed forms and against the maps
+//! convolved from it.
 
 use crate::support::{Page, backends, bake, run, run_well, scene};
 use maps::{Format, IlluminationMap, Image, Labels, Projection};
@@ -246,8 +247,8 @@ fn on_an_unoccluded_sphere_the_bake_and_both_reflection_maps_agree() {
         );
         // Rays of 16,384: 4e-4 and 1.1e-3, by which facets the texels of this layout lie on.
         assert!(rmse < 1.25e-3, "{layer}: {rmse}");
-        // Student's t for nine pooled texels is 2.05 at 95 %. Facets of other brightness pool their variances too, which understates the errors of the
-        // bright ones: 88 to 92 % by seed.
+        // Student's t for nine pooled texels is 2.05 at 95 %. Facets of other brightness pool their variances too,
+        // which understates the errors of the bright ones: 88 to 92 % by seed.
         assert!(within > 0.87 * count, "{layer}: {within} of {count}");
     }
 }

@@ -17,8 +17,8 @@ fn default_bakes_of_scenes_made_for_this_release_state_their_errors() {
     assert_eq!(rows.len(), 5 * 3, "five scenes, three terms");
     let of = |row: &Value, field: &str| row[field].as_f64().expect("a number");
     let mean = |field: &str| rows.iter().map(|row| of(row, field)).sum::<f64>() / rows.len() as f64;
-    // Pages of few texels: one may be off by a quarter, all together by a tenth. Charts of a few texels each, as of books on a shelf, know
-    // their spread from few numbers: plain values cover .92 there.
+    // Pages of few texels: one may be off by a quarter, all together by a tenth. Charts of a few texels each, as of
+    // books on a shelf, know their spread from few numbers: plain values cover .92 there.
     for row in &rows {
         let (over, within) = (of(row, "over_stated"), of(row, "within"));
         assert!((0.7..1.25).contains(&over) && within > 0.84, "{row}");

@@ -171,8 +171,8 @@ impl Page {
     }
 }
 
-/// Bakes `scene` into a fresh directory; returns it and the first page. Texels stand for themselves, unless the arguments say how they
-/// are denoised.
+/// Bakes `scene` into a fresh directory; returns it and the first page. Texels stand for themselves, unless the
+/// arguments say how they are denoised.
 pub fn bake(scene: &Path, arguments: &[&str]) -> (tempfile::TempDir, Page) {
     let folder = tempfile::tempdir().expect("a temporary directory");
     let mut all = vec![

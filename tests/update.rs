@@ -153,8 +153,8 @@ fn a_moved_object_costs_what_it_reaches_and_nothing_else() {
 fn what_is_no_longer_rooted_in_the_floor_is_baked_again() {
     let mut before = row();
     before[0].at[1] = -0.3;
-    // In the first box, and below the floor: no ray comes there, but the floor no longer buries the foot of the box. It is no ground any
-    // more, so all that it reached is baked again.
+    // In the first box, and below the floor: no ray comes there, but the floor no longer buries the foot of the box. It
+    // is no ground any more, so all that it reached is baked again.
     let mut inside = prop("inside", 1.3, 1.3);
     (inside.at[1], inside.size) = (-0.25, 0.1);
     let after = [&before[..], &[inside]].concat();

@@ -19,7 +19,8 @@ use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// A bake of a scene, not yet started. The options are named as the flags of the command line; each has the default of its flag.
+/// A bake of a scene, not yet started. The options are named as the flags of the command line; each has the default of
+/// its flag.
 ///
 /// ```
 /// # fn main() -> Result<(), ambake::Error> {
@@ -87,8 +88,8 @@ impl Bake {
         self
     }
 
-    /// Texels per scene unit of every object, above 0; pages are added as needed. By default the texels of one page are shared
-    /// by a rule that no large plane can ruin.
+    /// Texels per scene unit of every object, above 0; pages are added as needed. By default the texels of one page are
+    /// shared by a rule that no large plane can ruin.
     pub fn density(mut self, texels_per_unit: f64) -> Self {
         self.options.density = Some(texels_per_unit);
         self
@@ -126,13 +127,15 @@ impl Bake {
         self
     }
 
-    /// What happens to samples that are buried, of the objects with this name, which may have wildcards; later ones win.
+    /// What happens to samples that are buried, of the objects with this name, which may have wildcards; later ones
+    /// win.
     pub fn buried_of(mut self, name: impl Into<String>, buried: Buried) -> Self {
         self.options.buried_of.push((name.into(), buried));
         self
     }
 
-    /// Charts that can be seen from none of these points, in scene units, take one texel; their texels go to the others.
+    /// Charts that can be seen from none of these points, in scene units, take one texel; their texels go to the
+    /// others.
     pub fn seen_from(mut self, eyes: impl IntoIterator<Item = [f64; 3]>) -> Self {
         self.options.seen_from.extend(eyes);
         self
@@ -181,14 +184,15 @@ impl Bake {
         self
     }
 
-    /// Rays per texel over the hemisphere, at least 1; a highlight takes what it is worth beside them ([`Options::full_highlights`]).
+    /// Rays per texel over the hemisphere, at least 1; a highlight takes what it is worth beside them
+    /// ([`Options::full_highlights`]).
     pub fn rays(mut self, rays: u32) -> Self {
         self.options.effort = Effort::Rays(rays);
         self
     }
 
-    /// Takes the rays by which the root mean square of a page's standard errors is at most `std_err`, above 0 and below 1, tile by tile, instead of a fixed
-    /// number.
+    /// Takes the rays by which the root mean square of a page's standard errors is at most `std_err`, above 0 and below
+    /// 1, tile by tile, instead of a fixed number.
     pub fn target_error(mut self, std_err: f64) -> Self {
         let (relative, max_rays) = match self.options.effort {
             Effort::Target {
@@ -204,8 +208,8 @@ impl Bake {
         self
     }
 
-    /// With [`Bake::target_error`], set before: an error of `share` of the value counts as one of the target, where that is more; at least 0 and below
-    /// 1, 0 by default.
+    /// With [`Bake::target_error`], set before: an error of `share` of the value counts as one of the target, where
+    /// that is more; at least 0 and below 1, 0 by default.
     pub fn target_relative(mut self, share: f64) -> Self {
         if let Effort::Target { relative, .. } = &mut self.options.effort {
             *relative = share;
@@ -239,7 +243,8 @@ impl Bake {
         self
     }
 
-    /// Between which charts a bilinear look-up is made to agree across the edge that they share; those of any objects by default.
+    /// Between which charts a bilinear look-up is made to agree across the edge that they share; those of any objects
+    /// by default.
     pub fn seams(mut self, seams: Seams) -> Self {
         self.options.seams = seams;
         self
@@ -263,14 +268,16 @@ impl Bake {
         self
     }
 
-    /// What smooth shading sees between the horizon of a shading normal and the plane of its facet; production by default.
+    /// What smooth shading sees between the horizon of a shading normal and the plane of its facet; production by
+    /// default.
     pub fn shading(mut self, shading: Shading) -> Self {
         self.options.shading = shading;
         self
     }
 
-    /// A flat sheet at most so many scene units above a surface (paper on a desk, a decal, a rug) takes no light from it, so that no dark line is
-    /// seen around it; 0 for none. By default an eighth of a texel. It fades out up to twice as far.
+    /// A flat sheet at most so many scene units above a surface (paper on a desk, a decal, a rug) takes no light from
+    /// it, so that no dark line is seen around it; 0 for none. By default an eighth of a texel. It fades out up to
+    /// twice as far.
     pub fn under(mut self, distance: f64) -> Self {
         self.options.under = Some(distance);
         self
@@ -282,8 +289,9 @@ impl Bake {
         self
     }
 
-    /// What the highlight is: the paper's Phong lobe, or GGX, whose layer then stands in place of [`Layer::Phong`]. By default GGX for glTF and
-    /// Phong for other scenes, unless layers or an exponent ask for one of them ([`Options::model`]).
+    /// What the highlight is: the paper's Phong lobe, or GGX, whose layer then stands in place of [`Layer::Phong`]. By
+    /// default GGX for glTF and Phong for other scenes, unless layers or an exponent ask for one of them
+    /// ([`Options::model`]).
     pub fn model(mut self, model: Model) -> Self {
         self.options.model = Some(model);
         self
@@ -348,7 +356,8 @@ impl Bake {
         self
     }
 
-    /// k_a, by which the layer `traditional` reflects ambient light; the albedo by default. Each channel of a colour is from 0 to 1e6.
+    /// k_a, by which the layer `traditional` reflects ambient light; the albedo by default. Each channel of a colour is
+    /// from 0 to 1e6.
     pub fn ambient_coefficient(mut self, coefficient: AmbientCoefficient) -> Self {
         self.options.ambient_coefficient = coefficient;
         self
@@ -366,7 +375,8 @@ impl Bake {
         self
     }
 
-    /// Seed of the sample points; 0 by default. The same scene, options and seed give the same bytes at any number of threads.
+    /// Seed of the sample points; 0 by default. The same scene, options and seed give the same bytes at any number of
+    /// threads.
     pub fn seed(mut self, seed: u64) -> Self {
         self.options.seed = seed;
         self
@@ -410,17 +420,18 @@ impl Bake {
         self
     }
 
-    /// A file that [`Layout::write`](crate::Layout::write) made: its layout is taken where the file exists and is of this scene and these
-    /// options. It is what would be made anew.
+    /// A file that [`Layout::write`](crate::Layout::write) made: its layout is taken where the file exists and is of
+    /// this scene and these options. It is what would be made anew.
     pub fn layout_file(mut self, path: impl Into<PathBuf>) -> Self {
         self.layout_file = Some(path.into());
         self
     }
 
-    /// The folder of an earlier bake of this scene, before it changed: charts of what is the same keep their places, and texels that no
-    /// change can reach keep their values. The result is that of a whole bake with that layout, bit for bit. Where another version,
-    /// options or ray library baked it, all is baked, and `bake.json` says why. The earlier bake must be one that [`Job::run_into`] or the
-    /// program wrote: [`Baked::write`] no longer has the tiles as they were before whole pages were finished.
+    /// The folder of an earlier bake of this scene, before it changed: charts of what is the same keep their places,
+    /// and texels that no change can reach keep their values. The result is that of a whole bake with that layout, bit
+    /// for bit. Where another version, options or ray library baked it, all is baked, and `bake.json` says why. The
+    /// earlier bake must be one that [`Job::run_into`] or the program wrote: [`Baked::write`] no longer has the tiles
+    /// as they were before whole pages were finished.
     pub fn update(mut self, dir: impl Into<PathBuf>) -> Self {
         self.update = Some(dir.into());
         self

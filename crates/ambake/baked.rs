@@ -31,8 +31,8 @@ impl Page {
         self.0.size
     }
 
-    /// All values of a layer: one plane of `size * size` after another, one for each of [`Layer::channels`]. Empty where the layer was not
-    /// asked for. A texel that no chart touches has coverage 0, even where a gutter filled it.
+    /// All values of a layer: one plane of `size * size` after another, one for each of [`Layer::channels`]. Empty
+    /// where the layer was not asked for. A texel that no chart touches has coverage 0, even where a gutter filled it.
     pub fn layer(&self, layer: Layer) -> &[f32] {
         self.0.layer(layer).unwrap_or_default()
     }
@@ -88,8 +88,8 @@ impl Baked {
         &self.job
     }
 
-    /// Writes everything that the command line writes: EXR pages, PNG previews, a GLB and `bake.json`. The directory is made where it is
-    /// absent. Files appear together once all are complete.
+    /// Writes everything that the command line writes: EXR pages, PNG previews, a GLB and `bake.json`. The directory is
+    /// made where it is absent. Files appear together once all are complete.
     ///
     /// # Errors
     /// The directory cannot be written, or an output would replace an input.
@@ -103,8 +103,8 @@ impl Baked {
             .files)
     }
 
-    /// Writes the scene as a GLB file: lightmap coordinates as `TEXCOORD_1` and, where diffuse was baked, the diffuse term as
-    /// `occlusionTexture`.
+    /// Writes the scene as a GLB file: lightmap coordinates as `TEXCOORD_1` and, where diffuse was baked, the diffuse
+    /// term as `occlusionTexture`.
     ///
     /// # Errors
     /// The file cannot be written, or it would replace an input.

@@ -13,7 +13,8 @@ const KEEPING: f64 = 1.7e-8;
 const JOINING: f64 = 7e-6;
 /// The same for the picture of the lit scene and for all that does not grow.
 const ONCE: f64 = 0.3;
-/// Bytes of a compressed 32-bit number, as a share: of pages with their previews, and of what is kept for later updates.
+/// Bytes of a compressed 32-bit number, as a share: of pages with their previews, and of what is kept for later
+/// updates.
 const WRITTEN: f64 = 0.75;
 const KEPT: f64 = 0.3;
 /// Gathers of light of which there are as many as it takes, about.
@@ -33,7 +34,8 @@ pub struct Estimate {
     pub disk_bytes: u64,
     /// Bytes of these alone.
     pub state_bytes: u64,
-    /// Bytes that are needed on the disk while it bakes: the result and the tiles that an interrupted bake goes on from.
+    /// Bytes that are needed on the disk while it bakes: the result and the tiles that an interrupted bake goes on
+    /// from.
     pub disk_peak_bytes: u64,
     /// Processor seconds of baking and writing, over all threads.
     pub cpu_seconds: f64,

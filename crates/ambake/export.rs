@@ -14,12 +14,12 @@ pub struct Exported {
     pub files: Vec<PathBuf>,
 }
 
-/// Writes the files of `engines` beside the finished bake in `dir`, and lists them in its `bake.json`. They are the files, byte for byte,
-/// that the bake itself would have made for these engines; what was exported for others stays.
+/// Writes the files of `engines` beside the finished bake in `dir`, and lists them in its `bake.json`. They are the
+/// files, byte for byte, that the bake itself would have made for these engines; what was exported for others stays.
 ///
 /// # Errors
-/// `dir` holds no finished bake, a page of it is absent or damaged or lacks a layer, or a file cannot be written. Nothing is left half
-/// written.
+/// `dir` holds no finished bake, a page of it is absent or damaged or lacks a layer, or a file cannot be written.
+/// Nothing is left half written.
 pub fn export(
     dir: impl AsRef<Path>,
     engines: impl IntoIterator<Item = Engine>,

@@ -64,7 +64,8 @@ impl Layout {
         &self.report
     }
 
-    /// A hash over the whole atlas. Bakes with the same hash have the same layout, and the parts of a sharded bake state it.
+    /// A hash over the whole atlas. Bakes with the same hash have the same layout, and the parts of a sharded bake
+    /// state it.
     pub fn hash(&self) -> &str {
         &self.hash
     }
@@ -109,7 +110,8 @@ impl Layout {
         Ok(files)
     }
 
-    /// A page as a PNG: each chart in a colour of its own, darker where a texel is covered in part, black where it is free.
+    /// A page as a PNG: each chart in a colour of its own, darker where a texel is covered in part, black where it is
+    /// free.
     fn picture(&self, page: u32) -> Vec<u8> {
         let size = self.atlas.page_size as usize;
         let raster = PageRaster::new(&self.scene, &self.atlas, page);
@@ -137,7 +139,8 @@ impl Layout {
     }
 }
 
-/// The layout in the file at `path`, where it is of this scene and these options. A file that is of no use is as good as none.
+/// The layout in the file at `path`, where it is of this scene and these options. A file that is of no use is as good
+/// as none.
 pub(crate) fn read(path: &Path, scene: &Scene, options: &Options) -> Option<Atlas> {
     report::read_layout(path, &key(scene, options), scene)
         .ok()

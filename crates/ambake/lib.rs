@@ -1,7 +1,8 @@
 //! ambake bakes *ambient reflection* into lightmaps on a plain CPU, and states its error.
 //!
-//! For every texel of a texture atlas it casts rays over the hemisphere and integrates the Lambertian and the Phong ambient
-//! terms directly, with occlusion. It sets them beside the traditional model, a constant times an occlusion factor.
+//! For every texel of a texture atlas it casts rays over the hemisphere and integrates the Lambertian and the Phong
+//! ambient terms directly, with occlusion. It sets them beside the traditional model, a constant times an occlusion
+//! factor.
 //!
 //! # From a file
 //!
@@ -47,8 +48,8 @@
 //! * [`Job`]: a bake that is planned, laid out and ready, for programs that want to look before they start.
 //! * [`rays`]: the trait of ray backends, to bring one of your own ([`Bake::with_backend`]).
 //!
-//! Directions point away from surfaces, colours are linear, angles are radians, and lengths are in scene units. The stored terms
-//! are 1 for an open texel under a sky of radiance 1.
+//! Directions point away from surfaces, colours are linear, angles are radians, and lengths are in scene units. The
+//! stored terms are 1 for an open texel under a sky of radiance 1.
 //!
 //! # Where what is
 //!

@@ -12,15 +12,16 @@ pub(crate) const WAITING: u64 = 128 << 20;
 pub(crate) const SPARED: u64 = 16 << 20;
 /// Bytes a page texel of pictures, masks and compressed lines while a page is composed and written.
 const WRITING: u64 = 12;
-/// Bytes a texel of charts that the denoiser takes beside the planes: the charts themselves and what becomes of a term, by channels.
+/// Bytes a texel of charts that the denoiser takes beside the planes: the charts themselves and what becomes of a term,
+/// by channels.
 const DENOISING: u64 = 20;
 const DENOISED: u64 = 4;
 /// Bytes a page texel of what it knows of the shape of bent charts.
 const SHAPE: u64 = 8;
 /// Bytes a texel of charts while it finds which texels are of one surface, and their heights.
 const GROUPING: u64 = 17;
-/// The same of the texels that are fitted at a time: charts, or parts of larger ones, which have so many texels at most and some rows about
-/// them, one for each thread.
+/// The same of the texels that are fitted at a time: charts, or parts of larger ones, which have so many texels at most
+/// and some rows about them, one for each thread.
 const FITTING: u64 = 110;
 const FITTED: u64 = 1 << 21;
 const FITTED_ROWS: u64 = 96;
@@ -33,7 +34,8 @@ const OIDN: u64 = 600;
 const SENT: u64 = 13;
 /// Bytes a page texel of what is known of the surfaces that send light on.
 const PATCH: u64 = 36;
-/// Bytes a triangle of the ray library's trees and of what plan and layout keep, over all meshes; and while these are made.
+/// Bytes a triangle of the ray library's trees and of what plan and layout keep, over all meshes; and while these are
+/// made.
 const TREE: u64 = 120;
 const MAKING: u64 = 200;
 /// Bytes an instance of what plan and layout keep of it: its part, its surfaces where they are placed, its body.
@@ -104,8 +106,9 @@ impl Memory {
         }
     }
 
-    /// Bytes at the peak, of so many pages of so many texels, of which charts touch `covered` on each. `known` has the texels of the largest
-    /// charts, one for each thread, and the most points of seams on a page; without it charts may be as large as can be.
+    /// Bytes at the peak, of so many pages of so many texels, of which charts touch `covered` on each. `known` has the
+    /// texels of the largest charts, one for each thread, and the most points of seams on a page; without it charts may
+    /// be as large as can be.
     pub fn pages(
         &self,
         pages: u64,

@@ -36,8 +36,8 @@ impl Parts {
     /// The parts in a directory.
     ///
     /// # Errors
-    /// There are none, or those of several bakes; one is missing, damaged or unfinished; or they do not belong together. The message
-    /// names which, and what to do.
+    /// There are none, or those of several bakes; one is missing, damaged or unfinished; or they do not belong
+    /// together. The message names which, and what to do.
     pub fn find(dir: &Path) -> Result<Self, Error> {
         let fail = |problem: String| Error::Parts {
             dir: dir.display().to_string(),
@@ -165,8 +165,8 @@ impl Job {
     /// here; a merge that was interrupted goes on from what it had gathered.
     ///
     /// # Errors
-    /// The parts are of another bake, a tile lacks, the directory cannot be written, an output would replace an input, or
-    /// [`Error::Cancelled`].
+    /// The parts are of another bake, a tile lacks, the directory cannot be written, an output would replace an input,
+    /// or [`Error::Cancelled`].
     pub fn merge(&self, mut parts: Parts, progress: &dyn Progress) -> Result<Written, Error> {
         // The ray library need not be the one that baked.
         let mut own = self.key();

@@ -8,7 +8,8 @@ use atlas::{MeshLayout, Placement};
 pub struct Object {
     /// Its name; objects may share one.
     pub name: String,
-    /// Number of each triangle in the mesh, or the file's primitive, that it came from. Triangles without area have been left out.
+    /// Number of each triangle in the mesh, or the file's primitive, that it came from. Triangles without area have
+    /// been left out.
     pub triangles: Vec<u32>,
     /// Page of each triangle.
     pub pages: Vec<u32>,

@@ -1,5 +1,5 @@
-//! Everything that decides the values of a bake, in one type: what the baker and the layout are given, what headers and `bake.json`
-//! say, and what an interrupted bake must share with the one that continues it are all made from it.
+//! Everything that decides the values of a bake, in one type: what the baker and the layout are given, what headers and
+//! `bake.json` say, and what an interrupted bake must share with the one that continues it are all made from it.
 
 use crate::error::Error;
 use crate::scene::Scene;
@@ -124,12 +124,13 @@ pub struct Options {
     pub shading: Shading,
     /// What happens to samples inside of solids.
     pub buried: Buried,
-    /// How far above a surface a flat sheet may lie that takes no light from it, in scene units; `None` for an eighth of a texel.
+    /// How far above a surface a flat sheet may lie that takes no light from it, in scene units; `None` for an eighth
+    /// of a texel.
     pub under: Option<f64>,
     /// Occluders farther than this do not count, in scene units.
     pub max_distance: Option<f32>,
-    /// What the highlight is; under GGX the layer `ggx` stands in place of `phong`. `None`: the model that layers or an exponent ask for, else
-    /// GGX for glTF, whose materials are defined by it, and Phong for other scenes.
+    /// What the highlight is; under GGX the layer `ggx` stands in place of `phong`. `None`: the model that layers or an
+    /// exponent ask for, else GGX for glTF, whose materials are defined by it, and Phong for other scenes.
     pub model: Option<Model>,
     /// How often surfaces send on the light that they receive.
     pub bounces: Bounces,
@@ -149,8 +150,8 @@ pub struct Options {
     pub specular: Option<[f32; 3]>,
     /// Lobe exponent of every material, 0..=1e6.
     pub exponent: Option<f64>,
-    /// Highlights take as many rays as the hemisphere, however faint they are. So they do too with an exponent, an eye point, or layers that show them
-    /// by themselves.
+    /// Highlights take as many rays as the hemisphere, however faint they are. So they do too with an exponent, an eye
+    /// point, or layers that show them by themselves.
     pub full_highlights: bool,
     /// Planner choices that are switched off.
     pub plan_off: Vec<Choice>,
@@ -318,8 +319,8 @@ impl Options {
         Ok(())
     }
 
-    /// How terms are denoised: as was asked, else by regression wherever it can be. A single ray has no halves to compare, and
-    /// blocks that share their directions share their errors.
+    /// How terms are denoised: as was asked, else by regression wherever it can be. A single ray has no halves to
+    /// compare, and blocks that share their directions share their errors.
     pub fn denoises(&self) -> Denoise {
         let compares = self.pattern == Pattern::Joint && self.effort != Effort::Rays(1);
         self.denoise.unwrap_or(match compares {
@@ -328,8 +329,8 @@ impl Options {
         })
     }
 
-    /// Adds the layers that engine files are made of and that no ray is cast for: the light, which no other layer holds under a
-    /// map or with bounces, in every bake of the models; all of it where engines are named.
+    /// Adds the layers that engine files are made of and that no ray is cast for: the light, which no other layer holds
+    /// under a map or with bounces, in every bake of the models; all of it where engines are named.
     pub(crate) fn complete(&mut self) {
         let mut wanted = Vec::new();
         if !self.engines.is_empty() {
@@ -349,8 +350,8 @@ impl Options {
         }
     }
 
-    /// The scene, in which what [`Options::no_cast`] names blocks no light and objects are told what happens to what is buried of
-    /// them. Where one drops it, [`Options::buried`] says so, and each of the others that keeps it.
+    /// The scene, in which what [`Options::no_cast`] names blocks no light and objects are told what happens to what is
+    /// buried of them. Where one drops it, [`Options::buried`] says so, and each of the others that keeps it.
     pub(crate) fn cast(&mut self, scene: &Scene) -> Result<Scene, Error> {
         let drops = |of: &Instance| of.keeps_buried == Some(false);
         let is_told = self.buried == Buried::Keep && scene.instances.iter().any(drops);
@@ -393,7 +394,8 @@ impl Options {
         self.bounces != Bounces::Off || !self.lights.is_empty()
     }
 
-    /// The model that was asked for, or that what was asked for needs, or else that the materials of such a file are made for.
+    /// The model that was asked for, or that what was asked for needs, or else that the materials of such a file are
+    /// made for.
     fn model_for(&self, format: Format) -> Model {
         let asks = |layers: &[Layer]| self.layers.iter().any(|layer| layers.contains(layer));
         // What is stored for any view has no colours of its own under GGX.
@@ -480,7 +482,8 @@ impl Options {
         )
     }
 
-    /// True where the specular term was asked for by itself. [`Layer::STANDARD`] has it too, but there it stands beside what it is part of.
+    /// True where the specular term was asked for by itself. [`Layer::STANDARD`] has it too, but there it stands beside
+    /// what it is part of.
     fn has_full_highlights(&self) -> bool {
         let mut further = self
             .layers
@@ -513,8 +516,8 @@ impl Options {
         }
     }
 
-    /// Every option under the name of its flag, as headers and `bake.json` carry it and as an interrupted bake compares it. The
-    /// pattern names every field, so that a new option cannot be forgotten here.
+    /// Every option under the name of its flag, as headers and `bake.json` carry it and as an interrupted bake compares
+    /// it. The pattern names every field, so that a new option cannot be forgotten here.
     pub fn describe(&self) -> Value {
         let Self {
             size,

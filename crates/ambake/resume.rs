@@ -1,7 +1,8 @@
 //! Finished tiles as blocks of a journal, and back: what is kept while a bake runs, so that little is lost with it.
 //!
-//! A block is the page (u32; those of a gather of light count on where the pages before end), a line of JSON (the tiles and the seconds that they took), and for each tile its texels (u32) and their
-//! values (f32, texel by texel). Numbers are little-endian.
+//! A block is the page (u32; those of a gather of light count on where the pages before end), a line of JSON (the tiles
+//! and the seconds that they took), and for each tile its texels (u32) and their values (f32, texel by texel). Numbers
+//! are little-endian.
 
 use crate::differ::difference;
 use crate::error::Error;
@@ -28,7 +29,8 @@ const BLOCK: usize = 4 << 20;
 /// What a bake does about the state that an interrupted one left.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Resume {
-    /// It goes on from it where scene, options and version are the same, and starts over where they are not. A note says which.
+    /// It goes on from it where scene, options and version are the same, and starts over where they are not. A note
+    /// says which.
     #[default]
     IfFound,
     /// The same; but what has the place of the state and cannot be one, such as a link, is an error.
@@ -75,8 +77,8 @@ pub(crate) struct Block {
     pub seconds: f64,
 }
 
-/// A block that is being filled. Its tiles are one piece of memory, which the system takes back as a whole; of thousands of small ones it
-/// would get hardly any.
+/// A block that is being filled. Its tiles are one piece of memory, which the system takes back as a whole; of
+/// thousands of small ones it would get hardly any.
 struct Filled {
     page: u32,
     tiles: Vec<LineTile>,

@@ -91,15 +91,15 @@ impl Job {
     }
 
     /// Bakes into a directory: pages are written as they are finished, so that one page is in memory at a time; where
-    /// light is added to
-    /// them, all are, because it goes from page to page. Nothing stands under a final name until all of it is complete.
-    /// What is baked is saved now
-    /// and then; where the listener cancels, the process dies or a file cannot be written, the same call continues it to the same bytes.
+    /// light is added to them, all are, because it goes from page to page. Nothing stands under a final name until all
+    /// of it is complete. What is baked is saved now and then; where the listener cancels, the process dies or a file
+    /// cannot be written, the same call continues it to the same bytes.
     ///
     /// * `resume`: what is done about a state that was saved.
     ///
     /// # Errors
-    /// The directory cannot be written, is too full or another bake's, an output would replace an input, or [`Error::Cancelled`].
+    /// The directory cannot be written, is too full or another bake's, an output would replace an input, or
+    /// [`Error::Cancelled`].
     pub fn run_into(
         &self,
         dir: &Path,

@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 /// A validated scene. Clones share one copy.
 ///
-/// It dereferences to its plain data: meshes, instances, materials, images, and the [`Warning`]s about what was repaired or
-/// ignored.
+/// It dereferences to its plain data: meshes, instances, materials, images, and the [`Warning`]s about what was
+/// repaired or ignored.
 #[derive(Debug, Clone)]
 pub struct Scene(pub(crate) Arc<::scene::Scene>);
 

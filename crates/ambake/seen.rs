@@ -7,8 +7,8 @@ use ::bake::Buried;
 use atlas::SurfacePoint;
 use rays::{Ray, RayBackend, World};
 
-/// What stops a ray this close before a point, in lengths of the way, is taken for the point itself: its own surface, as
-/// 32-bit numbers place it.
+/// What stops a ray this close before a point, in lengths of the way, is taken for the point itself: its own surface,
+/// as 32-bit numbers place it.
 const CLOSE: f32 = 1e-4;
 
 /// Tells the layout what can be seen; `None` where all can.
@@ -48,8 +48,8 @@ pub(crate) fn oracle<'a>(
     }))
 }
 
-/// True where nothing stands between the point and one of the eyes, and the eye is on a side that can be seen: the front,
-/// or any side of a double-sided surface.
+/// True where nothing stands between the point and one of the eyes, and the eye is on a side that can be seen: the
+/// front, or any side of a double-sided surface.
 pub(crate) fn is_seen(
     eyes: &[[f64; 3]],
     point: &SurfacePoint,

@@ -71,8 +71,9 @@ impl Job {
         })
     }
 
-    /// Bakes one shard into `dir`: its tiles go into a part file, which [`Parts`](crate::Parts) finds there. A shard that was interrupted
-    /// continues; one that is complete already is left as it is. `given` is kept in the part for whoever merges.
+    /// Bakes one shard into `dir`: its tiles go into a part file, which [`Parts`](crate::Parts) finds there. A shard
+    /// that was interrupted continues; one that is complete already is left as it is. `given` is kept in the part for
+    /// whoever merges.
     ///
     /// # Errors
     /// The directory cannot be written, another run bakes the same shard, or [`Error::Cancelled`].

@@ -6,7 +6,8 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The largest radiance of a sky, a lamp or a light that is baked. Squares of what it becomes after bounces are still 32-bit numbers.
+/// The largest radiance of a sky, a lamp or a light that is baked. Squares of what it becomes after bounces are still
+/// 32-bit numbers.
 pub(crate) const MAX_RADIANCE: f32 = 1e12;
 
 /// The sky of a bake: uniform, or an illumination map from a file.

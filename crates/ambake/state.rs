@@ -1,9 +1,11 @@
-//! `STEM.state` and `STEM.P.state`: the finished tiles of a bake as they were before whole pages were worked on, for `--update`.
+//! `STEM.state` and `STEM.P.state`: the finished tiles of a bake as they were before whole pages were worked on, for
+//! `--update`.
 //!
-//! Both are journals (see `report`'s `checkpoint.rs`). The head's header has the bake's key; its first block is JSON (claims on the layout
-//! and the content of objects), the others are the layout. A block of a page is a line of JSON (tiles, their fingerprints and sums) and
-//! packed bytes: for each texel its place in its tile (u8), then the values, channel by channel, first the low bytes of all (f32,
-//! little-endian). A tile says by its fingerprint what it was made from, so each stands for itself.
+//! Both are journals (see `report`'s `checkpoint.rs`). The head's header has the bake's key; its first block is JSON
+//! (claims on the layout and the content of objects), the others are the layout. A block of a page is a line of JSON
+//! (tiles, their fingerprints and sums) and packed bytes: for each texel its place in its tile (u8), then the values,
+//! channel by channel, first the low bytes of all (f32, little-endian). A tile says by its fingerprint what it was made
+//! from, so each stands for itself.
 
 use crate::error::Error;
 use ::bake::{BakedPage, BakedTile, Fingerprint, PageStats};
@@ -100,7 +102,8 @@ impl Head {
     }
 }
 
-/// Writes the tiles of a page that has all of them and is not finished. `tiles` has the number and the fingerprint of each.
+/// Writes the tiles of a page that has all of them and is not finished. `tiles` has the number and the fingerprint of
+/// each.
 pub(crate) fn write_tiles(
     file: &mut File,
     key: &Value,
@@ -118,7 +121,8 @@ pub(crate) fn write_tiles(
     report::write_journal(file, key, batches)
 }
 
-/// Hands over the tiles at `path` for which `wanted` holds; nothing where there is no such file, or it is another bake's.
+/// Hands over the tiles at `path` for which `wanted` holds; nothing where there is no such file, or it is another
+/// bake's.
 ///
 /// # Errors
 /// The file is damaged. What was handed over before is sound.

@@ -65,8 +65,8 @@ impl<'a> Tracker<'a> {
         self.key["backend"] = backend.into();
     }
 
-    /// Puts the tiles into a page that an earlier bake has with the same content and the page lacks. Returns what every tile of the page
-    /// depends on. What tells of damage goes to `note`; such tiles are baked.
+    /// Puts the tiles into a page that an earlier bake has with the same content and the page lacks. Returns what every
+    /// tile of the page depends on. What tells of damage goes to `note`; such tiles are baked.
     pub fn keep(&mut self, page: &mut BakedPage, note: &dyn Fn(&str)) -> Vec<(u32, Fingerprint)> {
         let tiles = self.reach.tiles(page.page);
         self.kept.clear();

@@ -330,8 +330,8 @@ fn scene_file(job: &Job, dir: &Path) -> Option<String> {
     has_file.then(|| report::scene_file(dir, &scene.path))?
 }
 
-/// What an earlier bake of the same scene file listed in `dir` and may have left: names that no bake of a scene of this stem makes are
-/// nobody's to remove, whoever listed them.
+/// What an earlier bake of the same scene file listed in `dir` and may have left: names that no bake of a scene of this
+/// stem makes are nobody's to remove, whoever listed them.
 fn leftovers(dir: &Path, stem: &str, now: &BakeReport) -> Vec<(String, String)> {
     let earlier = report::read_record(dir, stem);
     let same = earlier.filter(|of| of.scene.file.is_some() && of.scene.file == now.scene.file);

@@ -1,4 +1,5 @@
-//! The end of a program that the system gives no more memory: one line and status 1, where Rust would abort with a trace.
+//! The end of a program that the system gives no more memory: one line and status 1, where Rust would abort with a
+//! trace.
 //!
 //! The allocator is the system's; only what it refuses is looked at. All that was saved stays as it would after a
 //! kill. Where one of several scenes is refused, the program becomes one that bakes the rest: nothing less gives
@@ -18,8 +19,8 @@ struct OrEnd;
 #[global_allocator]
 static ALLOCATOR: OrEnd = OrEnd;
 
-// SAFETY: every call goes to the system's allocator with the caller's own arguments, for which the caller keeps the rules of this
-// trait; what comes back is returned as it is, or not at all.
+// SAFETY: every call goes to the system's allocator with the caller's own arguments, for which the caller keeps the
+// rules of this trait; what comes back is returned as it is, or not at all.
 unsafe impl GlobalAlloc for OrEnd {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         // SAFETY: as above.
@@ -61,7 +62,8 @@ pub fn in_work(name: String, rest: Command) {
     }
 }
 
-/// Tells what was refused and ends the program, without asking for memory and without running what others left for its end.
+/// Tells what was refused and ends the program, without asking for memory and without running what others left for its
+/// end.
 #[cold]
 fn end(size: usize) -> ! {
     static ENDS: AtomicBool = AtomicBool::new(false);

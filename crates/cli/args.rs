@@ -76,7 +76,8 @@ pub enum Verb {
     Bake(bake::args::Bake),
     /// Says what a bake of this scene would model and why, and what it would cost
     Plan(bake::args::Plan),
-    /// Bakes a scene whenever its files are saved: with a sixteenth of the rays, a fourth, and all of them, until the next save
+    /// Bakes a scene whenever its files are saved: with a sixteenth of the rays, a fourth, and all of them, until the
+    /// next save
     Watch(bake::args::Watch),
     /// The atlas alone: the layout that a bake of this scene makes, to look at and for the shards of a bake
     Layout(bake::args::Layout),

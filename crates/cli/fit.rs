@@ -25,7 +25,8 @@ pub struct Args {
     /// Pictures of it: .exr or .hdr (linear), .png or .jpg (taken as sRGB)
     #[arg(value_name = "IMAGE", required = true)]
     pub images: Vec<PathBuf>,
-    /// Eye point in scene units; one for all pictures, or repeated, one for each [default: in front, above and to the right of the scene]
+    /// Eye point in scene units; one for all pictures, or repeated, one for each [default: in front, above and to the
+    /// right of the scene]
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = triple)]
     pub eye: Vec<[f64; 3]>,
     /// Point that is looked at; one for all pictures, or one for each [default: the middle of the scene]
@@ -138,8 +139,8 @@ fn show(args: &Args) -> Show {
     }
 }
 
-/// The fit with what noise of its own rays may have moved it by: that pulls slopes toward 0, at a quarter of the rays about four times
-/// as far. All of the difference counts, because chance may have made it small.
+/// The fit with what noise of its own rays may have moved it by: that pulls slopes toward 0, at a quarter of the rays
+/// about four times as far. All of the difference counts, because chance may have made it small.
 fn widened(mut fine: Fit, coarse: &Fit) -> Fit {
     let widen = |fine: &mut Estimate, coarse: &Estimate| {
         let moved = (fine.value - coarse.value).abs();

@@ -1,10 +1,10 @@
 //! The `ambake` command: arguments to typed options to calls, and exit codes.
 //!
-//! Every verb has a folder or a file. Its `args.rs` is what was typed; the files beside it say what that means, call the
-//! crates that do the work, and print.
+//! Every verb has a folder or a file. Its `args.rs` is what was typed; the files beside it say what that means, call
+//! the crates that do the work, and print.
 //!
-//! Exit status: 0 done, 1 the job failed (one line on standard error), 2 the command line is wrong (likewise), 130 and 143 stopped
-//! by Ctrl-C or SIGTERM with nothing half-written; a bake leaves a state that the same command continues.
+//! Exit status: 0 done, 1 the job failed (one line on standard error), 2 the command line is wrong (likewise), 130 and
+//! 143 stopped by Ctrl-C or SIGTERM with nothing half-written; a bake leaves a state that the same command continues.
 //!
 //! # Where what is
 //!

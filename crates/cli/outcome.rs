@@ -40,7 +40,8 @@ pub fn one_line(error: &anyhow::Error) -> String {
     line.replace('\n', " ")
 }
 
-/// The exit status where the command line is wrong, which is told in one line on standard error; or where it asks for help alone.
+/// The exit status where the command line is wrong, which is told in one line on standard error; or where it asks for
+/// help alone.
 pub fn misused(error: &clap::Error) -> ExitCode {
     if !error.use_stderr() || error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
         error.exit();
@@ -80,14 +81,15 @@ pub fn note(line: &str) {
     let _ = writeln!(io::stderr(), "{}", printable(line));
 }
 
-/// What a terminal or a viewer of logs may obey or hide rather than show: control characters but the end of line, the separators of
-/// lines and paragraphs, and marks that turn the direction of writing.
+/// What a terminal or a viewer of logs may obey or hide rather than show: control characters but the end of line, the
+/// separators of lines and paragraphs, and marks that turn the direction of writing.
 fn odd(c: char) -> bool {
     let unseen = matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     unseen || c.is_control() && c != '\n'
 }
 
-/// The text as it may stand on a terminal: odd characters become `\u{..}`. Names and numbers of a scene file come from strangers.
+/// The text as it may stand on a terminal: odd characters become `\u{..}`. Names and numbers of a scene file come from
+/// strangers.
 pub fn printable(text: &str) -> Cow<'_, str> {
     if !text.contains(odd) {
         return text.into();

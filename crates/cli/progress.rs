@@ -125,7 +125,8 @@ impl Show {
             let (seen, elapsed) = (meter.look(), started.elapsed());
             bar.set_length(seen.total);
             bar.set_position(seen.done.min(seen.total));
-            // What is prepared before the first unit of work, and units that an earlier run has done, say nothing of the speed.
+            // What is prepared before the first unit of work, and units that an earlier run has done, say nothing of
+            // the speed.
             let (then, before) = *began.get_or_insert((elapsed, seen));
             if seen.total == 0 {
                 began = None;

@@ -42,7 +42,8 @@ const ONCE: [&str; 8] = [
     "output", "fresh", "resume", "shard", "update", "verify", "after", "json",
 ];
 
-/// What was `typed`, the program's name first, completed by the project file beside the scene; `None` where there is no such file.
+/// What was `typed`, the program's name first, completed by the project file beside the scene; `None` where there is no
+/// such file.
 ///
 /// # Errors
 /// One line that names the file, the table and the option.

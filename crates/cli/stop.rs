@@ -1,5 +1,6 @@
-//! Ctrl-C and SIGTERM. While a job runs that can stop cleanly, the first asks it to, at a place where nothing is half-written, and the
-//! second ends the program. Before and after such a job (load, plan, layout, build) nothing stands in a file, so the first ends it.
+//! Ctrl-C and SIGTERM. While a job runs that can stop cleanly, the first asks it to, at a place where nothing is
+//! half-written, and the second ends the program. Before and after such a job (load, plan, layout, build) nothing
+//! stands in a file, so the first ends it.
 
 use crate::outcome::Outcome;
 use anyhow::Context;
@@ -41,7 +42,8 @@ impl Stop {
         Ok(stop)
     }
 
-    /// Lets the next signal ask instead of ending the program, until the guard is dropped. Not where one has asked before.
+    /// Lets the next signal ask instead of ending the program, until the guard is dropped. Not where one has asked
+    /// before.
     pub fn hold(&self) -> Held<'_> {
         self.at_once.store(false, Ordering::SeqCst);
         if self.signal().is_some() {

@@ -43,7 +43,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Writes `DIR/report.html` and adds it to the files that `DIR/bake.json` lists, so that a rebake removes or replaces it.
+/// Writes `DIR/report.html` and adds it to the files that `DIR/bake.json` lists, so that a rebake removes or replaces
+/// it.
 pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
     let json_path = dir.join("bake.json");
     let mut bake = report::read_bake_report(&json_path)?;
@@ -111,8 +112,8 @@ pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
     Ok(dir.join(REPORT_NAME))
 }
 
-/// What the harmonics of a bake by the Phong model are evaluated with, where it has any. The colours of microfacets change with the view,
-/// which pages do not hold.
+/// What the harmonics of a bake by the Phong model are evaluated with, where it has any. The colours of microfacets
+/// change with the view, which pages do not hold.
 fn kernel(bake: &report::BakeReport) -> Option<Kernel> {
     let order = bake.any_view.as_ref()?.order;
     let phong = bake.options.get("model").is_none_or(|model| model != "ggx");

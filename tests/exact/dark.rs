@@ -20,7 +20,8 @@ fn corridor(folder: &Path) -> PathBuf {
     path
 }
 
-/// Errors of the texels of the closed end: how far the diffuse term and the visibility are from the truth, and what is stated of them.
+/// Errors of the texels of the closed end: how far the diffuse term and the visibility are from the truth, and what is
+/// stated of them.
 fn errors(page: &Page) -> [Vec<[f64; 2]>; 2] {
     let window = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
     let mut found = [Vec::new(), Vec::new()];

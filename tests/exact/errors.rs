@@ -16,8 +16,8 @@ const SCENES: [(&str, usize); 6] = [
     ("trench.obj", 32),
 ];
 
-/// The quantile of Student's t that 95 % of errors stay below, with 25 degrees of freedom: twenty-five texels pool the spread of
-/// two replicates each.
+/// The quantile of Student's t that 95 % of errors stay below, with 25 degrees of freedom: twenty-five texels pool the
+/// spread of two replicates each.
 const QUANTILE: f64 = 2.060;
 
 /// (error, standard error) of every texel and term of a bake, and rays per texel.
@@ -206,7 +206,8 @@ fn the_denoiser_lowers_errors_and_states_those_that_are_left() {
         rmse(&denoised)
     );
     assert!(rmse(&denoised) < 0.5 * rmse(&plain));
-    // Pages of so few texels tell no bias from noise to less than a fifth of the variance: the statement errs to the safe side.
+    // Pages of so few texels tell no bias from noise to less than a fifth of the variance: the statement errs to the
+    // safe side.
     assert!((0.9..=1.3).contains(&ratio), "stated / true RMSE {ratio}");
     assert!(share > 0.92, "{share} covered");
 }

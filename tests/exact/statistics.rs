@@ -1,8 +1,9 @@
 //! Judging errors by the estimator's own standard errors.
 //!
-//! A stored standard error comes from two independent randomisations of each texel of a neighbourhood. Three texels are the fewest
-//! that any surface here has, so single texels are judged by Student's t with 3 degrees of freedom. Errors of neighbours are independent or tend to
-//! cancel, so that the error of a mean over texels is at most what independent ones would have.
+//! A stored standard error comes from two independent randomisations of each texel of a neighbourhood. Three texels are
+//! the fewest that any surface here has, so single texels are judged by Student's t with 3 degrees of freedom. Errors
+//! of neighbours are independent or tend to cancel, so that the error of a mean over texels is at most what independent
+//! ones would have.
 
 use std::fmt;
 
@@ -76,9 +77,9 @@ pub fn judge(samples: &[Sample], rays: f64) -> Verdict {
     let worst = samples
         .iter()
         .map(|s| student_3_tail(s.error / s.standard_error.hypot(1.0 / rays)));
-    // Squared errors have the relative variance 2, squared standard errors of two values 2; unequal texels weigh as fewer. Standard
-    // errors are pooled over neighbours, which hides unequal texels: squared errors tell of them, too, by their own
-    // fourth powers (three times their squares' square where all texels are equal and normal).
+    // Squared errors have the relative variance 2, squared standard errors of two values 2; unequal texels weigh as
+    // fewer. Standard errors are pooled over neighbours, which hides unequal texels: squared errors tell of them, too,
+    // by their own fourth powers (three times their squares' square where all texels are equal and normal).
     let effective_of = |squares: f64, fourth: f64, equal: f64| {
         if fourth > 0.0 {
             equal * squares * squares / fourth

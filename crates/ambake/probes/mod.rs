@@ -51,7 +51,8 @@ pub struct ProbeOptions {
     pub max_distance: Option<f32>,
     /// Rays of a probe, at least 64.
     pub rays: u32,
-    /// In place of a number of rays: the standard error of the light E / π, 1 under an open sky of 1, that each probe is to have at most.
+    /// In place of a number of rays: the standard error of the light E / π, 1 under an open sky of 1, that each probe
+    /// is to have at most.
     pub target_error: Option<f64>,
     /// With a target, the most rays of a probe.
     pub max_rays: u32,
@@ -141,7 +142,8 @@ pub struct Probes {
 }
 
 impl Probes {
-    /// The probes of a scene at places. Values are a function of the scene, the options and the seed, at any number of threads.
+    /// The probes of a scene at places. Values are a function of the scene, the options and the seed, at any number of
+    /// threads.
     ///
     /// # Errors
     /// One line that names the option or the file. [`Error::Cancelled`].
@@ -292,8 +294,9 @@ impl Probes {
         &self.set.report
     }
 
-    /// Writes `STEM.probes.json`, `STEM.probes.exr`, `STEM.probes.distance.exr` and the files of engines into a directory, all of them or
-    /// none, and tells their names. Two engines take volumes alone: Bevy, and three.js for its texture.
+    /// Writes `STEM.probes.json`, `STEM.probes.exr`, `STEM.probes.distance.exr` and the files of engines into a
+    /// directory, all of them or none, and tells their names. Two engines take volumes alone: Bevy, and three.js for
+    /// its texture.
     ///
     /// # Errors
     /// A file cannot be written, or an engine takes no such probes.

@@ -6,12 +6,14 @@
 //! * `diffuse` = (1/π) ∫ N·L dω, the Lambertian term.
 //! * `specular` = (n+1)/2π ∫ (R·L)ⁿ dω, the Phong term; R mirrors the view about the normal and R·L is clamped at 0.
 //!
-//! **The doubled diffuse factor.** X. Zhang, Y. Gao, ICIP 2009, print 2π i_a k_d for a convex body in (6), (10) and (16);
-//! ∫ N·L dω over a hemisphere is π. The specular sums (15) and (16) are right. We take π, so that `diffuse` is 1 when open.
+//! **The doubled diffuse factor.** X. Zhang, Y. Gao, ICIP 2009, print 2π i_a k_d for a convex body in (6), (10) and
+//! (16); ∫ N·L dω over a hemisphere is π. The specular sums (15) and (16) are right. We take π, so that `diffuse` is 1
+//! when open.
 //!
 //! **The clamp.** Equations (8) to (10) leave R·V unclamped; the limits of (14) clamp it, and the figure needs that.
 //!
-//! **Below the horizon.** The part of the lobe below the surface is lost, not made up for: at grazing view the term is 1/2.
+//! **Below the horizon.** The part of the lobe below the surface is lost, not made up for: at grazing view the term is
+//! 1/2.
 //!
 //! **No cosine in the specular term.** The paper's integral has none; it is the model that is baked.
 //!
@@ -22,10 +24,11 @@
 //!
 //! **N·V < 0** (an eye below an interpolated normal): the same formula with an angle beyond 90 degrees, not a clamp.
 //!
-//! **1984.** G. Miller, R. Hoffman, "Illumination and Reflection Maps", sections 6.1 and 6.2, divide both maps by 4π, so that
-//! a constant map of 1 gives D = 1/4 and S = 1/(2(n+1)). We offer that and, by default, the factors of our own terms, with
-//! which a constant map of 1 gives 1. Their mirror would vanish in that sum; section 6 says that its map is the
-//! illumination map, which we take. Their varnish adds 0.5 to the lobe at its axis alone, which we read as half that mirror.
+//! **1984.** G. Miller, R. Hoffman, "Illumination and Reflection Maps", sections 6.1 and 6.2, divide both maps by 4π,
+//! so that a constant map of 1 gives D = 1/4 and S = 1/(2(n+1)). We offer that and, by default, the factors of our own
+//! terms, with which a constant map of 1 gives 1. Their mirror would vanish in that sum; section 6 says that its map is
+//! the illumination map, which we take. Their varnish adds 0.5 to the lobe at its axis alone, which we read as half
+//! that mirror.
 //!
 //! **What does not belong here**: factors of a method that cancel (a rule's weights, a sampler's Jacobian, the
 //! orthonormal spherical harmonics) stand with the method.

@@ -1,7 +1,8 @@
 //! Real spherical harmonics over the whole sphere, and what a matt surface receives from light that they describe.
 //!
-//! R. Ramamoorthi, P. Hanrahan, "An Efficient Representation for Irradiance Environment Maps", SIGGRAPH 2001 (light on a matt surface);
-//! P.-P. Sloan, "Deringing Spherical Harmonics", SIGGRAPH Asia 2017 (the window that keeps it from being negative).
+//! R. Ramamoorthi, P. Hanrahan, "An Efficient Representation for Irradiance Environment Maps", SIGGRAPH 2001 (light on
+//! a matt surface); P.-P. Sloan, "Deringing Spherical Harmonics", SIGGRAPH Asia 2017 (the window that keeps it from
+//! being negative).
 
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -76,8 +77,8 @@ pub fn matt(coefficients: &[DVec3], normal: DVec3) -> DVec3 {
     coefficients.iter().enumerate().map(term).sum()
 }
 
-/// The same light toward +x, -x, +y, -y, +z and -z: the ambient cube of J. Mitchell, G. McTaggart, C. Green, "Shading in Valve's Source
-/// Engine" (2006).
+/// The same light toward +x, -x, +y, -y, +z and -z: the ambient cube of J. Mitchell, G. McTaggart, C. Green, "Shading
+/// in Valve's Source Engine" (2006).
 pub fn ambient_cube(coefficients: &[DVec3]) -> [DVec3; 6] {
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     std::array::from_fn(|k| {
@@ -93,11 +94,11 @@ pub fn matt_rms(coefficients: &[DVec3]) -> DVec3 {
     (sum / (4.0 * PI)).powf(0.5)
 }
 
-/// The mildest window under which no normal receives less than nothing: orders l are divided by 1 + λ l² (l + 1)², and λ is
-/// returned, 0 where nothing rings. All channels share it, so that no hue changes.
+/// The mildest window under which no normal receives less than nothing: orders l are divided by 1 + λ l² (l + 1)², and
+/// λ is returned, 0 where nothing rings. All channels share it, so that no hue changes.
 ///
-/// Ringing is what is left of a bright light in few harmonics: dark, even negative light on the other side. The window takes contrast
-/// and leaves the mean.
+/// Ringing is what is left of a bright light in few harmonics: dark, even negative light on the other side. The window
+/// takes contrast and leaves the mean.
 pub fn window(coefficients: &mut [DVec3]) -> f64 {
     /// Normals at which light is looked at: a Fibonacci spiral.
     const NORMALS: usize = 1024;

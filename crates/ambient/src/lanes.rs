@@ -61,8 +61,8 @@ pub fn exp_m1(x: f32) -> f32 {
     scale * p + (scale - 1.0)
 }
 
-/// The angle of `(x, y)` in radians, within 3e-7: M. Abramowitz, I. Stegun, "Handbook of Mathematical Functions", 4.4.49. Free of the
-/// platform's library, so that every machine gets the same bits.
+/// The angle of `(x, y)` in radians, within 3e-7: M. Abramowitz, I. Stegun, "Handbook of Mathematical Functions",
+/// 4.4.49. Free of the platform's library, so that every machine gets the same bits.
 #[inline(always)]
 pub fn atan2(y: f32, x: f32) -> f32 {
     let (a, b) = (x.abs(), y.abs());

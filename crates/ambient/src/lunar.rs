@@ -1,12 +1,13 @@
 //! Surfaces of loose dust, as the Moon's: the law of Lommel and Seeliger.
 //!
-//! Light goes into a dark, porous ground, is scattered once, and comes out again. What comes back is `E ω/4π μ₀/(μ₀ + μ)`, with μ₀ the
-//! cosine to the light, μ the cosine to the eye and ω what a grain scatters. There is no cosine to the eye as with Lambert: ground
-//! that is seen at a glance shows more of itself. We write `albedo` for ω/8, so that a surface that is lit and seen along its normal is as bright as
-//! Lambert's of the same albedo. Single scattering gives up to 1/8 so, about what the Moon has.
+//! Light goes into a dark, porous ground, is scattered once, and comes out again. What comes back is `E ω/4π μ₀/(μ₀ +
+//! μ)`, with μ₀ the cosine to the light, μ the cosine to the eye and ω what a grain scatters. There is no cosine to the
+//! eye as with Lambert: ground that is seen at a glance shows more of itself. We write `albedo` for ω/8, so that a
+//! surface that is lit and seen along its normal is as bright as Lambert's of the same albedo. Single scattering gives
+//! up to 1/8 so, about what the Moon has.
 //!
-//! Sources: H. von Seeliger, "Zur Photometrie zerstreut reflectirender Substanzen", 1888; B. Hapke, "Theory of Reflectance and Emittance
-//! Spectroscopy", 1993, of whose model it is the simplest case.
+//! Sources: H. von Seeliger, "Zur Photometrie zerstreut reflectirender Substanzen", 1888; B. Hapke, "Theory of
+//! Reflectance and Emittance Spectroscopy", 1993, of whose model it is the simplest case.
 
 /// What Lambert's radiance is multiplied with: `2/(μ₀ + μ)`, which is 1 along the normal.
 ///
@@ -23,8 +24,8 @@ pub fn lommel_seeliger(light: f64, view: f64) -> f64 {
     2.0 / (light.max(0.0) + view.max(LEAST))
 }
 
-/// Light under an open sky of 1 toward an eye at the cosine `view`, for an albedo of 1: `4 (1 - μ ln(1 + 1/μ))`, from 1.227 along the normal
-/// to 4 at the horizon, so that no more than arrives comes back up to an albedo of 1/4.
+/// Light under an open sky of 1 toward an eye at the cosine `view`, for an albedo of 1: `4 (1 - μ ln(1 + 1/μ))`, from
+/// 1.227 along the normal to 4 at the horizon, so that no more than arrives comes back up to an albedo of 1/4.
 pub fn lommel_seeliger_open(view: f64) -> f64 {
     let view = view.max(LEAST);
     4.0 * (1.0 - view * view.recip().ln_1p())
@@ -54,7 +55,8 @@ mod tests {
 
     #[test]
     fn light_and_eye_may_be_exchanged() {
-        // Helmholtz: radiance over irradiance, which has the cosine to the light in it, is symmetric but for that cosine.
+        // Helmholtz: radiance over irradiance, which has the cosine to the light in it, is symmetric but for that
+        // cosine.
         assert_eq!(lommel_seeliger(0.2, 0.9), lommel_seeliger(0.9, 0.2));
     }
 

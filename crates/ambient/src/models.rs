@@ -1,8 +1,9 @@
 //! The three models that a bake sets side by side, per colour channel, from stored terms.
 //!
 //! X. Zhang, Y. Gao, "Generalised Ambient Reflection Models for Lambertian and Phong Surfaces", ICIP 2009; constants in
-//! [`crate::convention`]. Sky and result are radiances; albedo and specular colour are `0..=1`. On an open point seen along
-//! its normal no model exceeds the sky as long as albedo + specular colour is at most 1, and no term rises above that.
+//! [`crate::convention`]. Sky and result are radiances; albedo and specular colour are `0..=1`. On an open point seen
+//! along its normal no model exceeds the sky as long as albedo + specular colour is at most 1, and no term rises above
+//! that.
 
 use glam::DVec3;
 
@@ -20,13 +21,14 @@ pub fn traditional(sky: DVec3, albedo: DVec3, visibility: f64) -> DVec3 {
     sky * albedo * visibility
 }
 
-/// The Lambertian model, equation (5): albedo × irradiance, which is sky × diffuse under a uniform sky. Independent of the view.
+/// The Lambertian model, equation (5): albedo × irradiance, which is sky × diffuse under a uniform sky. Independent of
+/// the view.
 pub fn lambert(irradiance: DVec3, albedo: DVec3) -> DVec3 {
     albedo * irradiance
 }
 
-/// The Phong model, equation (9), (16) when open: albedo × irradiance + specular colour × reflection, which is sky × specular under a
-/// uniform sky.
+/// The Phong model, equation (9), (16) when open: albedo × irradiance + specular colour × reflection, which is sky ×
+/// specular under a uniform sky.
 pub fn phong(irradiance: DVec3, reflection: DVec3, albedo: DVec3, specular_colour: DVec3) -> DVec3 {
     albedo * irradiance + specular_colour * reflection
 }

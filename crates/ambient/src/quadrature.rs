@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-/// Positive nodes and weights of the 8-point rule: nodes to 1e-16, weights to 3e-15 (the errors of what it was copied from).
+/// Positive nodes and weights of the 8-point rule: nodes to 1e-16, weights to 3e-15 (the errors of what it was copied
+/// from).
 pub const GAUSS_8: [(f64, f64); 4] = [
     (0.183_434_642_495_649_78, 0.362_683_783_378_361_66),
     (0.525_532_409_916_329, 0.313_706_645_877_886_9),

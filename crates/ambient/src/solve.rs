@@ -1,7 +1,8 @@
 //! A dense symmetric solve, for least squares of a few unknowns.
 
-/// Solves `matrix` x = `right` in place by Cholesky's decomposition; `false` where the matrix is not positive definite. Rows of `matrix`
-/// follow each other; what stands below its diagonal is not read. Sums of one row of the factors run side by side, each in its own order.
+/// Solves `matrix` x = `right` in place by Cholesky's decomposition; `false` where the matrix is not positive definite.
+/// Rows of `matrix` follow each other; what stands below its diagonal is not read. Sums of one row of the factors run
+/// side by side, each in its own order.
 ///
 /// ```
 /// let (mut matrix, mut right) = ([4.0, 2.0, 0.0, 3.0], [8.0, 8.0]);

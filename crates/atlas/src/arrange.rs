@@ -257,8 +257,9 @@ impl Tile {
 }
 
 impl Sheet {
-    /// The texels per mesh unit that an instance gets at least, so that all take the least area together. The gutter of the smallest
-    /// grows with the instance; so one that is small beside the others had better be laid out larger than asked.
+    /// The texels per mesh unit that an instance gets at least, so that all take the least area together. The gutter of
+    /// the smallest grows with the instance; so one that is small beside the others had better be laid out larger than
+    /// asked.
     fn least_scale(&self, gutter: u32, scales: &[f64]) -> f64 {
         let limits = (f64::INFINITY, 0.0f64);
         let around = |(low, high): (f64, f64), &scale: &f64| (low.min(scale), high.max(scale));
@@ -306,8 +307,8 @@ impl Sheet {
         (0..self.charts.len()).into_par_iter().map(shape).collect()
     }
 
-    /// The layout with charts at these spots, in a square or page of `extent` texels. Vertices without a chart go to the
-    /// first corner, which the gutter keeps free.
+    /// The layout with charts at these spots, in a square or page of `extent` texels. Vertices without a chart go to
+    /// the first corner, which the gutter keeps free.
     fn layout(&self, spots: &[Spot], scale: f64, extent: DVec2) -> MeshLayout {
         let mut uvs = vec![Vec2::ZERO; self.points.len()];
         let mut pages = vec![0u16; self.triangles.len()];

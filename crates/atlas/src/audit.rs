@@ -88,8 +88,9 @@ struct Samples {
     inside: [u64; ROW as usize],
 }
 
-/// Triangles of up to this share of a page, by area, take more than a sliver of a texel that has a sample point inside of them: a disc of
-/// two units in the last place about the point is more than 1e-12 of the triangle, a hundred times the least part that is cut out.
+/// Triangles of up to this share of a page, by area, take more than a sliver of a texel that has a sample point inside
+/// of them: a disc of two units in the last place about the point is more than 1e-12 of the triangle, a hundred times
+/// the least part that is cut out.
 const SMALL: f64 = 0.01;
 
 impl Samples {

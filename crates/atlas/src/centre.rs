@@ -3,8 +3,8 @@
 use crate::footprint::{Piece, Tile, barycentric};
 use glam::{DVec2, DVec3};
 
-/// Draws each footprint of a tile together into its point nearest to the texel's centre. `corners`: those of a triangle of an
-/// instance, in texels of the page.
+/// Draws each footprint of a tile together into its point nearest to the texel's centre. `corners`: those of a triangle
+/// of an instance, in texels of the page.
 pub(crate) fn draw_together(tile: &mut Tile, corners: impl Fn(u32, u32) -> [DVec2; 3]) {
     let pieces = std::mem::take(&mut tile.pieces);
     for footprint in &mut tile.footprints {

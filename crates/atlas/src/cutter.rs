@@ -37,7 +37,8 @@ pub(crate) struct Part {
 /// edge that runs on the border would leave texels beyond it that see only the edge. The rest of the triangle stands.
 const SLIVER: f64 = 1e-14;
 
-/// A texel counts as lying in a triangle that leaves less than this of it uncovered, in texels: far above the rounding of its corners.
+/// A texel counts as lying in a triangle that leaves less than this of it uncovered, in texels: far above the rounding
+/// of its corners.
 const SLACK: f64 = 1e-10;
 
 /// Twice the area from which on a triangle within one texel is told from the texel itself beyond any rounding.
@@ -153,7 +154,8 @@ fn slice<'p, const AXIS: usize>(
     std::mem::swap(polygon, next);
 }
 
-/// How many texels of a tile triangles cover, without their pieces: a texel that is covered once, or is `known` to be, is not cut again.
+/// How many texels of a tile triangles cover, without their pieces: a texel that is covered once, or is `known` to be,
+/// is not cut again.
 pub(crate) fn covered(
     mut cutter: Cutter,
     known: impl Fn(u16) -> bool,

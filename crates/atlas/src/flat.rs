@@ -1,9 +1,9 @@
 //! Flat faces: triangles of one plane that hang together along edges or parts of edges. No chart ends inside of one.
 //!
-//! Where the triangles of a face share whole edges, two at each, it is for what cuts the mesh into charts to keep them together. Where they
-//! meet at T-junctions, or at edges that others share too, the face is loose: it becomes a chart as it lies. Some junctions stay borders:
-//! where the chart would be mostly empty, as a ring of skirting boards is, and where it would be torn out of a curved surface along more
-//! edges than it mends.
+//! Where the triangles of a face share whole edges, two at each, it is for what cuts the mesh into charts to keep them
+//! together. Where they meet at T-junctions, or at edges that others share too, the face is loose: it becomes a chart
+//! as it lies. Some junctions stay borders: where the chart would be mostly empty, as a ring of skirting boards is, and
+//! where it would be torn out of a curved surface along more edges than it mends.
 
 use crate::flatten::{NONE, Surface, overlap};
 use crate::measure::{join, root};
@@ -20,7 +20,8 @@ const NEAR: f64 = 1e-6;
 /// Cells of normals and of planes' places in which borders are looked for together.
 const NORMALS: f64 = 1e3;
 const PLACES: f64 = 1e4;
-/// The box about planes that are joined is at most so many times as large as their own boxes together, and that about a plane as the plane.
+/// The box about planes that are joined is at most so many times as large as their own boxes together, and that about a
+/// plane as the plane.
 const SPARSE: f64 = 8.0;
 /// A face is torn out of a curved surface along at most so many times the length of its junctions.
 const TORN: f64 = 2.0;
@@ -39,7 +40,8 @@ pub(crate) struct Faces {
 pub(crate) struct Face {
     /// Of the surface.
     pub triangles: Vec<u32>,
-    /// The corners of each triangle in the plane of the face. A triangle that would be turned over has all at one place.
+    /// The corners of each triangle in the plane of the face. A triangle that would be turned over has all at one
+    /// place.
     pub places: Vec<[DVec2; 3]>,
 }
 
@@ -184,8 +186,8 @@ impl Planes<'_> {
         faces
     }
 
-    /// A group as it is, or where most of the box about it would be empty, in parts of which that is not so: those with the longest
-    /// junctions first.
+    /// A group as it is, or where most of the box about it would be empty, in parts of which that is not so: those with
+    /// the longest junctions first.
     fn compact(&self, group: Group) -> Vec<Group> {
         let hulls: Vec<(Vec<DVec3>, f64)> = group
             .planes
@@ -431,8 +433,8 @@ fn junction(surface: &Surface, pair: [&Border; 2]) -> Option<Junction> {
 }
 
 impl Face {
-    /// Triangles laid flat; else the planes that have to stand back: those that bend too far from the whole, or the smaller of two that
-    /// cover a place twice.
+    /// Triangles laid flat; else the planes that have to stand back: those that bend too far from the whole, or the
+    /// smaller of two that cover a place twice.
     fn new(
         surface: &Surface,
         planes: &[u32],
@@ -491,7 +493,8 @@ impl Face {
     }
 }
 
-/// The turn after which the box around a convex hull has the least area, which it has with a side along an edge, and that area.
+/// The turn after which the box around a convex hull has the least area, which it has with a side along an edge, and
+/// that area.
 fn narrowest(hull: &[DVec2]) -> (DVec2, f64) {
     let turns = (0..hull.len()).map(|i| {
         let edge = (hull[(i + 1) % hull.len()] - hull[i]).normalize_or(DVec2::X);
@@ -532,7 +535,8 @@ fn hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
 mod tests {
     use super::*;
 
-    /// Upright quads of a wall over z = 0 from their lowest to their highest corners, turned in space and about 1 in size.
+    /// Upright quads of a wall over z = 0 from their lowest to their highest corners, turned in space and about 1 in
+    /// size.
     fn wall(quads: &[[f64; 4]]) -> Surface {
         let turn = glam::DQuat::from_axis_angle(DVec3::new(0.2, 0.3, 1.0).normalize(), 0.31);
         let mut corners: Vec<DVec3> = Vec::new();

@@ -38,7 +38,8 @@ pub struct Footprint {
     pub y: u32,
     /// Covered share of the texel's area, above 0 and at most 1.
     pub coverage: f32,
-    /// Triangles cover all of it, and it holds them uncut: a point lies in the one whose least weight is the largest there.
+    /// Triangles cover all of it, and it holds them uncut: a point lies in the one whose least weight is the largest
+    /// there.
     pub is_whole: bool,
     /// Its parts in [`Tile::pieces`], or if it is whole in [`Tile::held`]; never empty.
     pub parts: Range<u32>,
@@ -106,8 +107,8 @@ impl Tile {
 
     /// The point of the footprint at `u` of the unit square: uniform over its area in UV for uniform `u`.
     ///
-    /// A whole footprint takes `u` as the position in its square. Otherwise `u[0]` chooses a piece by area and is stretched over it, so
-    /// that stratified numbers stay stratified.
+    /// A whole footprint takes `u` as the position in its square. Otherwise `u[0]` chooses a piece by area and is
+    /// stretched over it, so that stratified numbers stay stratified.
     ///
     /// # Panics
     ///
@@ -225,7 +226,8 @@ impl Collector {
         }
     }
 
-    /// Clips the next triangle (corners in texels of the page) to every texel of the tile that it meets and that is not whole.
+    /// Clips the next triangle (corners in texels of the page) to every texel of the tile that it meets and that is not
+    /// whole.
     pub fn add(&mut self, [instance, triangle]: [u32; 2], corners: [DVec2; 3]) {
         let Collector {
             cutter,
@@ -271,7 +273,8 @@ impl Collector {
             wholes,
             ..
         } = self;
-        // Sorted by texel in one pass that keeps the order of instances and triangles, then each texel's few by their centres.
+        // Sorted by texel in one pass that keeps the order of instances and triangles, then each texel's few by their
+        // centres.
         let mut ends = [0u32; (TILE * TILE) as usize + 1];
         for found in &found {
             ends[usize::from(found.texel) + 1] += 1;

@@ -1,4 +1,5 @@
-//! Room for what is new in a layout that otherwise stays: charts go where earlier ones left pages free, and on further pages.
+//! Room for what is new in a layout that otherwise stays: charts go where earlier ones left pages free, and on further
+//! pages.
 
 use crate::arrange::{cut, settle};
 use crate::charts::sheets;
@@ -19,8 +20,8 @@ use std::cmp::Reverse;
 pub(crate) struct Newcomers<'a> {
     /// Instances whose meshes are laid out anew, all users of a mesh together.
     pub anew: &'a [bool],
-    /// Instances that take the coordinates which their mesh has, each with a known instance of that mesh and how much longer its edges
-    /// are than that one's.
+    /// Instances that take the coordinates which their mesh has, each with a known instance of that mesh and how much
+    /// longer its edges are than that one's.
     pub copies: &'a [(u32, u32, f64)],
     /// Instances that lie together as their file's set says, whose meshes have its coordinates already.
     pub squares: &'a [(Vec<u32>, Square)],
@@ -147,8 +148,8 @@ fn taken(scene: &Scene, atlas: &Atlas, gutter: u32) -> Vec<Page> {
     triangles.par_iter().map(page).collect()
 }
 
-/// A spot for every shape, and how many pages they take: each group on the first page that has room for all of it, the largest group
-/// first.
+/// A spot for every shape, and how many pages they take: each group on the first page that has room for all of it, the
+/// largest group first.
 fn fit(
     shapes: &[Shape],
     groups: &[u32],

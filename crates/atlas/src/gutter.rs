@@ -1,13 +1,14 @@
 //! How wide gutters must be, so that no look-up mixes charts.
 //!
-//! A look-up on mip level l reads whole texels of that level, each the mean of 2^l x 2^l texels of the page. At x texels
-//! from the page's edge a bicubic look-up reads the four level texels from `floor(x / 2^l - 1/2) - 1` on, so no page
-//! texel further than 5/2 2^l from x. Where x lies in the last texel of a chart, at most `5 * 2^(l-1) - 1` texels beside
-//! the chart are read on level l >= 1, and 2 on the page itself. Bilinear look-ups read fewer, trilinear ones mix two
-//! levels. Every void texel within a gutter is filled from its own chart alone: the next chart's gutter lies between.
+//! A look-up on mip level l reads whole texels of that level, each the mean of 2^l x 2^l texels of the page. At x
+//! texels from the page's edge a bicubic look-up reads the four level texels from `floor(x / 2^l - 1/2) - 1` on, so no
+//! page texel further than 5/2 2^l from x. Where x lies in the last texel of a chart, at most `5 * 2^(l-1) - 1` texels
+//! beside the chart are read on level l >= 1, and 2 on the page itself. Bilinear look-ups read fewer, trilinear ones
+//! mix two levels. Every void texel within a gutter is filled from its own chart alone: the next chart's gutter lies
+//! between.
 
-/// Texels beside a chart that bilinear, trilinear and bicubic look-ups at its points can read, on the page and its first
-/// `mips` mip levels (box-filtered, each half as large as the one before).
+/// Texels beside a chart that bilinear, trilinear and bicubic look-ups at its points can read, on the page and its
+/// first `mips` mip levels (box-filtered, each half as large as the one before).
 pub fn reach(mips: u32) -> u32 {
     match mips {
         0 => 2,

@@ -27,8 +27,8 @@
 //!   `dilate.rs`.
 //! * Which charts count as hidden: `hidden.rs` asks, `crates/ambake/seen.rs` answers for points of a triangle,
 //!   `crates/ambake/shell.rs` for the outsides of rooms.
-//! * Which part of a texel counts: `footprint.rs`. How triangles are cut to texels: `cutter.rs`; which texels need no cut:
-//!   `cover.rs`.
+//! * Which part of a texel counts: `footprint.rs`. How triangles are cut to texels: `cutter.rs`; which texels need no
+//!   cut: `cover.rs`.
 //! * Layouts that follow an earlier one: `reuse.rs`, with room for what is new by `free.rs`.
 //! * What is said of a layout: `facts.rs` measures, `room.rs` finds a page that is large enough; words and warnings are
 //!   in `crates/report/src/layout.rs`.

@@ -66,8 +66,8 @@ pub(crate) fn uv_bounds(layout: &MeshLayout) -> Option<(DVec2, DVec2)> {
         .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
-/// The chart of each triangle of a layout, numbered from 0 in the order of triangles: sets of triangles that hang together by corners at
-/// one coordinate.
+/// The chart of each triangle of a layout, numbered from 0 in the order of triangles: sets of triangles that hang
+/// together by corners at one coordinate.
 pub fn charts(layout: &MeshLayout) -> Vec<u32> {
     // Adding 0 makes -0 equal to it.
     let place = |v: u32| (layout.uvs[v as usize] + 0.0).to_array().map(f32::to_bits);

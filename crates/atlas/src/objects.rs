@@ -7,8 +7,8 @@ use glam::DVec3;
 use scene::{Format, Scene};
 use std::collections::HashMap;
 
-/// What a user takes for one thing: a node of a glTF file (each copy of an instanced one), an object of an OBJ file with
-/// all its materials, a mesh of a built scene.
+/// What a user takes for one thing: a node of a glTF file (each copy of an instanced one), an object of an OBJ file
+/// with all its materials, a mesh of a built scene.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ObjectName {
     /// The file's name for it; `#2`, `#3` and so on at the end of names that repeat.
@@ -125,8 +125,8 @@ pub(crate) fn objects(scene: &Scene, options: &Options) -> Result<Vec<Object>, E
     }
 }
 
-/// The instances of the objects that `pattern` fits: their names with or without the number of a repeat, `*` for any characters and `?`
-/// for one.
+/// The instances of the objects that `pattern` fits: their names with or without the number of a repeat, `*` for any
+/// characters and `?` for one.
 ///
 /// # Errors
 ///

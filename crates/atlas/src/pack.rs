@@ -1,7 +1,7 @@
 //! Places shapes on pages by the texels they touch: each at the lowest free place, the largest first.
 //!
-//! A page holds what no shape may touch any more: the texels of the shapes placed so far and those within two gutters of
-//! them. A shape is tested as it is. So two shapes are two gutters apart, and shapes go into each other's hollows.
+//! A page holds what no shape may touch any more: the texels of the shapes placed so far and those within two gutters
+//! of them. A shape is tested as it is. So two shapes are two gutters apart, and shapes go into each other's hollows.
 
 use crate::mask::{Mask, fill, find};
 use std::cmp::Reverse;

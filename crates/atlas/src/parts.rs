@@ -10,7 +10,8 @@ use uvunwrap::MeshInput;
 
 /// Height fields from so many triangles on are not flattened but seen from above.
 const MANY: usize = 20_000;
-/// Of other meshes from so many triangles on we flatten the large pieces. The unwrapper's solver takes ten times as long.
+/// Of other meshes from so many triangles on we flatten the large pieces. The unwrapper's solver takes ten times as
+/// long.
 const CURVED: usize = 500;
 /// Cosine of the steepest slope of a height field: 60 degrees, where a texel is twice as long as wide.
 const STEEPEST: f64 = 0.5;
@@ -48,7 +49,8 @@ impl Part {
     }
 }
 
-/// The faces of a mesh that are charts as they lie, and the parts of the rest. Its corners are at `positions`, about 1 in size.
+/// The faces of a mesh that are charts as they lie, and the parts of the rest. Its corners are at `positions`, about 1
+/// in size.
 pub(crate) fn parts(
     mesh: &Mesh,
     positions: &[[f32; 3]],
@@ -111,7 +113,8 @@ fn bits(v: [f32; 3]) -> [u32; 3] {
     v.map(|x| (x + 0.0).to_bits())
 }
 
-/// For each vertex the first one at its place with its normal: the seams of textures are no borders of charts, hard edges are.
+/// For each vertex the first one at its place with its normal: the seams of textures are no borders of charts, hard
+/// edges are.
 pub(crate) fn weld(mesh: &Mesh, positions: &[[f32; 3]]) -> Vec<u32> {
     firsts((0..positions.len()).map(|v| {
         let normal = mesh.normals.get(v).map_or([0.0; 3], |n| n.to_array());
@@ -127,8 +130,8 @@ fn firsts<K: Eq + Hash>(keys: impl Iterator<Item = K>) -> Vec<u32> {
         .collect()
 }
 
-/// The view along its mean normal of a mesh that is all seen from there: a height field needs no flattening, which takes
-/// seconds from some ten thousand triangles on.
+/// The view along its mean normal of a mesh that is all seen from there: a height field needs no flattening, which
+/// takes seconds from some ten thousand triangles on.
 ///
 /// Lengths along a slope shrink by its cosine, at least [`STEEPEST`], as in every lightmap of a terrain. `None` for a
 /// smaller mesh and for one of another shape.

@@ -93,8 +93,8 @@ impl<'a> PageRaster<'a> {
         collector.finish()
     }
 
-    /// The same, where texels that triangles of one object cover wholly hold these uncut ([`Footprint::is_whole`]) if all of them are
-    /// `kept`, by instance and triangle.
+    /// The same, where texels that triangles of one object cover wholly hold these uncut ([`Footprint::is_whole`]) if
+    /// all of them are `kept`, by instance and triangle.
     ///
     /// # Panics
     ///
@@ -117,8 +117,8 @@ impl<'a> PageRaster<'a> {
         collector.finish()
     }
 
-    /// How many texels of a tile triangles cover: as many as [`PageRaster::tile`] has footprints. Of texels of the tile, row-major, that
-    /// are `known` to be covered no more is asked.
+    /// How many texels of a tile triangles cover: as many as [`PageRaster::tile`] has footprints. Of texels of the
+    /// tile, row-major, that are `known` to be covered no more is asked.
     pub(crate) fn texels(&self, index: usize, known: impl Fn(u16) -> bool) -> u64 {
         let [x0, y0] = self.tile_origin(index);
         let cutter = Cutter::new(x0, y0, self.page_size);
@@ -126,8 +126,8 @@ impl<'a> PageRaster<'a> {
         covered(cutter, known, triangles)
     }
 
-    /// The centroid of a footprint, in texels of the page, without its last bits: a look-up at the centre of a whole texel, found a
-    /// rounding beside it, would read that texel's neighbours too.
+    /// The centroid of a footprint, in texels of the page, without its last bits: a look-up at the centre of a whole
+    /// texel, found a rounding beside it, would read that texel's neighbours too.
     ///
     /// # Panics
     ///
@@ -172,8 +172,8 @@ impl<'a> PageRaster<'a> {
         tile
     }
 
-    /// Instance and triangle of all that meets a tile, and about how many texels of it each covers: its own area, and at most that of
-    /// the part of its bounds inside of the tile.
+    /// Instance and triangle of all that meets a tile, and about how many texels of it each covers: its own area, and
+    /// at most that of the part of its bounds inside of the tile.
     ///
     /// # Panics
     ///

@@ -12,7 +12,8 @@ use scene::{Mesh, Scene};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
-/// Areas and edges that differ by less than this share are the same: an object may be moved, and rounding move its corners.
+/// Areas and edges that differ by less than this share are the same: an object may be moved, and rounding move its
+/// corners.
 const SAME: f64 = 1e-3;
 
 /// What decides how an instance is laid out, apart from where it stands.
@@ -24,8 +25,8 @@ pub struct Claim {
     mesh: u32,
     /// Hash of the mesh's triangles and coordinates.
     charts: String,
-    /// Surface in square scene units, the sum of the squares of its triangles' areas, and the length of all edges: what no movement
-    /// changes.
+    /// Surface in square scene units, the sum of the squares of its triangles' areas, and the length of all edges: what
+    /// no movement changes.
     shape: [f64; 3],
     /// Texels per scene unit that were asked for it by name.
     asked: Option<f64>,
@@ -60,11 +61,13 @@ pub fn claims(scene: &Scene, options: &Options) -> Result<Vec<Claim>, Error> {
 
 /// The layout of a scene that keeps the places which an earlier one gave to what is the same in both.
 ///
-/// Instances that are gone leave their places free. What is new, has another shape or is asked for at another density goes into free
-/// space, and on further pages where there is none. It gets the density that its object had, else the median of the earlier objects',
-/// within what [`crate::layout`] gives every object at least and at most. A mesh that stood once and now stands twice is laid out anew for both.
+/// Instances that are gone leave their places free. What is new, has another shape or is asked for at another density
+/// goes into free space, and on further pages where there is none. It gets the density that its object had, else the
+/// median of the earlier objects', within what [`crate::layout`] gives every object at least and at most. A mesh that
+/// stood once and now stands twice is laid out anew for both.
 ///
-/// `None` where all of the scene must be laid out anew: the file's own coordinates were kept and something is new, or it does not fit.
+/// `None` where all of the scene must be laid out anew: the file's own coordinates were kept and something is new, or
+/// it does not fit.
 pub fn reuse(
     earlier: &Atlas,
     before: &[Claim],

@@ -13,11 +13,11 @@ const FILL: f64 = 0.9;
 /// The largest page.
 const LARGEST: u32 = 16384;
 
-/// The least power of two that, as the edge of a page, holds all charts of this layout with a quarter of the page inside them; `None` where
-/// no page does.
+/// The least power of two that, as the edge of a page, holds all charts of this layout with a quarter of the page
+/// inside them; `None` where no page does.
 ///
-/// A chart of area a, w by h texels, takes a k² + e (w + h) k + e² texels with its gutter when it is k times as large, where e is twice
-/// the gutter and what it touches beyond its border.
+/// A chart of area a, w by h texels, takes a k² + e (w + h) k + e² texels with its gutter when it is k times as large,
+/// where e is twice the gutter and what it touches beyond its border.
 pub fn roomy_size(scene: &Scene, atlas: &Atlas) -> Option<u32> {
     let edge = f64::from(2 * atlas.gutter + 1);
     let of_mesh: Vec<Vec<u32>> = atlas.meshes.iter().map(charts).collect();

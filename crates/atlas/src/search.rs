@@ -39,8 +39,8 @@ const SHORT_RISES: i32 = 4;
 /// The share of the pages that shapes with their gutters fill about.
 const FILL: f64 = 0.93;
 
-/// Finds densities and places. `cut` makes the shapes at given densities (texels per scene unit, one an object); asked for
-/// a draft it may leave out all turns but the first.
+/// Finds densities and places. `cut` makes the shapes at given densities (texels per scene unit, one an object); asked
+/// for a draft it may leave out all turns but the first.
 ///
 /// # Errors
 ///
@@ -139,8 +139,8 @@ pub(crate) fn search<T: Send>(
     let mut promised = 0.0;
     while pages <= most && least.is_finite() {
         let capacity = f64::from(pages) * page;
-        // One page is what users expect, however full of gutters. Several that are mostly gutters help nobody, unless more
-        // would not help either, as where a page is small for a single chart.
+        // One page is what users expect, however full of gutters. Several that are mostly gutters help nobody, unless
+        // more would not help either, as where a page is small for a single chart.
         let inside = |densities: &[f64]| match pages {
             1 => 1.0,
             _ => texels_of(densities) / capacity,
@@ -297,7 +297,8 @@ mod tests {
     use super::*;
     use crate::mask::Mask;
 
-    /// The budget that is found where all up to `most` fit, though a draft takes `draft` of the pages, and how many were tried.
+    /// The budget that is found where all up to `most` fit, though a draft takes `draft` of the pages, and how many
+    /// were tried.
     fn tried(most: f64, draft: f64) -> (Option<f64>, u32) {
         let count = std::sync::atomic::AtomicU32::new(0);
         let attempt = |budget: f64| {
@@ -321,7 +322,8 @@ mod tests {
 
     #[test]
     fn few_layouts_are_tried_however_far_drafts_are_off() {
-        // Of a texel each, charts fill the page by gutters alone up to a budget that is far above the first; and the other way round.
+        // Of a texel each, charts fill the page by gutters alone up to a budget that is far above the first; and the
+        // other way round.
         for (most, draft) in [
             (3e4, 0.99),
             (1.5e5, 0.99),

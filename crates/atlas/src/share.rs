@@ -120,8 +120,8 @@ impl Wish {
 /// Steps in which it is found how many times the common density small objects get.
 const STEPS: u32 = 10;
 
-/// The largest number in `low..=high`, which are not below 0, for which `holds`, where it holds below and not above. Bits are halved and
-/// not differences: densities of a speck and of a street may lie twenty powers of ten apart.
+/// The largest number in `low..=high`, which are not below 0, for which `holds`, where it holds below and not above.
+/// Bits are halved and not differences: densities of a speck and of a street may lie twenty powers of ten apart.
 fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
     if holds(high) {
         return high;

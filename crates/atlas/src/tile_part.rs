@@ -1,4 +1,5 @@
-//! What of a triangle meets a tile: enough to say what the tile's footprints depend on, and cheaper than to cut them out.
+//! What of a triangle meets a tile: enough to say what the tile's footprints depend on, and cheaper than to cut them
+//! out.
 
 use crate::PageRaster;
 use crate::clip::Polygon;

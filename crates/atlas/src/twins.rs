@@ -5,8 +5,8 @@ use std::collections::HashMap;
 
 /// Smaller meshes are unwrapped faster than compared.
 const WORTH: usize = 100;
-/// How far corners of one shape may lie apart, as a share of its size, because files round them. In a chart as wide as a page
-/// of 8192 texels this is a twelfth of a texel.
+/// How far corners of one shape may lie apart, as a share of its size, because files round them. In a chart as wide as
+/// a page of 8192 texels this is a twelfth of a texel.
 const APART: f64 = 1e-5;
 
 /// The corners of a mesh, as it is unwrapped.
@@ -17,8 +17,8 @@ pub(crate) struct Shape<'a> {
     pub welded: Vec<u32>,
 }
 
-/// For each mesh, of which the numbers of vertices and triangles are given, the place of the first one of its shape, which may be itself.
-/// `shape` gives what is compared.
+/// For each mesh, of which the numbers of vertices and triangles are given, the place of the first one of its shape,
+/// which may be itself. `shape` gives what is compared.
 pub(crate) fn firsts<'a>(
     sizes: &[[usize; 2]],
     shape: &dyn Fn(usize) -> Option<Shape<'a>>,

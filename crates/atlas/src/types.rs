@@ -177,8 +177,8 @@ impl Default for Options {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Pages {
-    /// As many as a density that was asked for needs; else one, and more only where the charts do not fit on it with four
-    /// texels across every object.
+    /// As many as a density that was asked for needs; else one, and more only where the charts do not fit on it with
+    /// four texels across every object.
     Auto,
     /// So many at most, at least 1; without a density that was asked for, all of them are filled.
     Most(u32),

@@ -1,8 +1,8 @@
 //! Texels meet rays: what a bake models, the surface under each texel, its integrals with their errors, and pages.
 //!
-//! The stages stand in folders in the order they run: `plan` decides what a scene needs, `survey` cuts texels into cells
-//! of surface, `integrate` casts their rays, `denoise` smooths terms over a surface, `page` composes models and keeps
-//! planes. [`Baker`] runs them.
+//! The stages stand in folders in the order they run: `plan` decides what a scene needs, `survey` cuts texels into
+//! cells of surface, `integrate` casts their rays, `denoise` smooths terms over a surface, `page` composes models and
+//! keeps planes. [`Baker`] runs them.
 //!
 //! ```
 //! use ambake_bake::{Baker, Options, Plan};

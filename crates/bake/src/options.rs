@@ -36,8 +36,8 @@ pub struct Options {
     pub shading: Shading,
     /// What happens to samples inside of solids.
     pub buried: Buried,
-    /// A flat sheet at most so far above a surface, in scene units, takes no light from it; 0 for none. `None` for an eighth of a texel.
-    /// From there to twice as far that fades.
+    /// A flat sheet at most so far above a surface, in scene units, takes no light from it; 0 for none. `None` for an
+    /// eighth of a texel. From there to twice as far that fades.
     pub under: Option<f64>,
     /// Occluders farther than this do not count, in scene units; `None` for no limit.
     pub max_distance: Option<f32>,
@@ -80,7 +80,8 @@ pub enum AmbientCoefficient {
 pub enum Effort {
     /// So many, at least 1.
     Rays(u32),
-    /// As many, tile by tile, as the root mean square of a page's standard errors asks for, after denoising where pages are denoised by fits.
+    /// As many, tile by tile, as the root mean square of a page's standard errors asks for, after denoising where pages
+    /// are denoised by fits.
     Target {
         /// That root mean square, above 0.
         error: f64,
@@ -101,7 +102,8 @@ impl Effort {
     }
 }
 
-/// How the points of neighbouring texels stand to each other. The error of a texel is the same; only how it goes with its neighbours' is not.
+/// How the points of neighbouring texels stand to each other. The error of a texel is the same; only how it goes with
+/// its neighbours' is not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Pattern {
     /// The texels of a tile take parts of one sequence: errors of neighbours tend to cancel, and smoothed pages gain.
@@ -155,11 +157,12 @@ pub enum View {
     Eye(DVec3),
 }
 
-/// What smooth shading sees in the wedge of directions above the horizon of the shading normal and below the plane of the facet.
-/// `docs/theory.md` derives both.
+/// What smooth shading sees in the wedge of directions above the horizon of the shading normal and below the plane of
+/// the facet. `docs/surfaces.md` derives both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Shading {
-    /// Each direction of the wedge sees what its mirror image in the plane of the facet sees: a convex body does not darken itself.
+    /// Each direction of the wedge sees what its mirror image in the plane of the facet sees: a convex body does not
+    /// darken itself.
     #[default]
     Production,
     /// The facet hides the wedge: the integral over the triangles as they are.
@@ -211,8 +214,8 @@ impl Bounces {
 /// What happens to samples of a surface that lie inside of other solids, where nobody sees them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Buried {
-    /// They are dropped: a texel is the mean over what can be seen of it, and one that cannot be seen is filled from its
-    /// neighbours.
+    /// They are dropped: a texel is the mean over what can be seen of it, and one that cannot be seen is filled from
+    /// its neighbours.
     #[default]
     Drop,
     /// They count as what they are, dark.

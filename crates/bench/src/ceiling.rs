@@ -16,7 +16,8 @@ const BLOCK: usize = 4096;
 pub struct Pair {
     /// Threads of both.
     pub threads: usize,
-    /// Wall seconds of everything between the ray scene and writing: tiles cut, texels surveyed, rays cast, pages filled.
+    /// Wall seconds of everything between the ray scene and writing: tiles cut, texels surveyed, rays cast, pages
+    /// filled.
     pub bake_seconds: f64,
     /// Wall seconds of the bare loop.
     pub bare_seconds: f64,
@@ -142,8 +143,8 @@ pub fn ceiling(
     Ok(pairs)
 }
 
-/// Traces the packets of page 0 through the safe wrapper, `repeats` times at each number of threads: in packets of 16 and of 8, without and
-/// with the hint that rays are coherent, in turn.
+/// Traces the packets of page 0 through the safe wrapper, `repeats` times at each number of threads: in packets of 16
+/// and of 8, without and with the hint that rays are coherent, in turn.
 ///
 /// Costs 1,036 bytes a packet of memory.
 ///

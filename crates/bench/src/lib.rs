@@ -1,4 +1,5 @@
-//! Speed against error, measured: how far a bake is from the bare ray loop, and what each technique costs at equal error.
+//! Speed against error, measured: how far a bake is from the bare ray loop, and what each technique costs at equal
+//! error.
 //!
 //! # Where what is
 //!
@@ -47,8 +48,8 @@ pub struct Subject<'a> {
 }
 
 impl Subject<'_> {
-    /// Bakes page 0 in the current pool of threads. Seams are left alone: texels are measured against the mean over their footprint, which
-    /// solving seams gives up for what a look-up shows.
+    /// Bakes page 0 in the current pool of threads. Seams are left alone: texels are measured against the mean over
+    /// their footprint, which solving seams gives up for what a look-up shows.
     pub fn bake(&self, backend: &dyn RayBackend, options: &Options) -> BakedPage {
         let options = Options {
             seams: Seams::Off,

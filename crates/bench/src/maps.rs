@@ -1,8 +1,8 @@
 //! Convolution of maps against the plain double sum of the 1984 text: time and error in one run.
 //!
-//! The double sum adds I · Area · f over all texels of the map for every texel of the result, section 6. It is run on some
-//! texels of the result and its time scaled to all. The convolution counts a texel as an area, the double sum as its
-//! middle; so errors are also given against the sum over 2 x 2 Gauss nodes a texel.
+//! The double sum adds I · Area · f over all texels of the map for every texel of the result, section 6. It is run on
+//! some texels of the result and its time scaled to all. The convolution counts a texel as an area, the double sum as
+//! its middle; so errors are also given against the sum over 2 x 2 Gauss nodes a texel.
 
 use crate::clock::time;
 use crate::summary::{median, rounded};

@@ -1,8 +1,8 @@
 //! The error of point sets on four exact scenes: RMSE of the diffuse term = C N^-3/4.
 //!
-//! The scenes are those of the samplers' table in the project's notes on mathematics: an endless wall, a sphere resting on
-//! the plane, a sphere aside, a triangle overhead. Each is a predicate on directions from a point, so that nothing but
-//! the points is measured; with a footprint, the point moves over a square as a texel's samples do.
+//! The scenes are those of the samplers' table in the project's notes on mathematics: an endless wall, a sphere resting
+//! on the plane, a sphere aside, a triangle overhead. Each is a predicate on directions from a point, so that nothing
+//! but the points is measured; with a footprint, the point moves over a square as a texel's samples do.
 
 use ambient::sampling::{LANES, Mixture, PointSet, Stream, Streams};
 use rayon::prelude::*;
@@ -85,8 +85,8 @@ pub fn name(set: PointSet) -> &'static str {
     }
 }
 
-/// RMSE of `n` points over `16 * batches` randomisations, about the exact value, or about their own mean where the point
-/// moves over a footprint of edge `footprint`.
+/// RMSE of `n` points over `16 * batches` randomisations, about the exact value, or about their own mean where the
+/// point moves over a footprint of edge `footprint`.
 pub fn measure(scene: &Occluder, set: PointSet, n: u32, batches: u32, footprint: f64) -> Row {
     let values: Vec<f64> = (0..batches)
         .into_par_iter()

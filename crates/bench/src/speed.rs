@@ -32,8 +32,8 @@ pub struct Technique {
     pub efforts: &'static [Effort],
 }
 
-// Rays rise by factors of two at most, in all of them: fixed costs bend a curve, and a straight line over a factor of four is up to 7 % above it,
-// which would count against the technique that has fewer efforts.
+// Rays rise by factors of two at most, in all of them: fixed costs bend a curve, and a straight line over a factor of
+// four is up to 7 % above it, which would count against the technique that has fewer efforts.
 const FEW: &[Effort] = &[
     Effort::Rays(16),
     Effort::Rays(32),
@@ -162,7 +162,8 @@ pub struct Row {
     pub effort: String,
     /// Which of the repeats, from 0; also the seed.
     pub repeat: u32,
-    /// Root mean square error over covered texels of the diffuse term, or of the irradiance, mean of its channels, under an illumination map.
+    /// Root mean square error over covered texels of the diffuse term, or of the irradiance, mean of its channels,
+    /// under an illumination map.
     pub rmse: f64,
     /// What the layer of its error says of it.
     pub estimated_rmse: f64,
@@ -291,8 +292,8 @@ pub fn speed(
     Ok(rows)
 }
 
-/// Root mean square difference of the diffuse term, or of the mean of irradiance's channels, over covered texels that something can see: what
-/// is buried holds what its neighbours have.
+/// Root mean square difference of the diffuse term, or of the mean of irradiance's channels, over covered texels that
+/// something can see: what is buried holds what its neighbours have.
 fn rmse(page: &BakedPage, reference: &BakedPage, by_map: bool) -> f64 {
     let layer = match by_map {
         true => Layer::Irradiance,

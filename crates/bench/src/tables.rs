@@ -1,7 +1,8 @@
 //! Shading from tables: error and flicker of each look-up against 1,024 samples a pixel, and frames a second.
 //!
-//! A body without symmetry turns before a sky with a small sun. RMS is over the pixels that show the body and all frames; flicker is
-//! the RMS of what the difference from the truth changes by between successive frames. Both in units of the body's mean radiance.
+//! A body without symmetry turns before a sky with a small sun. RMS is over the pixels that show the body and all
+//! frames; flicker is the RMS of what the difference from the truth changes by between successive frames. Both in units
+//! of the body's mean radiance.
 
 use crate::clock::time;
 use crate::maps::sunlit;

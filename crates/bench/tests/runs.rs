@@ -1,7 +1,7 @@
 //! The summaries of recorded runs are what their rows say.
 //!
-//! `AMBAKE_REBUILD_RUNS=1 cargo test -p ambake-bench --test runs` writes tables and pictures anew from the rows, which stay
-//! as they were recorded.
+//! `AMBAKE_REBUILD_RUNS=1 cargo test -p ambake-bench --test runs` writes tables and pictures anew from the rows, which
+//! stay as they were recorded.
 
 use ambake_bench::speed::{Row, TECHNIQUES};
 use ambake_bench::summary::{markdown, svg};

@@ -18,22 +18,24 @@ pub struct Bake {
     /// Directory for the results; it is made if needed [default: SCENE with the ending .ambake, beside the scene]
     #[arg(short = 'o', long = "output", value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Also write files for these engines, separated by commas: gltf, three, blender, bevy, godot, unity, unreal. `bake.json` says how each
-    /// is used
+    /// Also write files for these engines, separated by commas: gltf, three, blender, bevy, godot, unity, unreal.
+    /// `bake.json` says how each is used
     #[arg(long = "for", value_name = "ENGINE,..", value_delimiter = ',', value_parser = engine)]
     pub engines: Vec<ambake::Engine>,
-    /// Start anew, also where an interrupted bake of the same scene and options left its state in DIR; without it the bake goes on from there
+    /// Start anew, also where an interrupted bake of the same scene and options left its state in DIR; without it the
+    /// bake goes on from there
     #[arg(long)]
     pub fresh: bool,
     /// Refuse what has the place of that state and cannot be one, such as a link
     #[arg(long, conflicts_with = "fresh")]
     pub resume: bool,
-    /// Bake part I of N of the texels, I from 1; all parts share DIR, in any order and on any machine, and `ambake merge DIR` makes one
-    /// bake of them. A part that was stopped continues
+    /// Bake part I of N of the texels, I from 1; all parts share DIR, in any order and on any machine, and `ambake
+    /// merge DIR` makes one bake of them. A part that was stopped continues
     #[arg(long, value_name = "I/N", value_parser = shard)]
     pub shard: Option<ambake::Shard>,
-    /// Start from the finished bake in OLD of an earlier version of the scene: only texels that the change can reach are baked, all others
-    /// keep their values bit for bit, and charts keep their places. OLD is only read, and it may be DIR itself
+    /// Start from the finished bake in OLD of an earlier version of the scene: only texels that the change can reach
+    /// are baked, all others keep their values bit for bit, and charts keep their places. OLD is only read, and it may
+    /// be DIR itself
     #[arg(long, value_name = "OLD")]
     pub update: Option<PathBuf>,
     /// With --update: bake one in a hundred of the kept texels again; a bit that differs is an error
@@ -134,7 +136,8 @@ pub struct Job {
     /// Texels per scene unit of the objects with this name; * and ? are wildcards, and the flag may be repeated
     #[arg(long, value_name = "NAME=D", value_parser = density_of)]
     pub density_of: Vec<(String, f64)>,
-    /// Only objects with this name take texels, the others still occlude; * and ? are wildcards, and the flag may be repeated
+    /// Only objects with this name take texels, the others still occlude; * and ? are wildcards, and the flag may be
+    /// repeated
     #[arg(long, value_name = "NAME")]
     pub include: Vec<String>,
     /// Objects with this name take no texels, but still occlude; * and ? are wildcards, and the flag may be repeated
@@ -145,20 +148,23 @@ pub struct Job {
     /// names them; * and ? are wildcards, and the flag may be repeated
     #[arg(long, value_name = "NAME")]
     pub no_cast: Vec<String>,
-    /// Eye points in scene units, and boxes between two corners, separated by semicolons: charts that none of them sees take
-    /// one texel; `auto` finds the outsides of rooms, which nobody within sees
+    /// Eye points in scene units, and boxes between two corners, separated by semicolons: charts that none of them sees
+    /// take one texel; `auto` finds the outsides of rooms, which nobody within sees
     #[arg(long, value_name = "auto|X,Y,Z[:X,Y,Z][;..]", allow_hyphen_values = true, value_delimiter = ';', value_parser = eyes)]
     pub seen_from: Vec<Eyes>,
-    /// Pages of --size: auto takes one, and more where a density needs them or the charts do not fit; a number is the most
+    /// Pages of --size: auto takes one, and more where a density needs them or the charts do not fit; a number is the
+    /// most
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = pages)]
     pub pages: ambake::Pages,
     /// A mesh that does not fit on one page is an error; otherwise its charts are then spread over several
     #[arg(long)]
     pub one_page_per_mesh: bool,
-    /// Rays per texel over the hemisphere; a highlight takes what it is worth beside them, or as many where it is asked for itself
+    /// Rays per texel over the hemisphere; a highlight takes what it is worth beside them, or as many where it is asked
+    /// for itself
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=16_777_216))]
     pub rays: u32,
-    /// Instead of a fixed number: the rays by which the root mean square of a page's standard errors is at most E, tile by tile, after denoising
+    /// Instead of a fixed number: the rays by which the root mean square of a page's standard errors is at most E, tile
+    /// by tile, after denoising
     #[arg(long, value_name = "E", value_parser = target_error, conflicts_with = "rays")]
     pub target_error: Option<f64>,
     /// With --target-error: an error of R times the value counts as one of E, where that is more than E
@@ -167,24 +173,26 @@ pub struct Job {
     /// With --target-error: the most rays that a texel may take over the hemisphere
     #[arg(long, value_name = "N", default_value_t = 16_384, requires = "target_error", conflicts_with = "rays", value_parser = clap::value_parser!(u32).range(16..=16_777_216))]
     pub max_rays: u32,
-    /// How the rays of neighbouring texels stand to each other; blocks that share their directions are a little faster, but show
+    /// How the rays of neighbouring texels stand to each other; blocks that share their directions are a little faster,
+    /// but show
     #[arg(long, value_enum, default_value_t = Pattern::Joint)]
     pub pattern: Pattern,
-    /// Where the samples of a texel lie: all over the part that charts cover, or at its point nearest to the texel's centre, to compare
-    /// with programs that sample centres
+    /// Where the samples of a texel lie: all over the part that charts cover, or at its point nearest to the texel's
+    /// centre, to compare with programs that sample centres
     #[arg(long, value_enum, default_value_t = Footprint::Texel)]
     pub footprint: Footprint,
-    /// What takes the grain off. `regression` fits the texels of a surface and keeps the plain value where that does not help, at a
-    /// small bias that the layer `error` includes; `oidn` is Intel Open Image Denoise where it is installed (docs/quality.md); `off` leaves every texel the unbiased mean of its own rays [default: regression;
+    /// What takes the grain off. `regression` fits the texels of a surface and keeps the plain value where that does
+    /// not help, at a small bias that the layer `error` includes; `oidn` is Intel Open Image Denoise where it is
+    /// installed (docs/quality.md); `off` leaves every texel the unbiased mean of its own rays [default: regression;
     /// off with --rays 1 and --pattern tiled, which leave no two halves to compare]
     #[arg(long, value_enum, alias = "filter")]
     pub denoise: Option<Denoise>,
-    /// Between which charts a bilinear look-up is made to agree across the edge that they share: none, those of one object, or those of
-    /// any objects that abut
+    /// Between which charts a bilinear look-up is made to agree across the edge that they share: none, those of one
+    /// object, or those of any objects that abut
     #[arg(long, value_enum, default_value_t = Seams::Scene)]
     pub seams: Seams,
-    /// Sky radiance, linear: R,G,B for a uniform sky, or an illumination map (.hdr, .exr; polar unless its header says otherwise),
-    /// from whose light as many rays again are drawn
+    /// Sky radiance, linear: R,G,B for a uniform sky, or an illumination map (.hdr, .exr; polar unless its header says
+    /// otherwise), from whose light as many rays again are drawn
     #[arg(long, value_name = "R,G,B|FILE", default_value = "1,1,1", value_parser = sky)]
     pub sky: SkyArg,
     /// View of the specular term: `normal` (V = N everywhere) or an eye point X,Y,Z in scene units
@@ -199,31 +207,31 @@ pub struct Job {
     /// The same for the objects with this name; * and ? are wildcards, and the flag may be repeated
     #[arg(long, value_name = "NAME=drop|keep", value_parser = buried_of)]
     pub buried_of: Vec<(String, Buried)>,
-    /// A flat sheet at most so many scene units above a surface, such as paper on a desk, a decal or a rug, takes no light from it, so that
-    /// no dark line is seen around it; 0 for none [default: an eighth of a texel]
+    /// A flat sheet at most so many scene units above a surface, such as paper on a desk, a decal or a rug, takes no
+    /// light from it, so that no dark line is seen around it; 0 for none [default: an eighth of a texel]
     #[arg(long, value_name = "D", value_parser = at_least_zero)]
     pub under: Option<f64>,
     /// Occluders farther than this many scene units do not count [default: no limit]
     #[arg(long, value_name = "D", value_parser = positive)]
     pub max_distance: Option<f64>,
-    /// What the highlight is: the paper's lobe about the mirrored view, or microfacets of the roughness that the exponent stands for;
-    /// the layer `ggx` then stands in place of `phong` [default: what --layers, --only or --exponent ask for, else ggx for glTF and
-    /// phong for OBJ]
+    /// What the highlight is: the paper's lobe about the mirrored view, or microfacets of the roughness that the
+    /// exponent stands for; the layer `ggx` then stands in place of `phong` [default: what --layers, --only or
+    /// --exponent ask for, else ggx for glTF and phong for OBJ]
     #[arg(long, value_enum)]
     pub model: Option<Model>,
-    /// How often surfaces send on the light that they receive: so many gathers, or auto until what is missing is less than the target
-    /// error, or than half a step of 8 bits. Surfaces that shine join in
+    /// How often surfaces send on the light that they receive: so many gathers, or auto until what is missing is less
+    /// than the target error, or than half a step of 8 bits. Surfaces that shine join in
     #[arg(long, value_name = "N|auto", default_value = "0", value_parser = bounces)]
     pub bounces: ambake::Bounces,
     /// Lights of the scene's file (glTF KHR_lights_punctual): bake them, lux as W/m² and candela as W/sr, or leave them
-    /// out. Surfaces that shine are no such lights: where light bounces they send theirs, and --no-cast keeps one from it
-    /// [default: none, and a line names them]
+    /// out. Surfaces that shine are no such lights: where light bounces they send theirs, and --no-cast keeps one from
+    /// it [default: none, and a line names them]
     #[arg(long, value_enum)]
     pub lights: Option<Lights>,
     #[command(flatten)]
     pub shining: Shining,
-    /// Memory that the bake may take, such as 8G or 512M; one that would take more is refused before it starts [default: what the
-    /// system has]
+    /// Memory that the bake may take, such as 8G or 512M; one that would take more is refused before it starts
+    /// [default: what the system has]
     #[arg(long, value_name = "SIZE", value_parser = memory)]
     pub max_memory: Option<u64>,
     /// Ray library [default: embree where it is built in, else obvhs]
@@ -235,12 +243,12 @@ pub struct Job {
     /// Texels kept empty around every chart that is packed: two charts are 2 N texels apart. All of them are filled
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=128))]
     pub gutter: u32,
-    /// Mip levels of the page on which no bilinear, trilinear or bicubic look-up mixes packed charts: the gutter grows to 4, 9, 19,
-    /// 39 texels for 1, 2, 3, 4 levels
+    /// Mip levels of the page on which no bilinear, trilinear or bicubic look-up mixes packed charts: the gutter grows
+    /// to 4, 9, 19, 39 texels for 1, 2, 3, 4 levels
     #[arg(long, value_name = "L", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=6))]
     pub mips: u32,
-    /// Blocks of N x N texels never hold texels of two packed charts or their gutters, for compressed textures: 4 for BC, up to
-    /// 12 for ASTC
+    /// Blocks of N x N texels never hold texels of two packed charts or their gutters, for compressed textures: 4 for
+    /// BC, up to 12 for ASTC
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
     pub align: u32,
     #[arg(long, value_name = "A,B,C", value_delimiter = ',', value_parser = layer, help = "Further layers, separated by commas; --help lists them", long_help = layer_help("Further layers, separated by commas"))]
@@ -254,8 +262,8 @@ pub struct Job {
     /// Lobe exponent of every material, 0 to 1e6
     #[arg(long, value_name = "N", value_parser = exponent)]
     pub exponent: Option<f64>,
-    /// By what the layer `traditional` reflects ambient light: one colour for all materials, linear, or `file`: the Ka of each material of an
-    /// OBJ file [default: the albedo, as a Lambertian surface reflects ambient light]
+    /// By what the layer `traditional` reflects ambient light: one colour for all materials, linear, or `file`: the Ka
+    /// of each material of an OBJ file [default: the albedo, as a Lambertian surface reflects ambient light]
     #[arg(long, value_name = "R,G,B|file", value_parser = coefficient)]
     pub ambient_coefficient: Option<ambake::AmbientCoefficient>,
     /// Diffuse reflectance of every material, linear, as R,G,B

@@ -25,8 +25,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let [scene] = bake.scene.as_slice() else {
         bail!("the parts were made of several scenes; bake them with this program");
     };
-    // The words may name files from the folder that they were given in. Where that is absent here, so are the files, and the scene's
-    // error says so.
+    // The words may name files from the folder that they were given in. Where that is absent here, so are the files,
+    // and the scene's error says so.
     if let Some(folder) = parts.given()["folder"].as_str() {
         let _ = std::env::set_current_dir(folder);
     }

@@ -90,7 +90,8 @@ fn effort(job: &Job) -> String {
     )
 }
 
-/// The rays of a texel in words: over the hemisphere, over the specular lobe, and as many again from an illumination map.
+/// The rays of a texel in words: over the hemisphere, over the specular lobe, and as many again from an illumination
+/// map.
 fn cast(effort: Effort, hemisphere: bool, lobe: bool, map: bool) -> String {
     let over = match (hemisphere, lobe) {
         (true, true) => "over the hemisphere and as many over the specular lobe",

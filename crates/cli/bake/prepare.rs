@@ -9,8 +9,8 @@ use ambake::{Bake, Engine, Scene};
 use std::path::Path;
 use std::time::Instant;
 
-/// Loads the scene, plans its bake, lays its texels out and builds its ray scene. `-` is standard input. A project file beside
-/// the scene completes what was typed.
+/// Loads the scene, plans its bake, lays its texels out and builds its ray scene. `-` is standard input. A project file
+/// beside the scene completes what was typed.
 pub fn prepare(file: &Path, job: &Job, common: &Common) -> anyhow::Result<ambake::Job> {
     let completed = project::completed(file, &words())?;
     let completed = completed.as_ref().and_then(Verb::options);
@@ -30,8 +30,8 @@ pub struct Target<'a> {
     pub verify: bool,
 }
 
-/// The same for a bake into a directory, by arguments that the project file has completed: a layout that `ambake layout` left there is taken,
-/// and what does not fit into memory is refused.
+/// The same for a bake into a directory, by arguments that the project file has completed: a layout that `ambake
+/// layout` left there is taken, and what does not fit into memory is refused.
 pub fn prepare_in(
     target: &Target<'_>,
     file: &Path,

@@ -91,7 +91,8 @@ fn program_after(done: usize, failed: usize) -> io::Result<Command> {
 
 /// Bakes a scene into a folder.
 fn one(args: &Args, scene: &Path, output: &Path, stop: &Stop) -> anyhow::Result<Outcome> {
-    // A directory that cannot be written, or is another bake's, is found before the scene is loaded. Shards share theirs.
+    // A directory that cannot be written, or is another bake's, is found before the scene is loaded. Shards share
+    // theirs.
     let _folder = match args.shard {
         Some(_) => Output::create(output)?.folder(),
         None => Output::exclusive(output)?.folder(),

@@ -4,8 +4,8 @@ use anyhow::{Context, bail};
 use std::io::{Read, Write};
 use std::path::Path;
 
-/// The scene in standard input: GLB by its first bytes, glTF where it begins with a brace, else OBJ. Files that it names are
-/// not found; a GLB or a glTF with embedded buffers needs none. Outputs are called `scene`.
+/// The scene in standard input: GLB by its first bytes, glTF where it begins with a brace, else OBJ. Files that it
+/// names are not found; a GLB or a glTF with embedded buffers needs none. Outputs are called `scene`.
 pub fn load() -> anyhow::Result<ambake::Scene> {
     let mut bytes = Vec::new();
     let mut input = std::io::stdin().lock();

@@ -17,7 +17,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime};
 
-/// Between two looks at the files. They are asked, and no system is told to report, so that it works on network shares too.
+/// Between two looks at the files. They are asked, and no system is told to report, so that it works on network shares
+/// too.
 const LOOK: Duration = Duration::from_millis(250);
 /// Steps of refinement, each of so many times the rays of the one before; the last has `--rays`.
 const STEPS: u32 = 3;

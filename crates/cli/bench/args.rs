@@ -30,23 +30,24 @@ pub struct Args {
     /// Only the convolution of maps against the plain double sum: maps.csv and maps.md in DIR
     #[arg(long, conflicts_with_all = ["scene", "samplers", "ceiling", "hard"])]
     pub maps: bool,
-    /// Only shading from reflection maps: error and flicker of each look-up, frames a second; tables.csv, tables_speed.csv and
-    /// tables.md in DIR
+    /// Only shading from reflection maps: error and flicker of each look-up, frames a second; tables.csv,
+    /// tables_speed.csv and tables.md in DIR
     #[arg(long, conflicts_with_all = ["scene", "samplers", "ceiling", "hard", "maps"])]
     pub tables: bool,
-    /// Only the ten scenes that break lightmaps, judged on their surfaces: a Markdown table, with -o also texels.csv and
-    /// texels.md in DIR; exit 1 if one fails. With a scene: page use, buried texels, seams and grain of its bake
+    /// Only the ten scenes that break lightmaps, judged on their surfaces: a Markdown table, with -o also texels.csv
+    /// and texels.md in DIR; exit 1 if one fails. With a scene: page use, buried texels, seams and grain of its bake
     #[arg(long, conflicts_with_all = ["samplers", "ceiling", "hard", "maps", "tables"])]
     pub texels: bool,
-    /// Only stated errors beside true ones, of a bake of a quarter of --rays and of all of them: a Markdown table, with -o also stated.md
-    /// in DIR. Without a scene five are made by --seed
+    /// Only stated errors beside true ones, of a bake of a quarter of --rays and of all of them: a Markdown table, with
+    /// -o also stated.md in DIR. Without a scene five are made by --seed
     #[arg(long, conflicts_with_all = ["samplers", "ceiling", "grain", "hard", "maps", "tables", "texels"])]
     pub stated: bool,
-    /// Only what counts as buried, by the rule of a bake and by others, on small scenes whose hidden parts are known: a Markdown table
+    /// Only what counts as buried, by the rule of a bake and by others, on small scenes whose hidden parts are known: a
+    /// Markdown table
     #[arg(long, conflicts_with_all = ["scene", "samplers", "ceiling", "grain", "hard", "maps", "tables", "texels"])]
     pub burial: bool,
-    /// Only other programs on the same texels of three generated scenes: peers.csv, peers.svg and peers.md in DIR. They are installed
-    /// from PyPI into DIR/peers.work (bpy, mitsuba, open3d, pymeshlab); what cannot be is skipped
+    /// Only other programs on the same texels of three generated scenes: peers.csv, peers.svg and peers.md in DIR. They
+    /// are installed from PyPI into DIR/peers.work (bpy, mitsuba, open3d, pymeshlab); what cannot be is skipped
     #[arg(long, conflicts_with_all = ["scene", "samplers", "ceiling", "grain", "hard", "maps", "stated", "tables", "texels"])]
     pub peers: bool,
     /// The Python that --peers runs; its version decides which bpy fits

@@ -1,7 +1,7 @@
 //! `ambake bench --peers`: the same texels by ambake and by other programs.
 //!
-//! The other programs are Python packages. They are installed into an environment of their own under the output folder, and a script
-//! runs everybody in turns; what cannot be installed is skipped.
+//! The other programs are Python packages. They are installed into an environment of their own under the output folder,
+//! and a script runs everybody in turns; what cannot be installed is skipped.
 
 use super::args::Args;
 use crate::outcome::{Outcome, note, say};

@@ -64,7 +64,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// A scene's rows: a quarter of the rays and all of them, against a plain bake of many rays with another seed and without seams.
+/// A scene's rows: a quarter of the rays and all of them, against a plain bake of many rays with another seed and
+/// without seams.
 fn judged(args: &Args, name: &str, scene: &Scene) -> anyhow::Result<Vec<Row>> {
     let layers = TERMS.iter().flat_map(|&(term, error)| [term, error]);
     let baked = |rays: u32, change: fn(Bake, u64) -> Bake| -> anyhow::Result<Baked> {

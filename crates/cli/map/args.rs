@@ -28,7 +28,8 @@ pub enum Args {
     /// The light that arrives at a place in a scene
     ///
     /// Surfaces that shine (Ke, emissiveFactor) are seen as they are. Others are secondary sources: the light that
-    /// reaches them straight from the sky, from shining surfaces and from point lights, reflected once by Lambert's law.
+    /// reaches them straight from the sky, from shining surfaces and from point lights, reflected once by Lambert's
+    /// law.
     Capture(Capture),
 }
 
@@ -38,7 +39,8 @@ pub struct Input {
     /// Picture: .hdr, .exr, or .png and .jpg taken as sRGB; for a cube NAME.exr stands for NAME_px.exr … NAME_nz.exr
     #[arg(value_name = "IN")]
     pub input: PathBuf,
-    /// Projection of IN: polar, cube, cross, strip, ortho, ball, angular, octahedral [default: its header's, else polar]
+    /// Projection of IN: polar, cube, cross, strip, ortho, ball, angular, octahedral [default: its header's, else
+    /// polar]
     #[arg(long, value_name = "PROJECTION", value_parser = projection)]
     pub from: Option<Projection>,
     /// Whose axes IN has: ambake, gltf, three.js, blender, filament, openexr [default: its header's, else ambake]
@@ -126,10 +128,10 @@ pub struct Specular {
     /// Reflectance function
     #[arg(long, value_enum, default_value_t = SpecularKernel::Phong)]
     pub kernel: SpecularKernel,
-    /// Table of the kernel `table`: lines of a cosine, ascending in -1..1, and a value of at least 0; after a first line
-    /// `degrees,value` angles from the mirror direction, ascending in 0..180. Linear in the cosine between lines. Of the kernel `reflectance`:
-    /// a first line `incidence,degrees,red,green,blue` or `incidence,degrees,value`, then lines of the view's incidence, the angle from the
-    /// mirror direction, and BRDF times cosine per steradian
+    /// Table of the kernel `table`: lines of a cosine, ascending in -1..1, and a value of at least 0; after a first
+    /// line `degrees,value` angles from the mirror direction, ascending in 0..180. Linear in the cosine between lines.
+    /// Of the kernel `reflectance`: a first line `incidence,degrees,red,green,blue` or `incidence,degrees,value`, then
+    /// lines of the view's incidence, the angle from the mirror direction, and BRDF times cosine per steradian
     #[arg(long, value_name = "FILE")]
     pub table: Option<PathBuf>,
     /// Width and height of OUT in texels; of one face for a cube
@@ -138,7 +140,8 @@ pub struct Specular {
     /// Projection of OUT
     #[arg(long, value_name = "PROJECTION", default_value = "polar", value_parser = projection)]
     pub to: Projection,
-    /// Factor of the integral: one over the kernel's integral ((n+1)/2π for phong; 1 for reflectance), or the 1984 text's 1/4π
+    /// Factor of the integral: one over the kernel's integral ((n+1)/2π for phong; 1 for reflectance), or the 1984
+    /// text's 1/4π
     #[arg(long, value_enum, default_value_t = Scale::Radiance)]
     pub normalise: Scale,
     #[command(flatten)]
@@ -151,15 +154,16 @@ pub struct Ball {
     /// hide each other's rim and camera best
     #[arg(value_name = "IN", required = true)]
     pub inputs: Vec<PathBuf>,
-    /// Map to write: .exr, with the channel `confidence`, or .hdr; for a cube NAME.exr stands for NAME_px.exr … NAME_nz.exr
+    /// Map to write: .exr, with the channel `confidence`, or .hdr; for a cube NAME.exr stands for NAME_px.exr …
+    /// NAME_nz.exr
     #[arg(short = 'o', long = "output", value_name = "OUT")]
     pub output: PathBuf,
     /// Outline of the ball: its middle from the left and from the top, and its radius, in pixels; once for each IN
     /// [default: found by its edge]
     #[arg(long, value_name = "X,Y,R", allow_hyphen_values = true, value_parser = circle)]
     pub circle: Vec<Circle>,
-    /// Distance of the camera from the middle of the ball, in radii of the ball; once, or once for each IN [default: far
-    /// away, an orthographic picture]
+    /// Distance of the camera from the middle of the ball, in radii of the ball; once, or once for each IN [default:
+    /// far away, an orthographic picture]
     #[arg(long, value_name = "D", allow_hyphen_values = true, value_parser = number)]
     pub distance: Vec<f64>,
     /// Direction from the ball to the camera in ambake's axes, +y up; once for each IN [default for one IN: 0,0,1]
@@ -168,7 +172,8 @@ pub struct Ball {
     /// Reflectance of the ball, one number or R,G,B; it is divided out
     #[arg(long, value_name = "R,G,B", default_value = "1", value_parser = reflectance)]
     pub reflectance: [f64; 3],
-    /// Film's curve, a file that `map merge --save-response` wrote: photographs are then .png or .jpg, and it takes the place of sRGB
+    /// Film's curve, a file that `map merge --save-response` wrote: photographs are then .png or .jpg, and it takes the
+    /// place of sRGB
     #[arg(long, value_name = "FILE")]
     pub response: Option<PathBuf>,
     /// What each photograph is multiplied by, channel by channel: found where two photographs see the same, or nothing
@@ -186,17 +191,20 @@ pub struct Ball {
 
 #[derive(ClapArgs)]
 pub struct Mosaic {
-    /// NAME.exr for the square photographs NAME_px.exr, NAME_nx.exr … NAME_nz.exr, toward +x, -x and so on with the axes of a cube's faces; .hdr,
-    /// .exr, or .png and .jpg taken as sRGB. A series of exposures of each goes through `map merge` first
+    /// NAME.exr for the square photographs NAME_px.exr, NAME_nx.exr … NAME_nz.exr, toward +x, -x and so on with the
+    /// axes of a cube's faces; .hdr, .exr, or .png and .jpg taken as sRGB. A series of exposures of each goes through
+    /// `map merge` first
     #[arg(value_name = "IN")]
     pub input: PathBuf,
     /// Map to write: .hdr or .exr; for a cube NAME.exr stands for NAME_px.exr … NAME_nz.exr
     #[arg(short = 'o', long = "output", value_name = "OUT")]
     pub output: PathBuf,
-    /// What a photograph spans from side to side, in degrees, from 90 below 180; what is more than 90 fades from photograph to photograph
+    /// What a photograph spans from side to side, in degrees, from 90 below 180; what is more than 90 fades from
+    /// photograph to photograph
     #[arg(long, value_name = "F", default_value = "90", value_parser = field_of_view)]
     pub fov_deg: f64,
-    /// Film's curve, a file that `map merge --save-response` wrote: photographs are then .png or .jpg, and it takes the place of sRGB
+    /// Film's curve, a file that `map merge --save-response` wrote: photographs are then .png or .jpg, and it takes the
+    /// place of sRGB
     #[arg(long, value_name = "FILE")]
     pub response: Option<PathBuf>,
     /// What each photograph is multiplied by, channel by channel: found where two photographs show the same, or nothing
@@ -224,8 +232,8 @@ pub struct Merge {
     /// what FNumber and ISO add to it where the camera names them, in seconds of the first photograph's]
     #[arg(long, value_name = "T,..", value_delimiter = ',', allow_hyphen_values = true, value_parser = number)]
     pub times: Vec<f64>,
-    /// Curve from recorded values to exposure: fitted to the brackets (debevec: least squares of log exposures; robertson: of exposures), or
-    /// known (linear, srgb, or a file that --save-response wrote)
+    /// Curve from recorded values to exposure: fitted to the brackets (debevec: least squares of log exposures;
+    /// robertson: of exposures), or known (linear, srgb, or a file that --save-response wrote)
     #[arg(long, value_name = "debevec|robertson|linear|srgb|FILE", default_value = "debevec", value_parser = response)]
     pub response: Response,
     /// Write the curve to a file, for --response
@@ -266,7 +274,8 @@ pub struct Capture {
     /// Rays of every camera ray over the hemisphere where it ends, and as many toward shining surfaces
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(0..=65_536))]
     pub rays: u32,
-    /// Sky radiance, linear: R,G,B for a uniform sky, or an illumination map (.hdr, .exr; polar unless its header says otherwise)
+    /// Sky radiance, linear: R,G,B for a uniform sky, or an illumination map (.hdr, .exr; polar unless its header says
+    /// otherwise)
     #[arg(long, value_name = "R,G,B|FILE", default_value = "1,1,1", value_parser = sky)]
     pub sky: SkyArg,
     /// Point light at X,Y,Z with intensity E or R,G,B (W/sr: E over distance² arrives); may be repeated
@@ -316,7 +325,8 @@ pub enum SpecularKernel {
     Ggx,
     /// Linear between the lines of a file; --table
     Table,
-    /// The lobes that a file has for each incidence and colour; --table. OUT stands for OUT_A.exr of each incidence A in degrees
+    /// The lobes that a file has for each incidence and colour; --table. OUT stands for OUT_A.exr of each incidence A
+    /// in degrees
     Reflectance,
 }
 

@@ -24,7 +24,8 @@ pub struct Args {
     /// Probes at these places, separated by semicolons
     #[arg(long, value_name = "X,Y,Z;..", groups = ["places", "asked"], value_delimiter = ';', allow_hyphen_values = true, value_parser = triple)]
     pub at: Vec<[f64; 3]>,
-    /// Reflection maps of these places, separated by semicolons: cubes with a level for each roughness, and one for matt surfaces
+    /// Reflection maps of these places, separated by semicolons: cubes with a level for each roughness, and one for
+    /// matt surfaces
     #[arg(long, value_name = "X,Y,Z;..", group = "asked", value_delimiter = ';', allow_hyphen_values = true, value_parser = triple)]
     pub reflections: Vec<[f64; 3]>,
     /// Edge of a face of their largest level in texels: a power of two from 8 to 1024
@@ -38,8 +39,9 @@ pub struct Args {
     /// The box of the volume, by two corners [default: that of the scene]
     #[arg(long, value_name = "X,Y,Z:X,Y,Z", conflicts_with = "at", allow_hyphen_values = true, value_parser = corners)]
     pub within: Option<[[f64; 3]; 2]>,
-    /// Take the light that surfaces reflect from the finished bake of SCENE in DIR, so that surfaces and probes agree; sky and lights are
-    /// those of the bake too, unless others are given. Without it light is followed from surface to surface
+    /// Take the light that surfaces reflect from the finished bake of SCENE in DIR, so that surfaces and probes agree;
+    /// sky and lights are those of the bake too, unless others are given. Without it light is followed from surface to
+    /// surface
     #[arg(long, value_name = "DIR")]
     pub bake: Option<PathBuf>,
     /// Also write files for these engines, separated by commas: bevy, three, unity, godot
@@ -51,8 +53,8 @@ pub struct Args {
     /// Rays of a probe in even directions; as many again are aimed at lamps, at lights with extent and by a mapped sky
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(64..=16_777_216))]
     pub rays: u32,
-    /// Instead of a fixed number: the rays by which the standard error of each probe is at most E, of the light on a matt white surface, which an
-    /// open sky of 1 makes 1
+    /// Instead of a fixed number: the rays by which the standard error of each probe is at most E, of the light on a
+    /// matt white surface, which an open sky of 1 makes 1
     #[arg(long, value_name = "E", value_parser = target_error, conflicts_with = "rays")]
     pub target_error: Option<f64>,
     /// With --target-error: the most rays that a probe may take
@@ -72,7 +74,8 @@ pub struct Args {
     pub max_distance: Option<f64>,
     #[command(flatten)]
     pub shining: Shining,
-    /// Take so much contrast from probes that no matt surface receives less than no light: few harmonics ring beside a bright light
+    /// Take so much contrast from probes that no matt surface receives less than no light: few harmonics ring beside a
+    /// bright light
     #[arg(long)]
     pub window: bool,
     /// Also keep the light of the sky, of lights and of surfaces apart

@@ -15,8 +15,8 @@ pub struct Args {
     /// Picture to write: .exr (linear, float) or .png (sRGB); give it twice for both. With --figure a directory
     #[arg(short = 'o', long = "output", value_name = "IMAGE", required = true)]
     pub output: Vec<PathBuf>,
-    /// Draw a figure instead: `fig1` on an open scene such as scenes/plane.obj with `--rays` for each point, `fig3` on any
-    /// scene, `balls` on a body such as scenes/ball.obj
+    /// Draw a figure instead: `fig1` on an open scene such as scenes/plane.obj with `--rays` for each point, `fig3` on
+    /// any scene, `balls` on a body such as scenes/ball.obj
     #[arg(
         long,
         value_enum,
@@ -33,8 +33,9 @@ pub struct Args {
     pub matte: Matte,
     #[command(flatten)]
     pub balls: Balls,
-    /// Film's curve, a file that `map merge --save-response` wrote: a .png holds what the film would record, in place of sRGB, and the
-    /// photograph of --backdrop is read by it, so that a scene is laid over it in the photograph's own tones
+    /// Film's curve, a file that `map merge --save-response` wrote: a .png holds what the film would record, in place
+    /// of sRGB, and the photograph of --backdrop is read by it, so that a scene is laid over it in the photograph's own
+    /// tones
     #[arg(long, value_name = "FILE", conflicts_with_all = ["figure", "alpha"])]
     pub response: Option<PathBuf>,
     /// Let normal maps of materials bend the shading normals
@@ -46,19 +47,21 @@ pub struct Args {
     /// Rays over the hemisphere of every camera sample, and as many over a specular lobe; 0 leaves ambient light out
     #[arg(long, value_name = "N", default_value_t = 64, conflicts_with = "bake", value_parser = clap::value_parser!(u32).range(0..=65_536))]
     pub rays: u32,
-    /// Take the ambient model from the finished bake of SCENE in DIR instead; its Phong term is that of the view the bake
-    /// was made for (`bake --view`), not of this camera
+    /// Take the ambient model from the finished bake of SCENE in DIR instead; its Phong term is that of the view the
+    /// bake was made for (`bake --view`), not of this camera
     #[arg(long, value_name = "DIR")]
     pub bake: Option<PathBuf>,
-    /// Sky radiance, linear: R,G,B for a uniform sky, or an illumination map (.hdr, .exr; polar unless its header says otherwise), toward
-    /// whose light as many rays again are cast; also what is seen behind the scene [default: 1,1,1; with --bake the mean of the bake's sky]
+    /// Sky radiance, linear: R,G,B for a uniform sky, or an illumination map (.hdr, .exr; polar unless its header says
+    /// otherwise), toward whose light as many rays again are cast; also what is seen behind the scene [default: 1,1,1;
+    /// with --bake the mean of the bake's sky]
     #[arg(long, value_name = "R,G,B|FILE", value_parser = sky)]
     pub sky: Option<SkyArg>,
-    /// Another radiance behind the scene, linear, as R,G,B [default: the sky's; a pale blue with --bake and without --eye]
+    /// Another radiance behind the scene, linear, as R,G,B [default: the sky's; a pale blue with --bake and without
+    /// --eye]
     #[arg(long, value_name = "R,G,B", value_parser = color)]
     pub background: Option<[f32; 3]>,
-    /// Stops by which a PNG is brightened; auto brightens or darkens what could not be seen otherwise [default: 0; auto with --bake and
-    /// without --eye]
+    /// Stops by which a PNG is brightened; auto brightens or darkens what could not be seen otherwise [default: 0; auto
+    /// with --bake and without --eye]
     #[arg(long, value_name = "auto|STOPS", allow_hyphen_values = true, value_parser = exposure)]
     pub exposure: Option<Exposure>,
     #[command(flatten)]
@@ -85,7 +88,8 @@ pub struct Args {
 /// What the scene is laid over.
 #[derive(ClapArgs)]
 pub struct Matte {
-    /// Leave out what is behind the scene and write its share of each pixel as alpha, for matting; colours of an .exr are multiplied by it
+    /// Leave out what is behind the scene and write its share of each pixel as alpha, for matting; colours of an .exr
+    /// are multiplied by it
     #[arg(long, conflicts_with_all = ["figure", "background", "backdrop"])]
     pub alpha: bool,
     /// Picture of the same size that the scene stands before: .exr or .hdr (linear), .png or .jpg (sRGB)
@@ -96,8 +100,8 @@ pub struct Matte {
 /// Where the picture is taken from.
 #[derive(ClapArgs)]
 pub struct View {
-    /// Eye point in scene units [default: in front, above and to the right of the whole scene; with --bake what fits best, inside where
-    /// the scene is a closed room, as in the bake's STEM.lit.png]
+    /// Eye point in scene units [default: in front, above and to the right of the whole scene; with --bake what fits
+    /// best, inside where the scene is a closed room, as in the bake's STEM.lit.png]
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = triple)]
     pub eye: Option<[f64; 3]>,
     /// Point that is looked at, in scene units [default: the middle of the scene]
@@ -106,7 +110,8 @@ pub struct View {
     /// Direction that is upward in the picture
     #[arg(long, value_name = "X,Y,Z", default_value = "0,1,0", allow_hyphen_values = true, value_parser = triple)]
     pub up: [f64; 3],
-    /// Vertical field of view in degrees, above 0 and below 180 [default: 40; 65 where a fitted view stands inside of a room]
+    /// Vertical field of view in degrees, above 0 and below 180 [default: 40; 65 where a fitted view stands inside of a
+    /// room]
     #[arg(long, value_name = "F", value_parser = field_of_view)]
     pub fov_deg: Option<f64>,
     /// Width and height in pixels

@@ -15,8 +15,9 @@ use std::path::{Path, PathBuf};
 /// Balls in the picture.
 #[derive(ClapArgs)]
 pub struct Balls {
-    /// White ball in the light of the place X,Y,Z of this radius, by the nine harmonics of a probe that is gathered there; several are
-    /// separated by semicolons. With --bake its light is that of the bake. It casts no shadow [default radius: a fortieth of the scene]
+    /// White ball in the light of the place X,Y,Z of this radius, by the nine harmonics of a probe that is gathered
+    /// there; several are separated by semicolons. With --bake its light is that of the bake. It casts no shadow
+    /// [default radius: a fortieth of the scene]
     #[arg(long, value_name = "X,Y,Z[,RADIUS];..", value_delimiter = ';', allow_hyphen_values = true, value_parser = ball,
           conflicts_with_all = ["figure", "shading", "encode"])]
     pub probe_ball: Vec<Place>,
@@ -27,10 +28,12 @@ pub struct Balls {
     #[arg(long, value_name = "X,Y,Z[,RADIUS];..", value_delimiter = ';', allow_hyphen_values = true, value_parser = ball,
           conflicts_with_all = ["figure", "shading", "encode"])]
     pub mirror_ball: Vec<Place>,
-    /// Let mirror balls show this map of their surroundings, as engines do: a picture that `ambake probes --reflections` wrote, .exr or .hdr
+    /// Let mirror balls show this map of their surroundings, as engines do: a picture that `ambake probes
+    /// --reflections` wrote, .exr or .hdr
     #[arg(long, value_name = "FILE", requires = "mirror_ball")]
     pub reflection: Option<PathBuf>,
-    /// The map is as far away as the walls of this box, by two corners: the `room` of the reflection [default: endlessly far]
+    /// The map is as far away as the walls of this box, by two corners: the `room` of the reflection [default:
+    /// endlessly far]
     #[arg(long, value_name = "X,Y,Z:X,Y,Z", requires = "reflection", allow_hyphen_values = true, value_parser = corners)]
     pub room: Option<[[f64; 3]; 2]>,
 }

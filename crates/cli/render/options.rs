@@ -95,7 +95,8 @@ pub fn overrides(args: &Args) -> Overrides {
     }
 }
 
-/// The types of surfaces that are asked for, the first for all objects without one of their own, and how each instance is shaded.
+/// The types of surfaces that are asked for, the first for all objects without one of their own, and how each instance
+/// is shaded.
 ///
 /// # Errors
 /// A name that no object has, or a type whose tables are not given.

@@ -14,12 +14,12 @@ pub struct Tables {
     /// Shade from the reflection maps D and S, as `ambake map diffuse` and `specular` write them
     #[arg(long, value_name = "D,S", value_parser = pair, groups = ["shading", "lit"])]
     pub maps: Option<[PathBuf; 2]>,
-    /// S stands for the files of these exponents, as `ambake map specular --exponent N,..` names them; each pixel is shaded with that of
-    /// its material, between two of them
+    /// S stands for the files of these exponents, as `ambake map specular --exponent N,..` names them; each pixel is
+    /// shaded with that of its material, between two of them
     #[arg(long, value_name = "N,..", value_delimiter = ',', requires = "maps", value_parser = exponent)]
     pub exponents: Vec<f64>,
-    /// S stands for the files of these incidences in degrees, as `ambake map specular --kernel reflectance` names them; each pixel is shaded
-    /// with that of its view, between two of them. With --exponents for S_N_A.exr
+    /// S stands for the files of these incidences in degrees, as `ambake map specular --kernel reflectance` names them;
+    /// each pixel is shaded with that of its view, between two of them. With --exponents for S_N_A.exr
     #[arg(long, value_name = "A,..", value_delimiter = ',', requires = "maps", value_parser = incidence)]
     pub incidences: Vec<f64>,
     /// Surface type of every object but those of --shader-of [default: phong]
@@ -29,8 +29,8 @@ pub struct Tables {
         ("traced", "environment"),
     ]))]
     pub shader: Option<ShaderName>,
-    /// Another surface type for the objects of this name, as in `urn*=mirror`; * stands for any characters, ? for one. May be repeated; later ones
-    /// win
+    /// Another surface type for the objects of this name, as in `urn*=mirror`; * stands for any characters, ? for one.
+    /// May be repeated; later ones win
     #[arg(long, value_name = "NAME=TYPE", requires = "shading", value_parser = shader_of)]
     pub shader_of: Vec<(String, ShaderName)>,
     /// Illumination map behind the objects [default: black]; also what mirrors and varnish show
@@ -39,8 +39,8 @@ pub struct Tables {
     /// How tables are read; the last three average over what a pixel reflects
     #[arg(long, value_enum, default_value_t = LookupName::Bilinear, requires = "lit")]
     pub lookup: LookupName,
-    /// Wd by the cosine of the view angle: `constant`, `schlick:F0`, or a file of lines with a cosine and a weight, or red, green and blue;
-    /// after a first line `degrees` angles from the normal
+    /// Wd by the cosine of the view angle: `constant`, `schlick:F0`, or a file of lines with a cosine and a weight, or
+    /// red, green and blue; after a first line `degrees` angles from the normal
     #[arg(long, value_name = "W", default_value = "constant", value_parser = weight, requires = "shading")]
     pub diffuse_weight: WeightName,
     /// Ws, likewise. Without --maps it weighs the Phong highlight of --sun and its kin by the cosine of their incidence
@@ -55,7 +55,8 @@ pub struct Tables {
     /// Round normals to what a frame buffer would hold: one of 256, or an octahedral code of this many bits
     #[arg(long, value_enum, requires = "shading")]
     pub normals: Option<NormalsName>,
-    /// Write the normals that the camera sees as codes in place of a picture, with camera and materials in the header of the .exr, for --relight
+    /// Write the normals that the camera sees as codes in place of a picture, with camera and materials in the header
+    /// of the .exr, for --relight
     #[arg(long, value_enum, value_name = "CODE", conflicts_with_all = ["shading", "bake", "figure"])]
     pub encode: Option<NormalsName>,
     /// SCENE is a picture that --encode wrote: shade it from --maps

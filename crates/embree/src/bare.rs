@@ -15,8 +15,9 @@ impl Scene {
     /// A recording of packets with their active lanes.
     ///
     /// # Panics
-    /// Where the slices differ in length, a packet has no active lane, a lane holds a ray that is not finite or out of the
-    /// scene's reach, an active lane has `t_min` other than 0 or an empty interval, or another lane `t_max` above 0.
+    /// Where the slices differ in length, a packet has no active lane, a lane holds a ray that is not finite or out of
+    /// the scene's reach, an active lane has `t_min` other than 0 or an empty interval, or another lane `t_max` above
+    /// 0.
     pub fn recording<'a>(
         &'a self,
         packets: &'a [RayPacket<16>],
@@ -48,8 +49,8 @@ impl Recording<'_> {
     /// Traces every packet, incoherent, and returns how many rays were blocked.
     pub fn replay(&self) -> u64 {
         // SAFETY: the scene is committed and alive, and may be traced by several threads. Both pointers are good for as
-        // many items as `packets` has, checked when it was recorded, as every ray was. The shim copies each packet to an
-        // aligned local; Embree keeps no pointer to it.
+        // many items as `packets` has, checked when it was recorded, as every ray was. The shim copies each packet to
+        // an aligned local; Embree keeps no pointer to it.
         let blocked = unsafe {
             sys::ambake_bare16(
                 self.scene.raw(),

@@ -7,8 +7,8 @@ use embree4_sys as sys;
 use std::fmt;
 use std::ptr;
 
-/// Bytes that the system must be able to give before a tree is built. TBB, on which Embree builds, ends the program where memory is refused amid
-/// its tasks, so what they take is asked for beforehand.
+/// Bytes that the system must be able to give before a tree is built. TBB, on which Embree builds, ends the program
+/// where memory is refused amid its tasks, so what they take is asked for beforehand.
 const ROOM: usize = 32 << 20;
 
 /// Collects meshes and instances, each with the next geometry id, and becomes a [`Scene`].
@@ -69,8 +69,8 @@ impl SceneBuilder {
     /// * `triangles`: vertex indices, at least one triangle. Degenerate triangles are never hit.
     ///
     /// # Errors
-    /// [`Error::EmptyMesh`], [`Error::TooMany`], [`Error::IndexOutOfRange`] or [`Error::VertexOutOfRange`] for the data;
-    /// [`Error::OutOfMemory`].
+    /// [`Error::EmptyMesh`], [`Error::TooMany`], [`Error::IndexOutOfRange`] or [`Error::VertexOutOfRange`] for the
+    /// data; [`Error::OutOfMemory`].
     pub fn triangles(
         &mut self,
         positions: &[[f32; 3]],

@@ -91,12 +91,12 @@ pub(crate) fn reach(inverse: &[[f64; 3]; 3], translation: [f32; 3]) -> f32 {
     reach.fold(half, f64::min) as f32
 }
 
-/// True where Embree serves an instance with this transform, columns first and the translation last, to rays whose origins
-/// and directions have no coordinate above `extent` in magnitude.
+/// True where Embree serves an instance with this transform, columns first and the translation last, to rays whose
+/// origins and directions have no coordinate above `extent` in magnitude.
 ///
-/// One instance that does not would cost every ray of the scene its hits: see `reach`. [`crate::SceneBuilder::instance`]
-/// refuses what serves no ray of unit direction; whoever knows the scene's size asks here first and places the vertices
-/// instead.
+/// One instance that does not would cost every ray of the scene its hits: see `reach`.
+/// [`crate::SceneBuilder::instance`] refuses what serves no ray of unit direction; whoever knows the scene's size asks
+/// here first and places the vertices instead.
 pub fn serves(transform: &[[f32; 3]; 4], extent: f64) -> bool {
     inverse(transform).is_ok_and(|inverse| f64::from(reach(&inverse, transform[3])) > extent)
 }

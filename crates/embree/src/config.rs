@@ -5,8 +5,9 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
-/// Decides whether a hit on a masked triangle counts: `keep(primitive, barycentric, ray)`, with the weights of the second
-/// and third corner and [`Ray::id`](crate::Ray::id). Called from any thread that traces, also several times for one hit.
+/// Decides whether a hit on a masked triangle counts: `keep(primitive, barycentric, ray)`, with the weights of the
+/// second and third corner and [`Ray::id`](crate::Ray::id). Called from any thread that traces, also several times for
+/// one hit.
 pub type Keep = Arc<dyn Fn(u32, [f32; 2], u32) -> bool + Send + Sync>;
 
 /// What a device is asked for. The default uses every core, the CPU's best kernels and no memory limit.

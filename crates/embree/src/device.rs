@@ -22,7 +22,8 @@ pub struct Device(Arc<Inner>);
 struct Inner {
     raw: sys::RTCDevice,
     info: DeviceInfo,
-    // Embree holds its address until `drop` takes the callback back. (An `Arc`: a box may not be pointed to while it moves.)
+    // Embree holds its address until `drop` takes the callback back. (An `Arc`: a box may not be pointed to while it
+    // moves.)
     account: Arc<Account>,
 }
 

@@ -25,8 +25,8 @@
 //! The crate's API is the same where Embree is absent: then [`Device::new`] returns [`Error::NotBuilt`], and the types
 //! that would hold a handle have no values.
 //!
-//! Everything `unsafe` of the project stands here, in `embree4-sys` and in `oidn`. Rules of the library that this crate keeps are
-//! listed in `vendor-notes/embree.md`.
+//! Everything `unsafe` of the project stands here, in `embree4-sys` and in `oidn`. Rules of the library that this crate
+//! keeps are listed in `vendor-notes/embree.md`.
 //!
 //! # Where what is
 //!

@@ -18,7 +18,8 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// A hash of origin and direction, bit by bit: what a hit test knows of the ray that it decides for, on every machine.
+    /// A hash of origin and direction, bit by bit: what a hit test knows of the ray that it decides for, on every
+    /// machine.
     #[inline]
     pub fn id(&self) -> u32 {
         let numbers = self.origin.iter().chain(&self.direction);
@@ -121,9 +122,9 @@ where
 /// How alike the rays of a packet are: a hint for speed.
 ///
 /// Rays of about unit direction that start within a scene get the same answer either way, but where they graze an edge
-/// within rounding: Embree 4 walks a coherent packet by other arithmetic. Rays of arbitrary bits (directions near the ends
-/// of the range of f32, or with components that underflow) may be answered otherwise, so nothing that must not change with
-/// the hint may rest on such rays.
+/// within rounding: Embree 4 walks a coherent packet by other arithmetic. Rays of arbitrary bits (directions near the
+/// ends of the range of f32, or with components that underflow) may be answered otherwise, so nothing that must not
+/// change with the hint may rest on such rays.
 ///
 /// Embree 3 is never told: coherent packets of 16 can hang Debian's 3.13.5 on AVX-512. Nor is a scene with instances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

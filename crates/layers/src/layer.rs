@@ -85,8 +85,9 @@ pub enum Layer {
     OpenSpecular,
     /// Sky x visibility x what an open texel reflects: the second baseline.
     TraditionalClosed,
-    /// Spherical harmonics of the light that arrives, up to order 1: (1/4pi) times the integral of L V, and the same times each axis of
-    /// the direction. E/pi of a normal n is about the first plus twice the dot product of n and the others.
+    /// Spherical harmonics of the light that arrives, up to order 1: (1/4pi) times the integral of L V, and the same
+    /// times each axis of the direction. E/pi of a normal n is about the first plus twice the dot product of n and the
+    /// others.
     Sh,
     /// The same of [`Layer::Bent`], of the diffuse term plus each axis of the cosine-weighted sum.
     HalfBent,

@@ -1,10 +1,9 @@
 //! From one layout to another with every texel's energy kept.
 //!
 //! Each pair of texels that lie over each other gets a weight in steradians: small cells of the finer side, shared out
-//! bilinearly among the texels of the coarser one. The weights are then fitted to the exact solid angles of both
-//! sides in turn (iterative proportional fitting, W. Deming, F. Stephan 1940), which makes a constant map come out constant;
-//! the last fit is to the input, so that its
-//! energy is kept.
+//! bilinearly among the texels of the coarser one. The weights are then fitted to the exact solid angles of both sides
+//! in turn (iterative proportional fitting, W. Deming, F. Stephan 1940), which makes a constant map come out constant;
+//! the last fit is to the input, so that its energy is kept.
 
 use crate::map::{taps, texel};
 use crate::{Error, IlluminationMap, Image, Layout, Orientation, Projection};

@@ -1,9 +1,10 @@
-//! The six files of a cube: their names, and hints where one of them is taken for the whole or the whole for one of them.
+//! The six files of a cube: their names, and hints where one of them is taken for the whole or the whole for one of
+//! them.
 
 use std::path::{Path, PathBuf};
 
-/// What the names of a cube's six pictures end in, in the order in which [`crate::Projection::Cube`] stacks them: `NAME_px.exr` is
-/// the face toward +x of the cube `NAME.exr`.
+/// What the names of a cube's six pictures end in, in the order in which [`crate::Projection::Cube`] stacks them:
+/// `NAME_px.exr` is the face toward +x of the cube `NAME.exr`.
 pub const FACES: [&str; 6] = ["px", "nx", "py", "ny", "pz", "nz"];
 
 /// What to do with one square face of a cube; empty where the name or the shape does not say that it is one.

@@ -40,8 +40,8 @@ impl Format {
 /// ```
 ///
 /// # Errors
-/// [`Error::Read`] for a file that is absent, cut short, damaged, empty or of another kind; [`Error::Pixel`] for a value
-/// that is NaN, infinite or negative.
+/// [`Error::Read`] for a file that is absent, cut short, damaged, empty or of another kind; [`Error::Pixel`] for a
+/// value that is NaN, infinite or negative.
 pub fn read(path: &Path) -> Result<ImageFile, Error> {
     let file = read_unchecked(path)?;
     file.image.check(path)?;
@@ -135,8 +135,8 @@ pub fn encode(image: &Image, format: Format, labels: &Labels) -> Result<Vec<u8>,
     encode_with(image, None, format, labels)
 }
 
-/// Like [`encode`], with another channel, its name and one value a pixel: `confidence`, or `A`. An `.hdr` file has no place for it and
-/// leaves it out.
+/// Like [`encode`], with another channel, its name and one value a pixel: `confidence`, or `A`. An `.hdr` file has no
+/// place for it and leaves it out.
 ///
 /// # Errors
 /// As [`encode`].

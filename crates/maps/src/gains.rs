@@ -1,8 +1,10 @@
-//! Gains between photographs of one place that were exposed or developed a little differently, from what they both show.
+//! Gains between photographs of one place that were exposed or developed a little differently, from what they both
+//! show.
 //!
-//! With the film's response undone, a photograph is the radiance times one unknown number a channel. Where two photographs show the same
-//! direction, the difference of their logarithms is that of their gains. Its median over all such directions is not moved by lights, things
-//! that moved, and noise; gains of all photographs follow from the medians of all pairs by least squares, and so do their errors.
+//! With the film's response undone, a photograph is the radiance times one unknown number a channel. Where two
+//! photographs show the same direction, the difference of their logarithms is that of their gains. Its median over all
+//! such directions is not moved by lights, things that moved, and noise; gains of all photographs follow from the
+//! medians of all pairs by least squares, and so do their errors.
 
 use crate::Error;
 use ambient::solve::cholesky;

@@ -29,8 +29,9 @@ impl ImageFile {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Header`] where the header says a word that is no projection or orientation, [`Error::Layout`] for a picture
-    /// whose shape does not fit; where nobody says what it is, the error names the projections that its shape fits.
+    /// [`Error::Header`] where the header says a word that is no projection or orientation, [`Error::Layout`] for a
+    /// picture whose shape does not fit; where nobody says what it is, the error names the projections that its shape
+    /// fits.
     pub fn layout(
         &self,
         path: &Path,

@@ -1,8 +1,8 @@
 //! Illumination maps and reflection maps: G. Miller, R. Hoffman, "Illumination and Reflection Maps" (1984).
 //!
 //! An [`Image`] read from a file becomes, with a [`Projection`], the radiance that arrives from every direction: an
-//! [`IlluminationMap`], to be looked up, converted, convolved into the maps D and S, or drawn from as a sky ([`SkyMap`]). The
-//! crate opens image files and encodes them into memory; it creates no files and prints nothing.
+//! [`IlluminationMap`], to be looked up, converted, convolved into the maps D and S, or drawn from as a sky
+//! ([`SkyMap`]). The crate opens image files and encodes them into memory; it creates no files and prints nothing.
 //!
 //! ```
 //! use ambake_maps::{Format, IlluminationMap, Image, Labels, diffuse, encode, read, specular};

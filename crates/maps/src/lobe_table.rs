@@ -4,8 +4,9 @@ use crate::columns::columns;
 use crate::{Error, Lobe};
 
 impl Lobe {
-    /// The lobe in a text of lines with a cosine and a value, apart by commas, semicolons or blanks; `#` begins a comment.
-    /// After a first line `degrees value` each line begins with the angle from the mirror direction in 0..=180.
+    /// The lobe in a text of lines with a cosine and a value, apart by commas, semicolons or blanks; `#` begins a
+    /// comment. After a first line `degrees value` each line begins with the angle from the mirror direction in
+    /// 0..=180.
     ///
     /// # Errors
     /// [`Error::Line`] with the first line that is none; [`Error::Lobe`] for angles beyond 180 degrees and for what

@@ -23,7 +23,8 @@ pub struct IlluminationMap {
     projection: Projection,
 }
 
-/// A convolved picture, indexed by the normal (D) or by the mirror direction (S). It looks up like the map it came from.
+/// A convolved picture, indexed by the normal (D) or by the mirror direction (S). It looks up like the map it came
+/// from.
 pub type ReflectionMap = IlluminationMap;
 
 impl IlluminationMap {

@@ -1,7 +1,7 @@
 //! Six photographs of an environment to one cube without seams: section 5.1 (1) of the 1984 text.
 //!
-//! The camera stands still and looks along the six axes. Its field of view is 90 degrees or more; what is more is shown by two or three
-//! photographs, which tells their gains, and there they fade into each other.
+//! The camera stands still and looks along the six axes. Its field of view is 90 degrees or more; what is more is shown
+//! by two or three photographs, which tells their gains, and there they fade into each other.
 
 use crate::gains::{Both, Gains};
 use crate::projection::{meet, on_face, on_plane};
@@ -20,15 +20,16 @@ pub struct Mosaic {
 /// Samples of a texel in each direction.
 const SAMPLES: usize = 2;
 
-/// The cube that six square photographs show, toward +x, -x, +y, -y, +z and -z, each with the axes of that face of a cube.
+/// The cube that six square photographs show, toward +x, -x, +y, -y, +z and -z, each with the axes of that face of a
+/// cube.
 ///
-/// * `fov`: what a photograph spans from side to side, in radians, from π/2 below π. At π/2 the photographs touch: gains are told from
-///   their outermost pixels, and nothing fades.
+/// * `fov`: what a photograph spans from side to side, in radians, from π/2 below π. At π/2 the photographs touch:
+///   gains are told from their outermost pixels, and nothing fades.
 /// * `equal`: find the gains and undo them.
 ///
 /// # Errors
-/// [`Error::Shape`] for photographs that are not square or of different sizes, another field of view, or photographs that are too dark to
-/// tell their gains.
+/// [`Error::Shape`] for photographs that are not square or of different sizes, another field of view, or photographs
+/// that are too dark to tell their gains.
 pub fn mosaic(photos: &[Image; 6], fov: f64, equal: bool) -> Result<Mosaic, Error> {
     let side = photos[0].width;
     for (number, photo) in photos.iter().enumerate() {
@@ -151,8 +152,8 @@ impl Views<'_> {
         })
     }
 
-    /// Directions that two photographs show: through the pixels of each that another shows too; where they only touch, on the edge beside the
-    /// outermost pixels.
+    /// Directions that two photographs show: through the pixels of each that another shows too; where they only touch,
+    /// on the edge beside the outermost pixels.
     fn shared(&self) -> Vec<Both> {
         let side = self.photos[0].width;
         let touch = self.wide == 1.0;

@@ -1,7 +1,7 @@
 //! How other tools place directions in their pictures.
 //!
-//! Directions are ambake's (glTF's): right-handed, +y up. An orientation says at which direction of ambake's own picture a
-//! tool looks for a direction. All are signed exchanges of axes, so texels keep their solid angles.
+//! Directions are ambake's (glTF's): right-handed, +y up. An orientation says at which direction of ambake's own
+//! picture a tool looks for a direction. All are signed exchanges of axes, so texels keep their solid angles.
 
 use crate::{Direction, Error, Image, Projection};
 
@@ -18,7 +18,8 @@ use crate::{Direction, Error, Image, Projection};
 pub enum Orientation {
     /// ambake: polar with +z in the middle and +x to its right; cube faces as OpenGL's.
     Ambake,
-    /// glTF viewers and the image-based light extension: polar with +x in the middle and +z to its right; cube as OpenGL's.
+    /// glTF viewers and the image-based light extension: polar with +x in the middle and +z to its right; cube as
+    /// OpenGL's.
     Gltf,
     /// three.js: polar as glTF; cube textures are looked up with x reversed.
     Three,
@@ -90,8 +91,8 @@ impl Orientation {
         }
     }
 
-    /// Exchanges the last two faces where the tool stores them the other way round: OpenEXR's picture of +z is ambake's of
-    /// -z with z reversed. Twice is nothing.
+    /// Exchanges the last two faces where the tool stores them the other way round: OpenEXR's picture of +z is ambake's
+    /// of -z with z reversed. Twice is nothing.
     pub(crate) fn exchange_faces(self, projection: Projection, image: &mut Image) {
         if self != Orientation::OpenExr
             || !matches!(projection, Projection::Cube | Projection::Strip)

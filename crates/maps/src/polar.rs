@@ -15,7 +15,8 @@ pub struct PolarFile {
 /// The map in the file at `path`. A header that says nothing of projection and axes is taken for a polar one's.
 ///
 /// # Errors
-/// Those of [`read`]; [`Error::Shape`] for another projection, other axes, or a picture that is not twice as wide as high.
+/// Those of [`read`]; [`Error::Shape`] for another projection, other axes, or a picture that is not twice as wide as
+/// high.
 pub fn read_polar(path: &Path) -> Result<PolarFile, Error> {
     let file = read(path)?;
     let label = |name: &str| file.labels.get(name).map(String::as_str);

@@ -1,9 +1,11 @@
-//! Reflectance by incidence, by angle from the mirror direction and by colour: the table that section 9 of the 1984 text asks for.
+//! Reflectance by incidence, by angle from the mirror direction and by colour: the table that section 9 of the 1984
+//! text asks for.
 //!
-//! How a surface without grain reflects is a function of three numbers: the incidence of the view, the direction of the light about
-//! the mirror direction, which has two, and for each colour another. Blurred by all of it, a map would have four dimensions: two of the
-//! normal and two of the eye. Where lobes are round about the mirror direction it has three: R and the incidence. That is what
-//! J. Kautz and M. McCool keep ("Approximation of Glossy Reflection with Prefiltered Environment Maps", Graphics Interface 2000).
+//! How a surface without grain reflects is a function of three numbers: the incidence of the view, the direction of the
+//! light about the mirror direction, which has two, and for each colour another. Blurred by all of it, a map would have
+//! four dimensions: two of the normal and two of the eye. Where lobes are round about the mirror direction it has
+//! three: R and the incidence. That is what J. Kautz and M. McCool keep ("Approximation of Glossy Reflection with
+//! Prefiltered Environment Maps", Graphics Interface 2000).
 
 use crate::columns::columns;
 use crate::{
@@ -13,7 +15,8 @@ use crate::{
 /// A reflectance table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reflectance {
-    /// Incidences in degrees from the normal, ascending in 0..=90, each with its lobe in red, green and blue; `None` for black.
+    /// Incidences in degrees from the normal, ascending in 0..=90, each with its lobe in red, green and blue; `None`
+    /// for black.
     lobes: Vec<(f64, [Option<Lobe>; 3])>,
 }
 
@@ -23,9 +26,10 @@ type Pairs = Vec<(f64, f64)>;
 const EXPECTED: &str = "an incidence, an angle and a value, or red, green and blue,";
 
 impl Reflectance {
-    /// The table in a text. Its first line names the columns: `incidence degrees value` or `incidence degrees red green blue`. Each other line
-    /// has the incidence of the view and the angle from the mirror direction, both in degrees, and what is reflected there per steradian:
-    /// BRDF times cosine. Numbers are apart by commas, semicolons or blanks; `#` begins a comment. Incidences ascend, and angles within each.
+    /// The table in a text. Its first line names the columns: `incidence degrees value` or `incidence degrees red green
+    /// blue`. Each other line has the incidence of the view and the angle from the mirror direction, both in degrees,
+    /// and what is reflected there per steradian: BRDF times cosine. Numbers are apart by commas, semicolons or blanks;
+    /// `#` begins a comment. Incidences ascend, and angles within each.
     ///
     /// ```
     /// use ambake_maps::Reflectance;
@@ -35,8 +39,8 @@ impl Reflectance {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Line`] with the first line that is none, [`Error::Lobe`] with the first incidence that is out of range or order or has no
-    /// lobe.
+    /// [`Error::Line`] with the first line that is none, [`Error::Lobe`] with the first incidence that is out of range
+    /// or order or has no lobe.
     pub fn parse(text: &str) -> Result<Reflectance, Error> {
         let wrong = |line| Error::Line {
             line,

@@ -15,8 +15,9 @@ pub struct SkyFile {
     pub map: SkyMap,
 }
 
-/// The sky in the picture at `path`, of any format that [`crate::read`] reads and in the layout that its header says, else polar.
-/// A picture that is not polar is converted with as many texels about the equator, its energy kept. The file is read once.
+/// The sky in the picture at `path`, of any format that [`crate::read`] reads and in the layout that its header says,
+/// else polar. A picture that is not polar is converted with as many texels about the equator, its energy kept. The
+/// file is read once.
 ///
 /// ```
 /// use ambake_maps::{Format, Image, Labels, encode, read_sky};
@@ -31,7 +32,8 @@ pub struct SkyFile {
 /// ```
 ///
 /// # Errors
-/// [`Error::Read`] and [`Error::Pixel`] as [`crate::read`], [`Error::Header`] and [`Error::Layout`] as [`ImageFile::layout`].
+/// [`Error::Read`] and [`Error::Pixel`] as [`crate::read`], [`Error::Header`] and [`Error::Layout`] as
+/// [`ImageFile::layout`].
 pub fn read_sky(path: &Path) -> Result<SkyFile, Error> {
     let bytes = file::bytes(path)?;
     let file = file::decode(path, &bytes)?;

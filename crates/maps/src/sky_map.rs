@@ -13,10 +13,10 @@ use std::path::Path;
 
 /// Radiance from every direction, constant over each texel of a polar map: a uniform floor and what stands out of it.
 ///
-/// Texels lie as in [`Projection::Polar`]. The floor is the least value of each channel, so that a constant map is a floor
-/// alone and needs no samples. What stands out is kept divided by [`SkyMap::scale`], its flux over the sphere summed over the
-/// channels: then the sum of a texel's three channels is the probability per steradian with which [`SkyMap::sample16`] draws
-/// directions of the texel.
+/// Texels lie as in [`Projection::Polar`]. The floor is the least value of each channel, so that a constant map is a
+/// floor alone and needs no samples. What stands out is kept divided by [`SkyMap::scale`], its flux over the sphere
+/// summed over the channels: then the sum of a texel's three channels is the probability per steradian with which
+/// [`SkyMap::sample16`] draws directions of the texel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SkyMap {
     width: usize,
@@ -171,7 +171,8 @@ impl SkyMap {
         self.mean
     }
 
-    /// Radiance of a texel above the floor, divided by the scale. The sum of the channels is the probability density per steradian.
+    /// Radiance of a texel above the floor, divided by the scale. The sum of the channels is the probability density
+    /// per steradian.
     #[inline(always)]
     pub fn excess(&self, texel: u32) -> [f32; 3] {
         self.excess[texel as usize]
@@ -183,7 +184,8 @@ impl SkyMap {
         (excess.map(|v| v * self.scale), excess.iter().sum())
     }
 
-    /// Radiance in a unit direction, linear between the middles of texels. Above the highest and below the lowest row it is theirs.
+    /// Radiance in a unit direction, linear between the middles of texels. Above the highest and below the lowest row
+    /// it is theirs.
     pub fn seen(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         let (width, height) = (self.width, self.rows.len());
         let polar = x.hypot(z).atan2(y) / PI * height as f64 - 0.5;
@@ -219,8 +221,8 @@ impl SkyMap {
         out
     }
 
-    /// Sixteen unit directions, uniform over their texels, and these, for points of the unit square; `u0` chooses the row, `u1` the
-    /// column. The map must not be constant.
+    /// Sixteen unit directions, uniform over their texels, and these, for points of the unit square; `u0` chooses the
+    /// row, `u1` the column. The map must not be constant.
     #[inline(always)]
     pub fn sample16(&self, u0: &Wide, u1: &Wide) -> ([Wide; 3], [u32; LANES]) {
         let (mut directions, mut texels) = ([[0.0; LANES]; 3], [0; LANES]);
@@ -266,9 +268,9 @@ impl SkyMap {
     }
 }
 
-/// A table from which the inverse of a distribution over `ends.len()` places is found in a step or two: for each of as many equal parts of
-/// 0..1, the first place whose end exceeds the part's start. H.-C. Chen, Y. Asau, "On Generating Random Variates from an Empirical
-/// Distribution", 1974.
+/// A table from which the inverse of a distribution over `ends.len()` places is found in a step or two: for each of as
+/// many equal parts of 0..1, the first place whose end exceeds the part's start. H.-C. Chen, Y. Asau, "On Generating
+/// Random Variates from an Empirical Distribution", 1974.
 fn guide(ends: &[f32]) -> impl Iterator<Item = u16> {
     let count = ends.len() as f32;
     let mut place = 0;

@@ -1,8 +1,9 @@
 //! Intel Open Image Denoise, loaded at run time: nothing is linked, and a program without the library runs as well.
 //!
-//! Versions 1 and 2 of its C interface agree in all functions that are called here, but for the name of one. The processor's device
-//! is used, whose bits do not depend on the number of threads; another version of the library, or another set of vector
-//! instructions, may give others. Its documentation is <https://www.openimagedenoise.org/documentation.html>.
+//! Versions 1 and 2 of its C interface agree in all functions that are called here, but for the name of one. The
+//! processor's device is used, whose bits do not depend on the number of threads; another version of the library, or
+//! another set of vector instructions, may give others. Its documentation is
+//! <https://www.openimagedenoise.org/documentation.html>.
 //!
 //! # Where what is
 //!
@@ -108,8 +109,8 @@ pub fn load() -> Result<&'static Oidn, Error> {
             None => NAMES.map(OsString::from).to_vec(),
         };
         for place in places {
-            // SAFETY: this runs the initialisers of a library that the user installed under this name; nothing of ours depends on
-            // what they do, and nobody unloads it.
+            // SAFETY: this runs the initialisers of a library that the user installed under this name; nothing of ours
+            // depends on what they do, and nobody unloads it.
             if let Ok(library) = unsafe { Library::new(&place) } {
                 let library: &'static Library = Box::leak(Box::new(library));
                 let file = place.to_string_lossy().into_owned();
@@ -201,9 +202,9 @@ impl Oidn {
         let api = &self.0;
         let mut denoised = picture.to_vec();
         let threads = c_int::try_from(threads).unwrap_or(c_int::MAX);
-        // SAFETY: the functions have the types of their header. Device and filter are made here, used by this thread alone, never null
-        // where they are used, and released below, the filter first. The pictures hold width x height x 3 floats without gaps, which
-        // is what strides of 0 mean, and outlive the filter; `color` is only read.
+        // SAFETY: the functions have the types of their header. Device and filter are made here, used by this thread
+        // alone, never null where they are used, and released below, the filter first. The pictures hold width x height
+        // x 3 floats without gaps, which is what strides of 0 mean, and outlive the filter; `color` is only read.
         unsafe {
             let device = (api.new_device)(CPU);
             if device.is_null() {

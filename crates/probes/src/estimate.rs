@@ -1,8 +1,8 @@
 //! From replicates of rays to coefficients with their errors.
 //!
-//! The sum of radiance times a harmonic over even directions is off even where radiance is a harmonic itself. So each replicate sums
-//! only what the others' least-squares fit leaves, and takes the fit as it is: its points had no part in that, so nothing is biased, and
-//! light that the harmonics hold, such as that of an open sky, comes out exactly.
+//! The sum of radiance times a harmonic over even directions is off even where radiance is a harmonic itself. So each
+//! replicate sums only what the others' least-squares fit leaves, and takes the fit as it is: its points had no part in
+//! that, so nothing is biased, and light that the harmonics hold, such as that of an open sky, comes out exactly.
 
 use ambient::convention::SPHERE;
 use ambient::harmonics::MOST;
@@ -12,7 +12,8 @@ use glam::DVec3;
 /// Independent sets of the rays of a probe.
 pub(crate) const REPLICATES: usize = 16;
 
-/// Degrees of freedom over those less two: the variance of Student's distribution, by which so few sets spread wider than they tell.
+/// Degrees of freedom over those less two: the variance of Student's distribution, by which so few sets spread wider
+/// than they tell.
 const STUDENT: f64 = (REPLICATES as f64 - 1.0) / (REPLICATES as f64 - 3.0);
 
 /// The parts of the light that are kept apart.

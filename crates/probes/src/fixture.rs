@@ -6,7 +6,8 @@ use scene::Scene;
 use scene::authored::{Material, Mesh};
 use std::sync::Arc;
 
-/// Parallelograms of one material: a corner and the two edges that leave it, the front on the side of their cross product.
+/// Parallelograms of one material: a corner and the two edges that leave it, the front on the side of their cross
+/// product.
 pub(crate) struct Sheets {
     pub places: Vec<[DVec3; 3]>,
     pub albedo: f32,

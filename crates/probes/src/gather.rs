@@ -31,11 +31,11 @@ pub struct Gather<'a> {
     pub bounces: u32,
     /// Surfaces farther than this do not count; infinite for none.
     pub max_distance: f32,
-    /// Rays of a probe in even directions, at least [`LEAST_RAYS`]; as many are aimed at lamps and at what stands out of the sky, where
-    /// there are some, and at each light with extent. With a target, the most that a probe takes.
+    /// Rays of a probe in even directions, at least [`LEAST_RAYS`]; as many are aimed at lamps and at what stands out
+    /// of the sky, where there are some, and at each light with extent. With a target, the most that a probe takes.
     pub rays: u32,
-    /// Standard error of the light E / π at which a probe has rays enough, root mean square over normals and channels; `None` for
-    /// [`Self::rays`] everywhere.
+    /// Standard error of the light E / π at which a probe has rays enough, root mean square over normals and channels;
+    /// `None` for [`Self::rays`] everywhere.
     pub target: Option<f64>,
     /// Order of the harmonics, 0..=3.
     pub order: usize,
@@ -48,8 +48,8 @@ pub struct Gather<'a> {
 /// Fewest rays of a probe.
 pub const LEAST_RAYS: u32 = 64;
 
-/// Rays that tell how many a target takes. They are no part of the result: what is kept has points of its own, so that nothing is biased by
-/// where it stops.
+/// Rays that tell how many a target takes. They are no part of the result: what is kept has points of its own, so that
+/// nothing is biased by where it stops.
 const PILOT: u32 = 256;
 
 /// Rays are asked for beyond what the pilot says, because its error is itself an estimate.
@@ -84,10 +84,12 @@ pub struct Probe {
     pub parts: [Vec<DVec3>; PARTS],
     /// Share of the directions that meet no back of a surface, 0..=1; 0 in a solid.
     pub validity: f64,
-    /// Mean distance of surfaces and the mean of its square, by direction: an octahedron of [`DISTANCE_EDGE`] texels a side as
-    /// [`Projection::Octahedral`] lays it out, row by row. What is farther than the reach, or open, counts as the reach.
+    /// Mean distance of surfaces and the mean of its square, by direction: an octahedron of [`DISTANCE_EDGE`] texels a
+    /// side as [`Projection::Octahedral`] lays it out, row by row. What is farther than the reach, or open, counts as
+    /// the reach.
     pub distance: Vec<[f32; 2]>,
-    /// The nearest surface, in a solid, else the nearest that a ray met from its back: where, and the unit normal on the far side.
+    /// The nearest surface, in a solid, else the nearest that a ray met from its back: where, and the unit normal on
+    /// the far side.
     pub(crate) way_out: Option<(DVec3, DVec3)>,
 }
 
@@ -163,8 +165,8 @@ impl Gather<'_> {
         let solids = self.surfaces.world().solids();
         let near = solids.about(place, place);
         let is_inside = solids.outweigh(&near, |body| solids.depth(body, place, None));
-        // Where neither the sky nor any light is seen, surfaces that are drawn from both sides tell the inside of a body from a dark room too:
-        // files of many kinds know no others.
+        // Where neither the sky nor any light is seen, surfaces that are drawn from both sides tell the inside of a
+        // body from a dark room too: files of many kinds know no others.
         let lit = &parts[Part::Lights as usize];
         let is_shut = !seen.light && lit.iter().all(|value| *value == DVec3::ZERO);
         let kind = if is_shut { Met::Behind } else { Met::Back } as usize;
@@ -312,7 +314,8 @@ impl Seen {
         }
     }
 
-    /// Takes in the distance that a ray went. A texel weighs rays by the 64th power of their cosine: a lobe about as wide as itself.
+    /// Takes in the distance that a ray went. A texel weighs rays by the 64th power of their cosine: a lobe about as
+    /// wide as itself.
     fn meet(&mut self, direction: DVec3, distance: Option<f32>) {
         let reach = self.reach as f32;
         let distance = distance.map_or(reach, |distance| distance.min(reach));

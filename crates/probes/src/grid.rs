@@ -61,7 +61,8 @@ impl Grid {
         self.low + self.cell * DVec3::from(at)
     }
 
-    /// The eight cells about a place with their weights, which add up to 1. Beyond the outermost probes the nearest count.
+    /// The eight cells about a place with their weights, which add up to 1. Beyond the outermost probes the nearest
+    /// count.
     pub fn taps(&self, place: DVec3) -> [(usize, f64); 8] {
         let last = (self.counts - UVec3::ONE).as_dvec3();
         let at = ((place - self.low) / self.cell.max(DVec3::splat(f64::MIN_POSITIVE)) - 0.5)

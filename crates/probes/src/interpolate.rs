@@ -7,7 +7,8 @@ use ambient::sampling::Stream;
 use glam::DVec3;
 use layers::Progress;
 
-/// What linear interpolation between probes misses of the light E / π at random places in the air, all normals and channels together.
+/// What linear interpolation between probes misses of the light E / π at random places in the air, all normals and
+/// channels together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interpolation {
     /// Places that were looked at.
@@ -25,8 +26,8 @@ pub struct Interpolation {
 /// Stream label of the places.
 const PLACES: u32 = 8;
 
-/// Fills light of invalid probes from their neighbours in a grid: means of those that share a face, layer by layer. Nothing
-/// changes where no probe is valid.
+/// Fills light of invalid probes from their neighbours in a grid: means of those that share a face, layer by layer.
+/// Nothing changes where no probe is valid.
 pub fn fill<T: Clone>(grid: &Grid, values: &mut [T], valid: &[bool], mean: impl Fn(&[&T]) -> T) {
     let mut valid = valid.to_vec();
     loop {
@@ -50,10 +51,11 @@ pub fn fill<T: Clone>(grid: &Grid, values: &mut [T], valid: &[bool], mean: impl 
     }
 }
 
-/// What interpolation between the probes of a grid costs, at most at `places` random places that are in the air; `None` where there is no
-/// air.
+/// What interpolation between the probes of a grid costs, at most at `places` random places that are in the air; `None`
+/// where there is no air.
 ///
-/// * `within`: the corners of the box that the grid was made for, which places are drawn from: cells may stand out of it.
+/// * `within`: the corners of the box that the grid was made for, which places are drawn from: cells may stand out of
+///   it.
 /// * `filled`: the light of its probes, invalid ones filled.
 ///
 /// # Errors

@@ -1,10 +1,10 @@
 //! Light for what moves: what arrives at places in the air, from all directions.
 //!
-//! A probe is an illumination map at a place, kept as real spherical harmonics of low order, each with its standard error. [`Gather`]
-//! makes one from the sky, the lights and the surfaces around it. Surfaces tell their own light by a look-up in a finished bake, or it
-//! is followed on from them. [`Grid`] and [`fill`] make volumes of probes, and [`interpolation`] says what a look-up between probes
-//! costs. [`Gather::reflection`] keeps all directions, for what is no matt surface. The crate casts rays and computes; it opens no
-//! files and prints nothing.
+//! A probe is an illumination map at a place, kept as real spherical harmonics of low order, each with its standard
+//! error. [`Gather`] makes one from the sky, the lights and the surfaces around it. Surfaces tell their own light by a
+//! look-up in a finished bake, or it is followed on from them. [`Grid`] and [`fill`] make volumes of probes, and
+//! [`interpolation`] says what a look-up between probes costs. [`Gather::reflection`] keeps all directions, for what is
+//! no matt surface. The crate casts rays and computes; it opens no files and prints nothing.
 //!
 //! # Where what is
 //!

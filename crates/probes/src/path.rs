@@ -1,7 +1,8 @@
 //! The light that surfaces send: looked up in a finished bake, or followed on from surface to surface.
 //!
-//! Surfaces reflect as Lambert's do, as they do in a bake. What is followed on is unbiased: paths end by chance (J. Arvo, D. Kirk,
-//! "Particle Transport and Image Synthesis", 1990), and lamps and bright places of the sky are aimed at too.
+//! Surfaces reflect as Lambert's do, as they do in a bake. What is followed on is unbiased: paths end by chance (J.
+//! Arvo, D. Kirk, "Particle Transport and Image Synthesis", 1990), and lamps and bright places of the sky are aimed at
+//! too.
 
 use crate::gather::Gather;
 use crate::sky::Sky;
@@ -20,8 +21,8 @@ const MOST_ON: f64 = 0.95;
 impl Gather<'_> {
     /// Radiance that the surface at a hit reflects back along the ray of the unit direction `direction`.
     ///
-    /// * `random`: four numbers in 0..1 by label, independent of each other and of the ray: points of one sequence are not, however they
-    ///   are scrambled, and surfaces would be chosen by the direction of the first ray.
+    /// * `random`: four numbers in 0..1 by label, independent of each other and of the ray: points of one sequence are
+    ///   not, however they are scrambled, and surfaces would be chosen by the direction of the first ray.
     pub(crate) fn reflected(
         &self,
         hit: SurfaceHit,
@@ -105,7 +106,8 @@ impl Gather<'_> {
         sum
     }
 
-    /// A point of a lamp that is seen from a place: the direction to it, and its radiance over the densities of both ways to it.
+    /// A point of a lamp that is seen from a place: the direction to it, and its radiance over the densities of both
+    /// ways to it.
     ///
     /// * `density`: of the other way, per steradian; nothing is seen where it is 0.
     pub(crate) fn at_lamp(

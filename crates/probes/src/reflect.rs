@@ -44,8 +44,8 @@ const RAYS: u32 = 8;
 const CAPTURE: u32 = 9;
 
 impl Gather<'_> {
-    /// The reflection maps of a place. `number` labels its sample points. Lights that no ray meets have no picture and are left out:
-    /// engines reflect them themselves. `progress` hears of texels.
+    /// The reflection maps of a place. `number` labels its sample points. Lights that no ray meets have no picture and
+    /// are left out: engines reflect them themselves. `progress` hears of texels.
     ///
     /// Each half of the rays makes maps of its own. Their mean is kept, and what they differ by tells its error.
     ///

@@ -28,7 +28,8 @@ impl<'a> Sky<'a> {
         }
     }
 
-    /// Radiance along a unit direction that counts for a ray of this density per steradian, beside as many that are drawn from the map.
+    /// Radiance along a unit direction that counts for a ray of this density per steradian, beside as many that are
+    /// drawn from the map.
     pub(crate) fn shared(&self, direction: DVec3, density: f64) -> DVec3 {
         let floor = self.floor();
         let Some(map) = self.drawn() else {
@@ -38,7 +39,8 @@ impl<'a> Sky<'a> {
         floor + DVec3::from(above) * (density * power_over_density(density, drawn))
     }
 
-    /// A direction drawn from the map for a point of the unit square, and the radiance above the floor over its density there.
+    /// A direction drawn from the map for a point of the unit square, and the radiance above the floor over its density
+    /// there.
     pub(crate) fn draw(
         map: &SkyMap,
         [u0, u1]: [f64; 2],

@@ -52,7 +52,8 @@ fn speck() -> Sheets {
 
 const UNIFORM: Sky<'static> = Sky(&maps::Sky::Uniform([1.0, 0.5, 0.25]));
 
-/// Coefficients of a radiance that is `light` over the sphere: Gauss in z between the heights where it jumps, longitudes between those.
+/// Coefficients of a radiance that is `light` over the sphere: Gauss in z between the heights where it jumps,
+/// longitudes between those.
 fn quadrature(heights: &[f64], turns: &[f64], light: impl Fn(DVec3) -> f64) -> Vec<f64> {
     let rule = gauss_legendre(32);
     let mut sums = vec![0.0; 16];
@@ -250,7 +251,8 @@ fn a_closed_box_is_dark_and_a_solid_is_no_place() {
 
 #[test]
 fn the_inside_of_a_pillar_is_no_place_though_both_sides_are_drawn() {
-    // A pillar without ends between a ground and a lintel is no closed body. Light creeps in below it, and none comes to a dark room.
+    // A pillar without ends between a ground and a lintel is no closed body. Light creeps in below it, and none comes
+    // to a dark room.
     let mut pillar = block(DVec3::new(-0.5, 0.02, -0.5), DVec3::new(0.5, 2.0, 0.5));
     pillar.retain(|[_, a, b]| a.cross(*b).y.abs() < 0.5);
     let ground = [

@@ -28,8 +28,8 @@ pub struct Placed {
     pub probe: Probe,
 }
 
-/// Share of directions that must meet no back of a surface where there is air. Above a ground without a bottom all do, below it half of
-/// them.
+/// Share of directions that must meet no back of a surface where there is air. Above a ground without a bottom all do,
+/// below it half of them.
 pub(crate) const LEAST_VALIDITY: f64 = 0.75;
 
 /// How far from a surface a moved probe stands, as a share of the way that it may be moved.

@@ -2,20 +2,20 @@
 //!
 //! **Cut-outs** block where alpha reaches the cutoff, equality included, as the glTF specification says.
 //!
-//! **See-through surfaces** (glTF BLEND, OBJ `d`) let the share `1 - alpha` of the light pass, and a surface with transmission a share of
-//! what is left. Ambient light is a mean over
-//! rays, so it is enough that this share of the rays passes, which needs no partial hits and is right behind any number of
-//! such surfaces. Which rays pass is no matter of chance, or a bake would depend on its threads: every ray and triangle
-//! have a threshold in 0..1 by a hash, and the ray is stopped where alpha is above it. Both ray libraries get the same
-//! rays, so they agree. Instances of one mesh in a row are told apart by where on the triangle the ray meets them.
+//! **See-through surfaces** (glTF BLEND, OBJ `d`) let the share `1 - alpha` of the light pass, and a surface with
+//! transmission a share of what is left. Ambient light is a mean over rays, so it is enough that this share of the rays
+//! passes, which needs no partial hits and is right behind any number of such surfaces. Which rays pass is no matter of
+//! chance, or a bake would depend on its threads: every ray and triangle have a threshold in 0..1 by a hash, and the
+//! ray is stopped where alpha is above it. Both ray libraries get the same rays, so they agree. Instances of one mesh
+//! in a row are told apart by where on the triangle the ray meets them.
 
 use crate::material::transmitted;
 use glam::Vec2;
 use scene::{Alpha, Mesh, Scene, TextureRef};
 use std::sync::Arc;
 
-/// Cells of a see-through triangle along two of its edges, each with thresholds of its own: enough to tell instances apart,
-/// too few for the rounding of a hit to matter.
+/// Cells of a see-through triangle along two of its edges, each with thresholds of its own: enough to tell instances
+/// apart, too few for the rounding of a hit to matter.
 const CELLS: f32 = 64.0;
 
 /// Decides hits on one mesh with a material that is not opaque. It owns what it reads, so a ray library may keep it.
@@ -36,8 +36,8 @@ impl AlphaTest {
         })
     }
 
-    /// True where the surface stops a ray at the point with the weights `barycentric` of the triangle's second and third
-    /// corners.
+    /// True where the surface stops a ray at the point with the weights `barycentric` of the triangle's second and
+    /// third corners.
     ///
     /// * `ray`: [`crate::Ray::id`] of the ray as it was cast.
     pub fn keep(&self, primitive: u32, barycentric: [f32; 2], ray: u32) -> bool {

@@ -4,9 +4,9 @@ pub use embree::{Coherence, Lanes, PacketWidth, Ray, RayPacket};
 
 /// Answers ray queries on a [`World`](crate::World).
 ///
-/// A ray meets surfaces at `t_min < t <= t_max`, in lengths of its direction, which may have any length but 0;
-/// a negative `t_min` means 0. Both sides of a surface are met. A hit on a masked surface counts where its alpha test keeps it. A ray
-/// that is not finite meets nothing.
+/// A ray meets surfaces at `t_min < t <= t_max`, in lengths of its direction, which may have any length but 0; a
+/// negative `t_min` means 0. Both sides of a surface are met. A hit on a masked surface counts where its alpha test
+/// keeps it. A ray that is not finite meets nothing.
 pub trait RayBackend: Send + Sync {
     /// The lanes of `active` (bit i is lane i) whose rays meet a surface.
     fn occluded16(&self, packet: &RayPacket<16>, active: u32, coherence: Coherence) -> u32;
@@ -14,8 +14,8 @@ pub trait RayBackend: Send + Sync {
     /// True where the ray meets a surface.
     fn occluded(&self, ray: &Ray) -> bool;
 
-    /// The first surface on the ray. Of opaque triangles with the same corners it is the first in the order of the scene whose front faces
-    /// the ray, else the first.
+    /// The first surface on the ray. Of opaque triangles with the same corners it is the first in the order of the
+    /// scene whose front faces the ray, else the first.
     fn closest(&self, ray: &Ray) -> Option<SurfaceHit>;
 
     /// The word for it on the command line.

@@ -74,7 +74,8 @@ impl Boxes {
         found
     }
 
-    /// Hands over the numbers of the boxes that meet a box, if only in a point, until one is taken; false where none is.
+    /// Hands over the numbers of the boxes that meet a box, if only in a point, until one is taken; false where none
+    /// is.
     pub fn any(&self, low: DVec3, high: DVec3, mut take: impl FnMut(u32) -> bool) -> bool {
         if self.nodes.is_empty() {
             return false;

@@ -99,7 +99,8 @@ impl World {
         extent.fold(place, f64::max)
     }
 
-    /// The direction to which a triangle looks, of unit length: the side of its normal on which its shading normals are.
+    /// The direction to which a triangle looks, of unit length: the side of its normal on which its shading normals
+    /// are.
     fn front(&self, instance: u32, triangle: u32) -> DVec3 {
         let corners = self.corners(instance, triangle);
         let face = (corners[1] - corners[0]).cross(corners[2] - corners[0]);

@@ -1,8 +1,9 @@
 //! Triangles that stand in the same place, and which of them a ray is said to meet.
 //!
-//! A sheet that is modelled as two triangles back to back, or an instance that stands twice, is met at one distance. Which of
-//! the two a tree finds first depends on its library, and light would be looked up on the wrong side. The rule is that of what can be
-//! seen: the first triangle in the order of the scene whose front faces the ray, else the first of all.
+//! A sheet that is modelled as two triangles back to back, or an instance that stands twice, is met at one distance.
+//! Which of the two a tree finds first depends on its library, and light would be looked up on the wrong side. The rule
+//! is that of what can be seen: the first triangle in the order of the scene whose front faces the ray, else the first
+//! of all.
 
 use crate::backend::SurfaceHit;
 use crate::mix::Mix;

@@ -147,7 +147,8 @@ pub(crate) fn mask_left_half(scene: &mut Scene) {
     };
 }
 
-/// A sphere of `3 * 4^levels * 8 / 3` triangles: an octahedron, divided and pushed out, closed and with shared vertices.
+/// A sphere of `3 * 4^levels * 8 / 3` triangles: an octahedron, divided and pushed out, closed and with shared
+/// vertices.
 pub(crate) fn sphere(levels: u32) -> Mesh {
     let mut positions = vec![
         Vec3::X,

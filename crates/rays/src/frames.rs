@@ -5,8 +5,8 @@ use crate::world::World;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use std::sync::OnceLock;
 
-/// The frames of a world's surfaces in which engines read normals: tangents along the first texture coordinates, which normal maps are
-/// mostly read at.
+/// The frames of a world's surfaces in which engines read normals: tangents along the first texture coordinates, which
+/// normal maps are mostly read at.
 pub struct Frames<'a, F> {
     world: &'a World,
     layout: F,
@@ -15,7 +15,8 @@ pub struct Frames<'a, F> {
 }
 
 impl<'a, F: Fn(u32, u32) -> [Vec2; 3]> Frames<'a, F> {
-    /// * `layout`: coordinates of the corners of a triangle (mesh, triangle), for meshes without texture coordinates; v grows down.
+    /// * `layout`: coordinates of the corners of a triangle (mesh, triangle), for meshes without texture coordinates; v
+    ///   grows down.
     pub fn new(world: &'a World, layout: F) -> Self {
         let meshes = world.scene().meshes.iter();
         Self {
@@ -25,8 +26,9 @@ impl<'a, F: Fn(u32, u32) -> [Vec2; 3]> Frames<'a, F> {
         }
     }
 
-    /// A direction of the world, of unit length, in the frame of a point of a surface: x along the tangent, y along the bitangent (up in
-    /// the picture), z along the interpolated normal. A normal map that holds it gives it back. Zero for zero.
+    /// A direction of the world, of unit length, in the frame of a point of a surface: x along the tangent, y along the
+    /// bitangent (up in the picture), z along the interpolated normal. A normal map that holds it gives it back. Zero
+    /// for zero.
     ///
     /// * `weights`: corner weights of the triangle.
     pub fn local(&self, instance: u32, triangle: u32, weights: DVec3, direction: DVec3) -> DVec3 {

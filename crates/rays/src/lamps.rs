@@ -79,8 +79,8 @@ impl Lamps {
         )
     }
 
-    /// Probability per steradian that a ray of the unit direction `toward` is aimed at this hit; infinite where it grazes, 0 where the
-    /// surface does not shine.
+    /// Probability per steradian that a ray of the unit direction `toward` is aimed at this hit; infinite where it
+    /// grazes, 0 where the surface does not shine.
     pub fn pdf(&self, world: &World, hit: &SurfaceHit, toward: DVec3) -> f64 {
         let radiance = self.radiance[world.part(hit.instance).1.mesh().material as usize];
         if radiance == 0.0 {

@@ -1,7 +1,7 @@
 //! Suns, point lights, luminous balls and panels on a surface: albedo over π, clamped cosine.
 //!
-//! The diffuse part is the Lambertian model of the diffuse-shading chapter (Scratchapixel): `albedo / π · E · max(N·L, 0)`,
-//! which reflects no more than arrives. The specular part is equation (7) of X. Zhang, Y. Gao, ICIP 2009, in the
+//! The diffuse part is the Lambertian model of the diffuse-shading chapter (Scratchapixel): `albedo / π · E · max(N·L,
+//! 0)`, which reflects no more than arrives. The specular part is equation (7) of X. Zhang, Y. Gao, ICIP 2009, in the
 //! normalisation of the ambient term, so that a sky full of lights gives that term: `(n+1)/2π (R·L)ⁿ E`.
 
 use crate::material::PhongMaterial;
@@ -90,7 +90,8 @@ pub struct Arrival {
 }
 
 impl Light {
-    /// A distant light in a direction of any length, with the irradiance of a surface that faces it. No direction, no unit vector.
+    /// A distant light in a direction of any length, with the irradiance of a surface that faces it. No direction, no
+    /// unit vector.
     pub fn sun(direction: [f64; 3], irradiance: [f64; 3]) -> Self {
         Self::Distant {
             toward: DVec3::from(direction).normalize_or_zero(),
@@ -144,8 +145,8 @@ impl Light {
         self
     }
 
-    /// E/π that a surface at this point, of this unit normal, receives from the whole light where nothing hides any of it; `None` where
-    /// only its directions tell ([`Light::at`]).
+    /// E/π that a surface at this point, of this unit normal, receives from the whole light where nothing hides any of
+    /// it; `None` where only its directions tell ([`Light::at`]).
     pub fn open(&self, point: DVec3, normal: DVec3) -> Option<DVec3> {
         let Light::Sphere {
             position,
@@ -280,8 +281,8 @@ impl Arrival {
         albedo * self.irradiance * (normal.dot(self.toward).max(0.0) / PROJECTED_HEMISPHERE)
     }
 
-    /// Radiance that the Phong lobe about `mirror`, the mirrored view, adds; 0 for a light below the surface, or at right angles to
-    /// `mirror` and beyond.
+    /// Radiance that the Phong lobe about `mirror`, the mirrored view, adds; 0 for a light below the surface, or at
+    /// right angles to `mirror` and beyond.
     pub fn specular(&self, normal: DVec3, mirror: DVec3, material: &PhongMaterial) -> DVec3 {
         let along = mirror.dot(self.toward);
         // An exponent of 0 does not make the other half of the sphere shine.

@@ -88,8 +88,8 @@ pub fn material_at(
     }
 }
 
-/// The share of the light that goes straight through a surface at a point where alpha stops it, 0..=1: the mean of what its tint leaves
-/// of the channels, for a ray passes or is stopped with all of them.
+/// The share of the light that goes straight through a surface at a point where alpha stops it, 0..=1: the mean of what
+/// its tint leaves of the channels, for a ray passes or is stopped with all of them.
 pub(crate) fn transmitted(scene: &Scene, mesh: &Mesh, triangle: u32, weights: [f64; 3]) -> f32 {
     let point = SurfaceAt::of(scene, mesh, triangle, weights);
     point.transmission() * point.base.element_sum() / 3.0
@@ -188,8 +188,8 @@ fn vertex_color(mesh: &Mesh, triangle: u32, weights: [f64; 3]) -> Vec3 {
     sum.as_vec3()
 }
 
-/// Radiance that the surface at a hit sends out by itself toward the side from which it was met, linear RGB: nothing at the back of a
-/// material that is not double-sided.
+/// Radiance that the surface at a hit sends out by itself toward the side from which it was met, linear RGB: nothing at
+/// the back of a material that is not double-sided.
 pub fn emission_at(scene: &Scene, hit: &SurfaceHit) -> DVec3 {
     let mesh = &scene.meshes[scene.instances[hit.instance as usize].mesh as usize];
     let material = &scene.materials[mesh.material as usize];

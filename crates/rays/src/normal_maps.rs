@@ -6,11 +6,11 @@
 //! (to the image's right) and green (to its top) say.
 //!
 //! **Placement.** A normal is bent in the mesh's own space and then carried into the world by the inverse transpose, as
-//! every normal is. So relief is part of the shape: it is mirrored with a mirrored instance and flattened with a flattened
-//! one, and mirrored texture coordinates need only their sign.
+//! every normal is. So relief is part of the shape: it is mirrored with a mirrored instance and flattened with a
+//! flattened one, and mirrored texture coordinates need only their sign.
 //!
 //! **Mean.** A texel has one normal over each piece of a triangle: the mean of the bent normals over it, of unit length
-//! again. `docs/theory.md` says what that keeps of the relief and what not.
+//! again. `docs/sampling.md` says what that keeps of the relief and what not.
 
 use crate::error::Error;
 use crate::part::Part;
@@ -63,8 +63,8 @@ impl NormalMaps {
         Ok(Self { images, tangents })
     }
 
-    /// The unit mean, in the world, of the bent shading normals over a piece of a triangle of a placed mesh; `None` where
-    /// the mesh has no normal map, or the normals cancel.
+    /// The unit mean, in the world, of the bent shading normals over a piece of a triangle of a placed mesh; `None`
+    /// where the mesh has no normal map, or the normals cancel.
     ///
     /// * `corners`: corner weights of the triangle at three corners of the piece.
     /// * `square`: the piece is the parallelogram on them, not the triangle.
@@ -95,7 +95,8 @@ impl NormalMaps {
         sum.try_normalize()
     }
 
-    /// The unit bent shading normal, in the world, at a point of a triangle of a placed mesh; `None` where the mesh has no normal map.
+    /// The unit bent shading normal, in the world, at a point of a triangle of a placed mesh; `None` where the mesh has
+    /// no normal map.
     ///
     /// * `weights`: corner weights of the triangle.
     pub fn at(

@@ -21,7 +21,8 @@ pub struct SurfacePoint {
     pub position: DVec3,
     /// Unit geometric normal on the side of the viewer.
     pub geometric: DVec3,
-    /// Unit shading normal, on the same side of the surface; bent by the material's normal map where the world has read them.
+    /// Unit shading normal, on the same side of the surface; bent by the material's normal map where the world has read
+    /// them.
     pub normal: DVec3,
     /// Origin of rays that leave the surface on that side; it cannot meet the own triangle.
     pub origin: [f32; 3],
@@ -45,8 +46,8 @@ impl<'a> Surfaces<'a> {
         self.world
     }
 
-    /// The surface at a hit, seen by an eye in the direction `toward` (of any length): normals are those of the side that
-    /// the eye sees. The point keeps the rounding bound away from its triangle's edges.
+    /// The surface at a hit, seen by an eye in the direction `toward` (of any length): normals are those of the side
+    /// that the eye sees. The point keeps the rounding bound away from its triangle's edges.
     pub fn at(&self, hit: &SurfaceHit, toward: DVec3) -> SurfacePoint {
         let patch = Patch::of(self.world, &self.errors, hit.instance, hit.triangle);
         let [b, c] = hit.barycentric.map(f64::from);
@@ -72,7 +73,8 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    /// True where an eye in the direction `toward`, of any length, sees the side of a surface that its shading normals are on.
+    /// True where an eye in the direction `toward`, of any length, sees the side of a surface that its shading normals
+    /// are on.
     pub fn shows_front(&self, hit: &SurfaceHit, toward: DVec3) -> bool {
         let patch = Patch::of(self.world, &self.errors, hit.instance, hit.triangle);
         patch.upward().dot(toward) > 0.0

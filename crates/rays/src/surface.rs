@@ -2,20 +2,21 @@
 //!
 //! **Ray origins.** No bias is set by a user. A sample's origin is moved along the geometric normal by a bound on the
 //! rounding that a ray query can suffer, so that the own triangle and its coplanar neighbours are missed, and by no
-//! more. The bound follows the arithmetic of a Plücker test as Embree and our obvhs test do it: corners are
-//! translated to the origin, `T = v0 . (e1 x e2)` decides on which side the plane lies. With unit roundoff u = 2^-24,
-//! edges no longer than the triangle's box (X, Y, Z), standard running error analysis (Higham, *Accuracy and Stability
-//! of Numerical Algorithms*, 2002, section 3) gives `|error(T)| <= 78 u X Y Z`, so a distance of `78 u XYZ / |e1 x e2|`.
+//! more. The bound follows the arithmetic of a Plücker test as Embree and our obvhs test do it: corners are translated
+//! to the origin, `T = v0 . (e1 x e2)` decides on which side the plane lies. With unit roundoff u = 2^-24, edges no
+//! longer than the triangle's box (X, Y, Z), standard running error analysis (Higham, *Accuracy and Stability of
+//! Numerical Algorithms*, 2002, section 3) gives `|error(T)| <= 78 u X Y Z`, so a distance of `78 u XYZ / |e1 x e2|`.
 //! For an axis-aligned triangle the box is flat and the bound is exactly 0: the origin lies in the plane, where the
 //! open end of the ray interval excludes it. Rounding of the origin itself adds `u |n_i o_i|` on the axes in which the
 //! triangle has extent (twice: once for the height it may cost, once to stay above), and an instance's transform adds
 //! its own rounding.
 //!
 //! **Edges.** Where two faces meet, an origin that rounds onto or beyond the other face's plane would see through it.
-//! Twice the rounding bound away from the edges a closed box stays exactly dark. At the outside of an edge that is too little: a ray that
-//! leaves over the edge passes the other face's plane right beside that face, and for 2 % of the directions Embree takes it for met.
-//! Texels of which an edge is all that is on the page would be dashed. So samples keep [`AWAY`] times the bound away, where 0.04 % are
-//! left. That is some thousandths of a millimetre a metre from the origin.
+//! Twice the rounding bound away from the edges a closed box stays exactly dark. At the outside of an edge that is too
+//! little: a ray that leaves over the edge passes the other face's plane right beside that face, and for 2 % of the
+//! directions Embree takes it for met. Texels of which an edge is all that is on the page would be dashed. So samples
+//! keep [`AWAY`] times the bound away, where 0.04 % are left. That is some thousandths of a millimetre a metre from the
+//! origin.
 
 use crate::world::World;
 use glam::DVec3;
@@ -172,8 +173,8 @@ impl Patch {
         kept / kept.element_sum()
     }
 
-    /// Corner weights moved no farther from the edges than a closed box needs to be dark: for points that a camera sees, which are to stay
-    /// where they are and are next to an edge by chance alone.
+    /// Corner weights moved no farther from the edges than a closed box needs to be dark: for points that a camera
+    /// sees, which are to stay where they are and are next to an edge by chance alone.
     pub fn kept_inside(&self, weights: DVec3) -> DVec3 {
         let kept = weights.max(self.least(LEAST_AWAY));
         kept / kept.element_sum()

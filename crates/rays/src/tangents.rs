@@ -14,8 +14,8 @@ pub(crate) fn normals(mesh: &Mesh, triangle: usize) -> [Vec3; 3] {
     vertices.map(|v| mesh.normals[v as usize])
 }
 
-/// Tangents of every triangle's corners: the file's, or MikkTSpace's. Of a mesh without normals of its own the file's are
-/// not used, as the glTF specification says.
+/// Tangents of every triangle's corners: the file's, or MikkTSpace's. Of a mesh without normals of its own the file's
+/// are not used, as the glTF specification says.
 ///
 /// * `uv`: coordinates of a triangle's corner, v growing down.
 pub(crate) fn tangents(mesh: &Mesh, uv: impl Fn([usize; 2]) -> Vec2) -> Vec<[Vec4; 3]> {

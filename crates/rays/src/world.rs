@@ -103,8 +103,8 @@ impl World {
         })
     }
 
-    /// The world of a scene, whose coordinates count from [`World::origin`]: a place near the scene where that is far from its own
-    /// origin.
+    /// The world of a scene, whose coordinates count from [`World::origin`]: a place near the scene where that is far
+    /// from its own origin.
     ///
     /// # Errors
     /// See [`World::new`].
@@ -157,8 +157,8 @@ impl World {
         self.normal_maps.is_some() && has_map
     }
 
-    /// The unit shading normal at a point of a triangle, bent by the normal map of its material; `None` where it has none, or where
-    /// [`World::read_normal_maps`] was not called.
+    /// The unit shading normal at a point of a triangle, bent by the normal map of its material; `None` where it has
+    /// none, or where [`World::read_normal_maps`] was not called.
     pub(crate) fn bent_at(&self, instance: u32, triangle: u32, weights: DVec3) -> Option<DVec3> {
         let (part, geometry) = self.part(instance);
         let maps = self.normal_maps.as_ref()?;

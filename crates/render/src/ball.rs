@@ -23,7 +23,8 @@ pub enum Shows {
     Light(Vec<DVec3>),
     /// A mirror, along whose rays the scene is seen.
     Mirror,
-    /// A mirror that shows a map of what is around its middle, as far away as the walls of a box; without a box endlessly far.
+    /// A mirror that shows a map of what is around its middle, as far away as the walls of a box; without a box
+    /// endlessly far.
     Map {
         /// The map.
         map: IlluminationMap,
@@ -44,7 +45,8 @@ impl Ball {
         (half > 0.0 && distance > 0.0).then(|| (distance, point / self.radius))
     }
 
-    /// The direction from its middle to what a ray from `point` meets of a box, along which a map shows it. The point is in the box.
+    /// The direction from its middle to what a ray from `point` meets of a box, along which a map shows it. The point
+    /// is in the box.
     fn parallax(&self, point: DVec3, direction: DVec3, [low, high]: [DVec3; 2]) -> DVec3 {
         let walls = DVec3::select(direction.cmplt(DVec3::ZERO), low, high);
         // Along an axis that the ray does not take a wall is infinitely far.
@@ -55,8 +57,8 @@ impl Ball {
 }
 
 impl Direct<'_> {
-    /// The radiance of the ball that a sample shows; `None` where it shows none, or something before them. `around` tells the radiance of samples
-    /// that mirrors send on.
+    /// The radiance of the ball that a sample shows; `None` where it shows none, or something before them. `around`
+    /// tells the radiance of samples that mirrors send on.
     pub fn on_balls(
         &self,
         sample: &Sample,

@@ -1,9 +1,9 @@
 //! Illumination maps of simulated environments: G. Miller, R. Hoffman, "Illumination and Reflection Maps" (1984), 5.2.
 //!
-//! Six pictures of 90 degrees from the place of an object, on the faces of a cube; or the same rays sent straight through
-//! the texels of another projection, which spares a resampling. Luminous surfaces are bright patches; every other surface
-//! is a secondary source, shaded as [`Direct`] does. A light without extent has no picture: its energy over the square
-//! of its distance goes into the texels about its direction.
+//! Six pictures of 90 degrees from the place of an object, on the faces of a cube; or the same rays sent straight
+//! through the texels of another projection, which spares a resampling. Luminous surfaces are bright patches; every
+//! other surface is a secondary source, shaded as [`Direct`] does. A light without extent has no picture: its energy
+//! over the square of its distance goes into the texels about its direction.
 
 use crate::progress::each;
 use crate::{Direct, Error, Light, Sample};
@@ -15,7 +15,8 @@ use rays::Ray;
 /// How a point light enters a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PointForm {
-    /// Energy over distance squared, divided by the texel's solid angle: the map's integral grows by E/d² whatever its size.
+    /// Energy over distance squared, divided by the texel's solid angle: the map's integral grows by E/d² whatever its
+    /// size.
     Radiance,
     /// Energy over distance squared, added to the texel's value, as the text says. What it lights then depends on the
     /// size of the map.
@@ -24,9 +25,9 @@ pub enum PointForm {
 
 /// The light that arrives at `at`, seen in every texel of a map; a [`Projection::Cube`] is the six pictures themselves.
 ///
-/// Each texel is the mean over a `grid` by `grid` of its cells, weighed by their exact solid angles, so what is uniform stays
-/// exactly so. Texels that show nothing are 0. The values do not depend on the number of threads. `progress` hears of
-/// texels.
+/// Each texel is the mean over a `grid` by `grid` of its cells, weighed by their exact solid angles, so what is uniform
+/// stays exactly so. Texels that show nothing are 0. The values do not depend on the number of threads. `progress`
+/// hears of texels.
 ///
 /// # Errors
 /// [`maps::Error::Shape`] for a size that does not fit the projection; [`Error::Cancelled`].

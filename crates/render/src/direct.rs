@@ -70,8 +70,8 @@ pub struct Direct<'a> {
     pub background: Option<DVec3>,
     /// Lights without extent; they cast shadows.
     pub lights: &'a [Light],
-    /// Share of the Phong highlight of lights by the cosine of their incidence, W of section 2.1 of the 1984 text. Other models have a Fresnel
-    /// term of their own, or no highlight.
+    /// Share of the Phong highlight of lights by the cosine of their incidence, W of section 2.1 of the 1984 text.
+    /// Other models have a Fresnel term of their own, or no highlight.
     pub incidence: Weight,
     /// Occluders farther than this do not count.
     pub max_distance: f32,
@@ -285,10 +285,12 @@ impl Direct<'_> {
         reflected + material.specular * specular
     }
 
-    /// Mean weighted radiance from directions of a distribution; those below the shading or the geometric horizon bring none.
+    /// Mean weighted radiance from directions of a distribution; those below the shading or the geometric horizon bring
+    /// none.
     ///
-    /// Rays of the distribution find all light. As many that are aimed at lamps, and under a map at what is bright in it, find the
-    /// same light again, each by its share: E. Veach, "Robust Monte Carlo Methods for Light Transport Simulation" (1997), 9.2.
+    /// Rays of the distribution find all light. As many that are aimed at lamps, and under a map at what is bright in
+    /// it, find the same light again, each by its share: E. Veach, "Robust Monte Carlo Methods for Light Transport
+    /// Simulation" (1997), 9.2.
     ///
     /// * `pdf`: the distribution's probability per steradian of a unit direction.
     /// * `weight`: what radiance from a unit direction counts.

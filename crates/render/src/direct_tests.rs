@@ -381,7 +381,8 @@ fn a_picture_is_the_same_at_any_thread_count() {
     assert_eq!(take(1), take(3));
 }
 
-/// A map of a grey floor and one bright texel; and what it shines on a plane of a model by a sum over 64 x 64 places of that texel.
+/// A map of a grey floor and one bright texel; and what it shines on a plane of a model by a sum over 64 x 64 places of
+/// that texel.
 fn small_sun(reflected: impl Fn(DVec3) -> f64) -> (Sky, f64) {
     let (width, height, row, column) = (256, 128, 21, 77);
     let mut image = Image::filled(width, height, [0.25; 3]);

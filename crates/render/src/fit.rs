@@ -1,16 +1,16 @@
 //! Material coefficients from pictures of a known shape in ambient light.
 //!
-//! X. Zhang, Y. Gao, "Generalised Ambient Reflection Models for Lambertian and Phong Surfaces", ICIP 2009, sections 3 and 4. With the shape
-//! known, equation (9) is linear in the two reflectances of a channel once the exponent is:
+//! X. Zhang, Y. Gao, "Generalised Ambient Reflection Models for Lambertian and Phong Surfaces", ICIP 2009, sections 3
+//! and 4. With the shape known, equation (9) is linear in the two reflectances of a channel once the exponent is:
 //!
 //! ```text
 //! pixel = exposure (albedo D + specular S(n)),
 //! ```
 //!
-//! where D and S(n) are the same pixel of a surface of albedo 1 and of one of specular reflectance 1. Both are integrated by rays, with
-//! one set of directions for every n. For each exponent the reflectances follow from linear least squares; the exponent that leaves the
-//! least is looked for on a scale of ln(n + 1). Standard errors are those of the linearised problem of all seven numbers, with the
-//! variance that the pixels leave.
+//! where D and S(n) are the same pixel of a surface of albedo 1 and of one of specular reflectance 1. Both are
+//! integrated by rays, with one set of directions for every n. For each exponent the reflectances follow from linear
+//! least squares; the exponent that leaves the least is looked for on a scale of ln(n + 1). Standard errors are those
+//! of the linearised problem of all seven numbers, with the variance that the pixels leave.
 
 use crate::picture::Sample;
 use crate::progress::{Part, each};
@@ -69,8 +69,9 @@ struct Linear {
     squares: f64,
 }
 
-/// Fits one material of the whole scene to pictures. `direct` says how the shape is seen: its sky, its rays; its model and its materials
-/// are replaced. `grid` is the number of camera samples of a pixel along an axis, `exposure` what radiance was multiplied by.
+/// Fits one material of the whole scene to pictures. `direct` says how the shape is seen: its sky, its rays; its model
+/// and its materials are replaced. `grid` is the number of camera samples of a pixel along an axis, `exposure` what
+/// radiance was multiplied by.
 ///
 /// # Errors
 /// [`Error::Text`] where too little of the shape is seen or the terms cannot be told apart; [`Error::Cancelled`].

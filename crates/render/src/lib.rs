@@ -1,7 +1,7 @@
 //! Pictures through a camera.
 //!
-//! A picture is [`picture`] over a [`Camera`] and something that tells the radiance along a ray: [`Direct`] integrates the
-//! ambient models where the ray meets the scene, [`Lightmap`] looks them up in a bake.
+//! A picture is [`picture`] over a [`Camera`] and something that tells the radiance along a ray: [`Direct`] integrates
+//! the ambient models where the ray meets the scene, [`Lightmap`] looks them up in a bake.
 //!
 //! ```
 //! use ambake_render::{Camera, picture};

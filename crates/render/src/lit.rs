@@ -1,5 +1,5 @@
-//! The lit scene of a bake whose pages come one after another: what a camera sees is found once, then each page adds the
-//! light of its texels.
+//! The lit scene of a bake whose pages come one after another: what a camera sees is found once, then each page adds
+//! the light of its texels.
 
 use crate::progress::each;
 use crate::{Camera, Direct, Error, Sample, TexelPlace};

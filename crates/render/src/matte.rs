@@ -1,7 +1,8 @@
 //! Pictures that are laid over others: section 1 of the 1984 text asks for objects matted into photographs.
 //!
 //! Alpha is the share of a pixel that shows the scene. Colours over black are multiplied by it already, so that
-//! `picture + (1 - alpha) plate` is the object before the plate (T. Porter, T. Duff, "Compositing Digital Images", SIGGRAPH 1984).
+//! `picture + (1 - alpha) plate` is the object before the plate (T. Porter, T. Duff, "Compositing Digital Images",
+//! SIGGRAPH 1984).
 
 use crate::progress::each;
 use crate::{Camera, Error, Sample};

@@ -20,8 +20,8 @@ pub(crate) struct Coat {
 impl Coat {
     /// The coat of a point with this unit normal, seen from the unit direction `view`.
     ///
-    /// * `points`: of the unit square; what an open surface reflects is a mean over them, at least one. Directions that are drawn by the
-    ///   same points then return exactly 1 from a white mirror.
+    /// * `points`: of the unit square; what an open surface reflects is a mean over them, at least one. Directions that
+    ///   are drawn by the same points then return exactly 1 from a white mirror.
     pub fn of(
         material: &PhongMaterial,
         normal: DVec3,
@@ -66,7 +66,8 @@ impl Coat {
         self.gain * self.ggx.weight(local) * (self.f0 * (1.0 - fresnel) + fresnel)
     }
 
-    /// Radiance toward the eye for an irradiance of 1 on a plane across the unit direction `toward` of a far light, 1/sr.
+    /// Radiance toward the eye for an irradiance of 1 on a plane across the unit direction `toward` of a far light,
+    /// 1/sr.
     pub fn reflected(&self, toward: DVec3) -> DVec3 {
         self.pdf(toward) * self.weight(toward)
     }

@@ -1,4 +1,5 @@
-//! Where a scene is best looked at from when nobody says: around it, three quarters from above; inside it, where it is closed.
+//! Where a scene is best looked at from when nobody says: around it, three quarters from above; inside it, where it is
+//! closed.
 
 use crate::{Camera, Error, Framing};
 use glam::{DQuat, DVec3};
@@ -31,10 +32,10 @@ const CUT: usize = 10;
 const SMALL: f64 = 0.2;
 
 impl Framing {
-    /// The camera that shows a scene best: the one of [`Framing::camera`], from another side where that shows more fronts of
-    /// surfaces, and inside where most of the free space in the scene's box is closed, or where three times as much
-    /// of the surfaces' area is seen from a place within that is half open. Inside, the field of view is at least 65
-    /// degrees unless `keep_fov`.
+    /// The camera that shows a scene best: the one of [`Framing::camera`], from another side where that shows more
+    /// fronts of surfaces, and inside where most of the free space in the scene's box is closed, or where three times
+    /// as much of the surfaces' area is seen from a place within that is half open. Inside, the field of view is at
+    /// least 65 degrees unless `keep_fov`.
     ///
     /// # Errors
     /// [`Error::Camera`], see [`Camera::new`].
@@ -215,8 +216,8 @@ impl Room<'_> {
         points.iter().filter(is_shown).count()
     }
 
-    /// How much is to be seen in a horizontal direction, and a point to look at there: the mean logarithm of the distance of what
-    /// is met; things close to the eye and backs count nothing.
+    /// How much is to be seen in a horizontal direction, and a point to look at there: the mean logarithm of the
+    /// distance of what is met; things close to the eye and backs count nothing.
     fn depth(&self, eye: DVec3, azimuth: f64) -> (f64, DVec3) {
         let bounds = self.focus;
         let near = 0.03 * (bounds.max - bounds.min).length();
@@ -235,8 +236,8 @@ impl Room<'_> {
     }
 }
 
-/// The box of nearly all triangles, where it is far smaller than that of all: a few of them, such as a plane of water, then only
-/// surround the scene. `None` for other scenes.
+/// The box of nearly all triangles, where it is far smaller than that of all: a few of them, such as a plane of water,
+/// then only surround the scene. `None` for other scenes.
 fn focus(world: &World) -> Option<Bounds> {
     let instances = 0..world.scene().instances.len() as u32;
     let count = |instance: u32| world.part(instance).1.triangles().len() as u32;

@@ -209,7 +209,8 @@ pub struct PageReport {
     /// What the true root mean square error stays below with 99.9 % confidence.
     #[serde(default)]
     pub rmse_bound: f64,
-    /// Under an illumination map: estimated root mean square error of `irradiance`, mean of its channels, as a radiance.
+    /// Under an illumination map: estimated root mean square error of `irradiance`, mean of its channels, as a
+    /// radiance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub irradiance_rmse: Option<f64>,
     /// Rays cast for the page.

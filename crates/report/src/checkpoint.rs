@@ -1,5 +1,5 @@
-//! What a bake has done so far, as a file that grows: kept while a bake runs, left by an interrupted one, and what a shard hands to
-//! `ambake merge`.
+//! What a bake has done so far, as a file that grows: kept while a bake runs, left by an interrupted one, and what a
+//! shard hands to `ambake merge`.
 //!
 //! Layout: the line `ambake-part 2`; a line of JSON, the header; the blake3 hash of both lines in hex and a line
 //! feed; then blocks. A block is its length in bytes as a little-endian u64, the bytes, and the blake3 hash (32
@@ -35,11 +35,13 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// The journal at `path`, held against other writers. Its blocks are kept where `fits` holds for its header; else, and where it is
-    /// absent, it starts anew with `header`. The second value tells of damage, for which it was started anew.
+    /// The journal at `path`, held against other writers. Its blocks are kept where `fits` holds for its header; else,
+    /// and where it is absent, it starts anew with `header`. The second value tells of damage, for which it was started
+    /// anew.
     ///
     /// # Errors
-    /// The file cannot be written, a link or anything else than a regular file has its place, or another process writes it.
+    /// The file cannot be written, a link or anything else than a regular file has its place, or another process writes
+    /// it.
     pub fn resume(
         path: &Path,
         header: &Value,
@@ -228,8 +230,8 @@ pub fn write_journal(
     writer.finish()
 }
 
-/// A journal that is written block by block into an empty file, which whoever stages it brings to the disk. All errors are
-/// [`Error::Write`] without a path.
+/// A journal that is written block by block into an empty file, which whoever stages it brings to the disk. All errors
+/// are [`Error::Write`] without a path.
 #[derive(Debug)]
 pub struct JournalWriter<'a> {
     file: BufWriter<&'a mut File>,
@@ -278,7 +280,8 @@ fn unplaced(error: io::Error) -> Error {
     Error::write(Path::new(""), error)
 }
 
-/// Removes a journal where there is one. One that cannot be removed is harmless: its header is checked before it is used.
+/// Removes a journal where there is one. One that cannot be removed is harmless: its header is checked before it is
+/// used.
 pub fn remove_journal(path: &Path) {
     let _ = std::fs::remove_file(path);
 }

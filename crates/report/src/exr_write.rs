@@ -196,7 +196,8 @@ fn sort_attributes(file: &mut File) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Each attribute (name, zero, type, zero, length, value) up to the header's closing zero; `None` if `bytes` end before.
+/// Each attribute (name, zero, type, zero, length, value) up to the header's closing zero; `None` if `bytes` end
+/// before.
 fn attribute_records(bytes: &[u8]) -> Option<Vec<&[u8]>> {
     let mut records = Vec::new();
     let mut at = 0;
@@ -226,8 +227,8 @@ struct Plane<'a> {
     half: bool,
 }
 
-/// Some lines of a page as OpenEXR's ZIP packs them: the low bytes of all samples before the high ones, each as its difference from the
-/// last, deflated; as they are where that does not make them shorter.
+/// Some lines of a page as OpenEXR's ZIP packs them: the low bytes of all samples before the high ones, each as its
+/// difference from the last, deflated; as they are where that does not make them shorter.
 fn block(planes: &[Plane<'_>], edge: usize, lines: Range<usize>) -> Vec<u8> {
     let of_line = |plane: &Plane<'_>| edge * if plane.half { 2 } else { 4 };
     let mut bytes = vec![0u8; lines.len() * planes.iter().map(of_line).sum::<usize>()];

@@ -124,8 +124,8 @@ impl LayoutReport {
         warnings
     }
 
-    /// Where the page is too small for its charts: mostly gutters, or, where `alone` is asked for, more than one. `None` also where no page
-    /// is large enough.
+    /// Where the page is too small for its charts: mostly gutters, or, where `alone` is asked for, more than one.
+    /// `None` also where no page is large enough.
     pub fn small_page(
         &self,
         scene: &scene::Scene,

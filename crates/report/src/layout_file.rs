@@ -1,8 +1,8 @@
 //! `STEM.layout`: an atlas as a file, so that the shards of a bake need not each make it anew.
 //!
-//! It is a journal (see `checkpoint.rs`): the header names what decides the layout; the first block is JSON (sizes, placements, audit),
-//! then one block a mesh: for each layout vertex its source (u32) and its coordinates (2 f32), the corners of the triangles (3 u32), and
-//! the page of each triangle (u16) where they differ. Numbers are little-endian.
+//! It is a journal (see `checkpoint.rs`): the header names what decides the layout; the first block is JSON (sizes,
+//! placements, audit), then one block a mesh: for each layout vertex its source (u32) and its coordinates (2 f32), the
+//! corners of the triangles (3 u32), and the page of each triangle (u16) where they differ. Numbers are little-endian.
 
 use crate::{Error, Journal};
 use atlas::{Atlas, MeshLayout};
@@ -128,8 +128,8 @@ impl Head {
     }
 }
 
-/// True where every object of the scene has a place, on pages that there are. No page is empty, so that there are no more of them than
-/// triangles.
+/// True where every object of the scene has a place, on pages that there are. No page is empty, so that there are no
+/// more of them than triangles.
 fn fits_pages(head: &Head, meshes: &[MeshLayout], scene: &scene::Scene) -> bool {
     let most = scene.instances.iter();
     let most = most.map(|i| scene.meshes[i.mesh as usize].triangles.len() as u64);

@@ -10,8 +10,8 @@
 //! * What an engine gets: `engines`, with its table in `table.rs`, the pictures in the files beside it, GLB files with
 //!   light in them in `scene_glb.rs`, occlusion beside roughness in `orm_glb.rs`, copies as instances in `instanced`
 //!   and light by direction in `sh.rs`. Shaders for any view: `any_view`.
-//! * `report.html`: `viewer`, where `mod.rs`, `embed.rs`, `cutouts.rs`, `balls.rs` write it; the page itself is HTML, CSS and
-//!   JavaScript beside them.
+//! * `report.html`: `viewer`, where `mod.rs`, `embed.rs`, `cutouts.rs`, `balls.rs` write it; the page itself is HTML,
+//!   CSS and JavaScript beside them.
 //! * `compare`: `compare.rs`, with pictures by `difference.rs`. Files of probes: `probes`. Layouts: `layout.rs` has
 //!   words and warnings, `layout_file.rs` the file.
 //! * Saved tiles and parts: `checkpoint.rs` is the format; `crates/ambake/resume.rs` says what is in it and when.

@@ -5,8 +5,8 @@ use std::io;
 
 /// A lock on an open file or directory. The system frees it where the process dies.
 ///
-/// It is given up by name when dropped. To close the file is not enough: a child process that another thread is just starting holds a copy
-/// of every open file until it runs its own program, and the lock with it.
+/// It is given up by name when dropped. To close the file is not enough: a child process that another thread is just
+/// starting holds a copy of every open file until it runs its own program, and the lock with it.
 #[derive(Debug)]
 pub(crate) struct Lock(File);
 

@@ -38,8 +38,8 @@ struct Staged {
     hash: String,
 }
 
-/// A folder of temporary files inside an output directory, locked for as long as its process lives: one that is there and not locked, a
-/// killed run left.
+/// A folder of temporary files inside an output directory, locked for as long as its process lives: one that is there
+/// and not locked, a killed run left.
 #[derive(Debug)]
 struct Staging {
     folder: TempDir,
@@ -49,12 +49,13 @@ struct Staging {
 /// How names of such folders begin.
 const STAGING: &str = ".ambake-staged-";
 
-/// How often a folder is made that other runs take away. Each of those that start or fail at this very moment may do so once.
+/// How often a folder is made that other runs take away. Each of those that start or fail at this very moment may do so
+/// once.
 const TRIES: usize = 10_000;
 
 impl Staging {
-    /// A new one in `dir`; [`ErrorKind::NotFound`] where `dir` went, or where another run took the new one for a leftover before it was
-    /// locked.
+    /// A new one in `dir`; [`ErrorKind::NotFound`] where `dir` went, or where another run took the new one for a
+    /// leftover before it was locked.
     fn make(dir: &Path) -> io::Result<Self> {
         let folder = tempfile::Builder::new().prefix(STAGING).tempdir_in(dir)?;
         let lock = Lock::of(&File::open(folder.path())?)?;
@@ -81,8 +82,8 @@ impl Staging {
     }
 }
 
-/// The directories that an output made, the innermost first. Those that hold nothing when this is dropped go again: a job that may fail
-/// keeps it until its end.
+/// The directories that an output made, the innermost first. Those that hold nothing when this is dropped go again: a
+/// job that may fail keeps it until its end.
 #[derive(Debug, Default)]
 pub struct Folder(Vec<PathBuf>);
 
@@ -111,8 +112,8 @@ impl Drop for Folder {
 }
 
 impl Output {
-    /// An empty set in `dir`, which is made with its parents where it is absent and is proved writable. Temporary files that a killed run
-    /// left there are removed.
+    /// An empty set in `dir`, which is made with its parents where it is absent and is proved writable. Temporary files
+    /// that a killed run left there are removed.
     ///
     /// # Errors
     /// [`Error::Directory`] where `dir` is a file, cannot be made, or takes no file.
@@ -144,7 +145,8 @@ impl Output {
         })
     }
 
-    /// As [`Output::create`], for one job alone: a second one in `dir` is refused until this one is dropped or its process ends.
+    /// As [`Output::create`], for one job alone: a second one in `dir` is refused until this one is dropped or its
+    /// process ends.
     ///
     /// # Errors
     /// As [`Output::create`]; [`Error::Busy`].
@@ -202,8 +204,8 @@ impl Output {
         self.folder
     }
 
-    /// Has files of an earlier set removed when this one is published, each by its name and the Blake3 hash of its content in hex. One that
-    /// holds anything else by then stays, as do inputs, links and what this set writes.
+    /// Has files of an earlier set removed when this one is published, each by its name and the Blake3 hash of its
+    /// content in hex. One that holds anything else by then stays, as do inputs, links and what this set writes.
     pub fn supersede(&mut self, earlier: impl IntoIterator<Item = (String, String)>) {
         let plain = |name: &str| Path::new(name).file_name() == Some(name.as_ref());
         let earlier = earlier.into_iter().filter(|(name, _)| plain(name));
@@ -263,8 +265,8 @@ impl Output {
         self.staged.iter().filter_map(listed).collect()
     }
 
-    /// Renames every staged file to its final name, in the order of staging (stage `bake.json` last), removes what the set supersedes, and
-    /// returns the names.
+    /// Renames every staged file to its final name, in the order of staging (stage `bake.json` last), removes what the
+    /// set supersedes, and returns the names.
     ///
     /// # Errors
     /// [`Error::Write`]. A name taken by a directory is found before the first rename.

@@ -3,8 +3,8 @@
 use crate::preview::{Encoding, encode};
 use png::ColorType;
 
-/// Linear RGB `pixels`, rows of `width` from the top, as an 8-bit sRGB PNG; values outside 0..=1 are clamped. The bytes are
-/// a function of the arguments.
+/// Linear RGB `pixels`, rows of `width` from the top, as an 8-bit sRGB PNG; values outside 0..=1 are clamped. The bytes
+/// are a function of the arguments.
 ///
 /// # Panics
 /// Where `pixels` are not whole rows.

@@ -4,7 +4,8 @@ use layers::{Layer, Preview};
 use png::{BitDepth, ColorType, Compression, Encoder, ScaledFloat, SrgbRenderingIntent};
 use std::sync::LazyLock;
 
-/// The least value that becomes each byte above 0 on the sRGB curve: a search among them costs less than the curve's power.
+/// The least value that becomes each byte above 0 on the sRGB curve: a search among them costs less than the curve's
+/// power.
 static SRGB_STEPS: LazyLock<[f32; 255]> = LazyLock::new(|| {
     std::array::from_fn(|step| {
         let reaches = |bits| usize::from(Encoding::Srgb.byte(f32::from_bits(bits))) > step;
@@ -35,7 +36,8 @@ pub enum Encoding {
 }
 
 impl Encoding {
-    /// The encoding of a layer's preview, as the table of layers says; `None` where there is none. `values` are all of the layer's.
+    /// The encoding of a layer's preview, as the table of layers says; `None` where there is none. `values` are all of
+    /// the layer's.
     ///
     /// ```
     /// use ambake_report::Encoding;
@@ -82,8 +84,8 @@ impl Encoding {
     }
 }
 
-/// The preview of `layer` as a PNG file: grey for one channel, RGB for three; `None` where the layer has none. The bytes are a function
-/// of the arguments.
+/// The preview of `layer` as a PNG file: grey for one channel, RGB for three; `None` where the layer has none. The
+/// bytes are a function of the arguments.
 ///
 /// * `values`: planes of `size * size` values, one after another, one for each of the layer's channels.
 ///

@@ -1,7 +1,7 @@
 //! Whose report is whose, in a folder that may hold bakes of several scenes.
 //!
-//! `bake.json` is the report of the last bake. From the second scene on each scene has its own as `STEM.bake.json` too, so that a bake
-//! still finds what an earlier one of the same scene wrote.
+//! `bake.json` is the report of the last bake. From the second scene on each scene has its own as `STEM.bake.json` too,
+//! so that a bake still finds what an earlier one of the same scene wrote.
 
 use crate::{BakeReport, Error, Output, read_bake_report};
 use std::fs;
@@ -22,8 +22,8 @@ pub fn read_record(dir: &Path, stem: &str) -> Option<BakeReport> {
         .or_else(|| read_bake_report(&dir.join(record_name(stem))).ok())
 }
 
-/// The file at `path` as seen from the folder `dir`, links resolved. It is the same in every copy of a project. `None` where one of the two
-/// is absent, or the result is not in UTF-8.
+/// The file at `path` as seen from the folder `dir`, links resolved. It is the same in every copy of a project. `None`
+/// where one of the two is absent, or the result is not in UTF-8.
 pub fn scene_file(dir: &Path, path: &Path) -> Option<String> {
     let [dir, path] = [dir, path].map(fs::canonicalize);
     let (dir, path) = (dir.ok()?, path.ok()?);
@@ -35,8 +35,9 @@ pub fn scene_file(dir: &Path, path: &Path) -> Option<String> {
     Some(seen?.join("/"))
 }
 
-/// Lists all that is staged in `report`, the report of a scene whose files begin with `stem`, and stages it: as `bake.json`, and where the
-/// folder holds bakes of other scenes as the scene's own report too. The report of the last bake of another scene is kept as that scene's.
+/// Lists all that is staged in `report`, the report of a scene whose files begin with `stem`, and stages it: as
+/// `bake.json`, and where the folder holds bakes of other scenes as the scene's own report too. The report of the last
+/// bake of another scene is kept as that scene's.
 ///
 /// # Errors
 /// [`Error::Write`], [`Error::ReplacesInput`].

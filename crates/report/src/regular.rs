@@ -12,7 +12,8 @@ pub fn check_regular(path: &Path) -> io::Result<()> {
     regular(std::fs::metadata(path)?.file_type())
 }
 
-/// As [`check_regular`], for a file that is written in place: a link is refused too, for it would have another file overwritten.
+/// As [`check_regular`], for a file that is written in place: a link is refused too, for it would have another file
+/// overwritten.
 ///
 /// # Errors
 /// As of [`check_regular`].
@@ -20,8 +21,8 @@ pub(crate) fn check_own(path: &Path) -> io::Result<()> {
     regular(std::fs::symlink_metadata(path)?.file_type())
 }
 
-/// Opens a file to be read and written in place, and makes it where it is absent. It is for after [`check_own`]: what has taken the file's
-/// place since then is neither followed nor waited for, where the system can do so.
+/// Opens a file to be read and written in place, and makes it where it is absent. It is for after [`check_own`]: what
+/// has taken the file's place since then is neither followed nor waited for, where the system can do so.
 ///
 /// # Errors
 /// The system's, also for a link.
@@ -51,8 +52,8 @@ pub(crate) fn hash_of(file: &mut File) -> io::Result<String> {
     Ok(hasher.finalize().to_hex().to_string())
 }
 
-/// Opens a regular file to be read, and for what else `options` say; nothing that has taken its place is followed or waited for, where the
-/// system can do so.
+/// Opens a regular file to be read, and for what else `options` say; nothing that has taken its place is followed or
+/// waited for, where the system can do so.
 fn open(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     options.read(true);
     #[cfg(unix)]

@@ -5,8 +5,8 @@ use crate::source::open;
 use std::io;
 
 impl Scene {
-    /// True where the files that decide a bake hold other bytes than [`crate::load`] read, or are gone. A scene that was made in
-    /// memory has none.
+    /// True where the files that decide a bake hold other bytes than [`crate::load`] read, or are gone. A scene that
+    /// was made in memory has none.
     ///
     /// The scene itself stays as it was read: a bake of it is right, and its files are no longer its source.
     pub fn was_edited(&self) -> bool {

@@ -19,7 +19,8 @@ const SAMPLES: usize = 1 << 14;
 /// have been left at the origin.
 const STRAYS: usize = 16;
 
-/// Edges of fewer steps than this, from one 32-bit number to the next, have lost digits: their ends may be off by a 32nd of them.
+/// Edges of fewer steps than this, from one 32-bit number to the next, have lost digits: their ends may be off by a
+/// 32nd of them.
 const STEPS: f64 = 16.0;
 
 /// Evenly spaced ones of so many numbers from 0, enough of them to tell where a scene lies.

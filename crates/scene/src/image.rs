@@ -7,7 +7,8 @@ use std::io::Cursor;
 const MOST_OF_ONE: u64 = 1 << 30;
 /// Bytes that all decoded pictures of a scene may take, however short their files are.
 const MOST_OF_ALL: u64 = 4 << 30;
-/// Bytes that they may take in addition for each byte of their files. Textures in use have 3 to 60, plain areas some hundreds.
+/// Bytes that they may take in addition for each byte of their files. Textures in use have 3 to 60, plain areas some
+/// hundreds.
 const MOST_PER_BYTE: u64 = 64;
 
 /// Why an image gives no pixels.
@@ -52,7 +53,8 @@ impl Budget {
         Self { allowed, taken: 0 }
     }
 
-    /// Counts a picture by the size that its header declares. One that is broken or too large by itself is for [`decode`] to tell of.
+    /// Counts a picture by the size that its header declares. One that is broken or too large by itself is for
+    /// [`decode`] to tell of.
     ///
     /// # Errors
     /// A sentence, where it is one too many.

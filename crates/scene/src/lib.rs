@@ -46,7 +46,8 @@ use std::path::Path;
 /// The scene in a file, complete and validated: see [`Scene`] for what holds afterwards.
 ///
 /// A GLB file is known by its first bytes, `.obj` and `.gltf` by their ending. Files named inside (buffers, images,
-/// material libraries) are looked for beside the file that names them, and are read only in its folder or below: see [`Files`].
+/// material libraries) are looked for beside the file that names them, and are read only in its folder or below: see
+/// [`Files`].
 ///
 /// # Errors
 /// One line that names the file, the place and the cure; see [`Error`]. Nothing a file can hold makes this panic, and

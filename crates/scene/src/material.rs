@@ -77,8 +77,9 @@ pub fn phong_from_metallic_roughness(
     )
 }
 
-/// Albedo, specular reflectance and lobe exponent of a specular-glossiness surface: the coat reflects `specular`, what it leaves of
-/// its largest channel reaches the base, and the roughness is `1 - glossiness` (KHR_materials_pbrSpecularGlossiness, its appendix).
+/// Albedo, specular reflectance and lobe exponent of a specular-glossiness surface: the coat reflects `specular`, what
+/// it leaves of its largest channel reaches the base, and the roughness is `1 - glossiness`
+/// (KHR_materials_pbrSpecularGlossiness, its appendix).
 ///
 /// * `diffuse`, `specular`: linear, 0..=1 a channel.
 /// * `glossiness`: 0..=1; values outside are clamped into the range, NaN counts as 1.

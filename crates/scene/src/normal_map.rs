@@ -29,8 +29,8 @@ pub struct PackedImage {
 }
 
 impl Scene {
-    /// Judges by their headers whether the images of normal maps may be decoded together. The bound is that of the other pictures
-    /// of a scene: 4 GiB, and 64 bytes for each byte of their files.
+    /// Judges by their headers whether the images of normal maps may be decoded together. The bound is that of the
+    /// other pictures of a scene: 4 GiB, and 64 bytes for each byte of their files.
     ///
     /// * `images`: numbers of [`Scene::packed_images`], each once; others are passed over.
     ///
@@ -95,8 +95,8 @@ fn failed(packed: &PackedImage, problem: String) -> Error {
 }
 
 impl NormalMap {
-    /// The unit normal at a mesh's UV in tangent space: x to the right of the image, y to its top, z off the surface. Codes
-    /// are filtered as the texture asks, then decoded as the glTF specification says (section 3.9.3).
+    /// The unit normal at a mesh's UV in tangent space: x to the right of the image, y to its top, z off the surface.
+    /// Codes are filtered as the texture asks, then decoded as the glTF specification says (section 3.9.3).
     ///
     /// * `image`: of [`Scene::normal_image`].
     pub fn normal(&self, image: &Image, uv: Vec2) -> Vec3 {

@@ -12,7 +12,8 @@ use std::path::{Path, PathBuf};
 /// Where the files may lie that a scene file names: buffers, pictures, material libraries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Files {
-    /// In the folder of the scene file or below it, links resolved. A scene from elsewhere cannot have other files read.
+    /// In the folder of the scene file or below it, links resolved. A scene from elsewhere cannot have other files
+    /// read.
     #[default]
     Inside,
     /// Anywhere: for scenes that you trust.
@@ -115,8 +116,9 @@ impl Input {
         }
     }
 
-    /// The file that a name inside another file stands for. One that is not there is looked for with letters in the other case, and from
-    /// each of its folders on as if that lay beside the file: names are written on other systems and machines. Finding it so is noted.
+    /// The file that a name inside another file stands for. One that is not there is looked for with letters in the
+    /// other case, and from each of its folders on as if that lay beside the file: names are written on other systems
+    /// and machines. Finding it so is noted.
     pub fn located(&mut self, file: &Path, name: &str) -> PathBuf {
         let plain = beside(file, name);
         if plain.exists() {

@@ -1,8 +1,8 @@
 //! The plain data of a scene: what `load` returns and every later stage reads.
 //!
 //! Nothing here is derived: positions are as the file gave them (in mesh space), transforms are composed node
-//! transforms, materials are mapped to the Phong model's parameters. Invariants that [`crate::load`] guarantees:
-//! every index is in range, every number is finite, every triangle has a non-zero area in mesh space, images are decoded.
+//! transforms, materials are mapped to the Phong model's parameters. Invariants that [`crate::load`] guarantees: every
+//! index is in range, every number is finite, every triangle has a non-zero area in mesh space, images are decoded.
 
 use crate::{GltfDocument, NormalMap, PackedImage, Warning};
 use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
@@ -54,24 +54,25 @@ pub enum Format {
     Memory,
 }
 
-/// Triangles that share one vertex array and one material: a glTF primitive, an OBJ group's part with one material, or a
-/// mesh handed over in memory.
+/// Triangles that share one vertex array and one material: a glTF primitive, an OBJ group's part with one material, or
+/// a mesh handed over in memory.
 #[derive(Debug, Clone)]
 pub struct Mesh {
     /// Name for messages: the file's, else `mesh 3 primitive 0`.
     pub name: String,
-    /// Vertex positions in mesh space. For glTF the vertex numbers are the file's, unless the primitive uses a small part
-    /// of a large shared array (see `vendor-notes/gltf.md`): then they are ranks among the numbers it uses.
+    /// Vertex positions in mesh space. For glTF the vertex numbers are the file's, unless the primitive uses a small
+    /// part of a large shared array (see `vendor-notes/gltf.md`): then they are ranks among the numbers it uses.
     pub positions: Vec<Vec3>,
     /// Unit shading normals, one a vertex; empty where the file has none (shade with the geometric normal).
     pub normals: Vec<Vec3>,
-    /// Unit tangents along u of the normal map, one a vertex, `w` the side of the bitangent `w (normal x tangent)`: glTF
-    /// `TANGENT`; empty where the file has none.
+    /// Unit tangents along u of the normal map, one a vertex, `w` the side of the bitangent `w (normal x tangent)`:
+    /// glTF `TANGENT`; empty where the file has none.
     pub tangents: Vec<Vec4>,
-    /// Vertex colours (glTF `COLOR_0`, OBJ `v x y z r g b`), linear, 0..=1 a channel, one a vertex; they multiply the material's base colour
-    /// or diffuse reflectance. Empty for white everywhere.
+    /// Vertex colours (glTF `COLOR_0`, OBJ `v x y z r g b`), linear, 0..=1 a channel, one a vertex; they multiply the
+    /// material's base colour or diffuse reflectance. Empty for white everywhere.
     pub colors: Vec<Vec3>,
-    /// Alpha of the vertex colours (glTF `COLOR_0`), one a vertex; it multiplies the material's. Empty for 1 everywhere.
+    /// Alpha of the vertex colours (glTF `COLOR_0`), one a vertex; it multiplies the material's. Empty for 1
+    /// everywhere.
     pub alphas: Vec<f32>,
     /// UV sets in the file's order (TEXCOORD_0, TEXCOORD_1, …), glTF orientation (v grows down), one a vertex each.
     /// OBJ's v is flipped on load.
@@ -90,8 +91,8 @@ pub struct Mesh {
     pub origin: MeshOrigin,
 }
 
-/// The place of a mesh in its file. For OBJ `mesh` counts the loaded parts, for a built scene the meshes handed over, and
-/// `primitive` is 0.
+/// The place of a mesh in its file. For OBJ `mesh` counts the loaded parts, for a built scene the meshes handed over,
+/// and `primitive` is 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct MeshOrigin {
     /// glTF mesh index.
@@ -116,7 +117,8 @@ pub struct Instance {
     /// It blocks light. What does not is met by no ray, buries nothing and sends nothing; it takes texels like the
     /// others.
     pub casts: bool,
-    /// What lies inside of other bodies or is hidden behind them is baked like the rest of it; `None` leaves that to the bake.
+    /// What lies inside of other bodies or is hidden behind them is baked like the rest of it; `None` leaves that to
+    /// the bake.
     pub keeps_buried: Option<bool>,
 }
 
@@ -205,7 +207,8 @@ pub enum Surface {
         /// Reflectance of a dielectric at normal view (0.04, or from KHR_materials_ior and KHR_materials_specular).
         dielectric: Vec3,
     },
-    /// glTF specular-glossiness (KHR_materials_pbrSpecularGlossiness), mapped per texel by [`crate::phong_from_specular_glossiness`].
+    /// glTF specular-glossiness (KHR_materials_pbrSpecularGlossiness), mapped per texel by
+    /// [`crate::phong_from_specular_glossiness`].
     SpecularGlossiness {
         /// `diffuseFactor`, linear RGB.
         diffuse: Vec3,
@@ -260,7 +263,8 @@ impl Material {
 
 /// Light that goes straight through a surface, as through a window (`KHR_materials_transmission`).
 ///
-/// The share is `factor * red(map)` of what is no metal, tinted by the base colour. The surface scatters that much less.
+/// The share is `factor * red(map)` of what is no metal, tinted by the base colour. The surface scatters that much
+/// less.
 #[derive(Debug, Clone)]
 pub struct Transmission {
     /// Share of the light, 0..=1.

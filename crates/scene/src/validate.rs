@@ -1,8 +1,8 @@
 //! What is accepted, what is repaired and what is refused, decided in one place.
 //!
 //! Data that is corrupt stops the load: a bake of it would be a lie. Junk that has no influence on the picture is
-//! repaired or left out, and counted in [`Scene::warnings`] with mesh and primitive: the variants of [`WarningKind`] say
-//! what and how. The rest:
+//! repaired or left out, and counted in [`Scene::warnings`] with mesh and primitive: the variants of [`WarningKind`]
+//! say what and how. The rest:
 //!
 //! | finding | verdict |
 //! |---|---|
@@ -31,7 +31,8 @@ use std::sync::Arc;
 /// coordinates stay finite in f32.
 pub(crate) const REACH: f32 = 1e18;
 
-/// The least that an instance's largest side may be. Embree multiplies three lengths in f32, and meets nothing of what is 1e-16 long.
+/// The least that an instance's largest side may be. Embree multiplies three lengths in f32, and meets nothing of what
+/// is 1e-16 long.
 const LEAST: f64 = 1e-12;
 
 /// What a reader hands over; [`scene`] makes a [`Scene`] of it.
@@ -423,8 +424,8 @@ fn slots(material: &mut Material) -> impl Iterator<Item = &mut Option<TextureRef
         .flatten()
 }
 
-/// How far the last row of a matrix may be from 0 0 0 1: what is left of it where matrices are multiplied in 32 bits, or where decimals
-/// of six digits are written. A row that means a perspective is farther.
+/// How far the last row of a matrix may be from 0 0 0 1: what is left of it where matrices are multiplied in 32 bits,
+/// or where decimals of six digits are written. A row that means a perspective is farther.
 const ROUNDING: f64 = 1e-5;
 
 /// The affine transform of a matrix given column by column; `None` where its last row is not 0 0 0 1, but for rounding.

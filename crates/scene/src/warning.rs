@@ -25,8 +25,8 @@ pub struct Warning {
 pub enum WarningKind {
     /// OBJ: `Ka` of a material is neither black, white nor its `Kd`, and the traditional term takes `Kd`.
     AmbientCoefficients,
-    /// glTF: a material that is all metal, by `metallicFactor` 1 or without one, and no texture says otherwise. A metal has no albedo, so that
-    /// Lambert's and the traditional model are black on it.
+    /// glTF: a material that is all metal, by `metallicFactor` 1 or without one, and no texture says otherwise. A metal
+    /// has no albedo, so that Lambert's and the traditional model are black on it.
     BlackMetals,
     /// A normal that is zero or not finite becomes the area-weighted mean of the geometric normals around the vertex.
     /// Where every normal of a mesh is bad, the mesh has none and is shaded with its geometric normals.
@@ -43,7 +43,8 @@ pub enum WarningKind {
     EmptyMeshes,
     /// An object that lies so far from most of the scene that the 32-bit numbers of rays do not tell its details apart.
     FarApart,
-    /// A file that the scene names is not there; one of the same name, but for its folders or the case of letters, is read.
+    /// A file that the scene names is not there; one of the same name, but for its folders or the case of letters, is
+    /// read.
     FilesFoundElsewhere,
     /// A glTF extension that could change light and is not read, or not known.
     IgnoredExtensions,
@@ -51,14 +52,15 @@ pub enum WarningKind {
     IgnoredLinesAndPoints,
     /// MTL: lines without the number or name they need.
     IgnoredMtlLines,
-    /// A normal or bump map (glTF `normalTexture`; MTL `map_Bump`, `bump`, `norm`), for a bake that does not ask for them:
-    /// normals are the mesh's.
+    /// A normal or bump map (glTF `normalTexture`; MTL `map_Bump`, `bump`, `norm`), for a bake that does not ask for
+    /// them: normals are the mesh's.
     IgnoredNormalMaps,
     /// OBJ: corners name `vn` 0, or a `vn` where none stands before them.
     IgnoredNormalReferences,
     /// OBJ: corners name `vt` 0, or a `vt` where none stands before them.
     IgnoredUvReferences,
-    /// A material in use that lets all light through (MTL `Tr 1` or `d 0`; glTF BLEND with an alpha of 0): what has it blocks nothing.
+    /// A material in use that lets all light through (MTL `Tr 1` or `d 0`; glTF BLEND with an alpha of 0): what has it
+    /// blocks nothing.
     InvisibleMaterials,
     /// glTF: indices that make no whole triangle are left out.
     LeftoverIndices,
@@ -80,7 +82,8 @@ pub enum WarningKind {
     Skins,
     /// A texture on a mesh without the UV set it reads: the mesh gets the material without it.
     TexturesWithoutUvs,
-    /// An instance of which no side is as long as 1e-12 units is left out: products of three such lengths vanish in the f32 of rays.
+    /// An instance of which no side is as long as 1e-12 units is left out: products of three such lengths vanish in the
+    /// f32 of rays.
     TinyInstances,
     /// OBJ: a material that is in no library that was read; its parts stay untinted.
     UnknownMaterials,

@@ -1,8 +1,9 @@
 //! Shows a bake in Bevy without a window, writes what a camera sees, and holds it against a picture of `ambake render`.
 //!
-//! Usage: `ambake-bevy DIR STEM EYE LOOK FOV PICTURE.exr [OUT.exr]`, with EYE and LOOK as X,Y,Z and FOV vertical in degrees. DIR is a bake with
-//! `--for bevy`. PICTURE.exr, which says the size, is `ambake render` of the same view from the same bake. The mean and the largest difference
-//! away from edges are printed, in 1/255; a mean above 2 ends with status 1.
+//! Usage: `ambake-bevy DIR STEM EYE LOOK FOV PICTURE.exr [OUT.exr]`, with EYE and LOOK as X,Y,Z and FOV vertical in
+//! degrees. DIR is a bake with `--for bevy`. PICTURE.exr, which says the size, is `ambake render` of the same view from
+//! the same bake. The mean and the largest difference away from edges are printed, in 1/255; a mean above 2 ends with
+//! status 1.
 
 use anyhow::{Context as _, Result, anyhow, bail};
 use bevy::{

@@ -16,7 +16,8 @@ pub fn layer_names() -> Vec<(&'static str, Vec<&'static str>)> {
 #[pyclass(frozen, module = "ambake._ambake")]
 pub struct Baked(pub ambake::Baked);
 
-/// An object: its name, then as bytes the numbers of its triangles (u32), their pages (u32) and their corners' coordinates (f32).
+/// An object: its name, then as bytes the numbers of its triangles (u32), their pages (u32) and their corners'
+/// coordinates (f32).
 type ObjectBytes<'py> = (
     String,
     Bound<'py, PyByteArray>,

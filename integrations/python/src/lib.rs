@@ -1,5 +1,5 @@
-//! The native half of the Python package `ambake`. Arrays come and go as bytes, `python/ambake/__init__.py` gives them shape;
-//! so one wheel serves every Python, whatever its numpy.
+//! The native half of the Python package `ambake`. Arrays come and go as bytes, `python/ambake/__init__.py` gives them
+//! shape; so one wheel serves every Python, whatever its numpy.
 #![forbid(unsafe_code)]
 
 mod baked;

@@ -72,7 +72,8 @@ fn strength(light: &[f64], place: usize, expected: &str) -> PyResult<[f64; 3]> {
 /// Sets the options of a bake. Those that only mean something after `target_error` follow it in [`NAMES`].
 ///
 /// # Errors
-/// TypeError for an unknown name or a value of a wrong kind, ValueError for a word or a number that an option cannot have.
+/// TypeError for an unknown name or a value of a wrong kind, ValueError for a word or a number that an option cannot
+/// have.
 pub fn set(mut bake: Bake, options: &Bound<'_, PyDict>) -> PyResult<Bake> {
     for name in options.keys() {
         let name: String = name.extract()?;

@@ -33,8 +33,8 @@ pub fn pairs(order: usize) -> impl Iterator<Item = (usize, usize)> {
 
 /// The real harmonics y(l, m), l + m even, scaled so that the mean of y² over the hemisphere is 1; y(0, 0) = 1.
 ///
-/// With s = x² + y² = sin², y(l, m) = q(1 - s) Re (x + iy)^m for m >= 0 and q(1 - s) Im (x + iy)^-m for m < 0; q has a degree of
-/// (l - m) / 2, at most 4.
+/// With s = x² + y² = sin², y(l, m) = q(1 - s) Re (x + iy)^m for m >= 0 and q(1 - s) Im (x + iy)^-m for m < 0; q has a
+/// degree of (l - m) / 2, at most 4.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Basis<T> {
     /// Coefficients of q by [`pair`], the constant one first.

@@ -15,14 +15,14 @@ pub enum Lobe {
     Ggx(f64),
 }
 
-/// The kernel of a lobe for one angle: the mean of y(l, m) over it, by [`super::pair`], with the mirrored view in the plane y = 0 at x >= 0.
-/// The first is the term of an open texel: G for Phong, 1 for GGX.
+/// The kernel of a lobe for one angle: the mean of y(l, m) over it, by [`super::pair`], with the mirrored view in the
+/// plane y = 0 at x >= 0. The first is the term of an open texel: G for Phong, 1 for GGX.
 pub type Kernel = [f64; PAIRS];
 
 /// The kernel of a lobe seen at `theta` from the normal, radians, `0..=π/2`.
 ///
-/// Phong: integrated over the lune in the coordinates of the paper's (14), where the lobe separates; within 1e-7 of the closed form for
-/// n = 0 and n >= 1, within 1e-6 between. GGX: by the quadrature of its open albedo.
+/// Phong: integrated over the lune in the coordinates of the paper's (14), where the lobe separates; within 1e-7 of the
+/// closed form for n = 0 and n >= 1, within 1e-6 between. GGX: by the quadrature of its open albedo.
 pub fn kernel(basis: &Basis<f64>, lobe: Lobe, theta: f64) -> Kernel {
     let mut sums = [0.0; PAIRS];
     let mut add = |x: f64, y: f64, weight: f64| {

@@ -1,8 +1,10 @@
-//! One lightmap for every view: the open directions of a texel as a few numbers, and the specular term that they give for any eye.
+//! One lightmap for every view: the open directions of a texel as a few numbers, and the specular term that they give
+//! for any eye.
 //!
-//! The open directions of a texel are a function V of the hemisphere. Mirrored about the surface it becomes a function of the sphere
-//! without a step at the horizon, and only spherical harmonics with l + m even are left of it: 15 up to order 4, 45 up to order 8. On
-//! the hemisphere they are polynomials of the two tangential coordinates. With y(l, m) scaled to a mean square of 1,
+//! The open directions of a texel are a function V of the hemisphere. Mirrored about the surface it becomes a function
+//! of the sphere without a step at the horizon, and only spherical harmonics with l + m even are left of it: 15 up to
+//! order 4, 45 up to order 8. On the hemisphere they are polynomials of the two tangential coordinates. With y(l, m)
+//! scaled to a mean square of 1,
 //!
 //! ```text
 //! c(l, m) = 1/2π ∫ V y(l, m) dω             what a texel stores; c(0, 0) is its visibility
@@ -10,13 +12,14 @@
 //! S(R) = Σ k(l, m; θ) (c(l, m) cos mφ + c(l, -m) sin mφ),   clamped to 0..=k(0, 0; θ)
 //! ```
 //!
-//! θ is the angle from the normal to the view, φ the azimuth of the mirrored view R in the texel's frame. k(0, 0; θ) is the term of an
-//! open texel, whatever θ: an open texel has c = (1, 0, 0, …), so that it is exact at every angle, and no correction is needed as in the
-//! full basis. Orders end where V has detail: [`stated`] says what that costs.
+//! θ is the angle from the normal to the view, φ the azimuth of the mirrored view R in the texel's frame. k(0, 0; θ) is
+//! the term of an open texel, whatever θ: an open texel has c = (1, 0, 0, …), so that it is exact at every angle, and
+//! no correction is needed as in the full basis. Orders end where V has detail: [`stated`] says what that costs.
 //!
-//! Sources: R. Ramamoorthi, P. Hanrahan, "A Signal-Processing Framework for Inverse Rendering", SIGGRAPH 2001 (products of lobes and
-//! light in harmonics); P.-P. Sloan, J. Kautz, J. Snyder, "Precomputed Radiance Transfer", SIGGRAPH 2002 (visibility in harmonics);
-//! R. Habel, M. Wimmer, "Efficient Irradiance Normal Mapping", I3D 2010 (harmonics over the hemisphere).
+//! Sources: R. Ramamoorthi, P. Hanrahan, "A Signal-Processing Framework for Inverse Rendering", SIGGRAPH 2001 (products
+//! of lobes and light in harmonics); P.-P. Sloan, J. Kautz, J. Snyder, "Precomputed Radiance Transfer", SIGGRAPH 2002
+//! (visibility in harmonics); R. Habel, M. Wimmer, "Efficient Irradiance Normal Mapping", I3D 2010 (harmonics over the
+//! hemisphere).
 
 mod bands;
 mod basis;
@@ -33,13 +36,14 @@ pub use table::{COLUMNS, KernelTable, ROWS, row_of};
 use crate::Frame;
 use glam::DVec3;
 
-/// The axis that [`frame`] turns onto the normal, and the tangent that it takes along; the opposite of the axis is the only direction
-/// without a frame. No wall, floor or ceiling of a model stands that way.
+/// The axis that [`frame`] turns onto the normal, and the tangent that it takes along; the opposite of the axis is the
+/// only direction without a frame. No wall, floor or ceiling of a model stands that way.
 const AXIS: DVec3 = DVec3::new(2.0 / 7.0, 6.0 / 7.0, 3.0 / 7.0);
 const TANGENT: DVec3 = DVec3::new(6.0 / 7.0, -3.0 / 7.0, 2.0 / 7.0);
 
-/// The frame of a texel's coefficients from its normal: the shortest turn from a fixed axis to the normal. It moves smoothly with the
-/// normal but at one direction, so that coefficients of neighbours can be mixed by a filter, and it has no branch.
+/// The frame of a texel's coefficients from its normal: the shortest turn from a fixed axis to the normal. It moves
+/// smoothly with the normal but at one direction, so that coefficients of neighbours can be mixed by a filter, and it
+/// has no branch.
 ///
 /// ```
 /// let frame = ambake_ambient::any_view::frame(glam::DVec3::X);
@@ -73,8 +77,8 @@ impl Coefficients {
         Self(values)
     };
 
-    /// The specular term for a mirrored view of this azimuth in the texel's frame, given as cosine and sine, by the kernel for its
-    /// angle. Only harmonics up to `order` count.
+    /// The specular term for a mirrored view of this azimuth in the texel's frame, given as cosine and sine, by the
+    /// kernel for its angle. Only harmonics up to `order` count.
     pub fn term(&self, order: usize, kernel: &Kernel, azimuth: [f64; 2]) -> f64 {
         let mut turns = [[1.0, 0.0]; ORDER + 1];
         for m in 1..=ORDER {
@@ -94,8 +98,8 @@ impl Coefficients {
         sum.clamp(0.0, kernel[0].max(0.0))
     }
 
-    /// The specular term of a texel with this normal for a unit vector to the eye. An eye below the surface sees what it sees at the
-    /// horizon.
+    /// The specular term of a texel with this normal for a unit vector to the eye. An eye below the surface sees what
+    /// it sees at the horizon.
     pub fn specular(&self, order: usize, lobe: Lobe, normal: DVec3, view: DVec3) -> f64 {
         let mirrored = 2.0 * normal.dot(view) * normal - view;
         let local = frame(normal).to_local(mirrored);
@@ -117,8 +121,9 @@ impl Default for Coefficients {
 
 /// What the term of a texel is off by, root mean square over all views: detail that the order does not hold, and noise.
 ///
-/// V is 0 or 1, so that all its harmonics together have the energy Σ c² = c(0, 0). What is missing of that lies in bands above the order;
-/// the border of V spreads it over them as 1/l². Each band counts as the lobe passes it on. `variances` are those of the coefficients.
+/// V is 0 or 1, so that all its harmonics together have the energy Σ c² = c(0, 0). What is missing of that lies in
+/// bands above the order; the border of V spreads it over them as 1/l². Each band counts as the lobe passes it on.
+/// `variances` are those of the coefficients.
 ///
 /// ```
 /// use ambake_ambient::any_view::{Coefficients, Lobe, stated};

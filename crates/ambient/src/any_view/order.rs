@@ -6,11 +6,12 @@ use super::{Lobe, ORDER};
 /// The orders that layers hold.
 pub const ORDERS: [usize; 2] = [4, ORDER];
 
-/// Energy Σ c² of the open directions that each of [`ORDERS`] does not hold: the most of an endless wall as high as it is far, below the
-/// edge of a square lid, and in a corridor twice as high as wide.
+/// Energy Σ c² of the open directions that each of [`ORDERS`] does not hold: the most of an endless wall as high as it
+/// is far, below the edge of a square lid, and in a corridor twice as high as wide.
 const MISSING: [f64; 2] = [0.0653, 0.0327];
 
-/// Noise of coefficients at one ray: falls like N^-3/4. Measured on five scenes from 64 to 1,024 rays, where it is 0.4 to 1.2.
+/// Noise of coefficients at one ray: falls like N^-3/4. Measured on five scenes from 64 to 1,024 rays, where it is 0.4
+/// to 1.2.
 const NOISE: f64 = 0.8;
 
 /// What missing energy above an order leaves in the term of a lobe, root mean square over all views. The border of
@@ -46,7 +47,8 @@ pub fn expected_noise(order: usize, lobe: Lobe, rays: u32) -> f64 {
     NOISE * f64::from(rays.max(1)).powf(-0.75) * passed.sqrt()
 }
 
-/// The lowest of [`ORDERS`] that leaves less of the lobe than noise does at so many hemisphere rays; the highest where none does.
+/// The lowest of [`ORDERS`] that leaves less of the lobe than noise does at so many hemisphere rays; the highest where
+/// none does.
 ///
 /// ```
 /// use ambake_ambient::any_view::{Lobe, order_for};

@@ -9,7 +9,8 @@ pub const COLUMNS: usize = 49;
 /// Rows of one harmonic: quarter octaves of n + 1 from 1 to 256, or steps of 1/32 of the roughness from 0 to 1.
 pub const ROWS: usize = 33;
 
-/// The kernels of one family of lobes up to an order: blocks of [`ROWS`] rows, one for each [`pair`], of [`COLUMNS`] values each.
+/// The kernels of one family of lobes up to an order: blocks of [`ROWS`] rows, one for each [`pair`], of [`COLUMNS`]
+/// values each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KernelTable {
     /// The order.
@@ -18,7 +19,8 @@ pub struct KernelTable {
     pub values: Vec<f32>,
 }
 
-/// The row of a block that holds a lobe, `0.0..=32.0`, to be met between rows: 4 log2(n + 1), or 32 times the roughness √α.
+/// The row of a block that holds a lobe, `0.0..=32.0`, to be met between rows: 4 log2(n + 1), or 32 times the roughness
+/// √α.
 pub fn row_of(lobe: Lobe) -> f64 {
     let row = match lobe {
         Lobe::Phong(exponent) => 4.0 * (exponent + 1.0).log2(),

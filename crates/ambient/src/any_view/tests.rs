@@ -106,8 +106,8 @@ fn wall_is_what_its_closed_forms_say() {
     // AO_u = 1 - g/π with g = 45°; the mean of y(1, 1) ∝ sin cos φ is an integral of its own.
     let found = coefficients(wall);
     assert!((found.0[0] - 0.75).abs() < 2e-3, "{}", found.0[0]);
-    // x = cos g cos b over the wedge of elevations g up to 45° and latitudes b, dω = cos b db dg: sin 45° times π/2 is blocked of what
-    // has no mean in all. y(1, 1) = √3 x.
+    // x = cos g cos b over the wedge of elevations g up to 45° and latitudes b, dω = cos b db dg: sin 45° times π/2 is
+    // blocked of what has no mean in all. y(1, 1) = √3 x.
     let exact = -3f64.sqrt() * FRAC_PI_2 * 0.5f64.sqrt() / TAU;
     assert!((found.0[index(1, 1)] - exact).abs() < 2e-3);
     assert!(found.0[index(1, -1)].abs() < 1e-12, "the wall is even in y");

@@ -7,8 +7,8 @@ use std::f64::consts::PI;
 /// * `cos`: cosine of the angle between the surface's normal and the ball's middle, -1..=1.
 /// * `square`: (radius / distance of the middle)², 0..=1.
 ///
-/// J. Snyder, "Area Light Sources for Real-Time Graphics" (1996), whose integral is that of the cap's projection onto the plane of the
-/// surface.
+/// J. Snyder, "Area Light Sources for Real-Time Graphics" (1996), whose integral is that of the cap's projection onto
+/// the plane of the surface.
 ///
 /// ```
 /// use ambake_ambient::closed_form::ball;

@@ -1,9 +1,9 @@
 //! The Phong term of an open point, for any real exponent and every view.
 //!
-//! The lobe about R is cut by the plane of N; what is left is a lune. In coordinates with the poles on the lune's corners
-//! the integral of X. Zhang, Y. Gao, "Generalised Ambient Reflection Models for Lambertian and Phong Surfaces", ICIP 2009,
-//! equation (14), separates into two integrals of powers of the cosine. With W(n) = ∫ cosⁿ over -π/2..π/2 and
-//! W(n) W(n+1) = 2π/(n+1), the normalised term is
+//! The lobe about R is cut by the plane of N; what is left is a lune. In coordinates with the poles on the lune's
+//! corners the integral of X. Zhang, Y. Gao, "Generalised Ambient Reflection Models for Lambertian and Phong Surfaces",
+//! ICIP 2009, equation (14), separates into two integrals of powers of the cosine. With W(n) = ∫ cosⁿ over -π/2..π/2
+//! and W(n) W(n+1) = 2π/(n+1), the normalised term is
 //!
 //! ```text
 //! G(n, θ) = 1/W(n) ∫ cosⁿ over -π/2..π/2-θ = 1 - T  (θ <= π/2),  T  (θ > π/2)
@@ -24,8 +24,8 @@ use std::f64::consts::{PI, TAU};
 /// * `exponent`: n, finite and `>= 0`.
 /// * `n_dot_v`: cosine of the angle θ between normal and view, `-1..=1`; negative when the eye is below the surface,
 ///   where the same formula holds. Give it with small *relative* error near 0: the slope there is √(n/2π).
-/// * `n_cross_v`: sine of θ, `0..=1`, the length of the cross product. It is asked for because near normal view the cosine
-///   does not hold the angle, and for n < 1 the slope in the cosine is infinite there.
+/// * `n_cross_v`: sine of θ, `0..=1`, the length of the cross product. It is asked for because near normal view the
+///   cosine does not hold the angle, and for n < 1 the slope in the cosine is infinite there.
 ///
 /// ```
 /// use ambake_ambient::closed_form::phong_open;
@@ -45,9 +45,9 @@ pub fn phong_open_angle(exponent: f64, theta_view: f64) -> f64 {
 
 /// The reciprocal variant with the cosine law, `(n+2)/2π ∫ (R·L)ⁿ (N·L) dω` over the lune; 1 at normal view.
 ///
-/// E. Lafortune, Y. Willems, "Using the Modified Phong Reflectance Model for Physically Based Rendering", 1994. Not one of
-/// the baked layers: it bounds what the missing cosine of the paper's term costs. Arguments as in [`phong_open`]. The
-/// error is relative up to 90 degrees and absolute beyond, where two terms cancel.
+/// E. Lafortune, Y. Willems, "Using the Modified Phong Reflectance Model for Physically Based Rendering", 1994. Not one
+/// of the baked layers: it bounds what the missing cosine of the paper's term costs. Arguments as in [`phong_open`].
+/// The error is relative up to 90 degrees and absolute beyond, where two terms cancel.
 pub fn phong_open_cosine(exponent: f64, n_dot_v: f64, n_cross_v: f64) -> f64 {
     let n = exponent;
     let edge = (0.5 * (n + 2.0) * log_sine2(n_dot_v, n_cross_v)).exp();
@@ -67,8 +67,8 @@ fn tail(n: f64, c: f64, s: f64) -> f64 {
         let front = (0.5 * (n + 1.0) * log_s2).exp() * c * inverse_w;
         return 0.5 - front * series(0.5 * n + 1.0, 1.5, c * c);
     }
-    // Directly: ∫ cosⁿ from the elevation φ of the view up to π/2. cos(φ+d) is taken relative to cos φ = s, and the range
-    // ends where the integrand has fallen by e^-42.
+    // Directly: ∫ cosⁿ from the elevation φ of the view up to π/2. cos(φ+d) is taken relative to cos φ = s, and the
+    // range ends where the integrand has fallen by e^-42.
     let elevation = c.atan2(s);
     let cot = c / s;
     let length = 84.0 / n / (cot + (cot * cot + 84.0 / n).sqrt());

@@ -1,8 +1,9 @@
 //! The paper's own closed form: equations (15) and (16), finite sums for a whole exponent.
 //!
 //! X. Zhang, Y. Gao, "Generalised Ambient Reflection Models for Lambertian and Phong Surfaces", ICIP 2009. Printed with
-//! factorials, which overflow double precision at n = 173; here each term is the last one times a ratio, and all terms are
-//! positive up to 90 degrees. [`super::phong_open`] is faster and takes any exponent and angle; this is its cross-check.
+//! factorials, which overflow double precision at n = 173; here each term is the last one times a ratio, and all terms
+//! are positive up to 90 degrees. [`super::phong_open`] is faster and takes any exponent and angle; this is its
+//! cross-check.
 
 use crate::convention::HEMISPHERE;
 use std::f64::consts::PI;

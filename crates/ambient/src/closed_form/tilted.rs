@@ -21,9 +21,9 @@ pub fn tilted_diffuse(delta: f64) -> f64 {
 ///
 /// * `normal`, `geometric`: unit vectors N and Ng, at an angle δ of `0..=π`.
 ///
-/// The directions form a lune. With the poles on its corners, L = (sin θ cos φ, sin θ sin φ, cos θ), N at φ = 0 and Ng at φ = δ, it is
-/// δ − π/2 <= φ <= π/2, and ∫ sin³θ dθ = 4/3 leaves ∫ cos φ (cos φ, sin φ) dφ, so the mean is
-/// 4/3π [((π − δ)/2 + sin 2δ / 4) N + (sin² δ / 2) T], T the part of Ng across N, of unit length.
+/// The directions form a lune. With the poles on its corners, L = (sin θ cos φ, sin θ sin φ, cos θ), N at φ = 0 and Ng
+/// at φ = δ, it is δ − π/2 <= φ <= π/2, and ∫ sin³θ dθ = 4/3 leaves ∫ cos φ (cos φ, sin φ) dφ, so the mean is 4/3π [((π
+/// − δ)/2 + sin 2δ / 4) N + (sin² δ / 2) T], T the part of Ng across N, of unit length.
 pub fn tilted_bent(normal: DVec3, geometric: DVec3) -> DVec3 {
     let (cos, sin) = (normal.dot(geometric), normal.cross(geometric).length());
     let delta = sin.atan2(cos);
@@ -41,8 +41,8 @@ pub fn tilted_mean(normal: DVec3, geometric: DVec3) -> DVec3 {
     (normal + geometric) / 8.0
 }
 
-/// Specular term seen along a shading normal tilted by `delta` radians, `0..=π`: the lobe stands on the shading normal and
-/// the geometric plane cuts it. `exponent` is finite and `>= 0`.
+/// Specular term seen along a shading normal tilted by `delta` radians, `0..=π`: the lobe stands on the shading normal
+/// and the geometric plane cuts it. `exponent` is finite and `>= 0`.
 pub fn tilted_specular(exponent: f64, delta: f64) -> f64 {
     phong_open_angle(exponent, delta)
 }

@@ -1,5 +1,6 @@
-//! What the hemisphere rays of a texel bring to its GGX term, which bakes take from both: visible normals alone, hemisphere rays alone, both by the balance heuristic
-//! (E. Veach, L. Guibas 1995). `cargo test -p ambake-ambient hemisphere_rays -- --nocapture` prints the table of docs/theory.md.
+//! What the hemisphere rays of a texel bring to its GGX term, which bakes take from both: visible normals alone,
+//! hemisphere rays alone, both by the balance heuristic (E. Veach, L. Guibas 1995). `cargo test -p ambake-ambient
+//! hemisphere_rays -- --nocapture` prints the table of docs/microfacets.md.
 
 use super::Ggx;
 use crate::sampling::{Mixture, Stream};

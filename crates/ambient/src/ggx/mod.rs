@@ -4,19 +4,20 @@
 //! J = ∫ L V F D G2 / (4 N·V) dω,   F = F0 + (1 - F0) Fc,  Fc = (1 - V·H)^5,   so  J = F0 A + B
 //! ```
 //!
-//! Half vectors H are drawn from the normals that the view sees, density `D G1 V·H / N·V`, and L is V mirrored about H. Those of which
-//! no L rises above the surface are left out: with k, the share of N·V that `bound` leaves,
-//! `G1 = 2 N·V / (k N·V + sqrt(α² + (1 - α²) (N·V)²))` takes the place of Smith's in that density, and in `G1` below. Each direction then
-//! weighs `F w` with `w = G2/G1`, which is at most 1. A sums `(1 - Fc) w` and B sums `Fc w`.
+//! Half vectors H are drawn from the normals that the view sees, density `D G1 V·H / N·V`, and L is V mirrored about H.
+//! Those of which no L rises above the surface are left out: with k, the share of N·V that `bound` leaves, `G1 = 2 N·V
+//! / (k N·V + sqrt(α² + (1 - α²) (N·V)²))` takes the place of Smith's in that density, and in `G1` below. Each
+//! direction then weighs `F w` with `w = G2/G1`, which is at most 1. A sums `(1 - Fc) w` and B sums `Fc w`.
 //!
-//! What light loses between facets that shadow each other is given back with the directional albedo E = A + B of a white mirror:
-//! times `1 + F0 (1/E - 1)`, which is 1/E for F0 = 1, so that a white metal returns all that it receives.
+//! What light loses between facets that shadow each other is given back with the directional albedo E = A + B of a
+//! white mirror: times `1 + F0 (1/E - 1)`, which is 1/E for F0 = 1, so that a white metal returns all that it receives.
 //!
-//! Sources: B. Walter, S. Marschner, H. Li, K. Torrance, "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007 (D);
-//! E. Heitz, "Understanding the Masking-Shadowing Function", JCGT 2014 (G2); C. Schlick 1994 (F); J. Dupuy, A. Benyoub, "Sampling Visible
-//! GGX Normals with Spherical Caps", HPG 2023; K. Eto, Y. Tokuyoshi, "Bounded VNDF Sampling for Smith-GGX Reflections", SIGGRAPH Asia 2023
-//! technical communications; R. Fdez-Agüera, "A Multiple-Scattering Microfacet Model for Real-Time Image-based
-//! Lighting", JCGT 2019, and Turquin, "Practical Multiple Scattering Compensation for Microfacet Models", 2018 (the factor).
+//! Sources: B. Walter, S. Marschner, H. Li, K. Torrance, "Microfacet Models for Refraction through Rough Surfaces",
+//! EGSR 2007 (D); E. Heitz, "Understanding the Masking-Shadowing Function", JCGT 2014 (G2); C. Schlick 1994 (F); J.
+//! Dupuy, A. Benyoub, "Sampling Visible GGX Normals with Spherical Caps", HPG 2023; K. Eto, Y. Tokuyoshi, "Bounded VNDF
+//! Sampling for Smith-GGX Reflections", SIGGRAPH Asia 2023 technical communications; R. Fdez-Agüera, "A
+//! Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting", JCGT 2019, and Turquin, "Practical
+//! Multiple Scattering Compensation for Microfacet Models", 2018 (the factor).
 
 #[cfg(test)]
 mod both;
@@ -73,7 +74,8 @@ pub fn alpha_of(exponent: f64) -> f64 {
 }
 
 impl Ggx {
-    /// A surface of `alpha`, 0..=1, seen at the cosine `cos` of the angle to the normal. Both are kept a little above 0.
+    /// A surface of `alpha`, 0..=1, seen at the cosine `cos` of the angle to the normal. Both are kept a little above
+    /// 0.
     pub fn new(alpha: f64, cos: f64) -> Self {
         let cos = cos.clamp(LEAST_COS, 1.0);
         Self {
@@ -92,8 +94,8 @@ impl Ggx {
         let (alpha, v) = (self.alpha, self.view);
         let stretched = DVec3::new(alpha * v.x, 0.0, v.z).normalize();
         let (sin, cos) = turn_sin_cos(u1);
-        // The cap of the sphere that the stretched view sees reaches down to -z of the view, and the part of it that mirrors some light
-        // from above the surface less far; u0 = 1 is its top.
+        // The cap of the sphere that the stretched view sees reaches down to -z of the view, and the part of it that
+        // mirrors some light from above the surface less far; u0 = 1 is its top.
         let down = bound(alpha, v.z) * stretched.z;
         let z = u0 * (1.0 + down) - down;
         let r = (1.0 - z * z).max(0.0).sqrt();
@@ -152,7 +154,8 @@ impl Ggx {
 }
 
 impl Albedos {
-    /// Directional albedo of a surface of the reflectance `f0` at normal view, light between facets included; at most 1.
+    /// Directional albedo of a surface of the reflectance `f0` at normal view, light between facets included; at most
+    /// 1.
     pub fn of(&self, f0: DVec3) -> DVec3 {
         (f0 * self.tinted + self.white) * self.gain(f0)
     }
@@ -177,8 +180,8 @@ pub fn frame(normal: DVec3, view: DVec3) -> Frame {
     }
 }
 
-/// Diffuse reflectance under a coat that reflects `coat` toward the eye: what the coat takes, the base lacks, so that a white material
-/// returns all that it receives.
+/// Diffuse reflectance under a coat that reflects `coat` toward the eye: what the coat takes, the base lacks, so that a
+/// white material returns all that it receives.
 ///
 /// * `albedo`: diffuse reflectance of the material seen along its normal, where the coat reflects `f0`.
 pub fn base(albedo: DVec3, f0: DVec3, coat: DVec3) -> DVec3 {
@@ -189,7 +192,8 @@ pub fn base(albedo: DVec3, f0: DVec3, coat: DVec3) -> DVec3 {
     DVec3::select(f0.cmplt(DVec3::ONE), left, DVec3::ZERO)
 }
 
-/// Share of the part of the visible cap below its middle that can mirror light from above the surface (Eto and Tokuyoshi).
+/// Share of the part of the visible cap below its middle that can mirror light from above the surface (Eto and
+/// Tokuyoshi).
 fn bound(alpha: f64, cos: f64) -> f64 {
     let alpha2 = alpha * alpha;
     let s2 = (1.0 + (1.0 - cos * cos).max(0.0).sqrt()).powi(2);

@@ -1,10 +1,10 @@
 //! What an open GGX surface reflects, by quadrature over directions of light.
 //!
-//! Polar angle and azimuth are counted from the mirrored view, where the lobe has its peak. Beside it lie scales that differ by
-//! factors of a million: the lobe is as wide as α, light is masked within the smaller of α and N·V of the horizon, Fresnel's term has
-//! a kink within N·V of the backward view. Seen on a logarithmic scale all of them are a few units wide. So each interval `x` is
-//! walked in `y` with `x = scale sinh y`, in panels that a Gauss rule integrates. Nothing is differenced: distances from the
-//! peak and from the horizon are the variables.
+//! Polar angle and azimuth are counted from the mirrored view, where the lobe has its peak. Beside it lie scales that
+//! differ by factors of a million: the lobe is as wide as α, light is masked within the smaller of α and N·V of the
+//! horizon, Fresnel's term has a kink within N·V of the backward view. Seen on a logarithmic scale all of them are a
+//! few units wide. So each interval `x` is walked in `y` with `x = scale sinh y`, in panels that a Gauss rule
+//! integrates. Nothing is differenced: distances from the peak and from the horizon are the variables.
 
 use super::{Albedos, Drawn, Ggx, LEAST_COS};
 use crate::quadrature::gauss_legendre;
@@ -18,18 +18,20 @@ static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(16));
 const PANEL: f64 = 5.0;
 /// Widest scale of an azimuth: wider ones are even.
 const EVEN: f64 = 3.0;
-/// Cosine of a view along the normal: what is reflected is even in the angle, and moves by less than 1e-7 within this one.
+/// Cosine of a view along the normal: what is reflected is even in the angle, and moves by less than 1e-7 within this
+/// one.
 const ALONG: f64 = 1.0 - 1e-12;
 /// Steps of the table, in roughness and in the root of the cosine.
 const STEPS: usize = 128;
 /// Steps of it that a value between them is taken from.
 const NEAR: usize = 6;
-/// Least roughness that is looked up at a slant. The lobes of smoother surfaces are masked within less than a step of the horizon.
+/// Least roughness that is looked up at a slant. The lobes of smoother surfaces are masked within less than a step of
+/// the horizon.
 const LEAST_ROUGHNESS: f64 = 0.1;
 
 impl Ggx {
-    /// A and B under an open sky of 1, within 1e-6 at every α and view. Few of them are integrated: most are polynomials between those of a
-    /// table, which integrates what is asked of it once.
+    /// A and B under an open sky of 1, within 1e-6 at every α and view. Few of them are integrated: most are
+    /// polynomials between those of a table, which integrates what is asked of it once.
     pub fn open(&self) -> Albedos {
         if self.view.z >= ALONG || self.alpha.sqrt() >= LEAST_ROUGHNESS {
             return self.looked_up();
@@ -73,8 +75,9 @@ impl Ggx {
         Albedos { tinted, white }
     }
 
-    /// Hands directions above the surface with y >= 0 to `add`, with weights whose sum is the share of the points of [`Ggx::sample`] that
-    /// rise above the surface. The other half of the directions is its mirror image in the plane of the view.
+    /// Hands directions above the surface with y >= 0 to `add`, with weights whose sum is the share of the points of
+    /// [`Ggx::sample`] that rise above the surface. The other half of the directions is its mirror image in the plane
+    /// of the view.
     pub fn integrate(&self, add: &mut impl FnMut(Drawn, f64)) {
         let (alpha, cos) = (self.alpha, self.view.z);
         let theta = self.view.x.atan2(cos);
@@ -119,7 +122,8 @@ impl Ggx {
     }
 }
 
-/// The steps of the table beside `place`, 0..=1: the first of [`NEAR`], and the weights of Lagrange's polynomial on them.
+/// The steps of the table beside `place`, 0..=1: the first of [`NEAR`], and the weights of Lagrange's polynomial on
+/// them.
 fn near(place: f64) -> (usize, [f64; NEAR]) {
     let place = place * STEPS as f64;
     let first = (place as usize + 1)
@@ -152,8 +156,8 @@ fn graded(scale: f64, length: f64) -> impl Iterator<Item = (f64, f64)> {
 mod tests {
     use super::*;
 
-    /// α, N·V, A and B at random places, even in the logarithms: `quad` of QUADPACK, nested, over the slopes of microfacets in polar
-    /// coordinates, a form that shares neither variables nor formulas with this file.
+    /// α, N·V, A and B at random places, even in the logarithms: `quad` of QUADPACK, nested, over the slopes of
+    /// microfacets in polar coordinates, a form that shares neither variables nor formulas with this file.
     const SLOPES: [[f64; 4]; 16] = [
         [0.0094, 0.0051, 0.1255807940, 0.7890306445],
         [0.0897, 0.0031, 0.5726494686, 0.4189649700],

@@ -1,4 +1,5 @@
-//! Sixteen GGX lobes at once, in f32: directions drawn from them, and what each weighs a direction with. [`Ggx`](super::Ggx) is the same in f64.
+//! Sixteen GGX lobes at once, in f32: directions drawn from them, and what each weighs a direction with.
+//! [`Ggx`](super::Ggx) is the same in f64.
 
 #![allow(
     clippy::needless_range_loop,
@@ -19,10 +20,12 @@ pub struct Lobes {
     pub fresnel: Wide,
 }
 
-/// The lobes of these α about unit normals, seen from unit views that stand above their surfaces, for one unit direction each.
+/// The lobes of these α about unit normals, seen from unit views that stand above their surfaces, for one unit
+/// direction each.
 ///
-/// The part of the half vector along the surface is taken by itself, so that narrow lobes lose no digits at their peak. What is left is
-/// the rounding of the direction: it moves the half vector by 2^-24 over |L + V|, and a density by as many times 4/α.
+/// The part of the half vector along the surface is taken by itself, so that narrow lobes lose no digits at their peak.
+/// What is left is the rounding of the direction: it moves the half vector by 2^-24 over |L + V|, and a density by as
+/// many times 4/α.
 #[inline(always)]
 pub fn lobes16(alpha: &Wide, normal: &[Wide; 3], view: &[Wide; 3], direction: &[Wide; 3]) -> Lobes {
     let mut lobes = Lobes {
@@ -63,8 +66,8 @@ pub fn lobes16(alpha: &Wide, normal: &[Wide; 3], view: &[Wide; 3], direction: &[
     lobes
 }
 
-/// The local directions that [`Ggx::sample`](super::Ggx::sample) gives points of the unit square, for lobes of these α: z is the normal, and unit
-/// views are `[sin, 0, cos]`. Within 2e-6 of it.
+/// The local directions that [`Ggx::sample`](super::Ggx::sample) gives points of the unit square, for lobes of these α:
+/// z is the normal, and unit views are `[sin, 0, cos]`. Within 2e-6 of it.
 #[inline(always)]
 pub fn sample16(alpha: &Wide, [sin, cos]: [&Wide; 2], u0: &Wide, u1: &Wide) -> [Wide; 3] {
     let mut out = [[0.0; LANES]; 3];
@@ -79,7 +82,8 @@ pub fn sample16(alpha: &Wide, [sin, cos]: [&Wide; 2], u0: &Wide, u1: &Wide) -> [
             (1.0 - a * a) * far * far / whole,
             a * a * (z * z + far * far) / whole,
         );
-        // How far the point of the cap is from the top, and how far the half vector rises, both without a difference of like numbers.
+        // How far the point of the cap is from the top, and how far the half vector rises, both without a difference of
+        // like numbers.
         let drop = (1.0 - u0[k]) * (1.0 + bound * up);
         let rise = u0[k] * (1.0 + bound * up) + rest * up;
         let r = (drop * (rise + leaning * leaning / (1.0 + up))).sqrt();

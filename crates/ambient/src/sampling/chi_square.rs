@@ -18,7 +18,8 @@ pub(super) fn check(edge: f64, sample: impl Fn([f64; 2]) -> DVec3, pdf: impl Fn(
         let scale = 0.5_f64.powi(53);
         counts[cell(sample([u * scale, v * scale]), edge)] += 1.0;
     }
-    // Integral of the pdf over a ring and sector in (sin θ, φ): dω = s ds dφ / cos θ, s = edge · sin t tames the horizon.
+    // Integral of the pdf over a ring and sector in (sin θ, φ): dω = s ds dφ / cos θ, s = edge · sin t tames the
+    // horizon.
     let mut expected = [0.0; RINGS * SECTORS + 1];
     for ring in 0..RINGS {
         let bounds = [ring, ring + 1].map(|r| (r as f64 / RINGS as f64).asin());

@@ -88,10 +88,10 @@ impl Counts {
 
 /// A piecewise constant density over the square, and the map that draws from it.
 ///
-/// The map is monotone along each axis, so that well-spread points stay so. The density of a cell is proportional to the root of
-/// the share that counts there, which gives the sum of weighted hits the least variance where hits inside a cell are left to
-/// chance; a share of the points goes everywhere alike. After the warps of M. Pharr, W. Jakob, G. Humphreys, "Physically Based Rendering",
-/// section 13.6.7.
+/// The map is monotone along each axis, so that well-spread points stay so. The density of a cell is proportional to
+/// the root of the share that counts there, which gives the sum of weighted hits the least variance where hits inside a
+/// cell are left to chance; a share of the points goes everywhere alike. After the warps of M. Pharr, W. Jakob, G.
+/// Humphreys, "Physically Based Rendering", section 13.6.7.
 #[derive(Clone, Debug)]
 pub struct Guide {
     /// Where each row begins, and 1 over how wide it is, in points.
@@ -175,7 +175,8 @@ impl Guide {
         self.gain
     }
 
-    /// The density of the warped points at a point of the square, 0..=1 along both axes; it is 1 where they go everywhere alike.
+    /// The density of the warped points at a point of the square, 0..=1 along both axes; it is 1 where they go
+    /// everywhere alike.
     pub fn density(&self, u: [f64; 2]) -> f64 {
         let [row, column] = u.map(|u| ((u * EDGE as f64) as usize).min(EDGE - 1));
         let inverse = self.rows[1][row] * self.columns[1][row * EDGE + column];

@@ -1,8 +1,9 @@
 //! Directions over the whole hemisphere: cosine-weighted, uniform, and anything between.
 //!
-//! The unit square goes to a disk by the concentric map (P. Shirley, K. Chiu, "A Low Distortion Map Between Disk and Square", 1997), the disk to the
-//! hemisphere ring by ring. What is near in the square is near on the hemisphere, on both sides of every azimuth: points that are well spread stay so,
-//! and the plain error is 2 to 7 % less than with an azimuth for one axis.
+//! The unit square goes to a disk by the concentric map (P. Shirley, K. Chiu, "A Low Distortion Map Between Disk and
+//! Square", 1997), the disk to the hemisphere ring by ring. What is near in the square is near on the hemisphere, on
+//! both sides of every azimuth: points that are well spread stay so, and the plain error is 2 to 7 % less than with an
+//! azimuth for one axis.
 
 use crate::convention::HEMISPHERE;
 use glam::DVec3;
@@ -10,9 +11,10 @@ use std::f64::consts::{FRAC_PI_4, TAU};
 
 /// Mixture of cosine-weighted and uniform directions about +z, drawn by one analytic inverse.
 ///
-/// With μ = cos θ the pdf of μ is `2aμ + b`, a + b = 1; per steradian that is `(2aμ + b) / 2π`. One point set serves two
-/// integrals: with `w` = 1 for an open ray, the mean of `w · diffuse_weight` estimates the diffuse term and the mean of
-/// `w · visibility_weight` the visibility. Both weights are bounded when 0 < a < 1, so neither variance diverges.
+/// With μ = cos θ the pdf of μ is `2aμ + b`, a + b = 1; per steradian that is `(2aμ + b) / 2π`. One point set serves
+/// two integrals: with `w` = 1 for an open ray, the mean of `w · diffuse_weight` estimates the diffuse term and the
+/// mean of `w · visibility_weight` the visibility. Both weights are bounded when 0 < a < 1, so neither variance
+/// diverges.
 ///
 /// ```
 /// use ambake_ambient::sampling::{Mixture, Stream};
@@ -60,10 +62,12 @@ impl Mixture {
         self.cosine_share
     }
 
-    /// The local unit direction of a point of the unit square: its middle is the pole, its border the horizon, `[1, 0.5]` is +x.
+    /// The local unit direction of a point of the unit square: its middle is the pole, its border the horizon, `[1,
+    /// 0.5]` is +x.
     ///
-    /// At the distance r from the middle of the disk the distribution function aμ² + bμ is v = 1 − r². With q = √(b² + 4av) its inverse is
-    /// μ = 2v/(b + q), and the complement is 1 − μ = 2r²/(1 + a + q): no difference of like numbers at the pole or at the horizon.
+    /// At the distance r from the middle of the disk the distribution function aμ² + bμ is v = 1 − r². With q = √(b² +
+    /// 4av) its inverse is μ = 2v/(b + q), and the complement is 1 − μ = 2r²/(1 + a + q): no difference of like numbers
+    /// at the pole or at the horizon.
     #[inline(always)]
     pub fn sample(self, u: [f64; 2]) -> DVec3 {
         let a = self.cosine_share;
@@ -190,8 +194,8 @@ mod tests {
                 visibility += mixture.visibility_weight(mu);
             }
             let n = f64::from(1 << 16);
-            // Weights depend on the distance from the middle alone; a cell errs by at most its range, which is that of 1/128 of r, 2/b/128
-            // in all, and cells err independently: 256 of each range add up like their root.
+            // Weights depend on the distance from the middle alone; a cell errs by at most its range, which is that of
+            // 1/128 of r, 2/b/128 in all, and cells err independently: 256 of each range add up like their root.
             let bound = 2.0 / (1.0 - a) / 128.0 / 256.0;
             assert!((diffuse / n - 1.0).abs() < bound, "{a}: {}", diffuse / n);
             assert!((visibility / n - 1.0).abs() < bound, "{a}");

@@ -1,11 +1,12 @@
 //! Points of neighbouring texels that are well spread together.
 //!
-//! The texels of a square take the parts of one sequence in turn, quarter by quarter (Morton order), so that each aligned square of texels
-//! holds an aligned block of points: what such a square gathers as a whole has less error than its texels' own errors would make of
-//! it, and a smoothed page gains. After A. Ahmed, P. Wonka, "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via
-//! Hierarchical Ordering of Pixels", 2020, with two differences. The four quarters of each square are shuffled by their own key, or the same
-//! places of neighbouring squares would share leading digits, and what should be noise would repeat. And the points
-//! of each part are turned by their own number, or texels that take a share of their points would all leave out the same.
+//! The texels of a square take the parts of one sequence in turn, quarter by quarter (Morton order), so that each
+//! aligned square of texels holds an aligned block of points: what such a square gathers as a whole has less error than
+//! its texels' own errors would make of it, and a smoothed page gains. After A. Ahmed, P. Wonka, "Screen-Space
+//! Blue-Noise Diffusion of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels", 2020, with two differences.
+//! The four quarters of each square are shuffled by their own key, or the same places of neighbouring squares would
+//! share leading digits, and what should be noise would repeat. And the points of each part are turned by their own
+//! number, or texels that take a share of their points would all leave out the same.
 
 use super::Stream;
 use super::sobol::scramble;
@@ -13,11 +14,13 @@ use super::stream::mix;
 use std::ops::Range;
 
 impl Stream {
-    /// This stream as texel (x, y) of a square of `2^edge_log2` texels takes its points `net`, counted from 0: a power of two, aligned to itself. Texels of
-    /// the square have this stream and `net` in common; x and y count modulo its edge.
+    /// This stream as texel (x, y) of a square of `2^edge_log2` texels takes its points `net`, counted from 0: a power
+    /// of two, aligned to itself. Texels of the square have this stream and `net` in common; x and y count modulo its
+    /// edge.
     ///
-    /// Points are those of an Owen-scrambled Sobol sequence, however many of them are taken. All points of all texels of an aligned square are a net, and nets that follow each other
-    /// continue one sequence, so that the second falls between the points of the first.
+    /// Points are those of an Owen-scrambled Sobol sequence, however many of them are taken. All points of all texels
+    /// of an aligned square are a net, and nets that follow each other continue one sequence, so that the second falls
+    /// between the points of the first.
     ///
     /// ```
     /// use ambake_ambient::sampling::Stream;
@@ -36,7 +39,8 @@ impl Stream {
         self.starting_at(before.wrapping_add(part.wrapping_mul(points)) | turn)
     }
 
-    /// The number of a texel's part: its place in Morton order after the children of each node of the tree are shuffled.
+    /// The number of a texel's part: its place in Morton order after the children of each node of the tree are
+    /// shuffled.
     fn shuffled(&self, x: u32, y: u32, edge_log2: u32) -> u32 {
         // From the coarsest digit to the finest, as `scramble` takes them.
         let mut digits = 0;
@@ -130,7 +134,8 @@ mod tests {
         assert!(boxes.iter().all(|n| n.abs_diff(192) < 30), "{boxes:?}");
     }
 
-    /// Eight points each and then four are the first twelve of sixteen: none of the boxes that sixteen would fill has two.
+    /// Eight points each and then four are the first twelve of sixteen: none of the boxes that sixteen would fill has
+    /// two.
     #[test]
     fn nets_continue_each_other() {
         let square = Stream::new(9, 0, 2, 0, 0);

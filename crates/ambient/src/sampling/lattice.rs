@@ -1,15 +1,16 @@
 //! A rank-1 lattice sequence in four dimensions, randomised by a shift of the torus.
 //!
-//! Point i has the coordinates `frac(φ₂(i) z_d + shift_d)`, φ₂ the radical inverse in base 2: the first 2^m points are a
-//! rank-1 lattice for every m (F. Hickernell, H. Hong, P. L'Écuyer, C. Lemieux, "Extensible Lattice Sequences for
-//! Quasi-Monte Carlo Quadrature", SIAM J. Sci. Comput. 2000). Random shifts: R. Cranley, T. Patterson, "Randomization of
-//! Number Theoretic Methods for Multiple Integration", 1976.
+//! Point i has the coordinates `frac(φ₂(i) z_d + shift_d)`, φ₂ the radical inverse in base 2: the first 2^m points are
+//! a rank-1 lattice for every m (F. Hickernell, H. Hong, P. L'Écuyer, C. Lemieux, "Extensible Lattice Sequences for
+//! Quasi-Monte Carlo Quadrature", SIAM J. Sci. Comput. 2000). Random shifts: R. Cranley, T. Patterson, "Randomization
+//! of Number Theoretic Methods for Multiple Integration", 1976.
 //!
-//! **Choice of z.** Visibility jumps across curves, so its Fourier coefficients fall like `|k|^-3/2` and the variance of a
-//! shifted lattice is a sum over its dual lattice of `|k|^-3` (in two dimensions). `z_1` was found bit by bit, by a beam search
-//! that keeps `N^3/2 Σ |k|^-3` small for every N = 2^m at once: it is 8.2 to 10.2 for m = 3..12, where Fibonacci lattices have
-//! 8.5 to 8.8 and the least possible value is that of the hexagonal lattice. `z_2`, `z_3` (positions in the footprint) keep
-//! `N^5/4 Σ (k_0² + k_1² + 4 k_2² + 4 k_3²)^-5/2` small over m = 3..9 among random pairs.
+//! **Choice of z.** Visibility jumps across curves, so its Fourier coefficients fall like `|k|^-3/2` and the variance
+//! of a shifted lattice is a sum over its dual lattice of `|k|^-3` (in two dimensions). `z_1` was found bit by bit, by
+//! a beam search that keeps `N^3/2 Σ |k|^-3` small for every N = 2^m at once: it is 8.2 to 10.2 for m = 3..12, where
+//! Fibonacci lattices have 8.5 to 8.8 and the least possible value is that of the hexagonal lattice. `z_2`, `z_3`
+//! (positions in the footprint) keep `N^5/4 Σ (k_0² + k_1² + 4 k_2² + 4 k_3²)^-5/2` small over m = 3..9 among random
+//! pairs.
 
 use super::sobol::DIMENSIONS;
 

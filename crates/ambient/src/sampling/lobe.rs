@@ -9,8 +9,8 @@ use glam::DVec3;
 ///
 /// Rays drawn from it estimate the specular term as the plain share of rays that are open and above the surface.
 ///
-/// The zenith angle comes from sin² = −expm1(2 ln u / (n + 1)): at n = 1e6 the lobe is a thousandth of a radian wide and
-/// the cosine alone has too few levels left.
+/// The zenith angle comes from sin² = −expm1(2 ln u / (n + 1)): at n = 1e6 the lobe is a thousandth of a radian wide
+/// and the cosine alone has too few levels left.
 ///
 /// ```
 /// use ambake_ambient::sampling::Lobe;

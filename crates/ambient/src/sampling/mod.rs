@@ -1,10 +1,10 @@
 //! Where rays go: points of a low-discrepancy sequence, and maps from those points to directions.
 //!
-//! [`Stream`] labels the points of one texel, [`Streams`] reads sixteen of them at once from a [`PointSet`], [`Mixture`] and
-//! [`Lobe`] map points to directions. Every map takes `[u0, u1]`: `u0` sets
-//! the zenith angle by an analytic inverse (1 is the pole), `u1` is the azimuth in turns. The polar map is used rather
-//! than a concentric one: jittered and Owen-scrambled points have an error that grows with the length of the
-//! visibility boundary in the unit square, and that was shorter under the polar map for three of four measured scenes.
+//! [`Stream`] labels the points of one texel, [`Streams`] reads sixteen of them at once from a [`PointSet`],
+//! [`Mixture`] and [`Lobe`] map points to directions. Every map takes `[u0, u1]`: `u0` sets the zenith angle by an
+//! analytic inverse (1 is the pole), `u1` is the azimuth in turns. The polar map is used rather than a concentric one:
+//! jittered and Owen-scrambled points have an error that grows with the length of the visibility boundary in the unit
+//! square, and that was shorter under the polar map for three of four measured scenes.
 
 mod guide;
 mod hemisphere;
@@ -24,8 +24,9 @@ pub use stream::Stream;
 pub use turn::turn_sin_cos;
 pub use wide::{Block, PointSet, Streams};
 
-/// What a sample of the first density counts beside one of the second, over the first: the power heuristic of E. Veach, L. Guibas,
-/// "Optimally Combining Sampling Techniques for Monte Carlo Rendering" (1995). Finite where either is 0, and 0 where the first is.
+/// What a sample of the first density counts beside one of the second, over the first: the power heuristic of E. Veach,
+/// L. Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering" (1995). Finite where either is 0, and
+/// 0 where the first is.
 pub fn power_over_density(first: f64, second: f64) -> f64 {
     first / (first * first + second * second).max(f64::MIN_POSITIVE)
 }

@@ -76,8 +76,8 @@ pub(super) const LARGEST_BLOCK: u32 = 10;
 
 /// How to find the one point of an aligned block of `2^m` that lies in an elementary cell of the first two dimensions.
 ///
-/// The block is a (0, m, 2)-net: each cell of `2^-zenith_bits` by `2^-azimuth_bits` holds one point. Everything is linear
-/// over GF(2): the point whose leading digits are `(p, q)` has the coordinates `zenith[p] ^ azimuth[q]`, before
+/// The block is a (0, m, 2)-net: each cell of `2^-zenith_bits` by `2^-azimuth_bits` holds one point. Everything is
+/// linear over GF(2): the point whose leading digits are `(p, q)` has the coordinates `zenith[p] ^ azimuth[q]`, before
 /// scrambling and counted from the block's first point.
 #[derive(Clone, Copy)]
 pub(super) struct Cells {

@@ -47,8 +47,8 @@ impl Stream {
         std::array::from_fn(|d| unit(scramble(sobol(d, self.first ^ index), self.keys[d])))
     }
 
-    /// This stream with the first two dimensions, the direction, of another: texels that share `directions` send parallel
-    /// rays from independent places.
+    /// This stream with the first two dimensions, the direction, of another: texels that share `directions` send
+    /// parallel rays from independent places.
     pub fn with_directions(self, directions: &Stream) -> Stream {
         let [d0, d1, ..] = directions.keys;
         let [_, _, p0, p1] = self.keys;
@@ -75,8 +75,9 @@ fn unit(reversed: u32) -> f64 {
     (f64::from(reversed.reverse_bits()) + 0.5) * (1.0 / 4_294_967_296.0)
 }
 
-/// A bijection of 64 bits in which each input bit flips each output bit about half the time: the finaliser of G. Steele,
-/// D. Lea, C. Flood, "Fast Splittable Pseudorandom Number Generators", 2014, with the increment that keeps 0 from 0.
+/// A bijection of 64 bits in which each input bit flips each output bit about half the time: the finaliser of G.
+/// Steele, D. Lea, C. Flood, "Fast Splittable Pseudorandom Number Generators", 2014, with the increment that keeps 0
+/// from 0.
 pub(super) fn mix(x: u64) -> u64 {
     let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -1,8 +1,8 @@
 //! Sixteen lanes at once: points, hemisphere directions and lobe directions in f32.
 //!
-//! Plain loops over arrays without branches or library calls, which the compiler turns into vector code of whatever width
-//! it may use; no fused operation is written, so every width gives the same bits. The scalar f64 samplers beside this file
-//! say what is computed; tests hold these to them.
+//! Plain loops over arrays without branches or library calls, which the compiler turns into vector code of whatever
+//! width it may use; no fused operation is written, so every width gives the same bits. The scalar f64 samplers beside
+//! this file say what is computed; tests hold these to them.
 
 #![allow(
     clippy::needless_range_loop,
@@ -17,8 +17,8 @@ use crate::lanes::{LANES, Wide, exp_m1, ln, turn_sin_cos};
 /// Where the points of a texel come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum PointSet {
-    /// A rank-1 lattice sequence under a random shift: up to a tenth less error than Owen-Sobol at 64 to 256 rays, but erratic:
-    /// a straight edge along the lattice doubles it.
+    /// A rank-1 lattice sequence under a random shift: up to a tenth less error than Owen-Sobol at 64 to 256 rays, but
+    /// erratic: a straight edge along the lattice doubles it.
     Lattice,
     /// Owen-scrambled Sobol points: as good at every number of points, in two dimensions and with a footprint in four.
     #[default]
@@ -29,9 +29,9 @@ pub enum PointSet {
 
 /// Sixteen streams side by side, read in step.
 ///
-/// Points are read block by block ([`Streams::blocks`]). Within a block of Sobol points every step gives each lane its own point of one
-/// elementary cell of the first two dimensions, which all lanes share: the lanes' directions are independent, yet nearly parallel, so
-/// that a packet of rays holds together.
+/// Points are read block by block ([`Streams::blocks`]). Within a block of Sobol points every step gives each lane its
+/// own point of one elementary cell of the first two dimensions, which all lanes share: the lanes' directions are
+/// independent, yet nearly parallel, so that a packet of rays holds together.
 #[derive(Clone, Debug)]
 pub struct Streams {
     set: PointSet,

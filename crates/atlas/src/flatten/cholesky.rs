@@ -1,8 +1,10 @@
-//! Sparse symmetric systems, solved directly: Cholesky's method, with the unknowns in an order that keeps the factor sparse.
+//! Sparse symmetric systems, solved directly: Cholesky's method, with the unknowns in an order that keeps the factor
+//! sparse.
 //!
-//! The matrices of this crate couple the corners of a flat mesh. Such a mesh is cut in halves again and again, and the corners on a
-//! cut come after both halves (nested dissection: George 1973), so n unknowns fill about n log n numbers. The factor is found row by row
-//! (Davis 2006, *Direct methods for sparse linear systems*, chapter 4). No vectors of one processor are used: the same numbers everywhere.
+//! The matrices of this crate couple the corners of a flat mesh. Such a mesh is cut in halves again and again, and the
+//! corners on a cut come after both halves (nested dissection: George 1973), so n unknowns fill about n log n numbers.
+//! The factor is found row by row (Davis 2006, *Direct methods for sparse linear systems*, chapter 4). No vectors of
+//! one processor are used: the same numbers everywhere.
 
 use glam::DVec2;
 

@@ -1,5 +1,6 @@
-//! Large smooth surfaces laid flat: cut into pieces (`pieces.rs`), each seen from its own side and relaxed (`rigid.rs`, by the solver of
-//! `cholesky.rs`), and checked (`overlap.rs`). Small pieces and what fails here are left to the unwrapper.
+//! Large smooth surfaces laid flat: cut into pieces (`pieces.rs`), each seen from its own side and relaxed (`rigid.rs`,
+//! by the solver of `cholesky.rs`), and checked (`overlap.rs`). Small pieces and what fails here are left to the
+//! unwrapper.
 
 mod cholesky;
 pub(crate) mod overlap;
@@ -15,8 +16,8 @@ use std::collections::{HashMap, VecDeque};
 const LEAST: usize = 100;
 /// Pieces have about so many triangles at most: the solver takes more than linear time.
 const SOLVABLE: f64 = 100_000.0;
-/// A piece is cut in two where more than this share of its area is turned over, or larger or smaller than it should be by more than
-/// [`STRETCH`].
+/// A piece is cut in two where more than this share of its area is turned over, or larger or smaller than it should be
+/// by more than [`STRETCH`].
 const SPOILT: f64 = 0.02;
 const STRETCH: f64 = 4.0;
 /// Smaller triangles than this share of the piece have no area once coordinates are rounded to 32 bits.
@@ -172,8 +173,8 @@ impl Piece {
     }
 }
 
-/// A piece cut in two: what is nearer to one of two triangles than to the other. Without a pair they are far apart. A flat face goes where
-/// its first triangle goes, unless it is all that there is.
+/// A piece cut in two: what is nearer to one of two triangles than to the other. Without a pair they are far apart. A
+/// flat face goes where its first triangle goes, unless it is all that there is.
 fn halves(
     surface: &Surface,
     faces: &[u32],

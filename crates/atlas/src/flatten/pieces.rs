@@ -6,20 +6,21 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 pub(crate) const NONE: u32 = u32::MAX;
-/// Cosine of the largest angle between a smoothed normal and its piece's mean normal while pieces are begun: 60 degrees. Flattening is easy
-/// below it.
+/// Cosine of the largest angle between a smoothed normal and its piece's mean normal while pieces are begun: 60
+/// degrees. Flattening is easy below it.
 const CONE: f64 = 0.5;
 /// The same when pieces take what small pieces would be left beside them: 80 degrees.
 const WIDE: f64 = 0.17;
-/// Cosine of the angle at which a surface is folded, whatever its normals say, and at which it has an edge where the file parts the normals.
+/// Cosine of the angle at which a surface is folded, whatever its normals say, and at which it has an edge where the
+/// file parts the normals.
 const FOLD: f64 = 0.5;
 const HARD: f64 = 0.866;
 /// Two triangles are near each other within this many times their longest edges.
 const NEAR: f64 = 2.0;
 /// Rounds of smoothing: facets of a scan turn by tens of degrees from one to the next.
 const ROUNDS: usize = 8;
-/// Weights of what a triangle costs a piece: turning away from its mean normal, bending at the edges it would share, and a bonus for
-/// filling a notch, which keeps borders straight.
+/// Weights of what a triangle costs a piece: turning away from its mean normal, bending at the edges it would share,
+/// and a bonus for filling a notch, which keeps borders straight.
 const TURNING: f64 = 2.0;
 const BENDING: f64 = 4.0;
 const FILLING: f64 = 6.0;
@@ -119,8 +120,8 @@ impl Surface {
         a.distance(b) <= NEAR * pair.map(reach).iter().sum::<f64>()
     }
 
-    /// Connected pieces of at least `least` triangles and at most `most` area, of the triangles that are `left`. The other triangles are in
-    /// none. Each piece has the flat `faces` whole that it has at all.
+    /// Connected pieces of at least `least` triangles and at most `most` area, of the triangles that are `left`. The
+    /// other triangles are in none. Each piece has the flat `faces` whole that it has at all.
     pub fn pieces(&self, faces: &[u32], left: &[bool], least: usize, most: f64) -> Vec<Vec<u32>> {
         let units = Units::new(self, faces, left);
         let mut seeds: Vec<u32> = (0..units.members.len() as u32).collect();

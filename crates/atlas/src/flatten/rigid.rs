@@ -1,9 +1,9 @@
-//! A surface laid flat so that each triangle keeps its shape as well as it can (as rigid as possible: Liu, Zhang, Xu, Gotsman and
-//! Gortler 2008, section 4).
+//! A surface laid flat so that each triangle keeps its shape as well as it can (as rigid as possible: Liu, Zhang, Xu,
+//! Gotsman and Gortler 2008, section 4).
 //!
-//! The energy is the sum over triangles of A |J - R|²: A is the area, J the gradient of the flat coordinates, R the rotation nearest to J.
-//! It is lowered in turns: the rotations are found for given coordinates, then the coordinates for given rotations. The second is a linear
-//! system whose matrix never changes, so it is factored once.
+//! The energy is the sum over triangles of A |J - R|²: A is the area, J the gradient of the flat coordinates, R the
+//! rotation nearest to J. It is lowered in turns: the rotations are found for given coordinates, then the coordinates
+//! for given rotations. The second is a linear system whose matrix never changes, so it is factored once.
 
 use super::cholesky::{Factor, Symmetric};
 use glam::{DVec2, DVec3};
@@ -50,8 +50,8 @@ impl Element {
     }
 }
 
-/// Moves the `flat` places of `corners`, which are connected by `triangles` and face the same way in both. `flat` stays as it is where the
-/// triangles give no system that can be solved.
+/// Moves the `flat` places of `corners`, which are connected by `triangles` and face the same way in both. `flat` stays
+/// as it is where the triangles give no system that can be solved.
 pub(super) fn relax(corners: &[DVec3], triangles: &[[u32; 3]], flat: &mut [DVec2]) {
     let elements: Vec<([usize; 3], Element)> = triangles
         .iter()

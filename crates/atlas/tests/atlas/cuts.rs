@@ -1,4 +1,5 @@
-//! How much of the borders of charts lies inside flat faces of one material, where a look-up shows a step for no reason.
+//! How much of the borders of charts lies inside flat faces of one material, where a look-up shows a step for no
+//! reason.
 
 use crate::models::skip;
 use ambake_atlas::{Atlas, Options, UvMode, facts, layout};
@@ -21,8 +22,8 @@ struct Border {
 
 /// Length of cuts inside flat faces in scene units, and of all borders.
 ///
-/// Found from edges alone, pair by pair: two borders of one object that run along one another in opposite directions, whose triangles lie
-/// in one plane, and whose ends are not at one place on the page.
+/// Found from edges alone, pair by pair: two borders of one object that run along one another in opposite directions,
+/// whose triangles lie in one plane, and whose ends are not at one place on the page.
 pub fn cuts(scene: &Scene, atlas: &Atlas) -> [f64; 2] {
     let mut sums = [0.0; 2];
     for (instance, placement) in scene.instances.iter().zip(&atlas.placements) {

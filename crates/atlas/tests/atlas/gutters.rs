@@ -144,8 +144,8 @@ fn pyramid(plane: &[f32], size: usize, mips: u32) -> Vec<Vec<f32>> {
     levels
 }
 
-/// The 4 x 4 texels of a level that a bicubic look-up reads at a point of the page, clamped at its edge. The middle four
-/// are those of a bilinear one.
+/// The 4 x 4 texels of a level that a bicubic look-up reads at a point of the page, clamped at its edge. The middle
+/// four are those of a bilinear one.
 fn taps(level: &[f32], edge: usize, [x, y]: [f64; 2]) -> [f32; 16] {
     let first = |t: f64| (t - 0.5).floor() as i64 - 1;
     let inside = |i: i64| i.clamp(0, edge as i64 - 1) as usize;

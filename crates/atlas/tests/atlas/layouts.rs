@@ -574,7 +574,8 @@ fn pages_that_would_be_mostly_gutters_become_more() {
 fn a_roomy_page_leaves_room_for_gutters() {
     let quad = [[8.0, 8.0], [40.0, 8.0], [40.0, 40.0], [8.0, 40.0]];
     let (scene, atlas) = laid_out(&quad, vec![[0, 1, 2], [0, 2, 3]], 64);
-    // With a page of edge s the quad has 64 s² / 256 texels, and 5 (2 * 8) s / 16 + 25 about it: more than 0.9 s² in all up to 8.
+    // With a page of edge s the quad has 64 s² / 256 texels, and 5 (2 * 8) s / 16 + 25 about it: more than 0.9 s² in
+    // all up to 8.
     assert_eq!(roomy_size(&scene, &atlas), Some(16));
 }
 
@@ -601,7 +602,8 @@ fn what_is_hidden_of_a_scaled_object_counts_by_its_size_in_the_scene() {
         mesh.positions.iter_mut().for_each(|p| *p *= by);
         mesh
     };
-    // Of both cubes the first face alone is seen. With all six they would be held to their share beside so small a ball.
+    // Of both cubes the first face alone is seen. With all six they would be held to their share beside so small a
+    // ball.
     let densities = |meshes: Vec<Mesh>, cubes: [(u32, f64); 2]| {
         let ball_mesh = meshes.len() as u32;
         let [(large, by), (small, less)] = cubes;

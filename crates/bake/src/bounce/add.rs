@@ -32,7 +32,8 @@ pub(super) fn add(page: &mut BakedPage, light: BakedPage, direct: bool) {
     let phong =
         |texel| lambert(texel) + rgb(reflectance.as_deref(), texel) * rgb(reflection, texel);
     let normal = facts(Layer::Normal);
-    // What surfaces send counts as even over the hemisphere: it has the irradiance that was gathered, and no side that it comes from more.
+    // What surfaces send counts as even over the hemisphere: it has the irradiance that was gathered, and no side that
+    // it comes from more.
     let even = |texel: usize, channel: usize| {
         let axis = match channel / 3 {
             0 => 0.5,

@@ -1,9 +1,10 @@
 //! One gather of a texel: what its surface receives of the light that other surfaces send, or of that of lights.
 //!
-//! Rays follow the cosine for the irradiance and the lobe for the reflection, and go to the first surface. Half of the rays of the cosine are
-//! aimed at bright surfaces instead, where there are some. In the first gather surfaces that shine are aimed at too, by as many rays. All
-//! ways of meeting a surface are weighed by the balance heuristic (E. Veach, L. Guibas, "Optimally Combining Sampling Techniques for
-//! Monte Carlo Rendering", 1995), so that neither a small lamp nor a near one is noisy.
+//! Rays follow the cosine for the irradiance and the lobe for the reflection, and go to the first surface. Half of the
+//! rays of the cosine are aimed at bright surfaces instead, where there are some. In the first gather surfaces that
+//! shine are aimed at too, by as many rays. All ways of meeting a surface are weighed by the balance heuristic (E.
+//! Veach, L. Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", 1995), so that neither a
+//! small lamp nor a near one is noisy.
 
 use super::REPLICATES;
 use super::kernel::Kernel;
@@ -88,8 +89,8 @@ impl Shadow {
 }
 
 impl Gather<'_> {
-    /// What the texel receives by so many points of each replicate, and how many rays that took. `stream` gives a replicate's points. `reach` tells how well aimed rays of
-    /// neighbours met what they were aimed at, and learns.
+    /// What the texel receives by so many points of each replicate, and how many rays that took. `stream` gives a
+    /// replicate's points. `reach` tells how well aimed rays of neighbours met what they were aimed at, and learns.
     pub fn receive(
         &self,
         texel: &Texel,
@@ -289,8 +290,9 @@ impl Gather<'_> {
         Coat::of(self.model, full, &texel.material, texel.normal.dot(view)).share
     }
 
-    /// What a light brings by a direction that `u` draws, and whether something hides it, be it the facet itself; `None` where it brings
-    /// none. Light from below a facet comes through the mirror image of its direction, as that of the sky does.
+    /// What a light brings by a direction that `u` draws, and whether something hides it, be it the facet itself;
+    /// `None` where it brings none. Light from below a facet comes through the mirror image of its direction, as that
+    /// of the sky does.
     fn arriving(
         &self,
         light: &Light,

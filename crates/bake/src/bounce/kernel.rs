@@ -60,8 +60,9 @@ impl Kernel {
         self.one(surface, direction).x
     }
 
-    /// The weight of all directions whose ray leaves in the unit direction `ray`, and the density with which they are drawn: that direction
-    /// itself and, where the wedge below the facet looks along its mirror image, the one that is folded onto it.
+    /// The weight of all directions whose ray leaves in the unit direction `ray`, and the density with which they are
+    /// drawn: that direction itself and, where the wedge below the facet looks along its mirror image, the one that is
+    /// folded onto it.
     pub fn weight(&self, surface: &Sample, shading: Shading, ray: DVec3) -> DVec2 {
         let height = ray.dot(surface.geometric);
         if height <= 0.0 {

@@ -110,8 +110,8 @@ fn variance(received: &Received) -> f64 {
     squares.sum::<f64>() / (count * (count - 1.0))
 }
 
-/// Gives each texel of a tile the mean variance of its neighbourhood of 3 x 3 on the same surface: four replicates alone are uncertain
-/// by 80 %. And, to smooth what is only sent on, the mean irradiance too.
+/// Gives each texel of a tile the mean variance of its neighbourhood of 3 x 3 on the same surface: four replicates
+/// alone are uncertain by 80 %. And, to smooth what is only sent on, the mean irradiance too.
 pub(super) fn pool(texels: &mut [TexelLight], size: u32, smooths: bool) {
     let place = |texel: &TexelLight| (texel.index % size % TILE, texel.index / size % TILE);
     let mut at = [usize::MAX; (TILE * TILE) as usize];
@@ -202,7 +202,8 @@ impl LightPage {
         self.page.columns()
     }
 
-    /// Adds a tile of a gather, here and to what the next one is sent; false, and nothing is done, where it does not fit.
+    /// Adds a tile of a gather, here and to what the next one is sent; false, and nothing is done, where it does not
+    /// fit.
     pub fn add(&mut self, tile: &BakedTile, next: &mut PageLight) -> bool {
         let columns = self.columns();
         if !self.page.fits(tile, &columns) {
@@ -302,8 +303,8 @@ impl BounceStats {
         }
     }
 
-    /// What further gathers would bring for what the last one brought, if each brought as much of the one before: the rest of a geometric series. 0
-    /// where too few are known.
+    /// What further gathers would bring for what the last one brought, if each brought as much of the one before: the
+    /// rest of a geometric series. 0 where too few are known.
     pub(super) fn rest(&self) -> f64 {
         match self.gathers {
             0..3 => 0.0,
@@ -311,7 +312,8 @@ impl BounceStats {
         }
     }
 
-    /// The share of all light that is missing beside [`BounceStats::rest`], as far as the ratio of one gather to the next still changes.
+    /// The share of all light that is missing beside [`BounceStats::rest`], as far as the ratio of one gather to the
+    /// next still changes.
     fn left(&self) -> f64 {
         match self.gathers {
             0..3 => self.missing,
@@ -335,8 +337,8 @@ impl BounceStats {
         self.end_with(light.iter().map(LightPage::power).sum());
     }
 
-    /// Counts the last gather, of which the light of all of them is told. From the third on the ratio of those before tells better what it
-    /// added than the difference of two large numbers.
+    /// Counts the last gather, of which the light of all of them is told. From the third on the ratio of those before
+    /// tells better what it added than the difference of two large numbers.
     fn end_with(&mut self, added: f64) {
         match self.gathers {
             0 | 1 => self.end(self.sky, added),

@@ -1,11 +1,10 @@
 //! Light that bounces: surfaces send on what they receive, gather after gather.
 //!
-//! A gather integrates, at every texel, the radiosity of the surfaces that its rays meet: albedo at the hit, textures included, times
-//! the irradiance that the pages hold there. The first one meets the light of sky and lights that surfaces have
-//! received, and surfaces that shine
-//! by themselves; the next ones meet what the gather before has added. The sum of all is the Neumann series of the
-//! radiosity equation
-//! (C. Goral, K. Torrance, D. Greenberg, B. Battaile, "Modeling the Interaction of Light Between Diffuse Surfaces", 1984):
+//! A gather integrates, at every texel, the radiosity of the surfaces that its rays meet: albedo at the hit, textures
+//! included, times the irradiance that the pages hold there. The first one meets the light of sky and lights that
+//! surfaces have received, and surfaces that shine by themselves; the next ones meet what the gather before has added.
+//! The sum of all is the Neumann series of the radiosity equation (C. Goral, K. Torrance, D. Greenberg, B. Battaile,
+//! "Modeling the Interaction of Light Between Diffuse Surfaces", 1984):
 //!
 //! ```text
 //! E0 = sky + lights     E1 = gather(albedo E0 + emission)          Ek+1 = gather(albedo Ek)          E = E0 + E1 + E2
@@ -14,14 +13,16 @@
 //!
 //! Lights without extent come first, by a gather of their own ([`Baker::bounce`] runs it whether or not light bounces).
 //!
-//! Only the sum is shown, and `E - E0 = gather(albedo (E0 + E1 + E2 + ...) + emission)`. So all gathers but the last take few rays, and smooth what
-//! they find over neighbours: the last one, which has all rays, averages it over all the texels that its rays meet. What is left of their noise is in the
-//! spread of its replicates, which meet different texels. Highlights send nothing on, so only the last gather integrates lobes.
+//! Only the sum is shown, and `E - E0 = gather(albedo (E0 + E1 + E2 + ...) + emission)`. So all gathers but the last
+//! take few rays, and smooth what they find over neighbours: the last one, which has all rays, averages it over all the
+//! texels that its rays meet. What is left of their noise is in the spread of its replicates, which meet different
+//! texels. Highlights send nothing on, so only the last gather integrates lobes.
 //!
-//! Without a number of gathers they go on until so little changes in the ratio of one to the next that the rest is a geometric series, whose sum is added.
+//! Without a number of gathers they go on until so little changes in the ratio of one to the next that the rest is a
+//! geometric series, whose sum is added.
 //!
-//! What the last gather finds is one page of light beside each finished page. It is mended, denoised, made seamless and dilated as the terms are,
-//! and then added to the layers that show light.
+//! What the last gather finds is one page of light beside each finished page. It is mended, denoised, made seamless and
+//! dilated as the terms are, and then added to the layers that show light.
 
 mod add;
 mod gather;
@@ -56,12 +57,14 @@ use std::convert::Infallible;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// Independent sets of a texel's gathers: more than its first rays have, because fewer neighbours share what their spread tells.
+/// Independent sets of a texel's gathers: more than its first rays have, because fewer neighbours share what their
+/// spread tells.
 const REPLICATES: u32 = 4;
 
 /// The most gathers of `auto`: a closed room of albedo 0.9 has sent on all but a thousandth of its light by then.
 const MOST: u32 = 64;
-/// `auto` stops where no more than this share of the light is missing: half a step of 8 bits. A target error takes its place.
+/// `auto` stops where no more than this share of the light is missing: half a step of 8 bits. A target error takes its
+/// place.
 const ENOUGH: f64 = 1.0 / 512.0;
 /// One texel in so many tells its neighbours which bright surfaces can be seen.
 const PROBED: u32 = 4;
@@ -70,8 +73,9 @@ const FEWER: u32 = 8;
 /// Rays of a gather where a target decides those of the terms.
 const RAYS: u32 = 256;
 
-/// Where the finished tiles of gathers are kept while light bounces, so that a run that was interrupted goes on amid them. Gathers and
-/// pages count from 0; the values of a tile are those of [`Baker::layers_of_gathers`], of one gather alone.
+/// Where the finished tiles of gathers are kept while light bounces, so that a run that was interrupted goes on amid
+/// them. Gathers and pages count from 0; the values of a tile are those of [`Baker::layers_of_gathers`], of one gather
+/// alone.
 pub trait KeepGathers: Send {
     /// Why they could not be kept.
     type Error: Send;
@@ -104,9 +108,8 @@ impl KeepGathers for () {
 
 impl Baker<'_> {
     /// Adds the light of lights and what surfaces send on to all pages of the bake, which must be finished, and drops
-    /// the layers that only this needed.
-    /// `None` where the listener cancels; the pages then stand as they were. Tiles of gathers go through `kept`: a run that finds
-    /// those of one that was interrupted ends with the same values.
+    /// the layers that only this needed. `None` where the listener cancels; the pages then stand as they were. Tiles of
+    /// gathers go through `kept`: a run that finds those of one that was interrupted ends with the same values.
     ///
     /// # Errors
     /// Those of `kept`, which end the run.
@@ -273,8 +276,8 @@ impl Baker<'_> {
         }
     }
 
-    /// Runs a gather over all pages, adds what it received to `light`, and returns it as what the next one is sent; `None` where the
-    /// listener cancels.
+    /// Runs a gather over all pages, adds what it received to `light`, and returns it as what the next one is sent;
+    /// `None` where the listener cancels.
     fn gathered<K: KeepGathers>(
         &self,
         gather: &Gather<'_>,

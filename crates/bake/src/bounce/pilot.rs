@@ -150,7 +150,8 @@ mod tests {
     fn gathers_go_on_until_the_rest_of_the_series_is_small() {
         assert_eq!(gathers(Bounces::Off, 0.5, 1e-2), 0);
         assert_eq!(gathers(Bounces::Most(3), 0.5, 1e-2), 3);
-        // 1 + 1/2 + 1/4 + ...: after k gathers 2^-k of 2 - 2^-k is the last, and as much is missing, of which a fiftieth is in doubt.
+        // 1 + 1/2 + 1/4 + ...: after k gathers 2^-k of 2 - 2^-k is the last, and as much is missing, of which a
+        // fiftieth is in doubt.
         assert_eq!(gathers(Bounces::Auto, 0.5, 1.0 / 512.0), 3);
         assert_eq!(gathers(Bounces::Auto, 0.5, 1e-4), 7);
         assert_eq!(gathers(Bounces::Auto, 0.0, 1.0 / 512.0), 1);

@@ -25,8 +25,8 @@ impl PageLight {
     }
 }
 
-/// Radiosities of all surfaces, as Lambertian reflectors. A surface sends light from the side that its texels lie on; its back, and
-/// surfaces without texels, send none.
+/// Radiosities of all surfaces, as Lambertian reflectors. A surface sends light from the side that its texels lie on;
+/// its back, and surfaces without texels, send none.
 pub(super) struct Radiosity<'a> {
     pub world: &'a World,
     pub atlas: &'a Atlas,

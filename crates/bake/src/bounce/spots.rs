@@ -1,10 +1,11 @@
 //! The brightest surfaces of a gather: few, small, and what makes single texels bright where rays meet them by chance.
 //!
-//! A lamp lights a spot on the ceiling beside it, the sun one on the floor. Nearly all the light that goes on may come from there, and few
-//! rays of a far texel meet it. So texels that send much more than the mean are put together in at most [`MOST`] spheres, and a part of a
-//! texel's rays is aimed at those. A ray counts whatever it meets, weighed by the balance heuristic beside the rays of the cosine
-//! (E. Veach, L. Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", 1995). So the choice of spheres moves no
-//! mean; it only decides where there is less noise.
+//! A lamp lights a spot on the ceiling beside it, the sun one on the floor. Nearly all the light that goes on may come
+//! from there, and few rays of a far texel meet it. So texels that send much more than the mean are put together in at
+//! most [`MOST`] spheres, and a part of a texel's rays is aimed at those. A ray counts whatever it meets, weighed by
+//! the balance heuristic beside the rays of the cosine (E. Veach, L. Guibas, "Optimally Combining Sampling Techniques
+//! for Monte Carlo Rendering", 1995). So the choice of spheres moves no mean; it only decides where there is less
+//! noise.
 
 use super::mean;
 use super::patches::Patch;
@@ -104,8 +105,8 @@ impl Spots {
         }
     }
 
-    /// Where rays of a surface of this size at `position` are aimed, by what the spheres would send it if nothing stood between, and what
-    /// `reach` tells of that.
+    /// Where rays of a surface of this size at `position` are aimed, by what the spheres would send it if nothing stood
+    /// between, and what `reach` tells of that.
     pub fn aim(&self, position: DVec3, normal: DVec3, size: f64, reach: &Reach) -> Aim {
         let parts = self.0.iter().enumerate().filter_map(|(at, spot)| {
             let toward = spot.centre - position;

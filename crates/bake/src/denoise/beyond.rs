@@ -1,8 +1,9 @@
 //! What lies beyond the borders of a chart, where its surface goes on in other charts.
 //!
-//! A fit at the border of a chart has texels on one side only, and two charts that abut show how each of them went on. So a chart is
-//! fitted together with texels beyond its borders. These are texels of other charts, put where the surface would go on: from each point of
-//! a seam one walks outward on the chart's own side and inward on the other, and each step there is the same way in space as here.
+//! A fit at the border of a chart has texels on one side only, and two charts that abut show how each of them went on.
+//! So a chart is fitted together with texels beyond its borders. These are texels of other charts, put where the
+//! surface would go on: from each point of a seam one walks outward on the chart's own side and inward on the other,
+//! and each step there is the same way in space as here.
 
 use super::charts::{Chart, Charts, NONE};
 use super::field::Field;
@@ -15,14 +16,15 @@ const FARTHEST: usize = 32;
 /// A chart is carried on by so large a share of its width, lest small charts be made of others.
 const SHARE: f32 = 0.25;
 
-/// Cosine of the angle by which a surface may turn on the way, 0.8 degrees: it is flat. A map goes on straight only there; carried round
-/// bends of some degrees, charts of real models got more error than they had without.
+/// Cosine of the angle by which a surface may turn on the way, 0.8 degrees: it is flat. A map goes on straight only
+/// there; carried round bends of some degrees, charts of real models got more error than they had without.
 const ALIKE: f32 = 0.9999;
 
 /// Texels of one step.
 const STEP: f32 = 0.5;
 
-/// Steps after which a way must have come to a texel with data: those that a border cuts may be buried, or belong to nobody.
+/// Steps after which a way must have come to a texel with data: those that a border cuts may be buried, or belong to
+/// nobody.
 const BLIND: usize = 3;
 
 /// A texel of another chart, and the column and row where this chart would have it.
@@ -59,7 +61,8 @@ impl<'a> Borders<'a> {
         }
     }
 
-    /// What lies beyond the borders of a chart, row by row; of other objects too if `crosses`. `number`: the chart of each texel.
+    /// What lies beyond the borders of a chart, row by row; of other objects too if `crosses`. `number`: the chart of
+    /// each texel.
     pub fn beyond(&self, own: u32, chart: &Chart, number: &[u32], crosses: bool) -> Vec<Beyond> {
         let first = self.sides.partition_point(|side| side[0] < own);
         let sides = self.sides[first..].iter().take_while(|side| side[0] == own);

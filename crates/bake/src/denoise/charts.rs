@@ -1,8 +1,9 @@
 //! Which texels of a page belong to one surface, side by side.
 //!
-//! Two texels side by side are *linked* when nothing suggests that their surfaces differ: both have data, they belong to one
-//! object, their normals turn by less than a crease, and they are as near in space as their neighbours. Texels that a chain of
-//! links joins are one chart, kept as runs of texels in rows. Charts are what the denoiser works on; what goes on in other charts is [`super::beyond`]'s matter.
+//! Two texels side by side are *linked* when nothing suggests that their surfaces differ: both have data, they belong
+//! to one object, their normals turn by less than a crease, and they are as near in space as their neighbours. Texels
+//! that a chain of links joins are one chart, kept as runs of texels in rows. Charts are what the denoiser works on;
+//! what goes on in other charts is [`super::beyond`]'s matter.
 
 use super::choose::{ALIGNED, REACH};
 use super::field::Field;

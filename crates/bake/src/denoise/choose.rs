@@ -1,12 +1,13 @@
 //! Which fit a texel takes: estimates of each fit's squared error, and the mean of the fits weighted by them.
 //!
-//! The rays of a texel come in two independent halves. Their mean M and half their difference H are fitted alike, so H², averaged
-//! over neighbours, is the variance of a fit of M whatever the noise is like. From one candidate to the next smoother one the fit
-//! moves by dM; the halves being independent, dM² - dH² is the square of what the truth moves by, without a term of the noise. The
-//! error of each candidate follows from the one before: plus that square, minus the variance that was saved. Estimated so, from fine to
-//! coarse, errors are far less noisy than if each fit were held against the plain values. They only choose; what is stated is another
-//! matter ([`super::stated`]). After F. Rousselle, C. Knaus, M. Zwicker,
-//! "Adaptive Rendering with Non-Local Means Filtering", 2012, who tell noise from detail by two halves.
+//! The rays of a texel come in two independent halves. Their mean M and half their difference H are fitted alike, so
+//! H², averaged over neighbours, is the variance of a fit of M whatever the noise is like. From one candidate to the
+//! next smoother one the fit moves by dM; the halves being independent, dM² - dH² is the square of what the truth moves
+//! by, without a term of the noise. The error of each candidate follows from the one before: plus that square, minus
+//! the variance that was saved. Estimated so, from fine to coarse, errors are far less noisy than if each fit were held
+//! against the plain values. They only choose; what is stated is another matter ([`super::stated`]). After F.
+//! Rousselle, C. Knaus, M. Zwicker, "Adaptive Rendering with Non-Local Means Filtering", 2012, who tell noise from
+//! detail by two halves.
 
 use super::fit::{Fitter, Surface};
 use super::lanes::{LANES, Lanes};
@@ -24,24 +25,28 @@ pub(super) const FITS: &Fits = &[
     (32, [false, true]),
 ];
 
-/// Rows on each side of a texel that its value depends on: fewer than a window of the widest stride, which is two strides; 16 over which
-/// moves are averaged and 5 over which those of neighbours are pooled; and 5 from which strays ([`super::strays`]) are known.
+/// Rows on each side of a texel that its value depends on: fewer than a window of the widest stride, which is two
+/// strides; 16 over which moves are averaged and 5 over which those of neighbours are pooled; and 5 from which strays
+/// ([`super::strays`]) are known.
 pub(super) const REACH: usize = 3 * ALIGNED;
 
 /// Windows begin at multiples of this row, whatever their stride.
 pub(super) const ALIGNED: usize = 32;
 
-/// Stride from which on moves are averaged over 33 x 33 texels in place of 11 x 11: they change slowly by then, and fewer are mere noise.
+/// Stride from which on moves are averaged over 33 x 33 texels in place of 11 x 11: they change slowly by then, and
+/// fewer are mere noise.
 const WIDE: usize = 16;
 
 /// Standard deviations of its own noise by which a move must stand out to count.
 const STANDS_OUT: f32 = 0.5;
 
-/// Variances of the plain value by which both halves of a single texel must leave a fit to refuse it: a contact of one texel.
+/// Variances of the plain value by which both halves of a single texel must leave a fit to refuse it: a contact of one
+/// texel.
 const REFUSES: f32 = 25.0;
 
-/// Planes of what is known of texels while candidates are tried: sums over the candidates by their weights, of the weights, of
-/// variances and of halves; variance and squared bias of the last candidate; and sums of the channels by the weights.
+/// Planes of what is known of texels while candidates are tried: sums over the candidates by their weights, of the
+/// weights, of variances and of halves; variance and squared bias of the last candidate; and sums of the channels by
+/// the weights.
 const WEIGHTS: usize = 0;
 const VARIANCES: usize = 1;
 const HALVES: usize = 2;
@@ -238,7 +243,8 @@ impl<'a> Choice<'a> {
                         // Its own noise must not speak for or against a texel's choice.
                         let moves = (moves[x] - own_moves[x]) / larger(count - 1.0, 1.0);
                         let bias = biases[x] + larger(moves - STANDS_OUT * noise, 0.0);
-                        // A texel of twice the value has twice the variance: two rays that meet in the dark are no detail.
+                        // A texel of twice the value has twice the variance: two rays that meet in the dark are no
+                        // detail.
                         let brighter = plain_m[x] / larger(m[x], f32::MIN_POSITIVE);
                         let alone = moved([m[x], plain_m[x]], [h[x], plain_h[x]])
                             - REFUSES * plain[x] * larger(brighter, 1.0);
@@ -253,8 +259,8 @@ impl<'a> Choice<'a> {
         );
     }
 
-    /// The means of the candidates, and what is expected of their errors: one texel's prediction is rough, so neighbours pool theirs, as
-    /// those of plain values are.
+    /// The means of the candidates, and what is expected of their errors: one texel's prediction is rough, so
+    /// neighbours pool theirs, as those of plain values are.
     fn end(mut self) -> Chosen {
         let size @ [width, height] = self.surface.size();
         let (mask, data, channels) = (&self.surface.mask, &self.surface.data, self.channels);
@@ -344,8 +350,8 @@ fn planes<const N: usize>(row: &mut [f32], width: usize) -> Planes<'_, N> {
 }
 
 impl Planes<'_, VALUES> {
-    /// Counts a candidate by its errors, in units of `unit`; they become its weights. Errors below 1e-5 of it weigh alike, and so do those
-    /// beyond 1e5.
+    /// Counts a candidate by its errors, in units of `unit`; they become its weights. Errors below 1e-5 of it weigh
+    /// alike, and so do those beyond 1e5.
     #[inline(always)]
     fn count(&mut self, errors: &mut [f32], unit: f32, variances: &[f32], of: &Sheet, y: usize) {
         let Self([weights, all_variances, halves, ..], values) = self;
@@ -448,7 +454,8 @@ mod tests {
 
     #[test]
     fn candidates_weigh_by_the_sixth_power_of_their_error() {
-        // Errors are squared already as risks: 2 against 1 is a sixty-fourth. The unit does not matter; errors that are hardly any weigh alike.
+        // Errors are squared already as risks: 2 against 1 is a sixty-fourth. The unit does not matter; errors that are
+        // hardly any weigh alike.
         let share = 1.0 / 64.0;
         let expected = (3.0 + 7.0 * share) / (1.0 + share);
         for (errors, unit, expected) in [

@@ -1,9 +1,11 @@
-//! What of a bent surface tells how its light changes from texel to texel: where each texel faces, and how far it stands out.
+//! What of a bent surface tells how its light changes from texel to texel: where each texel faces, and how far it
+//! stands out.
 //!
-//! Light on a bent surface follows its normals more closely than any polynomial of the place, and hollows are darker than what stands
-//! out beside them. Neither has noise. Fits over charts that bend therefore have the components of the normal, and the height above
-//! the texels about, as functions beside those of the place. After B. Moon, N. Carr, S.-E. Yoon, "Adaptive Rendering Based on Weighted
-//! Local Regression", 2014, who fit images linearly in what is known of the geometry.
+//! Light on a bent surface follows its normals more closely than any polynomial of the place, and hollows are darker
+//! than what stands out beside them. Neither has noise. Fits over charts that bend therefore have the components of the
+//! normal, and the height above the texels about, as functions beside those of the place. After B. Moon, N. Carr, S.-E.
+//! Yoon, "Adaptive Rendering Based on Weighted Local Regression", 2014, who fit images linearly in what is known of the
+//! geometry.
 
 use super::charts::{Band, Chart, Charts};
 use super::field::Field;
@@ -13,7 +15,8 @@ use super::{FEWEST, at_least};
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// A chart is bent when the mean square of what its normals are off their mean is above this, the square of 0.2 degrees.
+/// A chart is bent when the mean square of what its normals are off their mean is above this, the square of 0.2
+/// degrees.
 const BENT: f32 = 1e-5;
 
 /// Heights below this share of a texel's edge are rounding.
@@ -25,7 +28,8 @@ const UNITS: [f32; FEATURES] = [1.0 / 32767.0, 1.0 / 32767.0, 1.0 / 32767.0, 8.0
 /// The features of a page's texels.
 #[derive(Debug)]
 pub(super) struct Features {
-    /// Of each texel the three components of its normal and its height in texels, in [`UNITS`]; of none where no chart is bent.
+    /// Of each texel the three components of its normal and its height in texels, in [`UNITS`]; of none where no chart
+    /// is bent.
     texels: Vec<[i16; FEATURES]>,
     /// Of each chart: whether it is bent.
     bent: Vec<bool>,
@@ -89,8 +93,8 @@ fn is_bent(field: &Field<'_>, chart: &Chart) -> bool {
     chart.texels >= FEWEST && squares.sum::<f32>() > BENT * count
 }
 
-/// How far each texel of a band stands out above the mean of the 11 x 11 texels about it that are of its chart, along their mean normal, in
-/// edges of a texel.
+/// How far each texel of a band stands out above the mean of the 11 x 11 texels about it that are of its chart, along
+/// their mean normal, in edges of a texel.
 fn heights(field: &Field<'_>, chart: &Chart, band: &Band) -> Vec<f32> {
     let area = chart.area.in_lanes();
     let size @ [width, height] = [area.size[0], band.about.len()];

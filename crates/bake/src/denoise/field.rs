@@ -8,7 +8,8 @@ pub(crate) struct Field<'a> {
     /// Page edge in texels.
     pub size: usize,
     pub coverage: &'a [f32],
-    /// Share of each footprint that can be seen; what cannot be seen at all has no values of its own. `None` where all can.
+    /// Share of each footprint that can be seen; what cannot be seen at all has no values of its own. `None` where all
+    /// can.
     pub validity: Option<&'a [f32]>,
     /// World positions.
     pub position: [&'a [f32]; 3],

@@ -1,14 +1,16 @@
 //! Smooth surfaces through the texels of a chart: polynomials over overlapping windows, blended.
 //!
-//! Corners stand `stride` texels apart. About each of them a polynomial is fitted to the texels of a window of `2 * stride` x
-//! `2 * stride`, by least squares with the weights of a tent, (1 - |u|)(1 - |v|). A texel's value is the mean of its four corners'
-//! polynomials with the same weights. These add up to 1 at every texel, so there are no seams between windows; and since the residuals
-//! of each fit add up to 0 under its weights, those of the blend add up to 0 over the chart: smoothing moves no chart's mean.
+//! Corners stand `stride` texels apart. About each of them a polynomial is fitted to the texels of a window of `2 *
+//! stride` x `2 * stride`, by least squares with the weights of a tent, (1 - |u|)(1 - |v|). A texel's value is the mean
+//! of its four corners' polynomials with the same weights. These add up to 1 at every texel, so there are no seams
+//! between windows; and since the residuals of each fit add up to 0 under its weights, those of the blend add up to 0
+//! over the chart: smoothing moves no chart's mean.
 //!
-//! Where a chart bends, the functions of a fit are those of the place and the *features* of its texels ([`super::features`]), linearly.
+//! Where a chart bends, the functions of a fit are those of the place and the *features* of its texels
+//! ([`super::features`]), linearly.
 //!
-//! All that a fit needs are *moments*: sums over the cells between corners of t^i q^j, by the place in the cell, 0..1 across and down. Those
-//! of a cell follow from those of its four quarters, so texels are summed once for all strides.
+//! All that a fit needs are *moments*: sums over the cells between corners of t^i q^j, by the place in the cell, 0..1
+//! across and down. Those of a cell follow from those of its four quarters, so texels are summed once for all strides.
 
 // Indices are those of the mathematics.
 #![allow(clippy::needless_range_loop)]
@@ -25,13 +27,13 @@ pub(super) const FEATURES: usize = 4;
 /// Exponents of u and v of each function of the place.
 const POWERS: [[usize; 2]; PLACES] = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
 
-/// A function of the place, or a feature, whose part that the functions before it do not explain is below this share of its sum of squares
-/// is left out.
+/// A function of the place, or a feature, whose part that the functions before it do not explain is below this share of
+/// its sum of squares is left out.
 const DEPENDENT: f32 = 1e-3;
 const DEPENDENT_FEATURE: f32 = 1e-4;
 
-/// Tents that a window holds for each function at least: so many that it has as many texels as functions, by the variance of a mean with
-/// the weights of a tent. Full windows have that.
+/// Tents that a window holds for each function at least: so many that it has as many texels as functions, by the
+/// variance of a mean with the weights of a tent. Full windows have that.
 const TENT: f32 = 4.0 / 9.0;
 
 /// Powers across and down of which a cell has the moments: of the mask, of a plane, and of the product of two.
@@ -161,7 +163,8 @@ impl<'a> Fitter<'a> {
         }
     }
 
-    /// Fits windows of `stride`, which is at least the last one, by quadratic and linear polynomials, where each is wanted.
+    /// Fits windows of `stride`, which is at least the last one, by quadratic and linear polynomials, where each is
+    /// wanted.
     pub fn fit(&mut self, stride: usize, out: [(bool, &mut Sheet); 2]) {
         while self.stride < stride {
             self.widen();
@@ -281,7 +284,8 @@ impl<'a> Fitter<'a> {
                 let corners = 2 * planes * N * layout.room;
                 let [mut upper, mut lower] = [0, 1].map(|_| vec![0.0; corners]);
                 let mut line = Line::<N>::new(&layout, width);
-                // The cells above the first row, those of it, and so on; from the second on the corners above them, then texels.
+                // The cells above the first row, those of it, and so on; from the second on the corners above them,
+                // then texels.
                 for step in 0..count.div_ceil(stride) + 2 {
                     let row = first / stride + step;
                     room.swap(0, 1);
@@ -405,7 +409,8 @@ fn joined(power: usize, first: Lanes, second: &[Lanes]) -> Lanes {
     sum * HALF[power]
 }
 
-/// The fits of a row of corners between two rows of cells: of each degree and plane the coefficients, each of all corners.
+/// The fits of a row of corners between two rows of cells: of each degree and plane the coefficients, each of all
+/// corners.
 #[inline(always)]
 fn solve_row<const N: usize>(
     layout: &Layout,
@@ -420,7 +425,8 @@ fn solve_row<const N: usize>(
         let product = |line: usize, feature: usize| {
             windows::<PRODUCT, 1>(layout, cells, layout.product(line, feature), at)[0][0]
         };
-        // Products of functions: features stand between those that are linear in the place and those that are quadratic.
+        // Products of functions: features stand between those that are linear in the place and those that are
+        // quadratic.
         let place = |number: usize| match number < LINEAR {
             true => number,
             false => number + features,
@@ -464,7 +470,8 @@ fn solve_row<const N: usize>(
     }
 }
 
-/// Sums of tent u^a v^b over the windows of corners, for a + b < A, of the moments of N = A + 1 powers that begin with `moment`.
+/// Sums of tent u^a v^b over the windows of corners, for a + b < A, of the moments of N = A + 1 powers that begin with
+/// `moment`.
 #[inline(always)]
 fn windows<const N: usize, const A: usize>(
     layout: &Layout,
@@ -472,7 +479,8 @@ fn windows<const N: usize, const A: usize>(
     moment: usize,
     at: usize,
 ) -> [[Lanes; A]; A] {
-    // From the cells on the left and on the right, then from those above and below: u = t - 1, tent = t, and u = t, tent = 1 - t.
+    // From the cells on the left and on the right, then from those above and below: u = t - 1, tent = t, and u = t,
+    // tent = 1 - t.
     let mut sides = [[[Lanes::ZERO; A]; N]; 2];
     for (side, cells) in sides.iter_mut().zip(cells) {
         for (j, side) in side.iter_mut().enumerate() {
@@ -514,7 +522,8 @@ fn about(power: usize, before: &[Lanes], after: &[Lanes]) -> Lanes {
     sum
 }
 
-/// The lower triangle of Cholesky's method over the functions of windows that are kept. That of fewer functions is its leading part.
+/// The lower triangle of Cholesky's method over the functions of windows that are kept. That of fewer functions is its
+/// leading part.
 struct Lower<const N: usize> {
     rows: [[Lanes; N]; N],
     /// 1 over the diagonal; 0 where the function is left out.

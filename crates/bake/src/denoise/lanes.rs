@@ -1,5 +1,5 @@
-//! Eight numbers that are computed with alike. Loops over them become vectors, whose lanes hold the same bits on every processor. They
-//! are written out as loops, since closures over arrays are not always inlined where vectors are wide.
+//! Eight numbers that are computed with alike. Loops over them become vectors, whose lanes hold the same bits on every
+//! processor. They are written out as loops, since closures over arrays are not always inlined where vectors are wide.
 
 use std::ops::{Add, AddAssign, Mul, Sub};
 

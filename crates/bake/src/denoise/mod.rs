@@ -1,9 +1,10 @@
 //! Denoising: an integrated term smoothed over the texels of a surface where that lowers its error.
 //!
-//! Each chart is fitted by polynomials over windows of several sizes ([`fit`]), and each texel takes the mean of these fits and of
-//! its plain value, weighted by estimates of their errors ([`choose`]) that need no model of the noise: two independent halves of
-//! its rays are fitted alike. Fits move no mean of what is fitted together: a chart and what it goes on in ([`beyond`]). The standard errors that come back include the bias that is estimated; what
-//! texels predict of it is held against what the halves show of the whole page ([`stated`]).
+//! Each chart is fitted by polynomials over windows of several sizes ([`fit`]), and each texel takes the mean of these
+//! fits and of its plain value, weighted by estimates of their errors ([`choose`]) that need no model of the noise: two
+//! independent halves of its rays are fitted alike. Fits move no mean of what is fitted together: a chart and what it
+//! goes on in ([`beyond`]). The standard errors that come back include the bias that is estimated; what texels predict
+//! of it is held against what the halves show of the whole page ([`stated`]).
 
 mod beyond;
 mod charts;
@@ -32,10 +33,12 @@ use std::ops::Range;
 /// Charts of fewer texels keep their plain values: too few to tell noise from detail.
 const FEWEST: usize = 4;
 
-/// Texels of a chart that are fitted at a time, each of which takes some 100 to 230 bytes meanwhile. Most charts have fewer.
+/// Texels of a chart that are fitted at a time, each of which takes some 100 to 230 bytes meanwhile. Most charts have
+/// fewer.
 const AT_A_TIME: usize = 1 << 21;
 
-/// Where halves of a chart differ less than by this share of the standard errors of its texels, in squares, they agree by chance.
+/// Where halves of a chart differ less than by this share of the standard errors of its texels, in squares, they agree
+/// by chance.
 const BY_CHANCE: f64 = 1.0 / 400.0;
 
 /// Texels over which the standard error of a plain value pools its replicates.
@@ -157,8 +160,8 @@ impl<'a> Denoiser<'a> {
 
     fn chart(&self, number: u32, term: &Term<'_>) -> Vec<Part> {
         let chart = &self.charts.charts[number as usize];
-        // A chart may have all its light of one or two texels that see any, the others being mended from them. Two rays of theirs, one in each
-        // half, then look as if all were known.
+        // A chart may have all its light of one or two texels that see any, the others being mended from them. Two rays
+        // of theirs, one in each half, then look as if all were known.
         let (mut differs, mut errors) = (0.0, 0.0);
         for texel in chart.all() {
             let half = f64::from(term.half(texel));
@@ -372,8 +375,8 @@ fn at_least(size: usize) -> usize {
     if size * size <= TASK { usize::MAX } else { 1 }
 }
 
-/// The standard error where all rays agree, of so many texels in place of those that it stands for: the more they are, the less can have
-/// slipped between them.
+/// The standard error where all rays agree, of so many texels in place of those that it stands for: the more they are,
+/// the less can have slipped between them.
 fn agreed(std_err: f32, near: f32) -> f32 {
     std_err * (POOLED / near).min(1.0)
 }

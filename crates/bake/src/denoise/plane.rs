@@ -12,7 +12,8 @@ const ELEVEN: usize = 2 * RADIUS + 1;
 /// Numbers that one task takes at least.
 pub(super) const TASK: usize = 4096;
 
-/// Some numbers for each texel of a rectangle, 0 outside the chart. Each row has the rows of all planes, one after the other.
+/// Some numbers for each texel of a rectangle, 0 outside the chart. Each row has the rows of all planes, one after the
+/// other.
 #[derive(Debug, Clone)]
 pub(super) struct Sheet {
     pub width: usize,
@@ -132,8 +133,8 @@ fn add_rows<'a, const N: usize>(row: impl Fn(usize) -> &'a [f32], out: &mut [f32
     }
 }
 
-/// Calls `work` for runs of rows, with the first of them and what `sheets` have of them: at once where there is little to do, else
-/// side by side. Runs begin at multiples of `step`.
+/// Calls `work` for runs of rows, with the first of them and what `sheets` have of them: at once where there is little
+/// to do, else side by side. Runs begin at multiples of `step`.
 pub(super) fn rows<const K: usize>(
     height: usize,
     step: usize,

@@ -1,15 +1,16 @@
-//! What a denoised page states: the errors that its texels predict, held against what the halves of the rays show of them all.
+//! What a denoised page states: the errors that its texels predict, held against what the halves of the rays show of
+//! them all.
 //!
-//! A texel's error has a part of noise and a part of bias. What few texels tell of either is rough, and fits were chosen for the least
-//! of such numbers, so it is also too hopeful. But every texel bears witness of its own. Its value moved by dm, and half the
-//! difference of its halves by dh, to h: dm² - dh² has the mean of the squared bias, and h² that of the variance that is left (C. Stein,
-//! "Estimation of the Mean of a Multivariate Normal Distribution", 1981, with halves in place of a known variance). One such
-//! number says nothing, thousands do. Texels are therefore sorted by what their neighbours lead one to expect of them, and all texels of a
-//! bin state what they show together.
+//! A texel's error has a part of noise and a part of bias. What few texels tell of either is rough, and fits were
+//! chosen for the least of such numbers, so it is also too hopeful. But every texel bears witness of its own. Its value
+//! moved by dm, and half the difference of its halves by dh, to h: dm² - dh² has the mean of the squared bias, and h²
+//! that of the variance that is left (C. Stein, "Estimation of the Mean of a Multivariate Normal Distribution", 1981,
+//! with halves in place of a known variance). One such number says nothing, thousands do. Texels are therefore sorted
+//! by what their neighbours lead one to expect of them, and all texels of a bin state what they show together.
 //!
-//! What all show together is still too hopeful of the bias where few rays were cast, because the fits were chosen for small moves of the
-//! very same rays. So no bin states less bias than the best width of a linear fit has in two dimensions
-//! ([`BALANCE`]), where fits have less variance than plain values, which have no bias.
+//! What all show together is still too hopeful of the bias where few rays were cast, because the fits were chosen for
+//! small moves of the very same rays. So no bin states less bias than the best width of a linear fit has in two
+//! dimensions ([`BALANCE`]), where fits have less variance than plain values, which have no bias.
 
 /// What is expected of a texel's error, in squares.
 #[derive(Debug, Clone, Copy)]
@@ -31,15 +32,15 @@ pub(super) struct Squares {
     pub seen_bias: f32,
 }
 
-/// Standard deviation of what one texel shows of its squared bias, in plain variances: the product of two halves of twice the
-/// variance each.
+/// Standard deviation of what one texel shows of its squared bias, in plain variances: the product of two halves of
+/// twice the variance each.
 const NOISE_OF_BIAS: f64 = 2.0;
 
 /// The same of its variance, in that variance: the square of a normal number.
 const NOISE_OF_VARIANCE: f64 = std::f64::consts::SQRT_2;
 
-/// Squared bias over variance of a local linear fit in two dimensions, of the width that makes their sum least: with a variance like 1/w²
-/// and a squared bias like w⁴ both derivatives cancel at a half.
+/// Squared bias over variance of a local linear fit in two dimensions, of the width that makes their sum least: with a
+/// variance like 1/w² and a squared bias like w⁴ both derivatives cancel at a half.
 const BALANCE: f64 = 0.5;
 
 /// What texels show of their errors, by what is expected of them.
@@ -117,8 +118,9 @@ impl Bin {
         self.texels += other.texels;
     }
 
-    /// The mean of what is seen, 0 at least. Before anything is seen, `prior` times as much is held true as the fits have of variance,
-    /// and held for as uncertain as that variance is large; `noise` is the standard deviation of what one texel shows.
+    /// The mean of what is seen, 0 at least. Before anything is seen, `prior` times as much is held true as the fits
+    /// have of variance, and held for as uncertain as that variance is large; `noise` is the standard deviation of what
+    /// one texel shows.
     fn share(&self, prior: f64, noise: impl Fn(f64) -> f64) -> f32 {
         if self.plain == 0.0 {
             return 0.0;
@@ -141,8 +143,9 @@ impl Bin {
     }
 }
 
-/// What the texels of each bin state, `least` times the variance of their fits at least. What the page shows as a whole is held true of each bin before it has shown anything itself, and
-/// of the page, that bias and variance are in balance.
+/// What the texels of each bin state, `least` times the variance of their fits at least. What the page shows as a whole
+/// is held true of each bin before it has shown anything itself, and of the page, that bias and variance are in
+/// balance.
 fn shares(bins: &[Bin; BINS], noise: impl Fn(f64) -> f64, least: f64) -> [f32; BINS] {
     let mut all = Bin::default();
     bins.iter().for_each(|bin| all.add(bin));

@@ -1,8 +1,9 @@
 //! Rays that two halves have in common by chance.
 //!
-//! Two rays of a texel that meet something small and bright, one in each half, look like detail: both halves agree. One such texel would
-//! keep the 11 x 11 texels about it from being smoothed, for it speaks against every fit of theirs. But light on a surface runs on: no
-//! single texel has twice the light of all eight about it. What it has above them is therefore shared by all texels about it.
+//! Two rays of a texel that meet something small and bright, one in each half, look like detail: both halves agree. One
+//! such texel would keep the 11 x 11 texels about it from being smoothed, for it speaks against every fit of theirs.
+//! But light on a surface runs on: no single texel has twice the light of all eight about it. What it has above them is
+//! therefore shared by all texels about it.
 
 use super::plane::Sheet;
 

@@ -154,8 +154,9 @@ fn a_slope_loses_five_sixths_of_its_noise() {
     let made = made(5, |x, y| 0.2 + 0.3 * x + 0.2 * y, |_, _| 0.02, one_object);
     let [plain, denoised, stated, covered] = made.judged();
     assert!(denoised < plain / 6.0, "{denoised} of {plain}");
-    // A move is known from 121 texels to 0.18 of the variance that it saves; 0.2 of that, the mean of what stands out by half of it,
-    // counts as bias although there is none: some 0.2 of the plain error is stated at least, and 0.3 beside the chart's borders.
+    // A move is known from 121 texels to 0.18 of the variance that it saves; 0.2 of that, the mean of what stands out
+    // by half of it, counts as bias although there is none: some 0.2 of the plain error is stated at least, and 0.3
+    // beside the chart's borders.
     assert!(
         (denoised..0.3 * plain).contains(&stated) && covered > 0.93,
         "stated {stated}, true {denoised} of {plain}, {covered} covered"
@@ -364,7 +365,8 @@ fn rays_that_all_agree_narrow_the_error_by_their_number() {
 
 #[test]
 fn halves_that_agree_by_chance_do_not_narrow_the_error() {
-    // The first chart's light is that of one texel, of which both halves met it once: the others are filled from it. The second is a common one.
+    // The first chart's light is that of one texel, of which both halves met it once: the others are filled from it.
+    // The second is a common one.
     let chart = |x: usize, _: usize| if x < 5 { 1.0 } else { 0.0 };
     let mut made = made(1, |_, _| 0.3, |_, _| 0.02, chart);
     for i in (0..SIZE * SIZE).filter(|i| i % SIZE < 5) {
@@ -445,7 +447,8 @@ fn what_depends_on_materials_stays_within_its_object() {
 
 #[test]
 fn nothing_is_carried_beyond_a_border_that_no_seam_has() {
-    // The second chart is the left part of the page's void side: the walk from the seam's end must not leave the page or read the void.
+    // The second chart is the left part of the page's void side: the walk from the seam's end must not leave the page
+    // or read the void.
     let side = |x: usize, _: usize| f32::from(u8::from(x >= SIZE - 2 * VOID));
     let made = made(6, |x, y| 0.2 + 0.3 * x * y, |_, _| 0.05, side);
     let mut seam = seam([0, 1]);
@@ -457,7 +460,8 @@ fn nothing_is_carried_beyond_a_border_that_no_seam_has() {
     assert!(made.covered().all(finite));
 }
 
-/// Bends the square into waves of 8 texels from left to right, which turn by 20 degrees to either side and are as high as such waves are.
+/// Bends the square into waves of 8 texels from left to right, which turn by 20 degrees to either side and are as high
+/// as such waves are.
 fn bend(made: &mut Made) {
     for i in made.covered().collect::<Vec<_>>() {
         let phase = std::f32::consts::TAU * (i % SIZE) as f32 / 8.0;
@@ -514,7 +518,8 @@ fn light_that_does_not_follow_the_normals_of_a_bent_chart_is_no_worse_for_them()
     assert!(bent < 1.1 * flat, "{bent}, {flat} where it is flat");
 }
 
-/// A chart too large to be fitted at once is fitted in bands of 32 rows here, of which the middle one ends in the chart.
+/// A chart too large to be fitted at once is fitted in bands of 32 rows here, of which the middle one ends in the
+/// chart.
 #[test]
 fn a_chart_in_bands_is_denoised_as_a_whole_one() {
     let mut made = made(

@@ -32,7 +32,8 @@ pub(super) struct Caster<'a> {
     /// Points that the sums hold, and whether a guide sent them.
     pub points: Vec<u32>,
     pub guided: Vec<bool>,
-    /// Where hemisphere rays are sent, where that is not everywhere alike and their lobes ask; of all texels or of none.
+    /// Where hemisphere rays are sent, where that is not everywhere alike and their lobes ask; of all texels or of
+    /// none.
     pub sent: Vec<Option<Rc<Guide>>>,
     /// What hemisphere rays have found for lobes, and where they were sent.
     pub beside: &'a Beside,
@@ -213,8 +214,9 @@ impl Caster<'_> {
 
 /// The nets over a tile that make up a range of points, and how many points of each a texel takes.
 ///
-/// A number from 1.25 to 2 times a power of two is a share of the next one: texels leave out different points of it. Fewer are the power of two and
-/// nets that continue it, for a smaller share of a net is worse than the net of half the size.
+/// A number from 1.25 to 2 times a power of two is a share of the next one: texels leave out different points of it.
+/// Fewer are the power of two and nets that continue it, for a smaller share of a net is worse than the net of half the
+/// size.
 fn nets(range: Range<u32>) -> impl Iterator<Item = (Range<u32>, u32)> {
     let mut start = range.start;
     std::iter::from_fn(move || {
@@ -231,8 +233,8 @@ fn nets(range: Range<u32>) -> impl Iterator<Item = (Range<u32>, u32)> {
     })
 }
 
-/// Edge of the blocks of texels whose lanes stand side by side: both replicates of 2 x 2 texels, two blocks to a packet, or one replicate of
-/// 4 x 4 texels, which share it.
+/// Edge of the blocks of texels whose lanes stand side by side: both replicates of 2 x 2 texels, two blocks to a
+/// packet, or one replicate of 4 x 4 texels, which share it.
 fn packet_edge(pattern: Pattern) -> u32 {
     match pattern {
         Pattern::Joint => 2,

@@ -1,10 +1,10 @@
 //! Terms in closed form, for texels that nothing stands above.
 //!
-//! A shading normal may lean against the geometric plane. In production shading a direction below the plane sees what its mirror
-//! image sees, here the sky: all terms are those of a flat surface with the shading normal. In exact shading the horizon is the
-//! geometric plane. Visibility, diffuse and bent normal have closed forms at any lean. The specular term then has one where the
-//! surface is flat, for any eye, and where V = N, so that the lobe stands on the shading normal; seen from an eye over a leaning
-//! normal its region has three sides, and directions are drawn instead.
+//! A shading normal may lean against the geometric plane. In production shading a direction below the plane sees what
+//! its mirror image sees, here the sky: all terms are those of a flat surface with the shading normal. In exact shading
+//! the horizon is the geometric plane. Visibility, diffuse and bent normal have closed forms at any lean. The specular
+//! term then has one where the surface is flat, for any eye, and where V = N, so that the lobe stands on the shading
+//! normal; seen from an eye over a leaning normal its region has three sides, and directions are drawn instead.
 
 use super::estimate::variance_of_mean;
 use super::task::Task;
@@ -31,7 +31,8 @@ pub(super) fn has_specular(task: &Task<'_>, texel: &Texel) -> bool {
     task.shading == Shading::Production || along || !texel.tilted
 }
 
-/// The terms of an open texel under a uniform sky. `specular` asks for the specular term, which must have a closed form.
+/// The terms of an open texel under a uniform sky. `specular` asks for the specular term, which must have a closed
+/// form.
 pub(super) fn terms(task: &Task<'_>, texel: &Texel, specular: bool) -> Terms {
     let sky = DVec3::from(task.sky.floor());
     let with_light = |terms: Terms| Terms {

@@ -1,17 +1,17 @@
 //! Values and standard errors of a tile's texels from their replicates.
 //!
-//! **Variance.** The replicates are independent randomisations, so `s²/R` is an unbiased estimate of the variance of their mean,
-//! whatever the point set. From two values it is itself uncertain by 140 %, and an interval of ±1.96 of it would cover far less
-//! than 95 %; texels of one surface therefore pool their variances over the 5 x 5 neighbourhood in their tile. A neighbour with other
-//! numbers of points counts as if its variance fell like N^-3/2, the law for visibility boundaries (D. Mitchell,
-//! "Consequences of Stratified Sampling in Graphics", 1996).
+//! **Variance.** The replicates are independent randomisations, so `s²/R` is an unbiased estimate of the variance of
+//! their mean, whatever the point set. From two values it is itself uncertain by 140 %, and an interval of ±1.96 of it
+//! would cover far less than 95 %; texels of one surface therefore pool their variances over the 5 x 5 neighbourhood in
+//! their tile. A neighbour with other numbers of points counts as if its variance fell like N^-3/2, the law for
+//! visibility boundaries (D. Mitchell, "Consequences of Stratified Sampling in Graphics", 1996).
 //!
-//! **Floor.** Replicates that all agree have no spread, yet something smaller than the points may stand between them: by
-//! the rule of three its share is below 3/N with 95 % confidence, which is two standard errors of 1.5/N, with N all points that
-//! agree.
+//! **Floor.** Replicates that all agree have no spread, yet something smaller than the points may stand between them:
+//! by the rule of three its share is below 3/N with 95 % confidence, which is two standard errors of 1.5/N, with N all
+//! points that agree.
 //!
-//! **Mean.** Rays weigh unevenly, above all where they are guided. A share is no ratio of sums, whose mean is off where rays are few;
-//! the weights of each replicate are corrected by what the other one found ([`Known::slopes`]).
+//! **Mean.** Rays weigh unevenly, above all where they are guided. A share is no ratio of sums, whose mean is off where
+//! rays are few; the weights of each replicate are corrected by what the other one found ([`Known::slopes`]).
 
 use super::lobe::Lobe;
 use super::pool::Pool;
@@ -161,7 +161,8 @@ impl Known<'_> {
         said
     }
 
-    /// What the directions of a lobe that each replicate finds open weigh, without colour (`part` 0) or times (1 - V·H)^5 (1).
+    /// What the directions of a lobe that each replicate finds open weigh, without colour (`part` 0) or times (1 -
+    /// V·H)^5 (1).
     fn lobe_shares(&self, i: usize, part: usize, lobe: &Lobe) -> [f64; 2] {
         let beside = self.from.beside.get(i).filter(|_| lobe.joins);
         let found = [0, 1].map(|k: usize| {
@@ -197,9 +198,10 @@ impl Known<'_> {
         }
     }
 
-    /// By what the weights of each replicate of a texel are corrected ([`corrected`]): the open share that the other replicate found. A few
-    /// guided rays may all be open by chance although they are few of those that could be drawn; so where rays are guided it is that of
-    /// the texels about it, if that is less. Where a replicate has no points, both slopes are what the other found.
+    /// By what the weights of each replicate of a texel are corrected ([`corrected`]): the open share that the other
+    /// replicate found. A few guided rays may all be open by chance although they are few of those that could be drawn;
+    /// so where rays are guided it is that of the texels about it, if that is less. Where a replicate has no points,
+    /// both slopes are what the other found.
     pub fn slopes(&self, i: usize, quantity: Quantity) -> [f64; 2] {
         let own = self.from.sums[i].each_ref();
         let [a, b] = own.map(|sums| weights(sums, quantity).share());

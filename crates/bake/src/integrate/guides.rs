@@ -1,10 +1,12 @@
 //! Where the hemisphere rays of a dark tile go: to the directions that are open.
 //!
-//! In a room that sees little of the sky, nearly all rays end at walls, and the few that find the window are left to chance. Some of
-//! the texels of a surface are therefore baked first, spread over the tile: a quarter, or fewer where they have many rays. Where they show that little is open, and that it is
-//! in like directions from texel to texel, the whole surface is baked by points warped to these directions ([`Guide`]). Every ray then
-//! weighs the inverse of its density. The warped points are independent of those that the guide was made of, so that no texel's mean
-//! moves; what does not gain much stays as it was. The same where what is rare is blocked was tried, and gained nothing after denoising.
+//! In a room that sees little of the sky, nearly all rays end at walls, and the few that find the window are left to
+//! chance. Some of the texels of a surface are therefore baked first, spread over the tile: a quarter, or fewer where
+//! they have many rays. Where they show that little is open, and that it is in like directions from texel to texel, the
+//! whole surface is baked by points warped to these directions ([`Guide`]). Every ray then weighs the inverse of its
+//! density. The warped points are independent of those that the guide was made of, so that no texel's mean moves; what
+//! does not gain much stays as it was. The same where what is rare is blocked was tried, and gained nothing after
+//! denoising.
 
 use crate::survey::Texel;
 use ambient::sampling::{Counts, Guide};
@@ -15,8 +17,8 @@ const FEWEST: usize = 32;
 /// Surfaces that are told apart in a tile; few of more could be large.
 const MOST: usize = 12;
 
-/// One in so many blocks of texels is baked first, where `x + step * y` of the block's place is a multiple of it: blocks stand apart
-/// in rows and columns.
+/// One in so many blocks of texels is baked first, where `x + step * y` of the block's place is a multiple of it:
+/// blocks stand apart in rows and columns.
 const PROBED: [Probed; 3] = [
     Probed { one_in: 4, step: 2 },
     Probed { one_in: 8, step: 3 },
@@ -68,8 +70,8 @@ pub(super) fn surfaces(texels: &[Texel], which: &[usize]) -> (Vec<Vec<usize>>, V
     (large, rest)
 }
 
-/// Parts a surface, whose texels take so many rays each, into those that are baked first and the others. Blocks have an edge of `edge`
-/// texels.
+/// Parts a surface, whose texels take so many rays each, into those that are baked first and the others. Blocks have an
+/// edge of `edge` texels.
 pub(super) fn probes(texels: &[Texel], surface: &[usize], rays: u32, edge: u32) -> [Vec<usize>; 2] {
     let enough =
         |probed: &&Probed| surface.len() * rays as usize >= LEARNT * probed.one_in as usize;

@@ -1,9 +1,10 @@
 //! The highlight of a texel: what its lobe is, and how many rays it is worth.
 //!
-//! What is asked for is a sum, of what the base reflects and what the coat does. A coat of 4 % adds 4 % of its lobe's error to it, so a few rays
-//! are enough, or none: a rough lobe is told by the hemisphere's rays. With errors that fall like N^-3/4 the error
-//! of a sum is least, at a given number of rays, where a term takes `weight^(4/5)` as many as one that weighs 1. The
-//! hemisphere weighs what its base reflects, but not less than a quarter: its terms are layers of their own too.
+//! What is asked for is a sum, of what the base reflects and what the coat does. A coat of 4 % adds 4 % of its lobe's
+//! error to it, so a few rays are enough, or none: a rough lobe is told by the hemisphere's rays. With errors that fall
+//! like N^-3/4 the error of a sum is least, at a given number of rays, where a term takes `weight^(4/5)` as many as one
+//! that weighs 1. The hemisphere weighs what its base reflects, but not less than a quarter: its terms are layers of
+//! their own too.
 
 use super::task::Task;
 use crate::options::{Model, View};
@@ -12,8 +13,9 @@ use ambient::ggx::{Albedos, Ggx, alpha_of, base};
 use glam::DVec3;
 use rays::PhongMaterial;
 
-/// Least α of lobes that hemisphere rays count for: roughness 0.39. From there on they lower the error of most scenes, by half at best; it rises, more so
-/// below, where the lobe's own points follow the border of what is open, as in a corner seen along its normal (docs/theory.md).
+/// Least α of lobes that hemisphere rays count for: roughness 0.39. From there on they lower the error of most scenes,
+/// by half at best; it rises, more so below, where the lobe's own points follow the border of what is open, as in a
+/// corner seen along its normal (docs/microfacets.md).
 const LEAST_ALPHA: f64 = 0.15;
 
 /// Least weight of the hemisphere.
@@ -156,7 +158,8 @@ impl Lobe {
         own.next_multiple_of(2).clamp(2.min(rays), rays)
     }
 
-    /// Light, in units of what an open texel of this colour would reflect of a sky of 1: `sums` are light without colour and times (1 - V·H)^5.
+    /// Light, in units of what an open texel of this colour would reflect of a sky of 1: `sums` are light without
+    /// colour and times (1 - V·H)^5.
     pub fn tinted(&self, [plain, white]: [DVec3; 2]) -> DVec3 {
         let Some(f0) = self.f0 else {
             return plain / self.whole[0];
@@ -173,7 +176,8 @@ fn weight(base: DVec3, lobe: DVec3) -> f64 {
     (lobe.max_element() / beside).clamp(0.0, 1.0)
 }
 
-/// Rays for each ray of the hemisphere, of a lobe that comes through with a weight: down to a power of two, but for rounding.
+/// Rays for each ray of the hemisphere, of a lobe that comes through with a weight: down to a power of two, but for
+/// rounding.
 fn share(weight: f64) -> f32 {
     (weight.powf(0.8) * (1.0 + 1e-6))
         .log2()

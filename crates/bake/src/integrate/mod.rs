@@ -7,22 +7,25 @@
 //! rays is corrected by what the other half found (`estimate.rs`), so that an open texel is exactly 1 and a closed
 //! one exactly 0, and no mean is moved.
 //!
-//! Where a surface is dark, the points are warped toward the few directions that are open (`guides.rs`), and weights with them.
+//! Where a surface is dark, the points are warped toward the few directions that are open (`guides.rs`), and weights
+//! with them.
 //!
-//! **Specular term.** Its own directions from the lobe: Phong's about the mirrored view R, density `(n+1)/2pi (R.L)^n`, so every
-//! open ray counts 1; GGX's from the normals that the eye sees, and those of the hemisphere beside them where the lobe is wide. Directions below the
-//! shading horizon count 0 and cost no ray. `lobe.rs` says how many a lobe is worth.
+//! **Specular term.** Its own directions from the lobe: Phong's about the mirrored view R, density `(n+1)/2pi (R.L)^n`,
+//! so every open ray counts 1; GGX's from the normals that the eye sees, and those of the hemisphere beside them where
+//! the lobe is wide. Directions below the shading horizon count 0 and cost no ray. `lobe.rs` says how many a lobe is
+//! worth.
 //!
-//! **Shading normals.** The ray of a direction below the geometric plane leaves along its mirror image in the plane; in exact shading
-//! it counts 0 and costs no ray.
+//! **Shading normals.** The ray of a direction below the geometric plane leaves along its mirror image in the plane; in
+//! exact shading it counts 0 and costs no ray.
 //!
-//! **Light of a map.** With an illumination map the radiance is a uniform floor, which the two terms above multiply, and what stands
-//! out of it, which hemisphere rays and directions drawn from the map share by the power heuristic with exponent 2 (E. Veach, L. Guibas,
-//! "Optimally Combining Sampling Techniques for Monte Carlo Rendering", 1995), and lobe rays and the same directions likewise. Weights are those of equal
-//! numbers, whatever the numbers are, so that each technique may stop by itself. These means are not divided by sums of weights.
+//! **Light of a map.** With an illumination map the radiance is a uniform floor, which the two terms above multiply,
+//! and what stands out of it, which hemisphere rays and directions drawn from the map share by the power heuristic with
+//! exponent 2 (E. Veach, L. Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", 1995), and
+//! lobe rays and the same directions likewise. Weights are those of equal numbers, whatever the numbers are, so that
+//! each technique may stop by itself. These means are not divided by sums of weights.
 //!
-//! **Lanes.** A texel has [`REPLICATES`] independent randomisations of its points. Each is one lane of a
-//! [`Gang`]; `estimate.rs` makes standard errors of their spread. How many rays a tile takes is decided before (`page/spend.rs`).
+//! **Lanes.** A texel has [`REPLICATES`] independent randomisations of its points. Each is one lane of a [`Gang`];
+//! `estimate.rs` makes standard errors of their spread. How many rays a tile takes is decided before (`page/spend.rs`).
 
 mod cast;
 mod closed_form;

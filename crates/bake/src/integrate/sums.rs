@@ -3,7 +3,8 @@
 use glam::DVec3;
 use std::ops::AddAssign;
 
-/// Independent randomisations of a texel's points: two halves, from which errors are stated and by which denoising is chosen.
+/// Independent randomisations of a texel's points: two halves, from which errors are stated and by which denoising is
+/// chosen.
 pub(crate) const REPLICATES: u32 = 2;
 
 /// How directions are drawn.
@@ -29,8 +30,8 @@ pub(crate) struct Weights {
 pub(crate) struct Sums {
     pub diffuse: Weights,
     pub visibility: Weights,
-    /// Of the lobe: without colour, and under GGX times Fresnel's (1 - V·H)^5. Each direction weighs the lobe over the density of all techniques that
-    /// may draw it.
+    /// Of the lobe: without colour, and under GGX times Fresnel's (1 - V·H)^5. Each direction weighs the lobe over the
+    /// density of all techniques that may draw it.
     pub lobe: [Weights; 2],
     /// Light above the sky's floor divided by the sky's scale.
     pub irradiance: DVec3,
@@ -85,9 +86,10 @@ impl AddAssign for Sums {
     }
 }
 
-/// An open share by the mean weights of one replicate, with the slope β: `(Σ w V - β Σ (w - 1)) / n`, where all directions weigh `whole` in the mean
-/// in place of 1. So no mean is moved, however few the points are, if β is independent of them; the mean of a ratio would be. With β = V, as where all
-/// is open or closed, weights that were drawn unevenly do not count.
+/// An open share by the mean weights of one replicate, with the slope β: `(Σ w V - β Σ (w - 1)) / n`, where all
+/// directions weigh `whole` in the mean in place of 1. So no mean is moved, however few the points are, if β is
+/// independent of them; the mean of a ratio would be. With β = V, as where all is open or closed, weights that were
+/// drawn unevenly do not count.
 pub(crate) fn corrected(own: Weights, slope: f64, whole: f64) -> f64 {
     own.open - slope * (own.all - whole)
 }

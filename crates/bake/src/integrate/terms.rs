@@ -41,13 +41,14 @@ pub struct AnyView {
 pub struct Directional {
     /// (1/pi) times the integral of V cos times the direction: two thirds of the normal for an open texel.
     pub bent: DVec3,
-    /// Harmonics of the light up to order 1, linear RGB: (1/4pi) times the integral of L V over the sphere, and the same times each
-    /// axis of the direction. A direction's length is 1, so the vector of the last three is at most as long as the first.
+    /// Harmonics of the light up to order 1, linear RGB: (1/4pi) times the integral of L V over the sphere, and the
+    /// same times each axis of the direction. A direction's length is 1, so the vector of the last three is at most as
+    /// long as the first.
     pub light: [DVec3; 4],
 }
 
-/// Half of the difference between the terms of two independent halves of the rays: a term plus and minus its half are two estimates
-/// of it. 0 where no ray was needed.
+/// Half of the difference between the terms of two independent halves of the rays: a term plus and minus its half are
+/// two estimates of it. 0 where no ray was needed.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Halves {
     /// Of [`Terms::diffuse`].
@@ -65,7 +66,8 @@ pub struct Halves {
 }
 
 impl Directional {
-    /// Under a sky of radiance `sky` all over, of which the share `open` of the sphere is open, with the mean `direction` over the sphere.
+    /// Under a sky of radiance `sky` all over, of which the share `open` of the sphere is open, with the mean
+    /// `direction` over the sphere.
     pub fn even(sky: DVec3, open: f64, direction: DVec3) -> [DVec3; 4] {
         let [x, y, z] = direction.to_array().map(|axis| sky * axis);
         [sky * open, x, y, z]

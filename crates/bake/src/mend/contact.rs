@@ -1,11 +1,12 @@
 //! What a texel at a contact has to hold, so that look-ups beside the contact find the light that is there.
 //!
-//! A look-up mixes four texels. Beside a contact some of them are seen in part and some not at all. What is measured of the former is the
-//! mean over their seen part, and the look-up at the middle of that part should find it. That is an equation in up to four texels for
-//! each texel that is seen in part. What these leave open, light that runs as evenly as it can decides: the second differences of the
-//! texels are asked to vanish, at a smaller weight (a thin plate; J. Duchon, "Splines Minimizing Rotation-Invariant Semi-Norms in Sobolev
-//! Spaces", 1977). The least squares are taken over a small window, and only for the texel in its middle. They are linear in what was
-//! measured, so the texel is a sum of its neighbours with weights of geometry alone.
+//! A look-up mixes four texels. Beside a contact some of them are seen in part and some not at all. What is measured of
+//! the former is the mean over their seen part, and the look-up at the middle of that part should find it. That is an
+//! equation in up to four texels for each texel that is seen in part. What these leave open, light that runs as evenly
+//! as it can decides: the second differences of the texels are asked to vanish, at a smaller weight (a thin plate; J.
+//! Duchon, "Splines Minimizing Rotation-Invariant Semi-Norms in Sobolev Spaces", 1977). The least squares are taken
+//! over a small window, and only for the texel in its middle. They are linear in what was measured, so the texel is a
+//! sum of its neighbours with weights of geometry alone.
 
 use ambient::solve::cholesky;
 use glam::{DVec2, IVec2};

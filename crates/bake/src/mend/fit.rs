@@ -51,7 +51,8 @@ impl Spread {
     }
 }
 
-/// Weights of the values in the fitted value at 0; where no plane is told, those of their mean. `None` where nothing is near.
+/// Weights of the values in the fitted value at 0; where no plane is told, those of their mean. `None` where nothing is
+/// near.
 pub(super) fn value(places: &[Place]) -> Option<Vec<f64>> {
     let total: f64 = places.iter().map(|place| place.weight).sum();
     if total <= 0.0 {

@@ -1,14 +1,15 @@
 //! Mends texels that are buried, wholly or in part, from their neighbours on the same surface.
 //!
-//! A texel that is seen in part holds the mean over that part, whose middle is not the texel's. A look-up between texels takes the
-//! value for one at the texel's middle, and where light changes across the edge of a body that would draw a ring around it. So what
-//! look-ups beside a contact read is solved for: they are to find the means where they were measured ([`contact`]). That is tried for
-//! texels that are seen in part and for unseen ones beside seen ones. Others, and those whose surface is too narrow to tell where on
-//! it they are, take the value of a plane through the neighbours' values over their places on the surface ([`fit`]). A texel that has no
-//! seen texel within reach keeps what its rays found: nobody looks there, and no light is invented.
+//! A texel that is seen in part holds the mean over that part, whose middle is not the texel's. A look-up between
+//! texels takes the value for one at the texel's middle, and where light changes across the edge of a body that would
+//! draw a ring around it. So what look-ups beside a contact read is solved for: they are to find the means where they
+//! were measured ([`contact`]). That is tried for texels that are seen in part and for unseen ones beside seen ones.
+//! Others, and those whose surface is too narrow to tell where on it they are, take the value of a plane through the
+//! neighbours' values over their places on the surface ([`fit`]). A texel that has no seen texel within reach keeps
+//! what its rays found: nobody looks there, and no light is invented.
 //!
-//! Everything is a sum of neighbours' values with weights that depend on geometry alone. So one set of weights serves every term, a
-//! linear course of light is met exactly, and standard errors follow.
+//! Everything is a sum of neighbours' values with weights that depend on geometry alone. So one set of weights serves
+//! every term, a linear course of light is met exactly, and standard errors follow.
 
 mod contact;
 mod fit;
@@ -23,8 +24,8 @@ use rayon::prelude::*;
 /// Neighbours lie within so many texels along an axis.
 const REACH: i32 = 3;
 
-/// A neighbour's weight falls with its distance in texels as (1 - d / WIDTH)², and no further than to FAR². So a plane leans on the
-/// texels next to a contact line, and those at a corner of the other body, two texels on, hardly bend it.
+/// A neighbour's weight falls with its distance in texels as (1 - d / WIDTH)², and no further than to FAR². So a plane
+/// leans on the texels next to a contact line, and those at a corner of the other body, two texels on, hardly bend it.
 const WIDTH: f64 = 2.5;
 const FAR: f64 = 0.02;
 
@@ -63,7 +64,8 @@ impl Mends {
         Self::up_to(surface, 1.0)
     }
 
-    /// What the texels of which nothing can be seen need once the others have changed, whose values stand for their middles by then.
+    /// What the texels of which nothing can be seen need once the others have changed, whose values stand for their
+    /// middles by then.
     pub fn of_unseen(surface: &Surface<'_>) -> Self {
         Self::up_to(surface, f32::MIN_POSITIVE)
     }
@@ -85,8 +87,8 @@ impl Mends {
         Self(wanted.into_par_iter().filter_map(mend).collect())
     }
 
-    /// Mends a plane of values of at least `least` and at most `most`. A value stays within half the span of those it is made of. Returns
-    /// each one's span.
+    /// Mends a plane of values of at least `least` and at most `most`. A value stays within half the span of those it
+    /// is made of. Returns each one's span.
     pub fn apply(&self, plane: &mut [f32], least: f64, most: f64) -> Vec<f64> {
         let mended = self.0.par_iter().map(|mend| {
             let (mut sum, mut low, mut high) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
@@ -106,8 +108,8 @@ impl Mends {
         spans
     }
 
-    /// Standard errors of the mended values from those of a plane, whose texels are independent. What is kept within two spans has a
-    /// standard deviation of one at most (T. Popoviciu, 1935).
+    /// Standard errors of the mended values from those of a plane, whose texels are independent. What is kept within
+    /// two spans has a standard deviation of one at most (T. Popoviciu, 1935).
     pub fn apply_to_errors(&self, plane: &mut [f32], spans: &[f64]) {
         let error = |(mend, span): (&Mend, &f64)| {
             let squares = mend.terms.iter().map(|&(texel, weight)| {
@@ -211,7 +213,8 @@ impl Surface<'_> {
         Some(terms.collect())
     }
 
-    /// The texels that hang together with this one on its surface within reach, itself too, and where they stand from it in texels.
+    /// The texels that hang together with this one on its surface within reach, itself too, and where they stand from
+    /// it in texels.
     fn neighbours(&self, texel: usize) -> Vec<(usize, DVec2)> {
         const EDGE: usize = (2 * REACH + 1) as usize;
         let (x, y) = ((texel % self.size) as i32, (texel / self.size) as i32);

@@ -37,7 +37,8 @@ impl Planes {
         }
     }
 
-    /// The same, but of the last seen column the part on the left alone is seen: its middle is a quarter of a texel to the left.
+    /// The same, but of the last seen column the part on the left alone is seen: its middle is a quarter of a texel to
+    /// the left.
     fn with_a_part() -> Self {
         let mut planes = Self::half();
         for y in 0..SIZE {
@@ -68,7 +69,8 @@ impl Planes {
         mended
     }
 
-    /// What each texel counts in a mended one: what that gains where the texel does. Rows that differ by much leave it room.
+    /// What each texel counts in a mended one: what that gains where the texel does. Rows that differ by much leave it
+    /// room.
     fn weights(&self, of: fn(&Surface<'_>) -> Mends, mended: usize) -> Vec<f64> {
         let mends = self.mends(of);
         let found = |brighter: Option<usize>| {
@@ -104,7 +106,8 @@ fn an_even_rise_goes_on_below_a_contact_by_half_its_span_at_most() {
     let values = plane(|x, _| x as f32);
     let mended = Planes::half().apply(&values);
     let at = |column: usize| mended[FIRST + column];
-    // Of both the columns of 6 and 7 are within reach, and 8 and 9 are more than half of what these differ by above the larger.
+    // Of both the columns of 6 and 7 are within reach, and 8 and 9 are more than half of what these differ by above the
+    // larger.
     for column in 0..2 {
         assert!((at(column) - 7.5).abs() < 1e-5, "{column}: {}", at(column));
     }
@@ -141,7 +144,8 @@ fn mended_values_stay_in_the_range_of_their_layer() {
 
 #[test]
 fn what_is_seen_in_part_is_moved_from_the_middle_of_that_to_its_own() {
-    // Means over what is seen of a light that rises evenly: of the columns within reach of the buried one they are 6 and 6.75.
+    // Means over what is seen of a light that rises evenly: of the columns within reach of the buried one they are 6
+    // and 6.75.
     let planes = Planes::with_a_part();
     let values = planes.position[0].clone();
     let mended = planes.apply(&values);

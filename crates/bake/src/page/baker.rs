@@ -42,8 +42,8 @@ pub struct Baker<'a> {
     pub(crate) errors: PlaneErrors,
     /// What buries samples; `None` where nothing can.
     pub(crate) solids: Option<&'a Solids>,
-    /// What finished pages hold on seams that they share with others. Pages are finished in their order; one that is finished without those
-    /// before it is not tied to them.
+    /// What finished pages hold on seams that they share with others. Pages are finished in their order; one that is
+    /// finished without those before it is not tied to them.
     across: Across,
     rasters: Rasters,
     /// Rays of the texels of each tile, by page.
@@ -98,7 +98,8 @@ impl<'a> Baker<'a> {
         self.rasters.page(self.world.scene(), self.atlas, page)
     }
 
-    /// The rays that each texel of a tile takes over the hemisphere, tile by tile. Where a target is set, they are found by a few rays of every texel.
+    /// The rays that each texel of a tile takes over the hemisphere, tile by tile. Where a target is set, they are
+    /// found by a few rays of every texel.
     pub fn rays(&self, page: u32) -> &[u32] {
         self.spent[page as usize].get_or_init(|| spend(self, page))
     }
@@ -126,8 +127,8 @@ impl<'a> Baker<'a> {
         working_layers(self.options, self.plan, self.solids.is_some())
     }
 
-    /// Continues a page until it is finished or the listener cancels. The result does not depend on the number of threads or on where
-    /// the page was interrupted.
+    /// Continues a page until it is finished or the listener cancels. The result does not depend on the number of
+    /// threads or on where the page was interrupted.
     pub fn run(&self, page: &mut BakedPage, progress: &dyn Progress) {
         let Ok(whole) = self.fill(page, progress, &mut |_| Ok::<_, Infallible>(()));
         if whole {
@@ -135,8 +136,8 @@ impl<'a> Baker<'a> {
         }
     }
 
-    /// Bakes the tiles that a page lacks, and hands each to `save` once it is finished; false where the listener cancelled before the
-    /// last. The page holds facts then, see [`BakedPage::planes`], until it is finished.
+    /// Bakes the tiles that a page lacks, and hands each to `save` once it is finished; false where the listener
+    /// cancelled before the last. The page holds facts then, see [`BakedPage::planes`], until it is finished.
     ///
     /// # Errors
     /// Those of `save`, which end the run.
@@ -187,8 +188,8 @@ impl<'a> Baker<'a> {
         page.stats.seconds += started.elapsed().as_secs_f64();
     }
 
-    /// Bakes tiles of a page, given by their index, and hands each to `take`; false where the listener cancelled before the last. `total`
-    /// texels are what progress is told of.
+    /// Bakes tiles of a page, given by their index, and hands each to `take`; false where the listener cancelled before
+    /// the last. `total` texels are what progress is told of.
     ///
     /// # Errors
     /// Those of `take`, which end the run.

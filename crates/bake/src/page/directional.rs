@@ -1,8 +1,9 @@
 //! Layers that say where a texel is open and whence its light comes, through the last steps of a page.
 //!
-//! While a page is in work they are kept as sums that are never negative and follow linearly from the rays: the diffuse term plus each axis of
-//! the cosine-weighted sum of open directions, and the first harmonic plus each of the others. So every step treats them as it
-//! treats light. What is asked for is made of them when gutters are filled: a bent normal gets its unit length last.
+//! While a page is in work they are kept as sums that are never negative and follow linearly from the rays: the diffuse
+//! term plus each axis of the cosine-weighted sum of open directions, and the first harmonic plus each of the others.
+//! So every step treats them as it treats light. What is asked for is made of them when gutters are filled: a bent
+//! normal gets its unit length last.
 
 use super::planes::BakedPage;
 use crate::denoise::{Denoiser, Field, Term, oidn};
@@ -55,7 +56,8 @@ pub(super) fn mend(page: &mut BakedPage, mends: &Mends) {
     }
 }
 
-/// Denoises them, by the learned filter where there is no `regression`. What is exact of the diffuse term is exact here.
+/// Denoises them, by the learned filter where there is no `regression`. What is exact of the diffuse term is exact
+/// here.
 ///
 /// * `field`: what the learned filter sees of a page.
 pub(super) fn denoise(

@@ -201,8 +201,9 @@ fn place(page: &mut BakedPage, origin: DVec3) {
     }
 }
 
-/// Denoises the terms that tiles integrated, over the surfaces of the page. Texels of which nothing can be seen have no part in that:
-/// they were carried on from noisy neighbours, and are carried on again, lest a rim of grain stays along every contact.
+/// Denoises the terms that tiles integrated, over the surfaces of the page. Texels of which nothing can be seen have no
+/// part in that: they were carried on from noisy neighbours, and are carried on again, lest a rim of grain stays along
+/// every contact.
 fn denoise_terms(
     page: &mut BakedPage,
     terms: &[TermLayers],
@@ -373,7 +374,8 @@ fn is_place(layer: Layer) -> bool {
     matches!(layer, Layer::Position | Layer::Normal | Layer::Object)
 }
 
-/// Drops facts that nothing needs any more, but for those that were asked for: a plane of a large page takes as much as its scene.
+/// Drops facts that nothing needs any more, but for those that were asked for: a plane of a large page takes as much as
+/// its scene.
 fn drop_unasked(page: &mut BakedPage, options: &Options, done: impl Fn(Layer) -> bool) {
     let kept = options.kept();
     let asked = |layer: Layer| layer == Layer::Coverage || kept.contains(&layer);
@@ -424,8 +426,8 @@ fn compose_asked(page: &mut BakedPage, options: &Options) {
     page.planes.sort_by_key(|planes| place(planes.layer));
 }
 
-/// Fills so many rings of gutter texels of every layer that dilates, and renews the length of directions there. Values that seams give
-/// stand.
+/// Fills so many rings of gutter texels of every layer that dilates, and renews the length of directions there. Values
+/// that seams give stand.
 fn fill_gutters(page: &mut BakedPage, rings: u32, of_seams: &Gutters) {
     let texels = page.texels();
     let dilation = Dilation::new(&page.planes[0].values, page.size, rings);

@@ -19,8 +19,9 @@ pub(super) struct Joined<'a> {
     pub light: bool,
 }
 
-/// Makes the terms agree across seams; `light` is what an open texel receives, about. Texels of charts move here, those of gutters when gutters are filled.
-/// What a texel moves by is an error of its own mean, which its standard error takes in.
+/// Makes the terms agree across seams; `light` is what an open texel receives, about. Texels of charts move here, those
+/// of gutters when gutters are filled. What a texel moves by is an error of its own mean, which its standard error
+/// takes in.
 pub(super) fn solve_seams(
     page: &mut BakedPage,
     light: f64,

@@ -21,12 +21,13 @@ pub struct BakedPage {
     pub page: u32,
     /// Edge in texels.
     pub size: u32,
-    /// Sums over each tile in the raster's order, `None` for those that are not baked yet; empty when the page is finished.
+    /// Sums over each tile in the raster's order, `None` for those that are not baked yet; empty when the page is
+    /// finished.
     pub tiles: Vec<Option<PageStats>>,
     /// True when every tile is finished and gutters are filled.
     pub finished: bool,
-    /// The layers so far, [`Layer::Coverage`] first. While a page is in work these are facts, from which the asked layers follow; when
-    /// it is finished, those that were asked for.
+    /// The layers so far, [`Layer::Coverage`] first. While a page is in work these are facts, from which the asked
+    /// layers follow; when it is finished, those that were asked for.
     pub planes: Vec<LayerPlanes>,
     /// Sums over all texels, once the page is finished.
     pub stats: PageStats,
@@ -55,8 +56,8 @@ impl BakedPage {
         found.map(|planes| planes.values.as_slice())
     }
 
-    /// A tile as it was stored; `None` where it is not in the page, or the page is finished. `number` is its row-major number over the
-    /// page, which the raster knows.
+    /// A tile as it was stored; `None` where it is not in the page, or the page is finished. `number` is its row-major
+    /// number over the page, which the raster knows.
     pub fn stored(&self, index: u32, number: u32) -> Option<BakedTile> {
         let stats = (*self.tiles.get(index as usize)?)?;
         let across = self.size.div_ceil(TILE);
@@ -122,8 +123,8 @@ impl BakedPage {
         Columns::of(&layers)
     }
 
-    /// True where a tile may be put into the page; false where it has other numbers of texels or values than it says, a place outside of the
-    /// page or of one square of the grid of tiles, or is there already.
+    /// True where a tile may be put into the page; false where it has other numbers of texels or values than it says, a
+    /// place outside of the page or of one square of the grid of tiles, or is there already.
     pub(crate) fn fits(&self, tile: &BakedTile, columns: &Columns) -> bool {
         let (plane, index) = (self.texels(), tile.index as usize);
         let across = self.size.div_ceil(TILE);

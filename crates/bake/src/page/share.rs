@@ -12,8 +12,8 @@ const FREE: f64 = 0.02;
 /// Cost of a triangle in a tile, which is cut out and surveyed.
 const PIECE: f64 = 0.2;
 
-/// Deals the tiles of page after page to shards, so that each has the same predicted cost. It depends on the costs alone, so that every
-/// shard comes to the same answer.
+/// Deals the tiles of page after page to shards, so that each has the same predicted cost. It depends on the costs
+/// alone, so that every shard comes to the same answer.
 #[derive(Debug, Clone)]
 pub struct Deal {
     /// What each shard has so far, the least loaded on top.
@@ -50,7 +50,8 @@ impl Deal {
         }
     }
 
-    /// The shard of each tile of the next page, from its cost: the dearest goes first, each to the shard that has least.
+    /// The shard of each tile of the next page, from its cost: the dearest goes first, each to the shard that has
+    /// least.
     pub fn page(&mut self, costs: &[f64]) -> Vec<u32> {
         let mut order: Vec<usize> = (0..costs.len()).collect();
         order.sort_by(|&a, &b| costs[b].total_cmp(&costs[a]).then(a.cmp(&b)));
@@ -67,8 +68,8 @@ impl Deal {
 }
 
 impl Baker<'_> {
-    /// What each tile of a page costs, by its index: texels times integrals that take rays, without a unit. It is a function of the
-    /// scene, the layout and the options alone.
+    /// What each tile of a page costs, by its index: texels times integrals that take rays, without a unit. It is a
+    /// function of the scene, the layout and the options alone.
     pub fn costs(&self, page: u32) -> Vec<f64> {
         let scene = self.world.scene();
         let raster = self.raster(page);

@@ -1,9 +1,11 @@
 //! How many rays the tiles of a page take.
 //!
-//! With a target, every texel takes a few rays first. What they say of the error of each tile, after denoising, decides how many it takes: with
-//! errors that fall like N^-q the error of a page, its root mean square, is least at a given number of rays where N is proportional to
-//! s^(2/(1 + 2q)), s being the error of a tile at equal rays. Equal errors everywhere would cost more. Numbers are powers of two, which are the best
-//! numbers of points, or three quarters of them, which are nearly as good. The rays of the pilot are thrown away: a value that had a part in the choice of its rays would be biased.
+//! With a target, every texel takes a few rays first. What they say of the error of each tile, after denoising, decides
+//! how many it takes: with errors that fall like N^-q the error of a page, its root mean square, is least at a given
+//! number of rays where N is proportional to s^(2/(1 + 2q)), s being the error of a tile at equal rays. Equal errors
+//! everywhere would cost more. Numbers are powers of two, which are the best numbers of points, or three quarters of
+//! them, which are nearly as good. The rays of the pilot are thrown away: a value that had a part in the choice of its
+//! rays would be biased.
 
 use super::baker::Baker;
 use super::compose::{is_composed, is_light};

@@ -62,8 +62,8 @@ impl ErrorSums {
         }
     }
 
-    /// Counts texels as fewer after a smoothing that brought the sum of squares down from `before`: a mean of m texels has an m-th of
-    /// their variance, and m texels share it.
+    /// Counts texels as fewer after a smoothing that brought the sum of squares down from `before`: a mean of m texels
+    /// has an m-th of their variance, and m texels share it.
     pub(crate) fn share(&mut self, before: f64) {
         if self.squares > 0.0 {
             self.fourths *= (before / self.squares).max(1.0);
@@ -111,8 +111,8 @@ impl PageStats {
 
     /// What the true root mean square error stays below with 99.9 % confidence.
     ///
-    /// The sum of squared errors of independent normal texels has the relative variance `2/t`, its estimate from two replicates
-    /// each as much, where `t = (Σ s²)² / Σ s⁴` counts unequal texels as fewer. The normal quantile is 3.09.
+    /// The sum of squared errors of independent normal texels has the relative variance `2/t`, its estimate from two
+    /// replicates each as much, where `t = (Σ s²)² / Σ s⁴` counts unequal texels as fewer. The normal quantile is 3.09.
     pub fn rmse_bound(&self) -> f64 {
         if self.errors.squares == 0.0 {
             return 0.0;

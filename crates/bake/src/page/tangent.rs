@@ -15,8 +15,8 @@ pub(super) fn source(layer: Layer) -> Layer {
     }
 }
 
-/// Makes the layer of the finished bent normals. The pieces of a texel may have frames that differ: it has the mean of what they make of
-/// its bent normal, of unit length.
+/// Makes the layer of the finished bent normals. The pieces of a texel may have frames that differ: it has the mean of
+/// what they make of its bent normal, of unit length.
 ///
 /// * `rings`: how many rings of gutter are filled.
 pub(super) fn make(

@@ -51,7 +51,8 @@ pub(super) fn half_of(term: Layer) -> Layer {
     }
 }
 
-/// The layers that are kept while tiles are baked: the facts from which the asked layers follow when the page is finished.
+/// The layers that are kept while tiles are baked: the facts from which the asked layers follow when the page is
+/// finished.
 pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec<Layer> {
     let mut layers = vec![Layer::Coverage];
     let mut add = |layer: Layer| {

@@ -7,7 +7,8 @@ use ambient::ggx::alpha_of;
 use layers::Layer;
 use scene::{Scene, Surface};
 
-/// What the numbers for any view are expected to be off by, root mean square over all views of the narrowest lobe in use.
+/// What the numbers for any view are expected to be off by, root mean square over all views of the narrowest lobe in
+/// use.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AnyViewErrors {
     /// Exponent of that lobe; none where no material reflects specularly.
@@ -21,8 +22,8 @@ pub struct AnyViewErrors {
 }
 
 impl Options {
-    /// The same with the order that `any-view` holds: the lowest that leaves less of the narrowest lobe in use than noise does. Beside
-    /// `any-view.8` it is the first 15 of those numbers, and `any-view.4` is always 15.
+    /// The same with the order that `any-view` holds: the lowest that leaves less of the narrowest lobe in use than
+    /// noise does. Beside `any-view.8` it is the first 15 of those numbers, and `any-view.4` is always 15.
     pub fn with_order(mut self, scene: &Scene) -> Self {
         let has = |layer| self.layers.contains(&layer);
         let free = has(Layer::AnyView) && !has(Layer::AnyView4) && !has(Layer::AnyView8);

@@ -1,10 +1,10 @@
 //! A certain and cheap test for open triangles: nothing of the scene stands above their tangent plane.
 //!
-//! On such a triangle every ray of the upper hemisphere escapes, so the terms have closed forms and no ray is needed.
-//! A convex body standing alone is the case in which every triangle passes. The test asks for the scene's support in
-//! the direction of the normal, over a tree of boxes around its vertices, the farthest boxes first, and stops at the first vertex above
-//! the plane. That vertex is tried first on the next triangle. "Above" means by more than the rounding bound that ray origins keep from
-//! the surface anyway.
+//! On such a triangle every ray of the upper hemisphere escapes, so the terms have closed forms and no ray is needed. A
+//! convex body standing alone is the case in which every triangle passes. The test asks for the scene's support in the
+//! direction of the normal, over a tree of boxes around its vertices, the farthest boxes first, and stops at the first
+//! vertex above the plane. That vertex is tried first on the next triangle. "Above" means by more than the rounding
+//! bound that ray origins keep from the surface anyway.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -113,7 +113,8 @@ impl SupportTree {
         Self { points, levels }
     }
 
-    /// True where some point p has `normal . p > height`. `witness` is a point to try first, and becomes the one that was found.
+    /// True where some point p has `normal . p > height`. `witness` is a point to try first, and becomes the one that
+    /// was found.
     fn any_above(&self, normal: DVec3, height: f64, witness: &mut usize) -> bool {
         if self
             .points
@@ -131,7 +132,8 @@ impl SupportTree {
         found.is_some()
     }
 
-    /// A point of the node above the plane, which the node's box may reach. The child that reaches farthest is looked at first.
+    /// A point of the node above the plane, which the node's box may reach. The child that reaches farthest is looked
+    /// at first.
     fn above(&self, level: usize, node: usize, normal: DVec3, height: f64) -> Option<usize> {
         if level == 0 {
             let end = ((node + 1) * LEAF).min(self.points.len());

@@ -169,8 +169,9 @@ fn mesh(mesh: &scene::Mesh) -> Fingerprint {
     hasher.short()
 }
 
-/// A material but for its name, with the pictures that it reads. The words name every field, so that a new one cannot be forgotten here;
-/// the numbers of pictures in them may cost a bake where pictures change places, and never keep what changed.
+/// A material but for its name, with the pictures that it reads. The words name every field, so that a new one cannot
+/// be forgotten here; the numbers of pictures in them may cost a bake where pictures change places, and never keep what
+/// changed.
 fn surface(scene: &Scene, material: usize, images: &[Fingerprint]) -> Fingerprint {
     let mut material = scene.materials[material].clone();
     material.name.clear();

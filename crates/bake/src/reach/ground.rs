@@ -1,8 +1,9 @@
 //! A piece of surface that rays leave from, and what they can reach.
 //!
-//! Rays leave into the half-space above the plane of their triangle: a direction below it is mirrored there (`--shading production`) or
-//! takes no ray (`exact`). They end at `--max-distance`. So a box is out of reach where it lies wholly below the plane, or where its
-//! distance from the box of the piece is larger than the longest ray. Slack covers the rounding of origins and directions.
+//! Rays leave into the half-space above the plane of their triangle: a direction below it is mirrored there (`--shading
+//! production`) or takes no ray (`exact`). They end at `--max-distance`. So a box is out of reach where it lies wholly
+//! below the plane, or where its distance from the box of the piece is larger than the longest ray. Slack covers the
+//! rounding of origins and directions.
 
 use glam::DVec3;
 
@@ -12,8 +13,8 @@ pub(super) struct Ground {
     /// The box of all ray origins.
     pub low: DVec3,
     pub high: DVec3,
-    /// The unit normal on the side that rays leave to, and the least height along it of what they can meet; `None` where they may leave
-    /// to both sides.
+    /// The unit normal on the side that rays leave to, and the least height along it of what they can meet; `None`
+    /// where they may leave to both sides.
     pub plane: Option<(DVec3, f64)>,
     /// The longest ray.
     pub distance: f64,

@@ -1,17 +1,20 @@
-//! What the values of a tile depend on, as a fingerprint: tiles of two bakes with the same fingerprint hold the same values, bit for bit.
+//! What the values of a tile depend on, as a fingerprint: tiles of two bakes with the same fingerprint hold the same
+//! values, bit for bit.
 //!
-//! **What goes in.** What the plan decided for the whole bake; the page and the tile's place on it, which number its sample points; of
-//! each triangle that meets the tile its coordinates, the content of its object and whether anything stands above it; the closed
-//! surfaces whose boxes meet the tile's piece of surface, which may bury it; and the sum over all objects that its rays can reach, by
-//! [`ground`].
+//! **What goes in.** What the plan decided for the whole bake; the page and the tile's place on it, which number its
+//! sample points; of each triangle that meets the tile its coordinates, the content of its object and whether anything
+//! stands above it; the closed surfaces whose boxes meet the tile's piece of surface, which may bury it; and the sum
+//! over all objects that its rays can reach, by [`ground`].
 //!
 //! How many rays the tile takes goes in too: with a target, all tiles of a page have a say in that.
 //!
-//! **Why that is all.** A texel's values are sums over its sample points, which its place numbers, its pieces of surface place and its
-//! rays judge. A ray that is not in reach of an object cannot meet it, so leaving it out or moving it there changes no answer; the
-//! ray libraries find every triangle that a ray meets whatever tree they hold (their box tests are conservative), and whether a ray
-//! meets a triangle is a function of these two alone, but for rays that pass it within rounding (docs/theory.md, "What an update may keep"). What a texel shares with its neighbours it shares within its tile. What is done
-//! to whole pages (mending, denoising, seams, gutters, bounces) is done anew in any case.
+//! **Why that is all.** A texel's values are sums over its sample points, which its place numbers, its pieces of
+//! surface place and its rays judge. A ray that is not in reach of an object cannot meet it, so leaving it out or
+//! moving it there changes no answer; the ray libraries find every triangle that a ray meets whatever tree they hold
+//! (their box tests are conservative), and whether a ray meets a triangle is a function of these two alone, but for
+//! rays that pass it within rounding (docs/bounces.md, "What an update may keep"). What a texel shares with its
+//! neighbours it shares within its tile. What is done to whole pages (mending, denoising, seams, gutters, bounces) is
+//! done anew in any case.
 
 mod content;
 mod ground;
@@ -34,7 +37,8 @@ use tree::{BoxTree, Item};
 
 /// Slack of all tests of reach, per unit of the scene's coordinates: far above the rounding of 32-bit rays.
 const SLACK: f64 = 1e-5;
-/// Above this change of corner weights, samples that keep away from edges may leave the hull of their piece: it counts whole.
+/// Above this change of corner weights, samples that keep away from edges may leave the hull of their piece: it counts
+/// whole.
 const MOVED: f64 = 0.01;
 
 /// The contents of a scene, ready to be asked by tiles.

@@ -1,7 +1,7 @@
 //! A tree of boxes around the objects of a scene, each with a sum over what stands in it.
 //!
-//! The sum of hashes says which objects are there, whatever their order. A box that is in reach as a whole gives its sum at once, and
-//! one that is out of reach nothing, so few boxes are looked at.
+//! The sum of hashes says which objects are there, whatever their order. A box that is in reach as a whole gives its
+//! sum at once, and one that is out of reach nothing, so few boxes are looked at.
 
 use super::ground::Ground;
 use glam::DVec3;

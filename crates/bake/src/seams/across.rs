@@ -1,7 +1,8 @@
 //! Seams between charts of different pages.
 //!
-//! Pages are finished one after another, in their order, and only one of them need be in memory. So the two sides of such a seam are not
-//! solved together. The page that is finished first keeps what look-ups find on its side; the later one is solved to agree with that.
+//! Pages are finished one after another, in their order, and only one of them need be in memory. So the two sides of
+//! such a seam are not solved together. The page that is finished first keeps what look-ups find on its side; the later
+//! one is solved to agree with that.
 
 use super::border::{Chart, borders};
 use super::pair::pairs;
@@ -44,8 +45,8 @@ type Plane = (bool, &'static str, usize);
 #[derive(Debug, Default)]
 pub(crate) struct Across {
     points: OnceLock<Vec<AcrossPoint>>,
-    /// By term and channel, for each point what the finished page holds there; NaN before, and where a look-up would mix charts. The light of
-    /// bounces is kept apart from terms.
+    /// By term and channel, for each point what the finished page holds there; NaN before, and where a look-up would
+    /// mix charts. The light of bounces is kept apart from terms.
     found: Mutex<BTreeMap<Plane, Vec<f32>>>,
 }
 

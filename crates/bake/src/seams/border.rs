@@ -61,7 +61,8 @@ impl Border {
     }
 }
 
-/// All borders on a page, or on all pages, in the order of objects and triangles. `charts` has the chart of each triangle, mesh by mesh.
+/// All borders on a page, or on all pages, in the order of objects and triangles. `charts` has the chart of each
+/// triangle, mesh by mesh.
 pub(super) fn borders(
     world: &World,
     atlas: &Atlas,
@@ -136,8 +137,9 @@ fn face_normal(world: &World, instance: u32, [a, b, c]: [DVec3; 3]) -> Option<DV
     ((b - a).cross(c - a) * sense).try_normalize()
 }
 
-/// Triangle and side (0 runs from corner 0 to corner 1) of every edge of a mesh that one triangle of the layout has alone. Edges are the same
-/// where their ends are the same vertices of the layout or, for files that repeat vertices, stand at the same coordinates.
+/// Triangle and side (0 runs from corner 0 to corner 1) of every edge of a mesh that one triangle of the layout has
+/// alone. Edges are the same where their ends are the same vertices of the layout or, for files that repeat vertices,
+/// stand at the same coordinates.
 fn border_edges(layout: &MeshLayout) -> Vec<[u32; 2]> {
     let sides = |t: usize| [0, 1, 2].map(|side| [t as u32, side]);
     let all = (0..layout.triangles.len()).flat_map(sides);

@@ -1,14 +1,17 @@
 //! Seams: where one surface goes on in another chart, a bilinear look-up must find the same light on both sides.
 //!
-//! Charts end at borders. Along a border a look-up mixes texels of the chart with texels of its gutter, and the chart on the other side does
-//! the same with other texels, so the two sides show a step even where both are right on the mean. Three things make it: noise, the gutter,
-//! and texels that the border cuts, whose mean is not the value at their centre.
+//! Charts end at borders. Along a border a look-up mixes texels of the chart with texels of its gutter, and the chart
+//! on the other side does the same with other texels, so the two sides show a step even where both are right on the
+//! mean. Three things make it: noise, the gutter, and texels that the border cuts, whose mean is not the value at their
+//! centre.
 //!
-//! [`Seams::find`] pairs borders in space, whether of one object or of two that abut, and puts points on them, each with its place on
-//! both charts. `solve` then moves the texels that are looked up there, gutters too, to the least squares of
+//! [`Seams::find`] pairs borders in space, whether of one object or of two that abut, and puts points on them, each
+//! with its place on both charts. `solve` then moves the texels that are looked up there, gutters too, to the least
+//! squares of
 //!
 //! * the difference of the two bilinear look-ups at every point,
-//! * the difference between the look-up at the middle of a texel's footprint and the texel's mean, in units of what is known about it,
+//! * the difference between the look-up at the middle of a texel's footprint and the texel's mean, in units of what is
+//!   known about it,
 //! * the departure of a gutter texel from its neighbours' mean, weakly.
 //!
 //! The first use in a game: M. Iwanicki, "Lighting Technology of The Last of Us", SIGGRAPH 2013.
@@ -99,9 +102,9 @@ pub fn seam_points(world: &World, atlas: &Atlas, scope: Scope) -> Vec<u64> {
 }
 
 impl Seams {
-    /// The seams of the charts of a page, with each other and with those of other pages. Two borders belong together where they run along one another within a tenth of a texel, both
-    /// surfaces' shading normals agree within 3 degrees, and each surface lies on its own side. Where a wall stands on both, they do not:
-    /// light may end there.
+    /// The seams of the charts of a page, with each other and with those of other pages. Two borders belong together
+    /// where they run along one another within a tenth of a texel, both surfaces' shading normals agree within 3
+    /// degrees, and each surface lies on its own side. Where a wall stands on both, they do not: light may end there.
     pub fn find(world: &World, atlas: &Atlas, page: u32, scope: Scope, across: &Across) -> Self {
         if scope == Scope::Off {
             return Self::default();
@@ -130,9 +133,10 @@ impl Seams {
         self.points.is_empty() && self.outer.is_empty()
     }
 
-    /// A system that solves planes of the page. Points at which a look-up reads texels of other charts are left out: there are none where
-    /// gutters are as wide as they should be. So are points of which one side is buried: nobody sees the step, and what is seen of the
-    /// other side must not give way to it. `validity` has the share of each texel that can be seen.
+    /// A system that solves planes of the page. Points at which a look-up reads texels of other charts are left out:
+    /// there are none where gutters are as wide as they should be. So are points of which one side is buried: nobody
+    /// sees the step, and what is seen of the other side must not give way to it. `validity` has the share of each
+    /// texel that can be seen.
     pub fn system(
         &self,
         world: &World,

@@ -12,7 +12,8 @@ use rays::Boxes;
 pub(super) struct Pair {
     /// Their numbers.
     pub borders: [u32; 2],
-    /// The common part, as shares of the way from each border's first end to its second; both spans begin at the same point in space.
+    /// The common part, as shares of the way from each border's first end to its second; both spans begin at the same
+    /// point in space.
     pub spans: [[f64; 2]; 2],
 }
 
@@ -55,12 +56,12 @@ const APART: f64 = 0.1;
 /// Coordinates of the same point, computed through two transforms, agree to this share of their size.
 const ROUNDING: f64 = 1e-6;
 
-/// Cosine of the largest angle between the shading normals of one surface: 3 degrees. Facets of a flat-shaded body that differ by more are
-/// meant to; those that differ by less should look as smooth across charts as they do within one.
+/// Cosine of the largest angle between the shading normals of one surface: 3 degrees. Facets of a flat-shaded body that
+/// differ by more are meant to; those that differ by less should look as smooth across charts as they do within one.
 const SAME_SURFACE: f64 = 0.998_629_534_754_574;
 
-/// Texels of one side are at most so many times as large as those of the other: a texel that spans much more cannot hold what the finer
-/// side shows, which would only be spoilt.
+/// Texels of one side are at most so many times as large as those of the other: a texel that spans much more cannot
+/// hold what the finer side shows, which would only be spoilt.
 const UNLIKE: f64 = 8.0;
 
 /// Borders and common parts below this many texels are no seam.

@@ -8,8 +8,8 @@ use super::{SeamPoint, SeamStats};
 use glam::{DVec2, DVec4, Vec4};
 use rayon::prelude::*;
 
-/// What a difference of the two sides counts against, in units of the plane. Less would move texels for what nobody sees: at an eighth of
-/// it the look-ups of the test's sphere come out farther from the light than before.
+/// What a difference of the two sides counts against, in units of the plane. Less would move texels for what nobody
+/// sees: at an eighth of it the look-ups of the test's sphere come out farther from the light than before.
 const STEP: f64 = 1.0 / 1024.0;
 
 /// A texel's mean is never taken to be known better than this, in units of the plane.
@@ -24,18 +24,21 @@ const GUTTER: f64 = 2.0;
 /// Standard errors of the two sides within which their difference may be noise.
 const NOISE: f64 = 3.0;
 
-/// What the square of a difference beyond noise counts against as well, in units of the plane. Where light changes much from one texel to the
-/// next, as at a contact or on charts of two texels, look-ups cannot hold what is on either side, and to make them agree would take it from
-/// whole texels. At none, lines are drawn along the bevels of a helmet; at twice this, steps of the test's sphere are nearly seen.
+/// What the square of a difference beyond noise counts against as well, in units of the plane. Where light changes much
+/// from one texel to the next, as at a contact or on charts of two texels, look-ups cannot hold what is on either side,
+/// and to make them agree would take it from whole texels. At none, lines are drawn along the bevels of a helmet; at
+/// twice this, steps of the test's sphere are nearly seen.
 const HELD: f64 = 0.5;
 
-/// How far a texel that is covered may leave its mean, in standard errors: its own, or the root mean square of all that seams read where
-/// that is more, since an error that few rays tell may be far too small. Noise beyond it has one texel in two thousand. At 3, steps of the
-/// test's sphere are left with 16 rays; at 5, look-ups of a helmet have twice as much more error.
+/// How far a texel that is covered may leave its mean, in standard errors: its own, or the root mean square of all that
+/// seams read where that is more, since an error that few rays tell may be far too small. Noise beyond it has one texel
+/// in two thousand. At 3, steps of the test's sphere are left with 16 rays; at 5, look-ups of a helmet have twice as
+/// much more error.
 const NOISY: f64 = 3.5;
 
-/// The same in units of the plane, if that is more. A step that asks for more is seen on few texels and stays in part; else whole texels of narrow charts would be wrong. At half of this
-/// steps of a town with texels as large as its windows are three times as large.
+/// The same in units of the plane, if that is more. A step that asks for more is seen on few texels and stays in part;
+/// else whole texels of narrow charts would be wrong. At half of this steps of a town with texels as large as its
+/// windows are three times as large.
 const FREE: f64 = 0.1;
 
 /// A move of less than this, in units of the plane, is none.
@@ -56,8 +59,8 @@ pub(crate) struct System {
     size: usize,
     /// The texels that may move, ascending.
     texels: Vec<u32>,
-    /// For each point of a seam the difference of its two look-ups, then the look-ups of `tied`, then for each texel the one that its mean
-    /// stands for; all by indices into `texels`.
+    /// For each point of a seam the difference of its two look-ups, then the look-ups of `tied`, then for each texel
+    /// the one that its mean stands for; all by indices into `texels`.
     sums: Sums,
     /// Texels of seam that each point stands for, of those whose other side is on a page that is finished before too.
     lengths: Vec<f64>,
@@ -322,7 +325,8 @@ impl<'a> Plane<'a> {
         taps.map(|&(i, w)| f64::from(w) * value(i)).sum()
     }
 
-    /// What a sum should be: at a point nothing, which is no difference, or what another page holds there, else the value of its texel.
+    /// What a sum should be: at a point nothing, which is no difference, or what another page holds there, else the
+    /// value of its texel.
     fn other(&self, row: usize) -> f64 {
         let points = self.system.lengths.len();
         match row.checked_sub(points) {
@@ -441,8 +445,8 @@ fn texels_of(looked_up: impl ParallelIterator<Item = Taps>) -> Vec<u32> {
     texels
 }
 
-/// The four texels of a bilinear look-up at a place in texels of the page, whose edge is repeated outside. Texels that count nothing
-/// have the weight 0.
+/// The four texels of a bilinear look-up at a place in texels of the page, whose edge is repeated outside. Texels that
+/// count nothing have the weight 0.
 pub(super) fn taps(p: DVec2, size: u32) -> Taps {
     let p = ((p - 0.5) * PARTS).round() / PARTS;
     let low = p.floor();

@@ -1,10 +1,10 @@
 //! Sums of texels, and their least squares for several planes at once, by conjugate gradients.
 //!
-//! M. Hestenes, E. Stiefel, "Methods of Conjugate Gradients for Solving Linear Systems", 1952, on the normal equations, scaled by their
-//! diagonal. A sum of a seam reads at most eight texels, so a step is linear in the length of the seams, nothing fills in, and the
-//! start, which is the page as it is, is near. That is why no factorisation is used. Which texels a sum reads, and how, is the same for
-//! all planes; each plane has a lane of its own for what sums count and what they lack. Sums run in a fixed order, and no lane looks
-//! at another.
+//! M. Hestenes, E. Stiefel, "Methods of Conjugate Gradients for Solving Linear Systems", 1952, on the normal equations,
+//! scaled by their diagonal. A sum of a seam reads at most eight texels, so a step is linear in the length of the
+//! seams, nothing fills in, and the start, which is the page as it is, is near. That is why no factorisation is used.
+//! Which texels a sum reads, and how, is the same for all planes; each plane has a lane of its own for what sums count
+//! and what they lack. Sums run in a fixed order, and no lane looks at another.
 
 use glam::{DVec4, Vec4};
 use rayon::prelude::*;
@@ -12,8 +12,8 @@ use rayon::prelude::*;
 /// Planes that are solved at once, each in a lane of a vector.
 pub(super) const LANES: usize = 4;
 
-/// Most steps, and the share of the first gradient at which they end. On a helmet of 2,400 charts half of this takes nearly twice as many
-/// steps and leaves 1 % less at its seams.
+/// Most steps, and the share of the first gradient at which they end. On a helmet of 2,400 charts half of this takes
+/// nearly twice as many steps and leaves 1 % less at its seams.
 const STEPS: usize = 100;
 const ENOUGH: f64 = 2e-3;
 
@@ -107,8 +107,9 @@ pub(super) struct Equations<'a> {
 }
 
 impl Equations<'_> {
-    /// Moves texels from where they are to the least squares. `free` has 1 for a texel that may move, else 0. A lane is done when the
-    /// energy of its gradient is at most `rest`; where that is 0 it is told here, from the first gradient.
+    /// Moves texels from where they are to the least squares. `free` has 1 for a texel that may move, else 0. A lane is
+    /// done when the energy of its gradient is at most `rest`; where that is 0 it is told here, from the first
+    /// gradient.
     pub fn solve(&self, moves: &mut [Vec4], free: &[Vec4], rest: &mut DVec4) {
         let (rows, columns) = (&self.sums.rows, &self.sums.columns);
         let zeros = |list: &[Vec4]| vec![Vec4::ZERO; list.len()];
@@ -170,7 +171,8 @@ impl Equations<'_> {
     }
 }
 
-/// Changes each number by its index; the sum of what that returns, in an order that does not depend on the number of threads.
+/// Changes each number by its index; the sum of what that returns, in an order that does not depend on the number of
+/// threads.
 fn each(numbers: &mut [Vec4], change: impl Fn(usize, &mut Vec4) -> Vec4 + Sync) -> DVec4 {
     let part = |(chunk, numbers): (usize, &mut [Vec4])| {
         let numbers = numbers.iter_mut().enumerate();

@@ -1,4 +1,5 @@
-//! A sphere of six charts that are turned, mirrored and of unlike density, under a smooth light: both sides of each seam must show the same.
+//! A sphere of six charts that are turned, mirrored and of unlike density, under a smooth light: both sides of each
+//! seam must show the same.
 
 mod borders;
 
@@ -67,8 +68,8 @@ fn sphere(apart: bool) -> Scene {
     Scene::from_meshes(meshes, vec![]).unwrap()
 }
 
-/// Light over the sphere, in steps of up to 8/255 a texel: waves, by which the weights of the least squares were chosen, and the shadow
-/// of something near, which never was.
+/// Light over the sphere, in steps of up to 8/255 a texel: waves, by which the weights of the least squares were
+/// chosen, and the shadow of something near, which never was.
 const LIGHTS: [fn(DVec3) -> f64; 2] = [
     |p| 0.5 + 0.4 * (2.0 * p.y + 0.7 * p.x * p.z).sin(),
     |p| (1.0 - 0.9 / (1.0 + 6.0 * (p - DVec3::new(0.5, 0.6, 0.7)).length_squared())).powi(2),
@@ -339,7 +340,8 @@ fn panel(corner: DVec3, along: DVec3, up: DVec3, at: [f64; 2]) -> authored::Mesh
 #[test]
 fn light_may_end_where_a_wall_stands_on_a_seam() {
     let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
-    // Two floors that meet at x = 0, 20 texels long, and a wall on half of that: from the floor up, through it, a little beside it.
+    // Two floors that meet at x = 0, 20 texels long, and a wall on half of that: from the floor up, through it, a
+    // little beside it.
     let found = |wall: &[authored::Mesh]| {
         let floors = [
             panel(-x, z * 2.0, x, [2.0, 2.0]),

@@ -1,7 +1,8 @@
-//! What stands on a seam: a wall on the joint of two panels of a floor. Light may end there, and nobody sees both sides at once.
+//! What stands on a seam: a wall on the joint of two panels of a floor. Light may end there, and nobody sees both sides
+//! at once.
 //!
-//! It is found from the triangles alone, in 64 bits. Rays would do, but where two surfaces tie for the closest, ray libraries name
-//! different ones, and a seam that goes or stays moves all texels along it.
+//! It is found from the triangles alone, in 64 bits. Rays would do, but where two surfaces tie for the closest, ray
+//! libraries name different ones, and a seam that goes or stays moves all texels along it.
 
 use super::border::Border;
 use super::pair::{Pair, Walls};
@@ -13,13 +14,14 @@ use rays::{Boxes, NUDGE, World};
 const REACH: f64 = 0.5;
 /// How high above the surface, as a share of that: over what lies on it, below what it is a part of.
 const HEIGHT: f64 = 0.05;
-/// How far beyond the seam the look begins, as a share of that, for a wall may stand exactly on it, or a rounding beside it.
+/// How far beyond the seam the look begins, as a share of that, for a wall may stand exactly on it, or a rounding
+/// beside it.
 const BESIDE: f64 = 0.02;
 /// The cosine of the angle between a surface and what stands on it, at most.
 const UPRIGHT: f64 = 0.5;
 
-/// What stands on each of these pairs. `charts` has the chart of each triangle, mesh by mesh. Surfaces with holes are left out: light goes
-/// through them.
+/// What stands on each of these pairs. `charts` has the chart of each triangle, mesh by mesh. Surfaces with holes are
+/// left out: light goes through them.
 pub(super) fn walls(
     world: &World,
     charts: &[Vec<u32>],
@@ -69,8 +71,8 @@ pub(super) fn walls(
     walls
 }
 
-/// A strip just above the surface on one side of a seam, from a little beyond it on. Where the sides are not equally high, the step between
-/// them stands on the lower one.
+/// A strip just above the surface on one side of a seam, from a little beyond it on. Where the sides are not equally
+/// high, the step between them stands on the lower one.
 struct Strip {
     pair: u32,
     charts: [[u32; 2]; 2],

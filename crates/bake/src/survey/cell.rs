@@ -19,8 +19,8 @@ pub(crate) struct Cell {
     /// Share of the footprint's area before the cell; 0 for an only cell.
     pub start: f32,
     inverse_share: f32,
-    /// The unit square is folded onto the triangle under its diagonal by this times the lesser coordinate; 0 for a cell that
-    /// is the whole parallelogram, 1/2 for a triangle.
+    /// The unit square is folded onto the triangle under its diagonal by this times the lesser coordinate; 0 for a cell
+    /// that is the whole parallelogram, 1/2 for a triangle.
     pub fold: f32,
     /// Position at (0, 0) and its change along s and t. Exactly constant along an axis in which the triangle is flat.
     pub position: [DVec3; 3],
@@ -30,7 +30,8 @@ pub(crate) struct Cell {
     pub geometric: DVec3,
     /// How a ray's origin stands off where the shading normal is on the geometric normal's side; else its opposite.
     pub lift: DVec3,
-    /// Of a whole triangle, the weights of its second and third corner over its tile, and the least corner weights of a sample.
+    /// Of a whole triangle, the weights of its second and third corner over its tile, and the least corner weights of a
+    /// sample.
     pub weights: Weights,
     pub least: [f32; 3],
     smooth: bool,
@@ -47,8 +48,8 @@ pub(crate) struct Sample {
 }
 
 impl Sample {
-    /// The direction in which the ray of `direction` leaves the surface; `None` where it counts 0: below the horizon of the shading normal,
-    /// or in exact shading below the facet.
+    /// The direction in which the ray of `direction` leaves the surface; `None` where it counts 0: below the horizon of
+    /// the shading normal, or in exact shading below the facet.
     pub fn leaving(&self, shading: Shading, direction: DVec3) -> Option<DVec3> {
         if direction.dot(self.normal) <= 0.0 {
             return None;
@@ -90,8 +91,8 @@ impl Cell {
         push(0.5, [d, c, b], 0.5 * area);
     }
 
-    /// All of a triangle that texels hold whole, by its corner weights as affine functions of the place in the tile: (s, t) are the
-    /// weights of its second and third corner. It has no area in texels.
+    /// All of a triangle that texels hold whole, by its corner weights as affine functions of the place in the tile:
+    /// (s, t) are the weights of its second and third corner. It has no area in texels.
     pub fn whole((patch, body): (&Patch, Option<u32>), weights: &dyn Fn(DVec2) -> DVec3) -> Self {
         let corners = [DVec3::X, DVec3::Y, DVec3::Z];
         let mut cell = Self::of((patch, body), 0.5, corners, 0.0);
@@ -137,8 +138,8 @@ impl Cell {
         }
     }
 
-    /// Takes `normal`, of unit length, as the one shading normal. It stays on the side of the surface that it shades: where a
-    /// map leans it further than [`LOWEST`] allows, it leans so far.
+    /// Takes `normal`, of unit length, as the one shading normal. It stays on the side of the surface that it shades:
+    /// where a map leans it further than [`LOWEST`] allows, it leans so far.
     pub fn bend(&mut self, normal: DVec3) {
         let centre = self.sample(self.centre());
         let up = centre.geometric;
@@ -224,8 +225,8 @@ impl Cell {
         s.cross(t).length() * (along[0] * across[1] - along[1] * across[0]).abs()
     }
 
-    /// Corners about what a square has of a whole triangle: its own where it is small, else those of the square on its plane. `weights`
-    /// are those at points of the unit square.
+    /// Corners about what a square has of a whole triangle: its own where it is small, else those of the square on its
+    /// plane. `weights` are those at points of the unit square.
     pub fn corners_in(&self, weights: impl Fn([f32; 2]) -> [f32; 2]) -> [DVec3; 4] {
         let own = self.corners();
         let square = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|u| self.at(weights(u)));

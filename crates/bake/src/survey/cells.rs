@@ -1,8 +1,8 @@
 //! What lies under a texel, and which part of it a point of the unit square chooses.
 //!
-//! Pieces that were cut to a texel stand side by side along the first coordinate, each as wide as its area. A texel that triangles cover
-//! wholly holds them as they are, and the unit square is its own: a point lies in the triangle whose least corner weight is the largest
-//! there, so that no crack between two of them is seen.
+//! Pieces that were cut to a texel stand side by side along the first coordinate, each as wide as its area. A texel
+//! that triangles cover wholly holds them as they are, and the unit square is its own: a point lies in the triangle
+//! whose least corner weight is the largest there, so that no crack between two of them is seen.
 
 use super::cell::{Cell, Sample, place_in};
 use glam::DVec3;
@@ -30,8 +30,8 @@ pub(crate) struct Cells {
     whole: Option<[f32; 2]>,
 }
 
-/// Corner weights as functions of the place in the unit square of a texel: those of the second and third corner at (0, 0), and their
-/// change along its edges.
+/// Corner weights as functions of the place in the unit square of a texel: those of the second and third corner at (0,
+/// 0), and their change along its edges.
 pub(crate) type Weights = [[f32; 2]; 3];
 
 /// Means over a texel.
@@ -56,8 +56,8 @@ fn least([s, t]: [f32; 2]) -> f32 {
 }
 
 impl Cells {
-    /// Of a tile's cells; or of the list of those that whole texels hold, where the texel is such a one at this column and row of its
-    /// tile.
+    /// Of a tile's cells; or of the list of those that whole texels hold, where the texel is such a one at this column
+    /// and row of its tile.
     pub fn new(of: Arc<Ground>, own: Range<u32>, whole: Option<[f32; 2]>) -> Self {
         Self { of, own, whole }
     }
@@ -140,8 +140,8 @@ impl Cells {
         self.cell(number).sample(place)
     }
 
-    /// Means over the texel, by area. Where several triangles cover it, positions are those of points that are spread evenly
-    /// over it: where these triangles lie in one plane, the mean is exact.
+    /// Means over the texel, by area. Where several triangles cover it, positions are those of points that are spread
+    /// evenly over it: where these triangles lie in one plane, the mean is exact.
     pub fn means(&self) -> Means {
         let mut means = Means {
             position: DVec3::ZERO,
@@ -186,8 +186,8 @@ impl Cells {
     }
 }
 
-/// Of points that are spread evenly over a texel, how many each triangle holds, and the mean of its weights there; where it
-/// holds none, its weights in the middle of the texel.
+/// Of points that are spread evenly over a texel, how many each triangle holds, and the mean of its weights there;
+/// where it holds none, its weights in the middle of the texel.
 fn points(all: &[Weights]) -> Vec<(f32, [f32; 2])> {
     const POINTS: usize = EDGE * EDGE;
     let middle = |k: usize| (k as f32 + 0.5) / EDGE as f32;

@@ -1,9 +1,9 @@
-//! Footprints end where a thin wall cuts a rim off from their surface that is thinner than an eighth of a texel, and begin rays above a
-//! flat sheet that lies just over them.
+//! Footprints end where a thin wall cuts a rim off from their surface that is thinner than an eighth of a texel, and
+//! begin rays above a flat sheet that lies just over them.
 //!
-//! Such a rim cannot be shown beside the rest, and may see the other side of the wall. So it does not matter whether somebody sees it. What
-//! the sheet covers is dark, and a texel that its edge crosses cannot show that beside what is not covered. With its rays above the sheet
-//! it has the light of the surface without the sheet.
+//! Such a rim cannot be shown beside the rest, and may see the other side of the wall. So it does not matter whether
+//! somebody sees it. What the sheet covers is dark, and a texel that its edge crosses cannot show that beside what is
+//! not covered. With its rays above the sheet it has the light of the surface without the sheet.
 
 use atlas::Piece;
 use glam::DVec3;
@@ -27,8 +27,8 @@ pub(super) struct Ends<'a> {
     pub under: Option<f64>,
 }
 
-/// A convex polygon of a triangle, of which rays begin so far above it. Where sheets are neither near nor far, several are in one place,
-/// with a share each.
+/// A convex polygon of a triangle, of which rays begin so far above it. Where sheets are neither near nor far, several
+/// are in one place, with a share each.
 struct Part {
     corners: Vec<DVec3>,
     lift: f64,
@@ -42,8 +42,8 @@ impl Ends<'_> {
     }
 }
 
-/// Hands over the parts of a piece of so much area in texels that no rim takes, with their areas and with how far above the surface their
-/// rays begin.
+/// Hands over the parts of a piece of so much area in texels that no rim takes, with their areas and with how far above
+/// the surface their rays begin.
 pub(super) fn without(
     (patch, ends): (&Patch, Ends),
     piece: &Piece,
@@ -105,8 +105,9 @@ pub(super) fn without(
     }
 }
 
-/// Parts of a triangle cut at the borders of the sheets over it. Rays begin above those that are at most `under` away. Of twice that and
-/// more nothing is lifted, and between the two a share that falls evenly, so that no value jumps where a sheet is a little higher.
+/// Parts of a triangle cut at the borders of the sheets over it. Rays begin above those that are at most `under` away.
+/// Of twice that and more nothing is lifted, and between the two a share that falls evenly, so that no value jumps
+/// where a sheet is a little higher.
 fn lifted(covers: &Covers, patch: &Patch, mut parts: Vec<Part>, under: f64) -> Vec<Part> {
     let at = |w: DVec3| patch.corners[0] * w.x + patch.corners[1] * w.y + patch.corners[2] * w.z;
     let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -259,8 +260,8 @@ mod tests {
             ],
             cumulative: 0.0,
         };
-        // A texel is 0.5 wide, of which an eighth is 0.0625. The mark takes a quarter of it, and all that is less than it lies away is
-        // lifted; of what lies between once and twice as far, a share that falls evenly.
+        // A texel is 0.5 wide, of which an eighth is 0.0625. The mark takes a quarter of it, and all that is less than
+        // it lies away is lifted; of what lies between once and twice as far, a share that falls evenly.
         for (above, under, share) in [
             (0.06, None, 1.0),
             (0.001, None, 1.0),

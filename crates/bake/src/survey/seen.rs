@@ -1,8 +1,9 @@
 //! The part of a texel's footprint that can be seen: what does not lie inside of a solid.
 //!
-//! Texels of a body are looked at together first, then by quarters: where no solid's surface comes near, they are buried all or not at all.
-//! Elsewhere the unit square of sample points is cut into strata. One whose corners lie in the open is kept,
-//! and samples are spread over those that are kept. So all rays of a texel serve what can be seen of it.
+//! Texels of a body are looked at together first, then by quarters: where no solid's surface comes near, they are
+//! buried all or not at all. Elsewhere the unit square of sample points is cut into strata. One whose corners lie in
+//! the open is kept, and samples are spread over those that are kept. So all rays of a texel serve what can be seen of
+//! it.
 
 use super::cells::Cells;
 use glam::DVec3;
@@ -98,8 +99,8 @@ impl Spot {
     }
 }
 
-/// What can be seen of footprints, each with its number and its cells, of which neighbours mostly follow one another; of those that are
-/// not among the answers all.
+/// What can be seen of footprints, each with its number and its cells, of which neighbours mostly follow one another;
+/// of those that are not among the answers all.
 pub(super) fn look<'a>(
     solids: &Solids,
     footprints: impl Iterator<Item = (usize, &'a Cells)>,
@@ -157,8 +158,8 @@ fn look_among(
     }
 }
 
-/// The lattice with buried corners open where none beside them along a row or column is buried: a body that only touches the surface
-/// there, or is thinner than a stratum.
+/// The lattice with buried corners open where none beside them along a row or column is buried: a body that only
+/// touches the surface there, or is thinner than a stratum.
 fn without_touches(open: &[bool]) -> Vec<bool> {
     let row = EDGE + 1;
     let lonely = |at: usize| {
@@ -355,7 +356,8 @@ mod tests {
 
     #[test]
     fn texels_looked_at_together_are_buried_where_a_body_stands_on_them() {
-        // Its sides are a sixteenth of a unit or less from borders of texels: no stratum is left of those that they cut.
+        // Its sides are a sixteenth of a unit or less from borders of texels: no stratum is left of those that they
+        // cut.
         let low = [2.03, -1.0, 2.03];
         let cases: [(&[[[f32; 3]; 2]], usize); 4] = [
             (&[], 0),

@@ -46,7 +46,8 @@ impl Texel {
         self.cells.sample(self.seen.place(u.map(|u| u as f32)))
     }
 
-    /// The surface at a point of the unit square, spread over what can be seen, and the origin of rays that leave it there.
+    /// The surface at a point of the unit square, spread over what can be seen, and the origin of rays that leave it
+    /// there.
     pub fn start(&self, u: [f64; 2]) -> (Sample, [f32; 3]) {
         let (number, place) = self.cells.place(self.seen.place(u.map(|u| u as f32)));
         let cell = self.cells.cell(number);
@@ -97,7 +98,8 @@ pub(crate) struct Surveyor<'a> {
     pub plan: &'a Plan,
     /// What may bury samples; `None` where nothing can.
     pub solids: Option<&'a Solids>,
-    /// How far above a surface sheets may lie that take no light from it, see [`Options::under`](crate::Options::under).
+    /// How far above a surface sheets may lie that take no light from it, see
+    /// [`Options::under`](crate::Options::under).
     pub under: Option<f64>,
 }
 
@@ -183,8 +185,8 @@ impl<'a> Surveyor<'a> {
         }
     }
 
-    /// Adds the cells of a footprint to others: of what rims leave of it, or of all where they leave nothing and `false` is
-    /// returned.
+    /// Adds the cells of a footprint to others: of what rims leave of it, or of all where they leave nothing and
+    /// `false` is returned.
     fn cut(&self, pieces: &[Piece], known: &[Known], cells: &mut Vec<Cell>) -> bool {
         let start = cells.len();
         for all in [false, true] {

@@ -163,7 +163,8 @@ fn points(made: &Made) -> Vec<Point> {
     points
 }
 
-/// What a rule does on all scenes that judge, or on all others: the means of [`Score::shares`] over the scenes, and all jumps.
+/// What a rule does on all scenes that judge, or on all others: the means of [`Score::shares`] over the scenes, and all
+/// jumps.
 pub fn total(rows: &[Row], rule: usize, judges: bool) -> ([f64; 2], usize) {
     let of = rows.iter().filter(|row| row.judges == judges);
     let scores: Vec<&Score> = of.map(|row| &row.scores[rule]).collect();
@@ -175,8 +176,8 @@ pub fn total(rows: &[Row], rule: usize, judges: bool) -> ([f64; 2], usize) {
     ([mean(0), mean(1)], jumps)
 }
 
-/// The scores as a Markdown table: by rule, per cent of the seen points that are dropped, of the buried points that are kept, and how many
-/// labels jumped. Nothing stands where a rule makes no mistake.
+/// The scores as a Markdown table: by rule, per cent of the seen points that are dropped, of the buried points that are
+/// kept, and how many labels jumped. Nothing stands where a rule makes no mistake.
 pub fn markdown(rows: &[Row]) -> String {
     let mut text = String::from("| scene | |");
     rules().for_each(|rule| text += &format!(" {rule} |"));

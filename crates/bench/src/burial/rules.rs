@@ -236,7 +236,8 @@ fn in_closed(scene: &Scene, point: &Point) -> bool {
     })
 }
 
-/// Buried is what lies in a closed body, and where the winding numbers of all other, open bodies add up to more than 0.3.
+/// Buried is what lies in a closed body, and where the winding numbers of all other, open bodies add up to more than
+/// 0.3.
 fn winding(scene: &Scene, point: &Point) -> bool {
     let from = lifted(scene, point);
     let of = |body| match scene.closed[body] {
@@ -247,8 +248,8 @@ fn winding(scene: &Scene, point: &Point) -> bool {
     in_closed(scene, point) || (0..scene.closed.len()).map(of).sum::<f64>() > 0.3
 }
 
-/// Buried is what lies in a closed body, and where less than a sixteenth of the probes meets another body's front or leaves to a sky from
-/// which the scene shows fronts rather than backs.
+/// Buried is what lies in a closed body, and where less than a sixteenth of the probes meets another body's front or
+/// leaves to a sky from which the scene shows fronts rather than backs.
 fn sight(scene: &Scene, point: &Point) -> bool {
     if in_closed(scene, point) {
         return true;

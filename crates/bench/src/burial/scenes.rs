@@ -1,5 +1,5 @@
-//! The scenes: half to tune rules on, half that only judge. Lengths are metres, z is up. `shift` moves one body by so much, along
-//! which labels may change only where it is.
+//! The scenes: half to tune rules on, half that only judge. Lengths are metres, z is up. `shift` moves one body by so
+//! much, along which labels may change only where it is.
 
 use super::made::*;
 use glam::DVec3;
@@ -349,8 +349,8 @@ fn wavy(s: f64) -> Made {
     made
 }
 
-/// A tube along x, seen from within, open at x = 0 and, as a tunnel, at its end, with rocks that reach out of it: their places and
-/// radii.
+/// A tube along x, seen from within, open at x = 0 and, as a tunnel, at its end, with rocks that reach out of it: their
+/// places and radii.
 fn cave(radius: f64, rocks: &[[f64; 3]], s: f64, tunnel: bool) -> Made {
     let end = 10.0;
     let ring = |x: f64, k: usize| {

@@ -4,8 +4,8 @@ use glam::DVec3;
 
 /// The part of a polygon with `axis · v >= 0`; empty when nothing lies strictly above.
 ///
-/// I. Sutherland, G. Hodgman, "Reentrant Polygon Clipping", 1974. A polygon that is not convex may come back with pieces
-/// joined by double edges; they cancel in every boundary integral.
+/// I. Sutherland, G. Hodgman, "Reentrant Polygon Clipping", 1974. A polygon that is not convex may come back with
+/// pieces joined by double edges; they cancel in every boundary integral.
 pub(super) fn above(vertices: &[DVec3], axis: DVec3) -> Vec<DVec3> {
     let height: Vec<f64> = vertices.iter().map(|v| axis.dot(*v)).collect();
     if !height.iter().any(|&h| h > 0.0) {
@@ -25,8 +25,8 @@ pub(super) fn above(vertices: &[DVec3], axis: DVec3) -> Vec<DVec3> {
     kept
 }
 
-/// The edges of a polygon, halved until none fills more than a quarter turn: the plane through a longer edge loses digits
-/// as its ends become opposite.
+/// The edges of a polygon, halved until none fills more than a quarter turn: the plane through a longer edge loses
+/// digits as its ends become opposite.
 pub(super) fn edges(vertices: &[DVec3]) -> Vec<(DVec3, DVec3)> {
     let mut pieces = Vec::with_capacity(2 * vertices.len());
     let after = vertices.iter().cycle().skip(1);

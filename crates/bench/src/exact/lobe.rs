@@ -12,10 +12,10 @@ use std::f64::consts::TAU;
 /// * `axis`: R, the mirror image of the view about the normal, a unit vector.
 /// * `exponent`: n, any real number `>= 0`.
 ///
-/// With Stokes' theorem the integral runs over the boundary: along a great circle with unit normal m,
-/// S = 1/(n+1) ∮ (1 − xⁿ⁺¹)/(1 − x²) R·m dt, x = R·w(t). The integrand is smooth where the edge meets the axis, so no winding
-/// number is needed. (J. Arvo, "Applications of Irradiance Tensors to the Simulation of Non-Lambertian Phenomena", 1995, has
-/// the sums for integer n.)
+/// With Stokes' theorem the integral runs over the boundary: along a great circle with unit normal m, S = 1/(n+1) ∮ (1
+/// − xⁿ⁺¹)/(1 − x²) R·m dt, x = R·w(t). The integrand is smooth where the edge meets the axis, so no winding number is
+/// needed. (J. Arvo, "Applications of Irradiance Tensors to the Simulation of Non-Lambertian Phenomena", 1995, has the
+/// sums for integer n.)
 pub fn polygon_specular(vertices: &[DVec3], normal: DVec3, axis: DVec3, exponent: f64) -> f64 {
     share(&above(&above(vertices, normal), axis), axis, exponent)
 }

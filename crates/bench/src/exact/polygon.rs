@@ -9,8 +9,8 @@ use std::f64::consts::TAU;
 /// `visibility` falls by this over 2π. A polygon that lies in the horizon counts 0. A vertex may be a direction at
 /// infinity (any vector that points there), as long as no corner is opposite to another: cut an endless strip in two.
 ///
-/// Sum of the signed triangles from the centroid to each edge, each after A. van Oosterom, J. Strackee, "The Solid Angle of
-/// a Plane Triangle", 1983, with the volume taken from edge vectors: small polygons keep their digits.
+/// Sum of the signed triangles from the centroid to each edge, each after A. van Oosterom, J. Strackee, "The Solid
+/// Angle of a Plane Triangle", 1983, with the volume taken from edge vectors: small polygons keep their digits.
 /// Triangles with an obtuse side are halved first, because their base cancels.
 pub fn polygon_solid_angle(vertices: &[DVec3], normal: DVec3) -> f64 {
     let kept = above(vertices, normal);
@@ -45,9 +45,9 @@ fn triangle([a, b, c]: [DVec3; 3], depth: u32) -> f64 {
 ///
 /// `diffuse` falls by this. Vertices as in [`polygon_solid_angle`].
 ///
-/// J. H. Lambert, "Photometria", 1760: (1/2π) Σ γ N·m over the edges, γ the angle an edge fills and m its unit normal. As
-/// it stands that sum loses 1/size² of its digits. With unit vertices a, b and γm = a×b + (γ/sin γ − 1) a×b the first part
-/// adds up to the vector area of the unit vertices, and that is taken from their differences to one of them.
+/// J. H. Lambert, "Photometria", 1760: (1/2π) Σ γ N·m over the edges, γ the angle an edge fills and m its unit normal.
+/// As it stands that sum loses 1/size² of its digits. With unit vertices a, b and γm = a×b + (γ/sin γ − 1) a×b the
+/// first part adds up to the vector area of the unit vertices, and that is taken from their differences to one of them.
 pub fn polygon_form_factor(vertices: &[DVec3], normal: DVec3) -> f64 {
     let mut kept = above(vertices, normal);
     kept.retain(|v| *v != DVec3::ZERO);

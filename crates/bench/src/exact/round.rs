@@ -59,7 +59,8 @@ pub fn disc_above(radius: f64, height: f64, offset: f64) -> Open {
     }
 }
 
-/// A point that sees a sphere of `radius` at `distance` (to the centre, beyond `radius`), `zenith` radians off its normal.
+/// A point that sees a sphere of `radius` at `distance` (to the centre, beyond `radius`), `zenith` radians off its
+/// normal.
 ///
 /// Holds whether the sphere is above the horizon, cut by it, or below.
 pub fn sphere(radius: f64, distance: f64, zenith: f64) -> Open {

@@ -27,13 +27,13 @@ pub struct Fig1Point {
     pub exact: f64,
     /// The same from rays.
     pub rays: f64,
-    /// Standard error of `rays`, from the spread of the independent estimates. Where all agree, the rule of three: 1.5 over the
-    /// number of rays.
+    /// Standard error of `rays`, from the spread of the independent estimates. Where all agree, the rule of three: 1.5
+    /// over the number of rays.
     pub std_err: f64,
 }
 
-/// Every point, integrated by `direct` at the origin of a scene whose surface there is open and faces +y. Its model must
-/// be Phong under a white sky; its overrides are replaced. `progress` hears of points.
+/// Every point, integrated by `direct` at the origin of a scene whose surface there is open and faces +y. Its model
+/// must be Phong under a white sky; its overrides are replaced. `progress` hears of points.
 ///
 /// # Errors
 /// [`Error::Cancelled`].
@@ -130,7 +130,8 @@ mod tests {
             // Student's t with 15 degrees of freedom: one of 80 beyond 6 once in 500 figures.
             assert!(deviation.abs() < 6.0, "{point:?}");
         }
-        // Where rays can miss, the deviations have the size that the errors state: neither a third of it nor three times.
+        // Where rays can miss, the deviations have the size that the errors state: neither a third of it nor three
+        // times.
         let scattered: Vec<f64> = points
             .iter()
             .zip(&deviations)

@@ -1,5 +1,5 @@
-//! Fig. 3 of X. Zhang, Y. Gao, ICIP 2009: one scene in ambient light only, by its three ambient models; beside them the closed form
-//! of their section 4 times occlusion, and the microfacets that they name as future work.
+//! Fig. 3 of X. Zhang, Y. Gao, ICIP 2009: one scene in ambient light only, by its three ambient models; beside them the
+//! closed form of their section 4 times occlusion, and the microfacets that they name as future work.
 
 use glam::DVec3;
 use layers::Progress;
@@ -32,8 +32,8 @@ const DIFFERENCES: [[usize; 2]; 4] = [[1, 0], [2, 1], [2, 3], [4, 2]];
 
 /// The figure as `direct` sees it: its model is replaced, its lights are left out.
 ///
-/// All models get the same sample streams, so that Phong - Lambert is the specular term alone. `progress` hears of the pixels of
-/// the models and of the coverage.
+/// All models get the same sample streams, so that Phong - Lambert is the specular term alone. `progress` hears of the
+/// pixels of the models and of the coverage.
 ///
 /// # Errors
 /// [`Error::Cancelled`].

@@ -181,8 +181,8 @@ pub(crate) fn rule(world: &World, disagreement: &mut Disagreement) {
 }
 
 /// Generic rays for [`parity`], a function of the seed and the packet's number. In turn a packet holds cosine rays from
-/// random surface points, chords of the sphere around the scene, cosine rays cut at a random distance, and one direction
-/// from neighbouring points, asked as coherent.
+/// random surface points, chords of the sphere around the scene, cosine rays cut at a random distance, and one
+/// direction from neighbouring points, asked as coherent.
 pub struct TestRays<'a> {
     world: &'a World,
     seed: u64,

@@ -1,8 +1,8 @@
 //! Error against seconds of a technique, in the order of its efforts, and what can be read off without a guess.
 //!
-//! A time to an error is known only where the error lies between those of two neighbouring efforts; between them the curve
-//! is taken for a straight line in logarithms. Each repeat is read by itself, so a ratio has a spread. Techniques are
-//! compared at one error, never at their last efforts, which may be 1,024 rays of one and 256 of another.
+//! A time to an error is known only where the error lies between those of two neighbouring efforts; between them the
+//! curve is taken for a straight line in logarithms. Each repeat is read by itself, so a ratio has a spread. Techniques
+//! are compared at one error, never at their last efforts, which may be 1,024 rays of one and 256 of another.
 
 use super::spread::{Spread, median};
 use crate::speed::{Row, TECHNIQUES, Technique, effort_name};

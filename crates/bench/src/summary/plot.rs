@@ -6,8 +6,8 @@ use crate::speed::Row;
 use plotters::prelude::*;
 use std::ops::Range;
 
-/// Error against CPU seconds, both logarithmic, with lines of slope -1/2 and -3/4, as SVG. Points are medians of the repeats,
-/// joined by rising effort.
+/// Error against CPU seconds, both logarithmic, with lines of slope -1/2 and -3/4, as SVG. Points are medians of the
+/// repeats, joined by rising effort.
 ///
 /// * `quantity`: what the error is of, as [`crate::speed::quantity`] says.
 ///

@@ -6,10 +6,10 @@ use crate::gains::Both;
 
 /// Photographs that resolve a direction at least this well, relative to the best of them, count beside it.
 ///
-/// A mirror's rim shows nearly half of the sphere in few pixels: what it says of a direction is a mean over many degrees. So no
-/// power of the resolution is small enough as a weight where a lamp is a thousand times as bright as what it stands before;
-/// the weight must end. The resolution changes by a fifth over 5 degrees where two balls a quarter turn apart both see
-/// badly, and over 30 where both see well, which hides the seam.
+/// A mirror's rim shows nearly half of the sphere in few pixels: what it says of a direction is a mean over many
+/// degrees. So no power of the resolution is small enough as a weight where a lamp is a thousand times as bright as
+/// what it stands before; the weight must end. The resolution changes by a fifth over 5 degrees where two balls a
+/// quarter turn apart both see badly, and over 30 where both see well, which hides the seam.
 pub(super) const ENOUGH: f64 = 0.8;
 
 /// Directions in which gains are looked for: two degrees apart.
@@ -71,8 +71,8 @@ impl<'a> Views<'a> {
         shared
     }
 
-    /// What is seen in a direction, and how well: the resolution along the radius, relative to the middle of the finest ball.
-    /// `None` where all photographs are blind.
+    /// What is seen in a direction, and how well: the resolution along the radius, relative to the middle of the finest
+    /// ball. `None` where all photographs are blind.
     ///
     /// The best photograph counts fully, others less and less down to [`ENOUGH`] of its resolution.
     pub fn look(&self, direction: Direction) -> Option<([f64; 3], f64)> {

@@ -123,7 +123,8 @@ fn worst(photos: &[Photo], disc: &Disc) -> (f64, f64) {
     (0.0, 0.0)
 }
 
-/// The worst error where two balls, the second's radius scaled, show the disc, `degrees` from behind the first toward the second.
+/// The worst error where two balls, the second's radius scaled, show the disc, `degrees` from behind the first toward
+/// the second.
 fn two_balls(optics: Optics, degrees: f64, scale: f64) -> (f64, f64) {
     let (sin, cos) = degrees.to_radians().sin_cos();
     let disc = Disc {

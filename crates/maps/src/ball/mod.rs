@@ -1,8 +1,8 @@
 //! A photograph of a mirrored sphere to radiance by direction (section 4 of the 1984 text).
 //!
-//! The camera stands on the ball's axis, far away or at a distance in ball radii. The mirror direction of a point is exact;
-//! its inverse is one equation in one unknown. Behind the ball lies a cone that no ray reaches: its half angle is
-//! asin(1/d).
+//! The camera stands on the ball's axis, far away or at a distance in ball radii. The mirror direction of a point is
+//! exact; its inverse is one equation in one unknown. Behind the ball lies a cone that no ray reaches: its half angle
+//! is asin(1/d).
 
 mod blend;
 #[cfg(test)]
@@ -28,7 +28,8 @@ use rayon::prelude::*;
 pub struct Unwrapped {
     /// Radiance; a texel that no photograph shows holds the mean over all directions that are seen.
     pub image: Image,
-    /// 0 where nothing is seen, else the resolution of what is shown, relative to the middle of the finest ball, up to 1.
+    /// 0 where nothing is seen, else the resolution of what is shown, relative to the middle of the finest ball, up to
+    /// 1.
     pub confidence: Vec<f32>,
     /// Solid angle that is seen, sr.
     pub seen: f64,
@@ -48,9 +49,9 @@ pub fn gains(photos: &[Photo]) -> Result<Gains, Error> {
 /// The map of `size` texels that the photographs show, divided by the ball's reflectance.
 ///
 /// A direction comes from the photograph that resolves it best, its pixels a radian falling to 0 toward the rim; others
-/// join within a fifth of that, so that seams are soft and a lamp at one ball's rim stays out of what another sees well.
-/// Texels are means over their solid angle, in which directions that are seen better weigh more, by as many samples as the
-/// photograph has pixels there.
+/// join within a fifth of that, so that seams are soft and a lamp at one ball's rim stays out of what another sees
+/// well. Texels are means over their solid angle, in which directions that are seen better weigh more, by as many
+/// samples as the photograph has pixels there.
 ///
 /// ```
 /// use ambake_maps::ball::{Circle, Optics, Photo, unwrap};
@@ -67,8 +68,8 @@ pub fn gains(photos: &[Photo]) -> Result<Gains, Error> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] for no photograph, a size that the projection cannot have, a circle that leaves its picture, a camera
-/// along ±y or at a distance of at most 1, or a reflectance that is not above 0.
+/// [`Error::Shape`] for no photograph, a size that the projection cannot have, a circle that leaves its picture, a
+/// camera along ±y or at a distance of at most 1, or a reflectance that is not above 0.
 pub fn unwrap(
     photos: &[Photo],
     projection: Projection,

@@ -30,8 +30,8 @@ impl Optics {
 
     /// Angle between the mirror direction of the true ray at α and the axis, radians. It grows with α.
     ///
-    /// The ray to the camera at (0, d) leaves (sin α, cos α) under the angle γ = -atan2(sin α, d - cos α); its mirror image
-    /// about the normal has the angle 2α - γ.
+    /// The ray to the camera at (0, d) leaves (sin α, cos α) under the angle γ = -atan2(sin α, d - cos α); its mirror
+    /// image about the normal has the angle 2α - γ.
     pub fn mirror(self, alpha: f64) -> f64 {
         match self {
             Self::Orthographic => 2.0 * alpha,

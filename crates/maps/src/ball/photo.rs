@@ -33,8 +33,8 @@ impl Photo<'_> {
         self.circle.radius * self.optics.slope(0.0)
     }
 
-    /// Where it shows a direction, given its [`frame`], and how well: the resolution along the radius there, 1 in the middle of
-    /// the ball. `None` in the blind cone.
+    /// Where it shows a direction, given its [`frame`], and how well: the resolution along the radius there, 1 in the
+    /// middle of the ball. `None` in the blind cone.
     pub(super) fn place(
         &self,
         frame: &[Direction; 3],
@@ -80,7 +80,8 @@ impl Photo<'_> {
     }
 
     /// # Errors
-    /// [`Error::Shape`] for a circle that leaves the picture, a camera inside the ball or along ±y; `index` from 1 is named in it.
+    /// [`Error::Shape`] for a circle that leaves the picture, a camera inside the ball or along ±y; `index` from 1 is
+    /// named in it.
     pub(super) fn check(&self, index: usize) -> Result<(), Error> {
         let shape = |text: String| Err(Error::Shape(text));
         let c = self.circle;

@@ -1,7 +1,7 @@
 //! A fine polar grid that stands between spherical harmonics and any other layout.
 //!
-//! A function of order L on a grid of spacing π/4L is interpolated by eight points each way to some 1e-8. Spreading a point
-//! onto the grid is the adjoint: afterwards the grid has the same I_lm as the point.
+//! A function of order L on a grid of spacing π/4L is interpolated by eight points each way to some 1e-8. Spreading a
+//! point onto the grid is the adjoint: afterwards the grid has the same I_lm as the point.
 
 use super::rings::Rings;
 use super::tiles;

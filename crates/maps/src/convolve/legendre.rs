@@ -1,6 +1,7 @@
 //! Associated Legendre functions on many rings at once.
 //!
-//! P̄ is orthonormal with its azimuth: Y_lm = P̄_lm(cos θ) e^{imφ} has ∫ |Y_lm|² dω = 1. Going up in l at constant m is stable.
+//! P̄ is orthonormal with its azimuth: Y_lm = P̄_lm(cos θ) e^{imφ} has ∫ |Y_lm|² dω = 1. Going up in l at constant m is
+//! stable.
 
 /// The functions of one m on a set of rings, order by order.
 pub(super) struct Legendre<'a> {

@@ -1,8 +1,8 @@
 //! Lights smaller than a texel, summed in closed form.
 //!
-//! A texel a thousand times as bright as each of its neighbours is no area of constant radiance: what it holds is smaller
-//! than itself, a sun or a lamp. Its excess over the neighbours counts as a point in its middle, with the texel's flux. So
-//! the result depends on the flux, not on the size of the texel, and no series has to follow a peak.
+//! A texel a thousand times as bright as each of its neighbours is no area of constant radiance: what it holds is
+//! smaller than itself, a sun or a lamp. Its excess over the neighbours counts as a point in its middle, with the
+//! texel's flux. So the result depends on the flux, not on the size of the texel, and no series has to follow a peak.
 
 use super::{Request, picture};
 use crate::{Direction, IlluminationMap, Image};

@@ -18,8 +18,8 @@ pub enum Lobe {
     Phong(f64),
     /// The Phong lobe under a clear coat: half the mirrored map is added, section 6.2 (3).
     Varnish(f64),
-    /// GGX with α = roughness² seen along the normal: D(√((1+x)/2)) max(0, x), as prefiltered maps of today's engines hold
-    /// it (B. Karis 2013). Roughness in 0.06..=1.
+    /// GGX with α = roughness² seen along the normal: D(√((1+x)/2)) max(0, x), as prefiltered maps of today's engines
+    /// hold it (B. Karis 2013). Roughness in 0.06..=1.
     Ggx(f64),
     /// Linear between (x, value) pairs with x ascending in -1..=1; constant beyond the ends.
     Table(Vec<(f64, f64)>),
@@ -42,8 +42,8 @@ const MAX_EXPONENT: f64 = 1e5;
 /// What is left out of a series, relative to the lobe's peak: below the rounding of f32 results.
 const REST: f64 = 1e-8;
 
-/// Highest order. A lobe with a kink at the horizon needs more; see [`Lobe::zonal`]. Powers of a sine underflow only where
-/// the functions themselves are negligible up to order 1900.
+/// Highest order. A lobe with a kink at the horizon needs more; see [`Lobe::zonal`]. Powers of a sine underflow only
+/// where the functions themselves are negligible up to order 1900.
 const MAX_ORDER: usize = 1023;
 const MAX_PHONG_ORDER: usize = 1900;
 
@@ -116,8 +116,8 @@ impl Lobe {
 
     /// Zonal coefficients 2π ∫ k(x) P_l(x) dx from order 0 to where the rest is below 1e-8 of the peak.
     ///
-    /// A kink at the horizon ends earlier, at order 1023: what is left is then at most 3e-4 of the peak for a point light
-    /// and x¹, 2e-7 for x²; extended lights leave far less.
+    /// A kink at the horizon ends earlier, at order 1023: what is left is then at most 3e-4 of the peak for a point
+    /// light and x¹, 2e-7 for x²; extended lights leave far less.
     pub(super) fn zonal(&self) -> Result<Vec<f64>, Error> {
         let mut zonal = match self {
             Lobe::Luminous => vec![SPHERE],

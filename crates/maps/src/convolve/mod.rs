@@ -2,7 +2,8 @@
 //!
 //! A texel counts as an area of constant radiance, and the lobe is integrated over that area: a constant map comes out
 //! constant at any size. Lobes act on spherical harmonics by one factor an order (Funk-Hecke); the cosine, whose series
-//! converges slowly, is integrated in closed form along the rows of a polar map. Suns within one texel are summed apart.
+//! converges slowly, is integrated in closed form along the rows of a polar map. Suns within one texel are summed
+//! apart.
 
 mod analysis;
 mod cosine;

@@ -15,8 +15,8 @@ pub(super) struct Points {
 }
 
 impl Points {
-    /// `count` by `count` Gauss-Legendre nodes in every texel; their solid angles add up to the texel's own. Texels that are
-    /// black or show nothing are left out.
+    /// `count` by `count` Gauss-Legendre nodes in every texel; their solid angles add up to the texel's own. Texels
+    /// that are black or show nothing are left out.
     pub(super) fn of(map: &IlluminationMap, count: usize) -> Points {
         let size = map.size();
         let of_tile = |tile: usize| {

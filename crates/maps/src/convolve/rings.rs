@@ -1,7 +1,7 @@
 //! From rings of data to spherical harmonics: I_lm = ∫ I Y*_lm dω.
 //!
-//! Not a quadrature but the adjoint of synthesis: the sum over texels is taken as it is, so nothing aliases. Rings are real
-//! FFTs; rows θ and π-θ are folded by parity; orders m run in parallel, each with sums in a fixed order.
+//! Not a quadrature but the adjoint of synthesis: the sum over texels is taken as it is, so nothing aliases. Rings are
+//! real FFTs; rows θ and π-θ are folded by parity; orders m run in parallel, each with sums in a fixed order.
 
 use super::legendre::{Legendre, diagonal};
 use ambient::quadrature::gauss_legendre;
@@ -22,7 +22,8 @@ pub(super) struct Rings<'a> {
     pub width: usize,
     /// Red, green and blue of a row.
     pub row: &'a (dyn Fn(usize, &mut [Vec<f64>; 3]) + Sync),
-    /// Data are areas: the functions are integrated over texels with this many nodes a row. 0: data are points with weights.
+    /// Data are areas: the functions are integrated over texels with this many nodes a row. 0: data are points with
+    /// weights.
     pub nodes: usize,
 }
 

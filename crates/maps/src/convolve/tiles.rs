@@ -2,7 +2,8 @@
 //!
 //! Over a tile of texels a function of bounded order is a polynomial in the picture's coordinates. So the tile's areas
 //! are moved onto a grid of Gauss-Legendre nodes by the adjoint of interpolation: node (p, q) gets Σ I ∫∫ l_p l_q over
-//! texels, times the solid angle by area at the node. Where a tile is cut by a rim or a fold every texel has its own nodes.
+//! texels, times the solid angle by area at the node. Where a tile is cut by a rim or a fold every texel has its own
+//! nodes.
 
 use super::points::Points;
 use super::rings::nodes;

@@ -1,9 +1,9 @@
 //! Whole-pixel shifts between brackets, by threshold bitmaps.
 //!
 //! G. Ward, "Fast, Robust Image Registration for Compositing High Dynamic Range Photographs from Handheld Exposures"
-//! (2003): a picture cut at its median looks the same at any exposure, and a pyramid of such bitmaps gives a shift bit by
-//! bit. Here the cut is the percentile nearest the median at which both pictures are neither black nor saturated, so that
-//! exposures far from a middle one align too, and every bracket is compared with its neighbour in exposure.
+//! (2003): a picture cut at its median looks the same at any exposure, and a pyramid of such bitmaps gives a shift bit
+//! by bit. Here the cut is the percentile nearest the median at which both pictures are neither black nor saturated, so
+//! that exposures far from a middle one align too, and every bracket is compared with its neighbour in exposure.
 
 use super::{Bracket, SATURATED};
 use rayon::prelude::*;
@@ -22,8 +22,8 @@ const REACH: i32 = 10;
 
 /// Sets the shift of every bracket to that of its content against the one of middle exposure, which stays.
 ///
-/// Returns for each whether it was found: where no percentile is well exposed in a bracket and its neighbour, it takes its
-/// neighbour's.
+/// Returns for each whether it was found: where no percentile is well exposed in a bracket and its neighbour, it takes
+/// its neighbour's.
 pub fn align(brackets: &mut [Bracket]) -> Vec<bool> {
     let mut order: Vec<usize> = (0..brackets.len()).collect();
     order.sort_by(|a, b| brackets[*a].time.total_cmp(&brackets[*b].time));
@@ -80,7 +80,8 @@ fn pyramid(bracket: &Bracket) -> Vec<Gray> {
     }
 }
 
-/// Where pixel (0, 0) of the first picture lies in the second; `None` where they have no well exposed percentile in common.
+/// Where pixel (0, 0) of the first picture lies in the second; `None` where they have no well exposed percentile in
+/// common.
 fn shift(first: &[Gray], second: &[Gray]) -> Option<[i32; 2]> {
     let [a, b] = [&first[0], &second[0]].map(|gray| {
         let mut sorted = gray.values.clone();

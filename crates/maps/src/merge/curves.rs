@@ -1,7 +1,8 @@
-//! Response curves as a text, so that what one series of exposures tells of a film or a camera serves single photographs of it.
+//! Response curves as a text, so that what one series of exposures tells of a film or a camera serves single
+//! photographs of it.
 //!
-//! 256 lines of a level, 0 to 255 in their order, and the exposures of red, green and blue that it stands for; `#` begins a comment. Between
-//! levels a curve is linear, so that photographs of 8 bits get the very curve that was found.
+//! 256 lines of a level, 0 to 255 in their order, and the exposures of red, green and blue that it stands for; `#`
+//! begins a comment. Between levels a curve is linear, so that photographs of 8 bits get the very curve that was found.
 
 use super::Response;
 use crate::{Error, Image, file, painted};
@@ -84,7 +85,8 @@ pub fn read_curves(path: &Path) -> Result<[Response; 3], Error> {
     parse_curves(&text).map_err(|e| fail(e.to_string()))
 }
 
-/// The exposures in a single photograph, a PNG or JPEG file. Saturated values stand for the exposure at which the curve ends.
+/// The exposures in a single photograph, a PNG or JPEG file. Saturated values stand for the exposure at which the curve
+/// ends.
 ///
 /// # Errors
 /// [`Error::Read`] for a file that is absent, damaged or of another kind.

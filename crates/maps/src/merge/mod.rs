@@ -1,9 +1,9 @@
 //! Exposure brackets to one picture of radiance.
 //!
-//! A bracket is a photograph of 8 or 16 bits with its exposure time. The response curve turns its values into exposures;
-//! exposure by time is radiance, and the brackets are averaged by the inverse of their variance. Before that, [`align`] may
-//! find how they are shifted. Rounding to 8 bits and the chroma subsampling of JPEG are in the photograph: the first costs
-//! half a level, the second smears colour over two pixels; neither is undone.
+//! A bracket is a photograph of 8 or 16 bits with its exposure time. The response curve turns its values into
+//! exposures; exposure by time is radiance, and the brackets are averaged by the inverse of their variance. Before
+//! that, [`align`] may find how they are shifted. Rounding to 8 bits and the chroma subsampling of JPEG are in the
+//! photograph: the first costs half a level, the second smears colour over two pixels; neither is undone.
 
 mod align;
 mod curves;
@@ -69,8 +69,8 @@ impl Bracket {
 pub struct Merged {
     /// Radiance up to one constant factor, finite and at least 0.
     pub image: Image,
-    /// Pixels with a channel that no bracket shows between black and saturated: they hold the lower bound of the shortest
-    /// saturated exposure.
+    /// Pixels with a channel that no bracket shows between black and saturated: they hold the lower bound of the
+    /// shortest saturated exposure.
     pub saturated: Vec<bool>,
     /// The curves of red, green and blue.
     pub responses: [Response; 3],
@@ -78,10 +78,11 @@ pub struct Merged {
 
 /// The radiance that the brackets show.
 ///
-/// Every recorded level is taken to have the same noise (rounding and read noise), so that a bracket's radiance f(z)/t has
-/// a deviation of f'(z)/t; its weight is the inverse square. The noise of a value must not choose its own weight, or the mean
-/// is biased: the weight is taken at the value that a first estimate predicts. Saturated values do not count. Where every
-/// bracket is saturated, or black beside a saturated one, the pixel holds a lower bound and is flagged.
+/// Every recorded level is taken to have the same noise (rounding and read noise), so that a bracket's radiance f(z)/t
+/// has a deviation of f'(z)/t; its weight is the inverse square. The noise of a value must not choose its own weight,
+/// or the mean is biased: the weight is taken at the value that a first estimate predicts. Saturated values do not
+/// count. Where every bracket is saturated, or black beside a saturated one, the pixel holds a lower bound and is
+/// flagged.
 ///
 /// ```
 /// use ambake_maps::merge::{Bracket, Model, merge};
@@ -100,8 +101,8 @@ pub struct Merged {
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] for fewer than two brackets, different sizes, a time that is not above 0 or given twice, or brackets
-/// that do not determine the curve that is to be fitted.
+/// [`Error::Shape`] for fewer than two brackets, different sizes, a time that is not above 0 or given twice, or
+/// brackets that do not determine the curve that is to be fitted.
 pub fn merge(brackets: &[Bracket], model: Model) -> Result<Merged, Error> {
     let brackets = sorted(brackets)?;
     let responses = Response::fit(&brackets, model)?;

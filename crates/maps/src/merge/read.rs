@@ -22,12 +22,12 @@ type Field = fn(&Shot) -> Option<f64>;
 
 /// The photographs in PNG or JPEG files. `times` in seconds, one for each file, win over what EXIF says.
 ///
-/// Without them an exposure is EXIF's ExposureTime, in seconds at the aperture and the sensitivity of the first: light grows with
-/// `ISO / FNumber²`, so a series may be bracketed by any of the three.
+/// Without them an exposure is EXIF's ExposureTime, in seconds at the aperture and the sensitivity of the first: light
+/// grows with `ISO / FNumber²`, so a series may be bracketed by any of the three.
 ///
 /// # Errors
-/// [`Error::Read`] for a file that is absent, damaged or of another kind; without times where EXIF has none, or where some photographs name
-/// an aperture or a sensitivity and others do not.
+/// [`Error::Read`] for a file that is absent, damaged or of another kind; without times where EXIF has none, or where
+/// some photographs name an aperture or a sensitivity and others do not.
 pub fn read_brackets(paths: &[PathBuf], times: &[f64]) -> Result<Vec<Bracket>, Error> {
     let mut brackets = vec![];
     let mut shots = vec![];

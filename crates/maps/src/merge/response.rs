@@ -1,16 +1,16 @@
 //! Response curves of a camera: exposure by recorded value, given or found from the brackets.
 //!
-//! P. Debevec, J. Malik, "Recovering High Dynamic Range Radiance Maps from Photographs" (1997), minimise over the curve and
-//! the radiances x the weighted squares of g(z) - ln x - ln t, with g the logarithmic exposure of level z. M. Robertson,
-//! S. Borman, R. Stevenson, "Dynamic Range Improvement Through Multiple Exposures" (1999), minimise those of f(z) - t x.
-//! Here either objective is minimised over curves of one form,
+//! P. Debevec, J. Malik, "Recovering High Dynamic Range Radiance Maps from Photographs" (1997), minimise over the curve
+//! and the radiances x the weighted squares of g(z) - ln x - ln t, with g the logarithmic exposure of level z. M.
+//! Robertson, S. Borman, R. Stevenson, "Dynamic Range Improvement Through Multiple Exposures" (1999), minimise those of
+//! f(z) - t x. Here either objective is minimised over curves of one form,
 //!
 //! ln f(z) = a ln z + b ln(256 - z) + a polynomial in arccos(1 - 2z/255),
 //!
-//! which are positive, hold power laws exactly and bend at both ends as film does. Both papers solve for 256 free levels,
-//! Debevec and Malik against a weight on its bends. But evenly spaced times leave every wave in log exposure that has their
-//! spacing as its period unobserved (M. Grossberg, S. Nayar, "Determining the Camera Response from Images: What Is
-//! Knowable?", 2003); free levels take it up, and a weight on bends flattens the curve instead.
+//! which are positive, hold power laws exactly and bend at both ends as film does. Both papers solve for 256 free
+//! levels, Debevec and Malik against a weight on its bends. But evenly spaced times leave every wave in log exposure
+//! that has their spacing as its period unobserved (M. Grossberg, S. Nayar, "Determining the Camera Response from
+//! Images: What Is Knowable?", 2003); free levels take it up, and a weight on bends flattens the curve instead.
 //!
 //! The weights follow from one assumption: every level has the same noise. A residual then has the variance of g or f
 //! by its slope, squared, so the fit is repeated with the slopes that it found. The radiances of both objectives are
@@ -30,8 +30,8 @@ const STEP: usize = 257;
 /// Most pixels that enter a fit; larger pictures are thinned evenly.
 const FIT_PIXELS: usize = 1 << 16;
 
-/// Lowest value that enters a fit; below it a curve goes on as a power law. Noise of a level or two turns no such value to
-/// black.
+/// Lowest value that enters a fit; below it a curve goes on as a power law. Noise of a level or two turns no such value
+/// to black.
 const DARKEST: usize = 4 * STEP;
 
 /// Highest value that enters a fit.
@@ -102,8 +102,8 @@ impl Response {
         (f64::from(value) + STEP as f64 * off).clamp(0.0, 65535.0) as u16
     }
 
-    /// The curves of red, green and blue that explain the brackets best. Only ratios are observable: level 128 is set to
-    /// its sRGB value in every channel, so that gray stays gray.
+    /// The curves of red, green and blue that explain the brackets best. Only ratios are observable: level 128 is set
+    /// to its sRGB value in every channel, so that gray stays gray.
     ///
     /// # Errors
     /// [`Error::Shape`] where the brackets do not tell: no pixel is well exposed in two of them, or no curve that grows
@@ -148,7 +148,8 @@ fn srgb(v: f64) -> f64 {
     }
 }
 
-/// The terms of a curve's logarithm at a value, 0 at level 128: ln z, ln(256 - z), and Chebyshev polynomials of the angle.
+/// The terms of a curve's logarithm at a value, 0 at level 128: ln z, ln(256 - z), and Chebyshev polynomials of the
+/// angle.
 fn terms(value: usize) -> [f64; TERMS] {
     let at = |level: f64, k: usize| match k {
         0 => level.max(0.5 / STEP as f64).ln(),
@@ -233,8 +234,8 @@ fn tabulate(factors: &[f64; TERMS], terms: &[[f64; TERMS]]) -> Response {
 
 /// Normal equations of the change of the factors, about a curve.
 ///
-/// The residual of a view is g + φ·δ - ln t - ln x, or f (1 + φ·δ) - t x. Its noise must not choose its own weight and terms, or
-/// the fit is biased, so these are taken at the values that the curve predicts from all views of the pixel.
+/// The residual of a view is g + φ·δ - ln t - ln x, or f (1 + φ·δ) - t x. Its noise must not choose its own weight and
+/// terms, or the fit is biased, so these are taken at the values that the curve predicts from all views of the pixel.
 fn normal_equations(
     pixels: &[Vec<(u16, f64)>],
     terms: &[[f64; TERMS]],

@@ -217,8 +217,8 @@ fn shifts_over_two_to_the_twentieth_in_exposure_are_found_and_undone() {
         f64::from(merged.image.pixels[j as usize * width + i as usize][0])
             / scene(i - i64::from(x), j - i64::from(y))
     };
-    // Every bracket shows these pixels. An exposure is sixteen times the next, so the lowest level that counts is 72; one
-    // of noise is 3 % of it, and of so many pixels one lies 5 deviations off.
+    // Every bracket shows these pixels. An exposure is sixteen times the next, so the lowest level that counts is 72;
+    // one of noise is 3 % of it, and of so many pixels one lies 5 deviations off.
     let inner = |i: &usize| (60..240).contains(&(i % width)) && (50..150).contains(&(i / width));
     let ratios: Vec<f64> = (0..width * height).filter(inner).map(ratio).collect();
     let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;

@@ -4,8 +4,8 @@ use ambient::quadrature::GAUSS_8;
 
 /// Solid angle of a rectangle in the orthographic picture of a hemisphere, clipped by the rim.
 ///
-/// The corner function A(x, y) = ∫∫ 1/z over 0..x, 0..y is x asin(y/√(1-x²)) + y asin(x/√(1-y²)) - atan(xy/z) inside the
-/// disc and π/2 (x + y - 1) outside; it is odd in both.
+/// The corner function A(x, y) = ∫∫ 1/z over 0..x, 0..y is x asin(y/√(1-x²)) + y asin(x/√(1-y²)) - atan(xy/z) inside
+/// the disc and π/2 (x + y - 1) outside; it is odd in both.
 pub(super) fn ortho([x0, x1]: [f64; 2], [y0, y1]: [f64; 2]) -> f64 {
     if nearest(x0, x1).hypot(nearest(y0, y1)) >= 1.0 {
         return 0.0;

@@ -73,7 +73,8 @@ pub(crate) fn meet(d: Direction) -> (usize, f64, f64) {
     (face, dot(right), dot(down))
 }
 
-/// The place of a direction on the plane of a face, in -1..1 within the face; `None` for one that points away from the plane.
+/// The place of a direction on the plane of a face, in -1..1 within the face; `None` for one that points away from the
+/// plane.
 pub(crate) fn on_plane(face: usize, d: Direction) -> Option<[f64; 2]> {
     let along = |a: Direction| (0..3).map(|c| a[c] * d[c]).sum::<f64>();
     let [depth, right, down] = FACES[face].map(along);

@@ -1,7 +1,7 @@
 //! How a picture shows the sphere of directions, with the exact solid angle of every texel.
 //!
-//! Directions are unit vectors with +y up; +z is the middle of every one-piece picture, +x lies to its right. A place in a
-//! picture is `(x, y)` in pixels from the top left corner: texel `(i, j)` has its centre at `(i + 0.5, j + 0.5)`.
+//! Directions are unit vectors with +y up; +z is the middle of every one-piece picture, +x lies to its right. A place
+//! in a picture is `(x, y)` in pixels from the top left corner: texel `(i, j)` has its centre at `(i + 0.5, j + 0.5)`.
 
 mod area;
 mod cube;
@@ -36,7 +36,8 @@ pub type Direction = [f64; 3];
 pub enum Projection {
     /// Longitude and latitude, twice as wide as high: u = atan2(x, z) with 0 in the middle, v = arccos y from the top.
     Polar,
-    /// Six square faces below each other, +x -x +y -y +z -z, each as OpenGL's cube maps hold them. In files: six pictures.
+    /// Six square faces below each other, +x -x +y -y +z -z, each as OpenGL's cube maps hold them. In files: six
+    /// pictures.
     Cube,
     /// Six faces unfolded: 4 x 3 faces with +z in column 2, or 3 x 4 with -z at the bottom, turned by 180 degrees.
     Cross,
@@ -220,8 +221,8 @@ impl Projection {
         }
     }
 
-    /// Whether directions are a smooth function over a rectangle within a piece: no rim or fold cuts it, or is nearer to it
-    /// than its own size where their derivatives grow without bound.
+    /// Whether directions are a smooth function over a rectangle within a piece: no rim or fold cuts it, or is nearer
+    /// to it than its own size where their derivatives grow without bound.
     pub(crate) fn smooth(self, size: (usize, usize), corner: [f64; 2], sides: [f64; 2]) -> bool {
         let h = size.1 as f64;
         let corners = (0..4).map(|k| {
@@ -285,8 +286,8 @@ impl Projection {
         }
     }
 
-    /// The texel `(i, j)`, which may lie outside by a texel or two, as a texel of the picture: over a seam, a pole or an
-    /// edge to its neighbour. `None` only beside all directions.
+    /// The texel `(i, j)`, which may lie outside by a texel or two, as a texel of the picture: over a seam, a pole or
+    /// an edge to its neighbour. `None` only beside all directions.
     pub(crate) fn wrap(self, size: (usize, usize), i: isize, j: isize) -> Option<usize> {
         let (w, h) = (size.0 as isize, size.1 as isize);
         let index = |i: isize, j: isize| Some((j * w + i) as usize);

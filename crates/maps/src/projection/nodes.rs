@@ -1,8 +1,8 @@
 //! Nodes in a texel for sums over its part of the sphere, exact to rounding for smooth functions.
 //!
-//! A texel may be cut: by the rim of a disc, where solid angle by area ends abruptly or has no bound, or by the fold of an
-//! octahedron. On a line of a disc x = √(1-y²) sin t makes directions and solid angles smooth in t up to the rim; lines
-//! end where the rim leaves the texel, as a root, which y = middle + half sin u smooths.
+//! A texel may be cut: by the rim of a disc, where solid angle by area ends abruptly or has no bound, or by the fold of
+//! an octahedron. On a line of a disc x = √(1-y²) sin t makes directions and solid angles smooth in t up to the rim;
+//! lines end where the rim leaves the texel, as a root, which y = middle + half sin u smooths.
 
 use super::{Direction, Projection, disc};
 use std::f64::consts::FRAC_PI_2;
@@ -10,8 +10,8 @@ use std::f64::consts::FRAC_PI_2;
 /// Least nodes on a line of a texel that is cut.
 const CUT: usize = 10;
 
-/// Directions in a texel with their solid angles up to a common factor. `rule` are nodes and weights on -1..1, `fine` those
-/// for a texel that is cut.
+/// Directions in a texel with their solid angles up to a common factor. `rule` are nodes and weights on -1..1, `fine`
+/// those for a texel that is cut.
 pub(crate) fn nodes(
     projection: Projection,
     size: (usize, usize),

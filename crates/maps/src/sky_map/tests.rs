@@ -113,7 +113,8 @@ fn texels_are_drawn_by_their_flux() {
                 .iter()
                 .map(|&v| f64::from(v))
                 .sum::<f64>();
-        // Star discrepancy of a (0, m, 2)-net, H. Niederreiter (1987): (m / 3 + 19 / 9) / 2^m; four times for a box anywhere.
+        // Star discrepancy of a (0, m, 2)-net, H. Niederreiter (1987): (m / 3 + 19 / 9) / 2^m; four times for a box
+        // anywhere.
         let bound = 4.0 * (18.0 / 3.0 + 19.0 / 9.0) / f64::from(n) + 2e-6;
         assert!((count - share).abs() < bound, "{i}: {count} for {share}");
     }

@@ -1,10 +1,10 @@
 //! Covers: flat sheets that lie just above a surface, such as paper on a desk, decals, rugs and road marks.
 //!
-//! What is between the two is dark, and nobody sees it as that: an opaque sheet hides it, and through a see-through one it is to look as the
-//! surface does beside it. Where the sheet ends within a texel of the surface, that texel
-//! would still hold some of the dark, as a line around every mark of a street. So who bakes may let rays of what is covered begin above the
-//! sheet. A sheet that looks at the surface hides nothing from who looks
-//! at it from its other side, so it covers nothing; nor does what lies in the surface itself, which takes no light from it.
+//! What is between the two is dark, and nobody sees it as that: an opaque sheet hides it, and through a see-through one
+//! it is to look as the surface does beside it. Where the sheet ends within a texel of the surface, that texel would
+//! still hold some of the dark, as a line around every mark of a street. So who bakes may let rays of what is covered
+//! begin above the sheet. A sheet that looks at the surface hides nothing from who looks at it from its other side, so
+//! it covers nothing; nor does what lies in the surface itself, which takes no light from it.
 
 use super::Solids;
 use super::placed::{ABOUT, Placed, Sheet};
@@ -40,8 +40,8 @@ impl Covers {
         numbers.map(|number| &self.triangles[number as usize])
     }
 
-    /// The triangles over a box no higher than `above` over a plane, of which a point and the unit normal are given; those that lie along it
-    /// and look as it does alone.
+    /// The triangles over a box no higher than `above` over a plane, of which a point and the unit normal are given;
+    /// those that lie along it and look as it does alone.
     pub fn over(
         &self,
         (low, high): (DVec3, DVec3),
@@ -155,8 +155,8 @@ mod tests {
         mesh(positions, faces[usize::from(up)].to_vec())
     }
 
-    /// How many triangles lie at most `above` over the middle of the first mesh's triangle, on a surface that looks up; by placements
-    /// that turn, mirror and move all of it.
+    /// How many triangles lie at most `above` over the middle of the first mesh's triangle, on a surface that looks up;
+    /// by placements that turn, mirror and move all of it.
     fn over(meshes: Vec<Mesh>, masked: bool, triangle: u32, above: f64) -> Vec<usize> {
         let turn = DQuat::from_axis_angle(DVec3::new(0.2, 0.3, 1.0).normalize(), 0.31);
         let moved = DAffine3::from_rotation_translation(turn, DVec3::new(3.0, 1.0, 2.0));

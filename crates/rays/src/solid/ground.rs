@@ -1,14 +1,16 @@
 //! Grounds: open surfaces that other bodies are sunk in, such as a terrain or the plane that a scene stands on.
 //!
-//! An open surface has no inside. But where all its faces look to one side, what stands in it is hidden behind it, and sees under
-//! it what nobody is to see. Such sheets may go on in one another, as the tiles of a floor do, and are one ground then. A surface is *rooted*
-//! in a ground where
+//! An open surface has no inside. But where all its faces look to one side, what stands in it is hidden behind it, and
+//! sees under it what nobody is to see. Such sheets may go on in one another, as the tiles of a floor do, and are one
+//! ground then. A surface is *rooted* in a ground where
 //!
-//! * it crosses the ground, and stands out in front of it at least as far as it reaches behind it (a closed body a quarter as far), along the mean normals of its sheets;
-//! * nothing comes near its part behind that does not cross the ground too or stand on it. So no column is buried by the floor of the next storey.
+//! * it crosses the ground, and stands out in front of it at least as far as it reaches behind it (a closed body a
+//!   quarter as far), along the mean normals of its sheets;
+//! * nothing comes near its part behind that does not cross the ground too or stand on it. So no column is buried by
+//!   the floor of the next storey.
 //!
-//! The part behind is buried, for this surface alone. But a ground that has something else behind it which does not cross it, and is not
-//! small beside it, is none: people stand under an awning, and see what it is fastened to.
+//! The part behind is buried, for this surface alone. But a ground that has something else behind it which does not
+//! cross it, and is not small beside it, is none: people stand under an awning, and see what it is fastened to.
 
 use super::placed::{Among, CROSSES, NEAR, Placed, SMALL, Sheet, sheets};
 use super::topology::corners;
@@ -29,8 +31,8 @@ const ALONG: f64 = 0.999;
 /// Pairs of a sheet and a surface near it that are looked at before what they say is taken together.
 const AT_ONCE: usize = 1 << 14;
 
-/// A closed body stands out in front of a ground at least this share of what it reaches behind it. A stone may be sunk by four fifths; what
-/// only pokes through a wall belongs to the other side.
+/// A closed body stands out in front of a ground at least this share of what it reaches behind it. A stone may be sunk
+/// by four fifths; what only pokes through a wall belongs to the other side.
 const CLOSED_OUT: f64 = 0.25;
 
 /// Placement and number of a surface.
@@ -64,8 +66,8 @@ impl Stand {
         let Some(front) = sheet.surface.front else {
             return stand;
         };
-        // Edges of panels may run along one another, where corners are beside a sheet or over its border, and so may middles be where panels
-        // join: so other points on the edges too.
+        // Edges of panels may run along one another, where corners are beside a sheet or over its border, and so may
+        // middles be where panels join: so other points on the edges too.
         let points = other.faces(scene).flat_map(|[a, b, c]| {
             let edges = [(a, b), (b, c), (c, a)].into_iter();
             let along = edges.flat_map(|(from, to)| ALONG_EDGES.map(|share| from.lerp(to, share)));

@@ -1,12 +1,12 @@
 //! Solids: closed surfaces whose inside is not air. What lies in one is buried, and no light of a scene reaches it.
 //!
-//! **Which surfaces.** Triangles of a mesh that hang together over edges are a surface. Where a mesh leaves surfaces open, those of
-//! all meshes under one placement are joined once more, for a body of several materials is several meshes. A surface without a border
-//! and without cut-out triangles is closed and has an inside; an open one has none and buries nothing. `doubleSided` says how a
-//! surface is drawn and nothing about its inside, so it is not asked.
+//! **Which surfaces.** Triangles of a mesh that hang together over edges are a surface. Where a mesh leaves surfaces
+//! open, those of all meshes under one placement are joined once more, for a body of several materials is several
+//! meshes. A surface without a border and without cut-out triangles is closed and has an inside; an open one has none
+//! and buries nothing. `doubleSided` says how a surface is drawn and nothing about its inside, so it is not asked.
 //!
-//! **What is inside.** The sign of its volume says whether the front faces of a closed surface look outward or inward, in mesh
-//! space, so that a mirroring placement changes nothing.
+//! **What is inside.** The sign of its volume says whether the front faces of a closed surface look outward or inward,
+//! in mesh space, so that a mirroring placement changes nothing.
 //!
 //! * Outward: a solid.
 //! * Inward, inside a solid: its cavity, which is air again.
@@ -16,10 +16,11 @@
 //!
 //! An open surface whose openings all lie on what it stands on is closed by that, and a solid too: `shut.rs` says when.
 //!
-//! What is rooted in an open ground or in a room has a part that nobody is to see: `ground.rs` and `rooms.rs` say which.
+//! What is rooted in an open ground or in a room has a part that nobody is to see: `ground.rs` and `rooms.rs` say
+//! which.
 //!
-//! A point is buried where it lies in more solids than cavities. Distances do not matter: a limit on the distance of occluders limits
-//! what darkens a place, not where the place is.
+//! A point is buried where it lies in more solids than cavities. Distances do not matter: a limit on the distance of
+//! occluders limits what darkens a place, not where the place is.
 
 mod covers;
 mod ground;
@@ -88,8 +89,8 @@ struct Body {
 /// So few boxes are sooner looked at than found in a tree.
 const FEW: usize = 16;
 
-/// How far off its surface a point is tested, per unit of the coordinates: clear of their rounding in the world and in a mesh's space.
-/// Faces that coincide are so told apart by the side that they face.
+/// How far off its surface a point is tested, per unit of the coordinates: clear of their rounding in the world and in
+/// a mesh's space. Faces that coincide are so told apart by the side that they face.
 pub const NUDGE: f64 = 8.0 / 16_777_216.0;
 
 /// The solids of a scene, in its own space.
@@ -301,8 +302,8 @@ impl Solids {
         about.iter().copied().filter(reaches).collect()
     }
 
-    /// True where a body counts the same at all points of triangles of `own`: a solid does not bury itself, and a ground or a room
-    /// buries what is rooted in it alone.
+    /// True where a body counts the same at all points of triangles of `own`: a solid does not bury itself, and a
+    /// ground or a room buries what is rooted in it alone.
     pub fn spares(&self, body: u32, own: Option<u32>) -> bool {
         match &self.bodies[body as usize].inside {
             Inside::Solid => own == Some(body),
@@ -355,9 +356,10 @@ impl Solids {
         is_near(of) || self.surface(of).openings.iter().any(passes) || other_is_near()
     }
 
-    /// What a body counts at a point of a triangle of the body `own`: 1 in a solid, behind a ground and outside of a room, -1 in a cavity,
-    /// 0 elsewhere. On its own triangles the side of the surface decides and not the point: a solid does not bury itself, and a cavity
-    /// is open to its own walls. A ground and a room count for what is rooted in them alone.
+    /// What a body counts at a point of a triangle of the body `own`: 1 in a solid, behind a ground and outside of a
+    /// room, -1 in a cavity, 0 elsewhere. On its own triangles the side of the surface decides and not the point: a
+    /// solid does not bury itself, and a cavity is open to its own walls. A ground and a room count for what is rooted
+    /// in them alone.
     pub fn depth(&self, body: u32, point: DVec3, own: Option<u32>) -> i32 {
         self.depth_by(body, point, own, |of| self.holds(of, point))
     }
@@ -375,8 +377,8 @@ impl Solids {
         })
     }
 
-    /// True where one solid other than `own` holds all of a box, clear of its surface, where no cavity is: nothing lays that open. It
-    /// spares who asks the other bodies about the box, which may be all of the scene.
+    /// True where one solid other than `own` holds all of a box, clear of its surface, where no cavity is: nothing lays
+    /// that open. It spares who asks the other bodies about the box, which may be all of the scene.
     pub fn swallow(&self, low: DVec3, high: DVec3, own: Option<u32>) -> bool {
         let reach = self.longest.max(low.abs().max(high.abs()).max_element());
         let (low, high) = (low - 2.0 * NUDGE * reach, high + 2.0 * NUDGE * reach);

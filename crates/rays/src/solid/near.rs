@@ -4,8 +4,8 @@ use super::tree::climb;
 use super::{Body, Solids};
 use glam::DVec3;
 
-/// A closed surface about a box. The first point is looked at from far away, as [`Solids::depth`] does; from there to the others, what
-/// lies between is counted.
+/// A closed surface about a box. The first point is looked at from far away, as [`Solids::depth`] does; from there to
+/// the others, what lies between is counted.
 #[derive(Debug)]
 pub struct Near<'a> {
     solids: &'a Solids,

@@ -57,7 +57,8 @@ impl Opening {
         self.low.cmple(high).all() && self.high.cmpge(low).all()
     }
 
-    /// True where one may look through it at a point, from the side of the panes' front: beyond its plane, and not all but along it.
+    /// True where one may look through it at a point, from the side of the panes' front: beyond its plane, and not all
+    /// but along it.
     pub fn shows(&self, point: DVec3) -> bool {
         let beyond = self.slack - (point - self.middle).dot(self.front);
         let nearest = point.clamp(self.low, self.high);

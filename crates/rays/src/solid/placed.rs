@@ -115,9 +115,10 @@ pub(super) struct Sheet {
     pub near: Vec<u32>,
 }
 
-/// The sheets of a scene with what is near them. Where sheets lie in a heap, all of them meet all others, and a heap of sheets tells
-/// nothing about what is hidden behind which. So sheets are asked from the largest down, as long as the surfaces near them are no more
-/// than so many for each surface of the scene: a time and a memory that grow with the scene, not with its square.
+/// The sheets of a scene with what is near them. Where sheets lie in a heap, all of them meet all others, and a heap of
+/// sheets tells nothing about what is hidden behind which. So sheets are asked from the largest down, as long as the
+/// surfaces near them are no more than so many for each surface of the scene: a time and a memory that grow with the
+/// scene, not with its square.
 pub(super) fn sheets(all: &Among) -> Vec<Sheet> {
     sheets_of(all, |surface| surface.front.is_some())
 }

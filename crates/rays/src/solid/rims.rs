@@ -1,8 +1,9 @@
 //! Rims: what a thin wall cuts off from the end of a surface.
 //!
-//! A floor that reaches a little through a wall without thickness ends in a rim that sees the other side. On the page it may be a hundredth
-//! of a texel, and still light the texel that it shares with the floor, or be all that a texel holds. Whatever is thinner than a small part
-//! of a texel cannot be shown beside what is not. So who bakes may end the surface at the wall, whichever side of it is seen.
+//! A floor that reaches a little through a wall without thickness ends in a rim that sees the other side. On the page
+//! it may be a hundredth of a texel, and still light the texel that it shares with the floor, or be all that a texel
+//! holds. Whatever is thinner than a small part of a texel cannot be shown beside what is not. So who bakes may end the
+//! surface at the wall, whichever side of it is seen.
 
 use super::Solids;
 use super::covers::Covers;

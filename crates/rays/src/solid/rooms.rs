@@ -1,14 +1,15 @@
 //! Surfaces whose faces look inward: cavities of solids, rooms, and what stands through the floors and walls of rooms.
 //!
-//! Nobody is to see the outside of a room that is modelled as one surface and seen from within. So what crosses its surface is *rooted*
-//! in it, and buried outside of it and of every other room. A room may have openings with flat borders, such as windows: what
-//! lies beyond the plane of one of them may be seen through it, and is not buried unless one would look all but along the plane. A
-//! straight line that has left through an opening stays beyond its plane, so nothing else can be seen from within.
+//! Nobody is to see the outside of a room that is modelled as one surface and seen from within. So what crosses its
+//! surface is *rooted* in it, and buried outside of it and of every other room. A room may have openings with flat
+//! borders, such as windows: what lies beyond the plane of one of them may be seen through it, and is not buried unless
+//! one would look all but along the plane. A straight line that has left through an opening stays beyond its plane, so
+//! nothing else can be seen from within.
 //!
 //! A room buries nothing where something may look at it from outside, or was made to be looked at there:
 //!
-//! * a surface at least half as large as the room, by the largest sides of their boxes, lies for the most part outside of all rooms: a
-//!   street, a facade, another building;
+//! * a surface at least half as large as the room, by the largest sides of their boxes, lies for the most part outside
+//!   of all rooms: a street, a facade, another building;
 //! * a glTF file says that one of its materials is double-sided;
 //! * what does not cross its surface, and is not in a room, comes near the part outside.
 //!
@@ -77,8 +78,8 @@ impl Solids {
         }
     }
 
-    /// Bodies that look inward, though nothing lies wholly in them, and are rooms all the same: some surface lies for the most part
-    /// in one, and none that is not small lies for the most part outside of them and of rooms.
+    /// Bodies that look inward, though nothing lies wholly in them, and are rooms all the same: some surface lies for
+    /// the most part in one, and none that is not small lies for the most part outside of them and of rooms.
     fn lived_in(&self) -> Vec<u32> {
         let placed = self.placed_surfaces();
         let is_inward = |placed: &&Placed| {

@@ -46,8 +46,8 @@ impl Shape {
     }
 }
 
-/// Open surfaces of several meshes as those that they make together, a body of several materials; where they make none that has an inside or looks
-/// to one side, as a floor and its walls that meet the ceiling elsewhere, as they are.
+/// Open surfaces of several meshes as those that they make together, a body of several materials; where they make none
+/// that has an inside or looks to one side, as a floor and its walls that meet the ceiling elsewhere, as they are.
 fn joined(scene: &Scene, open: Vec<Surface>) -> Vec<Surface> {
     let faces: Vec<Face> = open
         .iter()

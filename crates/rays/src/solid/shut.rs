@@ -1,7 +1,7 @@
 //! Bodies without a bottom: what is open only where it stands.
 //!
-//! Many props are modelled without the faces that nobody sees: a barrel, a column or a trunk has no bottom. Such a surface has no inside
-//! as long as one may look in. It is *shut*, and a solid, where
+//! Many props are modelled without the faces that nobody sees: a barrel, a column or a trunk has no bottom. Such a
+//! surface has no inside as long as one may look in. It is *shut*, and a solid, where
 //!
 //! * its openings have flat borders, and it looks outward once they are filled;
 //! * all of each opening lies on or behind one ground, in front of which the surface stands, or in another solid;

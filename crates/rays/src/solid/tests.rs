@@ -273,7 +273,8 @@ fn room(open: bool) -> Mesh {
 fn what_stands_through_a_room_is_buried_outside_of_it() {
     let rug = level(0.01, 0.2);
     for open in [false, true] {
-        // Through the floor; through floor and ceiling, without a corner in the room; with something that lies wholly in it or not.
+        // Through the floor; through floor and ceiling, without a corner in the room; with something that lies wholly
+        // in it or not.
         for (low, high, expected) in [(-0.3, 1.0, [1, 0, 0]), (-0.3, 3.5, [1, 0, 1])] {
             for more in [vec![], vec![rug.clone()]] {
                 let post = block(

@@ -1,8 +1,8 @@
 //! Surfaces of meshes: which triangles hang together, and whether they close.
 //!
-//! Corners are one where their positions are equal, so seams of normals or lightmap coordinates do not cut a surface. Triangles hang
-//! together over edges. A surface is closed where each edge is run through as often one way as the other: then it has no border,
-//! and around any point it winds a whole number of times.
+//! Corners are one where their positions are equal, so seams of normals or lightmap coordinates do not cut a surface.
+//! Triangles hang together over edges. A surface is closed where each edge is run through as often one way as the
+//! other: then it has no border, and around any point it winds a whole number of times.
 
 use super::opening::{Opening, openings};
 use glam::{DVec3, Vec3};
@@ -25,15 +25,16 @@ pub(super) struct Surface {
     pub faces: Vec<Face>,
     pub low: Vec3,
     pub high: Vec3,
-    /// What a closed surface of opaque triangles encloses: above 0 where its front faces look outward, below 0 where they look
-    /// inward. 0 for any other.
+    /// What a closed surface of opaque triangles encloses: above 0 where its front faces look outward, below 0 where
+    /// they look inward. 0 for any other.
     pub volume: f64,
     /// Where an open surface of opaque triangles looks, if to one side.
     pub front: Option<DVec3>,
     /// The same of a surface that is cut out or see-through.
     pub veil: Option<DVec3>,
-    /// What an opaque surface would enclose whose openings were filled, where it has some, does not look to one side, and each of them
-    /// has a flat border: above 0 where its front faces look outward, below 0 where they look inward. 0 for any other.
+    /// What an opaque surface would enclose whose openings were filled, where it has some, does not look to one side,
+    /// and each of them has a flat border: above 0 where its front faces look outward, below 0 where they look inward.
+    /// 0 for any other.
     pub hollow: f64,
     /// Those openings.
     pub openings: Vec<Opening>,
@@ -145,7 +146,8 @@ pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
     found.into_iter().zip(rims_of).map(finish).collect()
 }
 
-/// The unit direction to which all faces of an open, opaque surface look; `None` where there is none. In the space of its mesh.
+/// The unit direction to which all faces of an open, opaque surface look; `None` where there is none. In the space of
+/// its mesh.
 fn front(scene: &Scene, faces: &[Face]) -> Option<DVec3> {
     let normal = |face: &Face| {
         let [a, b, c] = corners(scene, *face).map(|corner| corner.as_dvec3());
@@ -258,7 +260,8 @@ impl Surface {
         })
     }
 
-    /// The signed volume by the divergence theorem, openings filled, from the middle of the box; 0 where there is next to none.
+    /// The signed volume by the divergence theorem, openings filled, from the middle of the box; 0 where there is next
+    /// to none.
     fn enclosed(&self, scene: &Scene) -> f64 {
         let (low, high) = (self.low.as_dvec3(), self.high.as_dvec3());
         let middle: DVec3 = (low + high) * 0.5;

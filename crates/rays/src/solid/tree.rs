@@ -1,5 +1,5 @@
-//! A tree of boxes over the triangles of one surface: how often it winds around a point, how far a point stands in front of it, and
-//! whether it comes near a box.
+//! A tree of boxes over the triangles of one surface: how often it winds around a point, how far a point stands in
+//! front of it, and whether it comes near a box.
 
 use super::topology::{Face, corners};
 use crate::triangle::{Crossing, ShearedRay};
@@ -15,14 +15,15 @@ const SLACK: f64 = 1.0 + 8.0 * f64::EPSILON;
 /// Lean of the rays against their axis: no edge of a model runs along them.
 const LEAN: [f64; 2] = [0.025_731_7, 0.041_193_1];
 
-/// The share of that lean of a line that looks for an open surface: where it ends is where it ends, seen from any height.
+/// The share of that lean of a line that looks for an open surface: where it ends is where it ends, seen from any
+/// height.
 const UPRIGHT: f64 = 1.0 / 8192.0;
 
 /// A crossing nearer than this, by its weights or as a share of the way, to an edge or an end decides nothing.
 const CLEAR: f64 = 1e-9;
 
-/// How much higher the winding number is at the end of a straight way than at its start, where all that the way may cross are these
-/// triangles; `None` where it comes too near to an edge, or ends too near to a triangle, to tell.
+/// How much higher the winding number is at the end of a straight way than at its start, where all that the way may
+/// cross are these triangles; `None` where it comes too near to an edge, or ends too near to a triangle, to tell.
 pub(super) fn climb(faces: &[[[f32; 3]; 3]], from: DVec3, to: DVec3) -> Option<i32> {
     let way = ShearedRay::new(from, to - from);
     let mut climb = 0;
@@ -101,11 +102,11 @@ impl SurfaceTree {
         }
     }
 
-    /// How often the surface winds around a point: above 0 inside of faces that look outward, below 0 inside of faces that look
-    /// inward, 0 outside. A point on the surface may count either way.
+    /// How often the surface winds around a point: above 0 inside of faces that look outward, below 0 inside of faces
+    /// that look inward, 0 outside. A point on the surface may count either way.
     ///
-    /// Counted along one ray: faces met from behind less those met from their front. It goes to the nearest side of the box. `panes` are
-    /// triangles in the box that count as well.
+    /// Counted along one ray: faces met from behind less those met from their front. It goes to the nearest side of the
+    /// box. `panes` are triangles in the box that count as well.
     pub fn winding<'a>(
         &self,
         scene: &Scene,
@@ -141,8 +142,8 @@ impl SurfaceTree {
         winding
     }
 
-    /// How far in front of an open surface a point stands along a unit direction to which its faces look, below 0 behind it; `None`
-    /// beside it. A point over its border may be either.
+    /// How far in front of an open surface a point stands along a unit direction to which its faces look, below 0
+    /// behind it; `None` beside it. A point over its border may be either.
     pub fn height(&self, scene: &Scene, point: DVec3, front: DVec3) -> Option<f64> {
         self.height_to(scene, point, front, [1.0, 1.0])
     }

@@ -1,5 +1,5 @@
-//! Look-up methods: sections 7.1 and 8 of the 1984 text. The antialiased ones average a table over what a pixel reflects, the quad of
-//! the directions at its four corners.
+//! Look-up methods: sections 7.1 and 8 of the 1984 text. The antialiased ones average a table over what a pixel
+//! reflects, the quad of the directions at its four corners.
 
 use super::slices;
 use super::table::Table;
@@ -15,8 +15,9 @@ pub enum Lookup {
     Recursive,
     /// Section 8.2: the mean over the area of the quad in the table, weighted by solid angle.
     Quad,
-    /// Section 8.3: the mean over rectangles in the pre-integrated table, at constant cost. The quad is cut to at most 64 slices,
-    /// each of which is a rectangle, so that quads of neighbours hold a small light neither twice nor not at all.
+    /// Section 8.3: the mean over rectangles in the pre-integrated table, at constant cost. The quad is cut to at most
+    /// 64 slices, each of which is a rectangle, so that quads of neighbours hold a small light neither twice nor not at
+    /// all.
     Summed,
 }
 
@@ -124,8 +125,8 @@ fn adjacent(table: &Table, places: &[[f32; 2]; 4]) -> bool {
     })
 }
 
-/// The corners' places with columns that go on beyond the seam, and what is left at the end of a turn: a width where the
-/// quad holds a pole.
+/// The corners' places with columns that go on beyond the seam, and what is left at the end of a turn: a width where
+/// the quad holds a pole.
 fn unwrapped(table: &Table, mut places: [[f32; 2]; 4]) -> ([[f32; 2]; 4], f32) {
     let width = table.size().0 as f32;
     let step = |from: f32, to: f32| {

@@ -1,16 +1,18 @@
 //! Normals as codes of a frame buffer: section 2.4 of the 1984 text, and the octahedral codes of today.
 //!
-//! 256 normals: a square of 16 by 16 cells, laid on the disc without distortion of areas (P. Shirley, K. Chiu, "A Low Distortion Map
-//! Between Disk and Square", 1997) and on the hemisphere toward the viewer by J. Lambert's equal-area projection. Octahedral:
-//! Z. Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors" (2014).
+//! 256 normals: a square of 16 by 16 cells, laid on the disc without distortion of areas (P. Shirley, K. Chiu, "A Low
+//! Distortion Map Between Disk and Square", 1997) and on the hemisphere toward the viewer by J. Lambert's equal-area
+//! projection. Octahedral: Z. Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors"
+//! (2014).
 
 use glam::{DVec2, DVec3};
 use std::f64::consts::FRAC_PI_4;
 
 /// How a normal is stored.
 ///
-/// Angles between normals and what is stored, in degrees, mean and largest: 3.78 and 8.83 for the 256 normals; 0.334 and 0.942
-/// for octahedral codes of 8 + 8 bits, 0.0836 and 0.232 of 10 + 10, 0.0209 and 0.0590 of 12 + 12, 0.00131 and 0.00368 of 16 + 16.
+/// Angles between normals and what is stored, in degrees, mean and largest: 3.78 and 8.83 for the 256 normals; 0.334
+/// and 0.942 for octahedral codes of 8 + 8 bits, 0.0836 and 0.232 of 10 + 10, 0.0209 and 0.0590 of 12 + 12, 0.00131 and
+/// 0.00368 of 16 + 16.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NormalCode {
     /// One of 256 normals of equal areas on the hemisphere toward the camera; others become the nearest of its rim.

@@ -1,4 +1,5 @@
-//! What a mirroring globe shows of a sun of one texel, by each look-up: a far eye sees π/4 L of a sun of solid angle π, from everywhere.
+//! What a mirroring globe shows of a sun of one texel, by each look-up: a far eye sees π/4 L of a sun of solid angle π,
+//! from everywhere.
 
 use super::tests::{shader, view};
 use super::*;

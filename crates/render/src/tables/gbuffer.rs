@@ -27,8 +27,8 @@ pub struct View<'a> {
     pub camera: &'a Camera,
     /// With the object turned this far.
     pub turn: Turn,
-    /// Rays of a pixel: a regular grid of `samples` by `samples`, at least 1. They find its coverage, and the mean normal,
-    /// view and reflectances of one object.
+    /// Rays of a pixel: a regular grid of `samples` by `samples`, at least 1. They find its coverage, and the mean
+    /// normal, view and reflectances of one object.
     pub samples: u32,
     /// Also take the normals at the corners of pixels, which antialiased look-ups need.
     pub corners: bool,
@@ -55,8 +55,8 @@ pub struct GBuffer {
     pub(super) shaders: Vec<u32>,
     /// What the rays mirrored by traced surfaces meet, in the order of the pixels.
     pub(super) mirrored: Vec<Glimpse>,
-    /// Normals and views at the corners of pixels, rows of `width + 1`; normals are 0 where the object is not. Empty where they
-    /// were not asked for.
+    /// Normals and views at the corners of pixels, rows of `width + 1`; normals are 0 where the object is not. Empty
+    /// where they were not asked for.
     pub(super) corners: Vec<[[f32; 3]; 2]>,
     /// Objects at the corners and in the pixels.
     pub(super) corner_objects: Vec<u32>,

@@ -7,11 +7,11 @@ pub enum Index {
     Mirror,
     /// E itself, section 9: lunar dust, reflective signs, cat's eyes.
     Retro,
-    /// The direction refracted at one surface, section 9, by Snell's law with η, the refractive index on the eye's side over the
-    /// one behind the surface: T = −ηE + (ηc − √(1 − η²(1 − c²)))N with c = E·N. Total reflection gives R.
+    /// The direction refracted at one surface, section 9, by Snell's law with η, the refractive index on the eye's side
+    /// over the one behind the surface: T = −ηE + (ηc − √(1 − η²(1 − c²)))N with c = E·N. Total reflection gives R.
     Refraction(f32),
-    /// R, along which rays are cast into the scene, section 2.2: what they meet is shaded from its own tables, and where they meet
-    /// nothing S is read. A surface that is seen in such a mirror reads S at R, as if it stood alone.
+    /// R, along which rays are cast into the scene, section 2.2: what they meet is shaded from its own tables, and
+    /// where they meet nothing S is read. A surface that is seen in such a mirror reads S at R, as if it stood alone.
     Traced,
 }
 

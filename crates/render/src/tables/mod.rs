@@ -1,7 +1,8 @@
 //! Frames shaded from tables: section 3 of G. Miller, R. Hoffman, "Illumination and Reflection Maps" (1984).
 //!
-//! A [`GBuffer`] holds what a camera sees of an object: normals, views, materials. A [`Shader`] turns it into a picture by
-//! looking up reflection maps, at a cost that does not depend on what the maps show. Tables are made once; frames follow.
+//! A [`GBuffer`] holds what a camera sees of an object: normals, views, materials. A [`Shader`] turns it into a picture
+//! by looking up reflection maps, at a cost that does not depend on what the maps show. Tables are made once; frames
+//! follow.
 //!
 //! Intensity = Wd(E·N) kd D\[N] + Ws(E·N) ks S\[R] with R = 2(E·N)N − E. E points from the surface to the eye.
 

@@ -46,8 +46,8 @@ impl CameraPath {
         self.keys.len()
     }
 
-    /// Eye and looked-at point of frame `frame` of `frames`: the first key at the first frame, the last at the last, between
-    /// them the spline of E. Catmull, R. Rom (1974), whose tangents at the ends point to the next key.
+    /// Eye and looked-at point of frame `frame` of `frames`: the first key at the first frame, the last at the last,
+    /// between them the spline of E. Catmull, R. Rom (1974), whose tangents at the ends point to the next key.
     pub fn at(&self, frame: u32, frames: u32) -> [DVec3; 2] {
         let last = self.keys.len() - 1;
         let steps = frames.saturating_sub(1).max(1);

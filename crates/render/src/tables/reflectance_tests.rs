@@ -4,8 +4,8 @@ use super::tests::{LOOKUPS, buffer, polar, shader};
 use super::*;
 use maps::{Image, Normalise, Projection, Reflectance};
 
-/// Fresnel's share of unpolarised light that a surface of refractive index n + ik mirrors at a cosine (M. Born, E. Wolf, "Principles of
-/// Optics", sections 1.5.2 and 14.2).
+/// Fresnel's share of unpolarised light that a surface of refractive index n + ik mirrors at a cosine (M. Born, E.
+/// Wolf, "Principles of Optics", sections 1.5.2 and 14.2).
 fn fresnel(n: f64, k: f64, cosine: f64) -> f64 {
     let sine2 = 1.0 - cosine * cosine;
     let real = n * n - k * k - sine2;

@@ -1,7 +1,7 @@
 //! Pictures of encoded normals, which are lit by tables later: section 2.4 of the 1984 text.
 //!
-//! A pixel holds the two numbers of its normal's code and the number of its material, from 1; 0 is no surface. The camera and the
-//! materials stand in the file's header, so that the scene is no longer needed.
+//! A pixel holds the two numbers of its normal's code and the number of its material, from 1; 0 is no surface. The
+//! camera and the materials stand in the file's header, so that the scene is no longer needed.
 
 use super::encoded::NormalCode;
 use super::gbuffer::{GBuffer, Pixel, Turn, View};

@@ -29,8 +29,8 @@ pub struct Sequence<'a> {
     pub frames: u32,
     /// Where the camera is.
     pub motion: Motion,
-    /// How far the objects turn from frame to frame, counter-clockwise seen from the tip of the axis. In degrees, so that
-    /// a whole turn of whole numbers is not rounded.
+    /// How far the objects turn from frame to frame, counter-clockwise seen from the tip of the axis. In degrees, so
+    /// that a whole turn of whole numbers is not rounded.
     pub turn_deg: f64,
     /// The point and the unit axis about which they turn.
     pub about: [DVec3; 2],

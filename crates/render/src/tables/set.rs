@@ -52,8 +52,8 @@ impl TableSet {
     /// * `glosses`: exponents, and incidences in degrees. S stands for the files of [`specular_files`].
     ///
     /// # Errors
-    /// A file cannot be read or is not polar; or D and S differ in their normalisation, or two incidences have one cosine in 32 bits
-    /// ([`Error::Tables`]).
+    /// A file cannot be read or is not polar; or D and S differ in their normalisation, or two incidences have one
+    /// cosine in 32 bits ([`Error::Tables`]).
     pub fn read(
         surfaces: &[SurfaceType],
         maps: Option<[&Path; 2]>,
@@ -152,8 +152,9 @@ impl TableSet {
     }
 }
 
-/// The files that S stands for, a list for each exponent: `S_16.exr` of `S.exr` for the exponent 16 or the incidence 16, as `ambake map specular`
-/// names them, and `S_16_60.exr` for an exponent and an incidence. One list with S itself where there are neither.
+/// The files that S stands for, a list for each exponent: `S_16.exr` of `S.exr` for the exponent 16 or the incidence
+/// 16, as `ambake map specular` names them, and `S_16_60.exr` for an exponent and an incidence. One list with S itself
+/// where there are neither.
 pub fn specular_files(path: &Path, exponents: &[f64], incidences: &[f64]) -> Vec<Vec<PathBuf>> {
     let each = |path: &Path, numbers: &[f64]| match numbers {
         [] => vec![path.to_owned()],

@@ -23,7 +23,8 @@ impl Shader<'_> {
 /// Shades each pixel of `buffer` by the shader of its surface, over what `picture` holds behind it.
 ///
 /// # Panics
-/// Where the picture has another size, an antialiased look-up meets a buffer without corners, or a surface names a shader that is not there.
+/// Where the picture has another size, an antialiased look-up meets a buffer without corners, or a surface names a
+/// shader that is not there.
 pub fn frame(shaders: &[Shader<'_>], buffer: &GBuffer, lookup: Lookup, picture: &mut Image) {
     let [width, height] = buffer.camera.size.map(|n| n as usize);
     assert_eq!((picture.width, picture.height), (width, height));

@@ -6,9 +6,10 @@ use super::weight::Weight;
 
 /// A surface type: which tables are looked up by which directions, and what each counts.
 ///
-/// Radiance toward the eye is `Wd kd D[N] + Ws ks S[index] + ½ I[R]`, each term where its table is given. A translucent surface has
-/// `(1 − t) D[N] + t D[−N]` in place of `D[N]`: what section 10 hopes for, at the cost of one more look-up. With tables in
-/// radiance normalisation a constant environment of 1 gives `Wd kd + Ws ks + ½`. Self-luminous is a constant D.
+/// Radiance toward the eye is `Wd kd D[N] + Ws ks S[index] + ½ I[R]`, each term where its table is given. A translucent
+/// surface has `(1 − t) D[N] + t D[−N]` in place of `D[N]`: what section 10 hopes for, at the cost of one more look-up.
+/// With tables in radiance normalisation a constant environment of 1 gives `Wd kd + Ws ks + ½`. Self-luminous is a
+/// constant D.
 #[derive(Debug, Clone)]
 pub struct Shader<'a> {
     /// D, indexed by N.
@@ -17,8 +18,8 @@ pub struct Shader<'a> {
     pub translucency: f32,
     /// S.
     pub specular: Option<&'a Table>,
-    /// S for several exponents, ascending, each with a table for every one of `incidences`: each pixel reads those that its material and its
-    /// E·N lie between. Beside `specular`, mostly in its place.
+    /// S for several exponents, ascending, each with a table for every one of `incidences`: each pixel reads those that
+    /// its material and its E·N lie between. Beside `specular`, mostly in its place.
     pub glosses: Vec<(f64, Vec<&'a Table>)>,
     /// E·N of the tables of a gloss, ascending, no two alike; empty for one table at all incidences.
     pub incidences: Vec<f32>,
@@ -36,7 +37,8 @@ pub struct Shader<'a> {
 pub(super) const COAT: f32 = 0.5;
 
 impl Shader<'_> {
-    /// How much of each of `glosses` a material of this exponent shows: linear in ln(n + 1) between two, the nearest beyond the ends.
+    /// How much of each of `glosses` a material of this exponent shows: linear in ln(n + 1) between two, the nearest
+    /// beyond the ends.
     pub(super) fn shares(&self, exponent: f64) -> Vec<f32> {
         let places: Vec<f64> = self.glosses.iter().map(|(n, _)| n.ln_1p()).collect();
         let mut shares = vec![0.0; places.len()];
@@ -93,7 +95,8 @@ impl Shader<'_> {
         value
     }
 
-    /// Radiance toward `view` of a point with reflectances `[kd, ks]`, by bilinear look-up, without `glosses`. Unit vectors.
+    /// Radiance toward `view` of a point with reflectances `[kd, ks]`, by bilinear look-up, without `glosses`. Unit
+    /// vectors.
     pub fn point(&self, normal: [f32; 3], view: [f32; 3], material: [[f32; 3]; 2]) -> [f32; 3] {
         let read = |table: Option<&Table>, direction| {
             table.map_or([0.0; 3], |table| table.bilinear(direction))

@@ -1,16 +1,18 @@
 //! A quad as a few rectangles of the pre-integrated table: section 8.3 of the 1984 text without losing small lights.
 //!
-//! One rectangle of the quad's place and size is what the text has. Where the quad is turned against rows and columns, rectangles of
-//! neighbouring pixels overlap in places and leave others out: a sun of one texel is seen twice by some views and not at all by
-//! others. So the quad is cut across its longer side, and each slice is the rectangle between its two edges. No rectangle is
-//! narrower than a texel, which interpolates where texels are large; a slice that is narrower has two, side by side.
+//! One rectangle of the quad's place and size is what the text has. Where the quad is turned against rows and columns,
+//! rectangles of neighbouring pixels overlap in places and leave others out: a sun of one texel is seen twice by some
+//! views and not at all by others. So the quad is cut across its longer side, and each slice is the rectangle between
+//! its two edges. No rectangle is narrower than a texel, which interpolates where texels are large; a slice that is
+//! narrower has two, side by side.
 
 use super::summed::Summed;
 
 /// Slices of a quad, at most.
 const MOST: f32 = 64.0;
 
-/// Slices of a texel of its longer side: more than one, so that no row of texels falls between the rectangles of two pixels.
+/// Slices of a texel of its longer side: more than one, so that no row of texels falls between the rectangles of two
+/// pixels.
 const FINE: f32 = 2.0;
 
 /// The least chord, in texels: it keeps the mean of a quad without an area.

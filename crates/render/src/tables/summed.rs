@@ -1,9 +1,9 @@
 //! The pre-integrated table of section 8.3: sums over any rectangle from four look-ups, exact.
 //!
-//! A texel's entry is its radiance times its solid angle, and the solid angle itself, as whole numbers of a fixed unit: 62
-//! bits hold the sum over the whole map, so sums do not depend on their order and differences lose nothing. The text asks for
-//! "enough precision to accurately store the highest value times the number of pixels"; a sun of 10⁶ in 2²¹ texels
-//! takes 45 bits with a sky of 1, which leaves 17 for the sky.
+//! A texel's entry is its radiance times its solid angle, and the solid angle itself, as whole numbers of a fixed unit:
+//! 62 bits hold the sum over the whole map, so sums do not depend on their order and differences lose nothing. The text
+//! asks for "enough precision to accurately store the highest value times the number of pixels"; a sun of 10⁶ in 2²¹
+//! texels takes 45 bits with a sky of 1, which leaves 17 for the sky.
 
 use maps::Projection;
 
@@ -63,8 +63,8 @@ impl Summed {
         }
     }
 
-    /// Sum over whole texels: columns `left..right`, which may lie beyond the seam on either side, rows `top..bottom`. Red,
-    /// green, blue times solid angle, and solid angle, each in its own unit.
+    /// Sum over whole texels: columns `left..right`, which may lie beyond the seam on either side, rows `top..bottom`.
+    /// Red, green, blue times solid angle, and solid angle, each in its own unit.
     ///
     /// # Panics
     /// Where the rows are not ascending rows of the map.
@@ -97,8 +97,9 @@ impl Summed {
         found
     }
 
-    /// Mean radiance over a rectangle with borders anywhere, in texels: columns may lie beyond the seam, rows are cut at the
-    /// poles. A rectangle one texel wide and high gives what bilinear interpolation gives, weighted by solid angle.
+    /// Mean radiance over a rectangle with borders anywhere, in texels: columns may lie beyond the seam, rows are cut
+    /// at the poles. A rectangle one texel wide and high gives what bilinear interpolation gives, weighted by solid
+    /// angle.
     pub fn mean(&self, across: [f32; 2], down: [f32; 2]) -> [f32; 3] {
         let sum = self.sum(across, down);
         std::array::from_fn(|c| (sum[c] / sum[3]) as f32)

@@ -14,7 +14,8 @@ pub struct Surfel {
     pub specular: DVec3,
     /// Exponent of the lobe, for shaders with an S for each of several.
     pub exponent: f64,
-    /// Number of the object. A pixel is shaded as one object: other objects behind its edge do not bend what it reflects.
+    /// Number of the object. A pixel is shaded as one object: other objects behind its edge do not bend what it
+    /// reflects.
     pub object: u32,
     /// Number of its shader in the list that the picture is shaded by.
     pub shader: u32,

@@ -8,19 +8,21 @@ use crate::text::{heading, rows_of};
 pub enum Weight {
     /// 1 at every angle.
     Constant,
-    /// F0 + (1 − F0)(1 − E·N)⁵: C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering" (1994). F0 in 0..=1.
+    /// F0 + (1 − F0)(1 − E·N)⁵: C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering" (1994). F0 in
+    /// 0..=1.
     Schlick(f32),
     /// Linear between (cosine, red, green, blue) with ascending cosines; constant beyond the ends. Not empty.
     Table(Vec<[f32; 4]>),
 }
 
 impl Weight {
-    /// The weight in a text of lines with a cosine and a weight, or red, green and blue, apart by commas or blanks; `#` begins a comment.
-    /// After a first line that begins with `degrees` each line begins with the angle from the normal, ascending in 0..=90.
+    /// The weight in a text of lines with a cosine and a weight, or red, green and blue, apart by commas or blanks; `#`
+    /// begins a comment. After a first line that begins with `degrees` each line begins with the angle from the normal,
+    /// ascending in 0..=90.
     ///
     /// # Errors
-    /// [`Error::Line`] with the first line that is none, [`Error::Text`] where there are no lines, cosines do not ascend
-    /// within 0..=1 or a weight is below 0.
+    /// [`Error::Line`] with the first line that is none, [`Error::Text`] where there are no lines, cosines do not
+    /// ascend within 0..=1 or a weight is below 0.
     pub fn parse(text: &str) -> Result<Weight, Error> {
         let (heading, text) = heading(text, &["cosine", "degrees"]);
         let expected = "a cosine or an angle, and a weight or red, green and blue,";

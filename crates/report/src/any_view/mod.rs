@@ -73,7 +73,8 @@ fn shader(text: &str, order: u32) -> String {
     text.replace("= 4; // 8 for any-view.8", &format!("= {order};"))
 }
 
-/// One channel, `Y`, 32-bit floats. The header names its writer and no more, so that the bytes depend on the values alone.
+/// One channel, `Y`, 32-bit floats. The header names its writer and no more, so that the bytes depend on the values
+/// alone.
 fn encode(columns: usize, values: Vec<f32>) -> Vec<u8> {
     let size = (columns, values.len() / columns);
     let channels = AnyChannels::sort(vec![AnyChannel::new("Y", FlatSamples::F32(values))].into());

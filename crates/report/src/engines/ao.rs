@@ -1,5 +1,5 @@
-//! The diffuse term as a grey picture: 1 is open. It carries no colour space chunk: it is linear, and glTF readers must not
-//! look for one.
+//! The diffuse term as a grey picture: 1 is open. It carries no colour space chunk: it is linear, and glTF readers must
+//! not look for one.
 
 use super::PageLight;
 use super::mips::{fill, is_filled};
@@ -18,7 +18,8 @@ pub fn deep(page: &PageLight<'_>) -> Vec<u8> {
     encode(page.size, BitDepth::Sixteen, &bytes.collect::<Vec<_>>())
 }
 
-/// 8-bit grey, dithered by blue noise: a smooth slope shows no bands. Values that 8 bits hold, 0 and 1 among them, stay.
+/// 8-bit grey, dithered by blue noise: a smooth slope shows no bands. Values that 8 bits hold, 0 and 1 among them,
+/// stay.
 pub fn dithered(page: &PageLight<'_>) -> Vec<u8> {
     let (dither, edge) = (Dither::new(), page.size as usize);
     let byte = |(i, v): (usize, &f32)| dither.byte(*v, i % edge, i / edge);
@@ -49,8 +50,9 @@ impl Dither {
     }
 }
 
-/// A square of thresholds, each once, above -1/2 and below 1/2, whose neighbours differ: each next is put into the largest void that
-/// those before left (R. Ulichney, "The void-and-cluster method for dither array generation", 1993). The square repeats.
+/// A square of thresholds, each once, above -1/2 and below 1/2, whose neighbours differ: each next is put into the
+/// largest void that those before left (R. Ulichney, "The void-and-cluster method for dither array generation", 1993).
+/// The square repeats.
 fn blue_noise() -> Vec<f32> {
     const SIGMA: f32 = 1.5;
     let count = TILE * TILE;

@@ -38,7 +38,8 @@ pub fn encode(levels: &[Level], layers: u32) -> Vec<u8> {
     encode_as(&shape, &levels)
 }
 
-/// The bytes of a file. Levels stand from the largest in the index and from the smallest in the file, as the format wants it; alpha is 1.
+/// The bytes of a file. Levels stand from the largest in the index and from the smallest in the file, as the format
+/// wants it; alpha is 1.
 pub fn encode_as(shape: &Shape, levels: &[&[[f32; 3]]]) -> Vec<u8> {
     let (descriptor, values) = (descriptor(), key_values(shape.orientation));
     let descriptor_at = HEADER + LEVEL_INDEX * levels.len();

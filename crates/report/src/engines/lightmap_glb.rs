@@ -1,8 +1,9 @@
-//! The scene with its lightmap by `MOZ_lightmap`, the extension that Mozilla Hubs made: `index`, `texCoord`, `intensity`.
+//! The scene with its lightmap by `MOZ_lightmap`, the extension that Mozilla Hubs made: `index`, `texCoord`,
+//! `intensity`.
 //!
-//! Its readers (Hubs; three.js' `GLTFLightMapLoaderExtension`) take the texture as linear and the product with `intensity` as irradiance E.
-//! So the picture holds E / pi as a share of its largest value m, and `intensity` is pi m. Occlusion would darken the light once more
-//! and is taken out.
+//! Its readers (Hubs; three.js' `GLTFLightMapLoaderExtension`) take the texture as linear and the product with
+//! `intensity` as irradiance E. So the picture holds E / pi as a share of its largest value m, and `intensity` is pi m.
+//! Occlusion would darken the light once more and is taken out.
 
 use super::ao::Dither;
 use super::mips::{fill, is_filled};

@@ -1,5 +1,5 @@
-//! The scene with its baked light as emission: any viewer of glTF shows it lit, Blender in Eevee and in Cycles, without a lamp, a sky
-//! or a node set by hand.
+//! The scene with its baked light as emission: any viewer of glTF shows it lit, Blender in Eevee and in Cycles, without
+//! a lamp, a sky or a node set by hand.
 //!
 //! Materials that show a page give off the page's `lambert` and reflect nothing. Their alpha stays.
 

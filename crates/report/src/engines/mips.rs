@@ -1,5 +1,5 @@
-//! The page and its smaller levels. Texels beside charts repeat the nearest of their own chart, and no level mixes charts
-//! that the layout keeps apart.
+//! The page and its smaller levels. Texels beside charts repeat the nearest of their own chart, and no level mixes
+//! charts that the layout keeps apart.
 
 use super::{Level, PageLight};
 use atlas::Dilation;

@@ -1,7 +1,8 @@
 //! Files that engines load as they are: lightmaps and ambient occlusion, a page at a time.
 //!
-//! Every engine gets the same light: what arrives at a matt surface without its albedo, E / pi, which is 1 under an open
-//! sky of radiance 1. What an engine multiplies by differs; [`Engine`]'s table says it, and `bake.json` repeats it.
+//! Every engine gets the same light: what arrives at a matt surface without its albedo, E / pi, which is 1 under an
+//! open sky of radiance 1. What an engine multiplies by differs; [`Engine`]'s table says it, and `bake.json` repeats
+//! it.
 
 mod ao;
 mod container;
@@ -52,8 +53,8 @@ pub fn engine_files(stem: &str, page: u32, engines: &[Engine], directional: bool
     kinds.iter().map(|kind| kind.file(stem, page)).collect()
 }
 
-/// Stages the files that `engines` get of one page, and returns what `bake.json` says of them. The bytes are a function of
-/// the page alone: an export makes the same files as the bake.
+/// Stages the files that `engines` get of one page, and returns what `bake.json` says of them. The bytes are a function
+/// of the page alone: an export makes the same files as the bake.
 ///
 /// # Errors
 /// A file cannot be staged.

@@ -1,7 +1,8 @@
-//! The scene with occlusion, roughness and metalness in one picture (red, green, blue), as game engines keep them: `STEM.orm.glb`.
+//! The scene with occlusion, roughness and metalness in one picture (red, green, blue), as game engines keep them:
+//! `STEM.orm.glb`.
 //!
-//! glTF reads both textures of a material at coordinates of their own. They can be one where these are the same, which they are where
-//! a bake keeps a file's coordinates. Materials of which that is not true keep two textures.
+//! glTF reads both textures of a material at coordinates of their own. They can be one where these are the same, which
+//! they are where a bake keeps a file's coordinates. Materials of which that is not true keep two textures.
 
 use super::Engine;
 use super::container::{list, parts, whole};
@@ -21,7 +22,8 @@ pub const WORDS: [&str; 2] = [
     "Import it in place of STEM.glb. Materials whose metallicRoughnessTexture is read at other coordinates keep two textures.",
 ];
 
-/// The GLB of a bake with packed textures; `None` where no material can be packed, or `glb` is not one that ambake wrote.
+/// The GLB of a bake with packed textures; `None` where no material can be packed, or `glb` is not one that ambake
+/// wrote.
 pub fn packed(glb: &[u8]) -> Option<Vec<u8>> {
     let (json, bin) = parts(glb)?;
     let mut document = GltfDocument {
@@ -161,7 +163,8 @@ mod tests {
     use super::*;
     use crate::preview::encode;
 
-    /// A GLB of one material whose surface texture has 2 x 2 texels and whose occlusion has one, read at the same accessor.
+    /// A GLB of one material whose surface texture has 2 x 2 texels and whose occlusion has one, read at the same
+    /// accessor.
     fn glb(edit: impl Fn(&mut Value)) -> Vec<u8> {
         let occlusion = encode([1, 1], ColorType::Rgb, &[51; 3], None);
         let surface = [9, 10, 20, 9, 30, 40, 9, 50, 60, 9, 70, 80];

@@ -1,7 +1,7 @@
 //! GLB files that carry the scene with its light, so that a reader of glTF shows it without a step by hand.
 //!
-//! They are made from the bake's own GLB, of which only the materials change: in each, the picture of the occlusion gives its place to one
-//! of light, and the materials that showed the one show the other.
+//! They are made from the bake's own GLB, of which only the materials change: in each, the picture of the occlusion
+//! gives its place to one of light, and the materials that showed the one show the other.
 
 use super::container::{list, parts, whole};
 use super::lightmap_glb::LIGHTMAP;

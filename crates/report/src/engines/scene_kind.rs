@@ -13,7 +13,8 @@ pub(super) struct SceneGlb {
     pub extensions: &'static [&'static str],
     /// The picture of a page; `None` where the page lacks a layer.
     pub picture: fn(&PageLight<'_>) -> Option<Picture>,
-    /// Makes a material show a texture on the lightmap's coordinates, in place of the occlusion; given a picture's strength too.
+    /// Makes a material show a texture on the lightmap's coordinates, in place of the occlusion; given a picture's
+    /// strength too.
     pub shows: fn(&mut Map<String, Value>, u64, f32),
     /// Unit and use, as `bake.json` says them.
     pub words: [&'static str; 2],

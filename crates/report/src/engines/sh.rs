@@ -1,7 +1,9 @@
-//! Light by direction for engines: spherical harmonics of order 1 in the packings of Godot and, as plain numbers, for shaders of one's own.
+//! Light by direction for engines: spherical harmonics of order 1 in the packings of Godot and, as plain numbers, for
+//! shaders of one's own.
 //!
-//! The layer `sh` holds m = (1/4pi) times the integral of L over the sphere, and v, the same times each axis of the direction, so that |v| is at
-//! most m. Light on a surface with the normal n is about E/pi = m + 2 v.n, exact where nothing or a half-space is in the way.
+//! The layer `sh` holds m = (1/4pi) times the integral of L over the sphere, and v, the same times each axis of the
+//! direction, so that |v| is at most m. Light on a surface with the normal n is about E/pi = m + 2 v.n, exact where
+//! nothing or a half-space is in the way.
 
 use super::mips::{fill, is_filled};
 use super::{Level, PageLight, half_exr, ktx2};
@@ -9,8 +11,8 @@ use super::{Level, PageLight, half_exr, ktx2};
 /// Numbers of a texel: mean, x, y, z of red, green and blue.
 const NUMBERS: usize = 12;
 
-/// Godot's packing of directional lightmaps, a slice under the other: m; then 1/2 + v / 4m along y, z and x. Godot computes
-/// slice 0 times (1 + 8 (slice - 1/2).n) of it.
+/// Godot's packing of directional lightmaps, a slice under the other: m; then 1/2 + v / 4m along y, z and x. Godot
+/// computes slice 0 times (1 + 8 (slice - 1/2).n) of it.
 pub fn slices(page: &PageLight<'_>) -> Option<Vec<u8>> {
     let texels = texels(page)?;
     let ratio = |texel: &[f32; NUMBERS], axis: usize| {

@@ -1,13 +1,15 @@
 //! A glTF document for a scene that came from an OBJ file or was built in memory: vertices in the order of the layout,
 //! materials mapped.
 //!
-//! Base colour is the albedo (Kd, scaled where Kd + Ks is above 1), because engines multiply lightmaps by the base colour. Metallic
-//! is 0, and roughness the inverse of [`scene::phong_from_metallic_roughness`]: `roughness = (2n + 1)^(-1/4)`.
+//! Base colour is the albedo (Kd, scaled where Kd + Ks is above 1), because engines multiply lightmaps by the base
+//! colour. Metallic is 0, and roughness the inverse of [`scene::phong_from_metallic_roughness`]: `roughness = (2n +
+//! 1)^(-1/4)`.
 //!
-//! glTF gives every dielectric a coat that reflects, and takes from the base what it reflects. Readers disagree on how much of a
-//! lightmap it takes: Bevy nothing, three.js a share that depends on the view, the standard `max Ks` at normal view. So the coat is
-//! off: `specularFactor` of `KHR_materials_specular` is 0. Its colour, Ks / 0.04, stands beside it: a factor of 1 brings the
-//! highlights of lamps back. `extras.ambake` holds Ks and Ns, by which ambake reads back the materials of the scene.
+//! glTF gives every dielectric a coat that reflects, and takes from the base what it reflects. Readers disagree on how
+//! much of a lightmap it takes: Bevy nothing, three.js a share that depends on the view, the standard `max Ks` at
+//! normal view. So the coat is off: `specularFactor` of `KHR_materials_specular` is 0. Its colour, Ks / 0.04, stands
+//! beside it: a factor of 1 brings the highlights of lamps back. `extras.ambake` holds Ks and Ns, by which ambake reads
+//! back the materials of the scene.
 //!
 //! Ke is the emissive factor, with `KHR_materials_emissive_strength` where a channel is above 1.
 

@@ -210,8 +210,8 @@ pub fn lightmap(
     document.push_floats(&uvs, false)
 }
 
-/// Replaces every accessor of an attribute map by its elements in the order `vertices`. All must have `expected` elements
-/// where the loader read them whole.
+/// Replaces every accessor of an attribute map by its elements in the order `vertices`. All must have `expected`
+/// elements where the loader read them whole.
 fn gather_all(
     document: &mut Document,
     attributes: &mut Map<String, Value>,
@@ -242,8 +242,8 @@ fn gather_all(
     Ok(())
 }
 
-/// Whether the primitive's `TEXCOORD_1` holds the layout's coordinates, value by value. `in_file`: the layout's vertices by
-/// their numbers in the file's arrays.
+/// Whether the primitive's `TEXCOORD_1` holds the layout's coordinates, value by value. `in_file`: the layout's
+/// vertices by their numbers in the file's arrays.
 fn has_lightmap(
     document: &Document,
     primitive: &Value,

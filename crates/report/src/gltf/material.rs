@@ -77,8 +77,8 @@ impl<'a> Materials<'a> {
         })
     }
 
-    /// The material that is `uses.original` with the occlusion of `page`, where there are pictures. The first takes the original's own
-    /// place.
+    /// The material that is `uses.original` with the occlusion of `page`, where there are pictures. The first takes the
+    /// original's own place.
     pub fn get(
         &mut self,
         document: &mut Document,
@@ -160,8 +160,8 @@ impl<'a> Materials<'a> {
     }
 }
 
-/// The material that a primitive without one gets: white and matt, as the bake takes it. glTF's own default is a rough metal,
-/// which a lightmap and occlusion leave black.
+/// The material that a primitive without one gets: white and matt, as the bake takes it. glTF's own default is a rough
+/// metal, which a lightmap and occlusion leave black.
 fn matt() -> Value {
     json!({
         "name": "default",
@@ -170,8 +170,9 @@ fn matt() -> Value {
     })
 }
 
-/// Leads every texture of a material, or of the extensions of a primitive, that reads UV set 1 to the set `to`; true where there was one. A
-/// texture names its set by the key `texCoord`, in the core, in any extension, and in `KHR_texture_transform`, which overrides it.
+/// Leads every texture of a material, or of the extensions of a primitive, that reads UV set 1 to the set `to`; true
+/// where there was one. A texture names its set by the key `texCoord`, in the core, in any extension, and in
+/// `KHR_texture_transform`, which overrides it.
 pub fn redirect(map: &mut Map<String, Value>, to: u64) -> bool {
     let mut found = false;
     for (key, value) in map {

@@ -41,8 +41,8 @@ struct Origins {
 ///   triangles lie on that page. `None` writes the lightmap coordinates alone.
 ///
 /// # Errors
-/// [`Error::Read`] where an attribute that the scene does not use is damaged in the input; [`Error::Write`] with an empty
-/// path where the file would pass the format's 4 GiB.
+/// [`Error::Read`] where an attribute that the scene does not use is damaged in the input; [`Error::Write`] with an
+/// empty path where the file would pass the format's 4 GiB.
 ///
 /// # Panics
 /// Where scene, atlas and pages do not fit each other: a bug of the caller.

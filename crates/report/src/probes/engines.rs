@@ -169,9 +169,9 @@ pub(crate) fn polynomial(light: &[DVec3]) -> [DVec3; TERMS] {
     })
 }
 
-/// The texture of Bevy's `IrradianceVolume`: (Rx, 2 Ry, 3 Rz) texels, the ambient cube's x, y and z sides one after another along z,
-/// and of each the positive side below the negative one along y. So Bevy's shader reads it; the table in its documentation has
-/// the signs the other way round.
+/// The texture of Bevy's `IrradianceVolume`: (Rx, 2 Ry, 3 Rz) texels, the ambient cube's x, y and z sides one after
+/// another along z, and of each the positive side below the negative one along y. So Bevy's shader reads it; the table
+/// in its documentation has the signs the other way round.
 fn bevy(set: &ProbeSet, name: &str) -> Result<Vec<u8>, Error> {
     let [nx, ny, nz] = counts(set, name)?;
     let cubes: Vec<[DVec3; 6]> = set.filled.iter().map(|light| ambient_cube(light)).collect();

@@ -17,7 +17,8 @@ use std::path::Path;
 /// Version of [`ProbeReport`]: it grows when a field changes its meaning or goes.
 pub const PROBES_SCHEMA: u32 = 1;
 
-/// Everything about the probes of a scene: `STEM.probes.json`. Places are in the coordinates of the scene's file, light is linear RGB.
+/// Everything about the probes of a scene: `STEM.probes.json`. Places are in the coordinates of the scene's file, light
+/// is linear RGB.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ProbeReport {
     /// [`PROBES_SCHEMA`].
@@ -74,7 +75,8 @@ pub struct ProbeGrid {
     pub counts: [u32; 3],
 }
 
-/// What linear interpolation between probes misses of the light E / pi at random places in the air, all normals together.
+/// What linear interpolation between probes misses of the light E / pi at random places in the air, all normals
+/// together.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct InterpolationReport {
     /// Places that were looked at.

@@ -23,8 +23,8 @@ pub struct ReflectionReport {
     pub diffuse: String,
     /// Standard error of that.
     pub diffuse_error: f64,
-    /// Least and largest corner of the box that surfaces make around the place, along the axes, for box projection; `None` where a side
-    /// is open.
+    /// Least and largest corner of the box that surfaces make around the place, along the axes, for box projection;
+    /// `None` where a side is open.
     pub room: Option<[[f64; 3]; 2]>,
 }
 

@@ -20,8 +20,8 @@ pub struct EmbeddedProbes<'a> {
 }
 
 impl<'a> EmbeddedProbes<'a> {
-    /// The probes of a report, and the light that each is shown with, those that are invalid filled; `None` where there is none, or more than
-    /// a page can hold.
+    /// The probes of a report, and the light that each is shown with, those that are invalid filled; `None` where there
+    /// is none, or more than a page can hold.
     pub fn of(report: &'a ProbeReport, light: &'a [Vec<DVec3>]) -> Option<Self> {
         let count = report.probes.len();
         let is_shown = count == light.len() && (1..=MOST).contains(&count);

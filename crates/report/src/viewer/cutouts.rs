@@ -29,8 +29,8 @@ impl<'a> Cutouts<'a> {
         Self { scene, pictures }
     }
 
-    /// What the head says of a mesh: its picture, or -1, and its cutoff, or -1 where it is see-through; nothing where the
-    /// mesh is opaque.
+    /// What the head says of a mesh: its picture, or -1, and its cutoff, or -1 where it is see-through; nothing where
+    /// the mesh is opaque.
     pub fn head(&self, mesh: &Mesh) -> Option<Value> {
         let alpha = alpha(self.scene, mesh)?;
         let number = |map| self.pictures.iter().position(|known| same(known, map));
@@ -38,7 +38,8 @@ impl<'a> Cutouts<'a> {
         Some(json!({ "picture": picture, "cutoff": alpha.cutoff }))
     }
 
-    /// Coordinates on the picture and the alpha that multiplies it, as three f32 a vertex; empty where the mesh is opaque.
+    /// Coordinates on the picture and the alpha that multiplies it, as three f32 a vertex; empty where the mesh is
+    /// opaque.
     pub fn vertices(&self, mesh: &Mesh) -> Vec<u8> {
         let Some(alpha) = alpha(self.scene, mesh) else {
             return Vec::new();

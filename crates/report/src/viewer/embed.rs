@@ -124,8 +124,8 @@ impl EmbeddedPage {
     }
 }
 
-/// The channels of the layer for any view with the most numbers; none where the page lacks the normal or the exponent, without which
-/// no view can be evaluated.
+/// The channels of the layer for any view with the most numbers; none where the page lacks the normal or the exponent,
+/// without which no view can be evaluated.
 fn harmonics(page: &Page) -> Vec<&Channel> {
     if page.layer("normal").is_none() || page.layer("exponent").is_none() {
         return Vec::new();

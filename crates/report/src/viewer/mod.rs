@@ -1,8 +1,8 @@
 //! `report.html`: a finished bake to look at in a browser, in one file that needs no network.
 //!
-//! The page's own code stands beside this file as HTML, CSS and plain JavaScript over WebGL 2. What it shows is embedded: a
-//! JSON head, the geometry, and every page's layers as 16-bit floats, deflated and in base64. Names cannot end the script
-//! element that they stand in, because the head has no `<`.
+//! The page's own code stands beside this file as HTML, CSS and plain JavaScript over WebGL 2. What it shows is
+//! embedded: a JSON head, the geometry, and every page's layers as 16-bit floats, deflated and in base64. Names cannot
+//! end the script element that they stand in, because the head has no `<`.
 
 mod balls;
 mod cutouts;

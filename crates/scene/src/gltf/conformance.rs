@@ -1,8 +1,8 @@
-//! What of glTF 2.0 and of its extensions a bake reads: one table. Warnings are made from it, and the table of `docs/gltf.md`, which a
-//! test holds to it.
+//! What of glTF 2.0 and of its extensions a bake reads: one table. Warnings are made from it, and the table of
+//! `docs/gltf.md`, which a test holds to it.
 //!
-//! Sources: the glTF 2.0 specification, section 5; the extensions of its repository, `extensions/2.0`, on 26 November 2026, and those of
-//! other makers that are in wide use.
+//! Sources: the glTF 2.0 specification, section 5; the extensions of its repository, `extensions/2.0`, on 26 November
+//! 2026, and those of other makers that are in wide use.
 
 use crate::WarningKind;
 use crate::source::{Input, short};
@@ -189,7 +189,8 @@ pub(super) fn is_supported(name: &str) -> bool {
     extension(name).is_some_and(|row| !row.needed)
 }
 
-/// Counts the extensions that could change light and are not read, and those that are not known, with the names of what has them.
+/// Counts the extensions that could change light and are not read, and those that are not known, with the names of what
+/// has them.
 pub(super) fn warn(input: &mut Input, json: &Value) {
     let mut document = Vec::new();
     collect(json.get("extensions"), &mut document);

@@ -19,8 +19,8 @@ pub struct GltfDocument {
     /// Why a buffer has no bytes though the JSON announces some; nothing that a bake reads lies in it. Shorter where
     /// the rest have theirs.
     pub absent: Vec<Option<String>>,
-    /// For each of the JSON's `images` the content behind its `uri`. `None` where it lies in a buffer view, where its file is
-    /// absent or nothing uses it, and where its bytes are not those of a picture: that stays a URI.
+    /// For each of the JSON's `images` the content behind its `uri`. `None` where it lies in a buffer view, where its
+    /// file is absent or nothing uses it, and where its bytes are not those of a picture: that stays a URI.
     pub images: Vec<Option<EncodedImage>>,
 }
 
@@ -34,8 +34,9 @@ pub struct EncodedImage {
 }
 
 impl GltfDocument {
-    /// The document with its buffers read, without its images. `bin` is the binary chunk of a GLB file. A buffer that only holds the place
-    /// of compressed views is empty, and so is one whose content cannot be had: only what reads it fails.
+    /// The document with its buffers read, without its images. `bin` is the binary chunk of a GLB file. A buffer that
+    /// only holds the place of compressed views is empty, and so is one whose content cannot be had: only what reads it
+    /// fails.
     ///
     /// # Errors
     /// A buffer lies where the scene may not have files read.

@@ -316,7 +316,8 @@ fn packed_images(
     Ok(numbers)
 }
 
-/// The number of a texture's image: the core's, else one in a format that only an extension may name and that is decoded here.
+/// The number of a texture's image: the core's, else one in a format that only an extension may name and that is
+/// decoded here.
 fn source_of(data: &Data, texture: &gltf::json::Texture) -> usize {
     let own = texture.source.value();
     let webp = || {
@@ -383,7 +384,8 @@ fn texture(data: &Data, info: &Info, images: &HashMap<usize, u32>) -> Option<Tex
     })
 }
 
-/// Decodes the images that base colours, metallic-roughness and emission read; returns glTF image number to scene image number.
+/// Decodes the images that base colours, metallic-roughness and emission read; returns glTF image number to scene image
+/// number.
 fn images(
     input: &mut Input,
     data: &Data,

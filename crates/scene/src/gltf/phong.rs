@@ -1,7 +1,7 @@
 //! The highlight of a material that ambake wrote.
 //!
-//! The GLB of a bake has the coat of its materials off, so that engines show the baked light. What highlight the scene's material has
-//! stands in `extras.ambake`: `Ks` and `Ns` as in an OBJ file.
+//! The GLB of a bake has the coat of its materials off, so that engines show the baked light. What highlight the
+//! scene's material has stands in `extras.ambake`: `Ks` and `Ns` as in an OBJ file.
 
 use crate::material::MAX_EXPONENT;
 use glam::Vec3;
@@ -26,7 +26,8 @@ struct Written {
     ns: f64,
 }
 
-/// The highlight that `extras.ambake` names; `None` where it names none. Extras may hold anything, so what does not fit is not an error.
+/// The highlight that `extras.ambake` names; `None` where it names none. Extras may hold anything, so what does not fit
+/// is not an error.
 pub(super) fn phong(json: &Material) -> Option<Phong> {
     let extras = json.extras.as_ref()?;
     let Written { ks, ns } = gltf::json::deserialize::from_str::<Extras>(extras.get())

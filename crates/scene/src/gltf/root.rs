@@ -49,8 +49,8 @@ fn as_integer(value: &mut Value) {
     }
 }
 
-/// The typed and validated document: of each element what a bake reads. Nothing else can have a file refused: animations, cameras,
-/// skins and other scenes may be as they like.
+/// The typed and validated document: of each element what a bake reads. Nothing else can have a file refused:
+/// animations, cameras, skins and other scenes may be as they like.
 pub(super) fn parsed(input: &Input, json: &Value) -> Result<Root, Error> {
     let version = json.pointer("/asset/version").and_then(Value::as_str);
     let version = version.ok_or_else(|| {
@@ -201,7 +201,8 @@ fn is_read(attribute: &str) -> bool {
         || set.is_some_and(|set| set.parse::<u32>().is_ok())
 }
 
-/// As many accessors as the document has, so that references to them can be checked. What is in them is judged where one is opened.
+/// As many accessors as the document has, so that references to them can be checked. What is in them is judged where
+/// one is opened.
 fn unread_accessors(count: usize) -> Vec<Accessor> {
     let any = json!({ "componentType": 5126, "count": 1, "type": "SCALAR" });
     serde_json::from_value(any).map_or_else(|_| Vec::new(), |any: Accessor| vec![any; count])

@@ -103,7 +103,8 @@ fn next_line(
     }
 }
 
-/// Adds what stands before the next end of a line (LF, CR or both), or [`LONGEST_LINE`] bytes of it; false at the end of the file.
+/// Adds what stands before the next end of a line (LF, CR or both), or [`LONGEST_LINE`] bytes of it; false at the end
+/// of the file.
 fn add_line(
     reader: &mut impl BufRead,
     hasher: &mut blake3::Hasher,

@@ -2,8 +2,8 @@
 //! where the file says, or, far from the origin, at one place for all, from which their coordinates count.
 //!
 //! The file is read as a stream by a reader of our own, for reasons measured in `vendor-notes/obj.md`: a line costs no
-//! allocation, a face is turned into corners at once, and memory stays near twice the raw data. `tobj` is the referee of
-//! the tests.
+//! allocation, a face is turned into corners at once, and memory stays near twice the raw data. `tobj` is the referee
+//! of the tests.
 //!
 //! What is junk rather than corruption is counted: see [`WarningKind`].
 
@@ -91,8 +91,8 @@ fn number(word: &str) -> Option<f64> {
 /// The longest name that is kept whole.
 const LONGEST_NAME: usize = 200;
 
-/// A name of an object, a group or a material; OBJ files come in every encoding. Of a very long one the start and a hash are kept, so that
-/// it stays a name of its own and memory is bounded.
+/// A name of an object, a group or a material; OBJ files come in every encoding. Of a very long one the start and a
+/// hash are kept, so that it stays a name of its own and memory is bounded.
 fn name(bytes: &[u8]) -> String {
     let text = String::from_utf8_lossy(bytes.trim_ascii());
     if text.len() > LONGEST_NAME {

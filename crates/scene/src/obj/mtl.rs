@@ -1,10 +1,9 @@
 //! Material libraries: the parameters of the Phong model as OBJ files give them.
 //!
-//! Read: `Ka`, `Kd`, `Ks`, `Ns`, `Ke`, `d`, `Tr`, `map_Kd`, `map_d`; missing ones are white, black, 0, black and opaque. Where
-//! Kd + Ks is above 1 in a channel, both are scaled down, for no surface reflects more than it receives. `Ka` serves the
-//! traditional term alone, where it is asked for. `norm`, else `map_Bump` or `bump`, is the normal map. `map_Ks` is noted
-//! and left out.
-//! `illum` is not used either: which model is shown is chosen by layer.
+//! Read: `Ka`, `Kd`, `Ks`, `Ns`, `Ke`, `d`, `Tr`, `map_Kd`, `map_d`; missing ones are white, black, 0, black and
+//! opaque. Where Kd + Ks is above 1 in a channel, both are scaled down, for no surface reflects more than it receives.
+//! `Ka` serves the traditional term alone, where it is asked for. `norm`, else `map_Bump` or `bump`, is the normal map.
+//! `map_Ks` is noted and left out. `illum` is not used either: which model is shown is chosen by layer.
 
 use super::options::Options;
 use super::{name, number};
@@ -109,7 +108,8 @@ fn single(word: &str) -> Option<f32> {
     number(word).map(|number| number as f32)
 }
 
-/// The materials of a library. Lines without the number or the name that they need, or before the first material, are counted.
+/// The materials of a library. Lines without the number or the name that they need, or before the first material, are
+/// counted.
 fn parsed(input: &mut Input, path: &Path, bytes: &[u8]) -> Vec<Statements> {
     let source = String::from_utf8_lossy(without_mark(bytes));
     let mut materials: Vec<Statements> = Vec::new();

@@ -1,17 +1,17 @@
 //! Cuts a polygon of an OBJ face into triangles.
 //!
-//! Ear by ear, as G. H. Meisters, "Polygons have ears" (1975). Only corners that do not turn left can lie inside of an ear, so those
-//! alone stand in a grid and are asked; and a cut changes only whether its two neighbours are ears. Both keep the work near the number
-//! of corners. `vendor-notes/obj.md` says why no library does it.
+//! Ear by ear, as G. H. Meisters, "Polygons have ears" (1975). Only corners that do not turn left can lie inside of an
+//! ear, so those alone stand in a grid and are asked; and a cut changes only whether its two neighbours are ears. Both
+//! keep the work near the number of corners. `vendor-notes/obj.md` says why no library does it.
 
 use glam::{DVec2, DVec3};
 use std::collections::VecDeque;
 
 /// Appends triangles, as numbers of corners, that cover the polygon once and keep its orientation.
 ///
-/// A convex polygon gives the fan from its first corner, any other is cut ear by ear in the plane of its mean (Newell) normal; a hole
-/// may hang on it by a slit. There are always `corners.len() - 2` triangles; a degenerate polygon gives degenerate ones, and one that
-/// crosses itself some that overlap.
+/// A convex polygon gives the fan from its first corner, any other is cut ear by ear in the plane of its mean (Newell)
+/// normal; a hole may hang on it by a slit. There are always `corners.len() - 2` triangles; a degenerate polygon gives
+/// degenerate ones, and one that crosses itself some that overlap.
 pub(crate) fn triangulate(corners: &[DVec3], out: &mut Vec<[usize; 3]>) {
     let n = corners.len();
     let plane = flattened(corners);
@@ -75,7 +75,8 @@ impl<'a> Ring<'a> {
 
     fn cut(mut self, out: &mut Vec<[usize; 3]>) {
         let mut open: VecDeque<usize> = (0..self.plane.len()).collect();
-        // A sound polygon is cut at one go. What is in line, or crosses itself, needs other measures, each once over all that is left.
+        // A sound polygon is cut at one go. What is in line, or crosses itself, needs other measures, each once over
+        // all that is left.
         let measures: [fn(&Self, usize) -> bool; 4] =
             [Ring::is_ear, Ring::is_flat, Ring::is_ear, |_, _| true];
         for measure in measures {
@@ -182,7 +183,8 @@ impl Grid {
         let [first, last] = [a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y)].map(|y| self.clamped(y));
         let rows = first..if self.side == 0 { first } else { last + 1 };
         rows.flat_map(move |row| {
-            // What the triangle spans in the row, from where its edges are there; rounding is far less than the cell beside it.
+            // What the triangle spans in the row, from where its edges are there; rounding is far less than the cell
+            // beside it.
             let [mut low, mut high] = [f64::INFINITY, f64::NEG_INFINITY];
             for (p, q) in [(a, b), (b, c), (c, a)] {
                 let ends =
@@ -283,7 +285,8 @@ mod tests {
     #[test]
     fn polygons_of_any_number_of_corners_have_their_exact_area() {
         for teeth in [1, 2, 127, 128, 129, 5_000] {
-            // A bar of height 1 and teeth of width 1 and height 2, one apart: each 2, on a bar of 2 a tooth less the last gap.
+            // A bar of height 1 and teeth of width 1 and height 2, one apart: each 2, on a bar of 2 a tooth less the
+            // last gap.
             let tooth =
                 |i: usize| [[2, 1], [2, 3], [1, 3], [1, 1]].map(|[x, y]| [2 * i + x - 1, y]);
             let top = (0..teeth).rev().flat_map(tooth);
@@ -336,7 +339,8 @@ mod tests {
 
     #[test]
     fn stars_of_any_shape_are_covered_once() {
-        // Corners in the order of their angle about the origin, at distances by a hash: simple, and half of them reflex.
+        // Corners in the order of their angle about the origin, at distances by a hash: simple, and half of them
+        // reflex.
         for count in [5usize, 50, 700, 3_000] {
             for seed in 0..20u32 {
                 let corner = |i: usize| {

@@ -12,7 +12,8 @@ use std::hint::black_box;
 /// Cells of a lane at most that are looked through beside those of others; more are looked through alone.
 const MOST: usize = 24;
 
-/// Weights of the second and third corner of a triangle at the origin of the unit square, and their change along its edges.
+/// Weights of the second and third corner of a triangle at the origin of the unit square, and their change along its
+/// edges.
 type Weights = [[Wide; 2]; 3];
 
 /// What a triangle has everywhere that holds no point.
@@ -27,8 +28,8 @@ const NOWHERE: Weights = [
 /// Looking through the few cells of sixteen texels in step takes a fraction of what sixteen searches take.
 #[derive(Clone)]
 pub(super) struct Borders<'a> {
-    /// The ends of each lane's cells but the last along the first coordinate of a point, in their order. Lanes with fewer hold a number
-    /// that no point reaches.
+    /// The ends of each lane's cells but the last along the first coordinate of a point, in their order. Lanes with
+    /// fewer hold a number that no point reaches.
     ends: [Wide; MOST],
     /// Rows in use.
     used_ends: usize,

@@ -21,8 +21,8 @@ pub(crate) struct DirectionSums {
     open: [DVec3; 2],
     /// All directions by the same weights.
     all: [DVec3; 2],
-    /// Light above the sky's floor divided by the sky's scale, (1/4pi) of its integral; then the same times each axis of its
-    /// direction. Linear RGB.
+    /// Light above the sky's floor divided by the sky's scale, (1/4pi) of its integral; then the same times each axis
+    /// of its direction. Linear RGB.
     light: [DVec3; 4],
 }
 
@@ -69,8 +69,8 @@ impl LaneDirections {
         }
     }
 
-    /// Adds the light above the floor of a map that lanes see, each by its share of the power heuristic among the techniques
-    /// that cover the hemisphere; `density` is that of hemisphere directions, in 1/sr.
+    /// Adds the light above the floor of a map that lanes see, each by its share of the power heuristic among the
+    /// techniques that cover the hemisphere; `density` is that of hemisphere directions, in 1/sr.
     #[inline(always)]
     pub fn add_light(&mut self, step: &Step, light: &[Wide; 3], shares: &Wide, density: &Wide) {
         const SPHERE: f32 = 4.0 * std::f32::consts::PI;
@@ -131,8 +131,8 @@ impl AddAssign for DirectionSums {
 impl DirectionSums {
     /// What each replicate says of texel `i`, whose rays gave these sums.
     ///
-    /// With β the slope of a share, a mean is `Σ w (V - β) L / n` and β times that of an open texel: what rays that all agree have drawn
-    /// unevenly does not count, so that an open texel is exact and a closed one 0.
+    /// With β the slope of a share, a mean is `Σ w (V - β) L / n` and β times that of an open texel: what rays that all
+    /// agree have drawn unevenly does not count, so that an open texel is exact and a closed one 0.
     pub fn terms(
         replicates: &[Self; 2],
         task: &Task<'_>,

@@ -1,7 +1,7 @@
 //! The GGX lobes of sixteen lanes: directions drawn from them, and what hemisphere rays say of them.
 //!
-//! Where both are drawn they are weighed by the balance heuristic (E. Veach, L. Guibas, "Optimally Combining Sampling Techniques for Monte Carlo
-//! Rendering", 1995), by the numbers in which they are.
+//! Where both are drawn they are weighed by the balance heuristic (E. Veach, L. Guibas, "Optimally Combining Sampling
+//! Techniques for Monte Carlo Rendering", 1995), by the numbers in which they are.
 
 #![allow(
     clippy::needless_range_loop,
@@ -146,7 +146,8 @@ impl LaneGloss {
         drawn.weights[1][lane] = drawn.weights[0][lane] * drawn.lobes.fresnel[lane];
     }
 
-    /// What lobes say of directions: without colour and times (1 - V·H)^5 they weigh `weight` and `weight * fresnel`, times their density.
+    /// What lobes say of directions: without colour and times (1 - V·H)^5 they weigh `weight` and `weight * fresnel`,
+    /// times their density.
     #[inline(always)]
     pub fn says(&self, normal: &[Wide; 3], view: &[Wide; 3], directions: &[Wide; 3]) -> Lobes {
         lobes16(&self.alpha, normal, view, directions)

@@ -12,7 +12,8 @@ use crate::integrate::task::Task;
 use ambient::lanes::{LANES, Wide};
 use maps::SkyMap;
 
-/// The lobes of the lanes: 1 / (n + 1) of Phong or those of GGX, their rays for each ray of the others, and the lanes that need theirs.
+/// The lobes of the lanes: 1 / (n + 1) of Phong or those of GGX, their rays for each ray of the others, and the lanes
+/// that need theirs.
 pub(super) struct Lobes<'a> {
     pub scale: &'a Wide,
     pub share: &'a Wide,
@@ -140,8 +141,8 @@ fn share_of(own: f32, other: f32) -> f32 {
     own / (own * own + other * other).max(f32::MIN_POSITIVE)
 }
 
-/// (n + 1)/2pi (R.L)^n with `scale` = 1 / (n + 1); 0 behind the plane of the lobe. 1 - R.L is taken from the chord, which keeps the digits of
-/// narrow lobes.
+/// (n + 1)/2pi (R.L)^n with `scale` = 1 / (n + 1); 0 behind the plane of the lobe. 1 - R.L is taken from the chord,
+/// which keeps the digits of narrow lobes.
 #[inline(always)]
 fn lobe_density(scale: f32, axis: [f32; 3], direction: [f32; 3]) -> f32 {
     let chord = [0, 1, 2].map(|a: usize| axis[a] - direction[a]);

@@ -1,8 +1,8 @@
 //! Sixteen sample streams walked in step: each lane is one replicate of one texel, each step casts one packet.
 //!
 //! Texels that share directions stand side by side in a gang, so its packets hold parallel rays from neighbouring
-//! places. All arithmetic runs over arrays of sixteen, in whatever vector width the machine has; no fused operation is used, so that
-//! every machine gets the same bits.
+//! places. All arithmetic runs over arrays of sixteen, in whatever vector width the machine has; no fused operation is
+//! used, so that every machine gets the same bits.
 
 #![allow(
     clippy::needless_range_loop,
@@ -371,7 +371,8 @@ impl<'a> Gang<'a> {
             let (height, cosine) = (dot(geometric) * side[l], dot(normal));
             let is_folded = folds & (height < 0.0);
             above |= u32::from((is_folded | (height > 0.0)) & (cosine > 0.0)) << l;
-            // What the direction counts and whence its light comes stays its own; only its ray leaves on the side of its image.
+            // What the direction counts and whence its light comes stays its own; only its ray leaves on the side of
+            // its image.
             let twice = if is_folded {
                 2.0 * height * side[l]
             } else {

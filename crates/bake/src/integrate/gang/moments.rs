@@ -47,7 +47,8 @@ impl LaneMoments {
         *self.sums = [[[0.0; LANES]; COUNT]; 2];
     }
 
-    /// Gives a lane its texel. All its directions count in the frame of the texel's mean normal, which is the one that is written.
+    /// Gives a lane its texel. All its directions count in the frame of the texel's mean normal, which is the one that
+    /// is written.
     pub fn set(&mut self, lane: usize, texel: &Texel) {
         let frame = any_view::frame(texel.normal);
         for (axis, of) in self.axes.iter_mut().zip([frame.tangent, frame.bitangent]) {
@@ -140,8 +141,8 @@ impl Default for Moments {
 
 /// The coefficients of a texel from its replicates, and their variances.
 ///
-/// With β the slope, `c = Σ w (V - β) y / n`, and β more for y(0, 0): what rays that all agree have drawn unevenly does not count, so
-/// that an open texel is exactly (1, 0, …) and a closed one 0.
+/// With β the slope, `c = Σ w (V - β) y / n`, and β more for y(0, 0): what rays that all agree have drawn unevenly does
+/// not count, so that an open texel is exactly (1, 0, …) and a closed one 0.
 pub(crate) fn coefficients(replicates: &[Moments]) -> (Coefficients, [f64; COUNT]) {
     let used = || replicates.iter().filter(|own| own.points > 0.0);
     let drawn: Vec<[f64; COUNT]> = used()

@@ -24,8 +24,8 @@ pub(super) struct LaneSurfaces {
     pub geometric: [Wide; 3],
     /// Start, inverse share and fold.
     place: [Wide; 3],
-    /// Of lanes whose texels triangles cover wholly, the weights of the second and third corner over the unit square, and the least of
-    /// all three.
+    /// Of lanes whose texels triangles cover wholly, the weights of the second and third corner over the unit square,
+    /// and the least of all three.
     weights: [[Wide; 2]; 3],
     least: [Wide; 3],
     whole: u32,
@@ -196,7 +196,8 @@ impl Frames {
         }
     }
 
-    /// Unit views from an eye point, at least [`LEAST_COS`] above the surface, as [`ambient::ggx::Ggx`] keeps them. V = N where the eye stands on the surface.
+    /// Unit views from an eye point, at least [`LEAST_COS`] above the surface, as [`ambient::ggx::Ggx`] keeps them. V =
+    /// N where the eye stands on the surface.
     #[inline(always)]
     fn views(&self, origin: &[Wide; 3], eye: DVec3) -> [Wide; 3] {
         let mut out = [[0.0; LANES]; 3];

@@ -108,7 +108,8 @@ fn a_lobe_on_a_silhouette_is_half_blocked() {
 
 #[test]
 fn tilted_shading_normals_are_cut_by_the_geometric_plane() {
-    // Tilt, zenith and azimuth of the view in degrees, n = 20. Zenith from the geometric normal, azimuth 0 on the side of the shading normal.
+    // Tilt, zenith and azimuth of the view in degrees, n = 20. Zenith from the geometric normal, azimuth 0 on the side
+    // of the shading normal.
     for (tilt, zenith, azimuth, exact) in [
         (10.0, 60.0, 0.0, 0.999_529_993_662_038),
         (10.0, 60.0, 180.0, 0.785_934_382_710_918_6),

@@ -7,7 +7,8 @@ mod tables;
 
 use glam::DVec3;
 
-/// The text of a file beside the tables. It belongs to the repository, not to the package: it is read when the test runs.
+/// The text of a file beside the tables. It belongs to the repository, not to the package: it is read when the test
+/// runs.
 fn text(name: &str) -> String {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/tables/");
     let path = format!("{folder}{name}");

@@ -149,7 +149,8 @@ fn ends(p: DVec3, normal: DVec3) -> f64 {
 /// The same inside the round pipe of radius 1, at the height `z`.
 ///
 /// An element of the wall sees the disc that closes the pipe at the distance 2 h with F = (h² + 1/2) / √(h² + 1) - h
-/// (J. R. Howell, "A Catalog of Radiation Heat Transfer Configuration Factors", element of a cylinder's inside to its base).
+/// (J. R. Howell, "A Catalog of Radiation Heat Transfer Configuration Factors", element of a cylinder's inside to its
+/// base).
 fn smooth(z: f64) -> f64 {
     let end = |distance: f64| {
         let h = 0.5 * distance;

@@ -1,5 +1,5 @@
-//! T8: the wall and the sunk box again, scaled and moved far away, and a box of a centimetre on ten kilometres of ground.
-//! A fixed offset or tolerance is wrong at one end or the other.
+//! T8: the wall and the sunk box again, scaled and moved far away, and a box of a centimetre on ten kilometres of
+//! ground. A fixed offset or tolerance is wrong at one end or the other.
 
 use super::{scene, sunk_box, wall};
 use crate::exact::polygon_form_factor;

@@ -1,5 +1,5 @@
-//! Every exact vector of the reference, from a projection that can hold it, to 1e-6 in the 1984 normalisation. Points and constants come from
-//! every projection (`lights.rs`).
+//! Every exact vector of the reference, from a projection that can hold it, to 1e-6 in the 1984 normalisation. Points
+//! and constants come from every projection (`lights.rs`).
 
 mod lights;
 mod pictures;

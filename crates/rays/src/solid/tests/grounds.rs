@@ -101,7 +101,8 @@ fn tiles_of_a_floor_are_one_ground_with_and_without_walls() {
         Vec3::new(0.6, 1.0, 0.6),
         false,
     );
-    // Panels as wide as the tiles along two sides, which look inward; their heights make the border of tiles and panels no plane.
+    // Panels as wide as the tiles along two sides, which look inward; their heights make the border of tiles and panels
+    // no plane.
     let panel = |x: f32, high: f32| {
         let corners = [(0.0, 0.0), (2.0, 0.0), (2.0, high), (0.0, high)];
         let positions = corners.map(|(dx, y)| Vec3::new(x + dx, y, -4.0)).to_vec();
@@ -262,7 +263,8 @@ fn a_prop_without_a_bottom_is_a_solid_where_it_stands() {
             "{bottom}, slab"
         );
     }
-    // On two tiles; with a ground that ends under it; floating; behind a sheet and not before it; with an inhabitant; turned over.
+    // On two tiles; with a ground that ends under it; floating; behind a sheet and not before it; with an inhabitant;
+    // turned over.
     let tile = |from: f32| {
         let mut tile = level(0.0, 4.5);
         tile.positions.iter_mut().for_each(|p| p.x += from);

@@ -89,7 +89,8 @@ fn busy(json: &Value) -> HashSet<usize> {
     joints.chain(moved).collect()
 }
 
-/// What copies have in common: their mesh without its name and the lightmap coordinates; `None` for a node that can be no copy.
+/// What copies have in common: their mesh without its name and the lightmap coordinates; `None` for a node that can be
+/// no copy.
 fn key(json: &Value, node: usize) -> Option<String> {
     let node = list(json, "nodes").get(node)?.as_object()?;
     if !node.keys().all(|key| PLAIN.contains(&key.as_str())) {

@@ -1,9 +1,9 @@
 //! The scene with the copies of a mesh as instances: `STEM.instanced.glb`.
 //!
-//! In `STEM.glb` every object is a node with lightmap coordinates of its own. The layout of a mesh is the same for all its copies, so
-//! their coordinates differ by a rectangle alone. Here nodes that stand beside one another and differ in nothing else become one node
-//! with `EXT_mesh_gpu_instancing`. Its attribute `_LIGHTMAP_RECT` holds the rectangle of each copy: the lightmap is read at
-//! `TEXCOORD_1 * rect.xy + rect.zw`.
+//! In `STEM.glb` every object is a node with lightmap coordinates of its own. The layout of a mesh is the same for all
+//! its copies, so their coordinates differ by a rectangle alone. Here nodes that stand beside one another and differ in
+//! nothing else become one node with `EXT_mesh_gpu_instancing`. Its attribute `_LIGHTMAP_RECT` holds the rectangle of
+//! each copy: the lightmap is read at `TEXCOORD_1 * rect.xy + rect.zw`.
 
 mod compact;
 mod group;
@@ -39,8 +39,8 @@ const HARMLESS: [&str; 4] = [
 ];
 const HARMLESS_KINDS: [&str; 3] = ["KHR_materials_", "KHR_texture_", "EXT_texture_"];
 
-/// The GLB of a bake with instances; `None` where no mesh has copies, an extension may speak of nodes, or `glb` is not one that ambake
-/// wrote.
+/// The GLB of a bake with instances; `None` where no mesh has copies, an extension may speak of nodes, or `glb` is not
+/// one that ambake wrote.
 pub fn instanced(glb: &[u8]) -> Option<Vec<u8>> {
     let (json, bin) = parts(glb)?;
     let harmless = |name: &Value| {
@@ -157,7 +157,8 @@ fn append(json: &mut Value, key: &str, item: Value) -> Option<usize> {
 mod tests {
     use super::*;
 
-    /// Three quads under one parent that share positions, one of another shape of coordinates, and one that an animation moves.
+    /// Three quads under one parent that share positions, one of another shape of coordinates, and one that an
+    /// animation moves.
     fn scene() -> Vec<u8> {
         let mut json = json!({
             "asset": { "version": "2.0" }, "buffers": [{}], "scenes": [{ "nodes": [0, 6, 7] }],

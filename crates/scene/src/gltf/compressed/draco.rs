@@ -1,4 +1,5 @@
-//! `KHR_draco_mesh_compression`: primitives whose attributes and indices are one compressed stream, decoded by the crate `draco-core`.
+//! `KHR_draco_mesh_compression`: primitives whose attributes and indices are one compressed stream, decoded by the
+//! crate `draco-core`.
 
 use super::edit::{Problem, list, take_extension};
 use crate::gltf::accessor::number;
@@ -18,8 +19,8 @@ const FACES_A_BYTE: u64 = 4096;
 /// The most bytes of decoded attributes in a file: as much as its indices can tell apart in the usual layout.
 const MOST_BYTES: u64 = 16 << 30;
 
-/// Which stream an accessor was filled from. Where several attributes of one stream share an accessor, as coordinates that
-/// an exporter found equal, they are equal, and the first is taken.
+/// Which stream an accessor was filled from. Where several attributes of one stream share an accessor, as coordinates
+/// that an exporter found equal, they are equal, and the first is taken.
 type Filled = BTreeMap<usize, usize>;
 
 /// Decodes every primitive whose accessors have no data of their own. Decoded bytes lie behind the first buffer.
@@ -60,7 +61,8 @@ pub(super) fn decode(document: &mut GltfDocument) -> Result<(), Problem> {
     Ok(())
 }
 
-/// Whether the positions of a primitive stand in the file uncompressed too, or were decoded for another primitive alone.
+/// Whether the positions of a primitive stand in the file uncompressed too, or were decoded for another primitive
+/// alone.
 fn has_data(document: &GltfDocument, primitive: &Value) -> bool {
     let positions = number(&primitive["attributes"], "POSITION");
     let accessor = positions.and_then(|i| list(&document.json, "accessors").get(i));

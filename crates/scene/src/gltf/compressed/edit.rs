@@ -1,4 +1,5 @@
-//! What both decoders do to a document: read the bytes that something names, lay decoded ones down, take extensions away.
+//! What both decoders do to a document: read the bytes that something names, lay decoded ones down, take extensions
+//! away.
 
 use crate::gltf::accessor::number;
 use crate::gltf::document::GltfDocument;

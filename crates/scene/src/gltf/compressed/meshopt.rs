@@ -1,7 +1,7 @@
 //! `EXT_meshopt_compression` and `KHR_meshopt_compression`: buffer views whose content is compressed.
 //!
-//! The decoders are those of meshoptimizer, through the crate `meshopt`. They are made for data that nobody vouches for; what they ask of
-//! their caller (sizes, strides, counts) is checked here first.
+//! The decoders are those of meshoptimizer, through the crate `meshopt`. They are made for data that nobody vouches
+//! for; what they ask of their caller (sizes, strides, counts) is checked here first.
 
 use super::edit::{Problem, list, take_extension};
 use crate::gltf::accessor::number;
@@ -18,8 +18,8 @@ const NAMES: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 /// The most bytes that one byte decodes to: two bits stand for a byte of each of 256 vertices.
 const EXPANSION: usize = 1024;
 
-/// Decodes every view whose own buffer has no content. Decoded bytes lie behind the first buffer; the buffers that only held their
-/// place are gone.
+/// Decodes every view whose own buffer has no content. Decoded bytes lie behind the first buffer; the buffers that only
+/// held their place are gone.
 pub(super) fn decode(document: &mut GltfDocument) -> Result<(), Problem> {
     let held: usize = document.buffers.iter().map(Vec::len).sum();
     let mut left = held.saturating_mul(EXPANSION);

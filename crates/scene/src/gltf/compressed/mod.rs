@@ -1,5 +1,5 @@
-//! Compressed geometry, decoded once when a file is opened: what reads the document afterwards, and what a writer keeps of it, is
-//! plain.
+//! Compressed geometry, decoded once when a file is opened: what reads the document afterwards, and what a writer keeps
+//! of it, is plain.
 
 mod draco;
 mod edit;
@@ -9,8 +9,9 @@ use super::document::GltfDocument;
 use crate::Error;
 use crate::source::Input;
 
-/// Decodes what `EXT_meshopt_compression`, `KHR_meshopt_compression` and `KHR_draco_mesh_compression` compress, and takes the extensions
-/// away where nothing uses them any more. What has an uncompressed fallback in the file stays as it is: the fallback is read.
+/// Decodes what `EXT_meshopt_compression`, `KHR_meshopt_compression` and `KHR_draco_mesh_compression` compress, and
+/// takes the extensions away where nothing uses them any more. What has an uncompressed fallback in the file stays as
+/// it is: the fallback is read.
 ///
 /// # Errors
 /// The view or primitive whose data are damaged.
