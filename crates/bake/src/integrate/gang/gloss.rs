@@ -197,3 +197,76 @@ fn at(of: &[Wide; 3], lane: usize) -> [f32; 3] {
 fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::step::Drawn;
+    use super::*;
+
+    /// Points of the unit square, sixteen at a time.
+    fn points() -> impl Iterator<Item = [Wide; 2]> {
+        const STEPS: u32 = 2048;
+        (0..STEPS).map(|step| {
+            let index = |l: usize| step * LANES as u32 + l as u32;
+            let count = (STEPS * LANES as u32) as f32;
+            let along = |l: usize| (index(l) as f32 + 0.5) / count;
+            let across = |l: usize| index(l).reverse_bits() as f32 / 4_294_967_296.0;
+            [std::array::from_fn(along), std::array::from_fn(across)]
+        })
+    }
+
+    /// The mean over the lanes of what is added up over `points`.
+    fn mean(sum: Wide) -> f64 {
+        let sum: f64 = sum.iter().map(|&value| f64::from(value)).sum();
+        sum / (LANES * points().count()) as f64
+    }
+
+    /// However few rays a lobe has beside those of the hemisphere, all directions of both weigh together what those of
+    /// the lobe alone do.
+    #[test]
+    fn weights_of_lobe_and_hemisphere_add_up_to_those_of_the_lobe_alone() {
+        let frames = Frames::about([[0.0; LANES], [0.0; LANES], [1.0; LANES]], [1.0; LANES]);
+        let even = Mixture::BALANCED;
+        for (alpha, lean, share) in [
+            (0.25, 0.0, 1.0),
+            (0.25, 0.5, 0.125),
+            (0.5, 1.2, 0.25),
+            (1.0, 0.3, 0.0625),
+        ] {
+            let (sin, cos) = f32::sin_cos(lean);
+            let view = [[sin; LANES], [0.0; LANES], [cos; LANES]];
+            let rays = [share; LANES];
+            let of = |joins| {
+                let mut gloss = LaneGloss::new();
+                (gloss.alpha, gloss.joins) = ([alpha; LANES], joins);
+                gloss
+            };
+            let (alone, mut both) = (of(0), of(u32::from(u16::MAX)));
+            let (mut expected, mut found) = ([0.0; LANES], [0.0; LANES]);
+            for [u, v] in points() {
+                let plain = alone.draw((&frames, &view), [&u, &v], &even, &rays);
+                let joint = both.draw((&frames, &view), [&u, &v], &even, &rays);
+                let (local, weights) = even.sample16(&u, &v);
+                let step = Step {
+                    directions: frames.to_world(&local),
+                    weights,
+                    above: u32::from(u16::MAX),
+                    drawn: Drawn::Hemisphere,
+                };
+                both.add(&step, step.above, [&frames.normal, &view], &rays);
+                for l in 0..LANES {
+                    expected[l] += plain.weights[0][l];
+                    found[l] += joint.weights[0][l];
+                }
+            }
+            let (expected, of_lobe) = (mean(expected), mean(found));
+            let of_hemisphere = mean(both.block.all[0]);
+            let found = of_lobe + of_hemisphere;
+            assert!(of_hemisphere > 0.1 * expected, "{alpha} {lean} {share}");
+            assert!(
+                (found / expected - 1.0).abs() < 3e-3,
+                "{alpha} {lean} {share}: {found} {expected}"
+            );
+        }
+    }
+}
