@@ -9,7 +9,8 @@ prints a table in Markdown: processor seconds of whole processes (user and syste
 * over other: the default bake over that of another build of ambake, with the same flags.
 * bounces: `--bounces auto` over none.
 * seams: the default bake over the same with `--seams off`.
-* a texel: microseconds of the bake's own phase for a covered texel that do not grow with the rays, diffuse term alone, from 8 and 32 rays.
+* a texel: microseconds of the bake's own phase for a covered texel that do not grow with the rays, diffuse term alone, from 8 and 32 rays:
+  without the denoiser, and what that adds.
 """
 
 import argparse
@@ -41,17 +42,22 @@ def ratio(a, b, pairs):
 
 
 def fixed(scene, size, folder):
-    """Microseconds a covered texel that do not grow with the rays."""
-    seconds = {}
-    for rays in (8, 32):
+    """Microseconds a covered texel that do not grow with the rays: without the denoiser, and what that adds."""
+
+    def spent_by_bake(rays, *more):
         words = [AMBAKE, "bake", scene, "-o", folder, "--quiet", "--size", size, "--rays", str(rays)]
-        subprocess.run(words + DIFFUSE, check=True)
+        subprocess.run(words + DIFFUSE + list(more), check=True)
         report = json.loads((pathlib.Path(folder) / "bake.json").read_text())
         bake = [p for p in report["timings"] if p["phase"] == "bake"][0]
-        seconds[rays] = bake.get("cpu_seconds", bake["seconds"])
         texels = sum(page["texels"] for page in report["pages"])
-    each = (seconds[32] - seconds[8]) / 24
-    return 1e6 * (seconds[8] - 8 * each) / texels
+        return 1e6 * bake.get("cpu_seconds", bake["seconds"]) / texels
+
+    def once():
+        few, many = spent_by_bake(8, "--denoise", "off"), spent_by_bake(32, "--denoise", "off")
+        return few - 8 * (many - few) / 24, spent_by_bake(8) - few
+
+    plain, denoiser = zip(*(once() for _ in range(3)))
+    return statistics.median(plain), statistics.median(denoiser)
 
 
 def main():
@@ -63,8 +69,8 @@ def main():
     parser.add_argument("--pairs", type=int, default=5)
     parser.add_argument("--bounces", action="store_true")
     asked = parser.parse_args()
-    print("| scene | default, CPU s | over diffuse | over other | seams | bounces | a texel, µs |")
-    print("|---|---|---|---|---|---|---|")
+    print("| scene | default, CPU s | over diffuse | over other | seams | bounces | a texel, µs | its denoiser, µs |")
+    print("|---|---|---|---|---|---|---|---|")
     for scene in asked.scenes:
         with tempfile.TemporaryDirectory() as folder:
             def words(program, *more):
@@ -83,7 +89,7 @@ def main():
                 cells.append(f"{ratio(light, words(AMBAKE), asked.pairs)[2]:.2f}")
             else:
                 cells.append("-")
-            cells.append(f"{fixed(scene, asked.size, folder):.2f}")
+            cells += [f"{each:.2f}" for each in fixed(scene, asked.size, folder)]
         print(f"| {pathlib.Path(scene).name} | " + " | ".join(cells) + " |", flush=True)
 
 
