@@ -564,23 +564,28 @@ fn courtyard_with_balls(folder: &Path, radius: f64) -> std::path::PathBuf {
     path
 }
 
+/// A bake of the balls in the light that probes are compared with.
+fn bake_with_balls(path: &Path, asked: &[&str]) -> (tempfile::TempDir, Page) {
+    let light = [
+        "--size=512",
+        "--rays=128",
+        // More than auto takes: what it leaves out is a hundredth of the light in the dark corner.
+        "--bounces=12",
+        "--denoise",
+        "regression",
+    ];
+    bake(path, &[&light, asked].concat())
+}
+
 #[test]
 fn white_balls_look_in_the_light_of_probes_as_they_are_baked() {
     let folder = tempfile::tempdir().expect("a temporary directory");
     let path = courtyard_with_balls(folder.path(), RADIUS);
-    let (baked, page) = bake(
-        &path,
-        &[
-            "--size=512",
-            "--rays=128",
-            // More than auto takes: what it leaves out is a hundredth of the light in the dark corner.
-            "--bounces=12",
-            "--denoise",
-            "regression",
-            "--density-of=probe_ball*=300",
-            "--layers=normal,irradiance,object",
-        ],
-    );
+    let asked = [
+        "--density-of=probe_ball*=300",
+        "--layers=normal,irradiance,object",
+    ];
+    let (baked, page) = bake_with_balls(&path, &asked);
     let places = BALLS.map(|[x, y, z]| format!("{x},{y},{z}")).join(";");
     let (made, report) = probes(
         "courtyard.obj",
@@ -646,17 +651,7 @@ fn white_balls_look_in_the_light_of_probes_as_they_are_baked() {
 fn three_js_moves_a_ball_through_a_volume_as_it_is_baked() {
     let folder = tempfile::tempdir().expect("a temporary directory");
     let path = courtyard_with_balls(folder.path(), 0.15);
-    let (baked, _) = bake(
-        &path,
-        &[
-            "--size=512",
-            "--rays=128",
-            "--bounces=12",
-            "--denoise",
-            "regression",
-            "--density-of=probe_ball*=100",
-        ],
-    );
+    let (baked, _) = bake_with_balls(&path, &["--density-of=probe_ball*=100"]);
     let (made, _) = probes(
         "courtyard.obj",
         &[

@@ -65,3 +65,9 @@ impl From<::scene::Scene> for Scene {
         Self(Arc::new(scene))
     }
 }
+
+impl From<Arc<::scene::Scene>> for Scene {
+    fn from(scene: Arc<::scene::Scene>) -> Self {
+        Self(scene)
+    }
+}

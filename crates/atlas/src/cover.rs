@@ -16,6 +16,13 @@ const SLACK: f64 = 1e-9;
 /// Less than this of a texel is the rounding of an edge that runs along its border.
 const SLIVER: f64 = 1e-12;
 
+/// Triangles that a whole texel holds at most. A point is looked for among all of them, and among pieces by halves: from
+/// a few dozen on these take less time.
+pub const MOST_HELD: usize = 24;
+
+/// Triangles of a tile from which on its texels are not asked: most would hold too many.
+const CROWD: usize = EDGE * EDGE * MOST_HELD / 3;
+
 /// A triangle that a whole texel holds, uncut.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Held {
@@ -132,8 +139,8 @@ impl Cover {
         self.parts.ends.push(self.parts.all.len());
     }
 
-    /// The texels that are covered wholly and once, by triangles of one object that may all be held uncut: of each
-    /// triangle its instance, and whether it may.
+    /// The texels that are covered wholly and once, by [`MOST_HELD`] triangles of one object at most that may all be held
+    /// uncut: of each triangle its instance, and whether it may.
     pub fn wholes(self, triangle: impl Fn(usize) -> (u32, bool)) -> Wholes {
         let is_whole = |area: f64| (area - 1.0).abs() <= SLACK;
         let mut counts = self
@@ -147,7 +154,7 @@ impl Cover {
                 let count = &mut counts[texel];
                 let is_one = *count == 0 || objects[texel] == object;
                 *count = match *count {
-                    count if count < u32::MAX && is_one && is_kept => count + 1,
+                    count if count < MOST_HELD as u32 && is_one && is_kept => count + 1,
                     _ => u32::MAX,
                 };
                 objects[texel] = object;
@@ -166,6 +173,11 @@ impl Cover {
 }
 
 impl Wholes {
+    /// True where so many triangles are in a tile that hardly a texel of it is whole.
+    pub fn are_rare(triangles: usize) -> bool {
+        triangles > CROWD
+    }
+
     /// None of a tile's texels.
     pub fn none() -> Self {
         Self {
@@ -294,6 +306,25 @@ mod tests {
         );
         // Without one of them only what the others cover is.
         assert!(wholes(&fan[1..]).len() < expected.len());
+    }
+
+    #[test]
+    fn texels_of_too_many_triangles_are_not_whole() {
+        let fan = |count: usize| -> Vec<[[f64; 2]; 3]> {
+            let at = |k: usize| {
+                let (sin, cos) = f64::sin_cos(k as f64 / count as f64 * std::f64::consts::TAU);
+                [4.5 + 2.0 * cos, 4.5 + 2.0 * sin]
+            };
+            (0..count).map(|k| [[4.5, 4.5], at(k), at(k + 1)]).collect()
+        };
+        let held = |count| {
+            wholes(&fan(count))
+                .iter()
+                .find(|(texel, _)| *texel == 68)
+                .copied()
+        };
+        assert_eq!(held(MOST_HELD), Some((68, MOST_HELD as u32)));
+        assert_eq!(held(MOST_HELD + 1), None);
     }
 
     #[test]

@@ -102,6 +102,9 @@ impl<'a> PageRaster<'a> {
     pub fn whole_tile(&self, index: usize, kept: impl Fn([u32; 2]) -> bool) -> Tile {
         let [x0, y0] = self.tile_origin(index);
         let triangles: Vec<([u32; 2], [DVec2; 3])> = self.triangles(index).collect();
+        if Wholes::are_rare(triangles.len()) {
+            return self.tile(index);
+        }
         let mut cover = Cover::new(x0, y0, self.page_size);
         triangles
             .iter()

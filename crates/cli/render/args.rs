@@ -1,6 +1,6 @@
 //! What was typed after `ambake render`. `options.rs` says what it means.
 
-use super::balls::Balls;
+use super::ball_args::Balls;
 use super::tables_args::Tables;
 use crate::common::{Backend, Common, Shining};
 use crate::parse::{color, exponent, field_of_view, number, positive, size, triple};

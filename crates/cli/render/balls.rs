@@ -1,60 +1,14 @@
 //! `ambake render --probe-ball` and `--mirror-ball`: what something white or shiny would look like at a place.
 
 use super::args::Args;
+use super::ball_args::Place;
 use crate::common::Backend;
-use crate::parse::number;
-use crate::probes::args::corners;
 use ::render::{Ball, Shows};
 use ambake::{Bounces, Places, ProbeOptions, ProbeVolume, Probes};
-use clap::Args as ClapArgs;
 use glam::DVec3;
 use maps::{IlluminationMap, Layout, Orientation, convert_image};
 use rays::World;
-use std::path::{Path, PathBuf};
-
-/// Balls in the picture.
-#[derive(ClapArgs)]
-pub struct Balls {
-    /// White ball in the light of the place X,Y,Z of this radius, by the nine harmonics of a probe that is gathered
-    /// there; several are separated by semicolons. With --bake its light is that of the bake. It casts no shadow
-    /// [default radius: a fortieth of the scene]
-    #[arg(long, value_name = "X,Y,Z[,RADIUS];..", value_delimiter = ';', allow_hyphen_values = true, value_parser = ball,
-          conflicts_with_all = ["figure", "shading", "encode"])]
-    pub probe_ball: Vec<Place>,
-    /// Light the balls by the volume in this STEM.probes.json, as engines do: linearly between the probes around
-    #[arg(long, value_name = "FILE", requires = "probe_ball")]
-    pub probes: Option<PathBuf>,
-    /// Mirror ball at X,Y,Z of this radius, along whose rays the scene is seen; as --probe-ball
-    #[arg(long, value_name = "X,Y,Z[,RADIUS];..", value_delimiter = ';', allow_hyphen_values = true, value_parser = ball,
-          conflicts_with_all = ["figure", "shading", "encode"])]
-    pub mirror_ball: Vec<Place>,
-    /// Let mirror balls show this map of their surroundings, as engines do: a picture that `ambake probes
-    /// --reflections` wrote, .exr or .hdr
-    #[arg(long, value_name = "FILE", requires = "mirror_ball")]
-    pub reflection: Option<PathBuf>,
-    /// The map is as far away as the walls of this box, by two corners: the `room` of the reflection [default:
-    /// endlessly far]
-    #[arg(long, value_name = "X,Y,Z:X,Y,Z", requires = "reflection", allow_hyphen_values = true, value_parser = corners)]
-    pub room: Option<[[f64; 3]; 2]>,
-}
-
-/// A ball as it was typed.
-#[derive(Clone, Copy)]
-pub struct Place {
-    center: [f64; 3],
-    radius: Option<f64>,
-}
-
-fn ball(text: &str) -> Result<Place, String> {
-    let numbers: Vec<f64> = text.split(',').map(number).collect::<Result<_, _>>()?;
-    let (center, radius) = match *numbers.as_slice() {
-        [x, y, z] => ([x, y, z], None),
-        [x, y, z, radius] if radius > 0.0 => ([x, y, z], Some(radius)),
-        [_, _, _, radius] => return Err(format!("the radius {radius} must be above 0")),
-        _ => return Err("expected X,Y,Z or X,Y,Z,RADIUS".into()),
-    };
-    Ok(Place { center, radius })
-}
+use std::path::Path;
 
 /// Rays of the probe of a ball: its error is then far below what a screen shows.
 const RAYS: u32 = 16_384;
@@ -73,7 +27,7 @@ pub fn balls(args: &Args, world: &World) -> anyhow::Result<Vec<Ball>> {
         radius: place.radius.unwrap_or(SHARE * world.bounds().diagonal()),
         shows,
     };
-    let white = args.balls.probe_ball.iter().zip(lights(args)?);
+    let white = args.balls.probe_ball.iter().zip(lights(args, world)?);
     let white = white.map(|(place, light)| ball(place, Shows::Light(light)));
     let shows = match &args.balls.reflection {
         None => Shows::Mirror,
@@ -89,7 +43,7 @@ pub fn balls(args: &Args, world: &World) -> anyhow::Result<Vec<Ball>> {
 }
 
 /// The light of each white ball.
-fn lights(args: &Args) -> anyhow::Result<Vec<Vec<DVec3>>> {
+fn lights(args: &Args, world: &World) -> anyhow::Result<Vec<Vec<DVec3>>> {
     let asked = &args.balls.probe_ball;
     Ok(match &args.balls.probes {
         _ if asked.is_empty() => Vec::new(),
@@ -97,7 +51,7 @@ fn lights(args: &Args) -> anyhow::Result<Vec<Vec<DVec3>>> {
             let volume = ProbeVolume::read(file)?;
             asked.iter().map(|ball| volume.light(ball.center)).collect()
         }
-        None => gathered(args)?.report().lights().collect(),
+        None => gathered(args, world)?.report().lights().collect(),
     })
 }
 
@@ -114,8 +68,7 @@ fn reflection(path: &Path) -> anyhow::Result<IlluminationMap> {
 }
 
 /// Probes at the balls, in the light of the picture: what surfaces reflect is in it where a bake shows it.
-fn gathered(args: &Args) -> anyhow::Result<Probes> {
-    let scene = ambake::load_with(&args.scene, args.common.files())?;
+fn gathered(args: &Args, world: &World) -> anyhow::Result<Probes> {
     let centers = args.balls.probe_ball.iter().map(|ball| ball.center);
     let mut options = ProbeOptions::default();
     options.bake = args.bake.clone();
@@ -131,5 +84,10 @@ fn gathered(args: &Args) -> anyhow::Result<Probes> {
     options.seed = args.common.seed;
     options.backend = Backend::chosen(args.backend);
     let places = Places::At(centers.collect());
-    Ok(Probes::gather(&scene, &places, &options, &())?)
+    Ok(Probes::gather(
+        &world.scene().clone().into(),
+        &places,
+        &options,
+        &(),
+    )?)
 }

@@ -1,6 +1,7 @@
 //! `ambake render`: pictures through a camera.
 
 pub mod args;
+mod ball_args;
 mod balls;
 mod figures;
 mod file;

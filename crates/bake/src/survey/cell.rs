@@ -1,6 +1,5 @@
 //! One piece of a texel's footprint inside one triangle, ready to be sampled: everything is affine in (s, t).
 
-use super::cells::Weights;
 use crate::options::Shading;
 use atlas::{Piece, TILE};
 use glam::{DVec2, DVec3};
@@ -8,6 +7,10 @@ use rays::Patch;
 
 /// Least cosine between a bent normal and the surface: one degree above it.
 const LOWEST: f64 = 0.017_452_406_437_283_51;
+
+/// Corner weights as functions of a place, in the unit square of a texel or in a tile: those of the second and third
+/// corner at (0, 0), and their change along either edge.
+pub(crate) type Weights = [[f32; 2]; 3];
 
 /// A triangle or parallelogram of a footprint. Positions are f64 until the ray is set; directions and normals are f32.
 #[derive(Debug, Clone)]

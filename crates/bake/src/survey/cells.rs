@@ -4,7 +4,7 @@
 //! that triangles cover wholly holds them as they are, and the unit square is its own: a point lies in the triangle
 //! whose least corner weight is the largest there, so that no crack between two of them is seen.
 
-use super::cell::{Cell, Sample, place_in};
+use super::cell::{Cell, Sample, Weights, place_in};
 use glam::DVec3;
 use std::ops::Range;
 use std::sync::Arc;
@@ -29,10 +29,6 @@ pub(crate) struct Cells {
     /// Column and row of a whole texel in its tile.
     whole: Option<[f32; 2]>,
 }
-
-/// Corner weights as functions of the place in the unit square of a texel: those of the second and third corner at (0,
-/// 0), and their change along its edges.
-pub(crate) type Weights = [[f32; 2]; 3];
 
 /// Means over a texel.
 pub(crate) struct Means {

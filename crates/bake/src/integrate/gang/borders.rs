@@ -7,9 +7,10 @@
 
 use crate::survey::Cells;
 use ambient::sampling::{LANES, Wide};
+use atlas::MOST_HELD;
 use std::hint::black_box;
 
-/// Cells of a lane at most that are looked through beside those of others; more are looked through alone.
+/// Pieces of a lane at most that are looked through beside those of others; among more one is found by halves.
 const MOST: usize = 24;
 
 /// Weights of the second and third corner of a triangle at the origin of the unit square, and their change along its
@@ -34,11 +35,11 @@ pub(super) struct Borders<'a> {
     /// Rows in use.
     used_ends: usize,
     /// Of lanes whose texels several triangles cover wholly, these triangles.
-    spans: Box<[Weights; MOST]>,
+    spans: Box<[Weights; MOST_HELD]>,
     used_spans: usize,
     /// Such lanes.
     spanned: u32,
-    /// Lanes with more.
+    /// Lanes with more pieces.
     long: Vec<(usize, &'a Cells)>,
 }
 
@@ -48,7 +49,7 @@ impl<'a> Borders<'a> {
         Self {
             ends: [[f32::INFINITY; LANES]; MOST],
             used_ends: 0,
-            spans: Box::new([NOWHERE; MOST]),
+            spans: Box::new([NOWHERE; MOST_HELD]),
             used_spans: 0,
             spanned: 0,
             long: Vec::new(),
@@ -67,21 +68,21 @@ impl<'a> Borders<'a> {
     pub fn set(&mut self, lane: usize, cells: &'a Cells) {
         match cells.len() {
             0 | 1 => {}
-            count if count > MOST => self.long.push((lane, cells)),
-            _ if !cells.are_whole() => {
-                let ends = cells.ends();
-                self.used_ends = self.used_ends.max(ends.len());
-                for (row, end) in self.ends.iter_mut().zip(ends) {
-                    row[lane] = end;
-                }
-            }
-            count => {
+            count if cells.are_whole() => {
                 self.spanned |= 1 << lane;
                 self.used_spans = self.used_spans.max(count);
                 for (number, row) in self.spans.iter_mut().enumerate().take(count) {
                     for (row, weights) in row.iter_mut().zip(cells.weights(number)) {
                         (row[0][lane], row[1][lane]) = (weights[0], weights[1]);
                     }
+                }
+            }
+            count if count > MOST => self.long.push((lane, cells)),
+            _ => {
+                let ends = cells.ends();
+                self.used_ends = self.used_ends.max(ends.len());
+                for (row, end) in self.ends.iter_mut().zip(ends) {
+                    row[lane] = end;
                 }
             }
         }
@@ -185,7 +186,7 @@ mod tests {
                 places.iter().map(|place| (patch(), place as _)).collect();
             fixture::whole(&triangles, ([0.0; 2], 1.0))
         };
-        let (few, many) = (fan(5), fan(60));
+        let (few, many) = (fan(5), fan(MOST_HELD as u32));
         let mut borders = Borders::none();
         borders.set(2, &few);
         borders.set(7, &many);
