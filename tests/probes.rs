@@ -459,6 +459,18 @@ fn a_picture_shows_balls_in_the_light_of_their_places() {
         "--probes={out}/floor.probes.json {balls} --eye=0,1,5"
     ));
     assert!((found[0] - 0.5).abs() < 0.02, "{found:?}");
+    // In a bake the white floor sends on what it takes of the sky.
+    let baked = folder.path().join("baked").display().to_string();
+    let flags = "--size=16 --rays=16 -q";
+    run_well(
+        ["bake", &floor, "-o", &baked]
+            .into_iter()
+            .chain(flags.split(' ')),
+    );
+    let found = middle(&format!(
+        "--bake={baked} --probe-ball=0,1,0,0.5 --eye=0,1,5"
+    ));
+    assert!((found[0] - 1.0).abs() < 0.02, "{found:?}");
     let at = ["probes", &floor, "-o", &out, "--at=0,1,0", "-q"];
     run_well(at);
     for (words, told) in [

@@ -84,10 +84,10 @@ fn gathered(args: &Args, world: &World) -> anyhow::Result<Probes> {
     options.seed = args.common.seed;
     options.backend = Backend::chosen(args.backend);
     let places = Places::At(centers.collect());
-    Ok(Probes::gather(
-        &world.scene().clone().into(),
-        &places,
-        &options,
-        &(),
-    )?)
+    // The scene of a bake's picture is the bake's own; its light is looked up in the scene that was baked.
+    let scene = match args.bake {
+        Some(_) => ambake::load_with(&args.scene, args.common.files())?,
+        None => world.scene().clone().into(),
+    };
+    Ok(Probes::gather(&scene, &places, &options, &())?)
 }
