@@ -61,7 +61,12 @@ impl Spot {
 
     /// Those of the bodies about it that may bury some of it.
     fn retained(&self, solids: &Solids, mut near: Vec<u32>) -> Vec<u32> {
-        near.retain(|&body| self.own.is_none_or(|own| !solids.spares(body, own)));
+        let slack = NUDGE * self.reach(solids, &near);
+        let (low, high) = (self.low - slack, self.high + slack);
+        near.retain(|&body| {
+            let is_spared = self.own.is_some_and(|own| solids.spares(body, own));
+            !is_spared && !solids.is_before(body, low, high)
+        });
         near
     }
 
@@ -74,8 +79,7 @@ impl Spot {
     /// What can be seen of every footprint alike; `None` where that may differ.
     fn alike(&self, solids: &Solids, near: &[u32]) -> Option<Seen> {
         let own = self.own?;
-        // What lies behind a ground or outside of a room may end far from its surface.
-        if near.iter().any(|&body| !solids.rooted(body).is_empty()) {
+        if near.iter().any(|&body| solids.is_ground(body)) {
             return None;
         }
         let slack = NUDGE * self.reach(solids, near);

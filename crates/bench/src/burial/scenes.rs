@@ -354,7 +354,8 @@ fn wavy(s: f64) -> Made {
 fn cave(radius: f64, rocks: &[[f64; 3]], s: f64, tunnel: bool) -> Made {
     let end = 10.0;
     let ring = |x: f64, k: usize| {
-        let angle = std::f64::consts::TAU * k as f64 / 16.0;
+        // The seam is no slit: the last corner is the first, to the last bit.
+        let angle = std::f64::consts::TAU * (k % 16) as f64 / 16.0;
         DVec3::new(x, 0.5 * radius * angle.cos(), 0.5 * radius * angle.sin())
     };
     let mut faces = Vec::new();

@@ -4,10 +4,13 @@
 //! sees under it what nobody is to see. Such sheets may go on in one another, as the tiles of a floor do, and are one
 //! ground then. A surface is *rooted* in a ground where
 //!
-//! * it crosses the ground, and stands out in front of it at least as far as it reaches behind it (a closed body a
-//!   quarter as far), along the mean normals of its sheets;
-//! * nothing comes near its part behind that does not cross the ground too or stand on it. So no column is buried by
-//!   the floor of the next storey.
+//! * it crosses the ground, and stands out in front of it farther than it reaches behind it (a closed body a quarter as
+//!   far, and one that only stands on the ground is hidden where they touch), along the mean normals of its sheets;
+//! * or it is a sheet that looks as the ground does, as land and sea do, and stands out as little as it likes: who sees
+//!   the front of one sees that of the other. But where the ground ends over it, as a bridge does over its valley, one
+//!   looks in between, and where a large sheet beside them looks elsewhere one may look from there;
+//! * and nothing comes near its part behind that does not cross the ground too or stand on it. So no column is buried
+//!   by the floor of the next storey.
 //!
 //! The part behind is buried, for this surface alone. But a ground that has something else behind it which does not
 //! cross it, and is not small beside it, is none: people stand under an awning, and see what it is fastened to.
@@ -31,22 +34,31 @@ const ALONG: f64 = 0.999;
 /// Pairs of a sheet and a surface near it that are looked at before what they say is taken together.
 const AT_ONCE: usize = 1 << 14;
 
+/// The cosine of the angle between sheets up to which who looks at the front of one looks at that of the other.
+const ALIKE: f64 = 0.707;
+
+/// Places beyond the border of a sheet at which one looks whether it hangs over another.
+const BORDER: usize = 256;
+
 /// A closed body stands out in front of a ground at least this share of what it reaches behind it. A stone may be sunk
 /// by four fifths; what only pokes through a wall belongs to the other side.
 const CLOSED_OUT: f64 = 0.25;
+/// An open one more than it reaches behind it: of two cards that cross in their middles neither is the ground.
+const OPEN_OUT: f64 = 1.25;
 
 /// Placement and number of a surface.
 type Key = (u32, u32);
 
 /// Where a surface stands to a sheet.
 struct Stand {
-    /// How far it goes in front and behind, in lengths of the mesh's space; what is less than `least` only touches.
+    /// How far it goes in front and behind, in lengths of the mesh's space; what is less than `least` only touches, and
+    /// what keeps off the sheet reaches less than nothing behind it.
     front: f64,
     behind: f64,
     least: f64,
     /// Some of it is before or behind the sheet, not beside it.
     meets: bool,
-    /// The box of its points behind, in the world.
+    /// The box of its points behind and on the sheet, in the world.
     low: DVec3,
     high: DVec3,
 }
@@ -57,7 +69,7 @@ impl Stand {
         let size = inverse.transform_vector3(other.high - other.low).length();
         let mut stand = Self {
             front: 0.0,
-            behind: 0.0,
+            behind: f64::NEG_INFINITY,
             least: CROSSES * size,
             meets: false,
             low: DVec3::INFINITY,
@@ -82,7 +94,7 @@ impl Stand {
             stand.meets = true;
             stand.front = stand.front.max(height);
             stand.behind = stand.behind.max(-height);
-            if height < 0.0 {
+            if height <= stand.least {
                 (stand.low, stand.high) = (stand.low.min(point), stand.high.max(point));
             }
         }
@@ -91,6 +103,11 @@ impl Stand {
 
     fn crosses(&self) -> bool {
         self.front > self.least && self.behind > self.least
+    }
+
+    /// True for a surface that stands on the sheet, if not behind it too.
+    fn touches(&self) -> bool {
+        self.front > self.least && self.behind >= -self.least
     }
 
     /// True for a surface that lies in the sheet.
@@ -177,7 +194,7 @@ impl Solids {
             let is_one = |&(place, _): &(usize, usize)| {
                 let other = &placed[place];
                 is_near(of, other)
-                    && looks_alike(of, other)
+                    && cosine(of, other).is_some_and(|cosine| cosine > ALONG)
                     && (self.is_in_plane(of, other) || is_level(other))
             };
             let near = sheet.near.iter().map(|&other| other as usize);
@@ -258,9 +275,12 @@ impl Solids {
             .map(|(&other, _)| placed[other].key)
             .collect();
         let is_rooted = |other: &Placed, stand: &Stand| {
-            let is_closed = other.surface.volume != 0.0;
-            let out = if is_closed { CLOSED_OUT } else { 1.0 };
-            if !stand.crosses() || stand.front < out * stand.behind {
+            let (meets, out) = match other.surface.volume != 0.0 {
+                true => (stand.touches(), CLOSED_OUT),
+                false => (stand.crosses(), OPEN_OUT),
+            };
+            let stands_out = stand.front >= out * stand.behind;
+            if !meets || !stands_out && !self.covers_alike(ground, (sheets, all), other) {
                 return false;
             }
             let slack = NEAR * (stand.high - stand.low).max_element();
@@ -302,6 +322,62 @@ impl Solids {
         };
         let each = members().map(of);
         each.filter(|(_, rooted)| !rooted.is_empty()).collect()
+    }
+
+    /// True where a sheet looks as a ground does, and the ground ends nowhere over it, where one could look in between.
+    fn covers_alike(
+        &self,
+        ground: &Ground,
+        (sheets, all): (&[Sheet], &Among),
+        other: &Placed,
+    ) -> bool {
+        let members = || {
+            ground
+                .sheets
+                .iter()
+                .map(|&number| all.placed[sheets[number].place])
+        };
+        let own: BTreeSet<Key> = members().map(|sheet| sheet.key).collect();
+        let slack = NEAR * ground.size;
+        // How far in front of a sheet a place stands, along a direction.
+        let height = |sheet: &Placed, at: DVec3, front: DVec3, inner| {
+            let front = sheet.inverse.transform_vector3(front).normalize_or_zero();
+            let local = sheet.inverse.transform_point3(at);
+            let tree = self.tree_of(sheet.shape, sheet.key.1);
+            tree.height_over(&self.scene, local, front, inner)
+        };
+        let hangs = |sheet: &Placed| {
+            let (Some(front), Some(other_front)) = (facing(sheet), facing(other)) else {
+                return true;
+            };
+            // A place just beyond the border of one sheet may be on the next.
+            let goes_on = |at: DVec3| {
+                all.any(at - slack, at + slack, |next| {
+                    let above = || height(next, at, front, false);
+                    own.contains(&next.key) && above().is_some_and(|h| h.abs() <= slack)
+                })
+            };
+            // By the fronts of both: a sheet that leans is over what is beside it too.
+            let is_over = |at| {
+                let above = |front| height(other, at, front, true).is_some_and(|h| h > slack);
+                above(front) && above(other_front)
+            };
+            let border = &sheet.surface.border;
+            let some = border.iter().step_by(border.len().div_ceil(BORDER).max(1));
+            let mut beyond = some.map(|edge| {
+                let [a, b] = edge.map(|p| sheet.transform.transform_point3(p.as_dvec3()));
+                0.5 * (a + b) + slack * front.cross(b - a).normalize_or_zero()
+            });
+            beyond.any(|at| is_over(at) && !goes_on(at))
+        };
+        // What stands on a large sheet that looks elsewhere is no ground: cards on a floor.
+        let stands_up = |sheet: &Placed| {
+            all.any(sheet.low, sheet.high, |next| {
+                let is_large = next.size() >= SMALL * ground.size;
+                is_large && next.surface.front.is_some() && !looks_alike(sheet, next)
+            })
+        };
+        members().all(|sheet| looks_alike(sheet, other) && !stands_up(sheet) && !hangs(sheet))
     }
 
     /// True where all of a surface lies in the plane of a flat sheet.
@@ -347,8 +423,14 @@ fn facing(sheet: &Placed) -> Option<DVec3> {
     normal.try_normalize()
 }
 
+/// True where who sees the front of one sheet sees that of the other.
 fn looks_alike(a: &Placed, b: &Placed) -> bool {
-    facing(a).is_some_and(|a| facing(b).is_some_and(|b| a.dot(b) > ALONG))
+    cosine(a, b).is_some_and(|cosine| cosine > ALIKE)
+}
+
+/// The cosine of the angle between the fronts of two sheets.
+fn cosine(a: &Placed, b: &Placed) -> Option<f64> {
+    Some(facing(a)?.dot(facing(b)?))
 }
 
 /// The direction to which the back of a sheet looks.

@@ -313,6 +313,31 @@ impl Solids {
         }
     }
 
+    /// True for a ground. What lies behind it may end far from its surface, beside it.
+    pub fn is_ground(&self, body: u32) -> bool {
+        matches!(self.bodies[body as usize].inside, Inside::Behind(_))
+    }
+
+    /// True where all of a box lies in front of a ground: nothing in it lies behind.
+    pub fn is_before(&self, body: u32, low: DVec3, high: DVec3) -> bool {
+        let of = &self.bodies[body as usize];
+        let Some(front) = self.surface(of).front else {
+            return false;
+        };
+        if !self.is_ground(body) {
+            return false;
+        }
+        // In the space of its mesh, where the sheet's own box is the tightest.
+        let ends = box_corners(low, high).map(|p| of.inverse.transform_point3(p).dot(front));
+        let surface = self.surface(of);
+        let sheet = box_corners(surface.low.as_dvec3(), surface.high.as_dvec3());
+        let top = sheet
+            .into_iter()
+            .map(|p| p.dot(front))
+            .fold(f64::NEG_INFINITY, f64::max);
+        ends.into_iter().fold(f64::INFINITY, f64::min) > top
+    }
+
     /// The longest edge of a closed surface's box, in scene units.
     pub fn extent(&self, body: u32) -> f64 {
         let body = &self.bodies[body as usize];

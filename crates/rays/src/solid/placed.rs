@@ -1,7 +1,7 @@
 //! Surfaces where they are placed: which of them meet, and which are bodies.
 
 use super::topology::{Surface, corners};
-use super::{Body, Inside, Solids};
+use super::{Body, Inside, NUDGE, Solids};
 use crate::boxes::Boxes;
 use glam::{DAffine3, DVec3};
 use scene::Scene;
@@ -188,7 +188,7 @@ impl Solids {
         placed
     }
 
-    /// Makes a body's box hold those of others too.
+    /// Makes a body's box hold those of others too, and what is tested off their surfaces.
     pub(super) fn widen(&mut self, body: u32, others: &[u32]) {
         for &other in others {
             let (low, high) = (
@@ -198,6 +198,14 @@ impl Solids {
             let body = &mut self.bodies[body as usize];
             (body.low, body.high) = (body.low.min(low), body.high.max(high));
         }
+        let body = &mut self.bodies[body as usize];
+        let reach = body
+            .low
+            .abs()
+            .max(body.high.abs())
+            .max(body.high - body.low);
+        let slack = 2.0 * NUDGE * reach.max_element();
+        (body.low, body.high) = (body.low - slack, body.high + slack);
     }
 
     /// The body of a placed surface, made if it has none.

@@ -242,6 +242,18 @@ impl Solids {
         };
         let mut within = Vec::new();
         let mut hides = false;
+        let is_closed = placed.surface.volume != 0.0;
+        let mut touches = false;
+        let is_at_wall = |point: DVec3| {
+            near.iter().any(|&room| {
+                let (of, inverse) = (rooms[room], rooms[room].inverse);
+                let ends = about(point).map(|p| inverse.transform_point3(p));
+                let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+                let (low, high) = ends.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
+                let tree = self.tree_of(of.shape, of.key.1);
+                tree.meets(&self.scene, low, high)
+            })
+        };
         let mut stand_at = |point: DVec3| match room_at(point) {
             Some(room) if within.contains(&room) => (),
             Some(room) => {
@@ -275,6 +287,7 @@ impl Solids {
                 points.extend(middles.map(|middle| from.lerp(to, middle)));
             }
             points.iter().for_each(|&point| stand_at(point));
+            touches = touches || is_closed && points.iter().any(|&point| is_at_wall(point));
         }
         within.sort_unstable();
         (stand.is_in, stand.is_out) = (!within.is_empty(), hides);
@@ -286,7 +299,8 @@ impl Solids {
             [room] => Some(room),
             _ => None,
         };
-        stand.room = room.filter(|&room| hides && buries.contains(&rooms[room].key));
+        // A body that only stands on a floor has a side there that nobody sees.
+        stand.room = room.filter(|&room| (hides || touches) && buries.contains(&rooms[room].key));
         stand
     }
 }

@@ -304,10 +304,13 @@ fn what_stands_through_a_room_is_buried_outside_of_it() {
 }
 
 #[test]
-fn what_ends_at_the_floor_of_a_room_is_not_rooted_in_it() {
-    let rug = level(0.01, 0.2);
-    let solids = solids(vec![room(false), tube(0.0, 1.0), rug]);
-    assert_eq!(solids.count(), 0);
+fn of_what_ends_at_the_floor_of_a_room_only_a_bottom_is_buried() {
+    let rug = || level(0.01, 0.2);
+    let open = solids(vec![room(false), tube(0.0, 1.0), rug()]);
+    assert_eq!(open.count(), 0);
+    let crate_on_it = block(Vec3::Y * 0.5, Vec3::splat(0.5), false);
+    let closed = solids(vec![room(false), crate_on_it, rug()]);
+    assert_eq!(buried_at(&closed, [-1e-6, 1e-3, 0.999]), [1, 0, 0]);
 }
 
 #[test]

@@ -30,7 +30,9 @@ pub(super) struct Surface {
     pub volume: f64,
     /// Where an open surface of opaque triangles looks, if to one side.
     pub front: Option<DVec3>,
-    /// The same of a surface that is cut out or see-through.
+    /// The border edges of such a surface. What lies beyond is to the left of each, seen from the front.
+    pub border: Vec<[Vec3; 2]>,
+    /// The same as `front`, of a surface that is cut out or see-through.
     pub veil: Option<DVec3>,
     /// What an opaque surface would enclose whose openings were filled, where it has some, does not look to one side,
     /// and each of them has a flat border: above 0 where its front faces look outward, below 0 where they look inward.
@@ -125,13 +127,17 @@ pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
             return Surface { volume, ..surface };
         }
         let front = front(scene, &surface.faces);
-        let openings = match front {
-            Some(_) => None,
-            None => openings(&rims, |corner| positions[&corner]),
+        let (openings, border) = match front {
+            Some(_) => {
+                let border = rims.iter().map(|rim| rim.map(|corner| positions[&corner]));
+                (None, border.collect())
+            }
+            None => (openings(&rims, |corner| positions[&corner]), Vec::new()),
         };
         let openings = openings.unwrap_or_default();
         let surface = Surface {
             front,
+            border,
             openings,
             ..surface
         };
@@ -236,6 +242,7 @@ impl Surface {
             high: Vec3::NEG_INFINITY,
             volume: 0.0,
             front: None,
+            border: Vec::new(),
             veil: None,
             hollow: 0.0,
             openings: Vec::new(),

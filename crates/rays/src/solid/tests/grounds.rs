@@ -161,9 +161,81 @@ fn tiles_of_the_storey_below_lay_a_tiled_floor_bare() {
 }
 
 #[test]
-fn what_only_stands_on_a_ground_is_not_rooted_in_it() {
-    let solids = solids(vec![level(0.0, 9.0), tube(0.0, 1.0)]);
-    assert_eq!(solids.count(), 0);
+fn of_what_only_stands_on_a_ground_only_a_bottom_is_buried() {
+    let open = solids(vec![level(0.0, 9.0), tube(0.0, 1.0)]);
+    assert_eq!(open.count(), 0);
+    // A body has a side there that nobody sees, and would have next to none if it stood a little higher.
+    let crate_on_it = |y: f32| block(Vec3::Y * (0.5 + y), Vec3::splat(0.5), false);
+    for (y, expected) in [(-0.01, 1), (0.0, 1), (0.01, 0)] {
+        let solids = solids(vec![level(0.0, 9.0), crate_on_it(y)]);
+        let bottom = DVec3::new(0.3, f64::from(y) - 1e-6, 0.1);
+        assert_eq!(buried(&solids, bottom), expected, "at {y}");
+        assert_eq!(buried(&solids, bottom + 0.1 * DVec3::Y), 0, "at {y}");
+    }
+}
+
+/// A square of two triangles about the y axis, 8 wide, that rises along x.
+fn slope(rise: f32, y: f32) -> Mesh {
+    let mut slope = level(y, 4.0);
+    slope.positions.iter_mut().for_each(|p| p.y += rise * p.x);
+    slope
+}
+
+#[test]
+fn of_land_and_sea_each_is_buried_behind_the_other_however_high_the_sea() {
+    for sea in [-1.0, 0.0, 0.03, 1.0] {
+        let both = [slope(0.4, 0.0), level(sea, 4.0)];
+        let [land, water] = [[1, 0], [0, 1]].map(|k| solids(k.map(|k| both[k].clone()).to_vec()));
+        for x in [-3.5, -1.0, 0.5, 3.5] {
+            let ground = 0.4 * x;
+            let is_under = i32::from(ground < f64::from(sea));
+            assert_eq!(
+                buried(&land, DVec3::new(x, ground, 0.7)),
+                is_under,
+                "{sea} {x}"
+            );
+            let surface = DVec3::new(x, f64::from(sea), 0.7);
+            assert_eq!(buried(&water, surface), 1 - is_under, "{sea} {x}");
+        }
+    }
+}
+
+#[test]
+fn one_looks_under_a_bridge_and_between_cards_on_a_floor() {
+    let mut valley = mesh(
+        vec![
+            Vec3::new(-4.0, 1.0, -4.0),
+            Vec3::new(-4.0, 1.0, 4.0),
+            Vec3::new(0.0, -1.0, 4.0),
+            Vec3::new(0.0, -1.0, -4.0),
+            Vec3::new(4.0, 1.0, 4.0),
+            Vec3::new(4.0, 1.0, -4.0),
+        ],
+        vec![[0, 1, 2], [0, 2, 3], [3, 2, 4], [3, 4, 5]],
+    );
+    let under = DVec3::new(0.1, -0.9, 0.1);
+    let mut bridge = level(0.0, 3.0);
+    assert_eq!(
+        buried(&solids(vec![bridge.clone(), valley.clone()]), under),
+        0
+    );
+    // As long as the valley it is a lake.
+    for mesh in [&mut bridge, &mut valley] {
+        mesh.positions
+            .iter_mut()
+            .for_each(|p| p.z = 4.0 * p.z.signum());
+    }
+    assert_eq!(buried(&solids(vec![bridge, valley]), under), 1);
+    let card = |angle: f32| {
+        let along = Vec3::new(angle.cos(), 0.0, angle.sin());
+        let corners = [-along, along, along + Vec3::Y, Vec3::Y - along];
+        mesh(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])
+    };
+    let cards = solids(vec![card(0.0), card(0.5), level(0.0, 4.0)]);
+    for side in [-0.7, 0.7] {
+        let along = DVec3::new(0.5f64.cos(), 0.0, 0.5f64.sin());
+        assert_eq!(buried(&cards, side * along + 0.5 * DVec3::Y), 0, "{side}");
+    }
 }
 
 /// Where a point of the second mesh is buried, of a post's corners at these heights.
