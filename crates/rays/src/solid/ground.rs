@@ -5,7 +5,8 @@
 //! ground then. A surface is *rooted* in a ground where
 //!
 //! * it crosses the ground, and stands out in front of it farther than it reaches behind it (a closed body a quarter as
-//!   far, and one that only stands on the ground is hidden where they touch), along the mean normals of its sheets;
+//!   far, and one that only stands on the ground is hidden where they touch), along the mean normals of its sheets, and
+//!   reaches no farther along the ground than that does: a house stands around its ceiling, and not in it;
 //! * or it is a sheet that looks as the ground does, as land and sea do, and stands out as little as it likes: who sees
 //!   the front of one sees that of the other. But where the ground ends over it, as a bridge does over its valley, one
 //!   looks in between, and where a large sheet beside them looks elsewhere one may look from there;
@@ -80,12 +81,7 @@ impl Stand {
         };
         // Edges of panels may run along one another, where corners are beside a sheet or over its border, and so may
         // middles be where panels join: so other points on the edges too.
-        let points = other.faces(scene).flat_map(|[a, b, c]| {
-            let edges = [(a, b), (b, c), (c, a)].into_iter();
-            let along = edges.flat_map(|(from, to)| ALONG_EDGES.map(|share| from.lerp(to, share)));
-            [a, b, c, (a + b + c) / 3.0].into_iter().chain(along)
-        });
-        for point in points {
+        for point in points(scene, other) {
             let local = inverse.transform_point3(point);
             // A wall that only stands on a floor does not cross it: what ends at the sheet is beside it.
             let Some(height) = tree.height_over(scene, local, front, true) else {
@@ -99,6 +95,28 @@ impl Stand {
             }
         }
         stand
+    }
+
+    /// Takes from the sheet's own points how another sheet stands to it, which may have few and far between.
+    fn look_from(&mut self, scene: &Scene, sheet: &Placed, other: &Placed, tree: &SurfaceTree) {
+        let Some(front) = facing(sheet) else {
+            return;
+        };
+        let local_front = other.inverse.transform_vector3(front);
+        let scale = sheet.inverse.transform_vector3(front).length() / local_front.length();
+        for point in points(scene, sheet) {
+            let local = other.inverse.transform_point3(point);
+            let direction = local_front.normalize_or_zero();
+            let Some(height) = tree.height_over(scene, local, direction, true) else {
+                continue;
+            };
+            self.front = self.front.max(-height * scale);
+            self.behind = self.behind.max(height * scale);
+            if height > 0.0 {
+                let place = point - front * (height / local_front.length());
+                (self.low, self.high) = (self.low.min(place), self.high.max(place));
+            }
+        }
     }
 
     fn crosses(&self) -> bool {
@@ -128,12 +146,44 @@ impl Stand {
     }
 }
 
+/// Points of a surface: corners, middles and points on the edges of some of its faces.
+fn points<'a>(scene: &'a Scene, of: &'a Placed) -> impl Iterator<Item = DVec3> + 'a {
+    of.faces(scene).flat_map(|[a, b, c]| {
+        let edges = [(a, b), (b, c), (c, a)].into_iter();
+        let along = edges.flat_map(|(from, to)| ALONG_EDGES.map(|share| from.lerp(to, share)));
+        [a, b, c, (a + b + c) / 3.0].into_iter().chain(along)
+    })
+}
+
 /// Sheets that go on in one another.
 struct Ground {
     /// Their numbers, in order.
     sheets: Vec<usize>,
-    /// The largest edge of the box about them.
+    /// The box about them.
+    low: DVec3,
+    high: DVec3,
+    /// Its largest edge.
     size: f64,
+}
+
+impl Ground {
+    /// True where a surface reaches farther along the ground than the ground itself: it stands around that, as a house
+    /// around its ceiling.
+    fn is_within(&self, sheet: &Placed, other: &Placed) -> bool {
+        let front = facing(sheet).unwrap_or_default();
+        let along = |low: DVec3, high: DVec3| {
+            let turns = [
+                DVec3::ONE,
+                DVec3::new(-1.0, 1.0, 1.0),
+                DVec3::new(1.0, -1.0, 1.0),
+                DVec3::new(1.0, 1.0, -1.0),
+            ];
+            let diagonals =
+                turns.map(|turn| ((high - low) * turn).reject_from_normalized(front).length());
+            diagonals.into_iter().fold(0.0, f64::max)
+        };
+        along(other.low, other.high) > (1.0 + NEAR) * along(self.low, self.high)
+    }
 }
 
 impl Solids {
@@ -220,6 +270,8 @@ impl Solids {
                 });
             Ground {
                 sheets: sheets_of,
+                low,
+                high,
                 size: (high - low).max_element(),
             }
         };
@@ -251,7 +303,12 @@ impl Solids {
             .collect();
         let stand = |&(sheet, other): &(&Placed, usize)| {
             let tree = self.tree_of(sheet.shape, sheet.key.1);
-            let stand = Stand::of(&self.scene, sheet, tree, &placed[other]);
+            let of = &placed[other];
+            let mut stand = Stand::of(&self.scene, sheet, tree, of);
+            if of.surface.front.is_some() {
+                let tree = self.tree_of(of.shape, of.key.1);
+                stand.look_from(&self.scene, sheet, of, tree);
+            }
             stand.meets.then_some((other, stand))
         };
         let mut stands: BTreeMap<usize, Stand> = BTreeMap::new();
@@ -279,7 +336,8 @@ impl Solids {
                 true => (stand.touches(), CLOSED_OUT),
                 false => (stand.crosses(), OPEN_OUT),
             };
-            let stands_out = stand.front >= out * stand.behind;
+            let stands_out = stand.front >= out * stand.behind
+                && !members().any(|sheet| ground.is_within(&placed[sheet.place], other));
             if !meets || !stands_out && !self.covers_alike(ground, (sheets, all), other) {
                 return false;
             }

@@ -182,10 +182,29 @@ fn slope(rise: f32, y: f32) -> Mesh {
 }
 
 #[test]
+fn a_house_is_not_rooted_in_its_ceiling() {
+    let mut house = block(Vec3::Y, Vec3::ONE, false);
+    let bottom = |t: &[u32; 3]| t.iter().all(|&v| house.positions[v as usize].y == 0.0);
+    house.triangles = (house.triangles.iter())
+        .filter(|t| !bottom(t))
+        .copied()
+        .collect();
+    let ceiling = |half: f32| {
+        let mut ceiling = level(1.8, half);
+        ceiling.triangles.iter_mut().for_each(|t| t.reverse());
+        ceiling
+    };
+    let roof = DVec3::new(0.5, 1.99, 0.1);
+    assert_eq!(buried(&solids(vec![ceiling(0.9), house.clone()]), roof), 0);
+    // What pokes through the ceiling of a larger hall is hidden above it.
+    assert_eq!(buried(&solids(vec![ceiling(9.0), house]), roof), 1);
+}
+
+#[test]
 fn of_land_and_sea_each_is_buried_behind_the_other_however_high_the_sea() {
     for sea in [-1.0, 0.0, 0.03, 1.0] {
-        let both = [slope(0.4, 0.0), level(sea, 4.0)];
-        let [land, water] = [[1, 0], [0, 1]].map(|k| solids(k.map(|k| both[k].clone()).to_vec()));
+        let land = solids(vec![level(sea, 5.0), slope(0.4, 0.0)]);
+        let water = solids(vec![slope(0.4, 0.0), level(sea, 3.9)]);
         for x in [-3.5, -1.0, 0.5, 3.5] {
             let ground = 0.4 * x;
             let is_under = i32::from(ground < f64::from(sea));
@@ -360,7 +379,7 @@ fn a_wall_that_only_stands_on_a_floor_buries_nothing_behind_it() {
     for turn in 0..4 {
         let wall = |low: f32| {
             let turn = Quat::from_rotation_y(f32::from(turn as u8) * std::f32::consts::FRAC_PI_2);
-            let corners = [(-2.0, low), (2.0, low), (2.0, 2.0), (-2.0, 2.0)];
+            let corners = [(-3.0, low), (3.0, low), (3.0, 2.0), (-3.0, 2.0)];
             let at = |(x, y)| (turn * Vec3::new(x, y, -2.0)).round();
             mesh(corners.map(at).to_vec(), vec![[0, 1, 2], [0, 2, 3]])
         };
