@@ -134,7 +134,7 @@ impl Cover {
                     self.parts.all.push((texel as u8, area as f32));
                 }
             }
-            self.growth[row].fill(0.0);
+            self.growth[row][columns.start.min(columns.end)..=columns.end].fill(0.0);
         }
         self.parts.ends.push(self.parts.all.len());
     }
@@ -227,10 +227,20 @@ impl Wholes {
 /// Whole numbers below `count` in whose unit intervals an interval has more than an end.
 fn whole(low: f64, high: f64, count: usize) -> Range<usize> {
     if low < high {
-        (low.max(0.0).floor() as usize)..(high.max(0.0).ceil() as usize).min(count)
+        // Casts cut off, and leave out what lies below 0.
+        let high = high.min(count as f64);
+        let last = high as usize;
+        (low as usize)..last + usize::from(high > last as f64)
     } else {
         0..0
     }
+}
+
+/// The largest whole number that is not above a coordinate in texels. A call of the library's costs more than all else
+/// of an edge.
+fn floor(x: f64) -> f64 {
+    let whole = x as i32 as f64;
+    if whole > x { whole - 1.0 } else { whole }
 }
 
 /// Adds the area to the right of a part of an edge that is so high and reaches from `left` to `right`.
@@ -244,7 +254,7 @@ fn edge(row: &mut [f64; EDGE + 1], (left, right): (f64, f64), height: f64) {
             row[column as usize + 1] += height * beyond;
         }
     };
-    let (first, last) = (left.floor(), right.floor());
+    let (first, last) = (floor(left), floor(right));
     if first == last {
         add(first, 0.5 * (left + right), height);
         return;

@@ -43,16 +43,21 @@ impl Stream {
     /// shuffled.
     fn shuffled(&self, x: u32, y: u32, edge_log2: u32) -> u32 {
         // From the coarsest digit to the finest, as `scramble` takes them.
-        let mut digits = 0;
-        for level in 0..edge_log2 {
-            let shift = edge_log2 - 1 - level;
-            digits |= ((x >> shift & 1) | (y >> shift & 1) << 1) << (2 * level);
-        }
+        let [x, y] = [x, y].map(|at| spread(at.reverse_bits() >> 1 >> (31 - edge_log2)));
+        let digits = x | y << 1;
         let bits = 2 * edge_log2;
         let mask = (1_u32 << bits) - 1;
         let shuffled = scramble(digits, mix(self.key(0))) & mask;
         ((u64::from(shuffled.reverse_bits()) << bits) >> 32) as u32
     }
+}
+
+/// The last sixteen bits of a number, each followed by a 0 above it.
+fn spread(bits: u32) -> u32 {
+    let bits = (bits | bits << 8) & 0x00ff_00ff;
+    let bits = (bits | bits << 4) & 0x0f0f_0f0f;
+    let bits = (bits | bits << 2) & 0x3333_3333;
+    (bits | bits << 1) & 0x5555_5555
 }
 
 #[cfg(test)]

@@ -16,20 +16,22 @@ pub(super) const DIMENSIONS: usize = 4;
 const JOE_KUO: [(usize, u32, [u32; 3]); DIMENSIONS - 1] =
     [(1, 0, [1, 0, 0]), (2, 1, [1, 3, 0]), (3, 1, [1, 3, 1])];
 
-/// Bit-reversed direction numbers: bit `k` of the index adds `MATRICES[dimension][k]`.
-const MATRICES: [[u32; 32]; DIMENSIONS] = {
-    let mut columns = [[0; 32]; DIMENSIONS];
-    let mut k = 0;
-    while k < 32 {
-        columns[0][k] = 1 << k;
-        k += 1;
-    }
-    let mut d = 1;
+/// Bit-reversed direction numbers: bit `k` of the index adds `MATRICES[k]`, one number for each dimension.
+const MATRICES: [[u32; DIMENSIONS]; 32] = {
+    let mut rows = [[0; DIMENSIONS]; 32];
+    let mut d = 0;
     while d < DIMENSIONS {
-        columns[d] = direction_numbers(JOE_KUO[d - 1]);
+        let mut k = 0;
+        while k < 32 {
+            rows[k][d] = match d {
+                0 => 1 << k,
+                _ => direction_numbers(JOE_KUO[d - 1])[k],
+            };
+            k += 1;
+        }
         d += 1;
     }
-    columns
+    rows
 };
 
 const fn direction_numbers((degree, inner, first): (usize, u32, [u32; 3])) -> [u32; 32] {
@@ -60,15 +62,20 @@ const fn direction_numbers((degree, inner, first): (usize, u32, [u32; 3])) -> [u
     v
 }
 
-/// Bit-reversed coordinate of point `index`.
-pub(super) const fn sobol(dimension: usize, index: u32) -> u32 {
-    let mut x = 0;
+/// Bit-reversed coordinates of point `index`.
+pub(super) const fn sobol(index: u32) -> [u32; DIMENSIONS] {
+    let mut point = [0; DIMENSIONS];
     let mut rest = index;
     while rest != 0 {
-        x ^= MATRICES[dimension][rest.trailing_zeros() as usize];
+        let row = &MATRICES[rest.trailing_zeros() as usize];
+        let mut d = 0;
+        while d < DIMENSIONS {
+            point[d] ^= row[d];
+            d += 1;
+        }
         rest &= rest - 1;
     }
-    x
+    point
 }
 
 /// Most points of a block that [`CELLS`] can order, as a power of two.
@@ -106,7 +113,7 @@ const fn cells(m: u32) -> Cells {
     let mut high = [0; 32];
     let mut h = 0;
     while h < 1 << azimuth_bits {
-        high[(sobol(1, h << zenith_bits) & mask) as usize] = h << zenith_bits;
+        high[(sobol(h << zenith_bits)[1] & mask) as usize] = h << zenith_bits;
         h += 1;
     }
     let mut cells = Cells {
@@ -117,16 +124,12 @@ const fn cells(m: u32) -> Cells {
     };
     let mut p = 0;
     while p < 32 {
-        let mut d = 0;
-        while d < DIMENSIONS {
-            if p < 1 << zenith_bits {
-                let index = p | high[(sobol(1, p) & mask) as usize];
-                cells.zenith[p as usize][d] = sobol(d, index);
-            }
-            if p < 1 << azimuth_bits {
-                cells.azimuth[p as usize][d] = sobol(d, high[p as usize]);
-            }
-            d += 1;
+        if p < 1 << zenith_bits {
+            let index = p | high[(sobol(p)[1] & mask) as usize];
+            cells.zenith[p as usize] = sobol(index);
+        }
+        if p < 1 << azimuth_bits {
+            cells.azimuth[p as usize] = sobol(high[p as usize]);
         }
         p += 1;
     }
@@ -159,7 +162,7 @@ mod tests {
         ];
         for (d, row) in eighths.iter().enumerate() {
             for (i, &value) in row.iter().enumerate() {
-                let x = sobol(d, i as u32).reverse_bits();
+                let x = sobol(i as u32)[d].reverse_bits();
                 assert_eq!(x, value << 29, "dimension {d}, point {i}");
             }
         }
@@ -169,9 +172,7 @@ mod tests {
     fn cells_hold_each_point_of_a_block_once() {
         for m in 0..=LARGEST_BLOCK {
             let cells = &CELLS[m as usize];
-            let mut points: Vec<[u32; DIMENSIONS]> = (0..1 << m)
-                .map(|i| std::array::from_fn(|d| sobol(d, i)))
-                .collect();
+            let mut points: Vec<[u32; DIMENSIONS]> = (0..1 << m).map(sobol).collect();
             let mut found = Vec::new();
             for p in 0..1_u32 << cells.zenith_bits {
                 for q in 0..1_u32 << cells.azimuth_bits {

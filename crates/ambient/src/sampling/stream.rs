@@ -44,7 +44,8 @@ impl Stream {
 
     /// Coordinates of point `index`: odd multiples of 2^-33, so strictly inside (0, 1). No period short of 2^32.
     pub fn point(&self, index: u32) -> [f64; DIMENSIONS] {
-        std::array::from_fn(|d| unit(scramble(sobol(d, self.first ^ index), self.keys[d])))
+        let point = sobol(self.first ^ index);
+        std::array::from_fn(|d| unit(scramble(point[d], self.keys[d])))
     }
 
     /// This stream with the first two dimensions, the direction, of another: texels that share `directions` send
@@ -63,9 +64,9 @@ impl Stream {
         self.keys[dimension]
     }
 
-    /// Bit-reversed coordinate of the first point, before it is randomised.
-    pub(super) fn base(&self, dimension: usize) -> u32 {
-        sobol(dimension, self.first)
+    /// Bit-reversed coordinates of the first point, before they are randomised.
+    pub(super) fn base(&self) -> [u32; DIMENSIONS] {
+        sobol(self.first)
     }
 }
 

@@ -43,8 +43,8 @@ pub struct Streams {
     first: u32,
     /// Bits of the zenith and azimuth cells of the block.
     bits: [u32; 2],
-    /// Parts of the coordinates by zenith and by azimuth cell.
-    parts: [[[[u32; LANES]; DIMENSIONS]; 32]; 2],
+    /// Parts of the coordinates by zenith and by azimuth cell, as many as the largest block had.
+    parts: [Vec<[[u32; LANES]; DIMENSIONS]>; 2],
 }
 
 /// An aligned block of points.
@@ -71,7 +71,7 @@ impl Streams {
             base: [[0; LANES]; DIMENSIONS],
             first: 0,
             bits: [0; 2],
-            parts: [[[[0; LANES]; DIMENSIONS]; 32]; 2],
+            parts: [Vec::new(), Vec::new()],
         }
     }
 
@@ -81,11 +81,12 @@ impl Streams {
     ///
     /// If `lane` is not below [`LANES`].
     pub fn set(&mut self, lane: usize, stream: &Stream) {
+        let base = stream.base();
         for d in 0..DIMENSIONS {
             let key = stream.key(d);
             self.low[d][lane] = key as u32;
             self.high[d][lane] = (key >> 32) as u32;
-            self.base[d][lane] = stream.base(d);
+            self.base[d][lane] = base[d];
         }
     }
 
@@ -113,9 +114,11 @@ impl Streams {
         }
         let cells = &CELLS[block.log2 as usize];
         self.bits = [cells.zenith_bits, cells.azimuth_bits];
-        let first: [u32; DIMENSIONS] = std::array::from_fn(|d| sobol(d, block.first));
+        let first = sobol(block.first);
         for (d, table) in [&cells.zenith, &cells.azimuth].into_iter().enumerate() {
             let mask = (1_u32 << self.bits[d]) - 1;
+            let cells = self.parts[d].len().max(mask as usize + 1);
+            self.parts[d].resize(cells, [[0; LANES]; DIMENSIONS]);
             for digits in 0..=mask {
                 let part = table[digits as usize];
                 for lane in 0..LANES {
@@ -153,8 +156,8 @@ impl Streams {
                 // Neighbouring steps take neighbouring cells: cells are numbered by reversed digits.
                 let [zenith, azimuth] = [step >> self.bits[1], step & ((1 << self.bits[1]) - 1)];
                 let cell = |k: u32, bits: u32| (k.reverse_bits() >> (31 - bits) >> 1) as usize;
-                let a = &self.parts[0][cell(zenith, self.bits[0]) & 31];
-                let b = &self.parts[1][cell(azimuth, self.bits[1]) & 31];
+                let a = &self.parts[0][cell(zenith, self.bits[0])];
+                let b = &self.parts[1][cell(azimuth, self.bits[1])];
                 for d in 0..DIMENSIONS {
                     for l in 0..LANES {
                         let key = u64::from(self.high[d][l]) << 32 | u64::from(self.low[d][l]);

@@ -180,6 +180,9 @@ impl Caster<'_> {
         let Some(&first) = which.first() else {
             return;
         };
+        if replicates.is_empty() || range.is_empty() {
+            return;
+        }
         let lanes = lanes(self.task, self.texels, which, replicates.clone());
         which.iter().for_each(|&i| {
             self.points[i] += replicates.len() as u32 * range.len() as u32;
@@ -188,15 +191,15 @@ impl Caster<'_> {
         let technique = self.technique;
         let mut gang = Gang::new(task, self.texels, self.lobes, &self.beside.sent);
         if let (Some(order), false) = (task.any_view, self.moments.is_empty()) {
-            gang = gang.with_moments(order);
+            gang.gather_moments(order);
         }
         let is_guided = matches!(aim, Aim::Guided(_));
         let joint = task.joint(&self.texels[first], technique, is_guided);
-        gang = match aim {
-            Aim::Even => gang,
-            Aim::Learning(counts) => gang.with_counts(counts),
-            Aim::Guided(guide) => gang.with_guide(guide),
-        };
+        match aim {
+            Aim::Even => {}
+            Aim::Learning(counts) => gang.note_in(counts),
+            Aim::Guided(guide) => gang.send_by(guide),
+        }
         for lanes in lanes.chunks(LANES) {
             gang.load(lanes);
             for (net, points) in nets(range.clone()) {
@@ -245,22 +248,21 @@ fn packet_edge(pattern: Pattern) -> u32 {
 /// The lanes of the texels `which`, block by block.
 fn lanes(task: &Task<'_>, texels: &[Texel], which: &[usize], replicates: Range<u32>) -> Vec<Lane> {
     let edge = packet_edge(task.pattern);
-    let group = |i: usize| [texels[i].y, texels[i].x].map(|at| at % TILE / edge);
-    // Texels of one packet stand side by side.
-    let key = |&i: &usize| (group(i), i);
-    let mut which: Vec<([u32; 2], usize)> = which.iter().map(key).collect();
-    which.sort_unstable();
-    which
-        .chunk_by(|a, b| a.0 == b.0)
-        .flat_map(|group| {
-            replicates.clone().flat_map(move |replicate| {
-                let replicate = replicate as usize;
-                group
-                    .iter()
-                    .map(move |&(_, texel)| Lane { texel, replicate })
-            })
-        })
-        .collect()
+    // Texels of one packet stand side by side: block by block, row by row in each.
+    let mut places = [None; (TILE * TILE) as usize];
+    for &i in which {
+        let [x, y] = [texels[i].x, texels[i].y].map(|at| at % TILE);
+        let block = y / edge * (TILE / edge) + x / edge;
+        places[((block * edge + y % edge) * edge + x % edge) as usize] = Some(i);
+    }
+    let mut lanes = Vec::with_capacity(which.len() * replicates.len());
+    for block in places.chunks_exact((edge * edge) as usize) {
+        for replicate in replicates.clone().map(|replicate| replicate as usize) {
+            let own = block.iter().flatten();
+            lanes.extend(own.map(|&texel| Lane { texel, replicate }));
+        }
+    }
+    lanes
 }
 
 #[cfg(test)]

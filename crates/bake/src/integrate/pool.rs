@@ -15,14 +15,12 @@ const INNER: usize = TILE as usize;
 /// A tile's edge with a border in which nothing lies, so that each texel has all its neighbours.
 const EDGE: usize = INNER + 2 * FARTHEST;
 
-/// A number of each texel of a tile, 0 where there is none.
-pub(super) type Plane = [f64; EDGE * EDGE];
-
 /// What says which texels of a tile are of one surface.
 pub(super) struct Pool {
     arch: Arch,
-    object: [u32; EDGE * EDGE],
-    normal: [Plane; 3],
+    /// Below 0 where there is no texel.
+    object: Vec<f64>,
+    normal: [Vec<f64>; 3],
 }
 
 /// A texel's place in a plane.
@@ -36,12 +34,12 @@ impl Pool {
     pub fn of(arch: Arch, texels: &[Texel]) -> Self {
         let mut pool = Self {
             arch,
-            object: [u32::MAX; EDGE * EDGE],
-            normal: [[0.0; EDGE * EDGE]; 3],
+            object: vec![-1.0; EDGE * EDGE],
+            normal: [0; 3].map(|_| vec![0.0; EDGE * EDGE]),
         };
         for texel in texels {
             let place = place(texel);
-            pool.object[place] = texel.object;
+            pool.object[place] = f64::from(texel.object);
             for (plane, axis) in pool.normal.iter_mut().zip(texel.normal.to_array()) {
                 plane[place] = axis;
             }
@@ -65,23 +63,25 @@ impl Pool {
                 plane[place] = value;
             }
         }
-        let mut sums = [[0.0; EDGE * EDGE]; N];
+        let mut sums = Vec::with_capacity(texels.len());
         self.arch.dispatch(Sum {
             pool: self,
             radius,
+            texels,
             planes: &planes,
             sums: &mut sums,
         });
-        let sum = |texel: &Texel| sums.each_ref().map(|plane| plane[place(texel)]);
-        texels.iter().map(sum).collect()
+        sums
     }
 }
 
 struct Sum<'a, const N: usize> {
     pool: &'a Pool,
     radius: usize,
-    planes: &'a [Plane; N],
-    sums: &'a mut [Plane; N],
+    texels: &'a [Texel],
+    /// Numbers of each texel of the tile, 0 where there is none.
+    planes: &'a [[f64; EDGE * EDGE]; N],
+    sums: &'a mut Vec<[f64; N]>,
 }
 
 impl<const N: usize> WithSimd for Sum<'_, N> {
@@ -91,20 +91,23 @@ impl<const N: usize> WithSimd for Sum<'_, N> {
     fn with_simd<S: Simd>(self, _: S) {
         let Pool { object, normal, .. } = self.pool;
         let row = |at: usize| at..at + INNER;
-        for y in FARTHEST..FARTHEST + INNER {
+        let [x, y, z] = normal;
+        let facing = |at: usize| [&x[row(at)], &y[row(at)], &z[row(at)]];
+        for texels in self.texels.chunk_by(|a, b| a.y == b.y) {
+            let y = (texels[0].y % TILE) as usize + FARTHEST;
             let own = y * EDGE + FARTHEST;
             let mut sums = [[0.0; INNER]; N];
             for ny in y - self.radius..=y + self.radius {
                 for nx in FARTHEST - self.radius..=FARTHEST + self.radius {
                     let other = ny * EDGE + nx;
                     let mut agree = [0.0; INNER];
-                    let dot =
-                        |axis: usize, x: usize| normal[axis][own + x] * normal[axis][other + x];
+                    // Of sixteen numbers each, so that the loop has no bound to look at.
+                    let ([x0, y0, z0], [x1, y1, z1]) = (facing(own), facing(other));
                     let (a, b) = (&object[row(own)], &object[row(other)]);
                     for x in 0..INNER {
-                        let is_one =
-                            (a[x] == b[x]) & (dot(0, x) + dot(1, x) + dot(2, x) > NORMAL_AGREEMENT);
-                        agree[x] = f64::from(u8::from(is_one));
+                        let cos = x0[x] * x1[x] + y0[x] * y1[x] + z0[x] * z1[x];
+                        let is_one = (a[x] == b[x]) & (cos > NORMAL_AGREEMENT);
+                        agree[x] = if is_one { 1.0 } else { 0.0 };
                     }
                     for (sum, plane) in sums.iter_mut().zip(self.planes) {
                         for (x, value) in plane[row(other)].iter().enumerate() {
@@ -113,8 +116,9 @@ impl<const N: usize> WithSimd for Sum<'_, N> {
                     }
                 }
             }
-            for (sum, plane) in sums.iter().zip(self.sums.iter_mut()) {
-                plane[row(own)].copy_from_slice(sum);
+            for texel in texels {
+                let x = (texel.x % TILE) as usize;
+                self.sums.push(sums.each_ref().map(|sum| sum[x]));
             }
         }
     }

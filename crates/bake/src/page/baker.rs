@@ -11,7 +11,7 @@ use super::tile::{BakedTile, Column, Columns};
 use crate::bounce::{GatherPilot, Taken};
 use crate::choice::Choice;
 use crate::clock::ThreadClock;
-use crate::integrate::{Coat, Task, integrate, seals};
+use crate::integrate::{Coat, Task, Terms, integrate, seals};
 use crate::options::{AmbientCoefficient, Buried, Footprint, Model, Options, View};
 use crate::plan::Plan;
 use crate::seams::Across;
@@ -23,7 +23,7 @@ use glam::DVec3;
 use layers::{Layer, Progress};
 use pulp::Arch;
 use rayon::prelude::*;
-use rays::{PhongMaterial, PlaneErrors, RayBackend, Solids, World};
+use rays::{PlaneErrors, RayBackend, Solids, World};
 use std::convert::Infallible;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -50,6 +50,16 @@ pub struct Baker<'a> {
     spent: Vec<OnceLock<Vec<u32>>>,
     /// Texels finished so far, over all pages.
     done: AtomicU64,
+}
+
+/// The texels of a tile with what their rays found, one number of each list for each texel.
+struct Integrated {
+    texels: Vec<Texel>,
+    terms: Vec<Terms>,
+    coats: Vec<Coat>,
+    sealed: Vec<f32>,
+    /// The specular term of an open texel with this material and view; 0 where it does not reflect specularly.
+    open_specular: Vec<f64>,
 }
 
 /// What a few tiles, spread over the atlas, took.
@@ -235,8 +245,8 @@ impl<'a> Baker<'a> {
                 return None;
             }
             let cut = self.cut(raster, index as usize);
-            let texels = self.tile(&cut, page, rays[index as usize]);
-            let result = self.result(index, &columns, &texels);
+            let tile = self.tile(&cut, page, rays[index as usize]);
+            let result = self.result(index, &columns, &tile);
             let own = result.stats.texels;
             let done = self.done.fetch_add(own, Ordering::Relaxed) + own;
             progress.rays(result.stats.rays);
@@ -283,8 +293,9 @@ impl<'a> Baker<'a> {
                 .with_max_len(1)
                 .map(|index| {
                     let clock = ThreadClock::now();
-                    let texels = self.tile(&self.cut(&raster, index), page, rays[index]);
-                    let rays = texels.iter().map(|t| t.terms.rays).sum();
+                    let Integrated { texels, terms, .. } =
+                        self.tile(&self.cut(&raster, index), page, rays[index]);
+                    let rays = terms.iter().map(|terms| terms.rays).sum();
                     let seconds = clock.seconds();
                     let taken = gather
                         .as_ref()
@@ -317,7 +328,7 @@ impl<'a> Baker<'a> {
         }
     }
 
-    fn tile(&self, tile: &Tile, page: u32, rays: u32) -> Vec<BakedTexel> {
+    fn tile(&self, tile: &Tile, page: u32, rays: u32) -> Integrated {
         let options = self.options;
         let task = Task {
             backend: self.backend,
@@ -363,29 +374,19 @@ impl<'a> Baker<'a> {
                 )
             }
         };
-        texels
-            .iter()
-            .zip(terms)
-            .zip(coats.iter().zip(&specular).zip(sealed))
-            .map(|((texel, terms), ((coat, &reflects), sealed))| BakedTexel {
-                open_specular: if reflects { open_specular(texel) } else { 0.0 },
-                index: texel.y * self.atlas.page_size + texel.x,
-                coverage: texel.coverage,
-                object: texel.object,
-                terms,
-                material: PhongMaterial {
-                    specular: coat.specular,
-                    ..texel.material
+        let open_specular =
+            texels.iter().zip(specular).map(
+                |(texel, reflects)| {
+                    if reflects { open_specular(texel) } else { 0.0 }
                 },
-                ambient: self.ambient(texel),
-                base: coat.base,
-                position: texel.position,
-                normal: texel.normal,
-                geometric: texel.geometric,
-                validity: texel.seen.share,
-                sealed,
-            })
-            .collect()
+            );
+        Integrated {
+            open_specular: open_specular.collect(),
+            terms,
+            coats,
+            sealed,
+            texels,
+        }
     }
 
     /// k_a of a texel.
@@ -430,7 +431,7 @@ impl<'a> Baker<'a> {
     }
 
     /// What the page keeps of a tile.
-    fn result(&self, index: u32, columns: &Columns, texels: &[BakedTexel]) -> BakedTile {
+    fn result(&self, index: u32, columns: &Columns, tile: &Integrated) -> BakedTile {
         let size = self.atlas.page_size;
         let value = |texel: &BakedTexel, column: &Column| match column.layer {
             Layer::AnyView | Layer::AnyView4 | Layer::AnyView8 => {
@@ -442,27 +443,40 @@ impl<'a> Baker<'a> {
             }
             layer => texel.values(layer)[column.channel],
         };
-        let channel = |column| texels.iter().map(move |texel| value(texel, column));
-        let mut result = BakedTile {
-            index,
-            texels: texels.iter().map(|texel| texel.index).collect(),
-            values: columns.0.iter().flat_map(channel).collect(),
-            ..BakedTile::default()
-        };
-        for texel in texels {
-            let stats = &mut result.stats;
-            stats.texels += 1;
-            stats.coverage += f64::from(texel.coverage);
-            stats.buried += u64::from(texel.validity == 0.0);
-            stats.buried_area += f64::from(texel.coverage) * (1.0 - f64::from(texel.validity));
-            let place = [texel.index % size, texel.index / size];
-            if texel.validity > 0.0 {
-                stats.errors.add(texel.terms.diffuse, place);
-                stats.irradiance_squares += texel.terms.irradiance.std_err.powi(2);
-            }
-            stats.rays += texel.terms.rays;
+        let baked = tile.texels.iter().enumerate();
+        let baked = baked.map(|(i, texel)| BakedTexel {
+            texel,
+            terms: &tile.terms[i],
+            coat: &tile.coats[i],
+            ambient: self.ambient(texel),
+            sealed: tile.sealed[i],
+            open_specular: tile.open_specular[i],
+        });
+        let baked: Vec<BakedTexel> = baked.collect();
+        let mut values = Vec::with_capacity(baked.len() * columns.0.len());
+        for column in &columns.0 {
+            values.extend(baked.iter().map(|texel| value(texel, column)));
         }
-        result
+        let mut stats = PageStats::default();
+        for (texel, terms) in tile.texels.iter().zip(&tile.terms) {
+            let [coverage, seen] = [texel.coverage, texel.seen.share].map(f64::from);
+            stats.texels += 1;
+            stats.coverage += coverage;
+            stats.buried += u64::from(seen == 0.0);
+            stats.buried_area += coverage * (1.0 - seen);
+            if seen > 0.0 {
+                stats.errors.add(terms.diffuse, [texel.x, texel.y]);
+                stats.irradiance_squares += terms.irradiance.std_err.powi(2);
+            }
+            stats.rays += terms.rays;
+        }
+        let texels = tile.texels.iter();
+        BakedTile {
+            index,
+            texels: texels.map(|texel| texel.y * size + texel.x).collect(),
+            values,
+            stats,
+        }
     }
 }
 

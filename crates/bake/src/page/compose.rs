@@ -1,10 +1,10 @@
 //! Terms to layers: facts of a texel, and the models that follow from them with albedo, specular reflectance and sky.
 
-use crate::integrate::Terms;
+use crate::integrate::{Coat, Terms};
+use crate::survey::Texel;
 use ambient::models;
 use glam::DVec3;
 use layers::Layer;
-use rays::PhongMaterial;
 
 /// What the layers of a texel are composed of.
 #[derive(Debug, Clone, Copy)]
@@ -97,43 +97,26 @@ pub(crate) fn is_light(layer: Layer) -> bool {
 }
 
 /// Everything known about one baked texel.
-#[derive(Debug, Clone)]
-pub(crate) struct BakedTexel {
-    /// `y * size + x` on its page.
-    pub index: u32,
-    /// Fraction of its square inside charts.
-    pub coverage: f32,
-    /// Object with the largest share.
-    pub object: u32,
-    pub terms: Terms,
-    /// Mean over the footprint.
-    pub material: PhongMaterial,
+pub(crate) struct BakedTexel<'a> {
+    pub texel: &'a Texel,
+    pub terms: &'a Terms,
+    pub coat: &'a Coat,
     /// k_a of the traditional model.
     pub ambient: DVec3,
-    /// Diffuse reflectance under the coat of the microfacet model.
-    pub base: DVec3,
-    /// Mean world position.
-    pub position: DVec3,
-    /// Mean shading normal.
-    pub normal: DVec3,
-    /// Mean geometric normal.
-    pub geometric: DVec3,
-    /// Share of the footprint that can be seen.
-    pub validity: f32,
     /// Share of what can be seen that something seals.
     pub sealed: f32,
     /// The specular term of an open texel with this material and view; 0 where it does not reflect specularly.
     pub open_specular: f64,
 }
 
-impl BakedTexel {
+impl BakedTexel<'_> {
     /// The values of a fact, as many as the layer has channels.
     pub fn values(&self, layer: Layer) -> [f32; 3] {
-        let (terms, material) = (&self.terms, &self.material);
+        let (texel, terms) = (self.texel, self.terms);
         let one = |value: f64| [value as f32, 0.0, 0.0];
         let three = |value: DVec3| value.as_vec3().to_array();
         match layer {
-            Layer::Coverage => [self.coverage, 0.0, 0.0],
+            Layer::Coverage => [texel.coverage, 0.0, 0.0],
             Layer::Visibility => one(terms.visibility.value),
             Layer::Diffuse => one(terms.diffuse.value),
             Layer::Specular => one(terms.specular.value),
@@ -145,12 +128,12 @@ impl BakedTexel {
             Layer::StdErrIrradiance => one(terms.irradiance.std_err),
             Layer::StdErrReflection => one(terms.reflection.std_err),
             Layer::Rays => one(terms.rays as f64),
-            Layer::Position => three(self.position),
-            Layer::Normal => three(self.normal),
-            Layer::Geometric => three(self.geometric),
-            Layer::Exponent => one(material.exponent),
-            Layer::Object => one(f64::from(self.object)),
-            Layer::Validity => [self.validity, 0.0, 0.0],
+            Layer::Position => three(texel.position),
+            Layer::Normal => three(texel.normal),
+            Layer::Geometric => three(texel.geometric),
+            Layer::Exponent => one(texel.material.exponent),
+            Layer::Object => one(f64::from(texel.object)),
+            Layer::Validity => [texel.seen.share, 0.0, 0.0],
             Layer::Sealed => [self.sealed, 0.0, 0.0],
             Layer::OpenSpecular => one(self.open_specular),
             Layer::StdErrAnyView => one(terms.any_view.as_ref().map_or(0.0, |any| any.std_err)),
@@ -162,9 +145,9 @@ impl BakedTexel {
             Layer::HalfSpecular => one(terms.halves.specular),
             Layer::HalfIrradiance => three(terms.halves.irradiance),
             Layer::HalfReflection => three(terms.halves.reflection),
-            Layer::Albedo => three(material.albedo),
-            Layer::Reflectance => three(material.specular),
-            Layer::Base => three(self.base),
+            Layer::Albedo => three(texel.material.albedo),
+            Layer::Reflectance => three(self.coat.specular),
+            Layer::Base => three(self.coat.base),
             Layer::Ambient => three(self.ambient),
             composed => unreachable!("layer {} is no fact", composed.name()),
         }

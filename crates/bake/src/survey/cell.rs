@@ -15,7 +15,7 @@ pub(crate) type Weights = [[f32; 2]; 3];
 /// A triangle or parallelogram of a footprint. Positions are f64 until the ray is set; directions and normals are f32.
 #[derive(Debug, Clone)]
 pub(crate) struct Cell {
-    /// Area in texels.
+    /// Area in texels; of a whole triangle that of a texel's square on its plane, in squared units of the world.
     pub area: f64,
     /// The closed surface that it is part of.
     pub body: Option<u32>,
@@ -95,7 +95,7 @@ impl Cell {
     }
 
     /// All of a triangle that texels hold whole, by its corner weights as affine functions of the place in the tile:
-    /// (s, t) are the weights of its second and third corner. It has no area in texels.
+    /// (s, t) are the weights of its second and third corner.
     pub fn whole((patch, body): (&Patch, Option<u32>), weights: &dyn Fn(DVec2) -> DVec3) -> Self {
         let corners = [DVec3::X, DVec3::Y, DVec3::Z];
         let mut cell = Self::of((patch, body), 0.5, corners, 0.0);
@@ -109,6 +109,7 @@ impl Cell {
         });
         let [a, b, c, d] = reach.map(DVec3::abs);
         cell.lift = patch.geometric * patch.offset(a.max(b).max(c).max(d));
+        cell.area = cell.texel_area();
         cell
     }
 
@@ -222,7 +223,7 @@ impl Cell {
     }
 
     /// Area in the world of a texel's square on the plane of a whole triangle, squared units.
-    pub fn texel_area(&self) -> f64 {
+    fn texel_area(&self) -> f64 {
         let [_, s, t] = self.position;
         let [_, along, across] = self.weights.map(|w| w.map(f64::from));
         s.cross(t).length() * (along[0] * across[1] - along[1] * across[0]).abs()

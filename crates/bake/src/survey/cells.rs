@@ -5,6 +5,7 @@
 //! whose least corner weight is the largest there, so that no crack between two of them is seen.
 
 use super::cell::{Cell, Sample, Weights, place_in};
+use atlas::MOST_HELD;
 use glam::DVec3;
 use std::ops::Range;
 use std::sync::Arc;
@@ -165,16 +166,14 @@ impl Cells {
         } else if self.len() == 1 {
             let cell = self.cell(0);
             let middle = cell.kept(at(&self.weights(0), [0.5; 2]));
-            add(cell.sample(middle), 1.0, 1.0, cell.texel_area());
+            add(cell.sample(middle), 1.0, 1.0, cell.area);
         } else {
-            let weights: Vec<Weights> =
-                (0..self.len()).map(|number| self.weights(number)).collect();
-            let held = points(&weights);
             let own = &self.of.wholes[self.all()];
+            let held = points((0..own.len()).map(|number| self.weights(number)));
             for (&(cell, share), (count, place)) in own.iter().zip(held) {
                 let (cell, share) = (&self.of.cells[cell as usize], f64::from(share));
                 let sample = cell.sample(cell.kept(place));
-                add(sample, f64::from(count), share, share * cell.texel_area());
+                add(sample, f64::from(count), share, share * cell.area);
             }
         }
         means.position /= all;
@@ -183,21 +182,21 @@ impl Cells {
 }
 
 /// Of points that are spread evenly over a texel, how many each triangle holds, and the mean of its weights there;
-/// where it holds none, its weights in the middle of the texel.
-fn points(all: &[Weights]) -> Vec<(f32, [f32; 2])> {
+/// where it holds none, its weights in the middle of the texel. There are [`MOST_HELD`] triangles at most.
+fn points(all: impl Iterator<Item = Weights> + Clone) -> [(f32, [f32; 2]); MOST_HELD] {
     const POINTS: usize = EDGE * EDGE;
     let middle = |k: usize| (k as f32 + 0.5) / EDGE as f32;
     let points: [[f32; 2]; POINTS] = std::array::from_fn(|k| [middle(k % EDGE), middle(k / EDGE)]);
     let (mut best, mut chosen) = ([f32::NEG_INFINITY; POINTS], [0u32; POINTS]);
-    for (number, weights) in (0..).zip(all) {
+    for (number, weights) in (0..).zip(all.clone()) {
         for k in 0..POINTS {
-            let inside = least(at(weights, points[k]));
+            let inside = least(at(&weights, points[k]));
             let is_better = inside > best[k];
             best[k] = if is_better { inside } else { best[k] };
             chosen[k] = if is_better { number } else { chosen[k] };
         }
     }
-    let mut sums = vec![(0.0, [0.0; 2]); all.len()];
+    let mut sums = [(0.0, [0.0; 2]); MOST_HELD];
     for (&number, point) in chosen.iter().zip(points) {
         let (count, [u, v]) = &mut sums[number as usize];
         *count += 1.0;
@@ -209,7 +208,7 @@ fn points(all: &[Weights]) -> Vec<(f32, [f32; 2])> {
         } else {
             [0.5; 2]
         };
-        *place = at(weights, mean);
+        *place = at(&weights, mean);
     }
     sums
 }

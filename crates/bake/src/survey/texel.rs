@@ -109,7 +109,11 @@ impl<'a> Surveyor<'a> {
         let known: Vec<Known> = (tile.triangles.iter())
             .map(|&[instance, triangle]| self.known(instance, triangle))
             .collect();
-        let mut ground = Ground::default();
+        // Most pieces become one cell, and no triangle that is held more.
+        let mut ground = Ground {
+            cells: Vec::with_capacity(known.len() + tile.pieces.len()),
+            wholes: Vec::with_capacity(tile.held.len()),
+        };
         let mut cells = vec![None; known.len()];
         for held in &tile.held {
             let number = held.number as usize;
@@ -229,59 +233,57 @@ impl<'a> Surveyor<'a> {
         seen: Seen,
         stream: &Stream,
     ) -> Texel {
-        let shares = || tile.shares(footprint);
-        let largest = shares().reduce(|a, b| if b.1 > a.1 { b } else { a });
-        let (first, _) = largest.unwrap_or_else(|| unreachable!("a footprint is never empty"));
+        let (mut first, mut largest, mut open) = (0, f64::NEG_INFINITY, true);
+        // The mean material by area, where it varies over none of the triangles.
+        let mut plain = Some(PhongMaterial::default());
+        for (number, share) in tile.shares(footprint) {
+            let known = &known[number as usize];
+            if share > largest {
+                (first, largest) = (number as usize, share);
+            }
+            open &= known.open;
+            plain = plain.zip(known.material).map(|(mut sum, own)| {
+                add(&mut sum, &own, share);
+                sum
+            });
+        }
+        let material = plain.unwrap_or_else(|| self.material(tile, footprint, stream));
         let means = cells.means();
         let tilted = !cells.iter().all(Cell::is_flat);
-        let upward = || known[first as usize].patch.upward();
+        let upward = || known[first].patch.upward();
         Texel {
             x: footprint.x,
             y: footprint.y,
             coverage: footprint.coverage,
-            material: self.material((tile, footprint), known, stream),
+            material: self.overrides.applied(material),
             position: means.position,
             normal: means.normal.try_normalize().unwrap_or_else(upward),
             geometric: means.geometric.try_normalize().unwrap_or_else(upward),
             area: means.area,
-            object: tile.triangles[first as usize][0],
-            open: shares().all(|(number, _)| known[number as usize].open),
+            object: tile.triangles[first][0],
+            open,
             tilted,
             cells,
             seen,
         }
     }
 
-    /// The mean material: by area where it varies over none of the triangles, else from points over the footprint.
-    fn material(
-        &self,
-        (tile, footprint): (&Tile, &Footprint),
-        known: &[Known],
-        stream: &Stream,
-    ) -> PhongMaterial {
+    /// The mean material from points over the footprint.
+    fn material(&self, tile: &Tile, footprint: &Footprint, stream: &Stream) -> PhongMaterial {
         let mut sum = PhongMaterial::default();
-        let mut add = |material: PhongMaterial, weight: f64| {
-            sum.albedo += material.albedo * weight;
-            sum.specular += material.specular * weight;
-            sum.exponent += material.exponent * weight;
-        };
-        let plain = |number: u32| known[number as usize].material;
-        let shares = || tile.shares(footprint);
-        if shares().any(|(number, _)| plain(number).is_none()) {
-            for index in 0..SURVEY_POINTS {
-                let [_, _, u, v] = stream.point(index);
-                let at = tile.sample(footprint, [u, v]);
-                let scene = self.world.scene();
-                let material = material_at(scene, at.instance, at.triangle, at.weights);
-                add(material, 1.0 / f64::from(SURVEY_POINTS));
-            }
-        } else {
-            for (number, share) in shares() {
-                if let Some(material) = plain(number) {
-                    add(material, share);
-                }
-            }
+        for index in 0..SURVEY_POINTS {
+            let [_, _, u, v] = stream.point(index);
+            let at = tile.sample(footprint, [u, v]);
+            let scene = self.world.scene();
+            let material = material_at(scene, at.instance, at.triangle, at.weights);
+            add(&mut sum, &material, 1.0 / f64::from(SURVEY_POINTS));
         }
-        self.overrides.applied(sum)
+        sum
     }
+}
+
+fn add(sum: &mut PhongMaterial, material: &PhongMaterial, weight: f64) {
+    sum.albedo += material.albedo * weight;
+    sum.specular += material.specular * weight;
+    sum.exponent += material.exponent * weight;
 }

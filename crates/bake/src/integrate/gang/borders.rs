@@ -7,7 +7,6 @@
 
 use crate::survey::Cells;
 use ambient::sampling::{LANES, Wide};
-use atlas::MOST_HELD;
 use std::hint::black_box;
 
 /// Pieces of a lane at most that are looked through beside those of others; among more one is found by halves.
@@ -31,12 +30,9 @@ const NOWHERE: Weights = [
 pub(super) struct Borders<'a> {
     /// The ends of each lane's cells but the last along the first coordinate of a point, in their order. Lanes with
     /// fewer hold a number that no point reaches.
-    ends: [Wide; MOST],
-    /// Rows in use.
-    used_ends: usize,
+    ends: Vec<Wide>,
     /// Of lanes whose texels several triangles cover wholly, these triangles.
-    spans: Box<[Weights; MOST_HELD]>,
-    used_spans: usize,
+    spans: Vec<Weights>,
     /// Such lanes.
     spanned: u32,
     /// Lanes with more pieces.
@@ -47,10 +43,8 @@ impl<'a> Borders<'a> {
     /// One cell under each lane.
     pub fn none() -> Self {
         Self {
-            ends: [[f32::INFINITY; LANES]; MOST],
-            used_ends: 0,
-            spans: Box::new([NOWHERE; MOST_HELD]),
-            used_spans: 0,
+            ends: Vec::new(),
+            spans: Vec::new(),
             spanned: 0,
             long: Vec::new(),
         }
@@ -58,9 +52,9 @@ impl<'a> Borders<'a> {
 
     /// Goes back to one cell under each lane.
     pub fn clear(&mut self) {
-        self.ends[..self.used_ends].fill([f32::INFINITY; LANES]);
-        self.spans[..self.used_spans].fill(NOWHERE);
-        (self.used_ends, self.used_spans, self.spanned) = (0, 0, 0);
+        self.ends.clear();
+        self.spans.clear();
+        self.spanned = 0;
         self.long.clear();
     }
 
@@ -70,7 +64,7 @@ impl<'a> Borders<'a> {
             0 | 1 => {}
             count if cells.are_whole() => {
                 self.spanned |= 1 << lane;
-                self.used_spans = self.used_spans.max(count);
+                self.spans.resize(self.spans.len().max(count), NOWHERE);
                 for (number, row) in self.spans.iter_mut().enumerate().take(count) {
                     for (row, weights) in row.iter_mut().zip(cells.weights(number)) {
                         (row[0][lane], row[1][lane]) = (weights[0], weights[1]);
@@ -80,7 +74,8 @@ impl<'a> Borders<'a> {
             count if count > MOST => self.long.push((lane, cells)),
             _ => {
                 let ends = cells.ends();
-                self.used_ends = self.used_ends.max(ends.len());
+                let rows = self.ends.len().max(ends.len());
+                self.ends.resize(rows, [f32::INFINITY; LANES]);
                 for (row, end) in self.ends.iter_mut().zip(ends) {
                     row[lane] = end;
                 }
@@ -90,21 +85,21 @@ impl<'a> Borders<'a> {
 
     /// True where a lane has several cells.
     pub fn any(&self) -> bool {
-        self.used_ends > 0 || self.used_spans > 0 || !self.long.is_empty()
+        !(self.ends.is_empty() && self.spans.is_empty() && self.long.is_empty())
     }
 
     /// The cell of each lane that its point chooses.
     #[inline(always)]
     pub fn cells(&self, v0: &Wide, v1: &Wide) -> [u32; LANES] {
         let mut cells = [0; LANES];
-        for k in 0..self.used_ends {
+        for k in 0..self.ends.len() {
             // Left alone, the compiler takes many rows of one lane at a time, number by number.
             let ends = &self.ends[black_box(k)];
             for l in 0..LANES {
                 cells[l] += u32::from(v0[l] >= ends[l]);
             }
         }
-        if self.used_spans > 0 {
+        if !self.spans.is_empty() {
             let spanned = self.holding(v0, v1);
             for l in 0..LANES {
                 let is_spanned = self.spanned >> l & 1 == 1;
@@ -121,7 +116,7 @@ impl<'a> Borders<'a> {
     #[inline(always)]
     fn holding(&self, v0: &Wide, v1: &Wide) -> [u32; LANES] {
         let (mut best, mut chosen) = ([f32::NEG_INFINITY; LANES], [0; LANES]);
-        for k in 0..self.used_spans {
+        for k in 0..self.spans.len() {
             let [a, b, c] = &self.spans[black_box(k)];
             for l in 0..LANES {
                 let s = a[0][l] + b[0][l] * v0[l] + c[0][l] * v1[l];
@@ -143,6 +138,7 @@ mod tests {
     use super::*;
 
     use crate::survey::fixture;
+    use atlas::MOST_HELD;
     use glam::DVec2;
 
     #[test]

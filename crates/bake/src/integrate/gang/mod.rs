@@ -133,21 +133,18 @@ impl<'a> Gang<'a> {
     }
 
     /// Gathers harmonics up to an order too.
-    pub fn with_moments(mut self, order: usize) -> Self {
+    pub fn gather_moments(&mut self, order: usize) {
         self.moments = Some(LaneMoments::new(order));
-        self
     }
 
     /// Sends hemisphere directions by a guide.
-    pub fn with_guide(mut self, guide: &'a Guide) -> Self {
+    pub fn send_by(&mut self, guide: &'a Guide) {
         self.guide = Some(guide);
-        self
     }
 
     /// Notes which points are open.
-    pub fn with_counts(mut self, counts: &'a mut Counts) -> Self {
+    pub fn note_in(&mut self, counts: &'a mut Counts) {
         self.counts = Some(counts);
-        self
     }
 
     /// Takes at most sixteen lanes, and forgets those before.
