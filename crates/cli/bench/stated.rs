@@ -5,7 +5,7 @@ use crate::bake::options;
 use crate::host;
 use crate::outcome::{Outcome, note, say, say_json};
 use ambake::{Bake, Baked, Bounces, Denoise, Layer, Scene, Seams};
-use bench::stated::{Row, markdown, scenes};
+use bench::stated::{Judged, Row, markdown, scenes};
 use report::Output;
 use serde_json::json;
 
@@ -96,8 +96,8 @@ fn judged(args: &Args, name: &str, scene: &Scene) -> anyhow::Result<Vec<Row>> {
     Ok(rows)
 }
 
-/// Value, stated error and truth of the texels that can be seen, the mean over their channels.
-fn texels(bake: &Baked, truth: &Baked, term: Layer, error: Layer) -> Vec<[f64; 3]> {
+/// The texels that can be seen, by the mean over their channels.
+fn texels(bake: &Baked, truth: &Baked, term: Layer, error: Layer) -> Vec<Judged> {
     let mut found = Vec::new();
     for (page, exact) in bake.pages().zip(truth.pages()) {
         let count = (page.size() as usize).pow(2);
@@ -110,7 +110,12 @@ fn texels(bake: &Baked, truth: &Baked, term: Layer, error: Layer) -> Vec<[f64; 3
         let texels = (0..count).filter(|&texel| seen[texel] > 0.0 && covered[texel] > 0.0);
         found.extend(texels.map(|texel| {
             let of = |page: &ambake::Page, layer| mean(page.layer(layer), texel);
-            [of(page, term), of(page, error), of(exact, term)]
+            Judged {
+                value: of(page, term),
+                std_err: of(page, error),
+                truth: of(exact, term),
+                truth_err: of(exact, error),
+            }
         }));
     }
     found

@@ -16,6 +16,7 @@ mod lanes;
 pub(crate) mod oidn;
 mod plane;
 mod stated;
+mod steep;
 mod strays;
 
 use crate::seams::SeamPoint;
@@ -29,6 +30,7 @@ use plane::{Sheet, TASK};
 use rayon::prelude::*;
 use stated::{Predicted, Seen, Squares, Stated};
 use std::ops::Range;
+use steep::steepness;
 
 /// Charts of fewer texels keep their plain values: too few to tell noise from detail.
 const FEWEST: usize = 4;
@@ -131,13 +133,16 @@ impl<'a> Denoiser<'a> {
                 .collect()
         });
         let parts: Vec<Vec<Part>> = parts.collect();
+        let parts: Vec<Part> = parts.into_iter().flatten().collect();
         // In the order of the charts, whatever the number of threads.
-        let stated = Stated::of(parts.iter().flatten().map(|part| &part.seen));
-        let finished = parts.into_iter().flatten().map(|part| {
-            let predicted = part.predicted.into_iter();
+        let mut stated = Stated::of(parts.iter().map(|part| &part.seen));
+        let shown = parts.par_iter().map(|part| stated.shown(&part.texels));
+        stated.sort(&shown.collect::<Vec<_>>());
+        let finished = parts.into_iter().map(|part| {
+            let texels = part.texels.into_iter();
             Denoised {
                 // In place: what is known of a whole page's texels is held once.
-                std_err: predicted.map(|texel| stated.std_err(&texel)).collect(),
+                std_err: texels.map(|texel| stated.std_err(&texel)).collect(),
                 ..part.chosen
             }
         });
@@ -183,12 +188,13 @@ impl<'a> Denoiser<'a> {
         let part = |band: &Band| {
             let surface = self.surface(number, &area, &beyond, band, term);
             let chosen = choose(&surface, self.fits, agreed)?;
+            let steep = steepness(&surface.mask, &chosen.0, Chosen::VALUES);
             // A band may fill its page, and what follows needs room of its own.
             drop(surface);
             let mut part = Part::new(term.values.len());
             for run in chart.runs_of(&area, &band.rows, self.size) {
                 let place = area.local(run.first, &band.about, self.size);
-                part.push(term, run, &chosen, place);
+                part.push(term, run, [&chosen.0, &steep], place);
             }
             Some(part)
         };
@@ -298,7 +304,7 @@ impl Term<'_> {
 struct Part {
     /// Without errors, and what these follow from.
     chosen: Denoised,
-    predicted: Vec<Predicted>,
+    texels: Vec<Squares>,
     seen: Seen,
 }
 
@@ -309,16 +315,24 @@ impl Part {
                 values: vec![Vec::new(); channels],
                 ..Denoised::default()
             },
-            predicted: Vec::new(),
+            texels: Vec::new(),
             seen: Seen::default(),
         }
     }
 
-    /// Adds texels from a place of what was chosen on; those that are exact stay as they are.
-    fn push(&mut self, term: &Term<'_>, run: &Run, chosen: &Chosen, [x, y]: [usize; 2]) {
+    /// Adds texels from a place on, of what was chosen and of how steep that is; those that are exact stay as they
+    /// are.
+    fn push(
+        &mut self,
+        term: &Term<'_>,
+        run: &Run,
+        [chosen, steep]: [&Sheet; 2],
+        [x, y]: [usize; 2],
+    ) {
         let channels = term.values.len();
         self.chosen.runs.push(*run);
-        let line = |plane: usize| &chosen.0.row(plane, y)[x..];
+        let line = |plane: usize| &chosen.row(plane, y)[x..];
+        let steep = &steep.row(0, y)[x..];
         for (channel, values) in self.chosen.values.iter_mut().enumerate() {
             let chosen = line(Chosen::VALUES + channel).iter().zip(run.texels());
             values.extend(
@@ -344,11 +358,7 @@ impl Part {
                 } else {
                     std_err
                 };
-                self.predicted.push(Predicted {
-                    plain: 0.0,
-                    variance: known * known,
-                    near_bias: 0.0,
-                });
+                self.texels.push(Squares::known(known * known));
                 continue;
             }
             let chosen = (0..channels).map(|channel| line(Chosen::VALUES + channel)[k]);
@@ -360,12 +370,14 @@ impl Part {
                 variance: variance[k],
                 near_bias: near_bias[k],
             };
-            self.seen.count(&Squares {
+            let texel = Squares {
                 predicted,
                 seen_variance: left * left,
                 seen_bias: moved * moved - half * half,
-            });
-            self.predicted.push(predicted);
+                steep: steep[k],
+            };
+            self.seen.count(&texel);
+            self.texels.push(texel);
         }
     }
 }
