@@ -47,6 +47,7 @@ mod parity;
 mod peers;
 mod photo;
 mod pipes;
+mod probe_glb;
 mod probe_parts;
 mod probes;
 mod quads;

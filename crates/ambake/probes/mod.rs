@@ -21,6 +21,7 @@ use rays::Light;
 use report::{Output, ProbeReport, ProbeSet};
 use serde_json::json;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use task::Task;
 
 /// Where probes stand.
@@ -138,6 +139,9 @@ pub struct Probes {
     stem: String,
     set: ProbeSet,
     inputs: Vec<PathBuf>,
+    scene: Arc<::scene::Scene>,
+    /// The bake that told what surfaces reflect.
+    bake: Option<PathBuf>,
     /// What was saved while they were gathered.
     leftovers: Vec<PathBuf>,
 }
@@ -215,6 +219,12 @@ impl Probes {
     ) -> Result<Vec<PathBuf>, Error> {
         let mut output = Output::create(dir.as_ref())?;
         output.protect(self.inputs.iter().cloned());
+        if engines.contains(&Engine::Gltf) && !self.set.reflections.is_empty() {
+            self.set.glb = match &self.bake {
+                Some(dir) => Some(report::read_gltf(&dir.join(format!("{}.glb", self.stem)))?),
+                None => report::source_gltf(&self.scene)?,
+            };
+        }
         report::stage_probes(&mut output, &self.stem, &mut self.set, engines)?;
         let written = output.publish()?;
         for path in self.leftovers.drain(..) {

@@ -306,11 +306,14 @@ impl<'a> Task<'a> {
             filled,
             distance: placed.into_iter().map(|p| p.probe.distance).collect(),
             reflections: reflections.into_iter().map(pictures).collect(),
+            glb: None,
         };
         Probes {
             stem,
             set,
             inputs: self.inputs.clone(),
+            scene: Arc::clone(&self.scene.0),
+            bake: options.bake.clone(),
             leftovers: Vec::new(),
         }
     }

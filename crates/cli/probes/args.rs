@@ -55,7 +55,8 @@ pub struct Args {
     /// the files of all. A part that was stopped continues
     #[arg(long, value_name = "I/N", value_parser = shard)]
     pub shard: Option<ambake::Shard>,
-    /// Also write files for these engines, separated by commas: bevy, three, unity, godot
+    /// Also write files for these engines, separated by commas: bevy, three, unity, godot; with --reflections gltf and
+    /// blender too
     #[arg(long = "for", value_name = "ENGINE,..", value_delimiter = ',', value_parser = engine)]
     pub engines: Vec<ambake::Engine>,
     /// Order of the harmonics: 4, 9 or 16 of them
