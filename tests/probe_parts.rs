@@ -155,7 +155,7 @@ impl Progress for Stop {
 
 #[test]
 fn probes_that_were_stopped_go_on_to_the_same_bytes() {
-    let scene = ::ambake::load(&scene("courtyard.obj")).expect("a scene");
+    let scene = ::ambake::load(scene("courtyard.obj")).expect("a scene");
     let places = Places::Grid([4, 2, 3]);
     let mut options = ProbeOptions::default();
     options.rays = 64;
@@ -206,7 +206,7 @@ fn probes_that_were_stopped_go_on_to_the_same_bytes() {
 
 #[test]
 fn a_part_is_gathered_once_and_by_one_run() {
-    let scene = ::ambake::load(&scene("plane.obj")).expect("a scene");
+    let scene = ::ambake::load(scene("plane.obj")).expect("a scene");
     let folder = tempfile::tempdir().expect("a folder");
     let (places, options) = (Places::Grid([3, 1, 3]), ProbeOptions::default());
     let shard = Shard { index: 2, of: 4 };
