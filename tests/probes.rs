@@ -29,7 +29,7 @@ fn triples(value: &Value) -> Vec<[f64; 3]> {
 }
 
 /// E / π toward a normal by the formula of R. Ramamoorthi and P. Hanrahan (2001), equation 13, with their constants.
-fn matt(light: &[[f64; 3]], [x, y, z]: [f64; 3], c: usize) -> f64 {
+pub fn matt(light: &[[f64; 3]], [x, y, z]: [f64; 3], c: usize) -> f64 {
     let l = |k: usize| light[k][c];
     let (c1, c2, c3, c4, c5) = (0.429043, 0.511664, 0.743125, 0.886227, 0.247708);
     let e = c1 * l(8) * (x * x - y * y) + c3 * l(6) * z * z + c4 * l(0) - c5 * l(6)

@@ -47,6 +47,8 @@ mod parity;
 mod peers;
 mod photo;
 mod pipes;
+mod probe_glb;
+mod probe_parts;
 mod probes;
 mod quads;
 mod readme;

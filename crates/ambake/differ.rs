@@ -10,6 +10,7 @@ pub(crate) fn difference(a: &Value, b: &Value) -> Option<String> {
         ("scene", "the scene"),
         ("options", "options"),
         ("layout", "the layout"),
+        ("pages", "the bake of --bake"),
         ("backend", "the ray library or the processor it runs on"),
     ];
     let (key, word) = words.into_iter().find(|(key, _)| a[key] != b[key])?;

@@ -59,7 +59,7 @@
 //!   written, and which names of an earlier bake go: `write.rs`.
 //! * What a bake will take: `estimate.rs`, its memory `memory.rs`. Whether a scene is an interior: `interior.rs`.
 //! * What can be seen: `seen.rs` for points of a triangle, `shell.rs` for the outsides of rooms.
-//! * Saved states: `resume.rs`. Shards: `shard.rs` and `merge.rs`. Updates: `update.rs`, their files `state.rs`. The
+//! * Saved states: `resume.rs`. Shards: `shard.rs`, `parts.rs` and `merge.rs`. Updates: `update.rs`, their files `state.rs`. The
 //!   atlas alone: `layout.rs`.
 //! * The picture of the lit scene: `lit.rs`. Probes: `probes`.
 #![forbid(unsafe_code)]
@@ -81,6 +81,7 @@ mod memory;
 mod merge;
 mod object;
 mod options;
+mod parts;
 mod probes;
 mod resume;
 mod run;
@@ -110,7 +111,7 @@ pub use maps;
 pub use merge::Parts;
 pub use object::Object;
 pub use options::{Backend, Effort, Options, Pages, Uv};
-pub use probes::{Places, ProbeOptions, ProbeVolume, Probes};
+pub use probes::{Places, ProbeOptions, ProbePart, ProbeParts, ProbeVolume, Probes};
 pub use rays::{self, Light};
 pub use report::{
     BakeReport, Engine, PageReport, ProbeRecord, ProbeReport, ReflectionLevel, ReflectionReport,

@@ -3,19 +3,16 @@
 use crate::differ::difference;
 use crate::error::Error;
 use crate::job::Job;
+use crate::parts::{Kind, failed};
 use crate::resume::{Block, END, Saved};
-use crate::shard::{Shard, is_complete, part_name, state_name};
+use crate::shard::Shard;
 use crate::update::Tracker;
 use crate::write::{Writer, Written};
 use layers::Progress;
 use report::{Journal, Output, PhaseReport};
 use serde_json::{Value, json};
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-/// Shards that a message names at most.
-const NAMED: usize = 8;
 
 /// All parts of a sharded bake, complete and of one kind.
 #[derive(Debug)]
@@ -33,89 +30,32 @@ struct Part {
 }
 
 impl Parts {
+    /// True where a directory has parts of a bake, in work or done.
+    pub fn are_in(dir: &Path) -> bool {
+        Kind::Bake.is_in(dir)
+    }
+
     /// The parts in a directory.
     ///
     /// # Errors
     /// There are none, or those of several bakes; one is missing, damaged or unfinished; or they do not belong
     /// together. The message names which, and what to do.
     pub fn find(dir: &Path) -> Result<Self, Error> {
-        let fail = |problem: String| Error::Parts {
-            dir: dir.display().to_string(),
-            problem,
-        };
-        let entries = std::fs::read_dir(dir).map_err(|e| fail(e.to_string()))?;
-        let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
-        // Those in work count too, so that an array of which no shard is done yet is not taken for none.
-        let found: BTreeSet<(String, u32)> = names
-            .filter_map(|name| {
-                let work = name.strip_prefix('.');
-                let work = work.and_then(|name| name.strip_suffix(".ambake-resume"));
-                let (stem, shard) = parse(name.strip_suffix(".part").or(work)?)?;
-                Some((stem, shard.of))
+        let part = |(shard, mut journal): (Shard, Journal)| {
+            let pages = (0..journal.len()).map(|block| journal.tag(block));
+            let pages = pages.map(|page| page.map(|page| page.unwrap_or(END)));
+            let pages = pages.collect::<Result<Vec<u32>, _>>()?;
+            Ok(Part {
+                shard,
+                journal,
+                pages,
             })
-            .collect();
-        let mut found = found.into_iter();
-        let (stem, of) = match (found.next(), found.next()) {
-            (Some(set), None) => set,
-            (None, _) => {
-                return Err(fail(
-                    "no part of a sharded bake is here; `ambake bake SCENE -o DIR --shard I/N` makes them".into(),
-                ));
-            }
-            (Some((a, n)), Some((b, m))) => {
-                return Err(fail(format!(
-                    "parts of several bakes are here (`{a}` in {n} and `{b}` in {m}); remove those that are not wanted"
-                )));
-            }
         };
-        let (mut parts, mut missing) = (Vec::new(), Vec::new());
-        for shard in (1..=of).map(|index| Shard { index, of }) {
-            let open = Journal::open(&dir.join(part_name(&stem, shard)));
-            let mut journal = open.map_err(|error| {
-                fail(format!("{error}; delete it and run --shard {shard} again"))
-            })?;
-            if let Some(found) = &mut journal
-                && !is_complete(found)?
-            {
-                journal = None;
-            }
-            match journal {
-                Some(mut journal) => {
-                    let pages = (0..journal.len()).map(|block| journal.tag(block));
-                    let pages = pages.map(|page| page.map(|page| page.unwrap_or(END)));
-                    let pages = pages.collect::<Result<Vec<u32>, _>>()?;
-                    parts.push(Part {
-                        shard,
-                        journal,
-                        pages,
-                    });
-                }
-                _ if missing.len() > NAMED => missing.push(String::new()),
-                _ => {
-                    let begun = dir.join(state_name(&stem, Some(shard))).exists();
-                    let word = if begun { " (begun)" } else { "" };
-                    missing.push(format!("{shard}{word}"));
-                }
-            }
-        }
-        if !missing.is_empty() {
-            let count = missing.len();
-            let more = match count.saturating_sub(NAMED) {
-                0 => String::new(),
-                more => format!(" and {more} more"),
-            };
-            missing.truncate(NAMED);
-            return Err(fail(format!(
-                "{count} of {of} parts of `{stem}` missing: {}{more}; run these with `--shard I/{of}`, then merge again",
-                missing.join(", ")
-            )));
-        }
-        let parts = Self {
+        let parts = Kind::Bake.find(dir)?.into_iter().map(part);
+        Ok(Self {
             dir: dir.to_owned(),
-            parts,
-        };
-        parts.check()?;
-        Ok(parts)
+            parts: parts.collect::<Result<_, Error>>()?,
+        })
     }
 
     /// What whoever ran the shards gave along.
@@ -123,40 +63,9 @@ impl Parts {
         &self.parts[0].journal.header()["given"]
     }
 
-    /// Checks that all parts are of one bake.
-    fn check(&self) -> Result<(), Error> {
-        let first = &self.parts[0];
-        for part in &self.parts[1..] {
-            let (a, b) = (first.journal.header(), part.journal.header());
-            if let Some(what) = difference(&a["key"], &b["key"]) {
-                return Err(self.fail(format!(
-                    "parts {} and {} do not belong together: {what} differs; run one of them again",
-                    first.shard, part.shard
-                )));
-            }
-        }
-        Ok(())
-    }
-
     fn fail(&self, problem: String) -> Error {
-        Error::Parts {
-            dir: self.dir.display().to_string(),
-            problem,
-        }
+        failed(&self.dir, problem)
     }
-}
-
-/// The stem and the shard of a part's name without its ending.
-fn parse(name: &str) -> Option<(String, Shard)> {
-    let (stem, shard) = name.rsplit_once('.')?;
-    let (index, of) = shard.split_once("-of-")?;
-    let shard = Shard {
-        index: index.parse().ok()?,
-        of: of.parse().ok()?,
-    };
-    (1..=shard.of)
-        .contains(&shard.index)
-        .then(|| (stem.into(), shard))
 }
 
 impl Job {
@@ -185,7 +94,9 @@ impl Job {
         }
         let widths = self.widths(&baker);
         // Of gathers alone: tiles of pages stay in the parts until all is written.
-        let state = parts.dir.join(state_name(&self.scene().stem(), None));
+        let state = parts
+            .dir
+            .join(Kind::Bake.state_name(&self.scene().stem(), None));
         let mut saved = Saved::new(state, json!({"key": self.key()}), widths);
         let adds_light = self.options().adds_light();
         if adds_light && let Some(damage) = saved.resume()? {
@@ -206,11 +117,11 @@ impl Job {
                     });
                     if !stored {
                         let path = part.journal.path().display();
-                        let (dir, shard) = (parts.dir.display().to_string(), part.shard);
+                        let shard = part.shard;
                         let problem = format!(
                             "{path} does not fit the bake; delete it and run --shard {shard} again"
                         );
-                        return Err(Error::Parts { dir, problem });
+                        return Err(failed(&parts.dir, problem));
                     }
                 }
             }
@@ -273,25 +184,6 @@ impl Job {
 mod tests {
     use super::*;
     use serde_json::json;
-
-    #[test]
-    fn names_of_parts_are_taken_apart_from_behind() {
-        let shard = |index, of| Shard { index, of };
-        assert_eq!(
-            parse("a.b 50%.3-of-12"),
-            Some(("a.b 50%".into(), shard(3, 12)))
-        );
-        for wrong in [
-            "a.0-of-3",
-            "a.4-of-3",
-            "a.-1-of-3",
-            "a",
-            "a.1-of-",
-            "3-of-4",
-        ] {
-            assert_eq!(parse(wrong), None, "{wrong}");
-        }
-    }
 
     #[test]
     fn a_difference_is_named_by_its_flag() {

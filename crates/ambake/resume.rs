@@ -20,9 +20,9 @@ use std::time::{Duration, Instant};
 pub(crate) const END: u32 = u32::MAX;
 
 /// What was baked is on the disk after this time at most, and the time of one batch of tiles.
-const PERIOD: Duration = Duration::from_secs(20);
+pub(crate) const PERIOD: Duration = Duration::from_secs(20);
 /// Saving takes this part of the time at most, as long as memory allows.
-const SHARE: u32 = 50;
+pub(crate) const SHARE: u32 = 50;
 /// A block is closed at this size in bytes.
 const BLOCK: usize = 4 << 20;
 
@@ -218,20 +218,7 @@ impl Saved {
     /// # Errors
     /// The file cannot be written, or another run writes it.
     pub fn resume(&mut self) -> Result<Option<String>, Error> {
-        let other = Cell::new(None);
-        let same = |found: &Value| {
-            let same = ["key", "shard"]
-                .iter()
-                .all(|part| found[part] == self.header[part]);
-            if !same {
-                let differs = difference(&found["key"], &self.header["key"]);
-                other.set(Some(
-                    differs.unwrap_or_else(|| "what it tells of itself".into()),
-                ));
-            }
-            same
-        };
-        let (mut journal, mut damage) = Journal::resume(&self.path, &self.header, same)?;
+        let (mut journal, mut damage, other) = opened(&self.path, &self.header)?;
         for number in 0..journal.len() {
             // A part that was killed between its last block and its name.
             if journal.tag(number)? == Some(END) {
@@ -250,7 +237,7 @@ impl Saved {
         }
         self.journal = Some(journal);
         let path = self.path.display();
-        self.origin = match (&damage, other.take()) {
+        self.origin = match (&damage, other) {
             (None, Some(differs)) => Some(format!(
                 "what was saved in {path} is of another bake, {differs} differs; starting over"
             )),
@@ -371,6 +358,30 @@ impl Saved {
     pub fn remove(self) {
         report::remove_journal(&self.path);
     }
+}
+
+/// The journal at `path`, with its blocks where it is of the same job, else empty; what tells of damage; and by what it
+/// is of another job, where it was one.
+///
+/// # Errors
+/// The file cannot be written, or another run writes it.
+pub(crate) fn opened(
+    path: &Path,
+    header: &Value,
+) -> Result<(Journal, Option<String>, Option<String>), Error> {
+    let other = Cell::new(None);
+    let same = |found: &Value| {
+        let same = (["key", "shard"].iter()).all(|part| found[part] == header[part]);
+        if !same {
+            let differs = difference(&found["key"], &header["key"]);
+            other.set(Some(
+                differs.unwrap_or_else(|| "what it tells of itself".into()),
+            ));
+        }
+        same
+    };
+    let (journal, damage) = Journal::resume(path, header, same)?;
+    Ok((journal, damage, other.take()))
 }
 
 impl KeepGathers for Saved {

@@ -3,8 +3,8 @@
 use crate::baked::{Baked, Page};
 use crate::error::Error;
 use crate::job::Job;
+use crate::parts::Kind;
 use crate::resume::{Resume, Saved};
-use crate::shard::state_name;
 use crate::update::Tracker;
 use crate::write::{Writer, Written};
 use ::bake::{BakedPage, BounceStats, Bounces, KeepGathers};
@@ -111,7 +111,7 @@ impl Job {
         let mut writer = Writer::new(self, output)?;
         let baker = self.baker();
         let header = json!({"key": self.key()});
-        let state = dir.join(state_name(&self.scene().stem(), None));
+        let state = dir.join(Kind::Bake.state_name(&self.scene().stem(), None));
         let resumes = resume.wants(&state);
         let mut saved = Saved::new(state, header, self.widths(&baker));
         if resumes {

@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::job::Job;
+use crate::parts::Kind;
 use crate::resume::{END, Saved};
 use crate::write::check_length;
 use ::bake::Deal;
@@ -45,19 +46,6 @@ pub struct Part {
     pub share: f64,
 }
 
-/// The name of a part file.
-pub(crate) fn part_name(stem: &str, shard: Shard) -> String {
-    format!("{stem}.{}-of-{}.part", shard.index, shard.of)
-}
-
-/// The name of a part file in work, and with no shard that of a whole bake's state.
-pub(crate) fn state_name(stem: &str, shard: Option<Shard>) -> String {
-    match shard {
-        Some(Shard { index, of }) => format!(".{stem}.{index}-of-{of}.ambake-resume"),
-        None => format!(".{stem}.ambake-resume"),
-    }
-}
-
 impl Job {
     /// Everything that decides the values of the bake.
     pub(crate) fn key(&self) -> Value {
@@ -87,9 +75,9 @@ impl Job {
         let mut output = Output::create(dir)?;
         output.protect(self.inputs());
         let stem = self.scene().stem();
-        check_length(dir, &state_name(&stem, Some(shard)))?;
-        output.check(&part_name(&stem, shard))?;
-        let path = dir.join(part_name(&stem, shard));
+        check_length(dir, &Kind::Bake.state_name(&stem, Some(shard)))?;
+        output.check(&Kind::Bake.part_name(&stem, shard))?;
+        let path = dir.join(Kind::Bake.part_name(&stem, shard));
         let header = json!({
             "key": self.key(),
             "shard": [shard.index, shard.of],
@@ -104,16 +92,11 @@ impl Job {
             rays: 0,
             share: 0.0,
         };
-        if let Ok(Some(mut done)) = Journal::open(&part.path)
-            && is_complete(&mut done)?
-            && ["key", "shard"]
-                .iter()
-                .all(|of| done.header()[of] == header[of])
-        {
+        if is_done(&part.path, &header)? {
             part.already = true;
             return Ok(part);
         }
-        let state = dir.join(state_name(&stem, Some(shard)));
+        let state = dir.join(Kind::Bake.state_name(&stem, Some(shard)));
         let mut saved = Saved::new(state, header, self.widths(&baker));
         if let Some(damage) = saved.resume()? {
             progress.note(&damage);
@@ -159,6 +142,15 @@ impl Job {
         saved.end(&last, &part.path)?;
         Ok(part)
     }
+}
+
+/// True where a complete part with this header is there.
+pub(crate) fn is_done(path: &Path, header: &Value) -> Result<bool, Error> {
+    let Ok(Some(mut done)) = Journal::open(path) else {
+        return Ok(false);
+    };
+    let is_same = (["key", "shard"].iter()).all(|of| done.header()[of] == header[of]);
+    Ok(is_same && is_complete(&mut done)?)
 }
 
 /// True where a part's last block says that nothing is missing.

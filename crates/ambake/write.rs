@@ -6,8 +6,8 @@ use crate::host::{REVISION, VERSION, peak_memory};
 use crate::interior::Brightness;
 use crate::job::Job;
 use crate::lit::LitScene;
+use crate::parts::Kind;
 use crate::resume::Saved;
-use crate::shard::state_name;
 use crate::state::{self, Head};
 use crate::update::Tracker;
 use ::bake::{BakedPage, BounceStats, Bounces, Fingerprint, LayerPlanes, SeamStats};
@@ -76,7 +76,7 @@ impl<'a> Writer<'a> {
         for page in 0..job.atlas().page_count {
             names.extend(names_of_page(&stem, page, engines, layers));
         }
-        check_length(output.dir(), &state_name(&stem, None))?;
+        check_length(output.dir(), &Kind::Bake.state_name(&stem, None))?;
         for name in names {
             check_length(output.dir(), &name)?;
             output.check(&name)?;

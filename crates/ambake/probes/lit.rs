@@ -7,11 +7,14 @@ use crate::{Scene, Sky};
 use glam::DVec3;
 use rays::{Cone, Light};
 use serde_json::Value;
+use std::collections::BTreeMap;
 
 /// The light of a scene that does not come from its surfaces.
 pub(super) struct Lit {
     pub sky: Sky,
     pub lights: Vec<Light>,
+    /// Hashes of the bake's files, by name.
+    pub hashes: BTreeMap<String, String>,
 }
 
 impl Lit {
@@ -53,7 +56,11 @@ impl Lit {
         };
         check_sky(&sky)?;
         check_lights(&lights)?;
-        Ok(Self { sky, lights })
+        Ok(Self {
+            sky,
+            lights,
+            hashes: baked.map(|bake| bake.hashes).unwrap_or_default(),
+        })
     }
 }
 

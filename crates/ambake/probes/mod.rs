@@ -1,25 +1,28 @@
 //! Probes of a scene: light for what moves.
 
+mod kept;
 mod lit;
+mod shard;
+mod task;
 mod told;
 mod volume;
 
+pub use shard::{ProbePart, ProbeParts};
 pub use volume::ProbeVolume;
 
 use crate::error::Error;
-use crate::options::check_lamps;
-use crate::{Backend, Bounces, Engine, Scene, Sky, VERSION};
-use ::probes::{DISTANCE_EDGE, Gather, Grid, LEAST_EDGE, LEAST_RAYS, Placed, State, fill};
-use ambient::harmonics::window;
+use crate::parts::Kind;
+use crate::write::check_length;
+use crate::{Backend, Bounces, Engine, Resume, Scene, Sky};
+use ::probes::{LEAST_EDGE, LEAST_RAYS};
 use glam::DVec3;
 use layers::Progress;
-use lit::Lit;
-use rays::{Lamps, Light, Surfaces, World, WorldOptions};
-use render::Lightmap;
-use report::{InterpolationReport, Output, PROBES_SCHEMA, ProbeGrid, ProbeReport, ProbeSet};
+use rays::Light;
+use report::{Output, ProbeReport, ProbeSet};
+use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use told::{describe, file_name, pictures, record, reflection};
+use task::Task;
 
 /// Where probes stand.
 #[derive(Debug, Clone, PartialEq)]
@@ -105,9 +108,6 @@ const CONVENTION: &str = "radiance that arrives, linear RGB, in the axes of the 
 /// Most probes of a scene.
 const MOST_PROBES: u64 = 1 << 20;
 
-/// Texels of reflection maps that take as long as a probe, about.
-const TEXELS_OF_PROBE: u64 = 64;
-
 /// How far, in diagonals of a cell, distances are told: what lies farther hides no neighbour.
 const REACH: f64 = 1.5;
 
@@ -139,6 +139,11 @@ pub struct Probes {
     stem: String,
     set: ProbeSet,
     inputs: Vec<PathBuf>,
+    scene: Arc<::scene::Scene>,
+    /// The bake that told what surfaces reflect.
+    bake: Option<PathBuf>,
+    /// What was saved while they were gathered.
+    leftovers: Vec<PathBuf>,
 }
 
 impl Probes {
@@ -153,140 +158,47 @@ impl Probes {
         options: &ProbeOptions,
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
-        check(options)?;
-        check_lamps(scene)?;
-        let stem = scene.stem();
-        let (baked_scene, map) = match &options.bake {
-            None => (Arc::clone(&scene.0), None),
-            Some(dir) => {
-                let (scene, map) = Lightmap::load(dir, &stem, "lambert")?;
-                (Arc::new(scene), Some(map))
+        Task::with(scene, places, options, |task| {
+            let mut kept = task.nothing();
+            let span = task.span(progress, task.lacks(&kept, &|_| true));
+            task.gather(&mut kept, &|_| true, &span)?;
+            task.finish(kept, &span)
+        })
+    }
+
+    /// The same for a directory: what is gathered is saved there now and then. Where the listener cancels, the process
+    /// dies or a file cannot be written, the same call goes on to the same values. [`Self::write`] removes what was
+    /// saved.
+    ///
+    /// * `resume`: what is done about a state that was saved.
+    ///
+    /// # Errors
+    /// As [`Self::gather`]; a directory that cannot be written.
+    pub fn gather_into(
+        scene: &Scene,
+        places: &Places,
+        options: &ProbeOptions,
+        (dir, resume): (&Path, Resume),
+        progress: &dyn Progress,
+    ) -> Result<Self, Error> {
+        Task::with(scene, places, options, |task| {
+            let name = Kind::Probes.state_name(&scene.stem(), None);
+            let output = Output::create(dir)?;
+            check_length(dir, &name)?;
+            let state = dir.join(name);
+            let mut kept = task.nothing();
+            kept.save(output, state.clone(), json!({ "key": task.key }));
+            if resume.wants(&state)
+                && let Some(line) = kept.resume()?
+            {
+                progress.note(&line);
             }
-        };
-        let light = Lit::of(scene, options)?;
-        let world = World::near(baked_scene, WorldOptions::default())?;
-        let backend = rays::build(options.backend.kind(), &world, rayon::current_num_threads())?;
-        let (surfaces, lamps) = (Surfaces::new(&world), Lamps::of(&world));
-        let origin = world.origin();
-        let near = |light: &Light| light.from_origin(origin);
-        let lights: Vec<Light> = light.lights.iter().map(near).collect();
-        let baked = |hit: &rays::SurfaceHit| {
-            let map = map.as_ref()?;
-            Some(map.at(map.place(world.scene(), hit)?))
-        };
-        let within = within(options, &world);
-        let (grid, asked) = stand(places, within, origin)?;
-        let way = grid.map(|grid| grid.cell.length());
-        let gatherer = Gather {
-            surfaces: &surfaces,
-            backend: backend.as_ref(),
-            sky: ::probes::Sky(light.sky.light()),
-            lamps: &lamps,
-            lights: &lights,
-            baked: map.is_some().then_some(&baked),
-            bounces: match options.bounces {
-                Bounces::Off => 0,
-                Bounces::Auto => MOST_BOUNCES,
-                Bounces::Most(count) => count,
-            },
-            max_distance: options.max_distance.unwrap_or(f32::INFINITY),
-            rays: match options.target_error {
-                Some(_) => options.max_rays,
-                None => options.rays,
-            },
-            target: options.target_error,
-            order: options.order,
-            reach: way.map_or(world.bounds().diagonal(), |way| REACH * way),
-            seed: options.seed,
-        };
-        let tried = if grid.is_some() { options.tried } else { 0 };
-        let texels = 12 * u64::from(options.reflection_size).pow(2);
-        let before_maps = (asked.len() + tried) as u64;
-        // A texel is a small part of what a probe is.
-        let all = before_maps + (options.reflections.len() as u64 * texels) / TEXELS_OF_PROBE;
-        let span = |before| Span {
-            whole: progress,
-            before,
-            all,
-            part: 1,
-        };
-        // A probe is moved by half of the way to its neighbours at most, so that none stands in another's cell.
-        let most = 0.5 * way.unwrap_or(0.0);
-        let placed = ::probes::gather(&gatherer, &asked, 0, most, &span(0))?;
-        let mut filled: Vec<Vec<DVec3>> = placed.iter().map(|p| p.probe.light.clone()).collect();
-        let mut interpolation = None;
-        if let Some(grid) = &grid {
-            let valid: Vec<bool> = placed.iter().map(|p| p.state != State::Invalid).collect();
-            fill(grid, &mut filled, &valid, mean);
-            interpolation = ::probes::interpolation(
-                &gatherer,
-                grid,
-                within,
-                &placed,
-                &filled,
-                tried,
-                &span(asked.len() as u64),
-            )?;
-        }
-        let strengths: Vec<Option<f64>> = match options.window {
-            true => filled.iter_mut().map(|light| Some(window(light))).collect(),
-            false => vec![None; filled.len()],
-        };
-        let mut reflections = Vec::new();
-        for (number, at) in options.reflections.iter().enumerate() {
-            let progress = Span {
-                part: TEXELS_OF_PROBE,
-                ..span(before_maps + number as u64 * texels / TEXELS_OF_PROBE)
-            };
-            let (place, edge) = (DVec3::from(*at) - origin, options.reflection_size as usize);
-            reflections.push(gatherer.reflection(number as u32, place, edge, &progress)?);
-        }
-        let told = reflections.iter().enumerate();
-        let told = told.map(|(number, of)| reflection(&stem, number, of, origin));
-        let record = |(placed, strength): (&Placed, &Option<f64>)| {
-            record(placed, *strength, options, origin)
-        };
-        let report = ProbeReport {
-            schema_version: PROBES_SCHEMA,
-            version: VERSION.into(),
-            scene: file_name(&scene.path),
-            scene_hash: scene.content_hash.clone(),
-            options: describe(places, options, &light),
-            order: options.order,
-            convention: CONVENTION.into(),
-            grid: grid.map(|grid| ProbeGrid {
-                low: (grid.low + origin).to_array(),
-                cell: grid.cell.to_array(),
-                counts: grid.counts.to_array(),
-            }),
-            interpolation: interpolation.map(|of| InterpolationReport {
-                places: of.places,
-                mean: of.mean,
-                rms: of.rms,
-                p99: of.p99,
-                noise: of.noise,
-            }),
-            reach: gatherer.reach,
-            files: Vec::new(),
-            reflections: told.collect(),
-            probes: placed.iter().zip(&strengths).map(record).collect(),
-        };
-        debug_assert!(
-            placed
-                .iter()
-                .all(|p| p.probe.distance.len() == DISTANCE_EDGE.pow(2))
-        );
-        let mut inputs = scene.inputs.clone();
-        inputs.extend(world.scene().inputs.iter().cloned());
-        inputs.extend(light.sky.file.clone());
-        inputs.extend(map.iter().flat_map(|map| map.files().to_vec()));
-        let set = ProbeSet {
-            report,
-            filled,
-            distance: placed.into_iter().map(|p| p.probe.distance).collect(),
-            reflections: reflections.into_iter().map(pictures).collect(),
-        };
-        Ok(Self { stem, set, inputs })
+            let span = task.span(progress, task.lacks(&kept, &|_| true));
+            task.gather(&mut kept, &|_| true, &span)?;
+            let mut probes = task.finish(kept, &span)?;
+            probes.leftovers.push(state);
+            Ok(probes)
+        })
     }
 
     /// What is known of them, probe by probe.
@@ -307,8 +219,18 @@ impl Probes {
     ) -> Result<Vec<PathBuf>, Error> {
         let mut output = Output::create(dir.as_ref())?;
         output.protect(self.inputs.iter().cloned());
+        if engines.contains(&Engine::Gltf) && !self.set.reflections.is_empty() {
+            self.set.glb = match &self.bake {
+                Some(dir) => Some(report::read_gltf(&dir.join(format!("{}.glb", self.stem)))?),
+                None => report::source_gltf(&self.scene)?,
+            };
+        }
         report::stage_probes(&mut output, &self.stem, &mut self.set, engines)?;
-        Ok(output.publish()?)
+        let written = output.publish()?;
+        for path in self.leftovers.drain(..) {
+            report::remove_journal(&path);
+        }
+        Ok(written)
     }
 }
 
@@ -318,29 +240,6 @@ impl From<::probes::Error> for Error {
             ::probes::Error::Cancelled => Self::Cancelled,
             ::probes::Error::Map(error) => Self::Sky(error),
         }
-    }
-}
-
-/// A part of a job, for the job's listener.
-struct Span<'a> {
-    whole: &'a dyn Progress,
-    before: u64,
-    all: u64,
-    /// So many of its units are one of the whole's.
-    part: u64,
-}
-
-impl Progress for Span<'_> {
-    fn advance(&self, done: u64, _total: u64) {
-        self.whole.advance(self.before + done / self.part, self.all);
-    }
-
-    fn rays(&self, cast: u64) {
-        self.whole.rays(cast);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.whole.cancelled()
     }
 }
 
@@ -370,39 +269,6 @@ fn check(options: &ProbeOptions) -> Result<(), Error> {
         return Err(Error::option("--order", problem));
     }
     Ok(())
-}
-
-/// The box of a grid in the world.
-fn within(options: &ProbeOptions, world: &World) -> [DVec3; 2] {
-    match options.within {
-        Some(corners) => corners.map(|corner| DVec3::from(corner) - world.origin()),
-        None => [world.bounds().min, world.bounds().max],
-    }
-}
-
-/// The grid, where there is one, and where probes are asked for in the world.
-fn stand(
-    places: &Places,
-    [low, high]: [DVec3; 2],
-    origin: DVec3,
-) -> Result<(Option<Grid>, Vec<DVec3>), Error> {
-    let (flag, grid) = match places {
-        Places::At(places) => {
-            let near = |place: &[f64; 3]| DVec3::from(*place) - origin;
-            return Ok((None, places.iter().map(near).collect()));
-        }
-        Places::Spacing(spacing) => ("--spacing", Grid::of_spacing(low, high, *spacing)),
-        Places::Grid(counts) => ("--grid", Grid::of_counts(low, high, *counts)),
-    };
-    if grid.len() > MOST_PROBES || grid.is_empty() {
-        let problem = format!(
-            "it makes {} probes, and 1 to {MOST_PROBES} can be made; give other numbers, or a box with --within",
-            grid.len()
-        );
-        return Err(Error::option(flag, problem));
-    }
-    let places = (0..grid.len() as usize).map(|index| grid.place(index));
-    Ok((Some(grid), places.collect()))
 }
 
 /// Mean of coefficients.

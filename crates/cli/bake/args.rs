@@ -423,7 +423,7 @@ fn memory(text: &str) -> Result<u64, String> {
 /// Parts of a bake at most.
 const MAX_SHARDS: u32 = 100_000;
 
-fn shard(text: &str) -> Result<ambake::Shard, String> {
+pub fn shard(text: &str) -> Result<ambake::Shard, String> {
     let number = |text: &str| text.parse::<u32>().ok();
     let shard = text.split_once('/').map(|(i, n)| (number(i), number(n)));
     match shard {

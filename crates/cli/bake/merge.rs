@@ -1,27 +1,43 @@
 //! `ambake merge`: the parts of a bake into its files.
 
-use super::args::{Bake, Merge as Args};
+use super::args::Merge as Args;
 use super::prepare::{Target, prepare_in};
 use super::run::{report, tell_written};
 use crate::args::{Args as Line, Verb};
 use crate::common::Common;
 use crate::outcome::{Outcome, tell};
+use crate::probes::part;
 use crate::progress::{Show, watch};
 use crate::project;
 use crate::stop::Stop;
-use ambake::Parts;
+use ambake::{Parts, ProbeParts};
 use anyhow::{Context, bail};
 use clap::FromArgMatches;
 use serde_json::Value;
 use std::ffi::OsString;
+use std::path::Path;
 
-/// Runs the verb.
+/// Runs the verb. Probes come after the bake, whose pages they may look up.
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let stop = Stop::listen()?;
     let dir = std::path::absolute(&args.dir).context("cannot tell the current folder")?;
-    let parts = Parts::find(&dir)?;
+    let has_probes = ProbeParts::are_in(&dir);
+    if !has_probes || Parts::are_in(&dir) {
+        let outcome = bake(args, &dir, &stop)?;
+        if !has_probes || !matches!(outcome, Outcome::Done) {
+            return Ok(outcome);
+        }
+    }
+    part::merge(args, &dir, &stop)
+}
+
+/// Merges the parts of a bake.
+fn bake(args: &Args, dir: &Path, stop: &Stop) -> anyhow::Result<Outcome> {
+    let parts = Parts::find(dir)?;
     let typed = typed(parts.given())?;
-    let bake = given(&typed)?;
+    let Verb::Bake(bake) = verb(&typed)? else {
+        bail!("the parts were not made by `ambake bake`");
+    };
     let [scene] = bake.scene.as_slice() else {
         bail!("the parts were made of several scenes; bake them with this program");
     };
@@ -44,7 +60,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         verbose: args.verbose,
     };
     let target = Target {
-        dir: &dir,
+        dir,
         parts: false,
         engines: &bake.engines,
         update: None,
@@ -55,7 +71,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         unit: "texels",
         quiet: args.quiet,
     };
-    let written = watch(show, &stop, |progress| job.merge(parts, progress));
+    let written = watch(show, stop, |progress| job.merge(parts, progress));
     match written {
         Err(ambake::Error::Cancelled) => {
             if !args.quiet {
@@ -66,30 +82,25 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         other => {
             let mut written = other?;
             if bake.report {
-                report(&mut written, &dir)?;
+                report(&mut written, dir)?;
             }
             tell_written(&written, &common, &args.dir)
         }
     }
 }
 
-/// The command line that the parts were made by.
-fn typed(given: &Value) -> anyhow::Result<Vec<OsString>> {
+/// The command line that parts were made by.
+pub fn typed(given: &Value) -> anyhow::Result<Vec<OsString>> {
     let words: Vec<String> = serde_json::from_value(given["words"].clone())
-        .context("the parts do not say how they were made; bake them with this program")?;
+        .context("the parts do not say how they were made; make them with this program")?;
     let words = std::iter::once("ambake".to_owned()).chain(words);
     Ok(words.map(OsString::from).collect())
 }
 
-/// The bake of that command line.
-fn given(typed: &[OsString]) -> anyhow::Result<Bake> {
+/// The verb of that command line.
+pub fn verb(typed: &[OsString]) -> anyhow::Result<Verb> {
     let line = Line::grammar().try_get_matches_from(typed);
     let line = line.and_then(|line| Line::from_arg_matches(&line));
-    match line
-        .context("this program does not know the command line of the parts")?
-        .verb
-    {
-        Verb::Bake(bake) => Ok(bake),
-        _ => bail!("the parts were not made by `ambake bake`"),
-    }
+    let line = line.context("this program does not know the command line of the parts")?;
+    Ok(line.verb)
 }

@@ -70,7 +70,7 @@ pub fn run(
 }
 
 /// The command line and the folder that it was given in, for the merge.
-fn given() -> anyhow::Result<Value> {
+pub fn given() -> anyhow::Result<Value> {
     let folder = std::env::current_dir().context("cannot tell the current folder")?;
     let text = |text: std::ffi::OsString| {
         text.into_string().map_err(|text| {

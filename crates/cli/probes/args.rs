@@ -1,6 +1,6 @@
 //! What was typed after `ambake probes`. `run.rs` says what it means.
 
-use crate::bake::args::{Lights, bounces, engine, target_error};
+use crate::bake::args::{Lights, bounces, engine, shard, target_error};
 use crate::common::{Backend, Common, Shining};
 use crate::parse::{positive, triple};
 use crate::sky::{SkyArg, sky};
@@ -44,7 +44,19 @@ pub struct Args {
     /// surface
     #[arg(long, value_name = "DIR")]
     pub bake: Option<PathBuf>,
-    /// Also write files for these engines, separated by commas: bevy, three, unity, godot
+    /// Start anew, also where interrupted probes of the same scene and options left their state in DIR; without it they
+    /// go on from there
+    #[arg(long)]
+    pub fresh: bool,
+    /// Refuse what has the place of that state and cannot be one, such as a link
+    #[arg(long, conflicts_with = "fresh")]
+    pub resume: bool,
+    /// Gather part I of N, I from 1; all parts share DIR, in any order and on any machine, and `ambake merge DIR` makes
+    /// the files of all. A part that was stopped continues
+    #[arg(long, value_name = "I/N", value_parser = shard)]
+    pub shard: Option<ambake::Shard>,
+    /// Also write files for these engines, separated by commas: bevy, three, unity, godot; with --reflections gltf and
+    /// blender too
     #[arg(long = "for", value_name = "ENGINE,..", value_delimiter = ',', value_parser = engine)]
     pub engines: Vec<ambake::Engine>,
     /// Order of the harmonics: 4, 9 or 16 of them

@@ -1,58 +1,109 @@
 //! What the flags of `ambake probes` mean, and what is printed.
 
 use super::args::Args;
+use super::part;
 use crate::bake::args::Lights;
-use crate::common::Backend;
+use crate::common::{Backend, Common};
 use crate::host;
 use crate::outcome::{Outcome, say, say_json, tell};
 use crate::progress::{Show, count, watch};
 use crate::stop::Stop;
-use ambake::{Places, ProbeOptions, ProbeReport, Probes, Scene};
+use ambake::{Places, ProbeOptions, ProbeReport, Probes, Resume, Scene};
 use ambient::harmonics::{MOST, matt_rms};
 use glam::DVec3;
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Runs the verb.
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let started = Instant::now();
     let stop = Stop::listen()?;
-    host::set_threads(args.common.threads)?;
-    let scene = ambake::load_with(&args.scene, args.common.files())?;
-    let options = options(args, &scene)?;
+    let asked = Asked::of(args, &args.common)?;
+    let Asked {
+        scene,
+        places,
+        options,
+    } = &asked;
     let left_out = options.lights.is_none() && args.bake.is_none() && !scene.lights.is_empty();
     if left_out && args.lights.is_none() && !args.common.quiet {
         tell(
             "warning: lights of the file are not gathered; `--lights file` takes them, `--lights none` leaves them out",
         );
     }
-    let places = match (args.spacing, args.grid) {
-        (Some(spacing), _) => Places::Spacing(spacing),
-        (_, Some(counts)) => Places::Grid(counts),
-        _ => Places::At(args.at.clone()),
+    if let Some(shard) = args.shard {
+        return part::run(args, &asked, shard, &stop);
+    }
+    let resume = match (args.fresh, args.resume) {
+        (true, _) => Resume::Never,
+        (_, true) => Resume::Asked,
+        _ => Resume::IfFound,
     };
-    let show = Show {
-        unit: "probes",
-        quiet: args.common.quiet,
-    };
-    let gathered = watch(show, &stop, |progress| {
-        Probes::gather(&scene, &places, &options, progress)
+    let gathered = watch(show(&args.common), &stop, |progress| {
+        Probes::gather_into(scene, places, options, (&args.output, resume), progress)
     });
-    let mut probes = match gathered {
-        Err(ambake::Error::Cancelled) => return Ok(stop.outcome()),
-        probes => probes?,
-    };
-    let written = probes.write(&args.output, &args.engines)?;
+    match gathered {
+        Err(ambake::Error::Cancelled) => {
+            if !args.common.quiet {
+                tell("stopped; the same command continues");
+            }
+            Ok(stop.outcome())
+        }
+        probes => write(args, &args.common, &args.output, probes?, started),
+    }
+}
+
+/// What is to be gathered.
+pub struct Asked {
+    pub scene: Scene,
+    pub places: Places,
+    pub options: ProbeOptions,
+}
+
+impl Asked {
+    /// What was typed, with `common` in place of its own.
+    pub fn of(args: &Args, common: &Common) -> anyhow::Result<Self> {
+        host::set_threads(common.threads)?;
+        let scene = ambake::load_with(&args.scene, common.files())?;
+        let options = options(args, &scene)?;
+        let places = match (args.spacing, args.grid) {
+            (Some(spacing), _) => Places::Spacing(spacing),
+            (_, Some(counts)) => Places::Grid(counts),
+            _ => Places::At(args.at.clone()),
+        };
+        Ok(Self {
+            scene,
+            places,
+            options,
+        })
+    }
+}
+
+pub fn show(common: &Common) -> Show {
+    Show {
+        unit: "probes",
+        quiet: common.quiet,
+    }
+}
+
+/// Writes what was gathered, and prints what came out.
+pub fn write(
+    args: &Args,
+    common: &Common,
+    dir: &Path,
+    mut probes: Probes,
+    started: Instant,
+) -> anyhow::Result<Outcome> {
+    let written = probes.write(dir, &args.engines)?;
     let seconds = started.elapsed().as_secs_f64();
-    if args.common.json {
+    if common.json {
         let report = probes.report();
         say_json(&json!({
             "schema_version": 1, "scene": args.scene, "options": report.options, "probes": report.probes.len(),
             "grid": report.grid, "moved": moved(report), "invalid": invalid(report), "std_err": std_err(report),
             "interpolation": report.interpolation, "reflections": report.reflections, "files": report.files, "written": written, "seconds": seconds,
         }))?;
-    } else if !args.common.quiet {
+    } else if !common.quiet {
         say(&summary(probes.report(), &written, seconds))?;
     }
     Ok(Outcome::Done)

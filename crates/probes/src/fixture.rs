@@ -1,10 +1,11 @@
 //! Small scenes for this crate's tests.
 
+use crate::{Error, Gather, Placed, gather};
 use glam::DVec3;
 use rays::{BackendKind, Layout, RayBackend, World, WorldOptions, build};
 use scene::Scene;
 use scene::authored::{Material, Mesh};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// Parallelograms of one material: a corner and the two edges that leave it, the front on the side of their cross
 /// product.
@@ -70,4 +71,23 @@ pub(crate) fn world(all: &[Sheets]) -> (World, Box<dyn RayBackend>) {
     let world = World::new(Arc::new(scene), options).unwrap();
     let backend = build(BackendKind::Obvhs(Layout::Cwbvh), &world, 1).unwrap();
     (world, backend)
+}
+
+/// The probes at these places in order, labelled from `first` on.
+pub(crate) fn placed(
+    gatherer: &Gather<'_>,
+    places: &[DVec3],
+    first: u32,
+    most: f64,
+) -> Vec<Placed> {
+    let wanted: Vec<(u32, DVec3)> = (first..).zip(places.iter().copied()).collect();
+    let found = Mutex::new(Vec::new());
+    let take = |number, placed| {
+        found.lock().unwrap().push((number, placed));
+        Ok::<(), Error>(())
+    };
+    gather(gatherer, &wanted, most, &(), take).unwrap();
+    let mut found = found.into_inner().unwrap();
+    found.sort_unstable_by_key(|(number, _)| *number);
+    found.into_iter().map(|(_, placed)| placed).collect()
 }

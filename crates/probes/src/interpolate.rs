@@ -1,11 +1,10 @@
 //! What a look-up between the probes of a volume gives, and what that costs.
 
 use crate::volume::LEAST_VALIDITY;
-use crate::{Error, Gather, Grid, Placed, State, gather};
+use crate::{Grid, Placed, State};
 use ambient::harmonics::matt_rms;
 use ambient::sampling::Stream;
 use glam::DVec3;
-use layers::Progress;
 
 /// What linear interpolation between probes misses of the light E / π at random places in the air, all normals and
 /// channels together.
@@ -51,32 +50,26 @@ pub fn fill<T: Clone>(grid: &Grid, values: &mut [T], valid: &[bool], mean: impl 
     }
 }
 
-/// What interpolation between the probes of a grid costs, at most at `places` random places that are in the air; `None`
-/// where there is no air.
+/// Random places of a box, of which probes tell what interpolation costs. It is the one that the grid was made for:
+/// cells may stand out of it.
+pub fn tried(seed: u64, [low, high]: [DVec3; 2], count: usize) -> impl Iterator<Item = DVec3> {
+    let stream = Stream::new(seed, u32::MAX, 0, PLACES, 0);
+    (0..count).map(move |number| {
+        let [x, y, z, _] = stream.point(number as u32);
+        low + (high - low) * DVec3::new(x, y, z)
+    })
+}
+
+/// What interpolation between the probes of a grid costs at those places of `found` that are in the air; `None` where
+/// there is none.
 ///
-/// * `within`: the corners of the box that the grid was made for, which places are drawn from: cells may stand out of
-///   it.
-/// * `filled`: the light of its probes, invalid ones filled.
-///
-/// # Errors
-/// [`Error::Cancelled`].
+/// * `filled`: the light of the grid's probes, invalid ones filled.
 pub fn interpolation(
-    gatherer: &Gather<'_>,
     grid: &Grid,
-    within: [DVec3; 2],
     probes: &[Placed],
     filled: &[Vec<DVec3>],
-    places: usize,
-    progress: &dyn Progress,
-) -> Result<Option<Interpolation>, Error> {
-    let stream = Stream::new(gatherer.seed, u32::MAX, 0, PLACES, 0);
-    let place = |number: usize| {
-        let [x, y, z, _] = stream.point(number as u32);
-        within[0] + (within[1] - within[0]) * DVec3::new(x, y, z)
-    };
-    let places: Vec<DVec3> = (0..places).map(place).collect();
-    // Labels after those of the grid: no place shares its points with a probe.
-    let found = gather(gatherer, &places, probes.len() as u32, 0.0, progress)?;
+    found: &[Placed],
+) -> Option<Interpolation> {
     let square = |rms: DVec3| rms.dot(rms) / 3.0;
     let (mut missed, mut noise) = (Vec::new(), 0.0);
     let in_air = found
@@ -94,17 +87,17 @@ pub fn interpolation(
         missed.push(square(matt_rms(&off)));
     }
     if missed.is_empty() {
-        return Ok(None);
+        return None;
     }
     missed.sort_unstable_by(f64::total_cmp);
     let count = missed.len() as f64;
     let root = (4.0 * std::f64::consts::PI).sqrt();
     let mean = |light: &Vec<DVec3>| light[0].element_sum() / (3.0 * root);
-    Ok(Some(Interpolation {
+    Some(Interpolation {
         places: missed.len(),
         mean: filled.iter().map(mean).sum::<f64>() / filled.len() as f64,
         rms: (missed.iter().sum::<f64>() / count).sqrt(),
         p99: missed[(0.99 * (count - 1.0)).round() as usize].sqrt(),
         noise: (noise / count).sqrt(),
-    }))
+    })
 }

@@ -9,8 +9,8 @@
 //! # Where what is
 //!
 //! `gather.rs` gathers the light of a probe and `estimate.rs` states its errors. `path.rs` has the light from surface
-//! to surface, `grid.rs` and `volume.rs` say where probes stand, `reflect.rs` makes reflection maps. Harmonics are in
-//! `crates/ambient/src/harmonics.rs`, files in `crates/report/src/probes`.
+//! to surface, `grid.rs` and `volume.rs` say where probes stand, `reflect.rs` makes reflection maps, `numbers.rs` keeps
+//! what was gathered. Harmonics are in `crates/ambient/src/harmonics.rs`, files in `crates/report/src/probes`.
 #![forbid(unsafe_code)]
 
 mod error;
@@ -20,6 +20,7 @@ mod fixture;
 mod gather;
 mod grid;
 mod interpolate;
+mod numbers;
 mod path;
 mod reflect;
 mod sky;
@@ -30,7 +31,7 @@ mod volume;
 pub use error::Error;
 pub use gather::{BakedLight, DISTANCE_EDGE, Gather, LEAST_RAYS, Part, Probe};
 pub use grid::Grid;
-pub use interpolate::{Interpolation, fill, interpolation};
+pub use interpolate::{Interpolation, fill, interpolation, tried};
 pub use reflect::{LEAST_EDGE, Level, Reflection};
 pub use sky::Sky;
 pub use volume::{Placed, State, gather};

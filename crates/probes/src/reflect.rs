@@ -44,27 +44,18 @@ const RAYS: u32 = 8;
 const CAPTURE: u32 = 9;
 
 impl Gather<'_> {
-    /// The reflection maps of a place. `number` labels its sample points. Lights that no ray meets have no picture and
-    /// are left out: engines reflect them themselves. `progress` hears of texels.
-    ///
-    /// Each half of the rays makes maps of its own. Their mean is kept, and what they differ by tells its error.
-    ///
-    /// * `edge`: width of the mirror's faces in texels, a power of two from [`LEAST_EDGE`] on.
+    /// The reflection maps of a place from its [`capture`](Self::capture) by both halves of the rays. Each makes maps
+    /// of its own. Their mean is kept, and what they differ by tells its error.
     ///
     /// # Errors
-    /// [`Error::Cancelled`], or a map that cannot be filtered.
+    /// A map that cannot be filtered.
     ///
     /// # Panics
-    /// For another edge.
-    pub fn reflection(
-        &self,
-        number: u32,
-        place: DVec3,
-        edge: usize,
-        progress: &dyn Progress,
-    ) -> Result<Reflection, Error> {
+    /// For images that are no such cubes.
+    pub fn reflection(&self, place: DVec3, halves: [Image; 2]) -> Result<Reflection, Error> {
+        let edge = halves[0].width;
         assert!(edge.is_power_of_two() && edge >= LEAST_EDGE, "edge {edge}");
-        let halves = [0, 1].map(|half| self.capture(number, half, place, edge, progress));
+        let halves = halves.map(|half| IlluminationMap::new(half, Projection::Cube));
         let [first, second] = halves;
         let count = (edge / LEAST_EDGE).ilog2() as usize + 1;
         let roughness = |level: usize| level as f64 / (count - 1).max(1) as f64;
@@ -104,15 +95,23 @@ impl Gather<'_> {
         })
     }
 
-    /// The light that arrives, texel by texel of a cube, by half of the rays.
-    fn capture(
+    /// The light that arrives, texel by texel of a face of a cube, by half of the rays. Lights that no ray meets have no
+    /// picture and are left out: engines reflect them themselves. `progress` hears of texels.
+    ///
+    /// * `number`: labels the sample points, as `half`, 0 or 1, does.
+    /// * `face`: of the six of [`Projection::Cube`].
+    /// * `edge`: width of a face in texels, a power of two from [`LEAST_EDGE`] on.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    pub fn capture(
         &self,
         number: u32,
-        half: u32,
+        [half, face]: [u32; 2],
         place: DVec3,
         edge: usize,
         progress: &dyn Progress,
-    ) -> Result<IlluminationMap, Error> {
+    ) -> Result<Vec<[f32; 3]>, Error> {
         let size = (edge, 6 * edge);
         let origin = place.as_vec3().to_array();
         let done = AtomicU64::new(0);
@@ -137,23 +136,18 @@ impl Gather<'_> {
             let mean = (0..RAYS).map(ray).sum::<DVec3>() / f64::from(RAYS);
             mean.as_vec3().to_array()
         };
-        let rows = (0..size.1).into_par_iter().with_max_len(1).map(|row| {
+        let rows = face as usize * edge..(face as usize + 1) * edge;
+        let rows = rows.into_par_iter().with_max_len(1).map(|row| {
             if progress.cancelled() {
                 return None;
             }
             let pixels: Vec<[f32; 3]> = (row * edge..(row + 1) * edge).map(texel).collect();
-            let row = done.fetch_add(edge as u64, Ordering::Relaxed) + edge as u64;
-            let texels = (edge * size.1) as u64;
-            progress.advance(u64::from(half) * texels + row, 2 * texels);
+            let before = done.fetch_add(edge as u64, Ordering::Relaxed);
+            progress.advance(before + edge as u64, (edge * edge) as u64);
             Some(pixels)
         });
         let rows: Option<Vec<Vec<[f32; 3]>>> = rows.collect();
-        let image = Image {
-            width: size.0,
-            height: size.1,
-            pixels: rows.ok_or(Error::Cancelled)?.concat(),
-        };
-        Ok(IlluminationMap::new(image, Projection::Cube)?)
+        Ok(rows.ok_or(Error::Cancelled)?.concat())
     }
 
     /// Radiance that arrives along a ray of this unit direction.

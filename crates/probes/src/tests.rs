@@ -2,8 +2,8 @@
 
 mod limits;
 
-use crate::fixture::{Sheets, block, room, world};
-use crate::{Gather, LEAST_RAYS, Probe, Sky, State, gather};
+use crate::fixture::{Sheets, block, placed, room, world};
+use crate::{Gather, LEAST_RAYS, Placed, Probe, Sky, State};
 use ambient::harmonics::{basis, count, matt};
 use ambient::quadrature::gauss_legendre;
 use glam::DVec3;
@@ -235,9 +235,9 @@ fn a_closed_box_is_dark_and_a_solid_is_no_place() {
     gathering(&[solid], UNIFORM, |gatherer| {
         let inside = DVec3::new(0.3, 0.1, 0.0);
         assert_eq!(gatherer.probe(0, inside).validity, 0.0);
-        let found = gather(&gatherer, &[inside], 0, 0.0, &()).unwrap();
+        let found = placed(&gatherer, &[inside], 0, 0.0);
         assert_eq!(found[0].state, State::Invalid);
-        let found = gather(&gatherer, &[inside, DVec3::X], 0, 0.5, &()).unwrap();
+        let found = placed(&gatherer, &[inside, DVec3::X], 0, 0.5);
         let moved = &found[0];
         assert_eq!(moved.state, State::Moved);
         assert!(
@@ -284,7 +284,7 @@ fn the_inside_of_a_pillar_is_no_place_though_both_sides_are_drawn() {
             DVec3::new(21.0, 1.0, 1.0),
         ];
         assert_ne!(gatherer.probe(0, places[0]).light[0], DVec3::ZERO);
-        let found = gather(&gatherer, &places, 0, 1.0, &()).unwrap();
+        let found = placed(&gatherer, &places, 0, 1.0);
         let states: Vec<State> = found.iter().map(|placed| placed.state).collect();
         assert_eq!(states, [State::Moved, State::There, State::There]);
         let moved = found[0].probe.place;
@@ -365,7 +365,7 @@ fn stated_errors_are_those_that_are_made() {
     gathering(&scene, UNIFORM, |mut gatherer| {
         gatherer.rays = 256;
         let places = vec![DVec3::new(-0.7, 0.1, 0.3); 1000];
-        let probes = gather(&gatherer, &places, 0, 0.0, &()).unwrap();
+        let probes = placed(&gatherer, &places, 0, 0.0);
         for k in 0..9 {
             let values: Vec<f64> = probes.iter().map(|p| p.probe.light[k].x).collect();
             let mean = values.iter().sum::<f64>() / 1000.0;
@@ -435,9 +435,16 @@ fn reflections_of_a_half_are_those_on_paper() {
     let wall = [DVec3::new(1.0, -1e5, -1e5), DVec3::Z * 2e5, DVec3::Y * 2e5];
     let black = Sky(&maps::Sky::BLACK);
     gathering(&[sheets(vec![wall], 0.0, 2.0)], black, |gather| {
-        let found = gather
-            .reflection(0, DVec3::new(0.5, 0.0, 0.0), 32, &())
-            .unwrap();
+        let place = DVec3::new(0.5, 0.0, 0.0);
+        let halves = [0, 1].map(|half| {
+            let face = |face| gather.capture(0, [half, face], place, 32, &()).unwrap();
+            Image {
+                width: 32,
+                height: 6 * 32,
+                pixels: (0..6).flat_map(face).collect(),
+            }
+        });
+        let found = gather.reflection(place, halves).unwrap();
         let sizes: Vec<usize> = found.levels.iter().map(|level| level.image.width).collect();
         assert_eq!(sizes, [32, 16, 8]);
         let roughness: Vec<f64> = found.levels.iter().map(|level| level.roughness).collect();
@@ -472,13 +479,24 @@ fn any_number_of_threads_gives_the_same_bits() {
         let by = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
             let pool = pool.build().unwrap();
-            pool.install(|| gather(&gatherer, &places, 5, 0.0, &()).unwrap())
+            pool.install(|| placed(&gatherer, &places, 5, 0.0))
         };
         assert_eq!(by(1), by(3));
         // And those of a part are those of the whole.
-        assert_eq!(
-            by(1)[7..],
-            gather(&gatherer, &places[7..], 12, 0.0, &()).unwrap()
-        );
+        assert_eq!(by(1)[7..], placed(&gatherer, &places[7..], 12, 0.0));
+        // One that was kept as numbers is the same, but for the way out, which is taken by then.
+        let again = by(1).into_iter().map(|mut whole| {
+            whole.probe.way_out = None;
+            let numbers = whole.numbers();
+            let back = Placed::of_numbers(&numbers, gatherer.order, whole.asked);
+            assert_eq!(
+                Placed::of_numbers(&numbers[1..], gatherer.order, whole.asked),
+                None
+            );
+            (whole, back)
+        });
+        for (whole, back) in again {
+            assert_eq!(back, Some(whole));
+        }
     });
 }

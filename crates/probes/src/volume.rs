@@ -35,36 +35,34 @@ pub(crate) const LEAST_VALIDITY: f64 = 0.75;
 /// How far from a surface a moved probe stands, as a share of the way that it may be moved.
 const CLEARANCE: f64 = 0.1;
 
-/// The probes at places of the world, in order.
+/// Gathers the probes at places of the world, each with the number by which its sample points are labelled, and hands
+/// them over one by one, in any order.
 ///
-/// * `first`: number of the first one, by which its sample points are labelled.
 /// * `most`: how far a probe in a solid, or behind a surface, may be moved, in scene units; 0 marks it.
 ///
-/// The values do not depend on the number of threads. `progress` hears of probes.
+/// The values do not depend on the number of threads, nor on what else is gathered. `progress` hears of probes.
 ///
 /// # Errors
-/// [`Error::Cancelled`].
-pub fn gather(
+/// [`Error::Cancelled`], or what `take` returns.
+pub fn gather<E: From<Error> + Send>(
     gather: &Gather<'_>,
-    places: &[DVec3],
-    first: u32,
+    wanted: &[(u32, DVec3)],
     most: f64,
     progress: &dyn Progress,
-) -> Result<Vec<Placed>, Error> {
+    take: impl Fn(u32, Placed) -> Result<(), E> + Sync,
+) -> Result<(), E> {
     let done = AtomicU64::new(0);
-    let made = |(number, &asked): (usize, &DVec3)| {
+    let each = wanted.par_iter().with_max_len(1);
+    each.try_for_each(|&(number, asked)| {
         if progress.cancelled() {
-            return None;
+            return Err(Error::Cancelled.into());
         }
-        let placed = place(gather, first + number as u32, asked, most);
+        let placed = place(gather, number, asked, most);
         progress.rays(u64::from(placed.probe.rays));
         let before = done.fetch_add(1, Ordering::Relaxed);
-        progress.advance(before + 1, places.len() as u64);
-        Some(placed)
-    };
-    let each = places.par_iter().enumerate().with_max_len(1);
-    let placed: Option<Vec<Placed>> = each.map(made).collect();
-    placed.ok_or(Error::Cancelled)
+        progress.advance(before + 1, wanted.len() as u64);
+        take(number, placed)
+    })
 }
 
 /// The probe at a place, or in the air past the nearest surface that keeps it in.

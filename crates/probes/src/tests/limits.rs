@@ -1,8 +1,8 @@
 //! Where things end: shadow rays at their light, and the way that a probe may be moved.
 
 use super::{ROOT, UNIFORM, gathering, sheets};
-use crate::fixture::block;
-use crate::{Gather, Sky, State, gather};
+use crate::fixture::{block, placed};
+use crate::{Gather, Sky, State};
 use glam::DVec3;
 use rays::Light;
 
@@ -35,7 +35,7 @@ fn a_probe_is_moved_as_far_as_it_may_be_and_no_farther() {
         // The air is 0.2 away, and a tenth of the way that it may take beyond the face.
         let inside = DVec3::new(0.3, 0.1, 0.0);
         for (most, state) in [(0.2, State::Invalid), (0.25, State::Moved)] {
-            let found = gather(&gatherer, &[inside], 0, most, &()).unwrap();
+            let found = placed(&gatherer, &[inside], 0, most);
             assert_eq!(found[0].state, state, "{most}");
             let away = found[0].probe.place.distance(inside);
             assert!(away <= most, "{away} of {most}");

@@ -8,7 +8,7 @@ pub(super) fn list<'a>(json: &'a Value, key: &str) -> &'a [Value] {
 }
 
 /// JSON and BIN chunk of a GLB.
-pub(super) fn parts(glb: &[u8]) -> Option<(Value, Vec<u8>)> {
+pub(crate) fn parts(glb: &[u8]) -> Option<(Value, Vec<u8>)> {
     let number =
         |at: usize| Some(u32::from_le_bytes(glb.get(at..at + 4)?.try_into().ok()?) as usize);
     let text_end = 20usize.checked_add(number(12)?)?;
@@ -21,7 +21,7 @@ pub(super) fn parts(glb: &[u8]) -> Option<(Value, Vec<u8>)> {
 }
 
 /// The container again; `None` past the format's 4 GiB.
-pub(super) fn whole(json: &mut Value, bin: &[u8]) -> Option<Vec<u8>> {
+pub(crate) fn whole(json: &mut Value, bin: &[u8]) -> Option<Vec<u8>> {
     json["buffers"][0]["byteLength"] = bin.len().into();
     let mut text = serde_json::to_vec(json).ok()?;
     text.resize(text.len().next_multiple_of(4), b' ');

@@ -19,6 +19,7 @@ mod scene_kind;
 mod sh;
 mod table;
 
+pub(crate) use container::{parts, whole};
 pub(crate) use ktx2::{Shape, encode_as};
 pub use light::{LightSource, PageLight, light_source};
 pub use scene_glb::{ScenePictures, scene_files};

@@ -12,7 +12,7 @@ mod geometry;
 mod material;
 mod node;
 
-use crate::Error;
+use crate::{Error, check_regular};
 use atlas::Atlas;
 use document::Document;
 use geometry::Geometry;
@@ -89,6 +89,28 @@ pub fn write_gltf(
     document
         .into_glb()
         .map_err(|e| Error::write(Path::new(""), e))
+}
+
+/// The GLB of a scene as its glTF file has it, self-contained; `None` of a scene that came from no such file.
+///
+/// # Errors
+/// As [`write_gltf`].
+pub fn source_gltf(scene: &Scene) -> Result<Option<Vec<u8>>, Error> {
+    let Some(source) = &scene.source else {
+        return Ok(None);
+    };
+    let document = Document::of(source).map_err(|reason| Error::read(&scene.path, reason))?;
+    let glb = document.into_glb();
+    glb.map(Some).map_err(|e| Error::write(Path::new(""), e))
+}
+
+/// The bytes of a GLB that a bake wrote.
+///
+/// # Errors
+/// It is absent, or no regular file.
+pub fn read_gltf(path: &Path) -> Result<Vec<u8>, Error> {
+    let bytes = check_regular(path).and_then(|()| std::fs::read(path));
+    bytes.map_err(|e| Error::read(path, e.to_string()))
 }
 
 /// A mesh user: a node, or one copy of an instanced node.

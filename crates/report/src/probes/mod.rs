@@ -1,6 +1,7 @@
 //! Files of probes: `STEM.probes.json` says all of them, the others hold the same numbers as pictures and for engines.
 
 mod engines;
+mod image_based;
 mod reflections;
 
 pub(crate) use engines::polynomial;
@@ -135,6 +136,8 @@ pub struct ProbeSet {
     pub distance: Vec<Vec<[f32; 2]>>,
     /// The pictures of [`ProbeReport::reflections`].
     pub reflections: Vec<ReflectionMaps>,
+    /// The scene for files that hold it with its light; without one they hold the light alone.
+    pub glb: Option<Vec<u8>>,
 }
 
 /// The name of the report.

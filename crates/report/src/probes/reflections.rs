@@ -1,7 +1,7 @@
 //! Files of reflection maps: cubes with a level for each roughness, and the captured light as other tools take it.
 
-use super::ProbeSet;
 use super::engines::ProbeFile;
+use super::{ProbeSet, image_based};
 use crate::engines::{BEVY_WHITE, Shape, encode_as};
 use crate::{Engine, Error, Output};
 use maps::{
@@ -98,6 +98,14 @@ pub(super) fn stage(
                 Engine::Blender => Orientation::Blender,
                 _ => continue,
             };
+            if *engine == Engine::Gltf {
+                let name = format!("{stem}.reflection.{number}.glb");
+                let light = format!("{stem}.reflection.{number}");
+                let glb = image_based::lit(set.glb.as_deref(), maps, &light);
+                let bytes = glb.ok_or_else(|| too_large(&name))?;
+                let how = "The scene with the light of this place, by EXT_lights_image_based, which Babylon.js reads.";
+                add(name, how, 1.0, bytes)?;
+            }
             let name = format!("{stem}.reflection.{number}.{}.exr", engine.name());
             let how = "A polar picture of what a mirror shows; the engine filters it by itself.";
             let bytes = polar(&maps.levels[0], orientation, &name)?;
@@ -105,6 +113,11 @@ pub(super) fn stage(
         }
     }
     Ok(files)
+}
+
+fn too_large(name: &str) -> Error {
+    let reason = "it would be over the 4 GiB of its format";
+    Error::write(Path::new(name), std::io::Error::other(reason))
 }
 
 /// A KTX2 cube with its levels, each as `shown`.

@@ -1,0 +1,101 @@
+//! `ambake probes --shard I/N`: one part of the probes; and all parts into their files.
+
+use super::args::Args;
+use super::run::{Asked, show, write};
+use crate::args::Verb;
+use crate::bake::args::Merge;
+use crate::bake::merge::{typed, verb};
+use crate::bake::shard::given;
+use crate::common::Common;
+use crate::outcome::{Outcome, say, say_json, tell};
+use crate::progress::watch;
+use crate::stop::Stop;
+use ambake::{ProbeParts, Probes, Shard};
+use anyhow::bail;
+use serde_json::json;
+use std::path::Path;
+use std::time::Instant;
+
+/// Gathers the part.
+pub fn run(args: &Args, asked: &Asked, shard: Shard, stop: &Stop) -> anyhow::Result<Outcome> {
+    let started = Instant::now();
+    let given = given()?;
+    let place = (args.output.as_path(), shard, &given);
+    let part = watch(show(&args.common), stop, |progress| {
+        Probes::gather_shard(&asked.scene, &asked.places, &asked.options, place, progress)
+    });
+    let part = match part {
+        Err(ambake::Error::Cancelled) => {
+            if !args.common.quiet {
+                tell("stopped; the same command continues");
+            }
+            return Ok(stop.outcome());
+        }
+        other => other?,
+    };
+    let seconds = started.elapsed().as_secs_f64();
+    if args.common.json {
+        say_json(&json!({
+            "schema_version": 1,
+            "shard": shard.index,
+            "of": shard.of,
+            "file": part.path.file_name().map(|name| name.to_string_lossy()),
+            "already": part.already,
+            "places": part.places,
+            "faces": part.faces,
+            "seconds": seconds,
+        }))?;
+    } else if !args.common.quiet {
+        let path = part.path.display();
+        say(&match part.already {
+            true => format!("part {shard} was complete already: {path}\n"),
+            false => format!(
+                "part {shard}: {} places, {} faces in {seconds:.2} s: {path}\n\
+                 when all parts are there: ambake merge {}\n",
+                part.places,
+                part.faces,
+                args.output.display(),
+            ),
+        })?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// Writes the files of all parts.
+pub fn merge(merge: &Merge, dir: &Path, stop: &Stop) -> anyhow::Result<Outcome> {
+    let started = Instant::now();
+    let parts = ProbeParts::find(dir)?;
+    let Verb::Probes(args) = verb(&typed(parts.given())?)? else {
+        bail!("the parts were not made by `ambake probes`");
+    };
+    // The words may name files from the folder that they were given in. Where that is absent here, so are the files,
+    // and the scene's error says so.
+    if let Some(folder) = parts.given()["folder"].as_str() {
+        let _ = std::env::set_current_dir(folder);
+    }
+    let common = Common {
+        threads: merge.threads,
+        quiet: merge.quiet,
+        json: merge.json,
+        verbose: merge.verbose,
+        ..args.common
+    };
+    let asked = Asked::of(&args, &common)?;
+    let Asked {
+        scene,
+        places,
+        options,
+    } = &asked;
+    let merged = watch(show(&common), stop, |progress| {
+        Probes::merge(scene, places, options, parts, progress)
+    });
+    match merged {
+        Err(ambake::Error::Cancelled) => {
+            if !common.quiet {
+                tell("stopped; the parts are still there, merge again");
+            }
+            Ok(stop.outcome())
+        }
+        probes => write(&args, &common, dir, probes?, started),
+    }
+}
