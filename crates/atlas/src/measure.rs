@@ -39,10 +39,20 @@ pub(crate) fn mesh_area(scene: &Scene, mesh: usize) -> f64 {
 }
 
 fn area(mesh: &Mesh, transform: &DAffine3) -> f64 {
-    sum(mesh.triangles.len(), |t| triangle_area(mesh, transform, t))
+    sum(mesh.triangles.len(), |t| placed_area(mesh, transform, t))
 }
 
-fn triangle_area(mesh: &Mesh, transform: &DAffine3, triangle: usize) -> f64 {
+/// Surface area of a triangle of an instance in the world.
+pub(crate) fn triangle_area(scene: &Scene, instance: usize, triangle: usize) -> f64 {
+    let instance = &scene.instances[instance];
+    placed_area(
+        &scene.meshes[instance.mesh as usize],
+        &instance.transform,
+        triangle,
+    )
+}
+
+fn placed_area(mesh: &Mesh, transform: &DAffine3, triangle: usize) -> f64 {
     let corner = |v: u32| transform.transform_vector3(mesh.positions[v as usize].as_dvec3());
     let [a, b, c] = mesh.triangles[triangle].map(corner);
     0.5 * (b - a).cross(c - a).length()
@@ -164,7 +174,7 @@ pub(crate) fn density(
         let layout = &meshes[instance.mesh as usize];
         let mesh = &scene.meshes[instance.mesh as usize];
         sum(layout.triangles.len(), |triangle| {
-            let area = triangle_area(mesh, &instance.transform, triangle);
+            let area = placed_area(mesh, &instance.transform, triangle);
             let texels = 0.5 * twice_area(corners(layout, placement, triangle, f64::from(size)));
             DVec2::new((texels.abs() * area).sqrt(), area)
         })
