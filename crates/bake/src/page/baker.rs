@@ -439,7 +439,7 @@ impl<'a> Baker<'a> {
                 any.map_or(0.0, |any| any.coefficients.0[column.channel] as f32)
             }
             layer if directional::holds(layer) => {
-                directional::packed(&texel.terms, layer, column.channel) as f32
+                directional::packed(texel.terms, layer, column.channel) as f32
             }
             layer => texel.values(layer)[column.channel],
         };
