@@ -15,6 +15,8 @@ pub(crate) struct Sheets {
     pub emission: f32,
     /// Drawn from both sides.
     pub double_sided: bool,
+    /// The normal that all of them are shaded by; `None` for each its own.
+    pub normal: Option<DVec3>,
 }
 
 /// A box with its corners here, its faces outward.
@@ -54,6 +56,8 @@ pub(crate) fn world(all: &[Sheets]) -> (World, Box<dyn RayBackend>) {
             let [i, j, k, l] = [corner, corner + a, corner + a + b, corner + b].map(&mut at);
             mesh.triangles.extend([[i, j, k], [i, k, l]]);
         }
+        let shaded = |normal: DVec3| vec![normal.as_vec3().to_array(); mesh.positions.len()];
+        mesh.normals = sheets.normal.map(shaded).unwrap_or_default();
         mesh
     });
     let materials = all.iter().map(|sheets| {

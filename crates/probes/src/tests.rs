@@ -41,6 +41,7 @@ fn sheets(places: Vec<[DVec3; 3]>, albedo: f32, emission: f32) -> Sheets {
         albedo,
         emission,
         double_sided: false,
+        normal: None,
     }
 }
 
@@ -366,18 +367,22 @@ fn stated_errors_are_those_that_are_made() {
         gatherer.rays = 256;
         let places = vec![DVec3::new(-0.7, 0.1, 0.3); 1000];
         let probes = placed(&gatherer, &places, 0, 0.0);
-        for k in 0..9 {
+        let squares = (0..9).map(|k| {
             let values: Vec<f64> = probes.iter().map(|p| p.probe.light[k].x).collect();
             let mean = values.iter().sum::<f64>() / 1000.0;
             let z = probes
                 .iter()
                 .map(|p| (p.probe.light[k].x - mean) / p.probe.std_err[k].x);
-            let spread = (z.map(|z| z * z).sum::<f64>() / 1000.0).sqrt();
+            let square = z.map(|z| z * z).sum::<f64>() / 1000.0;
             assert!(
-                (0.9..=1.1).contains(&spread),
-                "{k}: z-scores spread by {spread}"
+                (0.8..=1.2).contains(&square),
+                "{k}: squared z-scores {square}"
             );
-        }
+            square
+        });
+        // Together the nine tell 4 % of an error: sixteen sets spread 7 % wider than they say, which is counted in.
+        let spread = (squares.sum::<f64>() / 9.0).sqrt();
+        assert!((0.97..=1.03).contains(&spread), "{spread}");
     });
 }
 
