@@ -1,7 +1,8 @@
 //! What bodies count at many points that lie near one another.
 
-use super::tree::climb;
+use super::tree::CLEAR;
 use super::{Body, Solids};
+use crate::triangle::ShearedRay;
 use glam::DVec3;
 
 /// A closed surface about a box. The first point is looked at from far away, as [`Solids::depth`] does; from there to
@@ -14,7 +15,7 @@ pub struct Near<'a> {
     low: DVec3,
     high: DVec3,
     /// All faces that may meet it.
-    faces: Vec<[[f32; 3]; 3]>,
+    faces: Vec<Plane>,
     /// A point in the body's space, and how often the surface winds around it.
     known: Option<(DVec3, i32)>,
 }
@@ -42,9 +43,77 @@ impl Near<'_> {
             .known
             .and_then(|(from, winding)| Some(winding + climb(&self.faces, from, point)?));
         let winding = climbed.unwrap_or_else(far);
-        self.known.get_or_insert((point, winding));
+        if self.known.is_none() {
+            self.known = Some((point, winding));
+            for plane in &mut self.faces {
+                plane.known = plane.height(point);
+            }
+        }
         winding
     }
+}
+
+/// A triangle and its plane.
+#[derive(Debug)]
+struct Plane {
+    corners: [[f32; 3]; 3],
+    /// Of any length.
+    normal: DVec3,
+    /// Height along the normal, of the plane and of the known point above it, and how far off heights may be.
+    at: f64,
+    known: f64,
+    rounding: f64,
+}
+
+impl Plane {
+    /// Of a triangle, for points with coordinates up to `reach`.
+    fn of(corners: [[f32; 3]; 3], reach: f64) -> Self {
+        let [a, b, c] = corners.map(|corner| DVec3::from_array(corner.map(f64::from)));
+        let normal = (b - a).cross(c - a);
+        let reach = reach.max(a.abs().max(b.abs()).max(c.abs()).max_element());
+        let longest = (b - a).abs().max((c - a).abs()).element_sum();
+        Self {
+            corners,
+            normal,
+            at: normal.dot(a),
+            known: 0.0,
+            rounding: 64.0 * f64::EPSILON * longest * longest * reach,
+        }
+    }
+
+    fn height(&self, point: DVec3) -> f64 {
+        self.normal.dot(point) - self.at
+    }
+}
+
+/// How much higher the winding number is at the end of a straight way than at its start, which is the known point, where
+/// all that the way may cross are these triangles; `None` where it comes too near to an edge, or ends too near to a
+/// triangle, to tell.
+fn climb(faces: &[Plane], from: DVec3, to: DVec3) -> Option<i32> {
+    let way = ShearedRay::new(from, to - from);
+    let mut climb = 0;
+    for face in faces {
+        // Most ways stay on one side of the plane.
+        let (start, end) = (face.known, face.height(to));
+        let clear = face.rounding + CLEAR * (end - start).abs();
+        if start.min(end) > clear || start.max(end) < -clear {
+            continue;
+        }
+        let Some(crossing) = way.cross(&face.corners) else {
+            continue;
+        };
+        if crossing.t < -CLEAR || crossing.t > 1.0 + CLEAR {
+            continue;
+        }
+        let [u, v] = crossing.barycentric;
+        let margin = u.min(v).min(1.0 - u - v);
+        if margin < CLEAR || crossing.t.min(1.0 - crossing.t) < CLEAR {
+            return None;
+        }
+        // Outward faces seen from their front lead inward.
+        climb += if crossing.front { 1 } else { -1 };
+    }
+    Some(climb)
 }
 
 impl Solids {
@@ -66,9 +135,10 @@ impl Solids {
             low,
             high,
             faces: {
-                let mut faces = self.tree(of).about(&self.scene, low, high);
-                faces.extend(self.panes(of));
-                faces
+                let faces = self.tree(of).about(&self.scene, low, high);
+                let reach = low.abs().max(high.abs()).max_element();
+                let faces = faces.into_iter().chain(self.panes(of).copied());
+                faces.map(|corners| Plane::of(corners, reach)).collect()
             },
             known: None,
         }

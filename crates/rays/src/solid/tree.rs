@@ -20,30 +20,7 @@ const LEAN: [f64; 2] = [0.025_731_7, 0.041_193_1];
 const UPRIGHT: f64 = 1.0 / 8192.0;
 
 /// A crossing nearer than this, by its weights or as a share of the way, to an edge or an end decides nothing.
-const CLEAR: f64 = 1e-9;
-
-/// How much higher the winding number is at the end of a straight way than at its start, where all that the way may
-/// cross are these triangles; `None` where it comes too near to an edge, or ends too near to a triangle, to tell.
-pub(super) fn climb(faces: &[[[f32; 3]; 3]], from: DVec3, to: DVec3) -> Option<i32> {
-    let way = ShearedRay::new(from, to - from);
-    let mut climb = 0;
-    for face in faces {
-        let Some(crossing) = way.cross(face) else {
-            continue;
-        };
-        if crossing.t < -CLEAR || crossing.t > 1.0 + CLEAR {
-            continue;
-        }
-        let [u, v] = crossing.barycentric;
-        let margin = u.min(v).min(1.0 - u - v);
-        if margin < CLEAR || crossing.t.min(1.0 - crossing.t) < CLEAR {
-            return None;
-        }
-        // Outward faces seen from their front lead inward.
-        climb += if crossing.front { 1 } else { -1 };
-    }
-    Some(climb)
-}
+pub(super) const CLEAR: f64 = 1e-9;
 
 /// A surface in the space of its meshes.
 #[derive(Debug)]
