@@ -206,6 +206,11 @@ impl Patch {
         }
     }
 
+    /// The shading normals at the corners, of unit length.
+    pub fn normals(&self) -> [DVec3; 3] {
+        self.normals.unwrap_or([self.geometric; 3])
+    }
+
     /// How far an origin must stand off where coordinates are no larger than `reach` in magnitude, in scene units.
     pub fn offset(&self, reach: DVec3) -> f64 {
         self.query_error + 2.0 * self.origin_error.dot(reach)

@@ -97,8 +97,7 @@ impl Cell {
     /// All of a triangle that texels hold whole, by its corner weights as affine functions of the place in the tile:
     /// (s, t) are the weights of its second and third corner.
     pub fn whole((patch, body): (&Patch, Option<u32>), weights: &dyn Fn(DVec2) -> DVec3) -> Self {
-        let corners = [DVec3::X, DVec3::Y, DVec3::Z];
-        let mut cell = Self::of((patch, body), 0.5, corners, 0.0);
+        let mut cell = Self::between((patch, body), 0.5, (patch.corners, patch.normals()), 0.0);
         let [a, b, c] = [DVec2::ZERO, DVec2::X, DVec2::Y].map(weights);
         cell.weights = [a, b - a, c - a].map(|w| [w.y as f32, w.z as f32]);
         cell.least = patch.least_weights().as_vec3().to_array();
@@ -113,11 +112,21 @@ impl Cell {
         cell
     }
 
-    fn of((patch, body): (&Patch, Option<u32>), fold: f32, weights: [DVec3; 3], area: f64) -> Self {
+    fn of(patch: (&Patch, Option<u32>), fold: f32, weights: [DVec3; 3], area: f64) -> Self {
+        let corners = weights.map(|w| patch.0.position(w));
+        let normals = weights.map(|w| patch.0.normal(w));
+        Self::between(patch, fold, (corners, normals), area)
+    }
+
+    /// Of positions and normals at the corners.
+    fn between(
+        (patch, body): (&Patch, Option<u32>),
+        fold: f32,
+        (corners, normals): ([DVec3; 3], [DVec3; 3]),
+        area: f64,
+    ) -> Self {
         let affine = |[a, b, c]: [DVec3; 3]| [a, b - a, c - a];
-        let corners = weights.map(|w| patch.position(w));
         let [a, b, c] = corners.map(DVec3::abs);
-        let normals = weights.map(|w| patch.normal(w));
         let smooth = normals[0] != normals[1] || normals[0] != normals[2];
         let normal = match smooth {
             true => affine(normals),

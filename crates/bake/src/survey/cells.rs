@@ -10,8 +10,9 @@ use glam::DVec3;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Points along an edge of a whole texel by which its triangles share it.
-const EDGE: usize = 4;
+/// Points along an edge of a whole texel by which its triangles share it: means of what lies in one plane are exact by
+/// any number, and a mesh hardly bends within a texel.
+const EDGE: usize = 2;
 
 /// All that lies under the texels of a tile.
 #[derive(Debug, Default)]

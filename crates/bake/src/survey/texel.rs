@@ -106,8 +106,15 @@ pub(crate) struct Surveyor<'a> {
 impl<'a> Surveyor<'a> {
     /// All texels of a tile. `stream` labels a texel's own points by its column and row.
     pub fn texels(&self, tile: &Tile, stream: impl Fn(u32, u32, u32) -> Stream) -> Vec<Texel> {
+        let mut of_instance = (u32::MAX, None);
         let known: Vec<Known> = (tile.triangles.iter())
-            .map(|&[instance, triangle]| self.known(instance, triangle))
+            .map(|&[instance, triangle]| {
+                // Most follow one of the same instance.
+                if of_instance.0 != instance {
+                    of_instance = (instance, self.material_of(instance));
+                }
+                self.known(instance, triangle, of_instance.1)
+            })
             .collect();
         // Most pieces become one cell, and no triangle that is held more.
         let mut ground = Ground {
@@ -176,16 +183,20 @@ impl<'a> Surveyor<'a> {
         }
     }
 
-    fn known(&self, instance: u32, triangle: u32) -> Known<'a> {
+    /// The material of an instance; `None` where it varies.
+    fn material_of(&self, instance: u32) -> Option<PhongMaterial> {
         let scene = self.world.scene();
         let varies = is_mapped(scene, instance);
-        let material = || material_at(scene, instance, triangle, [1.0, 0.0, 0.0]);
+        (!varies).then(|| material_at(scene, instance, 0, [1.0, 0.0, 0.0]))
+    }
+
+    fn known(&self, instance: u32, triangle: u32, material: Option<PhongMaterial>) -> Known<'a> {
         Known {
             patch: Patch::of(self.world, self.errors, instance, triangle),
             open: self.plan.open.contains(instance, triangle),
             body: self.solids.and_then(|of| of.own(instance, triangle)),
             ends: self.ends(instance, triangle),
-            material: (!varies).then(material),
+            material,
         }
     }
 
