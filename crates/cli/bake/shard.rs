@@ -2,6 +2,7 @@
 
 use super::args::Bake as Args;
 use crate::args::words;
+use crate::common::Common;
 use crate::outcome::{Outcome, say, say_json, tell};
 use crate::progress::{Show, watch};
 use crate::stop::Stop;
@@ -28,41 +29,69 @@ pub fn run(
     let part = watch(show, stop, |progress| {
         job.run_shard(output, shard, &given, progress)
     });
-    let part = match part {
+    let Some(part) = unless_stopped(part, &args.common)? else {
+        return Ok(stop.outcome());
+    };
+    let facts = json!({
+        "tiles": part.tiles,
+        "texels": part.texels,
+        "rays": part.rays,
+        "share": part.share,
+        "peak_memory_bytes": ambake::peak_memory(),
+    });
+    let words = format!(
+        "{} tiles, {} texels, {} rays",
+        part.tiles, part.texels, part.rays
+    );
+    let of = (shard, part.path.as_path(), part.already);
+    finish(&args.common, of, (facts, &words), started)
+}
+
+/// The part; `None` where it was stopped, which is told.
+pub fn unless_stopped<T>(
+    part: Result<T, ambake::Error>,
+    common: &Common,
+) -> anyhow::Result<Option<T>> {
+    match part {
         Err(ambake::Error::Cancelled) => {
-            if !args.common.quiet {
+            if !common.quiet {
                 tell("stopped; the same command continues");
             }
-            return Ok(stop.outcome());
+            Ok(None)
         }
-        other => other?,
-    };
+        other => Ok(Some(other?)),
+    }
+}
+
+/// Tells of a part that is there now, in its file, and whether it was before: `facts` for programs, `words` for people.
+pub fn finish(
+    common: &Common,
+    (shard, path, already): (Shard, &Path, bool),
+    (facts, words): (Value, &str),
+    started: Instant,
+) -> anyhow::Result<Outcome> {
     let seconds = started.elapsed().as_secs_f64();
-    if args.common.json {
-        say_json(&json!({
+    if common.json {
+        let mut told = json!({
             "schema_version": 1,
             "shard": shard.index,
             "of": shard.of,
-            "file": part.path.file_name().map(|name| name.to_string_lossy()),
-            "already": part.already,
-            "tiles": part.tiles,
-            "texels": part.texels,
-            "rays": part.rays,
-            "share": part.share,
+            "file": path.file_name().map(|name| name.to_string_lossy()),
+            "already": already,
             "seconds": seconds,
-            "peak_memory_bytes": ambake::peak_memory(),
-        }))?;
-    } else if !args.common.quiet {
-        let path = part.path.display();
-        say(&match part.already {
-            true => format!("part {shard} was complete already: {path}\n"),
+        });
+        if let (Some(told), Value::Object(facts)) = (told.as_object_mut(), facts) {
+            told.extend(facts);
+        }
+        say_json(&told)?;
+    } else if !common.quiet {
+        let file = path.display();
+        let folder = path.parent().unwrap_or(Path::new(".")).display();
+        say(&match already {
+            true => format!("part {shard} was complete already: {file}\n"),
             false => format!(
-                "part {shard}: {} tiles, {} texels, {} rays in {seconds:.2} s: {path}\n\
-                 when all parts are there: ambake merge {}\n",
-                part.tiles,
-                part.texels,
-                part.rays,
-                output.display(),
+                "part {shard}: {words} in {seconds:.2} s: {file}\n\
+                 when all parts are there: ambake merge {folder}\n"
             ),
         })?;
     }

@@ -5,9 +5,9 @@ use super::run::{Asked, show, write};
 use crate::args::Verb;
 use crate::bake::args::Merge;
 use crate::bake::merge::{typed, verb};
-use crate::bake::shard::given;
+use crate::bake::shard::{finish, given, unless_stopped};
 use crate::common::Common;
-use crate::outcome::{Outcome, say, say_json, tell};
+use crate::outcome::{Outcome, tell};
 use crate::progress::watch;
 use crate::stop::Stop;
 use ambake::{ProbeParts, Probes, Shard};
@@ -24,41 +24,13 @@ pub fn run(args: &Args, asked: &Asked, shard: Shard, stop: &Stop) -> anyhow::Res
     let part = watch(show(&args.common), stop, |progress| {
         Probes::gather_shard(&asked.scene, &asked.places, &asked.options, place, progress)
     });
-    let part = match part {
-        Err(ambake::Error::Cancelled) => {
-            if !args.common.quiet {
-                tell("stopped; the same command continues");
-            }
-            return Ok(stop.outcome());
-        }
-        other => other?,
+    let Some(part) = unless_stopped(part, &args.common)? else {
+        return Ok(stop.outcome());
     };
-    let seconds = started.elapsed().as_secs_f64();
-    if args.common.json {
-        say_json(&json!({
-            "schema_version": 1,
-            "shard": shard.index,
-            "of": shard.of,
-            "file": part.path.file_name().map(|name| name.to_string_lossy()),
-            "already": part.already,
-            "places": part.places,
-            "faces": part.faces,
-            "seconds": seconds,
-        }))?;
-    } else if !args.common.quiet {
-        let path = part.path.display();
-        say(&match part.already {
-            true => format!("part {shard} was complete already: {path}\n"),
-            false => format!(
-                "part {shard}: {} places, {} faces in {seconds:.2} s: {path}\n\
-                 when all parts are there: ambake merge {}\n",
-                part.places,
-                part.faces,
-                args.output.display(),
-            ),
-        })?;
-    }
-    Ok(Outcome::Done)
+    let facts = json!({"places": part.places, "faces": part.faces});
+    let words = format!("{} places, {} faces", part.places, part.faces);
+    let of = (shard, part.path.as_path(), part.already);
+    finish(&args.common, of, (facts, &words), started)
 }
 
 /// Writes the files of all parts.

@@ -110,6 +110,7 @@ impl Stand {
             let Some(height) = tree.height_over(scene, local, direction, true) else {
                 continue;
             };
+            self.meets = true;
             self.front = self.front.max(-height * scale);
             self.behind = self.behind.max(height * scale);
             if height > 0.0 {

@@ -220,6 +220,25 @@ fn of_land_and_sea_each_is_buried_behind_the_other_however_high_the_sea() {
 }
 
 #[test]
+fn a_sea_of_which_no_corner_is_near_an_island_is_buried_in_it() {
+    let at = Vec3::new(15.0, 0.0, 9.0);
+    let corners = [(-4.0, -4.0), (4.0, -4.0), (4.0, 4.0), (-4.0, 4.0)];
+    let shore = corners.map(|(x, z)| at + Vec3::new(x, -1.0, z));
+    let mut positions = shore.to_vec();
+    positions.push(at + Vec3::Y);
+    let sides = (0..4).map(|k| [(k + 1) % 4, k, 4]).collect();
+    let island = mesh(positions, sides);
+    let water = solids(vec![island.clone(), level(0.0, 40.0)]);
+    let land = solids(vec![level(0.0, 40.0), island]);
+    for (aside, is_water) in [(0.5, false), (1.5, false), (2.5, true), (3.5, true)] {
+        let out = at.as_dvec3() + DVec3::new(aside, 0.0, 0.2);
+        assert_eq!(buried(&water, out), i32::from(!is_water), "{aside}");
+        let ground = out + DVec3::Y * (1.0 - 0.5 * aside);
+        assert_eq!(buried(&land, ground), i32::from(is_water), "{aside}");
+    }
+}
+
+#[test]
 fn one_looks_under_a_bridge_and_between_cards_on_a_floor() {
     let mut valley = mesh(
         vec![
