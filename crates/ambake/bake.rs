@@ -475,6 +475,15 @@ impl Bake {
     /// # Errors
     /// An option is out of its range or excludes another, the charts do not fit, or a backend refuses the scene.
     pub fn prepare(&self) -> Result<Job, Error> {
+        self.prepare_with(&())
+    }
+
+    /// As [`Bake::prepare`], for a listener, which hears of phases and may cancel: after each of them, and while texels
+    /// are laid out.
+    ///
+    /// # Errors
+    /// As [`Bake::prepare`]; [`Error::Cancelled`].
+    pub fn prepare_with(&self, progress: &dyn Progress) -> Result<Job, Error> {
         let mut options = self.options.clone().settled(&self.scene);
         options.check()?;
         if options.bounces != Bounces::Off {
@@ -494,6 +503,7 @@ impl Bake {
                 verify: self.verify,
             },
             self.limit,
+            progress,
         )
     }
 
@@ -502,6 +512,6 @@ impl Bake {
     /// # Errors
     /// As [`Bake::prepare`]; [`Error::Cancelled`] where the listener cancels.
     pub fn run(&self, progress: &dyn Progress) -> Result<Baked, Error> {
-        self.prepare()?.run(progress)
+        self.prepare_with(progress)?.run(progress)
     }
 }

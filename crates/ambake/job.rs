@@ -11,7 +11,7 @@ use crate::seen::oracle;
 use crate::shell::Shell;
 use ::bake::{AmbientCoefficient, Baker, Bounces, Decision, Model, Pilot, Plan};
 use atlas::{Atlas, Pages};
-use layers::Layer;
+use layers::{Layer, Progress};
 use rays::{RayBackend, World};
 use report::{DecisionReport, LayoutReport, PhaseReport, WarningReport, cpu_seconds};
 use std::path::{Path, PathBuf};
@@ -72,8 +72,17 @@ impl Job {
         threads: Option<usize>,
         given: Given<'_>,
         limit: memory::Limit,
+        progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let started = Instant::now();
+        let begin = |phase: &str| match progress.cancelled() {
+            true => Err(Error::Cancelled),
+            false => {
+                progress.phase(phase);
+                Ok(())
+            }
+        };
+        begin("planning")?;
         let mut earlier = match given.update {
             Some(dir) => Some(Earlier::open(dir, &scene, given.verify)?),
             None => None,
@@ -100,12 +109,15 @@ impl Job {
                 Some(make) => make(&world),
                 None => rays::build(backend.kind(), &world, rayon::current_num_threads()),
             };
+            begin("building the ray scene")?;
             let backend = time(&mut phases, "build", build)?;
             let file = || {
                 given
                     .layout_file
                     .and_then(|path| read(path, &scene, &options))
             };
+            begin("laying out")?;
+            let cancelled = || progress.cancelled();
             let layout = || {
                 let seen = oracle(&options, &world, backend.as_ref());
                 let stable = earlier
@@ -114,13 +126,16 @@ impl Job {
                 match stable.or_else(file) {
                     Some(atlas) => Ok(atlas),
                     None => {
-                        atlas::layout_seen(&scene.0, &options.layout(), seen.as_deref(), &|| false)
+                        atlas::layout_seen(&scene.0, &options.layout(), seen.as_deref(), &cancelled)
                     }
                 }
             };
-            let atlas = time(&mut phases, "atlas", layout).map_err(|source| Error::Layout {
-                scene: scene.path.display().to_string(),
-                source,
+            let atlas = time(&mut phases, "atlas", layout).map_err(|source| match source {
+                atlas::Error::Cancelled => Error::Cancelled,
+                source => Error::Layout {
+                    scene: scene.path.display().to_string(),
+                    source,
+                },
             })?;
             Ok::<_, Error>((plan, world, atlas, backend))
         })?;

@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::job::Job;
 use crate::parts::{Kind, failed};
 use crate::resume::{Block, END, Saved};
+use crate::run::WRITING;
 use crate::shard::Shard;
 use crate::update::Tracker;
 use crate::write::{Writer, Written};
@@ -144,6 +145,7 @@ impl Job {
                 continue;
             }
             let clock = Instant::now();
+            progress.phase(WRITING);
             self.within(|| writer.page(&page))?;
             writing += clock.elapsed().as_secs_f64();
         }
@@ -152,6 +154,7 @@ impl Job {
         finishing += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         for page in waiting {
+            progress.phase(WRITING);
             let written = self.within(|| writer.page(&page));
             written.map_err(self.unsaved(&saved))?;
         }

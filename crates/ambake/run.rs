@@ -11,8 +11,14 @@ use ::bake::{BakedPage, BounceStats, Bounces, KeepGathers};
 use layers::Progress;
 use report::{Output, PhaseReport, cpu_seconds};
 use serde_json::json;
+use std::convert::Infallible;
 use std::path::Path;
 use std::time::Instant;
+
+/// What is done to each page, as a listener hears it.
+pub(crate) const BAKING: &str = "baking";
+pub(crate) const FINISHING: &str = "denoising and closing seams";
+pub(crate) const WRITING: &str = "writing";
 
 impl Job {
     /// Bakes every page and keeps the result in memory.
@@ -31,7 +37,13 @@ impl Job {
                         let tiles = tracker.keep(&mut page, &|line| progress.note(line));
                         tracker.verify(&page, &tiles)?;
                     }
-                    baker.run(&mut page, progress);
+                    progress.phase(BAKING);
+                    let Ok(whole) =
+                        baker.fill(&mut page, progress, &mut |_| Ok::<_, Infallible>(()));
+                    if whole {
+                        progress.phase(FINISHING);
+                        baker.finish(&mut page);
+                    }
                     match page.finished {
                         true => Ok(page),
                         false => Err(Error::Cancelled),
@@ -142,6 +154,7 @@ impl Job {
             }
             let (clock, cpu) = (Instant::now(), cpu_seconds());
             let tiles = self.within(|| tracker.keep(&mut page, &|line| progress.note(line)));
+            progress.phase(BAKING);
             let whole = self
                 .within(|| baker.fill(&mut page, progress, &mut |tile| saved.add(number, &tile)))
                 .map_err(self.unsaved(&saved))?;
@@ -154,6 +167,7 @@ impl Job {
             if let Err(error) = self.within(|| writer.tiles(&page, tracker.key(), &tiles)) {
                 return Err(self.unwritten(error, saved.flush().is_ok()));
             }
+            progress.phase(FINISHING);
             self.within(|| baker.finish(&mut page));
             baking += clock.elapsed().as_secs_f64();
             processors = processors.and_then(|sum| Some(sum + cpu_seconds()? - cpu?));
@@ -162,6 +176,7 @@ impl Job {
                 continue;
             }
             let clock = Instant::now();
+            progress.phase(WRITING);
             if let Err(error) = self.within(|| writer.page(&page)) {
                 return Err(self.unwritten(error, saved.flush().is_ok()));
             }
@@ -171,6 +186,7 @@ impl Job {
         let bounced = self.bounce_saving(&mut waiting, &mut saved, progress)?;
         let bouncing = clock.elapsed().as_secs_f64();
         let clock = Instant::now();
+        progress.phase(WRITING);
         for page in waiting {
             if let Err(error) = self.within(|| writer.page(&page)) {
                 return Err(self.unwritten(error, saved.flush().is_ok()));

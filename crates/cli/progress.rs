@@ -6,6 +6,7 @@ use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use layers::Progress;
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Between two looks at the counters.
@@ -35,12 +36,21 @@ pub struct Show {
 
 /// Runs `job` with a listener, while another thread shows its progress and passes a caught signal on.
 pub fn watch<R>(show: Show, stop: &Stop, job: impl FnOnce(&dyn Progress) -> R) -> R {
+    listen(show, Some(stop), job)
+}
+
+/// The same for a job that a signal ends at once, with the program.
+pub fn look_on<R>(show: Show, job: impl FnOnce(&dyn Progress) -> R) -> R {
+    listen(show, None, job)
+}
+
+fn listen<R>(show: Show, stop: Option<&Stop>, job: impl FnOnce(&dyn Progress) -> R) -> R {
     let meter = Meter {
         quiet: show.quiet,
         ..Meter::default()
     };
     let done = AtomicBool::new(false);
-    let ends_cleanly = stop.hold();
+    let ends_cleanly = stop.map(Stop::hold);
     std::thread::scope(|scope| {
         let started =
             std::thread::Builder::new().spawn_scoped(scope, || show.until(&done, stop, &meter));
@@ -59,6 +69,7 @@ pub fn watch<R>(show: Show, stop: &Stop, job: impl FnOnce(&dyn Progress) -> R) -
 /// Counts what a job tells.
 #[derive(Debug, Default)]
 struct Meter {
+    phase: Mutex<String>,
     done: AtomicU64,
     total: AtomicU64,
     rays: AtomicU64,
@@ -71,6 +82,15 @@ impl Progress for Meter {
         // Calls of several threads may come out of order.
         self.done.fetch_max(done, Ordering::Relaxed);
         self.total.store(total, Ordering::Relaxed);
+    }
+
+    fn phase(&self, name: &str) {
+        let mut phase = self.phase.lock().unwrap_or_else(PoisonError::into_inner);
+        if *phase != name {
+            name.clone_into(&mut phase);
+            self.total.store(0, Ordering::Relaxed);
+            self.done.store(0, Ordering::Relaxed);
+        }
     }
 
     fn rays(&self, cast: u64) {
@@ -103,7 +123,7 @@ impl Meter {
 }
 
 impl Show {
-    fn until(self, done: &AtomicBool, stop: &Stop, meter: &Meter) {
+    fn until(self, done: &AtomicBool, stop: Option<&Stop>, meter: &Meter) {
         let started = Instant::now();
         let terminal = std::io::stderr().is_terminal();
         let target = if self.quiet || !terminal {
@@ -116,13 +136,19 @@ impl Show {
             bar.set_style(style);
         }
         let mut lines = Lines::every(LINE);
-        let mut began = None;
+        let (mut began, mut phase) = (None, String::new());
         while !done.load(Ordering::Relaxed) {
             std::thread::park_timeout(TICK);
-            if stop.signal().is_some() {
+            if stop.is_some_and(|stop| stop.signal().is_some()) {
                 meter.cancel();
             }
             let (seen, elapsed) = (meter.look(), started.elapsed());
+            let current = meter.phase.lock().unwrap_or_else(PoisonError::into_inner);
+            if *current != phase {
+                current.clone_into(&mut phase);
+                began = None;
+            }
+            drop(current);
             bar.set_length(seen.total);
             bar.set_position(seen.done.min(seen.total));
             // What is prepared before the first unit of work, and units that an earlier run has done, say nothing of
@@ -131,7 +157,7 @@ impl Show {
             if seen.total == 0 {
                 began = None;
             }
-            let line = status(seen, before, self.unit, elapsed - then);
+            let line = status((&phase, self.unit), seen, before, elapsed - then);
             if !self.quiet && !terminal && lines.due(elapsed) {
                 note(&line);
             }
@@ -201,16 +227,16 @@ pub fn ray_rate(rays: u64, seconds: f64) -> String {
     }
 }
 
-/// How far a job is, `elapsed` after it was at `before`.
-fn status(seen: Seen, before: Seen, unit: &str, elapsed: Duration) -> String {
+/// How far a phase of a job is, `elapsed` after it was at `before`.
+fn status((phase, unit): (&str, &str), seen: Seen, before: Seen, elapsed: Duration) -> String {
     let Seen { done, total, rays } = seen;
     let rate = match rays.saturating_sub(before.rays) {
         0 => String::new(),
         rays => format!("{}, ", ray_rate(rays, elapsed.as_secs_f64())),
     };
-    match done.saturating_sub(before.done) {
-        _ if total == 0 => "preparing".to_owned(),
-        // What is left then is not counted: a lightmap is denoised and written.
+    let counted = match done.saturating_sub(before.done) {
+        _ if total == 0 => String::new(),
+        // What is left then is not counted.
         _ if done >= total => format!("{total} of {total} {unit}, finishing"),
         0 => format!("{done} of {total} {unit}"),
         new => {
@@ -220,6 +246,12 @@ fn status(seen: Seen, before: Seen, unit: &str, elapsed: Duration) -> String {
                 HumanDuration(left)
             )
         }
+    };
+    match (phase, counted.as_str()) {
+        ("", "") => "preparing".to_owned(),
+        (phase, "") => phase.to_owned(),
+        ("", counted) => counted.to_owned(),
+        (phase, counted) => format!("{phase}: {counted}"),
     }
 }
 
@@ -251,7 +283,7 @@ mod tests {
         };
         let elapsed = Duration::from_secs(10);
         let start = Seen::default();
-        let said = |seen, before| status(seen, before, "texels", elapsed);
+        let said = |seen, before| status(("", "texels"), seen, before, elapsed);
         assert_eq!(said(start, start), "preparing");
         assert_eq!(said(seen(0, 0), start), "0 of 100 texels");
         assert_eq!(
@@ -269,6 +301,12 @@ mod tests {
             "75 of 100 texels, 3 thousand rays/s, 10 seconds left"
         );
         assert_eq!(said(seen(100, 0), start), "100 of 100 texels, finishing");
+        let gather = |seen| status(("gather 2", "texels"), seen, start, elapsed);
+        assert_eq!(gather(start), "gather 2");
+        assert_eq!(
+            gather(seen(25, 0)),
+            "gather 2: 25 of 100 texels, 30 seconds left"
+        );
         assert_eq!(ray_rate(120_000, 3.0), "40 thousand rays/s");
     }
 
@@ -294,6 +332,13 @@ mod tests {
             rays: 7,
         };
         assert_eq!(meter.look(), seen);
+        // Each phase counts anew; one that goes on goes on.
+        meter.phase("gather 2");
+        meter.advance(2, 10);
+        meter.phase("gather 2");
+        assert_eq!(meter.look(), Seen { done: 2, ..seen });
+        meter.phase("writing");
+        assert_eq!((meter.look().done, meter.look().total), (0, 0));
         assert!(!meter.cancelled());
         meter.cancel();
         assert!(meter.cancelled());

@@ -202,6 +202,10 @@ impl Progress for Until<'_> {
         self.inner.advance(done, total);
     }
 
+    fn phase(&self, name: &str) {
+        self.inner.phase(name);
+    }
+
     fn rays(&self, cast: u64) {
         self.inner.rays(cast);
     }

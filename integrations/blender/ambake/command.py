@@ -110,7 +110,7 @@ class Progress:
 
 def progress(line):
     """What a line of ambake's standard error says of its progress; None where it says something else."""
-    found = re.match(r"(\d+) of (\d+) \w+, (.*left)$", line.strip())
+    found = re.match(r"(?:[^:]*: )?(\d+) of (\d+) \w+, (.*left)$", line.strip())
     if not found:
         return None
     done, total = int(found[1]), int(found[2])

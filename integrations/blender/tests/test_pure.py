@@ -72,7 +72,7 @@ class Command(unittest.TestCase):
         self.assertIn("--exclude ambake-occluder: *", self.line(occluders=True))
 
     def test_progress_is_read_from_ambakes_own_lines(self):
-        seen = command.progress("25 of 100 texels, 3.0 million rays/s, 30 seconds left\n")
+        seen = command.progress("baking: 25 of 100 texels, 3.0 million rays/s, 30 seconds left\n")
         self.assertEqual((seen.share, seen.text), (0.25, "3.0 million rays/s, 30 seconds left"))
         self.assertEqual(command.progress("0 of 0 texels, ? left").share, 0.0)
         self.assertIsNone(command.progress("error: no such file"))

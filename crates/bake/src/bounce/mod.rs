@@ -125,6 +125,7 @@ impl Baker<'_> {
         // The gather of the lights comes before all others.
         let first = u32::from(!lights.is_empty());
         if !lights.is_empty() {
+            progress.phase("light of lights");
             let spots = Spots::default();
             let gather = Gather {
                 lights: &lights,
@@ -160,6 +161,7 @@ impl Baker<'_> {
                 };
                 let mut light: Vec<LightPage> = dark().collect();
                 let number = first + stats.gathers;
+                progress.phase(&format!("gather {}", stats.gathers + 1));
                 let gathered = self.gathered(&gather, number, &mut light, kept, progress)?;
                 let Some(gathered) = gathered else {
                     return Ok(None);
@@ -184,6 +186,7 @@ impl Baker<'_> {
             };
             let mut light: Vec<LightPage> = dark().collect();
             let number = first + stats.gathers;
+            progress.phase("last gather");
             let gathered = self.gathered(&gather, number, &mut light, kept, progress)?;
             if gathered.is_none() {
                 return Ok(None);
