@@ -45,6 +45,7 @@ mod outputs;
 mod pages;
 mod parity;
 mod peers;
+mod phases;
 mod photo;
 mod pipes;
 mod probe_glb;
