@@ -494,8 +494,7 @@ impl Bake {
         Job::prepare(
             scene,
             options,
-            self.backend,
-            self.make_backend.clone(),
+            (self.backend, self.make_backend.clone()),
             self.threads,
             Given {
                 layout_file: self.layout_file.as_deref(),

@@ -67,8 +67,7 @@ impl Job {
     pub(crate) fn prepare(
         scene: Scene,
         mut options: Options,
-        backend: Backend,
-        make_backend: Option<MakeBackend>,
+        (backend, make_backend): (Backend, Option<MakeBackend>),
         threads: Option<usize>,
         given: Given<'_>,
         limit: memory::Limit,
