@@ -327,6 +327,30 @@ fn a_layout_is_the_bake_s_and_is_taken_from_its_file() {
 }
 
 #[test]
+fn one_command_line_serves_the_layout_and_the_parts_of_a_farm() {
+    let (file, folder) = (scene("corner.obj"), tempfile::tempdir().expect("a folder"));
+    let flags = [
+        "--size=64",
+        "--rays=4",
+        "--for=three",
+        "--report",
+        "--resume",
+    ];
+    let mut words = words(&file, folder.path(), &flags);
+    words[0] = "layout".into();
+    run_well(words);
+    assert!(folder.path().join("corner.layout").is_file());
+    for shard in ["1/2", "2/2"] {
+        part(&file, folder.path(), shard, &flags);
+    }
+    merge_well(folder.path());
+    let made = files(folder.path());
+    for name in ["corner.0.lightmap.ktx2", "report.html"] {
+        assert!(made.iter().any(|file| file == name), "{name}: {made:?}");
+    }
+}
+
+#[test]
 fn a_project_file_serves_every_verb_and_a_merge_makes_its_report() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name);

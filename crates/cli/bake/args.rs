@@ -75,6 +75,18 @@ pub struct Layout {
     /// Directory for the results; it is made if needed
     #[arg(short = 'o', long = "output", value_name = "DIR")]
     pub output: PathBuf,
+    /// A flag of `bake` that changes no layout, as are those below: one command line serves the layout and the parts
+    #[arg(long = "for", hide = true, value_name = "ENGINE,..", value_delimiter = ',', value_parser = engine)]
+    pub engines: Vec<ambake::Engine>,
+    /// As above
+    #[arg(long, hide = true)]
+    pub report: bool,
+    /// As above
+    #[arg(long, hide = true)]
+    pub fresh: bool,
+    /// As above
+    #[arg(long, hide = true, conflicts_with = "fresh")]
+    pub resume: bool,
     #[command(flatten)]
     pub common: Common,
 }
