@@ -206,11 +206,19 @@ fn a_second_bake_into_one_folder_is_refused_and_a_second_signal_ends_the_first()
     let folder = tempfile::tempdir().expect("a folder");
     let (scene, out) = (scene("courtyard.obj"), folder.path().join("out"));
     let mut first = long(&scene, &out).spawn().expect("the program starts");
-    // The lock is held from the end of the layout on. A bake that tried it again and again would hold it itself when
-    // the first wants it.
+    // The lock is held from the end of the layout on, and for a moment when the bake begins. A bake that tried it again
+    // and again would hold it itself when the first wants it.
+    let mut seen = 0;
     wait_for("the lock", || {
         let folder = std::fs::File::open(&out);
-        folder.is_ok_and(|folder| matches!(folder.try_lock(), Err(TryLockError::WouldBlock)))
+        let is_held =
+            |folder: std::fs::File| matches!(folder.try_lock(), Err(TryLockError::WouldBlock));
+        seen = if folder.is_ok_and(is_held) {
+            seen + 1
+        } else {
+            0
+        };
+        seen == 20
     });
     let mut second = ambake();
     second.args([

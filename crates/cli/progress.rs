@@ -36,21 +36,12 @@ pub struct Show {
 
 /// Runs `job` with a listener, while another thread shows its progress and passes a caught signal on.
 pub fn watch<R>(show: Show, stop: &Stop, job: impl FnOnce(&dyn Progress) -> R) -> R {
-    listen(show, Some(stop), job)
-}
-
-/// The same for a job that a signal ends at once, with the program.
-pub fn look_on<R>(show: Show, job: impl FnOnce(&dyn Progress) -> R) -> R {
-    listen(show, None, job)
-}
-
-fn listen<R>(show: Show, stop: Option<&Stop>, job: impl FnOnce(&dyn Progress) -> R) -> R {
     let meter = Meter {
         quiet: show.quiet,
         ..Meter::default()
     };
     let done = AtomicBool::new(false);
-    let ends_cleanly = stop.map(Stop::hold);
+    let ends_cleanly = stop.hold();
     std::thread::scope(|scope| {
         let started =
             std::thread::Builder::new().spawn_scoped(scope, || show.until(&done, stop, &meter));
@@ -64,6 +55,68 @@ fn listen<R>(show: Show, stop: Option<&Stop>, job: impl FnOnce(&dyn Progress) ->
         drop(held);
         result
     })
+}
+
+/// Shows the phases of a job that a signal ends at once, with the program. No thread looks on: it would take addresses
+/// that the job may lack.
+pub struct Phases {
+    bar: ProgressBar,
+    lines: Mutex<Lines>,
+    started: Instant,
+    /// Plain lines are printed.
+    plain: bool,
+    quiet: bool,
+}
+
+impl Phases {
+    /// Shows nothing where `quiet`.
+    pub fn new(quiet: bool) -> Phases {
+        Phases {
+            bar: bar(quiet),
+            lines: Mutex::new(Lines::every(LINE)),
+            started: Instant::now(),
+            plain: !quiet && !std::io::stderr().is_terminal(),
+            quiet,
+        }
+    }
+}
+
+impl Drop for Phases {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Progress for Phases {
+    fn advance(&self, _done: u64, _total: u64) {}
+
+    fn phase(&self, name: &str) {
+        self.bar.set_message(name.to_owned());
+        let mut lines = self.lines.lock().unwrap_or_else(PoisonError::into_inner);
+        if self.plain && lines.due(self.started.elapsed()) {
+            note(name);
+        }
+    }
+
+    fn note(&self, line: &str) {
+        if !self.quiet {
+            crate::outcome::tell(line);
+        }
+    }
+}
+
+/// A bar on a terminal; elsewhere it is not seen.
+fn bar(quiet: bool) -> ProgressBar {
+    let target = if quiet || !std::io::stderr().is_terminal() {
+        ProgressDrawTarget::hidden()
+    } else {
+        ProgressDrawTarget::stderr()
+    };
+    let bar = ProgressBar::with_draw_target(Some(0), target);
+    if let Ok(style) = ProgressStyle::with_template("{bar:32} {percent:>3} %  {msg}") {
+        bar.set_style(style);
+    }
+    bar
 }
 
 /// Counts what a job tells.
@@ -123,23 +176,15 @@ impl Meter {
 }
 
 impl Show {
-    fn until(self, done: &AtomicBool, stop: Option<&Stop>, meter: &Meter) {
+    fn until(self, done: &AtomicBool, stop: &Stop, meter: &Meter) {
         let started = Instant::now();
         let terminal = std::io::stderr().is_terminal();
-        let target = if self.quiet || !terminal {
-            ProgressDrawTarget::hidden()
-        } else {
-            ProgressDrawTarget::stderr()
-        };
-        let bar = ProgressBar::with_draw_target(Some(0), target);
-        if let Ok(style) = ProgressStyle::with_template("{bar:32} {percent:>3} %  {msg}") {
-            bar.set_style(style);
-        }
+        let bar = bar(self.quiet);
         let mut lines = Lines::every(LINE);
         let (mut began, mut phase) = (None, String::new());
         while !done.load(Ordering::Relaxed) {
             std::thread::park_timeout(TICK);
-            if stop.is_some_and(|stop| stop.signal().is_some()) {
+            if stop.signal().is_some() {
                 meter.cancel();
             }
             let (seen, elapsed) = (meter.look(), started.elapsed());

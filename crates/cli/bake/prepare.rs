@@ -4,9 +4,9 @@ use super::args::Job;
 use super::{options, stdin};
 use crate::args::{Verb, words};
 use crate::common::Common;
-use crate::progress::{Show, look_on};
+use crate::progress::Phases;
 use crate::{host, project};
-use ambake::{Bake, Engine, Scene};
+use ambake::{Bake, Engine, Progress, Scene};
 use std::path::Path;
 use std::time::Instant;
 
@@ -68,20 +68,15 @@ fn loaded(
     common: &Common,
 ) -> anyhow::Result<ambake::Job> {
     let started = Instant::now();
-    let show = Show {
-        unit: "texels",
-        quiet: common.quiet,
+    let phases = Phases::new(common.quiet);
+    phases.phase("reading");
+    let scene = match file == Path::new("-") {
+        true => stdin::load()?,
+        false => ambake::load_with(file, common.files())?,
     };
-    look_on(show, |progress| {
-        progress.phase("reading");
-        let scene = match file == Path::new("-") {
-            true => stdin::load()?,
-            false => ambake::load_with(file, common.files())?,
-        };
-        let loading = started.elapsed().as_secs_f64();
-        let bake = options::bake(&scene, job, common)?;
-        let mut prepared = with(bake, &scene).prepare_with(progress)?;
-        prepared.add_phase("load", loading);
-        Ok(prepared)
-    })
+    let loading = started.elapsed().as_secs_f64();
+    let bake = options::bake(&scene, job, common)?;
+    let mut prepared = with(bake, &scene).prepare_with(&phases)?;
+    prepared.add_phase("load", loading);
+    Ok(prepared)
 }
