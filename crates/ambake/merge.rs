@@ -153,8 +153,8 @@ impl Job {
         let bounced = self.bounce_saving(&mut waiting, &mut saved, progress)?;
         finishing += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
+        progress.phase(WRITING);
         for page in waiting {
-            progress.phase(WRITING);
             let written = self.within(|| writer.page(&page));
             written.map_err(self.unsaved(&saved))?;
         }

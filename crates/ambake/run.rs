@@ -11,13 +11,10 @@ use ::bake::{BakedPage, BounceStats, Bounces, KeepGathers};
 use layers::Progress;
 use report::{Output, PhaseReport, cpu_seconds};
 use serde_json::json;
-use std::convert::Infallible;
 use std::path::Path;
 use std::time::Instant;
 
-/// What is done to each page, as a listener hears it.
-pub(crate) const BAKING: &str = "baking";
-pub(crate) const FINISHING: &str = "denoising and closing seams";
+/// What is done to baked pages, as a listener hears it.
 pub(crate) const WRITING: &str = "writing";
 
 impl Job {
@@ -37,13 +34,7 @@ impl Job {
                         let tiles = tracker.keep(&mut page, &|line| progress.note(line));
                         tracker.verify(&page, &tiles)?;
                     }
-                    progress.phase(BAKING);
-                    let Ok(whole) =
-                        baker.fill(&mut page, progress, &mut |_| Ok::<_, Infallible>(()));
-                    if whole {
-                        progress.phase(FINISHING);
-                        baker.finish(&mut page);
-                    }
+                    baker.run(&mut page, progress);
                     match page.finished {
                         true => Ok(page),
                         false => Err(Error::Cancelled),
@@ -154,7 +145,6 @@ impl Job {
             }
             let (clock, cpu) = (Instant::now(), cpu_seconds());
             let tiles = self.within(|| tracker.keep(&mut page, &|line| progress.note(line)));
-            progress.phase(BAKING);
             let whole = self
                 .within(|| baker.fill(&mut page, progress, &mut |tile| saved.add(number, &tile)))
                 .map_err(self.unsaved(&saved))?;
@@ -167,8 +157,7 @@ impl Job {
             if let Err(error) = self.within(|| writer.tiles(&page, tracker.key(), &tiles)) {
                 return Err(self.unwritten(error, saved.flush().is_ok()));
             }
-            progress.phase(FINISHING);
-            self.within(|| baker.finish(&mut page));
+            self.within(|| baker.finish(&mut page, progress));
             baking += clock.elapsed().as_secs_f64();
             processors = processors.and_then(|sum| Some(sum + cpu_seconds()? - cpu?));
             if adds_light {

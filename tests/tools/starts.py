@@ -1,8 +1,9 @@
 """Start many bakes into one folder at once while strace delays their system calls, and check that none fails.
 
-Usage: starts.py PROGRAM [ROUNDS]. Needs Linux and strace. Each of 25 rounds starts 40 programs that write into a folder that is
-absent: ten parts of each of two bakes, and twenty pictures, whose files wait in folders of their own for their names. Every program is
-given other delays, of up to 20 ms, at the calls that make, open, lock and remove. What a round leaves is compared with the first.
+Usage: starts.py PROGRAM [ROUNDS]. Needs Linux and strace. Each of 25 rounds starts 40 programs that write into a
+folder that is absent: ten parts of each of two bakes, and twenty pictures, whose files wait in folders of their own for
+their names. Every program is given other delays, of up to 20 ms, at the calls that make, open, lock and remove. What a
+round leaves is compared with the first.
 """
 
 import os

@@ -24,10 +24,6 @@ impl Progress for Part<'_> {
             .advance(self.index * total + done, self.count * total);
     }
 
-    fn phase(&self, name: &str) {
-        self.whole.phase(name);
-    }
-
     fn rays(&self, cast: u64) {
         self.whole.rays(cast);
     }

@@ -125,7 +125,7 @@ impl Baker<'_> {
         // The gather of the lights comes before all others.
         let first = u32::from(!lights.is_empty());
         if !lights.is_empty() {
-            progress.phase("light of lights");
+            progress.phase("gather of lights");
             let spots = Spots::default();
             let gather = Gather {
                 lights: &lights,

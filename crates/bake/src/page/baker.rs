@@ -142,7 +142,7 @@ impl<'a> Baker<'a> {
     pub fn run(&self, page: &mut BakedPage, progress: &dyn Progress) {
         let Ok(whole) = self.fill(page, progress, &mut |_| Ok::<_, Infallible>(()));
         if whole {
-            self.finish(page);
+            self.finish(page, progress);
         }
     }
 
@@ -189,7 +189,8 @@ impl<'a> Baker<'a> {
     }
 
     /// Makes the layers that were asked for of a page that has all its tiles.
-    pub fn finish(&self, page: &mut BakedPage) {
+    pub fn finish(&self, page: &mut BakedPage, progress: &dyn Progress) {
+        progress.phase("denoising and closing seams");
         let started = Instant::now();
         for tile in std::mem::take(&mut page.tiles).iter().flatten() {
             page.stats.append(tile);
@@ -234,6 +235,7 @@ impl<'a> Baker<'a> {
         (progress, total): (&dyn Progress, u64),
         take: &mut Take<'_, E>,
     ) -> Result<bool, E> {
+        progress.phase("baking");
         let columns = Columns::of(&self.layers());
         let rays = match wanted.is_empty() {
             true => &[][..],

@@ -86,9 +86,9 @@ impl Plane {
     }
 }
 
-/// How much higher the winding number is at the end of a straight way than at its start, which is the known point, where
-/// all that the way may cross are these triangles; `None` where it comes too near to an edge, or ends too near to a
-/// triangle, to tell.
+/// How much higher the winding number is at the end of a straight way than at its start, which is the known point,
+/// where all that the way may cross are these triangles; `None` where it comes too near to an edge, or ends too near to
+/// a triangle, to tell.
 fn climb(faces: &[Plane], from: DVec3, to: DVec3) -> Option<i32> {
     let way = ShearedRay::new(from, to - from);
     let mut climb = 0;
