@@ -581,7 +581,7 @@ fn courtyard_with_balls(folder: &Path, radius: f64) -> std::path::PathBuf {
 fn bake_with_balls(path: &Path, asked: &[&str]) -> (tempfile::TempDir, Page) {
     let light = [
         "--size=512",
-        "--rays=128",
+        "--rays=64",
         // More than auto takes: what it leaves out is a hundredth of the light in the dark corner.
         "--bounces=12",
         "--denoise",
@@ -595,7 +595,7 @@ fn white_balls_look_in_the_light_of_probes_as_they_are_baked() {
     let folder = tempfile::tempdir().expect("a temporary directory");
     let path = courtyard_with_balls(folder.path(), RADIUS);
     let asked = [
-        "--density-of=probe_ball*=300",
+        "--density-of=probe_ball*=160",
         "--layers=normal,irradiance,object",
     ];
     let (baked, page) = bake_with_balls(&path, &asked);

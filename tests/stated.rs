@@ -9,7 +9,7 @@ fn default_bakes_of_scenes_made_for_this_release_state_their_errors() {
     let digits = env!("CARGO_PKG_VERSION").bytes();
     let seed = digits.fold(0_u64, |seed, digit| seed * 31 + u64::from(digit));
     let seed = seed.to_string();
-    let words = "bench --stated --size 160 --rays 64 --json --quiet --seed";
+    let words = "bench --stated --size 112 --rays 64 --json --quiet --seed";
     let text = run_well(words.split(' ').chain([&seed[..]]));
     let said: Value = serde_json::from_str(&text).expect("JSON");
     let rows = said["rows"].as_array().expect("a table").iter();

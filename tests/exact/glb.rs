@@ -71,9 +71,7 @@ pub fn receiver(path: &Path, name: &str) -> Mesh {
             .collect(),
         normals: Vec::new(),
     };
-    Mesh {
-        faces: indices.chunks_exact(3).map(face).collect(),
-    }
+    Mesh::new(indices.chunks_exact(3).map(face).collect())
 }
 
 fn index(value: &Value) -> usize {

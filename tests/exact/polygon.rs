@@ -129,7 +129,8 @@ fn arc(a: f64, b: f64, angle: f64, n: i32) -> f64 {
     if n == 1 {
         return angle;
     }
-    let pieces = (angle / 0.3).ceil().max(1.0);
+    // A lobe is about 1 / sqrt(n + 1) wide.
+    let pieces = (0.5 * angle * f64::from(n + 1).sqrt()).ceil().max(1.0);
     let half = 0.5 * angle / pieces;
     let mut sum = 0.0;
     for piece in 0..pieces as usize {
