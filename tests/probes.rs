@@ -196,6 +196,57 @@ fn pictures_hold_the_report_and_the_bytes_are_those_of_any_number_of_threads() {
 }
 
 #[test]
+fn a_refined_volume_gathers_the_same_probes_where_light_is_uneven_and_mixes_the_others() {
+    let grid = ["--grid=13x7x11", "--rays=256", "--tried=200"];
+    let refined = [&grid[..], &["--refine=0.05", "--for=godot,bevy"]].concat();
+    let (_whole, all) = probes("courtyard.obj", &grid);
+    let (folder, some) = probes("courtyard.obj", &refined);
+    let list = |report: &Value| report["probes"].as_array().expect("probes").clone();
+    let (all, some_of) = (list(&all), list(&some));
+    let mut between = 0;
+    for (whole, own) in all.iter().zip(&some_of) {
+        if own["interpolated"] == true {
+            assert_eq!(own["rays"], 0);
+            // Neither beside a wall nor in it.
+            assert!(
+                whole["invalid"].is_null() && whole["asked"].is_null(),
+                "{whole}"
+            );
+            between += 1;
+        } else {
+            assert_eq!(whole, own);
+        }
+    }
+    assert!(
+        between > all.len() / 10 && between < all.len() * 7 / 8,
+        "{between}"
+    );
+    // Every second one along x, y and z.
+    assert!(
+        some_of
+            .iter()
+            .step_by(2)
+            .take(7)
+            .all(|probe| probe["interpolated"].is_null())
+    );
+    let nodes = fs::read_to_string(folder.path().join("courtyard.probes.tscn")).expect("a scene");
+    let valid = some_of
+        .iter()
+        .filter(|probe| probe["invalid"].is_null())
+        .count();
+    assert_eq!(
+        nodes.matches("[node name=\"Probe").count() - 1,
+        valid - between
+    );
+    assert_eq!(
+        volume(&folder.path().join("courtyard.probes.bevy.ktx2")).0,
+        [13, 14, 33]
+    );
+    let one = [&refined[..], &["--threads=1"]].concat();
+    assert_eq!(probes("courtyard.obj", &one).1, some);
+}
+
+#[test]
 fn light_of_a_bake_is_that_which_is_followed() {
     let (folder, _) = bake(
         &scene("courtyard.obj"),
@@ -256,6 +307,9 @@ fn wrong_words_are_one_line_and_leave_no_folder() {
         (&["--at=0,1,0", "--for=bevy"], "--grid"),
         (&["--grid=2x2x2", "--for=unreal"], "takes no probes"),
         (&["--grid=2x2x2", "--rays=8"], "64"),
+        (&["--grid=2x2x2", "--refine=0"], "above 0"),
+        (&["--at=0,1,0", "--refine=0.1"], "--refine"),
+        (&["--grid=2x2x2", "--refine=0.1", "--shard=1/2"], "--refine"),
         (&["--grid=2x2x2", "--bake=/nowhere"], "/nowhere"),
         (&["--grid=2x2x2", "--sky=nowhere.hdr"], "nowhere.hdr"),
         (&["--grid=2x2x2", "--sky=1e20,1,1"], "1e12"),

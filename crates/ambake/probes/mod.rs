@@ -59,6 +59,10 @@ pub struct ProbeOptions {
     pub target_error: Option<f64>,
     /// With a target, the most rays of a probe.
     pub max_rays: u32,
+    /// What the probes of a volume may miss where every second one along each axis tells the others: the light E / π of
+    /// a probe, 1 under an open sky of 1, root mean square over normals and channels. Where neighbours tell a probe
+    /// worse, all around it are gathered; `None` gathers all. Not for shards, of which none knows the others' probes.
+    pub refine: Option<f64>,
     /// Order of the harmonics, 1 to 3.
     pub order: usize,
     /// Take the contrast at which a matt surface would receive less than no light.
@@ -89,6 +93,7 @@ impl Default for ProbeOptions {
             rays: 1024,
             target_error: None,
             max_rays: 65_536,
+            refine: None,
             order: 2,
             window: false,
             parts: false,
@@ -258,6 +263,12 @@ fn check(options: &ProbeOptions) -> Result<(), Error> {
             "--target-error",
             "it must be above 0 and below 1",
         ));
+    }
+    if !options
+        .refine
+        .is_none_or(|missed| missed > 0.0 && missed.is_finite())
+    {
+        return Err(Error::option("--refine", "it must be above 0"));
     }
     let edge = options.reflection_size;
     if !edge.is_power_of_two() || !(LEAST_EDGE..=1024).contains(&(edge as usize)) {

@@ -72,6 +72,10 @@ impl Probes {
         (dir, shard, given): (&Path, Shard, &Value),
         progress: &dyn Progress,
     ) -> Result<ProbePart, Error> {
+        if options.refine.is_some() {
+            let problem = "parts do not know each other's probes; gather them in one piece";
+            return Err(Error::option("--refine", problem));
+        }
         Task::with(scene, places, options, |task| {
             let mut output = Output::create(dir)?;
             output.protect(task.inputs.iter().cloned());

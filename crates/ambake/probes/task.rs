@@ -45,6 +45,14 @@ pub(super) struct Task<'a> {
     pub inputs: Vec<PathBuf>,
 }
 
+/// Places of two kinds.
+#[derive(Clone, Copy)]
+enum Row {
+    Probes,
+    /// Those at which interpolation is tried.
+    Tried,
+}
+
 /// What is wanted of a row.
 pub(super) type Wanted<'a> = &'a dyn Fn(usize) -> bool;
 
@@ -81,6 +89,10 @@ impl<'a> Task<'a> {
         };
         let within = within(options, &world);
         let (grid, mut asked) = stand(places, within, origin)?;
+        if options.refine.is_some() && grid.is_none() {
+            let problem = "it is for volumes; give --spacing or --grid";
+            return Err(Error::option("--refine", problem));
+        }
         let gatherer = Gather {
             surfaces: &surfaces,
             backend: backend.as_ref(),
@@ -180,10 +192,13 @@ impl<'a> Task<'a> {
     ) -> Result<(), Error> {
         // A probe is moved by half of the way to its neighbours at most, so that none stands in another's cell.
         let most = self.grid.map_or(0.0, |grid| 0.5 * grid.cell.length());
-        let rows = [(0..self.probes, most), (self.probes..self.places(), 0.0)];
         let mut before = 0;
-        for (row, most) in rows {
-            let lacking = row.filter(|&place| wanted(place) && kept.placed[place].is_none());
+        // Where light is uneven between the probes of the first round, a second one gathers the others.
+        for (row, most) in [(Row::Probes, most), (Row::Probes, most), (Row::Tried, 0.0)] {
+            let lacking = self
+                .lacking(kept, row)
+                .into_iter()
+                .filter(|place| wanted(*place));
             let lacking: Vec<(u32, DVec3)> = lacking
                 .map(|place| (place as u32, self.asked[place]))
                 .collect();
@@ -195,6 +210,18 @@ impl<'a> Task<'a> {
             before += lacking.len() as u64;
         }
         Ok(())
+    }
+
+    /// What is to be gathered next, and not there yet.
+    fn lacking(&self, kept: &Kept<'_>, row: Row) -> Vec<usize> {
+        let absent = |place: &usize| kept.placed[*place].is_none();
+        match (row, self.options.refine.zip(self.grid)) {
+            (Row::Probes, Some((missed, grid))) => {
+                ::probes::lacking(&grid, &kept.placed[..self.probes], missed)
+            }
+            (Row::Probes, None) => (0..self.probes).filter(absent).collect(),
+            (Row::Tried, _) => (self.probes..self.places()).filter(absent).collect(),
+        }
     }
 
     /// The pixels of a face: those that are there, else gathered.
@@ -244,8 +271,13 @@ impl<'a> Task<'a> {
             let place = DVec3::from(*at) - self.origin;
             reflections.push(self.gatherer.reflection(place, halves)?);
         }
-        let mut placed: Vec<Placed> = kept.placed.into_iter().flatten().collect();
+        let mut placed = kept.placed;
         let found = placed.split_off(self.probes);
+        let found: Vec<Placed> = found.into_iter().flatten().collect();
+        let placed = match &self.grid {
+            Some(grid) => ::probes::complete(grid, placed),
+            None => placed.into_iter().flatten().collect(),
+        };
         Ok(self.told(placed, &found, reflections))
     }
 

@@ -72,6 +72,10 @@ pub struct Args {
     /// With --target-error: the most rays that a probe may take
     #[arg(long, value_name = "N", default_value_t = 65_536, requires = "target_error", value_parser = clap::value_parser!(u32).range(64..=16_777_216))]
     pub max_rays: u32,
+    /// Gather every second probe of a volume along each axis, and all only where those do not tell a probe between them
+    /// within E, of the light on a matt white surface, which an open sky of 1 makes 1; the others are interpolated
+    #[arg(long, value_name = "E", value_parser = positive, conflicts_with_all = ["at", "shard"])]
+    pub refine: Option<f64>,
     /// Radiance of the sky, linear, as R,G,B, or an illumination map [default: 1,1,1; with --bake that of the bake]
     #[arg(long, value_name = "R,G,B|FILE", value_parser = sky)]
     pub sky: Option<SkyArg>,

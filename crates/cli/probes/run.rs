@@ -100,7 +100,7 @@ pub fn write(
         let report = probes.report();
         say_json(&json!({
             "schema_version": 1, "scene": args.scene, "options": report.options, "probes": report.probes.len(),
-            "grid": report.grid, "moved": moved(report), "invalid": invalid(report), "std_err": std_err(report),
+            "grid": report.grid, "moved": moved(report), "invalid": invalid(report), "interpolated": interpolated(report), "std_err": std_err(report),
             "interpolation": report.interpolation, "reflections": report.reflections, "files": report.files, "written": written, "seconds": seconds,
         }))?;
     } else if !common.quiet {
@@ -124,6 +124,7 @@ fn options(args: &Args, scene: &Scene) -> anyhow::Result<ProbeOptions> {
     options.rays = args.rays;
     options.target_error = args.target_error;
     options.max_rays = args.max_rays;
+    options.refine = args.refine;
     options.order = args.order.into();
     options.window = args.window;
     options.parts = args.parts;
@@ -145,6 +146,11 @@ fn moved(report: &ProbeReport) -> usize {
 
 fn invalid(report: &ProbeReport) -> usize {
     report.probes.iter().filter(|probe| probe.invalid).count()
+}
+
+fn interpolated(report: &ProbeReport) -> usize {
+    let probes = report.probes.iter();
+    probes.filter(|probe| probe.interpolated).count()
 }
 
 /// Root mean square of the standard errors of the light E / π, over probes, normals and channels.
@@ -199,6 +205,7 @@ fn of_probes(report: &ProbeReport) -> String {
     for (number, what) in [
         (moved(report), "moved out of solids"),
         (invalid(report), "invalid"),
+        (interpolated(report), "interpolated"),
     ] {
         if number > 0 {
             text += &format!(", {number} {what}");

@@ -54,11 +54,15 @@ impl Grid {
         self.cell * self.counts.as_dvec3()
     }
 
-    /// The middle of a cell; x grows first, then y, then z.
-    pub fn place(&self, index: usize) -> DVec3 {
+    /// The column, row and slice of a cell; x grows first, then y, then z.
+    pub(crate) fn at(&self, index: usize) -> [usize; 3] {
         let [x, y, _] = self.counts.to_array().map(|n| n as usize);
-        let at = [index % x, index / x % y, index / x / y].map(|n| n as f64 + 0.5);
-        self.low + self.cell * DVec3::from(at)
+        [index % x, index / x % y, index / x / y]
+    }
+
+    /// The middle of a cell.
+    pub fn place(&self, index: usize) -> DVec3 {
+        self.low + self.cell * DVec3::from(self.at(index).map(|n| n as f64 + 0.5))
     }
 
     /// The eight cells about a place with their weights, which add up to 1. Beyond the outermost probes the nearest
@@ -88,7 +92,7 @@ impl Grid {
     pub fn neighbours(&self, index: usize) -> impl Iterator<Item = usize> + use<> {
         let counts = self.counts.to_array().map(|n| n as usize);
         let steps = [1, counts[0], counts[0] * counts[1]];
-        let at = [0, 1, 2].map(|axis| index / steps[axis] % counts[axis]);
+        let at = self.at(index);
         (0..6).filter_map(move |side| {
             let axis = side / 2;
             match side % 2 {

@@ -9,7 +9,7 @@
 //! # Where what is
 //!
 //! `gather.rs` gathers the light of a probe and `estimate.rs` states its errors. `path.rs` has the light from surface
-//! to surface, `grid.rs` and `volume.rs` say where probes stand, `reflect.rs` makes reflection maps, `numbers.rs` keeps
+//! to surface, `grid.rs` and `volume.rs` say where probes stand, `refine.rs` which of a volume are gathered, `reflect.rs` makes reflection maps, `numbers.rs` keeps
 //! what was gathered. Harmonics are in `crates/ambient/src/harmonics.rs`, files in `crates/report/src/probes`.
 #![forbid(unsafe_code)]
 
@@ -22,6 +22,7 @@ mod grid;
 mod interpolate;
 mod numbers;
 mod path;
+mod refine;
 mod reflect;
 mod sky;
 #[cfg(test)]
@@ -32,6 +33,7 @@ pub use error::Error;
 pub use gather::{BakedLight, DISTANCE_EDGE, Gather, LEAST_RAYS, Part, Probe};
 pub use grid::Grid;
 pub use interpolate::{Interpolation, fill, interpolation, tried};
+pub use refine::{complete, lacking};
 pub use reflect::{LEAST_EDGE, Level, Reflection};
 pub use sky::Sky;
 pub use volume::{Placed, State, gather};

@@ -15,6 +15,8 @@ pub enum State {
     Moved,
     /// Where it was asked for, in a solid or behind surfaces: its light is that of no air.
     Invalid,
+    /// Where it was asked for, and nothing was gathered: its light is that of the probes around it.
+    Between,
 }
 
 /// A probe and where it was asked for, in coordinates of the world.

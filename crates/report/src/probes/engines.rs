@@ -1,6 +1,6 @@
 //! Probes as engines take them: volumes as three-dimensional textures, single ones as lists of numbers.
 
-use super::ProbeSet;
+use super::{ProbeRecord, ProbeSet};
 use crate::engines::{BEVY_WHITE, Shape, encode_as};
 use crate::{Engine, Error, Output};
 use ambient::harmonics::{COSINE, ambient_cube, basis, order_of};
@@ -229,10 +229,15 @@ fn counts(set: &ProbeSet, name: &str) -> Result<[usize; 3], Error> {
     }
 }
 
+/// The probes of files that list them one by one: an engine finds the light between them itself.
+fn gathered(set: &ProbeSet) -> impl Iterator<Item = (&ProbeRecord, &Vec<DVec3>)> {
+    let probes = set.report.probes.iter().zip(&set.filled);
+    probes.filter(|(probe, _)| !probe.interpolated)
+}
+
 /// Objects of three.js, whose harmonics are those of the report; it shades them with all nine.
 fn three(set: &ProbeSet) -> Value {
-    let probes = set.report.probes.iter().zip(&set.filled);
-    probes
+    gathered(set)
         .map(|(probe, light)| {
             let first = light.iter().take(TERMS);
             let mut sh: Vec<f32> = first.flat_map(|rgb| rgb.as_vec3().to_array()).collect();
@@ -251,8 +256,7 @@ fn three(set: &ProbeSet) -> Value {
 
 /// Harmonics of Unity: E / pi as a polynomial, by channel, in axes whose x runs the other way.
 fn unity(set: &ProbeSet) -> Value {
-    let probes = set.report.probes.iter().zip(&set.filled);
-    probes
+    gathered(set)
         .map(|(probe, light)| {
             let mut terms = polynomial(light);
             // Those that are odd in x.
@@ -271,8 +275,8 @@ fn unity(set: &ProbeSet) -> Value {
 /// A Godot scene of nodes at the probes' places.
 fn godot(set: &ProbeSet) -> String {
     let mut text = "[gd_scene format=3]\n\n[node name=\"Probes\" type=\"Node3D\"]\n".to_owned();
-    let in_air = set.report.probes.iter().filter(|probe| !probe.invalid);
-    for (number, probe) in in_air.enumerate() {
+    let in_air = gathered(set).filter(|(probe, _)| !probe.invalid);
+    for (number, (probe, _)) in in_air.enumerate() {
         let [x, y, z] = probe.position;
         text += &format!(
             "\n[node name=\"Probe{number}\" type=\"LightmapProbe\" parent=\".\"]\n\

@@ -103,6 +103,9 @@ pub struct ProbeRecord {
     /// True for one in a solid or behind surfaces: its light is that of no air.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub invalid: bool,
+    /// True for one whose light is that of the probes around it: nothing was gathered there.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub interpolated: bool,
     /// Share of the directions that meet no back of a surface; 0 in a solid.
     pub validity: f32,
     /// Rays in even directions.
