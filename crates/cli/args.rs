@@ -17,12 +17,12 @@ pub struct Args {
 }
 
 impl Args {
-    /// What was typed. A scene in the place of the verb is baked.
+    /// What these words say.
     ///
     /// # Errors
     /// Those of clap, help and version among them.
-    pub fn typed() -> Result<Self, clap::Error> {
-        let found = Self::grammar().try_get_matches_from(words())?;
+    pub fn of(words: Vec<OsString>) -> Result<Self, clap::Error> {
+        let found = Self::grammar().try_get_matches_from(words)?;
         Self::from_arg_matches(&found)
     }
 
@@ -32,7 +32,7 @@ impl Args {
     }
 }
 
-/// What was typed, the program's name and a verb first.
+/// What was typed, the program's name and a verb first. A scene in the place of the verb is baked.
 pub fn words() -> Vec<OsString> {
     let mut words: Vec<OsString> = std::env::args_os().collect();
     if words.get(1).is_some_and(|word| is_scene(word.as_ref())) {

@@ -44,7 +44,11 @@ use args::Verb;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let args = match args::Args::typed() {
+    let words = match project::with_own_table(args::words()) {
+        Ok(words) => words,
+        Err(error) => return outcome::exit_code(Err(error)),
+    };
+    let args = match args::Args::of(words) {
         Ok(args) => args,
         Err(error) => return outcome::misused(&error),
     };

@@ -1,4 +1,4 @@
-//! `ambake.toml` beside a scene: flags of the verbs that bake, plan, watch or lay out, which need not be typed again.
+//! `ambake.toml` beside a scene: flags of the verbs that take a scene, which need not be typed again.
 //!
 //! ```toml
 //! [bake]                    # every scene of the folder
@@ -13,34 +13,86 @@
 //!
 //! [scene."hall.glb".object."altar"]   # of one scene
 //! density = 80
+//!
+//! [probes]                  # `ambake probes`; so are [render] and [fit], and [scene."hall.glb".probes]
+//! spacing = 2
 //! ```
 //!
 //! What is typed wins over the file. The file's options are put before the typed ones and both are read by the same
 //! parser, so that each has the range and the meaning of its flag.
 
 use crate::args::{Args, Verb};
-use crate::bake::args::Bake;
 use crate::common::text_file;
 use anyhow::{Context, bail};
 use clap::parser::ValueSource;
-use clap::{Arg, ArgAction, ArgMatches, Args as ClapArgs, FromArgMatches};
+use clap::{Arg, ArgAction, ArgMatches, Command, FromArgMatches};
 use std::ffi::OsString;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 /// The name of the file.
 pub const PROJECT_FILE: &str = "ambake.toml";
 
-/// Options of the file that are left out where one of the others is typed.
-const EXCLUDE: [(&[&str], &[&str]); 2] = [
-    (&["rays"], &["target-error", "target-relative", "max-rays"]),
-    (&["layers"], &["only"]),
+/// The verbs with a table of their own. The others that take a scene share that of `bake`.
+const OWN: [&str; 3] = ["probes", "render", "fit"];
+
+/// Options of the file that are left out where another one of them is typed, beside those of which the grammar says so.
+const EITHER: [&[&str]; 4] = [
+    &["spacing", "grid", "at"],
+    &["rays", "target-relative"],
+    &["rays", "max-rays"],
+    &["layers", "only"],
 ];
+
+/// Options whose value may be a file or a folder that lies beside the project file.
+const PATHS: [&str; 3] = ["sky", "bake", "probes"];
 
 /// Flags that are for one run alone.
 const ONCE: [&str; 8] = [
     "output", "fresh", "resume", "shard", "update", "verify", "after", "json",
 ];
+
+/// What was typed, with the options of the verb's own table in the project file beside the scene; without such a verb or
+/// file, what was typed.
+///
+/// # Errors
+/// One line that names the file, the table and the option.
+pub fn with_own_table(typed: Vec<OsString>) -> anyhow::Result<Vec<OsString>> {
+    // Something that is required may stand in the file.
+    let found = Args::grammar()
+        .ignore_errors(true)
+        .try_get_matches_from(&typed);
+    let Some((verb, below)) = found.as_ref().ok().and_then(ArgMatches::subcommand) else {
+        return Ok(typed);
+    };
+    let scene = match OWN.contains(&verb) {
+        true => below.try_get_one::<PathBuf>("scene").ok().flatten(),
+        false => None,
+    };
+    let Some(path) = scene.and_then(|scene| beside(scene)) else {
+        return Ok(typed);
+    };
+    let scene = scene.expect("it has a file beside it");
+    let more = read(&path).and_then(|table| {
+        let flags = flags(&path, &table, scene, (verb, below));
+        flags.with_context(|| path.display().to_string())
+    })?;
+    Ok(between(&typed, verb, more))
+}
+
+/// The project file of a scene, where there is one.
+fn beside(scene: &Path) -> Option<PathBuf> {
+    let path = scene.with_file_name(PROJECT_FILE);
+    (scene != Path::new("-") && path.is_file()).then_some(path)
+}
+
+/// What was typed, with more flags after the verb.
+fn between(typed: &[OsString], verb: &str, more: Vec<String>) -> Vec<OsString> {
+    let at = typed.iter().position(|word| word == verb).unwrap_or(0) + 1;
+    let more = more.into_iter().map(OsString::from);
+    let words = typed[..at].iter().cloned().chain(more);
+    words.chain(typed[at..].iter().cloned()).collect()
+}
 
 /// What was `typed`, the program's name first, completed by the project file beside the scene; `None` where there is no
 /// such file.
@@ -48,12 +100,11 @@ const ONCE: [&str; 8] = [
 /// # Errors
 /// One line that names the file, the table and the option.
 pub fn completed(scene: &Path, typed: &[OsString]) -> anyhow::Result<Option<Verb>> {
-    let path = scene.with_file_name(PROJECT_FILE);
-    if scene == Path::new("-") || !path.is_file() {
+    let Some(path) = beside(scene) else {
         return Ok(None);
-    }
+    };
     let table = read(&path)?;
-    let args = with_flags(typed, |typed| flags(&path, &table, scene, typed))
+    let args = with_flags(typed, |typed| flags(&path, &table, scene, ("bake", typed)))
         .with_context(|| path.display().to_string())?;
     Ok(Some(args.verb))
 }
@@ -86,101 +137,134 @@ fn with_flags(
     let Some((verb, below)) = matches.subcommand() else {
         bail!("no verb");
     };
-    let at = typed.iter().position(|word| word == verb).unwrap_or(0) + 1;
-    let more = flags(below)?.into_iter().map(OsString::from);
-    let words = typed[..at].iter().cloned().chain(more);
-    let words = words.chain(typed[at..].iter().cloned());
+    let words = between(typed, verb, flags(below)?);
     let matches = Args::grammar()
         .try_get_matches_from(words)
         .map_err(one_line)?;
     Args::from_arg_matches(&matches).map_err(one_line)
 }
 
-/// The file's options for a scene as flags, but for those that were typed.
+/// The options of the file that matter to a scene: the title of each table, the verb whose flags it holds, and itself.
+fn tables<'a>(table: &'a Table, scene: &str) -> anyhow::Result<Vec<(String, &'a str, &'a Table)>> {
+    let mut found = Vec::new();
+    let as_table = |title: &str, value: &'a Value| {
+        let table = value.as_table();
+        table.with_context(|| format!("[{title}] is no table"))
+    };
+    for (title, content) in table {
+        if content.as_table().is_none() {
+            bail!("`{title}` stands outside of a table; write it below [bake]");
+        }
+        match title.as_str() {
+            own if own == "bake" || OWN.contains(&own) => {
+                found.push((own.to_owned(), own, as_table(own, content)?));
+            }
+            "scene" | "object" => {}
+            other => bail!(
+                "unknown table [{other}]; there are [bake], [{}], [scene.\"FILE\"] and [object.\"NAME\"]",
+                OWN.join("], [")
+            ),
+        }
+    }
+    if let Some(own) = table.get("scene").and_then(|scenes| scenes.get(scene)) {
+        let title = format!("scene.\"{scene}\"");
+        let own = as_table(&title, own)?;
+        for verb in OWN {
+            if let Some(value) = own.get(verb) {
+                let title = format!("{title}.{verb}");
+                found.push((title.clone(), verb, as_table(&title, value)?));
+            }
+        }
+        found.push((title, "bake", own));
+    }
+    Ok(found)
+}
+
+/// The file's options for a scene as flags of a verb, but for those that were typed.
 fn flags(
     path: &Path,
     table: &Table,
     scene: &Path,
-    typed: &ArgMatches,
+    (verb, typed): (&str, &ArgMatches),
 ) -> anyhow::Result<Vec<String>> {
-    let known = Bake::augment_args(clap::Command::new("bake"));
-    let once = |arg: &&Arg| arg.get_long().is_some_and(|name| !ONCE.contains(&name));
-    let known: Vec<&Arg> = known.get_arguments().filter(once).collect();
     let name = scene.file_name().unwrap_or_default().to_string_lossy();
-    let mut options: Vec<(String, String, Value)> = Vec::new();
+    let mut grammar = Args::grammar();
+    grammar.build();
+    let verbs = |verb: &str| grammar.find_subcommand(verb).context("no such verb");
+    let mut options: Vec<(String, String, &Value)> = Vec::new();
     let mut flags = Vec::new();
-    for (title, content) in table {
-        let content = content.as_table().with_context(|| {
-            format!("`{title}` stands outside of a table; write it below [bake]")
-        })?;
-        match title.as_str() {
-            "bake" => {}
-            "scene" => {}
-            "object" => {
-                for (object, wishes) in content {
-                    flags.extend(object_flags(object, wishes)?);
-                }
-            }
-            other => bail!(
-                "unknown table [{other}]; there are [bake], [scene.\"FILE\"] and [object.\"NAME\"]"
-            ),
+    if let ("bake", Some(objects)) = (verb, table.get("object").and_then(Value::as_table)) {
+        for (object, wishes) in objects {
+            flags.extend(object_flags(object, wishes)?);
         }
     }
-    let own = table.get("scene").and_then(|scenes| scenes.get(&*name));
-    for (title, content) in [
-        ("bake".to_owned(), table.get("bake")),
-        (format!("scene.\"{name}\""), own),
-    ] {
-        let Some(content) = content else { continue };
-        let content = content
-            .as_table()
-            .with_context(|| format!("[{title}] is no table"))?;
+    for (title, of, content) in tables(table, &name)? {
         for (key, value) in content {
-            let objects = value
-                .as_table()
-                .filter(|_| key == "object" && title != "bake");
-            if let Some(objects) = objects {
-                for (object, wishes) in objects {
-                    flags.extend(object_flags(object, wishes)?);
+            match value.as_table() {
+                Some(objects) if key == "object" && title.starts_with("scene") => {
+                    for (object, wishes) in objects {
+                        let own = object_flags(object, wishes)?;
+                        flags.extend(own.into_iter().filter(|_| verb == "bake"));
+                    }
+                    continue;
                 }
-                continue;
+                Some(_) if OWN.contains(&&**key) && title.starts_with("scene") => continue,
+                _ => {}
             }
-            options.retain(|(_, earlier, _)| earlier != key);
-            options.push((title.clone(), key.clone(), value.clone()));
+            // A typo is told by whichever verb reads the file.
+            let known = find(verbs(of)?, key);
+            known.with_context(|| {
+                format!("unknown option `{key}` in [{title}]; options are the flags of `ambake {of} --help` without dashes")
+            })?;
+            if of == verb {
+                options.retain(|(_, earlier, _)| earlier != key);
+                options.push((title.clone(), key.clone(), value));
+            }
         }
     }
-    let is_typed = |flag: &str| {
-        let arg = known.iter().find(|arg| arg.get_long() == Some(flag));
-        arg.is_some_and(|arg| {
-            let source = typed.try_contains_id(arg.get_id().as_str()).is_ok();
-            source && typed.value_source(arg.get_id().as_str()) == Some(ValueSource::CommandLine)
-        })
+    let command = verbs(verb)?;
+    let is_typed = |arg: &Arg| {
+        let id = arg.get_id().as_str();
+        typed.try_contains_id(id).is_ok()
+            && typed.value_source(id) == Some(ValueSource::CommandLine)
     };
+    let typed_args: Vec<&Arg> = command
+        .get_arguments()
+        .filter(|arg| is_typed(arg))
+        .collect();
     for (title, key, value) in options {
-        let arg = known.iter().find(|arg| arg.get_long() == Some(&key));
-        let arg = arg.with_context(|| {
-            format!("unknown option `{key}` in [{title}]; options are the flags of `ambake bake --help` without dashes")
-        })?;
+        let Some(arg) = find(command, &key) else {
+            continue;
+        };
         // What a verb does not take, such as files for engines in a plan, serves the others.
         if typed.try_contains_id(arg.get_id().as_str()).is_err() {
             continue;
         }
         let repeats = matches!(arg.get_action(), ArgAction::Append);
-        let excluded = EXCLUDE.iter().any(|(a, b)| {
-            let against = |one: &[&str], other: &[&str]| {
-                one.contains(&key.as_str()) && other.iter().any(|flag| is_typed(flag))
+        let others = typed_args
+            .iter()
+            .filter(|other| other.get_id() != arg.get_id());
+        let excluded = others.copied().any(|other| {
+            let excludes = |one: &Arg, other: &Arg| {
+                let all = command.get_arg_conflicts_with(one);
+                all.iter().any(|arg| arg.get_id() == other.get_id())
             };
-            against(a, b) || against(b, a)
+            let are_either = |either: &&[&str]| {
+                [arg, other]
+                    .iter()
+                    .all(|one| one.get_long().is_some_and(|name| either.contains(&name)))
+            };
+            excludes(arg, other) || excludes(other, arg) || EITHER.iter().any(are_either)
         });
-        if excluded || (is_typed(&key) && !repeats) {
+        if excluded || (is_typed(arg) && !repeats) {
             continue;
         }
-        let words = words(&value).with_context(|| {
+        let words = words(value).with_context(|| {
             format!("`{key}` in [{title}] is neither text, number, true, false nor a list")
         })?;
         match value {
             Value::Boolean(on) if matches!(arg.get_action(), ArgAction::SetTrue) => {
-                if on {
+                if *on {
                     flags.push(format!("--{key}"));
                 }
             }
@@ -189,7 +273,8 @@ fn flags(
             }
             _ => {
                 let beside = path.with_file_name(&words[0]);
-                let word = match key == "sky" && words.len() == 1 && beside.is_file() {
+                let is_path = PATHS.contains(&&*key) && words.len() == 1;
+                let word = match is_path && beside.exists() {
                     true => beside.display().to_string(),
                     false => words.join(","),
                 };
@@ -198,6 +283,12 @@ fn flags(
         }
     }
     Ok(flags)
+}
+
+/// The option of a verb that a file may hold under a name.
+fn find<'a>(command: &'a Command, name: &str) -> Option<&'a Arg> {
+    let mut arguments = command.get_arguments();
+    arguments.find(|arg| arg.get_long() == Some(name) && !ONCE.contains(&name))
 }
 
 /// The flags for the objects of a name.
@@ -250,7 +341,7 @@ mod tests {
         let typed: Vec<OsString> = typed.split_whitespace().map(OsString::from).collect();
         let path = Path::new("folder/ambake.toml");
         let args = with_flags(&typed, |typed| {
-            flags(path, &table, Path::new("folder/hall.glb"), typed)
+            flags(path, &table, Path::new("folder/hall.glb"), ("bake", typed))
         })?;
         match args.verb {
             Verb::Bake(bake) => Ok(bake.job),
@@ -279,6 +370,44 @@ mod tests {
     }
 
     #[test]
+    fn verbs_with_a_table_of_their_own_take_theirs_alone_and_it_may_hold_what_is_required() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = "[bake]\nsize = 64\n[probes]\nspacing = 2\nrays = 128\noutput = 'x'\n[scene.'hall.glb'.probes]\nrays = 256\nbake = 'baked'\n\
+            [render]\nsize = '32x16'";
+        let write =
+            |text: &str| std::fs::write(folder.path().join(PROJECT_FILE), text).expect("written");
+        std::fs::create_dir(folder.path().join("baked")).expect("a folder");
+        let words = |verb: &str, more: &str| -> Vec<OsString> {
+            let scene = folder.path().join("hall.glb");
+            let words = ["ambake".into(), verb.into(), scene.into_os_string()].into_iter();
+            words
+                .chain(more.split_whitespace().map(OsString::from))
+                .collect()
+        };
+        write(file);
+        let error = with_own_table(words("probes", "-o out")).expect_err("output is typed");
+        assert!(format!("{error:#}").contains("unknown option `output` in [probes]"));
+        write(&file.replace("output = 'x'", ""));
+        let probes = |more: &str| match Args::of(with_own_table(words("probes", more))?)?.verb {
+            Verb::Probes(probes) => anyhow::Ok(*probes),
+            _ => unreachable!("probes was typed"),
+        };
+        let plain = probes("-o out").expect("all that is required");
+        assert_eq!((plain.spacing, plain.rays), (Some(2.0), 256));
+        assert_eq!(plain.bake, Some(folder.path().join("baked")));
+        // Places and numbers of rays are of one kind or another.
+        let typed = probes("-o out --at 0,1,0 --target-error 0.1").expect("all that is required");
+        assert_eq!((typed.spacing, typed.at.len(), typed.rays), (None, 1, 1024));
+        assert!(
+            with_own_table(words("render", ""))
+                .expect("words")
+                .contains(&"--size=32x16".into())
+        );
+        let untouched = words("view", "");
+        assert_eq!(with_own_table(untouched.clone()).expect("words"), untouched);
+    }
+
+    #[test]
     fn objects_of_one_scene_are_named_below_it() {
         let file = "[object.wall]\ndensity = 20\n[scene.'hall.glb'.object.altar]\ndensity = 80\n[scene.'other.glb'.object.door]\ndensity = 4";
         let found = job(file, "").unwrap().density_of;
@@ -298,6 +427,11 @@ mod tests {
             ("[bake]\nsize = {}", "`size` in [bake]"),
             ("[bake]\noutput = 'x'", "unknown option `output`"),
             ("[scenes]\n", "unknown table [scenes]"),
+            ("[probes]\nsize = 4", "unknown option `size` in [probes]"),
+            (
+                "[scene.'hall.glb'.render]\nrais = 4",
+                "in [scene.\"hall.glb\".render]",
+            ),
             ("[object.wall]\nrays = 4", "[object.\"wall\"]"),
             (
                 "[scene.'hall.glb'.object.wall]\nrays = 4",

@@ -9,6 +9,7 @@ use crate::bake::shard::{finish, given, unless_stopped};
 use crate::common::Common;
 use crate::outcome::{Outcome, tell};
 use crate::progress::watch;
+use crate::project::with_own_table;
 use crate::stop::Stop;
 use ambake::{ProbeParts, Probes, Shard};
 use anyhow::bail;
@@ -37,14 +38,15 @@ pub fn run(args: &Args, asked: &Asked, shard: Shard, stop: &Stop) -> anyhow::Res
 pub fn merge(merge: &Merge, dir: &Path, stop: &Stop) -> anyhow::Result<Outcome> {
     let started = Instant::now();
     let parts = ProbeParts::find(dir)?;
-    let Verb::Probes(args) = verb(&typed(parts.given())?)? else {
-        bail!("the parts were not made by `ambake probes`");
-    };
     // The words may name files from the folder that they were given in. Where that is absent here, so are the files,
     // and the scene's error says so.
     if let Some(folder) = parts.given()["folder"].as_str() {
         let _ = std::env::set_current_dir(folder);
     }
+    let words = with_own_table(typed(parts.given())?)?;
+    let Verb::Probes(args) = verb(&words)? else {
+        bail!("the parts were not made by `ambake probes`");
+    };
     let common = Common {
         threads: merge.threads,
         quiet: merge.quiet,
