@@ -195,7 +195,7 @@ pub struct Job {
     pub footprint: Footprint,
     /// What takes the grain off. `regression` fits the texels of a surface and keeps the plain value where that does
     /// not help, at a small bias that the layer `error` includes; `oidn` is Intel Open Image Denoise where it is
-    /// installed (docs/quality.md); `off` leaves every texel the unbiased mean of its own rays [default: regression;
+    /// installed (docs/quality.md); `off` leaves the grain on [default: regression;
     /// off with --rays 1 and --pattern tiled, which leave no two halves to compare]
     #[arg(long, value_enum, alias = "filter")]
     pub denoise: Option<Denoise>,

@@ -1,10 +1,8 @@
 //! Where rays go: points of a low-discrepancy sequence, and maps from those points to directions.
 //!
 //! [`Stream`] labels the points of one texel, [`Streams`] reads sixteen of them at once from a [`PointSet`],
-//! [`Mixture`] and [`Lobe`] map points to directions. Every map takes `[u0, u1]`: `u0` sets the zenith angle by an
-//! analytic inverse (1 is the pole), `u1` is the azimuth in turns. The polar map is used rather than a concentric one:
-//! jittered and Owen-scrambled points have an error that grows with the length of the visibility boundary in the unit
-//! square, and that was shorter under the polar map for three of four measured scenes.
+//! [`Mixture`] and [`Lobe`] map points `[u0, u1]` to directions: the mixture by the concentric map of the square, the
+//! lobe with `u0` for the zenith angle by an analytic inverse (1 is the pole) and `u1` for the azimuth in turns.
 
 mod guide;
 mod hemisphere;
