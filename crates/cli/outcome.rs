@@ -6,6 +6,7 @@ use serde_json::Value;
 use std::borrow::Cow;
 use std::io::{self, Write};
 use std::process::ExitCode;
+use std::sync::LazyLock;
 
 /// How a verb that did not fail ended.
 pub enum Outcome {
@@ -44,7 +45,15 @@ pub fn one_line(error: &anyhow::Error) -> String {
 /// help alone.
 pub fn misused(error: &clap::Error) -> ExitCode {
     if !error.use_stderr() || error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        error.exit();
+        if !wants_ascii() {
+            error.exit();
+        }
+        let text = error.render().to_string();
+        match error.use_stderr() {
+            true => note(text.trim_end()),
+            false => drop(say(&text)),
+        }
+        return ExitCode::from(error.exit_code() as u8);
     }
     tell(&misuse(&error.render().to_string()));
     ExitCode::from(2)
@@ -88,15 +97,42 @@ fn odd(c: char) -> bool {
     unseen || c.is_control() && c != '\n'
 }
 
-/// The text as it may stand on a terminal: odd characters become `\u{..}`. Names and numbers of a scene file come from
-/// strangers.
+/// Whether whoever started the program shows nothing but ASCII: the locale is that of C.
+pub fn wants_ascii() -> bool {
+    static ASCII: LazyLock<bool> = LazyLock::new(|| {
+        let set = |name| std::env::var(name).ok().filter(|value| !value.is_empty());
+        let locale = set("LC_ALL")
+            .or_else(|| set("LC_CTYPE"))
+            .or_else(|| set("LANG"));
+        locale.is_some_and(|locale| ["C", "POSIX"].contains(&&*locale))
+    });
+    *ASCII
+}
+
+/// The text as it may stand on this terminal.
 pub fn printable(text: &str) -> Cow<'_, str> {
-    if !text.contains(odd) {
+    shown(text, wants_ascii())
+}
+
+/// The text with odd characters as `\u{..}`, for names and numbers of a scene file come from strangers; `in_ascii` all
+/// others that are none too, but for those that ambake uses itself.
+fn shown(text: &str, in_ascii: bool) -> Cow<'_, str> {
+    let is_foreign = |c: char| odd(c) || in_ascii && !c.is_ascii();
+    if !text.contains(is_foreign) {
         return text.into();
     }
-    let escape = |c: char| match odd(c) {
-        true => format!("\\u{{{:x}}}", u32::from(c)),
-        false => c.to_string(),
+    let escape = |c: char| match c {
+        c if !is_foreign(c) => c.to_string(),
+        '²' => "^2".into(),
+        '³' => "^3".into(),
+        '°' => " degrees".into(),
+        '×' => "x".into(),
+        'µ' | 'μ' => "u".into(),
+        'π' => "pi".into(),
+        'α' => "alpha".into(),
+        '–' | '−' => "-".into(),
+        '…' => "...".into(),
+        c => format!("\\u{{{:x}}}", u32::from(c)),
     };
     text.chars().map(escape).collect()
 }
@@ -163,6 +199,13 @@ mod tests {
         let line = printable("a\u{1b}[2Jb\rc\u{9b}d\u{202e}e\nf");
         assert_eq!(line, "a\\u{1b}[2Jb\\u{d}c\\u{9b}d\\u{202e}e\nf");
         assert!(matches!(printable("Zimmer ä 50 %"), Cow::Borrowed(_)));
+    }
+
+    #[test]
+    fn a_terminal_of_the_locale_c_gets_ascii() {
+        assert_eq!(shown("64² in µs at 90°", true), "64^2 in us at 90 degrees");
+        assert_eq!(shown("Zimmer ä", true), "Zimmer \\u{e4}");
+        assert_eq!(shown("Zimmer ä 64²", false), "Zimmer ä 64²");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Progress on standard error: a bar on a terminal, otherwise a plain line now and then.
 
-use crate::outcome::note;
+use crate::outcome::{note, wants_ascii};
 use crate::stop::Stop;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use layers::Progress;
@@ -114,6 +114,10 @@ fn bar(quiet: bool) -> ProgressBar {
     };
     let bar = ProgressBar::with_draw_target(Some(0), target);
     if let Ok(style) = ProgressStyle::with_template("{bar:32} {percent:>3} %  {msg}") {
+        let style = match wants_ascii() {
+            true => style.progress_chars("=> "),
+            false => style,
+        };
         bar.set_style(style);
     }
     bar
