@@ -57,7 +57,7 @@ fn second_baseline_is_the_closed_form_times_the_visibility() {
     assert!(
         names
             .iter()
-            .any(|name| name.ends_with("wall_long.0.difference.closed.phong.png")),
+            .any(|name| name.ends_with("wall_long.0.difference.traditional.closed-phong.png")),
         "{names:?}"
     );
 }

@@ -113,7 +113,7 @@ fn read_by_all(scene: &Path, folder: &Path) -> Vec<Result<Vec<Vec<u8>>, String>>
         made(
             &["compare", text(&compare)],
             &compare,
-            &[".difference.lambert.png"],
+            &[".difference.traditional-lambert.png"],
         ),
         made(&["view", text(&view), "--no-open"], &view, &["report.html"]),
         made(&drawn, &render, &["picture.exr"]),

@@ -364,3 +364,30 @@ fn environments_keep_their_energy_through_d_and_s() {
         }
     }
 }
+
+#[test]
+fn a_table_that_no_kernel_reads_is_refused() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
+    let (table, out) = (folder.path().join("t.csv"), folder.path().join("S.exr"));
+    fs::write(&table, "-1,0\n1,1\n").expect("written");
+    let sky = scene("sky.hdr");
+    let words = [
+        "map".as_ref(),
+        "specular".as_ref(),
+        sky.as_os_str(),
+        "--exponent=5".as_ref(),
+    ];
+    let files = [
+        "-o".as_ref(),
+        out.as_os_str(),
+        "--table".as_ref(),
+        table.as_os_str(),
+    ];
+    let output = run(words.into_iter().chain(files));
+    let line = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        !output.status.success() && line.contains("--kernel table"),
+        "{line}"
+    );
+    assert!(!out.exists());
+}

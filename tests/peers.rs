@@ -1,6 +1,6 @@
 //! `bench --peers` runs other programs through Python; here a script stands in for it.
 
-use crate::support::ambake;
+use crate::support::{ambake, scene};
 use tempfile::tempdir;
 
 fn text(bytes: &[u8]) -> String {
@@ -66,4 +66,30 @@ fn peers_without_python_are_one_clear_line() {
         errors.contains("no such python") && errors.contains("--python PATH"),
         "{errors}"
     );
+}
+
+#[test]
+fn a_target_is_measured_too() {
+    let folder = tempdir().expect("a temporary directory");
+    let out = folder.path().join("bench");
+    let mut command = ambake();
+    let words = [
+        "bench",
+        "--size",
+        "32",
+        "--repeats",
+        "1",
+        "--target-error",
+        "0.1",
+        "-o",
+    ];
+    let output = command
+        .args(words)
+        .arg(&out)
+        .arg(scene("lamp.obj"))
+        .output();
+    let output = output.expect("the program starts");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{errors}");
+    assert!(out.join("bench.csv").is_file());
 }

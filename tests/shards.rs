@@ -402,5 +402,8 @@ fn a_project_file_serves_every_verb_and_a_merge_makes_its_report() {
     std::fs::write(at("ambake.toml"), "[bake]\nresume = true\n").expect("a file");
     let output = run(["plan".as_ref(), file.as_os_str()]);
     let line = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(line.contains("unknown option `resume` in [bake]"), "{line}");
+    assert!(
+        line.contains("`resume` in [bake] belongs to one run"),
+        "{line}"
+    );
 }

@@ -146,7 +146,10 @@ pub enum LimitedBy {
 
 /// What to do about a bake that does not fit into memory.
 fn too_large(need: u64, limit: u64, by: LimitedBy, size: Option<u32>) -> String {
-    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    let in_units = |bytes: u64| match bytes as f64 / f64::from(1 << 20) {
+        mib if mib < 1024.0 => format!("{mib:.0} MiB"),
+        mib => format!("{:.2} GiB", mib / 1024.0),
+    };
     let whose = match by {
         LimitedBy::Given => "--max-memory allows",
         LimitedBy::Machine => "this system has",
@@ -175,8 +178,8 @@ fn too_large(need: u64, limit: u64, by: LimitedBy, size: Option<u32>) -> String 
         }
     };
     format!(
-        "the bake takes about {:.2} GiB of memory and {whose} {:.2}; {advice}",
-        gib(need),
-        gib(limit),
+        "the bake takes about {} of memory and {whose} {}; {advice}",
+        in_units(need),
+        in_units(limit),
     )
 }

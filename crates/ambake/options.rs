@@ -243,7 +243,10 @@ impl Options {
         }
         if !self.size.is_multiple_of(1 << self.mips) {
             let whole = 1 << self.mips;
-            let problem = format!("needs a page size that halves so often: a multiple of {whole}");
+            let problem = format!(
+                "{} halve a page so often, so its size must be a multiple of {whole}",
+                self.mips
+            );
             return fail("mips", &problem);
         }
         if !(1..=16).contains(&self.align) {

@@ -27,8 +27,8 @@ const CLOSED: &str = "traditional.closed";
 
 /// The picture of a difference.
 fn picture_name(file: &NamedPage, (a, b): (&str, &str)) -> String {
-    let from = if a == CLOSED { "closed." } else { "" };
-    format!("{}.{}.difference.{from}{b}.png", file.stem, file.page)
+    // Not the name of a layer's preview, of which there is `difference.phong`.
+    format!("{}.{}.difference.{a}-{b}.png", file.stem, file.page)
 }
 
 /// Runs the verb.

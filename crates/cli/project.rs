@@ -112,13 +112,27 @@ pub fn completed(scene: &Path, typed: &[OsString]) -> anyhow::Result<Option<Verb
 /// The file's tables.
 fn read(path: &Path) -> anyhow::Result<Table> {
     let text = text_file(path)?;
-    text.parse::<Table>().map_err(|error| {
+    let table = text.parse::<Table>().map_err(|error| {
         let before = error
             .span()
             .map_or("", |span| &text[..span.start.min(text.len())]);
         let line = before.matches('\n').count() + 1;
         anyhow::anyhow!("{} line {line}: {}", path.display(), error.message())
-    })
+    })?;
+    for name in table
+        .get("scene")
+        .and_then(Value::as_table)
+        .into_iter()
+        .flat_map(Table::keys)
+    {
+        if table["scene"][name].is_table() && !path.with_file_name(name).exists() {
+            bail!(
+                "{}: [scene.\"{name}\"] names no file beside it",
+                path.display()
+            );
+        }
+    }
+    Ok(table)
 }
 
 /// The arguments with more flags between the verb and what was typed after it.
@@ -144,8 +158,8 @@ fn with_flags(
     Args::from_arg_matches(&matches).map_err(one_line)
 }
 
-/// The options of the file that matter to a scene: the title of each table, the verb whose flags it holds, and itself.
-fn tables<'a>(table: &'a Table, scene: &str) -> anyhow::Result<Vec<(String, &'a str, &'a Table)>> {
+/// The options of the file, those for a scene last.
+fn tables<'a>(table: &'a Table, scene: &str) -> anyhow::Result<Tables<'a>> {
     let mut found = Vec::new();
     let as_table = |title: &str, value: &'a Value| {
         let table = value.as_table();
@@ -157,7 +171,7 @@ fn tables<'a>(table: &'a Table, scene: &str) -> anyhow::Result<Vec<(String, &'a 
         }
         match title.as_str() {
             own if own == "bake" || OWN.contains(&own) => {
-                found.push((own.to_owned(), own, as_table(own, content)?));
+                found.push((own.to_owned(), own, true, as_table(own, content)?));
             }
             "scene" | "object" => {}
             other => bail!(
@@ -166,19 +180,29 @@ fn tables<'a>(table: &'a Table, scene: &str) -> anyhow::Result<Vec<(String, &'a 
             ),
         }
     }
-    if let Some(own) = table.get("scene").and_then(|scenes| scenes.get(scene)) {
-        let title = format!("scene.\"{scene}\"");
-        let own = as_table(&title, own)?;
+    for (name, own) in table
+        .get("scene")
+        .and_then(Value::as_table)
+        .into_iter()
+        .flatten()
+    {
+        let title = format!("scene.\"{name}\"");
+        let Some(own) = own.as_table() else {
+            bail!("`{name}` stands in [scene], which has a table for each file: [scene.\"FILE\"]");
+        };
         for verb in OWN {
             if let Some(value) = own.get(verb) {
                 let title = format!("{title}.{verb}");
-                found.push((title.clone(), verb, as_table(&title, value)?));
+                found.push((title.clone(), verb, name == scene, as_table(&title, value)?));
             }
         }
-        found.push((title, "bake", own));
+        found.push((title, "bake", name == scene, own));
     }
     Ok(found)
 }
+
+/// Tables of options: the title of each, the verb whose flags it holds, whether they are for the scene, and itself.
+type Tables<'a> = Vec<(String, &'a str, bool, &'a Table)>;
 
 /// The file's options for a scene as flags of a verb, but for those that were typed.
 fn flags(
@@ -198,25 +222,28 @@ fn flags(
             flags.extend(object_flags(object, wishes)?);
         }
     }
-    for (title, of, content) in tables(table, &name)? {
+    for (title, of, is_own, content) in tables(table, &name)? {
         for (key, value) in content {
             match value.as_table() {
                 Some(objects) if key == "object" && title.starts_with("scene") => {
                     for (object, wishes) in objects {
                         let own = object_flags(object, wishes)?;
-                        flags.extend(own.into_iter().filter(|_| verb == "bake"));
+                        flags.extend(own.into_iter().filter(|_| is_own && verb == "bake"));
                     }
                     continue;
                 }
                 Some(_) if OWN.contains(&&**key) && title.starts_with("scene") => continue,
                 _ => {}
             }
-            // A typo is told by whichever verb reads the file.
+            if ONCE.contains(&&**key) {
+                bail!("`{key}` in [{title}] belongs to one run: type it");
+            }
+            // A typo is told by whichever verb reads the file, for whichever scene.
             let known = find(verbs(of)?, key);
             known.with_context(|| {
                 format!("unknown option `{key}` in [{title}]; options are the flags of `ambake {of} --help` without dashes")
             })?;
-            if of == verb {
+            if of == verb && is_own {
                 options.retain(|(_, earlier, _)| earlier != key);
                 options.push((title.clone(), key.clone(), value));
             }
@@ -385,8 +412,12 @@ mod tests {
                 .collect()
         };
         write(file);
+        let error = with_own_table(words("probes", "-o out")).expect_err("the scene is absent");
+        assert!(format!("{error:#}").contains("[scene.\"hall.glb\"] names no file"));
+        std::fs::write(folder.path().join("hall.glb"), "").expect("written");
+        write(file);
         let error = with_own_table(words("probes", "-o out")).expect_err("output is typed");
-        assert!(format!("{error:#}").contains("unknown option `output` in [probes]"));
+        assert!(format!("{error:#}").contains("`output` in [probes] belongs to one run"));
         write(&file.replace("output = 'x'", ""));
         let probes = |more: &str| match Args::of(with_own_table(words("probes", more))?)?.verb {
             Verb::Probes(probes) => anyhow::Ok(*probes),
@@ -425,8 +456,14 @@ mod tests {
             ("[bake]\nsize = 0", "--size"),
             ("[bake]\nsize = 'big'", "--size"),
             ("[bake]\nsize = {}", "`size` in [bake]"),
-            ("[bake]\noutput = 'x'", "unknown option `output`"),
+            (
+                "[bake]\noutput = 'x'",
+                "`output` in [bake] belongs to one run",
+            ),
             ("[scenes]\n", "unknown table [scenes]"),
+            ("[scene]\nrays = 3", "`rays` stands in [scene]"),
+            ("[scene.'other.glb']\nsise = 3", "in [scene.\"other.glb\"]"),
+            ("[scene.'other.glb'.object.x]\ndensty = 3", "`densty = 3`"),
             ("[probes]\nsize = 4", "unknown option `size` in [probes]"),
             (
                 "[scene.'hall.glb'.render]\nrais = 4",

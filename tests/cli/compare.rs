@@ -38,6 +38,27 @@ fn compare_tells_numbers_and_places() {
     assert!(pictures.count() >= 2, "{:?}", files(folder.path()));
 }
 
+#[test]
+fn pictures_of_differences_do_not_take_the_place_of_previews() {
+    let arguments = [
+        "--size",
+        "16",
+        "--rays",
+        "4",
+        "--layers",
+        "difference.phong",
+    ];
+    let (folder, _page) = bake(&scene("wall_long.obj"), &arguments);
+    let preview = folder.path().join("wall_long.0.difference.phong.png");
+    let before = std::fs::read(&preview).expect("a preview");
+    run_well(["compare".as_ref(), folder.path().as_os_str()]);
+    assert_eq!(std::fs::read(&preview).expect("a preview"), before);
+    let picture = folder
+        .path()
+        .join("wall_long.0.difference.traditional-phong.png");
+    assert!(picture.is_file());
+}
+
 /// Root mean square difference of two models, weighted by coverage, channels averaged.
 fn weighted_rmse(page: &Page, a: &str, b: &str) -> f64 {
     let (mut squares, mut weight) = (0.0, 0.0);

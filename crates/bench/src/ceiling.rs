@@ -1,7 +1,7 @@
 //! How far a bake is from the bare loop of `rtcOccluded16` over the very same packets.
 
 use crate::Subject;
-use bake::{Denoise, Options};
+use bake::{Denoise, Effort, Options};
 use rayon::prelude::*;
 use rays::{Coherence, EmbreeBackend, Lanes, PacketWidth, Ray, RayBackend, RayPacket, SurfaceHit};
 use serde::Serialize;
@@ -89,6 +89,9 @@ impl RayBackend for Recorder<'_> {
     }
 }
 
+/// Rays of a texel where a target was asked for.
+const UNDER_TARGET: u32 = 256;
+
 /// Bakes page 0 and replays its packets, in turn, `repeats` times at each number of threads.
 ///
 /// Costs 516 bytes a packet of memory.
@@ -102,9 +105,13 @@ pub fn ceiling(
     threads: &[usize],
     repeats: usize,
 ) -> Result<Vec<Pair>, rayon::ThreadPoolBuildError> {
-    // What is done after the rays is no part of the ratio.
+    // What is done after the rays is no part of the ratio, and rays that a target throws away would be.
     let options = &Options {
         denoise: Denoise::Off,
+        effort: match options.effort {
+            Effort::Target { .. } => Effort::Rays(UNDER_TARGET),
+            rays => rays,
+        },
         ..options.clone()
     };
     let (packets, active) = record(subject, options, embree)?;

@@ -94,7 +94,7 @@ fn effort(job: &Job) -> String {
 /// map.
 fn cast(effort: Effort, hemisphere: bool, lobe: bool, map: bool) -> String {
     let over = match (hemisphere, lobe) {
-        (true, true) => "over the hemisphere and as many over the specular lobe",
+        (true, true) => "over the hemisphere, and over the specular lobe as many as it is worth",
         (true, false) => "over the hemisphere",
         (false, true) => "over the specular lobe",
         (false, false) => return "no rays: every term has a closed form or is left out".into(),
@@ -133,7 +133,7 @@ mod tests {
         );
         assert_eq!(
             cast(rays, true, true, false),
-            "64 rays each over the hemisphere and as many over the specular lobe"
+            "64 rays each over the hemisphere, and over the specular lobe as many as it is worth"
         );
         assert_eq!(
             cast(rays, false, true, true),

@@ -2,6 +2,7 @@
 
 use super::args::{Job, Watch as Args};
 use super::prepare::{Target, prepare_in};
+use super::summary::lines;
 use crate::args::{Verb, words};
 use crate::common::Common;
 use crate::outcome::{Outcome, one_line, say, tell};
@@ -83,7 +84,12 @@ fn refine(args: &Args, files: &mut Files, stop: &Stop) -> anyhow::Result<()> {
         let clock = Instant::now();
         let kept = args.output.join(KEPT).join(rays.to_string());
         match bake(args, &job, common, &kept, files, stop)? {
-            Some(written) => tell_step(args, &job, &written, clock.elapsed())?,
+            Some(written) => {
+                tell_step(args, &job, &written, clock.elapsed())?;
+                if step == 0 && !common.quiet {
+                    say(&lines(&written.report.warnings))?;
+                }
+            }
             None => return Ok(()),
         }
     }

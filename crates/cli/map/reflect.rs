@@ -43,6 +43,13 @@ pub fn specular(args: &Specular) -> anyhow::Result<()> {
         SpecularKernel::Ggx => Lobe::Ggx(value),
         _ => Lobe::Phong(value),
     };
+    let takes_table = matches!(
+        args.kernel,
+        SpecularKernel::Table | SpecularKernel::Reflectance
+    );
+    if args.table.is_some() && !takes_table {
+        bail!("--table is for `--kernel table` and `--kernel reflectance`");
+    }
     let blur = match (args.kernel, &args.table) {
         (SpecularKernel::Mirror, _) => Blur::Lobes(vec![(None, Lobe::Mirror)]),
         (SpecularKernel::Table, Some(path)) => {

@@ -193,7 +193,7 @@ impl LayoutReport {
         }
         let further = self.objects.iter().filter(|o| o.share > 0.0).count();
         if further > LISTED {
-            text += &format!("            and {} more in bake.json\n", further - LISTED);
+            text += &format!("            and {} more objects\n", further - LISTED);
         }
         text
     }
