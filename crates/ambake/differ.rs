@@ -18,7 +18,10 @@ pub(crate) fn difference(a: &Value, b: &Value) -> Option<String> {
         return Some(word.into());
     }
     let (a, b) = (a[key].as_object()?, b[key].as_object()?);
-    let names = a.keys().filter(|name| a.get(*name) != b.get(*name));
+    // What no flag says by itself follows from one that is named.
+    let names = a
+        .keys()
+        .filter(|name| *name != "full_highlights" && a.get(*name) != b.get(*name));
     let names: Vec<String> = names
         .map(|name| format!("--{}", name.replace('_', "-")))
         .collect();

@@ -286,8 +286,14 @@ fn flags(
         if excluded || (is_typed(arg) && !repeats) {
             continue;
         }
-        let words = words(value).with_context(|| {
-            format!("`{key}` in [{title}] is neither text, number, true, false nor a list")
+        let words = words(value).with_context(|| match value {
+            Value::Array(list) if list.is_empty() => {
+                format!("`{key}` in [{title}] is an empty list")
+            }
+            Value::Array(_) => {
+                format!("`{key}` in [{title}] is a list of lists; write each as text, \"1,2,3\"")
+            }
+            _ => format!("`{key}` in [{title}] is neither text, number, true, false nor a list"),
         })?;
         match value {
             Value::Boolean(on) if matches!(arg.get_action(), ArgAction::SetTrue) => {
@@ -321,9 +327,9 @@ fn find<'a>(command: &'a Command, name: &str) -> Option<&'a Arg> {
 /// The flags for the objects of a name.
 fn object_flags(name: &str, wishes: &Value) -> anyhow::Result<Vec<String>> {
     let place = format!("[object.\"{name}\"]");
-    let wishes = wishes
-        .as_table()
-        .with_context(|| format!("{place} is no table"))?;
+    let wishes = wishes.as_table().with_context(|| {
+        format!("`{name}` stands in [object], which has a table for each name: [object.\"NAME\"]")
+    })?;
     let mut flags = Vec::new();
     for (key, value) in wishes {
         match (key.as_str(), value) {
@@ -462,6 +468,8 @@ mod tests {
             ),
             ("[scenes]\n", "unknown table [scenes]"),
             ("[scene]\nrays = 3", "`rays` stands in [scene]"),
+            ("[object]\ndensity = 3", "`density` stands in [object]"),
+            ("[bake]\nsun = [[1, 2, 3, 4]]", "a list of lists"),
             ("[scene.'other.glb']\nsise = 3", "in [scene.\"other.glb\"]"),
             ("[scene.'other.glb'.object.x]\ndensty = 3", "`densty = 3`"),
             ("[probes]\nsize = 4", "unknown option `size` in [probes]"),

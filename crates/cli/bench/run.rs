@@ -3,7 +3,7 @@
 use super::args::Args;
 use crate::bake::prepare::prepare;
 use crate::host;
-use crate::outcome::{Outcome, note, say, say_json};
+use crate::outcome::{Outcome, note, say, say_json, tell};
 use ::bake::PointSet;
 use anyhow::Context;
 use bench::ceiling::{Loop, Pair, ceiling, loops};
@@ -99,8 +99,7 @@ fn against_error(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
         );
     }
     let of = quantity(options);
-    let picture =
-        svg(&title, of, &rows).map_err(|e| anyhow::anyhow!("{}: {e}", scene.display()))?;
+    let picture = svg(&title, of, &rows);
     let mut table = markdown(&title, of, &rows, ratio);
     table += &format!(
         "\nambake {}, {}, options {}\n",
@@ -109,7 +108,11 @@ fn against_error(args: &Args, scene: &Path) -> anyhow::Result<Outcome> {
         job.options().describe()
     );
     output.stage_bytes("bench.csv", csv.as_bytes())?;
-    output.stage_bytes("bench.svg", picture.as_bytes())?;
+    match picture {
+        Ok(picture) => output.stage_bytes("bench.svg", picture.as_bytes())?,
+        // The rows are worth as much.
+        Err(error) => tell(&format!("{}: {error}", scene.display())),
+    }
     output.stage_bytes("bench.md", table.as_bytes())?;
     output.publish()?;
     if args.common.json {

@@ -51,12 +51,12 @@ pub(crate) struct Parts {
 pub(crate) fn scene(mut input: Input, format: Format, mut parts: Parts) -> Result<Scene, Error> {
     instances(&mut input, &mut parts)?;
     if parts.instances.is_empty() {
-        let ignored: Vec<&str> = input
-            .warnings
-            .iter()
-            .map(|w| w.kind.name())
-            .take(5)
-            .collect();
+        let mut ignored: Vec<&str> = Vec::new();
+        for name in input.warnings.iter().map(|warning| warning.kind.name()) {
+            if !ignored.contains(&name) && ignored.len() < 5 {
+                ignored.push(name);
+            }
+        }
         let hint = if ignored.is_empty() {
             String::new()
         } else {
