@@ -253,7 +253,7 @@ fn four_times_as_much_of_what_meets_itself_takes_at_most_eight_times_the_time_an
     let failed: Vec<String> = KINDS
         .iter()
         .filter_map(|kind| {
-            let [one, four] = [250, 1000].map(|count| cost(folder.path(), kind, count));
+            let [one, four] = [500, 2000].map(|count| cost(folder.path(), kind, count));
             let is_steep = four[0] > 8.0 * one[0].max(0.25) || four[1] > 4.0 * one[1] + 64.0;
             let line = format!("{kind}: {one:.2?}, then {four:.2?} (processor seconds, MiB)");
             println!("{line}");
