@@ -305,7 +305,7 @@ fn moment(lobe: &Lobe, l: usize) -> f64 {
 
 #[test]
 fn ggx_scales_a_spherical_harmonic_as_quadrature_says() {
-    let map = painted(Projection::Polar, 2048, 2, |d| 1.0 + low(2, dot(d, AXIS)));
+    let map = painted(Projection::Polar, 4096, 2, |d| 1.0 + low(2, dot(d, AXIS)));
     for roughness in [0.1, 0.25, 0.5, 1.0] {
         let lobe = Lobe::Ggx(roughness);
         let request = Request {
