@@ -69,7 +69,7 @@ pub const CORE: &[Row] = &[
     row("animation", Harmless, "nodes are baked where they stand"),
     row("asset: version", Honoured, "2.x"),
     row("asset: copyright, generator, minVersion", Harmless, "no version of 2.x after 2.0 exists"),
-    row("buffer: uri, byteLength", Honoured, "a file in the folder of the scene or below, or a data URI; one that cannot be had stops only what reads it"),
+    row("buffer: uri, byteLength", Honoured, "a file in the folder of the scene or below, or a data URI; one that cannot be had and that no mesh needs stops nothing"),
     row("bufferView: buffer, byteOffset, byteLength, byteStride", Honoured, ""),
     row("bufferView: target", Harmless, ""),
     row("camera, node: camera", Harmless, ""),
