@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 /// Every option, as its flag is called with underscores.
-const NAMES: [&str; 21] = [
+const NAMES: [&str; 22] = [
     "at",
     "grid",
     "spacing",
