@@ -65,14 +65,11 @@ pub fn with_own_table(typed: Vec<OsString>) -> anyhow::Result<Vec<OsString>> {
     let Some((verb, below)) = found.as_ref().ok().and_then(ArgMatches::subcommand) else {
         return Ok(typed);
     };
-    let scene = match OWN.contains(&verb) {
-        true => below.try_get_one::<PathBuf>("scene").ok().flatten(),
-        false => None,
-    };
-    let Some(path) = scene.and_then(|scene| beside(scene)) else {
+    let scene = below.try_get_one::<PathBuf>("scene").ok().flatten();
+    let scene = scene.filter(|_| OWN.contains(&verb));
+    let Some((scene, path)) = scene.and_then(|scene| Some((scene, beside(scene)?))) else {
         return Ok(typed);
     };
-    let scene = scene.expect("it has a file beside it");
     let more = read(&path).and_then(|table| {
         let flags = flags(&path, &table, scene, (verb, below));
         flags.with_context(|| path.display().to_string())
