@@ -247,6 +247,7 @@ impl Job {
             .chain(self.touching())
             .chain(self.outsides())
             .chain(self.inside_out())
+            .chain(self.turned_over())
             .chain(self.too_bright())
             .chain(self.lights_left_out())
             .chain(self.lamps_left_out())
@@ -308,11 +309,33 @@ impl Job {
         })
     }
 
+    /// Closed surfaces with texels whose backs are lit.
+    fn turned_over(&self) -> Option<WarningReport> {
+        let turned = self.world.turned_over();
+        let (instances, placements) = (&self.scene.instances, &self.atlas.placements);
+        let placed = instances
+            .iter()
+            .zip(placements)
+            .filter(|(instance, placement)| {
+                placement.is_somewhere() && turned.contains_key(&instance.mesh)
+            });
+        let names: Vec<&str> = placed.map(|(instance, _)| instance.name.as_str()).collect();
+        Some(WarningReport {
+            kind: "turned-over".into(),
+            place: format!("object `{}`", names.first()?),
+            count: names.len() as u64,
+            message: "faces of a closed surface look inward, where nothing is, and are drawn from both sides; their outside is baked".into(),
+        })
+    }
+
     /// Closed surfaces with texels that are lit from within.
     fn inside_out(&self) -> Option<WarningReport> {
+        let turned = self.world.turned_over();
         let mut found = self.world.solids().inside_out();
         found.retain(|&instance| {
+            let mesh = self.scene.instances[instance as usize].mesh;
             self.atlas.placements[instance as usize] != atlas::Placement::NOWHERE
+                && !turned.contains_key(&mesh)
         });
         let first = &self.scene.instances[*found.first()? as usize];
         Some(WarningReport {

@@ -49,7 +49,7 @@ impl World {
         }
         let near = solids.about(position, position);
         let reach = self.reach(&near, position.abs().max_element());
-        let point = position + NUDGE * reach * self.front(instance, triangle);
+        let point = position + NUDGE * reach * self.upward(instance, triangle).normalize_or_zero();
         solids.outweigh(&near, |body| solids.depth(body, point, own))
     }
 
@@ -74,7 +74,7 @@ impl World {
         }
         let mut near = solids.about(low, high);
         let reach = self.reach(&near, low.abs().max(high.abs()).max_element());
-        let above = NUDGE * reach * self.front(instance, triangle);
+        let above = NUDGE * reach * self.upward(instance, triangle).normalize_or_zero();
         let corners = corners.map(|corner| corner + above);
         near.retain(|&body| !solids.spares(body, own));
         let is_close = |&body: &u32| own != Some(body) && solids.meets(body, corners.into_iter());
@@ -97,23 +97,6 @@ impl World {
     fn reach(&self, near: &[u32], place: f64) -> f64 {
         let extent = near.iter().map(|&body| self.solids().extent(body));
         extent.fold(place, f64::max)
-    }
-
-    /// The direction to which a triangle looks, of unit length: the side of its normal on which its shading normals
-    /// are.
-    fn front(&self, instance: u32, triangle: u32) -> DVec3 {
-        let corners = self.corners(instance, triangle);
-        let face = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-        let sense = if self.part(instance).0.mirrors() {
-            -1.0
-        } else {
-            1.0
-        };
-        let sense = match self.normals(instance, triangle) {
-            Some([a, b, c]) if (a + b + c).dot(face * sense) < 0.0 => -sense,
-            _ => sense,
-        };
-        sense * face.normalize_or_zero()
     }
 }
 

@@ -127,6 +127,15 @@ impl Light {
         }
     }
 
+    /// Where it is; `None` where it is distant.
+    pub fn position(&self) -> Option<DVec3> {
+        match self {
+            Self::Distant { .. } => None,
+            Self::Point { position, .. } | Self::Sphere { position, .. } => Some(*position),
+            Self::Rect { corner, sides, .. } => Some(*corner + 0.5 * (sides[0] + sides[1])),
+        }
+    }
+
     /// True where the direction to it depends on what is drawn.
     pub fn has_extent(&self) -> bool {
         matches!(self, Self::Sphere { .. } | Self::Rect { .. })

@@ -12,6 +12,7 @@ use crate::part::Part;
 use crate::solid::Solids;
 use glam::{DAffine3, DVec3};
 use scene::Scene;
+use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, OnceLock};
 
 /// How a [`World`] is built.
@@ -45,6 +46,8 @@ pub struct World {
     /// See [`World::origin`].
     origin: DVec3,
     normal_maps: Option<NormalMaps>,
+    /// By mesh, the triangles whose back is lit; see [`World::turn_over`].
+    backs: HashMap<u32, HashSet<u32>>,
     /// See [`World::solids`].
     solids: OnceLock<Solids>,
 }
@@ -99,6 +102,7 @@ impl World {
             bounds,
             origin: DVec3::ZERO,
             normal_maps: None,
+            backs: HashMap::new(),
             solids: OnceLock::new(),
         })
     }
@@ -144,7 +148,8 @@ impl World {
     ) -> Option<DVec3> {
         let (part, geometry) = self.part(instance);
         let maps = self.normal_maps.as_ref()?;
-        maps.mean(&self.scene, part, geometry.mesh, triangle, corners, square)
+        let bent = maps.mean(&self.scene, part, geometry.mesh, triangle, corners, square)?;
+        Some(self.on_lit_side(bent, instance, triangle))
     }
 
     /// True where a normal map may bend the shading normals of an instance.
@@ -162,7 +167,16 @@ impl World {
     pub(crate) fn bent_at(&self, instance: u32, triangle: u32, weights: DVec3) -> Option<DVec3> {
         let (part, geometry) = self.part(instance);
         let maps = self.normal_maps.as_ref()?;
-        maps.at(&self.scene, part, geometry.mesh, triangle, weights)
+        let bent = maps.at(&self.scene, part, geometry.mesh, triangle, weights)?;
+        Some(self.on_lit_side(bent, instance, triangle))
+    }
+
+    /// A bent normal of the file, reversed as the normal is that it bends.
+    fn on_lit_side(&self, bent: DVec3, instance: u32, triangle: u32) -> DVec3 {
+        match self.reverses(instance, triangle) {
+            true => -bent,
+            false => bent,
+        }
     }
 
     /// The scene this world was built from.
@@ -173,6 +187,27 @@ impl World {
     /// The solids of this world, found when first asked.
     pub fn solids(&self) -> &Solids {
         self.solids.get_or_init(|| Solids::of(&self.scene))
+    }
+
+    /// Lights these triangles of meshes from behind: normals point there, and nothing else changes.
+    pub fn turn_over(&mut self, triangles: Vec<(u32, Vec<u32>)>) {
+        let sets = triangles
+            .into_iter()
+            .map(|(mesh, of)| (mesh, of.into_iter().collect()));
+        self.backs = sets.collect();
+    }
+
+    /// The meshes some of whose triangles are lit from behind, with those triangles.
+    pub fn turned_over(&self) -> &HashMap<u32, HashSet<u32>> {
+        &self.backs
+    }
+
+    fn is_turned_over(&self, mesh: u32, triangle: u32) -> bool {
+        !self.backs.is_empty()
+            && self
+                .backs
+                .get(&mesh)
+                .is_some_and(|of| of.contains(&triangle))
     }
 
     /// The part and the geometry of an instance.
@@ -200,8 +235,37 @@ impl World {
         })
     }
 
+    /// The normal of a triangle on its lit side by the winding, of twice its area's length. Mirroring objects and
+    /// [`World::turn_over`] turn it round.
+    pub fn face(&self, instance: u32, triangle: u32) -> DVec3 {
+        let (part, geometry) = self.part(instance);
+        let [a, b, c] = self.corners(instance, triangle);
+        let face = (b - a).cross(c - a);
+        match part.mirrors() != self.is_turned_over(geometry.mesh, triangle) {
+            true => -face,
+            false => face,
+        }
+    }
+
+    /// The same on the side of the shading normals, from which texels send their rays.
+    pub fn upward(&self, instance: u32, triangle: u32) -> DVec3 {
+        let face = self.face(instance, triangle);
+        match self.normals(instance, triangle) {
+            Some([a, b, c]) if (a + b + c).dot(face) < 0.0 => -face,
+            _ => face,
+        }
+    }
+
     /// Unit shading normals at a triangle's corners in world space; `None` where the mesh has none.
     pub fn normals(&self, instance: u32, triangle: u32) -> Option<[DVec3; 3]> {
+        let normals = self.normals_by_file(instance, triangle)?;
+        match self.reverses(instance, triangle) {
+            true => Some(normals.map(|normal| -normal)),
+            false => Some(normals),
+        }
+    }
+
+    fn normals_by_file(&self, instance: u32, triangle: u32) -> Option<[DVec3; 3]> {
         let (part, geometry) = self.part(instance);
         let mesh = geometry.mesh();
         (!mesh.normals.is_empty()).then(|| {
@@ -209,6 +273,13 @@ impl World {
                 (part.carry_normal(mesh.normals[vertex as usize].as_dvec3())).normalize_or_zero()
             })
         })
+    }
+
+    /// True where the file's normals point away from the lit side of a triangle that is lit from behind.
+    fn reverses(&self, instance: u32, triangle: u32) -> bool {
+        self.is_turned_over(self.part(instance).1.mesh, triangle)
+            && (self.normals_by_file(instance, triangle))
+                .is_some_and(|[a, b, c]| (a + b + c).dot(self.face(instance, triangle)) < 0.0)
     }
 
     /// True where both sides of an instance's surface are drawn, so that it has no back.

@@ -37,7 +37,7 @@ pub(super) struct Radiosity<'a> {
 impl Radiosity<'_> {
     /// Radiance, linear RGB, that a surface sends back along the ray that met it.
     pub fn sent(&self, hit: &SurfaceHit, ray: DVec3) -> DVec3 {
-        if self.upward(hit).dot(ray) >= 0.0 {
+        if self.world.upward(hit.instance, hit.triangle).dot(ray) >= 0.0 {
             return DVec3::ZERO;
         }
         let weights = {
@@ -50,20 +50,6 @@ impl Radiosity<'_> {
         let scene = self.world.scene();
         let material = material_at(scene, hit.instance, hit.triangle, weights);
         self.overrides.applied(material).albedo * irradiance
-    }
-
-    /// A normal, of any length, on the side of the shading normals: the side from which texels send their rays.
-    fn upward(&self, hit: &SurfaceHit) -> DVec3 {
-        let [a, b, c] = self.world.corners(hit.instance, hit.triangle);
-        let sense = match self.world.part(hit.instance).0.mirrors() {
-            true => -1.0,
-            false => 1.0,
-        };
-        let face = (b - a).cross(c - a) * sense;
-        match self.world.normals(hit.instance, hit.triangle) {
-            Some([a, b, c]) if (a + b + c).dot(face) < 0.0 => -face,
-            _ => face,
-        }
     }
 
     /// The bilinear look-up among the four texels about a point, of those that hold light; `None` where none does.

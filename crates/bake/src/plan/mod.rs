@@ -11,8 +11,9 @@ pub use open::OpenTriangles;
 use crate::choice::Choice;
 use crate::options::{Model, Options, Shading, Sky, View};
 use ambient::sampling::Mixture;
+use glam::DVec3;
 use layers::Term;
-use rays::{Error, PlaneErrors, World, WorldOptions};
+use rays::{Error, Light, PlaneErrors, World, WorldOptions};
 use scene::{Scene, Surface};
 use std::sync::Arc;
 
@@ -80,6 +81,15 @@ impl Plan {
         if options.normal_maps {
             world.read_normal_maps()?;
         }
+        let near = |at| at - world.origin();
+        let lights: Vec<DVec3> = options
+            .lights
+            .iter()
+            .filter_map(Light::position)
+            .map(near)
+            .collect();
+        let backs = world.solids().backs(&lights);
+        world.turn_over(backs);
         let mut open_triangles = if options.allows(Choice::Open) {
             OpenTriangles::of(&world, &PlaneErrors::of(&world))
         } else {

@@ -108,7 +108,7 @@ fn border(
     let inward = away.try_normalize()?;
     let normals = match world.normals(instance, triangle) {
         Some(normals) => [normals[a], normals[b]],
-        None => [face_normal(world, instance, corners)?; 2],
+        None => [world.face(instance, triangle).try_normalize()?; 2],
     };
     let texels = [a, b].map(|k| uv[k].as_dvec2() * size);
     let side = (texels[1] - texels[0]).try_normalize()?;
@@ -125,16 +125,6 @@ fn border(
         depth: away.length() / height,
         inward_texels: away_texels / away.length(),
     })
-}
-
-/// The unit normal of a triangle by its winding, which mirrored objects turn round.
-fn face_normal(world: &World, instance: u32, [a, b, c]: [DVec3; 3]) -> Option<DVec3> {
-    let sense = if world.part(instance).0.mirrors() {
-        -1.0
-    } else {
-        1.0
-    };
-    ((b - a).cross(c - a) * sense).try_normalize()
 }
 
 /// Triangle and side (0 runs from corner 0 to corner 1) of every edge of a mesh that one triangle of the layout has

@@ -48,13 +48,7 @@ impl Lit<'_> {
     /// Unit normals at the corners of a triangle that its front shades with, and the front's geometric normal; zero for
     /// a triangle without an area.
     pub(super) fn normals(&self, instance: u32, triangle: u32) -> ([DVec3; 3], DVec3) {
-        let [a, b, c] = self.world.corners(instance, triangle);
-        let turn = if self.world.part(instance).0.mirrors() {
-            -1.0
-        } else {
-            1.0
-        };
-        let geometric = (b - a).cross(c - a).normalize_or_zero() * turn;
+        let geometric = self.world.face(instance, triangle).normalize_or_zero();
         let shading = self.world.normals(instance, triangle);
         (shading.unwrap_or([geometric; 3]), geometric)
     }

@@ -12,7 +12,7 @@
 //! * Inward, inside a solid: its cavity, which is air again.
 //! * Inward, and some whole other surface lies in it: a room. It is air.
 //! * Inward, some surface lies in it for the most part, and nothing large outside: a room too.
-//! * Inward and none of these: a solid wound the wrong way.
+//! * Inward and none of these: a solid wound the wrong way. `inward.rs` says when its outside is baked.
 //!
 //! An open surface whose openings all lie on what it stands on is closed by that, and a solid too: `shut.rs` says when.
 //!
@@ -24,6 +24,7 @@
 
 mod covers;
 mod ground;
+mod inward;
 mod near;
 mod opening;
 mod placed;
@@ -243,24 +244,6 @@ impl Solids {
     /// True where nothing is buried in any of them, nothing has a rim and nothing is covered.
     pub fn is_idle(&self) -> bool {
         self.count() == 0 && self.rims.is_empty() && self.covers.is_empty()
-    }
-
-    /// An instance of each closed surface whose faces look inward though it is no room: it is lit from within.
-    pub fn inside_out(&self) -> Vec<u32> {
-        let first = |placement: u32, body: &Body| {
-            let shape = &self.shapes[body.shape as usize];
-            let has = |mesh: u32| shape.surface_of[mesh as usize].contains(&body.surface);
-            let start = self.firsts[placement as usize];
-            let mut instances = (start..).zip(&self.instances[start as usize..]);
-            instances.find_map(|(i, of)| (of.2 == placement && has(of.1)).then_some(i))
-        };
-        let mut found: Vec<u32> = (self.placements.iter())
-            .map(|(&(placement, _), &body)| (placement, &self.bodies[body as usize]))
-            .filter(|(_, body)| body.inside == Inside::Solid && self.surface(body).volume < 0.0)
-            .filter_map(|(placement, body)| first(placement, body))
-            .collect();
-        found.sort_unstable();
-        found
     }
 
     /// The body that a triangle is part of.

@@ -55,6 +55,32 @@ fn a_box_is_a_solid_however_it_is_wound() {
 }
 
 #[test]
+fn a_box_that_looks_inward_is_lit_from_behind_where_nothing_is_in_it() {
+    type Change = fn(&mut scene::Material);
+    let stone = || vec![unit(true), sheet()];
+    let chair = || block(Vec3::new(0.5, -0.8, 0.5), Vec3::splat(0.2), false);
+    let beside = [2.0 * DVec3::X];
+    let cases: [(Vec<Mesh>, &[DVec3], Change, usize); 8] = [
+        (stone(), &[], |_| {}, 12),
+        (stone(), &beside, |_| {}, 12),
+        (vec![unit(false), sheet()], &[], |_| {}, 0),
+        // A light in it, a lamp of its own, one side, something that stands in it, nothing else.
+        (stone(), &[INSIDE], |_| {}, 0),
+        (stone(), &[], |m| m.emission = Vec3::ONE, 0),
+        (stone(), &[], |m| m.double_sided = false, 0),
+        (vec![unit(true), chair()], &[], |_| {}, 0),
+        (vec![unit(true)], &[], |_| {}, 0),
+    ];
+    for (meshes, lights, change, expected) in cases {
+        let mut scene = scene(meshes);
+        change(&mut scene.materials[0]);
+        let backs = Solids::of(world(scene).scene()).backs(lights);
+        let triangles: usize = backs.iter().map(|(_, of)| of.len()).sum();
+        assert_eq!(triangles, expected);
+    }
+}
+
+#[test]
 fn a_mirrored_and_a_squeezed_placement_keep_their_inside() {
     let turn = DQuat::from_rotation_y(0.3);
     let at = DVec3::new(20.0, 1.0, -3.0);
