@@ -28,6 +28,7 @@ mod fit;
 mod frames;
 mod furnace;
 mod ggx;
+mod godot;
 mod habits;
 mod hard_cases;
 mod kept;

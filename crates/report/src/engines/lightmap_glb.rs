@@ -21,6 +21,7 @@ pub const LIGHTMAP: SceneGlb = SceneGlb {
     extensions: &[MOZ],
     picture,
     shows,
+    beside: &[],
     words: [
         "irradiance E on TEXCOORD_1: the 8-bit linear texture of MOZ_lightmap times its intensity",
         "Readers of MOZ_lightmap (Mozilla Hubs, three.js with a plugin of ten lines) show it lit with its own materials, without lamps. \
@@ -51,7 +52,7 @@ fn picture(page: &PageLight<'_>) -> Option<Picture> {
     Some(Picture { png, strength })
 }
 
-fn shows(map: &mut Map<String, Value>, texture: u64, strength: f32) {
+fn shows(map: &mut Map<String, Value>, _: usize, texture: u64, strength: f32) {
     let lightmap = json!({ "index": texture, "texCoord": 1, "intensity": PI * strength });
     let extensions = map.entry("extensions").or_insert_with(|| json!({}));
     if let Some(extensions) = extensions.as_object_mut() {

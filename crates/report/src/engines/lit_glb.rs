@@ -19,6 +19,7 @@ pub const LIT: SceneGlb = SceneGlb {
     extensions: &[SPECULAR, STRENGTH],
     picture,
     shows,
+    beside: &[],
     words: [
         "radiance that leaves the surface, albedo included, as emission on TEXCOORD_1",
         "Open or import it: it is lit as it is, without lamps and sky. \
@@ -44,7 +45,7 @@ fn picture(page: &PageLight<'_>) -> Option<Picture> {
 }
 
 /// Gives off the texture and reflects nothing.
-fn shows(map: &mut Map<String, Value>, texture: u64, strength: f32) {
+fn shows(map: &mut Map<String, Value>, _: usize, texture: u64, strength: f32) {
     map.shift_remove("normalTexture");
     let pbr = map
         .entry("pbrMetallicRoughness")

@@ -6,6 +6,7 @@
 
 mod ao;
 mod container;
+mod godot;
 mod half_exr;
 mod instanced;
 mod ktx2;
@@ -79,6 +80,7 @@ pub fn stage_engines(
             Kind::ShKtx2 => sh::array(page).unwrap_or_default(),
             Kind::Ao => ao::deep(page),
             Kind::Ao8 => ao::dithered(page),
+            Kind::GodotImport => godot::IMPORT.into(),
         };
         output.stage_bytes(&kind.file(stem, page.page), &bytes)?;
     }

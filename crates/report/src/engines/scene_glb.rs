@@ -4,6 +4,7 @@
 //! gives its place to one of light, and the materials that showed the one show the other.
 
 use super::container::{list, parts, whole};
+use super::godot::GODOT;
 use super::lightmap_glb::LIGHTMAP;
 use super::lit_glb::LIT;
 use super::scene_kind::{Picture, SceneGlb};
@@ -13,7 +14,7 @@ use crate::{Error, Output};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
-const KINDS: [&SceneGlb; 2] = [&LIT, &LIGHTMAP];
+const KINDS: [&SceneGlb; 3] = [&LIT, &LIGHTMAP, &GODOT];
 
 /// The pictures of a bake's pages for the files that its engines get.
 #[derive(Default)]
@@ -49,7 +50,13 @@ const FORMS: [Form; 2] = [
 
 /// The names of the files that `engines` get.
 pub fn scene_files(stem: &str, engines: &[Engine]) -> Vec<String> {
-    let kinds = kinds(engines).map(|kind| kind.file(stem));
+    let kinds = kinds(engines).flat_map(|kind| {
+        let beside = kind
+            .beside
+            .iter()
+            .map(|beside| format!("{stem}.{}", beside.ending));
+        std::iter::once(kind.file(stem)).chain(beside)
+    });
     let forms = forms(engines).map(|form| file(stem, form.suffix));
     kinds.chain(forms).collect()
 }
@@ -93,6 +100,10 @@ impl ScenePictures {
         let path = output.dir().join(format!("{stem}.glb"));
         for (kind, pictures) in &self.of {
             output.stage_bytes(&kind.file(stem), &repaint(glb, pictures, kind, &path)?)?;
+            for beside in kind.beside {
+                let name = format!("{stem}.{}", beside.ending);
+                output.stage_bytes(&name, (beside.text)(stem).as_bytes())?;
+            }
             let wanting = engines.iter().filter(|e| kind.engines.contains(e));
             entries.extend(wanting.map(|engine| entry(*engine, kind.file(stem), kind.words)));
         }
@@ -172,10 +183,11 @@ fn repaint(
             .pointer("/occlusionTexture/index")
             .and_then(Value::as_u64);
         let page = shows.and_then(|texture| *pages.get(texture as usize)?);
-        if let (Some(texture), Some(picture)) = (shows, page.and_then(|page| pictures.get(page))) {
+        let picture = page.and_then(|page| Some((page, pictures.get(page)?)));
+        if let (Some(texture), Some((page, picture))) = (shows, picture) {
             let map = material.as_object_mut().ok_or_else(broken)?;
             map.shift_remove("occlusionTexture");
-            (kind.shows)(map, texture, picture.strength);
+            (kind.shows)(map, page, texture, picture.strength);
         }
     }
     let root = json.as_object_mut().ok_or_else(broken)?;

@@ -13,11 +13,21 @@ pub(super) struct SceneGlb {
     pub extensions: &'static [&'static str],
     /// The picture of a page; `None` where the page lacks a layer.
     pub picture: fn(&PageLight<'_>) -> Option<Picture>,
-    /// Makes a material show a texture on the lightmap's coordinates, in place of the occlusion; given a picture's
-    /// strength too.
-    pub shows: fn(&mut Map<String, Value>, u64, f32),
+    /// Makes a material show a page's texture on the lightmap's coordinates, in place of the occlusion; given the page,
+    /// the texture and the strength of its picture.
+    pub shows: fn(&mut Map<String, Value>, usize, u64, f32),
+    /// What an engine wants to find beside it.
+    pub beside: &'static [Beside],
     /// Unit and use, as `bake.json` says them.
     pub words: [&'static str; 2],
+}
+
+/// A text file beside such a GLB.
+pub(super) struct Beside {
+    /// What stands behind `STEM.` in its name.
+    pub ending: &'static str,
+    /// Its content, for a stem.
+    pub text: fn(&str) -> String,
 }
 
 /// Light of one page in 8 bits.

@@ -14,7 +14,7 @@ pub enum Engine {
     Blender,
     /// Bevy.
     Bevy,
-    /// Godot 4.
+    /// Godot 3 and 4.
     Godot,
     /// Unity.
     Unity,
@@ -39,6 +39,8 @@ pub(crate) enum Kind {
     Ao,
     /// Occlusion, 8-bit grey PNG, dithered.
     Ao8,
+    /// How Godot is to import the OpenEXR file.
+    GodotImport,
 }
 
 struct Row {
@@ -58,7 +60,7 @@ use Kind::*;
 #[rustfmt::skip]
 const TABLE: [Row; 7] = [
     Row { engine: Engine::Gltf, name: "gltf", kinds: &[Exr, Hdr, Ao], scale: 1.0,
-        how: "STEM.glb carries the occlusion on TEXCOORD_1 for every reader; glTF itself has no lightmaps. \
+        how: "STEM.glb carries the occlusion on TEXCOORD_1, for readers that heed texCoord; glTF itself has no lightmaps. \
               In your own shader add albedo x texel x scale, sampled with TEXCOORD_1, row 0 of the picture at v = 0." },
     Row { engine: Engine::Three, name: "three", kinds: &[Exr, Hdr, Ktx2, Ao], scale: PI,
         how: "material.lightMap = texture with texture.channel = 1 and material.lightMapIntensity = scale; three.js divides by pi. \
@@ -69,8 +71,8 @@ const TABLE: [Row; 7] = [
     Row { engine: Engine::Bevy, name: "bevy", kinds: &[Ktx2, Exr, Ao, Ao8], scale: BEVY_WHITE,
         how: "Lightmap { image, ..default() } on each mesh entity of STEM.glb, StandardMaterial::lightmap_exposure = scale x (1 - 0.16 x reflectance^2), GlobalAmbientLight::affects_lightmapped_meshes = false. \
               The scale undoes the default camera Exposure (EV100 9.7); for another take 1.2 * 2^EV100." },
-    Row { engine: Engine::Godot, name: "godot", kinds: &[Exr, Ao, Ao8], scale: 1.0,
-        how: "A spatial shader: EMISSION = albedo * texture(lightmap, UV2).rgb * scale with ambient light off, import the EXR without mipmaps. \
+    Row { engine: Engine::Godot, name: "godot", kinds: &[Exr, Ao, Ao8, GodotImport], scale: 1.0,
+        how: "STEM.godot.glb shows it as it is. In your own spatial shader: EMISSION = albedo * texture(lightmap, UV2).rgb * scale with ambient light off. \
               Or occlusion alone: STEM.P.ao8.png as AO texture with AO on UV2." },
     Row { engine: Engine::Unity, name: "unity", kinds: &[Exr, Hdr, Ao], scale: 1.0,
         how: "Import as a lightmap without mipmaps, sRGB off; it lies on uv2 of the imported STEM.glb, scale and offset 1,1,0,0. \
@@ -149,7 +151,7 @@ impl Kind {
                 engine.kinds().contains(kind) || own.is_some_and(|(own, _)| own == *kind)
             })
         };
-        [Exr, Hdr, Ktx2, Sh, ShKtx2, Ao, Ao8]
+        [Exr, Hdr, Ktx2, Sh, ShKtx2, Ao, Ao8, GodotImport]
             .into_iter()
             .filter(wanted)
             .collect()
@@ -165,17 +167,19 @@ impl Kind {
             ShKtx2 => "sh.ktx2",
             Ao => "ao.png",
             Ao8 => "ao8.png",
+            GodotImport => "lightmap.exr.import",
         };
         format!("{stem}.{page}.{ending}")
     }
 
     /// True for lightmaps, false for occlusion.
     pub fn is_light(self) -> bool {
-        !matches!(self, Ao | Ao8)
+        !matches!(self, Ao | Ao8 | GodotImport)
     }
 
     fn unit(self) -> &'static str {
         match self {
+            GodotImport => "text",
             Ao | Ao8 => "open share of the cosine-weighted hemisphere, 0..1, linear",
             Sh | ShKtx2 => {
                 "spherical harmonics of order 1 of the light that arrives, from which E/pi follows for any normal"
@@ -211,7 +215,10 @@ mod tests {
             [Exr, Hdr, Ktx2, Ao, Ao8]
         );
         let all: Vec<Engine> = Engine::all().collect();
-        assert_eq!(Kind::of(&all, true), [Exr, Hdr, Ktx2, Sh, ShKtx2, Ao, Ao8]);
+        assert_eq!(
+            Kind::of(&all, true),
+            [Exr, Hdr, Ktx2, Sh, ShKtx2, Ao, Ao8, GodotImport]
+        );
         assert_eq!(Kind::of(&[Engine::Three], true), [Exr, Hdr, Ktx2, Ao]);
         assert_eq!(Kind::of(&[], true), []);
     }
