@@ -30,6 +30,7 @@ class Bake:
             os.makedirs(os.path.dirname(scene))
             self.sent = send.export(context, settings, scene)
             self.settings = _frozen(settings)
+            self.lit = self.sent.lit if settings.light == "SCENE" else command.sky(self.settings)
             self.scene = scene
             self.run = command.Run(self.found, self.flags(context))
         except BaseException:
@@ -38,7 +39,7 @@ class Bake:
 
     def flags(self, _context):
         """What ambake is asked for."""
-        return command.arguments(self.settings, self.scene, self.folder, self.sent.occluders)
+        return command.arguments(self.settings, self.scene, self.folder, self.sent.occluders, self.lit)
 
     def result(self):
         """What ambake tells when it has ended. A ValueError where it failed."""
@@ -78,7 +79,7 @@ class Probes(Bake):
         super().__init__(context)
 
     def flags(self, _context):
-        return command.probe_arguments(self.settings, self.scene, self.folder, *self.volume)
+        return command.probe_arguments(self.settings, self.scene, self.folder, self.lit, *self.volume)
 
     def finish(self):
         report = self.result()

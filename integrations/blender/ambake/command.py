@@ -38,9 +38,9 @@ def layers(settings):
     return list(dict.fromkeys(name for name in names if name))
 
 
-def arguments(settings, scene, output, occluders):
+def arguments(settings, scene, output, occluders, lit):
     """The arguments of `ambake bake`. `settings` has the attributes of the panel, named as the flags; `occluders` tells
-    whether the scene has objects that take no texels."""
+    whether the scene has objects that take no texels, `lit` are the flags of the light, such as `sky` gives."""
     result = ["bake", scene, "-o", output, "--json"]
     if occluders:
         result += ["--exclude", OCCLUDER + "*"]
@@ -58,7 +58,7 @@ def arguments(settings, scene, output, occluders):
         flag("--max-rays", settings.max_rays)
     else:
         flag("--rays", settings.rays)
-    result += light(settings)
+    result += lit + shared(settings)
     flag("--uv", settings.uv)
     flag("--gutter", settings.gutter)
     flag("--mips", settings.mips)
@@ -73,19 +73,24 @@ def arguments(settings, scene, output, occluders):
     return result + shlex.split(settings.further)
 
 
-def probe_arguments(settings, scene, output, low, high, counts):
+def probe_arguments(settings, scene, output, lit, low, high, counts):
     """The arguments of `ambake probes` for a volume of so many probes between two corners in glTF's axes."""
     corners = ":".join(",".join(_number(v) for v in corner) for corner in (low, high))
     result = ["probes", scene, "-o", output, "--json", f"--within={corners}", "--grid", "x".join(map(str, counts))]
     engines = re.split(r"[\s,;]+", settings.probe_engines.strip(" ,;"))
     if any(engines):
         result += ["--for", ",".join(engines)]
-    return result + light(settings) + ["--seed", str(settings.seed)]
+    return result + lit + shared(settings) + ["--seed", str(settings.seed)]
 
 
-def light(settings):
-    """The flags that baking and gathering share: light, and how rays are cast."""
-    result = ["--sky", settings.sky_file or ",".join(_number(v) for v in settings.sky)]
+def sky(settings):
+    """The flags of the sky that the panel has in place of the light of the scene."""
+    return ["--sky", settings.sky_file or ",".join(_number(v) for v in settings.sky)]
+
+
+def shared(settings):
+    """The flags that baking and gathering share: how far light goes, and how rays are cast."""
+    result = ["--bounces", str(settings.bounces)] if settings.bounces else []
     if settings.max_distance > 0.0:
         result += ["--max-distance", _number(settings.max_distance)]
     if settings.backend != "auto":

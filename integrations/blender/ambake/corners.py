@@ -48,6 +48,25 @@ def set_apart(glb, receivers):
     return found, others
 
 
+def leave_out(glb, names):
+    """Takes the surfaces of these objects out of the file, whatever stands below them."""
+    for node, path in glb.mesh_nodes():
+        if path[-1] in names:
+            del node["mesh"]
+
+
+def let_through(glb, names):
+    """Lets these objects block no light."""
+    for node, path in glb.mesh_nodes():
+        if path[-1] in names:
+            node.setdefault("extras", {})["ambake"] = {"cast": False}
+
+
+def shines(glb):
+    """Whether a material sends light of its own."""
+    return any(any(material.get("emissiveFactor", ())) for material in glb.json.get("materials", ()))
+
+
 def drop_uv_set(glb, mesh_sets):
     """Takes the UV set of an earlier bake out of meshes, so that it is not taken for the artist's.
 

@@ -9,6 +9,10 @@ from . import corners
 # Name of the node group, of its node in each material, and of the switch in the group.
 GROUP = "ambake"
 SWITCH = "Show Baked"
+# What the group takes of the shader beside the light.
+INPUTS = "Base Color", "Alpha", "Emission Color", "Emission Strength"
+# Layers that are light, to which that of the surface itself is added.
+LIT = {"irradiance", "lambert", "ggx", "phong"}
 
 
 def show(items, pages, images, layer):
@@ -129,16 +133,24 @@ def _place(tree, output, layer):
 
 
 def _tint(tree, switcher, layer):
-    """Irradiance is multiplied by the base colour, the other layers stand for themselves. Alpha holds for all."""
+    """Irradiance is multiplied by the base colour, the other layers stand for themselves. Alpha holds for all. To layers of
+    light comes what the surface sends of its own."""
     surface = _surface(switcher)
-    colour, alpha = switcher.inputs["Base Color"], switcher.inputs["Alpha"]
-    for link in [*colour.links, *alpha.links]:
+    sockets = colour, alpha, glow, strength = [switcher.inputs[name] for name in INPUTS]
+    for link in [link for socket in sockets for link in socket.links]:
         tree.links.remove(link)
     colour.default_value, alpha.default_value = (1.0, 1.0, 1.0, 1.0), 1.0
+    glow.default_value, strength.default_value = (0.0, 0.0, 0.0, 1.0), 0.0
     if surface is None:
         return
-    names = ("Base Color", "Color") if layer == "irradiance" else ()
-    _follow(tree, surface, names, colour)
+    shines = surface.type == "EMISSION"
+    if layer == "irradiance" and shines:
+        colour.default_value = (0.0, 0.0, 0.0, 1.0)
+    elif layer == "irradiance":
+        _follow(tree, surface, ("Base Color", "Color"), colour)
+    if layer in LIT:
+        _follow(tree, surface, ("Color",) if shines else ("Emission Color",), glow)
+        _follow(tree, surface, ("Strength",) if shines else ("Emission Strength",), strength)
     _follow(tree, surface, ("Alpha",), alpha)
 
 
@@ -181,6 +193,8 @@ def _group():
     face.new_socket("Light", in_out="INPUT", socket_type="NodeSocketColor")
     face.new_socket("Base Color", in_out="INPUT", socket_type="NodeSocketColor")
     face.new_socket("Alpha", in_out="INPUT", socket_type="NodeSocketFloat").default_value = 1.0
+    face.new_socket("Emission Color", in_out="INPUT", socket_type="NodeSocketColor")
+    face.new_socket("Emission Strength", in_out="INPUT", socket_type="NodeSocketFloat").default_value = 0.0
     face.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
 
     def node(kind, x, y):
@@ -189,15 +203,20 @@ def _group():
         return made
 
     start, end = node("NodeGroupInput", -600, 0), node("NodeGroupOutput", 600, 0)
+    own, sum_ = node("ShaderNodeVectorMath", -400, -260), node("ShaderNodeVectorMath", -300, -80)
     times, glow = node("ShaderNodeVectorMath", -400, -80), node("ShaderNodeEmission", -200, -80)
-    times.operation = "MULTIPLY"
+    own.operation, times.operation, sum_.operation = "SCALE", "MULTIPLY", "ADD"
     clear, cut = node("ShaderNodeBsdfTransparent", -200, -220), node("ShaderNodeMixShader", 0, -120)
     choose, value = node("ShaderNodeMixShader", 300, 0), node("ShaderNodeValue", 0, 120)
     value.name = value.label = SWITCH
     link = group.links.new
     link(start.outputs["Light"], times.inputs[0])
     link(start.outputs["Base Color"], times.inputs[1])
-    link(times.outputs[0], glow.inputs["Color"])
+    link(start.outputs["Emission Color"], own.inputs[0])
+    link(start.outputs["Emission Strength"], own.inputs["Scale"])
+    link(times.outputs[0], sum_.inputs[0])
+    link(own.outputs[0], sum_.inputs[1])
+    link(sum_.outputs[0], glow.inputs["Color"])
     link(start.outputs["Alpha"], cut.inputs[0])
     link(clear.outputs[0], cut.inputs[1])
     link(glow.outputs[0], cut.inputs[2])

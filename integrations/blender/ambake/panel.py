@@ -27,7 +27,7 @@ class AMBAKE_PT_bake(bpy.types.Panel):
         row.operator("ambake.bake", icon="RENDER_STILL")
         layout.operator("ambake.switch", icon="HIDE_OFF")
         layout.operator("ambake.probes", icon="OUTLINER_OB_LIGHTPROBE")
-        for name in ("targets", "show", "apply_modifiers", "size", "effort"):
+        for name in ("targets", "show", "light", "bounces", "apply_modifiers", "size", "effort"):
             layout.prop(settings, name)
         names = ("rays",) if settings.effort == "RAYS" else ("target_error", "target_relative", "max_rays")
         for name in names:
@@ -46,13 +46,19 @@ class _Part:
     def draw(self, context):
         self.layout.use_property_split = True
         self.layout.use_property_decorate = False
-        for name in self.names:
+        for name in self.shown(context.scene.ambake):
             self.layout.prop(context.scene.ambake, name)
+
+    def shown(self, _settings):
+        return self.names
 
 
 class AMBAKE_PT_light(_Part, bpy.types.Panel):
     bl_label = "Light"
-    names = ("sky", "sky_file", "max_distance", "normal_maps")
+    names = ("max_distance", "normal_maps")
+
+    def shown(self, settings):
+        return ("sky", "sky_file", *self.names) if settings.light == "SKY" else self.names
 
 
 class AMBAKE_PT_layout(_Part, bpy.types.Panel):

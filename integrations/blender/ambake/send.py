@@ -1,13 +1,18 @@
 """Exports the scene with Blender's own glTF exporter. Nothing in the scene is different afterwards."""
 
 import contextlib
+import os
 from dataclasses import dataclass, field
 
 import bpy
 import numpy as np
 
-from . import corners, nodes
+from . import corners, lamps, nodes, rendered, scene_light
 from .glb import Glb
+from .rendered import listed, s
+
+# Objects that have a surface.
+_KINDS = {"MESH", "CURVE", "FONT", "SURFACE", "META"}
 
 
 @dataclass
@@ -26,6 +31,7 @@ class Sent:
     receivers: list
     notes: list = field(default_factory=list)
     occluders: bool = False  # other objects were exported too
+    lit: list = field(default_factory=list)  # flags of the light of the scene, where that is asked for
 
 
 def shape(mesh):
@@ -41,7 +47,8 @@ def export(context, settings, path):
     """Writes the visible scene to `path`, receivers marked, and says what was left out. A ValueError where nothing can
     be baked."""
     sent = Sent([])
-    chosen = _chosen(context, settings, sent)
+    hidden = rendered.hidden(context)
+    chosen = _chosen(context, settings, hidden, sent)
     with contextlib.ExitStack() as undo:
         receivers = []
         for item in chosen:
@@ -52,6 +59,10 @@ def export(context, settings, path):
             raise ValueError("; ".join(["no object can get a lightmap", *sent.notes]))
         for mesh in {item.data for item, _ in receivers}:
             _number(mesh, undo)
+        for item in hidden:
+            if item.instance_type == "COLLECTION":
+                undo.callback(setattr, item, "instance_type", "COLLECTION")
+                item.instance_type = "NONE"
         for material in bpy.data.materials:
             undo.callback(nodes.bypass(material))
         context.view_layer.update()
@@ -59,6 +70,15 @@ def export(context, settings, path):
         paths = {item.name: _path(item) for item, _ in receivers}
         old = {item.name: item.data.uv_layers.find(corners.UV_MAP) for item, _ in receivers}
     glb = Glb.read(path)
+    corners.leave_out(glb, {item.name for item in hidden})
+    items = [item for item in bpy.data.objects if item.type in _KINDS and item not in hidden]
+    corners.let_through(glb, rendered.uncast(items, sent.notes))
+    shines = corners.shines(glb)
+    if shines and settings.bounces == 0:
+        sent.notes.append("materials that shine light nothing without a bounce: set Bounces to 1 or more")
+    if settings.light == "SCENE":
+        sent.lit, spots = scene_light.gather(context, os.path.dirname(path), hidden, shines, sent.notes)
+        lamps.add_spots(glb, spots)
     found, sent.occluders = corners.set_apart(glb, paths)
     corners.drop_uv_set(glb, {name: number for name, number in old.items() if number >= 0})
     glb.write(path)
@@ -79,19 +99,19 @@ def forget(receiver):
         bpy.data.meshes.remove(mesh)
 
 
-def _chosen(context, settings, sent):
+def _chosen(context, settings, hidden, sent):
     """Objects that are asked to get a lightmap."""
-    visible = [item for item in context.view_layer.objects if item.visible_get()]
+    visible = [item for item in context.view_layer.objects if item.visible_get() and item not in hidden]
     if settings.targets == "SELECTED":
         visible = [item for item in visible if item.select_get()]
     meshes = [item for item in visible if item.type == "MESH" and len(item.data.polygons)]
-    for what, kinds in [("curve, text or surface", {"CURVE", "FONT", "SURFACE", "META"})]:
+    for what, kinds in [("curve, text or surface", _KINDS - {"MESH"})]:
         others = [item.name for item in visible if item.type in kinds]
         if others:
-            sent.notes.append(f"{_list(others)} only cast{_s(others)} shadows: convert each {what} to a mesh first")
+            sent.notes.append(f"{listed(others)} only cast{s(others)} shadows: convert each {what} to a mesh first")
     instanced = [item.name for item in visible if item.instance_type != "NONE"]
     if instanced:
-        sent.notes.append(f"instances of {_list(instanced)} only cast shadows: make them real first")
+        sent.notes.append(f"instances of {listed(instanced)} only cast shadows: make them real first")
     if not meshes:
         raise ValueError(f"no {settings.targets.lower()} mesh has a face to bake")
     return meshes
@@ -165,11 +185,3 @@ def _path(item):
         names.append(item.name)
         item = item.parent
     return names[::-1]
-
-
-def _list(names):
-    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
-
-
-def _s(names):
-    return "s" if len(names) == 1 else ""

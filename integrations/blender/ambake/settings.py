@@ -76,6 +76,17 @@ class AMBAKE_PG_settings(bpy.types.PropertyGroup):
         items=_plain("off", "object", "scene"),
         default="scene",
     )
+    light: EnumProperty(
+        name="Light",
+        items=[
+            ("SCENE", "Scene lights", "The world and the lamps that render, as in Cycles"),
+            ("SKY", "Sky of ambake", "The sky below, and no lamps"),
+        ],
+    )
+    bounces: IntProperty(
+        name="Bounces", description="How often surfaces send on the light that they receive. Materials that shine need one",
+        default=4, min=0, max=64,
+    )
     sky: FloatVectorProperty(
         name="Sky", description="Radiance of the uniform sky, linear", subtype="COLOR", size=3, default=(1, 1, 1),
         min=0.0, soft_max=1.0,

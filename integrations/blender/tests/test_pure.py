@@ -33,14 +33,14 @@ def settings(**values):
         show="irradiance", layers="", size=512, density=0.0, effort="RAYS", rays=64, target_error=0.005, target_relative=0.0,
         max_rays=4096, sky=(1.0, 1.0, 1.0), sky_file="", max_distance=0.0, backend="auto", uv="auto", gutter=2, mips=0,
         seams="scene", denoise="off", seed=0, normal_maps=False, threads=0, further="",
-        probe_engines=" bevy, three",
+        probe_engines=" bevy, three", bounces=0,
     )
     return types.SimpleNamespace(**{**plain, **values})
 
 
 class Command(unittest.TestCase):
     def line(self, occluders=False, **values):
-        return " ".join(command.arguments(settings(**values), "in.glb", "out", occluders))
+        return " ".join(command.arguments(settings(**values), "in.glb", "out", occluders, command.sky(settings(**values))))
 
     def test_flags_are_those_of_the_command_line(self):
         self.assertEqual(
@@ -50,12 +50,12 @@ class Command(unittest.TestCase):
         )
 
     def test_probes_fill_a_box_with_the_light_of_the_bake(self):
-        words = command.probe_arguments(settings(threads=2), "in.glb", "out", (-1.0, 0.0, -2.5), (1.0, 2.0, 2.5), (4, 2, 8))
+        words = command.probe_arguments(settings(threads=2), "in.glb", "out", ["--sky", "1,1,1"], (-1.0, 0.0, -2.5), (1.0, 2.0, 2.5), (4, 2, 8))
         self.assertEqual(
             " ".join(words),
             "probes in.glb -o out --json --within=-1,0,-2.5:1,2,2.5 --grid 4x2x8 --for bevy,three --sky 1,1,1 --threads 2 --seed 0",
         )
-        self.assertNotIn("--for", command.probe_arguments(settings(probe_engines=""), "in.glb", "out", (0,) * 3, (1,) * 3, (1,) * 3))
+        self.assertNotIn("--for", command.probe_arguments(settings(probe_engines=""), "in.glb", "out", [], (0,) * 3, (1,) * 3, (1,) * 3))
 
     def test_a_target_error_takes_the_place_of_rays(self):
         # 0.005 as Blender keeps it, in 32 bits.
@@ -68,7 +68,7 @@ class Command(unittest.TestCase):
         self.assertNotIn("--layers", self.line(show="diffuse"))
 
     def test_further_flags_keep_their_quotes(self):
-        self.assertEqual(command.arguments(settings(further="--exclude 'a b'"), "in.glb", "out", True)[-2:], ["--exclude", "a b"])
+        self.assertEqual(command.arguments(settings(further="--exclude 'a b'"), "in.glb", "out", True, [])[-2:], ["--exclude", "a b"])
         self.assertIn("--exclude ambake-occluder: *", self.line(occluders=True))
 
     def test_progress_is_read_from_ambakes_own_lines(self):

@@ -44,7 +44,7 @@ class BlenderTest(unittest.TestCase):
 
     def settings(self, **values):
         settings = bpy.context.scene.ambake
-        for name, value in {"size": 64, "rays": 16, "folder": self.folder, **values}.items():
+        for name, value in {"size": 64, "rays": 16, "folder": self.folder, "light": "SKY", "bounces": 0, **values}.items():
             setattr(settings, name, value)
         return settings
 
@@ -104,16 +104,17 @@ def look_up(picture, uv):
     return low * (1 - fy) + high * fy
 
 
-def render(path, samples=1, size=48, world=1.0):
-    """What Cycles makes of the scene through its camera: (height, width, 4) linear values, row 0 at the bottom. No light
-    bounces, so that a plain material under the white world is the diffuse term times its colour."""
+def render(path, samples=1, size=48, world=1.0, bounces=0):
+    """What Cycles makes of the scene through its camera: (height, width, 4) linear values, row 0 at the bottom. Where no
+    light bounces, a plain material under the white world is the diffuse term times its colour. With `world=None` the world
+    is the scene's own."""
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.cycles.device = "CPU"
     scene.cycles.samples = samples
     scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
     scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BOX", 0.01
-    scene.cycles.max_bounces = 0
+    scene.cycles.max_bounces = scene.cycles.diffuse_bounces = bounces
     scene.cycles.transparent_max_bounces = 8
     scene.render.threads_mode, scene.render.threads = "FIXED", 2
     scene.render.resolution_x = scene.render.resolution_y = size
@@ -122,18 +123,24 @@ def render(path, samples=1, size=48, world=1.0):
     scene.render.image_settings.file_format = "OPEN_EXR"
     scene.render.image_settings.color_mode = "RGBA"
     scene.render.filepath = path
-    if scene.world is None:
-        scene.world = bpy.data.worlds.new("white")
-    scene.world.use_nodes = True
-    background = next(n for n in scene.world.node_tree.nodes if n.type == "BACKGROUND")
-    background.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
-    background.inputs["Strength"].default_value = world
+    if world is not None:
+        plain_world((1.0, 1.0, 1.0), world)
     bpy.ops.render.render(write_still=True)
     picture = bpy.data.images.load(path, check_existing=False)
     values = np.empty(size * size * 4, np.float32)
     picture.pixels.foreach_get(values)
     bpy.data.images.remove(picture)
     return values.reshape(size, size, 4)
+
+
+def plain_world(colour, strength):
+    """Gives the scene a world of one colour."""
+    scene = bpy.context.scene
+    scene.world = scene.world or bpy.data.worlds.new("plain")
+    scene.world.use_nodes = True
+    background = next(n for n in scene.world.node_tree.nodes if n.type == "BACKGROUND")
+    background.inputs["Color"].default_value = (*colour, 1.0)
+    background.inputs["Strength"].default_value = strength
 
 
 def camera_above(scale, height=10.0):

@@ -1,0 +1,32 @@
+"""The light of the scene for a bake: the world and the lamps that render, and what a user should know of it."""
+
+from . import lamps, world
+from .rendered import listed
+
+
+def gather(context, folder, hidden, shines, notes):
+    """Flags of ambake, and spots for the file. `hidden` holds the objects that do not render, `shines` tells whether a
+    material sends light."""
+    found = lamps.Lamps()
+    graph = context.evaluated_depsgraph_get()
+    for instance in graph.object_instances:
+        if instance.object.type != "LIGHT" or not instance.show_self:
+            continue
+        item = instance.object.original
+        stands = instance.parent.original if instance.is_instance else item
+        if item in hidden or stands in hidden or not stands.visible_get() or not item.visible_diffuse:
+            continue
+        found.add(item.name, instance.object.data, instance.matrix_world)
+        if _linked(item):
+            found.say("baked without light linking", item.name)
+    notes += [f"of the lamps {listed(names)}: {words}" for words, names in found.approximated.items()]
+    sky = world.sky(context, folder, notes)
+    if sky == "0,0,0" and not found.flags and not found.spots and not shines:
+        notes.append("no lamp, no world and no material lights the scene: add one, or choose Sky of ambake as light")
+    flags = ["--sky", sky, *found.flags]
+    return flags + ["--lights", "file"] * bool(found.spots), found.spots
+
+
+def _linked(item):
+    linking = getattr(item, "light_linking", None)
+    return linking is not None and (linking.receiver_collection is not None or linking.blocker_collection is not None)
