@@ -15,6 +15,9 @@ from .corners import OCCLUDER
 # What can be shown in the viewport. Those that every bake writes need no flag; the model of highlights is that of the layer that is named.
 STANDARD = ("visibility", "diffuse", "specular", "traditional", "lambert")
 
+# The program that the zip carried, where it did.
+INSIDE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "bin", "ambake")
+
 HOW_TO_GET = (
     "the program ambake was not found; install it (`cargo install --locked --path .` in ambake's folder) and put it on the PATH, "
     "or name it in Preferences, Add-ons, ambake"
@@ -22,8 +25,14 @@ HOW_TO_GET = (
 
 
 def find(preferred):
-    """The program's path: the preferred one, else the one on the PATH. A ValueError says how to get it."""
+    """The program's path: the preferred one, else the one inside of the extension, else the one on the PATH. A ValueError
+    says how to get it."""
     preferred = os.path.expanduser(preferred.strip())
+    if not preferred and os.path.exists(INSIDE):
+        if not os.access(INSIDE, os.X_OK):
+            # What unpacks a zip may forget that a file is a program.
+            os.chmod(INSIDE, 0o755)
+        return INSIDE
     found = shutil.which(preferred or "ambake")
     if found is None and preferred:
         raise ValueError(f"{preferred} is not a program; correct its path in Preferences, Add-ons, ambake")

@@ -126,7 +126,7 @@ class AMBAKE_AP_preferences(bpy.types.AddonPreferences):
     bl_idname = __package__
 
     program: StringProperty(
-        name="Program", description="Path of the program ambake; empty to look for it on the PATH", subtype="FILE_PATH"
+        name="Program", description="Path of the program ambake; empty for the one inside of the extension, else the one on the PATH", subtype="FILE_PATH"
     )
 
     def draw(self, _context):
@@ -140,7 +140,7 @@ class AMBAKE_AP_preferences(bpy.types.AddonPreferences):
 
 
 def program(context):
-    """The program's path as preferred, else from the PATH."""
+    """The program's path as preferred, else where `command.find` looks for it."""
     from . import command
 
     addon = context.preferences.addons.get(__package__)

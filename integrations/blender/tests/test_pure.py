@@ -205,6 +205,32 @@ class Files(unittest.TestCase):
             first = path.read_bytes()
             self.assertEqual(build.build(pathlib.Path(folder)).read_bytes(), first)
 
+    def test_a_zip_that_carries_the_program_needs_no_other(self):
+        sys.path.insert(0, str(HERE.parent))
+        import build
+
+        with tempfile.TemporaryDirectory() as folder:
+            folder = pathlib.Path(folder)
+            program = folder / "program"
+            program.write_bytes(b"MZ")
+            with self.assertRaisesRegex(ValueError, "no program for Linux"):
+                build.build(folder, program)
+            program.write_bytes(b"\x7fELF\x02" + bytes(13) + b"\x3e\x00")
+            path = build.build(folder, program)
+            self.assertEqual(path.name, "ambake-0.1.0-linux-x64.zip")
+            with zipfile.ZipFile(path) as archive:
+                archive.extractall(folder / "extension")
+            manifest = (folder / "extension" / "blender_manifest.toml").read_text()
+            self.assertRegex(manifest, r'(?m)^platforms = \["linux-x64"\]\n\n\[permissions\]')
+            before, command.INSIDE = command.INSIDE, str(folder / "extension" / "bin" / "ambake")
+            try:
+                self.assertFalse(os.access(command.INSIDE, os.X_OK), "a plain unpacking forgets the bit")
+                self.assertEqual(command.find(""), command.INSIDE)
+                self.assertTrue(os.access(command.INSIDE, os.X_OK))
+                self.assertEqual(command.find(sys.executable), sys.executable)
+            finally:
+                command.INSIDE = before
+
 
 if __name__ == "__main__":
     unittest.main()
