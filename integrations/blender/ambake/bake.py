@@ -135,13 +135,10 @@ def running():
     return _running
 
 
-class AMBAKE_OT_bake(bpy.types.Operator):
-    """Bake ambient light into lightmaps with ambake"""
+class _Job:
+    """What the operators share. It is none itself: Blender loses a class of which another one is made."""
 
-    bl_idname = "ambake.bake"
-    bl_label = "Bake with ambake"
     bl_options = {"REGISTER", "UNDO"}
-    job = Bake
 
     @classmethod
     def poll(cls, context):
@@ -213,7 +210,15 @@ class AMBAKE_OT_bake(bpy.types.Operator):
         return {"CANCELLED"}
 
 
-class AMBAKE_OT_probes(AMBAKE_OT_bake):
+class AMBAKE_OT_bake(_Job, bpy.types.Operator):
+    """Bake ambient light into lightmaps with ambake"""
+
+    bl_idname = "ambake.bake"
+    bl_label = "Bake with ambake"
+    job = Bake
+
+
+class AMBAKE_OT_probes(_Job, bpy.types.Operator):
     """Gather the light that arrives in a light probe volume, and write it for game engines"""
 
     bl_idname = "ambake.probes"

@@ -119,6 +119,16 @@ class MadeScene(BlenderTest):
         self.assertGreater(place(1.9, 1.9)[0], 0.9)
         self.assertLess(place(0.0, -0.2)[0], 0.7)
 
+    def test_the_operator_bakes_as_a_script_calls_it(self):
+        made.make()
+        self.settings(rays=4)
+        self.assertEqual(bpy.ops.ambake.bake(), {"FINISHED"})
+        self.assertGreater(self.image("irradiance").max(), 0.5)
+        self.settings(targets="SELECTED")
+        bpy.ops.object.select_all(action="DESELECT")
+        with self.assertRaisesRegex(RuntimeError, "no selected mesh has a face"):
+            bpy.ops.ambake.bake()
+
     def test_mistakes_are_one_line_and_change_nothing(self):
         made.make()
         from ambake import bake
