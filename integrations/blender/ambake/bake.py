@@ -29,7 +29,7 @@ class Bake:
             scene = os.path.join(self.temporary, "scene", f"{name}.glb")
             os.makedirs(os.path.dirname(scene))
             self.sent = send.export(context, settings, scene)
-            self.settings = _frozen(settings)
+            self.of, self.settings = context.scene.name, _frozen(settings)
             self.lit = self.sent.lit if settings.light == "SCENE" else command.sky(self.settings)
             self.scene = scene
             self.run = command.Run(self.found, self.flags(context))
@@ -51,7 +51,7 @@ class Bake:
     def finish(self):
         """Brings the result back; one sentence for the status bar, and notes. A ValueError where ambake failed."""
         report = self.result()
-        count, notes = receive.bring_back(self.settings, self.sent, self.folder, report)
+        count, notes = receive.bring_back(bpy.data.scenes[self.of], self.settings, self.sent, self.folder, report)
         pages = report["pages"]
         error = max((page["rmse"] for page in pages), default=0.0)
         seconds = time.monotonic() - self.started
@@ -119,6 +119,7 @@ class _frozen:
             if name not in {"rna_type", "name"}:
                 value = getattr(settings, name)
                 setattr(self, name, tuple(value) if name == "sky" else value)
+        self.uv_map = settings.uv_map or settings.bl_rna.properties["uv_map"].default
         self.sky_file = bpy.path.abspath(settings.sky_file)
 
 
@@ -242,7 +243,7 @@ class AMBAKE_OT_cancel(bpy.types.Operator):
 
 
 class AMBAKE_OT_switch(bpy.types.Operator):
-    """Show the bake, or the materials as they were, in every object"""
+    """Show the bake, or objects and materials as they were"""
 
     bl_idname = "ambake.switch"
     bl_label = "Show Baked or Original"
@@ -253,8 +254,8 @@ class AMBAKE_OT_switch(bpy.types.Operator):
         return nodes.GROUP in bpy.data.node_groups
 
     def execute(self, _context):
-        shown = nodes.switch()
-        self.report({"INFO"}, "the bake is shown" if shown else "the materials are shown as they were")
+        nodes.switch(not nodes.shown())
+        self.report({"INFO"}, "the bake is shown" if nodes.shown() else "the scene is shown as it was")
         return {"FINISHED"}
 
 

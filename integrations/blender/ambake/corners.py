@@ -14,8 +14,8 @@ ATTRIBUTE = "_AMBAKE_CORNER"
 MOST_CORNERS = 1 << 24
 # Objects with this before their names cast shadows and take no texels.
 OCCLUDER = "ambake-occluder: "
-# Name of the UV map that a bake writes.
-UV_MAP = "ambake"
+# Property of a mesh that names the UV maps which bakes wrote.
+MARK = "ambake UV map"
 
 
 @dataclass
@@ -67,18 +67,16 @@ def shines(glb):
     return any(any(material.get("emissiveFactor", ())) for material in glb.json.get("materials", ()))
 
 
-def drop_uv_set(glb, mesh_sets):
-    """Takes the UV set of an earlier bake out of meshes, so that it is not taken for the artist's.
+def drop_uv_sets(glb, mesh_sets):
+    """Takes the UV sets of earlier bakes out of meshes, so that they are not taken for the artist's.
 
-    `mesh_sets` maps names of nodes to the number of that set. Only a last set can go: glTF wants them without gaps."""
+    `mesh_sets` maps names of nodes to the numbers of these sets. Only last sets can go: glTF wants them without gaps."""
     for node, path in glb.mesh_nodes():
-        number = mesh_sets.get(path[-1])
-        if number is None:
-            continue
         for primitive in glb.json["meshes"][node["mesh"]]["primitives"]:
             attributes = primitive["attributes"]
-            if f"TEXCOORD_{number + 1}" not in attributes:
-                attributes.pop(f"TEXCOORD_{number}", None)
+            for number in sorted(mesh_sets.get(path[-1], ()), reverse=True):
+                if f"TEXCOORD_{number + 1}" not in attributes:
+                    attributes.pop(f"TEXCOORD_{number}", None)
 
 
 def baked(glb):

@@ -4,22 +4,26 @@ material had, and one switch between the two for the whole file."""
 import bpy
 import numpy as np
 
-from . import corners
+from . import copies
 
 # Name of the node group, of its node in each material, and of the switch in the group.
 GROUP = "ambake"
 SWITCH = "Show Baked"
+# Property of a material that a bake copied.
+COPY = "ambake copy"
+# Albedo of a surface without a material.
+BARE = 0.8
 # What the group takes of the shader beside the light.
 INPUTS = "Base Color", "Alpha", "Emission Color", "Emission Strength"
 # Layers that are light, to which that of the surface itself is added.
 LIT = {"irradiance", "lambert", "ggx", "phong"}
 
 
-def show(items, pages, images, layer):
-    """Lets the materials of `items` show `layer`. `pages` has the page of each polygon of each item."""
-    outside = _materials_outside(items)
+def show(pages, images, layer, uv_map):
+    """Lets materials show `layer` by that UV map. `pages` has the page of each polygon of each object that is baked."""
+    outside = _materials_outside(pages)
     made = {}
-    for item in items:
+    for item in pages:
         mesh = item.data
         if not item.material_slots:
             mesh.materials.append(None)
@@ -31,7 +35,7 @@ def show(items, pages, images, layer):
             used = np.unique(pages[item][(slots == index) & (pages[item] >= 0)])
             for k, page in enumerate(used.tolist()):
                 material = _material(made, outside, source, page)
-                _wire(material, images[layer, page], layer)
+                _wire(material, images[layer, page], layer, uv_map)
                 if k == 0:
                     item.material_slots[index].material = material
                     continue
@@ -39,18 +43,23 @@ def show(items, pages, images, layer):
                 slots[(slots == index) & (pages[item] == page)] = len(mesh.materials) - 1
         mesh.polygons.foreach_set("material_index", slots)
         mesh.update()
+    for material in [of for of in bpy.data.materials if COPY in of and of.users == 0]:
+        bpy.data.materials.remove(material)
     switch(True)
 
 
-def switch(on=None):
-    """Shows the bake or what was there before, in every material; without `on` the other of the two. Returns what is shown
-    now, or None where nothing was baked."""
+def switch(on):
+    """Shows the bake or what was there before, in every material and object."""
     group = bpy.data.node_groups.get(GROUP)
-    if group is None:
-        return None
-    value = group.nodes[SWITCH].outputs[0]
-    value.default_value = float(on if on is not None else value.default_value < 0.5)
-    return value.default_value > 0.5
+    if group is not None:
+        group.nodes[SWITCH].outputs[0].default_value = float(on)
+    copies.show(on)
+
+
+def shown():
+    """Whether the bake is shown."""
+    group = bpy.data.node_groups.get(GROUP)
+    return group is not None and group.nodes[SWITCH].outputs[0].default_value > 0.5
 
 
 def bypass(material):
@@ -74,8 +83,9 @@ def bypass(material):
 
 
 def _materials_outside(items):
-    """Materials that objects outside of the bake use too: those must go on looking as they do."""
-    inside = set(items)
+    """Materials that objects outside of the bake use too: those must go on looking as they do. Objects that a copy stands for
+    are not seen beside it."""
+    inside = {*items, *copies.all_of_them()}
     others = [item for item in bpy.data.objects if item not in inside]
     return {slot.material for item in others for slot in item.material_slots if slot.material}
 
@@ -86,17 +96,28 @@ def _material(made, outside, source, page):
     if key not in made:
         first = not any(of == source for of, _ in made)
         if source is None:
-            material = bpy.data.materials.new("ambake")
+            material = _bare()
         elif first and source not in outside and source.is_editable:
             material = source
         else:
             material = source.copy()
             material.name = f"{source.name} page {page}"
+            material[COPY] = True
         made[key] = material
     return made[key]
 
 
-def _wire(material, image, layer):
+def _bare():
+    """What a surface without a material looks like in Cycles."""
+    material = bpy.data.materials.new("ambake")
+    material.use_nodes = True
+    surface = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    surface.inputs["Base Color"].default_value = (BARE, BARE, BARE, 1.0)
+    surface.inputs["Roughness"].default_value, surface.inputs["Specular IOR Level"].default_value = 1.0, 0.0
+    return material
+
+
+def _wire(material, image, layer, uv_map):
     if material.node_tree is None or not material.use_nodes:
         colour, material.use_nodes = tuple(material.diffuse_color), True
         for node in material.node_tree.nodes:
@@ -106,14 +127,15 @@ def _wire(material, image, layer):
     output = tree.get_output_node("ALL") or tree.nodes.new("ShaderNodeOutputMaterial")
     switcher = tree.nodes.get(GROUP)
     if switcher is None:
-        switcher = _place(tree, output, layer)
+        switcher = _place(tree, output)
+    tree.nodes["ambake UV"].uv_map = uv_map
     picture = tree.nodes["ambake image"]
     picture.image = image
     picture.label = layer
     _tint(tree, switcher, layer)
 
 
-def _place(tree, output, layer):
+def _place(tree, output):
     """Adds the nodes: UV map, image, and the group between the shader and the output."""
     x, y = output.location
     before = [link.from_socket for link in output.inputs["Surface"].links]
@@ -123,7 +145,7 @@ def _place(tree, output, layer):
     picture = tree.nodes.new("ShaderNodeTexImage")
     picture.name, picture.location, picture.extension = "ambake image", (x - 320, y + 420), "EXTEND"
     place = tree.nodes.new("ShaderNodeUVMap")
-    place.name, place.location, place.uv_map = "ambake UV", (x - 520, y + 420), corners.UV_MAP
+    place.name, place.location = "ambake UV", (x - 520, y + 420)
     tree.links.new(place.outputs["UV"], picture.inputs["Vector"])
     tree.links.new(picture.outputs["Color"], switcher.inputs["Light"])
     for socket in before:
@@ -135,7 +157,7 @@ def _place(tree, output, layer):
 def _tint(tree, switcher, layer):
     """Irradiance is multiplied by the base colour, the other layers stand for themselves. Alpha holds for all. To layers of
     light comes what the surface sends of its own."""
-    surface = _surface(switcher)
+    surface = _first(switcher.inputs["Shader"])
     sockets = colour, alpha, glow, strength = [switcher.inputs[name] for name in INPUTS]
     for link in [link for socket in sockets for link in socket.links]:
         tree.links.remove(link)
@@ -166,9 +188,18 @@ def _follow(tree, node, names, socket):
         return
 
 
-def _surface(switcher):
-    """The node that gives the material its colour: the first of the shaders that the old output was made of."""
-    waiting = [link.from_node for link in switcher.inputs["Shader"].links]
+def surface(material):
+    """The node that gives a material its colour; None where it has none."""
+    switcher = material.node_tree.nodes.get(GROUP)
+    output = material.node_tree.get_output_node("ALL")
+    if switcher is None and output is None:
+        return None
+    return _first(switcher.inputs["Shader"] if switcher else output.inputs["Surface"])
+
+
+def _first(socket):
+    """The first of the shaders that a socket is given."""
+    waiting = [link.from_node for link in socket.links]
     seen = []
     while waiting:
         node = waiting.pop(0)

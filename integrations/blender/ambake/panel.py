@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import bake
+from . import bake, nodes
 
 
 class AMBAKE_PT_bake(bpy.types.Panel):
@@ -25,9 +25,9 @@ class AMBAKE_PT_bake(bpy.types.Panel):
         row = layout.row()
         row.scale_y = 1.4
         row.operator("ambake.bake", icon="RENDER_STILL")
-        layout.operator("ambake.switch", icon="HIDE_OFF")
+        layout.operator("ambake.switch", icon="HIDE_OFF", text="Show Originals" if nodes.shown() else "Show Baked")
         layout.operator("ambake.probes", icon="OUTLINER_OB_LIGHTPROBE")
-        for name in ("targets", "show", "light", "bounces", "apply_modifiers", "size", "effort"):
+        for name in ("targets", "show", "light", "bounces", "size", "effort"):
             layout.prop(settings, name)
         names = ("rays",) if settings.effort == "RAYS" else ("target_error", "target_relative", "max_rays")
         for name in names:
@@ -68,4 +68,4 @@ class AMBAKE_PT_layout(_Part, bpy.types.Panel):
 
 class AMBAKE_PT_output(_Part, bpy.types.Panel):
     bl_label = "Output and More"
-    names = ("layers", "folder", "probe_engines", "backend", "threads", "seed", "further")
+    names = ("uv_map", "image_name", "layers", "folder", "probe_engines", "backend", "threads", "seed", "further")

@@ -1,25 +1,27 @@
 """Brings a finished bake back onto the objects it was made from: UV map, images, materials."""
 
+import collections
 import os
 
 import bmesh
 import bpy
 import numpy as np
 
-from . import command, corners, nodes
+from . import command, copies, corners, nodes
 from .exr import Page
 from .glb import Glb
 from .send import forget, shape
 
 
-def bring_back(settings, sent, folder, report):
+def bring_back(scene, settings, sent, folder, report):
     """Gives every receiver its lightmap. Returns the number of objects and notes for the user."""
     stem = os.path.splitext(next(name for name in report["files"] if name.endswith(".glb")))[0]
     stem = os.path.basename(stem)
     parts = corners.baked(Glb.read(os.path.join(folder, f"{stem}.glb")))
     images = _images(settings, folder, stem, report)
     notes = list(sent.notes)
-    copied, done = [], []
+    users = collections.Counter(item.data for item in bpy.data.objects if item.type == "MESH")
+    copied, done = 0, {}
     for receiver in sent.receivers:
         item = bpy.data.objects.get(receiver.name)
         part = parts.get(receiver.name)
@@ -28,21 +30,27 @@ def bring_back(settings, sent, folder, report):
             notes.append(f"{receiver.name} got no lightmap: {problem}")
             forget(receiver)
             continue
-        if receiver.applied:
-            item.modifiers.clear()
-            item.data = bpy.data.meshes[receiver.applied]
-        elif item.data.users > 1:
-            copied.append(item.name)
-            item.data = item.data.copy()
-        unfolded = _unfold(item.data, part)
-        pages = _write(item.data, unfolded)
-        if pages is None:
-            notes.append(f"{item.name} got no lightmap: it has eight UV maps already, remove one")
+        mesh = bpy.data.meshes[receiver.applied] if receiver.applied else item.data
+        unfolded = _unfold(mesh, part)
+        if not receiver.applied and (users[mesh] > 1 or unfolded.cut):
+            mesh = mesh.copy()
+        problem, pages = _write(mesh, unfolded, settings.uv_map)
+        if problem:
+            notes.append(f"{item.name} got no lightmap: {problem}")
+            if mesh != item.data:
+                bpy.data.meshes.remove(mesh)
             continue
-        done.append((item, pages))
+        if mesh != item.data:
+            item = copies.make(scene, item, mesh, bool(receiver.applied))
+            copied += 1
+        else:
+            copies.remove(item)
+        done[item] = pages
     if copied:
-        notes.append(f"{len(copied)} object{'s' * (len(copied) > 1)} got a mesh of their own, for every lightmap differs")
-    nodes.show([item for item, _ in done], dict(done), images, settings.show)
+        notes.append(f"{copied} object{'s are' if copied > 1 else ' is'} shown by baked copies in the collection "
+                     f"{copies.COLLECTION}; Show Originals goes back")
+    copies.select(scene)
+    nodes.show(done, images, settings.show, settings.uv_map)
     return len(done), notes
 
 
@@ -65,7 +73,7 @@ def _images(settings, folder, stem, report):
         number = page["page"]
         exr = Page(os.path.join(folder, f"{stem}.{number}.exr"))
         for layer in command.layers(settings):
-            images[layer, number] = _image(f"{stem} {layer} {number}", exr.layer(layer))
+            images[layer, number] = _image(f"{settings.image_name or stem} {layer} {number}", exr.layer(layer))
     return images
 
 
@@ -94,25 +102,32 @@ def _unfold(mesh, part):
     return corners.unfold(part, starts, totals)
 
 
-def _write(mesh, unfolded):
-    """Writes the UV map, cuts polygons that a chart or a page ends inside of, and returns the page of each polygon; None
-    where the mesh cannot hold another UV map."""
-    layer = mesh.uv_layers.get(corners.UV_MAP) or mesh.uv_layers.new(name=corners.UV_MAP, do_init=False)
+def _write(mesh, unfolded, uv_map):
+    """Writes the UV map, cuts polygons that a chart or a page ends inside of, and returns why it could not, or the page of
+    each polygon."""
+    uvs = unfolded.uvs.astype(np.float32)
+    layer = mesh.uv_layers.get(uv_map)
+    if layer and uv_map not in copies.marked(mesh):
+        own = np.empty_like(uvs)
+        layer.uv.foreach_get("vector", own.reshape(-1))
+        if unfolded.cut or np.abs(own - uvs).max(initial=0.0) > 1e-4:
+            return f"its own UV map {uv_map} cannot be the layout as it stands; choose another name under Output and More", None
+        return None, unfolded.pages
+    layer = layer or mesh.uv_layers.new(name=uv_map, do_init=False)
     if layer is None:
-        return None
-    layer.uv.foreach_set("vector", unfolded.uvs.astype(np.float32).reshape(-1))
-    if not unfolded.cut:
-        return unfolded.pages
-    return _cut(mesh, unfolded)
+        return "it has eight UV maps already, remove one", None
+    copies.mark(mesh, uv_map)
+    layer.uv.foreach_set("vector", uvs.reshape(-1))
+    return None, _cut(mesh, unfolded, uv_map) if unfolded.cut else unfolded.pages
 
 
-def _cut(mesh, unfolded):
+def _cut(mesh, unfolded, uv_map):
     """Replaces torn polygons by their triangles, which keep everything else that their corners had."""
     edit = bmesh.new()
     edit.from_mesh(mesh)
     # A new layer moves the data of all faces, so it comes before anything is looked up.
     page = edit.faces.layers.int.new("ambake page")
-    uv = edit.loops.layers.uv[corners.UV_MAP]
+    uv = edit.loops.layers.uv[uv_map]
     faces = list(edit.faces)
     for face in faces:
         face[page] = int(unfolded.pages[face.index])

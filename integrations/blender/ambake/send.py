@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import bpy
 import numpy as np
 
-from . import corners, lamps, nodes, rendered, scene_light
+from . import copies, corners, lamps, materials, nodes, rendered, scene_light
 from .glb import Glb
 from .rendered import listed, s
 
@@ -21,7 +21,7 @@ class Receiver:
 
     name: str
     shape: tuple  # what of its mesh must not change during the bake
-    applied: str = ""  # name of the mesh with its modifiers applied, where they add or remove faces
+    applied: str = ""  # name of the mesh as its modifiers make it, where they add or remove faces
 
 
 @dataclass
@@ -47,12 +47,17 @@ def export(context, settings, path):
     """Writes the visible scene to `path`, receivers marked, and says what was left out. A ValueError where nothing can
     be baked."""
     sent = Sent([])
-    hidden = rendered.hidden(context)
-    chosen = _chosen(context, settings, hidden, sent)
     with contextlib.ExitStack() as undo:
+        undo.callback(_select, context.view_layer, list(context.selected_objects))
+        selected = {item.get(copies.OF, item) for item in context.selected_objects}
+        undo.callback(copies.show, copies.shown())
+        copies.show(False)
+        context.view_layer.update()
+        hidden = rendered.hidden(context)
+        chosen = _chosen(context, settings, hidden, selected, sent)
         receivers = []
         for item in chosen:
-            receiver = _prepare(context, settings, item, sent, undo)
+            receiver = _prepare(context, item, sent, undo)
             if receiver:
                 receivers.append((item, receiver))
         if not receivers:
@@ -68,11 +73,12 @@ def export(context, settings, path):
         context.view_layer.update()
         _export_gltf(path)
         paths = {item.name: _path(item) for item, _ in receivers}
-        old = {item.name: item.data.uv_layers.find(corners.UV_MAP) for item, _ in receivers}
+        old = {item.name: _earlier(item.data) for item, _ in receivers}
     glb = Glb.read(path)
     corners.leave_out(glb, {item.name for item in hidden})
     items = [item for item in bpy.data.objects if item.type in _KINDS and item not in hidden]
     corners.let_through(glb, rendered.uncast(items, sent.notes))
+    materials.mend(glb, sent.notes)
     shines = corners.shines(glb)
     if shines and settings.bounces == 0:
         sent.notes.append("materials that shine light nothing without a bounce: set Bounces to 1 or more")
@@ -80,7 +86,7 @@ def export(context, settings, path):
         sent.lit, spots = scene_light.gather(context, os.path.dirname(path), hidden, shines, sent.notes)
         lamps.add_spots(glb, spots)
     found, sent.occluders = corners.set_apart(glb, paths)
-    corners.drop_uv_set(glb, {name: number for name, number in old.items() if number >= 0})
+    corners.drop_uv_sets(glb, old)
     glb.write(path)
     sent.receivers = [receiver for _, receiver in receivers if receiver.name in found]
     for _, receiver in receivers:
@@ -92,6 +98,13 @@ def export(context, settings, path):
     return sent
 
 
+def _select(layer, items):
+    """Selects what was selected: Blender forgets that of what is hidden for a while."""
+    layer.update()
+    for item in items:
+        item.select_set(True, view_layer=layer)
+
+
 def forget(receiver):
     """Removes what `export` made for a receiver that is not baked after all."""
     mesh = bpy.data.meshes.get(receiver.applied) if receiver.applied else None
@@ -99,11 +112,11 @@ def forget(receiver):
         bpy.data.meshes.remove(mesh)
 
 
-def _chosen(context, settings, hidden, sent):
+def _chosen(context, settings, hidden, selected, sent):
     """Objects that are asked to get a lightmap."""
     visible = [item for item in context.view_layer.objects if item.visible_get() and item not in hidden]
     if settings.targets == "SELECTED":
-        visible = [item for item in visible if item.select_get()]
+        visible = [item for item in visible if item in selected]
     meshes = [item for item in visible if item.type == "MESH" and len(item.data.polygons)]
     for what, kinds in [("curve, text or surface", _KINDS - {"MESH"})]:
         others = [item.name for item in visible if item.type in kinds]
@@ -117,7 +130,7 @@ def _chosen(context, settings, hidden, sent):
     return meshes
 
 
-def _prepare(context, settings, item, sent, undo):
+def _prepare(context, item, sent, undo):
     """The object as receiver; None, with a note, where it can only cast shadows."""
     mesh = item.data
     if not mesh.is_editable or not item.is_editable:
@@ -132,9 +145,6 @@ def _prepare(context, settings, item, sent, undo):
     evaluated.to_mesh_clear()
     if same:
         return Receiver(item.name, shape(mesh))
-    if not settings.apply_modifiers:
-        sent.notes.append(f"{item.name} only casts shadows: its modifiers add or remove faces; tick Apply Modifiers")
-        return None
     graph = context.evaluated_depsgraph_get()
     real = bpy.data.meshes.new_from_object(item.evaluated_get(graph), preserve_all_data_layers=True, depsgraph=graph)
     real.name = mesh.name
@@ -150,6 +160,11 @@ def _prepare(context, settings, item, sent, undo):
     for modifier, _ in shown:
         modifier.show_viewport = False
     return Receiver(item.name, shape(real), real.name)
+
+
+def _earlier(mesh):
+    """The numbers of the UV maps that earlier bakes wrote."""
+    return [n for n, layer in enumerate(mesh.uv_layers) if layer.name in copies.marked(mesh)]
 
 
 def _number(mesh, undo):

@@ -20,6 +20,9 @@ SHOWN = [
     ("traditional", "Traditional", "Colour times occlusion factor: the baseline"),
 ]
 
+# Paths may begin with //, the folder of the .blend; Blender 4.5 and later want to be told so.
+RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5) else set()
+
 
 def _plain(*words):
     return [(word, word.capitalize(), "") for word in words]
@@ -34,11 +37,6 @@ class AMBAKE_PG_settings(bpy.types.PropertyGroup):
         ],
     )
     show: EnumProperty(name="Show", description="Layer that the materials show after the bake", items=SHOWN)
-    apply_modifiers: BoolProperty(
-        name="Apply Modifiers",
-        description="Apply modifiers that add or remove faces, so that the result can hold a lightmap. Otherwise such "
-        "objects only cast shadows",
-    )
     size: IntProperty(name="Page Size", description="Page edge in texels", default=1024, min=1, max=16384)
     density: FloatProperty(
         name="Density", description="Texels per metre of every object; 0 shares one page by a rule", min=0.0
@@ -92,7 +90,8 @@ class AMBAKE_PG_settings(bpy.types.PropertyGroup):
         min=0.0, soft_max=1.0,
     )
     sky_file: StringProperty(
-        name="Sky Map", description="Illumination map (.hdr, .exr) in place of the uniform sky", subtype="FILE_PATH"
+        name="Sky Map", description="Illumination map (.hdr, .exr) in place of the uniform sky", subtype="FILE_PATH",
+        options=RELATIVE,
     )
     max_distance: FloatProperty(
         name="Max Distance", description="Occluders farther than this many metres do not count; 0 for no limit",
@@ -116,9 +115,16 @@ class AMBAKE_PG_settings(bpy.types.PropertyGroup):
         name="Probes For", description="Engines that light probes are written for, separated by commas: bevy, three, unity, godot",
         default="bevy, three, unity, godot",
     )
+    uv_map: StringProperty(
+        name="UV Map", description="Name of the UV map that holds the layout. It is made where there is none; one of yours "
+        "of this name must be usable as it stands", default="ambake",
+    )
+    image_name: StringProperty(
+        name="Images", description="What the names of the images begin with; empty for the name of the scene"
+    )
     folder: StringProperty(
         name="Folder", description="Where the EXR pages, the GLB and bake.json stay; empty to keep none of them. The images "
-        "are in the .blend either way", subtype="DIR_PATH",
+        "are in the .blend either way", subtype="DIR_PATH", options=RELATIVE,
     )
 
 

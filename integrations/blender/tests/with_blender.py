@@ -87,6 +87,12 @@ class BlenderTest(unittest.TestCase):
             worst = max(worst, np.linalg.norm(there - middle) / (edge / max(span, 1.0)))
         self.assertLess(worst, texels, f"{item.name}: a face is {worst:.2f} texels from where its lightmap says")
 
+    def baked(self, item):
+        """What shows the bake of an object: it, or its copy."""
+        from ambake import copies
+
+        return copies.all_of_them().get(item, item)
+
     def page_of(self, item, polygon):
         material = item.material_slots[polygon.material_index].material
         return int(material.node_tree.nodes["ambake image"].image.name.rsplit(" ", 1)[1])

@@ -1,0 +1,83 @@
+"""Baked copies: objects whose own mesh cannot hold a lightmap are shown by a copy in a collection of its own, and hidden.
+
+That is so where modifiers add or remove faces, where objects share a mesh, and where ambake cuts a polygon."""
+
+import bpy
+
+from .corners import MARK
+
+COLLECTION = "ambake baked"
+# Property of a copy: the object that it stands for.
+OF = "ambake of"
+# Property of a new copy: that its object was selected.
+CHOSEN = "ambake chosen"
+
+
+def all_of_them():
+    """The copy of each object that has one."""
+    collection = bpy.data.collections.get(COLLECTION)
+    found = {item.get(OF): item for item in collection.objects} if collection else {}
+    found.pop(None, None)
+    return found
+
+
+def shown():
+    """Whether the copies are shown, and not the objects that they stand for."""
+    return any(not copy.hide_render for copy in all_of_them().values())
+
+
+def show(on):
+    """Shows the copies, or the objects that they stand for."""
+    for original, copy in all_of_them().items():
+        original.hide_viewport = original.hide_render = on
+        copy.hide_viewport = copy.hide_render = not on
+
+
+def make(scene, item, mesh, applied):
+    """A copy of an object that shows `mesh`, in place of an earlier one; without modifiers where they are applied."""
+    chosen = item.select_get() or any(copy.select_get() for of, copy in all_of_them().items() if of == item)
+    remove(item)
+    copy = item.copy()
+    copy[CHOSEN] = chosen
+    copy.name, copy.data = f"{item.name} baked", mesh
+    copy.hide_viewport = copy.hide_render = False
+    if applied:
+        copy.modifiers.clear()
+    copy[OF] = item
+    collection = bpy.data.collections.get(COLLECTION) or bpy.data.collections.new(COLLECTION)
+    if collection not in scene.collection.children_recursive:
+        scene.collection.children.link(collection)
+    collection.objects.link(copy)
+    item.hide_viewport = item.hide_render = True
+    return copy
+
+
+def select(scene):
+    """Selects the new copies of what was selected, so that a second bake finds the same."""
+    for layer in scene.view_layers:
+        layer.update()
+        for copy in all_of_them().values():
+            if copy.pop(CHOSEN, False) and copy.name in layer.objects:
+                copy.select_set(True, view_layer=layer)
+
+
+def remove(item):
+    """Takes the copy of an object away, if it has one, and shows the object."""
+    copy = all_of_them().get(item)
+    if copy is None:
+        return
+    mesh = copy.data
+    bpy.data.objects.remove(copy)
+    if mesh.users == 0:
+        bpy.data.meshes.remove(mesh)
+    item.hide_viewport = item.hide_render = False
+
+
+def marked(mesh):
+    """The names of the UV maps of a mesh that bakes wrote."""
+    return [name for name in mesh.get(MARK, "").split("\n") if name]
+
+
+def mark(mesh, uv_map):
+    """Remembers that a bake wrote this UV map."""
+    mesh[MARK] = "\n".join(dict.fromkeys([*marked(mesh), uv_map]))
