@@ -87,6 +87,8 @@ def _image(name, values):
     image.pixels.foreach_set(pixels.reshape(-1))
     image.update()
     image.pack()
+    # A layer that no material shows is kept when the file is saved.
+    image.use_fake_user = True
     old = bpy.data.images.get(name)
     if old is not None and old != image:
         old.user_remap(image)
