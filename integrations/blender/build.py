@@ -15,8 +15,8 @@ INSIDE = "bin/ambake"
 
 
 def build(folder, program=None):
-    """Writes `ambake-VERSION.zip`, or with a program `ambake-VERSION-linux-x64.zip`, into `folder` and returns its path. A
-    ValueError where the program is for another system."""
+    """Writes `ambake-VERSION.zip`, or with a program `ambake-VERSION-linux-x64.zip`, into `folder` and returns its
+    path. A ValueError where the program is for another system."""
     source = HERE / "ambake"
     manifest = (source / "blender_manifest.toml").read_text()
     version = re.search(r'^version = "(.+)"$', manifest, re.MULTILINE)[1]

@@ -52,6 +52,7 @@ class Bake:
         """Brings the result back; one sentence for the status bar, and notes. A ValueError where ambake failed."""
         report = self.result()
         count, notes = receive.bring_back(bpy.data.scenes[self.of], self.settings, self.sent, self.folder, report)
+        notes += command.untaken(report)
         pages = report["pages"]
         error = max((page["rmse"] for page in pages), default=0.0)
         seconds = time.monotonic() - self.started
@@ -92,7 +93,8 @@ class Probes(Bake):
 
 
 def _volume(context):
-    """The box of a light probe volume in glTF's axes, by two corners, and how many probes it has along each. A ValueError where there is none."""
+    """The box of a light probe volume in glTF's axes, by two corners, and how many probes it has along each. A
+    ValueError where there is none."""
     volumes = [item for item in context.visible_objects if item.type == "LIGHT_PROBE" and item.data.type in {"VOLUME", "GRID"}]
     if context.active_object in volumes:
         volumes = [context.active_object]

@@ -18,6 +18,9 @@ STANDARD = ("visibility", "diffuse", "specular", "traditional", "lambert")
 # The program that the zip carried, where it did.
 INSIDE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "bin", "ambake")
 
+# Kinds of warnings that say what a bake left out of materials.
+UNTAKEN = {"ignored-extensions", "ignored-normal-maps", "unread-textures"}
+
 HOW_TO_GET = (
     "the program ambake was not found; install it (`cargo install --locked --path .` in ambake's folder) and put it on the PATH, "
     "or name it in Preferences, Add-ons, ambake"
@@ -25,8 +28,8 @@ HOW_TO_GET = (
 
 
 def find(preferred):
-    """The program's path: the preferred one, else the one inside of the extension, else the one on the PATH. A ValueError
-    says how to get it."""
+    """The program's path: the preferred one, else the one inside of the extension, else the one on the PATH. A
+    ValueError says how to get it."""
     preferred = os.path.expanduser(preferred.strip())
     if not preferred and os.path.exists(INSIDE):
         if not os.access(INSIDE, os.X_OK):
@@ -191,6 +194,12 @@ class Run:
         if status != 0:
             raise ValueError(complaint(self._words, status))
         return json.loads(text)
+
+
+def untaken(report):
+    """What of the materials ambake left out, from the warnings of `bake.json`."""
+    found = [warning for warning in report["warnings"] if warning["kind"] in UNTAKEN]
+    return [f"{w['place']}{' and others' * (w['count'] > 1)}: {w['message']}".replace("`", "") for w in found]
 
 
 def complaint(lines, status):

@@ -1,4 +1,5 @@
-"""Baked copies: objects whose own mesh cannot hold a lightmap are shown by a copy in a collection of its own, and hidden.
+"""Baked copies: objects whose own mesh cannot hold a lightmap are shown by a copy in a collection of its own, and
+hidden.
 
 That is so where modifiers add or remove faces, where objects share a mesh, and where ambake cuts a polygon."""
 
@@ -35,7 +36,8 @@ def show(on):
 
 def make(scene, item, mesh, applied):
     """A copy of an object that shows `mesh`, in place of an earlier one; without modifiers where they are applied."""
-    chosen = item.select_get() or any(copy.select_get() for of, copy in all_of_them().items() if of == item)
+    seen = bpy.context.view_layer.objects
+    chosen = any(of.name in seen and of.select_get() for of in (item, all_of_them().get(item)) if of)
     remove(item)
     copy = item.copy()
     copy[CHOSEN] = chosen

@@ -70,7 +70,8 @@ def shines(glb):
 def drop_uv_sets(glb, mesh_sets):
     """Takes the UV sets of earlier bakes out of meshes, so that they are not taken for the artist's.
 
-    `mesh_sets` maps names of nodes to the numbers of these sets. Only last sets can go: glTF wants them without gaps."""
+    `mesh_sets` maps names of nodes to the numbers of these sets. Only last sets can go: glTF wants them without
+    gaps."""
     for node, path in glb.mesh_nodes():
         for primitive in glb.json["meshes"][node["mesh"]]["primitives"]:
             attributes = primitive["attributes"]

@@ -1,8 +1,8 @@
-"""Blender's lamps as flags of ambake and as spots of a glTF file, in the units of both. Reads lamps by their attributes and
-needs no Blender.
+"""Blender's lamps as flags of ambake and as spots of a glTF file, in the units of both. Reads lamps by their
+attributes and needs no Blender.
 
-A lamp of P watts is one that Cycles lets shine with P / 4π W/sr (point, spot) or P / (π · area) W/(m² sr) (area), and a sun
-has its irradiance as it stands. ambake takes all of these as they are."""
+A lamp of P watts is one that Cycles lets shine with P / 4π W/sr (point, spot) or P / (π · area) W/(m² sr) (area), and
+a sun has its irradiance as it stands. ambake takes all of these as they are."""
 
 import math
 from dataclasses import dataclass, field
@@ -106,8 +106,8 @@ class Lamps:
         cone = {"innerConeAngle": math.acos(min(inner, 1.0)), "outerConeAngle": math.acos(outer)}
         # glTF wants the inner angle below the outer one, and a hard border is one of no width that shows.
         cone["innerConeAngle"] = min(cone["innerConeAngle"], cone["outerConeAngle"] - 1e-4)
-        lamp = {"type": "spot", "name": name, "color": (intensity / strongest).tolist(), "intensity": strongest, "spot": cone}
-        self.spots.append((name, placed, lamp))
+        lamp = {"type": "spot", "name": name, "color": (intensity / strongest).tolist(), "intensity": strongest}
+        self.spots.append((name, placed, {**lamp, "spot": cone}))
 
     def _flag(self, name, *numbers):
         self.flags.append(f"{name}=" + ",".join(f"{v:.7g}" for part in numbers for v in part))

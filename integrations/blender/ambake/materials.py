@@ -1,5 +1,5 @@
-"""What the glTF exporter cannot say of materials: colours of shaders other than Principled, which are put into the file, and
-colours that are computed, which a note names."""
+"""What the glTF exporter cannot say of materials: colours of shaders other than Principled, which are put into the
+file, and colours that are computed, which a note names."""
 
 import bpy
 
@@ -11,7 +11,8 @@ _PLAIN = {"RGB", "VERTEX_COLOR", "ATTRIBUTE"}
 
 
 def mend(glb, notes):
-    """Puts colours into the materials of a file, and names those that are baked with a plain colour in place of their own."""
+    """Puts colours into the materials of a file, and names those that are baked with a plain colour in place of their
+    own."""
     computed = []
     _without_material(glb.json)
     for described in glb.json.get("materials", []):
@@ -34,10 +35,11 @@ def mend(glb, notes):
             if _computed(colour) or "pbrMetallicRoughness" not in described:
                 _plain(described, colour.default_value)
         if emitted is not None and any(described.get("emissiveFactor", ())) and "emissiveTexture" not in described:
-            if _computed(emitted) and material.name not in computed:
-                computed.append(material.name)
+            if _computed(emitted):
+                described["emissiveFactor"] = [min(max(value, 0.0), 1.0) for value in emitted.default_value[:3]]
+                computed += [material.name] * (material.name not in computed)
     if computed:
-        notes.append(f"the colour of {listed(computed)} is computed and baked as a plain one: bake it to a picture for light that bounces")
+        notes.append(f"the colour of {listed(computed)} is computed and baked as a plain one: make it a picture first")
 
 
 def _without_material(document):
@@ -48,7 +50,8 @@ def _without_material(document):
     described = document.setdefault("materials", [])
     for primitive in primitives:
         primitive["material"] = len(described)
-    bare = {"name": "ambake: none", "doubleSided": True, "extensions": {"KHR_materials_specular": {"specularFactor": 0.0}}}
+    matt = {"KHR_materials_specular": {"specularFactor": 0.0}}
+    bare = {"name": "ambake: none", "doubleSided": True, "extensions": matt}
     _plain(bare, (nodes.BARE,) * 3)
     described.append(bare)
     used = document.setdefault("extensionsUsed", [])

@@ -1,5 +1,5 @@
-"""Node set-ups that show a lightmap, alike in Cycles and Eevee: an emission of the baked light beside the shader that the
-material had, and one switch between the two for the whole file."""
+"""Node set-ups that show a lightmap, alike in Cycles and Eevee: an emission of the baked light beside the shader that
+the material had, and one switch between the two for the whole file."""
 
 import bpy
 import numpy as np
@@ -63,8 +63,8 @@ def shown():
 
 
 def bypass(material):
-    """Leads the output of a material to the shader that it had before any bake, and returns what leads it back; an exporter
-    must see the material, not the bake."""
+    """Leads the output of a material to the shader that it had before any bake, and returns what leads it back; an
+    exporter must see the material, not the bake."""
     tree = material.node_tree
     switcher = tree.nodes.get(GROUP) if tree else None
     ends = [link.to_socket for link in switcher.outputs[0].links] if switcher else []
@@ -83,15 +83,16 @@ def bypass(material):
 
 
 def _materials_outside(items):
-    """Materials that objects outside of the bake use too: those must go on looking as they do. Objects that a copy stands for
-    are not seen beside it."""
+    """Materials that objects outside of the bake use too: those must go on looking as they do. Objects that a copy
+    stands for are not seen beside it."""
     inside = {*items, *copies.all_of_them()}
     others = [item for item in bpy.data.objects if item not in inside]
     return {slot.material for item in others for slot in item.material_slots if slot.material}
 
 
 def _material(made, outside, source, page):
-    """The material that shows a page in place of `source`: itself, or a copy where it must serve another page or others."""
+    """The material that shows a page in place of `source`: itself, or a copy where it must serve another page or
+    others."""
     key = (source, page)
     if key not in made:
         first = not any(of == source for of, _ in made)
@@ -155,8 +156,8 @@ def _place(tree, output):
 
 
 def _tint(tree, switcher, layer):
-    """Irradiance is multiplied by the base colour, the other layers stand for themselves. Alpha holds for all. To layers of
-    light comes what the surface sends of its own."""
+    """Irradiance is multiplied by the base colour, the other layers stand for themselves. Alpha holds for all. To
+    layers of light comes what the surface sends of its own."""
     surface = _first(switcher.inputs["Shader"])
     sockets = colour, alpha, glow, strength = [switcher.inputs[name] for name in INPUTS]
     for link in [link for socket in sockets for link in socket.links]:

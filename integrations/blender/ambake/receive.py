@@ -78,7 +78,8 @@ def _images(settings, folder, stem, report):
 
 
 def _image(name, values):
-    """A float image inside the .blend. An earlier one of the name makes way, and whatever shows it shows the new one."""
+    """A float image inside the .blend. An earlier one of the name makes way, and whatever shows it shows the new
+    one."""
     height, width = values.shape[:2]
     image = bpy.data.images.new(name, width, height, alpha=False, float_buffer=True)
     image.colorspace_settings.name = "Non-Color"
@@ -105,15 +106,15 @@ def _unfold(mesh, part):
 
 
 def _write(mesh, unfolded, uv_map):
-    """Writes the UV map, cuts polygons that a chart or a page ends inside of, and returns why it could not, or the page of
-    each polygon."""
+    """Writes the UV map, cuts polygons that a chart or a page ends inside of, and returns why it could not, or the
+    page of each polygon."""
     uvs = unfolded.uvs.astype(np.float32)
     layer = mesh.uv_layers.get(uv_map)
     if layer and uv_map not in copies.marked(mesh):
         own = np.empty_like(uvs)
         layer.uv.foreach_get("vector", own.reshape(-1))
         if unfolded.cut or np.abs(own - uvs).max(initial=0.0) > 1e-4:
-            return f"its own UV map {uv_map} cannot be the layout as it stands; choose another name under Output and More", None
+            return f"its own UV map {uv_map} cannot be the layout as it stands; choose another name", None
         return None, unfolded.pages
     layer = layer or mesh.uv_layers.new(name=uv_map, do_init=False)
     if layer is None:

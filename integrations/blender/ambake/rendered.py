@@ -21,13 +21,15 @@ def hidden(context):
 
 
 def uncast(items, notes):
-    """The names of those that Ray Visibility takes from what blocks light. ambake has one switch for lamps and sky, Cycles
-    has two, so a note names those for which they differ."""
+    """The names of those that Ray Visibility takes from what blocks light. ambake has one switch for lamps and sky,
+    Cycles has two, so a note names those for which they differ."""
     found = [item for item in items if not (item.visible_shadow and item.visible_diffuse)]
     half = [item.name for item in found if item.visible_shadow or item.visible_diffuse]
     if half:
-        notes.append(f"{listed(half)} block{s(half)} neither lamps nor sky: Ray Visibility hides {'it' if len(half) == 1 else 'them'} "
-                     "from one of Shadow and Diffuse, and ambake knows both or none")
+        notes.append(
+            f"{listed(half)} block{s(half)} neither lamps nor sky: Ray Visibility has one of Shadow and Diffuse off, "
+            "and ambake knows both or none"
+        )
     return {item.name for item in found}
 
 

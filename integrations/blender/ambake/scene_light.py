@@ -16,6 +16,8 @@ def gather(context, folder, hidden, shines, notes):
         stands = instance.parent.original if instance.is_instance else item
         if item in hidden or stands in hidden or not stands.visible_get() or not item.visible_diffuse:
             continue
+        if getattr(getattr(item.data, "cycles", None), "is_portal", False):
+            continue
         found.add(item.name, instance.object.data, instance.matrix_world)
         if _linked(item):
             found.say("baked without light linking", item.name)

@@ -82,8 +82,8 @@ class AMBAKE_PG_settings(bpy.types.PropertyGroup):
         ],
     )
     bounces: IntProperty(
-        name="Bounces", description="How often surfaces send on the light that they receive. Materials that shine need one",
-        default=4, min=0, max=64,
+        name="Bounces", default=4, min=0, max=64,
+        description="How often surfaces send on the light that they receive. Materials that shine need one",
     )
     sky: FloatVectorProperty(
         name="Sky", description="Radiance of the uniform sky, linear", subtype="COLOR", size=3, default=(1, 1, 1),
@@ -116,8 +116,9 @@ class AMBAKE_PG_settings(bpy.types.PropertyGroup):
         default="bevy, three, unity, godot",
     )
     uv_map: StringProperty(
-        name="UV Map", description="Name of the UV map that holds the layout. It is made where there is none; one of yours "
-        "of this name must be usable as it stands", default="ambake",
+        name="UV Map", default="ambake",
+        description="Name of the UV map that holds the layout. It is made where there is none; one of yours of this "
+        "name must be usable as it stands",
     )
     image_name: StringProperty(
         name="Images", description="What the names of the images begin with; empty for the name of the scene"
@@ -132,7 +133,8 @@ class AMBAKE_AP_preferences(bpy.types.AddonPreferences):
     bl_idname = __package__
 
     program: StringProperty(
-        name="Program", description="Path of the program ambake; empty for the one inside of the extension, else the one on the PATH", subtype="FILE_PATH"
+        name="Program", subtype="FILE_PATH",
+        description="Path of the program ambake; empty for the one inside of the extension, else the one on the PATH",
     )
 
     def draw(self, _context):

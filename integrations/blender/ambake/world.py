@@ -49,7 +49,8 @@ def _output(world):
 
 
 def _draw(context, world, path):
-    """Draws the world in ambake's polar projection: glTF's +z, which is Blender's -y, in the middle, and +x to its right."""
+    """Draws the world in ambake's polar projection: glTF's +z, which is Blender's -y, in the middle, and +x to its
+    right."""
     scene = bpy.data.scenes.new("ambake sky")
     copy = world.copy()
     camera = bpy.data.cameras.new("ambake sky")

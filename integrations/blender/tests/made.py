@@ -1,5 +1,6 @@
-"""The scene that the end-to-end test makes: names with spaces, signs and dots, a mesh with two users, a collection that is
-instanced, a cut-out card, an object under a parent, a modifier that adds faces and one that only moves them."""
+"""The scene that the end-to-end test makes: names with spaces, signs and dots, a mesh with two users, a collection
+that is instanced, a cut-out card, an object under a parent, a modifier that adds faces and one that only moves
+them."""
 
 import bpy
 

@@ -7,7 +7,7 @@ needs Python 3.11 with the packages of requirements.txt. Without them it prints 
 import json
 import os
 import tempfile
-import unittest
+import types
 
 import with_blender  # first: it prints a skip where Blender is absent
 from with_blender import ROOT, BlenderTest, bpy, camera_above, look_up, render
@@ -118,6 +118,29 @@ class MadeScene(BlenderTest):
         bpy.ops.object.select_all(action="DESELECT")
         with self.assertRaisesRegex(RuntimeError, "no selected mesh has a face"):
             bpy.ops.ambake.bake()
+
+    def test_the_panels_draw_what_there_is(self):
+        from ambake import panel
+
+        class Layout:
+            def __getattr__(self, _name):
+                return lambda *_, **__: self
+
+            def prop(self, settings, name):
+                drawn.append(name)
+                assert name in settings.bl_rna.properties, name
+
+        settings, drawn = self.settings(light="SCENE"), []
+        for light in ("SCENE", "SKY"):
+            settings.light = light
+            for cls in (panel.AMBAKE_PT_bake, panel.AMBAKE_PT_light, panel.AMBAKE_PT_layout, panel.AMBAKE_PT_output):
+                part = types.SimpleNamespace(layout=Layout(), names=getattr(cls, "names", ()))
+                part.shown = lambda of, cls=cls, part=part: cls.shown(part, of)
+                cls.draw(part, bpy.context)
+        self.assertEqual(drawn.count("sky"), 1)
+        self.assertEqual(drawn.count("bounces"), 2)
+        other = {"rna_type", "name", "target_error", "target_relative", "max_rays"}
+        self.assertEqual(set(settings.bl_rna.properties.keys()) - other, set(drawn), "every setting is in a panel")
 
     def test_mistakes_are_one_line_and_change_nothing(self):
         made.make()

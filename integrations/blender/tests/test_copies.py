@@ -77,6 +77,20 @@ class Copies(BlenderTest):
         self.assertTrue(doubled.hide_render)
         self.assertFalse(self.baked(doubled).hide_render)
 
+    def test_one_undo_takes_all_back(self):
+        doubled = made.make()["doubled"]
+        name = doubled.name
+        self.settings(rays=4)
+        bpy.ops.ed.undo_push(message="before")
+        before = sorted((i.name, i.hide_render, i.hide_viewport) for i in bpy.data.objects)
+        self.assertEqual(bpy.ops.ambake.bake(), {"FINISHED"})
+        self.assertTrue(bpy.data.objects[name].hide_render)
+        bpy.ops.ed.undo_push(message="after")
+        bpy.ops.ed.undo()
+        self.assertEqual(sorted((i.name, i.hide_render, i.hide_viewport) for i in bpy.data.objects), before)
+        self.assertNotIn("ambake", bpy.data.node_groups)
+        self.assertFalse([i for i in bpy.data.objects if i.type == "MESH" and "ambake" in i.data.uv_layers])
+
     def test_polygons_that_a_chart_cuts_become_triangles_in_the_copy_alone(self):
         made.make()
         mesh = bpy.data.meshes.new("folded")

@@ -17,8 +17,8 @@ lamps = importlib.import_module("ambake.lamps")
 
 def lamp(kind, **values):
     plain = dict(
-        type=kind, energy=4.0 * math.pi, color=(1.0, 0.5, 0.0), angle=0.0, shadow_soft_size=0.0, size=2.0, size_y=1.0, shape="RECTANGLE",
-        spread=math.pi, spot_size=math.pi / 2.0, spot_blend=0.0,
+        type=kind, energy=4.0 * math.pi, color=(1.0, 0.5, 0.0), angle=0.0, shadow_soft_size=0.0, size=2.0, size_y=1.0,
+        shape="RECTANGLE", spread=math.pi, spot_size=math.pi / 2.0, spot_blend=0.0,
     )
     return types.SimpleNamespace(**{**plain, **values})
 

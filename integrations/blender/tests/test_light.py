@@ -1,5 +1,5 @@
-"""The light of the scene, in Blender without a window: each kind of lamp, the world and materials that shine, as Cycles has
-them. Cycles draws a floor and a box, then the bake of them, and the two are compared.
+"""The light of the scene, in Blender without a window: each kind of lamp, the world and materials that shine, as
+Cycles has them. Cycles draws a floor and a box, then the bake of them, and the two are compared.
 
     AMBAKE=target/debug/ambake python integrations/blender/tests/test_light.py
 
@@ -37,8 +37,8 @@ def lamp(kind, location=(0.0, 0.0, 2.0), turn=(0.0, 0.0, 0.0), **values):
 
 class Light(BlenderTest):
     def agrees(self, name, mean=0.02, rms=0.12, bounces=0, bake_bounces=None, samples=64, mask=None):
-        """Bakes the scene's light and compares what Cycles shows of it with what Cycles says itself, relative to its mean.
-        Returns the notes."""
+        """Bakes the scene's light and compares what Cycles shows of it with what Cycles says itself, relative to its
+        mean. Returns the notes."""
         path = os.path.join(self.folder, "picture.exr")
         own = render(path, samples=samples, world=None, bounces=bounces)
         notes = self.bake(
@@ -74,12 +74,14 @@ class Light(BlenderTest):
         lamp("POINT", location=(-0.8, -0.6, 1.5), energy=100.0, shadow_soft_size=0.0)
         self.agrees("point")
         stage()
-        lamp("POINT", location=(-0.8, -0.6, 1.5), energy=100.0, shadow_soft_size=0.2, use_soft_falloff=False, exposure=1.0)
+        ball = {"shadow_soft_size": 0.2, "use_soft_falloff": False, "exposure": 1.0}
+        lamp("POINT", location=(-0.8, -0.6, 1.5), energy=100.0, **ball)
         self.agrees("point with a radius")
 
     def test_a_spot_by_its_cone(self):
         stage()
-        lamp("SPOT", location=(-0.6, -0.5, 2.0), turn=(0.2, 0.1, 0.4), energy=200.0, spot_size=1.0, spot_blend=0.4, shadow_soft_size=0.0)
+        cone = {"spot_size": 1.0, "spot_blend": 0.4, "shadow_soft_size": 0.0}
+        lamp("SPOT", location=(-0.6, -0.5, 2.0), turn=(0.2, 0.1, 0.4), energy=200.0, **cone)
         self.assertEqual(self.agrees("spot", mean=0.03, rms=0.15), [])
         lamp("SPOT", energy=1.0, shadow_soft_size=0.1)
         notes = self.bake(light="SCENE", rays=2)
@@ -88,7 +90,8 @@ class Light(BlenderTest):
     def test_area_lamps_of_all_shapes(self):
         for shape, sizes in [("RECTANGLE", {"size_y": 0.3}), ("ELLIPSE", {"size_y": 0.5})]:
             stage()
-            area = lamp("AREA", location=(-0.6, -0.4, 1.6), turn=(0.3, -0.2, 0.7), energy=80.0, shape=shape, size=0.8, **sizes)
+            sizes.update(shape=shape, size=0.8)
+            area = lamp("AREA", location=(-0.6, -0.4, 1.6), turn=(0.3, -0.2, 0.7), energy=80.0, **sizes)
             area.scale = (1.5, 1.0, 1.0)
             bpy.context.view_layer.update()
             self.agrees(f"area {shape}")
@@ -135,7 +138,8 @@ class Light(BlenderTest):
             surface = shine.node_tree.nodes["Principled BSDF"]
             names = "Emission Color", "Emission Strength"
             if kind == "Emission":
-                output, surface = shine.node_tree.nodes["Material Output"], shine.node_tree.nodes.new("ShaderNodeEmission")
+                output = shine.node_tree.nodes["Material Output"]
+                surface = shine.node_tree.nodes.new("ShaderNodeEmission")
                 shine.node_tree.links.new(surface.outputs[0], output.inputs["Surface"])
                 names = "Color", "Strength"
             surface.inputs[names[0]].default_value = (1.0, 0.6, 0.3, 1.0)

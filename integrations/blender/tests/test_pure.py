@@ -40,7 +40,8 @@ def settings(**values):
 
 class Command(unittest.TestCase):
     def line(self, occluders=False, **values):
-        return " ".join(command.arguments(settings(**values), "in.glb", "out", occluders, command.sky(settings(**values))))
+        asked = settings(**values)
+        return " ".join(command.arguments(asked, "in.glb", "out", occluders, command.sky(asked)))
 
     def test_flags_are_those_of_the_command_line(self):
         self.assertEqual(
@@ -50,12 +51,13 @@ class Command(unittest.TestCase):
         )
 
     def test_probes_fill_a_box_with_the_light_of_the_bake(self):
-        words = command.probe_arguments(settings(threads=2), "in.glb", "out", ["--sky", "1,1,1"], (-1.0, 0.0, -2.5), (1.0, 2.0, 2.5), (4, 2, 8))
+        box = (-1.0, 0.0, -2.5), (1.0, 2.0, 2.5), (4, 2, 8)
+        words = command.probe_arguments(settings(threads=2), "in.glb", "out", ["--sky", "1,1,1"], *box)
         self.assertEqual(
             " ".join(words),
             "probes in.glb -o out --json --within=-1,0,-2.5:1,2,2.5 --grid 4x2x8 --for bevy,three --sky 1,1,1 --threads 2 --seed 0",
         )
-        self.assertNotIn("--for", command.probe_arguments(settings(probe_engines=""), "in.glb", "out", [], (0,) * 3, (1,) * 3, (1,) * 3))
+        self.assertNotIn("--for", command.probe_arguments(settings(probe_engines=""), "in.glb", "out", [], *box))
 
     def test_a_target_error_takes_the_place_of_rays(self):
         # 0.005 as Blender keeps it, in 32 bits.
@@ -68,7 +70,8 @@ class Command(unittest.TestCase):
         self.assertNotIn("--layers", self.line(show="diffuse"))
 
     def test_further_flags_keep_their_quotes(self):
-        self.assertEqual(command.arguments(settings(further="--exclude 'a b'"), "in.glb", "out", True, [])[-2:], ["--exclude", "a b"])
+        words = command.arguments(settings(further="--exclude 'a b'"), "in.glb", "out", True, [])
+        self.assertEqual(words[-2:], ["--exclude", "a b"])
         self.assertIn("--exclude ambake-occluder: *", self.line(occluders=True))
 
     def test_progress_is_read_from_ambakes_own_lines(self):
@@ -81,6 +84,12 @@ class Command(unittest.TestCase):
         clap = ["error: unexpected argument '--x' found", "Usage: ambake bake", "For more information, try '--help'."]
         self.assertEqual(command.complaint(clap, 2), "unexpected argument '--x' found")
         self.assertEqual(command.complaint([], 9), "ambake ended with status 9")
+
+    def test_what_was_left_out_of_materials_is_told_and_advice_is_not(self):
+        coat = dict(kind="ignored-extensions", place="material `coat`", count=2, message="baked without its coat")
+        size = dict(kind="small-page", place="pages of 32²", count=1, message="`--size 256`")
+        told = command.untaken({"warnings": [coat, size]})
+        self.assertEqual(told, ["material coat and others: baked without its coat"])
 
     def test_a_run_can_be_cancelled(self):
         run = command.Run(sys.executable, ["-c", "import time; time.sleep(60)"])

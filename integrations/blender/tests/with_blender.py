@@ -44,7 +44,8 @@ class BlenderTest(unittest.TestCase):
 
     def settings(self, **values):
         settings = bpy.context.scene.ambake
-        for name, value in {"size": 64, "rays": 16, "folder": self.folder, "light": "SKY", "bounces": 0, **values}.items():
+        plain = {"size": 64, "rays": 16, "folder": self.folder, "light": "SKY", "bounces": 0}
+        for name, value in {**plain, **values}.items():
             setattr(settings, name, value)
         return settings
 
@@ -68,7 +69,8 @@ class BlenderTest(unittest.TestCase):
         return values.reshape(image.size[1], image.size[0], 4)[..., :3]
 
     def positions_agree(self, item, texels):
-        """The layer `position` at the middle of every face is that middle, up to so many texels of the face's own density."""
+        """The layer `position` at the middle of every face is that middle, up to so many texels of the face's own
+        density."""
         mesh = item.data
         uvs = np.array([u.vector for u in mesh.uv_layers["ambake"].uv])
         worst = 0.0
@@ -111,9 +113,9 @@ def look_up(picture, uv):
 
 
 def render(path, samples=1, size=48, world=1.0, bounces=0):
-    """What Cycles makes of the scene through its camera: (height, width, 4) linear values, row 0 at the bottom. Where no
-    light bounces, a plain material under the white world is the diffuse term times its colour. With `world=None` the world
-    is the scene's own."""
+    """What Cycles makes of the scene through its camera: (height, width, 4) linear values, row 0 at the bottom. Where
+    no light bounces, a plain material under the white world is the diffuse term times its colour. With `world=None`
+    the world is the scene's own."""
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.cycles.device = "CPU"
@@ -161,7 +163,8 @@ def camera_above(scale, height=10.0):
 
 
 def main():
-    """Runs the tests of the calling module. Blender as a module hangs at times when Python ends, so the process ends here."""
+    """Runs the tests of the calling module. Blender as a module hangs at times when Python ends, so the process ends
+    here."""
     result = unittest.main(exit=False).result
     sys.stdout.flush()
     sys.stderr.flush()
