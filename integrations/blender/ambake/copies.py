@@ -34,11 +34,11 @@ def show(on):
         copy.hide_viewport = copy.hide_render = not on
 
 
-def make(scene, item, mesh, applied):
-    """A copy of an object that shows `mesh`, in place of an earlier one; without modifiers where they are applied."""
+def make(scene, item, mesh, applied, old):
+    """A copy of an object that shows `mesh`, in place of the old one, if any; without modifiers where they are applied."""
     seen = bpy.context.view_layer.objects
-    chosen = any(of.name in seen and of.select_get() for of in (item, all_of_them().get(item)) if of)
-    remove(item)
+    chosen = any(of.name in seen and of.select_get() for of in (item, old) if of)
+    remove(item, old)
     copy = item.copy()
     copy[CHOSEN] = chosen
     copy.name, copy.data = f"{item.name} baked", mesh
@@ -63,13 +63,12 @@ def select(scene):
                 copy.select_set(True, view_layer=layer)
 
 
-def remove(item):
-    """Takes the copy of an object away, if it has one, and shows the object."""
-    copy = all_of_them().get(item)
-    if copy is None:
+def remove(item, old):
+    """Takes the old copy of an object away, if it has one, and shows the object."""
+    if old is None:
         return
-    mesh = copy.data
-    bpy.data.objects.remove(copy)
+    mesh = old.data
+    bpy.data.objects.remove(old)
     if mesh.users == 0:
         bpy.data.meshes.remove(mesh)
     item.hide_viewport = item.hide_render = False

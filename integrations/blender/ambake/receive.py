@@ -21,7 +21,7 @@ def bring_back(scene, settings, sent, folder, report):
     images = _images(settings, folder, stem, report)
     notes = list(sent.notes)
     users = collections.Counter(item.data for item in bpy.data.objects if item.type == "MESH")
-    copied, done = 0, {}
+    earlier, copied, done = copies.all_of_them(), 0, {}
     for receiver in sent.receivers:
         item = bpy.data.objects.get(receiver.name)
         part = parts.get(receiver.name)
@@ -41,10 +41,10 @@ def bring_back(scene, settings, sent, folder, report):
                 bpy.data.meshes.remove(mesh)
             continue
         if mesh != item.data:
-            item = copies.make(scene, item, mesh, bool(receiver.applied))
+            item = copies.make(scene, item, mesh, bool(receiver.applied), earlier.get(item))
             copied += 1
         else:
-            copies.remove(item)
+            copies.remove(item, earlier.get(item))
         done[item] = pages
     if copied:
         notes.append(f"{copied} object{'s are' if copied > 1 else ' is'} shown by baked copies in the collection "
