@@ -35,7 +35,7 @@ def show(on):
 
 
 def make(scene, item, mesh, applied, old):
-    """A copy of an object that shows `mesh`, in place of the old one, if any; without modifiers where they are applied."""
+    """A copy of an object that shows `mesh`, in place of the old one; without modifiers where they are applied."""
     seen = bpy.context.view_layer.objects
     chosen = any(of.name in seen and of.select_get() for of in (item, old) if of)
     remove(item, old)

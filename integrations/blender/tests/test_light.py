@@ -69,6 +69,22 @@ class Light(BlenderTest):
         lamp("SUN", turn=(0.5, 0.3, 0.0), energy=3.0, angle=0.0)
         self.agrees("hard sun, two bounces", bounces=2)
 
+    def test_a_room_of_four_colours_and_four_bounces(self):
+        stage((0.8, 0.8, 0.8))
+        # Walls whose fronts face the room: backs send no light on.
+        half = np.pi / 2.0
+        walls = {
+            "left": ((0.7, 0.1, 0.1), (-2, 0, 1.5), (0, half, 0)),
+            "right": ((0.1, 0.6, 0.1), (2, 0, 1.5), (0, -half, 0)),
+            "back": ((0.8, 0.8, 0.8), (0, 2, 1.5), (half, 0, 0)),
+            "front": ((0.2, 0.3, 0.7), (0, -2, 1.5), (-half, 0, 0)),
+        }
+        for name, (colour, place, turn) in walls.items():
+            made.add(name, "plane", made.material(name, colour), size=4.0, location=place, rotation=turn)
+        lamp("POINT", location=(0.3, -0.8, 2.4), energy=60.0, shadow_soft_size=0.1, use_soft_falloff=False)
+        plain_world((0.5, 0.7, 1.0), 0.3)
+        self.agrees("room", bounces=4, samples=128)
+
     def test_point_lamps_by_their_watts(self):
         stage()
         lamp("POINT", location=(-0.8, -0.6, 1.5), energy=100.0, shadow_soft_size=0.0)
