@@ -17,6 +17,9 @@ pub(super) const LANES: usize = 4;
 const STEPS: usize = 100;
 const ENOUGH: f64 = 2e-3;
 
+/// An energy that no texel moves by: below it single precision ends, and steps would be divided by 0.
+const NOTHING: f64 = 1e-20;
+
 /// Numbers that one thread takes at a time.
 const CHUNK: usize = 2048;
 
@@ -140,7 +143,7 @@ impl Equations<'_> {
         let mut direction = scaled.clone();
         let mut along = zeros(&self.lacks);
         for _ in 0..STEPS {
-            let goes = energy.cmpgt(*rest);
+            let goes = energy.cmpgt(rest.max(DVec4::splat(NOTHING)));
             if !goes.any() {
                 break;
             }
@@ -213,6 +216,28 @@ mod tests {
         ];
         for (moved, exact) in moves.iter().zip(exact) {
             assert!(moved.abs_diff_eq(exact, 1e-6), "{moved} {exact}");
+        }
+    }
+
+    #[test]
+    fn differences_at_the_end_of_single_precision_move_nothing() {
+        let none = (0, 0.0);
+        let looks = [
+            [(0, 0.75), (1, -0.25), none, none],
+            [(1, 1.0), none, none, none],
+        ];
+        let sums = Sums::new(2, looks.into_iter().map(|look| (true, look)));
+        for k in 0..200 {
+            let lack = Vec4::splat(1e-20 * 0.95f32.powi(k));
+            let equations = Equations {
+                sums: &sums,
+                weights: vec![Vec4::new(1.0, 0.1, 0.01, 0.003); 2],
+                lacks: vec![lack, 0.5 * lack],
+            };
+            let (mut moves, mut rest) = ([Vec4::ZERO; 2], DVec4::ZERO);
+            equations.solve(&mut moves, &[Vec4::ONE; 2], &mut rest);
+            let is_rest = |moved: &Vec4| moved.abs().max_element() < 1e-6;
+            assert!(moves.iter().all(is_rest), "{k}: {moves:?}");
         }
     }
 }
