@@ -105,7 +105,6 @@ impl Patch {
     pub fn of(world: &World, errors: &PlaneErrors, instance: u32, triangle: u32) -> Self {
         let corners = world.corners(instance, triangle);
         let normals = world.normals(instance, triangle);
-        let face = world.face(instance, triangle);
         let (part, geometry) = world.part(instance);
         let indices = geometry.triangles()[triangle as usize];
         let bounds = &errors.0[part.geometry as usize];
@@ -113,6 +112,8 @@ impl Patch {
             .iter()
             .map(|&v| f64::from(bounds[v as usize]))
             .fold(0.0, f64::max);
+        let face = (corners[1] - corners[0]).cross(corners[2] - corners[0])
+            * world.sense(instance, triangle);
         let fallback = normals.map_or(DVec3::Z, |n| {
             (n[0] + n[1] + n[2]).try_normalize().unwrap_or(DVec3::Z)
         });

@@ -202,6 +202,7 @@ impl World {
         &self.backs
     }
 
+    #[inline]
     fn is_turned_over(&self, mesh: u32, triangle: u32) -> bool {
         !self.backs.is_empty()
             && self
@@ -238,12 +239,17 @@ impl World {
     /// The normal of a triangle on its lit side by the winding, of twice its area's length. Mirroring objects and
     /// [`World::turn_over`] turn it round.
     pub fn face(&self, instance: u32, triangle: u32) -> DVec3 {
-        let (part, geometry) = self.part(instance);
         let [a, b, c] = self.corners(instance, triangle);
-        let face = (b - a).cross(c - a);
+        (b - a).cross(c - a) * self.sense(instance, triangle)
+    }
+
+    /// -1 where the lit side of a triangle is not the one of its winding, else 1.
+    #[inline]
+    pub(crate) fn sense(&self, instance: u32, triangle: u32) -> f64 {
+        let (part, geometry) = self.part(instance);
         match part.mirrors() != self.is_turned_over(geometry.mesh, triangle) {
-            true => -face,
-            false => face,
+            true => -1.0,
+            false => 1.0,
         }
     }
 
@@ -265,6 +271,7 @@ impl World {
         }
     }
 
+    #[inline]
     fn normals_by_file(&self, instance: u32, triangle: u32) -> Option<[DVec3; 3]> {
         let (part, geometry) = self.part(instance);
         let mesh = geometry.mesh();
@@ -276,6 +283,7 @@ impl World {
     }
 
     /// True where the file's normals point away from the lit side of a triangle that is lit from behind.
+    #[inline]
     fn reverses(&self, instance: u32, triangle: u32) -> bool {
         self.is_turned_over(self.part(instance).1.mesh, triangle)
             && (self.normals_by_file(instance, triangle))

@@ -24,11 +24,19 @@ const LEAST_BASE: f64 = 0.25;
 /// Fewest rays of a lobe for each ray of the hemisphere.
 const LEAST_SHARE: f64 = 1.0 / 64.0;
 
+/// Rays that a lobe of weight 1 is worth for each ray of the hemisphere: of the least error at a given cost it has
+/// `(variance / cost)^(2/5)`, its variance is two thirds of the hemisphere's and a ray of it costs 1.75 times as much.
+const WORTH: f64 = 0.67;
+
+/// The same where hemisphere rays count for the lobe too. A quarter of their number leaves a metal an error as large as
+/// that of the diffuse term.
+const WORTH_BESIDE: f64 = 0.3;
+
 /// Least α of lobes that have no rays of their own where they are worth no more than the share [`FAINT`]: roughness
 /// 0.5. What hemisphere rays weigh for them is 4 at most along the normal, so that 64 of these tell more than a few
 /// of their own, which would cost as much as all else of a texel.
 const BROAD: f64 = 0.25;
-const FAINT: f32 = 1.0 / 8.0;
+const FAINT: f32 = 1.0 / 32.0;
 
 /// The lobe of a texel.
 #[derive(Debug, Clone, Copy)]
@@ -62,7 +70,7 @@ pub(crate) struct Coat {
 
 impl Coat {
     /// Of a material whose view makes `cos` with its normal. Its lobe has as many rays as the hemisphere where
-    /// `full`, else as many as it is worth, down to a power of two.
+    /// `full`, else as many as it is worth.
     pub fn of(model: Model, full: bool, material: &PhongMaterial, cos: f64) -> Self {
         let PhongMaterial {
             albedo,
@@ -88,10 +96,12 @@ impl Coat {
         Self {
             base,
             specular,
-            share: if full {
-                1.0
-            } else {
-                share(weight(base, specular))
+            share: match (full, model) {
+                (true, _) => 1.0,
+                (_, Model::Ggx) if alpha_of(exponent) >= LEAST_ALPHA => {
+                    share(weight(base, specular), WORTH_BESIDE)
+                }
+                _ => share(weight(base, specular), WORTH),
             },
             open,
         }
@@ -176,10 +186,10 @@ fn weight(base: DVec3, lobe: DVec3) -> f64 {
     (lobe.max_element() / beside).clamp(0.0, 1.0)
 }
 
-/// Rays for each ray of the hemisphere, of a lobe that comes through with a weight: down to a power of two, but for
-/// rounding.
-fn share(weight: f64) -> f32 {
-    (weight.powf(0.8) * (1.0 + 1e-6))
+/// Rays for each ray of the hemisphere, of a lobe that comes through with a weight and is worth so many: down to a
+/// power of two.
+fn share(weight: f64, worth: f64) -> f32 {
+    (worth * weight.powf(0.8))
         .log2()
         .floor()
         .exp2()
