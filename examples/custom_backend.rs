@@ -3,6 +3,8 @@
 //!
 //! Run it with `cargo run --release --example custom_backend`.
 
+#![allow(clippy::print_stdout, reason = "an example shows what it did")]
+
 use ambake::rays::{Coherence, Ray, RayBackend, RayPacket, SurfaceHit, World};
 use ambake::{Backend, Bake, Layer};
 use glam::DVec3;

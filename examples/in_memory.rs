@@ -2,6 +2,8 @@
 //!
 //! Run it with `cargo run --release --example in_memory`.
 
+#![allow(clippy::print_stdout, reason = "an example shows what it did")]
+
 use ambake::{Bake, Layer, Material, Mesh, Scene};
 
 fn main() -> Result<(), ambake::Error> {

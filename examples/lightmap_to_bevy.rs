@@ -12,6 +12,8 @@
 //! and set `StandardMaterial::lightmap_exposure`. The values are light that arrives, without albedo: E / pi, which is 1
 //! under an open sky of radiance 1. Bevy multiplies them by the base colour.
 
+#![allow(clippy::print_stdout, reason = "an example shows what it did")]
+
 use ambake::{Bake, Layer};
 use exr::prelude::{f16, write_rgb_file};
 use std::path::PathBuf;

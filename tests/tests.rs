@@ -1,6 +1,11 @@
 //! The integration tests: the built program against answers known on paper, real models and broken input.
 
 #![forbid(unsafe_code)]
+#![allow(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "tests say what they skip"
+)]
 
 mod alpha;
 mod any_view;

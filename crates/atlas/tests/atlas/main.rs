@@ -1,5 +1,11 @@
 //! The atlas from outside: layouts, footprints, gutters.
 
+#![allow(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "tests say what they skip"
+)]
+
 mod cuts;
 mod footprints;
 mod gutters;

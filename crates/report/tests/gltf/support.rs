@@ -1,5 +1,11 @@
 //! Layouts, pictures and containers for the tests of the written GLB.
 
+#![allow(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "tests say what they skip"
+)]
+
 use ambake_report::{Output, occlusion_png, write_gltf};
 use atlas::{Atlas, Audit, MeshLayout, Placement, UvSource};
 use glam::Vec2;
