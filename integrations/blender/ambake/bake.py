@@ -88,14 +88,15 @@ class Probes(Bake):
             send.forget(receiver)
         seconds = time.monotonic() - self.started
         words = f"{report['probes']} probes in {seconds:.1f} s, error {report['std_err']:.4f}, in {self.folder}"
-        notes = [f"{report['invalid']} probes are in solids and have the light of their neighbours"] if report["invalid"] else []
-        return words, notes
+        within = f"{report['invalid']} probes are in solids and have the light of their neighbours"
+        return words, [within] if report["invalid"] else []
 
 
 def _volume(context):
     """The box of a light probe volume in glTF's axes, by two corners, and how many probes it has along each. A
     ValueError where there is none."""
-    volumes = [item for item in context.visible_objects if item.type == "LIGHT_PROBE" and item.data.type in {"VOLUME", "GRID"}]
+    probes = [item for item in context.visible_objects if item.type == "LIGHT_PROBE"]
+    volumes = [item for item in probes if item.data.type in {"VOLUME", "GRID"}]
     if context.active_object in volumes:
         volumes = [context.active_object]
     if len(volumes) != 1:

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 from .corners import OCCLUDER
 
-# What can be shown in the viewport. Those that every bake writes need no flag; the model of highlights is that of the layer that is named.
+# What can be shown in the viewport. Those that every bake writes need no flag; the model of highlights is that of the
+# layer that is named.
 STANDARD = ("visibility", "diffuse", "specular", "traditional", "lambert")
 
 # The program that the zip carried, where it did.
@@ -22,8 +23,8 @@ INSIDE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "bin", "ambake
 UNTAKEN = {"ignored-extensions", "ignored-normal-maps", "unread-textures"}
 
 HOW_TO_GET = (
-    "the program ambake was not found; install it (`cargo install --locked --path .` in ambake's folder) and put it on the PATH, "
-    "or name it in Preferences, Add-ons, ambake"
+    "the program ambake was not found; install it (`cargo install --locked --path .` in ambake's folder) and put it on "
+    "the PATH, or name it in Preferences, Add-ons, ambake"
 )
 
 

@@ -1,8 +1,8 @@
 """Blender's lamps as flags of ambake and as spots of a glTF file, in the units of both. Reads lamps by their
 attributes and needs no Blender.
 
-A lamp of P watts is one that Cycles lets shine with P / 4π W/sr (point, spot) or P / (π · area) W/(m² sr) (area), and
-a sun has its irradiance as it stands. ambake takes all of these as they are."""
+A lamp of P watts is one that Cycles lets shine with P / 4π W/sr (point, spot) or P / (π · area) W/(m² sr) (area),
+and a sun has its irradiance as it stands. ambake takes all of these as they are."""
 
 import math
 from dataclasses import dataclass, field

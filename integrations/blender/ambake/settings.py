@@ -57,12 +57,12 @@ class AMBAKE_PG_settings(bpy.types.PropertyGroup):
     )
     rays: IntProperty(name="Rays", description="Rays per texel over the hemisphere", default=256, min=1, max=1 << 24)
     target_error: FloatProperty(
-        name="Target Error", description="Standard error at which a texel stops", default=0.01, min=1e-5, max=0.99,
-        precision=4,
+        name="Target Error", description="Root mean square of a page's standard errors",
+        default=0.01, min=1e-5, max=0.99, precision=4,
     )
     target_relative: FloatProperty(
-        name="Relative", description="A texel also stops at this share of its value, where that is more", min=0.0,
-        max=0.99, precision=4,
+        name="Relative", description="An error of this share of the value counts as the target, where that is more",
+        min=0.0, max=0.99, precision=4,
     )
     max_rays: IntProperty(
         name="Most Rays", description="Most rays of a texel", default=16384, min=16, max=1 << 24
@@ -112,8 +112,8 @@ class AMBAKE_PG_settings(bpy.types.PropertyGroup):
         name="More Flags", description="Any further flags of `ambake bake`, as on the command line"
     )
     probe_engines: StringProperty(
-        name="Probes For", description="Engines that light probes are written for, separated by commas: bevy, three, unity, godot",
-        default="bevy, three, unity, godot",
+        name="Probes For", default="bevy, three, unity, godot",
+        description="Engines that light probes are written for, separated by commas: bevy, three, unity, godot",
     )
     uv_map: StringProperty(
         name="UV Map", default="ambake",
@@ -124,8 +124,9 @@ class AMBAKE_PG_settings(bpy.types.PropertyGroup):
         name="Images", description="What the names of the images begin with; empty for the name of the scene"
     )
     folder: StringProperty(
-        name="Folder", description="Where the EXR pages, the GLB and bake.json stay; empty to keep none of them. The images "
-        "are in the .blend either way", subtype="DIR_PATH", options=RELATIVE,
+        name="Folder",
+        description="Where the EXR pages, the GLB and bake.json stay; empty to keep none of them. The images are in "
+        "the .blend either way", subtype="DIR_PATH", options=RELATIVE,
     )
 
 

@@ -37,14 +37,16 @@ def make():
     child = add("child of box", "uv_sphere", None, segments=12, ring_count=6, radius=0.2)
     child.parent, child.location = first, (0.0, 0.0, 0.5)
     objects["child"] = child
-    bent = add("bent (moved only)", "grid", grey, size=1.0, x_subdivisions=4, y_subdivisions=4, location=(-0.8, -0.9, 0.4))
+    divided = {"x_subdivisions": 4, "y_subdivisions": 4}
+    bent = add("bent (moved only)", "grid", grey, size=1.0, location=(-0.8, -0.9, 0.4), **divided)
     wave = bent.modifiers.new("Wave", "CAST")
     wave.factor = 0.3
     objects["bent"] = bent
     doubled = add("mirrored", "cube", grey, size=0.3, location=(0.9, -0.9, 0.15))
     doubled.modifiers.new("Array", "ARRAY").count = 2
     objects["doubled"] = doubled
-    fan = add("round table", "cylinder", red, vertices=24, radius=0.4, depth=0.1, end_fill_type="NGON", location=(0.0, -0.2, 0.4))
+    disc = {"vertices": 24, "radius": 0.4, "depth": 0.1, "end_fill_type": "NGON"}
+    fan = add("round table", "cylinder", red, location=(0.0, -0.2, 0.4), **disc)
     objects["fan"] = fan
     # A collection outside of the view layer whose object stands in the scene as an instance alone.
     hidden = bpy.data.collections.new("shelf")

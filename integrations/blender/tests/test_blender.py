@@ -105,7 +105,8 @@ class MadeScene(BlenderTest):
         uvs = np.array([u.vector for u in objects["floor"].data.uv_layers["ambake"].uv])
         values = self.image("diffuse")
         # The floor spans -2..2. Its corner at (2, 2) is open; under the table it is dark.
-        place = lambda x, y: look_up(values, uvs[0] + (x / 4 + 0.5) * (uvs[1] - uvs[0]) + (y / 4 + 0.5) * (uvs[3] - uvs[0]))
+        along, across = uvs[1] - uvs[0], uvs[3] - uvs[0]
+        place = lambda x, y: look_up(values, uvs[0] + (x / 4 + 0.5) * along + (y / 4 + 0.5) * across)
         self.assertGreater(place(1.9, 1.9)[0], 0.9)
         self.assertLess(place(0.0, -0.2)[0], 0.7)
 
