@@ -12,6 +12,8 @@ COLLECTION = "ambake baked"
 OF = "ambake of"
 # Property of a new copy: that its object was selected.
 CHOSEN = "ambake chosen"
+# Property of an object: that a copy stands for it, and it is hidden for that.
+HIDDEN = "ambake hidden"
 
 
 def all_of_them():
@@ -28,10 +30,33 @@ def shown():
 
 
 def show(on):
-    """Shows the copies, or the objects that they stand for."""
-    for original, copy in all_of_them().items():
+    """Shows the copies, or the objects that they stand for. Those whose copies were deleted are shown in either
+    case."""
+    pairs = all_of_them()
+    for original, copy in pairs.items():
         original.hide_viewport = original.hide_render = on
         copy.hide_viewport = copy.hide_render = not on
+    for item in bpy.data.objects:
+        if item.get(HIDDEN) and item not in pairs:
+            _unhide(item)
+
+
+def show_originals():
+    """Shows the objects that copies stand for. Returns what puts them and the copies back as they were."""
+    pairs = all_of_them()
+    before = [(item, item.hide_viewport, item.hide_render) for pair in pairs.items() for item in pair]
+    show(False)
+
+    def back():
+        for item, viewport, render in before:
+            item.hide_viewport, item.hide_render = viewport, render
+
+    return back
+
+
+def _unhide(item):
+    item.hide_viewport = item.hide_render = False
+    item.pop(HIDDEN, None)
 
 
 def make(scene, item, mesh, applied, old):
@@ -50,7 +75,7 @@ def make(scene, item, mesh, applied, old):
     if collection not in scene.collection.children_recursive:
         scene.collection.children.link(collection)
     collection.objects.link(copy)
-    item.hide_viewport = item.hide_render = True
+    item.hide_viewport = item.hide_render = item[HIDDEN] = True
     return copy
 
 
@@ -71,7 +96,7 @@ def remove(item, old):
     bpy.data.objects.remove(old)
     if mesh.users == 0:
         bpy.data.meshes.remove(mesh)
-    item.hide_viewport = item.hide_render = False
+    _unhide(item)
 
 
 def marked(mesh):

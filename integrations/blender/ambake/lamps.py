@@ -9,8 +9,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-# A sun with an angle is a ball so many metres away, and its radius is that of the angle.
+# A sun with an angle is a ball at least so many metres away from the scene, so many of its sizes if that is more, and
+# its radius is that of the angle.
 SUN_AWAY = 1e5
+SUN_SIZES = 1000.0
+# The largest half angle of a sun: of a ball that touches the scene nothing is known.
+WIDEST_SUN = math.radians(89.0)
 # glTF's axes from Blender's: x, z, -y.
 AXES = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
 
@@ -20,6 +24,8 @@ class Lamps:
     """What a bake takes of the lamps: flags, spots as (name, 4 x 4 matrix, light of KHR_lights_punctual), and sentences
     about what it does not take."""
 
+    centre: tuple = (0.0, 0.0, 0.0)  # of the scene, in glTF's axes
+    size: float = 0.0
     flags: list = field(default_factory=list)
     spots: list = field(default_factory=list)
     approximated: dict = field(default_factory=dict)  # what is said -> names
@@ -63,12 +69,14 @@ class Lamps:
         return colour.clip(min=0.0)
 
     def _sun(self, light, toward, colour):
-        half = min(light.angle / 2.0, math.pi / 2.0)
+        half = min(light.angle / 2.0, WIDEST_SUN)
         if half < 1e-6:
             self._flag("--sun", toward, colour)
             return
-        radius = SUN_AWAY * math.sin(half)
-        self._flag("--sphere", toward * SUN_AWAY, [radius], colour / (math.pi * math.sin(half) ** 2))
+        away = max(SUN_AWAY, SUN_SIZES * self.size)
+        radius = away * math.sin(half)
+        place = np.array(self.centre) + toward * away
+        self._flag("--sphere", place, [radius], colour / (math.pi * math.sin(half) ** 2))
 
     def _point(self, light, place, intensity):
         radius = light.shadow_soft_size

@@ -65,4 +65,5 @@ def _computed(socket):
 
 def _plain(described, colour):
     surface = described.setdefault("pbrMetallicRoughness", {"metallicFactor": 0.0, "roughnessFactor": 1.0})
-    surface["baseColorFactor"] = [min(max(value, 0.0), 1.0) for value in (*colour[:3], 1.0)]
+    alpha = surface.get("baseColorFactor", [1.0] * 4)[3]
+    surface["baseColorFactor"] = [min(max(value, 0.0), 1.0) for value in (*colour[:3], alpha)]

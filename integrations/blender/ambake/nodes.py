@@ -216,18 +216,26 @@ def _first(socket):
 
 def _group():
     """The group that all materials share."""
-    group = bpy.data.node_groups.get(GROUP)
-    if group is not None:
-        return group
-    group = bpy.data.node_groups.new(GROUP, "ShaderNodeTree")
+    group = bpy.data.node_groups.get(GROUP) or bpy.data.node_groups.new(GROUP, "ShaderNodeTree")
     face = group.interface
-    face.new_socket("Shader", in_out="INPUT", socket_type="NodeSocketShader")
-    face.new_socket("Light", in_out="INPUT", socket_type="NodeSocketColor")
-    face.new_socket("Base Color", in_out="INPUT", socket_type="NodeSocketColor")
-    face.new_socket("Alpha", in_out="INPUT", socket_type="NodeSocketFloat").default_value = 1.0
-    face.new_socket("Emission Color", in_out="INPUT", socket_type="NodeSocketColor")
-    face.new_socket("Emission Strength", in_out="INPUT", socket_type="NodeSocketFloat").default_value = 0.0
-    face.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
+    known = {(socket.name, socket.in_out) for socket in face.items_tree}
+    if all((name, "INPUT") in known for name in INPUTS):
+        return group
+    # A new one, or one of a file that an earlier extension baked: its sockets stay, for materials are linked to them.
+    for name, in_out, kind, value in (
+        ("Shader", "INPUT", "Shader", None),
+        ("Light", "INPUT", "Color", None),
+        ("Base Color", "INPUT", "Color", None),
+        ("Alpha", "INPUT", "Float", 1.0),
+        ("Emission Color", "INPUT", "Color", None),
+        ("Emission Strength", "INPUT", "Float", 0.0),
+        ("Shader", "OUTPUT", "Shader", None),
+    ):
+        if (name, in_out) not in known:
+            socket = face.new_socket(name, in_out=in_out, socket_type=f"NodeSocket{kind}")
+            if value is not None:
+                socket.default_value = value
+    group.nodes.clear()
 
     def node(kind, x, y):
         made = group.nodes.new(kind)

@@ -1,5 +1,7 @@
 """The light of the scene for a bake: the world and the lamps that render, and what a user should know of it."""
 
+import numpy as np
+
 from . import lamps, world
 from .rendered import listed
 
@@ -7,8 +9,8 @@ from .rendered import listed
 def gather(context, folder, hidden, shines, notes):
     """Flags of ambake, and spots for the file. `hidden` holds the objects that do not render, `shines` tells whether a
     material sends light."""
-    found = lamps.Lamps()
     graph = context.evaluated_depsgraph_get()
+    found = lamps.Lamps(*_extent(graph))
     for instance in graph.object_instances:
         if instance.object.type != "LIGHT" or not instance.show_self:
             continue
@@ -27,6 +29,20 @@ def gather(context, folder, hidden, shines, notes):
         notes.append("no lamp, no world and no material lights the scene: add one, or choose Sky of ambake as light")
     flags = ["--sky", sky, *found.flags]
     return flags + ["--lights", "file"] * bool(found.spots), found.spots
+
+
+def _extent(graph):
+    """Middle in glTF's axes and size of the box about all meshes."""
+    corners = [
+        np.array(instance.matrix_world) @ (*corner, 1.0)
+        for instance in graph.object_instances
+        if instance.object.type == "MESH"
+        for corner in instance.object.bound_box
+    ]
+    if not corners:
+        return (0.0, 0.0, 0.0), 0.0
+    low, high = np.min(corners, axis=0)[:3], np.max(corners, axis=0)[:3]
+    return lamps.AXES @ (low + high) / 2.0, float(np.max(high - low))
 
 
 def _linked(item):

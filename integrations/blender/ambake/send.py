@@ -50,8 +50,7 @@ def export(context, settings, path):
     with contextlib.ExitStack() as undo:
         undo.callback(_select, context.view_layer, list(context.selected_objects))
         selected = {item.get(copies.OF, item) for item in context.selected_objects}
-        undo.callback(copies.show, copies.shown())
-        copies.show(False)
+        undo.callback(copies.show_originals())
         context.view_layer.update()
         hidden = rendered.hidden(context)
         chosen = _chosen(context, settings, hidden, selected, sent)

@@ -77,6 +77,39 @@ class Copies(BlenderTest):
         self.assertTrue(doubled.hide_render)
         self.assertFalse(self.baked(doubled).hide_render)
 
+    def test_an_object_whose_copy_was_deleted_is_shown_and_baked_again(self):
+        doubled = made.make()["doubled"]
+        self.bake(rays=4)
+        bpy.data.objects.remove(self.baked(doubled))
+        self.assertTrue(doubled.hide_render)
+        self.bake(rays=4)
+        self.assertIsNot(self.baked(doubled), doubled)
+        bpy.data.objects.remove(self.baked(doubled))
+        bpy.ops.ambake.switch()
+        self.assertFalse(doubled.hide_render)
+
+    def test_a_copy_that_a_user_hides_stays_hidden(self):
+        doubled = made.make()["doubled"]
+        self.bake(rays=4)
+        copy = self.baked(doubled)
+        copy.hide_render = True
+        with self.assertRaisesRegex(ValueError, "no-such-flag"):
+            self.bake(further="--no-such-flag")
+        self.assertTrue(copy.hide_render)
+
+    def test_nodes_of_an_earlier_extension_are_made_whole(self):
+        from ambake import nodes
+
+        made.make()
+        old = bpy.data.node_groups.new(nodes.GROUP, "ShaderNodeTree")
+        for name, kind in (("Shader", "Shader"), ("Light", "Color"), ("Base Color", "Color"), ("Alpha", "Float")):
+            old.interface.new_socket(name, in_out="INPUT", socket_type=f"NodeSocket{kind}")
+        old.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
+        self.bake(rays=4)
+        names = [socket.name for socket in old.interface.items_tree if socket.in_out == "INPUT"]
+        self.assertEqual(len(names), len(set(names)))
+        self.assertTrue(set(nodes.INPUTS) <= set(names))
+
     def test_one_undo_takes_all_back(self):
         doubled = made.make()["doubled"]
         name = doubled.name
