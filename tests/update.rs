@@ -164,6 +164,81 @@ fn what_is_no_longer_rooted_in_the_floor_is_baked_again() {
     assert_eq!(same["baked"], 0, "{same}");
 }
 
+/// Writes a floor and two closed boxes of one mesh whose faces look inward, with a rug in the first or without.
+fn write_inward(folder: &Path, rug: bool) -> PathBuf {
+    let corners = (0..8u8).map(|k| [2, 1, 0].map(|bit| f32::from(k >> bit & 1) - 0.5));
+    let sheet = [
+        [-0.5, 0.0, -0.5],
+        [-0.5, 0.0, 0.5],
+        [0.5, 0.0, 0.5],
+        [0.5, 0.0, -0.5],
+    ];
+    let sides: [[u16; 4]; 6] = [
+        [2, 3, 1, 0],
+        [5, 7, 6, 4],
+        [1, 5, 4, 0],
+        [6, 7, 3, 2],
+        [4, 6, 2, 0],
+        [3, 7, 5, 1],
+    ];
+    let fan = |[a, b, c, d]: [u16; 4]| [a, b, c, a, c, d];
+    let mut bytes: Vec<u8> = corners
+        .chain(sheet)
+        .flatten()
+        .flat_map(f32::to_le_bytes)
+        .collect();
+    let numbers = sides.into_iter().flat_map(fan).chain(fan([0, 1, 2, 3]));
+    bytes.extend(numbers.flat_map(u16::to_le_bytes));
+    std::fs::create_dir_all(folder).expect("a folder");
+    std::fs::write(folder.join("inward.bin"), &bytes).expect("a file");
+    let points = |at: u64, count: u64, high: [f32; 3]| {
+        let low = high.map(|x| -x);
+        serde_json::json!({"bufferView": 0, "byteOffset": at, "componentType": 5126, "count": count, "type": "VEC3", "min": low, "max": high})
+    };
+    let indices = |at: u64, count: u64| serde_json::json!({"bufferView": 1, "byteOffset": at, "componentType": 5123, "count": count, "type": "SCALAR"});
+    let node = |name: &str, mesh: u32, at: [f32; 3], scale: f32| serde_json::json!({"name": name, "mesh": mesh, "translation": at, "scale": [scale, scale, scale]});
+    let mut nodes = vec![
+        node("floor", 1, [0.0; 3], 6.0),
+        node("first", 0, [-1.5, 0.7, 0.0], 1.0),
+        node("second", 0, [1.5, 0.7, 0.0], 1.0),
+    ];
+    nodes.extend(rug.then(|| node("rug", 2, [-1.5, 0.7, 0.0], 0.3)));
+    let roots: Vec<usize> = (0..nodes.len()).collect();
+    let mesh = |points: u32| serde_json::json!({"primitives": [{"attributes": {"POSITION": points}, "indices": points + 1, "material": 0}]});
+    let text = serde_json::json!({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": roots}], "nodes": nodes,
+        "materials": [{"doubleSided": true, "pbrMetallicRoughness": {"metallicFactor": 0}}],
+        "meshes": [mesh(0), mesh(2), mesh(2)],
+        "accessors": [points(0, 8, [0.5; 3]), indices(0, 36), points(96, 4, [0.5, 0.0, 0.5]), indices(72, 6)],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": 0, "byteLength": 144},
+            {"buffer": 0, "byteOffset": 144, "byteLength": 84},
+        ],
+        "buffers": [{"uri": "inward.bin", "byteLength": bytes.len()}],
+    });
+    let path = folder.join("inward.gltf");
+    std::fs::write(&path, text.to_string()).expect("a file");
+    path
+}
+
+#[test]
+fn the_twin_of_a_body_that_becomes_a_room_is_baked_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [old, new] =
+        [("a", false), ("b", true)].map(|(name, rug)| write_inward(&folder.path().join(name), rug));
+    // The twin's sides see as far as a unit: the rug is farther away.
+    let said = compare_files(folder.path(), [&old, &new], SMALL);
+    assert!(said["kept"].as_u64() > Some(0), "{said}");
+    let turned = |name: &str| {
+        let report = report(&folder.path().join(name));
+        let warnings = report["warnings"].as_array().expect("a list").clone();
+        warnings
+            .iter()
+            .any(|warning| warning["kind"] == "turned-over")
+    };
+    assert!(turned("old") && !turned("new"));
+}
+
 #[test]
 fn whole_pages_are_finished_anew_with_bounces_denoiser_and_map() {
     let (before, mut after) = (row(), row());

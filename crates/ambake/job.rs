@@ -311,15 +311,11 @@ impl Job {
 
     /// Closed surfaces with texels whose backs are lit.
     fn turned_over(&self) -> Option<WarningReport> {
-        let turned = self.world.turned_over();
         let (instances, placements) = (&self.scene.instances, &self.atlas.placements);
-        let placed = instances
-            .iter()
-            .zip(placements)
-            .filter(|(instance, placement)| {
-                placement.is_somewhere() && turned.contains_key(&instance.mesh)
-            });
-        let names: Vec<&str> = placed.map(|(instance, _)| instance.name.as_str()).collect();
+        let turned = (0..)
+            .zip(instances.iter().zip(placements))
+            .filter(|(number, of)| of.1.is_somewhere() && self.world.has_turned_over(*number));
+        let names: Vec<&str> = turned.map(|(_, of)| of.0.name.as_str()).collect();
         Some(WarningReport {
             kind: "turned-over".into(),
             place: format!("object `{}`", names.first()?),
@@ -330,14 +326,12 @@ impl Job {
 
     /// Closed surfaces with texels that are lit from within.
     fn inside_out(&self) -> Option<WarningReport> {
-        let turned = self.world.turned_over();
         let mut found = self.world.solids().inside_out();
-        found.retain(|&instance| {
-            let mesh = self.scene.instances[instance as usize].mesh;
-            self.atlas.placements[instance as usize] != atlas::Placement::NOWHERE
-                && !turned.contains_key(&mesh)
+        found.retain(|&(instance, triangle)| {
+            self.atlas.placements[instance as usize].is_somewhere()
+                && !self.world.is_turned_over(instance, triangle)
         });
-        let first = &self.scene.instances[*found.first()? as usize];
+        let first = &self.scene.instances[found.first()?.0 as usize];
         Some(WarningReport {
             kind: "inside-out".into(),
             place: format!("object `{}`", first.name),

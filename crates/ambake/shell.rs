@@ -36,8 +36,8 @@ impl<'a> Shell<'a> {
     /// True where a point looks out of the scene and none of the places within sees it.
     pub fn hides(&self, point: &SurfacePoint) -> bool {
         let corners = self.world.corners(point.instance, point.triangle);
-        let [a, b, c] = corners;
-        let normal = (b - a).cross(c - a).normalize_or_zero();
+        let face = self.world.face(point.instance, point.triangle);
+        let normal = face.normalize_or_zero();
         let bounds = self.world.bounds();
         let place: DVec3 = (corners.iter().zip(point.weights))
             .map(|(&p, w)| p * w)

@@ -77,7 +77,8 @@ impl<'a> Task<'a> {
             }
         };
         let light = Lit::of(scene, options)?;
-        let world = World::near(baked_scene, WorldOptions::default())?;
+        let mut world = World::near(baked_scene, WorldOptions::default())?;
+        world.turn_over(light.lights.iter().filter_map(Light::place));
         let backend = rays::build(options.backend.kind(), &world, rayon::current_num_threads())?;
         let (surfaces, lamps) = (Surfaces::new(&world), Lamps::of(&world));
         let origin = world.origin();

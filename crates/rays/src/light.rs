@@ -127,12 +127,21 @@ impl Light {
         }
     }
 
-    /// Where it is; `None` where it is distant.
-    pub fn position(&self) -> Option<DVec3> {
-        match self {
+    /// A place that it lights; `None` where it is distant.
+    pub fn place(&self) -> Option<DVec3> {
+        match *self {
             Self::Distant { .. } => None,
-            Self::Point { position, .. } | Self::Sphere { position, .. } => Some(*position),
-            Self::Rect { corner, sides, .. } => Some(*corner + 0.5 * (sides[0] + sides[1])),
+            Self::Point { position, .. } | Self::Sphere { position, .. } => Some(position),
+            // Before the side that shines: it may lie in a wall.
+            Self::Rect {
+                corner,
+                sides: [a, b],
+                ..
+            } => {
+                let before = 0.01 * a.length().max(b.length());
+                let toward = a.cross(b).normalize_or_zero();
+                Some(corner + 0.5 * (a + b) + before * toward)
+            }
         }
     }
 

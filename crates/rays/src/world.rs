@@ -189,26 +189,30 @@ impl World {
         self.solids.get_or_init(|| Solids::of(&self.scene))
     }
 
-    /// Lights these triangles of meshes from behind: normals point there, and nothing else changes.
-    pub fn turn_over(&mut self, triangles: Vec<(u32, Vec<u32>)>) {
-        let sets = triangles
-            .into_iter()
-            .map(|(mesh, of)| (mesh, of.into_iter().collect()));
-        self.backs = sets.collect();
+    /// Lights closed bodies that look inward from behind where nobody is within ([`Solids::backs`]): normals point
+    /// outward, and nothing else changes.
+    ///
+    /// * `places`: where lights and eyes are, in the coordinates of the file.
+    pub fn turn_over(&mut self, places: impl Iterator<Item = DVec3>) {
+        let places: Vec<DVec3> = places.map(|place| place - self.origin).collect();
+        let backs = self.solids().backs(&places).into_iter();
+        self.backs = backs
+            .map(|(mesh, of)| (mesh, of.into_iter().collect()))
+            .collect();
     }
 
-    /// The meshes some of whose triangles are lit from behind, with those triangles.
-    pub fn turned_over(&self) -> &HashMap<u32, HashSet<u32>> {
-        &self.backs
-    }
-
+    /// True where a triangle is lit from behind.
     #[inline]
-    fn is_turned_over(&self, mesh: u32, triangle: u32) -> bool {
-        !self.backs.is_empty()
-            && self
-                .backs
-                .get(&mesh)
-                .is_some_and(|of| of.contains(&triangle))
+    pub fn is_turned_over(&self, instance: u32, triangle: u32) -> bool {
+        !self.backs.is_empty() && {
+            let mesh = self.part(instance).1.mesh;
+            (self.backs.get(&mesh)).is_some_and(|of| of.contains(&triangle))
+        }
+    }
+
+    /// True where some of an instance is lit from behind.
+    pub fn has_turned_over(&self, instance: u32) -> bool {
+        self.backs.contains_key(&self.part(instance).1.mesh)
     }
 
     /// The part and the geometry of an instance.
@@ -246,8 +250,7 @@ impl World {
     /// -1 where the lit side of a triangle is not the one of its winding, else 1.
     #[inline]
     pub(crate) fn sense(&self, instance: u32, triangle: u32) -> f64 {
-        let (part, geometry) = self.part(instance);
-        match part.mirrors() != self.is_turned_over(geometry.mesh, triangle) {
+        match self.part(instance).0.mirrors() != self.is_turned_over(instance, triangle) {
             true => -1.0,
             false => 1.0,
         }
@@ -282,12 +285,16 @@ impl World {
         })
     }
 
-    /// True where the file's normals point away from the lit side of a triangle that is lit from behind.
+    /// True where the normals of a triangle that is lit from behind, the file's or those of its winding, point away
+    /// from there.
     #[inline]
-    fn reverses(&self, instance: u32, triangle: u32) -> bool {
-        self.is_turned_over(self.part(instance).1.mesh, triangle)
-            && (self.normals_by_file(instance, triangle))
-                .is_some_and(|[a, b, c]| (a + b + c).dot(self.face(instance, triangle)) < 0.0)
+    pub(crate) fn reverses(&self, instance: u32, triangle: u32) -> bool {
+        let is_away = |[a, b, c]: [DVec3; 3]| {
+            let face = self.face(instance, triangle);
+            (a + b + c).dot(face) < 0.0
+        };
+        self.is_turned_over(instance, triangle)
+            && (self.normals_by_file(instance, triangle)).is_none_or(is_away)
     }
 
     /// True where both sides of an instance's surface are drawn, so that it has no back.
@@ -345,7 +352,7 @@ impl World {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fixture::{placed_scene, square};
+    use crate::fixture::{block, placed_scene, square};
     use crate::geometry::Positions;
     use glam::Vec3;
 
@@ -360,6 +367,62 @@ mod tests {
                 alpha_test_all: false,
             },
         )
+    }
+
+    #[test]
+    fn normals_of_what_is_lit_from_behind_point_outward() {
+        for (mirror, side, instancing) in [
+            (1.0, None, true),
+            (-1.0, None, true),
+            (1.0, Some(-1.0), false),
+            (-1.0, Some(-1.0), true),
+            (1.0, Some(1.0), true),
+            (-1.0, Some(1.0), false),
+        ] {
+            let mut stone = block(Vec3::ZERO, Vec3::ONE, true);
+            let outward = |side: f32| {
+                let along = |p: &Vec3| side * p.normalize();
+                stone.positions.iter().map(along).collect()
+            };
+            stone.normals = side.map_or(Vec::new(), outward);
+            let scale = DVec3::new(mirror, 1.0, 1.0);
+            let [near, far] = [3.0, 9.0].map(|x| DVec3::new(x, 0.0, 0.0));
+            let places = [near, far].map(|at| {
+                DAffine3::from_scale_rotation_translation(scale, glam::DQuat::IDENTITY, at)
+            });
+            let placed = [(0, places[0]), (0, places[1]), (1, DAffine3::IDENTITY)];
+            let scene = placed_scene(vec![stone, square(-5.0)], &placed);
+            let options = WorldOptions {
+                instancing,
+                ..WorldOptions::default()
+            };
+            let mut world = World::new(Arc::new(scene), options).expect("a world");
+            // A light in one of the two: they share their mesh.
+            world.turn_over([far].into_iter());
+            assert!(!world.has_turned_over(0) && !world.has_turned_over(1));
+            world.turn_over([].into_iter());
+            assert!(
+                world.has_turned_over(0) && world.has_turned_over(1) && !world.has_turned_over(2)
+            );
+            for (instance, at) in [(0, near), (1, far)] {
+                for triangle in 0..12 {
+                    let [a, b, c] = world.corners(instance, triangle);
+                    let middle = (a + b + c) / 3.0 - at;
+                    assert!(world.face(instance, triangle).dot(middle) > 0.0);
+                    assert!(world.upward(instance, triangle).dot(middle) > 0.0);
+                    let normals = world.normals(instance, triangle);
+                    assert_eq!(normals.is_some(), side.is_some());
+                    let is_outward = |[n, ..]: [DVec3; 3]| n.dot(middle) > 0.0;
+                    assert!(normals.is_none_or(is_outward), "{mirror} {side:?}");
+                    let away = side != Some(1.0);
+                    assert_eq!(
+                        world.reverses(instance, triangle),
+                        away,
+                        "{mirror} {side:?}"
+                    );
+                }
+            }
+        }
     }
 
     fn turned(at: DVec3) -> DAffine3 {

@@ -10,7 +10,7 @@ use super::REPLICATES;
 use super::kernel::Kernel;
 use super::radiosity::Radiosity;
 use super::spots::{Aim, Reach, Spots};
-use crate::integrate::Coat;
+use crate::integrate::{Coat, LobeRays};
 use crate::options::{Model, Shading, View};
 use crate::survey::{Sample, Texel};
 use ambient::ggx::{Ggx, alpha_of};
@@ -287,7 +287,11 @@ impl Gather<'_> {
     /// Rays over a texel's lobe for each ray over the hemisphere.
     pub fn lobe_share(&self, texel: &Texel, full: bool) -> f32 {
         let view = self.view_from(texel.position, texel.normal);
-        Coat::of(self.model, full, &texel.material, texel.normal.dot(view)).share
+        let rays = match full {
+            true => LobeRays::Full,
+            false => LobeRays::Alone,
+        };
+        Coat::of(self.model, rays, &texel.material, texel.normal.dot(view)).share
     }
 
     /// What a light brings by a direction that `u` draws, and whether something hides it, be it the facet itself;

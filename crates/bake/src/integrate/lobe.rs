@@ -2,9 +2,9 @@
 //!
 //! What is asked for is a sum, of what the base reflects and what the coat does. A coat of 4 % adds 4 % of its lobe's
 //! error to it, so a few rays are enough, or none: a rough lobe is told by the hemisphere's rays. With errors that fall
-//! like N^-3/4 the error of a sum is least, at a given number of rays, where a term takes `weight^(4/5)` as many as one
-//! that weighs 1. The hemisphere weighs what its base reflects, but not less than a quarter: its terms are layers of
-//! their own too.
+//! like N^-3/4 the error of a sum is least, at a given cost, where a term takes `(weight² variance / cost)^(2/5)` as
+//! many as one that weighs 1. The hemisphere weighs what its base reflects, but not less than a quarter: its terms are
+//! layers of their own too.
 
 use super::task::Task;
 use crate::options::{Model, View};
@@ -55,6 +55,28 @@ pub(crate) struct Lobe {
     pub f0: Option<DVec3>,
 }
 
+/// How many rays lobes have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum LobeRays {
+    /// As many as the hemisphere.
+    Full,
+    /// What they are worth by themselves.
+    Alone,
+    /// The same beside rays of the hemisphere, which count for broad lobes of GGX too.
+    Beside,
+}
+
+impl LobeRays {
+    fn of(task: &Task<'_>) -> Self {
+        // For the light of a map none of the hemisphere's count.
+        match task.hemisphere && task.sky.map().is_none() {
+            _ if task.full_lobes => Self::Full,
+            true => Self::Beside,
+            false => Self::Alone,
+        }
+    }
+}
+
 /// What an open texel reflects.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Coat {
@@ -69,9 +91,8 @@ pub(crate) struct Coat {
 }
 
 impl Coat {
-    /// Of a material whose view makes `cos` with its normal. Its lobe has as many rays as the hemisphere where
-    /// `full`, else as many as it is worth.
-    pub fn of(model: Model, full: bool, material: &PhongMaterial, cos: f64) -> Self {
+    /// Of a material whose view makes `cos` with its normal.
+    pub fn of(model: Model, rays: LobeRays, material: &PhongMaterial, cos: f64) -> Self {
         let PhongMaterial {
             albedo,
             specular,
@@ -82,6 +103,7 @@ impl Coat {
             white: 0.0,
         };
         let f0 = specular.min(DVec3::ONE);
+        let is_broad = model == Model::Ggx && alpha_of(exponent) >= LEAST_ALPHA;
         let open = match model {
             Model::Phong => none,
             Model::Ggx => Ggx::new(alpha_of(exponent), cos).open(),
@@ -96,11 +118,9 @@ impl Coat {
         Self {
             base,
             specular,
-            share: match (full, model) {
-                (true, _) => 1.0,
-                (_, Model::Ggx) if alpha_of(exponent) >= LEAST_ALPHA => {
-                    share(weight(base, specular), WORTH_BESIDE)
-                }
+            share: match rays {
+                LobeRays::Full => 1.0,
+                LobeRays::Beside if is_broad => share(weight(base, specular), WORTH_BESIDE),
                 _ => share(weight(base, specular), WORTH),
             },
             open,
@@ -121,7 +141,7 @@ impl Coat {
             match last {
                 Some((material, seen, coat)) if material == texel.material && seen == cos => coat,
                 _ => {
-                    let coat = Self::of(task.model, task.full_lobes, &texel.material, cos);
+                    let coat = Self::of(task.model, LobeRays::of(task), &texel.material, cos);
                     last = Some((texel.material, cos, coat));
                     coat
                 }

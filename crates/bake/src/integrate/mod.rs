@@ -39,7 +39,7 @@ mod sums;
 mod task;
 mod terms;
 
-pub(crate) use lobe::Coat;
+pub(crate) use lobe::{Coat, LobeRays};
 pub(crate) use seal::seals;
 pub(crate) use task::Task;
 pub use terms::{AnyView, Directional, Halves, Terms};

@@ -11,7 +11,6 @@ pub use open::OpenTriangles;
 use crate::choice::Choice;
 use crate::options::{Model, Options, Shading, Sky, View};
 use ambient::sampling::Mixture;
-use glam::DVec3;
 use layers::Term;
 use rays::{Error, Light, PlaneErrors, World, WorldOptions};
 use scene::{Scene, Surface};
@@ -81,15 +80,12 @@ impl Plan {
         if options.normal_maps {
             world.read_normal_maps()?;
         }
-        let near = |at| at - world.origin();
-        let lights: Vec<DVec3> = options
-            .lights
-            .iter()
-            .filter_map(Light::position)
-            .map(near)
-            .collect();
-        let backs = world.solids().backs(&lights);
-        world.turn_over(backs);
+        let eye = match options.view {
+            View::Normal => None,
+            View::Eye(eye) => Some(eye),
+        };
+        let lights = options.lights.iter().filter_map(Light::place);
+        world.turn_over(lights.chain(eye));
         let mut open_triangles = if options.allows(Choice::Open) {
             OpenTriangles::of(&world, &PlaneErrors::of(&world))
         } else {

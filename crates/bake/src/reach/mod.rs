@@ -137,6 +137,7 @@ impl<'a> Reach<'a> {
             hasher.update(&triangle.to_le_bytes());
             hasher.numbers(part.corners.map(|p| p.to_array()).as_flattened());
             hasher.update(&[self.baker.plan.open.contains(instance, triangle).into()]);
+            hasher.update(&[self.baker.world.is_turned_over(instance, triangle).into()]);
             let own = self.baker.solids.and_then(|of| of.own(instance, triangle));
             hasher.update(&own.map_or([0; 16], |body| self.bodies[body as usize]));
             if !owns.contains(&own) {

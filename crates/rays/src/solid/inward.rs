@@ -8,16 +8,19 @@ use std::collections::HashMap;
 type Key = (u32, u32);
 
 impl Solids {
-    /// An instance of each closed surface whose faces look inward though it is no room: it is lit from within.
-    pub fn inside_out(&self) -> Vec<u32> {
+    /// An instance and a triangle of each closed surface whose faces look inward though it is no room.
+    pub fn inside_out(&self) -> Vec<(u32, u32)> {
         let first = |placement: u32, body: &Body| {
             let shape = &self.shapes[body.shape as usize];
-            let has = |mesh: u32| shape.surface_of[mesh as usize].contains(&body.surface);
             let start = self.firsts[placement as usize];
             let mut instances = (start..).zip(&self.instances[start as usize..]);
-            instances.find_map(|(i, of)| (of.2 == placement && has(of.1)).then_some(i))
+            instances.find_map(|(instance, of)| {
+                let mut surfaces = shape.surface_of[of.1 as usize].iter();
+                let triangle = surfaces.position(|surface| *surface == body.surface)?;
+                (of.2 == placement).then_some((instance, triangle as u32))
+            })
         };
-        let mut found: Vec<u32> = (self.placements.iter())
+        let mut found: Vec<(u32, u32)> = (self.placements.iter())
             .map(|(&(placement, _), &body)| (placement, &self.bodies[body as usize]))
             .filter(|(_, body)| self.is_inside_out(body))
             .filter_map(|(placement, body)| first(placement, body))
@@ -27,10 +30,10 @@ impl Solids {
     }
 
     /// Triangles of each mesh whose back is what one sees, ascending: those of closed surfaces that are drawn from both
-    /// sides and look inward wherever they are placed, though nothing is in them, no light of these places and none of
+    /// sides and look inward wherever they are placed, though nothing is in them, none of these places and no lamp of
     /// their own. From within nobody looks at them, and nothing would be seen there. None where a scene has no other
     /// surfaces: then they are all that there is to be seen, and empty rooms.
-    pub fn backs(&self, lights: &[DVec3]) -> Vec<(u32, Vec<u32>)> {
+    pub fn backs(&self, places: &[DVec3]) -> Vec<(u32, Vec<u32>)> {
         let is_inside_out = |body: &u32| self.is_inside_out(&self.bodies[*body as usize]);
         if !self.placements.values().any(is_inside_out) || self.surfaces_but(is_inside_out) == 0 {
             return Vec::new();
@@ -38,8 +41,8 @@ impl Solids {
         let mut is_back: HashMap<Key, bool> = HashMap::new();
         for body in self.placements.values() {
             let body = &self.bodies[*body as usize];
-            let is_dark = || !lights.iter().any(|&light| self.holds(body, light));
-            let found = self.is_inside_out(body) && is_dark();
+            let is_empty = || !places.iter().any(|&place| self.holds(body, place));
+            let found = self.is_inside_out(body) && is_empty();
             *is_back.entry((body.shape, body.surface)).or_insert(true) &= found;
         }
         for (&(shape, surface), is_back) in &mut is_back {

@@ -41,7 +41,7 @@ fn a_box_is_a_solid_however_it_is_wound() {
     for inward in [false, true] {
         let solids = solids(vec![unit(inward), sheet()]);
         assert_eq!(solids.count(), 1, "inward {inward}");
-        assert_eq!(solids.inside_out(), [0][..usize::from(inward)]);
+        assert_eq!(solids.inside_out(), [(0, 0)][..usize::from(inward)]);
         for (point, expected) in [
             (INSIDE, 1),
             (DVec3::new(0.0, 0.999, 0.0), 1),

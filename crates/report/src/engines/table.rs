@@ -72,7 +72,7 @@ const TABLE: [Row; 7] = [
         how: "Lightmap { image, ..default() } on each mesh entity of STEM.glb, StandardMaterial::lightmap_exposure = scale x (1 - 0.16 x reflectance^2), GlobalAmbientLight::affects_lightmapped_meshes = false. \
               The scale undoes the default camera Exposure (EV100 9.7); for another take 1.2 * 2^EV100." },
     Row { engine: Engine::Godot, name: "godot", kinds: &[Exr, Ao, Ao8, GodotImport], scale: 1.0,
-        how: "STEM.godot.glb shows it as it is. In your own spatial shader: EMISSION = albedo * texture(lightmap, UV2).rgb * scale with ambient light off. \
+        how: "STEM.godot.glb with the files of that name beside it shows it as it is. In your own spatial shader: EMISSION = albedo * texture(lightmap, UV2).rgb * scale with ambient light off. \
               Or occlusion alone: STEM.P.ao8.png as AO texture with AO on UV2." },
     Row { engine: Engine::Unity, name: "unity", kinds: &[Exr, Hdr, Ao], scale: 1.0,
         how: "Import as a lightmap without mipmaps, sRGB off; it lies on uv2 of the imported STEM.glb, scale and offset 1,1,0,0. \
