@@ -320,7 +320,9 @@ impl Job {
             kind: "turned-over".into(),
             place: format!("object `{}`", names.first()?),
             count: names.len() as u64,
-            message: "faces of a closed surface look inward, where nothing is, and are drawn from both sides; their outside is baked".into(),
+            message: "faces of a closed surface look inward, where nothing is, and are drawn from both sides; their outside is \
+                      baked"
+                .into(),
         })
     }
 

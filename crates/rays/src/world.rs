@@ -171,11 +171,11 @@ impl World {
         Some(self.on_lit_side(bent, instance, triangle))
     }
 
-    /// A bent normal of the file, reversed as the normal is that it bends.
-    fn on_lit_side(&self, bent: DVec3, instance: u32, triangle: u32) -> DVec3 {
+    /// A direction by the normals of the file, reversed where these are reversed.
+    pub(crate) fn on_lit_side(&self, by_file: DVec3, instance: u32, triangle: u32) -> DVec3 {
         match self.reverses(instance, triangle) {
-            true => -bent,
-            false => bent,
+            true => -by_file,
+            false => by_file,
         }
     }
 
@@ -256,7 +256,7 @@ impl World {
         }
     }
 
-    /// The same on the side of the shading normals, from which texels send their rays.
+    /// [`World::face`] on the side of the shading normals, from which texels send their rays.
     pub fn upward(&self, instance: u32, triangle: u32) -> DVec3 {
         let face = self.face(instance, triangle);
         match self.normals(instance, triangle) {
@@ -288,7 +288,7 @@ impl World {
     /// True where the normals of a triangle that is lit from behind, the file's or those of its winding, point away
     /// from there.
     #[inline]
-    pub(crate) fn reverses(&self, instance: u32, triangle: u32) -> bool {
+    fn reverses(&self, instance: u32, triangle: u32) -> bool {
         let is_away = |[a, b, c]: [DVec3; 3]| {
             let face = self.face(instance, triangle);
             (a + b + c).dot(face) < 0.0

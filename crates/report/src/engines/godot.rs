@@ -33,7 +33,8 @@ pub const GODOT: SceneGlb = SceneGlb {
     ],
     words: [
         "radiance that leaves a matt surface, by materials that multiply their colour by STEM.P.lightmap.exr at UV2",
-        "Copy STEM.godot* and STEM.*.lightmap.exr* to the top of a Godot project before it sees them, without the script of the other version. \
+        "Copy STEM.godot* and STEM.*.lightmap.exr* to the top of a Godot project before it sees them, without the script of \
+         the other version. \
          The scene is lit as it is, without lamps and sky.",
     ],
 };
