@@ -28,7 +28,7 @@ docs:
 
 # speed against error of a scene, in DIR
 bench scene="scenes/courtyard.obj" dir="out/bench":
-    cargo run --release --locked -- bench {{ scene }} -o {{ dir }}
+    cargo run --release --locked --features bench -- bench {{ scene }} -o {{ dir }}
 
 # the authored scenes, written anew; git shows what changed
 scenes:

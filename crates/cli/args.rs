@@ -96,7 +96,7 @@ pub enum Verb {
     /// Illumination maps and reflection maps: convert, convolve, measure
     #[command(subcommand)]
     Map(Box<map::args::Args>),
-    /// Speed against error: CSV, SVG and a readable summary
+    /// Speed against error: CSV, SVG and a readable summary; needs a program built with `--features bench`
     Bench(bench::args::Args),
     /// Writes DIR/report.html, one file to look at a finished bake in a browser, and opens it
     View(View),

@@ -31,11 +31,6 @@ impl SkyArg {
         }
     }
 
-    /// True where it is a picture.
-    pub fn is_map(&self) -> bool {
-        self.file().is_some()
-    }
-
     /// The file of its picture.
     pub fn file(&self) -> Option<&PathBuf> {
         match self {

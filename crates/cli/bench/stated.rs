@@ -81,7 +81,7 @@ fn judged(args: &Args, name: &str, scene: &Scene) -> anyhow::Result<Vec<Row>> {
         plain.seed(seed ^ 1 << 40)
     })?;
     // Under a uniform sky irradiance is the diffuse term.
-    let is_even = !args.job.sky.is_map() && args.job.bounces == Bounces::Off;
+    let is_even = args.job.sky.file().is_none() && args.job.bounces == Bounces::Off;
     let mut rows = Vec::new();
     for rays in [(rays / 4).max(1), rays] {
         let bake = baked(rays, |bake, _| bake)?;

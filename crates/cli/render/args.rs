@@ -16,7 +16,7 @@ pub struct Args {
     #[arg(short = 'o', long = "output", value_name = "IMAGE", required = true)]
     pub output: Vec<PathBuf>,
     /// Draw a figure instead: `fig1` on an open scene such as scenes/plane.obj with `--rays` for each point, `fig3` on
-    /// any scene, `balls` on a body such as scenes/ball.obj
+    /// any scene, `balls` on a body such as scenes/ball.obj; needs a program built with `--features bench`
     #[arg(
         long,
         value_enum,

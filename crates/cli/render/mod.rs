@@ -3,6 +3,7 @@
 pub mod args;
 mod ball_args;
 mod balls;
+#[cfg(feature = "bench")]
 mod figures;
 mod file;
 mod frames;

@@ -1,7 +1,7 @@
 //! `ambake render`: the scene is loaded, then a picture, frames or a figure are made.
 
 use super::args::Args;
-use super::{figures, file, frames, options, picture, relit};
+use super::{file, frames, options, picture, relit};
 use crate::common::build;
 use crate::host;
 use crate::outcome::Outcome;
@@ -16,6 +16,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let started = Instant::now();
     let stop = Stop::listen()?;
     let threads = host::set_threads(args.common.threads)?;
+    #[cfg(not(feature = "bench"))]
+    if args.figure.is_some() {
+        return crate::bench::absent();
+    }
     if args.figure.is_none() {
         for path in &args.output {
             file::ending(path)?;
@@ -45,8 +49,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         world.read_normal_maps()?;
     }
     let backend = backend.as_ref();
+    #[cfg(feature = "bench")]
     if let Some(figure) = args.figure {
-        return figures::draw(figure, args, &world, backend, &stop);
+        return super::figures::draw(figure, args, &world, backend, &stop);
     }
     if let Some(code) = args.tables.encode {
         return relit::encode(code, args, &world, backend, &stop);
