@@ -250,11 +250,7 @@ fn models_are_composed_from_the_terms() {
 
 #[test]
 fn bytes_do_not_depend_on_threads_but_on_the_seed() {
-    let ways: [&[&str]; 3] = [
-        &[],
-        &["--target-error", "0.04", "--max-rays", "256"],
-        &["--pattern", "tiled"],
-    ];
+    let ways: [&[&str]; 2] = [&[], &["--target-error", "0.04", "--max-rays", "256"]];
     let first = backends()[0];
     let others = backends()
         .into_iter()

@@ -110,14 +110,7 @@ fn production_lies_above_exact_by_at_most_the_share_of_the_wedge() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = prism(folder.path(), true);
     let bake = |shading: &str| {
-        // Tiled points are the same whatever they meet; those of dark surfaces follow what was met.
-        let arguments = [
-            "--size=64",
-            "--rays=256",
-            "--pattern=tiled",
-            "--shading",
-            shading,
-        ];
+        let arguments = ["--size=64", "--rays=256", "--shading", shading];
         let (_baked, page) = bake(&file, &arguments);
         (covered(&page, "diffuse"), covered(&page, "error"))
     };

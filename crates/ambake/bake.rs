@@ -9,8 +9,7 @@ use crate::options::{Backend, Effort, Options, Pages, Uv, check_lamps};
 use crate::scene::Scene;
 use crate::sky::Sky;
 use ::bake::{
-    AmbientCoefficient, Bounces, Buried, Choice, Denoise, Footprint, Model, Pattern, Seams,
-    Shading, View,
+    AmbientCoefficient, Bounces, Buried, Choice, Denoise, Footprint, Model, Seams, Shading, View,
 };
 use layers::{Layer, Progress};
 use rays::{Light, RayBackend, World};
@@ -225,19 +224,13 @@ impl Bake {
         self
     }
 
-    /// How the points of neighbouring texels stand to each other; joint by default.
-    pub fn pattern(mut self, pattern: Pattern) -> Self {
-        self.options.pattern = pattern;
-        self
-    }
-
     /// Where the samples of a texel lie; all over its area by default.
     pub fn footprint(mut self, footprint: Footprint) -> Self {
         self.options.footprint = footprint;
         self
     }
 
-    /// How integrated terms are denoised; by regression by default, but for one ray a texel and [`Pattern::Tiled`].
+    /// How integrated terms are denoised; by regression by default, but for one ray a texel.
     pub fn denoise(mut self, denoise: Denoise) -> Self {
         self.options.denoise = Some(denoise);
         self

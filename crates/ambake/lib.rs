@@ -97,7 +97,7 @@ mod write;
 pub use crate::bake::Bake;
 pub use ::bake::{
     AmbientCoefficient, BakedPage, BounceStats, Bounces, Buried, Choice, Decision, Denoise,
-    Footprint, Method, Model, PageStats, Pattern, Pilot, PointSet, SeamStats, Seams, Shading, View,
+    Footprint, Method, Model, PageStats, Pilot, PointSet, SeamStats, Seams, Shading, View,
 };
 pub use baked::{Baked, Page};
 pub use error::{Error, LimitedBy};

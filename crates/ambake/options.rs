@@ -5,8 +5,8 @@ use crate::error::Error;
 use crate::scene::Scene;
 use crate::sky::{MAX_RADIANCE, Sky};
 use ::bake::{
-    AmbientCoefficient, Bounces, Buried, Choice, Denoise, Footprint, Model, Pattern, PointSet,
-    Seams, Shading, View,
+    AmbientCoefficient, Bounces, Buried, Choice, Denoise, Footprint, Model, PointSet, Seams,
+    Shading, View,
 };
 use ::scene::{Format, Instance};
 use glam::DVec3;
@@ -106,8 +106,6 @@ pub struct Options {
     pub align: u32,
     /// How many rays a texel takes.
     pub effort: Effort,
-    /// Which directions texels share.
-    pub pattern: Pattern,
     /// Where the samples of a texel lie.
     pub footprint: Footprint,
     /// How integrated terms are denoised; `None`: see [`Options::denoises`].
@@ -179,7 +177,6 @@ impl Default for Options {
             mips: 0,
             align: 1,
             effort: Effort::Rays(256),
-            pattern: Pattern::Joint,
             footprint: Footprint::Texel,
             denoise: None,
             seams: Seams::default(),
@@ -304,10 +301,6 @@ impl Options {
             return fail("layers", "`difference.phong` needs --model phong");
         }
         let denoises = self.denoises() == Denoise::Regression;
-        if denoises && self.pattern == Pattern::Tiled {
-            let problem = "smears errors that texels share: leave out --pattern tiled";
-            return fail("--denoise regression", problem);
-        }
         if denoises && matches!(self.effort, Effort::Rays(1)) {
             let problem = "compares two halves of the rays: ask for 2 rays or more";
             return fail("--denoise regression", problem);
@@ -323,12 +316,11 @@ impl Options {
     }
 
     /// How terms are denoised: as was asked, else by regression wherever it can be. A single ray has no halves to
-    /// compare, and blocks that share their directions share their errors.
+    /// compare.
     pub fn denoises(&self) -> Denoise {
-        let compares = self.pattern == Pattern::Joint && self.effort != Effort::Rays(1);
-        self.denoise.unwrap_or(match compares {
-            true => Denoise::Regression,
-            false => Denoise::Off,
+        self.denoise.unwrap_or(match self.effort {
+            Effort::Rays(1) => Denoise::Off,
+            _ => Denoise::Regression,
         })
     }
 
@@ -442,7 +434,6 @@ impl Options {
     pub(crate) fn baker(&self) -> ::bake::Options {
         ::bake::Options {
             effort: self.effort,
-            pattern: self.pattern,
             points: PointSet::default(),
             footprint: self.footprint,
             denoise: self.denoises(),
@@ -540,7 +531,6 @@ impl Options {
             mips,
             align,
             effort,
-            pattern,
             footprint,
             denoise: _,
             seams,
@@ -609,10 +599,6 @@ impl Options {
             "target_error": target_error,
             "target_relative": target_relative,
             "max_rays": max_rays,
-            "pattern": match pattern {
-                Pattern::Joint => "joint",
-                Pattern::Tiled => "tiled",
-            },
             "footprint": match footprint {
                 Footprint::Texel => "texel",
                 Footprint::Centre => "centre",

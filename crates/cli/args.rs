@@ -1,7 +1,6 @@
 //! What was typed: the verbs. Each has its own arguments.
 
 use crate::common::Common;
-use crate::help::arranged;
 use crate::{bake, bench, fit, map, probes, render};
 use clap::{Args as ClapArgs, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
@@ -28,7 +27,7 @@ impl Args {
 
     /// What may be typed, and its help.
     pub fn grammar() -> Command {
-        lenient(arranged(Self::command()))
+        lenient(Self::command())
     }
 }
 
@@ -171,4 +170,28 @@ pub struct Doctor {
     /// Print a machine-readable summary on standard output
     #[arg(long)]
     pub json: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verbs_with_many_flags_say_under_headings_what_they_do_and_the_short_help_is_short() {
+        let grammar = Args::grammar();
+        for verb in ["bake", "plan", "watch", "layout", "probes", "render"] {
+            let command = grammar.find_subcommand(verb).expect("the verb");
+            let flags = || command.get_arguments().filter(|arg| !arg.is_positional());
+            for arg in flags().filter(|arg| !arg.is_hide_set()) {
+                let name = arg.get_long().unwrap_or_default();
+                let has_none = arg.get_help_heading().is_none();
+                assert!(
+                    !has_none || name == "help",
+                    "{verb}: --{name} stands under no heading"
+                );
+            }
+            let short = flags().filter(|arg| !arg.is_hide_short_help_set());
+            assert!(short.count() <= 27, "{verb} -h is for what is needed most");
+        }
+    }
 }

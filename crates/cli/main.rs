@@ -26,7 +26,6 @@ mod compare;
 mod doctor;
 mod export;
 mod fit;
-mod help;
 mod host;
 mod manual;
 mod map;

@@ -64,8 +64,8 @@ pub use bounce::{BounceStats, KeepGathers};
 pub use choice::Choice;
 pub use integrate::{AnyView, Directional, Halves, Terms};
 pub use options::{
-    AmbientCoefficient, Bounces, Buried, Denoise, Effort, Footprint, Model, Options, Pattern,
-    PointSet, Seams, Shading, Sky, View,
+    AmbientCoefficient, Bounces, Buried, Denoise, Effort, Footprint, Model, Options, PointSet,
+    Seams, Shading, Sky, View,
 };
 pub use page::{
     BakedPage, BakedTile, Baker, Deal, ErrorSums, LayerPlanes, PageStats, Pilot, Take,

@@ -14,8 +14,6 @@ use rays::{Light, Overrides};
 pub struct Options {
     /// Rays per texel over the hemisphere; lobes take what they are worth beside them.
     pub effort: Effort,
-    /// How texels share directions.
-    pub pattern: Pattern,
     /// Where sample points come from.
     pub points: PointSet,
     /// Where in a texel samples lie.
@@ -102,17 +100,6 @@ impl Effort {
     }
 }
 
-/// How the points of neighbouring texels stand to each other. The error of a texel is the same; only how it goes with
-/// its neighbours' is not.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Pattern {
-    /// The texels of a tile take parts of one sequence: errors of neighbours tend to cancel, and smoothed pages gain.
-    #[default]
-    Joint,
-    /// Blocks of 4 x 4 texels share theirs, so that packets hold parallel rays: errors show as blocks.
-    Tiled,
-}
-
 /// Where the samples of a texel lie.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Footprint {
@@ -129,8 +116,7 @@ pub enum Denoise {
     /// Nothing: every texel is unbiased.
     #[default]
     Off,
-    /// Local regression over the texels of a surface, by two independent halves of the rays: at least 2 rays. Needs
-    /// [`Pattern::Joint`]: errors that neighbours share are no noise to it.
+    /// Local regression over the texels of a surface, by two independent halves of the rays: at least 2 rays.
     Regression,
     /// Intel Open Image Denoise, which [`oidn::load`] must find. Standard errors stay those of the plain values.
     Oidn,
@@ -227,7 +213,6 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             effort: Effort::Rays(256),
-            pattern: Pattern::default(),
             points: PointSet::default(),
             footprint: Footprint::default(),
             denoise: Denoise::default(),

@@ -2,7 +2,7 @@
 
 use crate::Subject;
 use crate::clock::time;
-use bake::{BakedPage, Denoise, Effort, Options, Pattern, PointSet, Sky};
+use bake::{BakedPage, Denoise, Effort, Options, PointSet, Sky};
 use layers::Layer;
 use rays::{BackendKind, Coherence, Layout, Ray, RayBackend, RayPacket, SurfaceHit};
 use serde::Serialize;
@@ -20,8 +20,6 @@ pub struct Technique {
     pub backend: BackendKind,
     /// Rays go one by one instead of in packets of 16.
     pub single: bool,
-    /// See [`Options::pattern`].
-    pub pattern: Pattern,
     /// See [`Options::points`].
     pub points: PointSet,
     /// See [`Options::denoise`]. What denoises is left out under an illumination map.
@@ -67,12 +65,11 @@ const fn target(error: f64) -> Effort {
 }
 
 /// All techniques; the first is what a bake does by itself.
-pub const TECHNIQUES: [Technique; 10] = {
+pub const TECHNIQUES: [Technique; 9] = {
     let plain = Technique {
         name: "embree packets, owen-sobol",
         backend: BackendKind::Embree,
         single: false,
-        pattern: Pattern::Joint,
         points: PointSet::Sobol,
         denoise: Denoise::Off,
         draw_sky: true,
@@ -81,12 +78,6 @@ pub const TECHNIQUES: [Technique; 10] = {
     let cwbvh = BackendKind::Obvhs(Layout::Cwbvh);
     [
         plain,
-        Technique {
-            name: "the same, --pattern tiled",
-            pattern: Pattern::Tiled,
-            efforts: FEW,
-            ..plain
-        },
         Technique {
             name: "the same, --denoise regression",
             denoise: Denoise::Regression,
@@ -262,7 +253,6 @@ pub fn speed(
             for &effort in technique.efforts {
                 let options = Options {
                     effort,
-                    pattern: technique.pattern,
                     points: technique.points,
                     denoise: technique.denoise,
                     draw_sky: technique.draw_sky,

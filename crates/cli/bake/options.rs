@@ -2,9 +2,7 @@
 
 use super::args::{self, Job};
 use crate::common::{Backend, Common};
-use ambake::{
-    Bake, Buried, Denoise, Effort, Footprint, Model, Options, Pattern, Seams, Shading, Uv,
-};
+use ambake::{Bake, Buried, Denoise, Effort, Footprint, Model, Options, Seams, Shading, Uv};
 
 /// The bake that was asked for.
 pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, ambake::Error> {
@@ -42,10 +40,6 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
             relative: job.target_relative.unwrap_or(0.0),
             max_rays: job.max_rays,
         },
-    };
-    options.pattern = match job.pattern {
-        args::Pattern::Joint => Pattern::Joint,
-        args::Pattern::Tiled => Pattern::Tiled,
     };
     options.footprint = match job.footprint {
         args::Footprint::Texel => Footprint::Texel,

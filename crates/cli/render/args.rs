@@ -13,10 +13,12 @@ pub struct Args {
     /// Scene file: .obj, .gltf or .glb
     pub scene: PathBuf,
     /// Picture to write: .exr (linear, float) or .png (sRGB); give it twice for both. With --figure a directory
+    #[arg(help_heading = "Files")]
     #[arg(short = 'o', long = "output", value_name = "IMAGE", required = true)]
     pub output: Vec<PathBuf>,
     /// Draw a figure instead: `fig1` on an open scene such as scenes/plane.obj with `--rays` for each point, `fig3` on
     /// any scene, `balls` on a body such as scenes/ball.obj; needs a program built with `--features bench`
+    #[arg(help_heading = "Files")]
     #[arg(
         long,
         value_enum,
@@ -36,49 +38,62 @@ pub struct Args {
     /// Film's curve, a file that `map merge --save-response` wrote: a .png holds what the film would record, in place
     /// of sRGB, and the photograph of --backdrop is read by it, so that a scene is laid over it in the photograph's own
     /// tones
+    #[arg(help_heading = "Files", hide_short_help = true)]
     #[arg(long, value_name = "FILE", conflicts_with_all = ["figure", "alpha"])]
     pub response: Option<PathBuf>,
     /// Let normal maps of materials bend the shading normals
+    #[arg(help_heading = "Surfaces")]
     #[arg(long)]
     pub normal_maps: bool,
     /// Ambient model [default: that of the bake; without one ggx for glTF and phong for OBJ]
+    #[arg(help_heading = "Surfaces")]
     #[arg(long, value_enum)]
     pub model: Option<ModelName>,
     /// Rays over the hemisphere of every camera sample, and as many over a specular lobe; 0 leaves ambient light out
+    #[arg(help_heading = "Rays")]
     #[arg(long, value_name = "N", default_value_t = 64, conflicts_with = "bake", value_parser = clap::value_parser!(u32).range(0..=65_536))]
     pub rays: u32,
     /// Take the ambient model from the finished bake of SCENE in DIR instead; its Phong term is that of the view the
     /// bake was made for (`bake --view`), not of this camera
+    #[arg(help_heading = "Light")]
     #[arg(long, value_name = "DIR")]
     pub bake: Option<PathBuf>,
     /// Sky radiance, linear: R,G,B for a uniform sky, or an illumination map (.hdr, .exr; polar unless its header says
     /// otherwise), toward whose light as many rays again are cast; also what is seen behind the scene [default: 1,1,1;
     /// with --bake the mean of the bake's sky]
+    #[arg(help_heading = "Light")]
     #[arg(long, value_name = "R,G,B|FILE", value_parser = sky)]
     pub sky: Option<SkyArg>,
     /// Another radiance behind the scene, linear, as R,G,B [default: the sky's; a pale blue with --bake and without
     /// --eye]
+    #[arg(help_heading = "Light", hide_short_help = true)]
     #[arg(long, value_name = "R,G,B", value_parser = color)]
     pub background: Option<[f32; 3]>,
     /// Stops by which a PNG is brightened; auto brightens or darkens what could not be seen otherwise [default: 0; auto
     /// with --bake and without --eye]
+    #[arg(help_heading = "Files")]
     #[arg(long, value_name = "auto|STOPS", allow_hyphen_values = true, value_parser = exposure)]
     pub exposure: Option<Exposure>,
     #[command(flatten)]
     pub shining: Shining,
     /// Occluders farther than this many scene units do not count [default: no limit]
+    #[arg(help_heading = "Light", hide_short_help = true)]
     #[arg(long, value_name = "D", value_parser = positive)]
     pub max_distance: Option<f64>,
     /// Lobe exponent of every material, 0 to 1e6
+    #[arg(help_heading = "Surfaces", hide_short_help = true)]
     #[arg(long, value_name = "N", value_parser = exponent)]
     pub exponent: Option<f64>,
     /// Diffuse reflectance of every material, linear, as R,G,B
+    #[arg(help_heading = "Surfaces", hide_short_help = true)]
     #[arg(long, value_name = "R,G,B", value_parser = color)]
     pub albedo: Option<[f32; 3]>,
     /// Specular reflectance of every material, linear, as R,G,B
+    #[arg(help_heading = "Surfaces", hide_short_help = true)]
     #[arg(long, value_name = "R,G,B", value_parser = color)]
     pub specular: Option<[f32; 3]>,
     /// Ray library [default: embree where it is built in, else obvhs]
+    #[arg(help_heading = "Machine", hide_short_help = true)]
     #[arg(long, value_enum)]
     pub backend: Option<Backend>,
     #[command(flatten)]
@@ -90,9 +105,11 @@ pub struct Args {
 pub struct Matte {
     /// Leave out what is behind the scene and write its share of each pixel as alpha, for matting; colours of an .exr
     /// are multiplied by it
+    #[arg(help_heading = "Files", hide_short_help = true)]
     #[arg(long, conflicts_with_all = ["figure", "background", "backdrop"])]
     pub alpha: bool,
     /// Picture of the same size that the scene stands before: .exr or .hdr (linear), .png or .jpg (sRGB)
+    #[arg(help_heading = "Files", hide_short_help = true)]
     #[arg(long, value_name = "FILE", conflicts_with_all = ["figure", "background"])]
     pub backdrop: Option<PathBuf>,
 }
@@ -102,22 +119,28 @@ pub struct Matte {
 pub struct View {
     /// Eye point in scene units [default: in front, above and to the right of the whole scene; with --bake what fits
     /// best, inside where the scene is a closed room, as in the bake's STEM.lit.png]
+    #[arg(help_heading = "Camera")]
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = triple)]
     pub eye: Option<[f64; 3]>,
     /// Point that is looked at, in scene units [default: the middle of the scene]
+    #[arg(help_heading = "Camera")]
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = triple)]
     pub look: Option<[f64; 3]>,
     /// Direction that is upward in the picture
+    #[arg(help_heading = "Camera", hide_short_help = true)]
     #[arg(long, value_name = "X,Y,Z", default_value = "0,1,0", allow_hyphen_values = true, value_parser = triple)]
     pub up: [f64; 3],
     /// Vertical field of view in degrees, above 0 and below 180 [default: 40; 65 where a fitted view stands inside of a
     /// room]
+    #[arg(help_heading = "Camera")]
     #[arg(long, value_name = "F", value_parser = field_of_view)]
     pub fov_deg: Option<f64>,
     /// Width and height in pixels
+    #[arg(help_heading = "Camera")]
     #[arg(long, value_name = "WxH", default_value = "960x540", value_parser = size)]
     pub size: [u32; 2],
     /// Camera samples of a pixel: a regular grid of N x N
+    #[arg(help_heading = "Camera")]
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub samples: u32,
 }

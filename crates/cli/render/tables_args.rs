@@ -12,17 +12,21 @@ use std::path::PathBuf;
 #[command(group = ArgGroup::new("lit").multiple(true))]
 pub struct Tables {
     /// Shade from the reflection maps D and S, as `ambake map diffuse` and `specular` write them
+    #[arg(help_heading = "Tables")]
     #[arg(long, value_name = "D,S", value_parser = pair, groups = ["shading", "lit"])]
     pub maps: Option<[PathBuf; 2]>,
     /// S stands for the files of these exponents, as `ambake map specular --exponent N,..` names them; each pixel is
     /// shaded with that of its material, between two of them
+    #[arg(help_heading = "Tables", hide_short_help = true)]
     #[arg(long, value_name = "N,..", value_delimiter = ',', requires = "maps", value_parser = exponent)]
     pub exponents: Vec<f64>,
     /// S stands for the files of these incidences in degrees, as `ambake map specular --kernel reflectance` names them;
     /// each pixel is shaded with that of its view, between two of them. With --exponents for S_N_A.exr
+    #[arg(help_heading = "Tables", hide_short_help = true)]
     #[arg(long, value_name = "A,..", value_delimiter = ',', requires = "maps", value_parser = incidence)]
     pub incidences: Vec<f64>,
     /// Surface type of every object but those of --shader-of [default: phong]
+    #[arg(help_heading = "Surfaces")]
     #[arg(long, value_enum, groups = ["shading", "lit"], requires_ifs([
         ("phong", "maps"), ("retro", "maps"), ("varnish", "maps"),
         ("varnish", "environment"), ("mirror", "environment"), ("refraction", "environment"), ("luminous", "environment"),
@@ -31,44 +35,57 @@ pub struct Tables {
     pub shader: Option<ShaderName>,
     /// Another surface type for the objects of this name, as in `urn*=mirror`; * stands for any characters, ? for one.
     /// May be repeated; later ones win
+    #[arg(help_heading = "Surfaces", hide_short_help = true)]
     #[arg(long, value_name = "NAME=TYPE", requires = "shading", value_parser = shader_of)]
     pub shader_of: Vec<(String, ShaderName)>,
     /// Illumination map behind the objects [default: black]; also what mirrors and varnish show
+    #[arg(help_heading = "Tables")]
     #[arg(long, value_name = "FILE", requires = "lit")]
     pub environment: Option<PathBuf>,
     /// How tables are read; the last three average over what a pixel reflects
+    #[arg(help_heading = "Tables", hide_short_help = true)]
     #[arg(long, value_enum, default_value_t = LookupName::Bilinear, requires = "lit")]
     pub lookup: LookupName,
     /// Wd by the cosine of the view angle: `constant`, `schlick:F0`, or a file of lines with a cosine and a weight, or
     /// red, green and blue; after a first line `degrees` angles from the normal
+    #[arg(help_heading = "Tables", hide_short_help = true)]
     #[arg(long, value_name = "W", default_value = "constant", value_parser = weight, requires = "shading")]
     pub diffuse_weight: WeightName,
     /// Ws, likewise. Without --maps it weighs the Phong highlight of --sun and its kin by the cosine of their incidence
+    #[arg(help_heading = "Tables", hide_short_help = true)]
     #[arg(long, value_name = "W", default_value = "constant", value_parser = weight)]
     pub specular_weight: WeightName,
     /// Share of the diffuse light that comes through from behind, 0 to 1: it is looked up in D at -N
+    #[arg(help_heading = "Surfaces", hide_short_help = true)]
     #[arg(long, value_name = "T", default_value = "0", value_parser = share, requires = "shading")]
     pub translucency: f32,
     /// Refractive index behind the surface, of `--shader refraction`
+    #[arg(help_heading = "Surfaces", hide_short_help = true)]
     #[arg(long, value_name = "N", default_value = "1.5", value_parser = positive, requires = "shading")]
     pub ior: f64,
     /// Round normals to what a frame buffer would hold: one of 256, or an octahedral code of this many bits
+    #[arg(help_heading = "Tables", hide_short_help = true)]
     #[arg(long, value_enum, requires = "shading")]
     pub normals: Option<NormalsName>,
     /// Write the normals that the camera sees as codes in place of a picture, with camera and materials in the header
     /// of the .exr, for --relight
+    #[arg(help_heading = "Tables", hide_short_help = true)]
     #[arg(long, value_enum, value_name = "CODE", conflicts_with_all = ["shading", "bake", "figure"])]
     pub encode: Option<NormalsName>,
     /// SCENE is a picture that --encode wrote: shade it from --maps
+    #[arg(help_heading = "Tables", hide_short_help = true)]
     #[arg(long, requires = "maps", conflicts_with_all = ["shader_of", "frames", "path", "normals", "eye", "look", "up", "fov_deg", "size", "samples", "normal_maps"])]
     pub relight: bool,
     /// Frames of a sequence OUT.0000.exr, OUT.0001.exr, … [default with --path: one a key]
+    #[arg(help_heading = "Files", hide_short_help = true)]
     #[arg(long, value_name = "N", requires = "shading", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub frames: Option<u32>,
     /// Degrees that the objects turn from frame to frame about --up through the middle of the scene
+    #[arg(help_heading = "Files", hide_short_help = true)]
     #[arg(long, value_name = "A", requires = "frames", allow_hyphen_values = true, value_parser = number)]
     pub turn_deg: Option<f64>,
     /// Camera path: lines of eye X,Y,Z and looked-at X,Y,Z, interpolated by a spline
+    #[arg(help_heading = "Files", hide_short_help = true)]
     #[arg(long, value_name = "FILE", requires = "shading", conflicts_with_all = ["eye", "look"])]
     pub path: Option<PathBuf>,
 }

@@ -2,14 +2,14 @@
 
 use ambake::{
     AmbientCoefficient, Backend, Bake, Bounces, Buried, Choice, Denoise, Footprint, Layer, Light,
-    Model, Pages, Pattern, Seams, Shading, Sky, Uv, View,
+    Model, Pages, Seams, Shading, Sky, Uv, View,
 };
 use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 /// Every option, as its flag is called with underscores.
-pub const NAMES: [&str; 45] = [
+pub const NAMES: [&str; 44] = [
     "size",
     "density",
     "density_of",
@@ -27,7 +27,6 @@ pub const NAMES: [&str; 45] = [
     "target_error",
     "target_relative",
     "max_rays",
-    "pattern",
     "footprint",
     "denoise",
     "seams",
@@ -164,10 +163,6 @@ fn one(mut bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
         "target_error" => bake.target_error(value.extract()?),
         "target_relative" => bake.target_relative(value.extract()?),
         "max_rays" => bake.max_rays(value.extract()?),
-        "pattern" => {
-            let words = [("joint", Pattern::Joint), ("tiled", Pattern::Tiled)];
-            bake.pattern(word(value, &words)?)
-        }
         "footprint" => {
             let words = [("texel", Footprint::Texel), ("centre", Footprint::Centre)];
             bake.footprint(word(value, &words)?)

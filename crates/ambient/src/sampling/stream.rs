@@ -13,7 +13,6 @@ use super::sobol::{DIMENSIONS, scramble, sobol};
 /// use ambake_ambient::sampling::Stream;
 /// let (a, b) = (Stream::new(0, 0, 17, 0, 0), Stream::new(0, 0, 18, 0, 0));
 /// assert_ne!(a.point(40), b.point(40));
-/// assert_eq!(a.point(40)[..2], b.with_directions(&a).point(40)[..2]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stream {
@@ -46,17 +45,6 @@ impl Stream {
     pub fn point(&self, index: u32) -> [f64; DIMENSIONS] {
         let point = sobol(self.first ^ index);
         std::array::from_fn(|d| unit(scramble(point[d], self.keys[d])))
-    }
-
-    /// This stream with the first two dimensions, the direction, of another: texels that share `directions` send
-    /// parallel rays from independent places.
-    pub fn with_directions(self, directions: &Stream) -> Stream {
-        let [d0, d1, ..] = directions.keys;
-        let [_, _, p0, p1] = self.keys;
-        Stream {
-            keys: [d0, d1, p0, p1],
-            first: self.first,
-        }
     }
 
     /// What randomises a dimension.

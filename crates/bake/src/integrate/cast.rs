@@ -5,8 +5,7 @@ use super::gang::{DirectionSums, Gang, Lane, Moments};
 use super::guides::{self, guide, probes, surfaces};
 use super::lobe::Lobe;
 use super::sums::{REPLICATES, Replicates, Sums, Technique};
-use super::task::{SHARE, Task};
-use crate::options::Pattern;
+use super::task::Task;
 use crate::survey::Texel;
 use ambient::sampling::{Counts, Guide, LANES};
 use atlas::TILE;
@@ -67,8 +66,7 @@ impl Caster<'_> {
         }
         let (surfaces, mut even) = self.surfaces(which, rays / REPLICATES >= guides::FEWEST_POINTS);
         for surface in surfaces {
-            let [first, mut others] =
-                probes(self.texels, &surface, rays, packet_edge(self.task.pattern));
+            let [first, mut others] = probes(self.texels, &surface, rays, BLOCK);
             let mut counts = Counts::default();
             self.cast_rays(&first, rays, Aim::Learning(&mut counts));
             match guide(&counts) {
@@ -125,12 +123,9 @@ impl Caster<'_> {
 
     /// The texels by surfaces that may have guides, and the rest.
     fn surfaces(&self, which: &[usize], pays: bool) -> (Vec<Vec<usize>>, Vec<usize>) {
-        // A map's light is shared with directions drawn from it, unless the map is constant; tiled texels share theirs.
+        // A map's light is shared with directions drawn from it, unless the map is constant.
         let is_even = self.task.sky.map().is_none_or(|map| map.scale() == 0.0);
-        let may_guide = pays
-            && self.technique == Technique::Hemisphere
-            && is_even
-            && self.task.pattern == Pattern::Joint;
+        let may_guide = pays && self.technique == Technique::Hemisphere && is_even;
         match may_guide {
             true => surfaces(self.texels, which),
             false => (Vec::new(), which.to_vec()),
@@ -183,7 +178,7 @@ impl Caster<'_> {
         if replicates.is_empty() || range.is_empty() {
             return;
         }
-        let lanes = lanes(self.task, self.texels, which, replicates.clone());
+        let lanes = lanes(self.texels, which, replicates.clone());
         which.iter().for_each(|&i| {
             self.points[i] += replicates.len() as u32 * range.len() as u32;
         });
@@ -236,27 +231,20 @@ fn nets(range: Range<u32>) -> impl Iterator<Item = (Range<u32>, u32)> {
     })
 }
 
-/// Edge of the blocks of texels whose lanes stand side by side: both replicates of 2 x 2 texels, two blocks to a
-/// packet, or one replicate of 4 x 4 texels, which share it.
-fn packet_edge(pattern: Pattern) -> u32 {
-    match pattern {
-        Pattern::Joint => 2,
-        Pattern::Tiled => SHARE,
-    }
-}
+/// Edge of the blocks of texels whose lanes stand side by side: both replicates of 2 x 2 texels, two blocks to a packet.
+const BLOCK: u32 = 2;
 
 /// The lanes of the texels `which`, block by block.
-fn lanes(task: &Task<'_>, texels: &[Texel], which: &[usize], replicates: Range<u32>) -> Vec<Lane> {
-    let edge = packet_edge(task.pattern);
+fn lanes(texels: &[Texel], which: &[usize], replicates: Range<u32>) -> Vec<Lane> {
     // Texels of one packet stand side by side: block by block, row by row in each.
     let mut places = [None; (TILE * TILE) as usize];
     for &i in which {
         let [x, y] = [texels[i].x, texels[i].y].map(|at| at % TILE);
-        let block = y / edge * (TILE / edge) + x / edge;
-        places[((block * edge + y % edge) * edge + x % edge) as usize] = Some(i);
+        let block = y / BLOCK * (TILE / BLOCK) + x / BLOCK;
+        places[((block * BLOCK + y % BLOCK) * BLOCK + x % BLOCK) as usize] = Some(i);
     }
     let mut lanes = Vec::with_capacity(which.len() * replicates.len());
-    for block in places.chunks_exact((edge * edge) as usize) {
+    for block in places.chunks_exact((BLOCK * BLOCK) as usize) {
         for replicate in replicates.clone().map(|replicate| replicate as usize) {
             let own = block.iter().flatten();
             lanes.extend(own.map(|&texel| Lane { texel, replicate }));

@@ -2,7 +2,7 @@
 
 use super::sums::{REPLICATES, Technique};
 use crate::labels;
-use crate::options::{Model, Pattern, Shading, Sky, View};
+use crate::options::{Model, Shading, Sky, View};
 use crate::survey::Texel;
 use ambient::sampling::{Mixture, PointSet, Stream};
 use atlas::TILE;
@@ -10,9 +10,6 @@ use glam::DVec3;
 use pulp::Arch;
 use rays::RayBackend;
 use std::ops::Range;
-
-/// Edge of the blocks of texels that share directions under [`Pattern::Tiled`]: one packet.
-pub(crate) const SHARE: u32 = 4;
 
 /// Everything about a page that integration reads.
 pub(crate) struct Task<'a> {
@@ -24,7 +21,6 @@ pub(crate) struct Task<'a> {
     pub size: u32,
     /// Rays of each texel over the hemisphere.
     pub rays: u32,
-    pub pattern: Pattern,
     pub points: PointSet,
     pub model: Model,
     pub view: View,
@@ -57,12 +53,12 @@ impl Task<'_> {
         Stream::new(self.seed, self.page, y * self.size + x, label, replicate)
     }
 
-    /// What the texels of a block of this edge have in common of a replicate.
-    fn shared(&self, texel: &Texel, edge: u32, label: u32, replicate: u32) -> Stream {
-        // Blocks have labels that no texel has.
-        let across = self.size.div_ceil(edge);
-        let block = 1 << 31 | (texel.y / edge * across + texel.x / edge);
-        Stream::new(self.seed, self.page, block, label, replicate)
+    /// What the texels of a tile have in common of a replicate.
+    fn shared(&self, texel: &Texel, label: u32, replicate: u32) -> Stream {
+        // Tiles have labels that no texel has.
+        let across = self.size.div_ceil(TILE);
+        let tile = 1 << 31 | (texel.y / TILE * across + texel.x / TILE);
+        Stream::new(self.seed, self.page, tile, label, replicate)
     }
 
     /// What the replicates of the texels of `texel`'s tile have in common. Guided points are independent of those
@@ -74,12 +70,12 @@ impl Task<'_> {
             Technique::Lobe => labels::LOBE,
             Technique::Sky => labels::SKY,
         };
-        let streams = std::array::from_fn(|k| self.shared(texel, TILE, label, k as u32));
+        let streams = std::array::from_fn(|k| self.shared(texel, label, k as u32));
         Joint { label, streams }
     }
 
-    /// A texel's points `net` of a replicate under the pattern, counted from 0: the texels of a tile take parts of
-    /// one sequence, or blocks of them share directions but never places.
+    /// A texel's points `net` of a replicate, counted from 0. The texels of a tile take parts of one sequence: errors of
+    /// neighbours tend to cancel, and smoothed pages gain.
     pub(super) fn net(
         &self,
         joint: &Joint,
@@ -88,15 +84,9 @@ impl Task<'_> {
         replicate: u32,
     ) -> Stream {
         let Texel { x, y, .. } = *texel;
-        let own = || self.stream(x, y, joint.label, replicate);
-        match self.pattern {
-            Pattern::Joint if self.points == PointSet::Sobol => {
-                joint.streams[replicate as usize].joint([x, y], TILE.ilog2(), net)
-            }
-            Pattern::Joint => own(),
-            Pattern::Tiled => {
-                own().with_directions(&self.shared(texel, SHARE, joint.label, replicate))
-            }
+        match self.points {
+            PointSet::Sobol => joint.streams[replicate as usize].joint([x, y], TILE.ilog2(), net),
+            _ => self.stream(x, y, joint.label, replicate),
         }
     }
 

@@ -339,7 +339,6 @@ impl<'a> Baker<'a> {
             page,
             size: self.atlas.page_size,
             rays,
-            pattern: options.pattern,
             points: options.points,
             view: match options.view {
                 View::Eye(eye) => View::Eye(eye - self.world.origin()),

@@ -4,8 +4,7 @@ use super::error::Error;
 use super::setup::Setup;
 use crate::Subject;
 use bake::{
-    BakedPage, Buried, Choice, Denoise, Effort, Options, Pattern, Plan, PointSet, Seams, Shading,
-    View,
+    BakedPage, Buried, Choice, Denoise, Effort, Options, Plan, PointSet, Seams, Shading, View,
 };
 use layers::Layer;
 use rays::{BackendKind, Overrides};
@@ -24,7 +23,6 @@ pub(super) fn bake(setup: &Setup, case: &str, kind: BackendKind) -> Result<Baked
     }
     let options = Options {
         effort: Effort::Rays(RAYS),
-        pattern: Pattern::Joint,
         points: PointSet::default(),
         footprint: bake::Footprint::Texel,
         denoise: Denoise::Off,

@@ -32,7 +32,6 @@ class Options(TypedDict, total=False):
     target_error: float
     target_relative: float
     max_rays: int
-    pattern: Literal["joint", "tiled"]
     footprint: Literal["texel", "centre"]
     denoise: Literal["off", "regression", "oidn"]
     seams: Literal["off", "object", "scene"]
