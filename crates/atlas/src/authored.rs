@@ -5,9 +5,9 @@
 
 use crate::MeshLayout;
 use crate::charts::{Sheet, users};
-use crate::measure::{join, mesh_area, root, uv_area, world_area};
+use crate::measure::{mesh_area, uv_area, world_area};
 use crate::touching::TURN;
-use scene::{Mesh, Scene};
+use scene::{Mesh, Scene, Sets};
 use std::collections::HashMap;
 
 /// The charts of every mesh that takes texels, in the order of meshes. `included` says which instances do.
@@ -81,7 +81,7 @@ fn charts(mesh: &Mesh, layout: &MeshLayout) -> Vec<u32> {
         let [a, b, c] = mesh.triangles[t].map(at);
         (b - a).cross(c - a).normalize_or_zero()
     };
-    let mut parents: Vec<u32> = (0..layout.triangles.len() as u32).collect();
+    let mut sets = Sets::new(layout.triangles.len());
     let mut first = HashMap::new();
     for (t, corners) in layout.triangles.iter().enumerate() {
         let keys = corners.map(key);
@@ -89,14 +89,14 @@ fn charts(mesh: &Mesh, layout: &MeshLayout) -> Vec<u32> {
             let [a, b] = [keys[side], keys[(side + 1) % 3]];
             let other = *first.entry((a.min(b), a.max(b))).or_insert(t);
             if other != t && normal(other).dot(normal(t)) >= TURN {
-                join(&mut parents, other as u32, t as u32);
+                sets.join(other as u32, t as u32);
             }
         }
     }
     let mut numbers = HashMap::new();
     let number = |t: u32| {
         let next = numbers.len() as u32;
-        *numbers.entry(root(&mut parents, t)).or_insert(next)
+        *numbers.entry(sets.root(t)).or_insert(next)
     };
     (0..layout.triangles.len() as u32).map(number).collect()
 }

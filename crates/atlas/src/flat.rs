@@ -6,9 +6,9 @@
 //! where it would be torn out of a curved surface along more edges than it mends.
 
 use crate::flatten::{NONE, Surface, overlap};
-use crate::measure::{join, root};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
+use scene::Sets;
 use std::collections::{HashMap, HashSet};
 
 /// Cosine of the largest angle between normals of one plane: a quarter of a degree.
@@ -126,14 +126,14 @@ fn together(planes: &[u32], of: &[u32], junctions: Vec<Junction>) -> Vec<Group> 
         let [a, b] = junction.triangles.map(|t| number.get(&of[t as usize]));
         a.copied().zip(b.copied())
     };
-    let mut parents: Vec<u32> = (0..planes.len() as u32).collect();
+    let mut sets = Sets::new(planes.len());
     for (a, b) in junctions.iter().filter_map(ends) {
-        join(&mut parents, a, b);
+        sets.join(a, b);
     }
     let mut groups: Vec<Group> = Vec::new();
     let mut group_of = HashMap::new();
     for (at, &plane) in (0..).zip(planes) {
-        let group = *group_of.entry(root(&mut parents, at)).or_insert_with(|| {
+        let group = *group_of.entry(sets.root(at)).or_insert_with(|| {
             groups.push(Group::default());
             groups.len() - 1
         });
@@ -141,7 +141,7 @@ fn together(planes: &[u32], of: &[u32], junctions: Vec<Junction>) -> Vec<Group> 
     }
     for junction in junctions {
         if let Some((a, _)) = ends(&junction) {
-            let group = group_of[&root(&mut parents, a)];
+            let group = group_of[&sets.root(a)];
             groups[group].junctions.push(junction);
         }
     }
@@ -212,12 +212,12 @@ impl Planes<'_> {
         }
         let mut pairs: Vec<([u32; 2], f64)> = lengths.into_iter().collect();
         pairs.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-        let mut parents: Vec<u32> = (0..hulls.len() as u32).collect();
+        let mut sets = Sets::new(hulls.len());
         let mut whole = hulls.clone();
         // Areas of the boxes of the planes that are joined.
         let mut parts: Vec<f64> = hulls.into_iter().map(|(_, area)| area).collect();
         for ([a, b], _) in pairs {
-            let [a, b] = [a, b].map(|plane| root(&mut parents, plane));
+            let [a, b] = [a, b].map(|plane| sets.root(plane));
             if a == b {
                 continue;
             }
@@ -225,17 +225,14 @@ impl Planes<'_> {
             let joined = hull_in(self.surface, group.planes[a as usize], corners);
             let sum = parts[a as usize] + parts[b as usize];
             if joined.1 <= SPARSE * sum {
-                join(&mut parents, a, b);
+                sets.join(a, b);
                 whole[a.min(b) as usize] = joined;
                 parts[a.min(b) as usize] = sum;
             }
         }
         let mut by_root: HashMap<u32, Vec<u32>> = HashMap::new();
         for (at, &plane) in (0..).zip(&group.planes) {
-            by_root
-                .entry(root(&mut parents, at))
-                .or_default()
-                .push(plane);
+            by_root.entry(sets.root(at)).or_default().push(plane);
         }
         let mut found: Vec<Vec<u32>> = by_root.into_values().collect();
         found.sort_unstable();

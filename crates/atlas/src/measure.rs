@@ -4,7 +4,7 @@ use crate::uv::{corners, twice_area};
 use crate::{Atlas, MeshLayout, Placement};
 use glam::{DAffine3, DVec2, Vec2};
 use rayon::prelude::*;
-use scene::{Mesh, Scene};
+use scene::{Mesh, Scene, Sets};
 use std::iter::Sum;
 
 /// A placement that leaves coordinates as they are.
@@ -81,22 +81,22 @@ pub(crate) fn uv_bounds(layout: &MeshLayout) -> Option<(DVec2, DVec2)> {
 pub fn charts(layout: &MeshLayout) -> Vec<u32> {
     // Adding 0 makes -0 equal to it.
     let place = |v: u32| (layout.uvs[v as usize] + 0.0).to_array().map(f32::to_bits);
-    let mut parents: Vec<u32> = (0..layout.uvs.len() as u32).collect();
-    let mut order = parents.clone();
+    let mut sets = Sets::new(layout.uvs.len());
+    let mut order: Vec<u32> = (0..layout.uvs.len() as u32).collect();
     order.par_sort_unstable_by_key(|&v| (place(v), v));
     for pair in order.windows(2) {
         if place(pair[0]) == place(pair[1]) {
-            join(&mut parents, pair[0], pair[1]);
+            sets.join(pair[0], pair[1]);
         }
     }
     for &[a, b, c] in &layout.triangles {
-        join(&mut parents, a, b);
-        join(&mut parents, b, c);
+        sets.join(a, b);
+        sets.join(b, c);
     }
-    let mut numbers = vec![u32::MAX; parents.len()];
+    let mut numbers = vec![u32::MAX; layout.uvs.len()];
     let mut count = 0;
     let number = |&[a, _, _]: &[u32; 3]| {
-        let number = &mut numbers[root(&mut parents, a) as usize];
+        let number = &mut numbers[sets.root(a) as usize];
         if *number == u32::MAX {
             *number = count;
             count += 1;
@@ -145,20 +145,6 @@ pub fn largest_charts(scene: &Scene, atlas: &Atlas, count: usize) -> Vec<u64> {
 /// Number of charts of a layout.
 pub(crate) fn chart_count(layout: &MeshLayout) -> u32 {
     charts(layout).into_iter().max().map_or(0, |last| last + 1)
-}
-
-/// The vertex that stands for all that were joined to `v`.
-pub(crate) fn root(parents: &mut [u32], mut v: u32) -> u32 {
-    while parents[v as usize] != v {
-        parents[v as usize] = parents[parents[v as usize] as usize];
-        v = parents[v as usize];
-    }
-    v
-}
-
-pub(crate) fn join(parents: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (root(parents, a), root(parents, b));
-    parents[a.max(b) as usize] = a.min(b);
 }
 
 /// Texels per scene unit that a layout reaches: the mean over the surface of the square root of texel area by area.

@@ -12,6 +12,7 @@
 //! * Where the files of a scene may lie, and which are read: `source.rs`, for pictures of a glTF `gltf/document.rs`.
 //!   `SECURITY.md` says why.
 //! * From where coordinates count, and what is said of lost digits: `far.rs`. `crates/rays/src/origin.rs` moves worlds.
+//! * Numbers joined into sets, as charts and solids are found: `sets.rs`.
 //! * Materials as Phong parameters: `material.rs`. How normal maps are decoded: `normal_map.rs`. At a point of a
 //!   surface both are `rays`' matter.
 #![forbid(unsafe_code)]
@@ -28,6 +29,7 @@ mod normal_map;
 mod obj;
 #[cfg(test)]
 mod picture_tests;
+mod sets;
 mod source;
 mod types;
 mod validate;
@@ -37,6 +39,7 @@ pub use error::Error;
 pub use gltf::{Elements, EncodedImage, GltfDocument, conformance};
 pub use material::{MAX_EXPONENT, phong_from_metallic_roughness, phong_from_specular_glossiness};
 pub use normal_map::{NormalMap, PackedImage};
+pub use sets::Sets;
 pub use source::Files;
 pub use types::*;
 pub use warning::{Warning, WarningKind};

@@ -10,6 +10,7 @@ use super::field::Field;
 use super::lanes::LANES;
 use super::plane::TASK;
 use rayon::prelude::*;
+use scene::Sets;
 use std::ops::Range;
 
 /// Cosine of the turn of the normal between neighbours that counts as a crease: 20 degrees.
@@ -192,13 +193,13 @@ pub(super) fn charts(field: &Field<'_>) -> Charts {
     // Runs first, then runs of neighbouring rows joined: the lower number is the root.
     let mut runs: Vec<Run> = Vec::new();
     let mut number = vec![NONE; size * size];
-    let mut parent: Vec<u32> = Vec::new();
+    let mut sets = Sets::default();
     for texel in (0..size * size).filter(|&texel| field.has_data(texel)) {
         let (x, y) = (texel % size, texel / size);
         match runs.last_mut().filter(|_| x > 0 && is_linked(x - 1, y, 0)) {
             Some(run) => run.count += 1,
             None => {
-                parent.push(runs.len() as u32);
+                sets.push();
                 runs.push(Run {
                     first: texel as u32,
                     count: 1,
@@ -207,13 +208,13 @@ pub(super) fn charts(field: &Field<'_>) -> Charts {
         }
         number[texel] = runs.len() as u32 - 1;
         if y > 0 && is_linked(x, y - 1, 1) {
-            join(&mut parent, number[texel - size], number[texel]);
+            sets.join(number[texel - size], number[texel]);
         }
     }
     let mut charts: Vec<Vec<Run>> = Vec::new();
     let mut of_run = vec![NONE; runs.len()];
     for (k, run) in runs.into_iter().enumerate() {
-        let root = root(&mut parent, k as u32) as usize;
+        let root = sets.root(k as u32) as usize;
         if root == k {
             of_run[k] = charts.len() as u32;
             charts.push(Vec::new());
@@ -241,20 +242,6 @@ pub(super) fn charts(field: &Field<'_>) -> Charts {
         charts: charts.into_iter().map(chart).collect(),
         number,
     }
-}
-
-fn root(parent: &mut [u32], run: u32) -> u32 {
-    let mut at = run;
-    while parent[at as usize] != at {
-        parent[at as usize] = parent[parent[at as usize] as usize];
-        at = parent[at as usize];
-    }
-    at
-}
-
-fn join(parent: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (root(parent, a), root(parent, b));
-    parent[a.max(b) as usize] = a.min(b);
 }
 
 /// The squared distance of two texels with data of one object; infinite for others.

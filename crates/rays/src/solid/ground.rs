@@ -22,7 +22,7 @@ use super::tree::SurfaceTree;
 use super::{Inside, Solids};
 use glam::DVec3;
 use rayon::prelude::*;
-use scene::Scene;
+use scene::{Scene, Sets};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Faces of a sheet from which one looks for what is behind it.
@@ -230,14 +230,7 @@ impl Solids {
     /// The sheets by grounds.
     fn grounds(&self, placed: &[Placed], sheets: &[Sheet]) -> Vec<Ground> {
         let number: BTreeMap<usize, usize> = (0..).zip(sheets).map(|(n, s)| (s.place, n)).collect();
-        let mut parent: Vec<usize> = (0..sheets.len()).collect();
-        fn root(parent: &mut [usize], mut at: usize) -> usize {
-            while parent[at] != at {
-                parent[at] = parent[parent[at]];
-                at = parent[at];
-            }
-            at
-        }
+        let mut sets = Sets::new(sheets.len());
         let goes_on = |sheet: &Sheet| -> Vec<usize> {
             let of = &placed[sheet.place];
             let tree = self.tree_of(of.shape, of.key.1);
@@ -255,13 +248,12 @@ impl Solids {
         let links: Vec<Vec<usize>> = sheets.par_iter().map(goes_on).collect();
         for (own, links) in links.into_iter().enumerate() {
             for next in links {
-                let (a, b) = (root(&mut parent, own), root(&mut parent, next));
-                parent[a.max(b)] = a.min(b);
+                sets.join(own as u32, next as u32);
             }
         }
-        let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        let mut groups: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
         for own in 0..sheets.len() {
-            groups.entry(root(&mut parent, own)).or_default().push(own);
+            groups.entry(sets.root(own as u32)).or_default().push(own);
         }
         let ground = |sheets_of: Vec<usize>| {
             let boxes = sheets_of.iter().map(|&n| &placed[sheets[n].place]);

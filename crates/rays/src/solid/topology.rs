@@ -6,7 +6,7 @@
 
 use super::opening::{Opening, openings};
 use glam::{DVec3, Vec3};
-use scene::Scene;
+use scene::{Scene, Sets};
 use std::collections::HashMap;
 
 /// Volumes below this share of the box's are those of a folded sheet, which has no inside.
@@ -70,7 +70,7 @@ pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
         }
     }
     edges.sort_unstable();
-    let mut roots: Vec<u32> = (0..faces.len() as u32).collect();
+    let mut sets = Sets::new(faces.len());
     let mut borders = Vec::new();
     let mut rims: Vec<(u32, [u32; 2])> = Vec::new();
     for run in edges.chunk_by(|a, b| a.0 == b.0) {
@@ -88,18 +88,18 @@ pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
             rims.extend(std::iter::repeat_n((first, rim), missing));
         }
         for edge in &run[1..] {
-            join(&mut roots, first, edge.1 >> 1);
+            sets.join(first, edge.1 >> 1);
         }
     }
     let mut open = vec![false; faces.len()];
     for face in borders {
-        let root = find(&mut roots, face);
+        let root = sets.root(face);
         open[root as usize] = true;
     }
     let mut place = vec![u32::MAX; faces.len()];
     let mut found: Vec<(Surface, bool)> = Vec::new();
     for (index, face) in faces.iter().enumerate() {
-        let root = find(&mut roots, index as u32) as usize;
+        let root = sets.root(index as u32) as usize;
         if place[root] == u32::MAX {
             place[root] = found.len() as u32;
             found.push((Surface::empty(), open[root]));
@@ -108,7 +108,7 @@ pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
     }
     let mut rims_of: Vec<Vec<[u32; 2]>> = vec![Vec::new(); found.len()];
     for (face, rim) in rims {
-        let root = find(&mut roots, face) as usize;
+        let root = sets.root(face) as usize;
         rims_of[place[root] as usize].push(rim);
     }
     let positions = || -> HashMap<u32, Vec3, Quick> {
@@ -218,20 +218,6 @@ impl std::hash::Hasher for Mixer {
     fn write_u64(&mut self, word: u64) {
         self.0 = (self.0.rotate_left(23) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     }
-}
-
-fn find(roots: &mut [u32], mut face: u32) -> u32 {
-    while roots[face as usize] != face {
-        roots[face as usize] = roots[roots[face as usize] as usize];
-        face = roots[face as usize];
-    }
-    face
-}
-
-/// The lesser root stays, so that the order of joins does not show.
-fn join(roots: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (find(roots, a), find(roots, b));
-    roots[a.max(b) as usize] = a.min(b);
 }
 
 impl Surface {
