@@ -11,6 +11,10 @@
 //! triangle has extent (twice: once for the height it may cost, once to stay above), and an instance's transform adds
 //! its own rounding.
 //!
+//! The bound grows without end as a triangle gets narrow, and what it is for does not: a neighbour hides no more than
+//! its width shows, and no triangle is lifted off by more than its own size. So a neighbour's bound is at most its width,
+//! and a triangle's own the root of twice its area. A sliver would else lift what is beside it out of the scene.
+//!
 //! **Edges.** Where two faces meet, an origin that rounds onto or beyond the other face's plane would see through it.
 //! Twice the rounding bound away from the edges a closed box stays exactly dark. At the outside of an edge that is too
 //! little: a ray that leaves over the edge passes the other face's plane right beside that face, and for 2 % of the
@@ -69,7 +73,7 @@ impl PlaneErrors {
                     let mut bounds = vec![0.0f32; geometry.positions.len()];
                     for triangle in geometry.triangles() {
                         let corners = triangle.map(|v| geometry.positions[v as usize].as_dvec3());
-                        let bound = box_over_area(&corners) as f32;
+                        let bound = Shape::of(&corners).beside() as f32;
                         for &vertex in triangle {
                             let slot = &mut bounds[vertex as usize];
                             *slot = slot.max(bound);
@@ -82,22 +86,44 @@ impl PlaneErrors {
     }
 }
 
-/// Box volume over twice the area: the length that scales a triangle's plane error. 0 for a triangle without area.
-fn box_over_area(corners: &[DVec3; 3]) -> f64 {
-    let twice_area = (corners[1] - corners[0])
-        .cross(corners[2] - corners[0])
-        .length();
-    let extent = extent(corners);
-    let volume = extent.x * extent.y * extent.z;
-    if volume > 0.0 && twice_area > 0.0 {
-        volume / twice_area
-    } else {
-        0.0
-    }
+/// What a triangle's plane error depends on.
+struct Shape {
+    /// The rounding bound of the plane test, as a distance; 0 for a triangle without area.
+    error: f64,
+    twice_area: f64,
+    /// The longest edge.
+    length: f64,
 }
 
-fn extent(corners: &[DVec3; 3]) -> DVec3 {
-    corners[0].max(corners[1]).max(corners[2]) - corners[0].min(corners[1]).min(corners[2])
+impl Shape {
+    fn of(&[a, b, c]: &[DVec3; 3]) -> Self {
+        let extent = a.max(b).max(c) - a.min(b).min(c);
+        let volume = extent.element_product();
+        let twice_area = (b - a).cross(c - a).length();
+        let known = volume > 0.0 && twice_area > 0.0;
+        Self {
+            error: if known {
+                PLANE_ERROR * UNIT_ROUNDOFF * volume / twice_area
+            } else {
+                0.0
+            },
+            twice_area,
+            length: (b - a).length().max((c - b).length()).max((a - c).length()),
+        }
+    }
+
+    /// How far origins on it are moved for its own sake.
+    fn own(&self) -> f64 {
+        self.error.min(self.twice_area.sqrt())
+    }
+
+    /// How far origins on its neighbours are moved for its sake: by no more than its width.
+    fn beside(&self) -> f64 {
+        match self.length > 0.0 {
+            true => self.error.min(self.twice_area / self.length),
+            false => 0.0,
+        }
+    }
 }
 
 impl Patch {
@@ -108,10 +134,11 @@ impl Patch {
         let (part, geometry) = world.part(instance);
         let indices = geometry.triangles()[triangle as usize];
         let bounds = &errors.0[part.geometry as usize];
+        let own = indices.map(|v| geometry.positions[v as usize].as_dvec3());
         let bound = indices
             .iter()
             .map(|&v| f64::from(bounds[v as usize]))
-            .fold(0.0, f64::max);
+            .fold(Shape::of(&own).own(), f64::max);
         let face = (corners[1] - corners[0]).cross(corners[2] - corners[0])
             * world.sense(instance, triangle);
         let fallback = normals.map_or(DVec3::Z, |n| {
@@ -121,8 +148,7 @@ impl Patch {
         let low = corners[0].min(corners[1]).min(corners[2]);
         let high = corners[0].max(corners[1]).max(corners[2]);
         let reach = low.abs().max(high.abs());
-        let query_error = PLANE_ERROR * UNIT_ROUNDOFF * bound * part.stretch()
-            + part.rounding(geometric, &corners);
+        let query_error = bound * part.stretch() + part.rounding(geometric, &corners);
         let extended = DVec3::select((high - low).cmpgt(DVec3::ZERO), DVec3::ONE, DVec3::ZERO);
         let origin_error = UNIT_ROUNDOFF * extended * geometric.abs();
         let bound =
@@ -274,6 +300,71 @@ mod tests {
                 assert!(met * 200 <= cast, "{kind:?} at {origin}: {met} of {cast}");
             }
         }
+    }
+
+    /// A ball that is seen from within, whose poles are rings of corners a few ulps apart, as R sin(pi) makes them.
+    fn ball_with_ringed_poles() -> Mesh {
+        let (rings, around) = (12_u32, 24_u32);
+        let mut mesh = fixture::soup(&[]);
+        for ring in 0..=rings {
+            let (sin, cos) = (ring as f32 / rings as f32 * std::f32::consts::PI).sin_cos();
+            let place = |k: u32| {
+                let (s, c) = (k as f32 / around as f32 * std::f32::consts::TAU).sin_cos();
+                3.0 * Vec3::new(sin * c, cos, sin * s)
+            };
+            mesh.positions.extend((0..around).map(place));
+        }
+        for ring in 0..rings {
+            for k in 0..around {
+                let [a, b] = [k, (k + 1) % around].map(|k| ring * around + k);
+                let quad = [[a, b, b + around], [a, b + around, a + around]];
+                mesh.triangles.extend(quad.map(|[a, b, c]| [a, c, b]));
+            }
+        }
+        mesh
+    }
+
+    #[test]
+    fn a_sliver_lifts_its_neighbours_by_no_more_than_its_width() {
+        let mesh = ball_with_ringed_poles();
+        let narrow = |triangle: &[u32; 3]| {
+            let [a, b, c] = triangle.map(|v| mesh.positions[v as usize]);
+            (b - a).length().min((c - b).length()).min((a - c).length()) < 1e-5
+        };
+        let is_narrow: Vec<bool> = mesh.triangles.iter().map(narrow).collect();
+        let world = fixture::world(fixture::scene(vec![mesh.clone()]));
+        let errors = PlaneErrors::of(&world);
+        let backend = build(BackendKind::Obvhs(Layout::Bvh2), &world, 1).expect("a backend");
+        let mut dice = fixture::Dice(crate::mix::Mix(7));
+        let (mut open, mut cast) = (0, 0);
+        for triangle in (0..)
+            .zip(&is_narrow)
+            .filter(|(_, narrow)| !**narrow)
+            .map(|(t, _)| t)
+        {
+            let patch = Patch::of(&world, &errors, 0, triangle);
+            // Without its neighbours: an edge of 0.8 at 3 units from the origin.
+            assert!(patch.rounding() < 1e-5, "{triangle}: {}", patch.rounding());
+            let position = patch.position(patch.kept(DVec3::new(0.2, 0.3, 0.5)));
+            let within = -position.dot(patch.geometric).signum() * patch.geometric;
+            for _ in 0..64 {
+                let turned = dice.point().as_dvec3();
+                let ray = Ray {
+                    origin: (position + within * patch.offset(position.abs()))
+                        .as_vec3()
+                        .to_array(),
+                    direction: (turned * turned.dot(within).signum()).as_vec3().to_array(),
+                    t_min: 0.0,
+                    t_max: f32::INFINITY,
+                };
+                cast += 1;
+                open += u32::from(!backend.occluded(&ray));
+            }
+        }
+        assert!(
+            cast > 30_000 && open == 0,
+            "{open} of {cast} rays leave a closed ball"
+        );
     }
 
     #[test]

@@ -10,17 +10,16 @@
 //!
 //! * a surface at least half as large as the room, by the largest sides of their boxes, lies for the most part outside
 //!   of all rooms: a street, a facade, another building;
-//! * a glTF file says that one of its materials is double-sided;
 //! * what does not cross its surface, and is not in a room, comes near the part outside.
 //!
 //! A dome around a scene is a room, and all of the scene is within it.
 
 use super::placed::{Among, CROSSES, NEAR, Placed, SMALL};
-use super::topology::{Face, Surface, corners};
+use super::topology::{Surface, corners};
 use super::{Inside, NUDGE, Solids};
 use glam::DVec3;
 use rayon::prelude::*;
-use scene::{Format, Scene};
+use scene::Scene;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Faces that are asked whether a surface lies for the most part in rooms.
@@ -139,24 +138,19 @@ impl Solids {
             placed.iter().partition(|placed| self.is_room(placed));
         let [rooms, rest] = [rooms, rest].map(Among::of);
         let outside = |point: DVec3| !rooms.any(point, point, |room| self.is_in(room, point));
-        let buries = |room: &&&Placed| !is_double_sided(&self.scene, room.surface);
-        let may_bury: Vec<&Placed> = rooms.placed.iter().filter(buries).copied().collect();
-        if may_bury.is_empty() {
+        if rooms.placed.is_empty() {
             return Default::default();
         }
         // What is large and outside: how large.
-        let least = may_bury.iter().map(|room| room.side());
+        let least = rooms.placed.iter().map(|room| room.side());
         let least = SMALL * least.fold(f64::INFINITY, f64::min);
         let around = (rest.placed.par_iter())
             .filter(|placed| placed.side() >= least)
             .filter(|placed| 2 * placed.count(&self.scene, LOOKS, outside) > LOOKS)
             .map(|placed| placed.side())
             .reduce(|| 0.0, f64::max);
-        let may_bury: Vec<&Placed> = may_bury
-            .into_iter()
-            .filter(|room| around < SMALL * room.side())
-            .collect();
-        let may_bury = Among::of(may_bury);
+        let buries = |room: &&&Placed| around < SMALL * room.side();
+        let may_bury = Among::of(rooms.placed.iter().filter(buries).copied().collect());
         let buries: HashSet<Key> = may_bury.placed.iter().map(|room| room.key).collect();
         // How each surface that comes near stands to the rooms.
         let stands: BTreeMap<Key, Stand> = (rest.placed.par_iter())
@@ -315,15 +309,6 @@ struct Stand {
     /// The box of what is outside.
     low: DVec3,
     high: DVec3,
-}
-
-/// True where a file says so; OBJ says nothing.
-fn is_double_sided(scene: &Scene, surface: &Surface) -> bool {
-    let says = |face: &Face| {
-        let material = scene.meshes[face.mesh as usize].material;
-        scene.materials[material as usize].double_sided
-    };
-    scene.format != Format::Obj && surface.faces.iter().any(says)
 }
 
 /// Centres of five faces spread over a surface.
