@@ -105,3 +105,42 @@ fn what_stands_around_everything_in_the_dark_is_named() {
     assert_eq!(mean(&page, "diffuse").0, 1.0);
     assert!(told(&report(baked.path())).is_empty());
 }
+
+/// Half a dome, its front outward, over a house on a ground that reaches farther than the dome.
+#[test]
+fn a_dome_is_named_though_its_outside_and_the_ground_beyond_are_lit() {
+    let (around, rings) = (24, 8);
+    let mut text =
+        "v -50 0 -50\nv 50 0 -50\nv 50 0 50\nv -50 0 50\no ground\nf 4 3 2 1\n".to_owned();
+    for [x, y, z] in [[-1, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1]] {
+        text += &format!("v {x} {y} {z}\nv {x} 2 {z}\n");
+    }
+    text += "o house\nf 6 8 10 12\nf 5 6 8 7\nf 7 8 10 9\nf 9 10 12 11\nf 11 12 6 5\n";
+    for ring in 0..=rings {
+        let (sin, cos) =
+            (f64::from(ring) / f64::from(rings) * std::f64::consts::FRAC_PI_2).sin_cos();
+        for k in 0..around {
+            let (s, c) = (f64::from(k) / f64::from(around) * std::f64::consts::TAU).sin_cos();
+            text += &format!("v {} {} {}\n", 30.0 * cos * c, 30.0 * sin, 30.0 * cos * s);
+        }
+    }
+    text += "o sky\n";
+    for ring in 0..rings {
+        for k in 0..around {
+            let [a, b] = [k, (k + 1) % around].map(|k| 13 + ring * around + k);
+            text += &format!("f {a} {} {} {b}\n", a + around, b + around);
+        }
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = obj(folder.path(), "", &text);
+    let small = ["--size", "64", "--rays", "4", "--only", "diffuse"];
+    let warned = |more: &[&str]| {
+        let (baked, _) = bake(&path, &[&small[..], more].concat());
+        let report = report(baked.path());
+        let warnings = report["warnings"].as_array().expect("a list").iter();
+        warnings
+            .filter(|w| w["kind"] == "enclosed" && w["place"] == "object `sky`")
+            .count()
+    };
+    assert_eq!((warned(&[]), warned(&["--no-cast", "sky"])), (1, 0));
+}

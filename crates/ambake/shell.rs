@@ -13,6 +13,17 @@ const LEAVING: u32 = RAYS / 4;
 /// Points by which the texels of outsides are counted.
 const POINTS: u32 = 1024;
 
+/// [`RAYS`] directions over the hemisphere of a unit vector, even in solid angle.
+pub(crate) fn over(normal: DVec3) -> impl Iterator<Item = DVec3> {
+    let (u, v) = normal.any_orthonormal_pair();
+    (0..RAYS).map(move |k| {
+        let up = (f64::from(k) + 0.5) / f64::from(RAYS);
+        let turn = (f64::from(k) * PI * (3.0 - 5.0f64.sqrt())).rem_euclid(TAU);
+        let (y, x) = turn.sin_cos();
+        normal * up + (u * x + v * y) * (1.0 - up * up).sqrt()
+    })
+}
+
 /// The outsides of a scene of rooms.
 pub(crate) struct Shell<'a> {
     world: &'a World,
@@ -44,13 +55,7 @@ impl<'a> Shell<'a> {
             .sum();
         // Far enough off the surface for rays in 32 bits.
         let origin = place + normal * (1e-5 * bounds.diagonal());
-        let leaves = |k: &u32| {
-            let up = (f64::from(*k) + 0.5) / f64::from(RAYS);
-            let (y, x) = (f64::from(*k) * PI * (3.0 - 5.0f64.sqrt()))
-                .rem_euclid(TAU)
-                .sin_cos();
-            let (u, v) = normal.any_orthonormal_pair();
-            let direction = normal * up + (u * x + v * y) * (1.0 - up * up).sqrt();
+        let leaves = |direction: &DVec3| {
             let ray = Ray {
                 origin: origin.as_vec3().to_array(),
                 direction: direction.as_vec3().to_array(),
@@ -59,7 +64,7 @@ impl<'a> Shell<'a> {
             };
             !self.backend.occluded(&ray)
         };
-        let leaving = (0..RAYS).filter(leaves).take(LEAVING as usize).count();
+        let leaving = over(normal).filter(leaves).take(LEAVING as usize).count();
         leaving as u32 == LEAVING && !is_seen(&self.eyes, point, self.world, self.backend)
     }
 

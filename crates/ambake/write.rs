@@ -3,7 +3,7 @@
 use crate::any_view;
 use crate::error::Error;
 use crate::host::{REVISION, VERSION, peak_memory};
-use crate::interior::Brightness;
+use crate::interior::{Brightness, enclosed};
 use crate::job::Job;
 use crate::lit::LitScene;
 use crate::parts::Kind;
@@ -232,8 +232,7 @@ impl<'a> Writer<'a> {
         report.any_view = any_view;
         report.lightmaps = self.lightmaps;
         let interior = self.brightness.interior(self.job.options());
-        let enclosed = self.brightness.enclosed(self.job);
-        report.warnings.extend(enclosed.or(interior));
+        report.warnings.extend(enclosed(self.job).or(interior));
         let missing = bounces.and_then(|stats| light_is_missing(self.job, &stats));
         report.warnings.extend(missing);
         report.warnings.extend(edited(self.job));

@@ -2,7 +2,7 @@
 
 use crate::{Camera, Error};
 use glam::DVec3;
-use rays::World;
+use rays::{Bounds, World};
 
 /// Where a picture is taken from, as far as it is given.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,14 +41,14 @@ impl Framing {
         let eye = self
             .eye
             .unwrap_or_else(|| self.eye_outside(world, Camera::FRONT));
-        let middle = world.bounds().center();
+        let middle = extent(world).center();
         self.camera_at([eye, self.look.unwrap_or(middle)])
     }
 
     /// The nearest eye in a unit direction from the middle of the scene from which all of it is seen.
     pub(crate) fn eye_outside(&self, world: &World, toward: DVec3) -> DVec3 {
-        let middle = world.bounds().center();
-        let corners = (0..world.scene().instances.len() as u32).flat_map(|instance| {
+        let middle = extent(world).center();
+        let corners = drawn(world).flat_map(|instance| {
             let triangles = world.part(instance).1.triangles().len() as u32;
             (0..triangles).flat_map(move |triangle| world.corners(instance, triangle))
         });
@@ -64,11 +64,40 @@ impl Framing {
     }
 }
 
+/// The instances that rays meet; all of a scene in which they meet none.
+pub(crate) fn drawn(world: &World) -> impl Iterator<Item = u32> + Clone {
+    let all = 0..world.scene().instances.len() as u32;
+    let has_any = all.clone().any(|instance| world.casts(instance));
+    all.filter(move |&instance| !has_any || world.casts(instance))
+}
+
+/// The box of what is drawn.
+pub(crate) fn extent(world: &World) -> Bounds {
+    let boxes = drawn(world).filter_map(|instance| world.box_of(instance));
+    let both = boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+    both.map_or(world.bounds(), |(min, max)| Bounds { min, max })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::fixture::{white, world};
     use glam::Vec3;
+
+    #[test]
+    fn what_no_ray_meets_is_not_looked_at() {
+        let card = white([Vec3::ZERO, Vec3::X, Vec3::Y]);
+        let far = white([Vec3::X * 900.0, Vec3::X, Vec3::Y]);
+        let (whole, _) = world(&[card, far]);
+        let mut scene = whole.scene().as_ref().clone();
+        scene.instances[1].casts = false;
+        let world = World::new(std::sync::Arc::new(scene), rays::WorldOptions::default()).unwrap();
+        let camera = Framing::default().camera(&world).unwrap();
+        assert!(
+            (camera.eye - DVec3::new(0.5, 0.5, 0.0)).length() < 10.0,
+            "{camera:?}"
+        );
+    }
 
     #[test]
     fn what_is_given_stands_and_the_rest_frames_the_scene() {

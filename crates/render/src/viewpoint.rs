@@ -1,6 +1,7 @@
 //! Where a scene is best looked at from when nobody says: around it, three quarters from above; inside it, where it is
 //! closed.
 
+use crate::framing::{drawn, extent};
 use crate::{Camera, Error, Framing};
 use glam::{DQuat, DVec3};
 use rays::{Bounds, Ray, RayBackend, SurfaceHit, World};
@@ -52,7 +53,7 @@ impl Framing {
         let room = Room {
             backend,
             up: self.up.normalize_or(DVec3::Y),
-            focus: focus.unwrap_or(world.bounds()),
+            focus: focus.unwrap_or(extent(world)),
         };
         let inside = |view| {
             let fov = match keep_fov {
@@ -106,7 +107,7 @@ pub fn places_within(world: &World, backend: &dyn RayBackend) -> Vec<DVec3> {
     let room = Room {
         backend,
         up: DVec3::Y,
-        focus: focus(world).unwrap_or(world.bounds()),
+        focus: focus(world).unwrap_or(extent(world)),
     };
     let places = room.places();
     match is_closed(&places) {
@@ -239,7 +240,7 @@ impl Room<'_> {
 /// The box of nearly all triangles, where it is far smaller than that of all: a few of them, such as a plane of water,
 /// then only surround the scene. `None` for other scenes.
 fn focus(world: &World) -> Option<Bounds> {
-    let instances = 0..world.scene().instances.len() as u32;
+    let instances = drawn(world);
     let count = |instance: u32| world.part(instance).1.triangles().len() as u32;
     let total: usize = instances.clone().map(|i| count(i) as usize).sum();
     let all = instances.flat_map(|i| (0..count(i)).map(move |triangle| (i, triangle)));
@@ -256,15 +257,14 @@ fn focus(world: &World) -> Option<Bounds> {
     }
     let [x, y, z] = [0, 1, 2].map(range);
     let (min, max) = (DVec3::new(x[0], y[0], z[0]), DVec3::new(x[1], y[1], z[1]));
-    let bounds = world.bounds();
+    let bounds = extent(world);
     ((max - min).length() < SMALL * (bounds.max - bounds.min).length())
         .then_some(Bounds { min, max })
 }
 
 /// Points on the surfaces of a scene, evenly by area.
 fn points(world: &World) -> Vec<DVec3> {
-    let instances = 0..world.scene().instances.len() as u32;
-    let triangles = instances.flat_map(|instance| {
+    let triangles = drawn(world).flat_map(|instance| {
         let count = world.part(instance).1.triangles().len() as u32;
         (0..count).map(move |triangle| world.corners(instance, triangle))
     });
