@@ -2,7 +2,7 @@
 
 use crate::baked::Baked;
 use crate::error::Error;
-use crate::job::{Given, Job, MakeBackend};
+use crate::job::{Given, Job, Made};
 use crate::layout::Layout;
 use crate::memory::Limit;
 use crate::options::{Backend, Effort, Options, Pages, Uv, check_lamps};
@@ -39,8 +39,7 @@ use std::sync::Arc;
 pub struct Bake {
     scene: Scene,
     options: Options,
-    backend: Backend,
-    make_backend: Option<MakeBackend>,
+    made: Made,
     threads: Option<usize>,
     layout_file: Option<PathBuf>,
     update: Option<PathBuf>,
@@ -53,7 +52,7 @@ impl fmt::Debug for Bake {
         f.debug_struct("Bake")
             .field("scene", &self.scene.path)
             .field("options", &self.options)
-            .field("backend", &self.backend)
+            .field("backend", &self.made.0)
             .field("threads", &self.threads)
             .finish_non_exhaustive()
     }
@@ -65,8 +64,7 @@ impl Bake {
         Self {
             scene: scene.clone(),
             options: Options::default(),
-            backend: Backend::best(),
-            make_backend: None,
+            made: (Backend::best(), None),
             threads: None,
             layout_file: None,
             update: None,
@@ -393,8 +391,7 @@ impl Bake {
 
     /// Which library answers rays; by default Embree where it is built in.
     pub fn backend(mut self, backend: Backend) -> Self {
-        self.backend = backend;
-        self.make_backend = None;
+        self.made = (backend, None);
         self
     }
 
@@ -403,7 +400,7 @@ impl Bake {
         mut self,
         make: impl Fn(&World) -> Result<Box<dyn RayBackend>, rays::Error> + Send + Sync + 'static,
     ) -> Self {
-        self.make_backend = Some(Arc::new(make));
+        self.made.1 = Some(Arc::new(make));
         self
     }
 
@@ -477,6 +474,38 @@ impl Bake {
     /// # Errors
     /// As [`Bake::prepare`]; [`Error::Cancelled`].
     pub fn prepare_with(&self, progress: &dyn Progress) -> Result<Job, Error> {
+        let (scene, options) = self.settled()?;
+        Job::prepare(scene, options, self.given(), progress)
+    }
+
+    /// As [`Bake::prepare`], on the layout and the ray scene of an earlier job of the same scene: nothing is laid out
+    /// or built again. What it bakes is the same, bit for bit, as without that job. Sky, lights, rays, bounces, layers,
+    /// albedo and all else that decides light alone may differ.
+    ///
+    /// ```
+    /// # fn main() -> Result<(), ambake::Error> {
+    /// # let scene = ambake::load(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/wall_long.obj"))?;
+    /// use ambake::Bake;
+    /// let bake = Bake::new(&scene).size(64).rays(16);
+    /// let day = bake.prepare()?;
+    /// let night = bake.clone().sky([0.01, 0.02, 0.05]).prepare_on(&day)?;
+    /// let (day, night) = (day.run(&())?, night.run(&())?);
+    /// # assert_eq!(day.page(0).layer(ambake::Layer::Diffuse), night.page(0).layer(ambake::Layer::Diffuse));
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// An option is out of its range or excludes another; the scene, the backend or an option on which layout or ray
+    /// scene depend is not that of the earlier job, and the message names it. Of lights and of an eye point these
+    /// depend on which closed surfaces they stand in.
+    pub fn prepare_on(&self, job: &Job) -> Result<Job, Error> {
+        let (scene, options) = self.settled()?;
+        job.prepare_again(&scene, options, self.given())
+    }
+
+    /// The scene and the options with all that follows from both.
+    fn settled(&self) -> Result<(Scene, Options), Error> {
         let mut options = self.options.clone().settled(&self.scene);
         options.check()?;
         if options.bounces != Bounces::Off {
@@ -484,19 +513,18 @@ impl Bake {
         }
         options.complete();
         let scene = options.cast(&self.scene)?;
-        Job::prepare(
-            scene,
-            options,
-            (self.backend, self.make_backend.clone()),
-            self.threads,
-            Given {
-                layout_file: self.layout_file.as_deref(),
-                update: self.update.as_deref(),
-                verify: self.verify,
-            },
-            self.limit,
-            progress,
-        )
+        Ok((scene, options))
+    }
+
+    fn given(&self) -> Given<'_> {
+        Given {
+            made: &self.made,
+            threads: self.threads,
+            limit: self.limit,
+            layout_file: self.layout_file.as_deref(),
+            update: self.update.as_deref(),
+            verify: self.verify,
+        }
     }
 
     /// Bakes every page and keeps the result in memory.

@@ -2,18 +2,17 @@
 
 use crate::earlier::Earlier;
 use crate::error::Error;
-use crate::layout::read;
+use crate::layout::{DECIDING, read};
 use crate::memory;
 use crate::options::{Backend, Options};
 use crate::resume::Widths;
 use crate::scene::Scene;
 use crate::seen::oracle;
-use crate::shell::Shell;
-use ::bake::{AmbientCoefficient, Baker, Bounces, Decision, Model, Pilot, Plan};
-use atlas::{Atlas, Pages};
+use ::bake::{Baker, Decision, Pilot, Plan};
+use atlas::Atlas;
 use layers::{Layer, Progress};
 use rays::{RayBackend, World};
-use report::{DecisionReport, LayoutReport, PhaseReport, WarningReport, cpu_seconds};
+use report::{DecisionReport, LayoutReport, PhaseReport, cpu_seconds};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -22,9 +21,18 @@ use std::time::Instant;
 pub(crate) type MakeBackend =
     Arc<dyn Fn(&World) -> Result<Box<dyn RayBackend>, rays::Error> + Send + Sync>;
 
-/// Earlier work that a bake may take up.
-#[derive(Debug, Clone, Copy)]
+/// What answers the rays of a bake: a library, or what the caller makes.
+pub(crate) type Made = (Backend, Option<MakeBackend>);
+
+/// What a bake has beside its scene and its options.
+#[derive(Clone, Copy)]
 pub(crate) struct Given<'a> {
+    /// What answers rays.
+    pub made: &'a Made,
+    /// Threads of its own.
+    pub threads: Option<usize>,
+    /// The memory that it may take.
+    pub limit: memory::Limit,
     /// A layout made before.
     pub layout_file: Option<&'a Path>,
     /// A finished bake of which is kept what still holds.
@@ -33,32 +41,38 @@ pub(crate) struct Given<'a> {
     pub verify: bool,
 }
 
-/// A bake that is planned and laid out and whose ray scene is built.
+/// A bake that is planned and laid out and whose ray scene is built. It can be run any number of times; clones, and
+/// what [`Bake::prepare_on`](crate::Bake::prepare_on) makes of it, share layout and ray scene.
+#[derive(Clone)]
 pub struct Job {
     scene: Scene,
     options: Options,
     baker: ::bake::Options,
-    plan: Plan,
+    plan: Arc<Plan>,
+    laid: Arc<Laid>,
+    pool: Option<Arc<rayon::ThreadPool>>,
+    started: Instant,
+    phases: Vec<PhaseReport>,
+}
+
+/// What several bakes of a scene can share.
+struct Laid {
     world: World,
     atlas: Atlas,
     layout: LayoutReport,
     /// What is updated.
     earlier: Option<Earlier>,
     backend: Box<dyn RayBackend>,
-    pool: Option<rayon::ThreadPool>,
-    started: Instant,
-    phases: Vec<PhaseReport>,
+    /// What made it.
+    made: Made,
 }
-
-/// Share of the texels from which outsides are told of.
-const LEAST_OUTSIDE: f64 = 0.1;
 
 impl std::fmt::Debug for Job {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Job")
             .field("scene", &self.scene.path)
             .field("options", &self.options)
-            .field("backend", &self.backend.describe())
+            .field("backend", &self.backend().describe())
             .finish_non_exhaustive()
     }
 }
@@ -67,10 +81,7 @@ impl Job {
     pub(crate) fn prepare(
         scene: Scene,
         mut options: Options,
-        (backend, make_backend): (Backend, Option<MakeBackend>),
-        threads: Option<usize>,
         given: Given<'_>,
-        limit: memory::Limit,
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
         let started = Instant::now();
@@ -86,27 +97,18 @@ impl Job {
             Some(dir) => Some(Earlier::open(dir, &scene, given.verify)?),
             None => None,
         };
-        let pool = match threads {
-            None => None,
-            Some(count) => Some(
-                rayon::ThreadPoolBuilder::new()
-                    .num_threads(count.max(1))
-                    .build()?,
-            ),
-        };
+        let pool = given.pool()?;
         let mut phases = Vec::new();
         let baker = options.baker().with_order(&scene.0);
         options.layers.clone_from(&baker.layers);
-        let (plan, world, atlas, backend) = within(pool.as_ref(), || {
+        let (plan, laid) = within(pool.as_deref(), || {
             let (plan, world) = time(&mut phases, "plan", || Plan::of(&scene.0, &baker))?;
-            let meshes = scene.0.meshes.iter();
-            let triangles = meshes.map(|mesh| mesh.triangles.len() as u64).sum();
-            let content = [triangles, scene.0.instances.len() as u64];
-            let memory = memory::Memory::of(&baker, &plan);
-            memory::check(options.size, &memory, content, limit)?;
-            let build = || match &make_backend {
-                Some(make) => make(&world),
-                None => rays::build(backend.kind(), &world, rayon::current_num_threads()),
+            given.check_memory(&scene, options.size, &baker, &plan)?;
+            let build = || match given.made {
+                (_, Some(make)) => make(&world),
+                (backend, None) => {
+                    rays::build(backend.kind(), &world, rayon::current_num_threads())
+                }
             };
             begin("building the ray scene")?;
             let backend = time(&mut phases, "build", build)?;
@@ -136,23 +138,95 @@ impl Job {
                     source,
                 },
             })?;
-            Ok::<_, Error>((plan, world, atlas, backend))
+            let layout = LayoutReport::of(&scene, &atlas);
+            let laid = Laid {
+                world,
+                atlas,
+                layout,
+                earlier,
+                backend,
+                made: given.made.clone(),
+            };
+            Ok::<_, Error>((plan, laid))
         })?;
-        let layout = LayoutReport::of(&scene, &atlas);
         Ok(Self {
             scene,
             options,
             baker,
-            plan,
-            world,
-            atlas,
-            layout,
-            earlier,
-            backend,
+            plan: Arc::new(plan),
+            laid: Arc::new(laid),
             pool,
             started,
             phases,
         })
+    }
+
+    /// A bake of the same scene with other options, on the layout and the ray scene of this one.
+    pub(crate) fn prepare_again(
+        &self,
+        scene: &Scene,
+        mut options: Options,
+        given: Given<'_>,
+    ) -> Result<Self, Error> {
+        let started = Instant::now();
+        let baker = options.baker().with_order(&self.scene.0);
+        options.layers.clone_from(&baker.layers);
+        if let Some(name) = self.differs(scene, &options, &baker, given) {
+            let problem = "is not that of the earlier job, whose layout and ray scene depend on it; prepare this bake by itself";
+            return Err(Error::option(name, problem));
+        }
+        let pool = match given.threads {
+            None => self.pool.clone(),
+            Some(_) => given.pool()?,
+        };
+        let mut phases = Vec::new();
+        let plan = within(pool.as_deref(), || {
+            let over = || Plan::over(&self.laid.world, &self.scene.0, &baker);
+            let plan = time(&mut phases, "plan", over);
+            given.check_memory(&self.scene, options.size, &baker, &plan)?;
+            Ok::<_, Error>(plan)
+        })?;
+        Ok(Self {
+            scene: self.scene.clone(),
+            options,
+            baker,
+            plan: Arc::new(plan),
+            laid: Arc::clone(&self.laid),
+            pool,
+            started,
+            phases,
+        })
+    }
+
+    /// What stands against a bake on the layout and the ray scene of this one.
+    fn differs(
+        &self,
+        scene: &Scene,
+        options: &Options,
+        baker: &::bake::Options,
+        given: Given<'_>,
+    ) -> Option<&'static str> {
+        let laid = &self.laid;
+        if scene.content_hash != self.scene.content_hash {
+            return Some("scene");
+        }
+        let (before, now) = (self.options.describe(), options.describe());
+        if let Some(name) = DECIDING.into_iter().find(|name| before[name] != now[name]) {
+            return Some(name);
+        }
+        let is_made_so = match (&laid.made, given.made) {
+            ((_, Some(a)), (_, Some(b))) => Arc::ptr_eq(a, b),
+            ((a, None), (b, None)) => a == b,
+            _ => false,
+        };
+        if !is_made_so {
+            return Some("backend");
+        }
+        let update = laid.earlier.as_ref().map(|of| (&*of.dir, of.verify));
+        if update != given.update.map(|dir| (dir, given.verify)) {
+            return Some("update");
+        }
+        baker.differs_in_world(&laid.world, &self.baker)
     }
 
     /// The scene.
@@ -195,198 +269,27 @@ impl Job {
 
     /// The triangles as the rays see them. Coordinates count from [`World::origin`].
     pub fn world(&self) -> &World {
-        &self.world
+        &self.laid.world
     }
 
     /// Where every texel lies.
     pub fn atlas(&self) -> &Atlas {
-        &self.atlas
+        &self.laid.atlas
     }
 
     /// The bake that this one updates.
     pub(crate) fn earlier(&self) -> Option<&Earlier> {
-        self.earlier.as_ref()
+        self.laid.earlier.as_ref()
     }
 
     /// Where the texels went.
     pub fn layout_report(&self) -> &LayoutReport {
-        &self.layout
-    }
-
-    /// Everything that was repaired, ignored or is doubtful before a ray was cast, and matters to this bake.
-    pub fn warnings(&self) -> Vec<WarningReport> {
-        let ignored = |warning: &&::scene::Warning| {
-            let tinted = [Layer::Lambert, Layer::Traditional];
-            match warning.kind {
-                ::scene::WarningKind::IgnoredNormalMaps => self.options.normal_maps,
-                ::scene::WarningKind::AmbientCoefficients => {
-                    let options = &self.options;
-                    let shown = options.layers.contains(&Layer::Traditional);
-                    !shown || options.ambient_coefficient != AmbientCoefficient::Albedo
-                }
-                // Light without a tint is not black on them.
-                ::scene::WarningKind::BlackMetals => !tinted
-                    .iter()
-                    .any(|layer| self.options.layers.contains(layer)),
-                _ => false,
-            }
-        };
-        let layout = self.options.layout();
-        let alone = layout.pages == Pages::Auto && !layout.one_page_per_mesh;
-        let small_page = (layout.is_shared() && self.atlas.source.is_packed())
-            .then(|| self.layout.small_page(&self.scene, &self.atlas, alone));
-        let of_scene = self
-            .scene
-            .warnings
-            .iter()
-            .filter(|warning| !ignored(warning));
-        of_scene
-            .map(Into::into)
-            .chain(self.layout.warnings())
-            .chain(small_page.flatten())
-            .chain(self.touching())
-            .chain(self.outsides())
-            .chain(self.inside_out())
-            .chain(self.turned_over())
-            .chain(self.too_bright())
-            .chain(self.lights_left_out())
-            .chain(self.lamps_left_out())
-            .collect()
-    }
-
-    /// Coefficients given for all surfaces by which the sum of diffuse and highlight is more than arrives.
-    fn too_bright(&self) -> Option<WarningReport> {
-        let (albedo, specular) = (self.options.albedo?, self.options.specular?);
-        let sums = [0, 1, 2].map(|channel| albedo[channel] + specular[channel]);
-        let most = sums.into_iter().fold(0.0, f32::max);
-        let adds = self.options.model != Some(Model::Ggx);
-        (adds && most > 1.0 + 1e-6).then(|| WarningReport {
-            kind: "too-bright".into(),
-            place: "scene".into(),
-            count: 1,
-            message: format!(
-                "`--albedo` and `--specular` together reflect {} times the light that arrives, and no surface reflects more than all of it; lower \
-                 one of them, or take `--model ggx`, which gives the highlight's share to it alone",
-                (100.0 * most).round() / 100.0
-            ),
-        })
-    }
-
-    /// Coordinates of the file of which look-ups mix surfaces.
-    fn touching(&self) -> Option<WarningReport> {
-        let is_kept = !self.atlas.source.is_packed();
-        let found = is_kept.then(|| self.within(|| atlas::touching(&self.scene, &self.atlas)));
-        let (texels, instance) = found.flatten()?;
-        let share = texels as f64 / self.atlas.audit.texels.max(1) as f64;
-        (share >= atlas::LEAST_TOUCHING).then(|| WarningReport {
-            kind: "touching-charts".into(),
-            place: format!("object `{}`", self.scene.instances[instance as usize].name),
-            count: texels,
-            message: "texels of the file's coordinates stand beside those of other surfaces without a gutter, so that look-ups mix both; give the charts \
-                      two empty texels between them, or let `--uv unwrap` make others"
-                .into(),
-        })
-    }
-
-    /// Outsides of rooms that take texels though nobody within sees them.
-    fn outsides(&self) -> Option<WarningReport> {
-        let options = &self.options;
-        let is_asked = options.seen_from_within || !options.seen_from.is_empty();
-        if is_asked || !self.atlas.source.is_packed() {
-            return None;
-        }
-        let share =
-            self.within(|| Some(Shell::of(&self.world, self.backend())?.share(&self.atlas)))?;
-        (share >= LEAST_OUTSIDE).then(|| WarningReport {
-            kind: "outsides".into(),
-            place: "scene".into(),
-            count: (share * self.atlas.audit.texels as f64) as u64,
-            message: format!(
-                "{:.0} % of the texels lie on outsides of rooms, which nobody within sees; `--seen-from auto` gives each of their charts one \
-                 texel, and theirs to what is seen",
-                100.0 * share
-            ),
-        })
-    }
-
-    /// Closed surfaces with texels whose backs are lit.
-    fn turned_over(&self) -> Option<WarningReport> {
-        let (instances, placements) = (&self.scene.instances, &self.atlas.placements);
-        let turned = (0..)
-            .zip(instances.iter().zip(placements))
-            .filter(|(number, of)| of.1.is_somewhere() && self.world.has_turned_over(*number));
-        let names: Vec<&str> = turned.map(|(_, of)| of.0.name.as_str()).collect();
-        Some(WarningReport {
-            kind: "turned-over".into(),
-            place: format!("object `{}`", names.first()?),
-            count: names.len() as u64,
-            message: "faces of a closed surface look inward, where nothing is, and are drawn from both sides; their outside is \
-                      baked"
-                .into(),
-        })
-    }
-
-    /// Closed surfaces with texels that are lit from within.
-    fn inside_out(&self) -> Option<WarningReport> {
-        let mut found = self.world.solids().inside_out();
-        found.retain(|&(instance, triangle)| {
-            self.atlas.placements[instance as usize].is_somewhere()
-                && !self.world.is_turned_over(instance, triangle)
-        });
-        let first = &self.scene.instances[found.first()?.0 as usize];
-        Some(WarningReport {
-            kind: "inside-out".into(),
-            place: format!("object `{}`", first.name),
-            count: found.len() as u64,
-            message: "faces of a closed surface look inward, so it is lit from within and dark: turn them over, unless it is an empty room".into(),
-        })
-    }
-
-    /// Lights of the file that nobody said anything about.
-    fn lights_left_out(&self) -> Option<WarningReport> {
-        let lights = &self.scene.lights;
-        let first = lights
-            .first()
-            .filter(|_| self.options.file_lights.is_none())?;
-        Some(WarningReport {
-            kind: "file-lights".into(),
-            place: named("light", &first.name, lights.len()),
-            count: lights.len() as u64,
-            message: "lights of the file are not baked; `--lights file` bakes them, `--lights none` leaves them out".into(),
-        })
-    }
-
-    /// Surfaces of the file that shine, in a bake in which no light bounces and nobody said that they should not.
-    fn lamps_left_out(&self) -> Option<WarningReport> {
-        let is_dark = self.options.bounces == Bounces::Off && self.baker.asks_for_light();
-        if !is_dark || self.options.file_lights == Some(false) {
-            return None;
-        }
-        let casting = self.scene.instances.iter().filter(|of| of.casts);
-        let shines = |&material: &u32| {
-            let emission = self.scene.materials[material as usize].emission;
-            emission != glam::Vec3::ZERO
-        };
-        let mut lit: Vec<u32> = casting
-            .map(|of| self.scene.meshes[of.mesh as usize].material)
-            .filter(shines)
-            .collect();
-        lit.sort_unstable();
-        lit.dedup();
-        let first = &self.scene.materials[*lit.first()? as usize];
-        Some(WarningReport {
-            kind: "dark-lamps".into(),
-            place: named("material", &first.name, lit.len()),
-            count: lit.len() as u64,
-            message: "surfaces that shine (`Ke`, emissiveFactor) send out no light where none bounces; `--bounces 1` bakes what they send, \
-                      `--bounces auto` also what others send on, and `--lights none` says that they should stay dark"
-                .into(),
-        })
+        &self.laid.layout
     }
 
     /// What answers rays.
     pub fn backend(&self) -> &dyn RayBackend {
-        self.backend.as_ref()
+        self.laid.backend.as_ref()
     }
 
     /// Wall time of what has been done so far.
@@ -396,7 +299,7 @@ impl Job {
 
     /// Runs something in the bake's own pool of threads, or in the current one.
     pub(crate) fn within<R: Send>(&self, job: impl FnOnce() -> R + Send) -> R {
-        within(self.pool.as_ref(), job)
+        within(self.pool.as_deref(), job)
     }
 
     /// When it was begun.
@@ -436,11 +339,12 @@ impl Job {
 
     /// What bakes its pages.
     pub(crate) fn baker(&self) -> Baker<'_> {
+        let laid = &self.laid;
         Baker::new(
-            &self.world,
+            &laid.world,
             &self.plan,
-            self.backend.as_ref(),
-            &self.atlas,
+            laid.backend.as_ref(),
+            &laid.atlas,
             &self.baker,
         )
     }
@@ -449,18 +353,36 @@ impl Job {
     pub(crate) fn widths(&self, baker: &Baker<'_>) -> Widths {
         let width = |layers: Vec<Layer>| layers.iter().map(|l| l.channels().len()).sum();
         Widths {
-            pages: self.atlas.page_count,
+            pages: self.atlas().page_count,
             page: width(baker.layers()),
             gather: width(baker.layers_of_gathers()),
         }
     }
 }
 
-/// The first of so many things, for a message.
-fn named(what: &str, first: &str, count: usize) -> String {
-    match count {
-        1 => format!("{what} `{first}`"),
-        _ => format!("{what} `{first}` and {} more", count - 1),
+impl Given<'_> {
+    /// Its own threads; `None` where it runs in those that call it.
+    fn pool(&self) -> Result<Option<Arc<rayon::ThreadPool>>, Error> {
+        let build = |count: usize| {
+            let builder = rayon::ThreadPoolBuilder::new().num_threads(count.max(1));
+            builder.build().map(Arc::new)
+        };
+        Ok(self.threads.map(build).transpose()?)
+    }
+
+    /// Refuses a bake that would take more memory than it may.
+    fn check_memory(
+        &self,
+        scene: &Scene,
+        size: u32,
+        baker: &::bake::Options,
+        plan: &Plan,
+    ) -> Result<(), Error> {
+        let meshes = scene.0.meshes.iter();
+        let triangles = meshes.map(|mesh| mesh.triangles.len() as u64).sum();
+        let content = [triangles, scene.0.instances.len() as u64];
+        let memory = memory::Memory::of(baker, plan);
+        memory::check(size, &memory, content, self.limit)
     }
 }
 

@@ -55,8 +55,8 @@
 //!
 //! For those who change the library:
 //!
-//! * What is asked for: `bake.rs` and `options.rs`. A bake between plan and result: `job.rs` and `run.rs`. What is
-//!   written, and which names of an earlier bake go: `write.rs`.
+//! * What is asked for: `bake.rs` and `options.rs`. A bake between plan and result: `job.rs` and `run.rs`, what it
+//!   warns of `warnings.rs`. What is written, and which names of an earlier bake go: `write.rs`.
 //! * What a bake will take: `estimate.rs`, its memory `memory.rs`. Whether a scene is an interior: `interior.rs`.
 //! * What can be seen: `seen.rs` for points of a triangle, `shell.rs` for the outsides of rooms.
 //! * Saved states: `resume.rs`. Shards: `shard.rs`, `parts.rs` and `merge.rs`. Updates: `update.rs`, their files
@@ -64,6 +64,8 @@
 //! * The picture of the lit scene: `lit.rs`. Probes: `probes`.
 #![forbid(unsafe_code)]
 
+#[cfg(test)]
+mod again_tests;
 mod any_view;
 mod bake;
 mod baked;
@@ -92,6 +94,7 @@ mod shell;
 mod sky;
 mod state;
 mod update;
+mod warnings;
 mod write;
 
 pub use crate::bake::Bake;

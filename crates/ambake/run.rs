@@ -18,15 +18,16 @@ use std::time::Instant;
 pub(crate) const WRITING: &str = "writing";
 
 impl Job {
-    /// Bakes every page and keeps the result in memory.
+    /// Bakes every page and keeps the result in memory. The same job gives the same bytes each time.
     ///
     /// # Errors
     /// [`Error::Cancelled`] where the listener cancels.
-    pub fn run(mut self, progress: &dyn Progress) -> Result<Baked, Error> {
+    pub fn run(&self, progress: &dyn Progress) -> Result<Baked, Error> {
+        let mut job = self.clone();
         let started = Instant::now();
         let mut pages = self.within(|| {
             let baker = self.baker();
-            let mut tracker = self.earlier().map(|_| Tracker::of(&self, &baker));
+            let mut tracker = self.earlier().map(|_| Tracker::of(self, &baker));
             (0..self.atlas().page_count)
                 .map(|number| {
                     let mut page = baker.start(number);
@@ -43,14 +44,14 @@ impl Job {
                 .collect::<Result<Vec<_>, Error>>()
         })?;
 
-        self.end_phase("bake", started.elapsed().as_secs_f64());
+        job.end_phase("bake", started.elapsed().as_secs_f64());
         let started = Instant::now();
         let bounces = self.bounce(&mut pages, &mut (), progress)?;
         if self.options().adds_light() {
-            self.end_phase("bounce", started.elapsed().as_secs_f64());
+            job.end_phase("bounce", started.elapsed().as_secs_f64());
         }
         let pages = pages.into_iter().map(Page).collect();
-        Ok(Baked::new(self, pages, bounces))
+        Ok(Baked::new(job, pages, bounces))
     }
 
     /// Adds the light of lights and what surfaces send on to all pages, where that was asked for. Tiles of gathers go

@@ -194,11 +194,20 @@ impl World {
     ///
     /// * `places`: where lights and eyes are, in the coordinates of the file.
     pub fn turn_over(&mut self, places: impl Iterator<Item = DVec3>) {
+        self.backs = self.backs_by(places);
+    }
+
+    /// True where [`World::turn_over`] with these places would change nothing.
+    pub fn is_turned_by(&self, places: impl Iterator<Item = DVec3>) -> bool {
+        self.backs_by(places) == self.backs
+    }
+
+    fn backs_by(&self, places: impl Iterator<Item = DVec3>) -> HashMap<u32, HashSet<u32>> {
         let places: Vec<DVec3> = places.map(|place| place - self.origin).collect();
         let backs = self.solids().backs(&places).into_iter();
-        self.backs = backs
+        backs
             .map(|(mesh, of)| (mesh, of.into_iter().collect()))
-            .collect();
+            .collect()
     }
 
     /// True where a triangle is lit from behind.
@@ -400,6 +409,7 @@ mod tests {
             // A light in one of the two: they share their mesh.
             world.turn_over([far].into_iter());
             assert!(!world.has_turned_over(0) && !world.has_turned_over(1));
+            assert!(world.is_turned_by([far].into_iter()) && !world.is_turned_by([].into_iter()));
             world.turn_over([].into_iter());
             assert!(
                 world.has_turned_over(0) && world.has_turned_over(1) && !world.has_turned_over(2)

@@ -11,6 +11,7 @@ pub use open::OpenTriangles;
 use crate::choice::Choice;
 use crate::options::{Model, Options, Shading, Sky, View};
 use ambient::sampling::Mixture;
+use glam::DVec3;
 use layers::Term;
 use rays::{Error, Light, PlaneErrors, World, WorldOptions};
 use scene::{Scene, Surface};
@@ -68,26 +69,26 @@ impl Plan {
     /// # Errors
     /// See [`World::new`].
     pub fn of(scene: &Arc<Scene>, options: &Options) -> Result<(Self, World), Error> {
-        let instances = instances(scene, options);
-        let alpha_test = alpha_test(scene, options);
         let mut world = World::near(
             Arc::clone(scene),
             WorldOptions {
-                instancing: instances.modelled,
+                instancing: instances(scene, options).modelled,
                 alpha_test_all: !options.allows(Choice::AlphaTest),
             },
         )?;
         if options.normal_maps {
             world.read_normal_maps()?;
         }
-        let eye = match options.view {
-            View::Normal => None,
-            View::Eye(eye) => Some(eye),
-        };
-        let lights = options.lights.iter().filter_map(Light::place);
-        world.turn_over(lights.chain(eye));
+        world.turn_over(options.places());
+        Ok((Self::over(&world, scene, options), world))
+    }
+
+    /// Decides over the world of an earlier plan of the same scene, one that [`Options::differs_in_world`] lets serve.
+    pub fn over(world: &World, scene: &Scene, options: &Options) -> Self {
+        let instances = instances(scene, options);
+        let alpha_test = alpha_test(scene, options);
         let mut open_triangles = if options.allows(Choice::Open) {
-            OpenTriangles::of(&world, &PlaneErrors::of(&world))
+            OpenTriangles::of(world, &PlaneErrors::of(world))
         } else {
             OpenTriangles::default()
         };
@@ -108,7 +109,7 @@ impl Plan {
             let decision = &mut decisions[place(choice_of(term))];
             decision.method = Some(method(term, decision.modelled, &open_triangles, options));
         }
-        let plan = Self {
+        Self {
             mixture: if decisions[place(Choice::Visibility)].modelled {
                 Mixture::BALANCED
             } else {
@@ -116,8 +117,7 @@ impl Plan {
             },
             open: open_triangles,
             decisions,
-        };
-        Ok((plan, world))
+        }
     }
 
     /// True where `choice` is modelled.
@@ -130,6 +130,35 @@ impl Plan {
         self.decisions[place(choice_of(term))]
             .method
             .unwrap_or(Method::Off)
+    }
+}
+
+impl Options {
+    /// Where lights and eyes are, in the coordinates of the file: who is within a closed surface sees it from there.
+    fn places(&self) -> impl Iterator<Item = DVec3> {
+        let eye = match self.view {
+            View::Normal => None,
+            View::Eye(eye) => Some(eye),
+        };
+        self.lights.iter().filter_map(Light::place).chain(eye)
+    }
+
+    /// The name of an option by which these would have another world than `world`, which was built for `before`; `None`
+    /// where it serves.
+    pub fn differs_in_world(&self, world: &World, before: &Self) -> Option<&'static str> {
+        let shapes = |choice| self.allows(choice) == before.allows(choice);
+        if ![Choice::Instances, Choice::AlphaTest]
+            .into_iter()
+            .all(shapes)
+        {
+            Some("plan_off")
+        } else if self.normal_maps != before.normal_maps {
+            Some("normal_maps")
+        } else if !world.is_turned_by(self.places()) {
+            Some("lights or view")
+        } else {
+            None
+        }
     }
 }
 

@@ -1,0 +1,195 @@
+//! What a bake warns of before a ray is cast.
+
+use crate::job::Job;
+use crate::shell::Shell;
+use ::bake::{AmbientCoefficient, Bounces, Model};
+use atlas::Pages;
+use layers::Layer;
+use report::WarningReport;
+
+/// Share of the texels from which outsides are told of.
+const LEAST_OUTSIDE: f64 = 0.1;
+
+impl Job {
+    /// Everything that was repaired, ignored or is doubtful before a ray was cast, and matters to this bake.
+    pub fn warnings(&self) -> Vec<WarningReport> {
+        let ignored = |warning: &&::scene::Warning| {
+            let tinted = [Layer::Lambert, Layer::Traditional];
+            match warning.kind {
+                ::scene::WarningKind::IgnoredNormalMaps => self.options().normal_maps,
+                ::scene::WarningKind::AmbientCoefficients => {
+                    let options = self.options();
+                    let shown = options.layers.contains(&Layer::Traditional);
+                    !shown || options.ambient_coefficient != AmbientCoefficient::Albedo
+                }
+                // Light without a tint is not black on them.
+                ::scene::WarningKind::BlackMetals => !tinted
+                    .iter()
+                    .any(|layer| self.options().layers.contains(layer)),
+                _ => false,
+            }
+        };
+        let layout = self.options().layout();
+        let alone = layout.pages == Pages::Auto && !layout.one_page_per_mesh;
+        let small_page = (layout.is_shared() && self.atlas().source.is_packed()).then(|| {
+            self.layout_report()
+                .small_page(self.scene(), self.atlas(), alone)
+        });
+        let of_scene = self
+            .scene()
+            .warnings
+            .iter()
+            .filter(|warning| !ignored(warning));
+        of_scene
+            .map(Into::into)
+            .chain(self.layout_report().warnings())
+            .chain(small_page.flatten())
+            .chain(self.touching())
+            .chain(self.outsides())
+            .chain(self.inside_out())
+            .chain(self.turned_over())
+            .chain(self.too_bright())
+            .chain(self.lights_left_out())
+            .chain(self.lamps_left_out())
+            .collect()
+    }
+
+    /// Coefficients given for all surfaces by which the sum of diffuse and highlight is more than arrives.
+    fn too_bright(&self) -> Option<WarningReport> {
+        let (albedo, specular) = (self.options().albedo?, self.options().specular?);
+        let sums = [0, 1, 2].map(|channel| albedo[channel] + specular[channel]);
+        let most = sums.into_iter().fold(0.0, f32::max);
+        let adds = self.options().model != Some(Model::Ggx);
+        (adds && most > 1.0 + 1e-6).then(|| WarningReport {
+            kind: "too-bright".into(),
+            place: "scene".into(),
+            count: 1,
+            message: format!(
+                "`--albedo` and `--specular` together reflect {} times the light that arrives, and no surface reflects more than all of it; lower \
+                 one of them, or take `--model ggx`, which gives the highlight's share to it alone",
+                (100.0 * most).round() / 100.0
+            ),
+        })
+    }
+
+    /// Coordinates of the file of which look-ups mix surfaces.
+    fn touching(&self) -> Option<WarningReport> {
+        let is_kept = !self.atlas().source.is_packed();
+        let found = is_kept.then(|| self.within(|| atlas::touching(self.scene(), self.atlas())));
+        let (texels, instance) = found.flatten()?;
+        let share = texels as f64 / self.atlas().audit.texels.max(1) as f64;
+        (share >= atlas::LEAST_TOUCHING).then(|| WarningReport {
+            kind: "touching-charts".into(),
+            place: format!("object `{}`", self.scene().instances[instance as usize].name),
+            count: texels,
+            message: "texels of the file's coordinates stand beside those of other surfaces without a gutter, so that look-ups mix both; give the charts \
+                      two empty texels between them, or let `--uv unwrap` make others"
+                .into(),
+        })
+    }
+
+    /// Outsides of rooms that take texels though nobody within sees them.
+    fn outsides(&self) -> Option<WarningReport> {
+        let options = self.options();
+        let is_asked = options.seen_from_within || !options.seen_from.is_empty();
+        if is_asked || !self.atlas().source.is_packed() {
+            return None;
+        }
+        let share =
+            self.within(|| Some(Shell::of(self.world(), self.backend())?.share(self.atlas())))?;
+        (share >= LEAST_OUTSIDE).then(|| WarningReport {
+            kind: "outsides".into(),
+            place: "scene".into(),
+            count: (share * self.atlas().audit.texels as f64) as u64,
+            message: format!(
+                "{:.0} % of the texels lie on outsides of rooms, which nobody within sees; `--seen-from auto` gives each of their charts one \
+                 texel, and theirs to what is seen",
+                100.0 * share
+            ),
+        })
+    }
+
+    /// Closed surfaces with texels whose backs are lit.
+    fn turned_over(&self) -> Option<WarningReport> {
+        let (instances, placements) = (&self.scene().instances, &self.atlas().placements);
+        let turned = (0..)
+            .zip(instances.iter().zip(placements))
+            .filter(|(number, of)| of.1.is_somewhere() && self.world().has_turned_over(*number));
+        let names: Vec<&str> = turned.map(|(_, of)| of.0.name.as_str()).collect();
+        Some(WarningReport {
+            kind: "turned-over".into(),
+            place: format!("object `{}`", names.first()?),
+            count: names.len() as u64,
+            message: "faces of a closed surface look inward, where nothing is, and are drawn from both sides; their outside is \
+                      baked"
+                .into(),
+        })
+    }
+
+    /// Closed surfaces with texels that are lit from within.
+    fn inside_out(&self) -> Option<WarningReport> {
+        let mut found = self.world().solids().inside_out();
+        found.retain(|&(instance, triangle)| {
+            self.atlas().placements[instance as usize].is_somewhere()
+                && !self.world().is_turned_over(instance, triangle)
+        });
+        let first = &self.scene().instances[found.first()?.0 as usize];
+        Some(WarningReport {
+            kind: "inside-out".into(),
+            place: format!("object `{}`", first.name),
+            count: found.len() as u64,
+            message: "faces of a closed surface look inward, so it is lit from within and dark: turn them over, unless it is an empty room".into(),
+        })
+    }
+
+    /// Lights of the file that nobody said anything about.
+    fn lights_left_out(&self) -> Option<WarningReport> {
+        let lights = &self.scene().lights;
+        let first = lights
+            .first()
+            .filter(|_| self.options().file_lights.is_none())?;
+        Some(WarningReport {
+            kind: "file-lights".into(),
+            place: named("light", &first.name, lights.len()),
+            count: lights.len() as u64,
+            message: "lights of the file are not baked; `--lights file` bakes them, `--lights none` leaves them out".into(),
+        })
+    }
+
+    /// Surfaces of the file that shine, in a bake in which no light bounces and nobody said that they should not.
+    fn lamps_left_out(&self) -> Option<WarningReport> {
+        let is_dark =
+            self.options().bounces == Bounces::Off && self.baker_options().asks_for_light();
+        if !is_dark || self.options().file_lights == Some(false) {
+            return None;
+        }
+        let casting = self.scene().instances.iter().filter(|of| of.casts);
+        let shines = |&material: &u32| {
+            let emission = self.scene().materials[material as usize].emission;
+            emission != glam::Vec3::ZERO
+        };
+        let mut lit: Vec<u32> = casting
+            .map(|of| self.scene().meshes[of.mesh as usize].material)
+            .filter(shines)
+            .collect();
+        lit.sort_unstable();
+        lit.dedup();
+        let first = &self.scene().materials[*lit.first()? as usize];
+        Some(WarningReport {
+            kind: "dark-lamps".into(),
+            place: named("material", &first.name, lit.len()),
+            count: lit.len() as u64,
+            message: "surfaces that shine (`Ke`, emissiveFactor) send out no light where none bounces; `--bounces 1` bakes what they send, \
+                      `--bounces auto` also what others send on, and `--lights none` says that they should stay dark"
+                .into(),
+        })
+    }
+}
+
+/// The first of so many things, for a message.
+fn named(what: &str, first: &str, count: usize) -> String {
+    match count {
+        1 => format!("{what} `{first}`"),
+        _ => format!("{what} `{first}` and {} more", count - 1),
+    }
+}
