@@ -40,7 +40,7 @@
 //!
 //! # What is here
 //!
-//! * [`load`], [`Scene`], [`Mesh`], [`Material`]: what is baked.
+//! * [`load`], [`Scene`], [`Mesh`], [`Material`], [`Placement`]: what is baked.
 //! * [`Bake`]: the options, named as the flags of the command line, and the start of a bake.
 //! * [`Baked`], [`Page`], [`Layer`], [`Object`]: the result in memory, where objects lie on it, and how it is written.
 //! * [`Probes`], [`ProbeVolume`]: light for what moves, at places in the air and between them.
@@ -69,6 +69,8 @@ mod again_tests;
 mod any_view;
 mod bake;
 mod baked;
+#[cfg(test)]
+mod built_tests;
 mod differ;
 mod earlier;
 mod error;
@@ -120,7 +122,10 @@ pub use report::{
     BakeReport, Engine, PageReport, ProbeRecord, ProbeReport, ReflectionLevel, ReflectionReport,
 };
 pub use resume::Resume;
-pub use scene::{Files, Material, Mesh, Scene, Warning, load, load_with};
+pub use scene::{
+    AlphaMode, Files, Material, Mesh, MetallicRoughness, Placement, Scene, Texture, Warning, load,
+    load_with,
+};
 pub use shard::{Part, Shard};
 pub use sky::Sky;
 pub use write::Written;

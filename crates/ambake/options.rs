@@ -8,7 +8,7 @@ use ::bake::{
     AmbientCoefficient, Bounces, Buried, Choice, Denoise, Footprint, Model, PointSet, Seams,
     Shading, View,
 };
-use ::scene::{Format, Instance};
+use ::scene::{Format, Instance, Surface};
 use glam::DVec3;
 use layers::Layer;
 use rays::{BackendKind, Cone, Layout, Light, Overrides};
@@ -128,7 +128,8 @@ pub struct Options {
     /// Occluders farther than this do not count, in scene units.
     pub max_distance: Option<f32>,
     /// What the highlight is; under GGX the layer `ggx` stands in place of `phong`. `None`: the model that layers or an
-    /// exponent ask for, else GGX for glTF, whose materials are defined by it, and Phong for other scenes.
+    /// exponent ask for, else GGX for glTF and for metallic-roughness in memory, which are defined by it, and Phong for
+    /// other scenes.
     pub model: Option<Model>,
     /// How often surfaces send on the light that they receive.
     pub bounces: Bounces,
@@ -391,7 +392,7 @@ impl Options {
 
     /// The model that was asked for, or that what was asked for needs, or else that the materials of such a file are
     /// made for.
-    fn model_for(&self, format: Format) -> Model {
+    fn model_for(&self, scene: &Scene) -> Model {
         let asks = |layers: &[Layer]| self.layers.iter().any(|layer| layers.contains(layer));
         // What is stored for any view has no colours of its own under GGX.
         let phong = [
@@ -400,10 +401,14 @@ impl Options {
             Layer::AnyView4,
             Layer::AnyView8,
         ];
-        self.model.unwrap_or(match format {
+        let is_metallic_roughness = |material: &::scene::Material| {
+            matches!(material.surface, Surface::MetallicRoughness { .. })
+        };
+        self.model.unwrap_or(match scene.format {
             _ if asks(&[Layer::Ggx, Layer::Base]) => Model::Ggx,
             _ if asks(&phong) || self.exponent.is_some() => Model::Phong,
             Format::Gltf | Format::Glb => Model::Ggx,
+            Format::Memory if scene.materials.iter().any(is_metallic_roughness) => Model::Ggx,
             Format::Obj | Format::Memory => Model::Phong,
         })
     }
@@ -414,7 +419,7 @@ impl Options {
         if self.file_lights == Some(true) {
             self.lights.extend(scene.lights.iter().map(Light::from));
         }
-        let model = self.model_for(scene.format);
+        let model = self.model_for(scene);
         self.model = Some(model);
         if model == Model::Ggx {
             let has = self.layers.contains(&Layer::Ggx);

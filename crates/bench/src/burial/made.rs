@@ -1,7 +1,7 @@
 //! Scenes of a few bodies whose hidden parts are known on paper.
 
 use glam::{DVec2, DVec3};
-use scene::authored::{Material, Mesh};
+use scene::authored::{AlphaMode, Material, Mesh};
 use std::f64::consts::TAU;
 
 /// How far off its surface a point is judged, in metres.
@@ -151,7 +151,7 @@ pub(super) fn plain() -> Material {
 /// The same, cut out by alpha.
 pub(super) fn masked() -> Material {
     let mut material = Material::default();
-    material.alpha_cutoff = Some(0.5);
+    material.alpha_mode = AlphaMode::Mask { cutoff: 0.5 };
     material
 }
 

@@ -11,6 +11,8 @@
 //! beside it: a factor of 1 brings the highlights of lamps back. `extras.ambake` holds Ks and Ns, by which ambake reads
 //! back the materials of the scene.
 //!
+//! Metallic-roughness materials of built scenes stand as they are, and so do their normal maps.
+//!
 //! Ke is the emissive factor, with `KHR_materials_emissive_strength` where a channel is above 1.
 
 use super::document::{Document, Target};
@@ -18,7 +20,7 @@ use super::{Origins, Reason};
 use crate::preview::encode;
 use atlas::Atlas;
 use glam::Vec3;
-use scene::{Alpha, Image, Material, Scene, Surface, TextureRef, Wrap};
+use scene::{Alpha, Format, Image, Material, Scene, Surface, TextureRef, Wrap};
 use serde_json::{Value, json};
 use std::collections::HashMap;
 
@@ -44,7 +46,7 @@ pub fn document(scene: &Scene, atlas: &Atlas) -> Result<(Document<'static>, Orig
         let value = material_value(&mut document, &mut textures, scene, material)?;
         document.push("materials", value)?;
     }
-    if !scene.materials.is_empty() {
+    if scene.materials.iter().any(is_coated) {
         document.push("extensionsUsed", SPECULAR.into())?;
     }
     if scene
@@ -70,12 +72,23 @@ pub fn document(scene: &Scene, atlas: &Atlas) -> Result<(Document<'static>, Orig
                 .collect();
             attributes["NORMAL"] = document.push_floats(&gathered, false)?.into();
         }
-        if !mesh.colors.is_empty() {
-            let gathered: Vec<[f32; 3]> = layout
-                .source_vertices
-                .iter()
-                .map(|&v| mesh.colors[v as usize].into())
+        if !mesh.tangents.is_empty() {
+            let tangents = layout.source_vertices.iter();
+            let gathered: Vec<[f32; 4]> = tangents
+                .map(|&v| mesh.tangents[v as usize].into())
                 .collect();
+            attributes["TANGENT"] = document.push_floats(&gathered, false)?.into();
+        }
+        let color = |v: u32| mesh.colors.get(v as usize).copied().unwrap_or(Vec3::ONE);
+        if !mesh.alphas.is_empty() {
+            let colors = layout.source_vertices.iter();
+            let gathered: Vec<[f32; 4]> = colors
+                .map(|&v| color(v).extend(mesh.alphas[v as usize]).into())
+                .collect();
+            attributes["COLOR_0"] = document.push_floats(&gathered, false)?.into();
+        } else if !mesh.colors.is_empty() {
+            let colors = layout.source_vertices.iter();
+            let gathered: Vec<[f32; 3]> = colors.map(|&v| color(v).into()).collect();
             attributes["COLOR_0"] = document.push_floats(&gathered, false)?.into();
         }
         for (set, uvs) in mesh.uv_sets.iter().enumerate() {
@@ -122,40 +135,64 @@ fn material_value(
     scene: &Scene,
     material: &Material,
 ) -> Result<Value, Reason> {
-    let (albedo, albedo_map, specular, exponent) = match &material.surface {
+    let (base, albedo_map) = match &material.surface {
         Surface::Phong {
-            albedo,
-            albedo_map,
-            specular,
-            exponent,
-        } => (*albedo, albedo_map.as_ref(), *specular, *exponent),
-        Surface::MetallicRoughness { base, .. }
-        | Surface::SpecularGlossiness { diffuse: base, .. } => {
-            unreachable!("an OBJ or built material with base colour {base}")
+            albedo, albedo_map, ..
+        } => (*albedo, albedo_map.as_ref()),
+        Surface::MetallicRoughness { base, base_map, .. } => (*base, base_map.as_ref()),
+        Surface::SpecularGlossiness { diffuse, .. } => {
+            unreachable!("an OBJ or built material with diffuse colour {diffuse}")
         }
     };
-    let specular = specular.clamp(Vec3::ZERO, Vec3::ONE);
-    let base = albedo.clamp(Vec3::ZERO, Vec3::ONE);
+    let base = base.clamp(Vec3::ZERO, Vec3::ONE);
     let (factor, alpha_map) = match &material.alpha {
         Alpha::Opaque => (1.0, None),
         Alpha::Mask { factor, map, .. } | Alpha::Blend { factor, map } => {
             (factor.clamp(0.0, 1.0), map.as_ref())
         }
     };
-    let roughness = (2.0 * exponent + 1.0).powf(-0.25);
     let mut value = json!({
         "name": material.name,
-        "pbrMetallicRoughness": {
-            "baseColorFactor": [base.x, base.y, base.z, factor],
-            "metallicFactor": 0.0,
-            "roughnessFactor": roughness,
-        },
-        "extensions": { SPECULAR: { "specularFactor": 0.0 } },
+        "pbrMetallicRoughness": { "baseColorFactor": [base.x, base.y, base.z, factor] },
     });
-    if specular != Vec3::ZERO {
-        let color = (specular / COAT).to_array();
-        value["extensions"][SPECULAR]["specularColorFactor"] = json!(color);
-        value["extras"] = json!({ "ambake": { "Ks": specular.to_array(), "Ns": exponent } });
+    if is_coated(material) {
+        value["extensions"] = json!({ SPECULAR: {} });
+    }
+    match &material.surface {
+        Surface::MetallicRoughness {
+            metallic,
+            roughness,
+            metallic_roughness_map,
+            dielectric,
+            ..
+        } => {
+            let pbr = &mut value["pbrMetallicRoughness"];
+            pbr["metallicFactor"] = json!(metallic);
+            pbr["roughnessFactor"] = json!(roughness);
+            if let Some(map) = metallic_roughness_map {
+                pbr["metallicRoughnessTexture"] = picture(document, textures, scene, map)?;
+            }
+            if is_coated(material) {
+                let color = (*dielectric / COAT).to_array();
+                value["extensions"][SPECULAR]["specularColorFactor"] = json!(color);
+            }
+        }
+        Surface::Phong {
+            specular, exponent, ..
+        } => {
+            let specular = specular.clamp(Vec3::ZERO, Vec3::ONE);
+            let pbr = &mut value["pbrMetallicRoughness"];
+            pbr["metallicFactor"] = json!(0.0);
+            pbr["roughnessFactor"] = json!((2.0 * exponent + 1.0).powf(-0.25));
+            value["extensions"][SPECULAR]["specularFactor"] = json!(0.0);
+            if specular != Vec3::ZERO {
+                let color = (specular / COAT).to_array();
+                value["extensions"][SPECULAR]["specularColorFactor"] = json!(color);
+                value["extras"] =
+                    json!({ "ambake": { "Ks": specular.to_array(), "Ns": exponent } });
+            }
+        }
+        Surface::SpecularGlossiness { .. } => {}
     }
     if let Some(any) = albedo_map.or(alpha_map) {
         let texture = base_color(document, textures, scene, any, albedo_map, alpha_map)?;
@@ -169,6 +206,23 @@ fn material_value(
         if strength > 1.0 {
             value["extensions"][STRENGTH] = json!({ "emissiveStrength": strength });
         }
+        if let Some(map) = &material.emission_map {
+            value["emissiveTexture"] = picture(document, textures, scene, map)?;
+        }
+    }
+    if let Some(map) = material.normal_map.as_ref()
+        && scene.format == Format::Memory
+    {
+        // Packed as PNG by `scene`, and read as every picture of a built scene: repeated and bilinear.
+        let packed = &scene.packed_images[map.texture.image as usize];
+        let view = document.push_view(&packed.bytes, Target::None)?;
+        let image = document.push(
+            "images",
+            json!({ "name": packed.name, "mimeType": "image/png", "bufferView": view }),
+        )?;
+        let texture = document.push("textures", json!({ "source": image }))?;
+        value["normalTexture"] =
+            json!({ "index": texture, "texCoord": map.texture.uv_set, "scale": map.scale });
     }
     match material.alpha {
         Alpha::Opaque => {}
@@ -182,6 +236,25 @@ fn material_value(
         value["doubleSided"] = true.into();
     }
     Ok(value)
+}
+
+/// True where the reflectance of a material's coat is not that of glTF's default.
+fn is_coated(material: &Material) -> bool {
+    match material.surface {
+        Surface::MetallicRoughness { dielectric, .. } => dielectric != Vec3::splat(COAT),
+        _ => true,
+    }
+}
+
+/// The use of a picture with all of its channels.
+fn picture(
+    document: &mut Document,
+    textures: &mut Textures,
+    scene: &Scene,
+    map: &TextureRef,
+) -> Result<Value, Reason> {
+    let texture = base_color(document, textures, scene, map, Some(map), Some(map))?;
+    Ok(json!({ "index": texture, "texCoord": map.uv_set }))
 }
 
 /// The texture that holds colour and alpha together, as glTF wants them.

@@ -1,14 +1,11 @@
 //! Turns what a program hands over into a scene, under the same rules as a file.
 
-use super::{Material, Mesh, Texture, hash};
-use crate::material::{MAX_EXPONENT, conserving, untinted};
+use super::{Material, Mesh, Placement, hash, material};
+use crate::material::untinted;
 use crate::source::{Input, short};
-use crate::validate::{self, Parts, clamped};
-use crate::{
-    Alpha, Error, Format, Image, Instance, MeshOrigin, Scene, Surface, TextureRef, WarningKind,
-    Wrap,
-};
-use glam::{Vec2, Vec3};
+use crate::validate::{self, Parts};
+use crate::{Error, Format, Instance, MeshOrigin, Scene};
+use glam::{DAffine3, Vec2, Vec3, Vec4};
 use std::path::Path;
 
 impl Scene {
@@ -41,12 +38,54 @@ impl Scene {
     /// # Ok::<(), ambake_scene::Error>(())
     /// ```
     pub fn from_meshes(meshes: Vec<Mesh>, materials: Vec<Material>) -> Result<Scene, Error> {
-        let mut input = Input::new(Path::new("scene"), crate::Files::Inside);
-        hash::update(&mut input.hasher, &meshes, &materials);
-        parts(&mut input, meshes, materials)
-            .and_then(|parts| validate::scene(input, Format::Memory, parts))
-            .map_err(without_file)
+        built(meshes, materials, None)
     }
+
+    /// As [`Scene::from_meshes`], with each mesh placed as often as `placements` say, which may be never: each
+    /// placement becomes one object, in the order given. Objects of one mesh share its triangles and the shape of its
+    /// layout; each has texels of its own. A mesh's own [`transform`](Mesh::transform) comes before the placement's.
+    ///
+    /// # Errors
+    /// As [`Scene::from_meshes`]; a placement's mesh number is out of range.
+    ///
+    /// ```
+    /// use ambake_scene::{Scene, authored::{Mesh, Placement}};
+    ///
+    /// let mut slab = Mesh::default();
+    /// slab.positions = vec![[0.0, 0.0, 0.0], [0.0, 0.0, 2.0], [2.0, 0.0, 2.0], [2.0, 0.0, 0.0]];
+    /// slab.triangles = vec![[0, 1, 2], [0, 2, 3]];
+    /// let floor = Placement::default();
+    /// let mut lid = Placement::default();
+    /// lid.transform[3] = [0.0, 1.5, 0.0, 1.0];
+    ///
+    /// let scene = Scene::from_placements(vec![slab], vec![], vec![floor, lid])?;
+    /// assert_eq!((scene.meshes.len(), scene.instances.len()), (1, 2));
+    /// # Ok::<(), ambake_scene::Error>(())
+    /// ```
+    pub fn from_placements(
+        meshes: Vec<Mesh>,
+        materials: Vec<Material>,
+        placements: Vec<Placement>,
+    ) -> Result<Scene, Error> {
+        built(meshes, materials, Some(placements))
+    }
+}
+
+fn built(
+    meshes: Vec<Mesh>,
+    materials: Vec<Material>,
+    placements: Option<Vec<Placement>>,
+) -> Result<Scene, Error> {
+    let mut input = Input::new(Path::new("scene"), crate::Files::Inside);
+    hash::update(
+        &mut input.hasher,
+        &meshes,
+        &materials,
+        placements.as_deref(),
+    );
+    parts(&mut input, meshes, materials, placements)
+        .and_then(|parts| validate::scene(input, Format::Memory, parts))
+        .map_err(without_file)
 }
 
 /// The errors of the readers name a file; here there is none.
@@ -61,25 +100,80 @@ fn without_file(error: Error) -> Error {
     }
 }
 
-fn parts(input: &mut Input, meshes: Vec<Mesh>, materials: Vec<Material>) -> Result<Parts, Error> {
+fn parts(
+    input: &mut Input,
+    meshes: Vec<Mesh>,
+    materials: Vec<Material>,
+    placements: Option<Vec<Placement>>,
+) -> Result<Parts, Error> {
     let mut parts = Parts::default();
     for (number, given) in materials.into_iter().enumerate() {
-        let material = material(input, &mut parts, number, given)?;
+        let material = material::built(input, &mut parts, number, given)?;
         parts.materials.push(material);
     }
     if parts.materials.is_empty() {
         parts.materials.push(untinted("none"));
     }
-    for (number, given) in meshes.into_iter().enumerate() {
-        add(input, &mut parts, number, given)?;
+    let once = |mesh| Placement {
+        mesh,
+        ..Placement::default()
+    };
+    let placements = placements.unwrap_or_else(|| (0..meshes.len()).map(once).collect());
+    let mut is_placed = vec![false; meshes.len()];
+    for (number, placement) in placements.iter().enumerate() {
+        let count = meshes.len();
+        *is_placed.get_mut(placement.mesh).ok_or_else(|| {
+            let problem = format!(
+                "it places mesh {} but there are {count}, numbered from 0; correct its number",
+                placement.mesh
+            );
+            input.invalid(place("placement", number, &placement.name), problem)
+        })? = true;
+    }
+    let mut built = Vec::with_capacity(meshes.len());
+    for (number, (given, is_placed)) in meshes.into_iter().zip(is_placed).enumerate() {
+        built.push(match is_placed {
+            true => mesh(input, &mut parts, number, given)?,
+            false => None,
+        });
+    }
+    for (number, placement) in placements.into_iter().enumerate() {
+        let Some((mesh, own)) = built[placement.mesh] else {
+            continue;
+        };
+        let name = named(&placement.name, || parts.meshes[mesh as usize].name.clone());
+        let transform = affine(input, placement.transform, || {
+            place("placement", number, &placement.name)
+        })?;
+        parts.instances.push(Instance {
+            name,
+            mesh,
+            transform: transform * own,
+            node: 0,
+            copy: None,
+            casts: true,
+            keeps_buried: None,
+        });
     }
     Ok(parts)
 }
 
-fn add(input: &mut Input, parts: &mut Parts, number: usize, given: Mesh) -> Result<(), Error> {
+/// Adds a mesh; its number and its own transform, or `None` where no triangle of it is left.
+fn mesh(
+    input: &mut Input,
+    parts: &mut Parts,
+    number: usize,
+    given: Mesh,
+) -> Result<Option<(u32, DAffine3)>, Error> {
     let place = place("mesh", number, &given.name);
     let vertices = given.positions.len();
-    for (what, count) in [("normals", given.normals.len()), ("uvs", given.uvs.len())] {
+    for (what, count) in [
+        ("normals", given.normals.len()),
+        ("tangents", given.tangents.len()),
+        ("uvs", given.uvs.len()),
+        ("lightmap_uvs", given.lightmap_uvs.len()),
+        ("colors", given.colors.len()),
+    ] {
         if count != 0 && count != vertices {
             let problem =
                 format!("{count} {what} for {vertices} positions; give one a vertex or none");
@@ -94,18 +188,17 @@ fn add(input: &mut Input, parts: &mut Parts, number: usize, given: Mesh) -> Resu
         );
         return Err(input.invalid(place, problem));
     }
-    let transform = validate::affine(given.transform.map(|column| column.map(f64::from))).ok_or_else(|| {
-        let problem = "its transform is not affine (the last row is not 0 0 0 1); are rows and columns exchanged?";
-        input.invalid(place.as_str(), problem)
-    })?;
+    let transform = affine(input, given.transform, || place.clone())?;
+    let colors = given.colors.into_iter().map(Vec4::from_array);
+    let (colors, alphas) = colors.map(|color| (color.truncate(), color.w)).unzip();
     let mut mesh = crate::Mesh {
         name: named(&given.name, || format!("mesh {number}")),
         positions: vectors(given.positions),
         normals: vectors(given.normals),
-        tangents: Vec::new(),
-        colors: Vec::new(),
-        alphas: Vec::new(),
-        uv_sets: Vec::new(),
+        tangents: given.tangents.into_iter().map(Vec4::from_array).collect(),
+        colors,
+        alphas,
+        uv_sets: uv_sets(given.uvs, given.lightmap_uvs, vertices),
         triangles: given.triangles,
         source_triangles: Vec::new(),
         source_vertices: Vec::new(),
@@ -115,111 +208,33 @@ fn add(input: &mut Input, parts: &mut Parts, number: usize, given: Mesh) -> Resu
             primitive: 0,
         },
     };
-    if !given.uvs.is_empty() {
-        let uvs = given.uvs.into_iter().map(Vec2::from_array);
-        mesh.uv_sets.push(uvs.collect());
+    if !validate::mesh(input, &mut mesh, &place)? {
+        return Ok(None);
     }
-    if validate::mesh(input, &mut mesh, &place)? {
-        parts.instances.push(Instance {
-            name: mesh.name.clone(),
-            mesh: parts.meshes.len() as u32,
-            transform,
-            node: 0,
-            copy: None,
-            casts: true,
-            keeps_buried: None,
-        });
-        parts.meshes.push(mesh);
-    }
-    Ok(())
+    parts.meshes.push(mesh);
+    Ok(Some((parts.meshes.len() as u32 - 1, transform)))
 }
 
-fn material(
-    input: &mut Input,
-    parts: &mut Parts,
-    number: usize,
-    given: Material,
-) -> Result<crate::Material, Error> {
-    let place = place("material", number, &given.name);
-    let name = named(&given.name, || format!("material {number}"));
-    let mut changed = 0;
-    let mut color = |color: [f32; 3], high: f32, fallback: f32| {
-        Vec3::from_array(color.map(|v| clamped(v, 0.0, high, fallback, &mut changed)))
-    };
-    let albedo = color(given.albedo, 1.0, 1.0);
-    let specular = color(given.specular, 1.0, 0.0);
-    let emission = color(given.emission, f32::MAX, 0.0);
-    let factor = clamped(given.alpha, 0.0, 1.0, 1.0, &mut changed);
-    let cutoff = given
-        .alpha_cutoff
-        .map(|cutoff| clamped(cutoff, 0.0, f32::MAX, 0.5, &mut changed));
-    let exponent = match given.exponent {
-        n if n.is_nan() => 0.0,
-        n => n.clamp(0.0, MAX_EXPONENT),
-    };
-    changed += u64::from(exponent != given.exponent);
-    let message = "factors out of range are clamped";
-    input.warn(
-        WarningKind::ClampedFactors,
-        place.as_str(),
-        changed,
-        message,
-    );
-    let [albedo, specular] = conserving(input, &place, [albedo, specular]);
-
-    let texture = given.albedo_texture;
-    let map = texture
-        .map(|texture| image(texture, &name).map_err(|problem| input.invalid(place, problem)))
-        .transpose()?
-        .map(|image| {
-            parts.images.push(image);
-            TextureRef {
-                image: parts.images.len() as u32 - 1,
-                uv_set: 0,
-                wrap: [Wrap::Repeat; 2],
-                linear: true,
-                transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-            }
-        });
-    Ok(crate::Material {
-        name,
-        alpha: cutoff.map_or(Alpha::Opaque, |cutoff| Alpha::Mask {
-            cutoff,
-            factor,
-            map: map.clone(),
-        }),
-        surface: Surface::Phong {
-            albedo,
-            albedo_map: map,
-            specular,
-            exponent,
-        },
-        ambient: None,
-        emission,
-        emission_map: None,
-        transmission: None,
-        normal_map: None,
-        double_sided: given.double_sided,
-    })
+/// Coordinates for textures, then those for lightmaps, which are the second set also where they are alone.
+fn uv_sets(uvs: Vec<[f32; 2]>, lightmap: Vec<[f32; 2]>, vertices: usize) -> Vec<Vec<Vec2>> {
+    let vectors = |uvs: Vec<[f32; 2]>| uvs.into_iter().map(Vec2::from_array).collect();
+    match (uvs.is_empty(), lightmap.is_empty()) {
+        (true, true) => Vec::new(),
+        (false, true) => vec![vectors(uvs)],
+        (false, false) => vec![vectors(uvs), vectors(lightmap)],
+        (true, false) => vec![vec![Vec2::ZERO; vertices], vectors(lightmap)],
+    }
 }
 
-fn image(texture: Texture, name: &str) -> Result<Image, String> {
-    let Texture {
-        width,
-        height,
-        pixels,
-    } = texture;
-    if pixels.is_empty() || pixels.len() as u64 != u64::from(width) * u64::from(height) {
-        return Err(format!(
-            "its texture has {} pixels, but {width} x {height} are announced; give as many, at least one",
-            pixels.len()
-        ));
-    }
-    Ok(Image {
-        name: name.into(),
-        width,
-        height,
-        pixels,
+/// The transform of these columns.
+fn affine(
+    input: &Input,
+    columns: [[f32; 4]; 4],
+    place: impl Fn() -> String,
+) -> Result<DAffine3, Error> {
+    validate::affine(columns.map(|column| column.map(f64::from))).ok_or_else(|| {
+        let problem = "its transform is not affine (the last row is not 0 0 0 1); are rows and columns exchanged?";
+        input.invalid(place(), problem)
     })
 }
 
@@ -228,7 +243,7 @@ fn vectors(arrays: Vec<[f32; 3]>) -> Vec<Vec3> {
 }
 
 /// A name, or the stand-in for an empty one.
-fn named(name: &str, or: impl Fn() -> String) -> String {
+pub(super) fn named(name: &str, or: impl Fn() -> String) -> String {
     if name.is_empty() {
         or()
     } else {
@@ -237,7 +252,7 @@ fn named(name: &str, or: impl Fn() -> String) -> String {
 }
 
 /// What messages call a mesh or a material.
-fn place(what: &str, number: usize, name: &str) -> String {
+pub(super) fn place(what: &str, number: usize, name: &str) -> String {
     if name.is_empty() {
         format!("{what} {number}")
     } else {

@@ -1,10 +1,12 @@
-//! What a program hands over to have a scene without a file: see [`Scene::from_meshes`](crate::Scene::from_meshes).
+//! What a program hands over to have a scene without a file: see [`Scene::from_meshes`](crate::Scene::from_meshes) and
+//! [`Scene::from_placements`](crate::Scene::from_placements).
 //!
 //! The types carry the names of their loaded counterparts, for they are what a caller calls a mesh and a material; a
 //! [`Scene`](crate::Scene) holds the loaded ones.
 
 mod build;
 mod hash;
+mod material;
 
 /// Triangles with one material, placed in the world.
 ///
@@ -18,9 +20,17 @@ pub struct Mesh {
     pub positions: Vec<[f32; 3]>,
     /// Shading normals, one a vertex, of any length above 0; empty for flat shading by the geometric normals.
     pub normals: Vec<[f32; 3]>,
-    /// Texture coordinates, one a vertex, in glTF's orientation (v grows down); empty for none. The one set is read by
-    /// the material's texture and is a candidate for the lightmap.
+    /// Unit tangents along u of the normal texture, one a vertex, `w` the side of the bitangent `w (normal x tangent)`,
+    /// as glTF's `TANGENT`; empty for those that follow from the UVs.
+    pub tangents: Vec<[f32; 4]>,
+    /// Texture coordinates, one a vertex, in glTF's orientation (v grows down); empty for none. The material's textures
+    /// read them, and they are a candidate for the lightmap.
     pub uvs: Vec<[f32; 2]>,
+    /// Coordinates made for a lightmap, one a vertex, in the same orientation; empty for none. They are the first
+    /// candidate for it.
+    pub lightmap_uvs: Vec<[f32; 2]>,
+    /// Linear RGB and alpha, 0..=1, one a vertex, that multiply the material's albedo and alpha; empty for white.
+    pub colors: Vec<[f32; 4]>,
     /// Vertex numbers, counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
     /// Number of the material in the list that is handed over with the meshes.
@@ -30,13 +40,40 @@ pub struct Mesh {
     pub transform: [[f32; 4]; 4],
 }
 
+/// One place at which a mesh stands.
+///
+/// Fields are assigned after `Placement::default()`, which places mesh 0 where its own transform says.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Placement {
+    /// Name of the object in messages, reports and written glTF; the mesh's where it is empty.
+    pub name: String,
+    /// Number of the mesh in the list that is handed over.
+    pub mesh: usize,
+    /// Where it stands, column by column as [`Mesh::transform`], which comes before it.
+    pub transform: [[f32; 4]; 4],
+}
+
+impl Default for Placement {
+    fn default() -> Placement {
+        Placement {
+            name: String::new(),
+            mesh: 0,
+            transform: glam::Mat4::IDENTITY.to_cols_array_2d(),
+        }
+    }
+}
+
 impl Default for Mesh {
     fn default() -> Mesh {
         Mesh {
             name: String::new(),
             positions: Vec::new(),
             normals: Vec::new(),
+            tangents: Vec::new(),
             uvs: Vec::new(),
+            lightmap_uvs: Vec::new(),
+            colors: Vec::new(),
             triangles: Vec::new(),
             material: 0,
             transform: glam::Mat4::IDENTITY.to_cols_array_2d(),
@@ -44,7 +81,8 @@ impl Default for Mesh {
     }
 }
 
-/// Parameters of the Phong model.
+/// What a surface reflects, sends out and lets through: the Phong model, or metallic-roughness as glTF has it where
+/// [`Material::metallic_roughness`] is given.
 ///
 /// Fields are assigned after `Material::default()`: white, Lambertian, opaque, so that baked light carries no tint.
 #[derive(Debug, Clone)]
@@ -52,21 +90,31 @@ impl Default for Mesh {
 pub struct Material {
     /// Name in messages and written glTF; `material 3` where it is empty.
     pub name: String,
-    /// Diffuse reflectance, linear RGB, 0..=1. Where albedo and specular add up to more than 1 in a channel, the scene
-    /// gets darker ones and a warning: no surface reflects more than it receives.
+    /// Diffuse reflectance, or the base colour of metallic-roughness, linear RGB, 0..=1. Where albedo and specular add
+    /// up to more than 1 in a channel, the scene gets darker ones and a warning: no surface reflects more than it
+    /// receives.
     pub albedo: [f32; 3],
-    /// Picture that multiplies `albedo`, read with the mesh's `uvs`.
+    /// Picture that multiplies `albedo`, and whose alpha multiplies `alpha`.
     pub albedo_texture: Option<Texture>,
-    /// Specular reflectance, linear RGB, 0..=1.
+    /// Specular reflectance, linear RGB, 0..=1. Without effect beside `metallic_roughness`.
     pub specular: [f32; 3],
-    /// Exponent of the specular lobe, 0..=1e6.
+    /// Exponent of the specular lobe, 0..=1e6. Without effect beside `metallic_roughness`.
     pub exponent: f64,
+    /// The metallic-roughness model in place of `specular` and `exponent`.
+    pub metallic_roughness: Option<MetallicRoughness>,
     /// Radiance that the surface sends out by itself, linear RGB, 0 or more.
     pub emission: [f32; 3],
-    /// Constant alpha, 0..=1; it multiplies the texture's. Without effect where `alpha_cutoff` is `None`.
+    /// Picture that multiplies `emission`, which has to be above 0 for it to shine.
+    pub emission_texture: Option<Texture>,
+    /// Normals in tangent space, coded as glTF has them (y to the top of the picture), for a bake that takes normal
+    /// maps in. Their alpha counts for nothing, and they are numbers, not sRGB.
+    pub normal_texture: Option<Texture>,
+    /// Multiplies the coded normals' components along the surface.
+    pub normal_scale: f32,
+    /// Constant alpha, 0..=1; it multiplies the texture's. Without effect where the surface is opaque.
     pub alpha: f32,
-    /// Rays pass where alpha is below this threshold; `None` for a surface that blocks them all.
-    pub alpha_cutoff: Option<f32>,
+    /// How alpha lets rays pass; not at all by default.
+    pub alpha_mode: AlphaMode,
     /// Both sides are drawn. Every surface blocks rays from both.
     pub double_sided: bool,
 }
@@ -79,15 +127,63 @@ impl Default for Material {
             albedo_texture: None,
             specular: [0.0; 3],
             exponent: 0.0,
+            metallic_roughness: None,
             emission: [0.0; 3],
+            emission_texture: None,
+            normal_texture: None,
+            normal_scale: 1.0,
             alpha: 1.0,
-            alpha_cutoff: None,
+            alpha_mode: AlphaMode::Opaque,
             double_sided: true,
         }
     }
 }
 
-/// A picture of 8-bit pixels: red, green and blue in sRGB, and alpha. It repeats beyond 0..1 and is read bilinearly.
+/// How alpha lets rays pass.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum AlphaMode {
+    /// Blocks every ray.
+    #[default]
+    Opaque,
+    /// Rays pass where alpha is below the threshold.
+    Mask {
+        /// The threshold, 0 or more.
+        cutoff: f32,
+    },
+    /// Alpha is the share of the rays that are blocked.
+    Blend,
+}
+
+/// The metallic-roughness model of glTF 2.0.
+///
+/// Fields are assigned after `MetallicRoughness::default()`: rough plastic.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct MetallicRoughness {
+    /// 0 for a dielectric, 1 for a metal.
+    pub metallic: f32,
+    /// 0 for a mirror, 1 for the roughest.
+    pub roughness: f32,
+    /// Picture of numbers, not sRGB: blue multiplies `metallic`, green `roughness`.
+    pub texture: Option<Texture>,
+    /// Reflectance of the dielectric at normal view, linear RGB, 0..=1; 0.04 by default, as of an index of refraction
+    /// of 1.5.
+    pub dielectric: [f32; 3],
+}
+
+impl Default for MetallicRoughness {
+    fn default() -> MetallicRoughness {
+        MetallicRoughness {
+            metallic: 0.0,
+            roughness: 1.0,
+            texture: None,
+            dielectric: [0.04; 3],
+        }
+    }
+}
+
+/// A picture of 8-bit pixels: red, green and blue in sRGB where they are a colour, and alpha. The mesh's `uvs` read it
+/// bilinearly; it repeats beyond 0..1.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Texture {

@@ -1,7 +1,7 @@
 //! Scenes built in memory.
 
 use super::support::Folder;
-use ambake_scene::authored::{Material, Mesh, Texture};
+use ambake_scene::authored::{AlphaMode, Material, Mesh, MetallicRoughness, Placement, Texture};
 use ambake_scene::{Alpha, Error, Format, Scene, Surface, WarningKind};
 use glam::{DVec3, Vec2, Vec3};
 
@@ -95,7 +95,7 @@ fn materials_reach_the_scene_with_their_texture() {
     leaf.exponent = 20.0;
     leaf.emission = [0.0, 3.0, 0.0];
     leaf.alpha = 0.75;
-    leaf.alpha_cutoff = Some(0.4);
+    leaf.alpha_mode = AlphaMode::Mask { cutoff: 0.4 };
     leaf.double_sided = false;
     leaf.albedo_texture = Some(Texture::new(1, 2, vec![[255, 0, 0, 255], [0, 255, 0, 0]]));
     let scene = of_material(leaf);
@@ -148,7 +148,7 @@ fn junk_is_repaired_and_counted_as_in_a_file() {
     let mut paint = Material::default();
     paint.albedo = [2.0, 0.5, f32::NAN];
     paint.exponent = f64::INFINITY;
-    paint.alpha_cutoff = Some(-1.0);
+    paint.alpha_mode = AlphaMode::Mask { cutoff: -1.0 };
     let scene = Scene::from_meshes(vec![mesh, flat], vec![paint]).unwrap();
     assert_eq!(
         scene.meshes[0].normals,
@@ -212,6 +212,9 @@ fn contradictions_are_one_line_that_names_the_mesh() {
     refused(&at("5 uvs for 4 positions"), |m, _| {
         m.uvs = vec![[0.0; 2]; 5]
     });
+    refused(&at("1 colors for 4 positions"), |m, _| {
+        m.colors = vec![[0.0; 4]]
+    });
     refused(&at("it is of material 1 but there are 1"), |m, _| {
         m.material = 1
     });
@@ -274,6 +277,55 @@ fn a_scene_without_a_triangle_is_refused_with_what_was_ignored() {
 
 type Edit = fn(&mut Mesh, &mut Material);
 
+fn texture() -> Texture {
+    Texture::new(1, 1, vec![[7; 4]])
+}
+
+fn metal(edit: fn(&mut MetallicRoughness)) -> MetallicRoughness {
+    let mut of = MetallicRoughness::default();
+    edit(&mut of);
+    of
+}
+
+#[test]
+fn placements_share_their_mesh_and_come_after_its_own_transform() {
+    let mut mesh = square();
+    mesh.transform[3] = [1.0, 0.0, 0.0, 1.0];
+    let mut far = Placement::default();
+    far.name = "far".into();
+    far.transform[0][0] = 2.0;
+    far.transform[3] = [0.0, 0.0, 5.0, 1.0];
+    let two = vec![Placement::default(), far.clone()];
+    let scene = Scene::from_placements(vec![mesh.clone(), square()], vec![], two.clone());
+    let scene = scene.unwrap();
+    assert_eq!(scene.meshes.len(), 1, "a mesh without a place is left out");
+    let names: Vec<_> = scene.instances.iter().map(|of| of.name.as_str()).collect();
+    assert_eq!(names, ["square", "far"]);
+    let at = |k: usize| scene.instances[k].transform.transform_point3(DVec3::X);
+    assert_eq!((at(0), at(1)), (DVec3::X * 2.0, DVec3::new(4.0, 0.0, 5.0)));
+
+    let once = Scene::from_meshes(vec![mesh.clone(), square()], vec![]).unwrap();
+    assert_ne!(once.content_hash, scene.content_hash);
+    far.mesh = 2;
+    let error = Scene::from_placements(vec![mesh, square()], vec![], vec![far]).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "placement 0 `far`: it places mesh 2 but there are 2, numbered from 0; correct its number"
+    );
+    let none = Scene::from_placements(vec![square()], vec![], vec![]);
+    assert!(matches!(none, Err(Error::Authored { .. })));
+}
+
+#[test]
+fn a_normal_texture_comes_back_pixel_by_pixel() {
+    let pixels: Vec<[u8; 4]> = (0..6).map(|k| [40 * k, 255 - k, 128, k]).collect();
+    let mut material = Material::default();
+    material.normal_texture = Some(Texture::new(3, 2, pixels.clone()));
+    let scene = of_material(material);
+    let map = scene.materials[0].normal_map.as_ref().expect("a map");
+    assert_eq!(scene.normal_image(map).unwrap().pixels, pixels);
+}
+
 #[test]
 fn the_hash_covers_everything_handed_over() {
     let hash = |edit: Edit| {
@@ -285,7 +337,7 @@ fn the_hash_covers_everything_handed_over() {
         let scene = Scene::from_meshes(vec![mesh], vec![material, Material::default()]);
         scene.unwrap().content_hash
     };
-    let edits: [Edit; 19] = [
+    let edits: [Edit; 33] = [
         |_, _| {},
         |mesh, _| mesh.name.push('s'),
         |mesh, _| mesh.positions[3][2] = -0.0,
@@ -303,8 +355,25 @@ fn the_hash_covers_everything_handed_over() {
         |_, material| material.exponent = 1.0,
         |_, material| material.emission[1] = 1.0,
         |_, material| material.alpha = 0.5,
-        |_, material| material.alpha_cutoff = Some(0.5),
+        |_, material| material.alpha_mode = AlphaMode::Mask { cutoff: 0.5 },
         |_, material| material.double_sided = false,
+        |_, material| material.alpha_mode = AlphaMode::Mask { cutoff: 0.0 },
+        |_, material| material.alpha_mode = AlphaMode::Blend,
+        |mesh, _| mesh.tangents = vec![[1., 0., 0., 1.]; 4],
+        |mesh, _| mesh.lightmap_uvs = vec![[0.0; 2]; 4],
+        |mesh, _| mesh.colors = vec![[1.0; 4]; 4],
+        |_, material| material.emission_texture = Some(texture()),
+        |_, material| material.normal_texture = Some(texture()),
+        |_, material| material.normal_scale = 2.0,
+        |_, material| material.metallic_roughness = Some(metal(|_| ())),
+        |_, material| material.metallic_roughness = Some(metal(|of| of.metallic = 0.5)),
+        |_, material| material.metallic_roughness = Some(metal(|of| of.roughness = 0.5)),
+        |_, material| material.metallic_roughness = Some(metal(|of| of.dielectric[1] = 0.5)),
+        |_, material| material.metallic_roughness = Some(metal(|of| of.texture = Some(texture()))),
+        |mesh, material| {
+            mesh.colors = vec![[0.5; 4]; 4];
+            material.metallic_roughness = Some(metal(|_| ()));
+        },
     ];
     let hashes: Vec<String> = edits.iter().map(|edit| hash(*edit)).collect();
     for (i, a) in hashes.iter().enumerate() {

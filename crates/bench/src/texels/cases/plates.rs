@@ -7,7 +7,7 @@ use crate::texels::bake::{Baked, Lab, PER_EDGE, STEP, Texels, largest, score};
 use crate::texels::build::{level, material, sheet};
 use crate::texels::row::Row;
 use glam::{DVec3, Vec2};
-use scene::authored::{Mesh, Texture};
+use scene::authored::{AlphaMode, Mesh, Texture};
 use scene::{Alpha, Scene};
 
 const SIZE: u32 = 64;
@@ -42,7 +42,7 @@ fn card(lab: &Lab, variant: &str, double_sided: bool) -> Result<Row, Error> {
     let mut leaf = material(double_sided);
     let (kept, hole) = ([255; 4], [255, 255, 255, 0]);
     leaf.albedo_texture = Some(Texture::new(2, 2, vec![kept, hole, hole, kept]));
-    (leaf.alpha, leaf.alpha_cutoff) = (0.5, Some(0.5));
+    (leaf.alpha, leaf.alpha_mode) = (0.5, AlphaMode::Mask { cutoff: 0.5 });
     let mut made = scene("T9", vec![floor, card], vec![material(true), leaf])?;
     tile(&mut made, 16.0 * 2.0 * HALF as f32);
     let baked = lab.bake("T9", made, Texels::Authored(SIZE))?;

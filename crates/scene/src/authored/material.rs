@@ -1,0 +1,168 @@
+//! The materials that a program hands over, under the same rules as a file's.
+
+use super::build::{named, place};
+use super::{AlphaMode, Material, MetallicRoughness, Texture};
+use crate::material::{MAX_EXPONENT, conserving};
+use crate::source::Input;
+use crate::validate::{Parts, clamped};
+use crate::{Alpha, Error, Image, NormalMap, PackedImage, Surface, TextureRef, WarningKind, Wrap};
+use glam::Vec3;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder};
+
+/// The material as the scene has it, its pictures among the scene's.
+pub(super) fn built(
+    input: &mut Input,
+    parts: &mut Parts,
+    number: usize,
+    given: Material,
+) -> Result<crate::Material, Error> {
+    let place = place("material", number, &given.name);
+    let name = named(&given.name, || format!("material {number}"));
+    let mut changed = 0;
+    let mut color = |color: [f32; 3], high: f32, fallback: f32| {
+        Vec3::from_array(color.map(|v| clamped(v, 0.0, high, fallback, &mut changed)))
+    };
+    let albedo = color(given.albedo, 1.0, 1.0);
+    let specular = color(given.specular, 1.0, 0.0);
+    let emission = color(given.emission, f32::MAX, 0.0);
+    let factor = clamped(given.alpha, 0.0, 1.0, 1.0, &mut changed);
+    let cutoff = match given.alpha_mode {
+        AlphaMode::Mask { cutoff } => clamped(cutoff, 0.0, f32::MAX, 0.5, &mut changed),
+        AlphaMode::Opaque | AlphaMode::Blend => 0.0,
+    };
+    let exponent = match given.exponent {
+        n if n.is_nan() => 0.0,
+        n => n.clamp(0.0, MAX_EXPONENT),
+    };
+    changed += u64::from(exponent != given.exponent);
+    let metal = given.metallic_roughness.map(|of| MetallicRoughness {
+        metallic: clamped(of.metallic, 0.0, 1.0, 1.0, &mut changed),
+        roughness: clamped(of.roughness, 0.0, 1.0, 1.0, &mut changed),
+        dielectric: of
+            .dielectric
+            .map(|v| clamped(v, 0.0, 1.0, 0.04, &mut changed)),
+        texture: of.texture,
+    });
+    let message = "factors out of range are clamped";
+    input.warn(
+        WarningKind::ClampedFactors,
+        place.as_str(),
+        changed,
+        message,
+    );
+
+    let mut texture = |what: &str, texture: Option<Texture>| {
+        let image = texture.map(|texture| image(texture, what, &name));
+        let image = image.transpose().map_err(|p| input.invalid(&*place, p))?;
+        Ok::<_, Error>(image.map(|image| {
+            parts.images.push(image);
+            used(parts.images.len() - 1)
+        }))
+    };
+    let map = texture("texture", given.albedo_texture)?;
+    let emission_map = match emission == Vec3::ZERO {
+        // Without light the picture stays dark.
+        true => None,
+        false => texture("emission texture", given.emission_texture)?,
+    };
+    let surface = match metal {
+        None => {
+            let [albedo, specular] = conserving(input, &place, [albedo, specular]);
+            Surface::Phong {
+                albedo,
+                albedo_map: map.clone(),
+                specular,
+                exponent,
+            }
+        }
+        Some(metal) => Surface::MetallicRoughness {
+            base: albedo,
+            base_map: map.clone(),
+            metallic: f64::from(metal.metallic),
+            roughness: f64::from(metal.roughness),
+            metallic_roughness_map: texture("metallic-roughness texture", metal.texture)?,
+            dielectric: Vec3::from_array(metal.dielectric),
+        },
+    };
+    let normal_map = match given.normal_texture {
+        None => None,
+        Some(texture) => {
+            let image = image(texture, "normal texture", &name);
+            let image = image.map_err(|problem| input.invalid(&*place, problem))?;
+            parts.packed_images.push(PackedImage {
+                bytes: packed(&image),
+                name: image.name,
+                file: input.path.clone(),
+            });
+            Some(NormalMap {
+                texture: used(parts.packed_images.len() - 1),
+                scale: match given.normal_scale.is_finite() {
+                    true => given.normal_scale,
+                    false => 1.0,
+                },
+                heights: false,
+            })
+        }
+    };
+    Ok(crate::Material {
+        name,
+        alpha: match given.alpha_mode {
+            AlphaMode::Opaque => Alpha::Opaque,
+            AlphaMode::Mask { .. } => Alpha::Mask {
+                cutoff,
+                factor,
+                map,
+            },
+            AlphaMode::Blend => Alpha::Blend { factor, map },
+        },
+        surface,
+        ambient: None,
+        emission,
+        emission_map,
+        transmission: None,
+        normal_map,
+        double_sided: given.double_sided,
+    })
+}
+
+/// The use of a picture: the one way in which all are read.
+fn used(image: usize) -> TextureRef {
+    TextureRef {
+        image: image as u32,
+        uv_set: 0,
+        wrap: [Wrap::Repeat; 2],
+        linear: true,
+        transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+    }
+}
+
+fn image(texture: Texture, what: &str, name: &str) -> Result<Image, String> {
+    let Texture {
+        width,
+        height,
+        pixels,
+    } = texture;
+    if pixels.is_empty() || pixels.len() as u64 != u64::from(width) * u64::from(height) {
+        return Err(format!(
+            "its {what} has {} pixels, but {width} x {height} are announced; give as many, at least one",
+            pixels.len()
+        ));
+    }
+    Ok(Image {
+        name: name.into(),
+        width,
+        height,
+        pixels,
+    })
+}
+
+/// A picture that waits for a bake that asks for it, as those of files do.
+fn packed(image: &Image) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Sub);
+    let pixels = image.pixels.as_flattened();
+    let written = encoder.write_image(pixels, image.width, image.height, ExtendedColorType::Rgba8);
+    written.expect("as many pixels as announced go into memory");
+    bytes
+}
