@@ -58,6 +58,7 @@
 //! * What is asked for: `bake.rs` and `options.rs`. A bake between plan and result: `job.rs` and `run.rs`, what it
 //!   warns of `warnings.rs`. What is written, and which names of an earlier bake go: `write.rs`.
 //! * What a bake will take: `estimate.rs`, its memory `memory.rs`. Whether a scene is an interior: `interior.rs`.
+//! * Where objects lie on pages: `object.rs`. Values at vertices: `vertices.rs`.
 //! * What can be seen: `seen.rs` for points of a triangle, `shell.rs` for the outsides of rooms.
 //! * Saved states: `resume.rs`. Shards: `shard.rs`, `parts.rs` and `merge.rs`. Updates: `update.rs`, their files
 //!   `state.rs`. The atlas alone: `layout.rs`.
@@ -96,6 +97,7 @@ mod shell;
 mod sky;
 mod state;
 mod update;
+mod vertices;
 mod warnings;
 mod write;
 
@@ -128,4 +130,5 @@ pub use scene::{
 };
 pub use shard::{Part, Shard};
 pub use sky::Sky;
+pub use vertices::Vertices;
 pub use write::Written;
