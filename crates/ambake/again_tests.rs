@@ -139,3 +139,46 @@ fn what_layout_or_ray_scene_depend_on_is_named() {
     let outside = Light::point([0.0, 3.0, 0.0], [1.0; 3]);
     assert!(bake.clone().light(outside).prepare_on(&job).is_ok());
 }
+
+#[test]
+fn pages_come_one_by_one_as_a_whole_bake_has_them() {
+    let scene = yard();
+    let small = Bake::new(&scene).size(64).density(12.0).rays(4);
+    let sun = Light::sun([1.0, 2.0, 0.5], [3.0, 2.0, 1.0]);
+    for bake in [small.clone(), small.light(sun).bounces(Bounces::Most(1))] {
+        let job = bake.prepare().expect("a job");
+        let whole = job.run(&()).expect("it bakes");
+        assert!(whole.pages().len() > 1, "one page tells nothing");
+        let mut number = 0;
+        let bounces = job.run_pages(&(), |page| {
+            let other = whole.page(number);
+            assert_eq!(page.number(), other.number());
+            for layer in page.layers() {
+                assert!(page.layer(layer) == other.layer(layer), "{}", layer.name());
+            }
+            number += 1;
+        });
+        assert_eq!(bounces.expect("it bakes").as_ref(), whole.bounces());
+        assert_eq!(number, whole.pages().len());
+    }
+}
+
+#[test]
+fn a_layout_in_memory_is_taken_where_it_fits() {
+    let scene = yard();
+    let bake = plain(&scene).uv(Uv::Unwrap);
+    let layout = bake.lay_out().expect("it fits");
+    let with = bake
+        .clone()
+        .rays(8)
+        .layout(layout.clone())
+        .prepare()
+        .expect("a job");
+    assert_eq!(report::layout_hash(with.atlas()), layout.hash());
+    let whole = bake.clone().rays(8).run(&()).expect("it bakes");
+    assert!(bits(&with.run(&()).expect("it bakes")) == bits(&whole));
+    match bake.size(32).layout(layout).prepare() {
+        Err(Error::Option { name, .. }) => assert_eq!(name, "layout"),
+        other => panic!("{other:?}"),
+    }
+}

@@ -41,6 +41,7 @@ pub struct Bake {
     options: Options,
     made: Made,
     threads: Option<usize>,
+    layout: Option<Layout>,
     layout_file: Option<PathBuf>,
     update: Option<PathBuf>,
     verify: bool,
@@ -66,6 +67,7 @@ impl Bake {
             options: Options::default(),
             made: (Backend::best(), None),
             threads: None,
+            layout: None,
             layout_file: None,
             update: None,
             verify: false,
@@ -281,8 +283,8 @@ impl Bake {
     }
 
     /// What the highlight is: the paper's Phong lobe, or GGX, whose layer then stands in place of [`Layer::Phong`]. By
-    /// default GGX for glTF and Phong for other scenes, unless layers or an exponent ask for one of them
-    /// ([`Options::model`]).
+    /// default GGX for glTF and for metallic-roughness materials in memory, and Phong for other scenes, unless layers
+    /// or an exponent ask for one of them ([`Options::model`]).
     pub fn model(mut self, model: Model) -> Self {
         self.options.model = Some(model);
         self
@@ -410,6 +412,13 @@ impl Bake {
         self
     }
 
+    /// A layout that [`Bake::lay_out`] made of this scene with the options that decide a layout; [`Bake::prepare`]
+    /// refuses another. To bake it again see [`Bake::prepare_on`], which keeps the ray scene too.
+    pub fn layout(mut self, layout: Layout) -> Self {
+        self.layout = Some(layout);
+        self
+    }
+
     /// A file that [`Layout::write`](crate::Layout::write) made: its layout is taken where the file exists and is of
     /// this scene and these options. It is what would be made anew.
     pub fn layout_file(mut self, path: impl Into<PathBuf>) -> Self {
@@ -457,7 +466,7 @@ impl Bake {
     /// As [`Bake::prepare`].
     pub fn lay_out(&self) -> Result<Layout, Error> {
         let job = self.prepare()?;
-        Ok(Layout::new(&self.scene, &self.options, job.atlas().clone()))
+        Ok(Layout::new(job.scene(), job.options(), job.atlas().clone()))
     }
 
     /// Plans the bake, lays its texels out and builds the ray scene.
@@ -521,6 +530,7 @@ impl Bake {
             made: &self.made,
             threads: self.threads,
             limit: self.limit,
+            layout: self.layout.as_ref(),
             layout_file: self.layout_file.as_deref(),
             update: self.update.as_deref(),
             verify: self.verify,

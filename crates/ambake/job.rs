@@ -2,7 +2,7 @@
 
 use crate::earlier::Earlier;
 use crate::error::Error;
-use crate::layout::{DECIDING, read};
+use crate::layout::{DECIDING, Layout, read};
 use crate::memory;
 use crate::options::{Backend, Options};
 use crate::resume::Widths;
@@ -33,7 +33,8 @@ pub(crate) struct Given<'a> {
     pub threads: Option<usize>,
     /// The memory that it may take.
     pub limit: memory::Limit,
-    /// A layout made before.
+    /// A layout made before, in memory, and in a file.
+    pub layout: Option<&'a Layout>,
     pub layout_file: Option<&'a Path>,
     /// A finished bake of which is kept what still holds.
     pub update: Option<&'a Path>,
@@ -97,6 +98,13 @@ impl Job {
             Some(dir) => Some(Earlier::open(dir, &scene, given.verify)?),
             None => None,
         };
+        let served = match given.layout {
+            None => None,
+            Some(layout) => Some(layout.serve(&scene, &options).ok_or_else(|| {
+                let problem = "is of another scene or of other options; lay this bake out anew";
+                Error::option("layout", problem)
+            })?),
+        };
         let pool = given.pool()?;
         let mut phases = Vec::new();
         let baker = options.baker().with_order(&scene.0);
@@ -124,7 +132,7 @@ impl Job {
                 let stable = earlier
                     .as_mut()
                     .and_then(|of| of.layout(&scene, &options, seen.as_deref()));
-                match stable.or_else(file) {
+                match stable.or(served).or_else(file) {
                     Some(atlas) => Ok(atlas),
                     None => {
                         atlas::layout_seen(&scene.0, &options.layout(), seen.as_deref(), &cancelled)

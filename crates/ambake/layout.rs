@@ -54,6 +54,11 @@ impl Layout {
         dir.join(format!("{}.layout", scene.stem()))
     }
 
+    /// Its atlas for a bake of this scene with these options; `None` where it is of others.
+    pub(crate) fn serve(&self, scene: &Scene, options: &Options) -> Option<Atlas> {
+        (self.key == key(scene, options)).then(|| self.atlas.clone())
+    }
+
     /// The atlas.
     pub fn atlas(&self) -> &Atlas {
         &self.atlas

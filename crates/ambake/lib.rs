@@ -47,6 +47,21 @@
 //! * [`Progress`]: how a bake tells how far it is, and is told to stop; `()` is a silent one.
 //! * [`Job`]: a bake that is planned, laid out and ready, for programs that want to look before they start.
 //! * [`rays`]: the trait of ray backends, to bring one of your own ([`Bake::with_backend`]).
+//! * [`atlas`], [`baker`], [`loaded`], [`render`], [`report`], [`glam`], [`rayon`], [`serde_json`]: what the types above
+//!   are made of, so that every type in a signature has a name here and its version is the library's.
+//!
+//! ```
+//! use ambake::{Job, Scene, atlas, baker, loaded, rays, report};
+//! fn laid_out(job: &Job) -> (&atlas::Atlas, &report::LayoutReport, &rays::World) {
+//!     (job.atlas(), job.layout_report(), job.world())
+//! }
+//! fn planned(job: &Job) -> (&baker::Plan, Vec<report::DecisionReport>, Vec<report::WarningReport>) {
+//!     (job.plan(), job.decisions(), job.warnings())
+//! }
+//! fn data(scene: &Scene) -> &loaded::Scene {
+//!     scene
+//! }
+//! ```
 //!
 //! Directions point away from surfaces, colours are linear, angles are radians, and lengths are in scene units. The
 //! stored terms are 1 for an open texel under a sky of radiance 1.
@@ -102,10 +117,12 @@ mod warnings;
 mod write;
 
 pub use crate::bake::Bake;
+pub use ::bake as baker;
 pub use ::bake::{
     AmbientCoefficient, BakedPage, BounceStats, Bounces, Buried, Choice, Decision, Denoise,
     Footprint, Method, Model, PageStats, Pilot, PointSet, SeamStats, Seams, Shading, View,
 };
+pub use ::scene as loaded;
 pub use baked::{Baked, Page};
 pub use error::{Error, LimitedBy};
 pub use estimate::Estimate;
@@ -114,7 +131,6 @@ pub use host::{REVISION, VERSION, peak_memory};
 pub use job::Job;
 pub use layers::{Layer, Preview, Progress, Term, Unit};
 pub use layout::Layout;
-pub use maps;
 pub use merge::Parts;
 pub use object::Object;
 pub use options::{Backend, Effort, Options, Pages, Uv};
@@ -132,3 +148,4 @@ pub use shard::{Part, Shard};
 pub use sky::Sky;
 pub use vertices::Vertices;
 pub use write::Written;
+pub use {atlas, glam, maps, rayon, render, report, serde_json};

@@ -24,34 +24,67 @@ impl Job {
     /// [`Error::Cancelled`] where the listener cancels.
     pub fn run(&self, progress: &dyn Progress) -> Result<Baked, Error> {
         let mut job = self.clone();
-        let started = Instant::now();
-        let mut pages = self.within(|| {
-            let baker = self.baker();
-            let mut tracker = self.earlier().map(|_| Tracker::of(self, &baker));
-            (0..self.atlas().page_count)
-                .map(|number| {
-                    let mut page = baker.start(number);
-                    if let Some(tracker) = &mut tracker {
-                        let tiles = tracker.keep(&mut page, &|line| progress.note(line));
-                        tracker.verify(&page, &tiles)?;
-                    }
-                    baker.run(&mut page, progress);
-                    match page.finished {
-                        true => Ok(page),
-                        false => Err(Error::Cancelled),
-                    }
-                })
-                .collect::<Result<Vec<_>, Error>>()
-        })?;
-
-        job.end_phase("bake", started.elapsed().as_secs_f64());
-        let started = Instant::now();
-        let bounces = self.bounce(&mut pages, &mut (), progress)?;
+        let mut pages = Vec::new();
+        let (bounces, [baking, bouncing]) =
+            self.each_page(progress, &mut |page| pages.push(Page(page)))?;
+        job.end_phase("bake", baking);
         if self.options().adds_light() {
-            job.end_phase("bounce", started.elapsed().as_secs_f64());
+            job.end_phase("bounce", bouncing);
         }
-        let pages = pages.into_iter().map(Page).collect();
         Ok(Baked::new(job, pages, bounces))
+    }
+
+    /// Bakes every page and hands each over, in order, as soon as it is finished: one page is in memory at a time, but
+    /// where light is added to them (bounces, lights), because it goes from page to page. What surfaces sent on comes
+    /// back, where that was asked for. A panic of `take` goes through.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] where the listener cancels; pages that were handed over are sound.
+    pub fn run_pages(
+        &self,
+        progress: &dyn Progress,
+        mut take: impl FnMut(Page),
+    ) -> Result<Option<BounceStats>, Error> {
+        let (bounces, _) = self.each_page(progress, &mut |page| take(Page(page)))?;
+        Ok(bounces)
+    }
+
+    /// The same, and the seconds of pages and of the light that was added.
+    fn each_page(
+        &self,
+        progress: &dyn Progress,
+        take: &mut dyn FnMut(BakedPage),
+    ) -> Result<(Option<BounceStats>, [f64; 2]), Error> {
+        let (baker, adds_light) = (self.baker(), self.options().adds_light());
+        let mut tracker = self
+            .earlier()
+            .map(|_| self.within(|| Tracker::of(self, &baker)));
+        let (mut baking, mut waiting) = (0.0, Vec::new());
+        for number in 0..self.atlas().page_count {
+            let clock = Instant::now();
+            let page = self.within(|| {
+                let mut page = baker.start(number);
+                if let Some(tracker) = &mut tracker {
+                    let tiles = tracker.keep(&mut page, &|line| progress.note(line));
+                    tracker.verify(&page, &tiles)?;
+                }
+                baker.run(&mut page, progress);
+                match page.finished {
+                    true => Ok(page),
+                    false => Err(Error::Cancelled),
+                }
+            })?;
+            baking += clock.elapsed().as_secs_f64();
+            match adds_light {
+                true => waiting.push(page),
+                false => take(page),
+            }
+        }
+        let clock = Instant::now();
+        let bounces = self.bounce(&mut waiting, &mut (), progress)?;
+        let bouncing = clock.elapsed().as_secs_f64();
+        waiting.into_iter().for_each(take);
+        Ok((bounces, [baking, bouncing]))
     }
 
     /// Adds the light of lights and what surfaces send on to all pages, where that was asked for. Tiles of gathers go
