@@ -77,6 +77,62 @@ fn a_file_says_by_its_extras_what_casts_nothing() {
     }
 }
 
+/// Bakes two level quads of which a file says something; the report, and the page.
+fn told(change: impl Fn(&mut Value)) -> (Value, Page) {
+    let folder = quads::write(&[Quad::level(0.0, 2.0), Quad::level(0.5, 2.0)], json!({}));
+    let path = folder.path().join("scene.gltf");
+    let text = std::fs::read_to_string(&path).expect("the scene");
+    let mut document: Value = serde_json::from_str(&text).expect("JSON");
+    document["materials"] = json!([{}]);
+    change(&mut document);
+    std::fs::write(&path, document.to_string()).expect("a file");
+    let (folder, page) = bake(&path, &SMALL);
+    (report(folder.path()), page)
+}
+
+#[test]
+fn what_a_node_says_holds_below_it_unless_that_says_otherwise() {
+    for (own, open) in [(json!({}), true), (json!({ "cast": true }), false)] {
+        let (_, page) = told(|document| {
+            document["nodes"][1]["extras"] = json!({ "ambake": own });
+            let group = json!({ "children": [1], "extras": { "ambake": { "cast": false } } });
+            document["nodes"]
+                .as_array_mut()
+                .expect("a list")
+                .push(group);
+            document["scenes"][0]["nodes"] = json!([0, 2]);
+        });
+        let floor = of_object(&page, 0.0, "diffuse");
+        assert_eq!(floor == 1.0, open, "{own}: {floor}");
+    }
+}
+
+#[test]
+fn a_file_says_what_takes_no_texels_and_a_misspelt_name_is_told() {
+    let (report, page) = told(|document| {
+        document["nodes"][1]["extras"] = json!({ "ambake": { "bake": false, "casts": false } });
+    });
+    let objects = page.plane("object").iter().zip(page.plane("coverage"));
+    assert!(
+        objects
+            .filter(|(_, c)| **c > 0.0)
+            .all(|(object, _)| *object == 0.0)
+    );
+    assert!(
+        of_object(&page, 0.0, "diffuse") < 0.9,
+        "it still blocks light"
+    );
+    let warnings = report["warnings"].as_array().expect("a list").iter();
+    let told: Vec<_> = warnings.filter(|w| w["kind"] == "unknown-extras").collect();
+    assert!(
+        told.len() == 1
+            && told[0]["message"]
+                .as_str()
+                .is_some_and(|m| m.contains("`casts`")),
+        "{told:?}"
+    );
+}
+
 #[test]
 fn what_stands_around_everything_in_the_dark_is_named() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -14,16 +14,6 @@ pub enum Error {
     /// No page at all.
     #[error("0 pages hold nothing: give at least 1, or auto")]
     Pages,
-    /// `extras.ambake.density` in the file is no positive number.
-    #[error(
-        "object `{object}`: extras.ambake.density is {given}: give texels per scene unit above 0"
-    )]
-    AuthoredDensity {
-        /// The object.
-        object: String,
-        /// What stands there.
-        given: String,
-    },
     /// A name that was asked for fits no object.
     #[error("{flag} {pattern}: no object has such a name; there are {}", list(.names))]
     NoSuchObject {

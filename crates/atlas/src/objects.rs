@@ -75,8 +75,7 @@ pub(crate) struct Object {
 ///
 /// # Errors
 ///
-/// A pattern that fits no name, `extras.ambake.density` that is no density, an object too large to measure, or a scene
-/// of which nothing is left to lay out.
+/// A pattern that fits no name, an object too large to measure, or a scene of which nothing is left to lay out.
 pub(crate) fn objects(scene: &Scene, options: &Options) -> Result<Vec<Object>, Error> {
     let names = object_names(scene);
     let chosen = |patterns: &[String], flag| -> Result<Vec<bool>, Error> {
@@ -88,10 +87,13 @@ pub(crate) fn objects(scene: &Scene, options: &Options) -> Result<Vec<Object>, E
     };
     let included = chosen(&options.include, "--include")?;
     let excluded = chosen(&options.exclude, "--exclude")?;
-    let mut asked = Vec::with_capacity(names.len());
-    for object in &names {
-        asked.push(authored_density(scene, object)?.or(options.density));
-    }
+    // All parts of an object are of one node.
+    let first = |object: &ObjectName| &scene.instances[object.instances[0] as usize];
+    let asked = names
+        .iter()
+        .map(|object| first(object).density.or(options.density));
+    let mut asked: Vec<Option<f64>> = asked.collect();
+    let bakes: Vec<bool> = names.iter().map(|object| first(object).bakes).collect();
     // Later patterns win, and all of them over what the file says.
     for (pattern, density) in &options.density_of {
         if !(density.is_finite() && *density > 0.0) {
@@ -116,7 +118,12 @@ pub(crate) fn objects(scene: &Scene, options: &Options) -> Result<Vec<Object>, E
             area,
             extent,
             asked: asked[i],
-            included: (options.include.is_empty() || included[i]) && !excluded[i],
+            included: !excluded[i]
+                && if options.include.is_empty() {
+                    bakes[i]
+                } else {
+                    included[i]
+                },
         });
     }
     match objects.iter().any(|o| o.included && o.area > 0.0) {
@@ -168,32 +175,6 @@ fn mark(
             names: names.iter().take(4).map(|o| o.name.clone()).collect(),
         }),
     }
-}
-
-/// `extras.ambake.density` of the object's node, else of its mesh; `None` without it and without glTF.
-fn authored_density(scene: &Scene, object: &ObjectName) -> Result<Option<f64>, Error> {
-    let Some(source) = &scene.source else {
-        return Ok(None);
-    };
-    let instance = &scene.instances[object.instances[0] as usize];
-    let mesh = scene.meshes[instance.mesh as usize].origin.mesh;
-    for (list, index) in [("nodes", instance.node), ("meshes", mesh)] {
-        let holder = source.json.get(list).and_then(|l| l.get(index as usize));
-        let ambake = holder.and_then(|h| h.get("extras")?.get("ambake"));
-        let Some(density) = ambake.and_then(|a| a.get("density")) else {
-            continue;
-        };
-        match density.as_f64() {
-            Some(density) if density > 0.0 => return Ok(Some(density)),
-            _ => {
-                return Err(Error::AuthoredDensity {
-                    object: object.name.clone(),
-                    given: density.to_string(),
-                });
-            }
-        }
-    }
-    Ok(None)
 }
 
 /// Longest edge of the box around some instances in the world.

@@ -93,6 +93,8 @@ pub(crate) fn placed_scene(meshes: Vec<Mesh>, placed: &[(u32, DAffine3)]) -> Sce
         copy: None,
         casts: true,
         keeps_buried: None,
+        density: None,
+        bakes: true,
     };
     Scene {
         path: PathBuf::from("fixture.obj"),

@@ -120,6 +120,10 @@ pub struct Instance {
     /// What lies inside of other bodies or is hidden behind them is baked like the rest of it; `None` leaves that to
     /// the bake.
     pub keeps_buried: Option<bool>,
+    /// Texels per scene unit that the file asks for, above 0.
+    pub density: Option<f64>,
+    /// It takes texels; what does not only blocks light.
+    pub bakes: bool,
 }
 
 /// A light without extent, as the file has it.

@@ -85,6 +85,8 @@ pub enum WarningKind {
     /// An instance of which no side is as long as 1e-12 units is left out: products of three such lengths vanish in the
     /// f32 of rays.
     TinyInstances,
+    /// glTF: `extras.ambake` of a node or a mesh has a name that means nothing, such as a misspelt one.
+    UnknownExtras,
     /// OBJ: a material that is in no library that was read; its parts stay untinted.
     UnknownMaterials,
     /// A texture of a kind or in a format that is not read (KTX2, AVIF): the factor stands alone.
@@ -129,6 +131,7 @@ impl WarningKind {
             WarningKind::Skins => "skins",
             WarningKind::TexturesWithoutUvs => "textures-without-uvs",
             WarningKind::TinyInstances => "tiny-instances",
+            WarningKind::UnknownExtras => "unknown-extras",
             WarningKind::UnknownMaterials => "unknown-materials",
             WarningKind::UnreadTextures => "unread-textures",
             WarningKind::UnusedBadVertices => "unused-bad-vertices",

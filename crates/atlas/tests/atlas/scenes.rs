@@ -34,6 +34,8 @@ pub fn scene(meshes: Vec<Mesh>, instances: &[(u32, u32, DAffine3)]) -> Scene {
         copy: None,
         casts: true,
         keeps_buried: None,
+        density: None,
+        bakes: true,
     };
     Scene {
         path: "test".into(),

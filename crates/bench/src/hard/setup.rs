@@ -191,6 +191,8 @@ fn scene(meshes: Vec<Mesh>) -> Scene {
         copy: None,
         casts: true,
         keeps_buried: None,
+        density: None,
+        bakes: true,
     });
     Scene {
         path: PathBuf::from("hard.obj"),

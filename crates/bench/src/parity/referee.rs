@@ -275,6 +275,8 @@ mod tests {
                 copy: None,
                 casts: true,
                 keeps_buried: None,
+                density: None,
+                bakes: true,
             }],
             materials: vec![material],
             images: vec![Image {

@@ -153,6 +153,8 @@ fn parts(
             copy: None,
             casts: true,
             keeps_buried: None,
+            density: None,
+            bakes: true,
         });
     }
     Ok(parts)

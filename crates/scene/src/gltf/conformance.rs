@@ -35,6 +35,8 @@ pub struct Row {
     pub warning: Option<WarningKind>,
     /// Geometry cannot be had without it, so a file that requires it is refused.
     pub needed: bool,
+    /// The property that says how much of it there is: without it, or with 0, nothing of it shows and nothing is counted.
+    pub amount: Option<&'static str>,
 }
 
 const fn row(name: &'static str, support: Support, note: &'static str) -> Row {
@@ -44,6 +46,7 @@ const fn row(name: &'static str, support: Support, note: &'static str) -> Row {
         note,
         warning: None,
         needed: false,
+        amount: None,
     }
 }
 
@@ -51,6 +54,13 @@ const fn told(name: &'static str, support: Support, note: &'static str, kind: Wa
     Row {
         warning: Some(kind),
         ..row(name, support, note)
+    }
+}
+
+const fn amount(name: &'static str, amount: &'static str, note: &'static str) -> Row {
+    Row {
+        amount: Some(amount),
+        ..told(name, NotRead, note, Ignored)
     }
 }
 
@@ -106,20 +116,20 @@ pub const EXTENSIONS: &[Row] = &[
     told("KHR_gaussian_splatting", NotRead, "splats are left out", Ignored),
     row("KHR_interactivity", Harmless, ""),
     row("KHR_lights_punctual", Honoured, "with `--lights file`; lux and candela are units of irradiance and intensity"),
-    told("KHR_materials_anisotropy", NotRead, "highlights are round", Ignored),
-    told("KHR_materials_clearcoat", NotRead, "the surface is baked without its coat", Ignored),
-    told("KHR_materials_diffuse_transmission", NotRead, "no light passes the surface", Ignored),
+    amount("KHR_materials_anisotropy", "anisotropyStrength", "highlights are round"),
+    amount("KHR_materials_clearcoat", "clearcoatFactor", "the surface is baked without its coat"),
+    amount("KHR_materials_diffuse_transmission", "diffuseTransmissionFactor", "no light passes the surface"),
     row("KHR_materials_dispersion", Harmless, "light that passes is not bent"),
     row("KHR_materials_emissive_strength", Honoured, ""),
     row("KHR_materials_ior", Honoured, "as reflectance; light that passes is not bent"),
-    told("KHR_materials_iridescence", NotRead, "highlights have the colour of the surface without its film", Ignored),
+    amount("KHR_materials_iridescence", "iridescenceFactor", "highlights have the colour of the surface without its film"),
     row("KHR_materials_pbrSpecularGlossiness", Honoured, "in place of metallic and roughness"),
-    told("KHR_materials_sheen", NotRead, "the surface is baked without its sheen", Ignored),
+    amount("KHR_materials_sheen", "sheenColorFactor", "the surface is baked without its sheen"),
     told("KHR_materials_specular", Approximated, "factors are read, textures are not", WarningKind::UnreadTextures),
     row("KHR_materials_transmission", Approximated, "light passes straight on, its share by the mean of the tint over the channels"),
     told("KHR_materials_unlit", Approximated, "viewers show the surface without light; it is baked as a lit one of its base colour", Ignored),
     row("KHR_materials_variants", Harmless, "the materials that primitives name are baked"),
-    told("KHR_materials_volume", NotRead, "light that passes keeps its direction, and its colour but for the surface's", Ignored),
+    amount("KHR_materials_volume", "thicknessFactor", "light that passes keeps its direction, and its colour but for the surface's"),
     row("KHR_mesh_quantization", Honoured, ""),
     row("KHR_meshopt_compression", Honoured, ""),
     row("KHR_node_hoverability", Harmless, ""),
@@ -229,8 +239,21 @@ fn find<'a>(value: &'a Value, names: &mut Vec<&'a str>) {
 /// The names under `extensions`, and what stands in them.
 fn collect<'a>(extensions: Option<&'a Value>, names: &mut Vec<&'a str>) {
     for (name, content) in extensions.and_then(Value::as_object).into_iter().flatten() {
-        names.push(name);
+        let amount = extension(name).and_then(|row| row.amount);
+        if amount.is_none_or(|amount| shows(content, amount)) {
+            names.push(name);
+        }
         find(content, names);
+    }
+}
+
+/// True where a number, or one of a list, is not 0.
+fn shows(content: &Value, amount: &str) -> bool {
+    let is_some = |value: &Value| value.as_f64() != Some(0.0);
+    match content.get(amount) {
+        None => false,
+        Some(Value::Array(list)) => list.iter().any(is_some),
+        Some(value) => is_some(value),
     }
 }
 
@@ -423,7 +446,15 @@ mod tests {
                 name => name,
             };
             for at in places {
-                let scene = extended(own, at, json!({}));
+                let content = |amount: f64| match row.amount {
+                    Some(name) => json!({ name: amount }),
+                    None => json!({}),
+                };
+                if row.amount.is_some() {
+                    let scene = extended(own, at, content(0.0)).unwrap();
+                    assert_eq!(scene.warned(Ignored), 0, "{own} at {at} of nothing");
+                }
+                let scene = extended(own, at, content(0.5));
                 if row.needed {
                     let error = scene.unwrap_err().to_string();
                     assert!(error.contains(own), "{error}");

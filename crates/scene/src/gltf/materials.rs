@@ -521,10 +521,8 @@ fn encoded<'a>(
         Uri::File(file) => {
             let path = input.located(&input.path.clone(), &file);
             if !path.is_file() {
-                let message = format!(
-                    "texture {} is absent; the factor stands alone",
-                    path.display()
-                );
+                let message = "it is absent; the factor stands alone";
+                let place = format!("texture `{}`", path.display());
                 input.warn(WarningKind::MissingTextures, place, 1, message);
                 return Ok(None);
             }

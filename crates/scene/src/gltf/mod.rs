@@ -19,6 +19,7 @@ mod nodes;
 mod phong;
 mod primitives;
 mod root;
+mod said;
 
 pub use document::{EncodedImage, GltfDocument};
 pub use elements::Elements;

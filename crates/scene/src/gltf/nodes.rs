@@ -2,7 +2,8 @@
 
 use super::accessor::{Data, number};
 use super::lights;
-use crate::source::Input;
+use super::said::Said;
+use crate::source::{Input, short};
 use crate::validate::{Parts, affine};
 use crate::{Error, Instance, Light, WarningKind};
 use glam::{DAffine3, DQuat, DVec3, DVec4};
@@ -18,8 +19,7 @@ pub(super) struct Placement {
     node: usize,
     copy: Option<u32>,
     transform: DAffine3,
-    casts: bool,
-    keeps_buried: Option<bool>,
+    said: Said,
 }
 
 /// All visible placements and lights of the default scene (`scene`, else the first, else every root node), parents
@@ -32,13 +32,13 @@ pub(super) fn placements(
     let (mut out, mut shining) = (Vec::new(), Vec::new());
     let mut seen = vec![false; root.nodes.len()];
     // A stack of our own: a chain of nodes may be deeper than the call stack.
-    let mut open: Vec<(usize, DAffine3)> = roots(data)
+    let mut open: Vec<(usize, DAffine3, Said)> = roots(data)
         .map_err(|problem| input.invalid("JSON", problem))?
         .into_iter()
         .rev()
-        .map(|n| (n, DAffine3::IDENTITY))
+        .map(|n| (n, DAffine3::IDENTITY, Said::default()))
         .collect();
-    while let Some((n, parent)) = open.pop() {
+    while let Some((n, parent, above)) = open.pop() {
         let (Some(node), Some(seen)) = (root.nodes.get(n), seen.get_mut(n)) else {
             continue;
         };
@@ -54,7 +54,8 @@ pub(super) fn placements(
         let world =
             parent * local(json).map_err(|problem| input.invalid(place.as_str(), problem))?;
         let children = node.children.iter().flatten().rev();
-        open.extend(children.map(|child| (child.value(), world)));
+        let own = said(input, &named("node", n, json), json)?;
+        open.extend(children.map(|child| (child.value(), world, own.or(above))));
         shining.extend(lights::of(input, &data.document.json, node, &world));
         let Some(mesh) = node.mesh.map(|mesh| mesh.value()) else {
             continue;
@@ -66,25 +67,23 @@ pub(super) fn placements(
             skin.into(),
             "the skin is left out: the mesh is baked where its node stands",
         );
-        let said = |problem| input.invalid(place.as_str(), problem);
-        let casts = casts(&data.document.json, n, mesh).map_err(said)?;
-        let keeps_buried = keeps_buried(&data.document.json, n, mesh).map_err(said)?;
+        let of_mesh = &data.document.json["meshes"][mesh];
+        let of_mesh = said(input, &named("mesh", mesh, of_mesh), of_mesh)?;
+        let said = own.or(of_mesh).or(above);
         match copies(data, node).map_err(|problem| input.invalid(place, problem))? {
             Some(copies) => out.extend(copies.into_iter().enumerate().map(|(i, copy)| Placement {
                 mesh,
                 node: n,
                 copy: Some(i as u32),
                 transform: world * copy,
-                casts,
-                keeps_buried,
+                said,
             })),
             None => out.push(Placement {
                 mesh,
                 node: n,
                 copy: None,
                 transform: world,
-                casts,
-                keeps_buried,
+                said,
             }),
         }
     }
@@ -116,8 +115,10 @@ pub(super) fn instances(
                 transform: placement.transform,
                 node,
                 copy,
-                casts: placement.casts,
-                keeps_buried: placement.keeps_buried,
+                casts: placement.said.casts.unwrap_or(true),
+                keeps_buried: placement.said.keeps_buried,
+                density: placement.said.density,
+                bakes: placement.said.bakes.unwrap_or(true),
             });
         }
     }
@@ -158,34 +159,29 @@ fn roots(data: &Data) -> Result<Vec<usize>, String> {
     Ok((0..count).filter(|&n| !is_child[n]).collect())
 }
 
-/// Whether what stands at a node blocks light: `extras.ambake.cast` of the node, else of its mesh, else it does.
-fn casts(json: &Value, node: usize, mesh: usize) -> Result<bool, String> {
-    match said(json, "cast", node, mesh) {
-        None => Ok(true),
-        Some(Value::Bool(casts)) => Ok(*casts),
-        Some(other) => Err(format!("extras.ambake.cast is {other}; give true or false")),
+/// A node or a mesh by its name, else by its number.
+fn named(what: &str, number: usize, json: &Value) -> String {
+    match json.get("name").and_then(Value::as_str) {
+        Some(name) => format!("{what} `{}`", short(name)),
+        None => format!("{what} {number}"),
     }
 }
 
-/// Whether what nobody sees of a node is baked like the rest: `extras.ambake.buried` of the node, else of its mesh.
-fn keeps_buried(json: &Value, node: usize, mesh: usize) -> Result<Option<bool>, String> {
-    match said(json, "buried", node, mesh) {
-        None => Ok(None),
-        Some(Value::String(word)) if word == "drop" => Ok(Some(false)),
-        Some(Value::String(word)) if word == "keep" => Ok(Some(true)),
-        Some(other) => Err(format!(
-            "extras.ambake.buried is {other}; give \"drop\" or \"keep\""
-        )),
+/// What `extras.ambake` of a node or a mesh says; names in it that mean nothing are told of.
+fn said(input: &mut Input, place: &str, holder: &Value) -> Result<Said, Error> {
+    let (said, unknown) = Said::of(holder).map_err(|problem| input.invalid(place, problem))?;
+    if !unknown.is_empty() {
+        input.warn(
+            WarningKind::UnknownExtras,
+            place,
+            unknown.len() as u64,
+            format!(
+                "extras.ambake says `{}`, which means nothing; there are bake, buried, cast and density",
+                unknown.join("`, `")
+            ),
+        );
     }
-}
-
-/// What `extras.ambake` of a node says, or else of its mesh.
-fn said<'a>(json: &'a Value, what: &str, node: usize, mesh: usize) -> Option<&'a Value> {
-    let of = |list: &str, index: usize| {
-        let extras = json.get(list)?.get(index)?.get("extras")?;
-        extras.get("ambake")?.get(what)
-    };
-    of("nodes", node).or_else(|| of("meshes", mesh))
+    Ok(said)
 }
 
 /// `KHR_node_visibility`: the node and all below it are absent.

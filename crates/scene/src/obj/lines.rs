@@ -40,13 +40,9 @@ pub(super) fn read(input: &mut Input) -> Result<File, Error> {
     let mut line = Vec::new();
     let mut number = 0u64;
     while next_line(input, &mut reader, &mut line, &mut number)? {
-        let line = if number == 1 {
-            without_mark(&line)
-        } else {
-            &line
-        };
+        // Files that were put together may hold a mark in the middle.
         state
-            .line(line)
+            .line(without_mark(&line))
             .map_err(|problem| input.invalid(format!("line {number}"), problem))?;
     }
     let name = "the file";

@@ -114,6 +114,8 @@ fn add(input: &mut Input, parts: &mut Parts, mut mesh: Mesh, home: DVec3) -> Res
             copy: None,
             casts: true,
             keeps_buried: None,
+            density: None,
+            bakes: true,
         });
         parts.meshes.push(mesh);
     }

@@ -256,7 +256,7 @@ fn material(
         },
         (false, None) => Alpha::Opaque,
     };
-    let normal_map = normal_map(input, library, &place, raw, parts)?;
+    let normal_map = normal_map(input, library, raw, parts)?;
     let surface = Surface::Phong {
         albedo,
         albedo_map,
@@ -280,7 +280,6 @@ fn material(
 fn normal_map(
     input: &mut Input,
     library: &Path,
-    place: &str,
     raw: &Statements,
     parts: &mut Parts,
 ) -> Result<Option<NormalMap>, Error> {
@@ -292,8 +291,13 @@ fn normal_map(
     let path = input.located(library, options.file);
     let name = path.display().to_string();
     if !path.is_file() {
-        let message = format!("texture {name} is absent; the mesh's normals stand alone");
-        input.warn(WarningKind::MissingTextures, place, 1, message);
+        let message = "it is absent; the mesh's normals stand alone";
+        input.warn(
+            WarningKind::MissingTextures,
+            format!("texture `{name}`"),
+            1,
+            message,
+        );
         return Ok(None);
     }
     let known = parts
@@ -370,8 +374,13 @@ fn image(
 ) -> Result<Option<u32>, Error> {
     let name = path.display().to_string();
     if !path.is_file() {
-        let message = format!("texture {name} is absent; the factor stands alone");
-        input.warn(WarningKind::MissingTextures, place, 1, message);
+        let message = "it is absent; the factor stands alone";
+        input.warn(
+            WarningKind::MissingTextures,
+            format!("texture `{name}`"),
+            1,
+            message,
+        );
         return Ok(None);
     }
     let bytes = input.read(path, 0)?;

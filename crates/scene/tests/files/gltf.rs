@@ -189,7 +189,7 @@ fn materials_follow_the_file_and_a_primitive_without_one_is_untinted() {
         {},
         { "alphaMode": "BLEND", "pbrMetallicRoughness": { "baseColorFactor": [0.5, 1, 3, 0.75], "baseColorTexture":
             { "index": 0, "extensions": turned } }, "extensions": { "KHR_materials_ior": { "ior": 2 },
-            "KHR_materials_specular": { "specularFactor": 0.5 }, "KHR_materials_sheen": {} } },
+            "KHR_materials_specular": { "specularFactor": 0.5 }, "KHR_materials_sheen": { "sheenColorFactor": [0, 1, 0] } } },
         { "pbrMetallicRoughness": { "baseColorTexture": { "index": 1 } }, "normalTexture": { "index": 0 } },
     ]);
     let positions = document.primitive()["attributes"]["POSITION"].clone();

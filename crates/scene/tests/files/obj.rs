@@ -276,6 +276,13 @@ fn lines_that_end_in_any_way_are_the_same_lines_and_have_the_same_numbers() {
 fn a_byte_order_mark_is_no_part_of_the_first_line() {
     let folder = Folder::new();
     folder.write("a.mtl", "\u{feff}newmtl m\nKd 0.5 0.5 0.5\n");
+    let text = format!("mtllib a.mtl\n\u{feff}usemtl m\n\u{feff}{TRIANGLE}\u{feff}f 1 2 3\n");
+    assert_eq!(
+        folder.load("c.obj", text).unwrap().meshes[0]
+            .triangles
+            .len(),
+        1
+    );
     let text = format!("\u{feff}mtllib a.mtl\nusemtl m\n{TRIANGLE}f 1 2 3\n");
     let scene = folder.load("a.obj", text).unwrap();
     assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
