@@ -273,6 +273,27 @@ fn three_js_shows_the_picture_that_ambake_renders() {
     assert_eq!(seen["ktx2"]["levels"], 2);
 }
 
+#[test]
+fn three_js_shows_compressed_lightmaps_within_two_of_255() {
+    let room = scene("instances_twin.obj");
+    let options = [
+        "--size=128",
+        "--mips=1",
+        "--align=4",
+        "--rays=64",
+        "--sky=0.9,0.6,0.3",
+        "--for=three",
+        "--compress",
+    ];
+    let (folder, _) = bake(&room, &options);
+    let Some(seen) = in_three(folder.path(), &room, ["6,5,8", "0,0.5,0", "40"]) else {
+        return;
+    };
+    assert_eq!(seen["errors"], json!([]));
+    assert_alike(&seen, 200, [("bc6h.dds", 2.0)]);
+    assert_eq!(seen["bc6h.dds"]["levels"], 2);
+}
+
 /// The coat of glTF takes light from what is below it, in each reader another share: the GLB of an OBJ scene has none.
 #[test]
 fn a_glossy_material_shows_its_albedo_times_the_light_in_three_js() {

@@ -12,6 +12,7 @@ mod any_view;
 mod any_view_shaders;
 mod armour;
 mod authored;
+mod blocks;
 mod bounces;
 mod broken;
 mod buried;

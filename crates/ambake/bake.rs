@@ -391,6 +391,13 @@ impl Bake {
         self
     }
 
+    /// Makes lightmaps and occlusion of the engines that read such in blocks of 4 x 4 texels: BC6H, in place of
+    /// uncompressed KTX2, and BC7. Three and Bevy do; pages must be a multiple of 4 wide. Off by default.
+    pub fn compress(mut self, compress: bool) -> Self {
+        self.options.compress = compress;
+        self
+    }
+
     /// Which library answers rays; by default Embree where it is built in.
     pub fn backend(mut self, backend: Backend) -> Self {
         self.made = (backend, None);

@@ -1,7 +1,7 @@
 //! Files for engines from a finished bake.
 
 use crate::error::Error;
-use report::{BakeReport, Engine, LightmapReport, NamedPage, Output, PageLight, ScenePictures};
+use report::{BakeReport, Engine, NamedPage, Output, Page, PageLight, ScenePictures};
 use std::path::{Path, PathBuf};
 
 /// What an export left in the directory of a bake.
@@ -16,13 +16,15 @@ pub struct Exported {
 
 /// Writes the files of `engines` beside the finished bake in `dir`, and lists them in its `bake.json`. They are the
 /// files, byte for byte, that the bake itself would have made for these engines; what was exported for others stays.
+/// `compress`: as [`crate::Bake::compress`].
 ///
 /// # Errors
-/// `dir` holds no finished bake, a page of it is absent or damaged or lacks a layer, or a file cannot be written.
-/// Nothing is left half written.
+/// `dir` holds no finished bake, a page of it is absent or damaged or lacks a layer, a file cannot be written, or
+/// nothing of what is asked for can be compressed. Nothing is left half written.
 pub fn export(
     dir: impl AsRef<Path>,
     engines: impl IntoIterator<Item = Engine>,
+    compress: bool,
 ) -> Result<Exported, Error> {
     let dir = dir.as_ref();
     let mut report = report::read_bake_report(&dir.join("bake.json"))?;
@@ -32,13 +34,19 @@ pub fn export(
             chosen.push(engine);
         }
     }
+    if compress {
+        report::check_compressed(&chosen, report.atlas.page_size)?;
+    }
     let pages = report::page_files(dir, &report)?;
     let mut output = Output::create(dir)?;
     let mut lightmaps = report.lightmaps.clone();
     lightmaps.retain(|map| chosen.iter().all(|engine| engine.name() != map.engine));
     let mut scenes = ScenePictures::new(&chosen);
     for named in &pages {
-        let made = one_page(dir, &report, named, &chosen, &mut output, &mut scenes)?;
+        let file = report::read_page(dir, &report, named)?;
+        let light = page_light(dir, &report, named, &file.page)?;
+        scenes.add(&light);
+        let made = report::stage_engines(&mut output, &named.stem, &light, &chosen, compress)?;
         lightmaps.extend(made);
     }
     let stem = &pages[0].stem;
@@ -57,24 +65,19 @@ pub fn export(
     Ok(Exported { report, files })
 }
 
-/// Stages the files of one page.
-fn one_page(
+/// What engine files of a page are made of.
+fn page_light<'a>(
     dir: &Path,
     report: &BakeReport,
     named: &NamedPage,
-    engines: &[Engine],
-    output: &mut Output,
-    scenes: &mut ScenePictures,
-) -> Result<Vec<LightmapReport>, Error> {
-    let path = dir.join(&named.name);
-    let file = report::read_page(dir, report, named)?;
-    let light = PageLight::of(report, named.page, &file.page).map_err(|error| match error {
+    page: &'a Page,
+) -> Result<PageLight<'a>, Error> {
+    let light = PageLight::of(report, named.page, page).map_err(|error| match error {
         report::Error::MissingLayer { layer } => report::Error::Read {
-            path,
+            path: dir.join(&named.name),
             reason: format!("it has no layer {layer}; bake again with --layers {layer}"),
         },
         other => other,
     })?;
-    scenes.add(&light);
-    Ok(report::stage_engines(output, &named.stem, &light, engines)?)
+    Ok(light)
 }

@@ -156,6 +156,8 @@ pub struct Options {
     pub plan_off: Vec<Choice>,
     /// Engines that get files of their own; these change no value.
     pub engines: Vec<Engine>,
+    /// Their lightmaps and occlusion are compressed, where an engine reads that; it changes no value.
+    pub compress: bool,
 }
 
 impl Default for Options {
@@ -201,6 +203,7 @@ impl Default for Options {
             full_highlights: false,
             plan_off: Vec::new(),
             engines: Vec::new(),
+            compress: false,
         }
     }
 }
@@ -294,6 +297,9 @@ impl Options {
             return fail("albedo", problem);
         }
         check_lights(&self.lights)?;
+        if self.compress {
+            report::check_compressed(&self.engines, self.size)?;
+        }
         let asks = |layers: &[Layer]| self.layers.iter().any(|layer| layers.contains(layer));
         if self.model == Some(Model::Phong) && asks(&[Layer::Ggx, Layer::Base]) {
             return fail("layers", "`ggx` and `base` need --model ggx");
@@ -560,6 +566,7 @@ impl Options {
             full_highlights: _,
             plan_off,
             engines: _,
+            compress: _,
         } = self;
         let (rays, target_error, target_relative, max_rays) = match *effort {
             Effort::Rays(rays) => (Some(rays), None, None, None),

@@ -71,10 +71,11 @@ impl<'a> Writer<'a> {
         let stem = job.scene().stem();
         output.protect(job.inputs());
         let (engines, layers) = (&job.options().engines, &job.options().layers);
+        let compress = job.options().compress;
         let any_view = job.baker_options().any_view().is_some();
         let mut names = names_of_bake(&stem, engines, any_view);
         for page in 0..job.atlas().page_count {
-            names.extend(names_of_page(&stem, page, engines, layers));
+            names.extend(names_of_page(&stem, page, engines, layers, compress));
         }
         check_length(output.dir(), &Kind::Bake.state_name(&stem, None))?;
         for name in names {
@@ -166,9 +167,13 @@ impl<'a> Writer<'a> {
         self.lit.add(self.job, page);
         if !options.engines.is_empty() {
             let light = page_light(self.job, page)?;
-            let lightmaps =
-                report::stage_engines(&mut self.output, &self.stem, &light, &options.engines)?;
-            self.lightmaps.extend(lightmaps);
+            self.lightmaps.extend(report::stage_engines(
+                &mut self.output,
+                &self.stem,
+                &light,
+                &options.engines,
+                options.compress,
+            )?);
             self.scene_pictures.add(&light);
         }
         if let (Some(diffuse), Some(coverage)) = (diffuse, page.layer(Layer::Coverage)) {
@@ -352,9 +357,12 @@ fn is_made(stem: &str, name: &str) -> bool {
     };
     let (engines, layers): (Vec<_>, Vec<_>) = (Engine::all().collect(), Layer::all().collect());
     let of_bake = names_of_bake(stem, &engines, true);
-    let of_page = number().map(|page| names_of_page(stem, page, &engines, &layers));
-    let mut made = of_bake.into_iter().chain(of_page.unwrap_or_default());
-    made.any(|made| made == name)
+    let of_page = |compress| {
+        let of_page = number().map(|page| names_of_page(stem, page, &engines, &layers, compress));
+        of_page.unwrap_or_default()
+    };
+    let of_pages = [of_page(false), of_page(true)].concat();
+    of_bake.into_iter().chain(of_pages).any(|made| made == name)
 }
 
 /// The names of files that a bake makes once.
@@ -375,10 +383,22 @@ fn names_of_bake(stem: &str, engines: &[Engine], any_view: bool) -> Vec<String> 
 }
 
 /// The names of files that a bake makes for each page.
-fn names_of_page(stem: &str, page: u32, engines: &[Engine], layers: &[Layer]) -> Vec<String> {
+fn names_of_page(
+    stem: &str,
+    page: u32,
+    engines: &[Engine],
+    layers: &[Layer],
+    compress: bool,
+) -> Vec<String> {
     let directional = layers.contains(&Layer::Sh);
     let mut names = vec![page_name(stem, page), state::tiles_name(stem, page)];
-    names.extend(report::engine_files(stem, page, engines, directional));
+    names.extend(report::engine_files(
+        stem,
+        page,
+        engines,
+        directional,
+        compress,
+    ));
     names.extend(layers.iter().map(|&layer| preview_name(stem, page, layer)));
     names
 }
@@ -475,9 +495,10 @@ fn report_of(
 ) -> BakeReport {
     let (scene, options) = (job.scene(), job.options());
     let mut described = described.as_object().cloned().unwrap_or_default();
-    // It changes no value, so that no page's header and no saved state has it.
+    // They change no value, so that no page's header and no saved state has them.
     let engines: Vec<&str> = options.engines.iter().map(|engine| engine.name()).collect();
     described.insert("for".into(), json!(engines));
+    described.insert("compress".into(), json!(options.compress));
     BakeReport {
         schema_version: report::BAKE_SCHEMA_VERSION,
         versions: report::Versions {

@@ -130,6 +130,10 @@ pub struct Export {
     /// Engines, separated by commas: gltf, three, blender, bevy, godot, unity, unreal
     #[arg(long = "for", value_name = "ENGINE,..", value_delimiter = ',', required = true, value_parser = bake::args::engine)]
     pub engines: Vec<ambake::Engine>,
+    /// Compress the lightmaps of three and bevy for the graphics processor, an eighth as large: BC6H in place of
+    /// uncompressed KTX2, and occlusion as BC7
+    #[arg(long)]
+    pub compress: bool,
     /// Print a machine-readable summary on standard output
     #[arg(long)]
     pub json: bool,

@@ -6,7 +6,7 @@ use serde_json::json;
 
 /// Runs the verb.
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    let exported = ambake::export(&args.dir, args.engines.iter().copied())?;
+    let exported = ambake::export(&args.dir, args.engines.iter().copied(), args.compress)?;
     let lightmaps = exported.report.lightmaps;
     if args.json {
         let files = &exported.files;

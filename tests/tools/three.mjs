@@ -17,6 +17,7 @@ const script = `
 import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { EXRLoader } from "three/addons/loaders/EXRLoader.js";
+import { DDSLoader } from "three/addons/loaders/DDSLoader.js";
 import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
 let HDR;
 try { HDR = (await import("three/addons/loaders/HDRLoader.js")).HDRLoader; }
@@ -35,7 +36,7 @@ const lightMaps = (parser) => ({
   },
 });
 
-window.measure = async ({ picture, stem, eye, look, fov, pages, scale, instanced }) => {
+window.measure = async ({ picture, stem, eye, look, fov, pages, scale, instanced, compressed }) => {
   const renderer = new THREE.WebGLRenderer();
   const at = (name) => "/bake/" + encodeURIComponent(name);
   const wanted = await new EXRLoader().setDataType(THREE.FloatType).loadAsync("/picture/" + encodeURIComponent(picture));
@@ -46,6 +47,7 @@ window.measure = async ({ picture, stem, eye, look, fov, pages, scale, instanced
   const target = new THREE.WebGLRenderTarget(width, height, { type: THREE.FloatType, colorSpace: THREE.LinearSRGBColorSpace });
   const loaders = {
     exr: [new EXRLoader(), true], hdr: [new HDR(), false], ktx2: [new KTX2Loader().detectSupport(renderer), false],
+    "bc6h.dds": [new DDSLoader(), false],
     moz: [null], copies: [new EXRLoader(), true],
   };
   const plain = (await new GLTFLoader().loadAsync(at(stem + ".glb"))).scene;
@@ -55,7 +57,7 @@ window.measure = async ({ picture, stem, eye, look, fov, pages, scale, instanced
   for (const [ending, [loader, flip]] of Object.entries(loaders)) {
     const maps = [];
     const scene = ending === "copies" ? copies : loader ? plain : lit;
-    if (!scene) continue;
+    if (!scene || ending === (compressed ? "ktx2" : "bc6h.dds")) continue;
     const file = ending === "copies" ? "exr" : ending;
     for (let page = 0; page < (loader ? pages : 0); page++) {
       const map = await loader.loadAsync(at(stem + "." + page + ".lightmap." + file));
@@ -126,6 +128,7 @@ const { tab, errors, close } = await threePage(script, { bake: dir, picture: pat
 try {
   const told = await tab.evaluate((job) => window.measure(job), {
     picture: path.basename(picture), stem, eye: point(eye), look: point(look), fov: Number(fov), pages: bake.pages.length, scale,
+    compressed: bake.lightmaps.some((map) => map.compression),
     instanced: existsSync(path.join(dir, stem + ".instanced.glb")),
   });
   console.log(JSON.stringify({ ...told, errors }));

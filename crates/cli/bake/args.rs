@@ -24,6 +24,11 @@ pub struct Bake {
     #[arg(help_heading = "Files")]
     #[arg(long = "for", value_name = "ENGINE,..", value_delimiter = ',', value_parser = engine)]
     pub engines: Vec<ambake::Engine>,
+    /// Compress the lightmaps of three and bevy for the graphics processor, an eighth as large: BC6H in place of
+    /// uncompressed KTX2, and occlusion as BC7
+    #[arg(help_heading = "Files", hide_short_help = true)]
+    #[arg(long)]
+    pub compress: bool,
     /// Start anew, also where an interrupted bake of the same scene and options left its state in DIR; without it the
     /// bake goes on from there
     #[arg(help_heading = "Runs", hide_short_help = true)]
@@ -89,6 +94,9 @@ pub struct Layout {
     pub engines: Vec<ambake::Engine>,
     /// As above
     #[arg(long, hide = true)]
+    pub compress: bool,
+    /// As above
+    #[arg(long, hide = true)]
     pub report: bool,
     /// As above
     #[arg(long, hide = true)]
@@ -132,6 +140,11 @@ pub struct Watch {
     #[arg(help_heading = "Files")]
     #[arg(long = "for", value_name = "ENGINE,..", value_delimiter = ',', value_parser = engine)]
     pub engines: Vec<ambake::Engine>,
+    /// Compress the lightmaps of three and bevy for the graphics processor, an eighth as large: BC6H in place of
+    /// uncompressed KTX2, and occlusion as BC7
+    #[arg(help_heading = "Files", hide_short_help = true)]
+    #[arg(long)]
+    pub compress: bool,
     #[command(flatten)]
     pub common: Common,
 }

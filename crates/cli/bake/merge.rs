@@ -63,6 +63,7 @@ fn bake(args: &Args, dir: &Path, stop: &Stop) -> anyhow::Result<Outcome> {
         dir,
         parts: false,
         engines: &bake.engines,
+        compress: bake.compress,
         update: None,
         verify: false,
     };

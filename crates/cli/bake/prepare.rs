@@ -26,6 +26,7 @@ pub struct Target<'a> {
     /// True for one part of a bake.
     pub parts: bool,
     pub engines: &'a [Engine],
+    pub compress: bool,
     /// A finished bake that this one updates, and whether what is kept of it is tried.
     pub update: Option<&'a Path>,
     pub verify: bool,
@@ -48,6 +49,7 @@ impl Target<'_> {
     fn complete(&self, bake: Bake, scene: &Scene) -> Bake {
         let bake = bake
             .for_engines(self.engines.iter().copied())
+            .compress(self.compress)
             .layout_file(ambake::Layout::path(self.dir, scene))
             .verify(self.verify);
         let bake = match self.update {

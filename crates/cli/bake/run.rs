@@ -106,6 +106,7 @@ fn one(args: &Args, scene: &Path, output: &Path, stop: &Stop) -> anyhow::Result<
         dir: output,
         parts: args.shard.is_some(),
         engines: &args.engines,
+        compress: args.compress,
         update: args.update.as_deref(),
         verify: args.verify,
     };

@@ -109,6 +109,7 @@ fn bake(
         dir: &args.output,
         parts: false,
         engines: &args.engines,
+        compress: args.compress,
         update: Some(kept).filter(|kept| kept.join("bake.json").is_file()),
         verify: false,
     };

@@ -53,8 +53,8 @@ pub use compare::{Comparison, Difference, PageComparison, Worst, compare_layers,
 pub use cpu::cpu_seconds;
 pub use difference::{difference_picture, difference_png, nice_limit};
 pub use engines::{
-    Engine, LightSource, LightmapReport, PageLight, ScenePictures, engine_files, light_source,
-    scene_files, stage_engines,
+    Engine, LightSource, LightmapReport, PageLight, ScenePictures, check_compressed, engine_files,
+    light_source, scene_files, stage_engines,
 };
 pub use error::Error;
 pub use exr_read::{MAX_EDGE, PageFile, read_page_exr};

@@ -65,8 +65,9 @@ pub fn read_page(dir: &Path, bake: &BakeReport, named: &NamedPage) -> Result<Pag
 /// it, does not.
 fn other_bake(file: &PageFile, bake: &BakeReport) -> Option<&'static str> {
     let mut options = bake.options.clone();
-    // It changes no value, so that headers do not have it.
+    // They change no value, so that headers do not have them.
     options.remove("for");
+    options.remove("compress");
     let told = [
         (
             "ambakeSceneHash",

@@ -6,9 +6,18 @@ use atlas::Dilation;
 
 /// The light of a page: as it is, and each level half as large up to those that the layout allows. No texel is void.
 pub fn levels(page: &PageLight<'_>) -> Vec<Level> {
+    levels_of(page, |i| [0, 1, 2].map(|c: usize| page.light[c][i]))
+}
+
+/// The same of the diffuse term, which all three channels have.
+pub fn occlusion(page: &PageLight<'_>) -> Vec<Level> {
+    levels_of(page, |i| [page.diffuse[i]; 3])
+}
+
+fn levels_of(page: &PageLight<'_>, value: impl Fn(usize) -> [f32; 3]) -> Vec<Level> {
     // A half float ends here; E / pi of nothing real comes near.
     let clamp = |v: f32| v.clamp(0.0, half::f16::MAX.to_f32());
-    let texel = |i: usize| [0, 1, 2].map(|c: usize| clamp(page.light[c][i]));
+    let texel = |i: usize| value(i).map(clamp);
     let pixels = (0..page.coverage.len()).map(texel).collect();
     let mut level = Level {
         size: page.size,

@@ -5,7 +5,9 @@
 //! it.
 
 mod ao;
+mod blocks;
 mod container;
+mod dds;
 mod godot;
 mod half_exr;
 mod instanced;
@@ -27,6 +29,7 @@ pub use scene_glb::{ScenePictures, scene_files};
 pub use table::Engine;
 
 use crate::{Error, Output};
+use ktx2::Texels;
 use maps::{Format, Image, Labels};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -40,6 +43,9 @@ pub struct LightmapReport {
     pub engine: String,
     /// The file, beside `bake.json`.
     pub file: String,
+    /// How it is compressed for the graphics processor, `BC6H`; `None` where it is not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compression: Option<String>,
     /// What the file's numbers are.
     pub unit: String,
     /// What the engine multiplies by, so that a white surface under an open sky of 1 shows as 1.
@@ -49,14 +55,42 @@ pub struct LightmapReport {
     pub how: String,
 }
 
-/// The names of all files that `engines` get of one page; `directional`: of one that has the layer `sh`.
-pub fn engine_files(stem: &str, page: u32, engines: &[Engine], directional: bool) -> Vec<String> {
-    let kinds = Kind::of(engines, directional);
+/// The names of all files that `engines` get of one page; `directional`: of one that has the layer `sh`; `compress`:
+/// in blocks, where an engine reads those.
+pub fn engine_files(
+    stem: &str,
+    page: u32,
+    engines: &[Engine],
+    directional: bool,
+    compress: bool,
+) -> Vec<String> {
+    let kinds = Kind::of(engines, directional, compress);
     kinds.iter().map(|kind| kind.file(stem, page)).collect()
 }
 
+/// Checks that files in blocks can be made for these engines, of pages of `size` texels along their edge.
+///
+/// # Errors
+/// [`Error::Mismatched`] where none of `engines` reads such files, or a page is no whole number of blocks.
+pub fn check_compressed(engines: &[Engine], size: u32) -> Result<(), Error> {
+    let problem = if !engines.iter().any(|engine| engine.reads_blocks()) {
+        "compressed lightmaps are made for three and bevy; name one of them by --for".into()
+    } else if !size.is_multiple_of(blocks::EDGE) {
+        format!(
+            "blocks are 4 x 4 texels and pages {size} wide; bake with a --size that is a multiple of 4"
+        )
+    } else {
+        return Ok(());
+    };
+    Err(Error::Mismatched {
+        option: "--compress".into(),
+        problem,
+    })
+}
+
 /// Stages the files that `engines` get of one page, and returns what `bake.json` says of them. The bytes are a function
-/// of the page alone: an export makes the same files as the bake.
+/// of the page alone: an export makes the same files as the bake. `compress`: in blocks, where an engine reads those,
+/// if [`check_compressed`] allows it.
 ///
 /// # Errors
 /// A file cannot be staged.
@@ -65,27 +99,38 @@ pub fn stage_engines(
     stem: &str,
     page: &PageLight<'_>,
     engines: &[Engine],
+    compress: bool,
 ) -> Result<Vec<LightmapReport>, Error> {
-    let kinds = Kind::of(engines, page.sh.is_some());
+    let kinds = Kind::of(engines, page.sh.is_some(), compress);
     if kinds.is_empty() {
         return Ok(Vec::new());
     }
     let levels = mips::levels(page);
+    let light: Vec<Vec<u8>> = match compress {
+        true => levels.iter().map(blocks::light).collect(),
+        false => Vec::new(),
+    };
     for kind in &kinds {
         let bytes = match kind {
             Kind::Exr => half_exr::encode([page.size; 2], &levels[0].pixels),
             Kind::Hdr => hdr(&levels[0], &kind.file(stem, page.page))?,
             Kind::Ktx2 => ktx2::encode(&levels, 1),
+            Kind::Bc6h => ktx2::encode_blocks(page.size, Texels::Bc6h, &light),
+            Kind::Bc6hDds => dds::encode(page.size, &light),
             Kind::Sh => sh::slices(page).unwrap_or_default(),
             Kind::ShKtx2 => sh::array(page).unwrap_or_default(),
             Kind::Ao => ao::deep(page),
+            Kind::Bc7 => {
+                let grey: Vec<_> = mips::occlusion(page).iter().map(blocks::grey).collect();
+                ktx2::encode_blocks(page.size, Texels::Bc7, &grey)
+            }
             Kind::Ao8 => ao::dithered(page),
             Kind::GodotImport => godot::IMPORT.into(),
         };
         output.stage_bytes(&kind.file(stem, page.page), &bytes)?;
     }
     let entries = engines.iter().flat_map(|engine| {
-        let kinds = Kind::of(&[*engine], page.sh.is_some()).into_iter();
+        let kinds = Kind::of(&[*engine], page.sh.is_some(), compress).into_iter();
         let light = kinds.filter(|kind| kind.is_light());
         light.map(|kind| engine.entry(kind, kind.file(stem, page.page)))
     });

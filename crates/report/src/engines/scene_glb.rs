@@ -135,6 +135,7 @@ fn entry(engine: Engine, file: String, words: [&str; 2]) -> LightmapReport {
     LightmapReport {
         engine: engine.name().into(),
         file,
+        compression: None,
         unit,
         scale: 1.0,
         how,

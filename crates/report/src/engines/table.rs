@@ -31,6 +31,10 @@ pub(crate) enum Kind {
     Hdr,
     /// KTX2, uncompressed half floats, with the mip levels that the layout allows.
     Ktx2,
+    /// KTX2, the same in BC6H.
+    Bc6h,
+    /// DDS, the same in BC6H.
+    Bc6hDds,
     /// Light by direction in Godot's packing: OpenEXR, half floats, four slices under one another.
     Sh,
     /// Light by direction as plain numbers: KTX2, an array of four pictures.
@@ -39,6 +43,8 @@ pub(crate) enum Kind {
     Ao,
     /// Occlusion, 8-bit grey PNG, dithered.
     Ao8,
+    /// Occlusion, KTX2 in BC7, with the levels of the lightmap.
+    Bc7,
     /// How Godot is to import the OpenEXR file.
     GodotImport,
 }
@@ -64,7 +70,7 @@ const TABLE: [Row; 7] = [
               In your own shader add albedo x texel x scale, sampled with TEXCOORD_1, row 0 of the picture at v = 0." },
     Row { engine: Engine::Three, name: "three", kinds: &[Exr, Hdr, Ktx2, Ao], scale: PI,
         how: "material.lightMap = texture with texture.channel = 1 and material.lightMapIntensity = scale; three.js divides by pi. \
-              Set material.aoMap = null, which would darken the lightmap again; flipY = true after EXRLoader, false after HDRLoader; after KTX2Loader set linear filters." },
+              Set material.aoMap = null, which would darken the lightmap again; flipY = true after EXRLoader, false after HDRLoader and DDSLoader; after KTX2Loader set linear filters." },
     Row { engine: Engine::Blender, name: "blender", kinds: &[Exr, Ao], scale: 1.0,
         how: "Image Texture (Linear Rec.709) on the second UV map, multiplied by the base colour, into Emission of strength scale. \
               Import STEM.glb first: its second UV map is the layout. Or import STEM.lit.glb, which is lit as it is." },
@@ -120,6 +126,20 @@ impl Engine {
         }
     }
 
+    /// What it gets in blocks, in place of uncompressed KTX2; nothing where it reads no blocks.
+    fn blocks(self) -> &'static [Kind] {
+        match self {
+            Self::Three => &[Bc6hDds, Bc7],
+            Self::Bevy => &[Bc6h, Bc7],
+            _ => &[],
+        }
+    }
+
+    /// True where it reads pictures in blocks.
+    pub(crate) fn reads_blocks(self) -> bool {
+        !self.blocks().is_empty()
+    }
+
     pub(crate) fn kinds(self) -> &'static [Kind] {
         self.row().kinds
     }
@@ -128,6 +148,7 @@ impl Engine {
         LightmapReport {
             engine: self.name().into(),
             file,
+            compression: matches!(kind, Bc6h | Bc6hDds).then(|| "BC6H".into()),
             unit: kind.unit().into(),
             scale: self.scale(),
             how: match self.directional() {
@@ -143,18 +164,33 @@ impl Engine {
 }
 
 impl Kind {
-    /// The files of several engines, each once, in a fixed order; `directional`: of a page that has light by direction.
-    pub fn of(engines: &[Engine], directional: bool) -> Vec<Kind> {
+    /// The files of several engines, each once, in a fixed order; `directional`: of a page that has light by direction;
+    /// `compress`: in blocks, where an engine reads those.
+    pub fn of(engines: &[Engine], directional: bool, compress: bool) -> Vec<Kind> {
         let wanted = |kind: &Kind| {
             engines.iter().any(|engine| {
                 let own = engine.directional().filter(|_| directional);
-                engine.kinds().contains(kind) || own.is_some_and(|(own, _)| own == *kind)
+                let blocks = if compress { engine.blocks() } else { &[] };
+                let replaced = *kind == Ktx2 && !blocks.is_empty();
+                (engine.kinds().contains(kind) && !replaced)
+                    || blocks.contains(kind)
+                    || own.is_some_and(|(own, _)| own == *kind)
             })
         };
-        [Exr, Hdr, Ktx2, Sh, ShKtx2, Ao, Ao8, GodotImport]
-            .into_iter()
-            .filter(wanted)
-            .collect()
+        let all = [
+            Exr,
+            Hdr,
+            Ktx2,
+            Bc6h,
+            Bc6hDds,
+            Sh,
+            ShKtx2,
+            Ao,
+            Ao8,
+            Bc7,
+            GodotImport,
+        ];
+        all.into_iter().filter(wanted).collect()
     }
 
     /// The name of its file.
@@ -163,10 +199,13 @@ impl Kind {
             Exr => "lightmap.exr",
             Hdr => "lightmap.hdr",
             Ktx2 => "lightmap.ktx2",
+            Bc6h => "lightmap.bc6h.ktx2",
+            Bc6hDds => "lightmap.bc6h.dds",
             Sh => "sh.exr",
             ShKtx2 => "sh.ktx2",
             Ao => "ao.png",
             Ao8 => "ao8.png",
+            Bc7 => "ao.bc7.ktx2",
             GodotImport => "lightmap.exr.import",
         };
         format!("{stem}.{page}.{ending}")
@@ -174,13 +213,13 @@ impl Kind {
 
     /// True for lightmaps, false for occlusion.
     pub fn is_light(self) -> bool {
-        !matches!(self, Ao | Ao8 | GodotImport)
+        !matches!(self, Ao | Ao8 | Bc7 | GodotImport)
     }
 
     fn unit(self) -> &'static str {
         match self {
             GodotImport => "text",
-            Ao | Ao8 => "open share of the cosine-weighted hemisphere, 0..1, linear",
+            Ao | Ao8 | Bc7 => "open share of the cosine-weighted hemisphere, 0..1, linear",
             Sh | ShKtx2 => {
                 "spherical harmonics of order 1 of the light that arrives, from which E/pi follows for any normal"
             }
@@ -211,15 +250,33 @@ mod tests {
     #[test]
     fn a_file_that_two_engines_share_is_made_once() {
         assert_eq!(
-            Kind::of(&[Engine::Three, Engine::Bevy], false),
+            Kind::of(&[Engine::Three, Engine::Bevy], false, false),
             [Exr, Hdr, Ktx2, Ao, Ao8]
         );
         let all: Vec<Engine> = Engine::all().collect();
         assert_eq!(
-            Kind::of(&all, true),
+            Kind::of(&all, true, false),
             [Exr, Hdr, Ktx2, Sh, ShKtx2, Ao, Ao8, GodotImport]
         );
-        assert_eq!(Kind::of(&[Engine::Three], true), [Exr, Hdr, Ktx2, Ao]);
-        assert_eq!(Kind::of(&[], true), []);
+        assert_eq!(
+            Kind::of(&[Engine::Three], true, false),
+            [Exr, Hdr, Ktx2, Ao]
+        );
+        assert_eq!(Kind::of(&[], true, true), []);
+    }
+
+    #[test]
+    fn blocks_take_the_place_of_uncompressed_ktx2_where_an_engine_reads_them() {
+        assert_eq!(
+            Kind::of(&[Engine::Three, Engine::Bevy, Engine::Unity], false, true),
+            [Exr, Hdr, Bc6h, Bc6hDds, Ao, Ao8, Bc7]
+        );
+        assert_eq!(
+            Kind::of(&[Engine::Unity], false, true),
+            Kind::of(&[Engine::Unity], false, false)
+        );
+        let told = |engine: Engine, kind| engine.entry(kind, String::new()).compression;
+        assert_eq!(told(Engine::Bevy, Bc6h).as_deref(), Some("BC6H"));
+        assert_eq!(told(Engine::Bevy, Exr), None);
     }
 }
