@@ -83,8 +83,8 @@ const TABLE: [Row; 7] = [
     Row { engine: Engine::Unity, name: "unity", kinds: &[Exr, Hdr, Ao], scale: 1.0,
         how: "Import as a lightmap without mipmaps, sRGB off; it lies on uv2 of the imported STEM.glb, scale and offset 1,1,0,0. \
               Set it in LightmapSettings, Non-Directional; the lit shader multiplies by albedo." },
-    Row { engine: Engine::Unreal, name: "unreal", kinds: &[Exr, Hdr, Ao], scale: 1.0,
-        how: "Texture with sRGB off, sampled at TexCoord[1]: base colour x texel x scale into Emissive Color of the material. \
+    Row { engine: Engine::Unreal, name: "unreal", kinds: &[Exr, Ao], scale: 1.0,
+        how: "A 2-D texture with sRGB off and without mipmaps, sampled at TexCoord[1]: base colour x texel x scale into Emissive Color of the material. \
               STEM.P.ao.png goes into Ambient Occlusion, as a mask." },
 ];
 
@@ -278,5 +278,11 @@ mod tests {
         let told = |engine: Engine, kind| engine.entry(kind, String::new()).compression;
         assert_eq!(told(Engine::Bevy, Bc6h).as_deref(), Some("BC6H"));
         assert_eq!(told(Engine::Bevy, Exr), None);
+    }
+
+    /// Its importer makes a cube map of every .hdr file.
+    #[test]
+    fn unreal_gets_no_radiance_picture() {
+        assert_eq!(Kind::of(&[Engine::Unreal], false, false), [Exr, Ao]);
     }
 }
