@@ -143,6 +143,34 @@ impl Job {
         resume: Resume,
         progress: &dyn Progress,
     ) -> Result<Written, Error> {
+        let (written, _) = self.run_taking(dir, resume, progress, drop)?;
+        Ok(written)
+    }
+
+    /// As [`Job::run_into`], and keeps every page in memory too.
+    ///
+    /// # Errors
+    /// As [`Job::run_into`].
+    pub fn run_into_kept(
+        self,
+        dir: &Path,
+        resume: Resume,
+        progress: &dyn Progress,
+    ) -> Result<(Baked, Written), Error> {
+        let mut pages = Vec::new();
+        let take = |page| pages.push(Page(page));
+        let (written, bounces) = self.run_taking(dir, resume, progress, take)?;
+        Ok((Baked::new(self, pages, bounces), written))
+    }
+
+    /// Bakes into a directory; pages are handed on in their order, each once it is written.
+    fn run_taking(
+        &self,
+        dir: &Path,
+        resume: Resume,
+        progress: &dyn Progress,
+        mut take: impl FnMut(BakedPage),
+    ) -> Result<(Written, Option<BounceStats>), Error> {
         let output = Output::exclusive(dir)?;
         report::check_space(dir, self.room().peak())?;
         let mut writer = Writer::new(self, output)?;
@@ -204,6 +232,7 @@ impl Job {
                 return Err(self.unwritten(error, saved.flush().is_ok()));
             }
             writing += clock.elapsed().as_secs_f64();
+            take(page);
         }
         let clock = Instant::now();
         let bounced = self.bounce_saving(&mut waiting, &mut saved, progress)?;
@@ -214,6 +243,7 @@ impl Job {
             if let Err(error) = self.within(|| writer.page(&page)) {
                 return Err(self.unwritten(error, saved.flush().is_ok()));
             }
+            take(page);
         }
         writing += clock.elapsed().as_secs_f64();
         let mut phases = self.phases().to_vec();
@@ -234,7 +264,7 @@ impl Job {
         match writer.finish(phases, bounced) {
             Ok(written) => {
                 saved.remove();
-                Ok(written)
+                Ok((written, bounced))
             }
             Err(error) => Err(self.unwritten(error, saved.flush().is_ok())),
         }

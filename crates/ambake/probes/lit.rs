@@ -47,6 +47,11 @@ impl Lit {
                 );
                 return Err(Error::option("--bake", problem));
             }
+            (None, Some(sky)) if sky.is_object() => {
+                let problem =
+                    "the bake was lit by a sky of pixels; give the same sky to the probes";
+                return Err(Error::option("--bake", problem));
+            }
             _ => Sky::default(),
         };
         let lights = match (&options.lights, known("lights").and_then(Value::as_array)) {

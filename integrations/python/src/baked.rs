@@ -16,14 +16,9 @@ pub fn layer_names() -> Vec<(&'static str, Vec<&'static str>)> {
 #[pyclass(frozen, module = "ambake._ambake")]
 pub struct Baked(pub ambake::Baked);
 
-/// An object: its name, then as bytes the numbers of its triangles (u32), their pages (u32) and their corners'
-/// coordinates (f32).
-type ObjectBytes<'py> = (
-    String,
-    Bound<'py, PyByteArray>,
-    Bound<'py, PyByteArray>,
-    Bound<'py, PyByteArray>,
-);
+/// An object: its name, whether it is mirrored, then as bytes the numbers of its triangles (u32), their pages (u32),
+/// and their corners' coordinates on the page (f32) and in the scene (f64).
+type ObjectBytes<'py> = (String, bool, [Bound<'py, PyByteArray>; 4]);
 
 #[pymethods]
 impl Baked {
@@ -46,18 +41,28 @@ impl Baked {
 
     /// The objects that took texels.
     fn objects<'py>(&self, py: Python<'py>) -> Vec<ObjectBytes<'py>> {
-        let numbers = |values: &[u32]| {
-            let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
-            PyByteArray::new(py, &bytes)
-        };
-        let row = |object: ambake::Object| {
-            let uvs = object.uvs.as_flattened().as_flattened();
-            let uvs: Vec<u8> = uvs.iter().flat_map(|v| v.to_le_bytes()).collect();
-            let uvs = PyByteArray::new(py, &uvs);
-            let triangles = numbers(&object.triangles);
-            (object.name, triangles, numbers(&object.pages), uvs)
-        };
-        self.0.objects().map(row).collect()
+        let bytes = |bytes: Vec<u8>| PyByteArray::new(py, &bytes);
+        let numbers = |values: &[u32]| bytes(values.iter().flat_map(|v| v.to_le_bytes()).collect());
+        let (scene, atlas) = (self.0.job().scene(), self.0.job().atlas());
+        let placed = scene.instances.iter().zip(&atlas.placements);
+        let placed = placed.filter(|(_, placement)| placement.is_somewhere());
+        let rows = self.0.objects().zip(placed).map(|(object, (instance, _))| {
+            let (mesh, place) = (&scene.meshes[instance.mesh as usize], instance.transform);
+            let corners = mesh.triangles.as_flattened().iter();
+            let corners = corners.flat_map(|&v| {
+                let at = place.transform_point3(mesh.positions[v as usize].as_dvec3());
+                at.to_array().map(f64::to_le_bytes).concat()
+            });
+            let uvs = object.uvs.as_flattened().as_flattened().iter();
+            let parts = [
+                numbers(&object.triangles),
+                numbers(&object.pages),
+                bytes(uvs.flat_map(|v| v.to_le_bytes()).collect()),
+                bytes(corners.collect()),
+            ];
+            (object.name, place.matrix3.determinant() < 0.0, parts)
+        });
+        rows.collect()
     }
 
     /// For each page (texels, rays, root mean square error of diffuse).

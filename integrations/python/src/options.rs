@@ -1,15 +1,26 @@
 //! Options by the names of their flags.
 
+use crate::scene::floats;
 use ambake::{
+<<<<<<< HEAD
     AmbientCoefficient, Backend, Bake, Bounces, Buried, Choice, Denoise, Footprint, Layer, Light,
     Model, Pages, Seams, Shading, Sky, Uv, View,
+=======
+    AmbientCoefficient, Backend, Bake, Bounces, Buried, Choice, Denoise, Engine, Footprint, Layer,
+    Light, Model, Pages, Pattern, Seams, Shading, Sky, Uv, View,
+>>>>>>> 2298e9d (python: Skies of pixels, folders, updates, pickles and trimesh)
 };
 use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString};
+use pyo3::types::{PyBytes, PyDict, PyString};
 
+<<<<<<< HEAD
 /// Every option, as its flag is called with underscores.
 pub const NAMES: [&str; 44] = [
+=======
+/// Every option, as its flag is called with underscores; `for` is a word of Python.
+pub const NAMES: [&str; 47] = [
+>>>>>>> 2298e9d (python: Skies of pixels, folders, updates, pickles and trimesh)
     "size",
     "density",
     "density_of",
@@ -46,6 +57,8 @@ pub const NAMES: [&str; 44] = [
     "rect",
     "layers",
     "only",
+    "for_",
+    "update",
     "normal_maps",
     "exponent",
     "ambient_coefficient",
@@ -215,6 +228,8 @@ fn one(mut bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
         "lights" => bake.file_lights(word(value, &[("file", true), ("none", false)])?),
         "layers" => bake.layers(layers(value)?),
         "only" => bake.only(layers(value)?),
+        "for_" => bake.for_engines(engines(value)?),
+        "update" => bake.update(value.extract::<std::path::PathBuf>()?),
         "normal_maps" => bake.normal_maps(value.extract()?),
         "exponent" => bake.exponent(value.extract()?),
         "ambient_coefficient" => bake.ambient_coefficient(match value.extract() {
@@ -236,7 +251,7 @@ fn one(mut bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
             threads => bake.threads(threads),
         },
         _ => {
-            let names = texts(value)?;
+            let names = words(value)?;
             let choice = |name: &String| {
                 Choice::from_name(name)
                     .ok_or_else(|| PyValueError::new_err(format!("there is no choice {name}")))
@@ -246,15 +261,27 @@ fn one(mut bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
     })
 }
 
-/// A uniform sky, or the path of a map.
+/// A polar map as `python/ambake/__init__.py` hands it over: rows of little-endian 32-bit numbers, red, green and blue.
+#[derive(FromPyObject)]
+struct Pixels<'py> {
+    width: usize,
+    height: usize,
+    pixels: Bound<'py, PyBytes>,
+}
+
+/// A uniform sky, the path of a map, or its pixels.
 pub fn sky(value: &Bound<'_, PyAny>) -> PyResult<Sky> {
     if let Ok(radiance) = value.extract::<[f32; 3]>() {
         return Ok(Sky::uniform(radiance));
     }
-    let file = value
-        .extract::<std::path::PathBuf>()
-        .map_err(|_| PyTypeError::new_err("expected (red, green, blue) or the path of a map"))?;
-    Sky::load(file).map_err(|e| PyValueError::new_err(e.to_string()))
+    let sky = match value.extract::<Pixels<'_>>() {
+        Ok(map) => Sky::from_pixels(map.width, map.height, floats(&map.pixels)),
+        Err(_) => Sky::load(value.extract::<std::path::PathBuf>().map_err(|_| {
+            let expected = "(red, green, blue), the path of a map or an array (height, width, 3)";
+            PyTypeError::new_err(format!("expected {expected}"))
+        })?),
+    };
+    sky.map_err(|e| PyValueError::new_err(e.to_string()))
 }
 
 /// So many bounces, or `auto`.
@@ -323,6 +350,32 @@ fn texts(value: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
     }
 }
 
+/// Words in a list, or in one text with commas between them.
+fn words(value: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
+    match value.cast::<PyString>() {
+        Ok(text) => {
+            let text: String = text.extract()?;
+            Ok(text.split(',').map(|word| word.trim().into()).collect())
+        }
+        Err(_) => value.extract(),
+    }
+}
+
+/// The engines of these names.
+pub fn engines(value: &Bound<'_, PyAny>) -> PyResult<Vec<Engine>> {
+    let engine = |name: &String| {
+        Engine::from_name(name).ok_or_else(|| {
+            let known: Vec<_> = Engine::all().map(Engine::name).collect();
+            let problem = format!(
+                "there is no engine {name:?}; there are {}",
+                known.join(", ")
+            );
+            PyValueError::new_err(problem)
+        })
+    };
+    words(value)?.iter().map(engine).collect()
+}
+
 fn layers(value: &Bound<'_, PyAny>) -> PyResult<Vec<Layer>> {
     let layer = |name: &String| {
         Layer::from_name(name).ok_or_else(|| {
@@ -331,5 +384,5 @@ fn layers(value: &Bound<'_, PyAny>) -> PyResult<Vec<Layer>> {
             PyValueError::new_err(problem)
         })
     };
-    texts(value)?.iter().map(layer).collect()
+    words(value)?.iter().map(layer).collect()
 }

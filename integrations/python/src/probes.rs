@@ -2,7 +2,7 @@
 
 use crate::error::error;
 use crate::options;
-use ambake::{Engine, Light, Places, ProbeOptions, ProbeRecord, Scene};
+use ambake::{Light, Places, ProbeOptions, ProbeRecord, Scene};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyDict};
@@ -166,13 +166,9 @@ impl Probes {
         &self,
         py: Python<'_>,
         folder: PathBuf,
-        engines: Vec<String>,
+        engines: &Bound<'_, PyAny>,
     ) -> PyResult<Vec<PathBuf>> {
-        let engine = |name: &String| {
-            Engine::from_name(name)
-                .ok_or_else(|| PyValueError::new_err(format!("there is no engine {name:?}")))
-        };
-        let engines: Vec<Engine> = engines.iter().map(engine).collect::<PyResult<_>>()?;
+        let engines = options::engines(engines)?;
         py.detach(|| {
             let mut probes = self.0.lock().unwrap_or_else(PoisonError::into_inner);
             probes.write(folder, &engines).map_err(error)

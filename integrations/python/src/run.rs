@@ -4,7 +4,7 @@ use crate::baked::Baked;
 use crate::error::error;
 use crate::probes::{self, Probes};
 use crate::{options, scene};
-use ambake::{Bake, Progress, Scene};
+use ambake::{Bake, Progress, Resume, Scene};
 use pyo3::exceptions::{PyFileNotFoundError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -15,28 +15,30 @@ use std::time::Duration;
 /// Between two looks at Python's signals and the counters.
 const TICK: Duration = Duration::from_millis(50);
 
-/// Bakes meshes in memory.
+/// Bakes meshes in memory; into the folder `output` too, where one is given.
 #[pyfunction]
 pub fn bake_meshes(
     py: Python<'_>,
     meshes: Vec<scene::Given<'_>>,
     options: &Bound<'_, PyDict>,
+    output: Option<PathBuf>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Baked> {
     let scene = scene::of(meshes)?;
-    bake(py, scene, options, progress)
+    bake(py, scene, options, output.as_deref(), progress)
 }
 
-/// Bakes the scene in an OBJ, glTF or GLB file.
+/// Bakes the scene in an OBJ, glTF or GLB file, likewise.
 #[pyfunction]
 pub fn bake_file(
     py: Python<'_>,
     path: PathBuf,
     options: &Bound<'_, PyDict>,
+    output: Option<PathBuf>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Baked> {
     let scene = file(py, &path)?;
-    bake(py, scene, options, progress)
+    bake(py, scene, options, output.as_deref(), progress)
 }
 
 /// The scene in a file.
@@ -71,10 +73,18 @@ fn bake(
     py: Python<'_>,
     scene: Scene,
     given: &Bound<'_, PyDict>,
+    output: Option<&Path>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Baked> {
     let bake = options::set(Bake::new(&scene), given)?;
-    Ok(Baked(beside(py, progress, |meter| bake.run(meter))?))
+    let job = |meter: &Meter| match output {
+        None => bake.run(meter),
+        Some(folder) => {
+            let job = bake.prepare_with(meter)?;
+            Ok(job.run_into_kept(folder, Resume::IfFound, meter)?.0)
+        }
+    };
+    Ok(Baked(beside(py, progress, job)?))
 }
 
 /// The light of places in the scene of a file.

@@ -33,7 +33,8 @@ pub fn of(meshes: Vec<Given<'_>>) -> PyResult<Scene> {
     Scene::from_meshes(meshes, vec![]).map_err(|e| PyValueError::new_err(e.to_string()))
 }
 
-fn floats<const N: usize>(bytes: &Bound<'_, PyBytes>) -> Vec<[f32; N]> {
+/// Rows of little-endian 32-bit floats.
+pub fn floats<const N: usize>(bytes: &Bound<'_, PyBytes>) -> Vec<[f32; N]> {
     rows(bytes.as_bytes(), f32::from_le_bytes)
 }
 

@@ -1,7 +1,9 @@
 """The package from outside: values known on paper, shapes, layouts, errors, threads and Ctrl-C."""
 
+import json
 import os
 import pathlib
+import pickle
 import signal
 import subprocess
 import sys
@@ -104,6 +106,96 @@ def test_trimesh_comes_with_its_materials():
     assert len(ambake.bake(scene, size=64, rays=2).objects) == 2
 
 
+def test_a_sky_of_pixels_lights_the_floor_as_on_paper():
+    # Radiance 1 + y / 2 above and below: a floor receives 1 + (2/3) / 2 of it, a wall that faces +x sees 1.
+    y = np.cos((np.arange(64) + 0.5) / 64 * np.pi)
+    sky = np.repeat((1 + y / 2)[:, None, None], 128, axis=1) * [1.0, 0.5, 0.0]
+    baked = ambake.bake(FLOOR, QUAD, size=16, rays=1024, sky=sky, layers="irradiance")
+    light = baked["irradiance"][baked["coverage"] == 1.0].mean(axis=0)
+    assert np.abs(light - np.array([1.0, 0.5, 0.0]) * 4 / 3).max() < 2e-3, light
+    # Which way is +x: light from there alone does not reach a wall that looks to -x.
+    east = np.zeros((32, 64, 3), np.float32)
+    east[:, 40:56] = 1.0
+    wall = FLOOR[:, [1, 0, 2]]
+    options = dict(size=16, rays=16, sky=east, layers="irradiance")
+    toward, away = (ambake.bake(wall, faces, **options) for faces in (QUAD[:, ::-1], QUAD))
+    toward, away = (baked["irradiance"][baked["coverage"] == 1.0].mean() for baked in (toward, away))
+    # A quarter of the turn about +x: (1/π) ∫ sin²θ dθ ∫ cos φ dφ.
+    assert abs(toward - 0.5**0.5) < 0.01 and away == 0.0, (toward, away)
+    np.testing.assert_array_equal(
+        ambake.bake(FLOOR, QUAD, size=16, rays=4, sky=np.array([1.0, 0.5, 0.25]))["lambert"],
+        ambake.bake(FLOOR, QUAD, size=16, rays=4, sky=(1.0, 0.5, 0.25))["lambert"],
+    )
+
+
+def test_layers_and_engines_are_lists_or_one_text(tmp_path):
+    given = "bent, position", ["bent", "position"]
+    one, many = (ambake.bake(FLOOR, QUAD, size=16, rays=4, layers=layers) for layers in given)
+    assert one == many and {"bent", "position"} <= one.keys()
+    ambake.bake(FLOOR, QUAD, size=16, rays=4, for_="three, godot", output=tmp_path)
+    lightmaps = json.loads((tmp_path / "bake.json").read_text())["lightmaps"]
+    assert {row["engine"] for row in lightmaps} == {"three", "godot"}
+    assert all((tmp_path / row["file"]).is_file() for row in lightmaps)
+
+
+def test_an_update_keeps_what_did_not_change(tmp_path):
+    vertices, faces = walled()
+    options = dict(size=64, rays=16)
+    first = ambake.bake(vertices, faces, output=tmp_path / "first", **options)
+    assert first == ambake.bake(vertices, faces, **options)
+    same = ambake.bake(vertices, faces, update=tmp_path / "first", output=tmp_path / "same", **options)
+    assert json.loads((tmp_path / "same" / "bake.json").read_text())["update"]["share"] == 0.0
+    for layer in first:
+        np.testing.assert_array_equal(same[layer], first[layer], err_msg=layer)
+    lower = ambake.bake(*walled(0.5), update=str(tmp_path / "same"), **options)
+    floor = [baked["diffuse"][baked["coverage"] > 0].mean() for baked in (first, lower)]
+    assert floor[1] > floor[0] + 0.02, floor
+
+
+def test_a_bake_is_pickled_and_has_a_short_name():
+    baked = ambake.bake(*walled(), size=32, rays=4, layers="position")
+    again = pickle.loads(pickle.dumps(baked))
+    assert again == baked and again is not baked
+    assert again.keys() == baked.keys() and again.stats == baked.stats and again.objects == baked.objects
+    np.testing.assert_array_equal(again.uvs, baked.uvs)
+    again["diffuse"][0, 0] += 1
+    assert again != baked
+    with pytest.raises(ValueError, match="pickled bake does not have its scene"):
+        again.write("out")
+    assert repr(baked).startswith(f"<ambake.Baked: {len(baked)} layers on 1 page of 32 x 32 texels, 1 object, rmse 0.")
+    assert repr(again) == repr(baked) and len(repr(baked)) < 100
+    pages = ambake.bake_file(SCENES / "instances.gltf", size=64, rays=2, density=8.0)
+    assert pickle.loads(pickle.dumps(pages)) == pages
+
+
+def test_a_textured_trimesh_comes_back():
+    trimesh = pytest.importorskip("trimesh")
+    pytest.importorskip("PIL")
+    vertices, faces = walled()
+    baked = ambake.bake(vertices, faces, size=64, rays=16)
+    mesh = baked.to_trimesh()
+    assert isinstance(mesh, trimesh.Trimesh) and isinstance(mesh.visual, trimesh.visual.TextureVisuals)
+    assert abs(mesh.area - 6.0) < 1e-9 and mesh.triangles.shape == (4, 3, 3)
+    np.testing.assert_allclose(mesh.triangles, vertices[faces])
+    # The colour at the middle of each face is that of the page there, in sRGB.
+    middles = mesh.visual.uv[mesh.faces].mean(axis=1)
+    seen = mesh.visual.material.to_color(middles)[:, 0] / 255
+    x, y = (baked.uvs.mean(axis=1) * 64).astype(int).T
+    exact = 1.055 * baked["lambert"][y, x, 0] ** (1 / 2.4) - 0.055
+    # trimesh takes the nearest of the 64 texels by a rule of its own, light differs little between neighbours.
+    assert np.abs(seen - exact).max() < 0.03, (seen, exact)
+    assert len(trimesh.load(trimesh.util.wrap_as_stream(mesh.export(file_type="glb")), file_type="glb").geometry) == 1
+    scene = ambake.bake_file(SCENES / "instances.gltf", size=64, rays=2, density=8.0)
+    parts = scene.to_trimesh("diffuse")
+    assert isinstance(parts, trimesh.Scene)
+    assert sum(len(part.faces) for part in parts.geometry.values()) == sum(len(item.faces) for item in scene.objects)
+    np.testing.assert_allclose(parts.bounds, trimesh.load(SCENES / "instances.gltf").bounds, atol=1e-5)
+    with pytest.raises(ValueError, match="layer: there is no 'bent' in this bake; there are coverage"):
+        baked.to_trimesh("bent")
+    with pytest.raises(ValueError, match="layer: 'sh' has 12 channels, a texture has 1 or 3"):
+        ambake.bake(FLOOR, QUAD, size=16, rays=4, layers="sh").to_trimesh("sh")
+
+
 @pytest.mark.parametrize(
     ("call", "kind", "words"),
     [
@@ -124,6 +216,13 @@ def test_trimesh_comes_with_its_materials():
         (lambda: ambake.bake(FLOOR, QUAD, rays=4, target_error=0.1), ValueError, "rays and target_error exclude"),
         (lambda: ambake.bake(FLOOR, QUAD, max_rays=64), ValueError, "max_rays needs target_error"),
         (lambda: ambake.bake(FLOOR, QUAD, sky="no.hdr"), ValueError, "no.hdr"),
+        (lambda: ambake.bake(FLOOR, QUAD, sky=np.ones((4, 8))), ValueError, r"sky: expected .*\(height, width, 3\), got \(4, 8\)"),
+        (lambda: ambake.bake(FLOOR, QUAD, sky=np.ones((4, 4, 3))), ValueError, "sky: 4 x 4 pixels are no polar map"),
+        (lambda: ambake.bake(FLOOR, QUAD, sky=-np.ones((4, 8, 3))), ValueError, r"red of pixel \(0, 0\) is -1"),
+        (lambda: ambake.bake(FLOOR, QUAD, sky=np.array(["blue"])), ValueError, "sky: not an array of numbers"),
+        (lambda: ambake.bake(FLOOR, QUAD, sky=7), TypeError, "sky: expected"),
+        (lambda: ambake.bake(FLOOR, QUAD, layers="bent,ao"), ValueError, 'layers: there is no layer "ao"'),
+        (lambda: ambake.bake(FLOOR, QUAD, for_="quake"), ValueError, 'for_: there is no engine "quake"; there are'),
         (lambda: ambake.bake_file("no such.obj"), FileNotFoundError, "there is no scene file no such.obj"),
         (lambda: ambake.bake_file(b"no glb"), ValueError, "^scene.glb: "),
     ],
@@ -141,10 +240,10 @@ def test_every_option_is_taken():
         footprint="centre", denoise="regression", seams="object", sky=(1, 0.5, 0.2), view=(0, 5, 0),
         buried="keep", buried_of={"m*": "drop"}, under=0.01, shading="exact", max_distance=2.0, model="ggx", bounces=1, lights="none",
         sun=[(0, 1, 0, 2), (0, 1, 0, 2, 1, 0)], point=[(0, 3, 0, 1)],
-        sphere=[(1, 2, 0, 0.5, 1)], rect=[(0, 3, 0, 1, 0, 0, 0, 0, 1, 2)], only=["diffuse", "lambert"], normal_maps=True, exponent=8,
+        sphere=[(1, 2, 0, 0.5, 1)], rect=[(0, 3, 0, 1, 0, 0, 0, 0, 1, 2)], only="diffuse,lambert", for_=["three"], normal_maps=True, exponent=8,
         ambient_coefficient=(0.2, 0.3, 0.4), albedo=(0.5, 0.5, 0.5), specular=(0.1, 0.1, 0.1), seed=7, backend="obvhs", threads=1,
     )
-    assert set(values) | {"rays", "layers"} == set(ambake.OPTIONS)
+    assert set(values) | {"rays", "layers", "update"} == set(ambake.OPTIONS)
     meshes = [v for v in values if v != "exclude"]
     baked = ambake.bake(*walled(), **{name: values[name] for name in meshes})
     # Where light is added no other layer holds what arrives, so a bake of a model has it too, and that of lights alone.

@@ -31,12 +31,25 @@ class Object:
     * `faces`: (n,) number of each face in the mesh that it came from; faces without area have been left out.
     * `pages`: (n,) page of each face.
     * `uvs`: (n, 3, 2) float32, the corners of each face in 0..1 of its page; v = 0 is row 0.
+    * `corners`: (n, 3, 3) float64, where they stand in the scene, counter-clockwise seen from the front
+      unless `mirrored`.
     """
 
-    __slots__ = ("faces", "name", "pages", "uvs")
+    __slots__ = ("corners", "faces", "mirrored", "name", "pages", "uvs")
 
-    def __init__(self, name, faces, pages, uvs):
-        self.name, self.faces, self.pages, self.uvs = name, faces, pages, uvs
+    def __init__(self, name, mirrored, parts):
+        faces, pages, uvs, corners = parts
+        self.name, self.mirrored = name, mirrored
+        self.faces, self.pages = (np.frombuffer(values, "<u4").astype(np.int64) for values in (faces, pages))
+        self.uvs = np.frombuffer(uvs, "<f4").reshape(-1, 3, 2)
+        self.corners = np.frombuffer(corners, "<f8").reshape(-1, 3, 3)
+
+    def __eq__(self, other):
+        if not isinstance(other, Object):
+            return NotImplemented
+        return all(np.array_equal(getattr(self, part), getattr(other, part)) for part in self.__slots__)
+
+    __hash__ = None
 
     def __repr__(self):
         return f"<ambake.Object {self.name!r} of {len(self.faces)} faces>"
@@ -50,16 +63,39 @@ class Baked(dict):
     * `page_count`, `size`: how many pages there are, and their edge in texels.
     * `stats`: a dict for each page with `texels`, `rays` and `rmse`, the root mean square error of the diffuse term.
     * `warnings`: sentences about what was repaired, ignored or is doubtful.
+
+    It can be pickled, all but what `write` and `write_gltf` need: what comes back has the arrays and the objects.
     """
 
-    def __init__(self, native):
-        self._native = native
+    def __init__(self, native, faces=0):
+        self._native, self._faces = native, faces
         self.size = native.size
         self.stats = [dict(zip(("texels", "rays", "rmse"), page)) for page in native.stats()]
         self.page_count = len(self.stats)
         self.warnings = native.warnings()
-        self.objects = [_object(*row) for row in native.objects()]
+        self.objects = [Object(*row) for row in native.objects()]
         super().__init__((name, self._shaped(name, pages)) for name, pages in native.layers())
+
+    def __repr__(self):
+        counts = [(len(self), "layer"), (self.page_count, "page"), (len(self.objects), "object")]
+        layers, pages, objects = (f"{n} {what}" + "s" * (n != 1) for n, what in counts)
+        worst = max(page["rmse"] for page in self.stats)
+        return f"<ambake.Baked: {layers} on {pages} of {self.size} x {self.size} texels, {objects}, rmse {worst:.2g}>"
+
+    def __eq__(self, other):
+        if not isinstance(other, Baked):
+            return NotImplemented
+        parts = ("size", "stats", "warnings", "objects")
+        same = all(getattr(self, part) == getattr(other, part) for part in parts)
+        return same and self.keys() == other.keys() and all(np.array_equal(self[layer], other[layer]) for layer in self)
+
+    def __ne__(self, other):  # that of dict does not ask __eq__
+        return not self == other
+
+    __hash__ = None
+
+    def __reduce__(self):
+        return Baked.__new__, (Baked,), {**vars(self), "_native": None}, None, iter(self.items())
 
     def _shaped(self, name, pages):
         channels = len(LAYERS[name])
@@ -81,35 +117,73 @@ class Baked(dict):
         if len(self.objects) != 1:
             raise ValueError(f"there are {len(self.objects)} objects; see objects, each of which has its own {what}")
         (only,) = self.objects
-        count = max(getattr(self, "_faces", 0), int(only.faces.max()) + 1)
+        count = max(self._faces, int(only.faces.max()) + 1)
         result = np.full((count, *shape), empty, dtype)
         result[only.faces] = getattr(only, what)
         return result
 
+    def to_trimesh(self, layer="lambert"):
+        """The baked surfaces as trimesh shows them: a layer as the texture, in sRGB, cut off above 1.
+
+        A `trimesh.Trimesh` where one object lies on one page, else a `trimesh.Scene` with one for each object and page.
+        Vertices are in the axes of the scene; those on the border of a chart are doubled. Needs trimesh and Pillow.
+        """
+        import trimesh
+        from PIL import Image
+
+        if layer not in self:
+            raise ValueError(f"layer: there is no {layer!r} in this bake; there are {', '.join(self)}")
+        if len(LAYERS[layer]) not in (1, 3):
+            raise ValueError(f"layer: {layer!r} has {len(LAYERS[layer])} channels, a texture has 1 or 3")
+        planes = self[layer] if self.page_count > 1 else [self[layer]]
+        pictures = [Image.fromarray(_srgb(plane)) for plane in planes]
+        meshes = []
+        for item in self.objects:
+            for page in np.unique(item.pages):
+                there = item.pages == page
+                rows = np.concatenate([item.corners[there], item.uvs[there]], axis=2).reshape(-1, 5)
+                rows, faces = np.unique(rows, axis=0, return_inverse=True)
+                faces = faces.reshape(-1, 3)[:, :: -1 if item.mirrored else 1]
+                # trimesh counts v from the bottom of a picture.
+                uv = rows[:, 3:] * [1, -1] + [0, 1]
+                visual = trimesh.visual.TextureVisuals(uv=uv, image=pictures[page])
+                mesh = trimesh.Trimesh(rows[:, :3], faces, visual=visual, process=False, metadata={"name": item.name})
+                meshes.append(mesh)
+        if len(meshes) == 1:
+            return meshes[0]
+        scene = trimesh.Scene()
+        for mesh in meshes:
+            scene.add_geometry(mesh, geom_name=mesh.metadata["name"])
+        return scene
+
     def write(self, folder):
-        """Writes what the command line writes into a folder: EXR pages, PNG previews, a GLB and bake.json. Returns the
-        files."""
-        return self._native.write(os.fspath(folder))
+        """Writes what the command line writes into a folder: EXR pages, PNG previews, a GLB and bake.json, and the files
+        of the engines that `for_` named. Returns the files."""
+        return self._writer().write(os.fspath(folder))
 
     def write_gltf(self, path):
         """Writes the scene as a GLB file, with lightmap coordinates as TEXCOORD_1 and the diffuse term as occlusion."""
-        self._native.write_gltf(os.fspath(path))
+        self._writer().write_gltf(os.fspath(path))
+
+    def _writer(self):
+        if self._native is None:
+            raise ValueError("a pickled bake does not have its scene: write it where it was baked")
+        return self._native
 
 
-def _object(name, faces, pages, uvs):
-    numbers = [np.frombuffer(values, "<u4").astype(np.int64) for values in (faces, pages)]
-    return Object(name, *numbers, np.frombuffer(uvs, "<f4").reshape(-1, 3, 2))
-
-
-def bake(vertices, faces=None, *, uvs=None, normals=None, name="mesh", progress=None, **options):
+def bake(vertices, faces=None, *, uvs=None, normals=None, name="mesh", output=None, progress=None, **options):
     """The lightmap of a mesh.
 
     * `vertices`: (n, 3) positions; or a trimesh.Trimesh or trimesh.Scene alone, which brings its materials along.
     * `faces`: (m, 3) numbers of vertices, counter-clockwise seen from the front.
     * `uvs`: (n, 2) texture coordinates, v growing down as in glTF. They are kept as the layout where they are usable as one.
     * `normals`: (n, 3) shading normals; without them faces are flat.
+    * `output`: a folder that also gets what `ambake bake -o` writes. A bake that was stopped goes on there, and a later
+      one can name it as `update`.
     * `progress`: called as `progress(texels_done, texels)` now and then. What it raises stops the bake.
-    * `options`: those of the command line, such as `size=512`, `rays=256`, `target_error=0.005`, `layers=["bent"]`.
+    * `options`: those of the command line, such as `size=512`, `rays=256`, `target_error=0.005`,
+      `layers="bent,position"`, `for_="three,godot"`. `sky` also takes an array (height, 2 * height, 3) of linear radiance:
+      row 0 looks up (+y), the middle column toward +z, and +x lies to its right.
 
     Raises ValueError where an array or an option has a value that it cannot have, and TypeError for an unknown option.
     """
@@ -117,27 +191,26 @@ def bake(vertices, faces=None, *, uvs=None, normals=None, name="mesh", progress=
         for what, given in [("uvs", uvs), ("normals", normals)]:
             if given is not None:
                 raise ValueError(f"{what}: a trimesh brings its own, leave them out")
-        return _bake_trimesh(vertices, progress, options)
+        return _bake_trimesh(vertices, output, progress, options)
     vertices = _rows("vertices", vertices, 3, "<f4")
     faces = _faces(faces, len(vertices))
     mesh = _Mesh(name, vertices, faces, _rows("normals", normals, 3, "<f4"), _rows("uvs", uvs, 2, "<f4"))
-    baked = Baked(_ambake.bake_meshes([mesh], options, progress))
-    baked._faces = len(faces)
-    return baked
+    return Baked(_ambake.bake_meshes([mesh], _native(options), _path(output), progress), len(faces))
 
 
-def bake_file(source, *, progress=None, **options):
+def bake_file(source, *, output=None, progress=None, **options):
     """The lightmap of the scene in an OBJ, glTF or GLB file, or in the bytes of a GLB file.
 
-    Its options and errors are those of `bake`; FileNotFoundError where there is no such file.
+    What else it takes and raises is that of `bake`; FileNotFoundError where there is no such file.
     """
+    options, output = _native(options), _path(output)
     if isinstance(source, (bytes, bytearray, memoryview)):
         with tempfile.TemporaryDirectory(prefix="ambake-") as folder:
             path = os.path.join(folder, "scene.glb")
             with open(path, "wb") as file:
                 file.write(source)
-            return _without(folder + os.sep, lambda: Baked(_ambake.bake_file(path, options, progress)))
-    return Baked(_ambake.bake_file(os.fspath(source), options, progress))
+            return _without(folder + os.sep, lambda: Baked(_ambake.bake_file(path, options, output, progress)))
+    return Baked(_ambake.bake_file(os.fspath(source), options, output, progress))
 
 
 class Probes:
@@ -158,9 +231,13 @@ class Probes:
         self.validity = np.frombuffer(native.validity(), "<f4")
         self.invalid = np.frombuffer(native.invalid(), "?")
 
+    def __repr__(self):
+        return f"<ambake.Probes: {len(self.positions)} places, {self.sh.shape[1]} harmonics each>"
+
     def write(self, folder, engines=()):
-        """Writes what the command line writes into a folder, files for engines such as "bevy" among them. Returns the files."""
-        return self._native.write(os.fspath(folder), list(engines))
+        """Writes what the command line writes into a folder, files for engines such as "bevy,three" among them. Returns
+        the files."""
+        return self._native.write(os.fspath(folder), engines or [])
 
 
 def probes(source, *, progress=None, **options):
@@ -171,7 +248,7 @@ def probes(source, *, progress=None, **options):
     """
     if options.get("at") is not None:
         options["at"] = _rows("at", options["at"], 3, "<f8").tolist()
-    return Probes(_ambake.probes_file(os.fspath(source), options, progress))
+    return Probes(_ambake.probes_file(os.fspath(source), _native(options), progress))
 
 
 class _Mesh:
@@ -184,11 +261,44 @@ class _Mesh:
         self.uvs = None if uvs is None else uvs.tobytes()
 
 
-def _bake_trimesh(mesh, progress, options):
+class _Pixels:
+    """A polar map as the native half takes it."""
+
+    def __init__(self, rows):
+        if rows.ndim != 3 or rows.shape[2] != 3:
+            raise ValueError(f"sky: expected (red, green, blue) or shape (height, width, 3), got {rows.shape}")
+        self.height, self.width = rows.shape[:2]
+        self.pixels = rows.tobytes()
+
+
+def _native(options):
+    """Options with arrays as the native half takes them."""
+    sky = options.get("sky")
+    if hasattr(sky, "__array__"):
+        try:
+            rows = np.asarray(sky, "<f4")
+        except (TypeError, ValueError) as problem:
+            raise ValueError(f"sky: not an array of numbers ({problem})") from None
+        options = {**options, "sky": rows.tolist() if rows.shape == (3,) else _Pixels(rows)}
+    return options
+
+
+def _path(folder):
+    return None if folder is None else os.fspath(folder)
+
+
+def _srgb(plane):
+    """Linear radiance in 0..1 as the bytes of a picture."""
+    linear = np.clip(plane.astype(np.float64), 0, 1)
+    curve = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    return np.round(255 * curve).astype(np.uint8)
+
+
+def _bake_trimesh(mesh, output, progress, options):
     export = getattr(mesh, "export", None)
     if export is None or not hasattr(mesh, "bounds"):
         raise TypeError(f"faces: give them, or a trimesh in place of the vertices; a {type(mesh).__name__} is none")
-    baked = bake_file(export(file_type="glb"), progress=progress, **options)
+    baked = bake_file(export(file_type="glb"), output=output, progress=progress, **options)
     baked._faces = len(getattr(mesh, "faces", ()))
     return baked
 

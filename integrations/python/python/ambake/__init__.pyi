@@ -35,7 +35,7 @@ class Options(TypedDict, total=False):
     footprint: Literal["texel", "centre"]
     denoise: Literal["off", "regression", "oidn"]
     seams: Literal["off", "object", "scene"]
-    sky: Union[_Rgb, _Path]
+    sky: Union[_Rgb, _Path, npt.NDArray[Any]]
     view: Union[Literal["normal"], Sequence[float]]
     buried: Literal["drop", "keep"]
     buried_of: Mapping[str, Literal["drop", "keep"]]
@@ -51,6 +51,8 @@ class Options(TypedDict, total=False):
     rect: Sequence[Sequence[float]]
     layers: Union[str, Sequence[str]]
     only: Union[str, Sequence[str]]
+    for_: Union[str, Sequence[str]]
+    update: _Path
     normal_maps: bool
     exponent: float
     ambient_coefficient: Union[_Rgb, Literal["albedo", "file"]]
@@ -71,6 +73,8 @@ class Object:
     faces: npt.NDArray[np.int64]
     pages: npt.NDArray[np.int64]
     uvs: npt.NDArray[np.float32]
+    corners: npt.NDArray[np.float64]
+    mirrored: bool
 
 class Baked(dict[str, Union[_Plane, list[_Plane]]]):
     size: int
@@ -82,6 +86,8 @@ class Baked(dict[str, Union[_Plane, list[_Plane]]]):
     def uvs(self) -> npt.NDArray[np.float32]: ...
     @property
     def pages(self) -> npt.NDArray[np.int64]: ...
+    # A trimesh.Trimesh or trimesh.Scene.
+    def to_trimesh(self, layer: str = "lambert") -> Any: ...
     def write(self, folder: _Path) -> list[os.PathLike[str]]: ...
     def write_gltf(self, path: _Path) -> None: ...
 
@@ -94,12 +100,14 @@ def bake(
     uvs: npt.ArrayLike | None = None,
     normals: npt.ArrayLike | None = None,
     name: str = "mesh",
+    output: _Path | None = None,
     progress: _Progress | None = None,
     **options: Unpack[Options],
 ) -> Baked: ...
 def bake_file(
     source: Union[_Path, bytes, bytearray, memoryview],
     *,
+    output: _Path | None = None,
     progress: _Progress | None = None,
     **options: Unpack[Options],
 ) -> Baked: ...
@@ -116,7 +124,7 @@ class Probes:
     std_err: npt.NDArray[np.float32]
     validity: npt.NDArray[np.float32]
     invalid: npt.NDArray[np.bool_]
-    def write(self, folder: _Path, engines: Sequence[str] = ()) -> list[os.PathLike[str]]: ...
+    def write(self, folder: _Path, engines: Union[str, Sequence[str]] = ()) -> list[os.PathLike[str]]: ...
 
 class ProbeOptions(TypedDict, total=False):
     at: Union[Sequence[_Rgb], npt.NDArray[np.float64]]
@@ -124,7 +132,7 @@ class ProbeOptions(TypedDict, total=False):
     spacing: float
     within: Sequence[_Rgb]
     bake: _Path
-    sky: Union[_Rgb, _Path]
+    sky: Union[_Rgb, _Path, npt.NDArray[Any]]
     lights: Literal["file", "none"]
     sun: Sequence[Sequence[float]]
     point: Sequence[Sequence[float]]
