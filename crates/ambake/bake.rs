@@ -472,6 +472,10 @@ impl Bake {
     /// # Errors
     /// As [`Bake::prepare`].
     pub fn lay_out(&self) -> Result<Layout, Error> {
+        if self.update.is_some() {
+            let problem = "gives a layout that holds for its folder alone; lay out without it";
+            return Err(Error::option("update", problem));
+        }
         let job = self.prepare()?;
         Ok(Layout::new(job.scene(), job.options(), job.atlas().clone()))
     }

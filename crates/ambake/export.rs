@@ -35,7 +35,8 @@ pub fn export(
         }
     }
     if compress {
-        report::check_compressed(&chosen, report.atlas.page_size)?;
+        let checked = report::check_compressed(&chosen, report.atlas.page_size);
+        checked.map_err(|problem| Error::option("compress", problem))?;
     }
     let pages = report::page_files(dir, &report)?;
     let mut output = Output::create(dir)?;

@@ -19,8 +19,10 @@ const NEAR: f64 = 0.001;
 /// Faces of an object that are asked what they see. Of their rays one in so many may leave a dome, and one in so many
 /// meets it.
 const FACES: u32 = 32;
-const FEW: u32 = 50;
-const MANY: u32 = 10;
+/// So many of the objects within a dome are asked, at most.
+const OBJECTS: usize = 64;
+const FEW: u64 = 50;
+const MANY: u64 = 10;
 
 /// How many texels have which diffuse term, over all pages.
 #[derive(Debug, Clone)]
@@ -59,8 +61,12 @@ impl Brightness {
 }
 
 /// The warning that names a sheet around most of a scene, such as a sky dome, which hides the sky from all that is in it.
+/// `None` where light was asked for that needs no sky.
 pub(crate) fn enclosed(job: &Job) -> Option<WarningReport> {
-    let world = job.world();
+    let (world, options) = (job.world(), job.options());
+    if options.max_distance.is_some() || options.adds_light() {
+        return None;
+    }
     let objects = atlas::object_names(world.scene());
     let around = |object: &ObjectName| {
         let boxes = object.instances.iter().filter_map(|&i| world.box_of(i));
@@ -73,6 +79,9 @@ pub(crate) fn enclosed(job: &Job) -> Option<WarningReport> {
             return false;
         };
         let side = (high - low).max_element();
+        if side < large || !objects[object].instances.iter().any(|&i| world.casts(i)) {
+            return false;
+        }
         let slack = NEAR * side;
         let holds = |other: &usize| {
             let is_in = |&(l, h): &(DVec3, DVec3)| {
@@ -80,14 +89,14 @@ pub(crate) fn enclosed(job: &Job) -> Option<WarningReport> {
             };
             *other != object && boxes[*other].as_ref().is_some_and(is_in)
         };
-        let casts = objects[object].instances.iter().any(|&i| world.casts(i));
-        let within: Vec<u32> = (0..objects.len())
-            .filter(holds)
-            .flat_map(|other| objects[other].instances.iter().copied())
+        let within: Vec<usize> = (0..objects.len()).filter(holds).collect();
+        let holds_most = !within.is_empty() && 2 * within.len() >= objects.len() - 1;
+        let step = within.len().div_ceil(OBJECTS).max(1);
+        let some = within.iter().step_by(step);
+        let some: Vec<u32> = some
+            .flat_map(|&k| objects[k].instances.iter().copied())
             .collect();
-        let count = (0..objects.len()).filter(holds).count();
-        let holds_most = count > 0 && 2 * count >= objects.len() - 1;
-        casts && side >= large && holds_most && is_sheet_around(job, &objects[object], &within)
+        holds_most && is_sheet_around(job, &objects[object], &some)
     };
     let found = (0..objects.len()).find(hides)?;
     Some(WarningReport {
@@ -112,14 +121,14 @@ fn is_sheet_around(job: &Job, sheet: &ObjectName, within: &[u32]) -> bool {
         t_max: f32::INFINITY,
     };
     // Rays, those that leave, those that meet the sheet, and those that meet something beyond it.
-    let mut sums = [0; 4];
+    let mut sums = [0_u64; 4];
     for &instance in within {
         let count = world.part(instance).1.triangles().len() as u32;
         let step = count.div_ceil(FACES).max(1);
         for triangle in (0..count).step_by(step as usize) {
             let normal = world.upward(instance, triangle);
             let centre = world.corners(instance, triangle).iter().sum::<DVec3>() / 3.0;
-            let mut of_face = [0; 4];
+            let mut of_face = [0_u64; 4];
             for direction in over(normal) {
                 of_face[0] += 1;
                 let Some(hit) = backend.closest(&cast(centre + normal * off, direction)) else {
@@ -129,7 +138,7 @@ fn is_sheet_around(job: &Job, sheet: &ObjectName, within: &[u32]) -> bool {
                 if sheet.instances.contains(&hit.instance) {
                     of_face[2] += 1;
                     let there = centre + normal * off + direction * (f64::from(hit.t) + off);
-                    of_face[3] += u32::from(backend.occluded(&cast(there, direction)));
+                    of_face[3] += u64::from(backend.occluded(&cast(there, direction)));
                 }
             }
             if of_face[2] > 0 {

@@ -52,7 +52,6 @@ pub struct Job {
     plan: Arc<Plan>,
     laid: Arc<Laid>,
     pool: Option<Arc<rayon::ThreadPool>>,
-    started: Instant,
     phases: Vec<PhaseReport>,
 }
 
@@ -85,7 +84,6 @@ impl Job {
         given: Given<'_>,
         progress: &dyn Progress,
     ) -> Result<Self, Error> {
-        let started = Instant::now();
         let begin = |phase: &str| match progress.cancelled() {
             true => Err(Error::Cancelled),
             false => {
@@ -93,6 +91,10 @@ impl Job {
                 Ok(())
             }
         };
+        if given.layout.is_some() && given.update.is_some() {
+            let problem = "has its own in an update: charts keep the places of the earlier bake";
+            return Err(Error::option("layout", problem));
+        }
         begin("planning")?;
         let mut earlier = match given.update {
             Some(dir) => Some(Earlier::open(dir, &scene, given.verify)?),
@@ -164,7 +166,6 @@ impl Job {
             plan: Arc::new(plan),
             laid: Arc::new(laid),
             pool,
-            started,
             phases,
         })
     }
@@ -176,7 +177,6 @@ impl Job {
         mut options: Options,
         given: Given<'_>,
     ) -> Result<Self, Error> {
-        let started = Instant::now();
         let baker = options.baker().with_order(&self.scene.0);
         options.layers.clone_from(&baker.layers);
         if let Some(name) = self.differs(scene, &options, &baker, given) {
@@ -201,7 +201,6 @@ impl Job {
             plan: Arc::new(plan),
             laid: Arc::clone(&self.laid),
             pool,
-            started,
             phases,
         })
     }
@@ -310,11 +309,6 @@ impl Job {
         within(self.pool.as_deref(), job)
     }
 
-    /// When it was begun.
-    pub(crate) fn started(&self) -> Instant {
-        self.started
-    }
-
     /// Adds the time of a phase that has just ended.
     pub(crate) fn end_phase(&mut self, phase: &str, seconds: f64) {
         self.phases.push(PhaseReport {
@@ -332,7 +326,6 @@ impl Job {
             ..PhaseReport::default()
         };
         self.phases.insert(0, report);
-        self.started -= std::time::Duration::from_secs_f64(seconds);
     }
 
     /// The memory of its pages.

@@ -298,7 +298,8 @@ impl Options {
         }
         check_lights(&self.lights)?;
         if self.compress {
-            report::check_compressed(&self.engines, self.size)?;
+            let checked = report::check_compressed(&self.engines, self.size);
+            checked.map_err(|problem| Error::option("compress", problem))?;
         }
         let asks = |layers: &[Layer]| self.layers.iter().any(|layer| layers.contains(layer));
         if self.model == Some(Model::Phong) && asks(&[Layer::Ggx, Layer::Base]) {

@@ -160,7 +160,13 @@ impl Job {
         let mut pages = Vec::new();
         let take = |page| pages.push(Page(page));
         let (written, bounces) = self.run_taking(dir, resume, progress, take)?;
-        Ok((Baked::new(self, pages, bounces), written))
+        let mut job = self;
+        for phase in &written.report.timings {
+            if ["bake", "bounce"].contains(&phase.phase.as_str()) {
+                job.end_phase(&phase.phase, phase.seconds);
+            }
+        }
+        Ok((Baked::new(job, pages, bounces), written))
     }
 
     /// Bakes into a directory; pages are handed on in their order, each once it is written.

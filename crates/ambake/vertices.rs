@@ -50,7 +50,7 @@ impl Baked {
     /// layer was not asked for.
     ///
     /// Values are those of area-weighted least squares over the texels. Vertices with the same place and the same
-    /// normal have the same value; hard edges, where normals differ, keep two. A mesh whose vertices are farther apart
+    /// normal have the same value; hard edges, where normals differ, keep two, and each vertex of a mesh without normals has its own. A mesh whose vertices are farther apart
     /// than shadows are wide cannot show them.
     ///
     /// ```
@@ -199,7 +199,13 @@ impl System {
             let (uvs, _) = atlas::triangle_uv(scene, atlas, instance, t as u32);
             let [a, b, c] = uvs.map(|uv| uv.as_dvec2() * f64::from(atlas.page_size));
             let [p, q, r] = corners(t);
-            (q - p).cross(r - p).length() / (b - a).perp_dot(c - a).abs().max(f64::MIN_POSITIVE)
+            let on_page = (b - a).perp_dot(c - a).abs();
+            // No texel shows a triangle without area on the page.
+            if on_page > 0.0 {
+                (q - p).cross(r - p).length() / on_page
+            } else {
+                0.0
+            }
         };
         let triangle =
             |(t, corners): (usize, &[u32; 3])| (corners.map(|v| unknowns[v as usize]), texel(t));

@@ -35,6 +35,12 @@ impl Job {
             self.layout_report()
                 .small_page(self.scene(), self.atlas(), alone)
         });
+        // Whoever asks for densities knows that they differ.
+        let is_asked = self.scene().instances.iter().any(|of| of.density.is_some());
+        let is_shared = layout.is_shared() && self.atlas().source.is_packed() && !is_asked;
+        let uneven = is_shared
+            .then(|| self.layout_report().uneven_density())
+            .flatten();
         let of_scene = self
             .scene()
             .warnings
@@ -44,6 +50,7 @@ impl Job {
             .map(Into::into)
             .chain(self.layout_report().warnings())
             .chain(small_page.flatten())
+            .chain(uneven)
             .chain(self.touching())
             .chain(self.outsides())
             .chain(self.inside_out())

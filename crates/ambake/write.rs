@@ -237,7 +237,8 @@ impl<'a> Writer<'a> {
         report.any_view = any_view;
         report.lightmaps = self.lightmaps;
         let interior = self.brightness.interior(self.job.options());
-        report.warnings.extend(enclosed(self.job).or(interior));
+        report.warnings.extend(enclosed(self.job));
+        report.warnings.extend(interior);
         let missing = bounces.and_then(|stats| light_is_missing(self.job, &stats));
         report.warnings.extend(missing);
         report.warnings.extend(edited(self.job));
@@ -523,8 +524,8 @@ fn report_of(
         update: None,
         any_view: None,
         objects: report::object_reports(scene, job.atlas()),
+        seconds: phases.iter().map(|phase| phase.seconds).sum(),
         timings: phases,
-        seconds: job.started().elapsed().as_secs_f64(),
         peak_memory_bytes: peak_memory(),
         warnings: job.warnings(),
         notes: job.atlas().notes.clone(),

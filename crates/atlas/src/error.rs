@@ -25,7 +25,9 @@ pub enum Error {
         names: Vec<String>,
     },
     /// The scene places no triangles.
-    #[error("the scene places no triangles that take texels: there is nothing to lay out")]
+    #[error(
+        "the scene places no triangles that take texels: there is nothing to lay out; `--exclude`, or `bake = false` in extras.ambake, leaves out objects"
+    )]
     Empty,
     /// `--uv keep` on a set that is no lightmap set.
     #[error("mesh `{mesh}`: TEXCOORD_{set} {why}: use `--uv auto` or `--uv unwrap`")]

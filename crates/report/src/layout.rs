@@ -124,6 +124,39 @@ impl LayoutReport {
         warnings
     }
 
+    /// The objects of the least and of the greatest density, where these are more than [`UNEVEN`] times apart. Objects
+    /// at the least number of texels do not count.
+    fn uneven(&self) -> Option<[&ObjectLayout; 2]> {
+        let known = || self.objects.iter().filter(|o| o.texels > FLOOR);
+        let least = known().min_by(|a, b| a.density.total_cmp(&b.density))?;
+        let greatest = known().max_by(|a, b| a.density.total_cmp(&b.density))?;
+        (greatest.density > UNEVEN * least.density).then_some([least, greatest])
+    }
+
+    /// The warning that names what stands out of a layout in which nobody asked for densities.
+    pub fn uneven_density(&self) -> Option<WarningReport> {
+        let [least, greatest] = self.uneven()?;
+        let usual = self.texels_per_unit.median;
+        let is_fine = greatest.density / usual > usual / least.density;
+        let (one, how) = if is_fine {
+            (greatest, "more")
+        } else {
+            (least, "fewer")
+        };
+        Some(WarningReport {
+            kind: "uneven-density".into(),
+            place: format!("object `{}`", one.name),
+            count: 1,
+            message: format!(
+                "it has {how} texels per unit than others, {} where the median is {}; `--density-of {}=D` gives it its \
+                 own, `--density even` all the same",
+                short(one.density),
+                short(usual),
+                one.name,
+            ),
+        })
+    }
+
     /// Where the page is too small for its charts: mostly gutters, or, where `alone` is asked for, more than one.
     /// `None` also where no page is large enough.
     pub fn small_page(
@@ -174,9 +207,9 @@ impl LayoutReport {
             short(*min),
             short(*max),
             short(*median),
-            match max / min {
-                UNEVEN.. => ", uneven: `--density even` makes them alike",
-                _ => "",
+            match self.uneven() {
+                Some(_) => ", uneven: `--density even` makes them alike",
+                None => "",
             },
         );
         let mut largest: Vec<_> = self.objects.iter().collect();
@@ -201,8 +234,10 @@ impl LayoutReport {
 
 /// So many objects stand in the text, the largest ones.
 const LISTED: usize = 5;
-/// Densities that are so many times apart show.
-const UNEVEN: f64 = 4.0;
+/// Densities that are so many times apart show; the rule of layouts makes them at most 4.
+const UNEVEN: f64 = 4.1;
+/// An object of so many texels or fewer has the least that any has.
+const FLOOR: f64 = 16.5;
 
 /// Three digits.
 fn short(value: f64) -> String {
@@ -247,6 +282,37 @@ mod tests {
         // The only object has everything, and that is as it should be.
         layout.objects = vec![object("ground", 100.0, 90.0)];
         assert!(layout.warnings().is_empty());
+    }
+
+    #[test]
+    fn an_object_that_is_much_finer_than_the_others_is_named_unless_it_is_as_small_as_can_be() {
+        let dense = |name: &str, texels: f64, density: f64| ObjectLayout {
+            density,
+            ..object(name, texels, 40.0)
+        };
+        let layout = |cup: ObjectLayout| LayoutReport {
+            texels_per_unit: Spread {
+                min: 2.0,
+                median: 3.0,
+                max: 40.0,
+            },
+            objects: vec![dense("floor", 900.0, 2.0), dense("wall", 300.0, 3.0), cup],
+            ..LayoutReport::default()
+        };
+        let warned = layout(dense("cup", 40.0, 40.0))
+            .uneven_density()
+            .expect("a warning");
+        assert_eq!(
+            (warned.kind.as_str(), warned.place.as_str()),
+            ("uneven-density", "object `cup`")
+        );
+        assert!(
+            warned.message.contains("--density-of cup=D"),
+            "{}",
+            warned.message
+        );
+        assert!(layout(dense("cup", 16.0, 40.0)).uneven_density().is_none());
+        assert!(layout(dense("cup", 40.0, 8.0)).uneven_density().is_none());
     }
 
     #[test]

@@ -1,13 +1,16 @@
 //! Reads OBJ/MTL, glTF and GLB into one plain, validated [`Scene`].
 //!
-//! [`load`] is the entrance, [`Scene::from_meshes`] the one for a program that has its meshes in memory. What is
+//! [`load`] is the entrance, [`Scene::from_meshes`] and [`Scene::from_placements`] those for a program that has its
+//! meshes in memory. What is
 //! repaired or ignored is the list of [`WarningKind`], what stops a load stands at the head of `validate.rs`. Colours
 //! and alpha of a material's textures are read with [`Scene::color`] and its neighbours.
 //!
 //! # Where what is
 //!
-//! * OBJ: `obj`. glTF: `gltf`, where `conformance.rs` is the table of what is read, `compressed` decodes meshes and
-//!   `lights.rs` has the lights. Scenes made in memory: `authored`.
+//! * OBJ: `obj`. glTF: `gltf`, where `conformance.rs` is the table of what is read, `said.rs` knows what
+//!   `extras.ambake` says, `compressed` decodes meshes and
+//!   `lights.rs` has the lights. Scenes made in memory: `authored`, their materials
+//!   `authored/material.rs`.
 //! * What is repaired and what is refused: `validate.rs`.
 //! * Where the files of a scene may lie, and which are read: `source.rs`, for pictures of a glTF `gltf/document.rs`.
 //!   `SECURITY.md` says why.

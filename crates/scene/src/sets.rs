@@ -12,7 +12,7 @@
 pub struct Sets(Vec<u32>);
 
 impl Sets {
-    /// So many numbers, each alone; at most 2^32.
+    /// So many numbers, each alone. A scene has fewer triangles than numbers of 32 bits, which validation sees to.
     pub fn new(count: usize) -> Self {
         Self((0..count as u32).collect())
     }
@@ -22,7 +22,10 @@ impl Sets {
         self.0.push(self.0.len() as u32);
     }
 
-    /// The least number of the set of a number below their count.
+    /// The least number of the set of a number.
+    ///
+    /// # Panics
+    /// The number is not below their count.
     pub fn root(&mut self, mut number: u32) -> u32 {
         let parents = &mut self.0;
         while parents[number as usize] != number {

@@ -20,8 +20,8 @@
 
 use crate::source::{Input, short};
 use crate::{
-    Alpha, Error, Format, GltfDocument, Image, Instance, Light, Material, Mesh, NormalMap,
-    PackedImage, Scene, Surface, TextureRef, WarningKind, far,
+    Alpha, Error, Format, GltfDocument, Image, Instance, Light, Material, Mesh, PackedImage, Scene,
+    Surface, TextureRef, WarningKind, far,
 };
 use glam::{DAffine3, DVec3, DVec4, Vec2, Vec3, Vec4};
 use std::collections::HashMap;
@@ -362,40 +362,44 @@ fn textures_without_uvs(input: &mut Input, parts: &mut Parts) {
     let mut reduced: HashMap<(u32, usize), u32> = HashMap::new();
     for mesh in &mut parts.meshes {
         let sets = mesh.uv_sets.len();
-        let mut material = parts.materials[mesh.material as usize].clone();
-        let mut dropped = 0;
-        for slot in slots(&mut material) {
-            if slot
-                .as_ref()
-                .is_some_and(|texture| texture.uv_set as usize >= sets)
-            {
-                *slot = None;
-                dropped += 1;
-            }
-        }
-        let beyond = |map: &NormalMap| map.texture.uv_set as usize >= sets;
-        if material.normal_map.as_ref().is_some_and(beyond) {
-            material.normal_map = None;
-            dropped += 1;
-        }
-        if dropped == 0 {
+        let material = &parts.materials[mesh.material as usize];
+        let has = |set: u32| (set as usize) < sets;
+        let Some(material) = without_textures(input, &mesh.name, material, has) else {
             continue;
-        }
-        let message = format!(
-            "material `{}` reads UV sets that the mesh has not; its factors stand alone",
-            material.name
-        );
-        input.warn(
-            WarningKind::TexturesWithoutUvs,
-            mesh.name.as_str(),
-            dropped,
-            message,
-        );
+        };
         mesh.material = *reduced.entry((mesh.material, sets)).or_insert_with(|| {
             parts.materials.push(material);
             parts.materials.len() as u32 - 1
         });
     }
+}
+
+/// A material without the textures that read UV sets which a mesh has not, told of; `None` where it has all.
+pub(crate) fn without_textures(
+    input: &mut Input,
+    mesh: &str,
+    material: &Material,
+    has: impl Fn(u32) -> bool,
+) -> Option<Material> {
+    let mut reduced = material.clone();
+    let mut dropped = 0;
+    for slot in slots(&mut reduced) {
+        if slot.as_ref().is_some_and(|texture| !has(texture.uv_set)) {
+            *slot = None;
+            dropped += 1;
+        }
+    }
+    let map = reduced.normal_map.as_ref();
+    if map.is_some_and(|map| !has(map.texture.uv_set)) {
+        reduced.normal_map = None;
+        dropped += 1;
+    }
+    let message = format!(
+        "material `{}` reads UV sets that the mesh has not; its factors stand alone",
+        material.name
+    );
+    input.warn(WarningKind::TexturesWithoutUvs, mesh, dropped, message);
+    (dropped > 0).then_some(reduced)
 }
 
 /// The places of a material where a texture can stand.

@@ -85,6 +85,8 @@ pub enum WarningKind {
     /// An instance of which no side is as long as 1e-12 units is left out: products of three such lengths vanish in the
     /// f32 of rays.
     TinyInstances,
+    /// glTF: a surface with a tint lets light pass by `KHR_materials_transmission`, and the light gets none of it.
+    GreyTransmission,
     /// glTF: `extras.ambake` of a node or a mesh has a name that means nothing, such as a misspelt one.
     UnknownExtras,
     /// OBJ: a material that is in no library that was read; its parts stay untinted.
@@ -131,6 +133,7 @@ impl WarningKind {
             WarningKind::Skins => "skins",
             WarningKind::TexturesWithoutUvs => "textures-without-uvs",
             WarningKind::TinyInstances => "tiny-instances",
+            WarningKind::GreyTransmission => "grey-transmission",
             WarningKind::UnknownExtras => "unknown-extras",
             WarningKind::UnknownMaterials => "unknown-materials",
             WarningKind::UnreadTextures => "unread-textures",

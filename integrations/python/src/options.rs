@@ -2,25 +2,15 @@
 
 use crate::scene::floats;
 use ambake::{
-<<<<<<< HEAD
-    AmbientCoefficient, Backend, Bake, Bounces, Buried, Choice, Denoise, Footprint, Layer, Light,
-    Model, Pages, Seams, Shading, Sky, Uv, View,
-=======
     AmbientCoefficient, Backend, Bake, Bounces, Buried, Choice, Denoise, Engine, Footprint, Layer,
-    Light, Model, Pages, Pattern, Seams, Shading, Sky, Uv, View,
->>>>>>> 2298e9d (python: Skies of pixels, folders, updates, pickles and trimesh)
+    Light, Model, Pages, Seams, Shading, Sky, Uv, View,
 };
 use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyString};
 
-<<<<<<< HEAD
-/// Every option, as its flag is called with underscores.
-pub const NAMES: [&str; 44] = [
-=======
 /// Every option, as its flag is called with underscores; `for` is a word of Python.
 pub const NAMES: [&str; 47] = [
->>>>>>> 2298e9d (python: Skies of pixels, folders, updates, pickles and trimesh)
     "size",
     "density",
     "density_of",
@@ -58,6 +48,7 @@ pub const NAMES: [&str; 47] = [
     "layers",
     "only",
     "for_",
+    "compress",
     "update",
     "normal_maps",
     "exponent",
@@ -229,6 +220,7 @@ fn one(mut bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
         "layers" => bake.layers(layers(value)?),
         "only" => bake.only(layers(value)?),
         "for_" => bake.for_engines(engines(value)?),
+        "compress" => bake.compress(value.extract()?),
         "update" => bake.update(value.extract::<std::path::PathBuf>()?),
         "normal_maps" => bake.normal_maps(value.extract()?),
         "exponent" => bake.exponent(value.extract()?),

@@ -71,8 +71,8 @@ pub fn engine_files(
 /// Checks that files in blocks can be made for these engines, of pages of `size` texels along their edge.
 ///
 /// # Errors
-/// [`Error::Mismatched`] where none of `engines` reads such files, or a page is no whole number of blocks.
-pub fn check_compressed(engines: &[Engine], size: u32) -> Result<(), Error> {
+/// What is wrong, in words: none of `engines` reads such files, or a page is no whole number of blocks.
+pub fn check_compressed(engines: &[Engine], size: u32) -> Result<(), String> {
     let problem = if !engines.iter().any(|engine| engine.reads_blocks()) {
         "compressed lightmaps are made for three and bevy; name one of them by --for".into()
     } else if !size.is_multiple_of(blocks::EDGE) {
@@ -82,10 +82,7 @@ pub fn check_compressed(engines: &[Engine], size: u32) -> Result<(), Error> {
     } else {
         return Ok(());
     };
-    Err(Error::Mismatched {
-        option: "--compress".into(),
-        problem,
-    })
+    Err(problem)
 }
 
 /// Stages the files that `engines` get of one page, and returns what `bake.json` says of them. The bytes are a function

@@ -190,6 +190,16 @@ fn mesh(
         );
         return Err(input.invalid(place, problem));
     }
+    // Lightmap coordinates are the second set, and textures do not read what stands in for the first.
+    let is_bare = given.uvs.is_empty() && !given.lightmap_uvs.is_empty();
+    let mut material = given.material as u32;
+    if is_bare {
+        let textured = &parts.materials[given.material];
+        if let Some(plain) = validate::without_textures(input, &place, textured, |set| set != 0) {
+            parts.materials.push(plain);
+            material = parts.materials.len() as u32 - 1;
+        }
+    }
     let transform = affine(input, given.transform, || place.clone())?;
     let colors = given.colors.into_iter().map(Vec4::from_array);
     let (colors, alphas) = colors.map(|color| (color.truncate(), color.w)).unzip();
@@ -204,7 +214,7 @@ fn mesh(
         triangles: given.triangles,
         source_triangles: Vec::new(),
         source_vertices: Vec::new(),
-        material: given.material as u32,
+        material,
         origin: MeshOrigin {
             mesh: number as u32,
             primitive: 0,

@@ -55,10 +55,21 @@ pub(super) fn load(
                  of 0 (Metallic 0 in Blender) unless it is one"
             },
         );
-        parts.materials.push(Material {
+        let place = format!("material `{name}`");
+        let made = Material {
             normal_map,
             ..material(input, data, json, name, &numbers)
-        });
+        };
+        let [red, green, blue, _] = pbr.base_color_factor.0;
+        let [least, most] = [red.min(green).min(blue), red.max(green).max(blue)];
+        let is_tinted = most - least > TINTED * most;
+        input.warn(
+            WarningKind::GreyTransmission,
+            place,
+            u64::from(is_tinted && made.transmission.is_some() && used.contains(&i)),
+            "light that passes it gets no tint: all channels pass by the mean of its colour",
+        );
+        parts.materials.push(made);
     }
     Ok(())
 }
@@ -89,6 +100,9 @@ fn factor(extension: &Value, key: &str, or: f32) -> f32 {
 }
 
 const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
+/// Channels of a colour that differ by more than this share are a tint.
+const TINTED: f32 = 0.02;
+
 const TRANSMISSION: &str = "KHR_materials_transmission";
 
 /// The textures of a material that are decoded: of its surface, its emission and what it lets through.

@@ -38,6 +38,14 @@ pub(super) fn placements(
         .rev()
         .map(|n| (n, DAffine3::IDENTITY, Said::default()))
         .collect();
+    let meshes = data.document.json["meshes"]
+        .as_array()
+        .into_iter()
+        .flatten();
+    let of_meshes = meshes
+        .enumerate()
+        .map(|(n, mesh)| said(input, &named("mesh", n, mesh), mesh));
+    let of_meshes: Vec<Said> = of_meshes.collect::<Result<_, _>>()?;
     while let Some((n, parent, above)) = open.pop() {
         let (Some(node), Some(seen)) = (root.nodes.get(n), seen.get_mut(n)) else {
             continue;
@@ -67,8 +75,7 @@ pub(super) fn placements(
             skin.into(),
             "the skin is left out: the mesh is baked where its node stands",
         );
-        let of_mesh = &data.document.json["meshes"][mesh];
-        let of_mesh = said(input, &named("mesh", mesh, of_mesh), of_mesh)?;
+        let of_mesh = of_meshes.get(mesh).copied().unwrap_or_default();
         let said = own.or(of_mesh).or(above);
         match copies(data, node).map_err(|problem| input.invalid(place, problem))? {
             Some(copies) => out.extend(copies.into_iter().enumerate().map(|(i, copy)| Placement {

@@ -23,6 +23,11 @@ impl Said {
     pub fn of(holder: &Value) -> Result<(Self, Vec<&str>), String> {
         let (mut said, mut unknown) = (Self::default(), Vec::new());
         let own = holder.get("extras").and_then(|extras| extras.get("ambake"));
+        if let Some(other) = own.filter(|own| !own.is_object()) {
+            return Err(format!(
+                "extras.ambake is {other}; give an object, such as {{\"bake\": false}}"
+            ));
+        }
         for (name, value) in own.and_then(Value::as_object).into_iter().flatten() {
             let wrong =
                 |expected: &str| format!("extras.ambake.{name} is {value}; give {expected}");

@@ -8,6 +8,7 @@ Options have the names of the flags of `ambake bake`, with underscores; `OPTIONS
 during a bake, and Ctrl-C stops it.
 """
 
+import copy
 import os
 import tempfile
 
@@ -84,7 +85,7 @@ class Baked(dict):
 
     def __eq__(self, other):
         if not isinstance(other, Baked):
-            return NotImplemented
+            return False
         parts = ("size", "stats", "warnings", "objects")
         same = all(getattr(self, part) == getattr(other, part) for part in parts)
         return same and self.keys() == other.keys() and all(np.array_equal(self[layer], other[layer]) for layer in self)
@@ -96,6 +97,17 @@ class Baked(dict):
 
     def __reduce__(self):
         return Baked.__new__, (Baked,), {**vars(self), "_native": None}, None, iter(self.items())
+
+    def __copy__(self):
+        made = Baked.__new__(Baked)
+        vars(made).update(vars(self))
+        made.update(self)
+        return made
+
+    def __deepcopy__(self, memo):
+        made = self.__copy__()
+        made.update({layer: copy.deepcopy(values, memo) for layer, values in self.items()})
+        return made
 
     def _shaped(self, name, pages):
         channels = len(LAYERS[name])
