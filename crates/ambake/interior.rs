@@ -21,6 +21,8 @@ const NEAR: f64 = 0.001;
 const FACES: u32 = 32;
 /// So many of the objects within a dome are asked, at most.
 const OBJECTS: usize = 64;
+/// So many objects may be that dome, the largest ones.
+const CANDIDATES: usize = 4;
 const FEW: u64 = 50;
 const MANY: u64 = 10;
 
@@ -74,14 +76,19 @@ pub(crate) fn enclosed(job: &Job) -> Option<WarningReport> {
     };
     let boxes: Vec<Option<(DVec3, DVec3)>> = objects.iter().map(around).collect();
     let large = LARGE * (world.bounds().max - world.bounds().min).max_element();
-    let hides = |&object: &usize| {
+    let side = |object: usize| {
+        let casts = objects[object].instances.iter().any(|&i| world.casts(i));
+        let (low, high) = boxes[object].filter(|_| casts)?;
+        Some((high - low).max_element()).filter(|&side| side >= large)
+    };
+    let mut candidates: Vec<(usize, f64)> = (0..objects.len())
+        .filter_map(|object| Some((object, side(object)?)))
+        .collect();
+    candidates.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let hides = |&(object, side): &(usize, f64)| {
         let Some((low, high)) = boxes[object] else {
             return false;
         };
-        let side = (high - low).max_element();
-        if side < large || !objects[object].instances.iter().any(|&i| world.casts(i)) {
-            return false;
-        }
         let slack = NEAR * side;
         let holds = |other: &usize| {
             let is_in = |&(l, h): &(DVec3, DVec3)| {
@@ -98,7 +105,7 @@ pub(crate) fn enclosed(job: &Job) -> Option<WarningReport> {
             .collect();
         holds_most && is_sheet_around(job, &objects[object], &some)
     };
-    let found = (0..objects.len()).find(hides)?;
+    let (found, _) = candidates.into_iter().take(CANDIDATES).find(hides)?;
     Some(WarningReport {
         kind: "enclosed".into(),
         place: format!("object `{}`", objects[found].name),
