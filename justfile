@@ -35,6 +35,10 @@ scenes:
     python3 scenes/generate.py
     git status --short scenes
 
+# the files of a release, in target/dist
+release:
+    .ci/release
+
 # all that a change must pass; installs what it needs
 ci:
     .ci/run

@@ -333,6 +333,7 @@ pub fn copy_files(from: &Path, names: &[&str], into: &Path) -> Result<(), Error>
 
 /// A new temporary file in `dir`, with the permissions any new file gets.
 fn temporary(dir: &Path) -> io::Result<NamedTempFile> {
+    #[cfg_attr(not(unix), allow(unused_mut, reason = "permissions are those of Unix"))]
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
     {
