@@ -191,7 +191,7 @@ fn what_cannot_be_compressed_is_said_before_a_ray_is_cast() {
     for (arguments, words) in [
         (
             exports(text(whole.path()), "unity,godot"),
-            "--compress: compressed lightmaps are made for",
+            "compress: compressed lightmaps are made for",
         ),
         (exports(text(odd.path()), "three"), "a multiple of 4"),
         (bake_odd.to_vec(), "a multiple of 4"),
