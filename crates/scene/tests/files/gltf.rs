@@ -622,6 +622,7 @@ fn specular_glossiness_and_transmission_are_read_with_their_textures() {
     assert!(!scene.materials[2].is_opaque());
     assert!(scene.materials[3].is_opaque(), "a factor of 0");
     document.json["materials"][2]["pbrMetallicRoughness"]["baseColorFactor"] = json!([1, 0, 0, 1]);
+    document.json["meshes"][0]["primitives"][0]["material"] = json!(2);
     let scene = document.load().unwrap();
     assert_eq!(
         scene.warned(WarningKind::GreyTransmission),
