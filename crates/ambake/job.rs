@@ -180,7 +180,8 @@ impl Job {
         let baker = options.baker().with_order(&self.scene.0);
         options.layers.clone_from(&baker.layers);
         if let Some(name) = self.differs(scene, &options, &baker, given) {
-            let problem = "is not that of the earlier job, whose layout and ray scene depend on it; prepare this bake by itself";
+            let problem = "is not that of the earlier job, whose layout and ray scene depend on it; prepare this bake \
+                           by itself";
             return Err(Error::option(name, problem));
         }
         let pool = match given.threads {

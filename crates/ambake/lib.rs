@@ -72,7 +72,8 @@
 //!
 //! * What is asked for: `bake.rs` and `options.rs`. A bake between plan and result: `job.rs` and `run.rs`, what it
 //!   warns of `warnings.rs`. What is written, and which names of an earlier bake go: `write.rs`.
-//! * What a bake will take: `estimate.rs`, its memory `memory.rs`. Whether a scene is an interior: `interior.rs`.
+//! * What a bake will take: `estimate.rs`, its memory `memory.rs`. Whether a scene is an interior: `interior.rs`,
+//!   and what stands around it: `dome.rs`.
 //! * Where objects lie on pages: `object.rs`. Values at vertices: `vertices.rs`.
 //! * What can be seen: `seen.rs` for points of a triangle, `shell.rs` for the outsides of rooms.
 //! * Saved states: `resume.rs`. Shards: `shard.rs`, `parts.rs` and `merge.rs`. Updates: `update.rs`, their files
@@ -88,6 +89,7 @@ mod baked;
 #[cfg(test)]
 mod built_tests;
 mod differ;
+mod dome;
 mod earlier;
 mod error;
 mod estimate;

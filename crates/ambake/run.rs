@@ -23,15 +23,9 @@ impl Job {
     /// # Errors
     /// [`Error::Cancelled`] where the listener cancels.
     pub fn run(&self, progress: &dyn Progress) -> Result<Baked, Error> {
-        let mut job = self.clone();
         let mut pages = Vec::new();
-        let (bounces, [baking, bouncing]) =
-            self.each_page(progress, &mut |page| pages.push(Page(page)))?;
-        job.end_phase("bake", baking);
-        if self.options().adds_light() {
-            job.end_phase("bounce", bouncing);
-        }
-        Ok(Baked::new(job, pages, bounces))
+        let (bounces, seconds) = self.each_page(progress, &mut |page| pages.push(Page(page)))?;
+        Ok(Baked::new(self.clone().ran(seconds), pages, bounces))
     }
 
     /// Bakes every page and hands each over, in order, as soon as it is finished: one page is in memory at a time, but
@@ -143,7 +137,7 @@ impl Job {
         resume: Resume,
         progress: &dyn Progress,
     ) -> Result<Written, Error> {
-        let (written, _) = self.run_taking(dir, resume, progress, drop)?;
+        let (written, ..) = self.run_taking(dir, resume, progress, drop)?;
         Ok(written)
     }
 
@@ -159,24 +153,28 @@ impl Job {
     ) -> Result<(Baked, Written), Error> {
         let mut pages = Vec::new();
         let take = |page| pages.push(Page(page));
-        let (written, bounces) = self.run_taking(dir, resume, progress, take)?;
-        let mut job = self;
-        for phase in &written.report.timings {
-            if ["bake", "bounce"].contains(&phase.phase.as_str()) {
-                job.end_phase(&phase.phase, phase.seconds);
-            }
-        }
-        Ok((Baked::new(job, pages, bounces), written))
+        let (written, bounces, seconds) = self.run_taking(dir, resume, progress, take)?;
+        Ok((Baked::new(self.ran(seconds), pages, bounces), written))
     }
 
-    /// Bakes into a directory; pages are handed on in their order, each once it is written.
+    /// With the seconds of its pages and of the light that was added to them.
+    fn ran(mut self, [baking, bouncing]: [f64; 2]) -> Self {
+        self.end_phase("bake", baking);
+        if self.options().adds_light() {
+            self.end_phase("bounce", bouncing);
+        }
+        self
+    }
+
+    /// Bakes into a directory; pages are handed on in their order, each once it is written. Comes back with the seconds of
+    /// pages and of the light that was added.
     fn run_taking(
         &self,
         dir: &Path,
         resume: Resume,
         progress: &dyn Progress,
         mut take: impl FnMut(BakedPage),
-    ) -> Result<(Written, Option<BounceStats>), Error> {
+    ) -> Result<(Written, Option<BounceStats>, [f64; 2]), Error> {
         let output = Output::exclusive(dir)?;
         report::check_space(dir, self.room().peak())?;
         let mut writer = Writer::new(self, output)?;
@@ -270,7 +268,7 @@ impl Job {
         match writer.finish(phases, bounced) {
             Ok(written) => {
                 saved.remove();
-                Ok((written, bounced))
+                Ok((written, bounced, [baking, bouncing]))
             }
             Err(error) => Err(self.unwritten(error, saved.flush().is_ok())),
         }

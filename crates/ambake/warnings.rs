@@ -31,16 +31,14 @@ impl Job {
         };
         let layout = self.options().layout();
         let alone = layout.pages == Pages::Auto && !layout.one_page_per_mesh;
-        let small_page = (layout.is_shared() && self.atlas().source.is_packed()).then(|| {
+        let is_shared = layout.is_shared() && self.atlas().source.is_packed();
+        let small_page = is_shared.then(|| {
             self.layout_report()
                 .small_page(self.scene(), self.atlas(), alone)
         });
-        // Whoever asks for densities knows that they differ.
-        let is_asked = self.scene().instances.iter().any(|of| of.density.is_some());
-        let is_shared = layout.is_shared() && self.atlas().source.is_packed() && !is_asked;
-        let uneven = is_shared
-            .then(|| self.layout_report().uneven_density())
-            .flatten();
+        // Whoever asks for densities in the file knows that they differ.
+        let asks = self.scene().instances.iter().any(|of| of.density.is_some());
+        let uneven = (is_shared && !asks).then(|| self.layout_report().uneven_density());
         let of_scene = self
             .scene()
             .warnings
@@ -50,7 +48,7 @@ impl Job {
             .map(Into::into)
             .chain(self.layout_report().warnings())
             .chain(small_page.flatten())
-            .chain(uneven)
+            .chain(uneven.flatten())
             .chain(self.touching())
             .chain(self.outsides())
             .chain(self.inside_out())

@@ -1,9 +1,10 @@
 //! What a finished bake writes: EXR pages, PNG previews, a GLB and `bake.json`.
 
 use crate::any_view;
+use crate::dome::enclosed;
 use crate::error::Error;
 use crate::host::{REVISION, VERSION, peak_memory};
-use crate::interior::{Brightness, enclosed};
+use crate::interior::Brightness;
 use crate::job::Job;
 use crate::lit::LitScene;
 use crate::parts::Kind;

@@ -128,7 +128,7 @@ pub struct Export {
     /// A finished bake's directory; the files are written into it, and bake.json lists them
     pub dir: PathBuf,
     /// Engines, separated by commas: gltf, three, blender, bevy, godot, unity, unreal
-    #[arg(long = "for", value_name = "ENGINE,..", value_delimiter = ',', required = true, value_parser = bake::args::engine)]
+    #[arg(long = "for", value_name = "ENGINE,..", value_delimiter = ',', required = true, value_parser = bake::values::engine)]
     pub engines: Vec<ambake::Engine>,
     /// Compress the lightmaps of three and bevy for the graphics processor, an eighth as large: BC6H in place of
     /// uncompressed KTX2, and occlusion as BC7

@@ -391,7 +391,7 @@ mod tests {
         assert_eq!(plain.buried_of.len(), 1);
         assert!(
             plain.buried_of[0].0 == "wall*"
-                && plain.buried_of[0].1 == crate::bake::args::Buried::Keep
+                && plain.buried_of[0].1 == crate::bake::values::Buried::Keep
         );
         let typed = job(file, "--size 32 --target-error 0.1 --density-of door=4").unwrap();
         assert_eq!((typed.size, typed.target_error), (32, Some(0.1)));

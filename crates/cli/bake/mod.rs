@@ -11,4 +11,5 @@ pub mod run;
 pub mod shard;
 mod stdin;
 mod summary;
+pub mod values;
 pub mod watch;

@@ -1,6 +1,7 @@
 //! What the flags of a bake mean.
 
-use super::args::{self, Job};
+use super::args::Job;
+use super::values;
 use crate::common::{Backend, Common};
 use ambake::{Bake, Buried, Denoise, Effort, Footprint, Model, Options, Seams, Shading, Uv};
 
@@ -9,8 +10,8 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
     let mut options = Options::default();
     options.size = job.size;
     match job.density {
-        Some(args::Density::Of(density)) => options.density = Some(density),
-        Some(args::Density::Even) => options.even_density = true,
+        Some(values::Density::Of(density)) => options.density = Some(density),
+        Some(values::Density::Even) => options.even_density = true,
         None => {}
     }
     options.density_of = job.density_of.clone();
@@ -19,16 +20,16 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
     options.no_cast = job.no_cast.clone();
     for eyes in &job.seen_from {
         match eyes {
-            args::Eyes::Within => options.seen_from_within = true,
-            args::Eyes::At(places) => options.seen_from.extend(places),
+            values::Eyes::Within => options.seen_from_within = true,
+            values::Eyes::At(places) => options.seen_from.extend(places),
         }
     }
     options.pages = job.pages;
     options.one_page_per_mesh = job.one_page_per_mesh;
     options.uv = match job.uv {
-        args::Uv::Auto => Uv::Auto,
-        args::Uv::Keep => Uv::Keep,
-        args::Uv::Unwrap => Uv::Unwrap,
+        values::Uv::Auto => Uv::Auto,
+        values::Uv::Keep => Uv::Keep,
+        values::Uv::Unwrap => Uv::Unwrap,
     };
     options.gutter = job.gutter;
     options.mips = job.mips;
@@ -42,29 +43,29 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
         },
     };
     options.footprint = match job.footprint {
-        args::Footprint::Texel => Footprint::Texel,
-        args::Footprint::Centre => Footprint::Centre,
+        values::Footprint::Texel => Footprint::Texel,
+        values::Footprint::Centre => Footprint::Centre,
     };
     options.denoise = job.denoise.map(|denoise| match denoise {
-        args::Denoise::Off => Denoise::Off,
-        args::Denoise::Regression => Denoise::Regression,
-        args::Denoise::Oidn => Denoise::Oidn,
+        values::Denoise::Off => Denoise::Off,
+        values::Denoise::Regression => Denoise::Regression,
+        values::Denoise::Oidn => Denoise::Oidn,
     });
     options.seams = match job.seams {
-        args::Seams::Off => Seams::Off,
-        args::Seams::Object => Seams::Object,
-        args::Seams::Scene => Seams::Scene,
+        values::Seams::Off => Seams::Off,
+        values::Seams::Object => Seams::Object,
+        values::Seams::Scene => Seams::Scene,
     };
     options.seed = common.seed;
     options.sky = job.sky.load()?;
     options.view = job.view;
     options.shading = match job.shading {
-        args::Shading::Production => Shading::Production,
-        args::Shading::Exact => Shading::Exact,
+        values::Shading::Production => Shading::Production,
+        values::Shading::Exact => Shading::Exact,
     };
-    let buried = |typed: args::Buried| match typed {
-        args::Buried::Drop => Buried::Drop,
-        args::Buried::Keep => Buried::Keep,
+    let buried = |typed: values::Buried| match typed {
+        values::Buried::Drop => Buried::Drop,
+        values::Buried::Keep => Buried::Keep,
     };
     options.buried = buried(job.buried);
     let of = job.buried_of.iter();
@@ -72,12 +73,12 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
     options.under = job.under;
     options.max_distance = job.max_distance.map(|d| d as f32);
     options.model = job.model.map(|model| match model {
-        args::Model::Phong => Model::Phong,
-        args::Model::Ggx => Model::Ggx,
+        values::Model::Phong => Model::Phong,
+        values::Model::Ggx => Model::Ggx,
     });
     options.bounces = job.bounces;
     options.lights = job.shining.lights(glam::DVec3::ZERO);
-    options.file_lights = job.lights.map(|lights| lights == args::Lights::File);
+    options.file_lights = job.lights.map(|lights| lights == values::Lights::File);
     options.normal_maps = job.normal_maps;
     options.ambient_coefficient = job.ambient_coefficient.unwrap_or_default();
     options.albedo = job.albedo;

@@ -1,6 +1,6 @@
 //! What was typed after `ambake probes`. `run.rs` says what it means.
 
-use crate::bake::args::{Lights, bounces, engine, shard, target_error};
+use crate::bake::values::{Lights, bounces, engine, shard, target_error};
 use crate::common::{Backend, Common, Shining};
 use crate::parse::{positive, triple};
 use crate::sky::{SkyArg, sky};

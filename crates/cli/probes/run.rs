@@ -2,7 +2,7 @@
 
 use super::args::Args;
 use super::part;
-use crate::bake::args::Lights;
+use crate::bake::values::Lights;
 use crate::common::{Backend, Common};
 use crate::host;
 use crate::outcome::{Outcome, say, say_json, tell};

@@ -85,17 +85,7 @@ pub(crate) fn scene(meshes: Vec<Mesh>) -> Scene {
 
 /// A scene of meshes and their placements, with one opaque material.
 pub(crate) fn placed_scene(meshes: Vec<Mesh>, placed: &[(u32, DAffine3)]) -> Scene {
-    let instance = |&(mesh, transform)| Instance {
-        name: "object".into(),
-        mesh,
-        transform,
-        node: 0,
-        copy: None,
-        casts: true,
-        keeps_buried: None,
-        density: None,
-        bakes: true,
-    };
+    let instance = |&(mesh, transform)| Instance::new("object", mesh, transform);
     Scene {
         path: PathBuf::from("fixture.obj"),
         format: Format::Obj,

@@ -224,13 +224,35 @@ mod tests {
     use glam::{DAffine3, Vec3};
     use scene::Mesh;
 
-    #[test]
-    fn the_outside_of_an_edge_meets_nothing_of_its_own_box() {
+    fn kinds() -> Vec<BackendKind> {
         let mut kinds = vec![
             BackendKind::Obvhs(Layout::Bvh2),
             BackendKind::Obvhs(Layout::Cwbvh),
         ];
         kinds.extend(has_embree().then_some(BackendKind::Embree));
+        kinds
+    }
+
+    /// A ray from a point of a patch to the side of a unit normal.
+    fn ray(patch: &Patch, weights: DVec3, normal: DVec3, dice: &mut fixture::Dice) -> Ray {
+        let position = patch.position(patch.kept(weights));
+        let turned = dice.point().as_dvec3();
+        let lifted = position + normal * patch.offset(position.abs());
+        Ray {
+            origin: lifted.as_vec3().to_array(),
+            direction: (turned * turned.dot(normal).signum()).as_vec3().to_array(),
+            t_min: 0.0,
+            t_max: f32::INFINITY,
+        }
+    }
+
+    /// The normal on the side of the origin.
+    fn within(patch: &Patch) -> DVec3 {
+        -patch.corners[0].dot(patch.geometric).signum() * patch.geometric
+    }
+
+    #[test]
+    fn the_outside_of_an_edge_meets_nothing_of_its_own_box() {
         // Coordinates of many bits, so that nothing is exact by chance.
         for (origin, size) in [
             (Vec3::new(7.0, 0.1, 1.0), 1.0),
@@ -242,7 +264,7 @@ mod tests {
             let triangles = mesh.triangles.len() as u32;
             let world = fixture::world(fixture::scene(vec![mesh]));
             let errors = PlaneErrors::of(&world);
-            for &kind in &kinds {
+            for kind in kinds() {
                 let backend = build(kind, &world, 1).expect("a backend");
                 let mut dice = fixture::Dice(crate::mix::Mix(9));
                 let (mut met, mut cast) = (0, 0);
@@ -253,16 +275,7 @@ mod tests {
                             let mut weights = DVec3::ZERO;
                             weights[(edge + 1) % 3] = f64::from(dice.roll());
                             weights[(edge + 2) % 3] = 1.0 - weights[(edge + 1) % 3];
-                            let position = patch.position(patch.kept(weights));
-                            let lift = patch.geometric * patch.offset(position.abs());
-                            let turned = dice.point().as_dvec3();
-                            let up = turned.dot(patch.geometric).signum();
-                            let ray = Ray {
-                                origin: (position + lift).as_vec3().to_array(),
-                                direction: (turned * up).as_vec3().to_array(),
-                                t_min: 0.0,
-                                t_max: f32::INFINITY,
-                            };
+                            let ray = ray(&patch, weights, patch.geometric, &mut dice);
                             cast += 1;
                             met += u32::from(backend.occluded(&ray));
                         }
@@ -309,26 +322,15 @@ mod tests {
         let backend = build(BackendKind::Obvhs(Layout::Bvh2), &world, 1).expect("a backend");
         let mut dice = fixture::Dice(crate::mix::Mix(7));
         let (mut open, mut cast) = (0, 0);
-        for triangle in (0..)
-            .zip(&is_narrow)
-            .filter(|(_, narrow)| !**narrow)
-            .map(|(t, _)| t)
-        {
+        let wide = is_narrow.iter().enumerate().filter(|(_, narrow)| !**narrow);
+        for (triangle, _) in wide {
+            let triangle = triangle as u32;
             let patch = Patch::of(&world, &errors, 0, triangle);
             // Without its neighbours: an edge of 0.8 at 3 units from the origin.
             assert!(patch.rounding() < 1e-5, "{triangle}: {}", patch.rounding());
-            let position = patch.position(patch.kept(DVec3::new(0.2, 0.3, 0.5)));
-            let within = -position.dot(patch.geometric).signum() * patch.geometric;
             for _ in 0..64 {
-                let turned = dice.point().as_dvec3();
-                let ray = Ray {
-                    origin: (position + within * patch.offset(position.abs()))
-                        .as_vec3()
-                        .to_array(),
-                    direction: (turned * turned.dot(within).signum()).as_vec3().to_array(),
-                    t_min: 0.0,
-                    t_max: f32::INFINITY,
-                };
+                let weights = DVec3::new(0.2, 0.3, 0.5);
+                let ray = ray(&patch, weights, within(&patch), &mut dice);
                 cast += 1;
                 open += u32::from(!backend.occluded(&ray));
             }
@@ -371,18 +373,13 @@ mod tests {
 
     #[test]
     fn a_box_with_slivers_for_edges_stays_all_but_closed_from_within() {
-        let mut kinds = vec![
-            BackendKind::Obvhs(Layout::Bvh2),
-            BackendKind::Obvhs(Layout::Cwbvh),
-        ];
-        kinds.extend(has_embree().then_some(BackendKind::Embree));
         // At 1e-6, four roundings of a coordinate, a sliver's own normal is noise.
         for cut in [1e-2, 1e-3, 1e-4, 1e-5] {
             let mesh = chamfered(cut);
             let triangles = mesh.triangles.len() as u32;
             let world = fixture::world(fixture::scene(vec![mesh]));
             let errors = PlaneErrors::of(&world);
-            for &kind in &kinds {
+            for kind in kinds() {
                 let backend = build(kind, &world, 1).expect("a backend");
                 let mut dice = fixture::Dice(crate::mix::Mix(5));
                 let (mut left, mut cast) = (0, 0);
@@ -391,16 +388,7 @@ mod tests {
                     for _ in 0..2000 {
                         let [a, b] = [dice.roll(), dice.roll()].map(|roll| f64::from(roll).powi(3));
                         let weights = DVec3::new(1.0 - a, a * (1.0 - b), a * b);
-                        let position = patch.position(patch.kept(weights));
-                        let within = -position.dot(patch.geometric).signum() * patch.geometric;
-                        let turned = dice.point().as_dvec3();
-                        let lifted = position + within * patch.offset(position.abs());
-                        let ray = Ray {
-                            origin: lifted.as_vec3().to_array(),
-                            direction: (turned * turned.dot(within).signum()).as_vec3().to_array(),
-                            t_min: 0.0,
-                            t_max: f32::INFINITY,
-                        };
+                        let ray = ray(&patch, weights, within(&patch), &mut dice);
                         cast += 1;
                         left += u32::from(!backend.occluded(&ray));
                     }

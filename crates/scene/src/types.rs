@@ -126,6 +126,23 @@ pub struct Instance {
     pub bakes: bool,
 }
 
+impl Instance {
+    /// A mesh at a place, of which nothing else is said: it blocks light and takes texels.
+    pub fn new(name: impl Into<String>, mesh: u32, transform: DAffine3) -> Self {
+        Self {
+            name: name.into(),
+            mesh,
+            transform,
+            node: 0,
+            copy: None,
+            casts: true,
+            keeps_buried: None,
+            density: None,
+            bakes: true,
+        }
+    }
+}
+
 /// A light without extent, as the file has it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Light {

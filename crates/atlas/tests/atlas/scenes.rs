@@ -27,15 +27,8 @@ pub fn mesh(name: &str, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh 
 /// A scene of these meshes; each instance is a mesh, a node and a transform.
 pub fn scene(meshes: Vec<Mesh>, instances: &[(u32, u32, DAffine3)]) -> Scene {
     let instance = |&(mesh, node, transform): &(u32, u32, DAffine3)| Instance {
-        name: format!("node {node}"),
-        mesh,
-        transform,
         node,
-        copy: None,
-        casts: true,
-        keeps_buried: None,
-        density: None,
-        bakes: true,
+        ..Instance::new(format!("node {node}"), mesh, transform)
     };
     Scene {
         path: "test".into(),

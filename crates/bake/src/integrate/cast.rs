@@ -231,7 +231,8 @@ fn nets(range: Range<u32>) -> impl Iterator<Item = (Range<u32>, u32)> {
     })
 }
 
-/// Edge of the blocks of texels whose lanes stand side by side: both replicates of 2 x 2 texels, two blocks to a packet.
+/// Edge of the blocks of texels whose lanes stand side by side: both replicates of 2 x 2 texels, two blocks to a
+/// packet.
 const BLOCK: u32 = 2;
 
 /// The lanes of the texels `which`, block by block.

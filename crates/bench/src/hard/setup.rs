@@ -183,17 +183,8 @@ fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
 }
 
 fn scene(meshes: Vec<Mesh>) -> Scene {
-    let instances = (0..meshes.len() as u32).map(|mesh| Instance {
-        name: "object".into(),
-        mesh,
-        transform: DAffine3::IDENTITY,
-        node: 0,
-        copy: None,
-        casts: true,
-        keeps_buried: None,
-        density: None,
-        bakes: true,
-    });
+    let instances =
+        (0..meshes.len() as u32).map(|mesh| Instance::new("object", mesh, DAffine3::IDENTITY));
     Scene {
         path: PathBuf::from("hard.obj"),
         format: Format::Obj,

@@ -267,17 +267,7 @@ mod tests {
                     primitive: 0,
                 },
             }],
-            instances: vec![Instance {
-                name: "square".into(),
-                mesh: 0,
-                transform: DAffine3::IDENTITY,
-                node: 0,
-                copy: None,
-                casts: true,
-                keeps_buried: None,
-                density: None,
-                bakes: true,
-            }],
+            instances: vec![Instance::new("square", 0, DAffine3::IDENTITY)],
             materials: vec![material],
             images: vec![Image {
                 name: "mask".into(),

@@ -145,17 +145,9 @@ fn parts(
         let transform = affine(input, placement.transform, || {
             place("placement", number, &placement.name)
         })?;
-        parts.instances.push(Instance {
-            name,
-            mesh,
-            transform: transform * own,
-            node: 0,
-            copy: None,
-            casts: true,
-            keeps_buried: None,
-            density: None,
-            bakes: true,
-        });
+        parts
+            .instances
+            .push(Instance::new(name, mesh, transform * own));
     }
     Ok(parts)
 }

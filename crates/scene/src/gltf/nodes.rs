@@ -117,15 +117,13 @@ pub(super) fn instances(
             };
             let (node, copy) = (placement.node as u32, placement.copy);
             parts.instances.push(Instance {
-                name,
-                mesh,
-                transform: placement.transform,
                 node,
                 copy,
                 casts: placement.said.casts.unwrap_or(true),
                 keeps_buried: placement.said.keeps_buried,
                 density: placement.said.density,
                 bakes: placement.said.bakes.unwrap_or(true),
+                ..Instance::new(name, mesh, placement.transform)
             });
         }
     }

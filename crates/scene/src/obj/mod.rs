@@ -106,17 +106,11 @@ fn name(bytes: &[u8]) -> String {
 fn add(input: &mut Input, parts: &mut Parts, mut mesh: Mesh, home: DVec3) -> Result<(), Error> {
     let place = format!("part {} `{}`", mesh.origin.mesh, mesh.name);
     if validate::mesh(input, &mut mesh, &place)? {
-        parts.instances.push(Instance {
-            name: mesh.name.clone(),
-            mesh: parts.meshes.len() as u32,
-            transform: DAffine3::from_translation(home),
-            node: 0,
-            copy: None,
-            casts: true,
-            keeps_buried: None,
-            density: None,
-            bakes: true,
-        });
+        parts.instances.push(Instance::new(
+            mesh.name.clone(),
+            parts.meshes.len() as u32,
+            DAffine3::from_translation(home),
+        ));
         parts.meshes.push(mesh);
     }
     Ok(())

@@ -1,0 +1,153 @@
+//! Finds what stands around everything and keeps the sky from it, such as a sky dome.
+
+use crate::job::Job;
+use crate::shell::over;
+use atlas::ObjectName;
+use glam::DVec3;
+use rays::{Bounds, Ray};
+use report::WarningReport;
+
+/// A dome has at least this share of the scene's largest side.
+const LARGE: f64 = 0.49;
+/// What is in it may stand out of its box by this share of its side.
+const NEAR: f64 = 0.001;
+/// So many objects may be a dome, the largest ones.
+const CANDIDATES: usize = 4;
+/// So many of the objects in it are asked what they see, and so many faces of each.
+const OBJECTS: usize = 64;
+const FACES: u32 = 32;
+/// Of the rays of faces that see it one in so many may leave it.
+const LEAVING: u32 = 50;
+/// One in so many meets it, and of these one in so many may meet something beyond it.
+const MEETING: u32 = 10;
+
+/// The warning that names a sheet around most of a scene, which hides the sky from all that is in it. `None` where light
+/// was asked for that needs no sky.
+pub(crate) fn enclosed(job: &Job) -> Option<WarningReport> {
+    let (world, options) = (job.world(), job.options());
+    if options.max_distance.is_some() || options.adds_light() {
+        return None;
+    }
+    let objects = atlas::object_names(world.scene());
+    let boxes: Vec<Option<Bounds>> = objects.iter().map(|of| bounds_of(job, of)).collect();
+    let large = LARGE * side(world.bounds());
+    let casts = |object: &ObjectName| object.instances.iter().any(|&i| world.casts(i));
+    let mut candidates: Vec<(usize, Bounds)> = boxes
+        .iter()
+        .enumerate()
+        .filter_map(|(k, of)| Some((k, (*of)?)))
+        .filter(|(k, of)| side(*of) >= large && casts(&objects[*k]))
+        .collect();
+    candidates.sort_by(|a, b| side(b.1).total_cmp(&side(a.1)));
+    candidates.truncate(CANDIDATES);
+    let hides = |&(dome, around): &(usize, Bounds)| {
+        let is_within = |k: &usize| *k != dome && boxes[*k].is_some_and(|of| holds(around, of));
+        let within: Vec<usize> = (0..objects.len()).filter(is_within).collect();
+        let step = within.len().div_ceil(OBJECTS).max(1);
+        let some = within.iter().step_by(step).map(|&k| &objects[k]);
+        !within.is_empty()
+            && 2 * within.len() >= objects.len() - 1
+            && is_sheet_around(job, &objects[dome], some)
+    };
+    let (dome, _) = candidates.into_iter().find(hides)?;
+    Some(WarningReport {
+        kind: "enclosed".into(),
+        place: format!("object `{}`", objects[dome].name),
+        count: 1,
+        message: "what stands in it sees no sky; where it is a sky dome or a shell, `--no-cast NAME` lets the light \
+                  through it"
+            .into(),
+    })
+}
+
+/// The box around an object.
+fn bounds_of(job: &Job, object: &ObjectName) -> Option<Bounds> {
+    let boxes = object
+        .instances
+        .iter()
+        .filter_map(|&i| job.world().box_of(i));
+    let both = boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+    both.map(|(min, max)| Bounds { min, max })
+}
+
+fn side(bounds: Bounds) -> f64 {
+    (bounds.max - bounds.min).max_element()
+}
+
+fn holds(outer: Bounds, inner: Bounds) -> bool {
+    let slack = NEAR * side(outer);
+    let (min, max) = (inner.min + slack, inner.max - slack);
+    outer.min.cmple(min).all() && outer.max.cmpge(max).all()
+}
+
+/// What became of rays.
+#[derive(Default)]
+struct Counts {
+    cast: u32,
+    /// They leave the scene.
+    left: u32,
+    /// They meet the sheet first.
+    met: u32,
+    /// And would meet something beyond it.
+    beyond: u32,
+}
+
+/// True where next to no ray from faces of some objects that see a further one leaves the scene, many meet that one
+/// first, and nothing is beyond it.
+fn is_sheet_around<'a>(
+    job: &Job,
+    sheet: &ObjectName,
+    within: impl Iterator<Item = &'a ObjectName>,
+) -> bool {
+    let world = job.world();
+    let mut sums = Counts::default();
+    for &instance in within.flat_map(|object| &object.instances) {
+        let count = world.part(instance).1.triangles().len() as u32;
+        let step = count.div_ceil(FACES).max(1);
+        for triangle in (0..count).step_by(step as usize) {
+            let of = from_face(job, sheet, instance, triangle);
+            if of.met > 0 {
+                sums.cast += of.cast;
+                sums.left += of.left;
+                sums.met += of.met;
+                sums.beyond += of.beyond;
+            }
+        }
+    }
+    let Counts {
+        cast,
+        left,
+        met,
+        beyond,
+    } = sums;
+    met > 0 && left <= cast / LEAVING && met >= cast / MEETING && beyond <= met / MEETING
+}
+
+/// What becomes of rays from the middle of a face.
+fn from_face(job: &Job, sheet: &ObjectName, instance: u32, triangle: u32) -> Counts {
+    let (world, backend) = (job.world(), job.backend());
+    let off = 1e-5 * world.bounds().diagonal();
+    let ray = |origin: DVec3, direction: DVec3| Ray {
+        origin: origin.as_vec3().to_array(),
+        direction: direction.as_vec3().to_array(),
+        t_min: 0.0,
+        t_max: f32::INFINITY,
+    };
+    let normal = world.upward(instance, triangle);
+    let middle = world.corners(instance, triangle).iter().sum::<DVec3>() / 3.0;
+    let origin = middle + normal * off;
+    let mut counts = Counts::default();
+    for direction in over(normal) {
+        counts.cast += 1;
+        match backend.closest(&ray(origin, direction)) {
+            None => counts.left += 1,
+            Some(hit) if sheet.instances.contains(&hit.instance) => {
+                let beyond = origin + direction * (f64::from(hit.t) + off);
+                counts.met += 1;
+                counts.beyond += u32::from(backend.occluded(&ray(beyond, direction)));
+            }
+            Some(_) => {}
+        }
+    }
+    counts
+}
