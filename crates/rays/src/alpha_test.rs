@@ -11,7 +11,8 @@
 
 use crate::material::transmitted;
 use glam::Vec2;
-use scene::{Alpha, Mesh, Scene, TextureRef};
+use rayon::prelude::*;
+use scene::{Alpha, AlphaBlocks, Image, Mesh, Scene, TextureRef};
 use std::sync::Arc;
 
 /// Cells of a see-through triangle along two of its edges, each with thresholds of its own: enough to tell instances
@@ -23,16 +24,25 @@ const CELLS: f32 = 64.0;
 pub struct AlphaTest {
     scene: Arc<Scene>,
     mesh: u32,
+    /// Of the image that holds its alpha.
+    blocks: Option<Arc<AlphaBlocks>>,
 }
 
 impl AlphaTest {
     /// The test of a mesh of the scene; `None` where its material is opaque, unless `always`: then one that keeps all.
-    pub fn of(scene: &Arc<Scene>, mesh: u32, always: bool) -> Option<Self> {
-        let material = scene.meshes[mesh as usize].material;
-        let opaque = scene.materials[material as usize].is_opaque();
-        (!opaque || always).then(|| Self {
+    ///
+    /// * `blocks`: [`alpha_blocks`] of the scene.
+    pub(crate) fn of(
+        scene: &Arc<Scene>,
+        mesh: u32,
+        always: bool,
+        blocks: &[Option<Arc<AlphaBlocks>>],
+    ) -> Option<Self> {
+        let material = &scene.materials[scene.meshes[mesh as usize].material as usize];
+        (!material.is_opaque() || always).then(|| Self {
             scene: Arc::clone(scene),
             mesh,
+            blocks: map(&material.alpha).and_then(|map| blocks[map.image as usize].clone()),
         })
     }
 
@@ -42,18 +52,14 @@ impl AlphaTest {
     /// * `ray`: [`crate::Ray::id`] of the ray as it was cast.
     pub fn keep(&self, primitive: u32, barycentric: [f32; 2], ray: u32) -> bool {
         let mesh = &self.scene.meshes[self.mesh as usize];
-        let alpha = |factor: f32, map: &Option<TextureRef>| {
-            self.alpha(mesh, factor, map.as_ref(), primitive, barycentric)
-        };
+        let alpha = |factor, cutoff| self.alpha(mesh, factor, cutoff, primitive, barycentric);
         let material = &self.scene.materials[mesh.material as usize];
-        let stopped = match &material.alpha {
+        let stopped = match material.alpha {
             Alpha::Opaque => 1.0,
-            Alpha::Mask {
-                cutoff,
-                factor,
-                map,
-            } => f32::from(u8::from(alpha(*factor, map) >= *cutoff)),
-            Alpha::Blend { factor, map } => alpha(*factor, map),
+            Alpha::Mask { cutoff, factor, .. } => {
+                f32::from(u8::from(alpha(factor, Some(cutoff)) >= cutoff))
+            }
+            Alpha::Blend { factor, .. } => alpha(factor, None),
         };
         let stopped = match material.transmission {
             Some(_) if stopped > 0.0 => {
@@ -67,12 +73,13 @@ impl AlphaTest {
         stopped >= 1.0 || stopped > threshold([ray, self.mesh, primitive], barycentric)
     }
 
-    /// Alpha at a point: factor times vertex colour times texture, 0..=1.
+    /// Alpha at a point: factor times vertex colour times texture, 0..=1; or where there is a cutoff, some value on the
+    /// same side of it.
     fn alpha(
         &self,
         mesh: &Mesh,
         factor: f32,
-        map: Option<&TextureRef>,
+        cutoff: Option<f32>,
         primitive: u32,
         [u, v]: [f32; 2],
     ) -> f32 {
@@ -83,14 +90,39 @@ impl AlphaTest {
             // Exact where the corners are equal.
             alpha *= a + (b - a) * u + (c - a) * v;
         }
-        let set = |map: &TextureRef| mesh.uv_sets.get(map.uv_set as usize);
-        if let Some((map, set)) = map.and_then(|map| Some((map, set(map)?))) {
+        let map = map(&self.scene.materials[mesh.material as usize].alpha);
+        let set = map.and_then(|map| mesh.uv_sets.get(map.uv_set as usize));
+        if let (Some(map), Some(set), Some(blocks)) = (map, set, &self.blocks) {
             let [a, b, c] = triangle.map(|vertex| set[vertex as usize]);
             let uv: Vec2 = a * (1.0 - u - v) + b * u + c * v;
-            alpha *= self.scene.alpha(map, uv);
+            alpha *= self.scene.alpha_unless(map, uv, blocks, |[least, most]| {
+                let is_told = |cutoff| alpha * least >= cutoff || alpha * most < cutoff;
+                least == most || cutoff.is_some_and(is_told)
+            });
         }
         alpha
     }
+}
+
+/// The texture whose alpha it is.
+fn map(alpha: &Alpha) -> Option<&TextureRef> {
+    match alpha {
+        Alpha::Opaque => None,
+        Alpha::Mask { map, .. } | Alpha::Blend { map, .. } => map.as_ref(),
+    }
+}
+
+/// By image, the blocks of those that hold the alpha of a mesh.
+pub(crate) fn alpha_blocks(scene: &Scene) -> Vec<Option<Arc<AlphaBlocks>>> {
+    let mut asked = vec![false; scene.images.len()];
+    for mesh in &scene.meshes {
+        if let Some(map) = map(&scene.materials[mesh.material as usize].alpha) {
+            asked[map.image as usize] = true;
+        }
+    }
+    let images = asked.into_par_iter().zip(&scene.images);
+    let blocks = |(asked, image): (bool, &Image)| asked.then(|| Arc::new(AlphaBlocks::of(image)));
+    images.map(blocks).collect()
 }
 
 /// The threshold of a ray, a mesh and a triangle of it, where the ray meets it: evenly spread over `0.0..1.0`, all
@@ -123,6 +155,11 @@ mod tests {
     use super::*;
     use crate::fixture;
 
+    fn test(scene: Scene) -> AlphaTest {
+        let blocks = alpha_blocks(&scene);
+        AlphaTest::of(&Arc::new(scene), 0, true, &blocks).expect("always")
+    }
+
     #[test]
     fn a_see_through_triangle_stops_its_share_of_rays_and_layers_are_independent() {
         let (rays, alpha) = (100_000, 0.3);
@@ -144,8 +181,7 @@ mod tests {
         for (factor, share) in [(0.0, 0..=0), (0.5, 440..=560), (1.0, 1000..=1000)] {
             let mut scene = fixture::scene(vec![fixture::square(0.0)]);
             scene.materials[0].alpha = Alpha::Blend { factor, map: None };
-            let scene = Arc::new(scene);
-            let test = AlphaTest { scene, mesh: 0 };
+            let test = test(scene);
             let stopped = (0..1000).filter(|&ray| test.keep(1, [0.25, 0.5], ray));
             let stopped = stopped.count();
             assert!(share.contains(&stopped), "{factor}: {stopped}");
@@ -160,8 +196,7 @@ mod tests {
             factor: 0.75,
             map: None,
         });
-        let scene = Arc::new(scene);
-        let test = AlphaTest { scene, mesh: 0 };
+        let test = test(scene);
         let passed = |at: [f32; 2]| (0..100_000).filter(|&ray| !test.keep(0, at, ray)).count();
         // The second corner is right, the first left. Three standard errors of 100,000 rays are 411.
         let pane = passed([0.9, 0.05]);

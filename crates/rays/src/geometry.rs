@@ -3,7 +3,7 @@
 use crate::alpha_test::AlphaTest;
 use crate::part::Part;
 use glam::{DAffine3, DVec3, Vec3};
-use scene::{Mesh, Scene};
+use scene::{AlphaBlocks, Mesh, Scene};
 use std::ops::Deref;
 use std::sync::Arc;
 
@@ -43,11 +43,13 @@ impl Geometry {
     /// The geometry of a mesh: in its own space, or placed in the world where a transform is given.
     ///
     /// * `alpha_test`: an opaque mesh gets an alpha test too, one that keeps every hit.
+    /// * `blocks`: [`crate::alpha_test::alpha_blocks`] of the scene.
     pub(crate) fn new(
         scene: &Arc<Scene>,
         mesh: u32,
         placed: Option<&DAffine3>,
         alpha_test: bool,
+        blocks: &[Option<Arc<AlphaBlocks>>],
     ) -> Self {
         let positions = match placed {
             Some(transform) => Positions::Placed(place(&scene.meshes[mesh as usize], transform)),
@@ -58,7 +60,7 @@ impl Geometry {
             mesh,
             extent: extent(&positions),
             positions,
-            alpha: AlphaTest::of(scene, mesh, alpha_test),
+            alpha: AlphaTest::of(scene, mesh, alpha_test, blocks),
         }
     }
 

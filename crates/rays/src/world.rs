@@ -3,6 +3,7 @@
 //! Everything that judges a ray, places its origin or reads its hit takes its corners from here, so all agree on where
 //! the triangles are, to the last bit.
 
+use crate::alpha_test::alpha_blocks;
 use crate::error::Error;
 use crate::geometry::{Bounds, Geometry};
 use crate::instancing::{room, served};
@@ -63,6 +64,7 @@ impl World {
             uses[instance.mesh as usize] += 1;
         }
         let room = room(&scene);
+        let blocks = alpha_blocks(&scene);
         let mut shared: Vec<Option<u32>> = vec![None; scene.meshes.len()];
         let mut geometries = Vec::new();
         let mut parts = Vec::with_capacity(scene.instances.len());
@@ -76,7 +78,7 @@ impl World {
                     let own = instanced || instance.transform == DAffine3::IDENTITY;
                     let placed = (!own).then_some(&instance.transform);
                     let all = options.alpha_test_all;
-                    geometries.push(Geometry::new(&scene, mesh, placed, all));
+                    geometries.push(Geometry::new(&scene, mesh, placed, all, &blocks));
                     let geometry = geometries.len() as u32 - 1;
                     if instanced {
                         shared[mesh as usize] = Some(geometry);

@@ -20,6 +20,7 @@
 //!   surface both are `rays`' matter.
 #![forbid(unsafe_code)]
 
+mod alpha_blocks;
 pub mod authored;
 mod edited;
 mod error;
@@ -38,6 +39,7 @@ mod types;
 mod validate;
 mod warning;
 
+pub use alpha_blocks::AlphaBlocks;
 pub use error::Error;
 pub use gltf::{Elements, EncodedImage, GltfDocument, conformance};
 pub use material::{MAX_EXPONENT, phong_from_metallic_roughness, phong_from_specular_glossiness};

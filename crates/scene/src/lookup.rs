@@ -1,6 +1,6 @@
 //! Looks textures up: transform, wrap, filter and transfer function.
 
-use crate::{Image, Scene, TextureRef, Wrap};
+use crate::{AlphaBlocks, Image, Scene, TextureRef, Wrap};
 use glam::{Vec2, Vec3, Vec4};
 use std::sync::LazyLock;
 
@@ -73,6 +73,28 @@ impl Scene {
         self.image(texture).texel(texture, uv, codes).w
     }
 
+    /// [`Scene::alpha`], or where the least and the largest alpha of what lies about the place are enough, the least.
+    ///
+    /// * `blocks`: those of the texture's image.
+    ///
+    /// # Panics
+    /// If `texture` is not of this scene, or `blocks` are of another image.
+    pub fn alpha_unless(
+        &self,
+        texture: &TextureRef,
+        uv: Vec2,
+        blocks: &AlphaBlocks,
+        are_enough: impl Fn([f32; 2]) -> bool,
+    ) -> f32 {
+        let image = self.image(texture);
+        let place = image.place(texture, uv);
+        let range = blocks.about(place.x[0], place.y[0]);
+        match are_enough(range) {
+            true => range[0],
+            false => image.mean(&place, codes).w,
+        }
+    }
+
     fn image(&self, texture: &TextureRef) -> &Image {
         &self.images[texture.image as usize]
     }
@@ -85,22 +107,40 @@ impl TextureRef {
     }
 }
 
+/// Where a look-up lies in an image: the columns and rows of the four texels about it, and the weights of the second.
+struct Place {
+    x: [u32; 2],
+    y: [u32; 2],
+    weights: [f32; 2],
+}
+
 impl Image {
     fn texel(&self, texture: &TextureRef, uv: Vec2, decode: impl Fn([u8; 4]) -> Vec4) -> Vec4 {
+        self.mean(&self.place(texture, uv), decode)
+    }
+
+    fn place(&self, texture: &TextureRef, uv: Vec2) -> Place {
         let [u, v] = texture.transform.map(|[a, b, c]| {
             let t = a as f64 * uv.x as f64 + b as f64 * uv.y as f64 + c as f64;
             if t.is_finite() { t } else { 0.0 }
         });
         let [wrap_u, wrap_v] = texture.wrap;
-        if !texture.linear {
-            let (x, y) = (
-                nearest(u, self.width, wrap_u),
-                nearest(v, self.height, wrap_v),
-            );
-            return decode(pixel(self, x, y));
+        let along = if texture.linear { pair } else { nearest };
+        let (x0, x1, fx) = along(u, self.width, wrap_u);
+        let (y0, y1, fy) = along(v, self.height, wrap_v);
+        Place {
+            x: [x0, x1],
+            y: [y0, y1],
+            weights: [fx, fy],
         }
-        let (x0, x1, fx) = pair(u, self.width, wrap_u);
-        let (y0, y1, fy) = pair(v, self.height, wrap_v);
+    }
+
+    fn mean(&self, place: &Place, decode: impl Fn([u8; 4]) -> Vec4) -> Vec4 {
+        let Place {
+            x: [x0, x1],
+            y: [y0, y1],
+            weights: [fx, fy],
+        } = *place;
         let row = |y| mix(decode(pixel(self, x0, y)), decode(pixel(self, x1, y)), fx);
         mix(row(y0), row(y1), fy)
     }
@@ -159,9 +199,11 @@ fn wrapped(i: i64, size: u32, wrap: Wrap) -> u32 {
     inside as u32
 }
 
-fn nearest(t: f64, size: u32, wrap: Wrap) -> u32 {
+/// The texel that holds a coordinate, twice, and no weight of the second.
+fn nearest(t: f64, size: u32, wrap: Wrap) -> (u32, u32, f32) {
     let i = floor(reduce(t, wrap) * f64::from(size)) as i64;
-    wrapped(i, size, wrap)
+    let texel = wrapped(i, size, wrap);
+    (texel, texel, 0.0)
 }
 
 /// The two texels whose centres (at half-integers) enclose a coordinate, and the weight of the second.
@@ -234,6 +276,50 @@ mod tests {
             let uv = Vec2::new(step as f32 * 0.01713, step as f32 * 0.007);
             let found = scene.alpha(&texture(Wrap::Mirror, true), uv);
             assert_eq!(found, alpha, "at {uv}");
+        }
+    }
+
+    #[test]
+    fn what_blocks_say_holds_of_every_look_up() {
+        let mut scene = scene();
+        let mut code = 1_u32;
+        for [width, height] in [[1, 1], [2, 1], [3, 5], [4, 4], [9, 8], [17, 6]] {
+            let mut alpha = |_| {
+                code = code.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                [
+                    0,
+                    0,
+                    0,
+                    [0, 255, 255, (code >> 24) as u8][(code >> 16) as usize % 4],
+                ]
+            };
+            scene.images[0] = Image {
+                name: "noise".into(),
+                width,
+                height,
+                pixels: (0..width * height).map(&mut alpha).collect(),
+            };
+            let blocks = AlphaBlocks::of(&scene.images[0]);
+            for wrap in [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror] {
+                for linear in [false, true] {
+                    let t = texture(wrap, linear);
+                    for step in 0..2000 {
+                        let uv = Vec2::new(step as f32 * 0.01713 - 3.0, step as f32 * 0.0071 - 2.0);
+                        let exact = scene.alpha(&t, uv);
+                        let range = std::cell::Cell::new([0.0; 2]);
+                        let found = scene.alpha_unless(&t, uv, &blocks, |own| {
+                            range.set(own);
+                            own[0] == own[1]
+                        });
+                        assert_eq!(found, exact, "{width} x {height} {wrap:?} {linear} {uv}");
+                        let [least, most] = range.get();
+                        assert!(
+                            least <= exact && exact <= most,
+                            "{exact} of {least}..{most}"
+                        );
+                    }
+                }
+            }
         }
     }
 
