@@ -105,6 +105,20 @@ impl Tile {
         held.chain(pieces)
     }
 
+    /// The triangles of a footprint, as places in [`Tile::triangles`], each with its corner weights amid its part; of a
+    /// whole footprint amid the texel, where they may be negative.
+    pub(crate) fn middles(&self, footprint: &Footprint) -> impl Iterator<Item = (u32, DVec3)> {
+        let amid = DVec2::new(
+            f64::from(footprint.x - self.x0) + 0.5,
+            f64::from(footprint.y - self.y0) + 0.5,
+        );
+        let held = self.held_of(footprint).iter();
+        let held = held.map(move |held| (held.number, self.weights[held.number as usize].at(amid)));
+        let pieces = self.pieces_of(footprint).iter();
+        let pieces = pieces.map(|piece| (piece.number, piece.corners.iter().sum::<DVec3>() / 3.0));
+        held.chain(pieces)
+    }
+
     /// The point of the footprint at `u` of the unit square: uniform over its area in UV for uniform `u`.
     ///
     /// A whole footprint takes `u` as the position in its square. Otherwise `u[0]` chooses a piece by area and is

@@ -56,7 +56,7 @@ pub fn touching(scene: &Scene, atlas: &Atlas) -> Option<(u64, u32)> {
         for band in tiles.chunk_by(|a, b| a.1 / across == b.1 / across) {
             let found = band
                 .par_iter()
-                .map(|&(tile, _)| of_tile(scene, atlas, &raster.tile(tile)));
+                .map(|&(tile, _)| of_tile(scene, atlas, &raster.whole_tile(tile, |_| true)));
             let found: Vec<Vec<(u32, u32, Place, bool)>> = found.collect();
             // A row before those of the band, where the band above has any.
             let number = band[0].1 / across;
@@ -98,12 +98,11 @@ pub fn touching(scene: &Scene, atlas: &Atlas) -> Option<(u64, u32)> {
 
 /// Column, row and surface of each texel of a tile, and whether it holds another that this does not go on in.
 fn of_tile(scene: &Scene, atlas: &Atlas, tile: &Tile) -> Vec<(u32, u32, Place, bool)> {
+    let facets = tile.triangles.iter();
+    let facets: Vec<Option<Facet>> = facets.map(|&of| Facet::of(scene, atlas, of)).collect();
     let texel = |footprint: &Footprint| {
-        let pieces = tile.pieces_of(footprint).iter();
-        let mut places = pieces.filter_map(|piece| {
-            let weights = piece.corners.iter().sum::<DVec3>() / 3.0;
-            place(scene, atlas, [piece.instance, piece.triangle], weights)
-        });
+        let mut places = (tile.middles(footprint))
+            .filter_map(|(number, weights)| Some(facets[number as usize].as_ref()?.at(weights)));
         let first = places.next()?;
         let mixed = places.any(|place| !first.goes_on_in(&place));
         Some((footprint.x, footprint.y, first, mixed))
@@ -111,29 +110,44 @@ fn of_tile(scene: &Scene, atlas: &Atlas, tile: &Tile) -> Vec<(u32, u32, Place, b
     tile.footprints.iter().filter_map(texel).collect()
 }
 
-/// The surface at weights of a triangle's corners; `None` where the triangle has no area.
-fn place(
-    scene: &Scene,
-    atlas: &Atlas,
-    [instance, triangle]: [u32; 2],
-    weights: DVec3,
-) -> Option<Place> {
-    let object = &scene.instances[instance as usize];
-    let mesh = &scene.meshes[object.mesh as usize];
-    let at = |vertex: u32| {
-        let position = mesh.positions[vertex as usize].as_dvec3();
-        object.transform.transform_point3(position)
-    };
-    let [a, b, c] = mesh.triangles[triangle as usize].map(at);
-    let across = (b - a).cross(c - a);
-    let layout = &atlas.meshes[object.mesh as usize];
-    let placement = &atlas.placements[instance as usize];
-    let size = f64::from(atlas.page_size);
-    let texels = twice_area(corners(layout, placement, triangle as usize, size)).abs();
-    Some(Place {
-        instance,
-        position: DMat3::from_cols(a, b, c) * weights,
-        normal: across.try_normalize()?,
-        step: (across.length() / texels).sqrt(),
-    })
+/// A triangle in space, by its corners as columns, and what all its places have in common.
+struct Facet {
+    corners: DMat3,
+    common: Place,
+}
+
+impl Facet {
+    /// `None` where the triangle has no area.
+    fn of(scene: &Scene, atlas: &Atlas, [instance, triangle]: [u32; 2]) -> Option<Self> {
+        let object = &scene.instances[instance as usize];
+        let mesh = &scene.meshes[object.mesh as usize];
+        let at = |vertex: u32| {
+            let position = mesh.positions[vertex as usize].as_dvec3();
+            object.transform.transform_point3(position)
+        };
+        let [a, b, c] = mesh.triangles[triangle as usize].map(at);
+        let across = (b - a).cross(c - a);
+        let layout = &atlas.meshes[object.mesh as usize];
+        let placement = &atlas.placements[instance as usize];
+        let size = f64::from(atlas.page_size);
+        let texels = twice_area(corners(layout, placement, triangle as usize, size)).abs();
+        let common = Place {
+            instance,
+            position: a,
+            normal: across.try_normalize()?,
+            step: (across.length() / texels).sqrt(),
+        };
+        Some(Self {
+            corners: DMat3::from_cols(a, b, c),
+            common,
+        })
+    }
+
+    /// The surface at weights of the corners.
+    fn at(&self, weights: DVec3) -> Place {
+        Place {
+            position: self.corners * weights,
+            ..self.common
+        }
+    }
 }
