@@ -1,13 +1,11 @@
 //! Occlusion, roughness and metalness in one picture, where a file's coordinates are kept: read back by the crate
 //! `gltf` and judged by Khronos' validator.
 
-use crate::support::{Page, bake, files, report, skip};
+use crate::support::{Page, assert_valid_gltf, bake, files, report};
 use gltf::json::Root;
 use image::{ImageFormat, Rgb, RgbImage};
 use serde_json::json;
 use std::io::Cursor;
-use std::path::Path;
-use std::process::Command;
 
 /// A floor with coordinates that a bake can keep, under a lid without; its roughness is a board of 4 x 4 texels.
 fn floor() -> Vec<u8> {
@@ -99,7 +97,7 @@ fn kept_coordinates_get_one_picture_of_occlusion_roughness_and_metalness() {
     let flags = ["--size=64", "--rays=32", "--exclude=lid", "--for=godot"];
     let (out, page) = bake(&path, &[&flags[..], &["--uv=keep"]].concat());
     let packed = out.path().join("floor.orm.glb");
-    assert_valid(&packed);
+    assert_valid_gltf(&packed);
     let told = report(out.path())["lightmaps"].to_string();
     assert!(told.contains("floor.orm.glb"), "{told}");
 
@@ -155,18 +153,4 @@ fn holds(picture: &RgbImage, page: &Page) {
         );
     }
     assert!(dark > 100, "{dark} texels are dark");
-}
-
-fn assert_valid(path: &Path) {
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/tools/validate-gltf.mjs");
-    match Command::new("node").arg(script).arg(path).output() {
-        Ok(run) if run.status.code() != Some(77) => {
-            let said = String::from_utf8_lossy(&run.stdout);
-            assert!(
-                run.status.success() && said.contains("\"errors\":0"),
-                "{said}"
-            );
-        }
-        _ => skip("node or its module gltf-validator is absent (npm install in tests/tools)"),
-    }
 }

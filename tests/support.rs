@@ -228,3 +228,18 @@ pub fn files(folder: &Path) -> Vec<String> {
     names.sort();
     names
 }
+
+/// Holds a file against Khronos' validator, where that is installed.
+pub fn assert_valid_gltf(path: &Path) {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/tools/validate-gltf.mjs");
+    match Command::new("node").arg(script).arg(path).output() {
+        Ok(run) if run.status.code() != Some(77) => {
+            let said = String::from_utf8_lossy(&run.stdout);
+            assert!(
+                run.status.success() && said.contains("\"errors\":0"),
+                "{said}"
+            );
+        }
+        _ => skip("node or its module gltf-validator is absent (npm install in tests/tools)"),
+    }
+}

@@ -69,6 +69,7 @@ mod stated;
 mod stopped;
 mod support;
 mod texels;
+mod to_vertices;
 mod together;
 mod under;
 mod update;

@@ -398,6 +398,13 @@ impl Bake {
         self
     }
 
+    /// Also writes `STEM.vertices.glb`: the scene with the layer `diffuse` as vertex colours, by area-weighted least
+    /// squares over the texels ([`crate::Baked::vertex_values`]), times the colours of the file. Off by default.
+    pub fn to_vertices(mut self, vertices: bool) -> Self {
+        self.options.vertices = vertices;
+        self
+    }
+
     /// Which library answers rays; by default Embree where it is built in.
     pub fn backend(mut self, backend: Backend) -> Self {
         self.made = (backend, None);

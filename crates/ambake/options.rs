@@ -158,6 +158,8 @@ pub struct Options {
     pub engines: Vec<Engine>,
     /// Their lightmaps and occlusion are compressed, where an engine reads that; it changes no value.
     pub compress: bool,
+    /// The diffuse term is also written at vertices; it changes no value.
+    pub vertices: bool,
 }
 
 impl Default for Options {
@@ -204,6 +206,7 @@ impl Default for Options {
             plan_off: Vec::new(),
             engines: Vec::new(),
             compress: false,
+            vertices: false,
         }
     }
 }
@@ -300,6 +303,12 @@ impl Options {
         if self.compress {
             let checked = report::check_compressed(&self.engines, self.size);
             checked.map_err(|problem| Error::option("compress", problem))?;
+        }
+        if self.vertices && !self.layers.contains(&Layer::Diffuse) {
+            return fail(
+                "to",
+                "vertices take the layer `diffuse`, which was not asked for",
+            );
         }
         let asks = |layers: &[Layer]| self.layers.iter().any(|layer| layers.contains(layer));
         if self.model == Some(Model::Phong) && asks(&[Layer::Ggx, Layer::Base]) {
@@ -568,6 +577,7 @@ impl Options {
             plan_off,
             engines: _,
             compress: _,
+            vertices: _,
         } = self;
         let (rays, target_error, target_relative, max_rays) = match *effort {
             Effort::Rays(rays) => (Some(rays), None, None, None),

@@ -13,8 +13,10 @@
 //! object.
 
 use crate::baked::Baked;
+use crate::job::Job;
+use ::bake::BakedPage;
 use ::scene::Mesh;
-use atlas::{PageRaster, Tile};
+use atlas::{PageRaster, Placement, Tile};
 use glam::DVec3;
 use layers::{Layer, Preview, Unit};
 use rayon::prelude::*;
@@ -66,53 +68,75 @@ impl Baked {
     /// # }
     /// ```
     pub fn vertex_values(&self, layer: Layer) -> Option<Vec<Vertices>> {
-        self.job().within(|| self.fitted(layer))
-    }
-
-    fn fitted(&self, layer: Layer) -> Option<Vec<Vertices>> {
-        let count = layer.channels().len();
-        let (scene, atlas) = (self.job().scene(), self.job().atlas());
-        let placements = atlas.placements.par_iter().enumerate();
-        let mut systems: Vec<Option<System>> = placements
-            .map(|(number, placement)| {
-                let is_somewhere = placement.is_somewhere();
-                is_somewhere.then(|| System::new(self, number as u32, count))
-            })
-            .collect();
-        for page in self.pages() {
-            let channels: Option<Vec<&[f32]>> =
-                (0..count).map(|c| page.0.channel(layer, c)).collect();
-            let channels = channels?;
-            let raster = PageRaster::new(scene, atlas, page.number());
-            let tiles: Vec<usize> = (0..raster.tiles().len()).collect();
-            for batch in tiles.chunks(BATCH) {
-                let cut: Vec<Vec<Texel>> = batch
-                    .par_iter()
-                    .map(|&tile| texels(&raster.tile(tile), page.size()))
-                    .collect();
-                for texel in cut.iter().flatten() {
-                    if let Some(system) = &mut systems[texel.instance as usize] {
-                        system.add(texel, &channels);
-                    }
-                }
-            }
-        }
-        let systems: Vec<(usize, System)> = (systems.into_iter().enumerate())
-            .filter_map(|(number, system)| Some((number, system?)))
-            .collect();
-        let solved = systems.into_par_iter().map(|(number, system)| {
-            let instance = &scene.instances[number];
-            let mesh = &scene.meshes[instance.mesh as usize];
+        let job = self.job();
+        let mut fit = Fit::of(job, layer);
+        self.pages().try_for_each(|page| fit.add(&page.0))?;
+        let solved = fit.solved().into_iter().map(|(number, channels)| {
+            let instance = &job.scene().instances[number];
+            let mesh = &job.scene().meshes[instance.mesh as usize];
             Vertices {
                 name: instance.name.clone(),
                 vertices: match mesh.source_vertices.is_empty() {
                     true => (0..mesh.positions.len() as u32).collect(),
                     false => mesh.source_vertices.clone(),
                 },
-                channels: bounded(layer, system.solved()),
+                channels,
             }
         });
         Some(solved.collect())
+    }
+}
+
+/// A layer that is brought to vertices page by page.
+pub(crate) struct Fit<'a> {
+    job: &'a Job,
+    layer: Layer,
+    /// Of each instance that took texels.
+    systems: Vec<Option<System>>,
+}
+
+impl<'a> Fit<'a> {
+    /// Before the first page.
+    pub fn of(job: &'a Job, layer: Layer) -> Self {
+        let count = layer.channels().len();
+        let system = |(number, placement): (usize, &Placement)| {
+            let is_somewhere = placement.is_somewhere();
+            is_somewhere.then(|| System::new(job, number as u32, count))
+        };
+        let placements = job.atlas().placements.par_iter().enumerate();
+        Self {
+            job,
+            layer,
+            systems: job.within(|| placements.map(system).collect()),
+        }
+    }
+
+    /// Adds the texels of a page; `None` where it has no such layer.
+    pub fn add(&mut self, page: &BakedPage) -> Option<()> {
+        let channels = 0..self.layer.channels().len();
+        let channels: Option<Vec<&[f32]>> = channels.map(|c| page.channel(self.layer, c)).collect();
+        let channels = channels?;
+        let raster = PageRaster::new(self.job.scene(), self.job.atlas(), page.page);
+        let tiles: Vec<usize> = (0..raster.tiles().len()).collect();
+        for batch in tiles.chunks(BATCH) {
+            let cut = batch.par_iter();
+            let cut = cut.map(|&tile| texels(&raster.tile(tile), page.size));
+            let cut: Vec<Vec<Texel>> = self.job.within(|| cut.collect());
+            for texel in cut.iter().flatten() {
+                if let Some(system) = &mut self.systems[texel.instance as usize] {
+                    system.add(texel, &channels);
+                }
+            }
+        }
+        Some(())
+    }
+
+    /// The values at the vertices of each instance that took texels, channel by channel.
+    pub fn solved(self) -> Vec<(usize, Vec<Vec<f32>>)> {
+        let systems = self.systems.into_par_iter().enumerate();
+        let solved = systems
+            .filter_map(|(number, system)| Some((number, bounded(self.layer, system?.solved()))));
+        self.job.within(|| solved.collect())
     }
 }
 
@@ -189,8 +213,7 @@ struct System {
 
 impl System {
     /// The equations about slopes.
-    fn new(baked: &Baked, instance: u32, channels: usize) -> Self {
-        let job = baked.job();
+    fn new(job: &Job, instance: u32, channels: usize) -> Self {
         let (scene, atlas) = (job.scene(), job.atlas());
         let mesh = &scene.meshes[scene.instances[instance as usize].mesh as usize];
         let (unknowns, count) = unknowns(mesh);

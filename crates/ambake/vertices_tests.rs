@@ -44,7 +44,7 @@ fn fitted(
     let (job, page) = (baked.job(), baked.page(0));
     let raster = PageRaster::new(job.scene(), job.atlas(), 0);
     let mut plane = vec![f32::NAN; page.layer(Layer::Coverage).len()];
-    let mut system = System::new(baked, 0, 1);
+    let mut system = System::new(baked.job(), 0, 1);
     for tile in 0..raster.tiles().len() {
         for texel in texels(&raster.tile(tile), page.size()) {
             let area: f64 = texel.parts.iter().map(|part| part.1).sum();

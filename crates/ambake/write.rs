@@ -11,12 +11,13 @@ use crate::parts::Kind;
 use crate::resume::Saved;
 use crate::state::{self, Head};
 use crate::update::Tracker;
+use crate::vertices::Fit;
 use ::bake::{BakedPage, BounceStats, Bounces, Fingerprint, LayerPlanes, SeamStats};
 use layers::Layer;
 use rayon::prelude::*;
 use report::{
     BakeReport, Engine, LightSource, LightmapReport, Output, PageHeader, PageLight, PageReport,
-    PhaseReport, ScenePictures, SeamReport, UpdateReport,
+    PhaseReport, ScenePictures, SeamReport, Shades, UpdateReport,
 };
 use serde_json::{Value, json};
 use std::borrow::Cow;
@@ -57,6 +58,8 @@ pub(crate) struct Writer<'a> {
     scene_pictures: ScenePictures,
     /// One picture of the diffuse term a page; `None` where the bake has no such layer.
     pictures: Option<Vec<Vec<u8>>>,
+    /// The diffuse term at vertices, where it was asked for.
+    vertices: Option<Fit<'a>>,
     /// The ray library that baked, where it was another process.
     backend: Option<String>,
     /// What is kept for later updates, and what this one kept.
@@ -96,6 +99,7 @@ impl<'a> Writer<'a> {
             lightmaps: Vec::new(),
             scene_pictures: ScenePictures::new(engines),
             pictures: Some(Vec::new()),
+            vertices: (job.options().vertices).then(|| Fit::of(job, Layer::Diffuse)),
             backend: None,
             state: None,
         })
@@ -188,6 +192,9 @@ impl<'a> Writer<'a> {
                 pictures.push(picture);
                 pictures
             });
+        if let Some(fit) = &mut self.vertices {
+            fit.add(page);
+        }
         self.pages.push(page_report(self.job, page));
         self.seams.append(&page.stats.seams);
         Ok(())
@@ -203,6 +210,10 @@ impl<'a> Writer<'a> {
         let bytes = glb(self.job, self.pictures.as_deref())?;
         self.output.stage_bytes(&glb_name(&self.stem), &bytes)?;
         let engines = &self.job.options().engines;
+        if let Some(fit) = self.vertices.take() {
+            let bytes = vertex_glb(self.job, fit)?;
+            (self.output).stage_bytes(&vertex_glb_name(&self.stem), &bytes)?;
+        }
         let pictures = &self.scene_pictures;
         let scenes = pictures.stage(&mut self.output, &self.stem, &bytes, engines)?;
         self.lightmaps.extend(scenes);
@@ -374,6 +385,7 @@ fn names_of_bake(stem: &str, engines: &[Engine], any_view: bool) -> Vec<String> 
         report::record_name(stem),
         report::REPORT_NAME.into(),
         glb_name(stem),
+        vertex_glb_name(stem),
         lit_name(stem),
         state::head_name(stem),
     ];
@@ -409,6 +421,10 @@ fn glb_name(stem: &str) -> String {
     format!("{stem}.glb")
 }
 
+fn vertex_glb_name(stem: &str) -> String {
+    format!("{stem}.vertices.glb")
+}
+
 fn page_name(stem: &str, page: u32) -> String {
     format!("{stem}.{page}.exr")
 }
@@ -423,7 +439,25 @@ fn lit_name(stem: &str) -> String {
 
 /// The scene with its lightmap coordinates and, where there are pictures of it, the diffuse term.
 pub(crate) fn glb(job: &Job, pictures: Option<&[Vec<u8>]>) -> Result<Vec<u8>, Error> {
-    Ok(report::write_gltf(job.scene(), job.atlas(), pictures)?)
+    let none = Shades::new();
+    Ok(report::write_gltf(
+        job.scene(),
+        job.atlas(),
+        pictures,
+        &none,
+    )?)
+}
+
+/// The scene with a layer of one channel as vertex colours.
+fn vertex_glb(job: &Job, fit: Fit<'_>) -> Result<Vec<u8>, Error> {
+    let shades = fit.solved().into_iter();
+    let shades = shades.map(|(instance, channels)| (instance, channels.concat()));
+    Ok(report::write_gltf(
+        job.scene(),
+        job.atlas(),
+        None,
+        &shades.collect(),
+    )?)
 }
 
 fn page_report(job: &Job, page: &BakedPage) -> PageReport {
@@ -501,6 +535,12 @@ fn report_of(
     let engines: Vec<&str> = options.engines.iter().map(|engine| engine.name()).collect();
     described.insert("for".into(), json!(engines));
     described.insert("compress".into(), json!(options.compress));
+    let to = if options.vertices {
+        "vertices"
+    } else {
+        "pages"
+    };
+    described.insert("to".into(), json!(to));
     BakeReport {
         schema_version: report::BAKE_SCHEMA_VERSION,
         versions: report::Versions {

@@ -2,7 +2,7 @@
 
 use super::layer_help::layer_help;
 use super::values::{
-    Buried, Denoise, Density, Eyes, Footprint, Lights, Model, Seams, Shading, Uv, bounces,
+    Buried, Denoise, Density, Eyes, Footprint, Lights, Model, Seams, Shading, To, Uv, bounces,
     buried_of, choice, coefficient, density, density_of, engine, eyes, layer, memory, pages, shard,
     target_error, view,
 };
@@ -327,6 +327,11 @@ pub struct Job {
     #[arg(help_heading = "Files", hide_short_help = true)]
     #[arg(long, value_name = "A,B,C", value_delimiter = ',', value_parser = layer, conflicts_with = "layers")]
     pub only: Vec<Layer>,
+    /// Where the diffuse term goes: to pages alone, or to vertices too: STEM.vertices.glb has it as vertex colours, for
+    /// engines that take occlusion from there
+    #[arg(help_heading = "Files", hide_short_help = true)]
+    #[arg(long, value_enum, default_value_t = To::Pages)]
+    pub to: To,
     /// Let normal maps of materials bend the shading normals: a texel gets the mean of the bent normals over it
     #[arg(help_heading = "Input", hide_short_help = true)]
     #[arg(long)]

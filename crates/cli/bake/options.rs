@@ -56,6 +56,7 @@ pub fn bake(scene: &ambake::Scene, job: &Job, common: &Common) -> Result<Bake, a
         values::Seams::Object => Seams::Object,
         values::Seams::Scene => Seams::Scene,
     };
+    options.vertices = job.to == values::To::Vertices;
     options.seed = common.seed;
     options.sky = job.sky.load()?;
     options.view = job.view;

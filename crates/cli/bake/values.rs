@@ -55,6 +55,12 @@ pub enum Seams {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum To {
+    Pages,
+    Vertices,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Uv {
     Auto,
     Keep,

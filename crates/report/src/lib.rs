@@ -59,7 +59,7 @@ pub use engines::{
 pub use error::Error;
 pub use exr_read::{MAX_EDGE, PageFile, read_page_exr};
 pub use exr_write::{PageHeader, write_page_exr};
-pub use gltf::{read_gltf, source_gltf, write_gltf};
+pub use gltf::{Shades, read_gltf, source_gltf, write_gltf};
 pub use layout::{LayoutReport, ObjectLayout, Spread};
 pub use layout_file::{layout_blocks, layout_hash, layout_of_blocks, read_layout, write_layout};
 pub use origin::check_origin;

@@ -68,6 +68,7 @@ fn other_bake(file: &PageFile, bake: &BakeReport) -> Option<&'static str> {
     // They change no value, so that headers do not have them.
     options.remove("for");
     options.remove("compress");
+    options.remove("to");
     let told = [
         (
             "ambakeSceneHash",

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyString};
 
 /// Every option, as its flag is called with underscores; `for` is a word of Python.
-pub const NAMES: [&str; 47] = [
+pub const NAMES: [&str; 48] = [
     "size",
     "density",
     "density_of",
@@ -47,6 +47,7 @@ pub const NAMES: [&str; 47] = [
     "rect",
     "layers",
     "only",
+    "to",
     "for_",
     "compress",
     "update",
@@ -219,6 +220,7 @@ fn one(mut bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
         "lights" => bake.file_lights(word(value, &[("file", true), ("none", false)])?),
         "layers" => bake.layers(layers(value)?),
         "only" => bake.only(layers(value)?),
+        "to" => bake.to_vertices(word(value, &[("pages", false), ("vertices", true)])?),
         "for_" => bake.for_engines(engines(value)?),
         "compress" => bake.compress(value.extract()?),
         "update" => bake.update(value.extract::<std::path::PathBuf>()?),

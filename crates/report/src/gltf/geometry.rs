@@ -5,7 +5,7 @@ use super::accessor::gather;
 use super::document::{Document, index};
 use super::material::{self, Uses};
 use atlas::{MeshLayout, Placement};
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use scene::Mesh;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -208,6 +208,22 @@ pub fn lightmap(
         .map(|uv| [uv.x * su + ou, uv.y * sv + ov])
         .collect();
     document.push_floats(&uvs, false)
+}
+
+/// The accessor of one object's vertex colours: the mesh's own times a number of each of its vertices.
+pub fn colors(
+    document: &mut Document,
+    (mesh, shades): (&Mesh, &[f32]),
+    layout: &MeshLayout,
+) -> Result<usize, Reason> {
+    let color = |&vertex: &u32| {
+        let vertex = vertex as usize;
+        let own = mesh.colors.get(vertex).copied().unwrap_or(Vec3::ONE) * shades[vertex];
+        let alpha = mesh.alphas.get(vertex).copied().unwrap_or(1.0);
+        own.extend(alpha).to_array()
+    };
+    let colors: Vec<[f32; 4]> = layout.source_vertices.iter().map(color).collect();
+    document.push_floats(&colors, false)
 }
 
 /// Replaces every accessor of an attribute map by its elements in the order `vertices`. All must have `expected`

@@ -22,6 +22,9 @@ use serde_json::Value;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
+/// By object, a number for each vertex of its mesh, 0..=1; none of an object without texels.
+pub type Shades = HashMap<usize, Vec<f32>>;
+
 /// A reason, without the file: the caller adds it.
 type Reason = String;
 
@@ -39,6 +42,7 @@ struct Origins {
 ///
 /// * `occlusion`: one PNG file a page, as [`crate::occlusion_png`] makes it; embedded and named by every material whose
 ///   triangles lie on that page. `None` writes the lightmap coordinates alone.
+/// * `shades`: by what vertex colours are multiplied.
 ///
 /// # Errors
 /// [`Error::Read`] where an attribute that the scene does not use is damaged in the input; [`Error::Write`] with an
@@ -50,6 +54,7 @@ pub fn write_gltf(
     scene: &Scene,
     atlas: &Atlas,
     occlusion: Option<&[Vec<u8>]>,
+    shades: &Shades,
 ) -> Result<Vec<u8>, Error> {
     assert_eq!(
         scene.meshes.len(),
@@ -85,7 +90,7 @@ pub fn write_gltf(
             (Document::of(source).map_err(read)?, origins)
         }
     };
-    patch(&mut document, scene, atlas, occlusion, &origins).map_err(read)?;
+    patch(&mut document, scene, atlas, (occlusion, shades), &origins).map_err(read)?;
     document
         .into_glb()
         .map_err(|e| Error::write(Path::new(""), e))
@@ -120,7 +125,7 @@ fn patch(
     document: &mut Document,
     scene: &Scene,
     atlas: &Atlas,
-    occlusion: Option<&[Vec<u8>]>,
+    (occlusion, shades): (Option<&[Vec<u8>]>, &Shades),
     origins: &Origins,
 ) -> Result<(), Reason> {
     // The objects of each user, by primitive.
@@ -198,11 +203,18 @@ fn patch(
             let layout = &atlas.meshes[instance.mesh as usize];
             let placement = &atlas.placements[object];
             let lightmap = geometry::lightmap(document, geometry, layout, placement)?;
+            let mesh = &scene.meshes[instance.mesh as usize];
+            let shade = shades.get(&object);
+            let shade = shade.map(|shades| geometry::colors(document, (mesh, shades), layout));
+            let shade = shade.transpose()?;
             for part in &geometry.parts {
                 let page = placement.page + u32::from(part.page);
                 let mut own = geometry.primitive(primitive, part, lightmap, |uses| {
                     materials.get(document, uses, page)
                 })?;
+                if let Some(shade) = shade {
+                    own["attributes"]["COLOR_0"] = shade.into();
+                }
                 if let Some(to) = geometry.moved {
                     material::move_property_textures(document, &mut own, to, &mut properties);
                 }

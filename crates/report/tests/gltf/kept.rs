@@ -2,7 +2,7 @@
 
 use super::rich::rich;
 use super::support::{corners, glb, layout, open, picture, pictures};
-use ambake_report::{Output, write_gltf};
+use ambake_report::{Output, Shades, write_gltf};
 use atlas::Atlas;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -63,7 +63,7 @@ fn triangle_files(dir: &Path) -> PathBuf {
 
 fn written(scene: &Scene, split: bool) -> Vec<u8> {
     let atlas = layout(scene, split, 1);
-    write_gltf(scene, &atlas, Some(&pictures(&atlas))).unwrap()
+    write_gltf(scene, &atlas, Some(&pictures(&atlas)), &Shades::new()).unwrap()
 }
 
 fn stored(dir: &Path, bytes: &[u8]) -> PathBuf {
@@ -198,7 +198,7 @@ fn a_lightmap_set_of_the_file_is_kept_and_nothing_is_added() {
         .map(|&v| scene.meshes[0].uv_sets[1][v as usize])
         .collect();
     let sets = |atlas: &Atlas| {
-        let bytes = write_gltf(&scene, atlas, Some(&pictures(atlas))).unwrap();
+        let bytes = write_gltf(&scene, atlas, Some(&pictures(atlas)), &Shades::new()).unwrap();
         let (json, _) = open(&stored(dir.path(), &bytes));
         let attributes = json["meshes"][0]["primitives"][0]["attributes"]
             .as_object()
@@ -229,7 +229,7 @@ fn a_damaged_attribute_is_named_when_its_vertices_move() {
     fs::write(&path, glb(&json, &bin)).unwrap();
     let scene = scene::load(&path).unwrap();
     let atlas = layout(&scene, true, 1);
-    let message = write_gltf(&scene, &atlas, Some(&pictures(&atlas)))
+    let message = write_gltf(&scene, &atlas, Some(&pictures(&atlas)), &Shades::new())
         .unwrap_err()
         .to_string();
     let expected = format!("rich.glb: accessor {color}: 1000000 elements of 4 bytes");

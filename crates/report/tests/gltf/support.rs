@@ -6,7 +6,7 @@
     reason = "tests say what they skip"
 )]
 
-use ambake_report::{Output, occlusion_png, write_gltf};
+use ambake_report::{Output, Shades, occlusion_png, write_gltf};
 use atlas::{Atlas, Audit, MeshLayout, Placement, UvSource};
 use glam::Vec2;
 use scene::Scene;
@@ -78,7 +78,7 @@ pub fn pictures(atlas: &Atlas) -> Vec<Vec<u8>> {
 }
 
 pub fn write(scene: &Scene, atlas: &Atlas, dir: &Path, name: &str) -> PathBuf {
-    let bytes = write_gltf(scene, atlas, Some(&pictures(atlas))).unwrap();
+    let bytes = write_gltf(scene, atlas, Some(&pictures(atlas)), &Shades::new()).unwrap();
     let mut out = Output::create(dir).unwrap();
     out.stage_bytes(name, &bytes).unwrap();
     out.publish().unwrap().remove(0)

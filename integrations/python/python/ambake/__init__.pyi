@@ -51,6 +51,7 @@ class Options(TypedDict, total=False):
     rect: Sequence[Sequence[float]]
     layers: Union[str, Sequence[str]]
     only: Union[str, Sequence[str]]
+    to: Literal["pages", "vertices"]
     compress: bool
     for_: Union[str, Sequence[str]]
     update: _Path
