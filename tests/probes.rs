@@ -718,7 +718,7 @@ fn white_balls_look_in_the_light_of_probes_as_they_are_baked() {
 fn three_js_moves_a_ball_through_a_volume_as_it_is_baked() {
     let folder = tempfile::tempdir().expect("a temporary directory");
     let path = courtyard_with_balls(folder.path(), 0.15);
-    let (baked, _) = bake_with_balls(&path, &["--density-of=probe_ball*=100"]);
+    let (baked, _) = bake_with_balls(&path, &["--density-of=probe_ball*=100", "--rays=24"]);
     let (made, _) = probes(
         "courtyard.obj",
         &[

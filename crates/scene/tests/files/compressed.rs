@@ -194,3 +194,41 @@ fn attributes_of_a_stream_may_share_an_accessor() {
     let found = folder.load("shared.glb", shared).expect("a scene");
     assert_same("shared", &found, &scene("draco.glb"));
 }
+
+#[test]
+fn streams_may_share_the_accessor_of_their_indices() {
+    let folder = Folder::new();
+    // As an exporter writes equal indices of two meshes before it compresses both: each has a stream of its own.
+    let shared = edited("draco.glb", |json| {
+        let append = |json: &mut Value, key: &str, value: Value| {
+            let list = json[key].as_array_mut().unwrap();
+            list.push(value);
+            list.len() - 1
+        };
+        let mut mesh = json["meshes"][0].clone();
+        let primitive = &mut mesh["primitives"][0];
+        let stream = &mut primitive["extensions"]["KHR_draco_mesh_compression"];
+        let view = stream["bufferView"].as_u64().unwrap() as usize;
+        let view = json["bufferViews"][view].clone();
+        stream["bufferView"] = append(json, "bufferViews", view).into();
+        for (_, accessor) in primitive["attributes"].as_object_mut().unwrap() {
+            let own = json["accessors"][accessor.as_u64().unwrap() as usize].clone();
+            *accessor = append(json, "accessors", own).into();
+        }
+        let mesh = append(json, "meshes", mesh);
+        let node = append(json, "nodes", json!({ "mesh": mesh }));
+        json["scenes"][0]["nodes"]
+            .as_array_mut()
+            .unwrap()
+            .push(node.into());
+    });
+    let found = folder.load("streams.glb", shared).expect("a scene");
+    assert_eq!(found.meshes.len(), scene("draco.glb").meshes.len() + 1);
+    let [first, .., second] = &found.meshes[..] else {
+        unreachable!("there are two");
+    };
+    assert!(!first.triangles.is_empty());
+    assert_eq!(first.triangles, second.triangles);
+    assert_eq!(first.positions, second.positions);
+    assert_eq!(first.normals, second.normals);
+}

@@ -13,6 +13,9 @@ use std::collections::BTreeMap;
 
 const NAME: &str = "KHR_draco_mesh_compression";
 
+/// Where a primitive names the accessor of its indices.
+const INDICES: &str = "indices";
+
 /// The most triangles that one byte of a stream may hold. A plane in regular triangles has some hundred.
 const FACES_A_BYTE: u64 = 4096;
 
@@ -20,7 +23,8 @@ const FACES_A_BYTE: u64 = 4096;
 const MOST_BYTES: u64 = 16 << 30;
 
 /// Which stream an accessor was filled from. Where several attributes of one stream share an accessor, as coordinates
-/// that an exporter found equal, they are equal, and the first is taken.
+/// that an exporter found equal, they are equal, and the first is taken. Where several streams do, as indices that it
+/// found equal before it compressed them, each has its own, and the later ones get accessors of their own.
 type Filled = BTreeMap<usize, usize>;
 
 /// Decodes every primitive whose accessors have no data of their own. Decoded bytes lie behind the first buffer.
@@ -35,12 +39,12 @@ pub(super) fn decode(document: &mut GltfDocument) -> Result<(), Problem> {
             let Some(stream) = primitive.pointer(&format!("/extensions/{NAME}")) else {
                 continue;
             };
-            if has_data(document, &primitive) {
+            if has_data(document, &primitive, &filled) {
                 remains = true;
                 continue;
             }
-            let bytes = fill(document, &primitive, stream, &mut filled, left);
-            let bytes = bytes.map_err(|problem| {
+            let decoded = fill(document, &primitive, stream, &mut filled, left);
+            let (bytes, places) = decoded.map_err(|problem| {
                 (
                     place(),
                     format!("{problem}; the file is corrupt, export it again"),
@@ -49,6 +53,12 @@ pub(super) fn decode(document: &mut GltfDocument) -> Result<(), Problem> {
             left -= bytes.min(left);
             let primitive = &mut document.json["meshes"][m]["primitives"][p];
             take_extension(primitive, NAME);
+            for (name, accessor) in places {
+                match name.as_str() {
+                    INDICES => primitive[INDICES] = accessor.into(),
+                    _ => primitive["attributes"][name] = accessor.into(),
+                }
+            }
             // A stream holds triangles, whatever they were before.
             primitive
                 .as_object_mut()
@@ -61,10 +71,10 @@ pub(super) fn decode(document: &mut GltfDocument) -> Result<(), Problem> {
     Ok(())
 }
 
-/// Whether the positions of a primitive stand in the file uncompressed too, or were decoded for another primitive
-/// alone.
-fn has_data(document: &GltfDocument, primitive: &Value) -> bool {
+/// Whether the positions of a primitive stand in the file uncompressed too.
+fn has_data(document: &GltfDocument, primitive: &Value, filled: &Filled) -> bool {
     let positions = number(&primitive["attributes"], "POSITION");
+    let positions = positions.filter(|accessor| !filled.contains_key(accessor));
     let accessor = positions.and_then(|i| list(&document.json, "accessors").get(i));
     accessor.is_some_and(|accessor| accessor.get("bufferView").is_some())
         && primitive
@@ -72,14 +82,15 @@ fn has_data(document: &GltfDocument, primitive: &Value) -> bool {
             .is_some()
 }
 
-/// Decodes a stream into the accessors of its primitive and returns how many bytes it had.
+/// Decodes a stream into accessors, and returns how many bytes it had and the accessor of each attribute and of the
+/// indices.
 fn fill(
     document: &mut GltfDocument,
     primitive: &Value,
     stream: &Value,
     filled: &mut Filled,
     left: u64,
-) -> Result<u64, String> {
+) -> Result<(u64, Vec<(String, usize)>), String> {
     let view = number(stream, "bufferView").unwrap_or(usize::MAX);
     let bytes = list(&document.json, "bufferViews").get(view);
     let bytes = bytes.and_then(|view| document.named_bytes(view));
@@ -97,7 +108,7 @@ fn fill(
     let points = mesh.num_points();
     let mut total = 0;
 
-    let indices = number(primitive, "indices").ok_or("it is compressed but has no indices")?;
+    let indices = number(primitive, INDICES).ok_or("it is compressed but has no indices")?;
     let corners = mesh.faces().iter().flatten().map(|point| point.0);
     let (kind, numbers): (u32, Vec<u8>) = match u16::try_from(points) {
         Ok(_) => (
@@ -108,7 +119,8 @@ fn fill(
     };
     total += numbers.len() as u64;
     let shape = json!({ "componentType": kind, "count": 3 * mesh.num_faces() });
-    place(document, indices, &numbers, None, shape, filled, view)?;
+    let indices = place(document, indices, &numbers, None, shape, filled, view)?;
+    let mut places = vec![(INDICES.to_string(), indices)];
 
     for (name, id) in stream
         .get("attributes")
@@ -124,9 +136,10 @@ fn fill(
         let (rows, stride) = rows(document, accessor, attribute, points)?;
         total += rows.len() as u64;
         let shape = json!({ "count": points });
-        place(document, accessor, &rows, Some(stride), shape, filled, view)?;
+        let accessor = place(document, accessor, &rows, Some(stride), shape, filled, view)?;
+        places.push((name.clone(), accessor));
     }
-    Ok(total)
+    Ok((total, places))
 }
 
 /// One row of a multiple of four bytes for each point, in the accessor's type, and that multiple.
@@ -168,7 +181,7 @@ fn rows(
     Ok((rows, stride))
 }
 
-/// Gives an accessor its bytes, once.
+/// Gives an accessor its bytes, once, or a copy of it where another stream has filled it; returns which.
 fn place(
     document: &mut GltfDocument,
     accessor: usize,
@@ -177,23 +190,20 @@ fn place(
     shape: Value,
     filled: &mut Filled,
     from: usize,
-) -> Result<(), String> {
+) -> Result<usize, String> {
     let json = list(&document.json, "accessors").get(accessor);
     let json = json.ok_or_else(|| format!("accessor {accessor} does not exist"))?;
-    match filled.get(&accessor) {
-        Some(before) if *before == from => return Ok(()),
-        Some(_) => {
-            return Err(format!(
-                "accessor {accessor} belongs to two compressed streams"
-            ));
-        }
-        None if json.get("bufferView").is_some() => {
-            return Err(format!(
-                "accessor {accessor} has data beside the compressed ones"
-            ));
-        }
-        None => filled.insert(accessor, from),
-    };
+    let before = filled.get(&accessor);
+    if before == Some(&from) {
+        return Ok(accessor);
+    }
+    if before.is_none() && json.get("bufferView").is_some() {
+        return Err(format!(
+            "accessor {accessor} has data beside the compressed ones"
+        ));
+    }
+    let mut own = json.clone();
+    let is_copy = before.is_some();
     let start = document.append(bytes);
     let mut view = json!({ "buffer": 0, "byteOffset": start, "byteLength": bytes.len() });
     view["target"] = if stride.is_some() { 34962 } else { 34963 }.into();
@@ -203,14 +213,25 @@ fn place(
     let views = document.json["bufferViews"].as_array_mut();
     let views = views.ok_or("there are no buffer views")?;
     views.push(view);
-    let number = views.len() - 1;
-    let json = &mut document.json["accessors"][accessor];
-    json["bufferView"] = number.into();
-    json["byteOffset"] = 0.into();
+    own["bufferView"] = (views.len() - 1).into();
+    own["byteOffset"] = 0.into();
     for (key, value) in shape.as_object().into_iter().flatten() {
-        json[key] = value.clone();
+        own[key] = value.clone();
     }
-    Ok(())
+    let accessors = document.json["accessors"].as_array_mut();
+    let accessors = accessors.ok_or("there are no accessors")?;
+    let place = match is_copy {
+        true => {
+            accessors.push(own);
+            accessors.len() - 1
+        }
+        false => {
+            accessors[accessor] = own;
+            accessor
+        }
+    };
+    filled.insert(place, from);
+    Ok(place)
 }
 
 /// The number that a stream stores; 0 for a type that it should not have.
