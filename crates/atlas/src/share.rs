@@ -29,15 +29,16 @@ pub(crate) const FLOOR: f64 = 15.99;
 const FLOORS: f64 = 0.5;
 
 /// The density of each object, in texels per scene unit, when all have about `budget` texels together on pages of
-/// `edge` texels; 0 for objects that take none.
+/// `edge` texels; 0 for objects that are not included.
 ///
 /// * `even`: the first point of the rule alone.
 pub(crate) fn densities(objects: &[Object], budget: f64, edge: u32, even: bool) -> Vec<f64> {
     let asked_for = |o: &Object| o.asked.filter(|_| o.included).unwrap_or(0.0);
     let mut out: Vec<f64> = objects.iter().map(asked_for).collect();
-    let free: Vec<usize> = (0..objects.len())
-        .filter(|&i| objects[i].included && objects[i].asked.is_none() && objects[i].area > 0.0)
-        .collect();
+    let may_choose = |&i: &usize| objects[i].included && objects[i].asked.is_none();
+    let (free, hidden): (Vec<usize>, Vec<usize>) = (0..objects.len())
+        .filter(may_choose)
+        .partition(|&i| objects[i].area > 0.0);
     let taken = |o: &Object| match o.asked {
         Some(density) if o.included => o.area * density * density,
         _ => 0.0,
@@ -52,6 +53,11 @@ pub(crate) fn densities(objects: &[Object], budget: f64, edge: u32, even: bool) 
     };
     for (&i, density) in free.iter().zip(shares) {
         out[i] = density;
+    }
+    // What is hidden takes one texel a chart at any density, and is laid out by a number above 0.
+    let equal = Some(common(&shared, rest)).filter(|density| density.is_finite());
+    for i in hidden {
+        out[i] = equal.unwrap_or(1.0);
     }
     out
 }
@@ -206,6 +212,18 @@ mod tests {
             densities[1] * 12.0
         );
         assert!((densities[50] / densities[0] - 4.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_is_wholly_hidden_is_laid_out_by_the_equal_density() {
+        let scene = [object(100.0, 10.0), object(0.0, 3.0), object(400.0, 20.0)];
+        let found = densities(&scene, BUDGET, 1024, false);
+        assert!(
+            (found[1] - (BUDGET / 500.0).sqrt()).abs() < 1e-9,
+            "{found:?}"
+        );
+        let alone = densities(&scene[1..2], BUDGET, 1024, false);
+        assert!(alone[0].is_finite() && alone[0] > 0.0, "{alone:?}");
     }
 
     #[test]
