@@ -128,8 +128,9 @@ impl Solids {
         let mut group_of = HashMap::new();
         for (index, instance) in scene.instances.iter().enumerate() {
             let place = instance.transform.to_cols_array().map(f64::to_bits);
-            let key = (instance.node, instance.copy, instance.casts, place);
-            let group = *group_of.entry(key).or_insert(groups.len());
+            let group = *group_of
+                .entry((instance.casts, place))
+                .or_insert(groups.len());
             if group == groups.len() {
                 groups.push(Vec::new());
             }

@@ -119,11 +119,18 @@ fn a_body_of_two_materials_closes_over_both_meshes() {
     let (mut lower, mut upper) = (unit(false), unit(false));
     lower.triangles.truncate(5);
     upper.triangles.drain(..5);
-    let solids = solids(vec![lower, sheet(), upper]);
-    assert_eq!(solids.count(), 1);
-    assert_eq!(depth(&solids, INSIDE), 1);
-    assert_eq!(solids.own(0, 0), solids.own(2, 0));
-    assert_eq!(solids.own(1, 0), None);
+    let mut scene = scene(vec![lower, sheet(), upper]);
+    // Of one node each, or all of one.
+    for apart in [0, 1] {
+        for (node, instance) in (0..).zip(&mut scene.instances) {
+            instance.node = apart * node;
+        }
+        let solids = Solids::of(world(scene.clone()).scene());
+        assert_eq!(solids.count(), 1);
+        assert_eq!(depth(&solids, INSIDE), 1);
+        assert_eq!(solids.own(0, 0), solids.own(2, 0));
+        assert_eq!(solids.own(1, 0), None);
+    }
 }
 
 #[test]
