@@ -15,7 +15,7 @@ const MOST_PER_BYTE: u64 = 64;
 pub(crate) enum Failure {
     /// A format that is not read here (KTX2, AVIF, …): the texture is left out with a warning.
     Unsupported(String),
-    /// The bytes are broken: the load stops.
+    /// The bytes are broken: the texture is left out with a warning.
     Broken(String),
     /// A sound image of more pixels than are read: the load stops with [`TOO_LARGE`].
     TooLarge,

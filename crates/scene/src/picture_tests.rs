@@ -35,9 +35,10 @@ fn gltf() -> String {
     let textures = list(|i| format!(r#"{{"source":{i}}}"#));
     let materials =
         list(|i| format!(r#"{{"pbrMetallicRoughness":{{"baseColorTexture":{{"index":{i}}}}}}}"#));
+    let primitives = list(|i| format!(r#"{{"attributes":{{"POSITION":0}},"material":{i}}}"#));
     format!(
         r#"{{"asset":{{"version":"2.0"}},"nodes":[{{"mesh":0}}],"scenes":[{{"nodes":[0]}}],
-        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+        "meshes":[{{"primitives":[{primitives}]}}],
         "accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}}],
         "bufferViews":[{{"buffer":0,"byteLength":36}}],"buffers":[{{"byteLength":36,"uri":"data:,{corners}"}}],
         "images":[{images}],"textures":[{textures}],"materials":[{materials}]}}"#

@@ -94,6 +94,27 @@ impl Input {
         Ok(bytes)
     }
 
+    /// The bytes of a picture; `None`, with a warning that says what is done `instead`, where they cannot be had.
+    ///
+    /// # Errors
+    /// It lies where the scene may not have files read.
+    pub fn read_picture(&mut self, path: &Path, instead: &str) -> Result<Option<Vec<u8>>, Error> {
+        let problem = match path.is_file().then(|| self.read(path, 0)) {
+            Some(Ok(bytes)) => return Ok(Some(bytes)),
+            Some(Err(error @ Error::Outside { .. })) => return Err(error),
+            Some(Err(error)) => error.to_string(),
+            None => "it is absent".into(),
+        };
+        self.warn_of_picture(format!("texture `{}`", path.display()), &problem, instead);
+        Ok(None)
+    }
+
+    /// Notes that a picture cannot be had, and what is done `instead`.
+    pub fn warn_of_picture(&mut self, place: String, problem: &str, instead: &str) {
+        let message = format!("{problem}; {instead}");
+        self.warn(WarningKind::MissingTextures, place, 1, message);
+    }
+
     /// As [`Input::read`], for a file without influence on a bake.
     pub fn read_unhashed(&self, path: &Path, announced: u64) -> Result<Vec<u8>, Error> {
         self.check_place(path)?;
@@ -282,7 +303,7 @@ pub(crate) fn uri(text: &str) -> Result<Uri, String> {
         .unwrap_or(text);
     if local.len() == text.len() && text.contains("://") {
         return Err(format!(
-            "`{}` is not a local file; download it and name it relative to the scene",
+            "`{}` is not a local file and is not fetched; download it and name it relative to the scene",
             short(text)
         ));
     }

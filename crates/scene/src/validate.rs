@@ -14,7 +14,7 @@
 //! | instance that reaches beyond [`REACH`] in the world, or whose matrix is not finite or not affine | error |
 //! | instance of which no side is as long as 1e-12 units, or whose transform has no inverse | left out |
 //! | no triangle in the whole scene | error `NoTriangles` |
-//! | image file that is there and broken | error |
+//! | what the scene can do without (a picture, an attribute but positions, a material's property) and is broken | left out |
 //! | built in memory: normals or UVs not one a vertex, material number out of range, texture of another size | error `Authored` |
 //! | normal that is not of unit length | made so, silently |
 
@@ -403,7 +403,7 @@ pub(crate) fn without_textures(
 }
 
 /// The places of a material where a texture can stand.
-fn slots(material: &mut Material) -> impl Iterator<Item = &mut Option<TextureRef>> {
+pub(crate) fn slots(material: &mut Material) -> impl Iterator<Item = &mut Option<TextureRef>> {
     let surface = match &mut material.surface {
         Surface::Phong { albedo_map, .. } => [Some(albedo_map), None],
         Surface::MetallicRoughness {

@@ -35,6 +35,9 @@ pub enum WarningKind {
     BadTangents,
     /// A UV that is not finite becomes (0, 0).
     BadUvs,
+    /// glTF: what a bake can do without (an attribute, a property of a material, a sampler, a name) cannot be meant as it
+    /// stands in the file: it is as if it were not there.
+    BrokenParts,
     /// A factor of a material outside its range is clamped into it.
     ClampedFactors,
     /// Diffuse and specular reflectance add up to more than 1: both are scaled down, by one factor for all channels.
@@ -68,7 +71,7 @@ pub enum WarningKind {
     LostDigits,
     /// OBJ: a material library that is absent.
     MissingMaterialLibraries,
-    /// A texture whose file is absent: the factor stands alone.
+    /// A texture whose picture cannot be had, for it is absent, broken or not on this machine: the factor stands alone.
     MissingTextures,
     /// OBJ: corners without a `vt` in a mesh that has some get the UV (0, 0).
     MissingUvs,
@@ -110,6 +113,7 @@ impl WarningKind {
             WarningKind::BadNormals => "bad-normals",
             WarningKind::BadTangents => "bad-tangents",
             WarningKind::BadUvs => "bad-uvs",
+            WarningKind::BrokenParts => "broken-parts",
             WarningKind::ClampedFactors => "clamped-factors",
             WarningKind::ReflectanceScaled => "reflectance-scaled",
             WarningKind::EmptyMeshes => "empty-meshes",

@@ -26,3 +26,5 @@ mod obj;
 mod strangers;
 #[path = "files/support.rs"]
 mod support;
+#[path = "files/unneeded.rs"]
+mod unneeded;

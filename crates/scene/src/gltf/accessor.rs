@@ -1,32 +1,26 @@
 //! Reads accessors: every range is checked once when the accessor is opened, every element afterwards is inside.
 
 use super::document::GltfDocument;
-use super::elements::{Elements, component, element_size, kind};
-use gltf::json::accessor::{Accessor, ComponentType, Type};
-use gltf::json::{Index, Root, buffer};
+use super::elements::{ComponentType, Elements, Type, component, element_size, kind};
+use crate::source::short;
 use serde_json::Value;
 
 /// So many elements without data are read in a file of any size.
 const MOST_ZEROS: usize = 1 << 16;
 
-/// The document, typed and plain.
-pub(super) struct Data<'a> {
-    pub root: &'a Root,
-    pub document: &'a GltfDocument,
-}
-
-impl Data<'_> {
-    /// Bytes of a buffer view and its stride, if it has one.
-    pub fn view(&self, index: Index<buffer::View>) -> Result<(&[u8], Option<usize>), String> {
-        self.document.view(index.value())
+impl GltfDocument {
+    /// The elements of a top-level array; none where there is no such array.
+    pub(super) fn list(&self, key: &str) -> &[Value] {
+        let list = self.json.get(key).and_then(Value::as_array);
+        list.map_or(&[], Vec::as_slice)
     }
 
     /// Opens an accessor of one of the types in `types`. One without data holds zeros.
     ///
     /// # Errors
     /// A sentence that names the accessor.
-    pub fn open(&self, index: Index<Accessor>, types: &[Type]) -> Result<Elements<'_>, String> {
-        let elements = self.document.accessor(index.value())?;
+    pub(super) fn typed(&self, index: usize, types: &[Type]) -> Result<Elements<'_>, String> {
+        let elements = self.accessor(index)?;
         let (kind, count) = (elements.kind, elements.count);
         let named = |problem: String| Err(format!("accessor {index}: {problem}"));
         if !types.contains(&kind) {
@@ -35,7 +29,7 @@ impl Data<'_> {
             ));
         }
         // Zeros cost no byte in the file, so their number needs a bound of its own.
-        let bytes: usize = self.document.buffers.iter().map(Vec::len).sum();
+        let bytes: usize = self.buffers.iter().map(Vec::len).sum();
         if elements.base.is_none() && count > bytes.max(MOST_ZEROS) {
             return named(format!(
                 "{count} elements without data in a file of {bytes} bytes; the file is corrupt"
@@ -43,19 +37,19 @@ impl Data<'_> {
         }
         Ok(elements)
     }
-}
 
-impl GltfDocument {
     /// Bytes of a buffer view and its stride, if it has one.
-    fn view(&self, index: usize) -> Result<(&[u8], Option<usize>), String> {
-        let view = item(&self.json, "bufferViews", index)
+    pub(super) fn view(&self, index: usize) -> Result<(&[u8], Option<usize>), String> {
+        let view = self
+            .list("bufferViews")
+            .get(index)
             .ok_or_else(|| format!("buffer view {index} does not exist"))?;
         let buffer = number(view, "buffer").unwrap_or(usize::MAX);
         if let Some(Some(reason)) = self.absent.get(buffer) {
             return Err(reason.clone());
         }
         let bytes = self.buffers.get(buffer).map_or(&[][..], Vec::as_slice);
-        let from = number(view, "byteOffset").unwrap_or(0);
+        let from = stated(view, "byteOffset")?.unwrap_or(0);
         let to = number(view, "byteLength").and_then(|length| from.checked_add(length));
         let range = to.and_then(|to| bytes.get(from..to)).ok_or_else(|| {
             format!(
@@ -63,7 +57,7 @@ impl GltfDocument {
                 bytes.len()
             )
         })?;
-        Ok((range, number(view, "byteStride")))
+        Ok((range, stated(view, "byteStride")?))
     }
 
     /// Opens an accessor of any type. Nothing is copied but the numbers of a sparse accessor; an accessor without data
@@ -72,7 +66,9 @@ impl GltfDocument {
     /// # Errors
     /// A sentence that names the accessor: it is absent, of an unknown type, or reaches out of its buffer.
     pub fn accessor(&self, index: usize) -> Result<Elements<'_>, String> {
-        let accessor = item(&self.json, "accessors", index)
+        let accessor = self
+            .list("accessors")
+            .get(index)
             .ok_or_else(|| format!("accessor {index} does not exist; the file is corrupt"))?;
         self.opened(accessor)
             .map_err(|problem| format!("accessor {index}: {problem}"))
@@ -83,11 +79,11 @@ impl GltfDocument {
         let kind = kind(accessor).ok_or("unknown type; export the file again")?;
         let size = element_size(kind, component);
         let count = number(accessor, "count").unwrap_or(usize::MAX);
-        let base = match number(accessor, "bufferView") {
+        let base = match stated(accessor, "bufferView")? {
             Some(view) => {
                 let (bytes, stride) = self.view(view)?;
                 let stride = stride.unwrap_or(size);
-                let offset = number(accessor, "byteOffset").unwrap_or(0);
+                let offset = stated(accessor, "byteOffset")?.unwrap_or(0);
                 Some((elements(bytes, offset, stride, size, count)?, stride))
             }
             None => None,
@@ -146,14 +142,32 @@ impl GltfDocument {
     }
 }
 
-/// An element of a top-level array.
-fn item<'a>(json: &'a Value, list: &str, index: usize) -> Option<&'a Value> {
-    json.get(list)?.get(index)
-}
-
 /// A size, offset or index stored under `key`; one that this machine cannot address is as large as it gets.
 pub(super) fn number(json: &Value, key: &str) -> Option<usize> {
-    let number = json.get(key)?.as_u64()?;
+    json.get(key).and_then(index)
+}
+
+/// As [`number`], where it may be absent but not be something else.
+///
+/// # Errors
+/// A sentence.
+pub(super) fn stated(json: &Value, key: &str) -> Result<Option<usize>, String> {
+    let value = json.get(key).filter(|value| !value.is_null());
+    let stated = value.map(|value| {
+        let other = || {
+            format!(
+                "{key} is {}; export the file again",
+                short(&value.to_string())
+            )
+        };
+        index(value).ok_or_else(other)
+    });
+    stated.transpose()
+}
+
+/// As [`number`], of the value itself.
+pub(super) fn index(value: &Value) -> Option<usize> {
+    let number = value.as_u64()?;
     Some(usize::try_from(number).unwrap_or(usize::MAX))
 }
 

@@ -143,7 +143,7 @@ pub const EXTENSIONS: &[Row] = &[
     row("EXT_instance_features", Harmless, ""),
     told("EXT_lights_ies", NotRead, "lights of the file are not baked", Ignored),
     told("EXT_lights_image_based", NotRead, "the sky of the file is not baked; name one by `--sky`", Ignored),
-    row("EXT_mesh_features", Harmless, "coordinates that it reads keep their set in the written GLB"),
+    row("EXT_mesh_features", Harmless, "it reads the same coordinates in the written GLB"),
     row("EXT_mesh_gpu_instancing", Honoured, ""),
     row("EXT_mesh_manifold", Harmless, ""),
     row("EXT_mesh_primitive_edge_visibility", Harmless, ""),
@@ -349,11 +349,15 @@ mod tests {
             "asset": { "version": "2.0" },
             "buffers": [{ "byteLength": 36, "uri": "a.bin" }],
             "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
-            "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }],
+            "accessors": [
+                { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" },
+                { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC2" },
+            ],
             "materials": [{ "name": "m", "pbrMetallicRoughness": { "metallicFactor": 0 } }],
-            "meshes": [{ "name": "m", "primitives": [{ "attributes": { "POSITION": 0 }, "material": 0 }] }],
+            "meshes": [{ "name": "m", "primitives": [{ "attributes": { "POSITION": 0, "TEXCOORD_0": 1 }, "material": 0 }] }],
             "nodes": [{ "name": "n", "mesh": 0 }],
-            "textures": [{}],
+            "images": [{ "uri": "data:," }],
+            "textures": [{ "source": 0 }],
             "scenes": [{ "nodes": [0] }],
         });
         edit(&mut json);

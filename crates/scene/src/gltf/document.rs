@@ -4,7 +4,6 @@
 use super::accessor::number;
 use crate::Error;
 use crate::source::{Input, Uri, uri};
-use gltf::json::{Buffer, Root};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, HashSet};
 
@@ -42,17 +41,18 @@ impl GltfDocument {
     /// A buffer lies where the scene may not have files read.
     pub(super) fn open(
         input: &mut Input,
-        root: &Root,
         mut json: Value,
         mut bin: Option<Vec<u8>>,
     ) -> Result<GltfDocument, Error> {
         let (mut buffers, mut absent) = (Vec::new(), Vec::new());
-        for (i, buffer) in root.buffers.iter().enumerate() {
-            let chunk = bin.take().filter(|_| i == 0 && buffer.uri.is_none());
+        let listed = json.get("buffers").and_then(Value::as_array);
+        for (i, buffer) in listed.into_iter().flatten().enumerate() {
+            let has_uri = buffer.get("uri").is_some();
+            let chunk = bin.take().filter(|_| i == 0 && !has_uri);
             let (bytes, reason) = match content(input, buffer, chunk) {
                 Ok(bytes) => (bytes, None),
                 Err(error @ Error::Outside { .. }) => return Err(error),
-                Err(_) if buffer.uri.is_none() && holds_a_place(root, i) => (Vec::new(), None),
+                Err(_) if !has_uri && holds_a_place(&json, i) => (Vec::new(), None),
                 Err(Error::Invalid { path, problem, .. }) if path == input.path => {
                     (Vec::new(), Some(format!("buffer {i}: {problem}")))
                 }
@@ -119,11 +119,13 @@ impl GltfDocument {
 }
 
 /// The bytes of a buffer, of which `chunk` are those of a GLB file.
-fn content(input: &mut Input, buffer: &Buffer, chunk: Option<Vec<u8>>) -> Result<Vec<u8>, Error> {
-    let announced = buffer.byte_length.0;
+fn content(input: &mut Input, buffer: &Value, chunk: Option<Vec<u8>>) -> Result<Vec<u8>, Error> {
     let invalid = |input: &Input, problem: String| input.invalid("buffer", problem);
-    let mut bytes = match (&buffer.uri, chunk) {
-        (Some(text), _) => match uri(text).map_err(|problem| invalid(input, problem))? {
+    let announced = buffer.get("byteLength").and_then(Value::as_u64);
+    let announced = announced
+        .ok_or_else(|| invalid(input, "it has no byteLength; export the file again".into()))?;
+    let mut bytes = match (buffer.get("uri"), chunk) {
+        (Some(text), _) => match uri_of(text).map_err(|problem| invalid(input, problem))? {
             Uri::Data(bytes) => bytes,
             Uri::File(name) => {
                 let path = input.located(&input.path.clone(), &name);
@@ -174,18 +176,25 @@ pub(super) fn renumber(json: &mut Value, to: impl Fn(usize) -> usize) {
     }
 }
 
+/// What the value of a `uri` points at.
+///
+/// # Errors
+/// A sentence.
+pub(super) fn uri_of(value: &Value) -> Result<Uri, String> {
+    let text = value.as_str();
+    uri(text.ok_or("its uri is no text; export the file again")?)
+}
+
 /// Whether a buffer has no content of its own, because all views of it are compressed by meshopt.
-fn holds_a_place(root: &Root, buffer: usize) -> bool {
-    let packed = |view: &gltf::json::buffer::View| {
-        let extensions = view.extensions.as_ref();
-        extensions.is_some_and(|e| {
-            e.others
-                .keys()
-                .any(|name| name.ends_with("_meshopt_compression"))
-        })
+fn holds_a_place(json: &Value, buffer: usize) -> bool {
+    let packed = |view: &Value| {
+        let extensions = view.get("extensions").and_then(Value::as_object);
+        let mut names = extensions.into_iter().flat_map(|e| e.keys());
+        names.any(|name| name.ends_with("_meshopt_compression"))
     };
-    let mut views = root.buffer_views.iter();
-    views.any(|view| view.buffer.value() == buffer && packed(view))
+    let views = json.get("bufferViews").and_then(Value::as_array);
+    let mut views = views.into_iter().flatten();
+    views.any(|view| number(view, "buffer") == Some(buffer) && packed(view))
 }
 
 /// The images that a texture, an extension of one, or an extension of the whole document names.

@@ -1,10 +1,9 @@
 //! `KHR_lights_punctual`: suns, point lights and spots, where their nodes stand.
 
-use super::accessor::number;
+use super::reader::Reader;
 use crate::source::{Input, short};
 use crate::{Light, LightKind, WarningKind};
 use glam::{DAffine3, DVec3};
-use gltf::json::scene::Node;
 use serde_json::Value;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -12,19 +11,23 @@ const NAME: &str = "KHR_lights_punctual";
 
 /// The light of a node that stands so in the world. One that cannot be read is counted and left out: a bake may not
 /// need it.
-pub(super) fn of(input: &mut Input, json: &Value, node: &Node, world: &DAffine3) -> Option<Light> {
-    let extension = node.extensions.as_ref()?.others.get(NAME)?;
+pub(super) fn of(
+    reader: &mut Reader,
+    json: &Value,
+    node: &Value,
+    extensions: &Value,
+    world: &DAffine3,
+) -> Option<Light> {
+    let extension = reader.object(extensions, NAME);
+    let index = reader.index(extension, "light")?;
     let lights = json.pointer(&format!("/extensions/{NAME}/lights"));
-    let index = number(extension, "light")?;
+    let input = &mut *reader.input;
     let Some(light) = lights.and_then(|lights| lights.get(index)) else {
         return left_out(input, format!("light {index}"), "is not in the file");
     };
-    let name = match light
-        .get("name")
-        .and_then(Value::as_str)
-        .or(node.name.as_deref())
-    {
-        Some(name) => name.to_owned(),
+    let name = |json: &Value| json.get("name").and_then(Value::as_str).map(str::to_owned);
+    let name = match name(light).or(name(node)) {
+        Some(name) => name,
         None => format!("light {index}"),
     };
     match read(light, world) {

@@ -1,102 +1,44 @@
 //! glTF materials and the images they read.
 
-use super::accessor::Data;
+use super::accessor::index;
+use super::document::{GltfDocument, uri_of};
 use super::phong::{Phong, phong};
+use super::reader::Reader;
 use crate::image::{Failure, Pixels, TOO_LARGE, content, decode};
-use crate::material::conserving;
-use crate::source::{Input, Uri, short, uri};
-use crate::validate::{Parts, clamped};
+use crate::material::{conserving, untinted};
+use crate::source::{Input, Uri, short};
+use crate::validate::{Parts, clamped, slots};
 use crate::{
     Alpha, Error, Image, Material, NormalMap, PackedImage, Surface, TextureRef, Transmission,
     WarningKind, Wrap,
 };
 use glam::Vec3;
-use gltf::json::material::{AlphaMode, Material as Json};
-use gltf::json::texture::{Info, MagFilter, Sampler, WrappingMode};
-use gltf::json::validation::Checked;
 use rayon::prelude::*;
 use serde_json::Value;
 use std::borrow::Cow;
+use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-/// Converts all materials, in file order, and decodes the images that they read. The image files behind URIs go to
-/// `files`, by image number.
+/// Converts the materials that meshes have, in file order, and decodes the images that they read; the others are
+/// untinted. The image files behind URIs go to `files`, by image number.
 pub(super) fn load(
     input: &mut Input,
-    data: &Data,
+    document: &GltfDocument,
     parts: &mut Parts,
     files: &mut BTreeMap<usize, Vec<u8>>,
 ) -> Result<(), Error> {
-    let numbers = images(input, data, parts, files)?;
-    let packed = packed_images(input, data, parts, files)?;
-    let primitives = data.root.meshes.iter().flat_map(|mesh| &mesh.primitives);
-    let used: BTreeSet<usize> = primitives
-        .filter_map(|primitive| primitive.material.map(|index| index.value()))
-        .collect();
-    for (i, json) in data.root.materials.iter().enumerate() {
-        let name = json.name.clone().unwrap_or_else(|| format!("material {i}"));
-        let normal_map = normal_map(input, data, json, &name, &packed)?;
-        let pbr = &json.pbr_metallic_roughness;
-        let is_metal = pbr.metallic_factor.0 >= 1.0
-            && pbr.metallic_roughness_texture.is_none()
-            && extension(json, SPECULAR_GLOSSINESS).is_none();
-        // The typed material has the default in either case.
-        let given =
-            data.document.json["materials"][i].pointer("/pbrMetallicRoughness/metallicFactor");
-        input.warn(
-            WarningKind::BlackMetals,
-            format!("material `{name}`"),
-            u64::from(is_metal && used.contains(&i)),
-            if given.is_some() {
-                "all metal by its metallicFactor, so its albedo and `lambert` are black; give it a metallicFactor of 0 (Metallic 0 in \
-                 Blender) unless it is one"
-            } else {
-                "all metal, as glTF has it where no metallicFactor is given, so its albedo and `lambert` are black; give it a metallicFactor \
-                 of 0 (Metallic 0 in Blender) unless it is one"
-            },
-        );
-        let place = format!("material `{name}`");
-        let made = Material {
-            normal_map,
-            ..material(input, data, json, name, &numbers)
-        };
-        let [red, green, blue, _] = pbr.base_color_factor.0;
-        let [least, most] = [red.min(green).min(blue), red.max(green).max(blue)];
-        let is_tinted = most - least > TINTED * most;
-        input.warn(
-            WarningKind::GreyTransmission,
-            place,
-            u64::from(is_tinted && made.transmission.is_some() && used.contains(&i)),
-            "light that passes it gets no tint: all channels pass by the mean of its colour",
-        );
-        parts.materials.push(made);
+    let used: BTreeSet<u32> = parts.meshes.iter().map(|mesh| mesh.material).collect();
+    for (i, json) in document.list("materials").iter().enumerate() {
+        let is_used = used.contains(&(i as u32));
+        let name = json.get("name").and_then(Value::as_str);
+        let name = name.map_or_else(|| format!("material {i}"), str::to_owned);
+        parts.materials.push(match is_used {
+            true => material(input, document, i, json, name),
+            false => untinted(&name),
+        });
     }
-    Ok(())
-}
-
-/// What an extension of a material holds; `None` where it has not that extension.
-fn extension<'a>(json: &'a Json, name: &str) -> Option<&'a Value> {
-    json.extensions.as_ref()?.others.get(name)
-}
-
-/// The texture that an extension names under a key, if it can be read as one.
-fn named(extension: Option<&Value>, key: &str) -> Option<Info> {
-    serde_json::from_value(extension?.get(key)?.clone()).ok()
-}
-
-/// Three or more numbers that an extension holds under a key, or `or`.
-fn factors<const N: usize>(extension: &Value, key: &str, or: [f32; N]) -> [f32; N] {
-    let found = extension.get(key).cloned();
-    found
-        .and_then(|value| serde_json::from_value::<Vec<f32>>(value).ok())
-        .and_then(|values| values.try_into().ok())
-        .unwrap_or(or)
-}
-
-/// A number that an extension holds under a key, or `or`.
-fn factor(extension: &Value, key: &str, or: f32) -> f32 {
-    let found = extension.get(key).and_then(Value::as_f64);
-    found.map_or(or, |value| value as f32)
+    images(input, document, parts, files)?;
+    packed_images(input, document, parts, files)
 }
 
 const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
@@ -105,118 +47,143 @@ const TINTED: f32 = 0.02;
 
 const TRANSMISSION: &str = "KHR_materials_transmission";
 
-/// The textures of a material that are decoded: of its surface, its emission and what it lets through.
-fn infos(json: &Json) -> Vec<Info> {
-    let pbr = &json.pbr_metallic_roughness;
-    let glossy = extension(json, SPECULAR_GLOSSINESS);
-    let surface = match glossy {
-        Some(_) => ["diffuseTexture", "specularGlossinessTexture"].map(|key| named(glossy, key)),
-        None => [
-            pbr.base_color_texture.clone(),
-            pbr.metallic_roughness_texture.clone(),
-        ],
-    };
-    // A factor of 0 keeps its texture dark.
-    let shines = json.emissive_factor.0.iter().any(|e| *e > 0.0);
-    let emissive = json.emissive_texture.clone().filter(|_| shines);
-    let transmission = named(extension(json, TRANSMISSION), "transmissionTexture");
-    surface
-        .into_iter()
-        .chain([emissive, transmission])
-        .flatten()
-        .collect()
-}
-
+/// Material `number`. Its textures name images by their numbers in the file until those are decoded.
 fn material(
     input: &mut Input,
-    data: &Data,
-    json: &Json,
+    document: &GltfDocument,
+    number: usize,
+    json: &Value,
     name: String,
-    images: &HashMap<usize, u32>,
 ) -> Material {
     let place = format!("material `{name}`");
-    let pbr = &json.pbr_metallic_roughness;
+    let mut reader = Reader {
+        input,
+        place: &place,
+    };
+    reader.text(json, "name");
+    let picture = |reader: &mut Reader, holder: &Value, key: &str| {
+        texture(reader, document, number, holder, key)
+    };
     let mut changed = 0;
     let mut unit = |value: f32| clamped(value, 0.0, 1.0, 1.0, &mut changed);
-    let glossy = extension(json, SPECULAR_GLOSSINESS);
-    let base = match glossy {
-        Some(glossy) => factors(glossy, "diffuseFactor", [1.0; 4]),
-        None => pbr.base_color_factor.0,
+    let pbr = reader.object(json, "pbrMetallicRoughness");
+    let extensions = reader.object(json, "extensions");
+    let glossy = reader.object(extensions, SPECULAR_GLOSSINESS);
+    let is_glossy = glossy.is_object();
+    let pbr_base = reader.numbers(pbr, "baseColorFactor", [1.0; 4]);
+    let base = match is_glossy {
+        true => reader.numbers(glossy, "diffuseFactor", [1.0; 4]),
+        false => pbr_base,
     };
     let [r, g, b, opacity] = base.map(&mut unit);
-    let gloss = glossy.map(|glossy| {
-        let specular = factors(glossy, "specularFactor", [1.0; 3]).map(&mut unit);
-        (
-            Vec3::from_array(specular),
-            unit(factor(glossy, "glossinessFactor", 1.0)),
-        )
+    let gloss = is_glossy.then(|| {
+        let specular = reader.numbers(glossy, "specularFactor", [1.0; 3]);
+        let glossiness = reader.number(glossy, "glossinessFactor", 1.0);
+        (Vec3::from_array(specular.map(&mut unit)), unit(glossiness))
     });
-    let transmitted = extension(json, TRANSMISSION);
-    let transmitted = transmitted.map_or(0.0, |t| unit(factor(t, "transmissionFactor", 0.0)));
-    let metallic = unit(pbr.metallic_factor.0) as f64;
-    let roughness = unit(pbr.roughness_factor.0) as f64;
+    let transmission = reader.object(extensions, TRANSMISSION);
+    let transmitted = unit(reader.number(transmission, "transmissionFactor", 0.0));
+    let all_metal = reader.number(pbr, "metallicFactor", 1.0);
+    let metallic = unit(all_metal) as f64;
+    let roughness = unit(reader.number(pbr, "roughnessFactor", 1.0)) as f64;
 
-    let extensions = json.extensions.as_ref();
-    let ior = extensions
-        .and_then(|e| e.ior.as_ref())
-        .map_or(1.5, |e| e.ior.0);
-    let specular = extensions.and_then(|e| e.specular.as_ref());
-    let factor = specular.map_or(1.0, |s| unit(s.specular_factor.0));
-    let tint = specular.map_or([1.0; 3], |s| s.specular_color_factor.0);
+    let ior = reader.object(extensions, "KHR_materials_ior");
+    let ior = reader.number(ior, "ior", 1.5);
+    let specular = reader.object(extensions, "KHR_materials_specular");
+    let factor = unit(reader.number(specular, "specularFactor", 1.0));
+    let tint = reader.numbers(specular, "specularColorFactor", [1.0; 3]);
     let tint = Vec3::from_array(tint.map(|t| clamped(t, 0.0, f32::MAX, 1.0, &mut changed)));
     let ior = clamped(ior, 0.0, f32::MAX, 1.5, &mut changed) as f64;
     // Fresnel at normal view, then KHR_materials_specular: the tint is clamped before the factor weakens it.
     let normal_view = ((ior - 1.0) / (ior + 1.0)).powi(2) as f32;
     let dielectric = (normal_view * tint).min(Vec3::ONE) * factor;
-    let strength = extensions
-        .and_then(|e| e.others.get("KHR_materials_emissive_strength"))
-        .and_then(|e| e.get("emissiveStrength"))
-        .and_then(Value::as_f64)
-        .map_or(1.0, |strength| {
-            clamped(strength as f32, 0.0, f32::MAX, 1.0, &mut changed)
-        });
-    let emission = Vec3::from_array(json.emissive_factor.0)
+    let strength = reader.object(extensions, "KHR_materials_emissive_strength");
+    let strength = reader.number(strength, "emissiveStrength", 1.0);
+    let strength = clamped(strength, 0.0, f32::MAX, 1.0, &mut changed);
+    let emission = Vec3::from_array(reader.numbers(json, "emissiveFactor", [0.0; 3]))
         .map(|e| clamped(e * strength, 0.0, f32::MAX, 0.0, &mut changed));
-    input.warn(
+    reader.input.warn(
         WarningKind::ClampedFactors,
         place.as_str(),
         changed,
         "factors out of range are clamped",
     );
 
-    let maps = specular.map_or(0, |s| {
-        s.specular_texture.is_some() as u64 + s.specular_color_texture.is_some() as u64
-    });
-    input.warn(
+    let maps = ["specularTexture", "specularColorTexture"];
+    let maps = maps.iter().filter(|key| specular.get(key).is_some());
+    reader.input.warn(
         WarningKind::UnreadTextures,
         place.as_str(),
-        maps,
+        maps.count() as u64,
         "textures of KHR_materials_specular are not read",
     );
-    input.warn(
-        WarningKind::IgnoredNormalMaps,
-        place.as_str(),
-        json.normal_texture.is_some() as u64,
-        "normalTexture is left out, the mesh's normals stand alone; --normal-maps takes it in",
-    );
-    let picture = |info: Option<Info>| info.and_then(|info| texture(data, &info, images));
-    let base_map = match glossy {
-        Some(_) => picture(named(glossy, "diffuseTexture")),
-        None => picture(pbr.base_color_texture.clone()),
+    let normal = reader.object(json, "normalTexture");
+    let normal_map = picture(&mut reader, json, "normalTexture").map(|texture| NormalMap {
+        texture,
+        scale: Some(reader.number(normal, "scale", 1.0))
+            .filter(|scale| scale.is_finite())
+            .unwrap_or(1.0),
+        heights: false,
+    });
+    let base_map = match is_glossy {
+        true => picture(&mut reader, glossy, "diffuseTexture"),
+        false => picture(&mut reader, pbr, "baseColorTexture"),
     };
-    let alpha = match json.alpha_mode {
-        Checked::Valid(AlphaMode::Mask) => Alpha::Mask {
-            cutoff: json.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0),
+    let cutoff = reader.number(json, "alphaCutoff", 0.5);
+    let alpha_mode = reader.read(json, "alphaMode", |mode| {
+        let modes = ["OPAQUE", "MASK", "BLEND"];
+        modes.into_iter().find(|known| mode == known)
+    });
+    let alpha = match alpha_mode {
+        Some("MASK") => Alpha::Mask {
+            cutoff,
             factor: opacity,
             map: base_map.clone(),
         },
-        Checked::Valid(AlphaMode::Blend) => Alpha::Blend {
+        Some("BLEND") => Alpha::Blend {
             factor: opacity,
             map: base_map.clone(),
         },
         _ => Alpha::Opaque,
     };
-    let metallic_roughness_map = picture(pbr.metallic_roughness_texture.clone());
+    let metallic_roughness_map = match is_glossy {
+        true => None,
+        false => picture(&mut reader, pbr, "metallicRoughnessTexture"),
+    };
+    // What the file says, whether it can be had or not.
+    let says_metal = pbr.get("metallicRoughnessTexture").is_some();
+    let is_metal = all_metal >= 1.0 && !says_metal && !is_glossy;
+    reader.input.warn(
+        WarningKind::BlackMetals,
+        place.as_str(),
+        is_metal.into(),
+        if pbr.get("metallicFactor").is_some() {
+            "all metal by its metallicFactor, so its albedo and `lambert` are black; give it a metallicFactor of 0 (Metallic 0 in \
+             Blender) unless it is one"
+        } else {
+            "all metal, as glTF has it where no metallicFactor is given, so its albedo and `lambert` are black; give it a metallicFactor \
+             of 0 (Metallic 0 in Blender) unless it is one"
+        },
+    );
+    let transmission = (transmitted > 0.0).then(|| Transmission {
+        factor: transmitted,
+        map: picture(&mut reader, transmission, "transmissionTexture"),
+    });
+    let [red, green, blue, _] = pbr_base;
+    let [least, most] = [red.min(green).min(blue), red.max(green).max(blue)];
+    let is_tinted = most - least > TINTED * most;
+    reader.input.warn(
+        WarningKind::GreyTransmission,
+        place.as_str(),
+        u64::from(is_tinted && transmission.is_some()),
+        "light that passes it gets no tint: all channels pass by the mean of its colour",
+    );
+    // A factor of 0 keeps its texture dark.
+    let emission_map = match emission == Vec3::ZERO {
+        true => None,
+        false => picture(&mut reader, json, "emissiveTexture"),
+    };
+    let double_sided = reader.is_set(json, "doubleSided");
     let base = Vec3::new(r, g, b);
     let matt = dielectric == Vec3::ZERO && metallic == 0.0 && metallic_roughness_map.is_none();
     let surface = match (gloss, phong(json).filter(|_| matt)) {
@@ -225,7 +192,7 @@ fn material(
             diffuse_map: base_map,
             specular,
             glossiness: glossiness.into(),
-            specular_glossiness_map: picture(named(glossy, "specularGlossinessTexture")),
+            specular_glossiness_map: picture(&mut reader, glossy, "specularGlossinessTexture"),
         },
         (None, Some(Phong { specular, exponent })) => {
             let [albedo, specular] = conserving(input, &place, [base, specular]);
@@ -250,104 +217,113 @@ fn material(
         surface,
         ambient: None,
         emission,
-        emission_map: json
-            .emissive_texture
-            .as_ref()
-            .filter(|_| emission != Vec3::ZERO)
-            .and_then(|info| texture(data, info, images)),
+        emission_map,
         alpha,
-        transmission: (transmitted > 0.0).then(|| Transmission {
-            factor: transmitted,
-            map: picture(named(extension(json, TRANSMISSION), "transmissionTexture")),
-        }),
-        normal_map: None,
-        double_sided: json.double_sided,
+        transmission,
+        normal_map,
+        double_sided,
     }
 }
 
-/// The normal map of a material; `None` where it has none or its image was not loaded.
-fn normal_map(
-    input: &Input,
-    data: &Data,
-    json: &Json,
-    name: &str,
-    images: &HashMap<usize, u32>,
-) -> Result<Option<NormalMap>, Error> {
-    let Some(normal) = &json.normal_texture else {
-        return Ok(None);
+/// The texture under a key of material `material`, its image by the number in the file; `None` where there is none that
+/// is read.
+fn texture(
+    reader: &mut Reader,
+    document: &GltfDocument,
+    material: usize,
+    holder: &Value,
+    key: &str,
+) -> Option<TextureRef> {
+    let info = reader.object(holder, key);
+    let number = reader.index(info, "index")?;
+    let instead = match key {
+        "normalTexture" => "the mesh's normals stand alone",
+        _ => "the factor stands alone",
     };
-    // The parser reads the transform of every other texture; here it leaves it as JSON.
-    let info = serde_json::to_value(normal).and_then(serde_json::from_value::<Info>);
-    let info = info.map_err(|e| {
-        let problem = format!("normalTexture: {e}; export the file again");
-        input.invalid(format!("material `{}`", short(name)), problem)
-    })?;
-    Ok(texture(data, &info, images).map(|texture| NormalMap {
-        texture,
-        scale: if normal.scale.is_finite() {
-            normal.scale
-        } else {
-            1.0
-        },
-        heights: false,
-    }))
-}
-
-/// Reads the images of normal maps, undecoded and the same one once; returns glTF image number to packed image number.
-fn packed_images(
-    input: &mut Input,
-    data: &Data,
-    parts: &mut Parts,
-    files: &mut BTreeMap<usize, Vec<u8>>,
-) -> Result<HashMap<usize, u32>, Error> {
-    let mut numbers = HashMap::new();
-    let mut known = HashMap::new();
-    for json in &data.root.materials {
-        let index = json.normal_texture.as_ref().map(|normal| normal.index);
-        // A texture without a source has it in an extension, in a format that is not read.
-        let source = index
-            .and_then(|index| data.root.get(index))
-            .map(|texture| source_of(data, texture))
-            .filter(|&source| source < data.root.images.len() && !numbers.contains_key(&source));
-        let Some(source) = source else {
-            continue;
-        };
-        if let Some((name, bytes)) = encoded(input, data, source)? {
-            let number = *known.entry(content(&bytes, &name)).or_insert_with(|| {
-                parts.packed_images.push(PackedImage {
-                    name,
-                    bytes: bytes.to_vec(),
-                    file: input.path.clone(),
-                });
-                parts.packed_images.len() as u32 - 1
-            });
-            numbers.insert(source, number);
-            if let Cow::Owned(bytes) = bytes {
-                files.insert(source, bytes);
-            }
+    let gone = |reader: &mut Reader, what: &str| {
+        let place = format!("texture {number} of material {material}");
+        let problem = format!("{what} is not in the file");
+        reader.input.warn_of_picture(place, &problem, instead);
+    };
+    let Some(texture) = document.list("textures").get(number) else {
+        gone(reader, "it");
+        return None;
+    };
+    let images = document.list("images").len();
+    let own = reader.index(texture, "source");
+    // The core's, else one in a format that only an extension may name and that is decoded here.
+    let webp = texture.pointer("/extensions/EXT_texture_webp");
+    let webp = webp.and_then(|webp| reader.index(webp, "source"));
+    let Some(image) = [own, webp].into_iter().flatten().find(|&n| n < images) else {
+        if own.or(webp).is_some() {
+            gone(reader, "its picture");
+            return None;
         }
-    }
-    Ok(numbers)
-}
-
-/// The number of a texture's image: the core's, else one in a format that only an extension may name and that is
-/// decoded here.
-fn source_of(data: &Data, texture: &gltf::json::Texture) -> usize {
-    let own = texture.source.value();
-    let webp = || {
-        let others = &texture.extensions.as_ref()?.others;
-        others.get("EXT_texture_webp")?.get("source")?.as_u64()
+        let message = format!(
+            "a texture is in {} that is not read, {instead}; convert it to PNG",
+            named_format(texture)
+        );
+        let place = format!("texture {number} of material {material}");
+        reader
+            .input
+            .warn(WarningKind::UnreadTextures, place, 1, message);
+        return None;
     };
-    match own < data.root.images.len() {
-        true => own,
-        false => webp().map_or(own, |source| source as usize),
-    }
+    let extensions = reader.object(info, "extensions");
+    let moved = reader.object(extensions, "KHR_texture_transform");
+    // Counter-clockwise as the picture is seen, where v grows down: the matrix printed in the extension's text has the
+    // other sign, its sample model and the engines have this one (KhronosGroup/glTF issue 1563).
+    let (sin, cos) = f64::from(reader.number(moved, "rotation", 0.0)).sin_cos();
+    let [sx, sy] = reader.numbers(moved, "scale", [1.0; 2]).map(f64::from);
+    let [ox, oy] = reader.numbers(moved, "offset", [0.0; 2]);
+    let transform = [
+        [(cos * sx) as f32, (sin * sy) as f32, ox],
+        [(-sin * sx) as f32, (cos * sy) as f32, oy],
+    ];
+    let finite = transform.iter().flatten().all(|x| x.is_finite());
+    let own_set = reader.index(info, "texCoord").unwrap_or(0);
+    let set = reader.index(moved, "texCoord").unwrap_or(own_set);
+    let sampler = reader.index(texture, "sampler").and_then(|sampler| {
+        let found = document.list("samplers").get(sampler);
+        if found.is_none() {
+            let problem = format!("sampler {sampler} is not in the file");
+            reader.broken(problem, "the texture repeats");
+        }
+        found
+    });
+    let sampler = sampler.unwrap_or(&Value::Null);
+    let mut wrap = |key| {
+        let known = |mode: &Value| match mode.as_u64()? {
+            33071 => Some(Wrap::Clamp),
+            33648 => Some(Wrap::Mirror),
+            10497 => Some(Wrap::Repeat),
+            _ => None,
+        };
+        reader.read(sampler, key, known).unwrap_or(Wrap::Repeat)
+    };
+    let wrap = [wrap("wrapS"), wrap("wrapT")];
+    let linear = |filter: &Value| match filter.as_u64()? {
+        9728 => Some(false),
+        9729 => Some(true),
+        _ => None,
+    };
+    Some(TextureRef {
+        image: image as u32,
+        uv_set: u32::try_from(set).unwrap_or(u32::MAX),
+        wrap,
+        linear: reader.read(sampler, "magFilter", linear).unwrap_or(true),
+        transform: if finite && moved.is_object() {
+            transform
+        } else {
+            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
+        },
+    })
 }
 
 /// The format in which an extension names a texture's image.
-fn named_format(texture: &gltf::json::Texture) -> &'static str {
-    let others = texture.extensions.as_ref().map(|e| &e.others);
-    let has = |name: &str| others.is_some_and(|others| others.contains_key(name));
+fn named_format(texture: &Value) -> &'static str {
+    let extensions = texture.get("extensions");
+    let has = |name: &str| extensions.is_some_and(|extensions| extensions.get(name).is_some());
     match () {
         () if has("KHR_texture_basisu") => "a format (KTX2, by KHR_texture_basisu)",
         () if has("EXT_texture_avif") => "a format (AVIF, by EXT_texture_avif)",
@@ -356,77 +332,70 @@ fn named_format(texture: &gltf::json::Texture) -> &'static str {
     }
 }
 
-/// A texture use; `None` where its image was not loaded.
-fn texture(data: &Data, info: &Info, images: &HashMap<usize, u32>) -> Option<TextureRef> {
-    let texture = data.root.get(info.index)?;
-    let image = *images.get(&source_of(data, texture))?;
-    let sampler = texture.sampler.and_then(|sampler| data.root.get(sampler));
-    let wrap = |mode: Option<Checked<WrappingMode>>| match mode {
-        Some(Checked::Valid(WrappingMode::ClampToEdge)) => Wrap::Clamp,
-        Some(Checked::Valid(WrappingMode::MirroredRepeat)) => Wrap::Mirror,
-        _ => Wrap::Repeat,
-    };
-    let nearest = |s: &Sampler| matches!(s.mag_filter, Some(Checked::Valid(MagFilter::Nearest)));
-    let moved = info
-        .extensions
-        .as_ref()
-        .and_then(|e| e.texture_transform.as_ref());
-    let transform = moved.map_or([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], |t| {
-        // Counter-clockwise as the picture is seen, where v grows down: the matrix printed in the extension's text has
-        // the other sign, its sample model and the engines have this one (KhronosGroup/glTF issue 1563).
-        let (sin, cos) = (t.rotation.0 as f64).sin_cos();
-        let ([sx, sy], [ox, oy]) = (t.scale.0.map(f64::from), t.offset.0);
-        [
-            [(cos * sx) as f32, (sin * sy) as f32, ox],
-            [(-sin * sx) as f32, (cos * sy) as f32, oy],
-        ]
-    });
-    let finite = transform.iter().flatten().all(|x| x.is_finite());
-    Some(TextureRef {
-        image,
-        uv_set: moved.and_then(|t| t.tex_coord).unwrap_or(info.tex_coord),
-        wrap: [
-            wrap(sampler.map(|s| s.wrap_s)),
-            wrap(sampler.map(|s| s.wrap_t)),
-        ],
-        linear: !sampler.is_some_and(nearest),
-        transform: if finite {
-            transform
-        } else {
-            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
-        },
-    })
-}
-
-/// Decodes the images that base colours, metallic-roughness and emission read; returns glTF image number to scene image
-/// number.
-fn images(
+/// Reads the images of normal maps, undecoded and the same one once, and leads the maps to them.
+fn packed_images(
     input: &mut Input,
-    data: &Data,
+    document: &GltfDocument,
     parts: &mut Parts,
     files: &mut BTreeMap<usize, Vec<u8>>,
-) -> Result<HashMap<usize, u32>, Error> {
-    let mut wanted: Vec<(usize, Encoded)> = Vec::new();
-    let mut seen = vec![false; data.root.images.len()];
-    for (m, material) in data.root.materials.iter().enumerate() {
-        for info in infos(material) {
-            // A texture without a source has it in an extension: KTX2, AVIF or the like.
-            let texture = data.root.get(info.index);
-            let source = texture.map_or(usize::MAX, |texture| source_of(data, texture));
-            let Some(seen) = seen.get_mut(source) else {
-                let format = texture.map_or("a format", named_format);
-                let message = format!(
-                    "a texture is in {format} that is not read, the factor stands alone; convert it to PNG"
-                );
-                let place = format!("texture {} of material {m}", info.index);
-                input.warn(WarningKind::UnreadTextures, place, 1, message);
-                continue;
-            };
-            if !std::mem::replace(seen, true)
-                && let Some(image) = encoded(input, data, source)?
-            {
-                wanted.push((source, image));
+) -> Result<(), Error> {
+    let mut numbers = HashMap::new();
+    let mut known = HashMap::new();
+    for material in &mut parts.materials {
+        let Some(map) = &mut material.normal_map else {
+            continue;
+        };
+        let source = map.texture.image as usize;
+        let number = match numbers.entry(source) {
+            Entry::Occupied(known) => *known.get(),
+            Entry::Vacant(slot) => {
+                let image = encoded(input, document, source, "the mesh's normals stand alone")?;
+                *slot.insert(image.map(|(name, bytes)| {
+                    let number = *known.entry(content(&bytes, &name)).or_insert_with(|| {
+                        parts.packed_images.push(PackedImage {
+                            name,
+                            bytes: bytes.to_vec(),
+                            file: input.path.clone(),
+                        });
+                        parts.packed_images.len() as u32 - 1
+                    });
+                    if let Cow::Owned(bytes) = bytes {
+                        files.insert(source, bytes);
+                    }
+                    number
+                }))
             }
+        };
+        let Some(number) = number else {
+            material.normal_map = None;
+            continue;
+        };
+        map.texture.image = number;
+        input.warn(
+            WarningKind::IgnoredNormalMaps,
+            format!("material `{}`", material.name),
+            1,
+            "normalTexture is left out, the mesh's normals stand alone; --normal-maps takes it in",
+        );
+    }
+    Ok(())
+}
+
+/// Decodes the images that surfaces, emission and transmission read, and leads the textures to them.
+fn images(
+    input: &mut Input,
+    document: &GltfDocument,
+    parts: &mut Parts,
+    files: &mut BTreeMap<usize, Vec<u8>>,
+) -> Result<(), Error> {
+    let mut wanted: Vec<(usize, Encoded)> = Vec::new();
+    let mut seen = BTreeSet::new();
+    for texture in parts.materials.iter_mut().flat_map(slots).flatten() {
+        let source = texture.image as usize;
+        if seen.insert(source)
+            && let Some(image) = encoded(input, document, source, "the factor stands alone")?
+        {
+            wanted.push((source, image));
         }
     }
     let (mut pictures, which) = decoded(input, &wanted)?;
@@ -448,7 +417,7 @@ fn images(
                     });
                     parts.images.len() as u32 - 1
                 });
-                numbers.insert(source, number);
+                numbers.insert(source as u32, number);
             }
             Err(Failure::Unsupported(format)) => {
                 input.warn(
@@ -459,15 +428,18 @@ fn images(
                 );
             }
             Err(Failure::Broken(problem)) => {
-                return Err(input.invalid(
-                    place,
-                    format!("{}; repair or remove the image", short(problem)),
-                ));
+                input.warn_of_picture(place, &short(problem), "the factor stands alone");
             }
             Err(Failure::TooLarge) => return Err(input.invalid(place, TOO_LARGE)),
         }
     }
-    Ok(numbers)
+    for slot in parts.materials.iter_mut().flat_map(slots) {
+        *slot = slot.take().and_then(|texture| {
+            let image = *numbers.get(&texture.image)?;
+            Some(TextureRef { image, ..texture })
+        });
+    }
+    Ok(())
 }
 
 /// Decodes images, the same one once; returns the pictures, and which of them each image is.
@@ -506,44 +478,38 @@ fn image_place(number: usize, name: &str) -> String {
 /// Name and file bytes of an image.
 type Encoded<'a> = (String, Cow<'a, [u8]>);
 
-/// The file of an image; `None`, with a warning, where its file is absent.
+/// The file of an image; `None`, with a warning that says what is done `instead`, where it cannot be had.
+///
+/// # Errors
+/// It lies where the scene may not have files read.
 fn encoded<'a>(
     input: &mut Input,
-    data: &'a Data,
+    document: &'a GltfDocument,
     number: usize,
+    instead: &str,
 ) -> Result<Option<Encoded<'a>>, Error> {
-    let place = format!("image {number}");
-    let Some(json) = data.root.images.get(number) else {
-        return Ok(None);
-    };
-    let name = json.name.clone().unwrap_or_else(|| place.clone());
-    if let Some(view) = json.buffer_view {
-        let bytes = data
-            .view(view)
-            .map_err(|problem| input.invalid(place, problem))?
-            .0;
-        return Ok(Some((name, Cow::Borrowed(bytes))));
-    }
-    let Some(text) = &json.uri else {
-        return Err(input.invalid(
-            place,
-            "it has neither a uri nor a bufferView; export the file again",
-        ));
-    };
-    match uri(text).map_err(|problem| input.invalid(place.as_str(), problem))? {
-        Uri::Data(bytes) => Ok(Some((name, Cow::Owned(bytes)))),
-        Uri::File(file) => {
-            let path = input.located(&input.path.clone(), &file);
-            if !path.is_file() {
-                let message = "it is absent; the factor stands alone";
-                let place = format!("texture `{}`", path.display());
-                input.warn(WarningKind::MissingTextures, place, 1, message);
-                return Ok(None);
-            }
-            Ok(Some((
-                json.name.clone().unwrap_or(file),
-                Cow::Owned(input.read(&path, 0)?),
-            )))
+    let json = &document.list("images")[number];
+    let own = json.get("name").and_then(Value::as_str).map(str::to_owned);
+    let name = own.clone().unwrap_or_else(|| format!("image {number}"));
+    let found = match (json.get("bufferView"), json.get("uri")) {
+        (Some(view), _) => {
+            let view = index(view).ok_or_else(|| "its bufferView is no number".to_owned());
+            let bytes = view.and_then(|view| document.view(view));
+            bytes.map(|(bytes, _)| (name, Cow::Borrowed(bytes)))
         }
+        (None, None) => Err("it has neither a uri nor a bufferView".to_owned()),
+        (None, Some(uri)) => match uri_of(uri) {
+            Ok(Uri::Data(bytes)) => Ok((name, Cow::Owned(bytes))),
+            Ok(Uri::File(file)) => {
+                let path = input.located(&input.path.clone(), &file);
+                let bytes = input.read_picture(&path, instead)?;
+                return Ok(bytes.map(|bytes| (own.unwrap_or(file), Cow::Owned(bytes))));
+            }
+            Err(problem) => Err(problem),
+        },
+    };
+    if let Err(problem) = &found {
+        input.warn_of_picture(format!("image {number}"), problem, instead);
     }
+    Ok(found.ok())
 }

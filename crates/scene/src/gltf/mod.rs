@@ -1,9 +1,9 @@
 //! glTF 2.0 and GLB: one [`crate::Mesh`] a primitive that the scene uses, one [`crate::Instance`] a placement of it,
 //! and the [`GltfDocument`] itself for the writer.
 //!
-//! The `gltf` crate parses and validates the JSON. Its accessor readers and typed wrappers are not used: they index
-//! and unwrap where the file is wrong. Everything here goes through `get` on the parsed JSON and through the checked
-//! byte ranges of `accessor.rs`; `vendor-notes/gltf.md` lists what was found.
+//! Nothing judges the document as a whole: each part is read where the scene that is baked needs it, through `get` on
+//! the plain JSON and through the checked byte ranges of `accessor.rs`. Positions, indices and the places of nodes must
+//! be sound. All else that is broken is as if it were not there, and told of (`reader.rs`).
 //!
 //! What is read, and what is left out and counted as a warning, is the table of `conformance.rs`.
 
@@ -18,6 +18,7 @@ mod materials;
 mod nodes;
 mod phong;
 mod primitives;
+mod reader;
 mod root;
 mod said;
 
@@ -28,7 +29,6 @@ use crate::material::untinted;
 use crate::source::{Input, without_mark};
 use crate::validate::Parts;
 use crate::{Error, Format};
-use accessor::Data;
 use container::Chunks;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -49,8 +49,8 @@ pub(crate) fn load(input: &mut Input, format: Format) -> Result<Parts, Error> {
     let mut json = serde_json::from_slice(text)
         .map_err(|e| input.invalid("JSON", format!("{e}; export the file again")))?;
     root::write_integers_as_such(&mut json);
-    // The typed model drops what a bake does not read, so the document keeps plain values beside it.
-    let root = root::parsed(input, &json)?;
+    root::check(input, &json)?;
+    root::make_lists(input, &mut json);
     conformance::warn(input, &json);
     // The file's own memory becomes the first buffer's.
     let bin = bin.map(|bin| {
@@ -58,20 +58,16 @@ pub(crate) fn load(input: &mut Input, format: Format) -> Result<Parts, Error> {
         bytes.drain(..bin.start);
         bytes
     });
-    let mut document = GltfDocument::open(input, &root, json, bin)?;
+    let mut document = GltfDocument::open(input, json, bin)?;
     compressed::decode(input, &mut document)?;
 
     let mut parts = Parts::default();
     let mut image_files = BTreeMap::new();
-    let data = Data {
-        root: &root,
-        document: &document,
-    };
-    let (placements, lights) = nodes::placements(input, &data)?;
+    let (placements, lights) = nodes::placements(input, &document)?;
     parts.lights = lights;
-    let mut primitives = primitives::load(input, &data, &placements, &mut parts)?;
-    nodes::instances(&root, placements, &mut primitives, &mut parts);
-    materials::load(input, &data, &mut parts, &mut image_files)?;
+    let mut primitives = primitives::load(input, &document, &placements, &mut parts)?;
+    nodes::instances(&document, placements, &mut primitives, &mut parts);
+    materials::load(input, &document, &mut parts, &mut image_files)?;
     let untinted_index = parts.materials.len() as u32;
     let mut without = parts
         .meshes
@@ -83,6 +79,7 @@ pub(crate) fn load(input: &mut Input, format: Format) -> Result<Parts, Error> {
     }
     without.for_each(|mesh| mesh.material = untinted_index);
     document.take_images(input, image_files)?;
+    root::drop_dangling(&mut document.json);
     parts.source = Some(Arc::new(document));
     Ok(parts)
 }

@@ -1,17 +1,17 @@
 //! The node hierarchy: which mesh stands where.
 
-use super::accessor::{Data, number};
+use super::accessor::{index, stated};
+use super::document::GltfDocument;
+use super::elements::Type;
 use super::lights;
+use super::reader::Reader;
 use super::said::Said;
 use crate::source::{Input, short};
 use crate::validate::{Parts, affine};
 use crate::{Error, Instance, Light, WarningKind};
 use glam::{DAffine3, DQuat, DVec3, DVec4};
-use gltf::json::accessor::Type;
-use gltf::json::scene::Node;
-use gltf::json::{Index, Root};
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// A glTF mesh placed in the world.
 pub(super) struct Placement {
@@ -26,47 +26,60 @@ pub(super) struct Placement {
 /// before children.
 pub(super) fn placements(
     input: &mut Input,
-    data: &Data,
+    document: &GltfDocument,
 ) -> Result<(Vec<Placement>, Vec<Light>), Error> {
-    let root = data.root;
+    let (nodes, meshes) = (document.list("nodes"), document.list("meshes"));
     let (mut out, mut shining) = (Vec::new(), Vec::new());
-    let mut seen = vec![false; root.nodes.len()];
+    let mut seen = vec![false; nodes.len()];
     // A stack of our own: a chain of nodes may be deeper than the call stack.
-    let mut open: Vec<(usize, DAffine3, Said)> = roots(data)
-        .map_err(|problem| input.invalid("JSON", problem))?
+    let mut open: Vec<(usize, DAffine3, Said)> = roots(input, document)?
         .into_iter()
         .rev()
         .map(|n| (n, DAffine3::IDENTITY, Said::default()))
         .collect();
-    let meshes = data.document.json["meshes"]
-        .as_array()
-        .into_iter()
-        .flatten();
-    let of_meshes = meshes
-        .enumerate()
-        .map(|(n, mesh)| said(input, &named("mesh", n, mesh), mesh));
-    let of_meshes: Vec<Said> = of_meshes.collect::<Result<_, _>>()?;
+    let mut of_meshes: HashMap<usize, Said> = HashMap::new();
     while let Some((n, parent, above)) = open.pop() {
-        let (Some(node), Some(seen)) = (root.nodes.get(n), seen.get_mut(n)) else {
-            continue;
+        let place = format!("node {n}");
+        let (json, seen) = (&nodes[n], &mut seen[n]);
+        let mut reader = Reader {
+            input,
+            place: &place,
         };
-        if is_hidden(node) {
+        let extensions = reader.object(json, "extensions");
+        if is_hidden(&mut reader, extensions) {
             continue;
         }
-        let place = format!("node {n}");
         if std::mem::replace(seen, true) {
             let problem = "it is reached twice, but glTF nodes form trees; export the file again";
             return Err(input.invalid(place, problem));
         }
-        let json = &data.document.json["nodes"][n];
-        let world =
-            parent * local(json).map_err(|problem| input.invalid(place.as_str(), problem))?;
-        let children = node.children.iter().flatten().rev();
+        reader.text(json, "name");
+        let needed = || -> Result<_, String> {
+            let children = numbered(json, "children", "child", nodes.len())?;
+            Ok((local(json)?, children, stated(json, "mesh")?))
+        };
+        let needed = needed().map_err(|problem| reader.input.invalid(place.as_str(), problem));
+        let (own, children, mesh) = needed?;
+        let world = parent * own;
+        shining.extend(lights::of(
+            &mut reader,
+            &document.json,
+            json,
+            extensions,
+            &world,
+        ));
         let own = said(input, &named("node", n, json), json)?;
-        open.extend(children.map(|child| (child.value(), world, own.or(above))));
-        shining.extend(lights::of(input, &data.document.json, node, &world));
-        let Some(mesh) = node.mesh.map(|mesh| mesh.value()) else {
+        let children = children.into_iter().rev();
+        open.extend(children.map(|child| (child, world, own.or(above))));
+        let Some(mesh) = mesh else {
             continue;
+        };
+        let Some(of) = meshes.get(mesh) else {
+            let problem = format!(
+                "it names the mesh {mesh} of {}; export the file again",
+                meshes.len()
+            );
+            return Err(input.invalid(place, problem));
         };
         let skin = json.get("skin").is_some();
         input.warn(
@@ -75,9 +88,14 @@ pub(super) fn placements(
             skin.into(),
             "the skin is left out: the mesh is baked where its node stands",
         );
-        let of_mesh = of_meshes.get(mesh).copied().unwrap_or_default();
+        let of_mesh = match of_meshes.get(&mesh) {
+            Some(&said) => said,
+            None => *of_meshes
+                .entry(mesh)
+                .or_insert(said(input, &named("mesh", mesh, of), of)?),
+        };
         let said = own.or(of_mesh).or(above);
-        match copies(data, node).map_err(|problem| input.invalid(place, problem))? {
+        match copies(document, json).map_err(|problem| input.invalid(place, problem))? {
             Some(copies) => out.extend(copies.into_iter().enumerate().map(|(i, copy)| Placement {
                 mesh,
                 node: n,
@@ -99,16 +117,14 @@ pub(super) fn placements(
 
 /// One instance for each placement of each of its mesh's loaded primitives.
 pub(super) fn instances(
-    root: &Root,
+    document: &GltfDocument,
     placements: Vec<Placement>,
     primitives: &mut BTreeMap<usize, Vec<u32>>,
     parts: &mut Parts,
 ) {
     for placement in placements {
-        let name = root
-            .nodes
-            .get(placement.node)
-            .and_then(|node| node.name.as_deref());
+        let name = document.list("nodes")[placement.node].get("name");
+        let name = name.and_then(Value::as_str);
         for &mesh in primitives.get(&placement.mesh).into_iter().flatten() {
             let of = &parts.meshes[mesh as usize].name;
             let name = match name {
@@ -130,38 +146,49 @@ pub(super) fn instances(
 }
 
 /// The nodes that the scene names, which may be none; without a scene all that are nobody's child.
-fn roots(data: &Data) -> Result<Vec<usize>, String> {
-    let (json, count) = (&data.document.json, data.root.nodes.len());
-    let scenes = json.get("scenes").and_then(Value::as_array);
-    let scene = number(json, "scene").unwrap_or(0);
-    let found = scenes.and_then(|scenes| scenes.get(scene));
-    if let Some(found) = found {
-        let nodes = found.get("nodes").and_then(Value::as_array);
-        let number = |node: &Value| {
-            let number = node.as_u64().and_then(|n| usize::try_from(n).ok());
-            number.filter(|&n| n < count).ok_or_else(|| {
-                format!("scene {scene} names the node {node} of {count}; export the file again")
-            })
-        };
-        return nodes.into_iter().flatten().map(number).collect();
-    }
-    if json.get("scene").is_some() {
-        return Err(format!(
+fn roots(input: &mut Input, document: &GltfDocument) -> Result<Vec<usize>, Error> {
+    let (nodes, scenes) = (document.list("nodes"), document.list("scenes"));
+    let mut reader = Reader {
+        input,
+        place: "the file",
+    };
+    let named = reader.index(&document.json, "scene");
+    let scene = named.unwrap_or(0);
+    let found = match scenes.get(scene) {
+        Some(found) => numbered(found, "nodes", "node", nodes.len())
+            .map_err(|problem| format!("scene {scene}: {problem}")),
+        None if named.is_some() => Err(format!(
             "scene {scene} does not exist; export the file again"
-        ));
-    }
-    let mut is_child = vec![false; count];
-    for child in data
-        .root
-        .nodes
-        .iter()
-        .flat_map(|node| node.children.iter().flatten())
-    {
-        if let Some(slot) = is_child.get_mut(child.value()) {
-            *slot = true;
+        )),
+        None => {
+            let children = nodes
+                .iter()
+                .filter_map(|node| node.get("children")?.as_array());
+            let children: BTreeSet<usize> = children.flatten().filter_map(index).collect();
+            Ok((0..nodes.len()).filter(|n| !children.contains(n)).collect())
         }
+    };
+    found.map_err(|problem| input.invalid("JSON", problem))
+}
+
+/// The numbers under a key, each below `count`.
+///
+/// # Errors
+/// A sentence. `what`: what they are.
+fn numbered(json: &Value, key: &str, what: &str, count: usize) -> Result<Vec<usize>, String> {
+    let list = json.get(key).filter(|list| !list.is_null());
+    if list.is_some_and(|list| !list.is_array()) {
+        return Err(format!("its {key} are no list; export the file again"));
     }
-    Ok((0..count).filter(|&n| !is_child[n]).collect())
+    let number = |value: &Value| {
+        let number = index(value).filter(|&n| n < count);
+        number.ok_or_else(|| {
+            let value = short(&value.to_string());
+            format!("it names the {what} {value} of {count} nodes; export the file again")
+        })
+    };
+    let list = list.and_then(Value::as_array);
+    list.into_iter().flatten().map(number).collect()
 }
 
 /// A node or a mesh by its name, else by its number.
@@ -190,33 +217,38 @@ fn said(input: &mut Input, place: &str, holder: &Value) -> Result<Said, Error> {
 }
 
 /// `KHR_node_visibility`: the node and all below it are absent.
-fn is_hidden(node: &Node) -> bool {
-    let others = node.extensions.as_ref().map(|e| &e.others);
-    let visibility = others.and_then(|others| others.get("KHR_node_visibility"));
-    visibility.and_then(|v| v.get("visible")) == Some(&Value::Bool(false))
+fn is_hidden(reader: &mut Reader, extensions: &Value) -> bool {
+    let visibility = reader.object(extensions, "KHR_node_visibility");
+    reader.read(visibility, "visible", Value::as_bool) == Some(false)
 }
 
 /// A node's own transform, in f64.
 fn local(node: &Value) -> Result<DAffine3, String> {
-    if let Some(m) = numbers::<16>(node, "matrix") {
+    if let Some(m) = numbers::<16>(node, "matrix")? {
         let columns = [0, 4, 8, 12].map(|i| [m[i], m[i + 1], m[i + 2], m[i + 3]]);
         let problem =
             "its matrix is not affine (the last row is not 0 0 0 1); export the file again";
         return affine(columns).ok_or_else(|| problem.into());
     }
-    let vector = |key: &str, or: DVec3| numbers(node, key).map_or(or, DVec3::from_array);
+    let vector = |key: &str, or: [f64; 3]| -> Result<DVec3, String> {
+        Ok(numbers(node, key)?.unwrap_or(or).into())
+    };
     placed(
-        vector("translation", DVec3::ZERO),
-        numbers(node, "rotation").unwrap_or([0.0, 0.0, 0.0, 1.0]),
-        vector("scale", DVec3::ONE),
+        vector("translation", [0.0; 3])?,
+        numbers(node, "rotation")?.unwrap_or([0.0, 0.0, 0.0, 1.0]),
+        vector("scale", [1.0; 3])?,
     )
 }
 
 /// A list of numbers as the text has them: 32 bits would round the places of what stands far away.
-fn numbers<const N: usize>(node: &Value, key: &str) -> Option<[f64; N]> {
-    let list = node.get(key)?.as_array()?;
-    let numbers: Option<Vec<f64>> = list.iter().map(Value::as_f64).collect();
-    numbers?.try_into().ok()
+fn numbers<const N: usize>(node: &Value, key: &str) -> Result<Option<[f64; N]>, String> {
+    let numbers = |list: &Value| {
+        let numbers: Option<Vec<f64>> = list.as_array()?.iter().map(Value::as_f64).collect();
+        numbers?.try_into().ok()
+    };
+    let list = node.get(key).filter(|list| !list.is_null());
+    let other = || format!("its {key} is not {N} numbers; export the file again");
+    list.map(|list| numbers(list).ok_or_else(other)).transpose()
 }
 
 /// Translation times rotation times scale. Writers round quaternions, so it is brought to unit length.
@@ -231,22 +263,17 @@ fn placed(translation: DVec3, rotation: [f64; 4], scale: DVec3) -> Result<DAffin
 }
 
 /// The transforms of `EXT_mesh_gpu_instancing` relative to the node; `None` without the extension.
-fn copies(data: &Data, node: &Node) -> Result<Option<Vec<DAffine3>>, String> {
-    let extension = node
-        .extensions
-        .as_ref()
-        .and_then(|e| e.others.get("EXT_mesh_gpu_instancing"));
-    let Some(extension) = extension else {
+fn copies(document: &GltfDocument, node: &Value) -> Result<Option<Vec<DAffine3>>, String> {
+    let Some(extension) = node.pointer("/extensions/EXT_mesh_gpu_instancing") else {
         return Ok(None);
     };
+    let attributes = extension.get("attributes").unwrap_or(&Value::Null);
     let attribute = |name: &str, kind: Type| {
-        let Some(value) = extension.get("attributes").and_then(|a| a.get(name)) else {
-            return Ok(None);
-        };
-        let index = value.as_u64().and_then(|index| u32::try_from(index).ok());
-        let index = index
-            .ok_or_else(|| format!("instancing {name} is no accessor; export the file again"))?;
-        data.open(Index::new(index), &[kind]).map(Some)
+        let accessor =
+            stated(attributes, name).map_err(|problem| format!("instancing {problem}"))?;
+        accessor
+            .map(|accessor| document.typed(accessor, &[kind]))
+            .transpose()
     };
     let translation = attribute("TRANSLATION", Type::Vec3)?;
     let rotation = attribute("ROTATION", Type::Vec4)?;

@@ -5,8 +5,8 @@
 
 use crate::material::MAX_EXPONENT;
 use glam::Vec3;
-use gltf::json::material::Material;
 use serde::Deserialize;
+use serde_json::Value;
 
 /// Specular reflectance, 0..=1 a channel, and lobe exponent of Phong's model.
 pub(super) struct Phong {
@@ -28,11 +28,9 @@ struct Written {
 
 /// The highlight that `extras.ambake` names; `None` where it names none. Extras may hold anything, so what does not fit
 /// is not an error.
-pub(super) fn phong(json: &Material) -> Option<Phong> {
-    let extras = json.extras.as_ref()?;
-    let Written { ks, ns } = gltf::json::deserialize::from_str::<Extras>(extras.get())
-        .ok()?
-        .ambake;
+pub(super) fn phong(material: &Value) -> Option<Phong> {
+    let extras = material.get("extras")?.clone();
+    let Written { ks, ns } = serde_json::from_value::<Extras>(extras).ok()?.ambake;
     Some(Phong {
         specular: Vec3::from_array(ks).clamp(Vec3::ZERO, Vec3::ONE),
         exponent: ns.clamp(0.0, MAX_EXPONENT),

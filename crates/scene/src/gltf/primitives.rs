@@ -1,15 +1,15 @@
 //! glTF primitives as meshes.
 
-use super::accessor::Data;
-use super::elements::Elements;
+use super::accessor::{index, stated};
+use super::document::GltfDocument;
+use super::elements::{Elements, Type};
 use super::nodes::Placement;
-use crate::source::Input;
+use super::reader::Reader;
+use crate::source::{Input, short};
 use crate::validate::{self, Parts};
 use crate::{Error, Mesh, MeshOrigin, WarningKind};
 use glam::{Vec2, Vec3, Vec4};
-use gltf::json::accessor::Type;
-use gltf::json::mesh::{Mode, Primitive, Semantic};
-use gltf::json::validation::Checked;
+use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
 /// Stands in [`Mesh::material`] for a primitive without a material until all materials are known.
@@ -18,21 +18,28 @@ pub(super) const NO_MATERIAL: u32 = u32::MAX;
 /// Loads the primitives of every mesh that is placed, in file order, and returns for each glTF mesh its meshes.
 pub(super) fn load(
     input: &mut Input,
-    data: &Data,
+    document: &GltfDocument,
     placements: &[Placement],
     parts: &mut Parts,
 ) -> Result<BTreeMap<usize, Vec<u32>>, Error> {
     let mut loaded: BTreeMap<usize, Vec<u32>> =
         placements.iter().map(|p| (p.mesh, Vec::new())).collect();
     for (&m, numbers) in &mut loaded {
-        // Validation has seen the index.
-        let Some(mesh) = data.root.meshes.get(m) else {
-            continue;
-        };
-        for (p, primitive) in mesh.primitives.iter().enumerate() {
+        let json = &document.list("meshes")[m];
+        let own = Reader {
+            input,
+            place: &format!("mesh {m}"),
+        }
+        .text(json, "name");
+        let primitives = json.get("primitives").and_then(Value::as_array);
+        let primitives = primitives.ok_or_else(|| {
+            let problem = "it has no list of primitives; export the file again";
+            input.invalid(format!("mesh {m}"), problem)
+        })?;
+        for (p, primitive) in primitives.iter().enumerate() {
             let place = format!("mesh {m} primitive {p}");
-            let name = match (&mesh.name, mesh.primitives.len()) {
-                (Some(name), 1) => name.clone(),
+            let name = match (own, primitives.len()) {
+                (Some(name), 1) => name.to_owned(),
                 (Some(name), _) => format!("{name} primitive {p}"),
                 (None, _) => place.clone(),
             };
@@ -40,7 +47,7 @@ pub(super) fn load(
                 mesh: m as u32,
                 primitive: p as u32,
             };
-            let Some(mut mesh) = read(input, data, primitive, &place, name, origin)? else {
+            let Some(mut mesh) = read(input, document, primitive, &place, name, origin)? else {
                 continue;
             };
             if validate::mesh(input, &mut mesh, &place)? {
@@ -52,17 +59,29 @@ pub(super) fn load(
     Ok(loaded)
 }
 
+/// How indices make triangles.
+#[derive(Clone, Copy, PartialEq)]
+enum Mode {
+    Triangles,
+    Strip,
+    Fan,
+}
+
 fn read(
     input: &mut Input,
-    data: &Data,
-    primitive: &Primitive,
+    document: &GltfDocument,
+    primitive: &Value,
     place: &str,
     name: String,
     origin: MeshOrigin,
 ) -> Result<Option<Mesh>, Error> {
-    let mode = match primitive.mode {
-        Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => mode,
-        _ => {
+    let stated =
+        |key: &str| stated(primitive, key).map_err(|problem| input.invalid(place, problem));
+    let mode = match stated("mode")?.unwrap_or(4) {
+        4 => Mode::Triangles,
+        5 => Mode::Strip,
+        6 => Mode::Fan,
+        0..=3 => {
             input.warn(
                 WarningKind::PointsAndLines,
                 place,
@@ -71,81 +90,43 @@ fn read(
             );
             return Ok(None);
         }
+        other => {
+            let problem = format!("mode {other} is none of 0 to 6; export the file again");
+            return Err(input.invalid(place, problem));
+        }
     };
-    if !primitive
-        .attributes
-        .contains_key(&Checked::Valid(Semantic::Positions))
-    {
+    let indices = stated("indices")?;
+    let attributes = primitive.get("attributes").and_then(Value::as_object);
+    let Some((attributes, positions)) = attributes.and_then(|a| Some((a, a.get("POSITION")?)))
+    else {
         let message = "a primitive without POSITION has no surface and is left out";
         input.warn(WarningKind::EmptyMeshes, place, 1, message);
         return Ok(None);
-    }
-    let targets = primitive
-        .targets
-        .as_ref()
-        .map_or(0, |targets| targets.len() as u64);
+    };
+    let targets = primitive.get("targets").and_then(Value::as_array);
     input.warn(
         WarningKind::MorphTargets,
         place,
-        targets,
+        targets.map_or(0, Vec::len) as u64,
         "morph targets are left out: the base shape is baked",
     );
-    let invalid = |problem: String| input.invalid(place, problem);
-    let attribute = |semantic: Semantic, kind: Type| {
-        let index = primitive.attributes.get(&Checked::Valid(semantic));
-        index
-            .map(|&index| data.open(index, &[kind]))
-            .transpose()
-            .map_err(invalid)
-    };
-
-    let positions = attribute(Semantic::Positions, Type::Vec3)?;
-    let positions =
-        positions.ok_or_else(|| invalid("it has no POSITION; export the file again".into()))?;
-    let normals = attribute(Semantic::Normals, Type::Vec3)?;
-    let tangents = attribute(Semantic::Tangents, Type::Vec4)?;
-    let mut color = primitive
-        .attributes
-        .get(&Checked::Valid(Semantic::Colors(0)))
-        .map(|&index| data.open(index, &[Type::Vec3, Type::Vec4]))
+    let open = |accessor: usize, kind: Type| document.typed(accessor, &[kind]);
+    let positions = index(positions)
+        .ok_or_else(|| format!("POSITION is {}", short(&positions.to_string())))
+        .and_then(|positions| open(positions, Type::Vec3))
+        .map_err(|problem| input.invalid(place, problem))?;
+    let indices = indices
+        .map(|indices| open(indices, Type::Scalar))
         .transpose()
-        .map_err(invalid)?;
-    // Integers are always shares here; a file that does not say so has the same numbers.
-    if let Some(color) = &mut color {
-        color.normalized = true;
-    }
-    let mut uvs = Vec::new();
-    while let Some(set) = attribute(Semantic::TexCoords(uvs.len() as u32), Type::Vec2)? {
-        uvs.push(set);
-    }
-    for (what, other) in normals
-        .iter()
-        .map(|n| ("NORMAL", n))
-        .chain(tangents.iter().map(|t| ("TANGENT", t)))
-        .chain(color.iter().map(|c| ("COLOR_0", c)))
-        .chain(uvs.iter().map(|u| ("TEXCOORD", u)))
-    {
-        if other.count != positions.count {
-            let problem = format!(
-                "{} of {what} for {} of POSITION; the file is corrupt",
-                other.count, positions.count
-            );
-            return Err(invalid(problem));
-        }
-    }
-    let indices = primitive
-        .indices
-        .map(|index| data.open(index, &[Type::Scalar]))
-        .transpose()
-        .map_err(invalid)?;
+        .map_err(|problem| input.invalid(place, problem))?;
     if indices
         .as_ref()
         .is_some_and(|indices| !indices.holds_indices())
     {
-        return Err(invalid(
-            "its indices are not unsigned integers; export the file again".into(),
-        ));
+        let problem = "its indices are not unsigned integers; export the file again";
+        return Err(input.invalid(place, problem));
     }
+    let invalid = |problem: String| input.invalid(place, problem);
     let corners = indices
         .as_ref()
         .map_or(positions.count, |indices| indices.count);
@@ -155,8 +136,49 @@ fn read(
     };
 
     let used = compacted(&mut triangles, positions.count).map_err(invalid)?;
-    let is_set = |s: &&Checked<Semantic>| matches!(s, Checked::Valid(Semantic::TexCoords(_)));
-    let beyond = primitive.attributes.keys().filter(is_set).count() - uvs.len();
+    let mut reader = Reader { input, place };
+    let mut attribute = |name: &str, kinds: &[Type], instead: &str| {
+        let found = attribute(document, attributes, name, kinds, positions.count)?;
+        let told = |problem| reader.broken(problem, instead);
+        found.map_err(told).ok()
+    };
+    let normals = attribute(
+        "NORMAL",
+        &[Type::Vec3],
+        "the mesh is shaded with its geometric normals",
+    );
+    let tangents = attribute(
+        "TANGENT",
+        &[Type::Vec4],
+        "tangents are made from the mesh's UVs where a map needs them",
+    );
+    let mut color = attribute("COLOR_0", &[Type::Vec3, Type::Vec4], "the mesh is white");
+    // Integers are always shares here; a file that does not say so has the same numbers.
+    if let Some(color) = &mut color {
+        color.normalized = true;
+    }
+    let set = |n: usize| format!("TEXCOORD_{n}");
+    let mut uvs = Vec::new();
+    while let Some(uv) = attribute(&set(uvs.len()), &[Type::Vec2], "textures cannot read it") {
+        uvs.push(uv);
+    }
+    let is_set = |name: &&String| {
+        let number = name.strip_prefix("TEXCOORD_").map(str::parse::<u32>);
+        matches!(number, Some(Ok(_)))
+    };
+    // The set that ends them is told of where it is there.
+    let sets = attributes.keys().filter(is_set).count();
+    let beyond = sets - uvs.len() - usize::from(attributes.contains_key(&set(uvs.len())));
+    let material = reader.index(primitive, "material").filter(|&material| {
+        let is_there = material < document.list("materials").len();
+        if !is_there {
+            reader.broken(
+                format!("material {material} is not in the file"),
+                "the mesh is white and matt",
+            );
+        }
+        is_there
+    });
     let mesh = Mesh {
         name,
         positions: gather(&positions, &used, Vec3::from_array),
@@ -182,9 +204,7 @@ fn read(
         triangles,
         source_triangles: Vec::new(),
         source_vertices: used.unwrap_or_default(),
-        material: primitive
-            .material
-            .map_or(NO_MATERIAL, |material| material.value() as u32),
+        material: material.map_or(NO_MATERIAL, |material| material as u32),
         origin,
     };
     input.warn(
@@ -207,6 +227,30 @@ fn read(
     Ok(Some(mesh))
 }
 
+/// An attribute that is not needed, one element for each vertex; `None` without it.
+///
+/// # Errors
+/// What is wrong with it.
+fn attribute<'a>(
+    document: &'a GltfDocument,
+    attributes: &Map<String, Value>,
+    name: &str,
+    kinds: &[Type],
+    vertices: usize,
+) -> Option<Result<Elements<'a>, String>> {
+    let value = attributes.get(name)?;
+    let accessor = index(value).ok_or_else(|| short(&value.to_string()));
+    let opened = accessor.and_then(|accessor| document.typed(accessor, kinds));
+    let whole = opened.and_then(|elements| match elements.count == vertices {
+        true => Ok(elements),
+        false => Err(format!(
+            "{} of them for {vertices} of POSITION",
+            elements.count
+        )),
+    });
+    Some(whole.map_err(|problem| format!("{name}: {problem}")))
+}
+
 /// The triangles of section 3.7.2.1 of the specification, in its order of corners.
 fn triangles_of(mode: Mode, corners: usize, index: impl Fn(usize) -> u32) -> Vec<[u32; 3]> {
     let count = if mode == Mode::Triangles {
@@ -215,8 +259,8 @@ fn triangles_of(mode: Mode, corners: usize, index: impl Fn(usize) -> u32) -> Vec
         corners.saturating_sub(2)
     };
     let triangle = |i: usize| match mode {
-        Mode::TriangleStrip => [i, i + 1 + i % 2, i + 2 - i % 2],
-        Mode::TriangleFan => [i + 1, i + 2, 0],
+        Mode::Strip => [i, i + 1 + i % 2, i + 2 - i % 2],
+        Mode::Fan => [i + 1, i + 2, 0],
         _ => [3 * i, 3 * i + 1, 3 * i + 2],
     };
     (0..count).map(|i| triangle(i).map(&index)).collect()

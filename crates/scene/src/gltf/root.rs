@@ -1,13 +1,11 @@
-//! The JSON of a glTF file, typed and validated: what is refused before anything is read from it.
+//! The JSON of a glTF file before anything is read from it: what it requires, and its outer shape.
+//!
+//! Nothing else is judged here. What a bake reads is judged where it is read; the rest may be as it likes.
 
 use super::conformance;
-use crate::Error;
 use crate::source::{Input, short};
-use gltf::json::accessor::Accessor;
-use gltf::json::validation::{Error as Finding, Validate};
-use gltf::json::{Path as JsonPath, Root};
-use serde::de::DeserializeOwned;
-use serde_json::{Map, Value, json};
+use crate::{Error, WarningKind};
+use serde_json::{Value, json};
 
 /// The properties of glTF that are integers, and lists of them.
 #[rustfmt::skip]
@@ -15,6 +13,47 @@ const INTEGERS: &[&str] = &[
     "buffer", "bufferView", "byteLength", "byteOffset", "byteStride", "camera", "children", "componentType", "count", "index", "indices",
     "input", "inverseBindMatrices", "joints", "light", "magFilter", "material", "mesh", "minFilter", "mode", "node", "nodes", "output",
     "sampler", "scene", "skeleton", "skin", "source", "target", "texCoord", "wrapS", "wrapT",
+];
+
+/// The lists of a document whose elements are objects.
+const LISTS: &[&str] = &[
+    "accessors",
+    "animations",
+    "bufferViews",
+    "buffers",
+    "cameras",
+    "images",
+    "materials",
+    "meshes",
+    "nodes",
+    "samplers",
+    "scenes",
+    "skins",
+    "textures",
+];
+
+/// What a reference in a list of the document names, by the list and the key. Only core properties: an extension may
+/// mean something else by the same word.
+const REFERENCES: &[(&str, &str, &str)] = &[
+    ("accessors", "bufferView", "bufferViews"),
+    ("animations", "input", "accessors"),
+    ("animations", "node", "nodes"),
+    ("animations", "output", "accessors"),
+    ("images", "bufferView", "bufferViews"),
+    ("materials", "index", "textures"),
+    ("meshes", "attributes", "accessors"),
+    ("meshes", "indices", "accessors"),
+    ("meshes", "material", "materials"),
+    ("meshes", "targets", "accessors"),
+    ("nodes", "camera", "cameras"),
+    ("nodes", "children", "nodes"),
+    ("nodes", "mesh", "meshes"),
+    ("nodes", "skin", "skins"),
+    ("scenes", "nodes", "nodes"),
+    ("skins", "inverseBindMatrices", "accessors"),
+    ("skins", "skeleton", "nodes"),
+    ("textures", "sampler", "samplers"),
+    ("textures", "source", "images"),
 ];
 
 /// Brings integers that are written as `1.0` or `10e-1`, which JSON does not tell apart, to one form.
@@ -49,9 +88,8 @@ fn as_integer(value: &mut Value) {
     }
 }
 
-/// The typed and validated document: of each element what a bake reads. Nothing else can have a file refused:
-/// animations, cameras, skins and other scenes may be as they like.
-pub(super) fn parsed(input: &Input, json: &Value) -> Result<Root, Error> {
+/// Judges the version and the required extensions.
+pub(super) fn check(input: &Input, json: &Value) -> Result<(), Error> {
     let version = json.pointer("/asset/version").and_then(Value::as_str);
     let version = version.ok_or_else(|| {
         let problem = "its `asset` names no version of glTF; export the file again";
@@ -60,152 +98,91 @@ pub(super) fn parsed(input: &Input, json: &Value) -> Result<Root, Error> {
     if !version.starts_with("2.") {
         return Err(old(input, &short(version)));
     }
-    let view = ["buffer", "byteLength", "extensions"];
-    let image = ["bufferView", "mimeType", "name", "uri"];
-    let node = [
-        "children",
-        "extensions",
-        "matrix",
-        "mesh",
-        "name",
-        "rotation",
-        "scale",
-        "translation",
-    ];
-    let mut root = Root {
-        accessors: unread_accessors(list(input, json, "accessors")?.len()),
-        buffer_views: typed(input, json, "bufferViews", |item| picked(item, &view))?,
-        buffers: typed(input, json, "buffers", |item| {
-            picked(item, &["byteLength", "uri"])
-        })?,
-        images: typed(input, json, "images", |item| picked(item, &image))?,
-        materials: typed(input, json, "materials", |item| {
-            without(item, "occlusionTexture")
-        })?,
-        meshes: typed(input, json, "meshes", mesh)?,
-        nodes: typed(input, json, "nodes", |item| picked(item, &node))?,
-        samplers: typed(input, json, "samplers", |item| without(item, "minFilter"))?,
-        textures: typed(input, json, "textures", Value::clone)?,
-        extensions_required: typed(input, json, "extensionsRequired", Value::clone)?,
-        ..Root::default()
-    };
-    root.asset.version = version.into();
-    if let Some(name) = root
-        .extensions_required
-        .iter()
-        .find(|name| !conformance::is_supported(name))
-    {
-        return Err(unsupported(input, name));
+    let required = json.get("extensionsRequired").and_then(Value::as_array);
+    let mut required = required.into_iter().flatten().filter_map(Value::as_str);
+    match required.find(|name| !conformance::is_supported(name)) {
+        Some(name) => Err(unsupported(input, name)),
+        None => Ok(()),
     }
-    // The crate's own validation indexes with POSITION before it has looked at the range.
-    for (m, mesh) in root.meshes.iter().enumerate() {
-        for (p, primitive) in mesh.primitives.iter().enumerate() {
-            if let Some(bad) = primitive
-                .attributes
-                .values()
-                .find(|index| index.value() >= root.accessors.len())
-            {
-                let problem = format!(
-                    "accessor {bad} of {}; the file is corrupt",
-                    root.accessors.len()
-                );
-                return Err(input.invalid(format!("mesh {m} primitive {p}"), problem));
+}
+
+/// Takes out lists that are none, and empties elements that are no objects: nothing can be read from them.
+pub(super) fn make_lists(input: &mut Input, json: &mut Value) {
+    let Some(root) = json.as_object_mut() else {
+        return;
+    };
+    let mut broken = |place: &str| {
+        let message = "it is not what the format has there and counts as absent";
+        input.warn(WarningKind::BrokenParts, place, 1, message);
+    };
+    let names = ["extensionsRequired", "extensionsUsed"];
+    for &key in LISTS.iter().chain(&names) {
+        match root.get_mut(key) {
+            None => {}
+            Some(Value::Array(items)) if LISTS.contains(&key) => {
+                for (i, item) in items
+                    .iter_mut()
+                    .enumerate()
+                    .filter(|(_, item)| !item.is_object())
+                {
+                    broken(&format!("{key} {i}"));
+                    *item = json!({});
+                }
+            }
+            Some(Value::Array(_)) => {}
+            Some(_) => {
+                broken(&format!("`{key}`"));
+                root.shift_remove(key);
             }
         }
     }
-    let mut findings = Vec::new();
-    root.validate(&root, JsonPath::new, &mut |path, finding| {
-        let path = path().to_string();
-        // Bounds of POSITION are not used. Accessors without a view, primitives without POSITION and required
-        // extensions are judged elsewhere.
-        let others = ["min", "max", "bufferView", "[\"POSITION\"]"];
-        let other = others.iter().any(|end| path.ends_with(end));
-        let elsewhere = matches!(finding, Finding::Missing | Finding::Invalid) && other;
-        if !elsewhere && !matches!(finding, Finding::Unsupported) {
-            findings.push(format!("{path}: {}", finding.to_string().to_lowercase()));
-        }
-    });
-    match findings.as_slice() {
-        [] => Ok(root),
-        [first] => Err(input.invalid("JSON", format!("{first}; export the file again"))),
-        [first, rest @ ..] => Err(input.invalid(
-            "JSON",
-            format!("{first} (and {} more); export the file again", rest.len()),
-        )),
-    }
 }
 
-/// A list of the document, empty where there is none.
-fn list<'a>(input: &Input, json: &'a Value, key: &str) -> Result<&'a [Value], Error> {
-    match json.get(key) {
-        None => Ok(&[]),
-        Some(Value::Array(items)) => Ok(items),
-        Some(_) => Err(input.invalid("JSON", format!("`{key}` is no list; export the file again"))),
-    }
-}
-
-/// The elements of a list, each typed from what `read` takes of it.
-fn typed<T: DeserializeOwned>(
-    input: &Input,
-    json: &Value,
-    key: &str,
-    read: impl Fn(&Value) -> Value,
-) -> Result<Vec<T>, Error> {
-    let item = |(i, item): (usize, &Value)| {
-        serde_json::from_value(read(item)).map_err(|e| {
-            let problem = format!("{}; export the file again", short(&e.to_string()));
-            input.invalid(format!("{key} {i}"), problem)
-        })
-    };
-    list(input, json, key)?
-        .iter()
-        .enumerate()
-        .map(item)
-        .collect()
-}
-
-/// An object with some of its fields; anything else as it is.
-fn filtered(item: &Value, keep: impl Fn(&str) -> bool) -> Value {
-    let Value::Object(fields) = item else {
-        return item.clone();
-    };
-    let kept = fields.iter().filter(|(key, _)| keep(key));
-    Value::Object(Map::from_iter(kept.map(|(k, v)| (k.clone(), v.clone()))))
-}
-
-fn picked(item: &Value, keys: &[&str]) -> Value {
-    filtered(item, |key| keys.contains(&key))
-}
-
-fn without(item: &Value, unread: &str) -> Value {
-    filtered(item, |key| key != unread)
-}
-
-/// A mesh with the attributes that are read, and of each morph target that it is there.
-fn mesh(item: &Value) -> Value {
-    let mut mesh = picked(item, &["name", "primitives"]);
-    for primitive in mesh["primitives"].as_array_mut().into_iter().flatten() {
-        if let Some(attributes) = primitive.get_mut("attributes") {
-            *attributes = filtered(attributes, is_read);
-        }
-        if let Some(Value::Array(targets)) = primitive.get_mut("targets") {
-            targets.fill(json!({}));
+/// Takes out references to what is not there, which nothing that is baked can have: what a writer appends would be
+/// taken for it.
+pub(super) fn drop_dangling(json: &mut Value) {
+    for &(list, key, named) in REFERENCES {
+        let count = json
+            .get(named)
+            .and_then(Value::as_array)
+            .map_or(0, Vec::len) as u64;
+        if let Some(list) = json.get_mut(list) {
+            drop_beyond(list, key, count);
         }
     }
-    mesh
 }
 
-fn is_read(attribute: &str) -> bool {
-    let set = attribute.strip_prefix("TEXCOORD_");
-    matches!(attribute, "POSITION" | "NORMAL" | "TANGENT" | "COLOR_0")
-        || set.is_some_and(|set| set.parse::<u32>().is_ok())
+/// Takes out the references under `key` to elements from `count` on. False where `value` is of no use without one: a
+/// texture's use, and a variant's material.
+fn drop_beyond(value: &mut Value, key: &str, count: u64) -> bool {
+    let mut of_use = true;
+    match value {
+        Value::Array(items) => items.retain_mut(|item| drop_beyond(item, key, count)),
+        Value::Object(fields) => {
+            let is_variant = fields.contains_key("variants");
+            fields.retain(|name, value| match name.as_str() {
+                "extras" | "KHR_draco_mesh_compression" => true,
+                name if name != key => drop_beyond(value, key, count),
+                _ => {
+                    let stays = keeps(value, count);
+                    of_use &= stays || !(key == "index" || is_variant);
+                    stays
+                }
+            });
+        }
+        _ => {}
+    }
+    of_use
 }
 
-/// As many accessors as the document has, so that references to them can be checked. What is in them is judged where
-/// one is opened.
-fn unread_accessors(count: usize) -> Vec<Accessor> {
-    let any = json!({ "componentType": 5126, "count": 1, "type": "SCALAR" });
-    serde_json::from_value(any).map_or_else(|_| Vec::new(), |any: Accessor| vec![any; count])
+/// Whether a reference is to an element before `count`; those of a list or of a map are judged one by one.
+fn keeps(value: &mut Value, count: u64) -> bool {
+    match value {
+        Value::Array(items) => items.retain_mut(|item| keeps(item, count)),
+        Value::Object(fields) => fields.retain(|_, value| keeps(value, count)),
+        other => return other.as_u64().is_none_or(|number| number < count),
+    }
+    true
 }
 
 fn old(input: &Input, version: &str) -> Error {

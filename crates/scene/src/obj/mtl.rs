@@ -290,16 +290,6 @@ fn normal_map(
     let options = Options::of(statement);
     let path = input.located(library, options.file);
     let name = path.display().to_string();
-    if !path.is_file() {
-        let message = "it is absent; the mesh's normals stand alone";
-        input.warn(
-            WarningKind::MissingTextures,
-            format!("texture `{name}`"),
-            1,
-            message,
-        );
-        return Ok(None);
-    }
     let known = parts
         .packed_images
         .iter()
@@ -307,7 +297,10 @@ fn normal_map(
     let image = match known {
         Some(known) => known,
         None => {
-            let bytes = input.read(&path, 0)?;
+            let instead = "the mesh's normals stand alone";
+            let Some(bytes) = input.read_picture(&path, instead)? else {
+                return Ok(None);
+            };
             parts.packed_images.push(PackedImage {
                 name,
                 bytes,
@@ -373,17 +366,10 @@ fn image(
     known: &mut HashMap<(Content, Role), u32>,
 ) -> Result<Option<u32>, Error> {
     let name = path.display().to_string();
-    if !path.is_file() {
-        let message = "it is absent; the factor stands alone";
-        input.warn(
-            WarningKind::MissingTextures,
-            format!("texture `{name}`"),
-            1,
-            message,
-        );
+    let instead = "the factor stands alone";
+    let Some(bytes) = input.read_picture(path, instead)? else {
         return Ok(None);
-    }
-    let bytes = input.read(path, 0)?;
+    };
     let key = (content(&bytes, &name), role);
     if let Some(&number) = known.get(&key) {
         return Ok(Some(number));
@@ -415,10 +401,10 @@ fn image(
             input.warn(WarningKind::UnreadTextures, place, 1, message);
             Ok(None)
         }
-        Err(Failure::Broken(problem)) => Err(invalid(format!(
-            "{}; repair the image or remove it",
-            short(&problem)
-        ))),
+        Err(Failure::Broken(problem)) => {
+            input.warn_of_picture(format!("texture `{name}`"), &short(&problem), instead);
+            Ok(None)
+        }
         Err(Failure::TooLarge) => Err(invalid(TOO_LARGE.into())),
     }
 }

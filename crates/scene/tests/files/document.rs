@@ -9,8 +9,7 @@ use serde_json::{Value, json};
 fn with_images(images: Value) -> Document {
     let mut document = Document::triangle();
     document.json["textures"] = json!([{ "source": 0 }]);
-    document.json["materials"] =
-        json!([{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }]);
+    document.wear(json!([{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }]));
     document.json["images"] = images;
     document
 }

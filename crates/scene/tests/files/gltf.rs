@@ -206,6 +206,7 @@ fn materials_follow_the_file_and_a_primitive_without_one_is_untinted() {
         primitive(None, 0),
         primitive(Some(0), 0),
         primitive(Some(1), 1),
+        primitive(Some(2), 1),
     ];
     document.json["meshes"] = json!([{ "name": "m", "primitives": primitives }]);
     let scene = document.load().unwrap();
@@ -566,7 +567,7 @@ fn specular_glossiness_and_transmission_are_read_with_their_textures() {
         json!([{ "bufferView": view, "mimeType": "image/png" }])
     });
     let texture = json!({ "index": 0 });
-    document.json["materials"] = json!([
+    document.wear(json!([
         { "alphaMode": "MASK", "extensions": { "KHR_materials_pbrSpecularGlossiness": {
             "diffuseFactor": [0.5, 0.25, 1, 0.75], "diffuseTexture": texture, "specularFactor": [0.25, 0.5, 0],
             "glossinessFactor": 0.5, "specularGlossinessTexture": texture } } },
@@ -574,7 +575,7 @@ fn specular_glossiness_and_transmission_are_read_with_their_textures() {
         { "pbrMetallicRoughness": { "metallicFactor": 0 }, "extensions": { "KHR_materials_transmission": {
             "transmissionFactor": 0.75, "transmissionTexture": texture } } },
         { "pbrMetallicRoughness": { "metallicFactor": 0 }, "extensions": { "KHR_materials_transmission": {} } },
-    ]);
+    ]));
     let scene = document.load().unwrap();
     assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
     let Surface::SpecularGlossiness {

@@ -97,7 +97,7 @@ fn the_same_picture_under_several_names_is_decoded_and_kept_once() {
         { "bufferView": view, "mimeType": "image/png" }, { "uri": "red.png" }]);
     let each = |i: usize| json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": i } }, "normalTexture": { "index": i } });
     document.json["textures"] = (0..5).map(|i| json!({ "source": i })).collect();
-    document.json["materials"] = (0..5).map(each).collect();
+    document.wear((0..5).map(each).collect());
     let scene = folder.load("a.glb", document.glb()).unwrap();
     assert_eq!((scene.images.len(), scene.packed_images.len()), (2, 2));
     assert_eq!(reds(&scene), expected);

@@ -144,6 +144,13 @@ fn absent_libraries_and_textures_are_counted_and_broken_lines_too() {
         ),
         (1, 3)
     );
+    folder.write("words.png", "this is no picture");
+    folder.write("c.mtl", "newmtl m\nmap_Kd words.png\n");
+    let scene = folder
+        .load("c.obj", format!("mtllib c.mtl\n{triangle}"))
+        .unwrap();
+    assert_eq!(scene.warned(WarningKind::MissingTextures), 1);
+    assert!(scene.images.is_empty(), "the factor stands alone");
 }
 
 #[test]

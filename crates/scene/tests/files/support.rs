@@ -68,6 +68,18 @@ impl Document {
         &mut self.json["meshes"][0]["primitives"][0]
     }
 
+    /// Sets the materials, with a copy of the one primitive for each: what no mesh has is not read.
+    pub fn wear(&mut self, materials: Value) {
+        let count = materials.as_array().unwrap().len();
+        let mut primitive = self.primitive().clone();
+        let mut worn = |material: usize| {
+            primitive["material"] = json!(material);
+            primitive.clone()
+        };
+        self.json["meshes"][0]["primitives"] = (0..count).map(&mut worn).collect();
+        self.json["materials"] = materials;
+    }
+
     /// A buffer view of its own for some bytes.
     pub fn view(&mut self, bytes: &[u8]) -> usize {
         self.bin.resize(self.bin.len().next_multiple_of(4), 0);

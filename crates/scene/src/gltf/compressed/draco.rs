@@ -4,10 +4,9 @@
 use super::edit::{Problem, list, take_extension};
 use crate::gltf::accessor::number;
 use crate::gltf::document::GltfDocument;
-use crate::gltf::elements::{component, kind};
+use crate::gltf::elements::{ComponentType, component, kind};
 use crate::source::short;
 use draco_core::{DataType, DecodeLimits, DecoderBuffer, MeshDecoder, PointAttribute, PointIndex};
-use gltf::json::accessor::ComponentType;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
