@@ -8,7 +8,7 @@ use atlas::{MeshLayout, Placement};
 use glam::{Vec2, Vec3};
 use scene::Mesh;
 use serde_json::{Map, Value};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// One primitive's new attributes, shared by all its objects and pages.
 pub struct Geometry {
@@ -71,24 +71,22 @@ impl Geometry {
                 layout.source_vertices.iter().map(number).collect()
             }
         };
-        let expected = whole.then_some(vertices);
-        let is_lightmap =
-            as_placed && has_lightmap(document, primitive, mesh, layout, laid_out, &in_file)?;
         let mut targets = primitive.get("targets").cloned();
-        if !stays {
-            gather_all(document, &mut attributes, expected, &in_file, name)?;
-            for target in targets
-                .as_mut()
-                .and_then(Value::as_array_mut)
-                .into_iter()
-                .flatten()
-            {
-                let target = target
-                    .as_object_mut()
-                    .ok_or("a morph target is not an object")?;
-                gather_all(document, target, expected, &in_file, name)?;
-            }
+        let of_targets = targets.as_mut().and_then(Value::as_array_mut);
+        let of_targets = of_targets.into_iter().flatten();
+        let mut maps = vec![&mut attributes];
+        maps.extend(of_targets.filter_map(Value::as_object_mut));
+        // What a primitive can do without and cannot be had is left out: a viewer would refuse the file for it.
+        for map in maps.iter_mut().filter(|_| !laid_out) {
+            let expected = whole.then_some(vertices);
+            map.retain(|_, accessor| is_sound(document, accessor, expected, &in_file));
         }
+        let mut gathered = HashMap::new();
+        for map in maps.into_iter().filter(|_| !stays) {
+            gather_all(document, map, &in_file, &mut gathered)?;
+        }
+        let is_lightmap =
+            as_placed && has_lightmap(document, primitive, mesh, layout, laid_out, &in_file);
         let own_lightmap = attributes
             .get("TEXCOORD_1")
             .and_then(Value::as_u64)
@@ -226,34 +224,39 @@ pub fn colors(
     document.push_floats(&colors, false)
 }
 
-/// Replaces every accessor of an attribute map by its elements in the order `vertices`. All must have `expected`
-/// elements where the loader read them whole.
+/// Whether an attribute has the elements `vertices`, and `expected` of them where the loader read them whole.
+fn is_sound(
+    document: &Document,
+    accessor: &Value,
+    expected: Option<usize>,
+    vertices: &[u32],
+) -> bool {
+    let last = vertices.iter().max().map_or(0, |&v| v as usize + 1);
+    let accessor = accessor.as_u64().map(|accessor| accessor as usize);
+    let count = accessor.and_then(|accessor| Some(document.original(accessor).ok()?.count));
+    count.is_some_and(|count| count >= last && expected.is_none_or(|expected| count == expected))
+}
+
+/// Replaces every accessor of an attribute map by its elements in the order `vertices`. `gathered` holds those made so
+/// far: what is one accessor in the file is one here.
 fn gather_all(
     document: &mut Document,
     attributes: &mut Map<String, Value>,
-    expected: Option<usize>,
     vertices: &[u32],
-    name: &str,
+    gathered: &mut HashMap<usize, usize>,
 ) -> Result<(), Reason> {
     for (semantic, accessor) in attributes {
         let source = accessor.as_u64().ok_or("an attribute is not an index")? as usize;
-        let elements = document.original(source)?;
-        let count = elements.count;
-        let last = vertices.iter().max().map_or(0, |&v| v as usize + 1);
-        if count < last || expected.is_some_and(|expected| count != expected) {
-            return Err(format!(
-                "{semantic} of {name} has {count} vertices, its POSITION {}; export the file again",
-                expected.unwrap_or(last)
-            ));
-        }
-        *accessor = gather(
-            document,
-            source,
-            &elements,
-            vertices,
-            semantic == "POSITION",
-        )?
-        .into();
+        let own = match gathered.get(&source) {
+            Some(&own) => own,
+            None => {
+                let elements = document.original(source)?;
+                let bounds = semantic == "POSITION";
+                gather(document, source, &elements, vertices, bounds)?
+            }
+        };
+        gathered.insert(source, own);
+        *accessor = own.into();
     }
     Ok(())
 }
@@ -267,20 +270,22 @@ fn has_lightmap(
     layout: &MeshLayout,
     laid_out: bool,
     in_file: &[u32],
-) -> Result<bool, Reason> {
+) -> bool {
     let Some(accessor) = index(&primitive["attributes"], "TEXCOORD_1") else {
-        return Ok(false);
+        return false;
     };
     if laid_out {
         let set = mesh.uv_sets.get(1);
         let at = |v: u32| set?.get(v as usize).map(Vec2::to_array);
-        return Ok(holds(layout, &layout.source_vertices, at));
+        return holds(layout, &layout.source_vertices, at);
     }
     // Not the loaded set: there a coordinate that is not finite has been repaired.
-    let own = document.original(accessor)?;
+    let Ok(own) = document.original(accessor) else {
+        return false;
+    };
     let at = |v: u32| Some(own.numbers(v as usize)?.map(|number| number as f32));
     let whole = mesh.source_vertices.is_empty();
-    Ok((!whole || own.count == mesh.positions.len()) && holds(layout, in_file, at))
+    (!whole || own.count == mesh.positions.len()) && holds(layout, in_file, at)
 }
 
 /// Whether the layout's coordinates are those of the UV set `at`, which knows them by the numbers `vertices`.
@@ -289,19 +294,72 @@ fn holds(layout: &MeshLayout, vertices: &[u32], at: impl Fn(u32) -> Option<[f32;
     vertices.len() == layout.uvs.len() && vertices.iter().zip(&layout.uvs).all(same)
 }
 
-/// Moves `TEXCOORD_1` behind the last UV set and returns its new number.
+/// Moves `TEXCOORD_1` behind the last UV set, or to where it stands a second time, and returns its new number.
 fn move_texcoord_1(attributes: &mut Map<String, Value>) -> Option<u64> {
     let old = attributes.shift_remove("TEXCOORD_1")?;
-    let number = |name: &String| name.strip_prefix("TEXCOORD_")?.parse::<u64>().ok();
-    let next = attributes
-        .keys()
-        .filter_map(number)
-        .max()
-        .unwrap_or(0)
-        .max(1)
-        + 1;
+    let same = attributes.iter().filter(|(_, other)| **other == old);
+    let same = same.filter_map(|(name, _)| set_number(name)).max();
+    if same.is_some_and(|same| same > 1) {
+        return same;
+    }
+    let next = last_set(attributes).max(1) + 1;
     attributes.insert(format!("TEXCOORD_{next}"), old);
     Some(next)
+}
+
+/// The number of a UV set.
+fn set_number(attribute: &str) -> Option<u64> {
+    attribute.strip_prefix("TEXCOORD_")?.parse().ok()
+}
+
+/// The largest number of a UV set; 0 where there is none.
+fn last_set(attributes: &Map<String, Value>) -> u64 {
+    let numbers = attributes.keys().filter_map(|name| set_number(name));
+    numbers.max().unwrap_or(0)
+}
+
+/// Gives the UV set 1 of every primitive one more number, the same for all, where an extension of the document, of a
+/// node or of a mesh reads it, and leads that there: what primitives share cannot follow each to a number of its own.
+pub fn share_texcoord_1(document: &mut Document) {
+    let mut last = 1;
+    each_attributes(&mut document.json, |attributes| {
+        last = last.max(last_set(attributes));
+    });
+    let to = last + 1;
+    let mut found = lead(&mut document.json, to);
+    let lists = document.json.as_object_mut().into_iter().flatten();
+    // Each primitive has materials of its own.
+    for (_, list) in lists.filter(|(key, _)| *key != "materials") {
+        let items = list.as_array_mut().into_iter().flatten();
+        found |= items.fold(false, |found, item| lead(item, to) | found);
+    }
+    if found {
+        each_attributes(&mut document.json, |attributes| {
+            if let Some(own) = attributes.get("TEXCOORD_1").cloned() {
+                let missing = last_set(attributes) + 1..=to;
+                attributes.extend(missing.map(|n| (format!("TEXCOORD_{n}"), own.clone())));
+            }
+        });
+    }
+}
+
+/// Leads what the extensions of an element read of UV set 1 to the set `to`; true where there was something.
+fn lead(element: &mut Value, to: u64) -> bool {
+    let extensions = element.get_mut("extensions");
+    let extensions = extensions.and_then(Value::as_object_mut);
+    extensions.is_some_and(|extensions| material::redirect(extensions, to))
+}
+
+/// Shows the attributes of every primitive.
+fn each_attributes(json: &mut Value, mut see: impl FnMut(&mut Map<String, Value>)) {
+    fn parts<'a>(value: &'a mut Value, key: &str) -> impl Iterator<Item = &'a mut Value> {
+        let list = value.get_mut(key).and_then(Value::as_array_mut);
+        list.into_iter().flatten()
+    }
+    for primitive in parts(json, "meshes").flat_map(|mesh| parts(mesh, "primitives")) {
+        let attributes = primitive.get_mut("attributes");
+        attributes.and_then(Value::as_object_mut).map(&mut see);
+    }
 }
 
 fn object<'a>(value: &'a Value, key: &str) -> Result<&'a Map<String, Value>, Reason> {
@@ -326,6 +384,11 @@ mod tests {
             json!({ "TEXCOORD_0": 3, "TEXCOORD_2": 9, "TEXCOORD_3": 7 })
         );
         assert_eq!(move_texcoord_1(attributes), None);
+        // One that stands behind the others already stays there.
+        let mut twice =
+            json!({ "TEXCOORD_0": 7, "TEXCOORD_1": 7, "TEXCOORD_2": 7, "TEXCOORD_3": 9 });
+        let attributes = twice.as_object_mut().unwrap();
+        assert_eq!(move_texcoord_1(attributes), Some(2));
     }
 
     #[test]

@@ -170,7 +170,7 @@ fn matt() -> Value {
     })
 }
 
-/// Leads every texture of a material, or of the extensions of a primitive, that reads UV set 1 to the set `to`; true
+/// Leads every texture of a material, or of the extensions of anything, that reads UV set 1 to the set `to`; true
 /// where there was one. A texture names its set by the key `texCoord`, in the core, in any extension, and in
 /// `KHR_texture_transform`, which overrides it.
 pub fn redirect(map: &mut Map<String, Value>, to: u64) -> bool {
@@ -191,37 +191,6 @@ pub fn redirect(map: &mut Map<String, Value>, to: u64) -> bool {
         }
     }
     found
-}
-
-/// Gives a primitive copies of the textures of properties (`EXT_structural_metadata`) that read UV set 1, led to the
-/// set `to`: they stand in the document, where other primitives name them too. `copies` holds those made so far.
-pub fn move_property_textures(
-    document: &mut Document,
-    primitive: &mut Value,
-    to: u64,
-    copies: &mut HashMap<(usize, u64), usize>,
-) {
-    const PLACE: &str = "/extensions/EXT_structural_metadata/propertyTextures";
-    let textures = document.json.pointer_mut(PLACE);
-    let named = primitive.pointer_mut(PLACE);
-    let (Some(Value::Array(textures)), Some(Value::Array(named))) = (textures, named) else {
-        return;
-    };
-    for number in named {
-        let at = number.as_u64().map_or(usize::MAX, |at| at as usize);
-        let copy = *copies.entry((at, to)).or_insert_with(|| {
-            let mut copy = textures.get(at).cloned().unwrap_or_default();
-            if copy.as_object_mut().is_some_and(|copy| redirect(copy, to)) {
-                textures.push(copy);
-                textures.len() - 1
-            } else {
-                at
-            }
-        });
-        if copy != at {
-            *number = copy.into();
-        }
-    }
 }
 
 /// Replaces each material that `KHR_materials_variants` names among a primitive's extensions.

@@ -45,8 +45,7 @@ struct Origins {
 /// * `shades`: by what vertex colours are multiplied.
 ///
 /// # Errors
-/// [`Error::Read`] where an attribute that the scene does not use is damaged in the input; [`Error::Write`] with an
-/// empty path where the file would pass the format's 4 GiB.
+/// [`Error::Write`] with an empty path where the file would pass the format's 4 GiB.
 ///
 /// # Panics
 /// Where scene, atlas and pages do not fit each other: a bug of the caller.
@@ -128,6 +127,7 @@ fn patch(
     (occlusion, shades): (Option<&[Vec<u8>]>, &Shades),
     origins: &Origins,
 ) -> Result<(), Reason> {
+    geometry::share_texcoord_1(document);
     // The objects of each user, by primitive.
     let mut users: Vec<(User, HashMap<usize, usize>)> = Vec::new();
     let mut at: HashMap<User, usize> = HashMap::new();
@@ -161,7 +161,6 @@ fn patch(
         .filter(|p| p.is_somewhere())
         .all(|p| p.scale == [1.0; 2] && p.offset == [0.0; 2]);
     let mut geometries: HashMap<u32, Geometry> = HashMap::new();
-    let mut properties = HashMap::new();
     let mut placed = Vec::with_capacity(users.len());
     for (user, objects) in &users {
         let original = plan.mesh_of(document, user.0)?;
@@ -214,9 +213,6 @@ fn patch(
                 })?;
                 if let Some(shade) = shade {
                     own["attributes"]["COLOR_0"] = shade.into();
-                }
-                if let Some(to) = geometry.moved {
-                    material::move_property_textures(document, &mut own, to, &mut properties);
                 }
                 primitives.push(own);
             }

@@ -249,15 +249,154 @@ fn textures_in_extensions_of_a_primitive_follow_a_moved_uv_set() {
         primitive["extensions"]["EXT_mesh_features"],
         features([2, 0])
     );
-    // The second is copied, once for both objects that share the mesh, and the copy is led to the set.
     assert_eq!(
         after["extensions"]["EXT_structural_metadata"]["propertyTextures"],
-        json!([property(0), property(1), property(2)])
+        json!([property(0), property(2)])
     );
     assert_eq!(
         primitive["extensions"]["EXT_structural_metadata"]["propertyTextures"],
-        json!([0, 2])
+        json!([0, 1])
     );
+}
+
+/// Two squares: `uv_sets` of them have so many sets of coordinates, each with values of its own.
+fn squares(uv_sets: [usize; 2]) -> (Value, Vec<u8>) {
+    let mut bin: Vec<u8> = Vec::new();
+    let (mut views, mut accessors) = (Vec::new(), Vec::new());
+    let mut push = |kind: &str, lanes: usize, values: Vec<f32>| {
+        let start = bin.len();
+        bin.extend(values.iter().flat_map(|v| v.to_le_bytes()));
+        views.push(json!({ "buffer": 0, "byteOffset": start, "byteLength": bin.len() - start }));
+        accessors.push(json!({ "bufferView": accessors.len(), "componentType": 5126, "count": values.len() / lanes,
+            "type": kind }));
+        accessors.len() - 1
+    };
+    let corners = [[0., 0.], [1., 0.], [1., 1.], [0., 0.], [1., 1.], [0., 1.]];
+    let positions = corners.iter().flat_map(|[x, y]| [*x, *y, 0.0]).collect();
+    let positions = push("VEC3", 3, positions);
+    let mut meshes = Vec::new();
+    for (m, sets) in uv_sets.into_iter().enumerate() {
+        let mut attributes = json!({ "POSITION": positions });
+        for set in 0..sets {
+            let scale = 1.0 / (2 + set + 4 * m) as f32;
+            let values = corners.iter().flatten().map(|v| v * scale).collect();
+            attributes[format!("TEXCOORD_{set}")] = push("VEC2", 2, values).into();
+        }
+        meshes.push(json!({ "primitives": [{ "attributes": attributes, "material": 0 }] }));
+    }
+    let picture = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVQI12P4//8/AAX+Av7czFnnAAAAAElFTkSuQmCC";
+    let document = json!({
+        "asset": { "version": "2.0" },
+        "scenes": [{ "nodes": [0, 1] }],
+        "nodes": [{ "mesh": 0 }, { "mesh": 1, "translation": [3, 0, 0] }],
+        "meshes": meshes, "accessors": accessors, "bufferViews": views,
+        "buffers": [{ "byteLength": bin.len() }],
+        "materials": [{ "pbrMetallicRoughness": { "metallicFactor": 0, "baseColorTexture": { "index": 0, "texCoord": 1 } } }],
+        "images": [{ "uri": picture }], "textures": [{ "source": 0 }],
+    });
+    (document, bin)
+}
+
+#[test]
+fn what_several_primitives_share_reads_their_moved_sets_under_one_number() {
+    let dir = tempfile::tempdir().unwrap();
+    let input = dir.path().join("shared.glb");
+    let (mut before, bin) = squares([2, 3]);
+    let reads = |set: u32| json!({ "ACME_any": [{ "foo": { "index": 0, "texCoord": set } }] });
+    for place in ["", "/nodes/0", "/meshes/1"] {
+        before.pointer_mut(place).unwrap()["extensions"] = reads(1);
+    }
+    before["extensionsUsed"] = json!(["ACME_any"]);
+    fs::write(&input, glb(&before, &bin)).unwrap();
+    let scene = scene::load(&input).unwrap();
+    let atlas = layout(&scene, false, 1);
+    let path = write(&scene, &atlas, dir.path(), "out.glb");
+    let (after, _) = open(&path);
+    for place in ["", "/nodes/0", "/meshes/1"] {
+        let after = &after.pointer(place).unwrap()["extensions"];
+        assert_eq!(after, &reads(3), "{place}");
+    }
+    let again = scene::load(&path).unwrap();
+    for (mesh, was) in again.meshes.iter().zip(&scene.meshes) {
+        assert_eq!(mesh.uv_sets[3], was.uv_sets[1], "{}", mesh.name);
+        assert_eq!(mesh.uv_sets[0], was.uv_sets[0], "{}", mesh.name);
+    }
+    let textures = after["meshes"].as_array().unwrap().iter().map(|mesh| {
+        let material = &mesh["primitives"][0]["material"];
+        let material = &after["materials"][material.as_u64().unwrap() as usize];
+        material["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"].clone()
+    });
+    let attributes = after["meshes"].as_array().unwrap().iter();
+    for (mesh, set) in attributes.zip(textures) {
+        // The material has one picture with one set, which is the moved one by either number.
+        let attributes = &mesh["primitives"][0]["attributes"];
+        let named = &attributes[format!("TEXCOORD_{set}")];
+        assert_eq!(named, &attributes["TEXCOORD_3"], "{mesh}");
+    }
+    assert_valid(&[path]);
+    // Nothing shared reads set 1: each primitive's moves behind its own last.
+    let (plain, bin) = squares([2, 3]);
+    fs::write(&input, glb(&plain, &bin)).unwrap();
+    let scene = scene::load(&input).unwrap();
+    let (after, _) = open(&write(&scene, &atlas, dir.path(), "plain.glb"));
+    let count = |m: usize| {
+        let attributes = &after["meshes"][m]["primitives"][0]["attributes"];
+        attributes.as_object().unwrap().len()
+    };
+    assert_eq!([count(0), count(1)], [4, 5]);
+}
+
+/// What a scene is baked without is written without, too, so that what was broken breaks no viewer, and nothing that is
+/// appended is taken for what was not there.
+#[test]
+fn broken_parts_of_a_file_do_not_come_back_in_its_glb() {
+    let dir = tempfile::tempdir().unwrap();
+    let input = dir.path().join("broken.glb");
+    let (mut before, bin) = squares([2, 3]);
+    let primitive = &mut before["meshes"][0]["primitives"][0];
+    let (accessors, images) = (6, 1);
+    primitive["attributes"]["TANGENT"] = json!(accessors);
+    primitive["attributes"]["JOINTS_0"] = json!("x");
+    primitive["attributes"]["_OWN"] = json!(99);
+    primitive["targets"] = json!([{ "POSITION": 0, "NORMAL": accessors }]);
+    primitive["extensions"] =
+        json!({ "KHR_materials_variants": { "mappings": [{ "material": 1, "variants": [0] }] } });
+    before["materials"][0]["normalTexture"] = json!({ "index": images });
+    before["meshes"]
+        .as_array_mut()
+        .unwrap()
+        .push(json!({ "primitives": [{ "attributes": { "POSITION": accessors + 1 } }] }));
+    before["nodes"]
+        .as_array_mut()
+        .unwrap()
+        .push(json!({ "mesh": 3, "children": [9] }));
+    before["images"][0] = json!({ "uri": "data:image/png;base64,AAAA" });
+    fs::write(&input, glb(&before, &bin)).unwrap();
+    let scene = scene::load(&input).unwrap();
+    for split in [false, true] {
+        let path = write(&scene, &layout(&scene, split, 1), dir.path(), "out.glb");
+        let (after, _) = open(&path);
+        let primitive = &after["meshes"][0]["primitives"][0];
+        let mut names: Vec<&String> = primitive["attributes"]
+            .as_object()
+            .unwrap()
+            .keys()
+            .collect();
+        names.sort();
+        assert_eq!(
+            names,
+            ["POSITION", "TEXCOORD_0", "TEXCOORD_1", "TEXCOORD_2"]
+        );
+        let target = primitive["targets"][0].as_object().unwrap();
+        assert!(target.len() == 1 && target.contains_key("POSITION"));
+        let variants = &primitive["extensions"]["KHR_materials_variants"]["mappings"];
+        assert_eq!(variants, &json!([]));
+        assert_eq!(after["meshes"][2]["primitives"][0]["attributes"], json!({}));
+        assert_eq!(after["nodes"][2], json!({ "children": [] }));
+        let materials = after["materials"].as_array().unwrap();
+        assert!(materials.iter().all(|m| m.get("normalTexture").is_none()));
+        assert_eq!(corners(&scene::load(&path).unwrap()), corners(&scene));
+    }
 }
 
 #[test]

@@ -1,54 +1,7 @@
 //! The elements of an opened accessor, raw and decoded.
 
+pub(super) use gltf::json::accessor::{ComponentType, Type};
 use serde_json::Value;
-
-/// What an element is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Type {
-    Scalar,
-    Vec2,
-    Vec3,
-    Vec4,
-    Mat2,
-    Mat3,
-    Mat4,
-}
-
-impl Type {
-    /// Numbers of an element.
-    pub fn multiplicity(self) -> usize {
-        match self {
-            Type::Scalar => 1,
-            Type::Vec2 => 2,
-            Type::Vec3 => 3,
-            Type::Vec4 | Type::Mat2 => 4,
-            Type::Mat3 => 9,
-            Type::Mat4 => 16,
-        }
-    }
-}
-
-/// How a number is stored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum ComponentType {
-    I8,
-    U8,
-    I16,
-    U16,
-    U32,
-    F32,
-}
-
-impl ComponentType {
-    /// Bytes of a number.
-    pub fn size(self) -> usize {
-        match self {
-            ComponentType::I8 | ComponentType::U8 => 1,
-            ComponentType::I16 | ComponentType::U16 => 2,
-            ComponentType::U32 | ComponentType::F32 => 4,
-        }
-    }
-}
 
 /// An opened accessor of a [`crate::GltfDocument`]: strides, sparse substitution and absent views are resolved.
 pub struct Elements<'a> {
