@@ -284,6 +284,8 @@ fn squares(uv_sets: [usize; 2]) -> (Value, Vec<u8>) {
         }
         meshes.push(json!({ "primitives": [{ "attributes": attributes, "material": 0 }] }));
     }
+    accessors[positions]["min"] = json!([0, 0, 0]);
+    accessors[positions]["max"] = json!([1, 1, 0]);
     let picture = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVQI12P4//8/AAX+Av7czFnnAAAAAElFTkSuQmCC";
     let document = json!({
         "asset": { "version": "2.0" },
@@ -302,7 +304,7 @@ fn what_several_primitives_share_reads_their_moved_sets_under_one_number() {
     let dir = tempfile::tempdir().unwrap();
     let input = dir.path().join("shared.glb");
     let (mut before, bin) = squares([2, 3]);
-    let reads = |set: u32| json!({ "ACME_any": [{ "foo": { "index": 0, "texCoord": set } }] });
+    let reads = |set: u32| json!({ "ACME_any": { "foo": [{ "index": 0, "texCoord": set }] } });
     for place in ["", "/nodes/0", "/meshes/1"] {
         before.pointer_mut(place).unwrap()["extensions"] = reads(1);
     }
