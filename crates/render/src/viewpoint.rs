@@ -15,15 +15,19 @@ const AROUND: u32 = 64;
 /// skylight.
 const CLOSED: u32 = 58;
 const HALF_OPEN: u32 = 36;
-/// Points on surfaces by which a view from inside and one from outside are compared.
-const POINTS: usize = 1024;
-/// The view from inside has to show so many times as many: a doll's house without a roof is looked at from above, a
+/// The view from inside has to tell so many times as much: a doll's house without a roof is looked at from above, a
 /// hall below a skylight is not.
-const MORE: usize = 3;
+const MORE: f64 = 1.8;
+/// Points on surfaces by which views from outside are compared.
+const POINTS: usize = 1024;
 /// A place is inside of a solid where so many meet backs.
 const SOLID: u32 = 12;
-/// A view from another side is taken where it shows so much more of the fronts of surfaces.
-const BETTER: f64 = 0.15;
+/// A view from another side is taken where it shows so many times as many of them.
+const BETTER: f64 = 1.25;
+/// By how much the steeper views rise above the others, in radians: 25 degrees.
+const STEEPER: f64 = 25.0 * PI / 180.0;
+/// Rays across a picture by which one from inside and one from outside are compared.
+const ACROSS: u32 = 40;
 
 /// Triangles that are looked at, at most, to find where the scene is.
 const SAMPLED: usize = 50_000;
@@ -33,10 +37,10 @@ const CUT: usize = 10;
 const SMALL: f64 = 0.2;
 
 impl Framing {
-    /// The camera that shows a scene best: the one of [`Framing::camera`], from another side where that shows more
-    /// fronts of surfaces, and inside where most of the free space in the scene's box is closed, or where three times
-    /// as much of the surfaces' area is seen from a place within that is half open. Inside, the field of view is at
-    /// least 65 degrees unless `keep_fov`.
+    /// The camera that shows a scene best: the one of [`Framing::camera`], from another side or steeper where that
+    /// shows more of it, and inside where most of the free space in the scene's box is closed, or where a place within
+    /// that is half open tells nearly twice as much. Inside, the field of view is at least 65 degrees unless
+    /// `keep_fov`.
     ///
     /// # Errors
     /// [`Error::Camera`], see [`Camera::new`].
@@ -66,38 +70,25 @@ impl Framing {
         if let Some(view) = room.closed(&places) {
             return inside(view);
         }
-        let turned = |step: u32| {
-            let angle = TAU * f64::from(step) / 8.0;
-            DQuat::from_axis_angle(room.up, angle) * Camera::FRONT
-        };
-        let shown = (0..8).map(|step| (room.fronts(turned(step)), step));
-        let shown: Vec<(f64, u32)> = shown.collect();
-        let best = shown
-            .iter()
-            .fold(shown[0], |a, &b| if b.0 > a.0 { b } else { a });
-        let step = if best.0 > shown[0].0 + BETTER {
-            best.1
-        } else {
-            0
-        };
+        let toward = room.outside(&points(world));
         let middle = room.focus.center();
         let eye = match focus {
-            None => self.eye_outside(world, turned(step)),
+            None => self.eye_outside(world, toward),
             Some(focus) => {
                 let corner = |k: usize| [focus.min, focus.max][k];
                 let corners = (0..8).map(|k| {
                     let [x, y, z] = [k & 1, k >> 1 & 1, k >> 2].map(corner);
                     DVec3::new(x.x, y.y, z.z)
                 });
-                Camera::framing(corners, middle, turned(step), self.up, self.fov, self.size)
+                Camera::framing(corners, middle, toward, self.up, self.fov, self.size)
             }
         };
         let outside = self.camera_at([eye, middle])?;
         let Some(view) = room.best(&places, HALF_OPEN) else {
             return Ok(outside);
         };
-        let (inside, points) = (inside(view)?, points(world));
-        let [more, fewer] = [&inside, &outside].map(|camera| room.shown(camera, &points));
+        let inside = inside(view)?;
+        let [more, fewer] = [&inside, &outside].map(|camera| room.told(room.through(camera)));
         Ok(if more > MORE * fewer { inside } else { outside })
     }
 }
@@ -145,22 +136,54 @@ impl Room<'_> {
         })
     }
 
-    /// The share of what parallel rays from a direction meet in the scene's box that are fronts of surfaces.
-    fn fronts(&self, toward: DVec3) -> f64 {
-        let bounds = self.focus;
-        let radius = 0.5 * (bounds.max - bounds.min).length();
-        let right = self.up.cross(toward).normalize_or(DVec3::X);
-        let upright = toward.cross(right);
-        let (mut met, mut fronts) = (0u32, 0u32);
-        for index in 0..20 * 20 {
-            let [x, y] = [index % 20, index / 20].map(|k| (f64::from(k) + 0.5) / 10.0 - 1.0);
-            let eye = bounds.center() + radius * (2.0 * toward + x * right + y * upright);
-            if let Some(hit) = self.first(eye, -toward) {
-                met += 1;
-                fronts += u32::from(hit.front);
-            }
+    /// The direction from which most of some points are seen, of eight around the scene and eight steeper ones: that of
+    /// [`Camera::FRONT`] unless many more are from another around, and a steeper one where many more are from there.
+    fn outside(&self, points: &[Point]) -> DVec3 {
+        let axis = self.up.cross(Camera::FRONT).normalize_or(DVec3::X);
+        let rings = [0.0, STEEPER].map(|rise| DQuat::from_axis_angle(axis, -rise) * Camera::FRONT);
+        let far = 2.0 * (self.focus.max - self.focus.min).length();
+        let seen = |toward: DVec3| {
+            let is_seen = |point: &&Point| {
+                let hit = self.first(point.at + far * toward, -toward);
+                hit.is_some_and(|hit| hit.front && (hit.instance, hit.triangle) == point.triangle)
+            };
+            points.iter().filter(is_seen).count()
+        };
+        let mut best = (seen(rings[0]), rings[0]);
+        for ring in rings {
+            let turned = (0..8)
+                .map(|step| DQuat::from_axis_angle(self.up, TAU * f64::from(step) / 8.0) * ring);
+            let most = turned.map(|toward| (seen(toward), toward));
+            let most = most.reduce(|a, b| if b.0 > a.0 { b } else { a });
+            best = most
+                .filter(|most| most.0 as f64 > BETTER * best.0 as f64)
+                .unwrap_or(best);
         }
-        f64::from(fronts) / f64::from(met.max(1))
+        best.1
+    }
+
+    /// What rays from places in directions tell of what they meet, in bits: the entropy of the triangles whose fronts
+    /// they meet. Backs tell nothing. P.-P. Vázquez, M. Feixas, M. Sbert, W. Heidrich, "Viewpoint Selection using
+    /// Viewpoint Entropy" (2001), without what lies behind the scene.
+    fn told(&self, rays: impl Iterator<Item = [DVec3; 2]>) -> f64 {
+        let hits = rays.filter_map(|[eye, toward]| self.first(eye, toward));
+        let hits: Vec<SurfaceHit> = hits.collect();
+        let fronts = hits.iter().filter(|hit| hit.front);
+        let mut fronts: Vec<_> = fronts.map(|hit| (hit.instance, hit.triangle)).collect();
+        fronts.sort_unstable();
+        let share = |same: &[_]| same.len() as f64 / hits.len() as f64;
+        let shares = fronts.chunk_by(|a, b| a == b).map(share);
+        shares.map(|share| -share * share.log2()).sum()
+    }
+
+    /// Rays through the picture of a camera.
+    fn through(&self, camera: &Camera) -> impl Iterator<Item = [DVec3; 2]> {
+        let [width, height] = camera.size.map(f64::from);
+        (0..ACROSS * ACROSS).map(move |index| {
+            let part = |k: u32| (f64::from(k) + 0.5) / f64::from(ACROSS);
+            let [x, y] = [width * part(index % ACROSS), height * part(index / ACROSS)];
+            [camera.eye, camera.direction(x, y)]
+        })
     }
 
     /// Places in the scene's box that are in no solid.
@@ -200,21 +223,6 @@ impl Room<'_> {
             }
         }
         best.map(|(_, view)| view)
-    }
-
-    /// How many of some points on surfaces a camera sees from their front.
-    fn shown(&self, camera: &Camera, points: &[DVec3]) -> usize {
-        let is_shown = |point: &&DVec3| {
-            let way = **point - camera.eye;
-            let ahead = way.dot(camera.forward);
-            let [width, height] = camera.size.map(f64::from);
-            let [wide, high] = [camera.slope * width / height, camera.slope];
-            let is_in = way.dot(camera.right).abs() <= wide * ahead
-                && way.dot(camera.up).abs() <= high * ahead;
-            let hit = is_in.then(|| self.first(camera.eye, way)).flatten();
-            hit.is_some_and(|hit| hit.front && (f64::from(hit.t) - 1.0).abs() < 1e-3)
-        };
-        points.iter().filter(is_shown).count()
     }
 
     /// How much is to be seen in a horizontal direction, and a point to look at there: the mean logarithm of the
@@ -262,24 +270,33 @@ fn focus(world: &World) -> Option<Bounds> {
         .then_some(Bounds { min, max })
 }
 
-/// Points on the surfaces of a scene, evenly by area.
-fn points(world: &World) -> Vec<DVec3> {
+/// A point on a triangle, of which instance and number are given.
+struct Point {
+    at: DVec3,
+    triangle: (u32, u32),
+}
+
+/// Points on the surfaces of a scene, by the roots of the areas of their triangles: what is fine counts for more than
+/// its area, and what is large for more than its number.
+fn points(world: &World) -> Vec<Point> {
     let triangles = drawn(world).flat_map(|instance| {
         let count = world.part(instance).1.triangles().len() as u32;
-        (0..count).map(move |triangle| world.corners(instance, triangle))
+        (0..count).map(move |triangle| ((instance, triangle), world.corners(instance, triangle)))
     });
-    let area = |[a, b, c]: &[DVec3; 3]| 0.5 * (*b - *a).cross(*c - *a).length();
-    let total: f64 = triangles.clone().map(|corners| area(&corners)).sum();
+    let weight = |[a, b, c]: &[DVec3; 3]| (*b - *a).cross(*c - *a).length().sqrt();
+    let total: f64 = triangles.clone().map(|(_, corners)| weight(&corners)).sum();
     let step = total / POINTS as f64;
     let (mut points, mut before) = (Vec::with_capacity(POINTS), 0.0);
-    for [a, b, c] in triangles {
-        before += area(&[a, b, c]);
+    for (triangle, corners) in triangles {
+        let [a, b, c] = corners;
+        before += weight(&corners);
         while points.len() < POINTS && (points.len() as f64 + 0.5) * step < before {
             // Of a triangle's points each has its own place in it.
             let k = points.len() as f64;
             let [u, v] = [0.754_877_666, 0.569_840_291].map(|turn| (k * turn).fract());
             let root = f64::sqrt(u);
-            points.push(a + (b - a) * (root * (1.0 - v)) + (c - a) * (root * v));
+            let at = a + (b - a) * (root * (1.0 - v)) + (c - a) * (root * v);
+            points.push(Point { at, triangle });
         }
     }
     points
@@ -361,6 +378,54 @@ mod tests {
             let camera = FRAMING.fitted(&world, backend.as_ref(), false).unwrap();
             assert!(camera.eye.z * side > 0.0, "{front}: {camera:?}");
         }
+    }
+
+    #[test]
+    fn a_row_of_houses_is_looked_at_from_its_fronts() {
+        // A plain wall toward the view that is taken otherwise, windows on the other side.
+        let [x, y, z] = [Vec3::X * 8.0, Vec3::Y * 3.0, Vec3::Z];
+        let mut sheets: Vec<_> = [
+            [Vec3::ZERO, y, x],
+            [z, x, y],
+            [y, z, x],
+            [Vec3::ZERO, z, y],
+            [x, y, z],
+        ]
+        .map(white)
+        .into();
+        sheets.extend((0..24).map(|k| {
+            let at = Vec3::new((k % 8) as f32 + 0.2, (k / 8) as f32 + 0.2, -0.01);
+            white([at, Vec3::Y * 0.6, Vec3::X * 0.6])
+        }));
+        let (world, backend) = world(&sheets);
+        let camera = FRAMING.fitted(&world, backend.as_ref(), false).unwrap();
+        assert!(camera.eye.z < 0.0, "{camera:?}");
+    }
+
+    #[test]
+    fn a_cave_with_land_before_it_is_looked_at_from_inside() {
+        // A room whose ceiling, walls and floor are of many faces, and of which one end is open.
+        let tile = |k: u32, [at, a, b]: [Vec3; 3]| {
+            let [i, j] = [k % 10, k / 10].map(|k| k as f32);
+            white([at + a * i + b * j, a, b])
+        };
+        let [x, y, z] = [Vec3::X * 0.8, Vec3::Y * 0.3, Vec3::Z * 0.6];
+        let [right, top, end] = [x, y, z].map(|edge| edge * 10.0);
+        let sides = [
+            [Vec3::ZERO, z, x],
+            [Vec3::ZERO, y, z],
+            [top, x, z],
+            [end, y, x],
+            [right, z, y],
+        ];
+        let mut sheets: Vec<_> = (0..500)
+            .map(|k| tile(k % 100, sides[k as usize / 100]))
+            .collect();
+        sheets.push(white([-0.5 * end, 0.5 * end, right]));
+        let (world, backend) = world(&sheets);
+        let camera = FRAMING.fitted(&world, backend.as_ref(), false).unwrap();
+        let is_in = camera.eye.cmpgt(DVec3::ZERO).all() && camera.eye.z < f64::from(end.z);
+        assert!(is_in, "{camera:?}");
     }
 
     #[test]
