@@ -56,8 +56,10 @@ impl LitScene {
     /// The picture as a PNG file; `None` where no layer can light it.
     pub fn picture(&mut self) -> Option<Vec<u8>> {
         let clock = Instant::now();
-        let (picture, alpha) = self.lit.as_ref()?.picture();
-        let mut picture = Exposure::of(&picture, &alpha).shown(picture);
+        let lit = self.lit.as_ref()?;
+        let (picture, alpha) = lit.picture(|radiance| radiance);
+        let exposure = Exposure::of(&picture, &alpha);
+        let (mut picture, _) = lit.picture(|radiance| exposure.tone(radiance));
         let behind = self.backdrop.as_vec3();
         for (pixel, alpha) in picture.pixels.iter_mut().zip(alpha) {
             *pixel = (Vec3::from(*pixel) + (1.0 - alpha) * behind).to_array();

@@ -89,7 +89,7 @@ pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
     }
     let bench = benchmark(dir);
     let probes = probes(dir, stem, &bake);
-    let (seen, alpha) = lit.picture();
+    let (seen, alpha) = lit.picture(|radiance| radiance);
     let viewer = Viewer {
         title: stem,
         scene: world.scene(),
@@ -97,7 +97,7 @@ pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
         pages: &pages,
         view: [camera.eye, look],
         fov: 2.0 * camera.slope.atan(),
-        stops: render::Exposure::of(&seen, &alpha).stops as i32,
+        stops: render::Exposure::of(&seen, &alpha).stops.round() as i32,
         kernel: kernel(&bake),
         probes: probes
             .as_ref()

@@ -1,84 +1,84 @@
 //! How a picture of unknown brightness is shown so that it can be seen.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use maps::Image;
 
-/// Medians that can be seen as they are.
-const SEEN: std::ops::RangeInclusive<f32> = 0.08..=1.2;
-
-/// What other medians are brought near.
-const MIDDLE: f64 = 0.3;
-
-/// Radiance above which lights are drawn together where some would burn.
-const SHOULDER: f32 = 0.7;
+/// Keys that are shown as they are. A key is the mean of the logarithm of what surfaces send out.
+const SEEN: std::ops::RangeInclusive<f64> = 0.18..=1.2;
 
 /// Share of the surfaces whose lights may burn.
 const BURNT: f64 = 0.01;
 
-/// What nothing can be told from.
+/// What nothing can be told from: darker than this, and than this share of the lights that may not burn.
 const BLACK: f32 = 1e-6;
+const DARK: f32 = 1e-3;
 
-/// Stops by which a picture is brightened, and the radiance that is then shown as white.
+/// Stops by which a picture is brightened, and the lights that it is then to show.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exposure {
     /// Powers of two.
     pub stops: f64,
-    /// 1 or more. What lies below is drawn together from 0.7 on, in a curve that starts straight and keeps colours
-    /// apart.
-    pub white: f32,
+    /// The radiance of the brightest surfaces, 1 or more.
+    pub lights: f32,
 }
 
 impl Exposure {
     /// So many stops, and nothing else.
     pub fn of_stops(stops: f64) -> Self {
-        Self { stops, white: 1.0 }
+        Self { stops, lights: 1.0 }
     }
 
     /// Of what a picture shows of surfaces, `picture` being their light before black and `alpha` their share of each
-    /// pixel: none where their median lies between 0.08 and 1.2, otherwise whole stops that bring it near 0.3. Where
-    /// most is black, the median is that of the rest.
+    /// pixel: no stops where their key lies between 0.18 and 1.2, otherwise those that bring it there. What is black
+    /// beside the rest has no part in the key. Its lights are what a hundredth of the surfaces is brighter than.
     pub fn of(picture: &Image, alpha: &[f32]) -> Self {
         let surfaces = picture.pixels.iter().zip(alpha);
         let surfaces = surfaces.filter(|(_, alpha)| **alpha >= 0.5);
-        let bright = |(p, alpha): (&[f32; 3], &f32)| p[1].max(0.5 * (p[0] + p[2])) / alpha;
+        let bright = |(p, alpha): (&[f32; 3], &f32)| bright(Vec3::from(*p)) / alpha;
         let mut bright: Vec<f32> = surfaces.map(bright).collect();
         bright.sort_unstable_by(f32::total_cmp);
-        let Some(&last) = bright.last() else {
+        let last = bright.len().saturating_sub(1);
+        let Some(&lights) = bright.get(((1.0 - BURNT) * last as f64) as usize) else {
             return Self::of_stops(0.0);
         };
-        let at = |bright: &[f32], share: f64| bright[(share * (bright.len() - 1) as f64) as usize];
-        let lit = bright.partition_point(|&value| value <= BLACK.max(1e-3 * last));
-        let median = match at(&bright, 0.5) {
-            median if median > BLACK => median,
-            _ if lit < bright.len() => at(&bright[lit..], 0.5),
-            _ => return Self::of_stops(0.0),
-        };
-        let stops = match SEEN.contains(&median) {
-            true => 0.0,
-            false => (MIDDLE / f64::from(median)).log2().round(),
-        };
-        let white = at(&bright, 1.0 - BURNT) * stops.exp2() as f32;
+        let lit = &bright[bright.partition_point(|&value| value <= BLACK.max(DARK * lights))..];
+        if lit.is_empty() {
+            return Self::of_stops(0.0);
+        }
+        let logs = lit.iter().map(|&value| f64::from(value).log2());
+        let key = logs.sum::<f64>() / lit.len() as f64;
+        let stops = key.clamp(SEEN.start().log2(), SEEN.end().log2()) - key;
         Self {
             stops,
-            white: white.max(1.0),
+            lights: (lights * stops.exp2() as f32).max(1.0),
         }
+    }
+
+    /// How a radiance is shown. Where lights are brighter than 1, all is drawn together below white, dark the least,
+    /// and keeps its hue: E. Reinhard, M. Stark, P. Shirley, J. Ferwerda, "Photographic Tone Reproduction for Digital
+    /// Images" (2002), equation 4. Their white is the lights' power of 3/2, so that these come close to it and do not
+    /// burn.
+    pub fn tone(&self, radiance: Vec3) -> Vec3 {
+        let light = radiance * self.stops.exp2() as f32;
+        if self.lights == 1.0 {
+            return light;
+        }
+        let bright = bright(light);
+        light * ((1.0 + bright / self.lights.powi(3)) / (1.0 + bright))
     }
 
     /// The picture as it is shown.
     pub fn shown(&self, mut picture: Image) -> Image {
-        let factor = self.stops.exp2() as f32;
-        let [above, below] = [self.white - SHOULDER, 1.0 - SHOULDER];
-        for value in picture.pixels.iter_mut().flatten() {
-            *value *= factor;
-            if self.white > 1.0 && *value > SHOULDER {
-                // Slope 1 where it starts, and 1 where white is.
-                let along = (*value - SHOULDER) / above;
-                let bend = above / below;
-                *value = SHOULDER + below * bend * along / (1.0 + (bend - 1.0) * along);
-            }
+        for pixel in &mut picture.pixels {
+            *pixel = self.tone(Vec3::from(*pixel)).to_array();
         }
         picture
     }
+}
+
+/// How bright a radiance is.
+fn bright(radiance: Vec3) -> f32 {
+    radiance.y.max(0.5 * (radiance.x + radiance.z))
 }
 
 /// What is shown behind the lit scene, whatever its exposure: a pale blue, so that white surfaces stand out; black
@@ -104,20 +104,20 @@ mod tests {
 
     #[test]
     fn only_pictures_that_cannot_be_seen_are_exposed_otherwise() {
-        for (value, stops) in [
-            (0.3, 0.0),
-            (0.09, 0.0),
-            (0.02, 4.0),
-            (9.0, -5.0),
-            (0.0, 0.0),
+        for (value, factor) in [
+            (0.3, 1.0),
+            (0.19, 1.0),
+            (0.02, 9.0),
+            (9.0, 1.2 / 9.0),
+            (0.0, 1.0),
         ] {
             // What lies beside surfaces does not count.
             let found = Exposure::of(&picture(&[value, 100.0]), &[1.0, 0.0]);
-            assert_eq!(found.stops, stops, "{value}");
+            assert!((found.stops.exp2() - factor).abs() < 1e-6, "{value}");
         }
         // Two thirds see nothing; the rest is shown.
         let found = Exposure::of(&picture(&[0.0, 0.0, 0.0, 0.0, 0.01, 0.01]), &[1.0; 6]);
-        assert_eq!(found.stops, 5.0);
+        assert!((found.stops.exp2() - 18.0).abs() < 1e-5, "{found:?}");
     }
 
     #[test]
@@ -126,19 +126,40 @@ mod tests {
         values.extend((1..=40).map(|k| 0.05 * k as f32));
         let picture = picture(&values);
         let exposure = Exposure::of(&picture, &[1.0; 100]);
-        assert_eq!(exposure.stops, 4.0);
-        let shown: Vec<f32> = exposure
-            .shown(picture)
-            .pixels
-            .iter()
-            .map(|p| p[0])
-            .collect();
-        assert!(shown.is_sorted(), "{shown:?}");
-        let burnt = shown.iter().filter(|value| **value > 1.0).count();
-        assert!(burnt <= 1 && (shown[0] - 0.32).abs() < 1e-6, "{shown:?}");
-        assert!(shown[80] < shown[90] && shown[90] < shown[98]);
-        // Nothing burns without: what is shown is what is there.
-        let plain = self::picture(&[0.2, 0.5, 0.9]);
+        let logs = values.iter().map(|value| value.log2());
+        let key = (logs.sum::<f32>() / 100.0).exp2();
+        assert!((exposure.stops.exp2() as f32 - 0.18 / key).abs() < 1e-5);
+        let shown = exposure.shown(picture).pixels;
+        let shown: Vec<f32> = shown.iter().map(|p| p[0]).collect();
+        assert!(shown.windows(2).skip(60).all(|pair| pair[0] < pair[1]));
+        assert!((0.7..1.0).contains(&shown[98]), "{shown:?}");
+        let dark = 0.02 * 0.18 / key;
+        assert!(
+            (0.9 * dark..dark).contains(&shown[0]),
+            "{dark} is {}",
+            shown[0]
+        );
+    }
+
+    #[test]
+    fn a_pale_head_over_a_dark_coat_keeps_its_hue_and_does_not_burn() {
+        let mut pixels = vec![[0.02; 3]; 80];
+        pixels.extend([[0.8, 0.7, 0.6]; 20]);
+        let picture = Image {
+            width: 100,
+            height: 1,
+            pixels,
+        };
+        let exposure = Exposure::of(&picture, &[1.0; 100]);
+        let shown = exposure.shown(picture).pixels;
+        let [coat, head] = [shown[0], shown[99]];
+        assert!(coat[0] > 0.05 && head[0] < 1.0, "{coat:?} {head:?}");
+        assert!((head[2] / head[0] - 0.75).abs() < 1e-6, "{head:?}");
+    }
+
+    #[test]
+    fn what_does_not_burn_is_shown_as_it_is() {
+        let plain = picture(&[0.2, 0.5, 0.9]);
         let same = Exposure::of(&plain, &[1.0; 3]).shown(plain.clone());
         assert_eq!(same.pixels, plain.pixels);
     }
