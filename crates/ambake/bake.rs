@@ -268,7 +268,7 @@ impl Bake {
         self
     }
 
-    /// A flat sheet at most so many scene units above a surface (paper on a desk, a decal, a rug) takes no light from
+    /// A thin layer at most so many scene units above a surface (paper on a desk, a decal, a rug) takes no light from
     /// it, so that no dark line is seen around it; 0 for none. By default an eighth of a texel. It fades out up to
     /// twice as far.
     pub fn under(mut self, distance: f64) -> Self {

@@ -122,7 +122,7 @@ pub struct Options {
     pub shading: Shading,
     /// What happens to samples inside of solids.
     pub buried: Buried,
-    /// How far above a surface a flat sheet may lie that takes no light from it, in scene units; `None` for an eighth
+    /// How far above a surface a thin layer may lie that takes no light from it, in scene units; `None` for an eighth
     /// of a texel.
     pub under: Option<f64>,
     /// Occluders farther than this do not count, in scene units.

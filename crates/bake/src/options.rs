@@ -34,7 +34,7 @@ pub struct Options {
     pub shading: Shading,
     /// What happens to samples inside of solids.
     pub buried: Buried,
-    /// A flat sheet at most so far above a surface, in scene units, takes no light from it; 0 for none. `None` for an
+    /// A thin layer at most so far above a surface, in scene units, takes no light from it; 0 for none. `None` for an
     /// eighth of a texel. From there to twice as far that fades.
     pub under: Option<f64>,
     /// Occluders farther than this do not count, in scene units; `None` for no limit.

@@ -265,7 +265,7 @@ pub struct Job {
     #[arg(help_heading = "Texels", hide_short_help = true)]
     #[arg(long, value_name = "NAME=drop|keep", value_parser = buried_of)]
     pub buried_of: Vec<(String, Buried)>,
-    /// A flat sheet at most so many scene units above a surface, such as paper on a desk, a decal or a rug, takes no
+    /// A thin layer at most so many scene units above a surface, such as paper on a desk, a decal or a rug, takes no
     /// light from it, so that no dark line is seen around it; 0 for none [default: an eighth of a texel]
     #[arg(help_heading = "Texels", hide_short_help = true)]
     #[arg(long, value_name = "D", value_parser = at_least_zero)]

@@ -153,8 +153,10 @@ impl<'a> Reach<'a> {
                 .baker
                 .solids
                 .and_then(|of| of.covers(instance, triangle));
-            let about = covers.map(|covers| covers.about(ground.low, ground.high));
-            for cover in about.into_iter().flatten() {
+            let about = covers
+                .iter()
+                .flat_map(|covers| covers.about(ground.low, ground.high));
+            for cover in about {
                 hasher.numbers(cover.map(|p| p.to_array()).as_flattened());
             }
             grounds.push(ground);

@@ -1,9 +1,9 @@
 //! Footprints end where a thin wall cuts a rim off from their surface that is thinner than an eighth of a texel, and
-//! begin rays above a flat sheet that lies just over them.
+//! begin rays above a thin layer that lies just over them.
 //!
 //! Such a rim cannot be shown beside the rest, and may see the other side of the wall. So it does not matter whether
-//! somebody sees it. What the sheet covers is dark, and a texel that its edge crosses cannot show that beside what is
-//! not covered. With its rays above the sheet it has the light of the surface without the sheet.
+//! somebody sees it. What the layer covers is dark, and a texel that its edge crosses cannot show that beside what is
+//! not covered. With its rays above the layer it has the light of the surface without the layer.
 
 use atlas::Piece;
 use glam::DVec3;
@@ -18,21 +18,52 @@ const AWAY: f64 = 8.0;
 /// Parts below this share of a piece are rounding.
 const LEAST: f64 = 1e-9;
 
+/// Over a piece with more triangles than these its parts are this many times this many for each triangle of it, and
+/// their middles tell: exact borders would take a time that grows with the square.
+const CROWDED: usize = 8;
+const ACROSS: u32 = 4;
+
 /// What may end footprints on a triangle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ends<'a> {
     pub rims: &'a [Rim],
-    pub covers: Option<&'a Covers>,
-    /// How far above the surface a sheet may lie, in scene units; `None` for [`Rim::THIN`] of a texel.
+    pub covers: Option<Covers<'a>>,
+    /// How far above the surface a layer may lie, in scene units; `None` for [`Rim::THIN`] of a texel.
     pub under: Option<f64>,
 }
 
-/// A convex polygon of a triangle, of which rays begin so far above it. Where sheets are neither near nor far, several
+/// A convex polygon of a triangle, of which rays begin so far above it. Where layers are neither near nor far, several
 /// are in one place, with a share each.
 struct Part {
     corners: Vec<DVec3>,
     lift: f64,
     share: f64,
+}
+
+impl Part {
+    /// Triangles that fill it.
+    fn split(&self) -> impl Iterator<Item = Part> {
+        let fan = self.corners[1..].windows(2);
+        fan.flat_map(move |pair| {
+            let [a, b, c] = [self.corners[0], pair[0], pair[1]];
+            let at = move |i: u32, j: u32| {
+                let [u, v] = [i, j].map(|k| f64::from(k) / f64::from(ACROSS));
+                a + (b - a) * u + (c - a) * v
+            };
+            let rows = (0..ACROSS).flat_map(|i| (0..ACROSS - i).map(move |j| [i, j]));
+            rows.flat_map(move |[i, j]| {
+                let lower = [at(i, j), at(i + 1, j), at(i, j + 1)];
+                let upper = [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                let has_upper = i + j + 1 < ACROSS;
+                [Some(lower), has_upper.then_some(upper)]
+            })
+            .flatten()
+            .map(|corners| Part {
+                corners: corners.to_vec(),
+                ..*self
+            })
+        })
+    }
 }
 
 impl Ends<'_> {
@@ -82,7 +113,7 @@ pub(super) fn without(
     }];
     if let Some(covers) = ends.covers.filter(|_| parts[0].corners.len() > 2) {
         let under = ends.under.unwrap_or(Rim::THIN * texel);
-        parts = lifted(covers, patch, parts, under);
+        parts = lifted(&covers, patch, parts, under);
     }
     if parts.len() == 1 && parts[0].corners == whole {
         take(piece, area, parts[0].lift);
@@ -105,35 +136,58 @@ pub(super) fn without(
     }
 }
 
-/// Parts of a triangle cut at the borders of the sheets over it. Rays begin above those that are at most `under` away.
+/// Parts of a triangle cut at the borders of the layers over it. Rays begin above those that are at most `under` away.
 /// Of twice that and more nothing is lifted, and between the two a share that falls evenly, so that no value jumps
-/// where a sheet is a little higher.
+/// where a layer is a little higher.
 fn lifted(covers: &Covers, patch: &Patch, mut parts: Vec<Part>, under: f64) -> Vec<Part> {
     let at = |w: DVec3| patch.corners[0] * w.x + patch.corners[1] * w.y + patch.corners[2] * w.z;
     let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     let corners = parts.iter().flat_map(|part| &part.corners).map(|&w| at(w));
     let around = corners.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
     let reach = around.0.abs().max(around.1.abs()).max_element();
-    for &[a, b, c] in covers.over(around, (patch.corners[0], patch.geometric), 2.0 * under) {
+    let least = Covers::least(reach);
+    let over: Vec<_> = covers
+        .over(around, (patch.corners[0], patch.geometric), 2.0 * under)
+        .collect();
+    let is_crowded = over.len() > CROWDED;
+    if is_crowded {
+        parts = parts.iter().flat_map(Part::split).collect();
+    }
+    for [a, b, c] in over {
         let front = (b - a).cross(c - a);
         let steep = front.dot(patch.geometric);
-        let mut next = Vec::new();
+        let height = |w: DVec3| (a - at(w)).dot(front) / steep;
+        let beside = |from: DVec3, to: DVec3| {
+            let inward = patch.geometric.cross(to - from);
+            move |w: DVec3| (at(w) - from).dot(inward)
+        };
+        let sides: [&dyn Fn(DVec3) -> f64; 5] = [
+            &beside(a, b),
+            &beside(b, c),
+            &beside(c, a),
+            &|w| height(w) - least,
+            &|w| 2.0 * under - height(w),
+        ];
+        let mut next = Vec::with_capacity(parts.len());
         for part in parts {
-            let mut rest = part.corners.clone();
-            for (from, to) in [(a, b), (b, c), (c, a)] {
-                let inward = patch.geometric.cross(to - from);
-                let height = |w| (at(w) - from).dot(inward);
-                let corners = cut(&rest, |w| -height(w));
-                if corners.len() > 2 {
-                    next.push(Part { corners, ..part });
-                }
-                rest = cut(&rest, height);
-            }
-            if rest.len() < 3 {
+            let middle = part.corners.iter().sum::<DVec3>() / part.corners.len() as f64;
+            if is_crowded && sides.iter().any(|side| side(middle) < 0.0) {
+                next.push(part);
                 continue;
             }
-            let height = |&w: &DVec3| (a - at(w)).dot(front) / steep;
-            let height = rest.iter().map(height).fold(0.0, f64::max);
+            let mut rest = part.corners.clone();
+            let mut left = Vec::new();
+            for side in sides.iter().filter(|_| !is_crowded) {
+                left.push(cut(&rest, |w| -side(w)));
+                rest = cut(&rest, side);
+            }
+            if rest.len() < 3 {
+                next.push(part);
+                continue;
+            }
+            let left = left.into_iter().filter(|corners| corners.len() > 2);
+            next.extend(left.map(|corners| Part { corners, ..part }));
+            let height = rest.iter().map(|&w| height(w)).fold(0.0, f64::max);
             let share = (2.0 - height / under).clamp(0.0, 1.0);
             let above = Part {
                 corners: rest.clone(),
@@ -228,7 +282,8 @@ mod tests {
         }
     }
 
-    /// A world of the unit square's lower half over z = 0 and a mark of x and y above 0.25, so far above it.
+    /// A world of the unit square's lower half over z = 0, which goes on beyond, and a mark of x and y above 0.25, so far
+    /// above it.
     fn marked(above: f32) -> rays::World {
         let mesh = |positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>| {
             let mut mesh = scene::authored::Mesh::default();
@@ -236,8 +291,8 @@ mod tests {
             mesh
         };
         let ground = mesh(
-            vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-            vec![[0, 1, 2]],
+            vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [4.0, 4.0, 0.0]],
+            vec![[0, 1, 2], [1, 3, 2]],
         );
         let (a, b) = (0.25, 4.0);
         let corners = [[a, a, above], [b, a, above], [b, b, above], [a, b, above]];

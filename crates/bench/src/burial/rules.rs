@@ -56,13 +56,16 @@ fn ambake(scene: &Scene, point: &Point) -> bool {
     let at = point.position;
     let covered = || {
         let covers = solids.covers(instance, point.triangle)?;
-        let over = covers.over((at, at), (at, point.normal), TEXEL / 8.0);
-        let holds = |[a, b, c]: &[DVec3; 3]| {
-            [(a, b), (b, c), (c, a)]
-                .iter()
-                .all(|(p, q)| point.normal.cross(**q - **p).dot(at - **p) > 0.0)
+        let mut over = covers.over((at, at), (at, point.normal), TEXEL / 8.0);
+        let least = rays::Covers::least(at.abs().max_element());
+        let holds = |[a, b, c]: [DVec3; 3]| {
+            let front = (b - a).cross(c - a);
+            let height = (a - at).dot(front) / point.normal.dot(front);
+            let sides = [(a, b), (b, c), (c, a)];
+            let is_in = |(p, q): (DVec3, DVec3)| point.normal.cross(q - p).dot(at - p) > 0.0;
+            (least..=TEXEL / 8.0).contains(&height) && sides.into_iter().all(is_in)
         };
-        over.into_iter().any(holds).then_some(())
+        over.any(holds).then_some(())
     };
     scene
         .world

@@ -1,143 +1,238 @@
-//! Covers: flat sheets that lie just above a surface, such as paper on a desk, decals, rugs and road marks.
+//! Covers: thin layers that lie just above a surface, such as paper on a desk, decals, rugs and road marks.
 //!
-//! What is between the two is dark, and nobody sees it as that: an opaque sheet hides it, and through a see-through one
-//! it is to look as the surface does beside it. Where the sheet ends within a texel of the surface, that texel would
+//! What is between the two is dark, and nobody sees it as that: an opaque layer hides it, and through a see-through one
+//! it is to look as the surface does beside it. Where the layer ends within a texel of the surface, that texel would
 //! still hold some of the dark, as a line around every mark of a street. So who bakes may let rays of what is covered
-//! begin above the sheet. A sheet that looks at the surface hides nothing from who looks at it from its other side, so
-//! it covers nothing; nor does what lies in the surface itself, which takes no light from it.
+//! begin above the layer.
+//!
+//! A layer is an open surface that looks to one side, bent or flat, or a closed one that is thin for its size. It
+//! covers what its faces lie straight above and look along, and no more: a wall covers no floor, for they look
+//! elsewhere, and a sheet that looks at the surface hides nothing from who looks at it from its other side. What lies
+//! in the surface itself covers nothing either, for it takes no light from it.
 
 use super::Solids;
 use super::placed::{ABOUT, Placed, Sheet};
-use super::rims::{box_corners, plane};
+use super::rims::box_corners;
+use super::topology::{Face, Surface, corners};
 use crate::boxes::Boxes;
 use crate::solid::NUDGE;
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
+use scene::Scene;
 use std::collections::HashMap;
 
-/// How far above a surface a sheet may lie to be asked for, in sizes of the sheet.
+/// How far above a surface a layer may lie to be asked for, and how thick it may be, in sizes of the smaller of the two
+/// and of the layer.
 const ABOVE: f64 = ABOUT;
 /// The cosine of the angle between a surface and what covers it, at least.
-const ALONG: f64 = 0.999;
+const ALONG: f64 = 0.95;
+/// Faces of a layer that are asked what lies behind them; of more, so many, evenly.
+const ASKED: usize = 256;
 
-/// Triangles of the sheets that may cover a surface.
+/// A layer where it is placed.
+#[derive(Debug, Clone)]
+struct Layer {
+    shape: u32,
+    surface: u32,
+    transform: DAffine3,
+    inverse: DAffine3,
+    low: DVec3,
+    high: DVec3,
+}
+
+/// What may cover a surface.
 #[derive(Debug, Default)]
-pub struct Covers {
-    triangles: Vec<[DVec3; 3]>,
+pub(super) struct Layers {
+    layers: Vec<Layer>,
     /// How far above it they lie at most.
     above: f64,
     boxes: Boxes,
 }
 
-impl Covers {
+/// What may cover the surface of a triangle.
+#[derive(Debug, Clone, Copy)]
+pub struct Covers<'a> {
+    solids: &'a Solids,
+    layers: &'a Layers,
+}
+
+impl Covers<'_> {
     /// The triangles that may cover something in a box.
-    pub fn about(&self, low: DVec3, high: DVec3) -> impl Iterator<Item = &[DVec3; 3]> {
-        self.within(low, high, self.above)
+    pub fn about(&self, low: DVec3, high: DVec3) -> impl Iterator<Item = [DVec3; 3]> {
+        self.within(low, high, self.layers.above)
     }
 
-    fn within(&self, low: DVec3, high: DVec3, above: f64) -> impl Iterator<Item = &[DVec3; 3]> {
-        let numbers = self.boxes.meeting(low - above, high + above).into_iter();
-        numbers.map(|number| &self.triangles[number as usize])
+    fn within(&self, low: DVec3, high: DVec3, above: f64) -> impl Iterator<Item = [DVec3; 3]> {
+        let (low, high) = (low - above, high + above);
+        let numbers = self.layers.boxes.meeting(low, high).into_iter();
+        numbers.flat_map(move |number| {
+            let layer = &self.layers.layers[number as usize];
+            self.solids.faces_about(
+                (layer.shape, layer.surface),
+                &layer.transform,
+                &layer.inverse,
+                (low, high),
+            )
+        })
     }
 
-    /// The triangles over a box no higher than `above` over a plane, of which a point and the unit normal are given;
-    /// those that lie along it and look as it does alone.
+    /// The triangles about a box of which some may lie no higher than `above` over a plane, of which a point and the
+    /// unit normal are given; those that look along it alone.
     pub fn over(
         &self,
         (low, high): (DVec3, DVec3),
         (place, normal): (DVec3, DVec3),
         above: f64,
-    ) -> impl Iterator<Item = &[DVec3; 3]> {
-        let reach = low.abs().max(high.abs()).max_element();
-        let least = 2.0 * NUDGE * reach;
-        self.within(low, high, above).filter(move |[a, b, c]| {
-            let front = (*b - *a).cross(*c - *a).normalize_or_zero();
-            let height = |corner: &DVec3| (*corner - place).dot(normal);
-            let is_near = |corner| (least..=above).contains(&height(corner));
-            front.dot(normal) > ALONG && [a, b, c].into_iter().all(is_near)
+    ) -> impl Iterator<Item = [DVec3; 3]> {
+        let least = Self::least(low.abs().max(high.abs()).max_element());
+        let all = self.within(low, high, above);
+        all.filter(move |face| {
+            let heights = face.map(|corner| (corner - place).dot(normal));
+            let is_near =
+                heights.iter().any(|h| *h >= least) && heights.iter().any(|h| *h <= above);
+            is_near && front(face).dot(normal) > ALONG
         })
+    }
+
+    /// How far above a surface with coordinates up to `reach` something lies at least: nearer, it lies in it.
+    pub fn least(reach: f64) -> f64 {
+        2.0 * NUDGE * reach
     }
 }
 
 impl Solids {
-    /// What may cover the surface of a triangle.
-    pub fn covers(&self, instance: u32, triangle: u32) -> Option<&Covers> {
+    /// What may cover a triangle; `None` where nothing does.
+    pub fn covers(&self, instance: u32, triangle: u32) -> Option<Covers<'_>> {
         if self.covers.is_empty() {
             return None;
         }
-        self.covers.get(&self.surface_key(instance, triangle))
+        let layers = self.covers.get(&self.surface_key(instance, triangle))?;
+        let covers = Covers {
+            solids: self,
+            layers,
+        };
+        let of = &self.scene.instances[instance as usize];
+        let face = Face {
+            mesh: of.mesh,
+            triangle,
+        };
+        let corners =
+            corners(&self.scene, face).map(|p| of.transform.transform_point3(p.as_dvec3()));
+        let (low, high) = box_of(corners);
+        covers.about(low, high).next().is_some().then_some(covers)
     }
 
     pub(super) fn find_covers(
         &self,
         placed: &[Placed],
         sheets: &[Sheet],
-    ) -> HashMap<(u32, u32), Covers> {
+    ) -> HashMap<(u32, u32), Layers> {
         let of = |sheet: &Sheet| {
             let near = sheet.near.iter().map(|&other| &placed[other as usize]);
             let sheet = &placed[sheet.place];
-            let mut covered = Vec::new();
-            if let Some((normal, at)) = plane(&self.scene, sheet) {
-                let is_covered = |other: &&Placed| self.lies_under((normal, at), sheet, other);
-                covered.extend(near.filter(is_covered).map(|other| other.key));
-            }
-            let mut triangles = Vec::new();
-            if !covered.is_empty() {
-                let corners: Vec<DVec3> = sheet.corners(&self.scene).collect();
-                let mirrors = sheet.transform.matrix3.determinant() < 0.0;
-                let turned = |&[a, b, c]: &[DVec3; 3]| if mirrors { [a, c, b] } else { [a, b, c] };
-                triangles.extend(corners.as_chunks::<3>().0.iter().map(turned));
-            }
-            let above = ABOVE * sheet.size();
+            let covered = near.filter(|other| self.lies_under(sheet, other));
+            let covered: Vec<_> = covered
+                .map(|other| (other.key, sheet, above(sheet, other)))
+                .collect();
             covered
-                .into_iter()
-                .map(move |key| (key, triangles.clone(), above))
         };
         let found: Vec<_> = sheets.par_iter().flat_map_iter(of).collect();
-        let mut covers: HashMap<(u32, u32), Covers> = HashMap::new();
-        for (key, triangles, above) in found {
+        let mut covers: HashMap<(u32, u32), Layers> = HashMap::new();
+        for (key, sheet, above) in found {
             let of = covers.entry(key).or_default();
             of.above = of.above.max(above);
-            of.triangles.extend(triangles);
+            of.layers.push(Layer {
+                shape: sheet.shape,
+                surface: sheet.key.1,
+                transform: sheet.transform,
+                inverse: sheet.inverse,
+                low: sheet.low,
+                high: sheet.high,
+            });
         }
         for of in covers.values_mut() {
-            let boxes =
-                (of.triangles.iter()).map(|[a, b, c]| (a.min(*b).min(*c), a.max(*b).max(*c)));
-            of.boxes = Boxes::of(
-                (0..)
-                    .zip(boxes)
-                    .map(|(number, (low, high))| (number, low, high)),
-            );
+            let boxes = of.layers.iter().map(|layer| (layer.low, layer.high));
+            let numbered = (0..).zip(boxes);
+            of.boxes = Boxes::of(numbered.map(|(number, (low, high))| (number, low, high)));
         }
         covers
     }
 
-    /// True where a face of a surface lies closely behind a flat sheet, and looks as it does.
-    fn lies_under(&self, (normal, at): (DVec3, f64), sheet: &Placed, other: &Placed) -> bool {
-        let slack = ABOVE * sheet.size();
-        let corners = box_corners(sheet.low - slack, sheet.high + slack);
-        let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let local = corners
-            .map(|corner| other.inverse.transform_point3(corner))
-            .into_iter();
-        let (low, high) = local.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
-        let reach = sheet.low.abs().max(sheet.high.abs()).max_element();
-        let least = 2.0 * NUDGE * reach;
-        let mirrors = other.transform.matrix3.determinant() < 0.0;
-        let sense = if mirrors { -1.0 } else { 1.0 };
-        let tree = self.tree_of(other.shape, other.key.1);
-        tree.about(&self.scene, low, high).into_iter().any(|face| {
-            let place = |p: [f32; 3]| {
-                other
-                    .transform
-                    .transform_point3(DVec3::from(p.map(f64::from)))
-            };
-            let [a, b, c] = face.map(place);
-            let front = sense * (b - a).cross(c - a).normalize_or_zero();
-            let is_near = |corner: DVec3| (least..=slack).contains(&(at - corner.dot(normal)));
-            front.dot(normal) > ALONG && [a, b, c].into_iter().any(is_near)
+    /// True where a face of a surface lies closely behind one of a layer, and looks along it.
+    fn lies_under(&self, layer: &Placed, other: &Placed) -> bool {
+        let slack = above(layer, other);
+        let faces = |of: &Placed, low: DVec3, high: DVec3| {
+            let key = (of.shape, of.key.1);
+            self.faces_about(key, &of.transform, &of.inverse, (low - slack, high + slack))
+        };
+        let near = faces(layer, other.low, other.high);
+        let step = near.len().div_ceil(ASKED).max(1);
+        near.iter().step_by(step).any(|face| {
+            let (normal, (low, high)) = (front(face), box_of(*face));
+            let least = Covers::least(low.abs().max(high.abs()).max_element());
+            let is_behind =
+                |corner: DVec3| (least..=slack).contains(&(face[0] - corner).dot(normal));
+            faces(other, low, high).into_iter().any(|behind| {
+                front(&behind).dot(normal) > ALONG && behind.into_iter().any(is_behind)
+            })
         })
     }
+
+    /// The triangles of a placed surface that may meet a box, corners in the order in which they are seen from their
+    /// front.
+    fn faces_about(
+        &self,
+        (shape, surface): (u32, u32),
+        transform: &DAffine3,
+        inverse: &DAffine3,
+        (low, high): (DVec3, DVec3),
+    ) -> Vec<[DVec3; 3]> {
+        let (low, high) = box_of(box_corners(low, high).map(|p| inverse.transform_point3(p)));
+        let mirrors = transform.matrix3.determinant() < 0.0;
+        let tree = self.tree_of(shape, surface);
+        let found = tree.about(&self.scene, low, high).into_iter();
+        let placed = found.map(|face| {
+            let [a, b, c] = face.map(|p| transform.transform_point3(DVec3::from(p.map(f64::from))));
+            if mirrors { [a, c, b] } else { [a, b, c] }
+        });
+        placed.collect()
+    }
+}
+
+impl Surface {
+    /// True where it may cover others: it looks to one side, or is closed, openings filled, and thin for its size.
+    pub(super) fn is_layer(&self, scene: &Scene) -> bool {
+        if self.front.or(self.veil).is_some() {
+            return true;
+        }
+        // Of a thin body half of the area times the thickness is what it encloses.
+        let content = self.content().abs();
+        let size = f64::from((self.high - self.low).max_element());
+        content > 0.0 && content <= 0.5 * ABOVE * size * self.area(scene)
+    }
+
+    fn area(&self, scene: &Scene) -> f64 {
+        let corners = self.faces.iter().map(|&face| corners(scene, face));
+        corners
+            .map(|[a, b, c]| 0.5 * f64::from((b - a).cross(c - a).length()))
+            .sum()
+    }
+}
+
+/// How far above a surface a layer may lie.
+fn above(layer: &Placed, other: &Placed) -> f64 {
+    ABOVE * layer.size().min(other.size())
+}
+
+/// The unit direction to which a triangle looks.
+fn front([a, b, c]: &[DVec3; 3]) -> DVec3 {
+    (*b - *a).cross(*c - *a).normalize_or_zero()
+}
+
+fn box_of(points: impl IntoIterator<Item = DVec3>) -> (DVec3, DVec3) {
+    let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let points = points.into_iter();
+    points.fold(limits, |(low, high), p| (low.min(p), high.max(p)))
 }
 
 #[cfg(test)]
@@ -171,8 +266,15 @@ mod tests {
             let at = place.transform_point3(DVec3::new(0.01, 0.0, 0.02));
             let up = place.transform_vector3(DVec3::Y);
             let covers = world.solids().covers(0, triangle);
-            let over = covers.map(|covers| covers.over((at, at), (at, up), above).count());
-            over.unwrap_or(0)
+            let is_over =
+                |[a, ..]: &[DVec3; 3]| (Covers::least(8.0)..=above).contains(&(*a - at).dot(up));
+            let over = |covers: Covers| {
+                covers
+                    .over((at, at), (at, up), above)
+                    .filter(is_over)
+                    .count()
+            };
+            covers.map_or(0, over)
         };
         [DAffine3::IDENTITY, moved, mirrored].map(count).to_vec()
     }
@@ -203,5 +305,118 @@ mod tests {
         let top = top.expect("a block has a top");
         let meshes = || vec![slab.clone(), level(0.002, 0.5, true)];
         assert_eq!(over(meshes(), false, top, 0.01), [2; 3]);
+    }
+
+    /// Whether each of these points of the first mesh, which looks along `normal` there, has something straight above it
+    /// within `above` that covers it.
+    fn covered(meshes: Vec<Mesh>, points: &[(Vec3, Vec3)], above: f64) -> Vec<bool> {
+        let placed: Vec<_> = (0..meshes.len() as u32)
+            .map(|k| (k, DAffine3::IDENTITY))
+            .collect();
+        let triangles = meshes[0].triangles.len() as u32;
+        let world = world(placed_scene(meshes, &placed));
+        let is_covered = |&(at, normal): &(Vec3, Vec3)| {
+            let (at, up) = (at.as_dvec3(), normal.as_dvec3().normalize());
+            let is_over = |[a, b, c]: [DVec3; 3]| {
+                let front = (b - a).cross(c - a);
+                let height = (a - at).dot(front) / up.dot(front);
+                let top = at + height * up;
+                let sides = [(a, b), (b, c), (c, a)];
+                let is_in =
+                    |(from, to): (DVec3, DVec3)| front.cross(to - from).dot(top - from) >= 0.0;
+                (Covers::least(8.0)..=above).contains(&height) && sides.into_iter().all(is_in)
+            };
+            (0..triangles).any(|triangle| {
+                let covers = world.solids().covers(0, triangle);
+                covers.is_some_and(|covers| covers.over((at, at), (at, up), above).any(is_over))
+            })
+        };
+        points.iter().map(is_covered).collect()
+    }
+
+    /// So many squares across, from -`half` to `half` by x and z, of a height by x.
+    fn bent(half: f32, across: u32, height: impl Fn(f32) -> f32) -> Mesh {
+        let step = 2.0 * half / across as f32;
+        let place = |k: u32| {
+            let [x, z] = [k % (across + 1), k / (across + 1)].map(|k| k as f32 * step - half);
+            Vec3::new(x, height(x), z)
+        };
+        let corner = |k: u32| k / across * (across + 1) + k % across;
+        let faces = (0..across * across).map(corner).flat_map(|a| {
+            let [b, c, d] = [a + 1, a + across + 2, a + across + 1];
+            [[a, c, b], [a, d, c]]
+        });
+        mesh(
+            (0..(across + 1).pow(2)).map(place).collect(),
+            faces.collect(),
+        )
+    }
+
+    #[test]
+    fn a_layer_covers_what_it_follows_however_both_bend() {
+        let road = |x: f32| 0.3 * x * x;
+        // Faces of one do not end where those of the other do.
+        let meshes = || vec![bent(2.0, 64, road), bent(0.5, 20, |x| road(x) + 0.004)];
+        let at = |x: f32, z: f32| (Vec3::new(x, road(x), z), Vec3::new(-0.6 * x, 1.0, 0.0));
+        let places = [-1.2, -0.53, -0.47, -0.21, 0.02, 0.33, 0.47, 0.53, 1.2];
+        for z in [-0.56f32, -0.44, 0.07, 0.44, 0.56] {
+            let points = places.map(|x| at(x, z));
+            let expected = places.map(|x| x.abs() < 0.5 && z.abs() < 0.5);
+            assert_eq!(covered(meshes(), &points, 0.01), expected, "{z}");
+            assert_eq!(covered(meshes(), &points, 0.002), [false; 9], "{z}");
+        }
+    }
+
+    #[test]
+    fn a_thin_closed_body_covers_what_it_lies_over_and_a_thick_one_nothing() {
+        let floor = || level(0.0, 4.0, true);
+        let body = |thick: f32| {
+            let middle = Vec3::Y * (0.001 + 0.5 * thick);
+            block(middle, Vec3::new(0.4, 0.5 * thick, 0.4), false)
+        };
+        let points = [0.0, 0.39, 0.41, 1.0].map(|x| (Vec3::new(x, 0.0, 0.1), Vec3::Y));
+        let rug = |above| covered(vec![floor(), body(0.006)], &points, above);
+        assert_eq!(rug(0.008), [true, true, false, false]);
+        assert_eq!(rug(0.006), [false; 4]);
+        assert_eq!(covered(vec![floor(), body(0.4)], &points, 0.5), [false; 4]);
+    }
+
+    #[test]
+    fn corners_steps_boards_and_slots_cover_nothing_that_is_seen() {
+        let floor = || level(0.0, 4.0, true);
+        let points = |places: &[[f32; 3]], normal: Vec3| -> Vec<_> {
+            places.iter().map(|&p| (Vec3::from(p), normal)).collect()
+        };
+        // Beside a wall, a board on edge and a step of a hair.
+        let floor_points = points(
+            &[[0.011, 0.0, 0.0], [-0.2, 0.0, 0.0], [0.5, 0.0, 0.5]],
+            Vec3::Y,
+        );
+        let wall = block(Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.01, 1.0, 1.0), false);
+        let board = block(
+            Vec3::new(0.005, 0.05, 0.0),
+            Vec3::new(0.005, 0.05, 1.0),
+            false,
+        );
+        let step = block(
+            Vec3::new(-0.1, 0.001, 0.0),
+            Vec3::new(0.1, 0.001, 1.0),
+            false,
+        );
+        for (name, other, labels) in [
+            ("wall", wall, [false; 3]),
+            ("board", board, [false; 3]),
+            ("step", step, [false, true, false]),
+        ] {
+            let found = covered(vec![floor(), other], &floor_points, 0.02);
+            assert_eq!(found, labels, "{name}");
+        }
+        // The walls of a slot look at each other.
+        let side = |x: f32| block(Vec3::new(x, 0.5, 0.0), Vec3::new(0.01, 0.5, 1.0), false);
+        let within = points(&[[0.01, 0.5, 0.0]], Vec3::X);
+        assert_eq!(
+            covered(vec![side(0.0), side(0.025)], &within, 0.02),
+            [false]
+        );
     }
 }

@@ -37,6 +37,7 @@ mod tree;
 
 use crate::boxes::Boxes;
 pub use covers::Covers;
+use covers::Layers;
 use glam::{DAffine3, DVec3, Vec3};
 pub use near::Near;
 use opening::Opening;
@@ -117,7 +118,7 @@ pub struct Solids {
     /// What sheets cut off from placements' surfaces.
     rims: HashMap<(u32, u32), Vec<Rim>>,
     /// What may cover placements' surfaces.
-    covers: HashMap<(u32, u32), Covers>,
+    covers: HashMap<(u32, u32), Layers>,
 }
 
 impl Solids {

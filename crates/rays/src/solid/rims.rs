@@ -6,7 +6,7 @@
 //! surface at the wall, whichever side of it is seen.
 
 use super::Solids;
-use super::covers::Covers;
+use super::covers::Layers;
 use super::placed::{Among, CROSSES, Placed, Sheet, sheets, sheets_of};
 use super::topology::corners;
 use crate::solid::NUDGE;
@@ -85,11 +85,11 @@ impl Solids {
         self.rims.get(&key).map_or(&[], Vec::as_slice)
     }
 
-    pub(super) fn rims_and_covers(&self) -> (Rims, HashMap<Key, Covers>) {
+    pub(super) fn rims_and_covers(&self) -> (Rims, HashMap<Key, Layers>) {
         let placed = self.placed_surfaces();
         let all = Among::of(placed.iter().collect());
         let rims = self.find_rims(&placed, &sheets(&all));
-        let sheets = sheets_of(&all, |surface| surface.front.or(surface.veil).is_some());
+        let sheets = sheets_of(&all, |surface| surface.is_layer(&self.scene));
         (rims, self.find_covers(&placed, &sheets))
     }
 
@@ -117,7 +117,7 @@ impl Solids {
 
 /// Unit normal of a flat sheet and where it is along it; `None` for any other surface.
 pub(super) fn plane(scene: &Scene, sheet: &Placed) -> Option<(DVec3, f64)> {
-    let front = sheet.surface.front.or(sheet.surface.veil)?;
+    let front = sheet.surface.front?;
     let normal = (sheet.inverse.matrix3.transpose() * front).try_normalize()?;
     let first = corners(scene, sheet.surface.faces[0])[0].as_dvec3();
     let at = sheet.transform.transform_point3(first).dot(normal);
