@@ -21,7 +21,7 @@ fn every_bake_ends_with_a_picture_that_render_makes_again() {
             "--rays",
             "16",
             "--exclude",
-            "*chair*",
+            "chair_0",
             "--sky",
             "3,3,3",
         ],
@@ -32,7 +32,7 @@ fn every_bake_ends_with_a_picture_that_render_makes_again() {
     let again = folder.path().join("again.png").display().to_string();
     let bake = folder.path().display().to_string();
     let interior = scene("interior.gltf").display().to_string();
-    let words = "--size 320x180 --samples 1 --quiet";
+    let words = "--size 320x180 --samples 4 --quiet";
     run_well(
         ["render", &interior, "--bake", &bake, "-o", &again]
             .into_iter()
@@ -40,9 +40,9 @@ fn every_bake_ends_with_a_picture_that_render_makes_again() {
     );
     let (lit, again) = (bytes(&lit), bytes(Path::new(&again)));
     assert_eq!(lit.len(), again.len());
-    // Brightness is stepped where the median is 0.08, so a brighter sky keeps it away from there.
-    // The GLB holds its page coordinates in f32, and excluded chairs, which fill some 2 % of the picture, are
-    // integrated with other rays.
+    // Where surfaces end the picture has 16 samples a pixel too, which are exposed before their mean is taken. The GLB
+    // holds its page coordinates in f32, and an excluded chair, which fills some 1 % of the picture, is integrated with
+    // other rays.
     let far = lit
         .iter()
         .zip(&again)

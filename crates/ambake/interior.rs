@@ -35,7 +35,7 @@ impl Brightness {
             place: "scene".into(),
             count: dark,
             message: format!(
-                "most texels see less than {:.0} % of the sky, as inside a building; `--bounces auto` lets light go on from surface to \
+                "most texels see less than {:.0} % of the sky, as in a room or inside of a machine; `--bounces auto` lets light go on from surface to \
                  surface there, and `--max-distance D` shows corners and contacts, with D about a third of a room's height",
                 100.0 * DARK
             ),

@@ -15,14 +15,16 @@ pub enum Error {
     #[error("0 pages hold nothing: give at least 1, or auto")]
     Pages,
     /// A name that was asked for fits no object.
-    #[error("{flag} {pattern}: no object has such a name; there are {}", list(.names))]
+    #[error("{flag} {pattern}: no object has such a name; there are {}", some(.names, *.count))]
     NoSuchObject {
         /// The flag.
         flag: &'static str,
         /// The name with its wildcards.
         pattern: String,
-        /// The first few names that there are.
+        /// The first few names that there are, and how many there are.
         names: Vec<String>,
+        /// See `names`.
+        count: usize,
     },
     /// The scene places no triangles.
     #[error(
@@ -130,9 +132,13 @@ pub enum Why {
     },
 }
 
-fn list(names: &[String]) -> String {
+/// Some of so many names.
+fn some(names: &[String], count: usize) -> String {
     let quoted: Vec<String> = names.iter().map(|n| format!("`{n}`")).collect();
-    quoted.join(", ")
+    match count - names.len() {
+        0 => quoted.join(", "),
+        more => format!("{}, and {more} more", quoted.join(", ")),
+    }
 }
 
 /// Largest page edge in texels.

@@ -173,6 +173,7 @@ fn mark(
             flag,
             pattern: pattern.into(),
             names: names.iter().take(4).map(|o| o.name.clone()).collect(),
+            count: names.len(),
         }),
     }
 }
