@@ -408,6 +408,7 @@ impl<'a> Baker<'a> {
     fn surveyor(&self) -> Surveyor<'_> {
         Surveyor {
             world: self.world,
+            atlas: self.atlas,
             errors: &self.errors,
             overrides: &self.options.overrides,
             plan: self.plan,

@@ -152,7 +152,7 @@ impl<'a> Reach<'a> {
             let covers = self
                 .baker
                 .solids
-                .and_then(|of| of.covers(instance, triangle));
+                .and_then(|of| of.covers(instance, triangle, || f64::INFINITY));
             let about = covers
                 .iter()
                 .flat_map(|covers| covers.about(ground.low, ground.high));

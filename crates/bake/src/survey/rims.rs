@@ -329,7 +329,7 @@ mod tests {
         ] {
             let world = marked(above);
             let patch = Patch::of(&world, &rays::PlaneErrors::of(&world), 0, 0);
-            let covers = world.solids().covers(0, 0);
+            let covers = world.solids().covers(0, 0, || f64::INFINITY);
             let ends = Ends {
                 rims: &[],
                 covers,

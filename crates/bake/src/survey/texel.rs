@@ -7,9 +7,11 @@ use super::seen::{Seen, look};
 use crate::labels;
 use crate::plan::Plan;
 use ambient::sampling::Stream;
-use atlas::{Footprint, Piece, Tile};
+use atlas::{Atlas, Footprint, Piece, Tile, triangle_uv};
 use glam::DVec3;
-use rays::{Overrides, Patch, PhongMaterial, PlaneErrors, Solids, World, is_mapped, material_at};
+use rays::{
+    Overrides, Patch, PhongMaterial, PlaneErrors, Rim, Solids, World, is_mapped, material_at,
+};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -93,6 +95,7 @@ struct Known<'a> {
 /// Makes the texels of tiles.
 pub(crate) struct Surveyor<'a> {
     pub world: &'a World,
+    pub atlas: &'a Atlas,
     pub errors: &'a PlaneErrors,
     pub overrides: &'a Overrides,
     pub plan: &'a Plan,
@@ -177,10 +180,23 @@ impl<'a> Surveyor<'a> {
         let ending = self.solids.filter(|_| !self.world.keeps_buried(instance));
         Ends {
             rims: ending.map_or(&[], |of| of.rims(instance, triangle)),
-            covers: (ending.filter(|_| self.under != Some(0.0)))
-                .and_then(|of| of.covers(instance, triangle)),
+            covers: (ending.filter(|_| self.under != Some(0.0))).and_then(|of| {
+                let under = || {
+                    self.under
+                        .unwrap_or(Rim::THIN * self.texel_edge(instance, triangle))
+                };
+                of.covers(instance, triangle, || 2.0 * under())
+            }),
             under: self.under,
         }
+    }
+
+    /// The edge of a texel on a triangle, in scene units.
+    fn texel_edge(&self, instance: u32, triangle: u32) -> f64 {
+        let area = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).length();
+        let (uvs, _) = triangle_uv(self.world.scene(), self.atlas, instance, triangle);
+        let on_page = uvs.map(|uv| uv.as_dvec2().extend(0.0) * f64::from(self.atlas.page_size));
+        (area(self.world.corners(instance, triangle)) / area(on_page)).sqrt()
     }
 
     /// The material of an instance; `None` where it varies.

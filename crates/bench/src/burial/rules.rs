@@ -55,7 +55,7 @@ fn ambake(scene: &Scene, point: &Point) -> bool {
     };
     let at = point.position;
     let covered = || {
-        let covers = solids.covers(instance, point.triangle)?;
+        let covers = solids.covers(instance, point.triangle, || f64::INFINITY)?;
         let mut over = covers.over((at, at), (at, point.normal), TEXEL / 8.0);
         let least = rays::Covers::least(at.abs().max_element());
         let holds = |[a, b, c]: [DVec3; 3]| {

@@ -101,8 +101,13 @@ impl Covers<'_> {
 }
 
 impl Solids {
-    /// What may cover a triangle; `None` where nothing does.
-    pub fn covers(&self, instance: u32, triangle: u32) -> Option<Covers<'_>> {
+    /// What may cover a triangle; `None` where nothing is `within` so far of it, in scene units, that does.
+    pub fn covers(
+        &self,
+        instance: u32,
+        triangle: u32,
+        within: impl FnOnce() -> f64,
+    ) -> Option<Covers<'_>> {
         if self.covers.is_empty() {
             return None;
         }
@@ -119,7 +124,8 @@ impl Solids {
         let corners =
             corners(&self.scene, face).map(|p| of.transform.transform_point3(p.as_dvec3()));
         let (low, high) = box_of(corners);
-        covers.about(low, high).next().is_some().then_some(covers)
+        let mut near = covers.within(low, high, within().min(layers.above));
+        near.next().is_some().then_some(covers)
     }
 
     pub(super) fn find_covers(
@@ -265,7 +271,7 @@ mod tests {
             let world = world(scene);
             let at = place.transform_point3(DVec3::new(0.01, 0.0, 0.02));
             let up = place.transform_vector3(DVec3::Y);
-            let covers = world.solids().covers(0, triangle);
+            let covers = world.solids().covers(0, triangle, || f64::INFINITY);
             let is_over =
                 |[a, ..]: &[DVec3; 3]| (Covers::least(8.0)..=above).contains(&(*a - at).dot(up));
             let over = |covers: Covers| {
@@ -327,7 +333,7 @@ mod tests {
                 (Covers::least(8.0)..=above).contains(&height) && sides.into_iter().all(is_in)
             };
             (0..triangles).any(|triangle| {
-                let covers = world.solids().covers(0, triangle);
+                let covers = world.solids().covers(0, triangle, || f64::INFINITY);
                 covers.is_some_and(|covers| covers.over((at, at), (at, up), above).any(is_over))
             })
         };
