@@ -240,7 +240,7 @@ def test_every_option_is_taken():
         footprint="centre", denoise="regression", seams="object", sky=(1, 0.5, 0.2), view=(0, 5, 0),
         buried="keep", buried_of={"m*": "drop"}, under=0.01, shading="exact", max_distance=2.0, model="ggx", bounces=1, lights="none",
         sun=[(0, 1, 0, 2), (0, 1, 0, 2, 1, 0)], point=[(0, 3, 0, 1)],
-        sphere=[(1, 2, 0, 0.5, 1)], rect=[(0, 3, 0, 1, 0, 0, 0, 0, 1, 2)], only="diffuse,lambert", for_=["three"], compress=True, normal_maps=True, exponent=8,
+        sphere=[(1, 2, 0, 0.5, 1)], rect=[(0, 3, 0, 1, 0, 0, 0, 0, 1, 2)], only="diffuse,lambert", to="vertices", for_=["three"], compress=True, normal_maps=True, exponent=8,
         ambient_coefficient=(0.2, 0.3, 0.4), albedo=(0.5, 0.5, 0.5), specular=(0.1, 0.1, 0.1), seed=7, backend="obvhs", threads=1,
     )
     assert set(values) | {"rays", "layers", "update"} == set(ambake.OPTIONS)
