@@ -1,9 +1,8 @@
 //! `probes --for gltf`: the scene with the light of a place, by `EXT_lights_image_based`.
 
-use crate::support::{bake, run_well, scene, skip};
+use crate::support::{assert_valid_gltf, bake, run_well, scene};
 use serde_json::Value;
 use std::path::Path;
-use std::process::Command;
 
 /// JSON and binary part of a GLB.
 fn parts(path: &Path) -> (Value, Vec<u8>) {
@@ -12,20 +11,6 @@ fn parts(path: &Path) -> (Value, Vec<u8>) {
     let end = 20 + length(12);
     let json = serde_json::from_slice(&bytes[20..end]).expect("JSON");
     (json, bytes[end + 8..].to_vec())
-}
-
-fn assert_valid(path: &Path) {
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/tools/validate-gltf.mjs");
-    match Command::new("node").arg(script).arg(path).output() {
-        Ok(run) if run.status.code() != Some(77) => {
-            let said = String::from_utf8_lossy(&run.stdout);
-            assert!(
-                run.status.success() && said.contains("\"errors\":0"),
-                "{said}"
-            );
-        }
-        _ => skip("node or its module gltf-validator is absent (npm install in tests/tools)"),
-    }
 }
 
 /// E / pi toward a normal, as Babylon.js computes it from the coefficients in the axes of its default scene, into which
@@ -69,7 +54,7 @@ fn a_glb_holds_the_scene_and_the_light_of_a_place_as_its_reader_shows_it() {
     ];
     run_well(words);
     let path = baked.path().join("courtyard.reflection.0.glb");
-    assert_valid(&path);
+    assert_valid_gltf(&path);
     let (json, binary) = parts(&path);
     let (bare, _) = parts(&baked.path().join("courtyard.glb"));
     assert_eq!(json["meshes"], bare["meshes"]);

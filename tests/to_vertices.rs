@@ -29,7 +29,11 @@ fn floors(folder: &Path) -> std::path::PathBuf {
     let bin = [bytes(&floor), bytes(&lid), COLORS.concat(), indices].concat();
     std::fs::write(folder.join("floors.bin"), &bin).expect("written");
     let view = |offset: u32, length: u32| json!({ "buffer": 0, "byteOffset": offset, "byteLength": length });
-    let corner = |view: u32, min: [f32; 3], max: [f32; 3]| json!({ "bufferView": view, "componentType": 5126, "count": 4, "type": "VEC3", "min": min, "max": max });
+    let corner = |view: u32, min: [f32; 3], max: [f32; 3]| {
+        json!({
+            "bufferView": view, "componentType": 5126, "count": 4, "type": "VEC3", "min": min, "max": max,
+        })
+    };
     let file = json!({
         "asset": { "version": "2.0" },
         "buffers": [{ "uri": "floors.bin", "byteLength": bin.len() }],
