@@ -202,8 +202,8 @@ pub struct Weights {
 
 impl Weights {
     pub(crate) fn new([a, b, c]: [DVec2; 3], twice_area: f64) -> Weights {
-        let slope =
-            |from: DVec2, to: DVec2| DVec2::new(-(to.y - from.y), to.x - from.x) / twice_area;
+        let scale = 1.0 / twice_area;
+        let slope = |from: DVec2, to: DVec2| (to - from).perp() * scale;
         let (w0, w1, w2) = (slope(b, c), slope(c, a), slope(a, b));
         Weights {
             origin: a,

@@ -3,7 +3,7 @@
 //! Source of the square-to-triangle map: E. Heitz, "A Low-Distortion Map Between Triangle and Square", 2019.
 
 use crate::SurfacePoint;
-use crate::cover::{Held, Wholes};
+use crate::cover::Wholes;
 use crate::cutter::{Cutter, Weights};
 use crate::types::TILE;
 use crate::uv::twice_area;
@@ -25,8 +25,8 @@ pub struct Tile {
     pub triangles: Vec<[u32; 2]>,
     /// Of triangles that footprints hold whole, their corner weights as functions of the place in the tile.
     pub weights: Vec<Weights>,
-    /// What whole footprints hold, footprint by footprint.
-    pub held: Vec<Held>,
+    /// What whole footprints hold, footprint by footprint, as places in `triangles` and in `weights`.
+    pub held: Vec<u32>,
 }
 
 /// What is covered of one texel.
@@ -75,34 +75,16 @@ impl Tile {
         }
     }
 
-    /// The triangles that a whole footprint holds; none of another.
+    /// The triangles that a whole footprint holds, as places in [`Tile::triangles`]; none of another.
     ///
     /// # Panics
     ///
     /// If the footprint is not one of this tile's.
-    pub fn held_of(&self, footprint: &Footprint) -> &[Held] {
+    pub fn held_of(&self, footprint: &Footprint) -> &[u32] {
         match footprint.is_whole {
             true => &self.held[footprint.parts.start as usize..footprint.parts.end as usize],
             false => &[],
         }
-    }
-
-    /// The triangles of a footprint, as places in [`Tile::triangles`], each with its share of the area; one may come
-    /// several times.
-    ///
-    /// # Panics
-    ///
-    /// If the footprint is not one of this tile's.
-    pub fn shares(&self, footprint: &Footprint) -> impl Iterator<Item = (u32, f64)> + '_ {
-        let held = self.held_of(footprint).iter();
-        let held = held.map(|held| (held.number, f64::from(held.share)));
-        let (area, mut before) = (self.area(footprint), 0.0);
-        let pieces = self.pieces_of(footprint).iter().map(move |piece| {
-            let own = piece.cumulative - before;
-            before = piece.cumulative;
-            (piece.number, own / area)
-        });
-        held.chain(pieces)
     }
 
     /// The triangles of a footprint, as places in [`Tile::triangles`], each with its corner weights amid its part; of a
@@ -113,7 +95,7 @@ impl Tile {
             f64::from(footprint.y - self.y0) + 0.5,
         );
         let held = self.held_of(footprint).iter();
-        let held = held.map(move |held| (held.number, self.weights[held.number as usize].at(amid)));
+        let held = held.map(move |&number| (number, self.weights[number as usize].at(amid)));
         let pieces = self.pieces_of(footprint).iter();
         let pieces = pieces.map(|piece| (piece.number, piece.corners.iter().sum::<DVec3>() / 3.0));
         held.chain(pieces)
@@ -144,10 +126,7 @@ impl Tile {
     fn holding(&self, footprint: &Footprint, u: [f64; 2]) -> ([u32; 2], DVec3) {
         let corner = [footprint.x - self.x0, footprint.y - self.y0].map(f64::from);
         let at = DVec2::from(corner) + DVec2::from(u);
-        let weights = |held: &Held| {
-            let number = held.number as usize;
-            (number, self.weights[number].at(at))
-        };
+        let weights = |&number: &u32| (number as usize, self.weights[number as usize].at(at));
         let all = self.held_of(footprint).iter().map(weights);
         let best = all.reduce(|a, b| match b.1.min_element() > a.1.min_element() {
             true => b,
@@ -221,16 +200,17 @@ struct Found {
 }
 
 impl Collector {
-    /// Of a tile some texels of which are held whole.
-    pub fn new(x0: u32, y0: u32, page_size: u32, wholes: Wholes) -> Collector {
+    /// Of a tile, by its first texel and the page's edge, some texels of which are held whole, for so many triangles.
+    pub fn new([x0, y0, page_size]: [u32; 3], wholes: Wholes, triangles: usize) -> Collector {
+        let held = if wholes.total() > 0 { triangles } else { 0 };
         let tile = Tile {
             x0,
             y0,
             footprints: Vec::with_capacity((TILE * TILE) as usize),
             pieces: Vec::new(),
-            triangles: Vec::new(),
-            weights: Vec::new(),
-            held: vec![Held::default(); wholes.total()],
+            triangles: Vec::with_capacity(triangles),
+            weights: Vec::with_capacity(held),
+            held: vec![0; wholes.total()],
         };
         Collector {
             cutter: Cutter::new(x0, y0, page_size),

@@ -71,7 +71,7 @@ mod twins;
 mod types;
 mod uv;
 
-pub use cover::{Held, MOST_HELD};
+pub use cover::MOST_HELD;
 pub use cutter::Weights;
 pub use dilate::{Dilation, RINGS};
 pub use error::{Error, Why};

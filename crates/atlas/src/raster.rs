@@ -1,7 +1,7 @@
 //! An index of a page's triangles by tile. Footprints are cut out on demand, a tile at a time.
 
 use crate::centre::draw_together;
-use crate::cover::{Cover, Wholes};
+use crate::cover::Wholes;
 use crate::cutter::{Cutter, covered};
 use crate::footprint::{Collector, Footprint, Tile};
 use crate::types::TILE;
@@ -86,8 +86,10 @@ impl<'a> PageRaster<'a> {
     /// If `index` is not below the number of tiles.
     pub fn tile(&self, index: usize) -> Tile {
         let [x0, y0] = self.tile_origin(index);
-        let mut collector = Collector::new(x0, y0, self.page_size, Wholes::none());
-        for (entry, corners) in self.triangles(index) {
+        let triangles = self.triangles(index);
+        let tile = [x0, y0, self.page_size];
+        let mut collector = Collector::new(tile, Wholes::none(), triangles.len());
+        for (entry, corners) in triangles {
             collector.add(entry, corners);
         }
         collector.finish()
@@ -105,15 +107,13 @@ impl<'a> PageRaster<'a> {
         if Wholes::are_rare(triangles.len()) {
             return self.tile(index);
         }
-        let mut cover = Cover::new(x0, y0, self.page_size);
-        triangles
-            .iter()
-            .for_each(|&(_, corners)| cover.add(corners));
-        let wholes = cover.wholes(|number| {
+        let corners = triangles.iter().map(|&(_, corners)| corners);
+        let tile = [x0, y0, self.page_size];
+        let wholes = Wholes::of(tile, corners, |number| {
             let (entry, _) = triangles[number];
             (entry[0], kept(entry))
         });
-        let mut collector = Collector::new(x0, y0, self.page_size, wholes);
+        let mut collector = Collector::new(tile, wholes, triangles.len());
         for (entry, corners) in triangles {
             collector.add(entry, corners);
         }
@@ -201,7 +201,7 @@ impl<'a> PageRaster<'a> {
     pub(crate) fn triangles(
         &self,
         index: usize,
-    ) -> impl Iterator<Item = ([u32; 2], [DVec2; 3])> + '_ {
+    ) -> impl ExactSizeIterator<Item = ([u32; 2], [DVec2; 3])> + '_ {
         let size = f64::from(self.page_size);
         let of = &self.index;
         of.entries[of.starts[index]..of.starts[index + 1]]

@@ -48,8 +48,12 @@ pub struct Patch {
     normals: Option<[DVec3; 3]>,
     /// Unit geometric normal, right-hand rule of the winding.
     pub geometric: DVec3,
-    low: DVec3,
-    high: DVec3,
+    /// Twice its area, squared scene units.
+    pub twice_area: f64,
+    /// Lowest corner of its box.
+    pub low: DVec3,
+    /// Highest corner of its box.
+    pub high: DVec3,
     /// Rounding bound of the plane test and of an instance's transform as a distance, over this triangle and its
     /// neighbours.
     query_error: f64,
@@ -107,16 +111,19 @@ impl Patch {
         let (part, geometry) = world.part(instance);
         let indices = geometry.triangles()[triangle as usize];
         let bounds = &errors.0[part.geometry as usize];
-        let bound = indices
-            .iter()
-            .map(|&v| f64::from(bounds[v as usize]))
-            .fold(0.0, f64::max);
+        let [a, b, c] = indices.map(|v| bounds[v as usize]);
+        let bound = f64::from(a.max(b).max(c));
         let face = (corners[1] - corners[0]).cross(corners[2] - corners[0])
             * world.sense(instance, triangle);
-        let fallback = normals.map_or(DVec3::Z, |n| {
-            (n[0] + n[1] + n[2]).try_normalize().unwrap_or(DVec3::Z)
-        });
-        let geometric = face.try_normalize().unwrap_or(fallback);
+        let fallback = || {
+            let sum = normals.map(|[a, b, c]: [DVec3; 3]| (a + b + c).try_normalize());
+            sum.flatten().unwrap_or(DVec3::Z)
+        };
+        let twice_area = face.length();
+        let geometric = match 1.0 / twice_area {
+            inverse if inverse.is_finite() => face * inverse,
+            _ => face.try_normalize().unwrap_or_else(fallback),
+        };
         let low = corners[0].min(corners[1]).min(corners[2]);
         let high = corners[0].max(corners[1]).max(corners[2]);
         let reach = low.abs().max(high.abs());
@@ -125,14 +132,15 @@ impl Patch {
         let origin_error = UNIT_ROUNDOFF * extended * geometric.abs();
         let bound =
             query_error + 2.0 * origin_error.dot(reach) + UNIT_ROUNDOFF * reach.max_element();
+        let share = bound / twice_area;
         let inset = [0, 1, 2].map(|corner: usize| {
-            let base = (corners[(corner + 2) % 3] - corners[(corner + 1) % 3]).length();
-            bound * base / face.length()
+            (corners[(corner + 2) % 3] - corners[(corner + 1) % 3]).length() * share
         });
         Self {
             corners,
             normals,
             geometric,
+            twice_area,
             low,
             high,
             query_error,

@@ -32,27 +32,34 @@ impl Stream {
     /// assert_eq!(quarters, [[false, false], [false, true], [true, false], [true, true]]);
     /// ```
     pub fn joint(self, [x, y]: [u32; 2], edge_log2: u32, net: &Range<u32>) -> Stream {
-        let points = net.end.saturating_sub(net.start).max(1);
-        let part = self.shuffled(x, y, edge_log2);
-        let before = net.start.wrapping_mul(1 << (2 * edge_log2));
-        let turn = mix(self.key(1) ^ u64::from(part)) as u32 & (points - 1);
-        self.starting_at(before.wrapping_add(part.wrapping_mul(points)) | turn)
-    }
-
-    /// The number of a texel's part: its place in Morton order after the children of each node of the tree are
-    /// shuffled.
-    fn shuffled(&self, x: u32, y: u32, edge_log2: u32) -> u32 {
-        // From the coarsest digit to the finest, as `scramble` takes them.
-        let [x, y] = [x, y].map(|at| spread(at.reverse_bits() >> 1 >> (31 - edge_log2)));
-        let digits = x | y << 1;
-        let bits = 2 * edge_log2;
-        let mask = (1_u32 << bits) - 1;
-        let shuffled = scramble(digits, mix(self.key(0))) & mask;
-        ((u64::from(shuffled.reverse_bits()) << bits) >> 32) as u32
+        let keys = [mix(self.key(0)), self.key(1)];
+        self.starting_at(first([x, y], keys, edge_log2, net))
     }
 }
 
+/// The number of the point that counts as the first of texel (x, y).
+#[inline(always)]
+pub(super) fn first(
+    [x, y]: [u32; 2],
+    [shuffles, turns]: [u64; 2],
+    edge_log2: u32,
+    net: &Range<u32>,
+) -> u32 {
+    let bits = 2 * edge_log2;
+    let mask = (1_u32 << bits) - 1;
+    // The number of its part: its place in Morton order after the children of each node of the tree are shuffled, from
+    // the coarsest digit to the finest, as `scramble` takes them.
+    let digits = ((spread(y) | spread(x) << 1) & mask).reverse_bits() >> 1 >> (31 - bits);
+    let part = (scramble(digits, shuffles) & mask).reverse_bits() >> 1 >> (31 - bits);
+    let points = net.end.saturating_sub(net.start).max(1);
+    // The last bits of a scramble depend on all before them.
+    let turn = scramble(part, turns) >> 1 >> (31 - points.ilog2());
+    let before = net.start.wrapping_mul(1 << bits);
+    before.wrapping_add(part.wrapping_mul(points)) | turn
+}
+
 /// The last sixteen bits of a number, each followed by a 0 above it.
+#[inline(always)]
 fn spread(bits: u32) -> u32 {
     let bits = (bits | bits << 8) & 0x00ff_00ff;
     let bits = (bits | bits << 4) & 0x0f0f_0f0f;

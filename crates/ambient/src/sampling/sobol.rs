@@ -9,6 +9,8 @@
 //! carry runs from leading digits to trailing ones, and any mix of additions, odd products and `x ^= x * even` is a
 //! nested scramble, because each digit changes by a function of the digits before it.
 
+use crate::lanes::LANES;
+
 /// Dimensions of a point.
 pub(super) const DIMENSIONS: usize = 4;
 
@@ -76,6 +78,21 @@ pub(super) const fn sobol(index: u32) -> [u32; DIMENSIONS] {
         rest &= rest - 1;
     }
     point
+}
+
+/// [`sobol`] of sixteen indices.
+#[inline(always)]
+pub(super) fn sobol16(index: &[u32; LANES]) -> [[u32; LANES]; DIMENSIONS] {
+    let mut points = [[0; LANES]; DIMENSIONS];
+    let bits = index.iter().fold(0, |bits, index| bits | index);
+    for k in 0..u32::BITS - bits.leading_zeros() {
+        for (point, row) in points.iter_mut().zip(MATRICES[k as usize]) {
+            for l in 0..LANES {
+                point[l] ^= row & 0_u32.wrapping_sub(index[l] >> k & 1);
+            }
+        }
+    }
+    points
 }
 
 /// Most points of a block that [`CELLS`] can order, as a power of two.

@@ -48,6 +48,7 @@ impl Stream {
     }
 
     /// What randomises a dimension.
+    #[inline]
     pub(super) fn key(&self, dimension: usize) -> u64 {
         self.keys[dimension]
     }
@@ -67,6 +68,7 @@ fn unit(reversed: u32) -> f64 {
 /// A bijection of 64 bits in which each input bit flips each output bit about half the time: the finaliser of G.
 /// Steele, D. Lea, C. Flood, "Fast Splittable Pseudorandom Number Generators", 2014, with the increment that keeps 0
 /// from 0.
+#[inline]
 pub(super) fn mix(x: u64) -> u64 {
     let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -9,10 +9,13 @@
     reason = "a lane is one index into many arrays"
 )]
 
+use super::joint::first;
 use super::lattice::lattice;
-use super::sobol::{CELLS, DIMENSIONS, LARGEST_BLOCK, scramble, sobol};
+use super::sobol::{CELLS, DIMENSIONS, LARGEST_BLOCK, scramble, sobol, sobol16};
+use super::stream::mix;
 use super::{Lobe, Mixture, Stream};
 use crate::lanes::{LANES, Wide, exp_m1, ln, turn_sin_cos};
+use std::ops::Range;
 
 /// Where the points of a texel come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -90,8 +93,44 @@ impl Streams {
         }
     }
 
+    /// Puts into each lane the stream of one of two squares of texels, the second where its bit of `which` is set, as a
+    /// texel of the square takes it ([`Stream::joint`]). They count from the next block on.
+    #[inline(always)]
+    pub fn join(
+        &mut self,
+        squares: [&Stream; 2],
+        which: u32,
+        [x, y]: [&[u32; LANES]; 2],
+        edge_log2: u32,
+        net: &Range<u32>,
+    ) {
+        let of = |lane: usize, [first, second]: [u64; 2]| match which >> lane & 1 {
+            0 => first,
+            _ => second,
+        };
+        for d in 0..DIMENSIONS {
+            let keys = squares.map(|stream| stream.key(d));
+            for l in 0..LANES {
+                let key = of(l, keys);
+                (self.low[d][l], self.high[d][l]) = (key as u32, (key >> 32) as u32);
+            }
+        }
+        let shuffles = squares.map(|stream| mix(stream.key(0)));
+        let turns = squares.map(|stream| stream.key(1));
+        let mut start = [0; LANES];
+        for l in 0..LANES {
+            start[l] = first(
+                [x[l], y[l]],
+                [of(l, shuffles), of(l, turns)],
+                edge_log2,
+                net,
+            );
+        }
+        self.base = sobol16(&start);
+    }
+
     /// Cuts a range of points into the fewest aligned blocks.
-    pub fn blocks(range: std::ops::Range<u32>) -> impl Iterator<Item = Block> {
+    pub fn blocks(range: Range<u32>) -> impl Iterator<Item = Block> {
         let mut first = range.start;
         std::iter::from_fn(move || {
             let left = range.end.saturating_sub(first);
@@ -170,8 +209,7 @@ impl Streams {
                     for l in 0..LANES {
                         let key = u64::from(self.high[d][l]) << 32 | u64::from(self.low[d][l]);
                         let index = u64::from(self.first + step) << 20;
-                        out[d][l] =
-                            unit((super::stream::mix(key.wrapping_add(index)) >> 32) as u32);
+                        out[d][l] = unit((mix(key.wrapping_add(index)) >> 32) as u32);
                     }
                 }
             }
@@ -297,6 +335,23 @@ mod tests {
         ] {
             let blocks: Vec<_> = Streams::blocks(range).map(|b| (b.first, b.log2)).collect();
             assert_eq!(blocks, expected);
+        }
+    }
+
+    #[test]
+    fn lanes_join_squares_as_single_streams_do() {
+        let squares = [Stream::new(7, 1, 3, 3, 1), Stream::new(7, 1, 3, 3, 2)];
+        let [x, y] = [3, 7].map(|step: u32| std::array::from_fn(|l| (l as u32 * step) % 16));
+        for net in [0..1, 0..4, 4..8, 0..64, 96..128] {
+            let mut joined = Streams::new(PointSet::Sobol);
+            joined.join([&squares[0], &squares[1]], 0xf0f0, [&x, &y], 4, &net);
+            let mut single = Streams::new(PointSet::Sobol);
+            for l in 0..LANES {
+                let square = squares[usize::from(0xf0f0 >> l & 1 == 1)];
+                single.set(l, &square.joint([x[l], y[l]], 4, &net));
+            }
+            assert_eq!(joined.base, single.base, "{net:?}");
+            assert_eq!((joined.low, joined.high), (single.low, single.high));
         }
     }
 

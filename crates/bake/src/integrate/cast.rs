@@ -4,7 +4,7 @@ use super::estimate::{Gathered, Known};
 use super::gang::{DirectionSums, Gang, Lane, Moments};
 use super::guides::{self, guide, probes, surfaces};
 use super::lobe::Lobe;
-use super::sums::{REPLICATES, Replicates, Sums, Technique};
+use super::sums::{REPLICATES, Replicates, Technique, rays};
 use super::task::Task;
 use crate::survey::Texel;
 use ambient::sampling::{Counts, Guide, LANES};
@@ -134,7 +134,7 @@ impl Caster<'_> {
 
     /// Forgets what a texel has gathered, but not the rays that it took.
     fn forget(&mut self, i: usize) {
-        let rays = Sums::of(&self.sums[i]).rays;
+        let rays = rays(&self.sums[i]);
         self.sums[i] = Replicates::default();
         self.sums[i][0].rays = rays;
         self.points[i] = 0;
@@ -197,9 +197,8 @@ impl Caster<'_> {
         }
         for lanes in lanes.chunks(LANES) {
             gang.load(lanes);
-            for (net, points) in nets(range.clone()) {
-                gang.follow(|i, replicate| task.net(&joint, &self.texels[i], &net, replicate));
-                gang.cast(task, technique, points);
+            for net in nets(range.clone()) {
+                gang.cast(task, &joint, technique, net);
             }
             gang.collect(technique, &mut self.sums);
             gang.collect_moments(self.moments);

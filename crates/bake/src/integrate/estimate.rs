@@ -15,12 +15,13 @@
 
 use super::lobe::Lobe;
 use super::pool::Pool;
-use super::sums::{REPLICATES, Replicates, Sums, Technique, Weights, corrected, mean};
+use super::sums::{REPLICATES, Replicates, Sums, Technique, Weights, corrected, mean, rays};
 use super::task::Task;
-use super::terms::{Halves, Terms};
+use super::terms::{Halves, Terms, uniform_light};
 use crate::survey::Texel;
 use ambient::Estimate;
 use glam::DVec3;
+use maps::SkyMap;
 
 /// Texels this far away along an axis pool their variances.
 const POOL_RADIUS: usize = 2;
@@ -41,10 +42,11 @@ pub(super) enum Quantity {
 use Quantity::*;
 
 impl Technique {
-    /// What it estimates: shares, and light.
-    fn quantities(self) -> &'static [Quantity] {
+    /// What it estimates: shares, and light. Under a sky without a map irradiance follows from the diffuse share.
+    fn quantities(self, has_map: bool) -> &'static [Quantity] {
         match self {
-            Technique::Hemisphere => &[Diffuse, Visibility, Irradiance],
+            Technique::Hemisphere if has_map => &[Diffuse, Visibility, Irradiance],
+            Technique::Hemisphere => &[Diffuse, Visibility],
             Technique::Lobe => &[Specular, Reflection],
             Technique::Sky => &[Irradiance, Reflection],
         }
@@ -153,10 +155,12 @@ impl Known<'_> {
             }
             Technique::Sky => {}
         }
-        for (k, said) in said.iter_mut().enumerate() {
-            said.lights[0] =
-                DVec3::from(self.from.task.sky.floor()) * said.shares[Diffuse as usize];
-            self.add_map(i, k, said);
+        if let Some(map) = self.from.task.sky.map() {
+            for (k, said) in said.iter_mut().enumerate() {
+                said.lights[0] =
+                    DVec3::from(self.from.task.sky.floor()) * said.shares[Diffuse as usize];
+                self.add_map(map, (i, k), said);
+            }
         }
         said
     }
@@ -184,10 +188,7 @@ impl Known<'_> {
     }
 
     /// Adds the light that stands out of the sky's floor.
-    fn add_map(&self, i: usize, k: usize, said: &mut Said) {
-        let Some(map) = self.from.task.sky.map() else {
-            return;
-        };
+    fn add_map(&self, map: &SkyMap, (i, k): (usize, usize), said: &mut Said) {
         // What has no points takes what the other says.
         let [own, other] = [&self.from.sums[i][k], &self.from.sums[i][1 - k]];
         let own = if own.points > 0 { own } else { other };
@@ -223,7 +224,9 @@ impl Known<'_> {
 
     /// Adds what the technique says to the terms of the texels on which points were spent.
     pub fn add_to(&self, terms: &mut [Terms]) {
-        let quantities = self.from.technique.quantities();
+        let sky = self.from.task.sky;
+        let quantities = self.from.technique.quantities(sky.map().is_some());
+        let follows = self.from.technique == Technique::Hemisphere && sky.map().is_none();
         let pools = self.pools(quantities);
         for (i, terms) in terms.iter_mut().enumerate() {
             let points = f64::from(self.from.points[i]);
@@ -255,8 +258,13 @@ impl Known<'_> {
                     Irradiance | Reflection => {}
                 }
             }
-            self.add_halves(i, &mut terms.halves);
-            terms.rays += Sums::of(&self.from.sums[i]).rays;
+            self.add_halves(i, quantities, &mut terms.halves);
+            if follows {
+                let floor = DVec3::from(sky.floor());
+                terms.irradiance = uniform_light(floor, terms.diffuse);
+                terms.halves.irradiance = floor * terms.halves.diffuse;
+            }
+            terms.rays += rays(&self.from.sums[i]);
         }
     }
 
@@ -277,14 +285,18 @@ impl Known<'_> {
     }
 
     /// Adds half of what the two halves of a texel's replicates differ by, in all that the technique estimates.
-    fn add_halves(&self, i: usize, halves: &mut Halves) {
+    fn add_halves(&self, i: usize, quantities: &[Quantity], halves: &mut Halves) {
         let [a, b] = &self.said[i];
-        let share = |quantity: Quantity| 0.5 * (a.of(quantity) - b.of(quantity));
-        halves.diffuse += share(Diffuse);
-        halves.visibility += share(Visibility);
-        halves.specular += share(Specular);
-        halves.irradiance += 0.5 * (a.lights[0] - b.lights[0]);
-        halves.reflection += 0.5 * (a.lights[1] - b.lights[1]);
+        for &quantity in quantities {
+            let share = || 0.5 * (a.of(quantity) - b.of(quantity));
+            match quantity {
+                Diffuse => halves.diffuse += share(),
+                Visibility => halves.visibility += share(),
+                Specular => halves.specular += share(),
+                Irradiance => halves.irradiance += 0.5 * (a.lights[0] - b.lights[0]),
+                Reflection => halves.reflection += 0.5 * (a.lights[1] - b.lights[1]),
+            }
+        }
     }
 
     /// A quantity of all replicates: a share, or the mean of the channels of light.

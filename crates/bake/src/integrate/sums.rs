@@ -104,13 +104,7 @@ where
     a * (of_a / all) + b * (of_b / all)
 }
 
-impl Sums {
-    /// The sums of all replicates.
-    pub fn of(replicates: &Replicates) -> Self {
-        let mut total = Self::default();
-        for sums in replicates {
-            total += *sums;
-        }
-        total
-    }
+/// The rays of all replicates.
+pub(crate) fn rays(replicates: &Replicates) -> u64 {
+    replicates.iter().map(|sums| sums.rays).sum()
 }

@@ -9,7 +9,6 @@ use atlas::TILE;
 use glam::DVec3;
 use pulp::Arch;
 use rays::RayBackend;
-use std::ops::Range;
 
 /// Everything about a page that integration reads.
 pub(crate) struct Task<'a> {
@@ -43,8 +42,8 @@ pub(crate) struct Task<'a> {
 
 /// What the points of a tile's texels have in common.
 pub(super) struct Joint {
-    label: u32,
-    streams: [Stream; REPLICATES as usize],
+    pub label: u32,
+    pub streams: [Stream; REPLICATES as usize],
 }
 
 impl Task<'_> {
@@ -72,22 +71,6 @@ impl Task<'_> {
         };
         let streams = std::array::from_fn(|k| self.shared(texel, label, k as u32));
         Joint { label, streams }
-    }
-
-    /// A texel's points `net` of a replicate, counted from 0. The texels of a tile take parts of one sequence: errors of
-    /// neighbours tend to cancel, and smoothed pages gain.
-    pub(super) fn net(
-        &self,
-        joint: &Joint,
-        texel: &Texel,
-        net: &Range<u32>,
-        replicate: u32,
-    ) -> Stream {
-        let Texel { x, y, .. } = *texel;
-        match self.points {
-            PointSet::Sobol => joint.streams[replicate as usize].joint([x, y], TILE.ilog2(), net),
-            _ => self.stream(x, y, joint.label, replicate),
-        }
     }
 
     /// The unit vector to the eye.

@@ -38,6 +38,8 @@ pub(crate) struct Cell {
     pub weights: Weights,
     pub least: [f32; 3],
     smooth: bool,
+    /// The shading normal is one vector, the geometric normal or its opposite, all over the cell.
+    pub is_flat: bool,
 }
 
 /// A point of a surface with what a ray needs.
@@ -96,20 +98,28 @@ impl Cell {
 
     /// All of a triangle that texels hold whole, by its corner weights as affine functions of the place in the tile:
     /// (s, t) are the weights of its second and third corner.
-    pub fn whole((patch, body): (&Patch, Option<u32>), weights: &dyn Fn(DVec2) -> DVec3) -> Self {
-        let mut cell = Self::between((patch, body), 0.5, (patch.corners, patch.normals()), 0.0);
+    pub fn whole((patch, body): (&Patch, Option<u32>), weights: impl Fn(DVec2) -> DVec3) -> Self {
         let [a, b, c] = [DVec2::ZERO, DVec2::X, DVec2::Y].map(weights);
-        cell.weights = [a, b - a, c - a].map(|w| [w.y as f32, w.z as f32]);
-        cell.least = patch.least_weights().as_vec3().to_array();
-        let edge = TILE as f32;
-        let reach = cell.corners_in(|[u, v]| {
-            let [a, b, c] = cell.weights;
-            [0, 1].map(|k: usize| a[k] + edge * (b[k] * u + c[k] * v))
-        });
-        let [a, b, c, d] = reach.map(DVec3::abs);
-        cell.lift = patch.geometric * patch.offset(a.max(b).max(c).max(d));
-        cell.area = cell.texel_area();
-        cell
+        let weights = [a, b - a, c - a];
+        let cell = Self::between((patch, body), 0.5, (patch.corners, patch.normals()), 0.0);
+        // What the tile may have of it lies in a square on its plane, and in its own box.
+        let [at, s, t] = cell.position;
+        let [along, across] = [weights[1], weights[2]].map(|w| s * w.y + t * w.z);
+        let half = 0.5 * f64::from(TILE) * (along.abs() + across.abs());
+        let middle = at + s * a.y + t * a.z + 0.5 * f64::from(TILE) * (along + across);
+        let reach = if (patch.high - patch.low).element_sum() < 2.0 * half.element_sum() {
+            patch.low.abs().max(patch.high.abs())
+        } else {
+            middle.abs() + half
+        };
+        let [_, u, v] = weights;
+        Self {
+            area: patch.twice_area * (u.y * v.z - u.z * v.y).abs(),
+            lift: patch.geometric * patch.offset(reach),
+            weights: weights.map(|w| [w.y as f32, w.z as f32]),
+            least: patch.least_weights().as_vec3().to_array(),
+            ..cell
+        }
     }
 
     fn of(patch: (&Patch, Option<u32>), fold: f32, weights: [DVec3; 3], area: f64) -> Self {
@@ -128,7 +138,7 @@ impl Cell {
         let affine = |[a, b, c]: [DVec3; 3]| [a, b - a, c - a];
         let [a, b, c] = corners.map(DVec3::abs);
         let smooth = normals[0] != normals[1] || normals[0] != normals[2];
-        let normal = match smooth {
+        let normal: [DVec3; 3] = match smooth {
             true => affine(normals),
             false => {
                 let normal = normals[0].try_normalize();
@@ -142,6 +152,7 @@ impl Cell {
             inverse_share: 1.0,
             fold,
             position: affine(corners),
+            is_flat: !smooth && is_along(normal[0], patch.geometric),
             normal,
             geometric: patch.geometric,
             lift: patch.geometric * patch.offset(a.max(b).max(c)),
@@ -165,7 +176,7 @@ impl Cell {
             None => up,
         };
         self.normal = [kept, DVec3::ZERO, DVec3::ZERO];
-        self.smooth = false;
+        (self.smooth, self.is_flat) = (false, is_along(kept, up));
     }
 
     /// Sets the shares of the cells of one footprint.
@@ -179,11 +190,6 @@ impl Cell {
             cell.inverse_share = 1.0 / (end - start).max(f32::MIN_POSITIVE);
             start = end;
         }
-    }
-
-    /// True where the shading normal is one vector, the geometric normal or its opposite, all over the cell.
-    pub fn is_flat(&self) -> bool {
-        !self.smooth && self.normal[0].dot(self.geometric).abs() >= 1.0 - 1e-12
     }
 
     /// Weights of the second and third corner, moved as far from the edges of a whole triangle as samples stay.
@@ -229,13 +235,6 @@ impl Cell {
         let [_, s, t] = self.position;
         let share = if self.fold == 0.0 { 1.0 } else { 0.5 };
         share * s.cross(t).length()
-    }
-
-    /// Area in the world of a texel's square on the plane of a whole triangle, squared units.
-    fn texel_area(&self) -> f64 {
-        let [_, s, t] = self.position;
-        let [_, along, across] = self.weights.map(|w| w.map(f64::from));
-        s.cross(t).length() * (along[0] * across[1] - along[1] * across[0]).abs()
     }
 
     /// Corners about what a square has of a whole triangle: its own where it is small, else those of the square on its
@@ -293,6 +292,11 @@ impl Cell {
     }
 }
 
+/// True where one of two unit vectors is the other or its opposite.
+fn is_along(a: DVec3, b: DVec3) -> bool {
+    a.dot(b).abs() >= 1.0 - 1e-12
+}
+
 /// (s, t) in a cell with this placement: the square is stretched over the cell, so that stratified numbers stay
 /// stratified, and folded onto a triangle as in E. Heitz, "A Low-Distortion Map Between Triangle and Square", 2019.
 #[inline(always)]
@@ -305,8 +309,9 @@ pub(crate) fn place_in([start, inverse, fold]: [f32; 3], [u0, u1]: [f32; 2]) -> 
 /// Weights of the second and third corner of a triangle of whose corners none has less than `least`.
 #[inline(always)]
 pub(crate) fn kept_in(least: [f32; 3], [s, t]: [f32; 2]) -> [f32; 2] {
-    let first = (1.0 - s - t).max(least[0]);
-    let [s, t] = [s.max(least[1]), t.max(least[2])];
+    let most = |a: f32, b: f32| if a > b { a } else { b };
+    let first = most(1.0 - s - t, least[0]);
+    let [s, t] = [most(s, least[1]), most(t, least[2])];
     let scale = 1.0 / (first + s + t);
     [s * scale, t * scale]
 }

@@ -5,21 +5,20 @@
 //! whose least corner weight is the largest there, so that no crack between two of them is seen.
 
 use super::cell::{Cell, Sample, Weights, place_in};
-use atlas::MOST_HELD;
 use glam::DVec3;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Points along an edge of a whole texel by which its triangles share it: means of what lies in one plane are exact by
-/// any number, and a mesh hardly bends within a texel.
-const EDGE: usize = 2;
+/// Where points of a whole texel lie along either edge whose mean stands for that of its triangles: means of what lies in
+/// one plane are exact by any number, and a mesh hardly bends within a texel.
+const POINTS: [[f32; 4]; 2] = [[0.25, 0.75, 0.25, 0.75], [0.25, 0.25, 0.75, 0.75]];
 
 /// All that lies under the texels of a tile.
 #[derive(Debug, Default)]
 pub(crate) struct Ground {
     pub cells: Vec<Cell>,
-    /// The cells of triangles that texels hold whole, texel by texel, with their shares of the texel.
-    pub wholes: Vec<(u32, f32)>,
+    /// The cells of triangles that texels hold whole, texel by texel.
+    pub wholes: Vec<u32>,
 }
 
 /// The cells of a texel, never none: a part of those of its tile.
@@ -50,7 +49,10 @@ fn at([a, b, c]: &Weights, u: [f32; 2]) -> [f32; 2] {
 /// The least corner weight of a point with these weights of the second and third corner.
 #[inline(always)]
 fn least([s, t]: [f32; 2]) -> f32 {
-    s.min(t).min(1.0 - s - t)
+    // The library's `min` minds what is no number, which takes several steps more.
+    let lesser = if t < s { t } else { s };
+    let first = 1.0 - s - t;
+    if first < lesser { first } else { lesser }
 }
 
 impl Cells {
@@ -80,7 +82,7 @@ impl Cells {
     pub fn cell(&self, number: usize) -> &Cell {
         let at = self.own.start as usize + number;
         match self.whole {
-            Some(_) => &self.of.cells[self.of.wholes[at].0 as usize],
+            Some(_) => &self.of.cells[self.of.wholes[at] as usize],
             None => &self.of.cells[at],
         }
     }
@@ -138,8 +140,8 @@ impl Cells {
         self.cell(number).sample(place)
     }
 
-    /// Means over the texel, by area. Where several triangles cover it, positions are those of points that are spread
-    /// evenly over it: where these triangles lie in one plane, the mean is exact.
+    /// Means over the texel, by area. Where it holds several triangles, they are those of points that are spread evenly
+    /// over it: where these triangles lie in one plane, the mean position is exact.
     pub fn means(&self) -> Means {
         let mut means = Means {
             position: DVec3::ZERO,
@@ -148,70 +150,49 @@ impl Cells {
             area: 0.0,
         };
         let mut all = 0.0;
-        let mut add = |sample: Sample, points: f64, share: f64, area: f64| {
-            means.position += sample.position * points;
+        let mut add = |sample: Sample, share: f64, area: f64| {
+            means.position += sample.position * share;
             means.normal += sample.normal * share;
             means.geometric += sample.geometric * share;
             means.area += area;
-            all += points;
+            all += share;
         };
         if !self.are_whole() {
             for cell in self.iter() {
-                add(
-                    cell.sample(cell.centre()),
-                    cell.area,
-                    cell.area,
-                    cell.world_area(),
-                );
+                add(cell.sample(cell.centre()), cell.area, cell.world_area());
             }
         } else if self.len() == 1 {
             let cell = self.cell(0);
-            let middle = cell.kept(at(&self.weights(0), [0.5; 2]));
-            add(cell.sample(middle), 1.0, 1.0, cell.area);
+            let middle = at(&self.weights(0), [0.5; 2]);
+            add(cell.sample(middle), 1.0, cell.area);
         } else {
-            let own = &self.of.wholes[self.all()];
-            let held = points((0..own.len()).map(|number| self.weights(number)));
-            for (&(cell, share), (count, place)) in own.iter().zip(held) {
-                let (cell, share) = (&self.of.cells[cell as usize], f64::from(share));
-                let sample = cell.sample(cell.kept(place));
-                add(sample, f64::from(count), share, share * cell.area);
+            for (number, place) in self.points() {
+                let cell = self.cell(number as usize);
+                add(cell.sample(place), 1.0, 0.25 * cell.area);
             }
         }
         means.position /= all;
         means
     }
-}
 
-/// Of points that are spread evenly over a texel, how many each triangle holds, and the mean of its weights there;
-/// where it holds none, its weights in the middle of the texel. There are [`MOST_HELD`] triangles at most.
-fn points(all: impl Iterator<Item = Weights> + Clone) -> [(f32, [f32; 2]); MOST_HELD] {
-    const POINTS: usize = EDGE * EDGE;
-    let middle = |k: usize| (k as f32 + 0.5) / EDGE as f32;
-    let points: [[f32; 2]; POINTS] = std::array::from_fn(|k| [middle(k % EDGE), middle(k / EDGE)]);
-    let (mut best, mut chosen) = ([f32::NEG_INFINITY; POINTS], [0u32; POINTS]);
-    for (number, weights) in (0..).zip(all.clone()) {
-        for k in 0..POINTS {
-            let inside = least(at(&weights, points[k]));
-            let is_better = inside > best[k];
-            best[k] = if is_better { inside } else { best[k] };
-            chosen[k] = if is_better { number } else { chosen[k] };
+    /// The triangles that hold the [`POINTS`], and the weights there.
+    fn points(&self) -> [(u32, [f32; 2]); 4] {
+        let (mut best, mut chosen, mut places) = ([f32::NEG_INFINITY; 4], [0; 4], [[0.0; 4]; 2]);
+        for number in 0..self.len() {
+            let [a, b, c] = self.weights(number);
+            for k in 0..4 {
+                let [s, t] =
+                    [0, 1].map(|w: usize| a[w] + b[w] * POINTS[0][k] + c[w] * POINTS[1][k]);
+                let inside = least([s, t]);
+                let is_better = inside > best[k];
+                best[k] = if is_better { inside } else { best[k] };
+                chosen[k] = if is_better { number as u32 } else { chosen[k] };
+                places[0][k] = if is_better { s } else { places[0][k] };
+                places[1][k] = if is_better { t } else { places[1][k] };
+            }
         }
+        std::array::from_fn(|k| (chosen[k], [places[0][k], places[1][k]]))
     }
-    let mut sums = [(0.0, [0.0; 2]); MOST_HELD];
-    for (&number, point) in chosen.iter().zip(points) {
-        let (count, [u, v]) = &mut sums[number as usize];
-        *count += 1.0;
-        (*u, *v) = (*u + point[0], *v + point[1]);
-    }
-    for ((count, place), weights) in sums.iter_mut().zip(all) {
-        let mean = if *count > 0.0 {
-            place.map(|sum| sum / *count)
-        } else {
-            [0.5; 2]
-        };
-        *place = at(&weights, mean);
-    }
-    sums
 }
 
 #[cfg(test)]

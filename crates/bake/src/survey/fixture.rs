@@ -73,8 +73,8 @@ pub(crate) fn whole(triangles: &[Placed], (corner, edge): ([f64; 2], f64)) -> Ce
             let [s, t] = place(corner[0] + edge * u.x, corner[1] + edge * u.y);
             DVec3::new(1.0 - s - t, s, t)
         };
-        ground.cells.push(Cell::whole((patch, None), &at));
-        ground.wholes.push((cell, 1.0 / triangles.len() as f32));
+        ground.cells.push(Cell::whole((patch, None), at));
+        ground.wholes.push(cell);
     }
     Cells::new(Arc::new(ground), 0..triangles.len() as u32, Some([0.0; 2]))
 }

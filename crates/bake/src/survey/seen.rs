@@ -5,7 +5,8 @@
 //! the open is kept, and samples are spread over those that are kept. So all rays of a texel serve what can be seen of
 //! it.
 
-use super::cells::Cells;
+use super::cell::Cell;
+use super::cells::{Cells, Ground};
 use glam::DVec3;
 use rays::{NUDGE, Near, Solids};
 
@@ -34,14 +35,27 @@ struct Spot {
 }
 
 impl Spot {
-    fn of(cells: &Cells) -> Self {
+    /// Where cells with these corners are, of which there are some.
+    fn about<'a>(
+        mut cells: impl Iterator<Item = &'a Cell>,
+        corners: impl Iterator<Item = [DVec3; 4]>,
+    ) -> Self {
         let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let corners = cells.corners().flatten();
+        let corners = corners.flatten();
         let (low, high) = corners.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
-        let own = cells.cell(0).body;
-        let is_uniform = cells.iter().all(|cell| cell.body == own);
-        let own = is_uniform.then_some(own);
+        let own = cells.next().map(|cell| cell.body);
+        let own = own.filter(|&own| cells.all(|cell| cell.body == own));
         Self { low, high, own }
+    }
+
+    fn of(cells: &Cells) -> Self {
+        Self::about(cells.iter(), cells.corners())
+    }
+
+    /// True where nothing can bury any of it.
+    fn is_free(&self, solids: &Solids) -> bool {
+        let near = solids.about(self.low, self.high);
+        self.retained(solids, near).is_empty()
     }
 
     fn with(self, other: &Self) -> Self {
@@ -101,6 +115,12 @@ impl Spot {
             Seen::NONE
         })
     }
+}
+
+/// True where nothing can bury any of a tile, so that all can be seen.
+pub(super) fn is_free(solids: &Solids, ground: &Ground) -> bool {
+    let cells = &ground.cells;
+    Spot::about(cells.iter(), cells.iter().map(Cell::corners)).is_free(solids)
 }
 
 /// What can be seen of footprints, each with its number and its cells, of which neighbours mostly follow one another;

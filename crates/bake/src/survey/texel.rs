@@ -3,7 +3,7 @@
 use super::cell::{Cell, Sample};
 use super::cells::{Cells, Ground};
 use super::rims::{self, Ends};
-use super::seen::{Seen, look};
+use super::seen::{Seen, is_free, look};
 use crate::labels;
 use crate::plan::Plan;
 use ambient::sampling::Stream;
@@ -81,15 +81,22 @@ impl Texel {
 }
 
 /// What is known about a triangle of a tile.
-struct Known<'a> {
-    patch: Patch,
+struct Known {
     open: bool,
+    /// `None` where it varies.
+    material: Option<PhongMaterial>,
+    /// Its cell where texels hold it whole, and its place among those that are cut where texels have pieces of it.
+    cell: u32,
+    cut: u32,
+}
+
+/// A triangle of which texels have pieces.
+struct Cut<'a> {
+    patch: Patch,
     /// The closed surface that it is part of.
     body: Option<u32>,
     /// What walls cut off from its surface, and sheets cover of it.
     ends: Ends<'a>,
-    /// `None` where it varies.
-    material: Option<PhongMaterial>,
 }
 
 /// Makes the texels of tiles.
@@ -109,40 +116,52 @@ pub(crate) struct Surveyor<'a> {
 impl<'a> Surveyor<'a> {
     /// All texels of a tile. `stream` labels a texel's own points by its column and row.
     pub fn texels(&self, tile: &Tile, stream: impl Fn(u32, u32, u32) -> Stream) -> Vec<Texel> {
-        let mut of_instance = (u32::MAX, None);
-        let known: Vec<Known> = (tile.triangles.iter())
-            .map(|&[instance, triangle]| {
-                // Most follow one of the same instance.
-                if of_instance.0 != instance {
-                    of_instance = (instance, self.material_of(instance));
-                }
-                self.known(instance, triangle, of_instance.1)
-            })
-            .collect();
+        let mut known = Vec::with_capacity(tile.triangles.len());
+        let mut cuts = Vec::new();
         // Most pieces become one cell, and no triangle that is held more.
         let mut ground = Ground {
-            cells: Vec::with_capacity(known.len() + tile.pieces.len()),
+            cells: Vec::with_capacity(tile.triangles.len() + tile.pieces.len()),
             wholes: Vec::with_capacity(tile.held.len()),
         };
-        let mut cells = vec![None; known.len()];
-        for held in &tile.held {
-            let number = held.number as usize;
-            let cell = *cells[number].get_or_insert_with(|| {
-                let known = &known[number];
-                let weights = |at| tile.weights[number].at(at);
-                ground
-                    .cells
-                    .push(Cell::whole((&known.patch, known.body), &weights));
-                ground.cells.len() as u32 - 1
+        let (mut is_held, mut is_cut) = (vec![false; tile.triangles.len()], Vec::new());
+        is_cut.resize(is_held.len(), false);
+        (tile.held.iter()).for_each(|&number| is_held[number as usize] = true);
+        (tile.pieces.iter()).for_each(|piece| is_cut[piece.number as usize] = true);
+        let mut of_instance = (u32::MAX, None);
+        for (number, &[instance, triangle]) in tile.triangles.iter().enumerate() {
+            // Most follow one of the same instance.
+            if of_instance.0 != instance {
+                of_instance = (instance, self.material_of(instance));
+            }
+            known.push(Known {
+                open: self.plan.open.contains(instance, triangle),
+                material: of_instance.1,
+                cell: ground.cells.len() as u32,
+                cut: cuts.len() as u32,
             });
-            ground.wholes.push((cell, held.share));
+            let patch = Patch::of(self.world, self.errors, instance, triangle);
+            let body = self.solids.and_then(|of| of.own(instance, triangle));
+            if is_held[number] {
+                let weights = |at| tile.weights[number].at(at);
+                (ground.cells).push(Cell::whole((&patch, body), weights));
+            }
+            if is_cut[number] {
+                let ends = self.ends(instance, triangle);
+                cuts.push(Cut { patch, body, ends });
+            }
         }
+        let held = tile.held.iter();
+        (ground.wholes).extend(held.map(|&number| known[number as usize].cell));
         let mut cut = |footprint: &Footprint| {
             if footprint.is_whole {
                 return (footprint.parts.clone(), true);
             }
             let start = ground.cells.len() as u32;
-            let is_left = self.cut(tile.pieces_of(footprint), &known, &mut ground.cells);
+            let is_left = self.cut(
+                tile.pieces_of(footprint),
+                (&known, &cuts),
+                &mut ground.cells,
+            );
             (start..ground.cells.len() as u32, is_left)
         };
         let found: Vec<_> = tile.footprints.iter().map(&mut cut).collect();
@@ -151,12 +170,11 @@ impl<'a> Surveyor<'a> {
             let corner = [footprint.x - tile.x0, footprint.y - tile.y0].map(|at| at as f32);
             let whole = footprint.is_whole.then_some(corner);
             let cells = Cells::new(Arc::clone(&ground), own, whole);
-            let stream = stream(footprint.x, footprint.y, labels::SURVEY);
             let seen = if is_left { Seen::ALL } else { Seen::NONE };
-            self.texel((tile, footprint), &known, cells, seen, &stream)
+            self.texel((tile, footprint), &known, (cells, seen), &stream)
         };
         let mut texels: Vec<Texel> = tile.footprints.iter().zip(found).map(texel).collect();
-        if let Some(solids) = self.solids {
+        if let Some(solids) = self.solids.filter(|of| !is_free(of, &ground)) {
             let footprints = texels.iter().map(|texel| &texel.cells).enumerate();
             // What rims take is not looked at, nor what is kept.
             let left = footprints.filter(|&(index, _)| {
@@ -206,30 +224,25 @@ impl<'a> Surveyor<'a> {
         (!varies).then(|| material_at(scene, instance, 0, [1.0, 0.0, 0.0]))
     }
 
-    fn known(&self, instance: u32, triangle: u32, material: Option<PhongMaterial>) -> Known<'a> {
-        Known {
-            patch: Patch::of(self.world, self.errors, instance, triangle),
-            open: self.plan.open.contains(instance, triangle),
-            body: self.solids.and_then(|of| of.own(instance, triangle)),
-            ends: self.ends(instance, triangle),
-            material,
-        }
-    }
-
     /// Adds the cells of a footprint to others: of what rims leave of it, or of all where they leave nothing and
     /// `false` is returned.
-    fn cut(&self, pieces: &[Piece], known: &[Known], cells: &mut Vec<Cell>) -> bool {
+    fn cut(
+        &self,
+        pieces: &[Piece],
+        (known, cuts): (&[Known], &[Cut]),
+        cells: &mut Vec<Cell>,
+    ) -> bool {
         let start = cells.len();
         for all in [false, true] {
             let mut before = 0.0;
             for piece in pieces {
-                let known = &known[piece.number as usize];
+                let Cut { patch, body, ends } = &cuts[known[piece.number as usize].cut as usize];
                 let (triangle, corners) = (piece.triangle, piece.corners);
                 let bent =
                     (self.world).bent_normal(piece.instance, triangle, corners, piece.square);
                 let mut push = |part: &Piece, area, lift: f64| {
                     let first = cells.len();
-                    Cell::push(cells, (&known.patch, known.body), part, area);
+                    Cell::push(cells, (patch, *body), part, area);
                     for cell in &mut cells[first..] {
                         cell.lift += lift * cell.geometric;
                     }
@@ -239,9 +252,9 @@ impl<'a> Surveyor<'a> {
                 };
                 let area = piece.cumulative - before;
                 before = piece.cumulative;
-                match all || known.ends.are_none() {
+                match all || ends.are_none() {
                     true => push(piece, area, 0.0),
-                    false => rims::without((&known.patch, known.ends), piece, area, push),
+                    false => rims::without((patch, *ends), piece, area, push),
                 }
             }
             if cells.len() > start {
@@ -256,28 +269,27 @@ impl<'a> Surveyor<'a> {
         &self,
         (tile, footprint): (&Tile, &Footprint),
         known: &[Known],
-        cells: Cells,
-        seen: Seen,
-        stream: &Stream,
+        (cells, seen): (Cells, Seen),
+        stream: &impl Fn(u32, u32, u32) -> Stream,
     ) -> Texel {
-        let (mut first, mut largest, mut open) = (0, f64::NEG_INFINITY, true);
-        // The mean material by area, where it varies over none of the triangles.
-        let mut plain = Some(PhongMaterial::default());
-        for (number, share) in tile.shares(footprint) {
-            let known = &known[number as usize];
-            if share > largest {
-                (first, largest) = (number as usize, share);
+        let (first, open, plain) = match footprint.is_whole {
+            // All are of one object.
+            true => {
+                let held = tile.held_of(footprint);
+                let first = held[0] as usize;
+                let open = held.iter().all(|&number| known[number as usize].open);
+                (first, open, known[first].material)
             }
-            open &= known.open;
-            plain = plain.zip(known.material).map(|(mut sum, own)| {
-                add(&mut sum, &own, share);
-                sum
-            });
-        }
-        let material = plain.unwrap_or_else(|| self.material(tile, footprint, stream));
+            false => shared(tile.pieces_of(footprint), known),
+        };
+        let stream = || stream(footprint.x, footprint.y, labels::SURVEY);
+        let material = plain.unwrap_or_else(|| self.material(tile, footprint, &stream()));
         let means = cells.means();
-        let tilted = !cells.iter().all(Cell::is_flat);
-        let upward = || known[first].patch.upward();
+        let tilted = !cells.iter().all(|cell| cell.is_flat);
+        let upward = || {
+            let [instance, triangle] = tile.triangles[first];
+            Patch::of(self.world, self.errors, instance, triangle).upward()
+        };
         Texel {
             x: footprint.x,
             y: footprint.y,
@@ -307,6 +319,29 @@ impl<'a> Surveyor<'a> {
         }
         sum
     }
+}
+
+/// Of pieces the triangle with the largest share of the area, whether all are open, and the mean material by area where
+/// it varies over none of them.
+fn shared(pieces: &[Piece], known: &[Known]) -> (usize, bool, Option<PhongMaterial>) {
+    let (mut first, mut largest, mut open) = (0, f64::NEG_INFINITY, true);
+    let mut plain = Some(PhongMaterial::default());
+    let area = pieces.last().map_or(1.0, |last| last.cumulative);
+    let mut before = 0.0;
+    for piece in pieces {
+        let share = (piece.cumulative - before) / area;
+        before = piece.cumulative;
+        let known = &known[piece.number as usize];
+        if share > largest {
+            (first, largest) = (piece.number as usize, share);
+        }
+        open &= known.open;
+        plain = plain.zip(known.material).map(|(mut sum, own)| {
+            add(&mut sum, &own, share);
+            sum
+        });
+    }
+    (first, open, plain)
 }
 
 fn add(sum: &mut PhongMaterial, material: &PhongMaterial, weight: f64) {

@@ -20,10 +20,11 @@ mod surfaces;
 
 use super::lobe::Lobe;
 use super::sums::{REPLICATES, Replicates, Technique, Weights};
-use super::task::Task;
+use super::task::{Joint, Task};
 use crate::options::{Model, Shading, View};
 use crate::survey::Texel;
-use ambient::sampling::{self, Counts, Guide, LANES, Stream, Streams, Wide};
+use ambient::sampling::{self, Counts, Guide, LANES, PointSet, Streams, Wide};
+use atlas::TILE;
 use borders::Borders;
 pub(crate) use directional::DirectionSums;
 use directional::LaneDirections;
@@ -35,6 +36,7 @@ use moments::LaneMoments;
 pub(crate) use moments::{Moments, coefficients};
 use pulp::{Simd, WithSimd};
 use rays::{Coherence, RayPacket};
+use std::ops::Range;
 use std::rc::Rc;
 use step::{Drawn, Kernel, Step};
 use surfaces::{Frames, LaneSurfaces, mirrored};
@@ -56,6 +58,9 @@ pub(crate) struct Gang<'a> {
     sent: &'a [Option<Rc<Guide>>],
     lanes: &'a [Lane],
     streams: Streams,
+    /// Column and row of each lane's texel, and the lanes of the second replicate.
+    at: [[u32; LANES]; 2],
+    second: u32,
     surfaces: LaneSurfaces,
     /// Frames at the last point, and whether they no longer hold.
     frames: Frames,
@@ -106,6 +111,8 @@ impl<'a> Gang<'a> {
             sent,
             lanes: &[],
             streams: Streams::new(task.points),
+            at: [[0; LANES]; 2],
+            second: 0,
             surfaces: LaneSurfaces::none(),
             frames: Frames::about([[0.0; LANES], [0.0; LANES], [1.0; LANES]], [1.0; LANES]),
             stale: true,
@@ -154,7 +161,7 @@ impl<'a> Gang<'a> {
         self.cell = [0; LANES];
         self.borders.clear();
         (self.used, self.open, self.guided) = (0, 0, 0);
-        (self.lobes, self.parted) = (0, 0);
+        (self.lobes, self.parted, self.second) = (0, 0, 0);
         self.points = 0;
         self.sums = LaneSums::default();
         self.stale = true;
@@ -167,47 +174,96 @@ impl<'a> Gang<'a> {
         if let Some(directions) = &mut self.directions {
             directions.clear();
         }
-        for (l, lane) in lanes.iter().enumerate() {
-            let texel = &self.texels[lane.texel];
-            self.used |= 1 << l;
-            self.open |= u32::from(texel.open) << l;
-            let sent = self.sent.get(lane.texel);
-            self.guided |= u32::from(sent.is_some_and(Option::is_some)) << l;
+        for l in 0..lanes.len() {
+            let Lane { texel, replicate } = lanes[l];
+            self.second |= (replicate as u32) << l;
+            // Its other replicate follows mostly; what both have in common is looked up once.
+            let twin = lanes[l + 1..].iter().position(|lane| lane.texel == texel);
+            if self.used >> l & 1 == 0 {
+                self.put([l, twin.map_or(l, |steps| l + 1 + steps)], texel);
+            }
+        }
+    }
+
+    /// Puts a texel under both lanes, which may be one.
+    #[inline(always)]
+    fn put(&mut self, both: [usize; 2], texel: usize) {
+        let own = 1 << both[0] | 1 << both[1];
+        let (sent, lobe) = (self.sent.get(texel), &self.highlights[texel]);
+        let texel = &self.texels[texel];
+        let if_so = |is: bool| if is { own } else { 0 };
+        self.used |= own;
+        self.open |= if_so(texel.open);
+        self.guided |= if_so(sent.is_some_and(Option::is_some));
+        self.parted |= if_so(texel.seen.is_part());
+        self.lobes |= if_so(lobe.is_some());
+        self.surfaces.set(both, &texel.cells);
+        for &l in &both[..1 + usize::from(both[0] != both[1])] {
+            (self.at[0][l], self.at[1][l]) = (texel.x, texel.y);
             self.borders.set(l, &texel.cells);
-            self.parted |= u32::from(texel.seen.is_part()) << l;
-            if let Some(lobe) = &self.highlights[lane.texel] {
-                self.lobes |= 1 << l;
+            if let Some(lobe) = lobe {
                 (self.lobe_scale[l], self.lobe_share[l]) = (lobe.scale, lobe.share);
                 if let Some(gloss) = &mut self.gloss {
                     gloss.set(l, lobe);
                 }
             }
-            self.surfaces.set(l, &texel.cells);
             if let Some(moments) = &mut self.moments {
                 moments.set(l, texel);
             }
         }
     }
 
-    /// Takes the points of a replicate of a texel, for each lane.
-    pub fn follow(&mut self, stream: impl Fn(usize, u32) -> Stream) {
-        for (l, lane) in self.lanes.iter().enumerate() {
-            self.streams
-                .set(l, &stream(lane.texel, lane.replicate as u32));
+    /// Casts so many of the points that every lane has of a net.
+    pub fn cast(
+        &mut self,
+        task: &Task<'_>,
+        joint: &Joint,
+        technique: Technique,
+        (net, points): (Range<u32>, u32),
+    ) {
+        // A closure would not be compiled for the vector width.
+        struct Run<'g, 'a, 't> {
+            gang: &'g mut Gang<'a>,
+            task: &'g Task<'t>,
+            joint: &'g Joint,
+            technique: Technique,
+            net: Range<u32>,
+            points: u32,
         }
-    }
-
-    /// Casts the first points of what every lane follows.
-    pub fn cast(&mut self, task: &Task<'_>, technique: Technique, points: u32) {
-        struct Run<'g, 'a, 't>(&'g mut Gang<'a>, &'g Task<'t>, Technique, u32);
         impl WithSimd for Run<'_, '_, '_> {
             type Output = ();
             #[inline(always)]
             fn with_simd<S: Simd>(self, _: S) {
-                self.0.run(self.1, self.2, self.3);
+                self.gang.follow(self.task, self.joint, &self.net);
+                self.gang.run(self.task, self.technique, self.points);
             }
         }
-        task.arch.dispatch(Run(self, task, technique, points));
+        task.arch.dispatch(Run {
+            gang: self,
+            task,
+            joint,
+            technique,
+            net,
+            points,
+        });
+    }
+
+    /// Takes the points of each lane: parts of one sequence. Errors of neighbours tend to cancel, and smoothed pages
+    /// gain.
+    #[inline(always)]
+    fn follow(&mut self, task: &Task<'_>, joint: &Joint, net: &Range<u32>) {
+        if task.points == PointSet::Sobol {
+            let [a, b] = &joint.streams;
+            let [x, y] = &self.at;
+            self.streams
+                .join([a, b], self.second, [x, y], TILE.ilog2(), net);
+            return;
+        }
+        for (l, lane) in self.lanes.iter().enumerate() {
+            let Texel { x, y, .. } = self.texels[lane.texel];
+            let stream = task.stream(x, y, joint.label, lane.replicate as u32);
+            self.streams.set(l, &stream);
+        }
     }
 
     #[inline(always)]
@@ -312,9 +368,9 @@ impl<'a> Gang<'a> {
         let cells = &self.texels[self.lanes[lane].texel].cells;
         let [old, new] = [self.cell[lane], to].map(|number| cells.cell(number as usize));
         self.cell[lane] = to;
-        self.surfaces.set_position(lane, cells, to as usize);
+        self.surfaces.set_position([lane], cells, to as usize);
         if !new.shades_like(old) {
-            self.surfaces.set_normal(lane, new);
+            self.surfaces.set_normal([lane], new);
             self.stale = true;
         }
     }

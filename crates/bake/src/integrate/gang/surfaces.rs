@@ -59,46 +59,67 @@ impl LaneSurfaces {
         }
     }
 
-    /// Puts a texel's first cell under a lane.
-    pub fn set(&mut self, lane: usize, cells: &Cells) {
-        self.set_position(lane, cells, 0);
-        self.set_normal(lane, cells.cell(0));
+    /// Puts a texel's first cell under lanes.
+    #[inline(always)]
+    pub fn set<const N: usize>(&mut self, lanes: [usize; N], cells: &Cells) {
+        self.set_position(lanes, cells, 0);
+        self.set_normal(lanes, cells.cell(0));
     }
 
-    /// Puts a cell of a texel under a lane, but for its normals.
+    /// Puts a cell of a texel under lanes, but for its normals.
     #[inline(always)]
-    pub fn set_position(&mut self, lane: usize, cells: &Cells, number: usize) {
+    pub fn set_position<const N: usize>(
+        &mut self,
+        lanes: [usize; N],
+        cells: &Cells,
+        number: usize,
+    ) {
         let cell = cells.cell(number);
         for axis in 0..3 {
             for k in 0..3 {
-                self.position[k][axis][lane] = cell.position[k][axis];
+                put(&mut self.position[k][axis], lanes, cell.position[k][axis]);
             }
-            self.lift[axis][lane] = cell.lift[axis];
+            put(&mut self.lift[axis], lanes, cell.lift[axis]);
         }
-        self.whole = self.whole & !(1 << lane) | u32::from(cells.are_whole()) << lane;
+        let own = lanes.into_iter().fold(0, |own, lane| own | 1 << lane);
         if cells.are_whole() {
+            self.whole |= own;
             for (row, weights) in self.weights.iter_mut().zip(cells.weights(number)) {
-                (row[0][lane], row[1][lane]) = (weights[0], weights[1]);
+                put(&mut row[0], lanes, weights[0]);
+                put(&mut row[1], lanes, weights[1]);
             }
             for (row, least) in self.least.iter_mut().zip(cell.least) {
-                row[lane] = least;
+                put(row, lanes, least);
             }
         } else {
+            self.whole &= !own;
             for (row, value) in self.place.iter_mut().zip(cell.placement()) {
-                row[lane] = value;
+                put(row, lanes, value);
             }
         }
     }
 
     #[inline(always)]
-    pub fn set_normal(&mut self, lane: usize, cell: &Cell) {
+    pub fn set_normal<const N: usize>(&mut self, lanes: [usize; N], cell: &Cell) {
         for axis in 0..3 {
             for k in 0..3 {
-                self.normal[k][axis][lane] = cell.normal[k][axis] as f32;
+                put(
+                    &mut self.normal[k][axis],
+                    lanes,
+                    cell.normal[k][axis] as f32,
+                );
             }
-            self.geometric[axis][lane] = cell.geometric[axis] as f32;
+            put(
+                &mut self.geometric[axis],
+                lanes,
+                cell.geometric[axis] as f32,
+            );
         }
-        self.smooth = self.smooth & !(1 << lane) | u32::from(cell.is_smooth()) << lane;
+        let own = lanes.into_iter().fold(0, |own, lane| own | 1 << lane);
+        self.smooth = match cell.is_smooth() {
+            true => self.smooth | own,
+            false => self.smooth & !own,
+        };
     }
 
     /// (s, t) in the cells of points of the unit square.
@@ -239,6 +260,14 @@ impl Frames {
     }
 }
 
+/// Writes a number for lanes.
+#[inline(always)]
+fn put<T: Copy, const N: usize>(plane: &mut [T; LANES], lanes: [usize; N], value: T) {
+    for lane in lanes {
+        plane[lane] = value;
+    }
+}
+
 /// The value of each axis. The array's own `map` is not always inlined, and a loop that calls it is no vector code.
 #[inline(always)]
 fn axes(of: impl Fn(usize) -> f32) -> [f32; 3] {
@@ -287,7 +316,7 @@ mod tests {
         let mut expected = 0u32;
         for turn in 0..3 * LANES {
             let (lane, is_smooth) = (turn * 7 % LANES, turn % 3 != 1);
-            surfaces.set_normal(lane, if is_smooth { smooth } else { flat });
+            surfaces.set_normal([lane], if is_smooth { smooth } else { flat });
             expected = expected & !(1 << lane) | u32::from(is_smooth) << lane;
             assert_eq!(surfaces.smooth, expected, "after {turn}");
         }
