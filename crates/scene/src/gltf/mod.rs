@@ -59,7 +59,7 @@ pub(crate) fn load(input: &mut Input, format: Format) -> Result<Parts, Error> {
         bytes
     });
     let mut document = GltfDocument::open(input, json, bin)?;
-    compressed::decode(input, &mut document)?;
+    compressed::decode(&mut document);
 
     let mut parts = Parts::default();
     let mut image_files = BTreeMap::new();

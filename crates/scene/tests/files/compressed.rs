@@ -89,6 +89,45 @@ fn edited(name: &str, edit: impl Fn(&mut Value)) -> Vec<u8> {
 }
 
 #[test]
+fn damaged_compression_of_what_no_node_places_refuses_nothing() {
+    // A copy of the first mesh, whose data are damaged, beside those that are placed.
+    let spoiled = |json: &mut Value| {
+        let push = |json: &mut Value, key: &str, value: Value| {
+            let list = json[key].as_array_mut().expect("a list");
+            list.push(value);
+            list.len() - 1
+        };
+        let mut primitive = json["meshes"][0]["primitives"][0].clone();
+        let packed = "KHR_draco_mesh_compression";
+        let names: Vec<String> = (primitive["attributes"].as_object().expect("attributes"))
+            .keys()
+            .cloned()
+            .collect();
+        let places = names.iter().map(|name| format!("/attributes/{name}"));
+        for place in places.chain(["/indices".into()]) {
+            let number = primitive.pointer(&place).and_then(Value::as_u64).unwrap() as usize;
+            let mut accessor = json["accessors"][number].clone();
+            if let Some(view) = accessor["bufferView"].as_u64() {
+                let mut view = json["bufferViews"][view as usize].clone();
+                view["extensions"]["EXT_meshopt_compression"]["byteLength"] = json!(3);
+                accessor["bufferView"] = push(json, "bufferViews", view).into();
+            }
+            *primitive.pointer_mut(&place).unwrap() = push(json, "accessors", accessor).into();
+        }
+        if let Some(stream) = primitive["extensions"].get_mut(packed) {
+            stream["bufferView"] = json!(99);
+        }
+        push(json, "meshes", json!({ "primitives": [primitive] }));
+    };
+    for name in ["pack.glb", "draco.glb"] {
+        let folder = Folder::new();
+        let loaded = folder.load("a.glb", edited(name, spoiled));
+        let loaded = loaded.unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_same(name, &loaded, &scene(name));
+    }
+}
+
+#[test]
 fn damaged_compression_is_refused_in_one_line() {
     let folder = Folder::new();
     let with = |name: &str, message: &str, edit: &dyn Fn(&mut Value)| {

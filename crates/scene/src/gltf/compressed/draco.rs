@@ -1,7 +1,7 @@
 //! `KHR_draco_mesh_compression`: primitives whose attributes and indices are one compressed stream, decoded by the
 //! crate `draco-core`.
 
-use super::edit::{Problem, list, take_extension};
+use super::edit::{list, take_extension};
 use crate::gltf::accessor::number;
 use crate::gltf::document::GltfDocument;
 use crate::gltf::elements::{ComponentType, component, kind};
@@ -26,14 +26,14 @@ const MOST_BYTES: u64 = 16 << 30;
 /// found equal before it compressed them, each has its own, and the later ones get accessors of their own.
 type Filled = BTreeMap<usize, usize>;
 
-/// Decodes every primitive whose accessors have no data of their own. Decoded bytes lie behind the first buffer.
-pub(super) fn decode(document: &mut GltfDocument) -> Result<(), Problem> {
+/// Decodes every primitive whose accessors have no data of their own. Decoded bytes lie behind the first buffer. The
+/// content of accessors whose stream is damaged is absent.
+pub(super) fn decode(document: &mut GltfDocument) {
     let mut filled = Filled::new();
     let mut left = MOST_BYTES;
     let mut remains = false;
     for m in 0..list(&document.json, "meshes").len() {
         for p in 0..list(&document.json["meshes"][m], "primitives").len() {
-            let place = || format!("mesh {m} primitive {p}");
             let primitive = document.json["meshes"][m]["primitives"][p].clone();
             let Some(stream) = primitive.pointer(&format!("/extensions/{NAME}")) else {
                 continue;
@@ -43,12 +43,11 @@ pub(super) fn decode(document: &mut GltfDocument) -> Result<(), Problem> {
                 continue;
             }
             let decoded = fill(document, &primitive, stream, &mut filled, left);
-            let (bytes, places) = decoded.map_err(|problem| {
-                (
-                    place(),
-                    format!("{problem}; the file is corrupt, export it again"),
-                )
-            })?;
+            let (bytes, places) = decoded.unwrap_or_else(|problem| {
+                let view = number(stream, "bufferView");
+                lose(document, &primitive, (&filled, view), &problem);
+                Default::default()
+            });
             left -= bytes.min(left);
             let primitive = &mut document.json["meshes"][m]["primitives"][p];
             take_extension(primitive, NAME);
@@ -67,7 +66,34 @@ pub(super) fn decode(document: &mut GltfDocument) -> Result<(), Problem> {
     if !remains {
         document.forget_extension(NAME);
     }
-    Ok(())
+}
+
+/// Makes the accessors of a primitive absent that no other stream has filled.
+fn lose(
+    document: &mut GltfDocument,
+    primitive: &Value,
+    (filled, stream): (&Filled, Option<usize>),
+    problem: &str,
+) {
+    let buffer = document.append_absent(problem);
+    let view = list(&document.json, "bufferViews").len();
+    if let Some(views) = document.json["bufferViews"].as_array_mut() {
+        views.push(json!({ "buffer": buffer, "byteLength": 1 }));
+    }
+    let attributes = primitive.get("attributes").and_then(Value::as_object);
+    let attributes = attributes.into_iter().flatten().map(|(_, named)| named);
+    for named in attributes.chain(primitive.get(INDICES)) {
+        let named = crate::gltf::accessor::index(named);
+        let accessors = document.json["accessors"].as_array_mut();
+        let accessor = named
+            .zip(accessors)
+            .and_then(|(named, all)| all.get_mut(named));
+        if let Some(accessor) = accessor
+            && named.is_some_and(|named| filled.get(&named).is_none_or(|of| stream == Some(*of)))
+        {
+            accessor["bufferView"] = view.into();
+        }
+    }
 }
 
 /// Whether the positions of a primitive stand in the file uncompressed too.

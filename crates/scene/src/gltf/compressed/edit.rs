@@ -5,9 +5,6 @@ use crate::gltf::accessor::number;
 use crate::gltf::document::GltfDocument;
 use serde_json::{Value, json};
 
-/// Place and sentence.
-pub(super) type Problem = (String, String);
-
 impl GltfDocument {
     /// Which buffers only hold the place of compressed views.
     pub(super) fn placeholders(&self) -> Vec<bool> {
@@ -34,6 +31,20 @@ impl GltfDocument {
         buffer.extend_from_slice(bytes);
         self.json["buffers"][0]["byteLength"] = buffer.len().into();
         start
+    }
+
+    /// Adds a buffer of which the content cannot be had: only what reads it fails.
+    pub(super) fn append_absent(&mut self, problem: &str) -> usize {
+        // What is decoded lies behind the first.
+        self.append(&[]);
+        self.absent.resize(self.buffers.len(), None);
+        let reason = format!("{problem}; the file is corrupt, export it again");
+        self.absent.push(Some(reason));
+        self.buffers.push(Vec::new());
+        if let Some(buffers) = self.json["buffers"].as_array_mut() {
+            buffers.push(json!({ "byteLength": 1 }));
+        }
+        self.buffers.len() - 1
     }
 
     /// The bytes that an object with `buffer`, `byteOffset` and `byteLength` names.

@@ -3,7 +3,7 @@
 //! The decoders are those of meshoptimizer, through the crate `meshopt`. They are made for data that nobody vouches
 //! for; what they ask of their caller (sizes, strides, counts) is checked here first.
 
-use super::edit::{Problem, list, take_extension};
+use super::edit::{list, take_extension};
 use crate::gltf::accessor::number;
 use crate::gltf::document::{GltfDocument, renumber};
 use meshopt::{
@@ -19,8 +19,8 @@ const NAMES: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 const EXPANSION: usize = 1024;
 
 /// Decodes every view whose own buffer has no content. Decoded bytes lie behind the first buffer; the buffers that only
-/// held their place are gone.
-pub(super) fn decode(document: &mut GltfDocument) -> Result<(), Problem> {
+/// held their place are gone. The content of a view whose data are damaged is absent.
+pub(super) fn decode(document: &mut GltfDocument) {
     let held: usize = document.buffers.iter().map(Vec::len).sum();
     let mut left = held.saturating_mul(EXPANSION);
     let empty = document.placeholders();
@@ -30,23 +30,22 @@ pub(super) fn decode(document: &mut GltfDocument) -> Result<(), Problem> {
         if !number(view, "buffer").is_some_and(is_empty) {
             continue;
         }
-        let place = format!("buffer view {i}");
         let packed = NAMES.iter().find_map(|name| take_extension(view, name));
         let bytes = match &packed {
             Some(packed) => decoded(document, packed, &mut left),
             None => Err("its buffer has neither a uri nor a binary chunk".into()),
         };
-        let bytes = bytes.map_err(|problem| {
-            (
-                place,
-                format!("{problem}; the file is corrupt, export it again"),
-            )
-        })?;
-        let start = document.append(&bytes);
+        let (buffer, start, length) = match bytes {
+            Ok(bytes) => (0, document.append(&bytes), bytes.len()),
+            Err(problem) => {
+                let problem = format!("buffer view {i}: {problem}");
+                (document.append_absent(&problem), 0, 1)
+            }
+        };
         let view = &mut document.json["bufferViews"][i];
-        view["buffer"] = 0.into();
+        view["buffer"] = buffer.into();
         view["byteOffset"] = start.into();
-        view["byteLength"] = bytes.len().into();
+        view["byteLength"] = length.into();
     }
     drop_empty_buffers(document);
     for name in NAMES {
@@ -55,7 +54,6 @@ pub(super) fn decode(document: &mut GltfDocument) -> Result<(), Problem> {
             document.forget_extension(name);
         }
     }
-    Ok(())
 }
 
 /// Takes the buffers away that have no content, and renumbers what names the others.
