@@ -211,16 +211,32 @@ fn obj_statements_give_normals_or_heights() {
 }
 
 #[test]
-fn a_broken_map_is_one_line_where_it_is_asked_for() {
+fn a_map_that_cannot_be_read_is_absent_and_told_of_where_it_is_asked_for() {
     let (folder, _) = loaded(Quad::level(0.0, 2.0), json!({ "index": 0 }));
-    std::fs::write(folder.path().join("normals.png"), b"no picture").expect("a writable folder");
-    let scene = ambake::load(folder.path().join("scene.gltf")).expect("no map is asked for");
-    let bake = Bake::new(&scene).size(16).normal_maps(true);
-    let error = bake.prepare().expect_err("the map is broken").to_string();
-    assert!(
-        error.contains("normals.png") && error.contains("--normal-maps") && !error.contains('\n'),
-        "{error}"
-    );
+    let picture = folder.path().join("normals.png");
+    let missing = |bake: &Bake| -> Vec<String> {
+        let warnings = bake.prepare().expect("it is ready").warnings();
+        let missing = warnings
+            .into_iter()
+            .filter(|w| w.kind == "missing-textures");
+        missing.map(|warning| warning.message).collect()
+    };
+    for broken in [true, false] {
+        match broken {
+            true => std::fs::write(&picture, b"no picture").expect("a writable folder"),
+            false => std::fs::remove_file(&picture).expect("the picture"),
+        }
+        let scene = ambake::load(folder.path().join("scene.gltf")).expect("it loads");
+        let bake = Bake::new(&scene).size(16).rays(16).uv(Uv::Unwrap);
+        assert_eq!(missing(&bake), [""; 0], "broken: {broken}");
+        let bake = bake.normal_maps(true).layers([Layer::Normal]);
+        let found = missing(&bake);
+        assert_eq!(found.len(), 1, "broken: {broken}: {found:?}");
+        assert!(found[0].ends_with("the mesh's normals stand alone") && !found[0].contains('\n'));
+        let baked = bake.run(&()).expect("it bakes");
+        let up = |c| baked.page(0).channel(Layer::Normal, c)[8 * 16 + 8];
+        assert_eq!([up(0), up(1), up(2)], [0.0, 1.0, 0.0], "broken: {broken}");
+    }
 }
 
 #[test]

@@ -17,6 +17,7 @@ impl Job {
             let tinted = [Layer::Lambert, Layer::Traditional];
             match warning.kind {
                 ::scene::WarningKind::IgnoredNormalMaps => self.options().normal_maps,
+                ::scene::WarningKind::MissingNormalMaps => !self.options().normal_maps,
                 ::scene::WarningKind::AmbientCoefficients => {
                     let options = self.options();
                     let shown = options.layers.contains(&Layer::Traditional);
@@ -46,6 +47,7 @@ impl Job {
             .filter(|warning| !ignored(warning));
         of_scene
             .map(Into::into)
+            .chain(self.broken_normal_maps())
             .chain(self.layout_report().warnings())
             .chain(small_page.flatten())
             .chain(uneven.flatten())
@@ -57,6 +59,17 @@ impl Job {
             .chain(self.lights_left_out())
             .chain(self.lamps_left_out())
             .collect()
+    }
+
+    /// Pictures of normal maps that are there and cannot be read.
+    fn broken_normal_maps(&self) -> impl Iterator<Item = WarningReport> {
+        let broken = self.world().broken_normal_maps().iter();
+        broken.map(|(name, problem)| WarningReport {
+            kind: ::scene::WarningKind::MissingNormalMaps.name().into(),
+            place: format!("texture `{name}`"),
+            count: 1,
+            message: format!("{problem}; the mesh's normals stand alone"),
+        })
     }
 
     /// Coefficients given for all surfaces by which the sum of diffuse and highlight is more than arrives.

@@ -25,14 +25,16 @@ const MOST_POINTS: u32 = 16;
 /// The normal maps of a scene with what reading them needs.
 #[derive(Debug)]
 pub(crate) struct NormalMaps {
-    /// By packed image; `None` where no mesh that is placed reads it.
+    /// By packed image; `None` where no mesh that is placed reads it, or it is broken.
     images: Vec<Option<Image>>,
+    /// Names of the broken ones that such meshes read, and what is wrong.
+    pub broken: Vec<(String, String)>,
     /// By mesh: tangents of the corners of each triangle; empty for a mesh without a normal map.
     tangents: Vec<Vec<[Vec4; 3]>>,
 }
 
 impl NormalMaps {
-    /// Decodes the maps that placed meshes read, and makes the tangents of these meshes.
+    /// Decodes the maps that placed meshes read, but for broken ones, and makes the tangents of these meshes.
     pub fn of(scene: &Scene) -> Result<Self, Error> {
         let mut placed = vec![false; scene.meshes.len()];
         for instance in &scene.instances {
@@ -47,10 +49,17 @@ impl NormalMaps {
         };
         let maps: Vec<_> = (0..scene.packed_images.len()).map(read).collect();
         scene.check_normal_images((0..maps.len()).filter(|&image| maps[image].is_some()))?;
-        let images = maps
+        let read: Vec<_> = maps
             .into_par_iter()
-            .map(|map| map.map(|map| scene.normal_image(map)).transpose())
-            .collect::<Result<_, _>>()?;
+            .map(|map| map.map(|map| scene.normal_image(map)))
+            .collect();
+        let of_image = read.iter().zip(&scene.packed_images);
+        let broken = of_image.filter_map(|(read, image)| {
+            let error = read.as_ref()?.as_ref().err()?;
+            Some((image.name.clone(), error.to_string()))
+        });
+        let broken = broken.collect();
+        let images = read.into_iter().map(|read| read?.ok()).collect();
         let tangents = scene
             .meshes
             .par_iter()
@@ -60,7 +69,11 @@ impl NormalMaps {
                 _ => Vec::new(),
             })
             .collect();
-        Ok(Self { images, tangents })
+        Ok(Self {
+            images,
+            broken,
+            tangents,
+        })
     }
 
     /// The unit mean, in the world, of the bent shading normals over a piece of a triangle of a placed mesh; `None`
@@ -226,6 +239,7 @@ mod tests {
         let mesh = &scene.meshes[0];
         let maps = NormalMaps {
             tangents: vec![tangents(mesh, |corner| place(mesh, &map, corner))],
+            broken: Vec::new(),
             images: vec![Some(image)],
         };
         let world = world(scene.clone());

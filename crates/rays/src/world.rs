@@ -130,10 +130,16 @@ impl World {
     /// Takes in the normal maps of the materials, for [`World::bent_normal`]. Rays do not see them.
     ///
     /// # Errors
-    /// A map that a placed mesh reads is broken or in a format that is not read.
+    /// The maps that placed meshes read are too large.
     pub fn read_normal_maps(&mut self) -> Result<(), Error> {
         self.normal_maps = Some(NormalMaps::of(&self.scene)?);
         Ok(())
+    }
+
+    /// The names of the normal maps that count as absent, for they are broken or in a format that is not read, and what
+    /// is wrong with each; none where [`World::read_normal_maps`] was not called.
+    pub fn broken_normal_maps(&self) -> &[(String, String)] {
+        self.normal_maps.as_ref().map_or(&[], |maps| &maps.broken)
     }
 
     /// The unit mean of the shading normals over a piece of a triangle, bent by the normal map of its material; `None`

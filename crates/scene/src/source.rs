@@ -23,6 +23,9 @@ pub enum Files {
 /// The most bytes that a file named by a scene may hold beyond what the scene says of it: 1 GiB.
 pub(crate) const MOST_BYTES: u64 = 1 << 30;
 
+/// What is done without the picture of a normal map.
+pub(crate) const NORMALS_STAND: &str = "the mesh's normals stand alone";
+
 /// The state of one load: which file, the hash of what was read, and the warnings so far.
 pub(crate) struct Input {
     pub path: PathBuf,
@@ -112,7 +115,11 @@ impl Input {
     /// Notes that a picture cannot be had, and what is done `instead`.
     pub fn warn_of_picture(&mut self, place: String, problem: &str, instead: &str) {
         let message = format!("{problem}; {instead}");
-        self.warn(WarningKind::MissingTextures, place, 1, message);
+        let kind = match instead {
+            NORMALS_STAND => WarningKind::MissingNormalMaps,
+            _ => WarningKind::MissingTextures,
+        };
+        self.warn(kind, place, 1, message);
     }
 
     /// As [`Input::read`], for a file without influence on a bake.

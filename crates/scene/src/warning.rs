@@ -71,6 +71,8 @@ pub enum WarningKind {
     LostDigits,
     /// OBJ: a material library that is absent.
     MissingMaterialLibraries,
+    /// A normal map whose picture cannot be had, for a bake that asks for them: the mesh's normals stand alone.
+    MissingNormalMaps,
     /// A texture whose picture cannot be had, for it is absent, broken or not on this machine: the factor stands alone.
     MissingTextures,
     /// OBJ: corners without a `vt` in a mesh that has some get the UV (0, 0).
@@ -129,7 +131,7 @@ impl WarningKind {
             WarningKind::LeftoverIndices => "leftover-indices",
             WarningKind::LostDigits => "lost-digits",
             WarningKind::MissingMaterialLibraries => "missing-material-libraries",
-            WarningKind::MissingTextures => "missing-textures",
+            WarningKind::MissingNormalMaps | WarningKind::MissingTextures => "missing-textures",
             WarningKind::MissingUvs => "missing-uvs",
             WarningKind::MorphTargets => "morph-targets",
             WarningKind::PointsAndLines => "points-and-lines",

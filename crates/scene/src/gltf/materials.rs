@@ -6,7 +6,7 @@ use super::phong::{Phong, phong};
 use super::reader::Reader;
 use crate::image::{Failure, Pixels, TOO_LARGE, content, decode};
 use crate::material::{conserving, untinted};
-use crate::source::{Input, Uri, short};
+use crate::source::{Input, NORMALS_STAND, Uri, short};
 use crate::validate::{Parts, clamped, slots};
 use crate::{
     Alpha, Error, Image, Material, NormalMap, PackedImage, Surface, TextureRef, Transmission,
@@ -237,7 +237,7 @@ fn texture(
     let info = reader.object(holder, key);
     let number = reader.index(info, "index")?;
     let instead = match key {
-        "normalTexture" => "the mesh's normals stand alone",
+        "normalTexture" => NORMALS_STAND,
         _ => "the factor stands alone",
     };
     let gone = |reader: &mut Reader, what: &str| {
@@ -349,7 +349,7 @@ fn packed_images(
         let number = match numbers.entry(source) {
             Entry::Occupied(known) => *known.get(),
             Entry::Vacant(slot) => {
-                let image = encoded(input, document, source, "the mesh's normals stand alone")?;
+                let image = encoded(input, document, source, NORMALS_STAND)?;
                 *slot.insert(image.map(|(name, bytes)| {
                     let number = *known.entry(content(&bytes, &name)).or_insert_with(|| {
                         parts.packed_images.push(PackedImage {

@@ -9,7 +9,7 @@ use super::options::Options;
 use super::{name, number};
 use crate::image::{Content, Failure, TOO_LARGE, content, decode};
 use crate::material::{MAX_EXPONENT, conserving};
-use crate::source::{Input, beside, short, without_mark};
+use crate::source::{Input, NORMALS_STAND, beside, short, without_mark};
 use crate::validate::{Parts, clamped};
 use crate::{
     Alpha, Error, Image, Material, NormalMap, PackedImage, Surface, TextureRef, WarningKind, Wrap,
@@ -297,8 +297,7 @@ fn normal_map(
     let image = match known {
         Some(known) => known,
         None => {
-            let instead = "the mesh's normals stand alone";
-            let Some(bytes) = input.read_picture(&path, instead)? else {
+            let Some(bytes) = input.read_picture(&path, NORMALS_STAND)? else {
                 return Ok(None);
             };
             parts.packed_images.push(PackedImage {

@@ -3,8 +3,8 @@
 
 use super::support::{Document, F32, Folder, U8, png, push};
 use ambake_scene::WarningKind::{
-    self, BrokenParts, IgnoredExtensions, MissingTextures, MorphTargets, Skins, TexturesWithoutUvs,
-    UnreadTextures, UvSetsAfterAGap,
+    self, BrokenParts, IgnoredExtensions, MissingNormalMaps, MissingTextures, MorphTargets, Skins,
+    TexturesWithoutUvs, UnreadTextures, UvSetsAfterAGap,
 };
 use ambake_scene::{Scene, Surface};
 use glam::Vec3;
@@ -438,7 +438,7 @@ const CASES: &[Case] = &[
     (
         "a normal texture that is not there",
         |j| material(j)["normalTexture"] = json!({ "index": 9 }),
-        &[MissingTextures],
+        &[MissingNormalMaps],
         Base::Whole,
     ),
     (
@@ -447,7 +447,7 @@ const CASES: &[Case] = &[
             let index = texture(j, json!({ "uri": FAR }));
             material(j)["normalTexture"] = json!({ "index": index, "scale": "high" });
         },
-        &[BrokenParts, MissingTextures],
+        &[BrokenParts, MissingNormalMaps],
         Base::Whole,
     ),
     // Textures.
