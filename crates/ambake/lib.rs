@@ -70,7 +70,7 @@
 //!
 //! For those who change the library:
 //!
-//! * What is asked for: `bake.rs` and `options.rs`. A bake between plan and result: `job.rs` and `run.rs`, what it
+//! * What is asked for: `bake.rs` and `options.rs`, its flags `flags`, their words `words.rs`. A bake between plan and result: `job.rs` and `run.rs`, what it
 //!   warns of `warnings.rs`. What is written, and which names of an earlier bake go: `write.rs`.
 //! * What a bake will take: `estimate.rs`, its memory `memory.rs`. Whether a scene is an interior: `interior.rs`,
 //!   and what stands around it: `dome.rs`.
@@ -94,6 +94,9 @@ mod earlier;
 mod error;
 mod estimate;
 mod export;
+#[cfg(feature = "flags")]
+#[doc(hidden)]
+pub mod flags;
 mod host;
 mod interior;
 mod job;
@@ -116,6 +119,7 @@ mod state;
 mod update;
 mod vertices;
 mod warnings;
+mod words;
 mod write;
 
 pub use crate::bake::Bake;

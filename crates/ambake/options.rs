@@ -4,6 +4,7 @@
 use crate::error::Error;
 use crate::scene::Scene;
 use crate::sky::{MAX_RADIANCE, Sky};
+use crate::words::Words;
 use ::bake::{
     AmbientCoefficient, Bounces, Buried, Choice, Denoise, Footprint, Model, PointSet, Seams,
     Shading, View,
@@ -57,14 +58,6 @@ impl Backend {
             Self::Obvhs => BackendKind::Obvhs(Layout::Cwbvh),
             Self::ObvhsBvh2 => BackendKind::Obvhs(Layout::Bvh2),
         }
-    }
-}
-
-/// The word of the command line.
-fn word(buried: Buried) -> &'static str {
-    match buried {
-        Buried::Drop => "drop",
-        Buried::Keep => "keep",
     }
 }
 
@@ -600,7 +593,7 @@ impl Options {
             "include": include,
             "exclude": exclude,
             "no_cast": no_cast,
-            "buried_of": buried_of.iter().map(|(name, of)| format!("{name}={}", word(*of))).collect::<Vec<_>>(),
+            "buried_of": buried_of.iter().map(|(name, of)| format!("{name}={}", of.word())).collect::<Vec<_>>(),
             "seen_from": match seen_from_within {
                 true => json!("auto"),
                 false => json!(seen_from),
@@ -610,11 +603,7 @@ impl Options {
                 Pages::Most(pages) => json!(pages),
             },
             "one_page_per_mesh": one_page_per_mesh,
-            "uv": match uv {
-                Uv::Auto => "auto",
-                Uv::Keep => "keep",
-                Uv::Unwrap => "unwrap",
-            },
+            "uv": uv.word(),
             "gutter": gutter,
             "mips": mips,
             "align": align,
@@ -622,34 +611,17 @@ impl Options {
             "target_error": target_error,
             "target_relative": target_relative,
             "max_rays": max_rays,
-            "footprint": match footprint {
-                Footprint::Texel => "texel",
-                Footprint::Centre => "centre",
-            },
-            "denoise": match self.denoises() {
-                Denoise::Off => "off",
-                Denoise::Regression => "regression",
-                Denoise::Oidn => "oidn",
-            },
-            "seams": match seams {
-                Seams::Off => "off",
-                Seams::Object => "object",
-                Seams::Scene => "scene",
-            },
+            "footprint": footprint.word(),
+            "denoise": self.denoises().word(),
+            "seams": seams.word(),
             "seed": seed,
             "sky": sky,
             "view": self.view_rule(),
-            "shading": match shading {
-                Shading::Production => "production",
-                Shading::Exact => "exact",
-            },
-            "buried": word(*buried),
+            "shading": shading.word(),
+            "buried": buried.word(),
             "under": under,
             "max_distance": max_distance,
-            "model": model.map(|model| match model {
-                Model::Phong => "phong",
-                Model::Ggx => "ggx",
-            }),
+            "model": model.map(Words::word),
             "bounces": match bounces {
                 Bounces::Off => json!(0),
                 Bounces::Most(gathers) => json!(gathers),

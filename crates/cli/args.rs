@@ -1,8 +1,10 @@
 //! What was typed: the verbs. Each has its own arguments.
 
-use crate::common::Common;
 use crate::{bake, bench, fit, map, probes, render};
-use clap::{Args as ClapArgs, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
+use ambake::flags::bake::Job;
+use ambake::flags::common::Common;
+use ambake::flags::values::engine;
+use clap::{Arg, Args as ClapArgs, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -27,7 +29,13 @@ impl Args {
 
     /// What may be typed, and its help.
     pub fn grammar() -> Command {
-        lenient(Self::command())
+        let unused = bake::args::Unused::augment_args(Command::new("unused"));
+        let is_unused = |arg: &Arg| unused.get_arguments().any(|of| of.get_id() == arg.get_id());
+        let hide = |arg: Arg| match is_unused(&arg) {
+            true => arg.hide(true),
+            false => arg,
+        };
+        lenient(Self::command().mut_subcommand("layout", |layout| layout.mut_args(hide)))
     }
 }
 
@@ -42,7 +50,7 @@ pub fn words() -> Vec<OsString> {
 
 impl Verb {
     /// The options of a bake, of the verbs that take them and a scene.
-    pub fn options(&self) -> Option<(&bake::args::Job, &Common)> {
+    pub fn options(&self) -> Option<(&Job, &Common)> {
         match self {
             Verb::Bake(bake) => Some((&bake.job, &bake.common)),
             Verb::Plan(plan) => Some((&plan.job, &plan.common)),
@@ -128,7 +136,7 @@ pub struct Export {
     /// A finished bake's directory; the files are written into it, and bake.json lists them
     pub dir: PathBuf,
     /// Engines, separated by commas: gltf, three, blender, bevy, godot, unity, unreal
-    #[arg(long = "for", value_name = "ENGINE,..", value_delimiter = ',', required = true, value_parser = bake::values::engine)]
+    #[arg(long = "for", value_name = "ENGINE,..", value_delimiter = ',', required = true, value_parser = engine)]
     pub engines: Vec<ambake::Engine>,
     /// Compress the lightmaps of three and bevy for the graphics processor, an eighth as large: BC6H in place of
     /// uncompressed KTX2, and occlusion as BC7

@@ -1,11 +1,14 @@
 //! `ambake fit`: reflectances and exponent of a known shape from pictures of it in ambient light.
 
-use crate::common::{Backend, Common, build};
+use crate::common::build;
 use crate::host;
 use crate::outcome::{Outcome, say, say_json};
-use crate::parse::{color, field_of_view, positive, triple};
 use crate::progress::{Show, watch};
 use crate::stop::Stop;
+use ambake::Backend;
+use ambake::flags::common::Common;
+use ambake::flags::parse::{color, field_of_view, positive, triple};
+use ambake::flags::values::word;
 use ambient::Estimate;
 use ambient::convention::lobe_scale;
 use anyhow::{Context, bail};
@@ -51,7 +54,7 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub rays: u32,
     /// Ray library [default: embree where it is built in, else obvhs]
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = word::<Backend>())]
     pub backend: Option<Backend>,
     #[command(flatten)]
     pub common: Common,

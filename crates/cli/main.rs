@@ -30,12 +30,10 @@ mod host;
 mod manual;
 mod map;
 mod outcome;
-mod parse;
 mod probes;
 mod progress;
 mod project;
 mod render;
-mod sky;
 mod stop;
 mod view;
 

@@ -365,7 +365,7 @@ fn words(value: &Value) -> Option<Vec<String>> {
 mod tests {
     use super::*;
 
-    fn job(file: &str, typed: &str) -> anyhow::Result<crate::bake::args::Job> {
+    fn job(file: &str, typed: &str) -> anyhow::Result<ambake::flags::bake::Job> {
         let table: Table = file.parse().expect("TOML");
         let typed = format!("ambake bake folder/hall.glb -o out {typed}");
         let typed: Vec<OsString> = typed.split_whitespace().map(OsString::from).collect();
@@ -389,10 +389,7 @@ mod tests {
         assert_eq!(plain.density_of, [("wall*".to_owned(), 20.0)]);
         assert_eq!(plain.no_cast, ["wall*"]);
         assert_eq!(plain.buried_of.len(), 1);
-        assert!(
-            plain.buried_of[0].0 == "wall*"
-                && plain.buried_of[0].1 == crate::bake::values::Buried::Keep
-        );
+        assert!(plain.buried_of[0].0 == "wall*" && plain.buried_of[0].1 == ambake::Buried::Keep);
         let typed = job(file, "--size 32 --target-error 0.1 --density-of door=4").unwrap();
         assert_eq!((typed.size, typed.target_error), (32, Some(0.1)));
         assert_eq!(typed.density_of.len(), 2, "later ones win, so both stand");
@@ -423,7 +420,7 @@ mod tests {
         assert!(format!("{error:#}").contains("`output` in [probes] belongs to one run"));
         write(&file.replace("output = 'x'", ""));
         let probes = |more: &str| match Args::of(with_own_table(words("probes", more))?)?.verb {
-            Verb::Probes(probes) => anyhow::Ok(*probes),
+            Verb::Probes(probes) => anyhow::Ok(probes.job),
             _ => unreachable!("probes was typed"),
         };
         let plain = probes("-o out").expect("all that is required");

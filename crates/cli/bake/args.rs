@@ -1,15 +1,8 @@
-//! What was typed after `ambake bake` and `ambake plan`: `values.rs` reads the values, `options.rs` says what they mean.
+//! What was typed after the verbs that bake.
 
-use super::layer_help::layer_help;
-use super::values::{
-    Buried, Denoise, Density, Eyes, Footprint, Lights, Model, Seams, Shading, To, Uv, bounces,
-    buried_of, choice, coefficient, density, density_of, engine, eyes, layer, memory, pages, shard,
-    target_error, view,
-};
-use crate::common::{Backend, Common, Shining};
-use crate::parse::{at_least_zero, color, exponent, positive};
-use crate::sky::{SkyArg, sky};
-use ambake::{Choice, Layer};
+use ambake::flags::bake::{Earlier, Engines, Job};
+use ambake::flags::common::Common;
+use ambake::flags::values::shard;
 use clap::Args as ClapArgs;
 use std::path::{Path, PathBuf};
 
@@ -24,16 +17,8 @@ pub struct Bake {
     #[arg(help_heading = "Files")]
     #[arg(short = 'o', long = "output", value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Also write files for these engines, separated by commas: gltf, three, blender, bevy, godot, unity, unreal.
-    /// `bake.json` says how each is used
-    #[arg(help_heading = "Files")]
-    #[arg(long = "for", value_name = "ENGINE,..", value_delimiter = ',', value_parser = engine)]
-    pub engines: Vec<ambake::Engine>,
-    /// Compress the lightmaps of three and bevy for the graphics processor, an eighth as large: BC6H in place of
-    /// uncompressed KTX2, and occlusion as BC7
-    #[arg(help_heading = "Files", hide_short_help = true)]
-    #[arg(long)]
-    pub compress: bool,
+    #[command(flatten)]
+    pub engines: Engines,
     /// Start anew, also where an interrupted bake of the same scene and options left its state in DIR; without it the
     /// bake goes on from there
     #[arg(help_heading = "Runs", hide_short_help = true)]
@@ -48,16 +33,8 @@ pub struct Bake {
     #[arg(help_heading = "Runs", hide_short_help = true)]
     #[arg(long, value_name = "I/N", value_parser = shard)]
     pub shard: Option<ambake::Shard>,
-    /// Start from the finished bake in OLD of an earlier version of the scene: only texels that the change can reach
-    /// are baked, all others keep their values bit for bit, and charts keep their places. OLD is only read, and it may
-    /// be DIR itself
-    #[arg(help_heading = "Runs")]
-    #[arg(long, value_name = "OLD")]
-    pub update: Option<PathBuf>,
-    /// With --update: bake one in a hundred of the kept texels again; a bit that differs is an error
-    #[arg(help_heading = "Runs", hide_short_help = true)]
-    #[arg(long, requires = "update")]
-    pub verify: bool,
+    #[command(flatten)]
+    pub earlier: Earlier,
     /// Also write DIR/report.html, one file to look at the bake in a browser, as `ambake view` does
     #[arg(help_heading = "Files")]
     #[arg(long)]
@@ -94,23 +71,23 @@ pub struct Layout {
     #[arg(help_heading = "Files")]
     #[arg(short = 'o', long = "output", value_name = "DIR")]
     pub output: PathBuf,
-    /// A flag of `bake` that changes no layout, as are those below: one command line serves the layout and the parts
-    #[arg(long = "for", hide = true, value_name = "ENGINE,..", value_delimiter = ',', value_parser = engine)]
-    pub engines: Vec<ambake::Engine>,
-    /// As above
-    #[arg(long, hide = true)]
-    pub compress: bool,
-    /// As above
-    #[arg(long, hide = true)]
-    pub report: bool,
-    /// As above
-    #[arg(long, hide = true)]
-    pub fresh: bool,
-    /// As above
-    #[arg(long, hide = true, conflicts_with = "fresh")]
-    pub resume: bool,
+    #[command(flatten)]
+    pub unused: Unused,
     #[command(flatten)]
     pub common: Common,
+}
+
+/// Flags of `bake` that change no layout: one command line serves the layout and the parts.
+#[derive(ClapArgs)]
+pub struct Unused {
+    #[command(flatten)]
+    pub engines: Engines,
+    #[arg(long)]
+    pub report: bool,
+    #[arg(long)]
+    pub fresh: bool,
+    #[arg(long, conflicts_with = "fresh")]
+    pub resume: bool,
 }
 
 #[derive(ClapArgs)]
@@ -141,15 +118,8 @@ pub struct Watch {
     #[arg(help_heading = "Files")]
     #[arg(short = 'o', long = "output", value_name = "DIR")]
     pub output: PathBuf,
-    /// Also write files for these engines, separated by commas: gltf, three, blender, bevy, godot, unity, unreal
-    #[arg(help_heading = "Files")]
-    #[arg(long = "for", value_name = "ENGINE,..", value_delimiter = ',', value_parser = engine)]
-    pub engines: Vec<ambake::Engine>,
-    /// Compress the lightmaps of three and bevy for the graphics processor, an eighth as large: BC6H in place of
-    /// uncompressed KTX2, and occlusion as BC7
-    #[arg(help_heading = "Files", hide_short_help = true)]
-    #[arg(long)]
-    pub compress: bool,
+    #[command(flatten)]
+    pub engines: Engines,
     #[command(flatten)]
     pub common: Common,
 }
@@ -162,199 +132,4 @@ pub struct Plan {
     pub job: Job,
     #[command(flatten)]
     pub common: Common,
-}
-
-/// What decides the values of a bake.
-#[derive(Clone, ClapArgs)]
-pub struct Job {
-    /// Page edge in texels
-    #[arg(help_heading = "Texels")]
-    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=16384))]
-    pub size: u32,
-    /// Texels per scene unit of every object, for which pages are added as needed; `even` is one for all, the
-    /// largest that fits the pages [default: one page, shared so that no large object ruins the rest]
-    #[arg(help_heading = "Texels")]
-    #[arg(long, value_name = "D|even", value_parser = density)]
-    pub density: Option<Density>,
-    /// Texels per scene unit of the objects with this name; * and ? are wildcards, and the flag may be repeated
-    #[arg(help_heading = "Texels", hide_short_help = true)]
-    #[arg(long, value_name = "NAME=D", value_parser = density_of)]
-    pub density_of: Vec<(String, f64)>,
-    /// Only objects with this name take texels, the others still occlude; * and ? are wildcards, and the flag may be
-    /// repeated
-    #[arg(help_heading = "Input")]
-    #[arg(long, value_name = "NAME")]
-    pub include: Vec<String>,
-    /// Objects with this name take no texels, but still occlude; * and ? are wildcards, and the flag may be repeated
-    #[arg(help_heading = "Input")]
-    #[arg(long, value_name = "NAME")]
-    pub exclude: Vec<String>,
-    /// Objects with this name block no light, such as decals, water or a sky dome: no ray meets them. They take texels,
-    /// unless --exclude
-    /// names them; * and ? are wildcards, and the flag may be repeated
-    #[arg(help_heading = "Input", hide_short_help = true)]
-    #[arg(long, value_name = "NAME")]
-    pub no_cast: Vec<String>,
-    /// Eye points in scene units, and boxes between two corners, separated by semicolons: charts that none of them sees
-    /// take one texel; `auto` finds the outsides of rooms, which nobody within sees
-    #[arg(help_heading = "Texels", hide_short_help = true)]
-    #[arg(long, value_name = "auto|X,Y,Z[:X,Y,Z][;..]", allow_hyphen_values = true, value_delimiter = ';', value_parser = eyes)]
-    pub seen_from: Vec<Eyes>,
-    /// Pages of --size: auto takes one, and more where a density needs them or the charts do not fit; a number is the
-    /// most
-    #[arg(help_heading = "Texels")]
-    #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = pages)]
-    pub pages: ambake::Pages,
-    /// A mesh that does not fit on one page is an error; otherwise its charts are then spread over several
-    #[arg(help_heading = "Texels", hide_short_help = true)]
-    #[arg(long)]
-    pub one_page_per_mesh: bool,
-    /// Rays per texel over the hemisphere; a highlight takes what it is worth beside them, or as many where it is asked
-    /// for itself
-    #[arg(help_heading = "Rays")]
-    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=16_777_216))]
-    pub rays: u32,
-    /// Instead of a fixed number: the rays by which the root mean square of a page's standard errors is at most E, tile
-    /// by tile, after denoising
-    #[arg(help_heading = "Rays")]
-    #[arg(long, value_name = "E", value_parser = target_error, conflicts_with = "rays")]
-    pub target_error: Option<f64>,
-    /// With --target-error: an error of R times the value counts as one of E, where that is more than E
-    #[arg(help_heading = "Rays", hide_short_help = true)]
-    #[arg(long, value_name = "R", value_parser = target_error, requires = "target_error", conflicts_with = "rays")]
-    pub target_relative: Option<f64>,
-    /// With --target-error: the most rays that a texel may take over the hemisphere
-    #[arg(help_heading = "Rays", hide_short_help = true)]
-    #[arg(long, value_name = "N", default_value_t = 16_384, requires = "target_error", conflicts_with = "rays", value_parser = clap::value_parser!(u32).range(16..=16_777_216))]
-    pub max_rays: u32,
-    /// Where the samples of a texel lie: all over the part that charts cover, or at its point nearest to the texel's
-    /// centre, to compare with programs that sample centres
-    #[arg(help_heading = "Texels", hide_short_help = true)]
-    #[arg(long, value_enum, default_value_t = Footprint::Texel)]
-    pub footprint: Footprint,
-    /// What takes the grain off. `regression` fits the texels of a surface and keeps the plain value where that does
-    /// not help, at a small bias that the layer `error` includes; `oidn` is Intel Open Image Denoise where it is
-    /// installed (docs/quality.md); `off` leaves the grain on [default: regression; off with --rays 1, which leaves no
-    /// two halves to compare]
-    #[arg(help_heading = "Rays")]
-    #[arg(long, value_enum, alias = "filter")]
-    pub denoise: Option<Denoise>,
-    /// Between which charts a bilinear look-up is made to agree across the edge that they share: none, those of one
-    /// object, or those of any objects that abut
-    #[arg(help_heading = "Texels", hide_short_help = true)]
-    #[arg(long, value_enum, default_value_t = Seams::Scene)]
-    pub seams: Seams,
-    /// Sky radiance, linear: R,G,B for a uniform sky, or an illumination map (.hdr, .exr; polar unless its header says
-    /// otherwise), from whose light as many rays again are drawn
-    #[arg(help_heading = "Light")]
-    #[arg(long, value_name = "R,G,B|FILE", default_value = "1,1,1", value_parser = sky)]
-    pub sky: SkyArg,
-    /// View of the specular term: `normal` (V = N everywhere) or an eye point X,Y,Z in scene units
-    #[arg(help_heading = "Light", hide_short_help = true)]
-    #[arg(long, value_name = "normal|X,Y,Z", default_value = "normal", allow_hyphen_values = true, value_parser = view)]
-    pub view: ambake::View,
-    /// What smooth shading sees between the horizon of its normal and the plane of the facet
-    #[arg(help_heading = "Light", hide_short_help = true)]
-    #[arg(long, value_enum, default_value_t = Shading::Production)]
-    pub shading: Shading,
-    /// What happens to samples inside of other solids, where nobody sees them
-    #[arg(help_heading = "Texels", hide_short_help = true)]
-    #[arg(long, value_enum, default_value_t = Buried::Drop)]
-    pub buried: Buried,
-    /// The same for the objects with this name; * and ? are wildcards, and the flag may be repeated
-    #[arg(help_heading = "Texels", hide_short_help = true)]
-    #[arg(long, value_name = "NAME=drop|keep", value_parser = buried_of)]
-    pub buried_of: Vec<(String, Buried)>,
-    /// A thin layer at most so many scene units above a surface, such as paper on a desk, a decal or a rug, takes no
-    /// light from it, so that no dark line is seen around it; 0 for none [default: an eighth of a texel]
-    #[arg(help_heading = "Texels", hide_short_help = true)]
-    #[arg(long, value_name = "D", value_parser = at_least_zero)]
-    pub under: Option<f64>,
-    /// Occluders farther than this many scene units do not count [default: no limit]
-    #[arg(help_heading = "Light", hide_short_help = true)]
-    #[arg(long, value_name = "D", value_parser = positive)]
-    pub max_distance: Option<f64>,
-    /// What the highlight is: the paper's lobe about the mirrored view, or microfacets of the roughness that the
-    /// exponent stands for; the layer `ggx` then stands in place of `phong` [default: what --layers, --only or
-    /// --exponent ask for, else ggx for glTF and phong for OBJ]
-    #[arg(help_heading = "Light", hide_short_help = true)]
-    #[arg(long, value_enum)]
-    pub model: Option<Model>,
-    /// How often surfaces send on the light that they receive: so many gathers, or auto until what is missing is less
-    /// than the target error, or than half a step of 8 bits. Surfaces that shine join in
-    #[arg(help_heading = "Light")]
-    #[arg(long, value_name = "N|auto", default_value = "0", value_parser = bounces)]
-    pub bounces: ambake::Bounces,
-    /// Lights of the scene's file (glTF KHR_lights_punctual): bake them, lux as W/m² and candela as W/sr, or leave them
-    /// out. Surfaces that shine are no such lights: where light bounces they send theirs, and --no-cast keeps one from
-    /// it [default: none, and a line names them]
-    #[arg(help_heading = "Light", hide_short_help = true)]
-    #[arg(long, value_enum)]
-    pub lights: Option<Lights>,
-    #[command(flatten)]
-    pub shining: Shining,
-    /// Memory that the bake may take, such as 8G or 512M; one that would take more is refused before it starts
-    /// [default: what the system has]
-    #[arg(help_heading = "Machine", hide_short_help = true)]
-    #[arg(long, value_name = "SIZE", value_parser = memory)]
-    pub max_memory: Option<u64>,
-    /// Ray library [default: embree where it is built in, else obvhs]
-    #[arg(help_heading = "Machine", hide_short_help = true)]
-    #[arg(long, value_enum)]
-    pub backend: Option<Backend>,
-    /// Lightmap coordinates: keep the file's, unwrap, or keep them where they are usable
-    #[arg(help_heading = "Texels")]
-    #[arg(long, value_enum, default_value_t = Uv::Auto)]
-    pub uv: Uv,
-    /// Texels kept empty around every chart that is packed: two charts are 2 N texels apart. All of them are filled
-    #[arg(help_heading = "Texels", hide_short_help = true)]
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=128))]
-    pub gutter: u32,
-    /// Mip levels of the page on which no bilinear, trilinear or bicubic look-up mixes packed charts: the gutter grows
-    /// to 4, 9, 19, 39 texels for 1, 2, 3, 4 levels
-    #[arg(help_heading = "Texels", hide_short_help = true)]
-    #[arg(long, value_name = "L", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=6))]
-    pub mips: u32,
-    /// Blocks of N x N texels never hold texels of two packed charts or their gutters, for compressed textures: 4 for
-    /// BC, up to 12 for ASTC
-    #[arg(help_heading = "Texels", hide_short_help = true)]
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
-    pub align: u32,
-    #[arg(help_heading = "Files")]
-    #[arg(long, value_name = "A,B,C", value_delimiter = ',', value_parser = layer, help = "Further layers, separated by commas; --help lists them", long_help = layer_help("Further layers, separated by commas"))]
-    pub layers: Vec<Layer>,
-    /// Exactly these layers (coverage is always written); terms that none of them needs are not computed
-    #[arg(help_heading = "Files", hide_short_help = true)]
-    #[arg(long, value_name = "A,B,C", value_delimiter = ',', value_parser = layer, conflicts_with = "layers")]
-    pub only: Vec<Layer>,
-    /// Where the diffuse term goes: to pages alone, or to vertices too: STEM.vertices.glb has it as vertex colours, for
-    /// engines that take occlusion from there
-    #[arg(help_heading = "Files", hide_short_help = true)]
-    #[arg(long, value_enum, default_value_t = To::Pages)]
-    pub to: To,
-    /// Let normal maps of materials bend the shading normals: a texel gets the mean of the bent normals over it
-    #[arg(help_heading = "Input", hide_short_help = true)]
-    #[arg(long)]
-    pub normal_maps: bool,
-    /// Lobe exponent of every material, 0 to 1e6
-    #[arg(help_heading = "Input", hide_short_help = true)]
-    #[arg(long, value_name = "N", value_parser = exponent)]
-    pub exponent: Option<f64>,
-    /// By what the layer `traditional` reflects ambient light: one colour for all materials, linear, or `file`: the Ka
-    /// of each material of an OBJ file [default: the albedo, as a Lambertian surface reflects ambient light]
-    #[arg(help_heading = "Light", hide_short_help = true)]
-    #[arg(long, value_name = "R,G,B|file", value_parser = coefficient)]
-    pub ambient_coefficient: Option<ambake::AmbientCoefficient>,
-    /// Diffuse reflectance of every material, linear, as R,G,B
-    #[arg(help_heading = "Input", hide_short_help = true)]
-    #[arg(long, value_name = "R,G,B", value_parser = color)]
-    pub albedo: Option<[f32; 3]>,
-    /// Specular reflectance of every material, linear, as R,G,B
-    #[arg(help_heading = "Input", hide_short_help = true)]
-    #[arg(long, value_name = "R,G,B", value_parser = color)]
-    pub specular: Option<[f32; 3]>,
-    /// Planner choices to switch off: sky, diffuse, visibility, specular, open, instances, alpha_test, bounces, lights
-    #[arg(help_heading = "Rays", hide_short_help = true)]
-    #[arg(long, value_name = "NAME,..", value_delimiter = ',', value_parser = choice)]
-    pub plan_off: Vec<Choice>,
 }

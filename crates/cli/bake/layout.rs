@@ -1,7 +1,6 @@
 //! `ambake layout`: the atlas alone.
 
 use super::args::Layout as Args;
-use super::options;
 use crate::args::{Verb, words};
 use crate::outcome::{Outcome, say, say_json};
 use crate::progress::{count, square};
@@ -18,7 +17,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     };
     host::set_threads(args.common.threads)?;
     let scene = ambake::load_with(&args.scene, args.common.files())?;
-    let layout = options::bake(&scene, &args.job, &args.common)?.lay_out()?;
+    let layout = args.job.bake(&scene, &args.common)?.lay_out()?;
     let files = layout.write(&args.output)?;
     if args.common.json {
         say_json(&layout.describe())?;

@@ -4,12 +4,12 @@ use super::args::Merge as Args;
 use super::prepare::{Target, prepare_in};
 use super::run::{report, tell_written};
 use crate::args::{Args as Line, Verb};
-use crate::common::Common;
 use crate::outcome::{Outcome, tell};
 use crate::probes::part;
 use crate::progress::{Show, watch};
 use crate::project;
 use crate::stop::Stop;
+use ambake::flags::common::Common;
 use ambake::{Parts, ProbeParts};
 use anyhow::{Context, bail};
 use clap::FromArgMatches;
@@ -63,7 +63,6 @@ fn bake(args: &Args, dir: &Path, stop: &Stop) -> anyhow::Result<Outcome> {
         dir,
         parts: false,
         engines: &bake.engines,
-        compress: bake.compress,
         update: None,
         verify: false,
     };

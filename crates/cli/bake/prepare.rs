@@ -1,12 +1,12 @@
 //! From arguments to a bake that is ready to run.
 
-use super::args::Job;
-use super::{options, stdin};
+use super::stdin;
 use crate::args::{Verb, words};
-use crate::common::Common;
 use crate::progress::Phases;
 use crate::{host, project};
-use ambake::{Bake, Engine, Progress, Scene};
+use ambake::flags::bake::{Engines, Job};
+use ambake::flags::common::Common;
+use ambake::{Bake, Progress, Scene};
 use std::path::Path;
 use std::time::Instant;
 
@@ -25,8 +25,7 @@ pub struct Target<'a> {
     pub dir: &'a Path,
     /// True for one part of a bake.
     pub parts: bool,
-    pub engines: &'a [Engine],
-    pub compress: bool,
+    pub engines: &'a Engines,
     /// A finished bake that this one updates, and whether what is kept of it is tried.
     pub update: Option<&'a Path>,
     pub verify: bool,
@@ -48,8 +47,8 @@ pub fn prepare_in(
 impl Target<'_> {
     fn complete(&self, bake: Bake, scene: &Scene) -> Bake {
         let bake = bake
-            .for_engines(self.engines.iter().copied())
-            .compress(self.compress)
+            .for_engines(self.engines.engines.iter().copied())
+            .compress(self.engines.compress)
             .layout_file(ambake::Layout::path(self.dir, scene))
             .verify(self.verify);
         let bake = match self.update {
@@ -77,7 +76,7 @@ fn loaded(
         false => ambake::load_with(file, common.files())?,
     };
     let loading = started.elapsed().as_secs_f64();
-    let bake = options::bake(&scene, job, common)?;
+    let bake = job.bake(&scene, common)?;
     let mut prepared = with(bake, &scene).prepare_with(&phases)?;
     prepared.add_phase("load", loading);
     Ok(prepared)

@@ -5,11 +5,11 @@ use super::prepare::{Target, prepare_in};
 use super::shard;
 use super::summary::summary;
 use crate::args::{Verb, words};
-use crate::common::Common;
 use crate::outcome::{Outcome, one_line, printable, say, say_json_text, tell};
 use crate::progress::{Show, watch};
 use crate::stop::Stop;
 use crate::{allocate, project, view};
+use ambake::flags::common::Common;
 use ambake::{Resume, Written};
 use anyhow::bail;
 use report::Output;
@@ -28,7 +28,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if args.shard.is_some() && scene == Path::new("-") {
         bail!("--shard takes a scene file, which each shard and the merge can read again");
     }
-    if args.shard.is_some() && args.update.is_some() {
+    if args.shard.is_some() && args.earlier.update.is_some() {
         bail!(
             "--update keeps what --shard would bake; leave out one of them: a merged bake can be updated"
         );
@@ -40,7 +40,7 @@ fn several(args: &Args, stop: &Stop) -> anyhow::Result<Outcome> {
     if args.shard.is_some() {
         bail!("--shard takes one scene at a time");
     }
-    if args.update.is_some() {
+    if args.earlier.update.is_some() {
         bail!("--update takes one scene at a time");
     }
     let mut folders: HashMap<PathBuf, &Path> = HashMap::new();
@@ -106,9 +106,8 @@ fn one(args: &Args, scene: &Path, output: &Path, stop: &Stop) -> anyhow::Result<
         dir: output,
         parts: args.shard.is_some(),
         engines: &args.engines,
-        compress: args.compress,
-        update: args.update.as_deref(),
-        verify: args.verify,
+        update: args.earlier.update.as_deref(),
+        verify: args.earlier.verify,
     };
     let job = prepare_in(&target, scene, &args.job, &args.common)?;
     if let Some(part) = args.shard {

@@ -2,10 +2,10 @@
 
 use super::args::Bake as Args;
 use crate::args::words;
-use crate::common::Common;
 use crate::outcome::{Outcome, say, say_json, tell};
 use crate::progress::{Show, watch};
 use crate::stop::Stop;
+use ambake::flags::common::Common;
 use ambake::{Job, Shard};
 use anyhow::Context;
 use serde_json::{Value, json};

@@ -1,14 +1,15 @@
 //! `ambake watch`: bakes a scene again whenever its files are saved, coarse at first and finer until the next save.
 
-use super::args::{Job, Watch as Args};
+use super::args::Watch as Args;
 use super::prepare::{Target, prepare_in};
 use super::summary::lines;
 use crate::args::{Verb, words};
-use crate::common::Common;
 use crate::outcome::{Outcome, one_line, say, tell};
 use crate::progress::{Show, watch};
 use crate::stop::Stop;
 use crate::{host, project, view};
+use ambake::flags::bake::Job;
+use ambake::flags::common::Common;
 use ambake::{Resume, Written};
 use layers::Progress;
 use report::Output;
@@ -109,7 +110,6 @@ fn bake(
         dir: &args.output,
         parts: false,
         engines: &args.engines,
-        compress: args.compress,
         update: Some(kept).filter(|kept| kept.join("bake.json").is_file()),
         verify: false,
     };

@@ -1,7 +1,7 @@
 //! What was typed after `ambake bench`.
 
-use crate::bake::args::Job;
-use crate::common::Common;
+use ambake::flags::bake::Job;
+use ambake::flags::common::Common;
 use clap::Args as ClapArgs;
 use std::path::PathBuf;
 

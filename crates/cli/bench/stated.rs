@@ -1,7 +1,6 @@
 //! `ambake bench --stated`: stated errors beside true ones.
 
 use super::args::Args;
-use crate::bake::options;
 use crate::host;
 use crate::outcome::{Outcome, note, say, say_json};
 use ambake::{Bake, Baked, Bounces, Denoise, Layer, Scene, Seams};
@@ -71,7 +70,7 @@ fn judged(args: &Args, name: &str, scene: &Scene) -> anyhow::Result<Vec<Row>> {
     let baked = |rays: u32, change: fn(Bake, u64) -> Bake| -> anyhow::Result<Baked> {
         let mut job = args.job.clone();
         job.rays = rays;
-        let bake = options::bake(scene, &job, &args.common)?;
+        let bake = job.bake(scene, &args.common)?;
         let asked = layers.clone().chain([Layer::Validity, Layer::Coverage]);
         Ok(change(bake, args.common.seed).layers(asked).run(&())?)
     };

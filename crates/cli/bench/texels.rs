@@ -2,7 +2,6 @@
 
 use super::args::Args;
 use crate::bake::prepare::prepare;
-use crate::common::Backend;
 use crate::host;
 use crate::outcome::{Outcome, note, say, say_json};
 use ::bake::Baker;
@@ -26,7 +25,7 @@ fn scenes(args: &Args) -> anyhow::Result<Outcome> {
     let threads = host::set_threads(args.common.threads)?;
     let mut output = args.output.as_deref().map(Output::create).transpose()?;
     let backend = args.job.backend;
-    let kind = backend.map(|choice| Backend::chosen(Some(choice)).kind());
+    let kind = backend.map(|choice| choice.kind());
     let rows = texels::run(kind, args.job.rays, &mut |rows| {
         if !args.common.quiet {
             for row in rows.iter().filter(|row| !row.holds()) {

@@ -1,8 +1,9 @@
 //! What was typed after `ambake map`.
 
-use crate::common::Backend;
-use crate::parse::{field_of_view, light, number, size, triple};
-use crate::sky::{SkyArg, sky};
+use ambake::Backend;
+use ambake::flags::parse::{field_of_view, light, number, size, triple};
+use ambake::flags::sky::{SkyArg, sky};
+use ambake::flags::values::word;
 use clap::{Args as ClapArgs, Subcommand, ValueEnum};
 use maps::ball::Circle;
 use maps::merge::Model;
@@ -288,7 +289,7 @@ pub struct Capture {
     #[arg(long, value_name = "OBJECT")]
     pub hide: Vec<String>,
     /// Ray library [default: embree where it is built in, else obvhs]
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = word::<Backend>())]
     pub backend: Option<Backend>,
     /// Seed of the sample points
     #[arg(long, value_name = "S", default_value_t = 0)]

@@ -2,12 +2,13 @@
 
 use super::args::{Capture, PointSource};
 use super::file::{Target, picture_size, write};
-use crate::common::{build, points};
+use crate::common::build;
 use crate::host;
 use crate::outcome::{Outcome, say, say_json, tell};
 use crate::progress::{Show, watch};
 use crate::stop::Stop;
 use ::render::{Direct, Error, Lamps, Light, PointForm, add_points, capture};
+use ambake::flags::common::points;
 use anyhow::bail;
 use glam::DVec3;
 use maps::{Format, Layout, Orientation};

@@ -1,14 +1,12 @@
-//! What was typed after `ambake probes`. `run.rs` says what it means.
+//! What was typed after `ambake probes`.
 
-use crate::bake::values::{Lights, bounces, engine, shard, target_error};
-use crate::common::{Backend, Common, Shining};
-use crate::parse::{positive, triple};
-use crate::sky::{SkyArg, sky};
-use clap::{ArgGroup, Args as ClapArgs};
+use ambake::flags::common::Common;
+use ambake::flags::probes::Job;
+use ambake::flags::values::{engine, shard};
+use clap::Args as ClapArgs;
 use std::path::PathBuf;
 
 #[derive(ClapArgs)]
-#[command(group = ArgGroup::new("asked").required(true).multiple(true))]
 pub struct Args {
     /// Scene file: .obj, .gltf or .glb
     pub scene: PathBuf,
@@ -16,42 +14,13 @@ pub struct Args {
     #[arg(help_heading = "Files")]
     #[arg(short = 'o', long = "output", value_name = "DIR")]
     pub output: PathBuf,
-    /// A volume of probes so many scene units apart, which fills the box of the scene
-    #[arg(help_heading = "Places")]
-    #[arg(long, value_name = "D", groups = ["places", "asked"], value_parser = positive)]
-    pub spacing: Option<f64>,
-    /// A volume of so many probes along x, y and z, which fills the box of the scene
-    #[arg(help_heading = "Places")]
-    #[arg(long, value_name = "NXxNYxNZ", groups = ["places", "asked"], value_parser = counts)]
-    pub grid: Option<[u32; 3]>,
-    /// Probes at these places, separated by semicolons
-    #[arg(help_heading = "Places")]
-    #[arg(long, value_name = "X,Y,Z;..", groups = ["places", "asked"], value_delimiter = ';', allow_hyphen_values = true, value_parser = triple)]
-    pub at: Vec<[f64; 3]>,
-    /// Reflection maps of these places, separated by semicolons: cubes with a level for each roughness, and one for
-    /// matt surfaces
-    #[arg(help_heading = "Places")]
-    #[arg(long, value_name = "X,Y,Z;..", group = "asked", value_delimiter = ';', allow_hyphen_values = true, value_parser = triple)]
-    pub reflections: Vec<[f64; 3]>,
-    /// Edge of a face of their largest level in texels: a power of two from 8 to 1024
-    #[arg(help_heading = "Places", hide_short_help = true)]
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 256,
-        requires = "reflections"
-    )]
-    pub reflection_size: u32,
-    /// The box of the volume, by two corners [default: that of the scene]
-    #[arg(help_heading = "Places")]
-    #[arg(long, value_name = "X,Y,Z:X,Y,Z", conflicts_with = "at", allow_hyphen_values = true, value_parser = corners)]
-    pub within: Option<[[f64; 3]; 2]>,
-    /// Take the light that surfaces reflect from the finished bake of SCENE in DIR, so that surfaces and probes agree;
-    /// sky and lights are those of the bake too, unless others are given. Without it light is followed from surface to
-    /// surface
-    #[arg(help_heading = "Light")]
-    #[arg(long, value_name = "DIR")]
-    pub bake: Option<PathBuf>,
+    /// Also write files for these engines, separated by commas: bevy, three, unity, godot; with --reflections gltf and
+    /// blender too
+    #[arg(help_heading = "Files")]
+    #[arg(long = "for", value_name = "ENGINE,..", value_delimiter = ',', value_parser = engine)]
+    pub engines: Vec<ambake::Engine>,
+    #[command(flatten)]
+    pub job: Job,
     /// Start anew, also where interrupted probes of the same scene and options left their state in DIR; without it they
     /// go on from there
     #[arg(help_heading = "Runs", hide_short_help = true)]
@@ -64,89 +33,8 @@ pub struct Args {
     /// Gather part I of N, I from 1; all parts share DIR, in any order and on any machine, and `ambake merge DIR` makes
     /// the files of all. A part that was stopped continues
     #[arg(help_heading = "Runs", hide_short_help = true)]
-    #[arg(long, value_name = "I/N", value_parser = shard)]
+    #[arg(long, value_name = "I/N", conflicts_with = "refine", value_parser = shard)]
     pub shard: Option<ambake::Shard>,
-    /// Also write files for these engines, separated by commas: bevy, three, unity, godot; with --reflections gltf and
-    /// blender too
-    #[arg(help_heading = "Files")]
-    #[arg(long = "for", value_name = "ENGINE,..", value_delimiter = ',', value_parser = engine)]
-    pub engines: Vec<ambake::Engine>,
-    /// Order of the harmonics: 4, 9 or 16 of them
-    #[arg(help_heading = "Files", hide_short_help = true)]
-    #[arg(long, value_name = "L", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=3))]
-    pub order: u8,
-    /// Rays of a probe in even directions; as many again are aimed at lamps, at lights with extent and by a mapped sky
-    #[arg(help_heading = "Rays")]
-    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(64..=16_777_216))]
-    pub rays: u32,
-    /// Instead of a fixed number: the rays by which the standard error of each probe is at most E, of the light on a
-    /// matt white surface, which an open sky of 1 makes 1
-    #[arg(help_heading = "Rays")]
-    #[arg(long, value_name = "E", value_parser = target_error, conflicts_with = "rays")]
-    pub target_error: Option<f64>,
-    /// With --target-error: the most rays that a probe may take
-    #[arg(help_heading = "Rays", hide_short_help = true)]
-    #[arg(long, value_name = "N", default_value_t = 65_536, requires = "target_error", value_parser = clap::value_parser!(u32).range(64..=16_777_216))]
-    pub max_rays: u32,
-    /// Gather every second probe of a volume along each axis, and all only where those do not tell a probe between them
-    /// within E, of the light on a matt white surface, which an open sky of 1 makes 1; the others are interpolated
-    #[arg(help_heading = "Places")]
-    #[arg(long, value_name = "E", value_parser = positive, conflicts_with_all = ["at", "shard"])]
-    pub refine: Option<f64>,
-    /// Radiance of the sky, linear, as R,G,B, or an illumination map [default: 1,1,1; with --bake that of the bake]
-    #[arg(help_heading = "Light")]
-    #[arg(long, value_name = "R,G,B|FILE", value_parser = sky)]
-    pub sky: Option<SkyArg>,
-    /// How often light is reflected from surface to surface, without --bake
-    #[arg(help_heading = "Light")]
-    #[arg(long, value_name = "N|auto", default_value = "auto", value_parser = bounces)]
-    pub bounces: ambake::Bounces,
-    /// What to do with the lights of a glTF file (KHR_lights_punctual) [default: none; with --bake those of the bake]
-    #[arg(help_heading = "Light", hide_short_help = true)]
-    #[arg(long, value_enum)]
-    pub lights: Option<Lights>,
-    /// Surfaces farther than this many scene units do not count [default: no limit]
-    #[arg(help_heading = "Light", hide_short_help = true)]
-    #[arg(long, value_name = "D", value_parser = positive)]
-    pub max_distance: Option<f64>,
-    #[command(flatten)]
-    pub shining: Shining,
-    /// Take so much contrast from probes that no matt surface receives less than no light: few harmonics ring beside a
-    /// bright light
-    #[arg(help_heading = "Files")]
-    #[arg(long)]
-    pub window: bool,
-    /// Also keep the light of the sky, of lights and of surfaces apart
-    #[arg(help_heading = "Files", hide_short_help = true)]
-    #[arg(long)]
-    pub parts: bool,
-    /// Random places at which interpolation between probes is tried; 0 for none
-    #[arg(help_heading = "Rays", hide_short_help = true)]
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
-    pub tried: u32,
-    /// Ray library [default: embree where it is built in, else obvhs]
-    #[arg(help_heading = "Machine", hide_short_help = true)]
-    #[arg(long, value_enum)]
-    pub backend: Option<Backend>,
     #[command(flatten)]
     pub common: Common,
-}
-
-fn counts(text: &str) -> Result<[u32; 3], String> {
-    let numbers: Result<Vec<u32>, _> = text.split('x').map(str::parse).collect();
-    match numbers.as_deref() {
-        Ok(&[x, y, z]) if x > 0 && y > 0 && z > 0 => Ok([x, y, z]),
-        _ => Err("expected three numbers from 1, such as 8x4x8".into()),
-    }
-}
-
-pub fn corners(text: &str) -> Result<[[f64; 3]; 2], String> {
-    let (a, b) = text
-        .split_once(':')
-        .ok_or("expected two corners, X,Y,Z:X,Y,Z")?;
-    let (a, b) = (triple(a)?, triple(b)?);
-    Ok([
-        [0, 1, 2].map(|k| a[k].min(b[k])),
-        [0, 1, 2].map(|k| a[k].max(b[k])),
-    ])
 }

@@ -2,12 +2,11 @@
 
 use super::args::Args;
 use super::part;
-use crate::bake::values::Lights;
-use crate::common::{Backend, Common};
 use crate::host;
 use crate::outcome::{Outcome, say, say_json, tell};
 use crate::progress::{Show, count, watch};
 use crate::stop::Stop;
+use ambake::flags::common::Common;
 use ambake::{Places, ProbeOptions, ProbeReport, Probes, Resume, Scene};
 use ambient::harmonics::{MOST, matt_rms};
 use glam::DVec3;
@@ -25,8 +24,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         places,
         options,
     } = &asked;
-    let left_out = options.lights.is_none() && args.bake.is_none() && !scene.lights.is_empty();
-    if left_out && args.lights.is_none() && !args.common.quiet {
+    let left_out = options.lights.is_none() && args.job.bake.is_none() && !scene.lights.is_empty();
+    if left_out && args.job.lights.is_none() && !args.common.quiet {
         tell(
             "warning: lights of the file are not gathered; `--lights file` takes them, `--lights none` leaves them out",
         );
@@ -65,12 +64,8 @@ impl Asked {
     pub fn of(args: &Args, common: &Common) -> anyhow::Result<Self> {
         host::set_threads(common.threads)?;
         let scene = ambake::load_with(&args.scene, common.files())?;
-        let options = options(args, &scene)?;
-        let places = match (args.spacing, args.grid) {
-            (Some(spacing), _) => Places::Spacing(spacing),
-            (_, Some(counts)) => Places::Grid(counts),
-            _ => Places::At(args.at.clone()),
-        };
+        let options = args.job.options(&scene, args.common.seed)?;
+        let places = args.job.places();
         Ok(Self {
             scene,
             places,
@@ -107,33 +102,6 @@ pub fn write(
         say(&summary(probes.report(), &written, seconds))?;
     }
     Ok(Outcome::Done)
-}
-
-fn options(args: &Args, scene: &Scene) -> anyhow::Result<ProbeOptions> {
-    let mut own = args.shining.lights(DVec3::ZERO);
-    if args.lights == Some(Lights::File) {
-        own.extend(scene.lights.iter().map(ambake::Light::from));
-    }
-    let mut options = ProbeOptions::default();
-    options.within = args.within;
-    options.bake = args.bake.clone();
-    options.sky = args.sky.as_ref().map(|sky| sky.load()).transpose()?;
-    options.lights = (!own.is_empty() || args.lights.is_some()).then_some(own);
-    options.bounces = args.bounces;
-    options.max_distance = args.max_distance.map(|distance| distance as f32);
-    options.rays = args.rays;
-    options.target_error = args.target_error;
-    options.max_rays = args.max_rays;
-    options.refine = args.refine;
-    options.order = args.order.into();
-    options.window = args.window;
-    options.parts = args.parts;
-    options.seed = args.common.seed;
-    options.backend = Backend::chosen(args.backend);
-    options.reflections = args.reflections.clone();
-    options.reflection_size = args.reflection_size;
-    options.tried = args.tried as usize;
-    Ok(options)
 }
 
 fn moved(report: &ProbeReport) -> usize {

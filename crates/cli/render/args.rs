@@ -2,9 +2,11 @@
 
 use super::ball_args::Balls;
 use super::tables_args::Tables;
-use crate::common::{Backend, Common, Shining};
-use crate::parse::{color, exponent, field_of_view, number, positive, size, triple};
-use crate::sky::{SkyArg, sky};
+use ambake::Backend;
+use ambake::flags::common::{Common, Shining};
+use ambake::flags::parse::{color, exponent, field_of_view, number, positive, size, triple};
+use ambake::flags::sky::{SkyArg, sky};
+use ambake::flags::values::word;
 use clap::{Args as ClapArgs, ValueEnum};
 use std::path::PathBuf;
 
@@ -94,7 +96,7 @@ pub struct Args {
     pub specular: Option<[f32; 3]>,
     /// Ray library [default: embree where it is built in, else obvhs]
     #[arg(help_heading = "Machine", hide_short_help = true)]
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = word::<Backend>())]
     pub backend: Option<Backend>,
     #[command(flatten)]
     pub common: Common,

@@ -1,7 +1,7 @@
 //! The flags of balls in a picture.
 
-use crate::parse::number;
-use crate::probes::args::corners;
+use ambake::flags::parse::number;
+use ambake::flags::probes::corners;
 use clap::Args as ClapArgs;
 use std::path::PathBuf;
 

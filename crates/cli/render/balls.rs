@@ -2,8 +2,8 @@
 
 use super::args::Args;
 use super::ball_args::Place;
-use crate::common::Backend;
 use ::render::{Ball, Shows};
+use ambake::Backend;
 use ambake::{Bounces, Places, ProbeOptions, ProbeVolume, Probes};
 use glam::DVec3;
 use maps::{IlluminationMap, Layout, Orientation, convert_image};
@@ -82,7 +82,7 @@ fn gathered(args: &Args, world: &World) -> anyhow::Result<Probes> {
     options.max_distance = args.max_distance.map(|distance| distance as f32);
     options.rays = RAYS;
     options.seed = args.common.seed;
-    options.backend = Backend::chosen(args.backend);
+    options.backend = args.backend.unwrap_or_else(Backend::best);
     let places = Places::At(centers.collect());
     // The scene of a bake's picture is the bake's own; its light is looked up in the scene that was baked.
     let scene = match args.bake {

@@ -3,9 +3,9 @@
 use super::args::Args;
 use super::tables_args::WeightName;
 use crate::host;
-use crate::sky::SkyArg;
 use ::render::Lightmap;
 use ::render::tables::specular_files;
+use ambake::flags::sky::SkyArg;
 use anyhow::{Context, bail};
 use maps::merge::Response;
 use maps::{Format, Image, Labels};

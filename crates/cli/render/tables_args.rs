@@ -1,7 +1,7 @@
 //! What was typed after `ambake render --maps`. `options.rs` says what it means.
 
-use crate::parse::{exponent, number, positive};
 use ::render::tables::Weight;
+use ambake::flags::parse::{exponent, number, positive};
 use clap::{ArgGroup, Args as ClapArgs, ValueEnum};
 use std::path::PathBuf;
 

@@ -1,6 +1,8 @@
 //! `--sky`: a colour or an illumination map.
 
-use crate::parse::color;
+use super::parse::color;
+use crate::error::Error;
+use crate::sky::Sky;
 use std::path::PathBuf;
 
 /// What was typed.
@@ -24,10 +26,10 @@ pub fn sky(text: &str) -> Result<SkyArg, String> {
 
 impl SkyArg {
     /// The sky, its picture read.
-    pub fn load(&self) -> Result<ambake::Sky, ambake::Error> {
+    pub fn load(&self) -> Result<Sky, Error> {
         match self {
-            Self::Uniform(radiance) => Ok(ambake::Sky::uniform(*radiance)),
-            Self::File(path) => ambake::Sky::load(path),
+            Self::Uniform(radiance) => Ok(Sky::uniform(*radiance)),
+            Self::File(path) => Sky::load(path),
         }
     }
 

@@ -1,70 +1,27 @@
-//! The values of the flags of a bake, as they are typed.
+//! The values of flags, as they are typed.
 
-use crate::parse::{color, number, positive, triple};
-use ambake::{Choice, Layer};
-use clap::ValueEnum;
+use super::parse::{color, number, positive, triple};
+use crate::shard::Shard;
+use crate::words::Words;
+use ::bake::{AmbientCoefficient, Bounces, Buried, Choice, View};
+use atlas::Pages;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use layers::Layer;
+use report::Engine;
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Model {
-    Phong,
-    Ggx,
+/// The value that a word stands for.
+pub fn word<T: Words>() -> impl TypedValueParser<Value = T> {
+    let known = T::ALL.iter().map(|(word, _, help)| match *help {
+        "" => PossibleValue::new(*word),
+        help => PossibleValue::new(*word).help(help),
+    });
+    PossibleValuesParser::new(known.collect::<Vec<_>>())
+        .try_map(|word| T::of(&word).ok_or("unknown word"))
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Lights {
-    File,
-    None,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Shading {
-    /// What its mirror image in the facet's plane sees: convex bodies do not darken themselves
-    Production,
-    /// Nothing: the facet hides it
-    Exact,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Buried {
-    /// They do not count, and texels without others are filled from their neighbours
-    Drop,
-    /// They count as what they are, dark
-    Keep,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Footprint {
-    /// All over its area
-    Texel,
-    /// At its centre
-    Centre,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Denoise {
-    Off,
-    Regression,
-    Oidn,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Seams {
-    Off,
-    Object,
-    Scene,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum To {
-    Pages,
-    Vertices,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Uv {
-    Auto,
-    Keep,
-    Unwrap,
+/// One of two words, and whether it is `yes`.
+pub fn either(words: [&'static str; 2], yes: &'static str) -> impl TypedValueParser<Value = bool> {
+    PossibleValuesParser::new(words).map(move |word| word == yes)
 }
 
 pub fn density_of(text: &str) -> Result<(String, f64), String> {
@@ -79,7 +36,8 @@ pub fn buried_of(text: &str) -> Result<(String, Buried), String> {
     let (name, word) = text
         .rsplit_once('=')
         .ok_or("expected NAME=drop or NAME=keep, such as `wall*=keep`")?;
-    Ok((name.into(), Buried::from_str(word, false)?))
+    let buried = Buried::of(word).ok_or_else(|| format!("invalid variant: {word}"))?;
+    Ok((name.into(), buried))
 }
 
 /// What `--density` asks for.
@@ -147,12 +105,12 @@ pub fn memory(text: &str) -> Result<u64, String> {
 /// Parts of a bake at most.
 const MAX_SHARDS: u32 = 100_000;
 
-pub fn shard(text: &str) -> Result<ambake::Shard, String> {
+pub fn shard(text: &str) -> Result<Shard, String> {
     let number = |text: &str| text.parse::<u32>().ok();
     let shard = text.split_once('/').map(|(i, n)| (number(i), number(n)));
     match shard {
         Some((Some(index), Some(of))) if (1..=of).contains(&index) && of <= MAX_SHARDS => {
-            Ok(ambake::Shard { index, of })
+            Ok(Shard { index, of })
         }
         _ => Err(format!(
             "expected I/N with I from 1 to N, such as 2/4, and N at most {MAX_SHARDS}"
@@ -160,29 +118,30 @@ pub fn shard(text: &str) -> Result<ambake::Shard, String> {
     }
 }
 
-pub fn pages(text: &str) -> Result<ambake::Pages, String> {
+pub fn pages(text: &str) -> Result<Pages, String> {
     match text.parse() {
-        _ if text == "auto" => Ok(ambake::Pages::Auto),
-        Ok(pages) if pages > 0 => Ok(ambake::Pages::Most(pages)),
+        _ if text == "auto" => Ok(Pages::Auto),
+        Ok(pages) if pages > 0 => Ok(Pages::Most(pages)),
         _ => Err("expected auto or a number of pages from 1".into()),
     }
 }
 
 /// `auto`, or how often light bounces.
-pub fn bounces(text: &str) -> Result<ambake::Bounces, String> {
+pub fn bounces(text: &str) -> Result<Bounces, String> {
     match text.parse() {
-        _ if text == "auto" => Ok(ambake::Bounces::Auto),
-        Ok(0) => Ok(ambake::Bounces::Off),
-        Ok(gathers) if gathers <= 1000 => Ok(ambake::Bounces::Most(gathers)),
+        _ if text == "auto" => Ok(Bounces::Auto),
+        Ok(0) => Ok(Bounces::Off),
+        Ok(gathers) if gathers <= 1000 => Ok(Bounces::Most(gathers)),
         _ => Err("expected auto or a number of gathers from 0 to 1000".into()),
     }
 }
 
-pub fn coefficient(text: &str) -> Result<ambake::AmbientCoefficient, String> {
+pub fn coefficient(text: &str) -> Result<AmbientCoefficient, String> {
     match text {
-        "file" => Ok(ambake::AmbientCoefficient::Material),
+        "file" => Ok(AmbientCoefficient::Material),
+        "albedo" => Ok(AmbientCoefficient::Albedo),
         _ => color(text)
-            .map(ambake::AmbientCoefficient::Rgb)
+            .map(AmbientCoefficient::Rgb)
             .map_err(|e| format!("expected `file` or R,G,B: {e}")),
     }
 }
@@ -194,12 +153,12 @@ pub fn target_error(text: &str) -> Result<f64, String> {
     }
 }
 
-pub fn view(text: &str) -> Result<ambake::View, String> {
+pub fn view(text: &str) -> Result<View, String> {
     if text == "normal" {
-        return Ok(ambake::View::Normal);
+        return Ok(View::Normal);
     }
     triple(text)
-        .map(|eye| ambake::View::Eye(eye.into()))
+        .map(|eye| View::Eye(eye.into()))
         .map_err(|e| format!("expected `normal` or X,Y,Z: {e}"))
 }
 
@@ -211,9 +170,9 @@ pub fn layer(text: &str) -> Result<Layer, String> {
 }
 
 /// An engine by its name.
-pub fn engine(text: &str) -> Result<ambake::Engine, String> {
-    ambake::Engine::from_name(text).ok_or_else(|| {
-        let names: Vec<_> = ambake::Engine::all().map(ambake::Engine::name).collect();
+pub fn engine(text: &str) -> Result<Engine, String> {
+    Engine::from_name(text).ok_or_else(|| {
+        let names: Vec<_> = Engine::all().map(Engine::name).collect();
         format!("unknown engine; there are {}", names.join(", "))
     })
 }
