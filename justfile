@@ -35,6 +35,11 @@ scenes:
     python3 scenes/generate.py
     git status --short scenes
 
+# the tables of flags in docs/flags.md and in the stubs of Python, written anew; git shows what changed
+tables:
+    AMBAKE_WRITE_TABLES=1 cargo test --locked --bin ambake tables
+    git status --short docs integrations
+
 # the files of a release, in target/dist
 release:
     .ci/release

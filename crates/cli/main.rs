@@ -35,6 +35,8 @@ mod progress;
 mod project;
 mod render;
 mod stop;
+#[cfg(test)]
+mod tables;
 mod view;
 
 use args::Verb;

@@ -241,8 +241,7 @@ pub struct Job {
     #[arg(long, value_name = "R,G,B", value_parser = color)]
     pub specular: Option<[f32; 3]>,
     /// Planner choices to switch off: sky, diffuse, visibility, specular, open, instances, alpha_test, bounces, lights
-    #[arg(help_heading = "Rays", hide_short_help = true)]
-    #[arg(long, value_name = "NAME,..", value_delimiter = ',', value_parser = choice)]
+    #[arg(long, hide = true, value_name = "NAME,..", value_delimiter = ',', value_parser = choice)]
     pub plan_off: Vec<Choice>,
 }
 

@@ -156,7 +156,7 @@ impl Job {
 }
 
 fn counts(text: &str) -> Result<[u32; 3], String> {
-    let numbers: Result<Vec<u32>, _> = text.split('x').map(str::parse).collect();
+    let numbers: Result<Vec<u32>, _> = text.split(['x', ',']).map(str::parse).collect();
     match numbers.as_deref() {
         Ok(&[x, y, z]) if x > 0 && y > 0 && z > 0 => Ok([x, y, z]),
         _ => Err("expected three numbers from 1, such as 8x4x8".into()),

@@ -163,24 +163,30 @@ pub fn view(text: &str) -> Result<View, String> {
 }
 
 pub fn layer(text: &str) -> Result<Layer, String> {
-    Layer::from_name(text).ok_or_else(|| {
-        let names: Vec<_> = Layer::all().map(Layer::name).collect();
-        format!("unknown layer; there are {}", names.join(", "))
-    })
+    let found = Layer::from_name(text);
+    named("layer", found, Layer::all().map(Layer::name))
 }
 
 /// An engine by its name.
 pub fn engine(text: &str) -> Result<Engine, String> {
-    Engine::from_name(text).ok_or_else(|| {
-        let names: Vec<_> = Engine::all().map(Engine::name).collect();
-        format!("unknown engine; there are {}", names.join(", "))
-    })
+    let found = Engine::from_name(text);
+    named("engine", found, Engine::all().map(Engine::name))
 }
 
 pub fn choice(text: &str) -> Result<Choice, String> {
-    Choice::from_name(text).ok_or_else(|| {
-        let names: Vec<_> = Choice::ALL.iter().map(|choice| choice.name()).collect();
-        format!("unknown choice; there are {}", names.join(", "))
+    let names = Choice::ALL.iter().map(|choice| choice.name());
+    named("choice", Choice::from_name(text), names)
+}
+
+/// What was found under a name, or all names that there are.
+pub fn named<T>(
+    what: &str,
+    found: Option<T>,
+    names: impl Iterator<Item = &'static str>,
+) -> Result<T, String> {
+    found.ok_or_else(|| {
+        let names: Vec<_> = names.collect();
+        format!("unknown {what}; there are {}", names.join(", "))
     })
 }
 

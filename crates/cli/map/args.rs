@@ -3,7 +3,7 @@
 use ambake::Backend;
 use ambake::flags::parse::{field_of_view, light, number, size, triple};
 use ambake::flags::sky::{SkyArg, sky};
-use ambake::flags::values::word;
+use ambake::flags::values::{named, word};
 use clap::{Args as ClapArgs, Subcommand, ValueEnum};
 use maps::ball::Circle;
 use maps::merge::Model;
@@ -356,10 +356,8 @@ pub enum PointSource {
 }
 
 fn projection(text: &str) -> Result<Projection, String> {
-    Projection::from_name(text).ok_or_else(|| {
-        let names: Vec<_> = Projection::all().map(Projection::name).collect();
-        format!("unknown projection; there are {}", names.join(", "))
-    })
+    let found = Projection::from_name(text);
+    named("projection", found, Projection::all().map(Projection::name))
 }
 
 fn response(text: &str) -> Result<Response, String> {
@@ -379,10 +377,12 @@ fn response(text: &str) -> Result<Response, String> {
 }
 
 fn orientation(text: &str) -> Result<Orientation, String> {
-    Orientation::from_name(text).ok_or_else(|| {
-        let names: Vec<_> = Orientation::all().map(Orientation::name).collect();
-        format!("unknown orientation; there are {}", names.join(", "))
-    })
+    let found = Orientation::from_name(text);
+    named(
+        "orientation",
+        found,
+        Orientation::all().map(Orientation::name),
+    )
 }
 
 fn circle(text: &str) -> Result<Circle, String> {

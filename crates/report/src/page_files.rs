@@ -65,10 +65,11 @@ pub fn read_page(dir: &Path, bake: &BakeReport, named: &NamedPage) -> Result<Pag
 /// it, does not.
 fn other_bake(file: &PageFile, bake: &BakeReport) -> Option<&'static str> {
     let mut options = bake.options.clone();
-    // They change no value, so that headers do not have them.
-    options.remove("for");
-    options.remove("compress");
-    options.remove("to");
+    // What the header does not name changes no value.
+    let stated = file.attributes.get("ambakeOptions");
+    if let Some(Ok(Value::Object(stated))) = stated.map(|text| serde_json::from_str(text)) {
+        options.retain(|name, _| stated.contains_key(name));
+    }
     let told = [
         (
             "ambakeSceneHash",

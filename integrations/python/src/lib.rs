@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 fn _ambake(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", ambake::VERSION)?;
     module.add("LAYERS", baked::layer_names())?;
-    module.add("OPTIONS", options::NAMES)?;
+    module.add("OPTIONS", options::names())?;
     module.add_class::<baked::Baked>()?;
     module.add_function(wrap_pyfunction!(run::bake_meshes, module)?)?;
     module.add_class::<probes::Probes>()?;

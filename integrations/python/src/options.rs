@@ -1,113 +1,78 @@
-//! Options by the names of their flags.
+//! Options by the names of their flags: keyword arguments become words of the command line, which one parser reads.
 
+use crate::error::error;
 use crate::scene::floats;
-use ambake::{
-    AmbientCoefficient, Backend, Bake, Bounces, Buried, Choice, Denoise, Engine, Footprint, Layer,
-    Light, Model, Pages, Seams, Shading, Sky, Uv, View,
-};
+use ambake::flags::keywords::{Keyword, Kind, keywords, parsed, problem};
+use ambake::flags::{self, values};
+use ambake::{Bake, Engine, Places, ProbeOptions, Scene, Sky};
 use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyString};
+use std::ffi::{OsStr, OsString};
+use std::path::PathBuf;
 
-/// Every option, as its flag is called with underscores; `for` is a word of Python.
-pub const NAMES: [&str; 48] = [
-    "size",
-    "density",
-    "density_of",
-    "include",
-    "exclude",
-    "no_cast",
-    "seen_from",
-    "pages",
-    "one_page_per_mesh",
-    "uv",
-    "gutter",
-    "mips",
-    "align",
-    "rays",
-    "target_error",
-    "target_relative",
-    "max_rays",
-    "footprint",
-    "denoise",
-    "seams",
-    "sky",
-    "view",
-    "buried",
-    "buried_of",
-    "under",
-    "shading",
-    "max_distance",
-    "model",
-    "bounces",
-    "lights",
-    "sun",
-    "point",
-    "sphere",
-    "rect",
-    "layers",
-    "only",
-    "to",
-    "for_",
-    "compress",
-    "update",
-    "normal_maps",
-    "exponent",
-    "ambient_coefficient",
-    "albedo",
-    "specular",
-    "seed",
-    "backend",
-    "threads",
-];
-
-/// What happens to what is buried.
-const BURIED: [(&str, Buried); 2] = [("drop", Buried::Drop), ("keep", Buried::Keep)];
-
-/// The strength behind so many numbers of a light, grey or in colour.
-fn strength(light: &[f64], place: usize, expected: &str) -> PyResult<[f64; 3]> {
-    match light.get(place..) {
-        Some(&[e]) => Ok([e; 3]),
-        Some(&[r, g, b]) => Ok([r, g, b]),
-        _ => Err(PyValueError::new_err(format!("each must be {expected}"))),
-    }
+/// Every option of a bake, as its flag is called with underscores; `for` is a word of Python.
+pub fn names() -> Vec<String> {
+    shown(&keywords::<flags::Bake>())
 }
 
-/// Sets the options of a bake. Those that only mean something after `target_error` follow it in [`NAMES`].
+fn shown(keywords: &[Keyword]) -> Vec<String> {
+    let shown = keywords.iter().filter(|keyword| !keyword.is_hidden);
+    shown.map(|keyword| keyword.name.clone()).collect()
+}
+
+/// The bake that is asked for.
 ///
 /// # Errors
 /// TypeError for an unknown name or a value of a wrong kind, ValueError for a word or a number that an option cannot
 /// have.
-pub fn set(mut bake: Bake, options: &Bound<'_, PyDict>) -> PyResult<Bake> {
-    for name in options.keys() {
+pub fn bake(scene: &Scene, given: &Bound<'_, PyDict>) -> PyResult<Bake> {
+    let (asked, sky) = asked::<flags::Bake>(given)?;
+    let bake = asked
+        .bake(scene)
+        .map_err(|of| named(given.py(), "sky", error(of)))?;
+    Ok(match sky {
+        Some(sky) => bake.sky(sky),
+        None => bake,
+    })
+}
+
+/// The probes that are asked for, and their number of threads.
+///
+/// # Errors
+/// As [`bake`].
+pub fn probes(scene: &Scene, given: &Bound<'_, PyDict>) -> PyResult<(Places, ProbeOptions, usize)> {
+    let (asked, sky) = asked::<flags::Probes>(given)?;
+    let options = asked.job.options(scene, asked.common.seed);
+    let mut options = options.map_err(|of| named(given.py(), "sky", error(of)))?;
+    options.sky = sky.or(options.sky);
+    let threads = asked.common.threads.unwrap_or_default() as usize;
+    Ok((asked.job.places(), options, threads))
+}
+
+/// What a table of flags reads from the keyword arguments, and a sky of pixels, which no flag can say.
+fn asked<T: flags::Parser>(given: &Bound<'_, PyDict>) -> PyResult<(T, Option<Sky>)> {
+    let keywords = keywords::<T>();
+    let (mut said, mut sky) = (Vec::new(), None);
+    for (name, value) in given.iter() {
         let name: String = name.extract()?;
-        if name != "plan_off" && !NAMES.contains(&name.as_str()) {
-            let known = NAMES.join(", ");
-            return Err(PyTypeError::new_err(format!(
-                "there is no option {name}; there are {known}, plan_off"
-            )));
+        let Some(keyword) = keywords.iter().find(|keyword| keyword.name == name) else {
+            let known = shown(&keywords).join(", ");
+            let problem = format!("there is no option {name}; there are {known}");
+            return Err(PyTypeError::new_err(problem));
+        };
+        let is_sky = name == "sky";
+        let read = || match is_sky.then(|| pixels(&value)).transpose()?.flatten() {
+            Some(pixels) => Ok((Vec::new(), Some(pixels))),
+            None => Ok((words(keyword, &value)?, None)),
+        };
+        if !value.is_none() {
+            let (words, pixels) = read().map_err(|error| named(given.py(), &name, error))?;
+            said.extend(words);
+            sky = sky.or(pixels);
         }
     }
-    let given = |name: &str| -> PyResult<Option<Bound<'_, PyAny>>> {
-        Ok(options.get_item(name)?.filter(|value| !value.is_none()))
-    };
-    if given("rays")?.is_some() && given("target_error")?.is_some() {
-        return Err(PyValueError::new_err(
-            "rays and target_error exclude each other; give one of them",
-        ));
-    }
-    for name in ["target_relative", "max_rays"] {
-        if given(name)?.is_some() && given("target_error")?.is_none() {
-            let problem = format!("{name} needs target_error beside it");
-            return Err(PyValueError::new_err(problem));
-        }
-    }
-    for name in NAMES.into_iter().chain(["plan_off"]) {
-        if let Some(value) = given(name)? {
-            bake = one(bake, name, &value).map_err(|error| named(options.py(), name, error))?;
-        }
-    }
-    Ok(bake)
+    Ok((parsed(&said).map_err(PyValueError::new_err)?, sky))
 }
 
 /// The error of a value that cannot be converted, with the name of the option before it.
@@ -123,136 +88,53 @@ pub fn named(py: Python<'_>, name: &str, error: PyErr) -> PyErr {
     }
 }
 
-fn one(mut bake: Bake, name: &str, value: &Bound<'_, PyAny>) -> PyResult<Bake> {
-    Ok(match name {
-        "size" => bake.size(value.extract()?),
-        "density" => match value.cast::<PyString>() {
-            Ok(_) => {
-                word(value, &[("even", ())])?;
-                bake.even_density()
+/// The words of the command line for a value.
+fn words(keyword: &Keyword, value: &Bound<'_, PyAny>) -> PyResult<Vec<OsString>> {
+    let said: OsString = match keyword.kind {
+        Kind::Switch if !value.extract::<bool>()? => return Ok(Vec::new()),
+        Kind::Switch => OsString::new(),
+        Kind::Whole => value.extract::<u64>()?.to_string().into(),
+        Kind::Number => value.extract::<f64>()?.to_string().into(),
+        Kind::Path => value.extract::<PathBuf>()?.into(),
+        Kind::Word(_) => value.extract::<String>()?.into(),
+        Kind::Text(_) => match (value.cast::<PyDict>(), value.cast::<PyString>()) {
+            (Ok(each), _) => {
+                let word = |(name, value): (String, Bound<'_, PyAny>)| {
+                    Ok(keyword.with(format!("{name}={}", text(&value)?.display())))
+                };
+                let each: Vec<(String, Bound<'_, PyAny>)> = each.items().extract()?;
+                return each.into_iter().map(word).collect();
             }
-            Err(_) => bake.density(value.extract()?),
-        },
-        "density_of" => {
-            let each: Vec<(String, f64)> = value.cast::<PyDict>()?.items().extract()?;
-            each.into_iter()
-                .fold(bake, |bake, (name, density)| bake.density_of(name, density))
-        }
-        "include" => texts(value)?.into_iter().fold(bake, Bake::include),
-        "exclude" => texts(value)?.into_iter().fold(bake, Bake::exclude),
-        "no_cast" => texts(value)?.into_iter().fold(bake, Bake::no_cast),
-        "seen_from" => match value.cast::<PyString>() {
-            Ok(_) => {
-                word(value, &[("auto", ())])?;
-                bake.seen_from_within()
+            (_, Ok(list)) if keyword.is_list => {
+                let list: String = list.extract()?;
+                let each: Vec<_> = list.split(',').map(str::trim).collect();
+                each.join(",").into()
             }
-            Err(_) => bake.seen_from(value.extract::<Vec<[f64; 3]>>()?),
-        },
-        "pages" => bake.pages(match value.cast::<PyString>() {
-            Ok(_) => word(value, &[("auto", Pages::Auto)])?,
-            Err(_) => Pages::Most(value.extract()?),
-        }),
-        "one_page_per_mesh" => bake.one_page_per_mesh(value.extract()?),
-        "uv" => {
-            let words = [
-                ("auto", Uv::Auto),
-                ("keep", Uv::Keep),
-                ("unwrap", Uv::Unwrap),
-            ];
-            bake.uv(word(value, &words)?)
-        }
-        "gutter" => bake.gutter(value.extract()?),
-        "mips" => bake.mips(value.extract()?),
-        "align" => bake.align(value.extract()?),
-        "rays" => bake.rays(value.extract()?),
-        "target_error" => bake.target_error(value.extract()?),
-        "target_relative" => bake.target_relative(value.extract()?),
-        "max_rays" => bake.max_rays(value.extract()?),
-        "footprint" => {
-            let words = [("texel", Footprint::Texel), ("centre", Footprint::Centre)];
-            bake.footprint(word(value, &words)?)
-        }
-        "denoise" => {
-            let words = [
-                ("off", Denoise::Off),
-                ("regression", Denoise::Regression),
-                ("oidn", Denoise::Oidn),
-            ];
-            bake.denoise(word(value, &words)?)
-        }
-        "seams" => {
-            let words = [
-                ("off", Seams::Off),
-                ("object", Seams::Object),
-                ("scene", Seams::Scene),
-            ];
-            bake.seams(word(value, &words)?)
-        }
-        "sky" => bake.sky(sky(value)?),
-        "view" => bake.view(match value.cast::<PyString>() {
-            Ok(_) => word(value, &[("normal", View::Normal)])?,
-            Err(_) => View::Eye(value.extract::<[f64; 3]>()?.into()),
-        }),
-        "buried" => bake.buried(word(value, &BURIED)?),
-        "buried_of" => {
-            for (name, buried) in value.cast::<PyDict>()?.iter() {
-                bake = bake.buried_of(name.extract::<String>()?, word(&buried, &BURIED)?);
+            (_, Err(_)) if keyword.repeats && value.try_iter().is_ok() => {
+                return value
+                    .try_iter()?
+                    .map(|item| Ok(keyword.with(text(&item?)?)))
+                    .collect();
             }
-            bake
-        }
-        "shading" => {
-            let words = [
-                ("production", Shading::Production),
-                ("exact", Shading::Exact),
-            ];
-            bake.shading(word(value, &words)?)
-        }
-        "under" => bake.under(value.extract()?),
-        "max_distance" => bake.max_distance(value.extract()?),
-        "model" => bake.model(word(
-            value,
-            &[("phong", Model::Phong), ("ggx", Model::Ggx)],
-        )?),
-        "bounces" => bake.bounces(bounces(value)?),
-        "sun" | "point" | "sphere" | "rect" => {
-            lights(name, value)?.into_iter().fold(bake, Bake::light)
-        }
-        "lights" => bake.file_lights(word(value, &[("file", true), ("none", false)])?),
-        "layers" => bake.layers(layers(value)?),
-        "only" => bake.only(layers(value)?),
-        "to" => bake.to_vertices(word(value, &[("pages", false), ("vertices", true)])?),
-        "for_" => bake.for_engines(engines(value)?),
-        "compress" => bake.compress(value.extract()?),
-        "update" => bake.update(value.extract::<std::path::PathBuf>()?),
-        "normal_maps" => bake.normal_maps(value.extract()?),
-        "exponent" => bake.exponent(value.extract()?),
-        "ambient_coefficient" => bake.ambient_coefficient(match value.extract() {
-            Ok(rgb) => AmbientCoefficient::Rgb(rgb),
-            Err(_) => word(
-                value,
-                &[
-                    ("albedo", AmbientCoefficient::Albedo),
-                    ("file", AmbientCoefficient::Material),
-                ],
-            )?,
-        }),
-        "albedo" => bake.albedo(value.extract()?),
-        "specular" => bake.specular(value.extract()?),
-        "seed" => bake.seed(value.extract()?),
-        "backend" => bake.backend(backend(value)?),
-        "threads" => match value.extract()? {
-            0 => return Err(PyValueError::new_err("must be at least 1")),
-            threads => bake.threads(threads),
+            _ => text(value)?,
         },
-        _ => {
-            let names = words(value)?;
-            let choice = |name: &String| {
-                Choice::from_name(name)
-                    .ok_or_else(|| PyValueError::new_err(format!("there is no choice {name}")))
-            };
-            bake.plan_off(names.iter().map(choice).collect::<PyResult<Vec<_>>>()?)
-        }
-    })
+    };
+    Ok(vec![keyword.with(said)])
+}
+
+/// A value as flags say it: text, a path, a number, several of them between commas, several such between colons.
+fn text(value: &Bound<'_, PyAny>) -> PyResult<OsString> {
+    if let Ok(path) = value.extract::<PathBuf>() {
+        return Ok(path.into());
+    }
+    if let Ok(number) = value.extract::<f64>() {
+        return Ok(number.to_string().into());
+    }
+    let items: Vec<Bound<'_, PyAny>> = value.try_iter()?.collect::<PyResult<_>>()?;
+    let is_flat = |item: &Bound<'_, PyAny>| item.extract::<f64>().is_ok();
+    let between = if items.iter().all(is_flat) { "," } else { ":" };
+    let items: Vec<OsString> = items.iter().map(text).collect::<PyResult<_>>()?;
+    Ok(items.join(OsStr::new(between)))
 }
 
 /// A polar map as `python/ambake/__init__.py` hands it over: rows of little-endian 32-bit numbers, red, green and blue.
@@ -263,120 +145,31 @@ struct Pixels<'py> {
     pixels: Bound<'py, PyBytes>,
 }
 
-/// A uniform sky, the path of a map, or its pixels.
-pub fn sky(value: &Bound<'_, PyAny>) -> PyResult<Sky> {
-    if let Ok(radiance) = value.extract::<[f32; 3]>() {
-        return Ok(Sky::uniform(radiance));
+fn pixels(value: &Bound<'_, PyAny>) -> PyResult<Option<Sky>> {
+    if value.extract::<f64>().is_ok() {
+        let expected = "(red, green, blue), the path of a map or an array (height, width, 3)";
+        return Err(PyTypeError::new_err(format!("expected {expected}")));
     }
-    let sky = match value.extract::<Pixels<'_>>() {
-        Ok(map) => Sky::from_pixels(map.width, map.height, floats(&map.pixels)),
-        Err(_) => Sky::load(value.extract::<std::path::PathBuf>().map_err(|_| {
-            let expected = "(red, green, blue), the path of a map or an array (height, width, 3)";
-            PyTypeError::new_err(format!("expected {expected}"))
-        })?),
+    let Ok(map) = value.extract::<Pixels<'_>>() else {
+        return Ok(None);
     };
-    sky.map_err(|e| PyValueError::new_err(e.to_string()))
+    let sky = Sky::from_pixels(map.width, map.height, floats(&map.pixels));
+    sky.map(Some)
+        .map_err(|e| PyValueError::new_err(e.to_string()))
 }
 
-/// So many bounces, or `auto`.
-pub fn bounces(value: &Bound<'_, PyAny>) -> PyResult<Bounces> {
-    match value.cast::<PyString>() {
-        Ok(_) => word(value, &[("auto", Bounces::Auto)]),
-        Err(_) => Ok(match value.extract()? {
-            0 => Bounces::Off,
-            most => Bounces::Most(most),
-        }),
-    }
-}
-
-/// A ray library.
-pub fn backend(value: &Bound<'_, PyAny>) -> PyResult<Backend> {
-    let words = [
-        ("embree", Backend::Embree),
-        ("obvhs", Backend::Obvhs),
-        ("obvhs-bvh2", Backend::ObvhsBvh2),
-    ];
-    word(value, &words)
-}
-
-/// The lights of the option `sun`, `point`, `sphere` or `rect`.
-pub fn lights(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Light>> {
-    let (place, expected) = match name {
-        "sphere" => (4, "(x, y, z, radius, l) or (x, y, z, radius, r, g, b)"),
-        "rect" => (
-            9,
-            "a corner (x, y, z), two sides of three numbers each, and l or r, g, b",
-        ),
-        _ => (3, "(x, y, z, e) or (x, y, z, r, g, b)"),
-    };
-    let light = |numbers: Vec<f64>| {
-        let strength = strength(&numbers, place, expected)?;
-        let vector = |k: usize| [numbers[k], numbers[k + 1], numbers[k + 2]];
-        Ok(match name {
-            "sun" => Light::sun(vector(0), strength),
-            "sphere" => Light::sphere(vector(0), numbers[3], strength),
-            "rect" => Light::rect(vector(0), [vector(3), vector(6)], strength),
-            _ => Light::point(vector(0), strength),
-        })
-    };
-    let each = value.extract::<Vec<Vec<f64>>>()?;
-    each.into_iter().map(light).collect()
-}
-
-/// The value that a word stands for.
-pub fn word<T: Clone>(value: &Bound<'_, PyAny>, words: &[(&str, T)]) -> PyResult<T> {
-    let text: String = value.extract()?;
-    match words.iter().find(|(word, _)| *word == text) {
-        Some((_, meaning)) => Ok(meaning.clone()),
-        None => {
-            let known: Vec<_> = words.iter().map(|(word, _)| *word).collect();
-            let problem = format!("{text:?} is none of {}", known.join(", "));
-            Err(PyValueError::new_err(problem))
-        }
-    }
-}
-
-/// One text or several.
-fn texts(value: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
-    match value.cast::<PyString>() {
-        Ok(text) => Ok(vec![text.extract()?]),
-        Err(_) => value.extract(),
-    }
-}
-
-/// Words in a list, or in one text with commas between them.
-fn words(value: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
-    match value.cast::<PyString>() {
-        Ok(text) => {
-            let text: String = text.extract()?;
-            Ok(text.split(',').map(|word| word.trim().into()).collect())
-        }
-        Err(_) => value.extract(),
-    }
-}
-
-/// The engines of these names.
+/// The engines of these names, in a list or in one text with commas between them.
 pub fn engines(value: &Bound<'_, PyAny>) -> PyResult<Vec<Engine>> {
+    let names: Vec<String> = match value.cast::<PyString>() {
+        Ok(text) => text
+            .extract::<String>()?
+            .split(',')
+            .map(|name| name.trim().into())
+            .collect(),
+        Err(_) => value.extract()?,
+    };
     let engine = |name: &String| {
-        Engine::from_name(name).ok_or_else(|| {
-            let known: Vec<_> = Engine::all().map(Engine::name).collect();
-            let problem = format!(
-                "there is no engine {name:?}; there are {}",
-                known.join(", ")
-            );
-            PyValueError::new_err(problem)
-        })
+        values::engine(name).map_err(|of| PyValueError::new_err(problem(name, &of)))
     };
-    words(value)?.iter().map(engine).collect()
-}
-
-fn layers(value: &Bound<'_, PyAny>) -> PyResult<Vec<Layer>> {
-    let layer = |name: &String| {
-        Layer::from_name(name).ok_or_else(|| {
-            let known: Vec<_> = Layer::all().map(Layer::name).collect();
-            let problem = format!("there is no layer {name:?}; there are {}", known.join(", "));
-            PyValueError::new_err(problem)
-        })
-    };
-    words(value)?.iter().map(layer).collect()
+    names.iter().map(engine).collect()
 }

@@ -2,9 +2,9 @@
 
 use crate::baked::Baked;
 use crate::error::error;
-use crate::probes::{self, Probes};
+use crate::probes::Probes;
 use crate::{options, scene};
-use ambake::{Bake, Progress, Resume, Scene};
+use ambake::{Progress, Resume, Scene};
 use pyo3::exceptions::{PyFileNotFoundError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -76,7 +76,7 @@ fn bake(
     output: Option<&Path>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Baked> {
-    let bake = options::set(Bake::new(&scene), given)?;
+    let bake = options::bake(&scene, given)?;
     let job = |meter: &Meter| match output {
         None => bake.run(meter),
         Some(folder) => {
@@ -96,8 +96,13 @@ pub fn probes_file(
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Probes> {
     let scene = file(py, &path)?;
-    let (places, options) = probes::asked(&scene, options)?;
-    let gather = |meter: &Meter| ambake::Probes::gather(&scene, &places, &options, meter);
+    let (places, options, threads) = options::probes(&scene, options)?;
+    let gather = |meter: &Meter| {
+        let pool = ambake::rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()?;
+        pool.install(|| ambake::Probes::gather(&scene, &places, &options, meter))
+    };
     Ok(Probes::new(beside(py, progress, gather)?))
 }
 

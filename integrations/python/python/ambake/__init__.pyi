@@ -24,10 +24,6 @@ class Options(TypedDict, total=False):
     seen_from: Union[Sequence[_Rgb], Literal["auto"]]
     pages: Union[int, Literal["auto"]]
     one_page_per_mesh: bool
-    uv: Literal["auto", "keep", "unwrap"]
-    gutter: int
-    mips: int
-    align: int
     rays: int
     target_error: float
     target_relative: float
@@ -37,10 +33,10 @@ class Options(TypedDict, total=False):
     seams: Literal["off", "object", "scene"]
     sky: Union[_Rgb, _Path, npt.NDArray[Any]]
     view: Union[Literal["normal"], Sequence[float]]
+    shading: Literal["production", "exact"]
     buried: Literal["drop", "keep"]
     buried_of: Mapping[str, Literal["drop", "keep"]]
     under: float
-    shading: Literal["production", "exact"]
     max_distance: float
     model: Literal["phong", "ggx"]
     bounces: Union[int, Literal["auto"]]
@@ -49,21 +45,27 @@ class Options(TypedDict, total=False):
     point: Sequence[Sequence[float]]
     sphere: Sequence[Sequence[float]]
     rect: Sequence[Sequence[float]]
+    max_memory: Union[int, str]
+    backend: Literal["embree", "obvhs", "obvhs-bvh2"]
+    uv: Literal["auto", "keep", "unwrap"]
+    gutter: int
+    mips: int
+    align: int
     layers: Union[str, Sequence[str]]
     only: Union[str, Sequence[str]]
     to: Literal["pages", "vertices"]
-    compress: bool
-    for_: Union[str, Sequence[str]]
-    update: _Path
     normal_maps: bool
     exponent: float
     ambient_coefficient: Union[_Rgb, Literal["albedo", "file"]]
     albedo: _Rgb
     specular: _Rgb
-    seed: int
-    backend: Literal["embree", "obvhs", "obvhs-bvh2"]
-    threads: int
     plan_off: Union[str, Sequence[str]]
+    for_: Union[str, Sequence[str]]
+    compress: bool
+    update: _Path
+    verify: bool
+    threads: int
+    seed: int
 
 class PageStats(TypedDict):
     texels: int
@@ -129,26 +131,28 @@ class Probes:
     def write(self, folder: _Path, engines: Union[str, Sequence[str]] = ()) -> list[os.PathLike[str]]: ...
 
 class ProbeOptions(TypedDict, total=False):
-    at: Union[Sequence[_Rgb], npt.NDArray[np.float64]]
-    grid: Sequence[int]
     spacing: float
+    grid: Sequence[int]
+    at: Union[Sequence[_Rgb], npt.NDArray[np.float64]]
     within: Sequence[_Rgb]
     bake: _Path
+    order: int
+    rays: int
+    target_error: float
+    max_rays: int
+    refine: float
     sky: Union[_Rgb, _Path, npt.NDArray[Any]]
+    bounces: Union[int, Literal["auto"]]
     lights: Literal["file", "none"]
+    max_distance: float
     sun: Sequence[Sequence[float]]
     point: Sequence[Sequence[float]]
     sphere: Sequence[Sequence[float]]
     rect: Sequence[Sequence[float]]
-    bounces: Union[int, Literal["auto"]]
-    max_distance: float
-    rays: int
-    target_error: float
-    max_rays: int
-    order: int
     window: bool
     tried: int
-    seed: int
     backend: Literal["embree", "obvhs", "obvhs-bvh2"]
+    threads: int
+    seed: int
 
 def probes(source: _Path, *, progress: _Progress | None = None, **options: Unpack[ProbeOptions]) -> Probes: ...
