@@ -18,6 +18,17 @@ use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+/// Setters of options of the same name: what they say, and `Some` where the option may be absent.
+macro_rules! setters {
+    ($($(#[$doc:meta])* $name:ident($value:ident: $kind:ty) $($some:ident)?;)*) => {$(
+        $(#[$doc])*
+        pub fn $name(mut self, $value: $kind) -> Self {
+            self.options.$name = $($some)?($value);
+            self
+        }
+    )*};
+}
+
 /// A bake of a scene, not yet started. The options are named as the flags of the command line; each has the default of
 /// its flag.
 ///
@@ -81,17 +92,95 @@ impl Bake {
         self
     }
 
-    /// Page edge in texels, 1..=16384; 1024 by default.
-    pub fn size(mut self, texels: u32) -> Self {
-        self.options.size = texels;
-        self
-    }
+    setters! {
+        /// Page edge in texels, 1..=16384; 1024 by default.
+        size(texels: u32);
 
-    /// Texels per scene unit of every object, above 0; pages are added as needed. By default the texels of one page are
-    /// shared by a rule that no large plane can ruin.
-    pub fn density(mut self, texels_per_unit: f64) -> Self {
-        self.options.density = Some(texels_per_unit);
-        self
+        /// Texels per scene unit of every object, above 0; pages are added as needed. By default the texels of one page are
+        /// shared by a rule that no large plane can ruin.
+        density(texels_per_unit: f64) Some;
+
+        /// How many pages there are: by default one, and more where a density needs them or the charts do not fit.
+        pages(pages: Pages);
+
+        /// Makes it an error if a mesh does not fit on one page. By default its charts are then spread over several.
+        one_page_per_mesh(together: bool);
+
+        /// Lightmap coordinates: keep the file's, unwrap, or keep them where they are usable.
+        uv(uv: Uv);
+
+        /// Texels that stay empty around every chart that is packed, at most 128; 2 by default.
+        gutter(texels: u32);
+
+        /// Mip levels on which no look-up mixes packed charts, at most 6; 0 by default.
+        mips(levels: u32);
+
+        /// Edge in texels of the blocks that never hold texels of two packed charts, 1..=16; 1, for none, by default.
+        align(texels: u32);
+
+        /// Where the samples of a texel lie; all over its area by default.
+        footprint(footprint: Footprint);
+
+        /// How integrated terms are denoised; by regression by default, but for one ray a texel.
+        denoise(denoise: Denoise) Some;
+
+        /// Between which charts a bilinear look-up is made to agree across the edge that they share; those of any objects
+        /// by default.
+        seams(seams: Seams);
+
+        /// Where the eye of the specular term stands: by default on every texel's normal.
+        view(view: View);
+
+        /// What happens to samples inside of solids; dropped by default.
+        buried(buried: Buried);
+
+        /// What smooth shading sees between the horizon of a shading normal and the plane of its facet; production by
+        /// default.
+        shading(shading: Shading);
+
+        /// A thin layer at most so many scene units above a surface (paper on a desk, a decal, a rug) takes no light from
+        /// it, so that no dark line is seen around it; 0 for none. By default an eighth of a texel. It fades out up to
+        /// twice as far.
+        under(distance: f64) Some;
+
+        /// Occluders farther than this many scene units do not count; by default there is no limit.
+        max_distance(distance: f32) Some;
+
+        /// What the highlight is: the paper's Phong lobe, or GGX, whose layer then stands in place of [`Layer::Phong`]. By
+        /// default GGX for glTF and for metallic-roughness materials in memory, and Phong for other scenes, unless layers
+        /// or an exponent ask for one of them ([`Options::model`]).
+        model(model: Model) Some;
+
+        /// How often surfaces send on the light that they receive; never by default.
+        bounces(bounces: Bounces);
+
+        /// Whether the lights of the scene's file are baked (glTF `KHR_lights_punctual`): lux and candela count as W·m⁻²
+        /// and W·sr⁻¹.
+        file_lights(on: bool) Some;
+
+        /// Whether normal maps of materials bend the shading normals; not by default.
+        normal_maps(on: bool);
+
+        /// Lobe exponent of every material, 0..=1e6.
+        exponent(exponent: f64) Some;
+
+        /// k_a, by which the layer `traditional` reflects ambient light; the albedo by default. Each channel of a colour is
+        /// from 0 to 1e6.
+        ambient_coefficient(coefficient: AmbientCoefficient);
+
+        /// Diffuse reflectance of every material, linear RGB, each channel 0 or above.
+        albedo(rgb: [f32; 3]) Some;
+
+        /// Specular reflectance of every material, linear RGB, each channel 0 or above.
+        specular(rgb: [f32; 3]) Some;
+
+        /// Seed of the sample points; 0 by default. The same scene, options and seed give the same bytes at any number of
+        /// threads.
+        seed(seed: u64);
+
+        /// Makes lightmaps and occlusion of the engines that read such in blocks of 4 x 4 texels: BC6H, in place of
+        /// uncompressed KTX2, and BC7. Three and Bevy do; pages must be a multiple of 4 wide. Off by default.
+        compress(compress: bool);
     }
 
     /// Texels per scene unit, above 0, of the objects that `name` fits; `*` and `?` are wildcards. Later calls win.
@@ -147,42 +236,6 @@ impl Bake {
         self
     }
 
-    /// How many pages there are: by default one, and more where a density needs them or the charts do not fit.
-    pub fn pages(mut self, pages: Pages) -> Self {
-        self.options.pages = pages;
-        self
-    }
-
-    /// Makes it an error if a mesh does not fit on one page. By default its charts are then spread over several.
-    pub fn one_page_per_mesh(mut self, together: bool) -> Self {
-        self.options.one_page_per_mesh = together;
-        self
-    }
-
-    /// Lightmap coordinates: keep the file's, unwrap, or keep them where they are usable.
-    pub fn uv(mut self, uv: Uv) -> Self {
-        self.options.uv = uv;
-        self
-    }
-
-    /// Texels that stay empty around every chart that is packed, at most 128; 2 by default.
-    pub fn gutter(mut self, texels: u32) -> Self {
-        self.options.gutter = texels;
-        self
-    }
-
-    /// Mip levels on which no look-up mixes packed charts, at most 6; 0 by default.
-    pub fn mips(mut self, levels: u32) -> Self {
-        self.options.mips = levels;
-        self
-    }
-
-    /// Edge in texels of the blocks that never hold texels of two packed charts, 1..=16; 1, for none, by default.
-    pub fn align(mut self, texels: u32) -> Self {
-        self.options.align = texels;
-        self
-    }
-
     /// Rays per texel over the hemisphere, at least 1; a highlight takes what it is worth beside them
     /// ([`Options::full_highlights`]).
     pub fn rays(mut self, rays: u32) -> Self {
@@ -224,75 +277,9 @@ impl Bake {
         self
     }
 
-    /// Where the samples of a texel lie; all over its area by default.
-    pub fn footprint(mut self, footprint: Footprint) -> Self {
-        self.options.footprint = footprint;
-        self
-    }
-
-    /// How integrated terms are denoised; by regression by default, but for one ray a texel.
-    pub fn denoise(mut self, denoise: Denoise) -> Self {
-        self.options.denoise = Some(denoise);
-        self
-    }
-
-    /// Between which charts a bilinear look-up is made to agree across the edge that they share; those of any objects
-    /// by default.
-    pub fn seams(mut self, seams: Seams) -> Self {
-        self.options.seams = seams;
-        self
-    }
-
     /// The sky: a uniform radiance `[r, g, b]`, or an illumination map from [`Sky::load`]. White by default.
     pub fn sky(mut self, sky: impl Into<Sky>) -> Self {
         self.options.sky = sky.into();
-        self
-    }
-
-    /// Where the eye of the specular term stands: by default on every texel's normal.
-    pub fn view(mut self, view: View) -> Self {
-        self.options.view = view;
-        self
-    }
-
-    /// What happens to samples inside of solids; dropped by default.
-    pub fn buried(mut self, buried: Buried) -> Self {
-        self.options.buried = buried;
-        self
-    }
-
-    /// What smooth shading sees between the horizon of a shading normal and the plane of its facet; production by
-    /// default.
-    pub fn shading(mut self, shading: Shading) -> Self {
-        self.options.shading = shading;
-        self
-    }
-
-    /// A thin layer at most so many scene units above a surface (paper on a desk, a decal, a rug) takes no light from
-    /// it, so that no dark line is seen around it; 0 for none. By default an eighth of a texel. It fades out up to
-    /// twice as far.
-    pub fn under(mut self, distance: f64) -> Self {
-        self.options.under = Some(distance);
-        self
-    }
-
-    /// Occluders farther than this many scene units do not count; by default there is no limit.
-    pub fn max_distance(mut self, distance: f32) -> Self {
-        self.options.max_distance = Some(distance);
-        self
-    }
-
-    /// What the highlight is: the paper's Phong lobe, or GGX, whose layer then stands in place of [`Layer::Phong`]. By
-    /// default GGX for glTF and for metallic-roughness materials in memory, and Phong for other scenes, unless layers
-    /// or an exponent ask for one of them ([`Options::model`]).
-    pub fn model(mut self, model: Model) -> Self {
-        self.options.model = Some(model);
-        self
-    }
-
-    /// How often surfaces send on the light that they receive; never by default.
-    pub fn bounces(mut self, bounces: Bounces) -> Self {
-        self.options.bounces = bounces;
         self
     }
 
@@ -300,13 +287,6 @@ impl Bake {
     /// straight, with shadows; with [`Bake::bounces`] surfaces send it on.
     pub fn light(mut self, light: Light) -> Self {
         self.options.lights.push(light);
-        self
-    }
-
-    /// Whether the lights of the scene's file are baked (glTF `KHR_lights_punctual`): lux and candela count as W·m⁻²
-    /// and W·sr⁻¹.
-    pub fn file_lights(mut self, on: bool) -> Self {
-        self.options.file_lights = Some(on);
         self
     }
 
@@ -337,44 +317,6 @@ impl Bake {
         }
     }
 
-    /// Whether normal maps of materials bend the shading normals; not by default.
-    pub fn normal_maps(mut self, on: bool) -> Self {
-        self.options.normal_maps = on;
-        self
-    }
-
-    /// Lobe exponent of every material, 0..=1e6.
-    pub fn exponent(mut self, exponent: f64) -> Self {
-        self.options.exponent = Some(exponent);
-        self
-    }
-
-    /// k_a, by which the layer `traditional` reflects ambient light; the albedo by default. Each channel of a colour is
-    /// from 0 to 1e6.
-    pub fn ambient_coefficient(mut self, coefficient: AmbientCoefficient) -> Self {
-        self.options.ambient_coefficient = coefficient;
-        self
-    }
-
-    /// Diffuse reflectance of every material, linear RGB, each channel 0 or above.
-    pub fn albedo(mut self, rgb: [f32; 3]) -> Self {
-        self.options.albedo = Some(rgb);
-        self
-    }
-
-    /// Specular reflectance of every material, linear RGB, each channel 0 or above.
-    pub fn specular(mut self, rgb: [f32; 3]) -> Self {
-        self.options.specular = Some(rgb);
-        self
-    }
-
-    /// Seed of the sample points; 0 by default. The same scene, options and seed give the same bytes at any number of
-    /// threads.
-    pub fn seed(mut self, seed: u64) -> Self {
-        self.options.seed = seed;
-        self
-    }
-
     /// Planner choices that are switched off: what they would leave out is modelled all the same.
     pub fn plan_off(mut self, choices: impl IntoIterator<Item = Choice>) -> Self {
         self.options.plan_off = choices.into_iter().collect();
@@ -388,13 +330,6 @@ impl Bake {
                 self.options.engines.push(engine);
             }
         }
-        self
-    }
-
-    /// Makes lightmaps and occlusion of the engines that read such in blocks of 4 x 4 texels: BC6H, in place of
-    /// uncompressed KTX2, and BC7. Three and Bevy do; pages must be a multiple of 4 wide. Off by default.
-    pub fn compress(mut self, compress: bool) -> Self {
-        self.options.compress = compress;
         self
     }
 

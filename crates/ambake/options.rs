@@ -61,147 +61,113 @@ impl Backend {
     }
 }
 
-/// The options of a bake. [`crate::Bake`] sets them one by one; `Options::default()` are those of a plain bake.
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub struct Options {
+/// The type of options, each with its default.
+macro_rules! options {
+    ($($(#[$doc:meta])* $name:ident: $kind:ty = $default:expr;)*) => {
+        /// The options of a bake. [`crate::Bake`] sets them one by one; `Options::default()` are those of a plain bake.
+        #[derive(Debug, Clone)]
+        #[non_exhaustive]
+        pub struct Options {
+            $($(#[$doc])* pub $name: $kind,)*
+        }
+
+        impl Default for Options {
+            fn default() -> Self {
+                Self { $($name: $default,)* }
+            }
+        }
+    };
+}
+
+options! {
     /// Page edge in texels, 1..=16384.
-    pub size: u32,
+    size: u32 = 1024;
     /// Texels per scene unit of every object; `None` shares the texels of the pages by a rule.
-    pub density: Option<f64>,
+    density: Option<f64> = None;
     /// All objects have one density, the largest that fits the pages, but for those with one of their own.
-    pub even_density: bool,
+    even_density: bool = false;
     /// Texels per scene unit of the objects that a name with wildcards fits; later ones win.
-    pub density_of: Vec<(String, f64)>,
+    density_of: Vec<(String, f64)> = Vec::new();
     /// Names, with wildcards, of the objects that take texels; empty for all.
-    pub include: Vec<String>,
+    include: Vec<String> = Vec::new();
     /// Names, with wildcards, of objects that take no texels; they still occlude.
-    pub exclude: Vec<String>,
+    exclude: Vec<String> = Vec::new();
     /// Names, with wildcards, of objects that block no light; they take texels.
-    pub no_cast: Vec<String>,
+    no_cast: Vec<String> = Vec::new();
     /// What happens to samples that are buried, of the objects that a name with wildcards fits; later ones win.
-    pub buried_of: Vec<(String, Buried)>,
+    buried_of: Vec<(String, Buried)> = Vec::new();
     /// Eye points in scene units: charts that none of them sees take one texel; empty for no such test.
-    pub seen_from: Vec<[f64; 3]>,
+    seen_from: Vec<[f64; 3]> = Vec::new();
     /// The same for the outsides of a scene of rooms, which nobody within sees; no other scene changes.
-    pub seen_from_within: bool,
+    seen_from_within: bool = false;
     /// How many pages there are.
-    pub pages: Pages,
+    pages: Pages = Pages::Auto;
     /// A mesh that does not fit on one page is an error.
-    pub one_page_per_mesh: bool,
+    one_page_per_mesh: bool = false;
     /// Lightmap coordinates.
-    pub uv: Uv,
+    uv: Uv = Uv::Auto;
     /// Texels that stay empty around every chart that is packed, 0..=128.
-    pub gutter: u32,
+    gutter: u32 = 2;
     /// Mip levels on which no look-up mixes packed charts, 0..=6: the gutter grows as needed.
-    pub mips: u32,
+    mips: u32 = 0;
     /// Edge in texels of the blocks that never hold texels of two packed charts, 1..=16; 1 for none.
-    pub align: u32,
+    align: u32 = 1;
     /// How many rays a texel takes.
-    pub effort: Effort,
+    effort: Effort = Effort::Rays(256);
     /// Where the samples of a texel lie.
-    pub footprint: Footprint,
+    footprint: Footprint = Footprint::Texel;
     /// How integrated terms are denoised; `None`: see [`Options::denoises`].
-    pub denoise: Option<Denoise>,
+    denoise: Option<Denoise> = None;
     /// Where seams are solved.
-    pub seams: Seams,
+    seams: Seams = Seams::default();
     /// Seed of every sample stream.
-    pub seed: u64,
+    seed: u64 = 0;
     /// The light that arrives where nothing blocks it.
-    pub sky: Sky,
+    sky: Sky = Sky::default();
     /// Where the eye of the specular term stands.
-    pub view: View,
+    view: View = View::Normal;
     /// What smooth shading sees below the plane of a facet.
-    pub shading: Shading,
+    shading: Shading = Shading::Production;
     /// What happens to samples inside of solids.
-    pub buried: Buried,
+    buried: Buried = Buried::Drop;
     /// How far above a surface a thin layer may lie that takes no light from it, in scene units; `None` for an eighth
     /// of a texel.
-    pub under: Option<f64>,
+    under: Option<f64> = None;
     /// Occluders farther than this do not count, in scene units.
-    pub max_distance: Option<f32>,
+    max_distance: Option<f32> = None;
     /// What the highlight is; under GGX the layer `ggx` stands in place of `phong`. `None`: the model that layers or an
     /// exponent ask for, else GGX for glTF and for metallic-roughness in memory, which are defined by it, and Phong for
     /// other scenes.
-    pub model: Option<Model>,
+    model: Option<Model> = None;
     /// How often surfaces send on the light that they receive.
-    pub bounces: Bounces,
+    bounces: Bounces = Bounces::Off;
     /// Suns, point lights and spots, in scene units.
-    pub lights: Vec<Light>,
+    lights: Vec<Light> = Vec::new();
     /// Whether the lights of the scene's file join [`Options::lights`]; `None` for no, and a warning names them.
-    pub file_lights: Option<bool>,
+    file_lights: Option<bool> = None;
     /// Layers to produce, coverage first, without repeats.
-    pub layers: Vec<Layer>,
+    layers: Vec<Layer> = Layer::STANDARD.to_vec();
     /// Normal maps of materials bend the shading normals.
-    pub normal_maps: bool,
+    normal_maps: bool = false;
     /// k_a, by which the layer `traditional` reflects.
-    pub ambient_coefficient: AmbientCoefficient,
+    ambient_coefficient: AmbientCoefficient = AmbientCoefficient::Albedo;
     /// Diffuse reflectance of every material, linear RGB.
-    pub albedo: Option<[f32; 3]>,
+    albedo: Option<[f32; 3]> = None;
     /// Specular reflectance of every material, linear RGB.
-    pub specular: Option<[f32; 3]>,
+    specular: Option<[f32; 3]> = None;
     /// Lobe exponent of every material, 0..=1e6.
-    pub exponent: Option<f64>,
+    exponent: Option<f64> = None;
     /// Highlights take as many rays as the hemisphere, however faint they are. So they do too with an exponent, an eye
     /// point, or layers that show them by themselves.
-    pub full_highlights: bool,
+    full_highlights: bool = false;
     /// Planner choices that are switched off.
-    pub plan_off: Vec<Choice>,
+    plan_off: Vec<Choice> = Vec::new();
     /// Engines that get files of their own; these change no value.
-    pub engines: Vec<Engine>,
+    engines: Vec<Engine> = Vec::new();
     /// Their lightmaps and occlusion are compressed, where an engine reads that; it changes no value.
-    pub compress: bool,
+    compress: bool = false;
     /// The diffuse term is also written at vertices; it changes no value.
-    pub vertices: bool,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            size: 1024,
-            density: None,
-            even_density: false,
-            density_of: Vec::new(),
-            include: Vec::new(),
-            exclude: Vec::new(),
-            no_cast: Vec::new(),
-            buried_of: Vec::new(),
-            seen_from: Vec::new(),
-            seen_from_within: false,
-            pages: Pages::Auto,
-            one_page_per_mesh: false,
-            uv: Uv::Auto,
-            gutter: 2,
-            mips: 0,
-            align: 1,
-            effort: Effort::Rays(256),
-            footprint: Footprint::Texel,
-            denoise: None,
-            seams: Seams::default(),
-            seed: 0,
-            sky: Sky::default(),
-            view: View::Normal,
-            shading: Shading::Production,
-            buried: Buried::Drop,
-            under: None,
-            max_distance: None,
-            model: None,
-            bounces: Bounces::Off,
-            lights: Vec::new(),
-            file_lights: None,
-            layers: Layer::STANDARD.to_vec(),
-            normal_maps: false,
-            ambient_coefficient: AmbientCoefficient::Albedo,
-            albedo: None,
-            specular: None,
-            exponent: None,
-            full_highlights: false,
-            plan_off: Vec::new(),
-            engines: Vec::new(),
-            compress: false,
-            vertices: false,
-        }
-    }
+    vertices: bool = false;
 }
 
 impl Options {

@@ -2,17 +2,13 @@
 
 use crate::options::{Backend, Uv};
 use ::bake::{Buried, Denoise, Footprint, Model, Seams, Shading};
+use render::Model as Shown;
+use render::tables::{Lookup, NormalCode};
 
 /// Values that have words.
 pub trait Words: Copy + PartialEq + Send + Sync + 'static {
     /// Each word, its value, and what the word alone does not say.
     const ALL: &'static [(&'static str, Self, &'static str)];
-
-    /// The value of a word.
-    fn of(word: &str) -> Option<Self> {
-        let found = Self::ALL.iter().find(|(known, ..)| *known == word);
-        found.map(|(_, value, _)| *value)
-    }
 
     /// The word of a value.
     fn word(self) -> &'static str {
@@ -22,10 +18,10 @@ pub trait Words: Copy + PartialEq + Send + Sync + 'static {
 }
 
 macro_rules! words {
-    ($($kind:ident { $($word:literal = $value:ident $($help:literal)?,)* })*) => {$(
+    ($($kind:ident { $($word:literal = $value:ident$(($bits:literal))? $($help:literal)?,)* })*) => {$(
         impl Words for $kind {
             const ALL: &'static [(&'static str, Self, &'static str)] =
-                &[$(($word, Self::$value, concat!($($help)?))),*];
+                &[$(($word, Self::$value$(($bits))?, concat!($($help)?))),*];
         }
     )*};
 }
@@ -49,9 +45,23 @@ words! {
         "texel" = Texel "All over its area",
         "centre" = Centre "At its centre",
     }
+    Lookup {
+        "nearest" = Nearest "One texel",
+        "bilinear" = Bilinear "Between four texels",
+        "recursive" = Recursive "Halves the pixel until its corners show adjacent texels",
+        "quad" = Quad "Integrates over the quad of the corners",
+        "summed" = Summed "Rectangle of a pre-integrated table, constant cost",
+    }
     Model {
         "phong" = Phong,
         "ggx" = Ggx,
+    }
+    NormalCode {
+        "256" = Visible256 "256 normals of the visible hemisphere",
+        "oct8+8" = Octahedral(8) "Octahedral, 16 bits",
+        "oct10+10" = Octahedral(10) "Octahedral, 20 bits",
+        "oct12+12" = Octahedral(12) "Octahedral, 24 bits",
+        "oct16+16" = Octahedral(16) "Octahedral, 32 bits",
     }
     Seams {
         "off" = Off,
@@ -61,6 +71,15 @@ words! {
     Shading {
         "production" = Production "What its mirror image in the facet's plane sees: convex bodies do not darken themselves",
         "exact" = Exact "Nothing: the facet hides it",
+    }
+    Shown {
+        "traditional" = Traditional "Constant times the open share of the hemisphere",
+        "traditional.closed" = TraditionalClosed "The same constant times what an open surface reflects, in closed form",
+        "lambert" = Lambert "The Lambertian ambient term",
+        "phong" = Phong "Lambertian and specular terms",
+        "ggx" = Ggx "Lambertian and microfacet terms",
+        "lommel-seeliger" = LommelSeeliger "Loose dust, as on the Moon, in place of the Lambertian term",
+        "facing-ratio" = FacingRatio "Albedo times the cosine to the eye, without any light",
     }
     Uv {
         "auto" = Auto,

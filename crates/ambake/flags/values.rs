@@ -15,8 +15,13 @@ pub fn word<T: Words>() -> impl TypedValueParser<Value = T> {
         "" => PossibleValue::new(*word),
         help => PossibleValue::new(*word).help(help),
     });
-    PossibleValuesParser::new(known.collect::<Vec<_>>())
-        .try_map(|word| T::of(&word).ok_or("unknown word"))
+    PossibleValuesParser::new(known.collect::<Vec<_>>()).try_map(|word| meaning(&word))
+}
+
+fn meaning<T: Words>(word: &str) -> Result<T, String> {
+    let found = T::ALL.iter().find(|(known, ..)| *known == word);
+    let found = found.map(|(_, value, _)| *value);
+    found.ok_or_else(|| format!("invalid variant: {word}"))
 }
 
 /// One of two words, and whether it is `yes`.
@@ -36,8 +41,7 @@ pub fn buried_of(text: &str) -> Result<(String, Buried), String> {
     let (name, word) = text
         .rsplit_once('=')
         .ok_or("expected NAME=drop or NAME=keep, such as `wall*=keep`")?;
-    let buried = Buried::of(word).ok_or_else(|| format!("invalid variant: {word}"))?;
-    Ok((name.into(), buried))
+    Ok((name.into(), meaning(word)?))
 }
 
 /// What `--density` asks for.

@@ -1,5 +1,6 @@
 //! What was typed after the verbs that bake.
 
+use ambake::Resume;
 use ambake::flags::bake::{Earlier, Engines, Job};
 use ambake::flags::common::Common;
 use ambake::flags::values::shard;
@@ -19,15 +20,8 @@ pub struct Bake {
     pub output: Option<PathBuf>,
     #[command(flatten)]
     pub engines: Engines,
-    /// Start anew, also where an interrupted bake of the same scene and options left its state in DIR; without it the
-    /// bake goes on from there
-    #[arg(help_heading = "Runs", hide_short_help = true)]
-    #[arg(long)]
-    pub fresh: bool,
-    /// Refuse what has the place of that state and cannot be one, such as a link
-    #[arg(help_heading = "Runs", hide_short_help = true)]
-    #[arg(long, conflicts_with = "fresh")]
-    pub resume: bool,
+    #[command(flatten)]
+    pub runs: Runs,
     /// Bake part I of N of the texels, I from 1; all parts share DIR, in any order and on any machine, and `ambake
     /// merge DIR` makes one bake of them. A part that was stopped continues
     #[arg(help_heading = "Runs", hide_short_help = true)]
@@ -61,6 +55,31 @@ impl Bake {
     }
 }
 
+/// What becomes of the state that an interrupted run left.
+#[derive(ClapArgs)]
+pub struct Runs {
+    /// Start anew, also where an interrupted run of the same scene and options left its state in DIR; without it the
+    /// run goes on from there
+    #[arg(help_heading = "Runs", hide_short_help = true)]
+    #[arg(long)]
+    pub fresh: bool,
+    /// Refuse what has the place of that state and cannot be one, such as a link
+    #[arg(help_heading = "Runs", hide_short_help = true)]
+    #[arg(long, conflicts_with = "fresh")]
+    pub resume: bool,
+}
+
+impl Runs {
+    /// As the library calls it.
+    pub fn resume(&self) -> Resume {
+        match (self.fresh, self.resume) {
+            (true, _) => Resume::Never,
+            (_, true) => Resume::Asked,
+            _ => Resume::IfFound,
+        }
+    }
+}
+
 #[derive(ClapArgs)]
 pub struct Layout {
     /// Scene file: .obj, .gltf or .glb
@@ -84,10 +103,8 @@ pub struct Unused {
     pub engines: Engines,
     #[arg(long)]
     pub report: bool,
-    #[arg(long)]
-    pub fresh: bool,
-    #[arg(long, conflicts_with = "fresh")]
-    pub resume: bool,
+    #[command(flatten)]
+    pub runs: Runs,
 }
 
 #[derive(ClapArgs)]

@@ -9,8 +9,8 @@ use crate::outcome::{Outcome, one_line, printable, say, say_json_text, tell};
 use crate::progress::{Show, watch};
 use crate::stop::Stop;
 use crate::{allocate, project, view};
+use ambake::Written;
 use ambake::flags::common::Common;
-use ambake::{Resume, Written};
 use anyhow::bail;
 use report::Output;
 use std::collections::HashMap;
@@ -117,11 +117,7 @@ fn one(args: &Args, scene: &Path, output: &Path, stop: &Stop) -> anyhow::Result<
         unit: "texels",
         quiet: args.common.quiet,
     };
-    let resume = match (args.fresh, args.resume) {
-        (true, _) => Resume::Never,
-        (_, true) => Resume::Asked,
-        (..) => Resume::IfFound,
-    };
+    let resume = args.runs.resume();
     let written = watch(show, stop, |progress| {
         job.run_into(output, resume, progress)
     });

@@ -1,5 +1,6 @@
 //! What was typed after `ambake probes`.
 
+use crate::bake::args::Runs;
 use ambake::flags::common::Common;
 use ambake::flags::probes::Job;
 use ambake::flags::values::{engine, shard};
@@ -21,15 +22,8 @@ pub struct Args {
     pub engines: Vec<ambake::Engine>,
     #[command(flatten)]
     pub job: Job,
-    /// Start anew, also where interrupted probes of the same scene and options left their state in DIR; without it they
-    /// go on from there
-    #[arg(help_heading = "Runs", hide_short_help = true)]
-    #[arg(long)]
-    pub fresh: bool,
-    /// Refuse what has the place of that state and cannot be one, such as a link
-    #[arg(help_heading = "Runs", hide_short_help = true)]
-    #[arg(long, conflicts_with = "fresh")]
-    pub resume: bool,
+    #[command(flatten)]
+    pub runs: Runs,
     /// Gather part I of N, I from 1; all parts share DIR, in any order and on any machine, and `ambake merge DIR` makes
     /// the files of all. A part that was stopped continues
     #[arg(help_heading = "Runs", hide_short_help = true)]

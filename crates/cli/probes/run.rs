@@ -7,7 +7,7 @@ use crate::outcome::{Outcome, say, say_json, tell};
 use crate::progress::{Show, count, watch};
 use crate::stop::Stop;
 use ambake::flags::common::Common;
-use ambake::{Places, ProbeOptions, ProbeReport, Probes, Resume, Scene};
+use ambake::{Places, ProbeOptions, ProbeReport, Probes, Scene};
 use ambient::harmonics::{MOST, matt_rms};
 use glam::DVec3;
 use serde_json::json;
@@ -33,11 +33,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if let Some(shard) = args.shard {
         return part::run(args, &asked, shard, &stop);
     }
-    let resume = match (args.fresh, args.resume) {
-        (true, _) => Resume::Never,
-        (_, true) => Resume::Asked,
-        _ => Resume::IfFound,
-    };
+    let resume = args.runs.resume();
     let gathered = watch(show(&args.common), &stop, |progress| {
         Probes::gather_into(scene, places, options, (&args.output, resume), progress)
     });

@@ -2,6 +2,7 @@
 
 use super::ball_args::Balls;
 use super::tables_args::Tables;
+use ::render::Model;
 use ambake::Backend;
 use ambake::flags::common::{Common, Shining};
 use ambake::flags::parse::{color, exponent, field_of_view, number, positive, size, triple};
@@ -49,8 +50,8 @@ pub struct Args {
     pub normal_maps: bool,
     /// Ambient model [default: that of the bake; without one ggx for glTF and phong for OBJ]
     #[arg(help_heading = "Surfaces")]
-    #[arg(long, value_enum)]
-    pub model: Option<ModelName>,
+    #[arg(long, value_parser = word::<Model>())]
+    pub model: Option<Model>,
     /// Rays over the hemisphere of every camera sample, and as many over a specular lobe; 0 leaves ambient light out
     #[arg(help_heading = "Rays")]
     #[arg(long, value_name = "N", default_value_t = 64, conflicts_with = "bake", value_parser = clap::value_parser!(u32).range(0..=65_536))]
@@ -171,25 +172,6 @@ fn exposure(text: &str) -> Result<Exposure, String> {
             _ => Err("expected auto or a number of stops from -30 to 30".into()),
         },
     }
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum ModelName {
-    /// Constant times the open share of the hemisphere
-    Traditional,
-    /// The same constant times what an open surface reflects, in closed form
-    #[value(name = "traditional.closed")]
-    TraditionalClosed,
-    /// The Lambertian ambient term
-    Lambert,
-    /// Lambertian and specular terms
-    Phong,
-    /// Lambertian and microfacet terms
-    Ggx,
-    /// Loose dust, as on the Moon, in place of the Lambertian term
-    LommelSeeliger,
-    /// Albedo times the cosine to the eye, without any light
-    FacingRatio,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -109,7 +109,7 @@ fn balls(
     let balls = Balls::of(&maps::read_polar(path)?.map)?;
     let mut camera = options::framing(&args.view, world).camera(world)?;
     camera.size = Balls::picture_size(camera.size);
-    let lookup = options::lookup(args.tables.lookup);
+    let lookup = args.tables.lookup;
     let sheet = watch(options::show(args, "pixels"), stop, |progress| {
         balls.sheet(
             &camera,

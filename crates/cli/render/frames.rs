@@ -122,9 +122,9 @@ fn sequence<'a>(
             axis.context("--up 0,0,0 is no direction")?,
         ],
         samples: args.view.samples,
-        normals: tables.normals.map(options::normal_code),
+        normals: tables.normals,
         shaders,
-        lookup: options::lookup(tables.lookup),
+        lookup: tables.lookup,
         environment: set.environment.as_ref(),
     })
 }

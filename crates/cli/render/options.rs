@@ -1,10 +1,10 @@
 //! What the command line means: typed options of the renderer.
 
-use super::args::{Args, ModelName, View};
-use super::tables_args::{LookupName, NormalsName, ShaderName, Tables, WeightName};
+use super::args::{Args, View};
+use super::tables_args::{ShaderName, Tables, WeightName};
 use crate::common::parsed;
 use crate::progress::Show;
-use ::render::tables::{Lookup, NormalCode, Shading, Subject, SurfaceType, Weight};
+use ::render::tables::{Shading, Subject, SurfaceType, Weight};
 use ::render::{Direct, Framing, Lamps, Light, Model};
 use ambake::Sky;
 use ambake::flags::sky::SkyArg;
@@ -22,20 +22,6 @@ pub fn framing(view: &View, world: &World) -> Framing {
         up: view.up.into(),
         fov: view.fov_deg().to_radians(),
         size: view.size,
-    }
-}
-
-/// The ambient model that is asked for, or another.
-pub fn model(name: Option<ModelName>, or: impl FnOnce() -> Model) -> Model {
-    let Some(name) = name else { return or() };
-    match name {
-        ModelName::Traditional => Model::Traditional,
-        ModelName::TraditionalClosed => Model::TraditionalClosed,
-        ModelName::Lambert => Model::Lambert,
-        ModelName::Phong => Model::Phong,
-        ModelName::Ggx => Model::Ggx,
-        ModelName::LommelSeeliger => Model::LommelSeeliger,
-        ModelName::FacingRatio => Model::FacingRatio,
     }
 }
 
@@ -178,28 +164,6 @@ pub fn weights(tables: &Tables) -> anyhow::Result<[Weight; 2]> {
         weight(&tables.diffuse_weight)?,
         weight(&tables.specular_weight)?,
     ])
-}
-
-/// How tables are read.
-pub fn lookup(name: LookupName) -> Lookup {
-    match name {
-        LookupName::Nearest => Lookup::Nearest,
-        LookupName::Bilinear => Lookup::Bilinear,
-        LookupName::Recursive => Lookup::Recursive,
-        LookupName::Quad => Lookup::Quad,
-        LookupName::Summed => Lookup::Summed,
-    }
-}
-
-/// What normals are rounded to.
-pub fn normal_code(name: NormalsName) -> NormalCode {
-    match name {
-        NormalsName::Visible256 => NormalCode::Visible256,
-        NormalsName::Oct8 => NormalCode::Octahedral(8),
-        NormalsName::Oct10 => NormalCode::Octahedral(10),
-        NormalsName::Oct12 => NormalCode::Octahedral(12),
-        NormalsName::Oct16 => NormalCode::Octahedral(16),
-    }
 }
 
 /// How progress is shown, counted in `unit`.

@@ -2,14 +2,14 @@
 
 use super::args::Args;
 use super::file::{Behind, Film};
-use super::tables_args::{NormalsName, ShaderName};
+use super::tables_args::ShaderName;
 use super::{file, options};
 use crate::host;
 use crate::outcome::{Outcome, say};
 use crate::progress::watch;
 use crate::stop::Stop;
 use ::render::Error;
-use ::render::tables::{Encoded, TableSet, backdrop, frame};
+use ::render::tables::{Encoded, NormalCode, TableSet, backdrop, frame};
 use anyhow::bail;
 use maps::Format;
 use rays::{RayBackend, Surfaces, World};
@@ -19,7 +19,7 @@ use std::path::Path;
 
 /// Writes what the camera sees as codes.
 pub fn encode(
-    code: NormalsName,
+    code: NormalCode,
     args: &Args,
     world: &World,
     backend: &dyn RayBackend,
@@ -39,7 +39,7 @@ pub fn encode(
     let subject = options::subject(args, &surfaces, backend, &[]);
     let encoded = watch(options::show(args, "pixels"), stop, |progress| {
         let hit = |eye, toward| subject.hit(eye, toward);
-        Encoded::take(&camera, options::normal_code(code), progress, hit)
+        Encoded::take(&camera, code, progress, hit)
     });
     let encoded = match encoded {
         Err(Error::Cancelled) => return Ok(stop.outcome()),
@@ -68,7 +68,7 @@ pub fn relight(args: &Args) -> anyhow::Result<Outcome> {
         [&tables.exponents, &tables.incidences],
         tables.environment.as_deref(),
     )?;
-    let lookup = options::lookup(tables.lookup);
+    let lookup = tables.lookup;
     if lookup.needs_corners() || tables.shader == Some(ShaderName::Traced) {
         bail!(
             "--relight: codes hold one normal a pixel; use --lookup nearest or bilinear, and no traced surfaces"

@@ -1,7 +1,7 @@
 //! `ambake render`: the scene is loaded, then a picture, frames or a figure are made.
 
 use super::args::Args;
-use super::{file, frames, options, picture, relit};
+use super::{file, frames, picture, relit};
 use crate::common::build;
 use crate::host;
 use crate::outcome::Outcome;
@@ -31,7 +31,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let (scene, lightmap, model) = match &args.bake {
         None => {
             let scene = scene::load_with(&args.scene, args.common.files())?;
-            let model = options::model(args.model, || match scene.format {
+            let model = args.model.unwrap_or(match scene.format {
                 Format::Gltf | Format::Glb => Model::Ggx,
                 Format::Obj | Format::Memory => Model::Phong,
             });
@@ -39,7 +39,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         }
         Some(dir) => {
             let stem = args.scene.file_stem().unwrap_or_default().to_string_lossy();
-            let model = options::model(args.model, || baked_model(dir, &stem));
+            let model = args.model.unwrap_or_else(|| baked_model(dir, &stem));
             let (scene, map) = Lightmap::load(dir, &stem, model.name())?;
             (scene, Some(map), model)
         }

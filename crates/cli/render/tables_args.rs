@@ -1,7 +1,8 @@
 //! What was typed after `ambake render --maps`. `options.rs` says what it means.
 
-use ::render::tables::Weight;
+use ::render::tables::{Lookup, NormalCode, Weight};
 use ambake::flags::parse::{exponent, number, positive};
+use ambake::flags::values::word;
 use clap::{ArgGroup, Args as ClapArgs, ValueEnum};
 use std::path::PathBuf;
 
@@ -44,8 +45,8 @@ pub struct Tables {
     pub environment: Option<PathBuf>,
     /// How tables are read; the last three average over what a pixel reflects
     #[arg(help_heading = "Tables", hide_short_help = true)]
-    #[arg(long, value_enum, default_value_t = LookupName::Bilinear, requires = "lit")]
-    pub lookup: LookupName,
+    #[arg(long, default_value = "bilinear", value_parser = word::<Lookup>(), requires = "lit")]
+    pub lookup: Lookup,
     /// Wd by the cosine of the view angle: `constant`, `schlick:F0`, or a file of lines with a cosine and a weight, or
     /// red, green and blue; after a first line `degrees` angles from the normal
     #[arg(help_heading = "Tables", hide_short_help = true)]
@@ -65,13 +66,13 @@ pub struct Tables {
     pub ior: f64,
     /// Round normals to what a frame buffer would hold: one of 256, or an octahedral code of this many bits
     #[arg(help_heading = "Tables", hide_short_help = true)]
-    #[arg(long, value_enum, requires = "shading")]
-    pub normals: Option<NormalsName>,
+    #[arg(long, value_parser = word::<NormalCode>(), requires = "shading")]
+    pub normals: Option<NormalCode>,
     /// Write the normals that the camera sees as codes in place of a picture, with camera and materials in the header
     /// of the .exr, for --relight
     #[arg(help_heading = "Tables", hide_short_help = true)]
-    #[arg(long, value_enum, value_name = "CODE", conflicts_with_all = ["shading", "bake", "figure"])]
-    pub encode: Option<NormalsName>,
+    #[arg(long, value_name = "CODE", value_parser = word::<NormalCode>(), conflicts_with_all = ["shading", "bake", "figure"])]
+    pub encode: Option<NormalCode>,
     /// SCENE is a picture that --encode wrote: shade it from --maps
     #[arg(help_heading = "Tables", hide_short_help = true)]
     #[arg(long, requires = "maps", conflicts_with_all = ["shader_of", "frames", "path", "normals", "eye", "look", "up", "fov_deg", "size", "samples", "normal_maps"])]
@@ -106,39 +107,6 @@ pub enum ShaderName {
     Luminous,
     /// As mirror, but a ray finds what of the scene stands in R
     Traced,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum LookupName {
-    /// One texel
-    Nearest,
-    /// Between four texels
-    Bilinear,
-    /// Halves the pixel until its corners show adjacent texels
-    Recursive,
-    /// Integrates over the quad of the corners
-    Quad,
-    /// Rectangle of a pre-integrated table, constant cost
-    Summed,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum NormalsName {
-    /// 256 normals of the visible hemisphere
-    #[value(name = "256")]
-    Visible256,
-    /// Octahedral, 16 bits
-    #[value(name = "oct8+8")]
-    Oct8,
-    /// Octahedral, 20 bits
-    #[value(name = "oct10+10")]
-    Oct10,
-    /// Octahedral, 24 bits
-    #[value(name = "oct12+12")]
-    Oct12,
-    /// Octahedral, 32 bits
-    #[value(name = "oct16+16")]
-    Oct16,
 }
 
 /// A weight before its file is read.
