@@ -2,8 +2,9 @@
 
 use crate::options::{Backend, Uv};
 use ::bake::{Buried, Denoise, Footprint, Model, Seams, Shading};
-use render::Model as Shown;
+use maps::Normalise;
 use render::tables::{Lookup, NormalCode};
+use render::{Model as Shown, PointForm};
 
 /// Values that have words.
 pub trait Words: Copy + PartialEq + Send + Sync + 'static {
@@ -62,6 +63,14 @@ words! {
         "oct10+10" = Octahedral(10) "Octahedral, 20 bits",
         "oct12+12" = Octahedral(12) "Octahedral, 24 bits",
         "oct16+16" = Octahedral(16) "Octahedral, 32 bits",
+    }
+    Normalise {
+        "radiance" = Radiance "A constant map of 1 gives 1",
+        "seed" = Seed "1/4π",
+    }
+    PointForm {
+        "radiance" = Radiance "E over distance² over the texel's solid angle: what it lights does not depend on the size of the map",
+        "raw" = Raw "E over distance², as the 1984 text says",
     }
     Seams {
         "off" = Off,

@@ -2,7 +2,7 @@
 
 use super::parse::{color, number, positive, triple};
 use crate::shard::Shard;
-use crate::words::Words;
+pub use crate::words::Words;
 use ::bake::{AmbientCoefficient, Bounces, Buried, Choice, View};
 use atlas::Pages;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};

@@ -1,5 +1,6 @@
 //! What was typed after the verbs that bake.
 
+use crate::map;
 use ambake::Resume;
 use ambake::flags::bake::{Earlier, Engines, Job};
 use ambake::flags::common::Common;
@@ -111,15 +112,8 @@ pub struct Unused {
 pub struct Merge {
     /// The directory that all parts share; the results go there too
     pub dir: PathBuf,
-    /// Worker threads [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
-    pub threads: Option<u32>,
-    /// Print nothing but errors
-    #[arg(short, long)]
-    pub quiet: bool,
-    /// Print a machine-readable summary on standard output
-    #[arg(long)]
-    pub json: bool,
+    #[command(flatten)]
+    pub common: map::args::Common,
     /// Also print the plan and the time of each phase
     #[arg(short = 'v', long)]
     pub verbose: bool,

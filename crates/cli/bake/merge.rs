@@ -52,11 +52,11 @@ fn bake(args: &Args, dir: &Path, stop: &Stop) -> anyhow::Result<Outcome> {
         _ => &bake,
     };
     let common = Common {
-        threads: args.threads,
+        threads: args.common.threads,
         seed: bake.common.seed,
         allow_outside: bake.common.allow_outside,
-        quiet: args.quiet,
-        json: args.json,
+        quiet: args.common.quiet,
+        json: args.common.json,
         verbose: args.verbose,
     };
     let target = Target {
@@ -69,12 +69,12 @@ fn bake(args: &Args, dir: &Path, stop: &Stop) -> anyhow::Result<Outcome> {
     let job = prepare_in(&target, scene, &bake.job, &common)?;
     let show = Show {
         unit: "texels",
-        quiet: args.quiet,
+        quiet: args.common.quiet,
     };
     let written = watch(show, stop, |progress| job.merge(parts, progress));
     match written {
         Err(ambake::Error::Cancelled) => {
-            if !args.quiet {
+            if !args.common.quiet {
                 tell("stopped; the parts are still there, merge again");
             }
             Ok(stop.outcome())

@@ -7,7 +7,8 @@ use ambake::flags::values::{named, word};
 use clap::{Args as ClapArgs, Subcommand, ValueEnum};
 use maps::ball::Circle;
 use maps::merge::Model;
-use maps::{Orientation, Projection};
+use maps::{Normalise, Orientation, Projection};
+use render::PointForm;
 use std::path::PathBuf;
 
 #[derive(Subcommand)]
@@ -107,8 +108,8 @@ pub struct Diffuse {
     #[arg(long, value_name = "PROJECTION", default_value = "polar", value_parser = projection)]
     pub to: Projection,
     /// Factor of the integral: 1/π (1/4π for luminous), or the 1984 text's 1/4π
-    #[arg(long, value_enum, default_value_t = Scale::Radiance)]
-    pub normalise: Scale,
+    #[arg(long, default_value = "radiance", value_parser = word::<Normalise>())]
+    pub normalise: Normalise,
     #[command(flatten)]
     pub common: Common,
 }
@@ -143,8 +144,8 @@ pub struct Specular {
     pub to: Projection,
     /// Factor of the integral: one over the kernel's integral ((n+1)/2π for phong; 1 for reflectance), or the 1984
     /// text's 1/4π
-    #[arg(long, value_enum, default_value_t = Scale::Radiance)]
-    pub normalise: Scale,
+    #[arg(long, default_value = "radiance", value_parser = word::<Normalise>())]
+    pub normalise: Normalise,
     #[command(flatten)]
     pub common: Common,
 }
@@ -283,8 +284,8 @@ pub struct Capture {
     #[arg(long, value_name = "X,Y,Z,E|X,Y,Z,R,G,B", allow_hyphen_values = true, value_parser = light)]
     pub point: Vec<[f64; 6]>,
     /// What a point light adds to the map
-    #[arg(long, value_enum, default_value_t = PointSource::Radiance)]
-    pub point_source: PointSource,
+    #[arg(long, default_value = "radiance", value_parser = word::<PointForm>())]
+    pub point_source: PointForm,
     /// Leave out the object of this name, the one that will be shaded; may be repeated
     #[arg(long, value_name = "OBJECT")]
     pub hide: Vec<String>,
@@ -331,28 +332,12 @@ pub enum SpecularKernel {
     Reflectance,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-pub enum Scale {
-    /// A constant map of 1 gives 1
-    Radiance,
-    /// 1/4π
-    Seed,
-}
-
 #[derive(Clone)]
 pub enum Response {
     /// Fitted, or one of the known curves.
     Model(Model),
     /// Curves in a file.
     File(PathBuf),
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub enum PointSource {
-    /// E over distance² over the texel's solid angle: what it lights does not depend on the size of the map
-    Radiance,
-    /// E over distance², as the 1984 text says
-    Raw,
 }
 
 fn projection(text: &str) -> Result<Projection, String> {

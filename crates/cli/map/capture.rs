@@ -1,6 +1,6 @@
 //! `ambake map capture`: the illumination map of a place in a scene.
 
-use super::args::{Capture, PointSource};
+use super::args::Capture;
 use super::file::{Target, picture_size, write};
 use crate::common::build;
 use crate::host;
@@ -63,11 +63,11 @@ pub fn run(args: &Capture) -> anyhow::Result<Outcome> {
         Err(Error::Cancelled) => return Ok(stop.outcome()),
         map => map?,
     };
-    let (form, normalisation) = match args.point_source {
-        PointSource::Radiance => (PointForm::Radiance, "radiance"),
-        PointSource::Raw => (PointForm::Raw, "radiance, but point lights raw"),
+    let normalisation = match args.point_source {
+        PointForm::Radiance => "radiance",
+        PointForm::Raw => "radiance, but point lights raw",
     };
-    let map = add_points(map, &direct, at, form)?;
+    let map = add_points(map, &direct, at, args.point_source)?;
     let layout = Layout {
         projection: args.to,
         orientation: Orientation::Ambake,

@@ -1,9 +1,10 @@
 //! `ambake map diffuse` and `map specular`: illumination maps convolved to reflection maps.
 
-use super::args::{Common, Diffuse, DiffuseKernel, Input, Scale, Specular, SpecularKernel};
+use super::args::{Common, Diffuse, DiffuseKernel, Input, Specular, SpecularKernel};
 use super::file::{Source, Target, picture_size, summary, write};
 use crate::common::parsed;
 use crate::host;
+use ambake::flags::values::Words;
 use anyhow::{Context, bail};
 use maps::{
     IlluminationMap, Layout, Lobe, Normalise, Orientation, Projection, Reflectance, ReflectionMap,
@@ -121,14 +122,10 @@ fn reflect(
     output: &Path,
     blur: &Blur,
     (projection, size): (Projection, [u32; 2]),
-    scale: Scale,
+    normalise: Normalise,
     common: &Common,
 ) -> anyhow::Result<()> {
     host::set_threads(common.threads)?;
-    let (normalise, normalisation) = match scale {
-        Scale::Radiance => (Normalise::Radiance, "radiance"),
-        Scale::Seed => (Normalise::Seed, "seed"),
-    };
     if let Blur::Lobes(lobes) = blur {
         for (_, lobe) in lobes {
             lobe.check()?;
@@ -161,6 +158,6 @@ fn reflect(
         path: output,
         inputs: &source.inputs,
     };
-    let written = write(&target, &images, to, normalisation)?;
+    let written = write(&target, &images, to, normalise.word())?;
     summary(common, &input.input, &source, &written)
 }

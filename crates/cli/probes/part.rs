@@ -48,9 +48,9 @@ pub fn merge(merge: &Merge, dir: &Path, stop: &Stop) -> anyhow::Result<Outcome> 
         bail!("the parts were not made by `ambake probes`");
     };
     let common = Common {
-        threads: merge.threads,
-        quiet: merge.quiet,
-        json: merge.json,
+        threads: merge.common.threads,
+        quiet: merge.common.quiet,
+        json: merge.common.json,
         verbose: merge.verbose,
         ..args.common
     };
