@@ -2,7 +2,7 @@
 
 use crate::bounces::{mean, obj};
 use crate::quads::{self, Quad};
-use crate::support::{Page, backends, bake, report};
+use crate::support::{Page, backends, bake, report, run_well};
 use serde_json::{Value, json};
 
 const SMALL: [&str; 6] = [
@@ -199,4 +199,22 @@ fn a_dome_is_named_though_its_outside_and_the_ground_beyond_are_lit() {
             .count()
     };
     assert_eq!((warned(&[]), warned(&["--no-cast", "sky"])), (1, 0));
+    // Pictures are taken from within it: the ground beyond would be seen from 100 away.
+    let (baked, _) = bake(&path, &small[..4]);
+    let [scene, of] = [&path, baked.path()].map(|path| path.display().to_string());
+    let picture = folder.path().join("x.png").display().to_string();
+    let size = ["--size", "16x9", "--samples", "1", "--json"];
+    let said = run_well(
+        [
+            &["render", &scene, "--bake", &of, "-o", &picture],
+            &size[..],
+        ]
+        .concat(),
+    );
+    let said: Value = serde_json::from_str(&said).expect("JSON");
+    let eye = said["options"]["eye"].as_array().expect("an eye").iter();
+    let away = eye
+        .map(|x| x.as_f64().expect("a number").powi(2))
+        .sum::<f64>();
+    assert!(away.sqrt() < 30.0, "{said}");
 }

@@ -4,7 +4,7 @@ use crate::job::Job;
 use crate::shell::over;
 use atlas::ObjectName;
 use glam::DVec3;
-use rays::{Bounds, Ray};
+use rays::{Bounds, Ray, RayBackend, World};
 use report::WarningReport;
 
 /// A dome has at least this share of the scene's largest side.
@@ -24,12 +24,30 @@ const MEETING: u32 = 10;
 /// The warning that names a sheet around most of a scene, which hides the sky from all that is in it. `None` where light
 /// was asked for that needs no sky.
 pub(crate) fn enclosed(job: &Job) -> Option<WarningReport> {
-    let (world, options) = (job.world(), job.options());
+    let options = job.options();
     if options.max_distance.is_some() || options.adds_light() {
         return None;
     }
-    let objects = atlas::object_names(world.scene());
-    let boxes: Vec<Option<Bounds>> = objects.iter().map(|of| bounds_of(job, of)).collect();
+    let dome = find(job.world(), job.backend())?;
+    Some(WarningReport {
+        kind: "enclosed".into(),
+        place: format!("object `{}`", dome.name),
+        count: 1,
+        message: "what stands in it sees no sky; where it is a sky dome or a shell, `--no-cast NAME` lets the light \
+                  through it"
+            .into(),
+    })
+}
+
+/// The instances of what stands around most of a scene and keeps the sky from it, such as a sky dome that blocks light;
+/// none where nothing does. A picture of the scene is taken from within it, see [`render::Framing::fitted`].
+pub fn surrounding(world: &World, backend: &dyn RayBackend) -> Vec<u32> {
+    find(world, backend).map_or(Vec::new(), |dome| dome.instances)
+}
+
+fn find(world: &World, backend: &dyn RayBackend) -> Option<ObjectName> {
+    let mut objects = atlas::object_names(world.scene());
+    let boxes: Vec<Option<Bounds>> = objects.iter().map(|of| bounds_of(world, of)).collect();
     let large = LARGE * side(world.bounds());
     let casts = |object: &ObjectName| object.instances.iter().any(|&i| world.casts(i));
     let mut candidates: Vec<(usize, Bounds)> = boxes
@@ -47,25 +65,15 @@ pub(crate) fn enclosed(job: &Job) -> Option<WarningReport> {
         let some = within.iter().step_by(step).map(|&k| &objects[k]);
         !within.is_empty()
             && 2 * within.len() >= objects.len() - 1
-            && is_sheet_around(job, &objects[dome], some)
+            && is_sheet_around(world, backend, &objects[dome], some)
     };
     let (dome, _) = candidates.into_iter().find(hides)?;
-    Some(WarningReport {
-        kind: "enclosed".into(),
-        place: format!("object `{}`", objects[dome].name),
-        count: 1,
-        message: "what stands in it sees no sky; where it is a sky dome or a shell, `--no-cast NAME` lets the light \
-                  through it"
-            .into(),
-    })
+    Some(objects.swap_remove(dome))
 }
 
 /// The box around an object.
-fn bounds_of(job: &Job, object: &ObjectName) -> Option<Bounds> {
-    let boxes = object
-        .instances
-        .iter()
-        .filter_map(|&i| job.world().box_of(i));
+fn bounds_of(world: &World, object: &ObjectName) -> Option<Bounds> {
+    let boxes = object.instances.iter().filter_map(|&i| world.box_of(i));
     let both = boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
     both.map(|(min, max)| Bounds { min, max })
 }
@@ -95,17 +103,17 @@ struct Counts {
 /// True where next to no ray from faces of some objects that see a further one leaves the scene, many meet that one
 /// first, and nothing is beyond it.
 fn is_sheet_around<'a>(
-    job: &Job,
+    world: &World,
+    backend: &dyn RayBackend,
     sheet: &ObjectName,
     within: impl Iterator<Item = &'a ObjectName>,
 ) -> bool {
-    let world = job.world();
     let mut sums = Counts::default();
     for &instance in within.flat_map(|object| &object.instances) {
         let count = world.part(instance).1.triangles().len() as u32;
         let step = count.div_ceil(FACES).max(1);
         for triangle in (0..count).step_by(step as usize) {
-            let of = from_face(job, sheet, instance, triangle);
+            let of = from_face((world, backend), sheet, instance, triangle);
             if of.met > 0 {
                 sums.cast += of.cast;
                 sums.left += of.left;
@@ -124,8 +132,12 @@ fn is_sheet_around<'a>(
 }
 
 /// What becomes of rays from the middle of a face.
-fn from_face(job: &Job, sheet: &ObjectName, instance: u32, triangle: u32) -> Counts {
-    let (world, backend) = (job.world(), job.backend());
+fn from_face(
+    (world, backend): (&World, &dyn RayBackend),
+    sheet: &ObjectName,
+    instance: u32,
+    triangle: u32,
+) -> Counts {
     let off = 1e-5 * world.bounds().diagonal();
     let ray = |origin: DVec3, direction: DVec3| Ray {
         origin: origin.as_vec3().to_array(),

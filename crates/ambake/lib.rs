@@ -130,6 +130,7 @@ pub use ::bake::{
 };
 pub use ::scene as loaded;
 pub use baked::{Baked, Page};
+pub use dome::surrounding;
 pub use error::{Error, LimitedBy};
 pub use estimate::Estimate;
 pub use export::{Exported, export};

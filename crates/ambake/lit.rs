@@ -1,5 +1,6 @@
 //! `STEM.lit.png`: the lit scene of a bake, from the view that fits it.
 
+use crate::dome::surrounding;
 use crate::job::Job;
 use crate::options::Effort;
 use ::bake::{BakedPage, LayerPlanes};
@@ -96,7 +97,8 @@ fn look(job: &Job) -> Option<Lit> {
         size,
         ..Framing::default()
     };
-    let camera = framing.fitted(world, job.backend(), false).ok()?;
+    let around = surrounding(world, job.backend());
+    let camera = framing.fitted(world, job.backend(), &around, false).ok()?;
     Lit::look(&direct, &camera, grid, &(), |hit| place(job, hit)).ok()
 }
 

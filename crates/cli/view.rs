@@ -64,7 +64,8 @@ pub fn write(dir: &Path) -> anyhow::Result<PathBuf> {
         size: [800, 600],
         ..Framing::default()
     };
-    let camera = framing.fitted(&world, backend.as_ref(), false)?;
+    let around = ambake::surrounding(&world, backend.as_ref());
+    let camera = framing.fitted(&world, backend.as_ref(), &around, false)?;
     let distance = (world.bounds().center() - camera.eye).dot(camera.forward);
     let look = camera.eye
         + camera.forward * distance.max(0.1 * (world.bounds().max - world.bounds().min).length());

@@ -7,7 +7,7 @@ use crate::outcome::{Outcome, say, say_json};
 use crate::progress::watch;
 use crate::stop::Stop;
 use ::render::{Error, Lamps, Lightmap, Model, Sample, alpha, backdrop, picture};
-use ambake::Sky;
+use ambake::{Sky, surrounding};
 use anyhow::Context;
 use glam::DVec3;
 use rays::{RayBackend, Surfaces, World};
@@ -29,7 +29,10 @@ pub fn draw(
     // From a bake and without a view of one's own, the picture is that of STEM.lit.png.
     let fitted = lightmap.is_some() && args.view.eye.is_none();
     let camera = match fitted {
-        true => framing.fitted(world, backend, args.view.fov_deg.is_some())?,
+        true => {
+            let around = surrounding(world, backend);
+            framing.fitted(world, backend, &around, args.view.fov_deg.is_some())?
+        }
         false => framing.camera(world)?,
     };
     let surfaces = Surfaces::new(world);

@@ -40,15 +40,16 @@ impl Framing {
     pub fn camera(&self, world: &World) -> Result<Camera, Error> {
         let eye = self
             .eye
-            .unwrap_or_else(|| self.eye_outside(world, Camera::FRONT));
-        let middle = extent(world).center();
+            .unwrap_or_else(|| self.eye_outside(world, &[], Camera::FRONT));
+        let middle = extent(world, &[]).center();
         self.camera_at([eye, self.look.unwrap_or(middle)])
     }
 
-    /// The nearest eye in a unit direction from the middle of the scene from which all of it is seen.
-    pub(crate) fn eye_outside(&self, world: &World, toward: DVec3) -> DVec3 {
-        let middle = extent(world).center();
-        let corners = drawn(world).flat_map(|instance| {
+    /// The nearest eye in a unit direction from the middle of the scene from which all of it is seen but what stands
+    /// `around` it.
+    pub(crate) fn eye_outside(&self, world: &World, around: &[u32], toward: DVec3) -> DVec3 {
+        let middle = extent(world, around).center();
+        let corners = drawn(world, around).flat_map(|instance| {
             let triangles = world.part(instance).1.triangles().len() as u32;
             (0..triangles).flat_map(move |triangle| world.corners(instance, triangle))
         });
@@ -64,16 +65,20 @@ impl Framing {
     }
 }
 
-/// The instances that rays meet; all of a scene in which they meet none.
-pub(crate) fn drawn(world: &World) -> impl Iterator<Item = u32> + Clone {
+/// The instances that rays meet but for those `around` them; all of a scene in which they meet none.
+pub(crate) fn drawn<'a>(
+    world: &'a World,
+    around: &'a [u32],
+) -> impl Iterator<Item = u32> + Clone + 'a {
     let all = 0..world.scene().instances.len() as u32;
-    let has_any = all.clone().any(|instance| world.casts(instance));
-    all.filter(move |&instance| !has_any || world.casts(instance))
+    let is_in = |instance: u32| world.casts(instance) && !around.contains(&instance);
+    let has_any = all.clone().any(is_in);
+    all.filter(move |&instance| !has_any || is_in(instance))
 }
 
 /// The box of what is drawn.
-pub(crate) fn extent(world: &World) -> Bounds {
-    let boxes = drawn(world).filter_map(|instance| world.box_of(instance));
+pub(crate) fn extent(world: &World, around: &[u32]) -> Bounds {
+    let boxes = drawn(world, around).filter_map(|instance| world.box_of(instance));
     let both = boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
     both.map_or(world.bounds(), |(min, max)| Bounds { min, max })
 }

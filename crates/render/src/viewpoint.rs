@@ -28,6 +28,10 @@ const BETTER: f64 = 1.25;
 const STEEPER: f64 = 25.0 * PI / 180.0;
 /// Rays across a picture by which one from inside and one from outside are compared.
 const ACROSS: u32 = 40;
+/// A ray goes on so much of its way past what it does not meet.
+const PAST: f32 = 1e-5;
+/// So much of the way to what is around the scene an eye may take.
+const BEFORE: f64 = 0.9;
 
 /// Triangles that are looked at, at most, to find where the scene is.
 const SAMPLED: usize = 50_000;
@@ -42,22 +46,27 @@ impl Framing {
     /// that is half open tells nearly twice as much. Inside, the field of view is at least 65 degrees unless
     /// `keep_fov`.
     ///
+    /// * `around`: instances that only stand around the scene, as a sky dome does. They are not what is looked at, and
+    ///   the eye is before them.
+    ///
     /// # Errors
     /// [`Error::Camera`], see [`Camera::new`].
     pub fn fitted(
         &self,
         world: &World,
         backend: &dyn RayBackend,
+        around: &[u32],
         keep_fov: bool,
     ) -> Result<Camera, Error> {
         if self.eye.is_some() || self.look.is_some() {
             return self.camera(world);
         }
-        let focus = focus(world);
+        let focus = focus(world, around);
         let room = Room {
             backend,
+            around,
             up: self.up.normalize_or(DVec3::Y),
-            focus: focus.unwrap_or(extent(world)),
+            focus: focus.unwrap_or(extent(world, around)),
         };
         let inside = |view| {
             let fov = match keep_fov {
@@ -70,10 +79,10 @@ impl Framing {
         if let Some(view) = room.closed(&places) {
             return inside(view);
         }
-        let toward = room.outside(&points(world));
+        let toward = room.outside(&points(world, around));
         let middle = room.focus.center();
         let eye = match focus {
-            None => self.eye_outside(world, toward),
+            None => self.eye_outside(world, around, toward),
             Some(focus) => {
                 let corner = |k: usize| [focus.min, focus.max][k];
                 let corners = (0..8).map(|k| {
@@ -83,6 +92,7 @@ impl Framing {
                 Camera::framing(corners, middle, toward, self.up, self.fov, self.size)
             }
         };
+        let eye = middle + room.before_what_is_around(middle, eye - middle);
         let outside = self.camera_at([eye, middle])?;
         let Some(view) = room.best(&places, HALF_OPEN) else {
             return Ok(outside);
@@ -97,8 +107,9 @@ impl Framing {
 pub fn places_within(world: &World, backend: &dyn RayBackend) -> Vec<DVec3> {
     let room = Room {
         backend,
+        around: &[],
         up: DVec3::Y,
-        focus: focus(world).unwrap_or(extent(world)),
+        focus: focus(world, &[]).unwrap_or(extent(world, &[])),
     };
     let places = room.places();
     match is_closed(&places) {
@@ -121,6 +132,8 @@ type Place = (DVec3, u32);
 /// The scene as a place to look around in.
 struct Room<'a> {
     backend: &'a dyn RayBackend,
+    /// What no ray meets here.
+    around: &'a [u32],
     up: DVec3,
     /// The part of the scene that is looked at.
     focus: Bounds,
@@ -128,12 +141,35 @@ struct Room<'a> {
 
 impl Room<'_> {
     fn first(&self, eye: DVec3, toward: DVec3) -> Option<SurfaceHit> {
-        self.backend.closest(&Ray {
+        self.first_of(eye, toward, |instance| !self.around.contains(&instance))
+    }
+
+    /// The first of what is wanted.
+    fn first_of(
+        &self,
+        eye: DVec3,
+        toward: DVec3,
+        wanted: impl Fn(u32) -> bool,
+    ) -> Option<SurfaceHit> {
+        let mut ray = Ray {
             origin: eye.as_vec3().to_array(),
             direction: toward.as_vec3().to_array(),
             t_min: 0.0,
             t_max: f32::INFINITY,
-        })
+        };
+        loop {
+            let hit = self.backend.closest(&ray)?;
+            if wanted(hit.instance) {
+                return Some(hit);
+            }
+            ray.t_min = (hit.t * (1.0 + PAST)).max(ray.t_min.next_up());
+        }
+    }
+
+    /// As much of a way from a place as ends well before what is around.
+    fn before_what_is_around(&self, place: DVec3, way: DVec3) -> DVec3 {
+        let end = self.first_of(place, way, |instance| self.around.contains(&instance));
+        way * end.map_or(1.0, |hit| BEFORE * f64::from(hit.t)).min(1.0)
     }
 
     /// The direction from which most of some points are seen, of eight around the scene and eight steeper ones: that of
@@ -247,8 +283,8 @@ impl Room<'_> {
 
 /// The box of nearly all triangles, where it is far smaller than that of all: a few of them, such as a plane of water,
 /// then only surround the scene. `None` for other scenes.
-fn focus(world: &World) -> Option<Bounds> {
-    let instances = drawn(world);
+fn focus(world: &World, around: &[u32]) -> Option<Bounds> {
+    let instances = drawn(world, around);
     let count = |instance: u32| world.part(instance).1.triangles().len() as u32;
     let total: usize = instances.clone().map(|i| count(i) as usize).sum();
     let all = instances.flat_map(|i| (0..count(i)).map(move |triangle| (i, triangle)));
@@ -265,7 +301,7 @@ fn focus(world: &World) -> Option<Bounds> {
     }
     let [x, y, z] = [0, 1, 2].map(range);
     let (min, max) = (DVec3::new(x[0], y[0], z[0]), DVec3::new(x[1], y[1], z[1]));
-    let bounds = extent(world);
+    let bounds = extent(world, around);
     ((max - min).length() < SMALL * (bounds.max - bounds.min).length())
         .then_some(Bounds { min, max })
 }
@@ -278,8 +314,8 @@ struct Point {
 
 /// Points on the surfaces of a scene, by the roots of the areas of their triangles: what is fine counts for more than
 /// its area, and what is large for more than its number.
-fn points(world: &World) -> Vec<Point> {
-    let triangles = drawn(world).flat_map(|instance| {
+fn points(world: &World, around: &[u32]) -> Vec<Point> {
+    let triangles = drawn(world, around).flat_map(|instance| {
         let count = world.part(instance).1.triangles().len() as u32;
         (0..count).map(move |triangle| ((instance, triangle), world.corners(instance, triangle)))
     });
@@ -342,7 +378,9 @@ mod tests {
     fn a_closed_room_is_looked_at_from_inside_and_an_open_one_from_outside() {
         for (sides, inside) in [(6, true), (5, false), (3, false)] {
             let (world, backend) = world(&room(sides));
-            let camera = FRAMING.fitted(&world, backend.as_ref(), false).unwrap();
+            let camera = FRAMING
+                .fitted(&world, backend.as_ref(), &[], false)
+                .unwrap();
             let bounds = world.bounds();
             let within = camera.eye.cmpgt(bounds.min).all() && camera.eye.cmplt(bounds.max).all();
             assert_eq!(within, inside, "{sides} sides: {camera:?}");
@@ -357,7 +395,9 @@ mod tests {
         let mut sheets = room(5);
         sheets.extend([Vec3::ZERO, Vec3::X * 5.5].map(|at| white([at + y, x, z])));
         let (world, backend) = world(&sheets);
-        let camera = FRAMING.fitted(&world, backend.as_ref(), false).unwrap();
+        let camera = FRAMING
+            .fitted(&world, backend.as_ref(), &[], false)
+            .unwrap();
         let bounds = world.bounds();
         let within = camera.eye.cmpgt(bounds.min).all() && camera.eye.cmplt(bounds.max).all();
         assert!(within, "{camera:?}");
@@ -375,7 +415,9 @@ mod tests {
         };
         for (front, side) in [(true, 1.0), (false, -1.0)] {
             let (world, backend) = wall(front);
-            let camera = FRAMING.fitted(&world, backend.as_ref(), false).unwrap();
+            let camera = FRAMING
+                .fitted(&world, backend.as_ref(), &[], false)
+                .unwrap();
             assert!(camera.eye.z * side > 0.0, "{front}: {camera:?}");
         }
     }
@@ -398,7 +440,9 @@ mod tests {
             white([at, Vec3::Y * 0.6, Vec3::X * 0.6])
         }));
         let (world, backend) = world(&sheets);
-        let camera = FRAMING.fitted(&world, backend.as_ref(), false).unwrap();
+        let camera = FRAMING
+            .fitted(&world, backend.as_ref(), &[], false)
+            .unwrap();
         assert!(camera.eye.z < 0.0, "{camera:?}");
     }
 
@@ -423,7 +467,9 @@ mod tests {
             .collect();
         sheets.push(white([-0.5 * end, 0.5 * end, right]));
         let (world, backend) = world(&sheets);
-        let camera = FRAMING.fitted(&world, backend.as_ref(), false).unwrap();
+        let camera = FRAMING
+            .fitted(&world, backend.as_ref(), &[], false)
+            .unwrap();
         let is_in = camera.eye.cmpgt(DVec3::ZERO).all() && camera.eye.z < f64::from(end.z);
         assert!(is_in, "{camera:?}");
     }
@@ -437,8 +483,47 @@ mod tests {
         let mut sheets: Vec<_> = (0..100).map(card).collect();
         sheets.push(crate::fixture::ground());
         let (world, backend) = world(&sheets);
-        let camera = FRAMING.fitted(&world, backend.as_ref(), false).unwrap();
+        let camera = FRAMING
+            .fitted(&world, backend.as_ref(), &[], false)
+            .unwrap();
         assert!(camera.eye.length() < 100.0, "{camera:?}");
+    }
+
+    #[test]
+    fn what_stands_around_a_scene_is_not_what_is_looked_at() {
+        // A room without a ceiling and two of its walls, in a far and in a near box.
+        let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z];
+        let around = |far: f32| {
+            let [low, edge] = [Vec3::new(4.0, 1.5, 3.0) - far, Vec3::splat(2.0 * far)];
+            let [x, y, z] = [x, y, z].map(|way| way * edge);
+            let sides = [
+                [low, z, x],
+                [low, y, z],
+                [low, x, y],
+                [low + x, z, y],
+                [low + y, x, z],
+                [low + z, y, x],
+            ];
+            sides.map(white)
+        };
+        let alone = world(&room(3));
+        let camera = FRAMING.fitted(&alone.0, alone.1.as_ref(), &[], false);
+        let camera = camera.unwrap();
+        for (far, is_same) in [(100.0, true), (8.0, false)] {
+            let mut sheets = room(3);
+            sheets.extend(around(far));
+            let (world, backend) = world(&sheets);
+            let dome: Vec<u32> = (3..9).collect();
+            let within = FRAMING.fitted(&world, backend.as_ref(), &dome, false);
+            let within = within.unwrap();
+            assert_eq!(within == camera, is_same, "{within:?} for {camera:?}");
+            assert!(
+                within.forward.distance(camera.forward) < 1e-9,
+                "{within:?} for {camera:?}"
+            );
+            let off = (within.eye - DVec3::new(4.0, 1.5, 3.0)).abs();
+            assert!(off.max_element() < f64::from(far), "{within:?}");
+        }
     }
 
     #[test]
@@ -448,7 +533,9 @@ mod tests {
             look: Some(DVec3::ONE),
             ..FRAMING
         };
-        let camera = framing.fitted(&world, backend.as_ref(), false).unwrap();
+        let camera = framing
+            .fitted(&world, backend.as_ref(), &[], false)
+            .unwrap();
         assert_eq!(camera, framing.camera(&world).unwrap());
     }
 }
