@@ -99,7 +99,8 @@ fn look(job: &Job) -> Option<Lit> {
     };
     let around = surrounding(world, job.backend());
     let camera = framing.fitted(world, job.backend(), &around, false).ok()?;
-    Lit::look(&direct, &camera, grid, &(), |hit| place(job, hit)).ok()
+    let edge = job.atlas().page_size;
+    Lit::look(&direct, &camera, grid, &(), edge, |hit| place(job, hit)).ok()
 }
 
 /// Width, height and samples across a pixel: the picture's rays are a small part of the bake's.

@@ -176,7 +176,7 @@ fn look_at(
         ..*camera
     };
     let place = |hit: &SurfaceHit| TexelPlace::in_scene(world.scene(), page_of, hit);
-    Lit::look(&direct, &camera, 1, &(), place)
+    Lit::look(&direct, &camera, 1, &(), 1, place)
 }
 
 /// Opens a file in the browser of the desktop; false where there is none.

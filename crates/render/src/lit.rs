@@ -13,6 +13,9 @@ use rays::SurfaceHit;
 const FINE: u32 = 4;
 const FINEST: u32 = 6;
 
+/// Texels from a pixel to the next one, at most, where one sample shows them.
+const COARSE: f32 = 1.0;
+
 /// The cosine between the normals of a surface that bends little, at least, and the sine of how far it climbs.
 const ALIKE: f64 = 0.9;
 const LEVEL: f64 = 0.3;
@@ -82,10 +85,10 @@ impl Face {
 }
 
 impl Lit {
-    /// What a camera sees with a regular `grid` by `grid` of samples for each pixel, and more where surfaces end and
-    /// about see-through ones.
+    /// What a camera sees with one sample for each pixel amid a surface whose texels are no smaller than pixels, with a
+    /// regular `grid` by `grid` of them elsewhere, and with more where surfaces end and about see-through ones.
     ///
-    /// * `place`: where the texels of a hit lie; surfaces without any are integrated.
+    /// * `place`: where the texels of a hit lie, on pages of `edge * edge` texels; surfaces without any are integrated.
     ///
     /// # Errors
     /// [`Error::Cancelled`].
@@ -94,52 +97,57 @@ impl Lit {
         camera: &Camera,
         grid: u32,
         progress: &dyn Progress,
+        edge: u32,
         place: impl Fn(&SurfaceHit) -> Option<TexelPlace> + Sync,
     ) -> Result<Lit, Error> {
-        let pixels = camera.size.map(|n| n as usize).iter().product();
-        let look = |grid: u32, pixel: usize| {
-            let samples = (0..grid * grid).map(|number| {
-                let sample = Sample::of(camera, grid, pixel as u32, number);
-                let Some(hit) = direct.hit(&sample) else {
-                    return (Seen::NOTHING, None);
-                };
-                let (radiance, place) = direct.beside_texels(&sample, &hit, place(&hit));
-                let seen = Seen {
-                    radiance: radiance.as_vec3(),
-                    page: place.map_or(Seen::KNOWN, |place| place.page),
-                    uv: place.map_or(Vec2::ZERO, |place| place.uv),
-                    is_glass: direct.surfaces.is_see_through(hit.instance),
-                };
-                (seen, Some(Face::of(direct, &sample, &hit)))
-            });
-            let (seen, faces): (Vec<Seen>, Vec<Option<Face>>) = samples.unzip();
-            let is_one = faces.iter().all(|face| Face::are_one(faces[0], *face));
-            (seen, faces[0], is_one)
+        let pixels: usize = camera.size.map(|n| n as usize).iter().product();
+        let sample = |grid: u32, pixel: usize, number: u32| {
+            let sample = Sample::of(camera, grid, pixel as u32, number);
+            let Some(hit) = direct.hit(&sample) else {
+                return (Seen::NOTHING, None);
+            };
+            let (radiance, place) = direct.beside_texels(&sample, &hit, place(&hit));
+            let seen = Seen {
+                radiance: radiance.as_vec3(),
+                page: place.map_or(Seen::KNOWN, |place| place.page),
+                uv: place.map_or(Vec2::ZERO, |place| place.uv),
+                is_glass: direct.surfaces.is_see_through(hit.instance),
+            };
+            (seen, Some(Face::of(direct, &sample, &hit)))
         };
-        let mut all = each(pixels, 0, progress, |pixel| look(grid, pixel))?;
-        let is_glass = |pixel: usize| all[pixel].0.iter().any(|seen| seen.is_glass);
-        let is_one = |pixel: usize| {
-            let alike = |near: usize| all[near].2 && Face::are_one(all[pixel].1, all[near].1);
-            near(camera.size, pixel, 1).all(alike)
+        let first = each(pixels, 0, progress, |pixel| sample(1, pixel, 0))?;
+        let around = |pixel: usize| near(camera.size, pixel, 1).map(|near| &first[near]);
+        let is_glass = |pixel: usize| first[pixel].0.is_glass;
+        let is_one = |pixel: usize| around(pixel).all(|near| Face::are_one(first[pixel].1, near.1));
+        // How far it is from pixel to pixel on the page, at most.
+        let has_texels = |pixel: usize| {
+            let own = &first[pixel].0;
+            let step = |near: &Seen| (near.uv - own.uv).abs().max_element() * edge as f32;
+            let is_near = |near: &Seen| near.page == own.page && step(near) <= COARSE;
+            own.page != Seen::KNOWN && around(pixel).all(|(near, _)| is_near(near))
         };
         let wanted = |pixel: usize| match () {
             // Where all samples of a pixel went through it, one beside met it.
             () if near(camera.size, pixel, AROUND).any(is_glass) => FINEST,
             () if !is_one(pixel) => FINE,
+            () if has_texels(pixel) => 1,
             () => grid,
         };
         let wanted: Vec<u32> = each(pixels, 0, &(), wanted)?;
-        let fine: Vec<usize> = (0..pixels).filter(|&pixel| wanted[pixel] > grid).collect();
-        let finer = each(fine.len(), 0, progress, |k| look(wanted[fine[k]], fine[k]))?;
-        for (pixel, seen) in fine.into_iter().zip(finer) {
-            all[pixel] = seen;
+        let finer = each(pixels, 0, progress, |pixel| match wanted[pixel] {
+            1 => Vec::new(),
+            grid => (0..grid * grid)
+                .map(|number| sample(grid, pixel, number).0)
+                .collect(),
+        })?;
+        let (mut seen, mut starts) = (Vec::new(), vec![0]);
+        for ((first, _), finer) in first.into_iter().zip(finer) {
+            match finer.is_empty() {
+                true => seen.push(first),
+                false => seen.extend(finer),
+            }
+            starts.push(seen.len());
         }
-        let mut starts = vec![0];
-        starts.extend(all.iter().scan(0, |end, (seen, ..)| {
-            *end += seen.len();
-            Some(*end)
-        }));
-        let seen = all.into_iter().flat_map(|(seen, ..)| seen).collect();
         Ok(Lit {
             size: camera.size,
             seen,
@@ -276,7 +284,7 @@ mod tests {
                 uv: Vec2::splat(0.5),
             })
         };
-        let mut lit = Lit::look(&direct, &camera, 2, &(), place).unwrap();
+        let mut lit = Lit::look(&direct, &camera, 2, &(), 1, place).unwrap();
         lit.add(0, 1, [&[9.0], &[9.0], &[9.0]]);
         lit.add(1, 1, [&[0.25], &[0.5], &[0.75]]);
         let (picture, alpha) = lit.picture(|radiance| radiance);
@@ -293,7 +301,7 @@ mod tests {
         let (surfaces, lamps) = (Surfaces::new(&world), Lamps::of(&world));
         let direct = direct(&surfaces, backend.as_ref(), &lamps);
         let camera = Camera::new(DVec3::ZERO, -DVec3::Z, DVec3::Y, 1.0, [16, 16]).unwrap();
-        let (_, alpha) = Lit::look(&direct, &camera, 1, &(), |_| None)
+        let (_, alpha) = Lit::look(&direct, &camera, 1, &(), 1, |_| None)
             .unwrap()
             .picture(|radiance| radiance);
         // 36 rays of which half are stopped have a standard deviation of 0.083; nearly 25 pixels tell it together.
@@ -317,7 +325,7 @@ mod tests {
         let eye = DVec3::Y * 16.0;
         let fov = 2.0 * 0.5f64.atan();
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::NEG_Z, fov, [16, 16]).unwrap();
-        let lit = Lit::look(&direct, &camera, 1, &(), |_| None).unwrap();
+        let lit = Lit::look(&direct, &camera, 1, &(), 1, |_| None).unwrap();
         let (picture, _) = lit.picture(|radiance| radiance);
         // Sixteen samples of which a fifth is bright: 8 / 5 more than the tiles' 1, give or take a fourth of 8.
         for row in picture.pixels.chunks_exact(16) {
