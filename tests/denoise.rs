@@ -117,8 +117,17 @@ fn a_target_is_met_by_what_is_denoised_and_takes_fewer_rays_for_it() {
         (own - exact).powi(2)
     };
     let stated = |page: &Page, i: usize| f64::from(page.plane("error")[i]).powi(2);
-    let ratio = (mean(&smooth, &square) / mean(&smooth, &stated)).sqrt();
-    assert!((0.6..1.3).contains(&ratio), "true over stated {ratio}");
+    // With six rays a texel what is stated of one bake is off by a third: four together tell.
+    let others = ["1", "2", "3"].map(|seed| {
+        let words = [&arguments[..], &["--seed", seed]].concat();
+        by_default("resting_sphere.obj", &words).1
+    });
+    let sum = |of: &dyn Fn(&Page, usize) -> f64| -> f64 {
+        let all = others.iter().chain([&smooth]);
+        all.map(|page| mean(page, of)).sum()
+    };
+    let ratio = (sum(&square) / sum(&stated)).sqrt();
+    assert!((0.8..1.2).contains(&ratio), "true over stated {ratio}");
     let [of_smooth, of_plain] = [&smooth, &plain].map(|page| mean(page, &stated).sqrt());
     assert!((0.005..=0.0105).contains(&of_smooth), "{of_smooth} stated");
     assert!((0.005..=0.0105).contains(&of_plain), "{of_plain} stated");

@@ -223,10 +223,20 @@ fn on_an_unoccluded_sphere_the_bake_and_both_reflection_maps_agree() {
         let (mut squares, mut stated, mut count, mut within) = (0.0, 0.0, 0.0, 0.0);
         let mut mean = 0.0;
         for texel in 0..page.size * page.size {
-            // A texel of several triangles has a mean normal, which is that of no triangle.
+            // A texel of several triangles has a mean normal, which is that of no triangle, or one that knows nothing
+            // of a triangle at its border: those count about which all is one facet.
             let normal = normals.map(|n| f64::from(n[texel]));
-            let is_facet = |facet: &[f64; 3]| (0..3).all(|c| (facet[c] - normal[c]).abs() < 1e-6);
-            if !facets.iter().any(is_facet) {
+            let is_facet = |at: usize, facet: &[f64; 3]| {
+                (0..3).all(|c| (facet[c] - f64::from(normals[c][at])).abs() < 1e-6)
+            };
+            let (x, y) = (texel % page.size, texel / page.size);
+            let is_inner = (1..page.size - 1).contains(&x) && (1..page.size - 1).contains(&y);
+            let near = [texel, texel + 1, texel + page.size];
+            let is_amid = |facet: &[f64; 3]| {
+                let beside = [texel - 1, texel - page.size];
+                near.iter().chain(&beside).all(|&at| is_facet(at, facet))
+            };
+            if !is_inner || !facets.iter().any(is_amid) {
                 continue;
             }
             let expected = exact.bilinear(normal);
@@ -245,8 +255,8 @@ fn on_an_unoccluded_sphere_the_bake_and_both_reflection_maps_agree() {
             f64::sqrt(stated / squares),
             100.0 * within / count
         );
-        // Rays of 16,384: 4e-4 and 1.1e-3, by which facets the texels of this layout lie on.
-        assert!(rmse < 1.25e-3, "{layer}: {rmse}");
+        // Rays of 16,384: 2.3e-4 and 2.8e-4.
+        assert!(rmse < 5e-4, "{layer}: {rmse}");
         // Student's t for nine pooled texels is 2.05 at 95 %. Facets of other brightness pool their variances too,
         // which understates the errors of the bright ones: 88 to 92 % by seed.
         assert!(within > 0.87 * count, "{layer}: {within} of {count}");
