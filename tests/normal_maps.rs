@@ -1,7 +1,7 @@
 //! Normal maps bend the shading normal: a constant map on a lone level square, whose terms are known on paper.
 
 use crate::quads::{self, Quad};
-use crate::support::run_well;
+use crate::support::{run, run_well};
 use ambake::{Bake, Layer, Scene, Shading, Uv};
 use glam::Vec3;
 use serde_json::{Value, json};
@@ -223,7 +223,18 @@ fn a_map_that_cannot_be_read_is_absent_and_told_of_where_it_is_asked_for() {
     };
     for broken in [true, false] {
         match broken {
-            true => std::fs::write(&picture, b"no picture").expect("a writable folder"),
+            true => {
+                std::fs::write(&picture, b"no picture").expect("a writable folder");
+                let at = |name: &str| folder.path().join(name).display().to_string();
+                let (from, to) = (at("scene.gltf"), at("out.png"));
+                let words = "--normal-maps --size 8x8 --samples 1 --rays 4".split(' ');
+                let drawn = run(["render", &from, "-o", &to].into_iter().chain(words));
+                let told = String::from_utf8_lossy(&drawn.stderr);
+                let ends = told
+                    .lines()
+                    .any(|line| line.ends_with("normals stand alone"));
+                assert!(drawn.status.success() && ends, "{told}");
+            }
             false => std::fs::remove_file(&picture).expect("the picture"),
         }
         let scene = ambake::load(folder.path().join("scene.gltf")).expect("it loads");

@@ -53,7 +53,7 @@ fn row(arg: &Arg) -> String {
     let meanings = words
         .iter()
         .filter_map(|word| Some((word.get_name(), word.get_help()?.to_string())));
-    let meanings = meanings.map(|(word, of)| format!(". `{word}`: {}", of.to_lowercase()));
+    let meanings = meanings.map(|(word, of)| format!(". `{word}`: {of}"));
     let help = help.replace('*', "\\*") + &meanings.collect::<String>();
     let short = arg
         .get_short()
@@ -124,7 +124,7 @@ fn python_type(keyword: &Keyword) -> String {
         "NAME=D" => "Mapping[str, float]",
         "NAME=drop|keep" => r#"Mapping[str, Literal["drop", "keep"]]"#,
         "R,G,B" => "_Rgb",
-        "R,G,B|file" => r#"Union[_Rgb, Literal["albedo", "file"]]"#,
+        "R,G,B|albedo|file" => r#"Union[_Rgb, Literal["albedo", "file"]]"#,
         "R,G,B|FILE" => "Union[_Rgb, _Path, npt.NDArray[Any]]",
         "normal|X,Y,Z" => r#"Union[Literal["normal"], Sequence[float]]"#,
         "auto|X,Y,Z[:X,Y,Z][;..]" => r#"Union[Sequence[_Rgb], Literal["auto"]]"#,

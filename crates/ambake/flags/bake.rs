@@ -96,8 +96,8 @@ pub struct Job {
     #[arg(help_heading = "Texels", hide_short_help = true)]
     #[arg(long)]
     pub one_page_per_mesh: bool,
-    /// Rays per texel over the hemisphere; a highlight takes what it is worth beside them, or as many where it is asked
-    /// for itself
+    /// Rays per texel over the hemisphere, up to a quarter more where little of the sky is seen; a highlight takes what
+    /// it is worth beside them, or as many where it is asked for itself
     #[arg(help_heading = "Rays")]
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=16_777_216))]
     pub rays: u32,
@@ -131,8 +131,8 @@ pub struct Job {
     #[arg(help_heading = "Texels", hide_short_help = true)]
     #[arg(long, default_value = "scene", value_parser = word::<Seams>())]
     pub seams: Seams,
-    /// Sky radiance, linear: R,G,B for a uniform sky, or an illumination map (.hdr, .exr; polar unless its header says
-    /// otherwise), from whose light as many rays again are drawn
+    /// Sky radiance, linear: R,G,B for a uniform sky, or an illumination map (.hdr, .exr; .png and .jpg as sRGB; polar
+    /// unless its header says otherwise), from whose light as many rays again are drawn
     #[arg(help_heading = "Light")]
     #[arg(long, value_name = "R,G,B|FILE", default_value = "1,1,1", value_parser = sky)]
     pub sky: SkyArg,
@@ -230,7 +230,7 @@ pub struct Job {
     /// By what the layer `traditional` reflects ambient light: one colour for all materials, linear, or `file`: the Ka
     /// of each material of an OBJ file [default: the albedo, as a Lambertian surface reflects ambient light]
     #[arg(help_heading = "Light", hide_short_help = true)]
-    #[arg(long, value_name = "R,G,B|file", value_parser = coefficient)]
+    #[arg(long, value_name = "R,G,B|albedo|file", value_parser = coefficient)]
     pub ambient_coefficient: Option<AmbientCoefficient>,
     /// Diffuse reflectance of every material, linear, as R,G,B
     #[arg(help_heading = "Input", hide_short_help = true)]

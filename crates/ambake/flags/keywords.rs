@@ -109,17 +109,22 @@ pub fn keywords<T: CommandFactory>() -> Vec<Keyword> {
 /// # Errors
 /// One line that names the keyword.
 pub fn parsed<T: Parser>(words: &[OsString]) -> Result<T, String> {
-    let lacks = |one: &&OsString| {
-        let alone = T::try_parse_from([one]).err();
-        alone.is_some_and(|error| error.kind() == ErrorKind::MissingRequiredArgument)
+    let text_of = |error: &clap::Error, kind| match error.get(kind) {
+        Some(ContextValue::String(text)) => text.clone(),
+        Some(ContextValue::Strings(texts)) => texts.join(", "),
+        _ => String::new(),
     };
     T::try_parse_from(words).map_err(|error| {
-        let text = |kind| match error.get(kind) {
-            Some(ContextValue::String(text)) => text.clone(),
-            Some(ContextValue::Strings(texts)) => texts.join(", "),
-            _ => String::new(),
-        };
+        let text = |kind| text_of(&error, kind);
         let names = names_in(&text(ContextKind::InvalidArg));
+        let lacks = |one: &&OsString| {
+            let alone = T::try_parse_from([one]).err();
+            alone.is_some_and(|alone| {
+                let missing = names_in(&text_of(&alone, ContextKind::InvalidArg));
+                alone.kind() == ErrorKind::MissingRequiredArgument
+                    && names.iter().all(|name| missing.contains(name))
+            })
+        };
         match error.kind() {
             ErrorKind::ArgumentConflict => {
                 let mut both = [names, names_in(&text(ContextKind::PriorArg))].concat();
@@ -193,7 +198,12 @@ mod tests {
             let problem = problem(words);
             assert!(problem.starts_with(line), "{words}: {problem}");
         }
-        let places = parsed::<Probes>(&[]).err().unwrap_or_default();
-        assert_eq!(places, "give one of spacing, grid, at");
+        let places = |words: &[&str]| {
+            let words: Vec<OsString> = words.iter().map(OsString::from).collect();
+            parsed::<Probes>(&words).err().unwrap_or_default()
+        };
+        assert_eq!(places(&[]), "give one of spacing, grid, at");
+        let lacking = places(&["--seed=3", "--at=0,0,0", "--max-rays=4096"]);
+        assert_eq!(lacking, "max_rays needs target_error beside it");
     }
 }

@@ -146,7 +146,7 @@ pub fn coefficient(text: &str) -> Result<AmbientCoefficient, String> {
         "albedo" => Ok(AmbientCoefficient::Albedo),
         _ => color(text)
             .map(AmbientCoefficient::Rgb)
-            .map_err(|e| format!("expected `file` or R,G,B: {e}")),
+            .map_err(|e| format!("expected `albedo`, `file` or R,G,B: {e}")),
     }
 }
 

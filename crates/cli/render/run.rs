@@ -4,7 +4,7 @@ use super::args::Args;
 use super::{file, frames, picture, relit};
 use crate::common::build;
 use crate::host;
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, tell};
 use crate::stop::Stop;
 use ::render::{Lightmap, Model};
 use scene::Format;
@@ -47,6 +47,12 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let (mut world, backend) = build(scene, args.backend, threads)?;
     if args.normal_maps {
         world.read_normal_maps()?;
+        for (name, problem) in world.broken_normal_maps() {
+            if !args.common.quiet {
+                let alone = "the mesh's normals stand alone";
+                tell(&format!("texture `{name}`: {problem}; {alone}"));
+            }
+        }
     }
     let backend = backend.as_ref();
     #[cfg(feature = "bench")]

@@ -121,7 +121,7 @@ impl Patch {
         };
         let twice_area = face.length();
         let geometric = match 1.0 / twice_area {
-            inverse if inverse.is_finite() => face * inverse,
+            inverse if inverse > 0.0 && inverse.is_finite() => face * inverse,
             _ => face.try_normalize().unwrap_or_else(fallback),
         };
         let low = corners[0].min(corners[1]).min(corners[2]);

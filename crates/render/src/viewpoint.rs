@@ -92,7 +92,10 @@ impl Framing {
                 Camera::framing(corners, middle, toward, self.up, self.fov, self.size)
             }
         };
-        let eye = middle + room.before_what_is_around(middle, eye - middle);
+        let eye = match around {
+            [] => eye,
+            _ => middle + room.before_what_is_around(middle, eye - middle),
+        };
         let outside = self.camera_at([eye, middle])?;
         let Some(view) = room.best(&places, HALF_OPEN) else {
             return Ok(outside);

@@ -111,10 +111,14 @@ fn words(keyword: &Keyword, value: &Bound<'_, PyAny>) -> PyResult<Vec<OsString>>
                 each.join(",").into()
             }
             (_, Err(_)) if keyword.repeats && value.try_iter().is_ok() => {
-                return value
-                    .try_iter()?
-                    .map(|item| Ok(keyword.with(text(&item?)?)))
-                    .collect();
+                let words = value.try_iter()?;
+                let words = words.map(|item| Ok(keyword.with(text(&item?)?)));
+                let words: Vec<OsString> = words.collect::<PyResult<_>>()?;
+                // Nothing in particular, unlike nothing said: what every page has.
+                return Ok(match (&*keyword.name, words.is_empty()) {
+                    ("only", true) => vec![keyword.with("coverage")],
+                    _ => words,
+                });
             }
             _ => text(value)?,
         },

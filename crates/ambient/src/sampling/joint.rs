@@ -14,7 +14,7 @@ use super::stream::mix;
 use std::ops::Range;
 
 impl Stream {
-    /// This stream as texel (x, y) of a square of `2^edge_log2` texels takes its points `net`, counted from 0: a power
+    /// This stream as texel (x, y) of a square of `2^edge_log2` texels (at most 2^15) takes its points `net`, counted from 0: a power
     /// of two, aligned to itself. Texels of the square have this stream and `net` in common; x and y count modulo its
     /// edge.
     ///
@@ -61,6 +61,7 @@ pub(super) fn first(
 /// The last sixteen bits of a number, each followed by a 0 above it.
 #[inline(always)]
 fn spread(bits: u32) -> u32 {
+    let bits = bits & 0xffff;
     let bits = (bits | bits << 8) & 0x00ff_00ff;
     let bits = (bits | bits << 4) & 0x0f0f_0f0f;
     let bits = (bits | bits << 2) & 0x3333_3333;

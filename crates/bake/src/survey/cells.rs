@@ -141,7 +141,7 @@ impl Cells {
     }
 
     /// Means over the texel, by area. Where it holds several triangles, they are those of points that are spread evenly
-    /// over it: where these triangles lie in one plane, the mean position is exact.
+    /// over it: where these triangles lie in one plane under one mapping, the mean position is exact.
     pub fn means(&self) -> Means {
         let mut means = Means {
             position: DVec3::ZERO,
