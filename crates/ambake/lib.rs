@@ -88,6 +88,7 @@ mod bake;
 mod baked;
 #[cfg(test)]
 mod built_tests;
+mod choices;
 mod differ;
 mod dome;
 mod earlier;

@@ -12,54 +12,13 @@ use ::bake::{
 use ::scene::{Format, Instance, Surface};
 use glam::DVec3;
 use layers::Layer;
-use rays::{BackendKind, Cone, Layout, Light, Overrides};
+use rays::{Cone, Light, Overrides};
 use report::Engine;
 use serde_json::{Value, json};
 
+pub use crate::choices::{Backend, Uv};
 pub use ::bake::Effort;
 pub use atlas::Pages;
-
-/// Lightmap coordinates.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Uv {
-    /// Keep the file's where they are usable as a lightmap, else unwrap.
-    #[default]
-    Auto,
-    /// Keep the file's; an error where they are not usable.
-    Keep,
-    /// Always unwrap.
-    Unwrap,
-}
-
-/// Which library answers rays.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Backend {
-    /// Debian's Embree.
-    Embree,
-    /// Pure Rust: obvhs, 8-wide compressed tree.
-    Obvhs,
-    /// Pure Rust: obvhs, binary tree.
-    ObvhsBvh2,
-}
-
-impl Backend {
-    /// Embree where it is built in, else obvhs.
-    pub fn best() -> Self {
-        match ::rays::has_embree() {
-            true => Self::Embree,
-            false => Self::Obvhs,
-        }
-    }
-
-    /// As the ray crate calls it.
-    pub fn kind(self) -> BackendKind {
-        match self {
-            Self::Embree => BackendKind::Embree,
-            Self::Obvhs => BackendKind::Obvhs(Layout::Cwbvh),
-            Self::ObvhsBvh2 => BackendKind::Obvhs(Layout::Bvh2),
-        }
-    }
-}
 
 /// The type of options, each with its default.
 macro_rules! options {

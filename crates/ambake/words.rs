@@ -1,6 +1,6 @@
 //! The words of options that have a few values, as flags, `bake.json` and Python say them.
 
-use crate::options::{Backend, Uv};
+use crate::choices::{Backend, Uv};
 use ::bake::{Buried, Denoise, Footprint, Model, Seams, Shading};
 use maps::Normalise;
 use render::tables::{Lookup, NormalCode};

@@ -41,6 +41,7 @@ mod centre;
 mod charts;
 mod clip;
 mod cover;
+mod covered;
 mod cutter;
 mod dilate;
 mod error;

@@ -299,16 +299,19 @@ mod tests {
         assert_eq!(picture.pixels[15], [1.0; 3], "integrated");
     }
 
-    #[test]
-    fn a_see_through_surface_is_no_pepper() {
+    /// What so many pixels across show of a sheet that stops this share of rays.
+    fn through(share: f32, edge: u32) -> Lit {
         let sheet = [Vec3::new(-8.0, -8.0, -1.0), Vec3::X * 16.0, Vec3::Y * 16.0];
-        let (world, backend) = see_through(sheet, 0.5);
+        let (world, backend) = see_through(sheet, share);
         let (surfaces, lamps) = (Surfaces::new(&world), Lamps::of(&world));
         let direct = direct(&surfaces, backend.as_ref(), &lamps);
-        let camera = Camera::new(DVec3::ZERO, -DVec3::Z, DVec3::Y, 1.0, [16, 16]).unwrap();
-        let (_, alpha) = Lit::look(&direct, &camera, 1, &(), 1, |_| None)
-            .unwrap()
-            .picture(|radiance| radiance);
+        let camera = Camera::new(DVec3::ZERO, -DVec3::Z, DVec3::Y, 1.0, [edge; 2]).unwrap();
+        Lit::look(&direct, &camera, 1, &(), 1, |_| None).unwrap()
+    }
+
+    #[test]
+    fn a_see_through_surface_is_no_pepper() {
+        let (_, alpha) = through(0.5, 16).picture(|radiance| radiance);
         // 36 rays of which half are stopped have a standard deviation of 0.083; nearly 25 pixels tell it together.
         let off = alpha.iter().map(|alpha| (alpha - 0.5).powi(2)).sum::<f32>();
         assert!((off / 256.0).sqrt() < 0.03, "{alpha:?}");
@@ -316,12 +319,7 @@ mod tests {
 
     #[test]
     fn a_surface_that_stops_little_is_seen_all_over() {
-        let sheet = [Vec3::new(-8.0, -8.0, -1.0), Vec3::X * 16.0, Vec3::Y * 16.0];
-        let (world, backend) = see_through(sheet, 0.1);
-        let (surfaces, lamps) = (Surfaces::new(&world), Lamps::of(&world));
-        let direct = direct(&surfaces, backend.as_ref(), &lamps);
-        let camera = Camera::new(DVec3::ZERO, -DVec3::Z, DVec3::Y, 1.0, [32, 32]).unwrap();
-        let lit = Lit::look(&direct, &camera, 1, &(), 1, |_| None).unwrap();
+        let lit = through(0.1, 32);
         // A pixel of one sample would show none of it.
         let few = lit.starts.windows(2).filter(|ends| ends[1] - ends[0] < 36);
         assert_eq!(few.count(), 0);

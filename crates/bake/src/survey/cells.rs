@@ -9,8 +9,8 @@ use glam::DVec3;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Where points of a whole texel lie along either edge whose mean stands for that of its triangles: means of what lies in
-/// one plane are exact by any number, and a mesh hardly bends within a texel.
+/// Where points of a whole texel lie along either edge whose mean stands for that of its triangles: means of what lies
+/// in one plane are exact by any number, and a mesh hardly bends within a texel.
 const POINTS: [[f32; 4]; 2] = [[0.25, 0.75, 0.25, 0.75], [0.25, 0.25, 0.75, 0.75]];
 
 /// All that lies under the texels of a tile.
