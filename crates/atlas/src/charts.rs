@@ -8,7 +8,7 @@ use crate::twins::{self, Shape};
 use glam::{DMat3, DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 use scene::{Mesh, Scene};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use uvunwrap::{Density, MeshInput, Packing};
 
 /// Charts of curved surfaces stay below this many triangles on average: flattening takes more than linear time.
@@ -17,6 +17,9 @@ const SOLVABLE: f64 = 200_000.0;
 /// rounded to 32 bits, a thousandth of a texel.
 const HANDED: u32 = 8192;
 const HANDED_TRIANGLE: f64 = 16.0;
+/// The edges of a chart together are at most so many times as long as those of its triangles. A triangle may be four times too
+/// large, its edges twice too long; where the unwrapper's solver fails it returns needles of the right area.
+const LONGEST: f64 = 3.0;
 
 /// The charts of one mesh, each flat in a plane of its own.
 #[derive(Clone)]
@@ -248,7 +251,24 @@ fn sheet(
                 0.5 * (b - a).cross(c - a).length()
             })
             .sum();
-        sheet.unwrap(data, &parts, [area, size], cancel)?;
+        let whole = Handed {
+            triangles: data.triangles.len(),
+            area,
+            unit: size,
+        };
+        // By itself, about 1 in size, most that is spoilt is flattened after all.
+        for (part, scale) in sheet.unwrap(data, &parts, whole, cancel)? {
+            let alone = Handed {
+                triangles: part.triangles.len(),
+                area: part.area(),
+                unit: size * scale,
+            };
+            for (part, scale) in sheet.unwrap(data, &[part], alone, cancel)? {
+                for face in part.faces() {
+                    sheet.add(&face, data, scale * alone.unit);
+                }
+            }
+        }
     }
     for face in &faces {
         sheet.add(face, data, size);
@@ -257,54 +277,140 @@ fn sheet(
     Ok(sheet)
 }
 
+/// How much is handed to the unwrapper at once.
+#[derive(Clone, Copy)]
+struct Handed {
+    triangles: usize,
+    /// In squared units of it.
+    area: f64,
+    /// What its unit is in units of the mesh.
+    unit: f64,
+}
+
+/// A chart that the unwrapper made of a part.
+#[derive(Default)]
+struct Made {
+    /// By their numbers in the part.
+    triangles: Vec<usize>,
+    /// Lengths of their edges and areas together, in the chart and in the part.
+    lengths: [f64; 2],
+    areas: [f64; 2],
+    /// Its box, in texels of the unwrapper's page.
+    low: DVec2,
+    high: DVec2,
+}
+
+impl Made {
+    /// The charts of a part by their numbers. `page` is the size of the unwrapper's page in texels, of which so many are one
+    /// unit of the part.
+    fn of(
+        part: &Part,
+        out: &uvunwrap::OutputMesh,
+        (page, density): (DVec2, f64),
+    ) -> BTreeMap<u32, Self> {
+        let mut charts: BTreeMap<u32, Self> = BTreeMap::new();
+        for (number, corners) in out.indices.chunks_exact(3).enumerate() {
+            let corners = [corners[0], corners[1], corners[2]].map(|v| &out.vertices[v as usize]);
+            let Some(chart) = corners[0].chart else {
+                continue;
+            };
+            let made = charts.entry(chart).or_insert_with(|| Self {
+                low: DVec2::INFINITY,
+                ..Self::default()
+            });
+            made.triangles.push(number);
+            // What is too thin for a chart has its corners anywhere.
+            if corners.iter().all(|corner| corner.chart == Some(chart)) {
+                let flat = corners.map(|corner| DVec2::from(corner.uv.map(f64::from)) * page);
+                made.low = flat.into_iter().fold(made.low, DVec2::min);
+                made.high = flat.into_iter().fold(made.high, DVec2::max);
+                let flat = flat.map(|place| (place / density).extend(0.0));
+                for (k, triangle) in [flat, part.corners(number)].into_iter().enumerate() {
+                    let [a, b, c] = triangle;
+                    made.lengths[k] += a.distance(b) + b.distance(c) + c.distance(a);
+                    made.areas[k] += 0.5 * (b - a).cross(c - a).length();
+                }
+            }
+        }
+        charts
+    }
+
+    /// How many times too small it came out: more than 1 where it had to be made to fit the page.
+    fn shrunk(&self) -> f64 {
+        match (self.high - self.low).max_element() >= f64::from(HANDED - 1) {
+            true => (self.areas[1] / self.areas[0]).sqrt(),
+            false => 1.0,
+        }
+    }
+
+    fn is_spoilt(&self) -> bool {
+        let [flat, own] = self.lengths;
+        let is_right = self.shrunk() * flat <= LONGEST * own;
+        !is_right
+    }
+}
+
 impl Sheet {
-    /// Adds the charts that the unwrapper makes of parts of a mesh.
-    ///
-    /// * `area`: of the mesh, in units of which each is `size` of its own.
+    /// Adds the charts that the unwrapper makes of parts of a mesh. What it could not flatten comes back as parts about 1
+    /// in size, each with what its unit is among those of `parts`.
     fn unwrap(
         &mut self,
         data: &Mesh,
         parts: &[Part],
-        [area, size]: [f64; 2],
+        Handed {
+            triangles,
+            area,
+            unit,
+        }: Handed,
         cancel: &(dyn Fn() -> bool + Sync),
-    ) -> Result<(), Error> {
-        let count = data.triangles.len() as f64;
+    ) -> Result<Vec<(Part, f64)>, Error> {
+        let count = triangles as f64;
         let most = match count > SOLVABLE {
             true => (area * SOLVABLE / count) as f32,
             false => 0.0,
         };
-        // Long charts may be longer than the mesh: then once more at half the size.
-        let mut scale = (count.clamp(1e3, 2.5e5) * HANDED_TRIANGLE / area).sqrt();
-        scale = scale.min(f64::from(HANDED) / 2.0);
-        let made = loop {
-            let settings = uvunwrap::Options {
-                density: Density::Fixed {
-                    texels_per_unit: scale as f32,
-                    page_size: Some(HANDED),
-                },
-                padding: 0,
-                packing: Packing::Fast,
-                max_chart_area: most,
-                ..uvunwrap::Options::default()
-            };
-            let inputs: Vec<MeshInput<'_>> = parts.iter().map(Part::input).collect();
-            match uvunwrap::generate_with_progress(&inputs, &settings, |_| !cancel()) {
-                Err(uvunwrap::Error::ChartTooLarge { .. }) if scale > 1.0 => scale *= 0.25,
-                Err(uvunwrap::Error::Cancelled) => return Err(Error::Cancelled),
-                Err(other) => return Err(Error::Unwrap(other.to_string())),
-                Ok(made) => break made,
-            }
+        let scale = (count.clamp(1e3, 2.5e5) * HANDED_TRIANGLE / area).sqrt();
+        let scale = scale.min(f64::from(HANDED) / 2.0);
+        let settings = uvunwrap::Options {
+            density: Density::Fixed {
+                texels_per_unit: scale as f32,
+                page_size: Some(HANDED),
+            },
+            padding: 0,
+            packing: Packing::Fast,
+            max_chart_area: most,
+            // Long charts may be longer than the mesh.
+            max_chart_size: HANDED,
+            ..uvunwrap::Options::default()
         };
-        let texel = size / f64::from(scale as f32);
-        let page = DVec2::new(f64::from(made.width), f64::from(made.height)) * texel;
-        self.charts = vec![Vec::new(); made.chart_count as usize];
-        let mut chart_of = Vec::new();
+        let inputs: Vec<MeshInput<'_>> = parts.iter().map(Part::input).collect();
+        let made = match uvunwrap::generate_with_progress(&inputs, &settings, |_| !cancel()) {
+            Err(uvunwrap::Error::Cancelled) => return Err(Error::Cancelled),
+            Err(other) => return Err(Error::Unwrap(other.to_string())),
+            Ok(made) => made,
+        };
+        let density = f64::from(scale as f32);
+        let page = DVec2::new(f64::from(made.width), f64::from(made.height));
+        let texel = page * (unit / density);
+        let (charts, points) = (self.charts.len(), self.points.len());
+        self.charts
+            .resize(charts + made.chart_count as usize, Vec::new());
+        let (mut chart_of, mut spoilt) = (Vec::new(), Vec::new());
+        let mut shrunk = vec![1.0; made.chart_count as usize];
         for (part, out) in parts.iter().zip(&made.meshes) {
+            let charts_of = Made::of(part, out, (page, density));
+            for (&chart, made) in &charts_of {
+                shrunk[chart as usize] = made.shrunk();
+                spoilt.extend(made.is_spoilt().then(|| part.some(&made.triangles)));
+            }
             // Corners of the unwrapper's vertices by the mesh's own, which it does not know apart.
             let mut numbers = HashMap::new();
             for (&t, corners) in part.triangles.iter().zip(out.indices.chunks_exact(3)) {
                 let first = corners[0];
                 let chart = |made: &u32| out.vertices[*made as usize].chart;
+                if chart(&first).is_some_and(|chart| charts_of[&chart].is_spoilt()) {
+                    continue;
+                }
                 // One that is too thin for a chart may have its corners in several: it goes to the first.
                 let is_parted = corners.iter().any(|made| chart(made) != chart(&corners[0]));
                 let corners = corners.iter().zip(data.triangles[t as usize]);
@@ -314,30 +420,32 @@ impl Sheet {
                         let vertex = &out.vertices[made as usize];
                         let [u, v] = vertex.uv.map(f64::from);
                         self.sources.push(own);
-                        self.points.push(DVec2::new(u, v) * page);
+                        self.points.push(DVec2::new(u, v) * texel);
                         chart_of.push(vertex.chart);
                         self.sources.len() as u32 - 1
                     })
                 };
                 let numbered: Vec<u32> = corners.map(&mut number).collect();
                 self.triangles[t as usize] = [numbered[0], numbered[1], numbered[2]];
-                if let Some(chart) = chart_of[numbered[0] as usize] {
-                    self.charts[chart as usize].push(t);
+                if let Some(chart) = chart_of[numbered[0] as usize - points] {
+                    self.charts[charts + chart as usize].push(t);
                 }
             }
         }
         // Charts begin at (0, 0).
-        let mut low = vec![DVec2::INFINITY; self.charts.len()];
+        let mut low = vec![DVec2::INFINITY; made.chart_count as usize];
         let places = |chart: &Option<u32>| chart.map(|c| c as usize);
-        for (p, chart) in self.points.iter().zip(chart_of.iter().map(places)) {
+        let own = &mut self.points[points..];
+        for (p, chart) in own.iter().zip(chart_of.iter().map(places)) {
             if let Some(chart) = chart {
                 low[chart] = low[chart].min(*p);
             }
         }
-        for (p, chart) in self.points.iter_mut().zip(chart_of.iter().map(places)) {
-            *p = chart.map_or(DVec2::ZERO, |chart| *p - low[chart]);
+        for (p, chart) in own.iter_mut().zip(chart_of.iter().map(places)) {
+            *p = chart.map_or(DVec2::ZERO, |chart| (*p - low[chart]) * shrunk[chart]);
         }
-        Ok(())
+        self.charts.retain(|chart| !chart.is_empty());
+        Ok(spoilt)
     }
 
     /// Adds a face as a chart; its units are `size` of the mesh's.

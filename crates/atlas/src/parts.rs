@@ -2,9 +2,9 @@
 
 use crate::flat::{Face, Faces};
 use crate::flatten::{self, Piece, Surface};
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use scene::Mesh;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::hash::Hash;
 use uvunwrap::MeshInput;
 
@@ -35,6 +35,69 @@ impl Part {
             polygons: Some(&self.faces),
             ..MeshInput::new(&self.positions, &self.indices)
         }
+    }
+
+    /// The corners of its triangle of this number.
+    pub fn corners(&self, number: usize) -> [DVec3; 3] {
+        let corner = |k: usize| Vec3::from(self.positions[self.indices[3 * number + k] as usize]);
+        [0, 1, 2].map(|k| corner(k).as_dvec3())
+    }
+
+    pub fn area(&self) -> f64 {
+        let areas = (0..self.triangles.len()).map(|number| {
+            let [a, b, c] = self.corners(number);
+            0.5 * (b - a).cross(c - a).length()
+        });
+        areas.sum()
+    }
+
+    /// Some of its triangles, by their numbers, as a part about 1 in size, and how large its unit is.
+    pub fn some(&self, numbers: &[usize]) -> (Self, f64) {
+        let corners = || numbers.iter().flat_map(|&number| self.corners(number));
+        let low = corners().fold(DVec3::INFINITY, DVec3::min);
+        let size = (corners().fold(DVec3::NEG_INFINITY, DVec3::max) - low).max_element();
+        let mut places = HashMap::new();
+        let mut positions = Vec::new();
+        let mut indices = Vec::with_capacity(3 * numbers.len());
+        for (k, at) in (numbers.iter().flat_map(|&n| 3 * n..3 * n + 3)).zip(corners()) {
+            let place = *places
+                .entry(self.indices[k])
+                .or_insert(positions.len() as u32);
+            if place as usize == positions.len() {
+                positions.push(((at - low) / size - 0.5).as_vec3().to_array());
+            }
+            indices.push(place);
+        }
+        let part = Self {
+            triangles: numbers.iter().map(|&n| self.triangles[n]).collect(),
+            positions,
+            indices,
+            flat: None,
+            faces: numbers.iter().map(|&n| self.faces[n]).collect(),
+        };
+        (part, size)
+    }
+
+    /// Its flat faces as they lie.
+    pub fn faces(&self) -> Vec<Face> {
+        let mut members: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+        for (number, &face) in self.faces.iter().enumerate() {
+            members.entry(face).or_default().push(number);
+        }
+        let face = |numbers: Vec<usize>| {
+            let normals = numbers.iter().map(|&number| {
+                let [a, b, c] = self.corners(number);
+                (b - a).cross(c - a)
+            });
+            let normal = normals.sum::<DVec3>().try_normalize().unwrap_or(DVec3::Z);
+            let (u, v) = normal.any_orthonormal_pair();
+            let flat = |p: DVec3| DVec2::new(p.dot(u), p.dot(v));
+            Face {
+                triangles: numbers.iter().map(|&n| self.triangles[n]).collect(),
+                places: numbers.iter().map(|&n| self.corners(n).map(flat)).collect(),
+            }
+        };
+        members.into_values().map(face).collect()
     }
 
     fn of(piece: Piece, surface: &Surface, faces: &[u32]) -> Self {

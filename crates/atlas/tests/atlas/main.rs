@@ -13,3 +13,4 @@ mod layouts;
 mod models;
 mod reused;
 mod scenes;
+mod spoilt;

@@ -6,7 +6,6 @@
 use super::legendre::{Legendre, diagonal};
 use ambient::quadrature::gauss_legendre;
 use rayon::prelude::*;
-use realfft::RealFftPlanner;
 use std::f64::consts::{PI, TAU};
 
 /// Coefficients I_lm for m >= 0: real and imaginary parts of red, green, blue.
@@ -74,7 +73,7 @@ pub(super) fn analyse_rings(rings: &Rings, order: usize) -> Series {
 /// Fourier coefficients of some rows.
 fn transform(rings: &Rings, order: usize, start: usize) -> Vec<f64> {
     let width = rings.width;
-    let fft = RealFftPlanner::<f64>::new().plan_fft_forward(width);
+    let fft = fourier::forward(width);
     let mut scratch = fft.make_scratch_vec();
     let mut bins = fft.make_output_vec();
     let mut channels = std::array::from_fn(|_| vec![0.0; width]);

@@ -4,9 +4,8 @@ use super::grid::Grid;
 use super::legendre::{Legendre, diagonal};
 use super::rings::Series;
 use crate::{Image, Projection};
+use fourier::Complex;
 use rayon::prelude::*;
-use realfft::RealFftPlanner;
-use realfft::num_complex::Complex;
 use std::f64::consts::PI;
 
 /// Σ zonal_l I_lm Y_lm at the centres of texels.
@@ -66,7 +65,7 @@ fn polar(series: &Series, zonal: &[f64], (width, height): (usize, usize)) -> Vec
         })
         .collect();
     let mut values = vec![[0.0; 3]; width * height];
-    let fft = RealFftPlanner::<f64>::new().plan_fft_inverse(width);
+    let fft = fourier::inverse(width);
     // e^{imφ} at the middle of the first texel.
     let turn = |m: usize| {
         let (sin, cos) = (m as f64 * (PI / width as f64 - PI)).sin_cos();
