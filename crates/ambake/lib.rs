@@ -80,9 +80,12 @@
 //!   `state.rs`. The atlas alone: `layout.rs`.
 //! * The picture of the lit scene: `lit.rs`. Probes: `probes`.
 #![forbid(unsafe_code)]
+// Without the files of a bake some helpers have no caller.
+#![cfg_attr(not(feature = "write"), allow(dead_code))]
 
 #[cfg(test)]
 mod again_tests;
+#[cfg(feature = "write")]
 mod any_view;
 mod bake;
 mod baked;
@@ -94,6 +97,7 @@ mod dome;
 mod earlier;
 mod error;
 mod estimate;
+#[cfg(feature = "write")]
 mod export;
 #[cfg(feature = "flags")]
 #[doc(hidden)]
@@ -102,17 +106,29 @@ mod host;
 mod interior;
 mod job;
 mod layout;
+#[cfg(feature = "write")]
+mod layout_files;
+#[cfg(feature = "write")]
 mod lit;
+#[cfg(any(feature = "obj", feature = "gltf"))]
+mod load;
 mod memory;
+#[cfg(feature = "write")]
 mod merge;
 mod object;
 mod options;
+#[cfg(feature = "write")]
 mod parts;
+#[cfg(feature = "write")]
 mod probes;
+#[cfg(feature = "write")]
 mod resume;
 mod run;
+#[cfg(feature = "write")]
+mod run_into;
 mod scene;
 mod seen;
+#[cfg(feature = "write")]
 mod shard;
 mod shell;
 mod sky;
@@ -121,6 +137,7 @@ mod update;
 mod vertices;
 mod warnings;
 mod words;
+#[cfg(feature = "write")]
 mod write;
 
 pub use crate::bake::Bake;
@@ -134,26 +151,27 @@ pub use baked::{Baked, Page};
 pub use dome::surrounding;
 pub use error::{Error, LimitedBy};
 pub use estimate::Estimate;
-pub use export::{Exported, export};
 pub use host::{REVISION, VERSION, peak_memory};
 pub use job::Job;
 pub use layers::{Layer, Preview, Progress, Term, Unit};
 pub use layout::Layout;
-pub use merge::Parts;
+#[cfg(any(feature = "obj", feature = "gltf"))]
+pub use load::{Files, load, load_with};
 pub use object::Object;
 pub use options::{Backend, Effort, Options, Pages, Uv};
-pub use probes::{Places, ProbeOptions, ProbePart, ProbeParts, ProbeVolume, Probes};
 pub use rays::{self, Light};
-pub use report::{
-    BakeReport, Engine, PageReport, ProbeRecord, ProbeReport, ReflectionLevel, ReflectionReport,
-};
-pub use resume::Resume;
-pub use scene::{
-    AlphaMode, Files, Material, Mesh, MetallicRoughness, Placement, Scene, Texture, Warning, load,
-    load_with,
-};
-pub use shard::{Part, Shard};
+pub use report::{BakeReport, Engine, PageReport};
+pub use scene::{AlphaMode, Material, Mesh, MetallicRoughness, Placement, Scene, Texture, Warning};
 pub use sky::Sky;
 pub use vertices::Vertices;
-pub use write::Written;
 pub use {atlas, glam, maps, rayon, render, report, serde_json};
+#[cfg(feature = "write")]
+pub use {
+    export::{Exported, export},
+    merge::Parts,
+    probes::{Places, ProbeOptions, ProbePart, ProbeParts, ProbeVolume, Probes},
+    report::{ProbeRecord, ProbeReport, ReflectionLevel, ReflectionReport},
+    resume::Resume,
+    shard::{Part, Shard},
+    write::Written,
+};
