@@ -63,6 +63,12 @@
 //! }
 //! ```
 //!
+//! # Features
+//!
+//! The default is the program, with everything. With `default-features = false` the library bakes scenes made in memory with
+//! obvhs. `embree` adds Embree, `obj`, `gltf`, `draco` and `meshopt` add [`load`], `sky` adds [`Sky::load`], `write` all that
+//! becomes a file, and `report` the page `report.html`. `docs/library.md` has the table.
+//!
 //! Directions point away from surfaces, colours are linear, angles are radians, and lengths are in scene units. The
 //! stored terms are 1 for an open texel under a sky of radiance 1.
 //!
@@ -70,14 +76,15 @@
 //!
 //! For those who change the library:
 //!
-//! * What is asked for: `bake.rs` and `options.rs`, its flags `flags`, their words `words.rs`. A bake between plan and result: `job.rs` and `run.rs`, what it
+//! * From a file to its scene: `load.rs`. What is asked for: `bake.rs` and `options.rs`, its flags `flags`, their words `words.rs`. A bake between plan and result: `job.rs`, `run.rs` and `run_into.rs`, what it
 //!   warns of `warnings.rs`. What is written, and which names of an earlier bake go: `write.rs`.
 //! * What a bake will take: `estimate.rs`, its memory `memory.rs`. Whether a scene is an interior: `interior.rs`,
 //!   and what stands around it: `dome.rs`.
 //! * Where objects lie on pages: `object.rs`. Values at vertices: `vertices.rs`.
 //! * What can be seen: `seen.rs` for points of a triangle, `shell.rs` for the outsides of rooms.
 //! * Saved states: `resume.rs`. Shards: `shard.rs`, `parts.rs` and `merge.rs`. Updates: `update.rs`, their files
-//!   `state.rs`. The atlas alone: `layout.rs`.
+//!   `state.rs`. The atlas alone: `layout.rs`,
+//!   its files `layout_files.rs`.
 //! * The picture of the lit scene: `lit.rs`. Probes: `probes`.
 #![forbid(unsafe_code)]
 // Without the files of a bake some helpers have no caller.
