@@ -486,7 +486,7 @@ pub(crate) mod tests {
             seams: Some(SeamReport::default()),
             bounces: Some(BounceReport::default()),
             update: Some(UpdateReport::default()),
-            any_view: Some(crate::AnyViewReport::default()),
+            any_view: Some(AnyViewReport::default()),
             objects: vec![ObjectReport::default()],
             timings: vec![PhaseReport::default()],
             seconds: 1e-9,
