@@ -5,12 +5,11 @@ use crate::error::Error;
 use crate::layout::{DECIDING, Layout, read};
 use crate::memory;
 use crate::options::{Backend, Options};
-use crate::resume::Widths;
 use crate::scene::Scene;
 use crate::seen::oracle;
 use ::bake::{Baker, Decision, Pilot, Plan};
 use atlas::Atlas;
-use layers::{Layer, Progress};
+use layers::Progress;
 use rays::{RayBackend, World};
 use report::{DecisionReport, LayoutReport, PhaseReport, cpu_seconds};
 use std::path::{Path, PathBuf};
@@ -349,16 +348,6 @@ impl Job {
             &laid.atlas,
             &self.baker,
         )
-    }
-
-    /// How many values a texel has while it is baked by `baker`, and while light bounces.
-    pub(crate) fn widths(&self, baker: &Baker<'_>) -> Widths {
-        let width = |layers: Vec<Layer>| layers.iter().map(|l| l.channels().len()).sum();
-        Widths {
-            pages: self.atlas().page_count,
-            page: width(baker.layers()),
-            gather: width(baker.layers_of_gathers()),
-        }
     }
 }
 

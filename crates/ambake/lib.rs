@@ -63,6 +63,12 @@
 //! }
 //! ```
 //!
+//! # Features
+//!
+//! The default is the program, with everything. With `default-features = false` the library bakes scenes made in memory with
+//! obvhs. `embree` adds Embree, `obj`, `gltf`, `draco` and `meshopt` add [`load`], `sky` adds [`Sky::load`], `write` all that
+//! becomes a file, and `report` the page `report.html`. `docs/library.md` has the table.
+//!
 //! Directions point away from surfaces, colours are linear, angles are radians, and lengths are in scene units. The
 //! stored terms are 1 for an open texel under a sky of radiance 1.
 //!
@@ -70,19 +76,23 @@
 //!
 //! For those who change the library:
 //!
-//! * What is asked for: `bake.rs` and `options.rs`, its flags `flags`, their words `words.rs`. A bake between plan and result: `job.rs` and `run.rs`, what it
+//! * From a file to its scene: `load.rs`. What is asked for: `bake.rs` and `options.rs`, its flags `flags`, their words `words.rs`. A bake between plan and result: `job.rs`, `run.rs` and `run_into.rs`, what it
 //!   warns of `warnings.rs`. What is written, and which names of an earlier bake go: `write.rs`.
 //! * What a bake will take: `estimate.rs`, its memory `memory.rs`. Whether a scene is an interior: `interior.rs`,
 //!   and what stands around it: `dome.rs`.
 //! * Where objects lie on pages: `object.rs`. Values at vertices: `vertices.rs`.
 //! * What can be seen: `seen.rs` for points of a triangle, `shell.rs` for the outsides of rooms.
 //! * Saved states: `resume.rs`. Shards: `shard.rs`, `parts.rs` and `merge.rs`. Updates: `update.rs`, their files
-//!   `state.rs`. The atlas alone: `layout.rs`.
+//!   `state.rs`. The atlas alone: `layout.rs`,
+//!   its files `layout_files.rs`.
 //! * The picture of the lit scene: `lit.rs`. Probes: `probes`.
 #![forbid(unsafe_code)]
+// Without the files of a bake some helpers have no caller.
+#![cfg_attr(not(feature = "write"), allow(dead_code))]
 
 #[cfg(test)]
 mod again_tests;
+#[cfg(feature = "write")]
 mod any_view;
 mod bake;
 mod baked;
@@ -94,6 +104,7 @@ mod dome;
 mod earlier;
 mod error;
 mod estimate;
+#[cfg(feature = "write")]
 mod export;
 #[cfg(feature = "flags")]
 #[doc(hidden)]
@@ -102,17 +113,29 @@ mod host;
 mod interior;
 mod job;
 mod layout;
+#[cfg(feature = "write")]
+mod layout_files;
+#[cfg(feature = "write")]
 mod lit;
+#[cfg(any(feature = "obj", feature = "gltf"))]
+mod load;
 mod memory;
+#[cfg(feature = "write")]
 mod merge;
 mod object;
 mod options;
+#[cfg(feature = "write")]
 mod parts;
+#[cfg(feature = "write")]
 mod probes;
+#[cfg(feature = "write")]
 mod resume;
 mod run;
+#[cfg(feature = "write")]
+mod run_into;
 mod scene;
 mod seen;
+#[cfg(feature = "write")]
 mod shard;
 mod shell;
 mod sky;
@@ -121,6 +144,7 @@ mod update;
 mod vertices;
 mod warnings;
 mod words;
+#[cfg(feature = "write")]
 mod write;
 
 pub use crate::bake::Bake;
@@ -134,26 +158,27 @@ pub use baked::{Baked, Page};
 pub use dome::surrounding;
 pub use error::{Error, LimitedBy};
 pub use estimate::Estimate;
-pub use export::{Exported, export};
 pub use host::{REVISION, VERSION, peak_memory};
 pub use job::Job;
 pub use layers::{Layer, Preview, Progress, Term, Unit};
 pub use layout::Layout;
-pub use merge::Parts;
+#[cfg(any(feature = "obj", feature = "gltf"))]
+pub use load::{Files, load, load_with};
 pub use object::Object;
 pub use options::{Backend, Effort, Options, Pages, Uv};
-pub use probes::{Places, ProbeOptions, ProbePart, ProbeParts, ProbeVolume, Probes};
 pub use rays::{self, Light};
-pub use report::{
-    BakeReport, Engine, PageReport, ProbeRecord, ProbeReport, ReflectionLevel, ReflectionReport,
-};
-pub use resume::Resume;
-pub use scene::{
-    AlphaMode, Files, Material, Mesh, MetallicRoughness, Placement, Scene, Texture, Warning, load,
-    load_with,
-};
-pub use shard::{Part, Shard};
+pub use report::{BakeReport, Engine, PageReport};
+pub use scene::{AlphaMode, Material, Mesh, MetallicRoughness, Placement, Scene, Texture, Warning};
 pub use sky::Sky;
 pub use vertices::Vertices;
-pub use write::Written;
 pub use {atlas, glam, maps, rayon, render, report, serde_json};
+#[cfg(feature = "write")]
+pub use {
+    export::{Exported, export},
+    merge::Parts,
+    probes::{Places, ProbeOptions, ProbePart, ProbeParts, ProbeVolume, Probes},
+    report::{ProbeRecord, ProbeReport, ReflectionLevel, ReflectionReport},
+    resume::Resume,
+    shard::{Part, Shard},
+    write::Written,
+};

@@ -365,7 +365,7 @@ mod tests {
         assert!(need > 1 << 30 && size < 8192, "{need} {size}");
         assert!(check(size, &memory, [100, 1], given(1 << 30)).is_ok());
         let none = check(size, &memory, [100, 1], given(1 << 20)).unwrap_err();
-        assert!(none.to_string().contains("--max-memory"), "{none}");
+        assert!(none.to_string().contains("`max_memory`"), "{none}");
         // Copies of a mesh of a few triangles: a page of their own size matters little beside them.
         let copies = |count| {
             check(

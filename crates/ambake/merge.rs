@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::job::Job;
 use crate::parts::{Kind, failed};
 use crate::resume::{Block, END, Saved};
-use crate::run::WRITING;
+use crate::run_into::WRITING;
 use crate::shard::Shard;
 use crate::update::Tracker;
 use crate::write::{Writer, Written};

@@ -6,8 +6,10 @@
 
 use crate::differ::difference;
 use crate::error::Error;
+use crate::job::Job;
 use crate::memory::{SPARED, WAITING};
-use ::bake::{BakedTile, KeepGathers, PageStats};
+use ::bake::{BakedTile, Baker, KeepGathers, PageStats};
+use layers::Layer;
 use report::Journal;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -65,6 +67,18 @@ impl Widths {
         match page < self.pages {
             true => self.page,
             false => self.gather,
+        }
+    }
+}
+
+impl Job {
+    /// How many values a texel has while it is baked by `baker`, and while light bounces.
+    pub(crate) fn widths(&self, baker: &Baker<'_>) -> Widths {
+        let width = |layers: Vec<Layer>| layers.iter().map(|l| l.channels().len()).sum();
+        Widths {
+            pages: self.atlas().page_count,
+            page: width(baker.layers()),
+            gather: width(baker.layers_of_gathers()),
         }
     }
 }

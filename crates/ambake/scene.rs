@@ -1,10 +1,9 @@
 //! What is baked.
 
 use crate::error::Error;
+pub use ::scene::Warning;
 pub use ::scene::authored::{AlphaMode, Material, Mesh, MetallicRoughness, Placement, Texture};
-pub use ::scene::{Files, Warning};
 use std::ops::Deref;
-use std::path::Path;
 use std::sync::Arc;
 
 /// A validated scene. Clones share one copy.
@@ -13,22 +12,6 @@ use std::sync::Arc;
 /// repaired or ignored.
 #[derive(Debug, Clone)]
 pub struct Scene(pub(crate) Arc<::scene::Scene>);
-
-/// The scene in an OBJ, glTF or GLB file. Files that it names are read only in its folder or below: see [`load_with`].
-///
-/// # Errors
-/// One line that names the file, the place and the cure.
-pub fn load(path: impl AsRef<Path>) -> Result<Scene, Error> {
-    Ok(Scene(Arc::new(::scene::load(path.as_ref())?)))
-}
-
-/// As [`load`], with a say in where the files may lie that the scene names.
-///
-/// # Errors
-/// As [`load`].
-pub fn load_with(path: impl AsRef<Path>, allowed: Files) -> Result<Scene, Error> {
-    Ok(Scene(Arc::new(::scene::load_with(path.as_ref(), allowed)?)))
-}
 
 impl Scene {
     /// A scene of meshes in memory. Each mesh becomes one object. The validation is that of a file.

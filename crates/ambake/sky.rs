@@ -4,7 +4,9 @@ use crate::error::Error;
 use maps::{IlluminationMap, Image, Projection, SkyMap};
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+#[cfg(feature = "sky")]
+use std::path::Path;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The largest radiance of a sky, a lamp or a light that is baked. Squares of what it becomes after bounces are still
@@ -35,6 +37,7 @@ impl Sky {
     ///
     /// # Errors
     /// The file is absent or damaged, or holds a value that is no radiance.
+    #[cfg(feature = "sky")]
     pub fn load(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         let sky = maps::read_sky(path)?;

@@ -2,9 +2,6 @@
 
 use crate::choices::{Backend, Uv};
 use ::bake::{Buried, Denoise, Footprint, Model, Seams, Shading};
-use maps::Normalise;
-use render::tables::{Lookup, NormalCode};
-use render::{Model as Shown, PointForm};
 
 /// Values that have words.
 pub trait Words: Copy + PartialEq + Send + Sync + 'static {
@@ -18,6 +15,7 @@ pub trait Words: Copy + PartialEq + Send + Sync + 'static {
     }
 }
 
+/// The words of types.
 macro_rules! words {
     ($($kind:ident { $($word:literal = $value:ident$(($bits:literal))? $($help:literal)?,)* })*) => {$(
         impl Words for $kind {
@@ -26,6 +24,8 @@ macro_rules! words {
         }
     )*};
 }
+#[cfg(feature = "flags")]
+pub(crate) use words;
 
 words! {
     Backend {
@@ -46,31 +46,9 @@ words! {
         "texel" = Texel "All over its area",
         "centre" = Centre "At its centre",
     }
-    Lookup {
-        "nearest" = Nearest "One texel",
-        "bilinear" = Bilinear "Between four texels",
-        "recursive" = Recursive "Halves the pixel until its corners show adjacent texels",
-        "quad" = Quad "Integrates over the quad of the corners",
-        "summed" = Summed "Rectangle of a pre-integrated table, constant cost",
-    }
     Model {
         "phong" = Phong,
         "ggx" = Ggx,
-    }
-    NormalCode {
-        "256" = Visible256 "256 normals of the visible hemisphere",
-        "oct8+8" = Octahedral(8) "Octahedral, 16 bits",
-        "oct10+10" = Octahedral(10) "Octahedral, 20 bits",
-        "oct12+12" = Octahedral(12) "Octahedral, 24 bits",
-        "oct16+16" = Octahedral(16) "Octahedral, 32 bits",
-    }
-    Normalise {
-        "radiance" = Radiance "A constant map of 1 gives 1",
-        "seed" = Seed "1/4π",
-    }
-    PointForm {
-        "radiance" = Radiance "E over distance² over the texel's solid angle: what it lights does not depend on the size of the map",
-        "raw" = Raw "E over distance², as the 1984 text says",
     }
     Seams {
         "off" = Off,
@@ -80,15 +58,6 @@ words! {
     Shading {
         "production" = Production "What its mirror image in the facet's plane sees: convex bodies do not darken themselves",
         "exact" = Exact "Nothing: the facet hides it",
-    }
-    Shown {
-        "traditional" = Traditional "Constant times the open share of the hemisphere",
-        "traditional.closed" = TraditionalClosed "The same constant times what an open surface reflects, in closed form",
-        "lambert" = Lambert "The Lambertian ambient term",
-        "phong" = Phong "Lambertian and specular terms",
-        "ggx" = Ggx "Lambertian and microfacet terms",
-        "lommel-seeliger" = LommelSeeliger "Loose dust, as on the Moon, in place of the Lambertian term",
-        "facing-ratio" = FacingRatio "Albedo times the cosine to the eye, without any light",
     }
     Uv {
         "auto" = Auto,

@@ -1,6 +1,7 @@
 //! What a finished bake writes: EXR pages, PNG previews, a GLB and `bake.json`.
 
 use crate::any_view;
+use crate::baked::Baked;
 use crate::dome::enclosed;
 use crate::error::Error;
 use crate::host::{REVISION, VERSION, peak_memory};
@@ -259,6 +260,42 @@ impl<'a> Writer<'a> {
         report::stage_report(&mut self.output, &mut report, &self.stem)?;
         let files = self.output.publish()?;
         Ok(Written { report, files })
+    }
+}
+
+impl Baked {
+    /// Writes everything that the command line writes: EXR pages, PNG previews, a GLB and `bake.json`. The directory is
+    /// made where it is absent. Files appear together once all are complete.
+    ///
+    /// # Errors
+    /// The directory cannot be written, or an output would replace an input.
+    pub fn write(&self, dir: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
+        let mut writer = Writer::new(self.job(), Output::create(dir.as_ref())?)?;
+        for page in self.pages() {
+            writer.page(&page.0)?;
+        }
+        Ok(writer
+            .finish(self.job().phases().to_vec(), self.bounces().copied())?
+            .files)
+    }
+
+    /// Writes the scene as a GLB file: lightmap coordinates as `TEXCOORD_1` and, where diffuse was baked, the diffuse
+    /// term as `occlusionTexture`.
+    ///
+    /// # Errors
+    /// The file cannot be written, or it would replace an input.
+    pub fn write_gltf(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        let mut output = Output::for_file(path.as_ref())?;
+        output.protect(self.job().inputs());
+        let diffuse = self.pages().map(|page| page.0.layer(Layer::Diffuse));
+        let pictures: Option<Vec<Vec<u8>>> = diffuse
+            .map(|values| Some(report::occlusion_png(self.page(0).size(), values?)))
+            .collect();
+        let name = path.as_ref().file_name().unwrap_or_default();
+        let bytes = glb(self.job(), pictures.as_deref())?;
+        output.stage_bytes(&name.to_string_lossy(), &bytes)?;
+        output.publish()?;
+        Ok(())
     }
 }
 

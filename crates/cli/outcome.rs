@@ -32,13 +32,22 @@ pub fn exit_code(result: anyhow::Result<Outcome>) -> ExitCode {
 
 /// The error with its causes on one line; a cause that the line already names is not repeated.
 pub fn one_line(error: &anyhow::Error) -> String {
-    let mut line = error.to_string();
-    for cause in error.chain().skip(1).map(ToString::to_string) {
+    let mut messages = error.chain().map(in_flags);
+    let mut line = messages.next().unwrap_or_default();
+    for cause in messages {
         if !line.contains(&cause) {
             line = format!("{line}: {cause}");
         }
     }
     line.replace('\n', " ")
+}
+
+/// What an error says. The library's own names options; here they are flags.
+fn in_flags(error: &(dyn std::error::Error + 'static)) -> String {
+    match error.downcast_ref::<ambake::Error>() {
+        Some(error) => error.in_flags(),
+        None => error.to_string(),
+    }
 }
 
 /// The exit status where the command line is wrong, which is told in one line on standard error; or where it asks for

@@ -1,4 +1,5 @@
-//! Finds Embree, generates the bindings and compiles the shim; where something is missing, says so and builds nothing.
+//! Finds Embree, generates the bindings and compiles the shim; where something is missing, says so and builds nothing. With
+//! the feature `required` that is an error, unless `AMBAKE_NO_EMBREE` asks for it.
 
 use std::env;
 use std::fs;
@@ -33,6 +34,11 @@ fn main() {
             println!("cargo::metadata=header_version={}", embree.header_version);
             println!("cargo::metadata=lib_dir={}", embree.lib_dir.display());
         }
+        Err(reason) if env::var_os("CARGO_FEATURE_REQUIRED").is_some() && !is_left_out() => {
+            println!(
+                "cargo::error={reason}. The feature `embree` asks for it; AMBAKE_NO_EMBREE=1 builds without"
+            );
+        }
         Err(reason) => {
             // An installation that comes later is seen through dpkg's own list; elsewhere through the variables.
             let dpkg = Path::new("/var/lib/dpkg/status");
@@ -46,9 +52,14 @@ fn main() {
     }
 }
 
+/// True where `AMBAKE_NO_EMBREE` asks for a build without it.
+fn is_left_out() -> bool {
+    env::var_os("AMBAKE_NO_EMBREE").is_some_and(|v| !v.is_empty() && v != "0")
+}
+
 /// The Embree to use: the variables' folders first, then the system's; 4 before 3.
 fn find() -> Result<Embree, String> {
-    if env::var_os("AMBAKE_NO_EMBREE").is_some_and(|v| !v.is_empty() && v != "0") {
+    if is_left_out() {
         return Err("AMBAKE_NO_EMBREE is set".into());
     }
     let include_dirs = folders(

@@ -11,6 +11,7 @@ pub mod parse;
 pub mod probes;
 pub mod sky;
 pub mod values;
+mod words;
 
 use crate::error::Error;
 use crate::scene::Scene;

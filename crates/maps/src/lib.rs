@@ -34,39 +34,50 @@
 //! * Photographs to maps: `ball`, `merge`, and `mosaic.rs` with `gains.rs`.
 //! * Directions drawn from a sky: `sky_map.rs`.
 #![forbid(unsafe_code)]
+// Without its tools some helpers have no caller.
+#![cfg_attr(not(feature = "tools"), allow(dead_code, unused_imports))]
 
 pub mod ball;
+#[cfg(feature = "tools")]
 mod columns;
 mod convert;
+#[cfg(feature = "tools")]
 mod convolve;
 mod error;
+#[cfg(feature = "tools")]
 mod exr_file;
 mod faces;
+#[cfg(feature = "tools")]
 mod file;
 mod gains;
+#[cfg(feature = "tools")]
 mod hdr;
 mod image;
 mod image_file;
 mod layout;
+#[cfg(feature = "tools")]
 mod lobe_table;
 mod map;
+#[cfg(feature = "tools")]
 pub mod merge;
 mod mosaic;
 mod orientation;
+#[cfg(feature = "tools")]
 mod painted;
+#[cfg(feature = "tools")]
 mod polar;
 mod projection;
+#[cfg(feature = "tools")]
 mod reflectance;
 mod sky;
+#[cfg(feature = "tools")]
 mod sky_file;
 mod sky_map;
 mod stats;
 
 pub use convert::{convert, convert_image};
-pub use convolve::{Lobe, Normalise, Request, convolve, diffuse, specular};
 pub use error::Error;
 pub use faces::FACES;
-pub use file::{Format, encode, encode_with, read, read_unchecked};
 pub use gains::Gains;
 pub use image::Image;
 pub use image_file::{ImageFile, Labels};
@@ -74,10 +85,15 @@ pub use layout::Layout;
 pub use map::{IlluminationMap, ReflectionMap};
 pub use mosaic::{Mosaic, mosaic};
 pub use orientation::Orientation;
-pub use polar::{PolarFile, read_polar};
 pub use projection::{Direction, Projection};
-pub use reflectance::Reflectance;
 pub use sky::Sky;
-pub use sky_file::{SkyFile, read_sky};
 pub use sky_map::SkyMap;
 pub use stats::MapStats;
+#[cfg(feature = "tools")]
+pub use {
+    convolve::{Lobe, Normalise, Request, convolve, diffuse, specular},
+    file::{Format, encode, encode_with, read, read_unchecked},
+    polar::{PolarFile, read_polar},
+    reflectance::Reflectance,
+    sky_file::{SkyFile, read_sky},
+};

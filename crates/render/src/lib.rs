@@ -1,7 +1,7 @@
 //! Pictures through a camera.
 //!
-//! A picture is [`picture`] over a [`Camera`] and something that tells the radiance along a ray: [`Direct`] integrates
-//! the ambient models where the ray meets the scene, [`Lightmap`] looks them up in a bake.
+//! A picture is [`picture`] over a [`Camera`] and something that tells the radiance along a ray: `Direct` integrates
+//! the ambient models where the ray meets the scene, `Lightmap` looks them up in a bake.
 //!
 //! ```
 //! use ambake_render::{Camera, picture};
@@ -23,43 +23,57 @@
 //! * Frames from tables: `tables`, with the summed-area look-up in `slices.rs`.
 //! * Materials fitted to pictures: `fit.rs`. White balls and mirrors at places: `ball.rs`.
 #![forbid(unsafe_code)]
+// Without its pictures some helpers have no caller.
+#![cfg_attr(not(feature = "pictures"), allow(dead_code))]
 
+#[cfg(feature = "pictures")]
 mod ball;
 mod camera;
+#[cfg(feature = "pictures")]
 mod capture;
 #[cfg(test)]
 mod capture_tests;
+#[cfg(feature = "pictures")]
 mod direct;
 #[cfg(test)]
 mod direct_tests;
 mod error;
 mod exposure;
+#[cfg(feature = "pictures")]
 mod fit;
 #[cfg(test)]
 mod fixture;
 mod framing;
+#[cfg(feature = "pictures")]
 mod lightmap;
+#[cfg(feature = "pictures")]
 mod lit;
 mod matte;
+#[cfg(feature = "pictures")]
 mod microfacets;
 mod picture;
 mod progress;
+#[cfg(feature = "pictures")]
 pub mod tables;
+#[cfg(feature = "pictures")]
 mod text;
 mod viewpoint;
 
-pub use ball::{Ball, Shows};
 pub use camera::Camera;
-pub use capture::{PointForm, add_points, capture};
-pub use direct::{Direct, Model};
 pub use error::Error;
 pub use exposure::{Exposure, backdrop};
-pub use fit::{Fit, Shot, fit};
 pub use framing::Framing;
-pub use lightmap::{Lightmap, TexelPlace, baked_scene};
-pub use lit::Lit;
 pub use matte::{alpha, over};
 pub use picture::{Sample, picture};
 pub use progress::Part;
 pub use rays::{Lamps, Light};
 pub use viewpoint::places_within;
+#[cfg(feature = "pictures")]
+pub use {
+    ball::{Ball, Shows},
+    capture::{PointForm, add_points, capture},
+    direct::{Direct, Model},
+    fit::{Fit, Shot, fit},
+    lightmap::{Lightmap, TexelPlace, baked_scene},
+    lit::Lit,
+};

@@ -45,7 +45,7 @@ pub struct BakeReport {
     pub update: Option<UpdateReport>,
     /// What layers for any view hold; absent where none was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub any_view: Option<crate::AnyViewReport>,
+    pub any_view: Option<AnyViewReport>,
     /// One entry for each object; the `object` layer holds its index.
     pub objects: Vec<ObjectReport>,
     /// Wall time by phase, in the order they ran.
@@ -72,6 +72,32 @@ pub struct BakeReport {
     /// Blake3 of each of them as it was written, in hex. Those of reports lack: they would have to hold their own.
     #[serde(default)]
     pub hashes: BTreeMap<String, String>,
+}
+
+/// What `bake.json` says of layers for any view.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct AnyViewReport {
+    /// Largest order of the harmonics: 4 or 8.
+    pub order: u32,
+    /// Numbers a texel.
+    pub numbers: u32,
+    /// Exponent of the narrowest highlight in use, for which the next two hold; absent where no material has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub exponent: Option<f64>,
+    /// What orders 4 and 8 leave of its term beside walls and under lids, root mean square over all views.
+    #[serde(default)]
+    pub truncation: [f64; 2],
+    /// The noise to expect in its term.
+    #[serde(default)]
+    pub noise: f64,
+    /// Bytes a texel in the EXR file before it is compressed.
+    pub bytes_per_texel: u32,
+    /// The picture of the kernels.
+    pub kernel: String,
+    /// Which row of it a lobe is.
+    pub row: String,
+    /// The functions for shaders.
+    pub shaders: Vec<String>,
 }
 
 /// What an update baked and what it kept.
@@ -460,7 +486,7 @@ pub(crate) mod tests {
             seams: Some(SeamReport::default()),
             bounces: Some(BounceReport::default()),
             update: Some(UpdateReport::default()),
-            any_view: Some(crate::AnyViewReport::default()),
+            any_view: Some(AnyViewReport::default()),
             objects: vec![ObjectReport::default()],
             timings: vec![PhaseReport::default()],
             seconds: 1e-9,

@@ -45,6 +45,12 @@ pub enum Error {
         /// The file.
         path: PathBuf,
     },
+    /// This build has no reader of such files.
+    #[error("{}: this program was built without a reader of such files; build it with the feature `obj` or `gltf` of ambake", path.display())]
+    NotBuilt {
+        /// The file.
+        path: PathBuf,
+    },
     /// The file contradicts its format or itself.
     #[error("{}: {place}: {problem}", path.display())]
     Invalid {

@@ -4,7 +4,7 @@
 //! the distance is taken off in 64 bits first. It is a multiple of a power of two no less than half of what
 //! most of the scene spans, so that 32-bit corners that were modelled far away keep their bits' worth.
 
-use crate::source::{Input, short};
+use crate::input::{Input, short};
 use crate::validate::Parts;
 use crate::{Format, Mesh, WarningKind};
 use glam::{DAffine3, DVec3, Vec3};

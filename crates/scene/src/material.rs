@@ -38,7 +38,7 @@
 //! [`conserving`] scales both. To take the excess from one of them would turn many files black or matt: exporters leave
 //! a `Ks` of 0.5 or 1 beside any `Kd`.
 
-use crate::source::Input;
+use crate::input::Input;
 use crate::{Alpha, Material, Surface, WarningKind};
 use glam::Vec3;
 

@@ -1,7 +1,9 @@
-//! Normal maps of materials: kept as their files' bytes, decoded only for a bake that bends normals.
+//! Normal maps of materials: kept as their files' bytes or as pixels, decoded only for a bake that bends normals.
 
-use crate::image::{Budget, Failure, TOO_LARGE, decode};
-use crate::source::short;
+#[cfg(feature = "files")]
+use crate::image::Budget;
+#[cfg(feature = "files")]
+use crate::packed;
 use crate::{Error, Image, Scene, TextureRef};
 use glam::{Vec2, Vec3};
 use std::path::PathBuf;
@@ -17,15 +19,36 @@ pub struct NormalMap {
     pub heights: bool,
 }
 
-/// An image as its file has it, not yet decoded.
+/// An image that waits for a bake that asks for it.
 #[derive(Debug, Clone)]
 pub struct PackedImage {
     /// Name for messages.
     pub name: String,
-    /// Content of the image file.
-    pub bytes: Vec<u8>,
+    /// What is there of it.
+    pub content: Packed,
     /// The file that messages name.
     pub file: PathBuf,
+}
+
+/// What is there of an image that is not yet asked for.
+#[derive(Debug, Clone)]
+pub enum Packed {
+    /// The bytes of its file, not decoded.
+    #[cfg(feature = "files")]
+    File(Vec<u8>),
+    /// The pixels of an image that was handed over in memory.
+    Pixels(Image),
+}
+
+impl PackedImage {
+    /// The bytes that decide the image: those of its file or its pixels.
+    pub fn bytes(&self) -> &[u8] {
+        match &self.content {
+            #[cfg(feature = "files")]
+            Packed::File(bytes) => bytes,
+            Packed::Pixels(image) => image.pixels.as_flattened(),
+        }
+    }
 }
 
 impl Scene {
@@ -41,7 +64,12 @@ impl Scene {
         images: impl IntoIterator<Item = usize>,
     ) -> Result<(), Error> {
         let packed = images.into_iter().filter_map(|i| self.packed_images.get(i));
-        check(packed, Budget::default())
+        #[cfg(feature = "files")]
+        packed::check(packed, Budget::default())?;
+        // What is in memory already is not counted.
+        #[cfg(not(feature = "files"))]
+        drop(packed);
+        Ok(())
     }
 
     /// The image of a normal map, decoded: red, green and blue are the coded normals, also of a map of heights.
@@ -50,47 +78,16 @@ impl Scene {
     /// The image is broken or in a format that is not read; the error names it.
     pub fn normal_image(&self, map: &NormalMap) -> Result<Image, Error> {
         let packed = &self.packed_images[map.texture.image as usize];
-        let fail = |problem: String| failed(packed, problem);
-        let pixels = decode(&packed.bytes, &packed.name).map_err(|failure| match failure {
-            Failure::Unsupported(format) => fail(format!(
-                "{format} is not read; convert it to PNG or leave out --normal-maps"
-            )),
-            Failure::Broken(problem) => fail(format!(
-                "{}; repair the image or leave out --normal-maps",
-                short(&problem)
-            )),
-            Failure::TooLarge => fail(TOO_LARGE.into()),
-        })?;
-        let image = Image {
-            name: packed.name.clone(),
-            width: pixels.width,
-            height: pixels.height,
-            pixels: pixels.pixels,
+        let image = match &packed.content {
+            #[cfg(feature = "files")]
+            Packed::File(bytes) => packed::decoded(packed, bytes)?,
+            Packed::Pixels(image) => image.clone(),
         };
         let grey = |p: &[u8; 4]| p[0] == p[1] && p[1] == p[2];
         if map.heights && image.pixels.iter().all(grey) {
             return Ok(from_heights(&image));
         }
         Ok(image)
-    }
-}
-
-fn check<'a>(
-    images: impl Iterator<Item = &'a PackedImage>,
-    mut budget: Budget,
-) -> Result<(), Error> {
-    for packed in images {
-        let taken = budget.take(&packed.bytes, &packed.name);
-        taken.map_err(|problem| failed(packed, problem))?;
-    }
-    Ok(())
-}
-
-fn failed(packed: &PackedImage, problem: String) -> Error {
-    Error::Invalid {
-        path: packed.file.clone(),
-        place: format!("normal map `{}`", short(&packed.name)),
-        problem,
     }
 }
 
@@ -150,26 +147,5 @@ mod tests {
         let expected = Vec3::new(-0.2, 0.0, 1.0).normalize();
         let found = Vec3::new(f32::from(r), f32::from(g), f32::from(b)) / 127.5 - 1.0;
         assert!((found - expected).length() < 0.01, "{found} for {expected}");
-    }
-
-    #[test]
-    fn normal_maps_are_counted_before_they_are_decoded() {
-        let mut bytes = std::io::Cursor::new(Vec::new());
-        let image = image::RgbImage::new(300, 200);
-        image.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
-        let packed = PackedImage {
-            name: "bumps.png".into(),
-            bytes: bytes.into_inner(),
-            file: "a.gltf".into(),
-        };
-        let two = || [&packed; 2].into_iter();
-        assert!(check(two(), Budget::of(2 * 4 * 300 * 200)).is_ok());
-        let error = check(two(), Budget::of(4 * 300 * 200))
-            .unwrap_err()
-            .to_string();
-        assert!(
-            error.starts_with("a.gltf: normal map `bumps.png`: "),
-            "{error}"
-        );
     }
 }

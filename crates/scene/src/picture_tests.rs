@@ -1,7 +1,8 @@
 //! The bound on all decoded pictures of a scene, with scenes that need few bytes.
 
 use crate::image::Budget;
-use crate::{Error, Files, load_within};
+use crate::load::load_within;
+use crate::{Error, Files};
 use std::io::Cursor;
 use std::path::Path;
 

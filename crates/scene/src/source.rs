@@ -1,7 +1,8 @@
 //! Reads the bytes of a scene: the main file and the files it names, all of them hashed in the order they are read.
 
 use crate::image::Budget;
-use crate::{Error, Format, Warning, WarningKind};
+use crate::input::{Input, short};
+use crate::{Error, Format, WarningKind};
 use base64::Engine;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use percent_encoding::percent_decode_str;
@@ -26,58 +27,16 @@ pub(crate) const MOST_BYTES: u64 = 1 << 30;
 /// What is done without the picture of a normal map.
 pub(crate) const NORMALS_STAND: &str = "the mesh's normals stand alone";
 
-/// The state of one load: which file, the hash of what was read, and the warnings so far.
-pub(crate) struct Input {
-    pub path: PathBuf,
+/// What one load may read.
+#[derive(Default)]
+pub(crate) struct Bounds {
+    /// Where files may lie.
     pub allowed: Files,
-    pub hasher: blake3::Hasher,
-    pub warnings: Vec<Warning>,
-    /// Every file that was read, the main one first.
-    pub files: Vec<PathBuf>,
     /// What the decoded pictures take.
     pub pictures: Budget,
 }
 
 impl Input {
-    pub fn new(path: &Path, allowed: Files) -> Input {
-        Input {
-            path: path.to_path_buf(),
-            allowed,
-            hasher: blake3::Hasher::new(),
-            warnings: Vec::new(),
-            files: Vec::new(),
-            pictures: Budget::default(),
-        }
-    }
-
-    /// Error about a place in the main file.
-    pub fn invalid(&self, place: impl Into<String>, problem: impl Into<String>) -> Error {
-        Error::Invalid {
-            path: self.path.clone(),
-            place: place.into(),
-            problem: problem.into(),
-        }
-    }
-
-    /// Notes that something was repaired or ignored `count` times; nothing for a count of 0.
-    pub fn warn(
-        &mut self,
-        kind: WarningKind,
-        place: impl Into<String>,
-        count: u64,
-        message: impl Into<String>,
-    ) {
-        if count > 0 {
-            let (place, message) = (place.into(), message.into());
-            self.warnings.push(Warning {
-                kind,
-                place,
-                count,
-                message,
-            });
-        }
-    }
-
     /// All bytes of the main file, hashed.
     pub fn read_main(&mut self) -> Result<Vec<u8>, Error> {
         let path = self.path.clone();
@@ -172,7 +131,7 @@ impl Input {
     /// Refuses a file outside of the folders of the main file: the one it was named in and the one it really lies in.
     fn check_place(&self, path: &Path) -> Result<(), Error> {
         // What is absent is somebody else's complaint.
-        let (Files::Inside, Ok(real)) = (self.allowed, path.canonicalize()) else {
+        let (Files::Inside, Ok(real)) = (self.bounds.allowed, path.canonicalize()) else {
             return Ok(());
         };
         let named = match self.path.parent() {
@@ -326,20 +285,6 @@ pub(crate) fn uri(text: &str) -> Result<Uri, String> {
 /// A text after its byte order mark, where it has one.
 pub(crate) fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
-}
-
-/// The start of a text without control characters, for a message on one line.
-pub(crate) fn short(text: &str) -> String {
-    let clean: String = text
-        .chars()
-        .take(80)
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect();
-    if clean.len() < text.len() {
-        format!("{clean}…")
-    } else {
-        clean
-    }
 }
 
 #[cfg(test)]

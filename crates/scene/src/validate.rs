@@ -18,7 +18,7 @@
 //! | built in memory: normals or UVs not one a vertex, material number out of range, texture of another size | error `Authored` |
 //! | normal that is not of unit length | made so, silently |
 
-use crate::source::{Input, short};
+use crate::input::{Input, short};
 use crate::{
     Alpha, Error, Format, GltfDocument, Image, Instance, Light, Material, Mesh, PackedImage, Scene,
     Surface, TextureRef, WarningKind, far,

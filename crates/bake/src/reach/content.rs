@@ -183,7 +183,7 @@ fn surface(scene: &Scene, material: usize, images: &[Fingerprint]) -> Fingerprin
     if let Some(map) = &material.normal_map
         && let Some(image) = scene.packed_images.get(map.texture.image as usize)
     {
-        hasher.update(&image.bytes);
+        hasher.update(image.bytes());
     }
     short(&hasher)
 }

@@ -5,37 +5,10 @@ use exr::image::write::WritableImage;
 use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, Layer};
 use exr::meta::attribute::{LineOrder, Text};
 use exr::meta::header::LayerAttributes;
-use serde::{Deserialize, Serialize};
 use std::io::Cursor;
 
 const GLSL: &str = include_str!("any-view.glsl");
 const WGSL: &str = include_str!("any-view.wgsl");
-
-/// What `bake.json` says of layers for any view.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct AnyViewReport {
-    /// Largest order of the harmonics: 4 or 8.
-    pub order: u32,
-    /// Numbers a texel.
-    pub numbers: u32,
-    /// Exponent of the narrowest highlight in use, for which the next two hold; absent where no material has one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub exponent: Option<f64>,
-    /// What orders 4 and 8 leave of its term beside walls and under lids, root mean square over all views.
-    #[serde(default)]
-    pub truncation: [f64; 2],
-    /// The noise to expect in its term.
-    #[serde(default)]
-    pub noise: f64,
-    /// Bytes a texel in the EXR file before it is compressed.
-    pub bytes_per_texel: u32,
-    /// The picture of the kernels.
-    pub kernel: String,
-    /// Which row of it a lobe is.
-    pub row: String,
-    /// The functions for shaders.
-    pub shaders: Vec<String>,
-}
 
 /// The names of the files: kernels, GLSL, WGSL.
 pub fn any_view_files(stem: &str) -> [String; 3] {

@@ -5,13 +5,11 @@
 //! threads.
 
 use super::Level;
+use crate::engine_table::BLOCK;
 use block_compression::encode::{compress_rgba8, compress_rgba16};
 use block_compression::{BC6HSettings, BC7Settings, CompressionVariant};
 use half::f16;
 use rayon::prelude::*;
-
-/// Edge of a block in texels.
-pub const EDGE: u32 = 4;
 
 /// Blocks of unsigned BC6H: 16-bit floats, three channels.
 pub fn light(level: &Level) -> Vec<u8> {
@@ -19,7 +17,7 @@ pub fn light(level: &Level) -> Vec<u8> {
     let variant = CompressionVariant::BC6H(BC6HSettings::basic());
     let texel = |[r, g, b]: [f32; 3]| [r, g, b, 1.0].map(f16::from_f32);
     encode(level, texel, |texels, blocks, width| {
-        compress_rgba16(variant, texels, blocks, width, EDGE, 4 * width);
+        compress_rgba16(variant, texels, blocks, width, BLOCK, 4 * width);
     })
 }
 
@@ -31,7 +29,7 @@ pub fn grey(level: &Level) -> Vec<u8> {
         [byte, byte, byte, 255]
     };
     encode(level, texel, |texels, blocks, width| {
-        compress_rgba8(variant, texels, blocks, width, EDGE, 4 * width);
+        compress_rgba8(variant, texels, blocks, width, BLOCK, 4 * width);
     })
 }
 
@@ -41,7 +39,7 @@ fn encode<T: Copy + Send>(
     texel: impl Fn([f32; 3]) -> [T; 4] + Sync,
     compress: impl Fn(&[T], &mut [u8], u32) + Sync,
 ) -> Vec<u8> {
-    let (edge, rows) = (level.size as usize, EDGE as usize);
+    let (edge, rows) = (level.size as usize, BLOCK as usize);
     let width = edge.next_multiple_of(rows);
     let row = |row: usize| {
         let at = |i: usize| {

@@ -20,70 +20,18 @@ mod orm_glb;
 mod scene_glb;
 mod scene_kind;
 mod sh;
-mod table;
 
 pub(crate) use container::{parts, whole};
 pub(crate) use ktx2::{Shape, encode_as};
 pub use light::{LightSource, PageLight, light_source};
 pub use scene_glb::{ScenePictures, scene_files};
-pub use table::Engine;
 
-use crate::{Error, Output};
+pub(crate) use crate::engine_table::BEVY_WHITE;
+use crate::engine_table::Kind;
+use crate::{Engine, Error, LightmapReport, Output};
 use ktx2::Texels;
 use maps::{Format, Image, Labels};
-use serde::{Deserialize, Serialize};
 use std::path::Path;
-pub(crate) use table::BEVY_WHITE;
-use table::Kind;
-
-/// A lightmap in `bake.json`: which engine it is for, and how that engine shows it.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct LightmapReport {
-    /// The engine, as `--for` calls it.
-    pub engine: String,
-    /// The file, beside `bake.json`.
-    pub file: String,
-    /// How it is compressed for the graphics processor, `BC6H`; `None` where it is not.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub compression: Option<String>,
-    /// What the file's numbers are.
-    pub unit: String,
-    /// What the engine multiplies by, so that a white surface under an open sky of 1 shows as 1.
-    pub scale: f64,
-    /// How to use it, in two sentences.
-    #[serde(rename = "use")]
-    pub how: String,
-}
-
-/// The names of all files that `engines` get of one page; `directional`: of one that has the layer `sh`; `compress`:
-/// in blocks, where an engine reads those.
-pub fn engine_files(
-    stem: &str,
-    page: u32,
-    engines: &[Engine],
-    directional: bool,
-    compress: bool,
-) -> Vec<String> {
-    let kinds = Kind::of(engines, directional, compress);
-    kinds.iter().map(|kind| kind.file(stem, page)).collect()
-}
-
-/// Checks that files in blocks can be made for these engines, of pages of `size` texels along their edge.
-///
-/// # Errors
-/// What is wrong, in words: none of `engines` reads such files, or a page is no whole number of blocks.
-pub fn check_compressed(engines: &[Engine], size: u32) -> Result<(), String> {
-    let problem = if !engines.iter().any(|engine| engine.reads_blocks()) {
-        "compressed lightmaps are made for three and bevy; name one of them by --for".into()
-    } else if !size.is_multiple_of(blocks::EDGE) {
-        format!(
-            "blocks are 4 x 4 texels and pages {size} wide; bake with a --size that is a multiple of 4"
-        )
-    } else {
-        return Ok(());
-    };
-    Err(problem)
-}
 
 /// Stages the files that `engines` get of one page, and returns what `bake.json` says of them. The bytes are a function
 /// of the page alone: an export makes the same files as the bake. `compress`: in blocks, where an engine reads those,

@@ -213,9 +213,17 @@ fn material_value(
     if let Some(map) = material.normal_map.as_ref()
         && scene.format == Format::Memory
     {
-        // Packed as PNG by `scene`, and read as every picture of a built scene: repeated and bilinear.
+        // Read as every picture of a built scene: repeated and bilinear.
         let packed = &scene.packed_images[map.texture.image as usize];
-        let view = document.push_view(&packed.bytes, Target::None)?;
+        let image = scene.normal_image(map).map_err(|e| e.to_string())?;
+        let size = [image.width, image.height];
+        let png = encode(
+            size,
+            png::ColorType::Rgba,
+            image.pixels.as_flattened(),
+            None,
+        );
+        let view = document.push_view(&png, Target::None)?;
         let image = document.push(
             "images",
             json!({ "name": packed.name, "mimeType": "image/png", "bufferView": view }),

@@ -17,9 +17,6 @@ use glam::{DAffine3, DVec3};
 use scene::Scene;
 use serde_json::{Value, json};
 
-/// The name of the file.
-pub const REPORT_NAME: &str = "report.html";
-
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: [&str; 9] = [

@@ -1,8 +1,8 @@
 //! Turns what a program hands over into a scene, under the same rules as a file.
 
 use super::{Material, Mesh, Placement, hash, material};
+use crate::input::{Input, short};
 use crate::material::untinted;
-use crate::source::{Input, short};
 use crate::validate::{self, Parts};
 use crate::{Error, Format, Instance, MeshOrigin, Scene};
 use glam::{DAffine3, Vec2, Vec3, Vec4};
@@ -76,7 +76,7 @@ fn built(
     materials: Vec<Material>,
     placements: Option<Vec<Placement>>,
 ) -> Result<Scene, Error> {
-    let mut input = Input::new(Path::new("scene"), crate::Files::Inside);
+    let mut input = Input::new(Path::new("scene"));
     hash::update(
         &mut input.hasher,
         &meshes,

@@ -2,13 +2,13 @@
 
 use super::build::{named, place};
 use super::{AlphaMode, Material, MetallicRoughness, Texture};
+use crate::input::Input;
 use crate::material::{MAX_EXPONENT, conserving};
-use crate::source::Input;
 use crate::validate::{Parts, clamped};
-use crate::{Alpha, Error, Image, NormalMap, PackedImage, Surface, TextureRef, WarningKind, Wrap};
+use crate::{
+    Alpha, Error, Image, NormalMap, Packed, PackedImage, Surface, TextureRef, WarningKind, Wrap,
+};
 use glam::Vec3;
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder};
 
 /// The material as the scene has it, its pictures among the scene's.
 pub(super) fn built(
@@ -91,8 +91,8 @@ pub(super) fn built(
             let image = image(texture, "normal texture", &name);
             let image = image.map_err(|problem| input.invalid(&*place, problem))?;
             parts.packed_images.push(PackedImage {
-                bytes: packed(&image),
-                name: image.name,
+                name: image.name.clone(),
+                content: Packed::Pixels(image),
                 file: input.path.clone(),
             });
             Some(NormalMap {
@@ -155,14 +155,4 @@ fn image(texture: Texture, what: &str, name: &str) -> Result<Image, String> {
         height,
         pixels,
     })
-}
-
-/// A picture that waits for a bake that asks for it, as those of files do.
-fn packed(image: &Image) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Sub);
-    let pixels = image.pixels.as_flattened();
-    let written = encoder.write_image(pixels, image.width, image.height, ExtendedColorType::Rgba8);
-    written.expect("as many pixels as announced go into memory");
-    bytes
 }

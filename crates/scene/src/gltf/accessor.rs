@@ -1,8 +1,8 @@
 //! Reads accessors: every range is checked once when the accessor is opened, every element afterwards is inside.
 
-use super::document::GltfDocument;
 use super::elements::{ComponentType, Elements, Type, component, element_size, kind};
-use crate::source::short;
+use crate::GltfDocument;
+use crate::input::short;
 use serde_json::Value;
 
 /// So many elements without data are read in a file of any size.

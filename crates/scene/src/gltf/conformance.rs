@@ -5,7 +5,7 @@
 //! 2026, and those of other makers that are in wide use.
 
 use crate::WarningKind;
-use crate::source::{Input, short};
+use crate::input::{Input, short};
 use Support::{Approximated, Harmless, Honoured, NotRead};
 use WarningKind::IgnoredExtensions as Ignored;
 use serde_json::Value;
@@ -71,6 +71,14 @@ const fn needed(name: &'static str, note: &'static str) -> Row {
     }
 }
 
+/// Compressed geometry, which a build without its decoder cannot have.
+const fn decoded(name: &'static str, is_built: bool) -> Row {
+    match is_built {
+        true => row(name, Honoured, ""),
+        false => needed(name, "this program was built without its decoder"),
+    }
+}
+
 /// The properties of the core.
 #[rustfmt::skip]
 pub const CORE: &[Row] = &[
@@ -112,7 +120,7 @@ pub const CORE: &[Row] = &[
 #[rustfmt::skip]
 pub const EXTENSIONS: &[Row] = &[
     row("KHR_animation_pointer", Harmless, "as animations"),
-    row("KHR_draco_mesh_compression", Honoured, ""),
+    decoded("KHR_draco_mesh_compression", cfg!(feature = "draco")),
     told("KHR_gaussian_splatting", NotRead, "splats are left out", Ignored),
     row("KHR_interactivity", Harmless, ""),
     row("KHR_lights_punctual", Honoured, "with `--lights file`; lux and candela are units of irradiance and intensity"),
@@ -131,7 +139,7 @@ pub const EXTENSIONS: &[Row] = &[
     row("KHR_materials_variants", Harmless, "the materials that primitives name are baked"),
     amount("KHR_materials_volume", "thicknessFactor", "light that passes keeps its direction, and its colour but for the surface's"),
     row("KHR_mesh_quantization", Honoured, ""),
-    row("KHR_meshopt_compression", Honoured, ""),
+    decoded("KHR_meshopt_compression", cfg!(feature = "meshopt")),
     row("KHR_node_hoverability", Harmless, ""),
     row("KHR_node_selectability", Harmless, ""),
     row("KHR_node_visibility", Honoured, "hidden nodes and all below them are absent"),
@@ -148,7 +156,7 @@ pub const EXTENSIONS: &[Row] = &[
     row("EXT_mesh_manifold", Harmless, ""),
     row("EXT_mesh_primitive_edge_visibility", Harmless, ""),
     needed("EXT_mesh_primitive_restart", "strips are read as one"),
-    row("EXT_meshopt_compression", Honoured, ""),
+    decoded("EXT_meshopt_compression", cfg!(feature = "meshopt")),
     row("EXT_structural_metadata", Harmless, ""),
     told("EXT_texture_astc", NotRead, "the core's picture is read; without one the factor stands alone", WarningKind::UnreadTextures),
     told("EXT_texture_avif", NotRead, "the core's picture is read; without one the factor stands alone", WarningKind::UnreadTextures),

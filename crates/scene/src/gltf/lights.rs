@@ -1,7 +1,7 @@
 //! `KHR_lights_punctual`: suns, point lights and spots, where their nodes stand.
 
 use super::reader::Reader;
-use crate::source::{Input, short};
+use crate::input::{Input, short};
 use crate::{Light, LightKind, WarningKind};
 use glam::{DAffine3, DVec3};
 use serde_json::Value;

@@ -1,16 +1,18 @@
 //! glTF materials and the images they read.
 
 use super::accessor::index;
-use super::document::{GltfDocument, uri_of};
+use super::document::uri_of;
 use super::phong::{Phong, phong};
 use super::reader::Reader;
+use crate::GltfDocument;
 use crate::image::{Failure, Pixels, TOO_LARGE, content, decode};
+use crate::input::{Input, short};
 use crate::material::{conserving, untinted};
-use crate::source::{Input, NORMALS_STAND, Uri, short};
+use crate::source::{NORMALS_STAND, Uri};
 use crate::validate::{Parts, clamped, slots};
 use crate::{
-    Alpha, Error, Image, Material, NormalMap, PackedImage, Surface, TextureRef, Transmission,
-    WarningKind, Wrap,
+    Alpha, Error, Image, Material, NormalMap, Packed, PackedImage, Surface, TextureRef,
+    Transmission, WarningKind, Wrap,
 };
 use glam::Vec3;
 use rayon::prelude::*;
@@ -354,7 +356,7 @@ fn packed_images(
                     let number = *known.entry(content(&bytes, &name)).or_insert_with(|| {
                         parts.packed_images.push(PackedImage {
                             name,
-                            bytes: bytes.to_vec(),
+                            content: Packed::File(bytes.to_vec()),
                             file: input.path.clone(),
                         });
                         parts.packed_images.len() as u32 - 1
@@ -456,7 +458,7 @@ fn decoded(
         let next = distinct.len();
         let picture = *known.entry(content(bytes, name)).or_insert(next);
         if picture == next {
-            let taken = input.pictures.take(bytes, name);
+            let taken = input.bounds.pictures.take(bytes, name);
             taken.map_err(|problem| input.invalid(image_place(*source, name), problem))?;
             distinct.push((bytes, name));
         }

@@ -1,5 +1,5 @@
 //! glTF 2.0 and GLB: one [`crate::Mesh`] a primitive that the scene uses, one [`crate::Instance`] a placement of it,
-//! and the [`GltfDocument`] itself for the writer.
+//! and the [`crate::GltfDocument`] itself for the writer.
 //!
 //! Nothing judges the document as a whole: each part is read where the scene that is baked needs it, through `get` on
 //! the plain JSON and through the checked byte ranges of `accessor.rs`. Positions, indices and the places of nodes must
@@ -8,6 +8,7 @@
 //! What is read, and what is left out and counted as a warning, is the table of `conformance.rs`.
 
 mod accessor;
+#[cfg(any(feature = "draco", feature = "meshopt"))]
 mod compressed;
 pub mod conformance;
 mod container;
@@ -22,13 +23,13 @@ mod reader;
 mod root;
 mod said;
 
-pub use document::{EncodedImage, GltfDocument};
 pub use elements::Elements;
 
+use crate::input::Input;
 use crate::material::untinted;
-use crate::source::{Input, without_mark};
+use crate::source::without_mark;
 use crate::validate::Parts;
-use crate::{Error, Format};
+use crate::{Error, Format, GltfDocument};
 use container::Chunks;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -59,6 +60,7 @@ pub(crate) fn load(input: &mut Input, format: Format) -> Result<Parts, Error> {
         bytes
     });
     let mut document = GltfDocument::open(input, json, bin)?;
+    #[cfg(any(feature = "draco", feature = "meshopt"))]
     compressed::decode(&mut document);
 
     let mut parts = Parts::default();

@@ -1,12 +1,12 @@
 //! The node hierarchy: which mesh stands where.
 
 use super::accessor::{index, stated};
-use super::document::GltfDocument;
 use super::elements::Type;
 use super::lights;
 use super::reader::Reader;
 use super::said::Said;
-use crate::source::{Input, short};
+use crate::GltfDocument;
+use crate::input::{Input, short};
 use crate::validate::{Parts, affine};
 use crate::{Error, Instance, Light, WarningKind};
 use glam::{DAffine3, DQuat, DVec3, DVec4};

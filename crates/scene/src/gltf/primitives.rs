@@ -1,11 +1,11 @@
 //! glTF primitives as meshes.
 
 use super::accessor::{index, stated};
-use super::document::GltfDocument;
 use super::elements::{Elements, Type};
 use super::nodes::Placement;
 use super::reader::Reader;
-use crate::source::{Input, short};
+use crate::GltfDocument;
+use crate::input::{Input, short};
 use crate::validate::{self, Parts};
 use crate::{Error, Mesh, MeshOrigin, WarningKind};
 use glam::{Vec2, Vec3, Vec4};

@@ -2,7 +2,7 @@
 
 use super::accessor::index;
 use crate::WarningKind;
-use crate::source::{Input, short};
+use crate::input::{Input, short};
 use serde_json::Value;
 
 /// Stands for an object that is not there.

@@ -3,7 +3,7 @@
 //! Nothing else is judged here. What a bake reads is judged where it is read; the rest may be as it likes.
 
 use super::conformance;
-use crate::source::{Input, short};
+use crate::input::{Input, short};
 use crate::{Error, WarningKind};
 use serde_json::{Value, json};
 

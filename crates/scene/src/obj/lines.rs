@@ -2,8 +2,9 @@
 
 use super::corners::NONE;
 use super::{File, name, number, polygon};
+use crate::input::{Input, short};
 use crate::lookup::linear;
-use crate::source::{Input, open, short, without_mark};
+use crate::source::{open, without_mark};
 use crate::{Error, WarningKind};
 use glam::{DVec3, Vec2, Vec3};
 use std::collections::HashMap;

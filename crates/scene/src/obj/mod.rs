@@ -13,8 +13,8 @@ mod mtl;
 mod options;
 mod polygon;
 
+use crate::input::{Input, short};
 use crate::material::untinted;
-use crate::source::{Input, short};
 use crate::validate::{self, Parts};
 use crate::{Error, Instance, Mesh, MeshOrigin, WarningKind, far};
 use corners::{Corners, NONE};

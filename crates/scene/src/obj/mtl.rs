@@ -8,11 +8,13 @@
 use super::options::Options;
 use super::{name, number};
 use crate::image::{Content, Failure, TOO_LARGE, content, decode};
+use crate::input::{Input, short};
 use crate::material::{MAX_EXPONENT, conserving};
-use crate::source::{Input, NORMALS_STAND, beside, short, without_mark};
+use crate::source::{NORMALS_STAND, beside, without_mark};
 use crate::validate::{Parts, clamped};
 use crate::{
-    Alpha, Error, Image, Material, NormalMap, PackedImage, Surface, TextureRef, WarningKind, Wrap,
+    Alpha, Error, Image, Material, NormalMap, Packed, PackedImage, Surface, TextureRef,
+    WarningKind, Wrap,
 };
 use glam::Vec3;
 use std::collections::HashMap;
@@ -302,7 +304,7 @@ fn normal_map(
             };
             parts.packed_images.push(PackedImage {
                 name,
-                bytes,
+                content: Packed::File(bytes),
                 file: path,
             });
             parts.packed_images.len() - 1
@@ -378,7 +380,7 @@ fn image(
         place: place.into(),
         problem,
     };
-    input.pictures.take(&bytes, &name).map_err(invalid)?;
+    input.bounds.pictures.take(&bytes, &name).map_err(invalid)?;
     match decode(&bytes, &name) {
         Ok(mut decoded) => {
             if role == Role::Alpha && !decoded.has_alpha {

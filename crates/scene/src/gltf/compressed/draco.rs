@@ -2,10 +2,10 @@
 //! crate `draco-core`.
 
 use super::edit::{list, take_extension};
+use crate::GltfDocument;
 use crate::gltf::accessor::number;
-use crate::gltf::document::GltfDocument;
 use crate::gltf::elements::{ComponentType, component, kind};
-use crate::source::short;
+use crate::input::short;
 use draco_core::{DataType, DecodeLimits, DecoderBuffer, MeshDecoder, PointAttribute, PointIndex};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;

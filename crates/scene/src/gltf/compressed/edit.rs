@@ -1,8 +1,8 @@
 //! What both decoders do to a document: read the bytes that something names, lay decoded ones down, take extensions
 //! away.
 
+use crate::GltfDocument;
 use crate::gltf::accessor::number;
-use crate::gltf::document::GltfDocument;
 use serde_json::{Value, json};
 
 impl GltfDocument {

@@ -4,8 +4,9 @@
 //! for; what they ask of their caller (sizes, strides, counts) is checked here first.
 
 use super::edit::{list, take_extension};
+use crate::GltfDocument;
 use crate::gltf::accessor::number;
-use crate::gltf::document::{GltfDocument, renumber};
+use crate::gltf::document::renumber;
 use meshopt::{
     decode_filter_color, decode_filter_exp, decode_filter_oct, decode_filter_quat,
     decode_index_buffer, decode_index_sequence, decode_vertex_buffer,

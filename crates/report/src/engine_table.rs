@@ -1,7 +1,26 @@
 //! Every engine with its row of the table: the files that it gets, what it multiplies by, and how it takes them.
 
-use super::LightmapReport;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
+
+/// A lightmap in `bake.json`: which engine it is for, and how that engine shows it.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct LightmapReport {
+    /// The engine, as `--for` calls it.
+    pub engine: String,
+    /// The file, beside `bake.json`.
+    pub file: String,
+    /// How it is compressed for the graphics processor, `BC6H`; `None` where it is not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compression: Option<String>,
+    /// What the file's numbers are.
+    pub unit: String,
+    /// What the engine multiplies by, so that a white surface under an open sky of 1 shows as 1.
+    pub scale: f64,
+    /// How to use it, in two sentences.
+    #[serde(rename = "use")]
+    pub how: String,
+}
 
 /// A program that shows lightmaps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -57,6 +76,9 @@ struct Row {
     scale: f64,
     how: &'static str,
 }
+
+/// Edge in texels of a block of BC6H and BC7.
+pub(crate) const BLOCK: u32 = 4;
 
 /// What Bevy's default camera (EV100 9.7) divides luminance by: 1.2 * 2^9.7.
 pub(crate) const BEVY_WHITE: f64 = 998.095_744_642_541_7;
@@ -226,6 +248,36 @@ impl Kind {
             _ => "E/pi, linear RGB without albedo, 1 under an open sky of 1",
         }
     }
+}
+
+/// The names of all files that `engines` get of one page; `directional`: of one that has the layer `sh`; `compress`:
+/// in blocks, where an engine reads those.
+pub fn engine_files(
+    stem: &str,
+    page: u32,
+    engines: &[Engine],
+    directional: bool,
+    compress: bool,
+) -> Vec<String> {
+    let kinds = Kind::of(engines, directional, compress);
+    kinds.iter().map(|kind| kind.file(stem, page)).collect()
+}
+
+/// Checks that files in blocks can be made for these engines, of pages of `size` texels along their edge.
+///
+/// # Errors
+/// What is wrong, in words: none of `engines` reads such files, or a page is no whole number of blocks.
+pub fn check_compressed(engines: &[Engine], size: u32) -> Result<(), String> {
+    let problem = if !engines.iter().any(|engine| engine.reads_blocks()) {
+        "compressed lightmaps are made for three and bevy; name one of them by --for".into()
+    } else if !size.is_multiple_of(BLOCK) {
+        format!(
+            "blocks are 4 x 4 texels and pages {size} wide; bake with a --size that is a multiple of 4"
+        )
+    } else {
+        return Ok(());
+    };
+    Err(problem)
 }
 
 #[cfg(test)]

@@ -1,0 +1,73 @@
+//! What one load has so far, whether of a file or of what a program hands over.
+
+#[cfg(feature = "files")]
+use crate::source::Bounds;
+use crate::{Error, Warning, WarningKind};
+use std::path::{Path, PathBuf};
+
+/// The state of one load: which file, the hash of what was read, and the warnings so far.
+pub(crate) struct Input {
+    pub path: PathBuf,
+    /// What it may read.
+    #[cfg(feature = "files")]
+    pub bounds: Bounds,
+    pub hasher: blake3::Hasher,
+    pub warnings: Vec<Warning>,
+    /// Every file that was read, the main one first.
+    pub files: Vec<PathBuf>,
+}
+
+impl Input {
+    pub fn new(path: &Path) -> Input {
+        Input {
+            path: path.to_path_buf(),
+            #[cfg(feature = "files")]
+            bounds: Bounds::default(),
+            hasher: blake3::Hasher::new(),
+            warnings: Vec::new(),
+            files: Vec::new(),
+        }
+    }
+
+    /// Error about a place in the main file.
+    pub fn invalid(&self, place: impl Into<String>, problem: impl Into<String>) -> Error {
+        Error::Invalid {
+            path: self.path.clone(),
+            place: place.into(),
+            problem: problem.into(),
+        }
+    }
+
+    /// Notes that something was repaired or ignored `count` times; nothing for a count of 0.
+    pub fn warn(
+        &mut self,
+        kind: WarningKind,
+        place: impl Into<String>,
+        count: u64,
+        message: impl Into<String>,
+    ) {
+        if count > 0 {
+            let (place, message) = (place.into(), message.into());
+            self.warnings.push(Warning {
+                kind,
+                place,
+                count,
+                message,
+            });
+        }
+    }
+}
+
+/// The start of a text without control characters, for a message on one line.
+pub(crate) fn short(text: &str) -> String {
+    let clean: String = text
+        .chars()
+        .take(80)
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .collect();
+    if clean.len() < text.len() {
+        format!("{clean}…")
+    } else {
+        clean
+    }
+}
