@@ -659,14 +659,14 @@ fn white_balls_look_in_the_light_of_probes_as_they_are_baked() {
         &[
             &format!("--at={places}"),
             &format!("--reflections={places}"),
-            "--reflection-size=64",
+            "--reflection-size=32",
             "--rays=16384",
         ],
     );
     let objects = crate::support::report(baked.path())["objects"].clone();
     let objects = objects.as_array().expect("objects");
     let (coverage, object) = (page.plane("coverage"), page.plane("object"));
-    let directions = cube_directions(64);
+    let directions = cube_directions(32);
     for k in 0..BALLS.len() {
         let light = triples(&report["probes"][k]["sh"]);
         let cube = cube(

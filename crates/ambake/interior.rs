@@ -7,6 +7,9 @@ use report::WarningReport;
 const BINS: usize = 100;
 /// At this median of the diffuse term or below, half of the scene hardly sees the sky.
 const DARK: f64 = 0.1;
+/// Where no more of the texels than this share see a hundredth of the sky, next to no light gets in.
+const LEAKS: f64 = 0.001;
+
 /// How many texels have which diffuse term, over all pages.
 #[derive(Debug, Clone)]
 pub(crate) struct Brightness([u64; BINS]);
@@ -30,15 +33,24 @@ impl Brightness {
         let helped = options.max_distance.is_some() || options.adds_light();
         let dark: u64 = self.0[..(DARK * BINS as f64) as usize].iter().sum();
         let all: u64 = self.0.iter().sum();
-        (!helped && all > 0 && 2 * dark > all).then(|| WarningReport {
-            kind: "interior".into(),
-            place: "scene".into(),
-            count: dark,
-            message: format!(
+        let lit = all - self.0[0];
+        let message = match lit as f64 <= LEAKS * all as f64 {
+            true => {
+                "next to no light of the sky gets in: all is closed, and between surfaces there is nothing to send on; `--max-distance D` shows corners \
+                 and contacts, with D about a third of a room's height, and `--point` or `--sphere` puts a lamp inside"
+                    .into()
+            }
+            false => format!(
                 "most texels see less than {:.0} % of the sky, as in a room or inside of a machine; `--bounces auto` lets light go on from surface to \
                  surface there, and `--max-distance D` shows corners and contacts, with D about a third of a room's height",
                 100.0 * DARK
             ),
+        };
+        (!helped && all > 0 && 2 * dark > all).then(|| WarningReport {
+            kind: "interior".into(),
+            place: "scene".into(),
+            count: dark,
+            message,
         })
     }
 }
@@ -69,5 +81,16 @@ mod tests {
             pages.interior(&Options::default()).is_none(),
             "half is not most"
         );
+    }
+
+    #[test]
+    fn where_no_light_gets_in_nothing_is_said_of_bounces() {
+        let mut pages = Brightness::default();
+        pages.add(&[0.0004; 5000], &[1.0; 5000]);
+        let closed = pages.interior(&Options::default()).expect("all is dark");
+        assert!(closed.message.contains("--max-distance") && !closed.message.contains("bounces"));
+        pages.add(&[0.05; 50], &[1.0; 50]);
+        let lit = pages.interior(&Options::default()).expect("most is dark");
+        assert!(lit.message.contains("--bounces"));
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::dome::surrounding;
 use crate::job::Job;
-use crate::options::Effort;
+use crate::options::{Effort, Options};
 use ::bake::{BakedPage, LayerPlanes};
 use glam::{DVec3, Vec2, Vec3};
 use rays::{Overrides, SurfaceHit, Surfaces};
@@ -20,6 +20,9 @@ const LAYERS: [&str; 7] = [
     "visibility",
 ];
 
+/// A share of the sky's light that comes through cracks alone.
+const FAINT: f64 = 1e-4;
+
 /// Rays by which surfaces without texels are lit.
 const RAYS: u32 = 16;
 
@@ -29,6 +32,8 @@ pub(crate) struct LitScene {
     /// Found with the first page.
     lit: Option<Lit>,
     backdrop: DVec3,
+    /// How much a picture is brightened at most.
+    most_stops: f64,
     seconds: f64,
 }
 
@@ -42,6 +47,7 @@ impl LitScene {
         if let Some(LayerPlanes { values, .. }) = layer {
             if self.lit.is_none() {
                 self.backdrop = render::backdrop(job.options().sky.mean().into());
+                self.most_stops = most_stops(job.options());
                 self.lit = job.within(|| look(job));
             }
             let mut planes = values.chunks_exact(page.texels());
@@ -59,7 +65,11 @@ impl LitScene {
         let clock = Instant::now();
         let lit = self.lit.as_ref()?;
         let (picture, alpha) = lit.picture(|radiance| radiance);
-        let exposure = Exposure::of(&picture, &alpha);
+        let exposure = match Exposure::of(&picture, &alpha) {
+            // What leaks into a closed room is no picture of it.
+            bright if bright.stops > self.most_stops => Exposure::of_stops(0.0),
+            exposure => exposure,
+        };
         let (mut picture, _) = lit.picture(|radiance| exposure.tone(radiance));
         let behind = self.backdrop.as_vec3();
         for (pixel, alpha) in picture.pixels.iter_mut().zip(alpha) {
@@ -73,6 +83,14 @@ impl LitScene {
     /// Seconds that it took so far.
     pub fn seconds(&self) -> f64 {
         self.seconds
+    }
+}
+
+/// Powers of two by which the picture is brightened at most: of what is darker than [`FAINT`] beside the sky nothing is shown.
+fn most_stops(options: &Options) -> f64 {
+    match options.adds_light() {
+        true => f64::INFINITY,
+        false => -(FAINT * DVec3::from(options.sky.mean()).max_element()).log2(),
     }
 }
 

@@ -65,7 +65,7 @@ impl Input {
             Some(Ok(bytes)) => return Ok(Some(bytes)),
             Some(Err(error @ Error::Outside { .. })) => return Err(error),
             Some(Err(error)) => error.to_string(),
-            None => "it is absent".into(),
+            None => "the picture is absent".into(),
         };
         self.warn_of_picture(format!("texture `{}`", path.display()), &problem, instead);
         Ok(None)

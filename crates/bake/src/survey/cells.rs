@@ -80,16 +80,10 @@ impl Cells {
     /// The cell of a number.
     #[inline(always)]
     pub fn cell(&self, number: usize) -> &Cell {
-        &self.of.cells[self.number(number) as usize]
-    }
-
-    /// Its number among the cells of its tile.
-    #[inline(always)]
-    pub fn number(&self, number: usize) -> u32 {
         let at = self.own.start as usize + number;
         match self.whole {
-            Some(_) => self.of.wholes[at],
-            None => at as u32,
+            Some(_) => &self.of.cells[self.of.wholes[at] as usize],
+            None => &self.of.cells[at],
         }
     }
 

@@ -164,7 +164,7 @@ impl<'a> Gang<'a> {
         (self.lobes, self.parted, self.second) = (0, 0, 0);
         self.points = 0;
         self.sums = LaneSums::default();
-        self.stale = self.surfaces.smooth != 0;
+        self.stale = true;
         if let Some(moments) = &mut self.moments {
             moments.clear();
         }
@@ -197,7 +197,7 @@ impl<'a> Gang<'a> {
         self.guided |= if_so(sent.is_some_and(Option::is_some));
         self.parted |= if_so(texel.seen.is_part());
         self.lobes |= if_so(lobe.is_some());
-        self.stale |= self.surfaces.set(both, &texel.cells);
+        self.surfaces.set(both, &texel.cells);
         for &l in &both[..1 + usize::from(both[0] != both[1])] {
             (self.at[0][l], self.at[1][l]) = (texel.x, texel.y);
             self.borders.set(l, &texel.cells);

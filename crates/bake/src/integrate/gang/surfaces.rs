@@ -31,12 +31,7 @@ pub(super) struct LaneSurfaces {
     whole: u32,
     /// Lanes whose shading normal changes over their cell.
     pub smooth: u32,
-    /// The cell under each lane among those of its tile.
-    held: [u32; LANES],
 }
-
-/// No cell of a tile.
-const NONE: u32 = u32::MAX;
 
 /// Frames about the lanes' shading normals.
 #[derive(Clone)]
@@ -61,26 +56,14 @@ impl LaneSurfaces {
             least: [[0.0; LANES]; 3],
             whole: 0,
             smooth: 0,
-            held: [NONE; LANES],
         }
     }
 
-    /// Puts a texel's first cell under lanes; false where it is there already. Texels on one large triangle hold it one
-    /// after another.
+    /// Puts a texel's first cell under lanes.
     #[inline(always)]
-    pub fn set<const N: usize>(&mut self, lanes: [usize; N], cells: &Cells) -> bool {
-        let number = cells.number(0);
-        if lanes.into_iter().all(|lane| self.held[lane] == number) {
-            if cells.are_whole() {
-                let [start, ..] = cells.weights(0);
-                put(&mut self.weights[0][0], lanes, start[0]);
-                put(&mut self.weights[0][1], lanes, start[1]);
-            }
-            return false;
-        }
+    pub fn set<const N: usize>(&mut self, lanes: [usize; N], cells: &Cells) {
         self.set_position(lanes, cells, 0);
         self.set_normal(lanes, cells.cell(0));
-        true
     }
 
     /// Puts a cell of a texel under lanes, but for its normals.
@@ -92,7 +75,6 @@ impl LaneSurfaces {
         number: usize,
     ) {
         let cell = cells.cell(number);
-        put(&mut self.held, lanes, cells.number(number));
         for axis in 0..3 {
             for k in 0..3 {
                 put(&mut self.position[k][axis], lanes, cell.position[k][axis]);

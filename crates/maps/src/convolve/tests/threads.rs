@@ -3,9 +3,9 @@
 use super::*;
 
 #[test]
-fn one_two_and_seven_threads_give_the_same_bits() {
+fn one_and_seven_threads_give_the_same_bits() {
     for projection in [Projection::Polar, Projection::Cube, Projection::Ball] {
-        let mut image = painted(projection, 128, 2, |d| 1.0 + dot(d, AXIS)).into_image();
+        let mut image = painted(projection, 64, 2, |d| 1.0 + dot(d, AXIS)).into_image();
         image.pixels[1000] = [1e7, 1e6, 1.0];
         let map = IlluminationMap::new(image, projection).unwrap();
         let to = |lobe, projection: Projection| Request {
@@ -32,7 +32,6 @@ fn one_two_and_seven_threads_give_the_same_bits() {
             };
             results.unwrap().iter().map(bits).collect::<Vec<_>>()
         };
-        let one = on(1);
-        assert!(one == on(2) && one == on(7), "{projection:?}");
+        assert!(on(1) == on(7), "{projection:?}");
     }
 }
