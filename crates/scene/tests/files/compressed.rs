@@ -235,6 +235,38 @@ fn attributes_of_a_stream_may_share_an_accessor() {
 }
 
 #[test]
+fn a_damaged_stream_takes_nothing_from_a_sound_one_with_the_same_accessors() {
+    let folder = Folder::new();
+    let spoiled = |is_placed: bool| {
+        edited("draco.glb", move |json| {
+            let mut mesh = json["meshes"][0].clone();
+            let stream = &mut mesh["primitives"][0]["extensions"]["KHR_draco_mesh_compression"];
+            stream["bufferView"] = json!(99);
+            json["meshes"].as_array_mut().unwrap().push(mesh);
+            let mesh = json["meshes"].as_array().unwrap().len() - 1;
+            if is_placed {
+                json["nodes"]
+                    .as_array_mut()
+                    .unwrap()
+                    .push(json!({ "mesh": mesh }));
+                let node = json["nodes"].as_array().unwrap().len() - 1;
+                json["scenes"][0]["nodes"]
+                    .as_array_mut()
+                    .unwrap()
+                    .push(json!(node));
+            }
+        })
+    };
+    let unplaced = folder
+        .load("unplaced.glb", spoiled(false))
+        .expect("a scene");
+    assert_same("unplaced", &unplaced, &scene("draco.glb"));
+    let placed = folder.load("placed.glb", spoiled(true));
+    let problem = placed.expect_err("a damaged stream").to_string();
+    assert!(problem.contains("reach beyond"), "{problem}");
+}
+
+#[test]
 fn streams_may_share_the_accessor_of_their_indices() {
     let folder = Folder::new();
     // As an exporter writes equal indices of two meshes before it compresses both: each has a stream of its own.

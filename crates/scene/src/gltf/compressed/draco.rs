@@ -43,11 +43,8 @@ pub(super) fn decode(document: &mut GltfDocument) {
                 continue;
             }
             let decoded = fill(document, &primitive, stream, &mut filled, left);
-            let (bytes, places) = decoded.unwrap_or_else(|problem| {
-                let view = number(stream, "bufferView");
-                lose(document, &primitive, (&filled, view), &problem);
-                Default::default()
-            });
+            let (bytes, places) =
+                decoded.unwrap_or_else(|problem| (0, lose(document, &primitive, &problem)));
             left -= bytes.min(left);
             let primitive = &mut document.json["meshes"][m]["primitives"][p];
             take_extension(primitive, NAME);
@@ -68,32 +65,30 @@ pub(super) fn decode(document: &mut GltfDocument) {
     }
 }
 
-/// Makes the accessors of a primitive absent that no other stream has filled.
-fn lose(
-    document: &mut GltfDocument,
-    primitive: &Value,
-    (filled, stream): (&Filled, Option<usize>),
-    problem: &str,
-) {
+/// Accessors whose content is absent in place of those of a primitive, which others may share.
+fn lose(document: &mut GltfDocument, primitive: &Value, problem: &str) -> Vec<(String, usize)> {
     let buffer = document.append_absent(problem);
     let view = list(&document.json, "bufferViews").len();
     if let Some(views) = document.json["bufferViews"].as_array_mut() {
         views.push(json!({ "buffer": buffer, "byteLength": 1 }));
     }
     let attributes = primitive.get("attributes").and_then(Value::as_object);
-    let attributes = attributes.into_iter().flatten().map(|(_, named)| named);
-    for named in attributes.chain(primitive.get(INDICES)) {
-        let named = crate::gltf::accessor::index(named);
-        let accessors = document.json["accessors"].as_array_mut();
-        let accessor = named
-            .zip(accessors)
-            .and_then(|(named, all)| all.get_mut(named));
-        if let Some(accessor) = accessor
-            && named.is_some_and(|named| filled.get(&named).is_none_or(|of| stream == Some(*of)))
-        {
-            accessor["bufferView"] = view.into();
+    let attributes = attributes.into_iter().flatten();
+    let attributes = attributes.map(|(name, accessor)| (name.as_str(), accessor));
+    let indices = primitive.get(INDICES).map(|accessor| (INDICES, accessor));
+    let mut places = Vec::new();
+    for (name, accessor) in attributes.chain(indices) {
+        let Some(accessors) = document.json["accessors"].as_array_mut() else {
+            continue;
+        };
+        let named = crate::gltf::accessor::index(accessor);
+        if let Some(mut own) = named.and_then(|named| accessors.get(named)).cloned() {
+            own["bufferView"] = view.into();
+            places.push((name.to_owned(), accessors.len()));
+            accessors.push(own);
         }
     }
+    places
 }
 
 /// Whether the positions of a primitive stand in the file uncompressed too.
