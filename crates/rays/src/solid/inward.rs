@@ -1,66 +1,78 @@
-//! Closed surfaces whose faces look inward though they are no rooms: which, and which of them are to be turned over.
+//! Surfaces whose faces look inward though they are no rooms: which, and which of them are to be turned over. Closed
+//! bodies are told by the sign of their volume, others face by face (`wound.rs`).
 
+use super::placed::{Among, Placed};
+use super::topology::{Face, Surface};
 use super::{Body, Inside, Solids};
 use glam::DVec3;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
-/// A surface of a shape: their numbers.
+/// A surface of a placement, or of a shape: their numbers.
 type Key = (u32, u32);
 
 impl Solids {
-    /// An instance and a triangle of each closed surface whose faces look inward though it is no room.
+    /// An instance and a triangle of each surface whose faces look inward though it is no room.
     pub fn inside_out(&self) -> Vec<(u32, u32)> {
-        let first = |placement: u32, body: &Body| {
-            let shape = &self.shapes[body.shape as usize];
-            let start = self.firsts[placement as usize];
+        let first = |key: Key| {
+            let shape = &self.shapes[self.shape_of(key) as usize];
+            let surface = &shape.surfaces[key.1 as usize];
+            let wound = self.wound(self.shape_of(key), key.1);
+            let face = *wound.first().unwrap_or(&surface.faces[0]);
+            let start = self.firsts[key.0 as usize];
             let mut instances = (start..).zip(&self.instances[start as usize..]);
             instances.find_map(|(instance, of)| {
-                let mut surfaces = shape.surface_of[of.1 as usize].iter();
-                let triangle = surfaces.position(|surface| *surface == body.surface)?;
-                (of.2 == placement).then_some((instance, triangle as u32))
+                let is_it = of.2 == key.0 && shape.meshes[of.1 as usize] == face.mesh;
+                is_it.then_some((instance, face.triangle))
             })
         };
-        let mut found: Vec<(u32, u32)> = (self.placements.iter())
-            .map(|(&(placement, _), &body)| (placement, &self.bodies[body as usize]))
-            .filter(|(_, body)| self.is_inside_out(body))
-            .filter_map(|(placement, body)| first(placement, body))
-            .collect();
+        let found = self.turned_surfaces().into_iter();
+        let mut found: Vec<(u32, u32)> = found.filter_map(first).collect();
         found.sort_unstable();
         found
     }
 
-    /// Triangles of each mesh whose back is what one sees, ascending: those of closed surfaces that are drawn from both
-    /// sides and look inward wherever they are placed, though nothing is in them, none of these places and no lamp of
-    /// their own. From within nobody looks at them, and nothing would be seen there. None where a scene has no other
+    /// Triangles of each mesh whose back is what one sees, ascending: those of surfaces that are drawn from both sides
+    /// and look inward wherever they are placed, though nothing is in them, none of these places and no lamp of their
+    /// own. From within nobody looks at them, and nothing would be seen there. None where a scene has no other
     /// surfaces: then they are all that there is to be seen, and empty rooms.
     pub fn backs(&self, places: &[DVec3]) -> Vec<(u32, Vec<u32>)> {
-        let is_inside_out = |body: &u32| self.is_inside_out(&self.bodies[*body as usize]);
-        if !self.placements.values().any(is_inside_out) || self.surfaces_but(is_inside_out) == 0 {
+        let turned = self.turned_surfaces();
+        let whole = |key: &&Key| {
+            let wound = self.wound(self.shape_of(**key), key.1);
+            wound.is_empty() || wound.len() == self.surface_of(**key).faces.len()
+        };
+        if turned.is_empty() || self.count_surfaces() == turned.iter().filter(whole).count() {
             return Vec::new();
         }
         let mut is_back: HashMap<Key, bool> = HashMap::new();
-        for body in self.placements.values() {
-            let body = &self.bodies[*body as usize];
-            let is_empty = || !places.iter().any(|&place| self.holds(body, place));
-            let found = self.is_inside_out(body) && is_empty();
-            *is_back.entry((body.shape, body.surface)).or_insert(true) &= found;
+        let casts = |key: &Key| self.scene.instances[self.firsts[key.0 as usize] as usize].casts;
+        for key in self.placed_keys().filter(casts) {
+            let is_turned =
+                turned.contains(&key) && !places.iter().any(|&at| self.is_in_turned(key, at));
+            *is_back.entry((self.shape_of(key), key.1)).or_insert(true) &= is_turned;
         }
-        for (&(shape, surface), is_back) in &mut is_back {
-            let faces = &self.shapes[shape as usize].surfaces[surface as usize].faces;
-            *is_back &= faces.iter().all(|face| {
-                let mesh = &self.scene.meshes[face.mesh as usize];
-                let material = &self.scene.materials[mesh.material as usize];
-                material.double_sided && material.emission == glam::Vec3::ZERO
-            });
+        is_back.retain(|&(shape, surface), is_back| {
+            let surface = &self.shapes[shape as usize].surfaces[surface as usize];
+            *is_back && self.is_drawn_from_both_sides(surface)
+        });
+        let mut turned: HashSet<(u32, Face)> = HashSet::new();
+        for &(shape, surface) in is_back.keys() {
+            let of = &self.shapes[shape as usize].surfaces[surface as usize];
+            let faces = match of.is_mixed() {
+                true => self.wound(shape, surface),
+                false => &of.faces,
+            };
+            turned.extend(faces.iter().map(|&face| (shape, face)));
         }
         let mut found: HashMap<u32, Vec<bool>> = HashMap::new();
-        for (instance, &(shape, mesh, _)) in self.scene.instances.iter().zip(&self.instances) {
-            let surface_of = &self.shapes[shape as usize].surface_of[mesh as usize];
+        for (instance, &(shape, number, _)) in self.scene.instances.iter().zip(&self.instances) {
+            let mesh = self.shapes[shape as usize].meshes[number as usize];
+            let count = self.scene.meshes[mesh as usize].triangles.len();
             let backs = found
                 .entry(instance.mesh)
-                .or_insert_with(|| vec![true; surface_of.len()]);
-            for (back, &surface) in backs.iter_mut().zip(surface_of) {
-                *back &= is_back.get(&(shape, surface)).copied().unwrap_or(false);
+                .or_insert_with(|| vec![true; count]);
+            for (triangle, back) in (0..).zip(backs) {
+                *back &= turned.contains(&(shape, Face { mesh, triangle }));
             }
         }
         let listed = |(mesh, backs): (u32, Vec<bool>)| {
@@ -73,16 +85,68 @@ impl Solids {
         found
     }
 
-    /// How many placed surfaces are none of these bodies.
-    fn surfaces_but(&self, but: impl Fn(&u32) -> bool) -> usize {
-        let shapes = self
-            .firsts
+    /// Placed surfaces whose faces, or some of them, look inward though they are no rooms.
+    fn turned_surfaces(&self) -> HashSet<Key> {
+        let bodies = self.placements.iter();
+        let bodies = bodies.filter(|(_, body)| self.is_inside_out(&self.bodies[**body as usize]));
+        let mut found: HashSet<Key> = bodies.map(|(&key, _)| key).collect();
+        found.retain(|&key| {
+            let surface = self.surface_of(key);
+            // The faces of those that are drawn from one side only are not told apart: they are not turned over.
+            !surface.is_mixed() || !self.is_drawn_from_both_sides(surface)
+        });
+        if !self
+            .shapes
             .iter()
-            .map(|&first| self.instances[first as usize].0);
-        let all: usize = shapes
-            .map(|shape| self.shapes[shape as usize].surfaces.len())
-            .sum();
-        all - self.placements.values().filter(|&body| but(body)).count()
+            .any(|shape| shape.surfaces.iter().any(Surface::is_mixed))
+        {
+            return found;
+        }
+        let placed = self.placed_surfaces();
+        let all = Among::of(placed.iter().collect());
+        let is_wound = |of: &&Placed| {
+            let body = self.placements.get(&of.key);
+            let inside = body.map(|&body| &self.bodies[body as usize].inside);
+            let may = matches!(inside, None | Some(Inside::Solid | Inside::Nothing));
+            of.surface.is_mixed()
+                && may
+                && !self.wound(of.shape, of.key.1).is_empty()
+                && !self.is_lived_in(of, &all)
+        };
+        found.extend(placed.iter().filter(is_wound).map(|of| of.key));
+        found
+    }
+
+    /// True where a point of the world lies in what a surface that looks inward encloses.
+    fn is_in_turned(&self, key: Key, point: DVec3) -> bool {
+        let instance = self.firsts[key.0 as usize] as usize;
+        let transform = self.scene.instances[instance].transform;
+        let surface = self.surface_of(key);
+        let tree = self.tree_of(self.shape_of(key), key.1);
+        let local = transform.inverse().transform_point3(point);
+        tree.winding(&self.scene, surface.caps.iter().flatten(), local) < 0
+    }
+
+    fn shape_of(&self, key: Key) -> u32 {
+        self.instances[self.firsts[key.0 as usize] as usize].0
+    }
+
+    fn surface_of(&self, key: Key) -> &Surface {
+        &self.shapes[self.shape_of(key) as usize].surfaces[key.1 as usize]
+    }
+
+    /// All surfaces of all placements.
+    fn placed_keys(&self) -> impl Iterator<Item = Key> + '_ {
+        let placements = (0..).zip(&self.firsts);
+        placements.flat_map(|(placement, &first)| {
+            let shape = self.instances[first as usize].0;
+            let count = self.shapes[shape as usize].surfaces.len() as u32;
+            (0..count).map(move |surface| (placement, surface))
+        })
+    }
+
+    fn count_surfaces(&self) -> usize {
+        self.placed_keys().count()
     }
 
     fn is_inside_out(&self, body: &Body) -> bool {

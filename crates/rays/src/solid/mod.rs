@@ -9,10 +9,11 @@
 //! in mesh space, so that a mirroring placement changes nothing.
 //!
 //! * Outward: a solid.
-//! * Inward, inside a solid: its cavity, which is air again.
+//! * Inward, and all but an eighth of it inside a solid: its cavity, which is air again.
 //! * Inward, and some whole other surface lies in it: a room. It is air.
 //! * Inward, some surface lies in it for the most part, and nothing large outside: a room too.
-//! * Inward and none of these: a solid wound the wrong way. `inward.rs` says when its outside is baked.
+//! * Inward and none of these: a solid wound the wrong way. `inward.rs` says when its outside is baked, also of
+//!   bodies with a hole and of several in one surface.
 //!
 //! An open surface whose openings all lie on what it stands on is closed by that, and a solid too: `shut.rs` says when.
 //!
@@ -34,6 +35,7 @@ mod shape;
 mod shut;
 mod topology;
 mod tree;
+mod wound;
 
 use crate::boxes::Boxes;
 pub use covers::Covers;

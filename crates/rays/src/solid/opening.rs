@@ -93,6 +93,53 @@ pub(super) fn openings(edges: &[[u32; 2]], at: impl Fn(u32) -> Vec3) -> Option<V
     Some(found)
 }
 
+/// Triangles that fill what directed edges run around, flat or not, each loop from its middle. A loop ends where it
+/// comes back to one of its corners, so that holes that touch are filled one by one.
+pub(super) fn caps(edges: &[[u32; 2]], at: impl Fn(u32) -> Vec3) -> Vec<Vec<[[f32; 3]; 3]>> {
+    let mut onward: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for &[from, to] in edges {
+        onward.entry(from).or_default().push(to);
+    }
+    let mut found = Vec::new();
+    // As many edges end at a corner as start there, so a way ends only where it began.
+    while let Some((&first, _)) = onward.first_key_value() {
+        let mut way = vec![first];
+        while let Some(&corner) = way.last() {
+            let Some(next) = onward.get_mut(&corner) else {
+                break;
+            };
+            let to = next.pop();
+            if next.is_empty() {
+                onward.remove(&corner);
+            }
+            let Some(to) = to else {
+                break;
+            };
+            let Some(start) = way.iter().position(|&known| known == to) else {
+                way.push(to);
+                continue;
+            };
+            found.push(fan(&way[start..], &at));
+            way.truncate(start + 1);
+        }
+    }
+    found
+}
+
+/// Triangles from the middle of a loop to its edges.
+fn fan(border: &[u32], at: impl Fn(u32) -> Vec3) -> Vec<[[f32; 3]; 3]> {
+    let border: Vec<Vec3> = border.iter().map(|&corner| at(corner)).collect();
+    if let [a, b, c] = border[..] {
+        return vec![[a, b, c].map(|p| p.to_array())];
+    }
+    let sum: DVec3 = border.iter().map(|p| p.as_dvec3()).sum();
+    let middle = (sum / border.len() as f64).as_vec3();
+    let edges = border.iter().zip(border.iter().cycle().skip(1));
+    edges
+        .map(|(&a, &b)| [middle, a, b].map(|p| p.to_array()))
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

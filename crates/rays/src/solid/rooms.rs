@@ -55,7 +55,10 @@ impl Solids {
             .map(|body| {
                 let is_cavity = surface_of.get(&body).is_some_and(|own| {
                     // What holds its box holds a corner of it.
-                    outward.any(own.low, own.low, |outer| within(outer, own))
+                    outward.any(own.low, own.low, |outer| {
+                        let outer = surface_of.get(&outer);
+                        outer.is_some_and(|outer| self.is_deep_within(outer, own))
+                    })
                 });
                 let (low, high) = (
                     self.bodies[body as usize].low,

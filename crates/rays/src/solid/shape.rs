@@ -14,6 +14,10 @@ pub(super) struct Shape {
     pub surfaces: Vec<Surface>,
     /// Built when first asked.
     pub trees: Vec<OnceLock<SurfaceTree>>,
+    /// The faces of each that look inward, found when first asked; see `wound.rs`.
+    pub wound: Vec<OnceLock<Vec<Face>>>,
+    /// Their meshes.
+    pub meshes: Vec<u32>,
 }
 
 impl Shape {
@@ -40,8 +44,10 @@ impl Shape {
         }
         Self {
             trees: surfaces.iter().map(|_| OnceLock::new()).collect(),
+            wound: surfaces.iter().map(|_| OnceLock::new()).collect(),
             surface_of,
             surfaces,
+            meshes,
         }
     }
 }

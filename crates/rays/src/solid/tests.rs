@@ -1,5 +1,6 @@
 mod cliffs;
 mod grounds;
+mod wounds;
 
 use super::*;
 use crate::fixture::{block, mask_left_half, mesh, placed_scene, scene, world};

@@ -4,7 +4,7 @@
 //! Triangles hang together over edges. A surface is closed where each edge is run through as often one way as the
 //! other: then it has no border, and around any point it winds a whole number of times.
 
-use super::opening::{Opening, openings};
+use super::opening::{Opening, caps, openings};
 use glam::{DVec3, Vec3};
 use scene::{Scene, Sets};
 use std::collections::HashMap;
@@ -12,8 +12,14 @@ use std::collections::HashMap;
 /// Volumes below this share of the box's are those of a folded sheet, which has no inside.
 const LEAST_VOLUME: f64 = 1e-6;
 
+/// A surface has at least so many faces for each edge at a border, to count as a body with holes.
+const HOLED: usize = 2;
+
+/// And no more than so many of those edges for all faces: each face is asked about each hole.
+const MOST_RIMS: usize = 1 << 22;
+
 /// A triangle of a list of meshes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) struct Face {
     pub mesh: u32,
     pub triangle: u32,
@@ -40,6 +46,11 @@ pub(super) struct Surface {
     pub hollow: f64,
     /// Those openings.
     pub openings: Vec<Opening>,
+    /// The triangles that fill each hole of an opaque surface that does not look to one side, flat or not. None where
+    /// it has many edges at holes, or looks outward for the most part.
+    pub caps: Vec<Vec<[[f32; 3]; 3]>>,
+    /// More than two faces meet at some edge of a closed, opaque surface: it may be several bodies that touch.
+    pub branches: bool,
 }
 
 /// Corners of a face.
@@ -72,6 +83,7 @@ pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
     edges.sort_unstable();
     let mut sets = Sets::new(faces.len());
     let mut borders = Vec::new();
+    let mut branching = Vec::new();
     let mut rims: Vec<(u32, [u32; 2])> = Vec::new();
     for run in edges.chunk_by(|a, b| a.0 == b.0) {
         let first = run[0].1 >> 1;
@@ -86,6 +98,9 @@ pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
             };
             let missing = (2 * turned).abs_diff(run.len());
             rims.extend(std::iter::repeat_n((first, rim), missing));
+        }
+        if run.len() > 2 {
+            branching.push(first);
         }
         for edge in &run[1..] {
             sets.join(first, edge.1 >> 1);
@@ -106,6 +121,10 @@ pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
         }
         found[place[root] as usize].0.add(scene, *face);
     }
+    for face in branching {
+        let root = sets.root(face) as usize;
+        found[place[root] as usize].0.branches = true;
+    }
     let mut rims_of: Vec<Vec<[u32; 2]>> = vec![Vec::new(); found.len()];
     for (face, rim) in rims {
         let root = sets.root(face) as usize;
@@ -120,7 +139,12 @@ pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
     let finish = |((surface, open), rims): ((Surface, bool), Vec<[u32; 2]>)| {
         if surface.is_masked(scene) {
             let veil = front(scene, &surface.faces);
-            return Surface { veil, ..surface };
+            let branches = false;
+            return Surface {
+                veil,
+                branches,
+                ..surface
+            };
         }
         if !open {
             let volume = surface.enclosed(scene);
@@ -135,12 +159,23 @@ pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
             None => (openings(&rims, |corner| positions[&corner]), Vec::new()),
         };
         let openings = openings.unwrap_or_default();
-        let surface = Surface {
+        let is_holed = front.is_none()
+            && HOLED * rims.len() <= surface.faces.len()
+            && rims.len() * surface.faces.len() <= MOST_RIMS;
+        let caps = match is_holed {
+            true => caps(&rims, |corner| positions[&corner]),
+            false => Vec::new(),
+        };
+        let mut surface = Surface {
+            branches: false,
             front,
             border,
             openings,
             ..surface
         };
+        if surface.enclosed_by(scene, caps.iter().flatten()) < 0.0 {
+            surface.caps = caps;
+        }
         match surface.openings.is_empty() {
             true => surface,
             false => Surface {
@@ -232,6 +267,8 @@ impl Surface {
             veil: None,
             hollow: 0.0,
             openings: Vec::new(),
+            caps: Vec::new(),
+            branches: false,
         }
     }
 
@@ -253,12 +290,21 @@ impl Surface {
         })
     }
 
-    /// The signed volume by the divergence theorem, openings filled, from the middle of the box; 0 where there is next
-    /// to none.
+    /// The signed volume, openings filled; 0 where there is next to none.
     fn enclosed(&self, scene: &Scene) -> f64 {
+        let panes = self.openings.iter().flat_map(|opening| &opening.panes);
+        self.enclosed_by(scene, panes)
+    }
+
+    /// The signed volume of a surface and of triangles that close it, by the divergence theorem from the middle of the
+    /// box; 0 where there is next to none.
+    fn enclosed_by<'a>(
+        &self,
+        scene: &Scene,
+        panes: impl Iterator<Item = &'a [[f32; 3]; 3]>,
+    ) -> f64 {
         let (low, high) = (self.low.as_dvec3(), self.high.as_dvec3());
         let middle: DVec3 = (low + high) * 0.5;
-        let panes = self.openings.iter().flat_map(|opening| &opening.panes);
         let panes = panes.map(|pane| pane.map(Vec3::from_array));
         let faces = self.faces.iter().map(|&face| corners(scene, face));
         let six: f64 = faces

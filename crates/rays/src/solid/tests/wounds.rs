@@ -1,0 +1,216 @@
+//! Bodies that look inward though their surfaces are not simply closed, and what is seen from within.
+
+use super::*;
+
+/// How many triangles of a scene's meshes are lit from behind.
+fn turned(meshes: Vec<Mesh>) -> usize {
+    let backs = solids(meshes).backs(&[]);
+    backs.iter().map(|(_, of)| of.len()).sum()
+}
+
+/// One mesh of several.
+fn merged(meshes: &[Mesh]) -> Mesh {
+    let mut all = mesh(Vec::new(), Vec::new());
+    for of in meshes {
+        let start = all.positions.len() as u32;
+        all.positions.extend(&of.positions);
+        let moved = of.triangles.iter().map(|t| t.map(|vertex| vertex + start));
+        all.triangles.extend(moved);
+    }
+    all
+}
+
+/// Without the triangles of which all corners have this place along an axis.
+fn without(mut of: Mesh, axis: usize, place: f32) -> Mesh {
+    let positions = of.positions.clone();
+    let lies = |t: &[u32; 3]| t.iter().all(|&v| positions[v as usize][axis] == place);
+    of.triangles.retain(|t| !lies(t));
+    of
+}
+
+/// A wall of a room in a plane z, around an opening from the floor to a height, all of it looking along z or back.
+fn wall_with_a_door(half: Vec3, door: [f32; 2], inward: bool) -> Mesh {
+    let (w, h, z) = (half.x, half.y, half.z);
+    let ([d, top], low) = (door, -h);
+    let points = [[-w, low], [-d, low], [d, low], [w, low], [w, h], [-w, h]];
+    let points = points.into_iter().chain([[-d, low + top], [d, low + top]]);
+    let positions = points.map(|[x, y]| Vec3::new(x, y, z)).collect();
+    let out = [
+        [0, 1, 6],
+        [0, 6, 5],
+        [6, 7, 4],
+        [6, 4, 5],
+        [2, 3, 4],
+        [2, 4, 7],
+    ];
+    let turn = |[a, b, c]: [u32; 3]| if inward { [a, c, b] } else { [a, b, c] };
+    mesh(positions, out.map(turn).to_vec())
+}
+
+/// A room of which one wall has a door; its floor and ceiling meet the corners of the door.
+fn room_with_a_door() -> Mesh {
+    let half = Vec3::new(2.0, 1.25, 2.0);
+    let shell = without(block(Vec3::ZERO, half, true), 2, 2.0);
+    merged(&[shell, wall_with_a_door(half, [0.5, 2.0], true)])
+}
+
+#[test]
+fn a_body_that_looks_inward_and_lacks_a_triangle_is_lit_from_behind() {
+    for missing in 0..12 {
+        let lacking = |inward: bool| {
+            let mut of = unit(inward);
+            of.triangles.remove(missing);
+            turned(vec![of, sheet()])
+        };
+        assert_eq!([lacking(true), lacking(false)], [11, 0], "{missing}");
+    }
+}
+
+#[test]
+fn bodies_that_touch_along_a_face_are_told_apart_by_what_is_on_either_side() {
+    let beside = block(Vec3::X * 2.0, Vec3::ONE, false);
+    let joint = merged(&[unit(true), beside.clone()]);
+    let solids = solids(vec![joint, sheet()]);
+    let surfaces = &solids.shapes[0].surfaces;
+    assert!(
+        surfaces.iter().any(|of| of.faces.len() == 24),
+        "one surface"
+    );
+    let backs = solids.backs(&[]);
+    // The face that is in both has the inside of one in front of it and that of the other behind: either will do.
+    let (first, second): (Vec<u32>, Vec<u32>) = backs[0].1.iter().partition(|&&t| t < 12);
+    assert_eq!((first.len(), second.len()), (12, 2), "{backs:?}");
+    // A larger one that looks outward outweighs it.
+    let large = block(Vec3::new(3.0, 0.0, 0.0), Vec3::new(2.0, 1.0, 1.0), false);
+    let backs = turned(vec![merged(&[unit(true), large]), sheet()]);
+    assert_eq!(backs, 14);
+    assert_eq!(turned(vec![merged(&[unit(false), beside]), sheet()]), 0);
+}
+
+#[test]
+fn rocks_that_reach_through_each_other_are_no_cavities() {
+    // The box of the outer one, which is a pyramid, holds that of the inner one, of which a third lies in the pyramid.
+    let (w, h) = (4.0, 4.0);
+    let positions = [
+        [-w, 0.0, -w],
+        [w, 0.0, -w],
+        [w, 0.0, w],
+        [-w, 0.0, w],
+        [0.0, h, 0.0],
+    ];
+    let faces = [
+        [0, 1, 2],
+        [0, 2, 3],
+        [0, 4, 1],
+        [1, 4, 2],
+        [2, 4, 3],
+        [3, 4, 0],
+    ];
+    let pyramid = mesh(positions.map(Vec3::from_array).to_vec(), faces.to_vec());
+    let rock = block(Vec3::new(2.2, 1.2, 0.0), Vec3::splat(1.0), true);
+    assert_eq!(turned(vec![pyramid.clone(), rock, sheet()]), 12);
+    let cavity = block(Vec3::new(0.0, 1.0, 0.0), Vec3::splat(0.5), true);
+    assert_eq!(turned(vec![pyramid, cavity, sheet()]), 0);
+}
+
+#[test]
+fn a_slab_with_a_sliver_of_a_hole_is_lit_from_behind() {
+    // An edge of the top runs past a corner of the side: exactly, and beside it.
+    for gap in [0.0, 0.01] {
+        let mut slab = block(Vec3::ZERO, Vec3::new(3.0, 0.1, 2.0), true);
+        let side = slab.triangles.iter().position(|t| {
+            let on = |&v: &u32| slab.positions[v as usize].z == 2.0;
+            t.iter().all(on)
+        });
+        let [a, b, c] = slab.triangles.remove(side.expect("it has a side"));
+        let [p, q] = [a, b].map(|v| slab.positions[v as usize]);
+        let middle = slab.positions.len() as u32;
+        slab.positions.push((p + q) * 0.5 + Vec3::Z * gap);
+        slab.triangles.extend([[a, middle, c], [middle, b, c]]);
+        assert_eq!(turned(vec![slab, sheet()]), 13, "gap {gap}");
+    }
+}
+
+#[test]
+fn tunnels_bowls_rooms_and_folded_sheets_are_lit_where_they_look() {
+    let tube = |half: Vec3| {
+        without(
+            without(block(Vec3::ZERO, half, true), 0, -half.x),
+            0,
+            half.x,
+        )
+    };
+    // However long it is.
+    for length in [1.0, 10.0, 200.0] {
+        let half = Vec3::new(length, 1.0, 1.0);
+        assert_eq!(turned(vec![tube(half), sheet()]), 0, "tunnel of {length}");
+        let blind = without(block(Vec3::ZERO, half, true), 0, half.x);
+        assert_eq!(turned(vec![blind, sheet()]), 0, "blind tunnel of {length}");
+    }
+    // A deep bowl, a tent with an open end, a box of which one side is missing.
+    for depth in [0.2, 1.0, 30.0] {
+        let bowl = without(
+            block(Vec3::ZERO, Vec3::new(1.0, depth, 1.0), true),
+            1,
+            depth,
+        );
+        assert_eq!(turned(vec![bowl, sheet()]), 0, "bowl of {depth}");
+    }
+    let ends = [-9.0, 9.0].map(|x| [[x, 0.0, -1.0], [x, 0.0, 1.0], [x, 2.0, 0.0]]);
+    let tent = mesh(
+        ends.concat().into_iter().map(Vec3::from_array).collect(),
+        vec![
+            [0, 3, 1],
+            [1, 3, 4],
+            [1, 4, 2],
+            [2, 4, 5],
+            [2, 5, 0],
+            [0, 5, 3],
+        ],
+    );
+    for turn in [false, true] {
+        let mut tent = tent.clone();
+        if turn {
+            tent.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        }
+        assert_eq!(turned(vec![tent, sheet()]), 0);
+    }
+    let door = room_with_a_door();
+    assert_eq!(
+        turned(vec![door.clone(), sheet()]),
+        0,
+        "an empty room with a door"
+    );
+    let chair = block(Vec3::new(0.5, -0.9, 0.5), Vec3::splat(0.2), false);
+    assert_eq!(turned(vec![door, chair.clone(), sheet()]), 0);
+    // Furniture makes a room of what lacks a triangle, also where its legs are let into the floor.
+    for sunk in [0.0, 0.4] {
+        let mut room = unit(true);
+        room.triangles.pop();
+        let mut chair = chair.clone();
+        chair.positions.iter_mut().for_each(|p| p.y -= sunk * 0.4);
+        assert_eq!(turned(vec![room, chair, sheet()]), 0, "sunk by {sunk}");
+    }
+    let mut folded = level(0.0, 2.0);
+    folded.positions.push(Vec3::new(0.0, 1.0, 0.0));
+    folded.triangles.extend([[0, 1, 4], [1, 2, 4]]);
+    assert_eq!(turned(vec![folded, sheet()]), 0, "a folded sheet");
+}
+
+#[test]
+fn a_light_or_a_lamp_keeps_what_lacks_a_triangle_lit_from_within() {
+    let lacking = || {
+        let mut of = unit(true);
+        of.triangles.pop();
+        scene(vec![of, sheet()])
+    };
+    let backs = |scene: Scene, places: &[DVec3]| Solids::of(world(scene).scene()).backs(places);
+    assert!(backs(lacking(), &[INSIDE]).is_empty());
+    assert!(!backs(lacking(), &[DVec3::X * 2.0]).is_empty());
+    let mut shining = lacking();
+    shining.materials[0].emission = Vec3::ONE;
+    assert!(backs(shining, &[]).is_empty());
+    let mut single = lacking();
+    single.materials[0].double_sided = false;
+    assert!(backs(single, &[]).is_empty());
+}

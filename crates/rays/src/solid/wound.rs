@@ -1,0 +1,202 @@
+//! Faces that look inward, of surfaces that are all but closed or are several bodies in one.
+//!
+//! A body of a file often lacks a triangle, or has a sliver of a hole where an edge of one side runs past a corner of
+//! another. Or two bodies touch along a face and are one surface by their edges there, one of them wound the wrong way.
+//! So what counts is not how a surface is put together but what is on either side of its faces. Its holes are filled.
+//! A face *looks inward* where the surface winds less than 0 times around a point just in front of it, and does not
+//! behind it.
+//!
+//! A hole is little where it cannot be meant to be looked through: a triangle that a side lacks, or what is next to
+//! nothing of the surface and of its shadow on the hole's plane. The mouth of a tunnel is all of that shadow, however
+//! long the tunnel is.
+
+use super::placed::{Among, Placed};
+use super::topology::{Face, Surface, corners};
+use super::{NUDGE, Solids};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// A missing triangle is no larger than this share of the surface's shadow on it: it is not all of a side. All of them
+/// together are no larger than this share of what looks inward.
+const TRIANGLE: f64 = 0.75;
+const TRIANGLES: f64 = 0.3;
+/// The same of another hole, how large it looks against what looks inward, and how large all of them are together.
+const HOLE: f64 = 0.125;
+const WINDOW: f64 = 1.0 / 128.0;
+const HOLES: f64 = 1.0 / 32.0;
+/// The share of a surface with holes that looks inward, at least.
+const MOST: f64 = 0.5;
+/// The share of a surface with holes that may have the same on either side.
+const ODD: f64 = 0.1;
+/// What stands in a room has this share of the room's side, together: else it is stuck in a wall.
+const STANDS: f64 = 1.0 / 1024.0;
+/// Faces that are asked first.
+const FIRST: usize = 1024;
+/// Faces that are asked whether a surface lies for the most part in another.
+const LOOKS: usize = 64;
+
+/// A triangle's area, and how often its surface winds around points just in front of it and behind.
+struct Sides {
+    area: f64,
+    front: i32,
+    back: i32,
+}
+
+impl Sides {
+    fn is_inward(&self) -> bool {
+        self.area > 0.0 && self.front < 0 && self.back >= 0
+    }
+
+    fn is_outward(&self) -> bool {
+        self.area > 0.0 && self.front >= 0 && self.back > 0
+    }
+}
+
+impl Surface {
+    /// True where its faces need be asked one by one whether they look inward.
+    pub fn is_mixed(&self) -> bool {
+        self.branches || !self.caps.is_empty()
+    }
+}
+
+impl Solids {
+    /// The faces of a mixed surface that look inward.
+    pub(super) fn wound(&self, shape: u32, surface: u32) -> &[Face] {
+        let found = &self.shapes[shape as usize].wound[surface as usize];
+        found.get_or_init(|| self.find_wound(shape, surface).unwrap_or_default())
+    }
+
+    fn find_wound(&self, shape: u32, number: u32) -> Option<Vec<Face>> {
+        let surface = &self.shapes[shape as usize].surfaces[number as usize];
+        if !surface.is_mixed() || !self.is_drawn_from_both_sides(surface) {
+            return None;
+        }
+        let place = |face: Face| corners(&self.scene, face).map(|corner| corner.as_dvec3());
+        let sides = |face: Face| self.sides(shape, number, place(face));
+        let faces = &surface.faces;
+        let step = faces.len().div_ceil(FIRST);
+        if step > 1 {
+            let mut first = faces.iter().step_by(step);
+            first.find(|&&face| sides(face).is_inward())?;
+        }
+        let asked: Vec<Sides> = faces.par_iter().map(|&face| sides(face)).collect();
+        let area = |of: &dyn Fn(&Sides) -> bool| -> f64 {
+            let found = asked.iter().filter(|sides| of(sides));
+            found.map(|sides| sides.area).sum()
+        };
+        let [inward, outward] = [area(&Sides::is_inward), area(&Sides::is_outward)];
+        let all = area(&|_| true);
+        if inward == 0.0 {
+            return None;
+        }
+        if !surface.caps.is_empty() {
+            let is_whole = all - inward - outward <= ODD * all && inward >= MOST * all;
+            if !is_whole || !self.holes_are_little(shape, number, inward) {
+                return None;
+            }
+        }
+        let found = faces.iter().zip(&asked);
+        let found = found.filter(|(_, sides)| sides.is_inward());
+        Some(found.map(|(&face, _)| face).collect())
+    }
+
+    /// True where one is not meant to look through any hole of a surface of which so much looks inward.
+    fn holes_are_little(&self, shape: u32, number: u32, inward: f64) -> bool {
+        let surface = &self.shapes[shape as usize].surfaces[number as usize];
+        let (mut missing, mut holes) = (0.0, 0.0);
+        for cap in &surface.caps {
+            let open = |pane: &[[f32; 3]; 3]| {
+                let pane = pane.map(|corner| DVec3::from(corner.map(f64::from)));
+                let sides = self.sides(shape, number, pane);
+                let [a, b, c] = pane;
+                let normal = 0.5 * (b - a).cross(c - a);
+                sides.is_inward().then_some(normal)
+            };
+            let normals: Vec<DVec3> = cap.iter().filter_map(open).collect();
+            let area: f64 = normals.iter().map(|normal| normal.length()).sum();
+            let hole: DVec3 = normals.iter().sum();
+            let along = hole.normalize_or_zero();
+            let shadow = |face: &Face| {
+                let [a, b, c] = corners(&self.scene, *face).map(|corner| corner.as_dvec3());
+                0.25 * (b - a).cross(c - a).dot(along).abs()
+            };
+            // Only a hole through which one looks is asked for its shadow.
+            let shadow: f64 = match area == 0.0 {
+                true => continue,
+                false => surface.faces.iter().map(shadow).sum(),
+            };
+            let is_little = match cap.len() {
+                1 => hole.length() <= TRIANGLE * shadow,
+                _ => hole.length() <= (HOLE * shadow).min(WINDOW * inward),
+            };
+            if !is_little {
+                return false;
+            }
+            match cap.len() {
+                1 => missing += area,
+                _ => holes += area,
+            }
+        }
+        missing <= TRIANGLES * inward && holes <= HOLES * inward
+    }
+
+    fn sides(&self, shape: u32, number: u32, [a, b, c]: [DVec3; 3]) -> Sides {
+        let surface = &self.shapes[shape as usize].surfaces[number as usize];
+        let reach = surface.low.abs().max(surface.high.abs()).max_element();
+        let (middle, normal) = ((a + b + c) / 3.0, (b - a).cross(c - a));
+        let off = normal.normalize_or_zero() * (4.0 * NUDGE * f64::from(reach));
+        let tree = self.tree_of(shape, number);
+        let winding = |at| tree.winding(&self.scene, surface.caps.iter().flatten(), at);
+        Sides {
+            area: 0.5 * normal.length(),
+            front: winding(middle + off),
+            back: winding(middle - off),
+        }
+    }
+
+    /// How often a mixed surface winds around a point of the world.
+    pub(super) fn winding_about(&self, placed: &Placed, point: DVec3) -> i32 {
+        let tree = self.tree_of(placed.shape, placed.key.1);
+        let caps = placed.surface.caps.iter().flatten();
+        tree.winding(&self.scene, caps, placed.inverse.transform_point3(point))
+    }
+
+    /// True where a mixed surface that looks inward is a room or a cavity: something lies for the most part in its air,
+    /// or it lies in a solid.
+    pub(super) fn is_lived_in(&self, of: &Placed, all: &Among) -> bool {
+        let holds = |at| self.winding_about(of, at) < 0;
+        let mut standing = 0.0;
+        all.meeting(of.low, of.high).into_iter().any(|other| {
+            let other = all.placed[other];
+            if other.key == of.key {
+                return false;
+            }
+            if 2 * other.count(&self.scene, LOOKS, holds) > LOOKS {
+                standing += other.side();
+            }
+            standing > STANDS * of.side()
+                || other.surface.volume > 0.0 && self.is_deep_within(other, of)
+        })
+    }
+
+    /// True where a closed body holds another surface, and not only some of it.
+    pub(super) fn is_deep_within(&self, outer: &Placed, inner: &Placed) -> bool {
+        let in_outer = |at: DVec3| {
+            let tree = self.tree_of(outer.shape, outer.key.1);
+            let local = outer.inverse.transform_point3(at);
+            let winding = tree.winding(&self.scene, std::iter::empty(), local);
+            f64::from(winding) * outer.surface.volume > 0.0
+        };
+        let in_box = outer.low.cmple(inner.low).all() && outer.high.cmpge(inner.high).all();
+        in_box && 8 * inner.count(&self.scene, LOOKS, in_outer) >= 7 * LOOKS
+    }
+
+    /// True where all faces are drawn from both sides and none shines.
+    pub(super) fn is_drawn_from_both_sides(&self, surface: &Surface) -> bool {
+        surface.faces.iter().all(|face| {
+            let mesh = &self.scene.meshes[face.mesh as usize];
+            let material = &self.scene.materials[mesh.material as usize];
+            material.double_sided && material.emission == glam::Vec3::ZERO
+        })
+    }
+}
