@@ -86,7 +86,8 @@ impl LitScene {
     }
 }
 
-/// Powers of two by which the picture is brightened at most: of what is darker than [`FAINT`] beside the sky nothing is shown.
+/// Powers of two by which the picture is brightened at most: of what is darker than [`FAINT`] beside the sky nothing is
+/// shown.
 fn most_stops(options: &Options) -> f64 {
     match options.adds_light() {
         true => f64::INFINITY,

@@ -17,8 +17,8 @@ const SOLVABLE: f64 = 200_000.0;
 /// rounded to 32 bits, a thousandth of a texel.
 const HANDED: u32 = 8192;
 const HANDED_TRIANGLE: f64 = 16.0;
-/// The edges of a chart together are at most so many times as long as those of its triangles. A triangle may be four times too
-/// large, its edges twice too long; where the unwrapper's solver fails it returns needles of the right area.
+/// The edges of a chart together are at most so many times as long as those of its triangles. A triangle may be four
+/// times too large, its edges twice too long; where the unwrapper's solver fails it returns needles of the right area.
 const LONGEST: f64 = 3.0;
 
 /// The charts of one mesh, each flat in a plane of its own.
@@ -301,8 +301,8 @@ struct Made {
 }
 
 impl Made {
-    /// The charts of a part by their numbers. `page` is the size of the unwrapper's page in texels, of which so many are one
-    /// unit of the part.
+    /// The charts of a part by their numbers. `page` is the size of the unwrapper's page in texels, of which so many are
+    /// one unit of the part.
     fn of(
         part: &Part,
         out: &uvunwrap::OutputMesh,
@@ -351,8 +351,8 @@ impl Made {
 }
 
 impl Sheet {
-    /// Adds the charts that the unwrapper makes of parts of a mesh. What it could not flatten comes back as parts about 1
-    /// in size, each with what its unit is among those of `parts`.
+    /// Adds the charts that the unwrapper makes of parts of a mesh. What it could not flatten comes back as parts about
+    /// 1 in size, each with what its unit is among those of `parts`.
     fn unwrap(
         &mut self,
         data: &Mesh,

@@ -10,13 +10,13 @@ use std::sync::Arc;
 pub use realfft::num_complex::Complex;
 pub use realfft::{ComplexToReal, RealToComplex};
 
-/// From so many real numbers to the `length / 2 + 1` frequencies of e^(-i 2π k x / length), not scaled. Threads may share
-/// the plan, not its scratch.
+/// From so many real numbers to the `length / 2 + 1` frequencies of e^(-i 2π k x / length), not scaled. Threads may
+/// share the plan, not its scratch.
 pub fn forward(length: usize) -> Arc<dyn RealToComplex<f64>> {
     RealFftPlanner::new().plan_fft_forward(length)
 }
 
-/// From frequencies back to so many real numbers, not scaled: [`forward`] and then this give `length` times the row.
+/// From frequencies back to so many real numbers, not scaled: after [`forward`] the row comes back `length` times.
 pub fn inverse(length: usize) -> Arc<dyn ComplexToReal<f64>> {
     RealFftPlanner::new().plan_fft_inverse(length)
 }
