@@ -35,7 +35,7 @@ use std::path::Path;
 
 /// Stages the files that `engines` get of one page, and returns what `bake.json` says of them. The bytes are a function
 /// of the page alone: an export makes the same files as the bake. `compress`: in blocks, where an engine reads those,
-/// if [`check_compressed`] allows it.
+/// if [`crate::check_compressed`] allows it.
 ///
 /// # Errors
 /// A file cannot be staged.
