@@ -4,8 +4,8 @@ use crate::scenes::{mesh, scene};
 use ambake_atlas::{Options, UvMode, layout};
 use glam::{DAffine3, Vec3};
 
-/// A wall and, far from it, seven faces of a ball with eight, a two-thousandth as large. At some places the unwrapper makes a
-/// line of the ball that is thousands of times as long.
+/// A wall and, far from it, seven faces of a ball with eight, a two-thousandth as large. At some places the unwrapper
+/// makes a line of the ball that is thousands of times as long.
 fn wall_and_ball(middle: Vec3) -> scene::Scene {
     let at = |x: f32, y: f32, z: f32| middle + 0.075 * Vec3::new(x, y, z);
     let mut positions = vec![
