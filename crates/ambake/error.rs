@@ -255,8 +255,8 @@ const RENAMED: [(&str, &str); 4] = [
     ("to", "to_vertices"),
 ];
 
-/// A message with options for its flags: `` `size` 512 `` for `` `--size 512` `` and `` `threads` `` for `--threads`. A whole
-/// command of the program stays what it is, and so do names with two hyphens.
+/// A message with options for its flags: `` `size` 512 `` for `` `--size 512` `` and `` `threads` `` for `--threads`. A
+/// whole command of the program stays what it is, and so do names with two hyphens.
 fn in_names(message: &str) -> String {
     let is_name = |c: char| c.is_ascii_lowercase() || c == '-';
     let mut named = String::with_capacity(message.len());

@@ -36,13 +36,15 @@ impl Brightness {
         let lit = all - self.0[0];
         let message = match lit as f64 <= LEAKS * all as f64 {
             true => {
-                "next to no light of the sky gets in: all is closed, and between surfaces there is nothing to send on; `--max-distance D` shows corners \
-                 and contacts, with D about a third of a room's height, and `--point` or `--sphere` puts a lamp inside"
+                "next to no light of the sky gets in: all is closed, and between surfaces there is nothing to \
+                 send on; `--max-distance D` shows corners and contacts, with D about a third of a room's height, \
+                 and `--point` or `--sphere` puts a lamp inside"
                     .into()
             }
             false => format!(
-                "most texels see less than {:.0} % of the sky, as in a room or inside of a machine; `--bounces auto` lets light go on from surface to \
-                 surface there, and `--max-distance D` shows corners and contacts, with D about a third of a room's height",
+                "most texels see less than {:.0} % of the sky, as in a room or inside of a machine; `--bounces auto` \
+                 lets light go on from surface to surface there, and `--max-distance D` shows corners and contacts, \
+                 with D about a third of a room's height",
                 100.0 * DARK
             ),
         };

@@ -65,9 +65,9 @@
 //!
 //! # Features
 //!
-//! The default is the program, with everything. With `default-features = false` the library bakes scenes made in memory with
-//! obvhs. `embree` adds Embree, `obj`, `gltf`, `draco` and `meshopt` add [`load`], `sky` adds [`Sky::load`], `write` all that
-//! becomes a file, and `report` the page `report.html`. `docs/library.md` has the table.
+//! The default is the program, with everything. With `default-features = false` the library bakes scenes made in memory
+//! with obvhs. `embree` adds Embree, `obj`, `gltf`, `draco` and `meshopt` add [`load`], `sky` adds [`Sky::load`], `write`
+//! all that becomes a file, and `report` the page `report.html`. `docs/library.md` has the table.
 //!
 //! Directions point away from surfaces, colours are linear, angles are radians, and lengths are in scene units. The
 //! stored terms are 1 for an open texel under a sky of radiance 1.

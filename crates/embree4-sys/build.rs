@@ -1,5 +1,5 @@
-//! Finds Embree, generates the bindings and compiles the shim; where something is missing, says so and builds nothing. With
-//! the feature `required` that is an error, unless `AMBAKE_NO_EMBREE` asks for it.
+//! Finds Embree, generates the bindings and compiles the shim; where something is missing, says so and builds nothing.
+//! With the feature `required` that is an error, unless `AMBAKE_NO_EMBREE` asks for it.
 
 use std::env;
 use std::fs;

@@ -301,8 +301,8 @@ struct Made {
 }
 
 impl Made {
-    /// The charts of a part by their numbers. `page` is the size of the unwrapper's page in texels, of which so many are
-    /// one unit of the part.
+    /// The charts of a part by their numbers. `page` is the size of the unwrapper's page in texels, of which so many
+    /// are one unit of the part.
     fn of(
         part: &Part,
         out: &uvunwrap::OutputMesh,
