@@ -26,12 +26,16 @@ from summary import picture, summarise  # noqa: E402
 
 HERE = Path(__file__).parent
 THREADS = 2
-# ambake as it is by default, plain, and both with samples at texel centres alone: options and rays a texel.
+# ambake by its defaults, all layers and seams; the diffuse term alone, denoised and plain; and both with samples at texel
+# centres alone: options and rays a texel.
+DIFFUSE = ["--only", "diffuse,validity", "--seams", "off"]
+CENTRE = [*DIFFUSE, "--footprint", "centre"]
 MODES = {
-    "ambake": ([], [8, 16, 32, 64, 128, 256]),
-    "plain": (["--denoise", "off"], [64, 256, 512, 1024]),
-    "centre": (["--footprint", "centre"], [8, 16, 32, 64, 128, 256]),
-    "centre plain": (["--footprint", "centre", "--denoise", "off"], [64, 256, 512, 1024]),
+    "default": ([], [8, 16, 32, 64, 128, 256]),
+    "diffuse": (DIFFUSE, [8, 16, 32, 64, 128, 256]),
+    "plain": ([*DIFFUSE, "--denoise", "off"], [64, 256, 512, 1024]),
+    "centre": (CENTRE, [8, 16, 32, 64, 128, 256]),
+    "centre plain": ([*CENTRE, "--denoise", "off"], [64, 256, 512, 1024]),
 }
 # Rays of the two plain bakes of ambake that every error is against, area averages and texel centres.
 CONVERGED = 2048
@@ -51,10 +55,11 @@ NAMES = {
     "mitsuba": "Mitsuba ray test",
     "open3d": "Open3D ray test",
     "pymeshlab": "MeshLab ambient occlusion",
-    "ambake": "ambake",
-    "plain": "ambake --denoise off",
-    "centre": "ambake --footprint centre",
-    "centre plain": "ambake --footprint centre --denoise off",
+    "default": "ambake",
+    "diffuse": "ambake, diffuse alone",
+    "plain": "diffuse alone, --denoise off",
+    "centre": "diffuse alone, --footprint centre",
+    "centre plain": "diffuse alone, --footprint centre --denoise off",
 }
 SCRIPTS = {"combined": "cycles", "ao": "cycles", "mitsuba": "mitsuba", "open3d": "open3d", "pymeshlab": "pymeshlab"}
 PACKAGES = {"cycles": "bpy", "mitsuba": "mitsuba", "open3d": "open3d", "pymeshlab": "pymeshlab"}
@@ -103,7 +108,7 @@ class Job:
         """Diffuse, the seconds of a bake, its version, and the share of each texel that is charted and not buried."""
         out = self.work / "ambake"
         command = [os.environ["AMBAKE"], "bake", self.source, "-o", out, "--size", self.size, "--rays", rays, "--seed", seed]
-        command += ["--threads", THREADS, "--quiet", "--only", "diffuse,validity", "--seams", "off", "--pages", 1, *MODES[mode][0]]
+        command += ["--threads", THREADS, "--quiet", "--pages", 1, *MODES[mode][0]]
         if self.distance != FAR:
             command += ["--max-distance", self.distance]
         _, process = self.timed(command, before)
@@ -111,7 +116,7 @@ class Job:
         phases = [entry for entry in report["timings"] if entry["phase"] in ("plan", "build", "bake")]
         cpu, wall = (sum(entry[key] for entry in phases) for key in ("cpu_seconds", "seconds"))
         planes = meshes.read_exr(out / f"{self.scene}.0.exr")
-        seen = np.minimum(planes["coverage"], planes["validity"]).ravel()
+        seen = np.minimum(planes["coverage"], planes.get("validity", 1.0)).ravel()
         version = f"ambake {report['versions']['ambake']}, {report['versions']['backend_version']}"
         return planes["diffuse"].ravel(), cpu, process, wall, version, seen
 

@@ -7,9 +7,9 @@ import statistics
 
 # Error of the peer, error of ambake, title, and the modes of ambake that are read.
 ERRORS = [
-    ("rmse_area", "rmse_area", "Error against averages over the texels' areas", ["ambake", "plain"]),
+    ("rmse_area", "rmse_area", "Error against averages over the texels' areas", ["default", "diffuse", "plain"]),
     ("rmse_centre", "rmse_centre", "Error against values at texel centres", ["centre", "centre plain"]),
-    ("rmse_own", "rmse_area", "The peer's sampling error alone, ambake's whole error against areas", ["ambake", "plain"]),
+    ("rmse_own", "rmse_area", "The peer's sampling error alone, ambake's whole error against areas", ["default", "diffuse", "plain"]),
 ]
 
 
@@ -87,7 +87,7 @@ def picture(rows, names):
     rows = [row for row in rows if not row["baker"].startswith("centre")]
     scenes = list(dict.fromkeys(row["scene"] for row in rows))
     kinds = list(dict.fromkeys(row["baker"] for row in rows))
-    colours = dict(zip(kinds, ["#d1495b", "#edae49", "#66a182", "#a0713d", "#1b6ca8", "#7b5ea7", "#333"]))
+    colours = dict(zip(kinds, ["#d1495b", "#edae49", "#66a182", "#a0713d", "#1b6ca8", "#7b5ea7", "#333", "#2aa198"]))
     edge, pad = 300, 50
     points = {}
     for row in rows:
