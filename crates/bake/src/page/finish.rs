@@ -6,7 +6,7 @@ use super::joined::{Gutters, Joined, keep_sides, solve_seams};
 use super::planes::{BakedPage, LayerPlanes};
 use super::stats::ErrorSums;
 use super::tangent;
-use super::terms::{TermLayers, half_of, lights, terms};
+use super::terms::{TermLayers, lights, terms};
 use crate::denoise::{Denoiser, Field, Term, oidn};
 use crate::mend::{Mends, Surface};
 use crate::options::{Denoise, Model, Options, Sky};
@@ -150,11 +150,17 @@ fn surface(page: &BakedPage) -> Surface<'_> {
 fn mend_terms(page: &mut BakedPage, terms: &[TermLayers]) {
     let mends = Mends::of(&surface(page));
     let texels = page.texels();
-    for &(term, std_err, _) in terms {
-        let most = if is_light(term) { f64::MAX } else { 1.0 };
+    for &TermLayers {
+        value,
+        std_err,
+        half,
+        ..
+    } in terms
+    {
+        let most = if is_light(value) { f64::MAX } else { 1.0 };
         // The span of a term of several channels is the largest of theirs.
         let mut spans: Vec<f64> = Vec::new();
-        for plane in page.planes_of(term).chunks_mut(texels) {
+        for plane in page.planes_of(value).chunks_mut(texels) {
             let own = mends.apply(plane, 0.0, most);
             spans.resize(own.len(), 0.0);
             spans
@@ -165,8 +171,8 @@ fn mend_terms(page: &mut BakedPage, terms: &[TermLayers]) {
         if page.layer(std_err).is_some() {
             mends.apply_to_errors(page.planes_of(std_err), &spans);
         }
-        if page.layer(half_of(term)).is_some() {
-            let halves = page.planes_of(half_of(term)).par_chunks_mut(texels);
+        if page.layer(half).is_some() {
+            let halves = page.planes_of(half).par_chunks_mut(texels);
             halves.for_each(|plane| drop(mends.apply(plane, f64::MIN, f64::MAX)));
         }
     }
@@ -218,34 +224,38 @@ fn denoise_terms(
     if regression.is_some() {
         drop_unasked(page, options, is_place);
     }
-    for &(term, std_err, _) in terms {
+    for &TermLayers {
+        value,
+        std_err,
+        half,
+        ..
+    } in terms
+    {
         let all = |layer: Layer| {
             let channels = 0..layer.channels().len();
             channels.map(|channel| fact(page, layer, channel)).collect()
         };
         let planes = Term {
-            values: all(term),
-            halves: regression
-                .as_ref()
-                .map_or(Vec::new(), |_| all(half_of(term))),
+            values: all(value),
+            halves: regression.as_ref().map_or(Vec::new(), |_| all(half)),
             std_err: fact(page, std_err, 0),
             sealed: page.layer(Layer::Sealed),
-            largest: if is_light(term) { f32::INFINITY } else { 1.0 },
-            is_smooth: matches!(term, Layer::Diffuse | Layer::Visibility),
-            crosses: !matches!(term, Layer::Specular | Layer::Reflection),
+            largest: if is_light(value) { f32::INFINITY } else { 1.0 },
+            is_smooth: matches!(value, Layer::Diffuse | Layer::Visibility),
+            crosses: !matches!(value, Layer::Specular | Layer::Reflection),
         };
         let found = match &regression {
             Some(denoiser) => denoiser.denoise(&planes),
             None => oidn::denoise(&field(page), &planes),
         };
-        let values = page.planes_of(term);
+        let values = page.planes_of(value);
         for (channel, plane) in values.chunks_mut(texels).enumerate() {
             found
                 .iter()
                 .for_each(|part| part.set_values(channel, plane));
         }
         if let Some(unseen) = &unseen {
-            let most = if is_light(term) { f64::MAX } else { 1.0 };
+            let most = if is_light(value) { f64::MAX } else { 1.0 };
             let planes = values.par_chunks_mut(texels);
             planes.for_each(|plane| drop(unseen.apply(plane, 0.0, most)));
         }

@@ -95,7 +95,7 @@ pub(super) fn solve_seams(
 
 /// The planes that must agree across seams: layer, the layer of its standard error, channel.
 fn seamed(page: &BakedPage, terms: &[TermLayers]) -> Vec<(Layer, Layer, usize)> {
-    let terms = terms.iter().map(|&(term, std_err, _)| (term, std_err));
+    let terms = terms.iter().map(|term| (term.value, term.std_err));
     let directional = directional::of(page).into_iter();
     terms
         .chain(directional.map(|(layer, _)| (layer, Layer::StdErrDiffuse)))

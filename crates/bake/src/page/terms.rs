@@ -6,24 +6,38 @@ use crate::options::{AmbientCoefficient, Buried, Denoise, Model, Options, Seams}
 use crate::plan::Plan;
 use layers::Layer;
 
-/// A term, its standard error and the choice that models it.
-pub(super) type TermLayers = (Layer, Layer, Choice);
+/// The layers of a term while its page is in work, and the choice that models it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TermLayers {
+    pub value: Layer,
+    pub std_err: Layer,
+    /// Half of what two halves of the rays differ by.
+    pub half: Layer,
+    pub choice: Choice,
+}
+
+const fn term([value, std_err, half]: [Layer; 3], choice: Choice) -> TermLayers {
+    TermLayers {
+        value,
+        std_err,
+        half,
+        choice,
+    }
+}
 
 /// What no sky changes.
+#[rustfmt::skip]
 const SHARES: [TermLayers; 3] = [
-    (Layer::Diffuse, Layer::StdErrDiffuse, Choice::Diffuse),
-    (
-        Layer::Visibility,
-        Layer::StdErrVisibility,
-        Choice::Visibility,
-    ),
-    (Layer::Specular, Layer::StdErrSpecular, Choice::Specular),
+    term([Layer::Diffuse, Layer::StdErrDiffuse, Layer::HalfDiffuse], Choice::Diffuse),
+    term([Layer::Visibility, Layer::StdErrVisibility, Layer::HalfVisibility], Choice::Visibility),
+    term([Layer::Specular, Layer::StdErrSpecular, Layer::HalfSpecular], Choice::Specular),
 ];
 
 /// The light of a map, which tiles integrate beside the shares.
+#[rustfmt::skip]
 const LIGHTS: [TermLayers; 2] = [
-    (Layer::Irradiance, Layer::StdErrIrradiance, Choice::Diffuse),
-    (Layer::Reflection, Layer::StdErrReflection, Choice::Specular),
+    term([Layer::Irradiance, Layer::StdErrIrradiance, Layer::HalfIrradiance], Choice::Diffuse),
+    term([Layer::Reflection, Layer::StdErrReflection, Layer::HalfReflection], Choice::Specular),
 ];
 
 /// The terms that tiles integrate for what was asked.
@@ -34,21 +48,9 @@ pub(super) fn terms(options: &Options, plan: &Plan) -> Vec<TermLayers> {
         None if options.model == Model::Ggx => &LIGHTS[1..],
         _ => &[],
     };
-    let modelled = |term: &&TermLayers| plan.models(term.2);
+    let modelled = |term: &&TermLayers| plan.models(term.choice);
     let terms = SHARES.iter().chain(lights).filter(modelled);
     terms.copied().collect()
-}
-
-/// The layer of what two halves of the rays differ by in a term.
-pub(super) fn half_of(term: Layer) -> Layer {
-    match term {
-        Layer::Diffuse => Layer::HalfDiffuse,
-        Layer::Visibility => Layer::HalfVisibility,
-        Layer::Specular => Layer::HalfSpecular,
-        Layer::Irradiance => Layer::HalfIrradiance,
-        Layer::Reflection => Layer::HalfReflection,
-        other => unreachable!("layer {} is no term", other.name()),
-    }
 }
 
 /// The layers that are kept while tiles are baked: the facts from which the asked layers follow when the page is
@@ -72,14 +74,14 @@ pub(super) fn working_layers(options: &Options, plan: &Plan, mends: bool) -> Vec
         .map(super::tangent::source)
         .filter(|&layer| !follows(layer))
         .for_each(&mut add);
-    for (term, std_err, _) in terms(options, plan) {
-        add(term);
+    for term in terms(options, plan) {
+        add(term.value);
         let steps = options.denoise != Denoise::Off || options.seams != Seams::Off;
         if steps || kept.iter().any(|&layer| is_light(layer)) {
-            add(std_err);
+            add(term.std_err);
         }
         if options.denoise == Denoise::Regression {
-            add(half_of(term));
+            add(term.half);
         }
     }
     if options.denoise != Denoise::Off || mends {
@@ -142,10 +144,10 @@ pub fn layers_of_light(options: &Options, plan: &Plan) -> [Vec<Layer>; 2] {
 pub(crate) fn light_layers(options: &Options, plan: &Plan, mends: bool) -> Vec<Layer> {
     let denoises = options.denoise != Denoise::Off;
     let mut layers = vec![Layer::Coverage, Layer::Rays];
-    for (term, std_err, half) in light_terms(plan) {
-        layers.extend([term, std_err]);
-        if denoises || options.layers.contains(&half) {
-            layers.push(half);
+    for term in lights(plan) {
+        layers.extend([term.value, term.std_err]);
+        if denoises || options.layers.contains(&term.half) {
+            layers.push(term.half);
         }
     }
     if denoises || mends {
@@ -159,14 +161,6 @@ pub(crate) fn light_layers(options: &Options, plan: &Plan, mends: bool) -> Vec<L
 
 /// The terms of light alone.
 pub(super) fn lights(plan: &Plan) -> Vec<TermLayers> {
-    let modelled = |term: &&TermLayers| plan.models(term.2);
+    let modelled = |term: &&TermLayers| plan.models(term.choice);
     LIGHTS.iter().filter(modelled).copied().collect()
-}
-
-/// The light that gathers add: layer, standard error, half.
-fn light_terms(plan: &Plan) -> Vec<(Layer, Layer, Layer)> {
-    let lights = lights(plan).into_iter();
-    lights
-        .map(|(term, std_err, _)| (term, std_err, half_of(term)))
-        .collect()
 }
