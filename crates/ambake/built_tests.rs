@@ -1,8 +1,8 @@
 //! Scenes made in memory bake the bytes of the same scenes read from glTF files.
 
 use crate::{
-    AlphaMode, Bake, Baked, Bounces, Layer, Material, Mesh, MetallicRoughness, Model, Placement,
-    Scene, Texture,
+    AlphaMode, Bake, Baked, Bounces, Engine, Layer, Material, Mesh, MetallicRoughness, Model,
+    Placement, Scene, Texture,
 };
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -287,4 +287,51 @@ fn placements_share_a_mesh_and_bake_the_bytes_of_a_gltf_file() {
     // One layout, a rectangle each.
     let atlas = built.job().atlas();
     assert_eq!((atlas.meshes.len(), atlas.placements.len()), (1, 3));
+}
+
+#[test]
+fn light_in_memory_is_what_engine_files_hold() {
+    let quads = [
+        quad("floor", [0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], 0),
+        quad("wall", [0.0; 3], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0], 0),
+    ];
+    let scene = Scene::from_meshes(quads.into(), vec![Material::default()]).expect("a scene");
+    let sky = [1.0, 0.5, 2.0];
+    let bake = Bake::new(&scene).size(64).rays(8).mips(2).sky(sky);
+    let baked = bake.for_engines([Engine::Bevy]).run(&()).expect("it bakes");
+    let levels = baked.light(0).expect("it has a diffuse term");
+    assert_eq!(
+        levels.iter().map(|level| level.size).collect::<Vec<_>>(),
+        [64, 32, 16]
+    );
+    let page = baked.page(0);
+    let (coverage, diffuse) = (page.layer(Layer::Coverage), page.layer(Layer::Diffuse));
+    for (texel, pixel) in levels[0]
+        .pixels
+        .iter()
+        .enumerate()
+        .filter(|(at, _)| coverage[*at] > 0.0)
+    {
+        assert_eq!(*pixel, sky.map(|sky| sky * diffuse[texel]));
+    }
+
+    // The smallest level stands first in the file, the page last.
+    let folder = tempfile::tempdir().expect("a folder");
+    baked.write(folder.path()).expect("it is written");
+    let names = std::fs::read_dir(folder.path())
+        .expect("a folder")
+        .map(|entry| entry.expect("a file").path());
+    let file = names
+        .filter(|name| name.extension().is_some_and(|end| end == "ktx2"))
+        .next()
+        .expect("a KTX2 file");
+    let file = std::fs::read(file).expect("it is read");
+    let halves = levels.iter().rev().flat_map(|level| level.half_floats());
+    let bytes: Vec<u8> = halves.flatten().flat_map(u16::to_le_bytes).collect();
+    assert!(
+        file.ends_with(&bytes),
+        "{} bytes of {}",
+        bytes.len(),
+        file.len()
+    );
 }

@@ -177,7 +177,7 @@ pub use {
     export::{Exported, export},
     merge::Parts,
     probes::{Places, ProbeOptions, ProbePart, ProbeParts, ProbeVolume, Probes},
-    report::{ProbeRecord, ProbeReport, ReflectionLevel, ReflectionReport},
+    report::{LightLevel, ProbeRecord, ProbeReport, ReflectionLevel, ReflectionReport},
     resume::Resume,
     shard::{Part, Shard},
     write::Written,

@@ -340,7 +340,7 @@ fn edited(job: &Job) -> Option<report::WarningReport> {
 }
 
 /// What engine files are made of: the same numbers that an export reads from the page's file.
-fn page_light<'a>(job: &Job, page: &'a BakedPage) -> Result<PageLight<'a>, Error> {
+pub(crate) fn page_light<'a>(job: &Job, page: &'a BakedPage) -> Result<PageLight<'a>, Error> {
     let options = job.options();
     let plane = |layer: Layer, channel| page.channel(layer, channel).map(Cow::Borrowed);
     let layer = |layer: Layer| {

@@ -84,7 +84,10 @@ pub use {
     any_view::{any_view_files, stage_any_view},
     compare::{Comparison, Difference, PageComparison, Worst, compare_layers, compare_pages},
     difference::{difference_picture, difference_png, nice_limit},
-    engines::{LightSource, PageLight, ScenePictures, light_source, scene_files, stage_engines},
+    engines::{
+        LightLevel, LightSource, PageLight, ScenePictures, light_levels, light_source, scene_files,
+        stage_engines,
+    },
     exr_read::{MAX_EDGE, PageFile, read_page_exr},
     exr_write::{PageHeader, write_page_exr},
     gltf::{Shades, read_gltf, source_gltf, write_gltf},

@@ -4,7 +4,7 @@
 //! alone, and a block depends on its own texels alone: the bytes are the same on every processor, at any number of
 //! threads.
 
-use super::Level;
+use super::LightLevel;
 use crate::engine_table::BLOCK;
 use block_compression::encode::{compress_rgba8, compress_rgba16};
 use block_compression::{BC6HSettings, BC7Settings, CompressionVariant};
@@ -12,7 +12,7 @@ use half::f16;
 use rayon::prelude::*;
 
 /// Blocks of unsigned BC6H: 16-bit floats, three channels.
-pub fn light(level: &Level) -> Vec<u8> {
+pub fn light(level: &LightLevel) -> Vec<u8> {
     // `very_slow` takes six times as long for 0.7 dB.
     let variant = CompressionVariant::BC6H(BC6HSettings::basic());
     let texel = |[r, g, b]: [f32; 3]| [r, g, b, 1.0].map(f16::from_f32);
@@ -22,7 +22,7 @@ pub fn light(level: &Level) -> Vec<u8> {
 }
 
 /// Blocks of BC7: values 0..=1 in 8 bits, grey and opaque.
-pub fn grey(level: &Level) -> Vec<u8> {
+pub fn grey(level: &LightLevel) -> Vec<u8> {
     let variant = CompressionVariant::BC7(BC7Settings::opaque_basic());
     let texel = |[v, ..]: [f32; 3]| {
         let byte = (v.clamp(0.0, 1.0) * 255.0).round() as u8;
@@ -35,7 +35,7 @@ pub fn grey(level: &Level) -> Vec<u8> {
 
 /// The blocks row by row. Those over the edge of a level that is smaller than a block repeat its last column and row.
 fn encode<T: Copy + Send>(
-    level: &Level,
+    level: &LightLevel,
     texel: impl Fn([f32; 3]) -> [T; 4] + Sync,
     compress: impl Fn(&[T], &mut [u8], u32) + Sync,
 ) -> Vec<u8> {
@@ -59,10 +59,10 @@ fn encode<T: Copy + Send>(
 mod tests {
     use super::*;
 
-    fn level(size: u32, pixel: impl Fn(usize, usize) -> [f32; 3]) -> Level {
+    fn level(size: u32, pixel: impl Fn(usize, usize) -> [f32; 3]) -> LightLevel {
         let edge = size as usize;
         let pixels = (0..edge * edge).map(|i| pixel(i % edge, i / edge));
-        Level {
+        LightLevel {
             size,
             pixels: pixels.collect(),
         }

@@ -1,7 +1,6 @@
 //! A KTX2 container of half floats, or of compressed blocks of 4 x 4 texels (Khronos, KTX File Format Specification 2.0).
 
-use super::Level;
-use half::f16;
+use super::{LightLevel, halves};
 
 const IDENTIFIER: [u8; 12] = [
     0xab, b'K', b'T', b'X', b' ', b'2', b'0', 0xbb, 13, 10, 26, 10,
@@ -62,7 +61,7 @@ pub struct Shape {
 }
 
 /// The bytes of the file of a picture; of an array of several `layers` each level holds one after another.
-pub fn encode(levels: &[Level], layers: u32) -> Vec<u8> {
+pub fn encode(levels: &[LightLevel], layers: u32) -> Vec<u8> {
     let mut shape = square(levels[0].size);
     shape.layers = if layers == 1 { 0 } else { layers };
     let levels: Vec<&[[f32; 3]]> = levels.iter().map(|level| &level.pixels[..]).collect();
@@ -76,12 +75,13 @@ pub fn encode_blocks(size: u32, texels: Texels, levels: &[Vec<u8>]) -> Vec<u8> {
 
 /// The bytes of a file of half floats; alpha is 1.
 pub fn encode_as(shape: &Shape, levels: &[&[[f32; 3]]]) -> Vec<u8> {
-    let texel = |&[r, g, b]: &[f32; 3]| [r, g, b, 1.0].map(|v| f16::from_f32(v).to_le_bytes());
-    let halves = |pixels: &&[[f32; 3]]| {
-        let texels: Vec<[[u8; 2]; 4]> = pixels.iter().map(texel).collect();
-        texels.as_flattened().as_flattened().to_vec()
+    let bytes = |pixels: &&[[f32; 3]]| {
+        halves(pixels)
+            .flatten()
+            .flat_map(u16::to_le_bytes)
+            .collect()
     };
-    let levels: Vec<Vec<u8>> = levels.iter().map(halves).collect();
+    let levels: Vec<Vec<u8>> = levels.iter().map(bytes).collect();
     container(shape, Texels::Half, &levels)
 }
 
@@ -172,10 +172,11 @@ fn key_values(orientation: &str) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use half::f16;
 
     #[test]
     fn the_index_leads_to_each_level() {
-        let level = |size: u32, value: f32| Level {
+        let level = |size: u32, value: f32| LightLevel {
             size,
             pixels: vec![[value, 2.0 * value, 0.0]; (size * size) as usize],
         };
@@ -193,7 +194,7 @@ mod tests {
 
     #[test]
     fn header_and_descriptor_are_those_of_the_specification() {
-        let level = |size: u32| Level {
+        let level = |size: u32| LightLevel {
             size,
             pixels: vec![[0.0; 3]; (size * size) as usize],
         };

@@ -1,25 +1,25 @@
 //! The page and its smaller levels. Texels beside charts repeat the nearest of their own chart, and no level mixes
 //! charts that the layout keeps apart.
 
-use super::{Level, PageLight};
+use super::{LightLevel, PageLight};
 use atlas::Dilation;
 
 /// The light of a page: as it is, and each level half as large up to those that the layout allows. No texel is void.
-pub fn levels(page: &PageLight<'_>) -> Vec<Level> {
+pub fn levels(page: &PageLight<'_>) -> Vec<LightLevel> {
     levels_of(page, |i| [0, 1, 2].map(|c: usize| page.light[c][i]))
 }
 
 /// The same of the diffuse term, which all three channels have.
-pub fn occlusion(page: &PageLight<'_>) -> Vec<Level> {
+pub fn occlusion(page: &PageLight<'_>) -> Vec<LightLevel> {
     levels_of(page, |i| [page.diffuse[i]; 3])
 }
 
-fn levels_of(page: &PageLight<'_>, value: impl Fn(usize) -> [f32; 3]) -> Vec<Level> {
+fn levels_of(page: &PageLight<'_>, value: impl Fn(usize) -> [f32; 3]) -> Vec<LightLevel> {
     // A half float ends here; E / pi of nothing real comes near.
     let clamp = |v: f32| v.clamp(0.0, half::f16::MAX.to_f32());
     let texel = |i: usize| value(i).map(clamp);
     let pixels = (0..page.coverage.len()).map(texel).collect();
-    let mut level = Level {
+    let mut level = LightLevel {
         size: page.size,
         pixels,
     };
@@ -50,7 +50,7 @@ pub fn is_filled(coverage: &[f32], size: u32, rings: u32) -> Vec<bool> {
 }
 
 /// The level half as large: means weighted by what charts cover, which becomes the weight of the smaller texels.
-fn halve(level: &Level, weights: &mut Vec<f32>) -> Level {
+fn halve(level: &LightLevel, weights: &mut Vec<f32>) -> LightLevel {
     let (edge, half) = (level.size as usize, level.size as usize / 2);
     let mut pixels = Vec::with_capacity(half * half);
     let mut sums = Vec::with_capacity(half * half);
@@ -73,14 +73,14 @@ fn halve(level: &Level, weights: &mut Vec<f32>) -> Level {
         sums.push((weight / 4.0) as f32);
     }
     *weights = sums;
-    Level {
+    LightLevel {
         size: level.size / 2,
         pixels,
     }
 }
 
 /// Fills rings around charts from their nearest texels, and tells which texels are filled then.
-fn grow(level: &mut Level, weights: &[f32]) -> Vec<bool> {
+fn grow(level: &mut LightLevel, weights: &[f32]) -> Vec<bool> {
     let dilation = Dilation::new(weights, level.size, atlas::RINGS);
     for c in 0..3 {
         let mut plane: Vec<f32> = level.pixels.iter().map(|p| p[c]).collect();

@@ -24,6 +24,7 @@ mod sh;
 pub(crate) use container::{parts, whole};
 pub(crate) use ktx2::{Shape, encode_as};
 pub use light::{LightSource, PageLight, light_source};
+pub use mips::levels as light_levels;
 pub use scene_glb::{ScenePictures, scene_files};
 
 pub(crate) use crate::engine_table::BEVY_WHITE;
@@ -82,17 +83,31 @@ pub fn stage_engines(
     Ok(entries.collect())
 }
 
-/// Light over a square, or a smaller level of it.
+/// The light of a page, or a smaller level of it, as engines take it. No texel is void: around charts stand their nearest
+/// texels, and smooth means between those.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Level {
+pub struct LightLevel {
     /// Edge in texels.
     pub size: u32,
-    /// E / pi, linear, row 0 on top; finite and at most what a half float holds.
+    /// E / pi without albedo, linear RGB, row 0 on top, `size * size` of them; 0..=65504, the largest half float.
     pub pixels: Vec<[f32; 3]>,
 }
 
+impl LightLevel {
+    /// The bits of its pixels as half floats R, G, B, A, the alpha being 1: what a texture of four half floats holds.
+    pub fn half_floats(&self) -> Vec<[u16; 4]> {
+        halves(&self.pixels).collect()
+    }
+}
+
+/// Half floats of pixels, with an alpha of 1.
+fn halves(pixels: &[[f32; 3]]) -> impl Iterator<Item = [u16; 4]> {
+    let texel = |&[r, g, b]: &[f32; 3]| [r, g, b, 1.0].map(|v| half::f16::from_f32(v).to_bits());
+    pixels.iter().map(texel)
+}
+
 /// A Radiance picture: 32-bit RGBE, run-length coded.
-fn hdr(level: &Level, name: &str) -> Result<Vec<u8>, Error> {
+fn hdr(level: &LightLevel, name: &str) -> Result<Vec<u8>, Error> {
     let image = Image {
         width: level.size as usize,
         height: level.size as usize,

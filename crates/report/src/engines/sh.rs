@@ -6,7 +6,7 @@
 //! nothing or a half-space is in the way.
 
 use super::mips::{fill, is_filled};
-use super::{Level, PageLight, half_exr, ktx2};
+use super::{LightLevel, PageLight, half_exr, ktx2};
 
 /// Numbers of a texel: mean, x, y, z of red, green and blue.
 const NUMBERS: usize = 12;
@@ -41,7 +41,7 @@ pub fn array(page: &PageLight<'_>) -> Option<Vec<u8>> {
             .iter()
             .map(move |t| [t[3 * k], t[3 * k + 1], t[3 * k + 2]])
     };
-    let level = Level {
+    let level = LightLevel {
         size: page.size,
         pixels: (0..4).flat_map(of).collect(),
     };
