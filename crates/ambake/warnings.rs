@@ -24,7 +24,7 @@ impl Job {
                     !shown || options.ambient_coefficient != AmbientCoefficient::Albedo
                 }
                 // Light without a tint is not black on them.
-                ::scene::WarningKind::BlackMetals => !tinted
+                ::scene::WarningKind::BlackMetals | ::scene::WarningKind::BlackDiffuse => !tinted
                     .iter()
                     .any(|layer| self.options().layers.contains(layer)),
                 _ => false,

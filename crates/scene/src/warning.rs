@@ -25,6 +25,9 @@ pub struct Warning {
 pub enum WarningKind {
     /// OBJ: `Ka` of a material is neither black, white nor its `Kd`, and the traditional term takes `Kd`.
     AmbientCoefficients,
+    /// OBJ: `Kd` of a material is black. Beside `map_Kd` it counts as white, else Lambert's and the traditional model are
+    /// black on it.
+    BlackDiffuse,
     /// glTF: a material that is all metal, by `metallicFactor` 1 or without one, and no texture says otherwise. A metal
     /// has no albedo, so that Lambert's and the traditional model are black on it.
     BlackMetals,
@@ -111,6 +114,7 @@ impl WarningKind {
     pub fn name(self) -> &'static str {
         match self {
             WarningKind::AmbientCoefficients => "ambient-coefficients",
+            WarningKind::BlackDiffuse => "black-diffuse",
             WarningKind::BlackMetals => "black-metals",
             WarningKind::BadNormals => "bad-normals",
             WarningKind::BadTangents => "bad-tangents",

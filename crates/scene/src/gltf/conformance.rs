@@ -9,6 +9,7 @@ use crate::input::{Input, short};
 use Support::{Approximated, Harmless, Honoured, NotRead};
 use WarningKind::IgnoredExtensions as Ignored;
 use serde_json::Value;
+use std::collections::HashSet;
 
 /// What becomes of a property or an extension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,8 +121,10 @@ pub const CORE: &[Row] = &[
 #[rustfmt::skip]
 pub const EXTENSIONS: &[Row] = &[
     row("KHR_animation_pointer", Harmless, "as animations"),
+    row("KHR_audio_emitter", Harmless, ""),
     decoded("KHR_draco_mesh_compression", cfg!(feature = "draco")),
     told("KHR_gaussian_splatting", NotRead, "splats are left out", Ignored),
+    row("KHR_implicit_shapes", Harmless, "they stand for bodies of physics"),
     row("KHR_interactivity", Harmless, ""),
     row("KHR_lights_punctual", Honoured, "with `--lights file`; lux and candela are units of irradiance and intensity"),
     amount("KHR_materials_anisotropy", "anisotropyStrength", "highlights are round"),
@@ -143,6 +146,7 @@ pub const EXTENSIONS: &[Row] = &[
     row("KHR_node_hoverability", Harmless, ""),
     row("KHR_node_selectability", Harmless, ""),
     row("KHR_node_visibility", Honoured, "hidden nodes and all below them are absent"),
+    row("KHR_physics_rigid_bodies", Harmless, ""),
     told("KHR_techniques_webgl", NotRead, "shaders are not run; the material is baked as its other properties say", Ignored),
     told("KHR_texture_basisu", NotRead, "the core's picture is read; without one the factor stands alone", WarningKind::UnreadTextures),
     row("KHR_texture_transform", Honoured, ""),
@@ -173,6 +177,7 @@ pub const EXTENSIONS: &[Row] = &[
     told("CESIUM_RTC", NotRead, "its centre is added to nothing: lights and eyes that are given by coordinates count from the file's own origin", Ignored),
     row("CESIUM_primitive_outline", Harmless, ""),
     row("FB_geometry_metadata", Harmless, ""),
+    row("FB_ngon_encoding", Harmless, "its triangles are baked"),
     row("GODOT_single_root", Harmless, ""),
     row("GRIFFEL_bim_data", Harmless, ""),
     row("MOZ_hubs_components", Harmless, ""),
@@ -213,11 +218,15 @@ pub(super) fn warn(input: &mut Input, json: &Value) {
     let mut document = Vec::new();
     collect(json.get("extensions"), &mut document);
     note(input, "the file", document);
+    let used = used_materials(json);
     let lists = json.as_object().into_iter().flatten();
     for (key, list) in lists {
         let what = key.strip_suffix('s').unwrap_or(key);
         let what = if key == "meshes" { "mesh" } else { what };
         for (i, item) in list.as_array().into_iter().flatten().enumerate() {
+            if key == "materials" && !used.contains(&(i as u64)) {
+                continue;
+            }
             let mut names = Vec::new();
             find(item, &mut names);
             let place = match item.get("name").and_then(Value::as_str) {
@@ -227,6 +236,16 @@ pub(super) fn warn(input: &mut Input, json: &Value) {
             note(input, &place, names);
         }
     }
+}
+
+/// The materials that primitives name.
+fn used_materials(json: &Value) -> HashSet<u64> {
+    let list = |of: Option<&Value>| of.and_then(Value::as_array).cloned().unwrap_or_default();
+    let meshes = list(json.get("meshes")).into_iter();
+    let primitives = meshes.flat_map(|mesh| list(mesh.get("primitives")));
+    primitives
+        .filter_map(|primitive| primitive.get("material")?.as_u64())
+        .collect()
 }
 
 /// The names of all extensions in an element, those of its parts and of other extensions included.

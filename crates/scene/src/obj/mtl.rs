@@ -1,7 +1,7 @@
 //! Material libraries: the parameters of the Phong model as OBJ files give them.
 //!
 //! Read: `Ka`, `Kd`, `Ks`, `Ns`, `Ke`, `d`, `Tr`, `map_Kd`, `map_d`; missing ones are white, black, 0, black and
-//! opaque. Where Kd + Ks is above 1 in a channel, both are scaled down, for no surface reflects more than it receives.
+//! opaque. A black `Kd` beside `map_Kd` is white, for else the picture would not show. Where Kd + Ks is above 1 in a channel, both are scaled down, for no surface reflects more than it receives.
 //! `Ka` serves the traditional term alone, where it is asked for. `norm`, else `map_Bump` or `bump`, is the normal map.
 //! `map_Ks` is noted and left out. `illum` is not used either: which model is shown is chosen by layer.
 
@@ -191,7 +191,7 @@ fn material(
         None => Vec3::splat(or),
     };
     let ambient = raw.ka.map(|ka| color(Some(ka), 0.0));
-    let albedo = color(raw.kd, 1.0);
+    let mut albedo = color(raw.kd, 1.0);
     let specular = color(raw.ks, 0.0);
     let exponent = clamped(
         raw.ns.unwrap_or(0.0),
@@ -223,6 +223,23 @@ fn material(
         place.as_str(),
         ambient.iter().filter(|ka| is_chosen(ka)).count() as u64,
         "Ka differs from Kd, by which `traditional` reflects; --ambient-coefficient file takes Ka",
+    );
+    let is_black = albedo == Vec3::ZERO;
+    if is_black && raw.map_kd.is_some() {
+        albedo = Vec3::ONE;
+    }
+    input.warn(
+        WarningKind::BlackDiffuse,
+        place.as_str(),
+        is_black as u64,
+        match &raw.map_kd {
+            Some(_) => {
+                "Kd is black beside a picture, as some programs write it: the picture stands alone"
+            }
+            None => {
+                "Kd is black, and so is `lambert`; give it another colour if it is no black surface"
+            }
+        },
     );
     let [albedo, specular] = conserving(input, &place, [albedo, specular]);
     let normal_maps = raw.bump.is_some() as u64 + raw.norm.is_some() as u64;

@@ -443,3 +443,33 @@ fn vertex_colours_in_srgb_tint_their_vertices_and_the_others_are_white() {
     );
     assert_eq!(scene.warned(WarningKind::ClampedFactors), 1);
 }
+
+#[test]
+fn black_beside_a_picture_is_the_picture_and_is_told_of() {
+    let folder = Folder::new();
+    let mut png = std::io::Cursor::new(Vec::new());
+    let picture = image::RgbImage::from_pixel(2, 2, image::Rgb([255, 128, 0]));
+    picture
+        .write_to(&mut png, image::ImageFormat::Png)
+        .expect("it is encoded");
+    folder.write("p.png", png.into_inner());
+    let text = "newmtl pictured\nKd 0 0 0\nmap_Kd p.png\nnewmtl black\nKd 0 0 0\nnewmtl dark\nKd 0 0 0.01\nmap_Kd p.png\n";
+    folder.write("a.mtl", text);
+    let uses = ["pictured", "black", "dark"].map(|name| format!("usemtl {name}\nf 1/1 2/2 3/3\n"));
+    let uvs = "vt 0 0\nvt 1 0\nvt 0 1\n";
+    let scene = folder.load(
+        "a.obj",
+        format!("mtllib a.mtl\n{TRIANGLE}{uvs}{}", uses.concat()),
+    );
+    let scene = scene.expect("a scene");
+    let albedos = scene
+        .materials
+        .iter()
+        .map(|material| match material.surface {
+            Surface::Phong { albedo, .. } => albedo,
+            _ => panic!("OBJ has Phong's materials"),
+        });
+    let expected = [Vec3::ONE, Vec3::ZERO, Vec3::new(0.0, 0.0, 0.01)];
+    assert_eq!(albedos.collect::<Vec<_>>(), expected);
+    assert_eq!(scene.warned(WarningKind::BlackDiffuse), 2);
+}
