@@ -318,12 +318,11 @@ fn light_in_memory_is_what_engine_files_hold() {
     // The smallest level stands first in the file, the page last.
     let folder = tempfile::tempdir().expect("a folder");
     baked.write(folder.path()).expect("it is written");
-    let names = std::fs::read_dir(folder.path())
+    let mut names = std::fs::read_dir(folder.path())
         .expect("a folder")
         .map(|entry| entry.expect("a file").path());
     let file = names
-        .filter(|name| name.extension().is_some_and(|end| end == "ktx2"))
-        .next()
+        .find(|name| name.extension().is_some_and(|end| end == "ktx2"))
         .expect("a KTX2 file");
     let file = std::fs::read(file).expect("it is read");
     let halves = levels.iter().rev().flat_map(|level| level.half_floats());
