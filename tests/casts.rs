@@ -162,6 +162,22 @@ fn what_stands_around_everything_in_the_dark_is_named() {
     assert!(told(&report(baked.path())).is_empty());
 }
 
+/// Two sheets that cross under the open sky: what of each lies below the other is dark, and neither is a dome.
+#[test]
+fn a_sea_over_the_half_of_a_beach_is_no_dome() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = "v -9 -1 -9\nv -9 -1 9\nv 9 1 9\nv 9 1 -9\nv -10 0 -10\nv -10 0 10\nv 10 0 10\nv 10 0 -10\n\
+        o sand\nf 1 2 3\nf 1 3 4\no sea\nf 5 6 7\nf 5 7 8\n";
+    let path = obj(folder.path(), "", text);
+    let (baked, _) = bake(&path, &["--size", "64", "--rays", "4", "--only", "diffuse"]);
+    let report = report(baked.path());
+    let mut warnings = report["warnings"].as_array().expect("a list").iter();
+    assert!(
+        warnings.all(|warning| warning["kind"] != "enclosed"),
+        "{report}"
+    );
+}
+
 /// Half a dome, its front outward, over a house on a ground that reaches farther than the dome.
 #[test]
 fn a_dome_is_named_though_its_outside_and_the_ground_beyond_are_lit() {

@@ -16,16 +16,15 @@ const CANDIDATES: usize = 4;
 /// So many of the objects in it are asked what they see, and so many faces of each.
 const OBJECTS: usize = 64;
 const FACES: u32 = 32;
-/// Of the rays of faces that see it one in so many may leave it.
-const LEAVING: u32 = 50;
+/// Of the rays of faces that see it, or the sky, one in so many may leave it.
+const LEAVING: u32 = 20;
 /// One in so many meets it, and of these one in so many may meet something beyond it.
 const MEETING: u32 = 10;
 
 /// The warning that names a sheet around most of a scene, which hides the sky from all that is in it. `None` where light
 /// was asked for that needs no sky.
 pub(crate) fn enclosed(job: &Job) -> Option<WarningReport> {
-    let options = job.options();
-    if options.max_distance.is_some() || options.adds_light() {
+    if job.options().max_distance.is_some() || job.has_lamps() {
         return None;
     }
     let dome = find(job.world(), job.backend())?;
@@ -100,8 +99,8 @@ struct Counts {
     beyond: u32,
 }
 
-/// True where next to no ray from faces of some objects that see a further one leaves the scene, many meet that one
-/// first, and nothing is beyond it.
+/// True where next to no ray from faces of some objects leaves the scene, many meet a further one first, and nothing is
+/// beyond it. Faces before which other things stand all around do not count.
 fn is_sheet_around<'a>(
     world: &World,
     backend: &dyn RayBackend,
@@ -114,7 +113,7 @@ fn is_sheet_around<'a>(
         let step = count.div_ceil(FACES).max(1);
         for triangle in (0..count).step_by(step as usize) {
             let of = from_face((world, backend), sheet, instance, triangle);
-            if of.met > 0 {
+            if of.met + of.left > 0 {
                 sums.cast += of.cast;
                 sums.left += of.left;
                 sums.met += of.met;

@@ -1,6 +1,7 @@
 //! Finds out whether a scene is an interior: there the sky reaches little, and a limit of distance shows more.
 
 use crate::options::Options;
+use ::bake::Bounces;
 use report::WarningReport;
 
 /// Bins of the diffuse term, over 0..=1.
@@ -28,13 +29,16 @@ impl Brightness {
         }
     }
 
-    /// The warning that names `--bounces` and `--max-distance`, where the median is dark and neither was given.
-    pub fn interior(&self, options: &Options) -> Option<WarningReport> {
-        let helped = options.max_distance.is_some() || options.adds_light();
+    /// The warning that names `--bounces` and `--max-distance`, where the median is dark and neither was given; bounces
+    /// help only where some light gets in. None where there are lamps.
+    pub fn interior(&self, options: &Options, has_lamps: bool) -> Option<WarningReport> {
         let dark: u64 = self.0[..(DARK * BINS as f64) as usize].iter().sum();
         let all: u64 = self.0.iter().sum();
         let lit = all - self.0[0];
-        let message = match lit as f64 <= LEAKS * all as f64 {
+        let is_closed = lit as f64 <= LEAKS * all as f64;
+        let bounces = options.bounces != Bounces::Off && !is_closed;
+        let helped = options.max_distance.is_some() || has_lamps || bounces;
+        let message = match is_closed {
             true => {
                 "next to no light of the sky gets in: all is closed, and between surfaces there is nothing to \
                  send on; `--max-distance D` shows corners and contacts, with D about a third of a room's height, \
@@ -60,7 +64,6 @@ impl Brightness {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ::bake::Bounces;
 
     #[test]
     fn a_dark_median_is_an_interior_unless_a_distance_or_bounces_were_given() {
@@ -70,17 +73,17 @@ mod tests {
             &[1.0, 0.3, 1.0, 0.0, 0.0, 0.0],
         );
         let warning = pages
-            .interior(&Options::default())
+            .interior(&Options::default(), false)
             .expect("two of three covered texels are dark");
         assert!(warning.message.contains("--max-distance"));
         assert!(warning.message.contains("--bounces"));
         let (mut limited, mut bounced) = (Options::default(), Options::default());
         (limited.max_distance, bounced.bounces) = (Some(1.0), Bounces::Auto);
-        assert!(pages.interior(&limited).is_none());
-        assert!(pages.interior(&bounced).is_none());
+        assert!(pages.interior(&limited, false).is_none());
+        assert!(pages.interior(&bounced, false).is_none());
         pages.add(&[0.9], &[1.0]);
         assert!(
-            pages.interior(&Options::default()).is_none(),
+            pages.interior(&Options::default(), false).is_none(),
             "half is not most"
         );
     }
@@ -89,10 +92,21 @@ mod tests {
     fn where_no_light_gets_in_nothing_is_said_of_bounces() {
         let mut pages = Brightness::default();
         pages.add(&[0.0004; 5000], &[1.0; 5000]);
-        let closed = pages.interior(&Options::default()).expect("all is dark");
+        let closed = pages
+            .interior(&Options::default(), false)
+            .expect("all is dark");
         assert!(closed.message.contains("--max-distance") && !closed.message.contains("bounces"));
+        let mut bounced = Options::default();
+        bounced.bounces = Bounces::Auto;
+        let still = pages
+            .interior(&bounced, false)
+            .map(|warning| warning.message);
+        assert_eq!(still, Some(closed.message), "there is nothing to send on");
+        assert!(pages.interior(&bounced, true).is_none(), "a lamp is in it");
         pages.add(&[0.05; 50], &[1.0; 50]);
-        let lit = pages.interior(&Options::default()).expect("most is dark");
+        let lit = pages
+            .interior(&Options::default(), false)
+            .expect("most is dark");
         assert!(lit.message.contains("--bounces"));
     }
 }

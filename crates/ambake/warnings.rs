@@ -174,13 +174,15 @@ impl Job {
         })
     }
 
-    /// Surfaces of the file that shine, in a bake in which no light bounces and nobody said that they should not.
-    fn lamps_left_out(&self) -> Option<WarningReport> {
-        let is_dark =
-            self.options().bounces == Bounces::Off && self.baker_options().asks_for_light();
-        if !is_dark || self.options().file_lights == Some(false) {
-            return None;
-        }
+    /// True where light comes from elsewhere than the sky.
+    pub(crate) fn has_lamps(&self) -> bool {
+        let options = self.options();
+        let shine = options.bounces != Bounces::Off && options.file_lights != Some(false);
+        !options.lights.is_empty() || (shine && !self.shining_materials().is_empty())
+    }
+
+    /// The materials that shine on something which casts.
+    fn shining_materials(&self) -> Vec<u32> {
         let casting = self.scene().instances.iter().filter(|of| of.casts);
         let shines = |&material: &u32| {
             let emission = self.scene().materials[material as usize].emission;
@@ -192,6 +194,17 @@ impl Job {
             .collect();
         lit.sort_unstable();
         lit.dedup();
+        lit
+    }
+
+    /// Surfaces of the file that shine, in a bake in which no light bounces and nobody said that they should not.
+    fn lamps_left_out(&self) -> Option<WarningReport> {
+        let is_dark =
+            self.options().bounces == Bounces::Off && self.baker_options().asks_for_light();
+        if !is_dark || self.options().file_lights == Some(false) {
+            return None;
+        }
+        let lit = self.shining_materials();
         let first = &self.scene().materials[*lit.first()? as usize];
         Some(WarningReport {
             kind: "dark-lamps".into(),

@@ -249,7 +249,9 @@ impl<'a> Writer<'a> {
         report.bounces = bounces.map(bounce_report);
         report.any_view = any_view;
         report.lightmaps = self.lightmaps;
-        let interior = self.brightness.interior(self.job.options());
+        let interior = self
+            .brightness
+            .interior(self.job.options(), self.job.has_lamps());
         report.warnings.extend(enclosed(self.job));
         report.warnings.extend(interior);
         let missing = bounces.and_then(|stats| light_is_missing(self.job, &stats));

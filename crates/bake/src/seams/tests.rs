@@ -358,6 +358,16 @@ fn light_may_end_where_a_wall_stands_on_a_seam() {
     assert_eq!(found(&wall(DVec3::ZERO)), 20);
     assert_eq!(found(&wall(-0.5 * y)), 20);
     assert_eq!(found(&wall(0.02 * x)), 20);
+    // A ramp that begins there, as steep as 45 and 20 degrees; what hardly rises lies on the floor.
+    for (rise, points) in [(1.0, 20), (0.36, 20), (0.2, 40)] {
+        let ramp = [panel(
+            DVec3::ZERO,
+            z,
+            (x + rise * y).normalize(),
+            [30.0, 40.0],
+        )];
+        assert_eq!(found(&ramp), points, "{rise}");
+    }
     // What hangs below or stands a texel away parts nothing.
     assert_eq!(found(&wall(-y)), 40);
     assert_eq!(found(&wall(0.1 * x)), 40);

@@ -1,4 +1,4 @@
-//! What stands on a seam: a wall on the joint of two panels of a floor. Light may end there, and nobody sees both sides
+//! What stands on a seam: a wall on the joint of two panels of a floor, or a ramp. Light may end there, and nobody sees both sides
 //! at once.
 //!
 //! It is found from the triangles alone, in 64 bits. Rays would do, but where two surfaces tie for the closest, ray
@@ -17,8 +17,9 @@ const HEIGHT: f64 = 0.05;
 /// How far beyond the seam the look begins, as a share of that, for a wall may stand exactly on it, or a rounding
 /// beside it.
 const BESIDE: f64 = 0.02;
-/// The cosine of the angle between a surface and what stands on it, at most.
-const UPRIGHT: f64 = 0.5;
+/// The cosine of the angle between a surface and what stands on it, at most: a ramp of 15 degrees. What is flatter lies
+/// on it or is a part of it.
+const LYING: f64 = 0.966;
 
 /// What stands on each of these pairs. `charts` has the chart of each triangle, mesh by mesh. Surfaces with holes are
 /// left out: light goes through them.
@@ -126,11 +127,11 @@ impl Strip {
         corners.fold(limits, |(low, high), p| (low.min(p), high.max(p)))
     }
 
-    /// The shares of the seam beside which a triangle stands upright on the strip.
+    /// The shares of the seam beside which a triangle stands on the strip.
     fn under(&self, corners: [DVec3; 3]) -> Option<[f64; 2]> {
         let [a, b, c] = corners;
         let face = (b - a).cross(c - a).try_normalize()?;
-        if face.dot(self.normal).abs() > UPRIGHT {
+        if face.dot(self.normal).abs() > LYING {
             return None;
         }
         let heights = corners.map(|corner| (corner - self.from).dot(self.up));
