@@ -96,8 +96,10 @@ mod tests {
             .interior(&Options::default(), false)
             .expect("all is dark");
         assert!(closed.message.contains("--max-distance") && !closed.message.contains("bounces"));
-        let mut bounced = Options::default();
-        bounced.bounces = Bounces::Auto;
+        let bounced = Options {
+            bounces: Bounces::Auto,
+            ..Options::default()
+        };
         let still = pages
             .interior(&bounced, false)
             .map(|warning| warning.message);

@@ -71,6 +71,13 @@ pub fn layout_seen(
                                 return Ok(apart);
                             }
                             Err(Error::Cancelled) => return Err(Error::Cancelled),
+                            // By less than a texel, but they have no shape that could be packed.
+                            Err(Error::Audit { mesh, .. }) => {
+                                notes.push(format!(
+                                    "charts of TEXCOORD_{set} stand side by side without a gutter, and cannot be packed apart, for triangles of `{mesh}` overlap"
+                                ));
+                                continue;
+                            }
                             Err(why) => notes.push(note(&why)),
                         }
                     }

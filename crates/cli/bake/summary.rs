@@ -112,7 +112,7 @@ fn steps(rms: f64, rmse: f64) -> &'static str {
         false => "",
         // Both sides of a seam have that error.
         true if rms <= 2.0 * rmse => ": steps may show, four times the --rays halve them",
-        true => ": steps may show, a larger --size lowers them",
+        true => ": steps may show, a larger --size lowers them where light is smooth",
     }
 }
 

@@ -124,35 +124,30 @@ impl LayoutReport {
         warnings
     }
 
-    /// The objects of the least and of the greatest density, where these are more than [`UNEVEN`] times apart. Objects
-    /// at the least number of texels do not count.
-    fn uneven(&self) -> Option<[&ObjectLayout; 2]> {
-        let known = || self.objects.iter().filter(|o| o.texels > FLOOR);
-        let least = known().min_by(|a, b| a.density.total_cmp(&b.density))?;
-        let greatest = known().max_by(|a, b| a.density.total_cmp(&b.density))?;
-        (greatest.density > UNEVEN * least.density).then_some([least, greatest])
-    }
-
-    /// The warning that names what stands out of a layout in which nobody asked for densities.
+    /// The warning that names what stands out of a layout in which nobody asked for densities: the object whose density
+    /// is farthest from the usual one, and how many are [`UNEVEN`] times apart from that. Objects at the least number of
+    /// texels do not count.
     pub fn uneven_density(&self) -> Option<WarningReport> {
-        let [least, greatest] = self.uneven()?;
         let usual = self.texels_per_unit.median;
-        let is_fine = greatest.density / usual > usual / least.density;
-        let (one, how) = if is_fine {
-            (greatest, "more")
+        let apart = |object: &ObjectLayout| (object.density / usual).max(usual / object.density);
+        let known = self.objects.iter().filter(|object| object.texels > FLOOR);
+        let uneven: Vec<&ObjectLayout> = known.filter(|object| apart(object) > UNEVEN).collect();
+        let first = uneven.iter().max_by(|a, b| apart(a).total_cmp(&apart(b)))?;
+        let how = if first.density > usual {
+            "more"
         } else {
-            (least, "fewer")
+            "fewer"
         };
         Some(WarningReport {
             kind: "uneven-density".into(),
-            place: format!("object `{}`", one.name),
-            count: 1,
+            place: format!("object `{}`", first.name),
+            count: uneven.len() as u64,
             message: format!(
                 "it has {how} texels per unit than others, {} where the median is {}; `--density-of {}=D` gives it its \
                  own, `--density even` all the same",
-                short(one.density),
+                short(first.density),
                 short(usual),
-                one.name,
+                first.name,
             ),
         })
     }
@@ -207,7 +202,7 @@ impl LayoutReport {
             short(*min),
             short(*max),
             short(*median),
-            match self.uneven() {
+            match self.uneven_density() {
                 Some(_) => ", uneven: `--density even` makes them alike",
                 None => "",
             },
@@ -234,8 +229,8 @@ impl LayoutReport {
 
 /// So many objects stand in the text, the largest ones.
 const LISTED: usize = 5;
-/// Densities that are so many times apart show; the rule of layouts makes them at most 4.
-const UNEVEN: f64 = 4.1;
+/// Densities that are so many times apart show.
+const UNEVEN: f64 = 3.0;
 /// An object of so many texels or fewer has the least that any has.
 const FLOOR: f64 = 16.5;
 

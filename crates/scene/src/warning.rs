@@ -82,6 +82,8 @@ pub enum WarningKind {
     MissingUvs,
     /// glTF: morph targets are left out, the base shape is baked.
     MorphTargets,
+    /// glTF: scenes beside the baked one that have nodes of their own are left out.
+    OtherScenes,
     /// glTF: a primitive of points or lines is left out.
     PointsAndLines,
     /// An instance whose transform has no inverse, such as a scale of 0, is left out.
@@ -138,6 +140,7 @@ impl WarningKind {
             WarningKind::MissingNormalMaps | WarningKind::MissingTextures => "missing-textures",
             WarningKind::MissingUvs => "missing-uvs",
             WarningKind::MorphTargets => "morph-targets",
+            WarningKind::OtherScenes => "other-scenes",
             WarningKind::PointsAndLines => "points-and-lines",
             WarningKind::SingularTransforms => "singular-transforms",
             WarningKind::Skins => "skins",

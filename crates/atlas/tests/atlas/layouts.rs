@@ -138,6 +138,42 @@ fn charts_of_a_file_that_touch_are_packed_apart_in_their_own_shapes() {
     }
 }
 
+/// The sharp end of a leaf in the coordinates of its author: of two triangles with a common edge one is the other way
+/// round. They overlap by less than a texel of his page, and by many where they are packed as they lie.
+#[test]
+fn what_overlaps_where_it_is_packed_apart_is_unwrapped() {
+    let positions = [
+        [-0.0492, -4.9701, 0.9952],
+        [-0.0451, -4.9936, 0.9935],
+        [-0.0492, -4.9936, 0.9952],
+        [-0.0451, -4.9701, 0.9935],
+        [-0.0409, -4.9701, 0.9952],
+        [-0.0409, -4.9936, 0.9952],
+        [-0.0392, -4.9936, 0.9994],
+    ];
+    let texels = [
+        [1.371, 1.462],
+        [0.872, 1.641],
+        [0.836, 1.525],
+        [1.479, 1.451],
+        [1.477, 1.344],
+        [1.302, 0.747],
+        [1.143, 0.819],
+    ];
+    let mut leaf = mesh(
+        "leaf",
+        positions.map(Vec3::from).to_vec(),
+        vec![[0, 1, 2], [3, 4, 5], [4, 6, 5]],
+    );
+    let uv = |[u, v]: [f32; 2]| (Vec2::new(11.0, 14.0) + Vec2::new(u, v)) / 512.0;
+    leaf.uv_sets = vec![texels.map(uv).to_vec()];
+    let scene = scene(vec![leaf], &[(0, 0, DAffine3::IDENTITY)]);
+    let atlas = auto(&scene, 512);
+    assert_eq!(atlas.source, UvSource::Unwrapped, "{:?}", atlas.notes);
+    assert!(atlas.notes[0].contains("overlap"), "{:?}", atlas.notes);
+    assert_clean(&atlas);
+}
+
 #[test]
 fn the_second_set_goes_before_the_first() {
     let mut cube = cube();

@@ -192,8 +192,8 @@ fn repaint(
         }
     }
     let root = json.as_object_mut().ok_or_else(broken)?;
-    let used = root.entry("extensionsUsed").or_insert_with(|| json!([]));
     for name in kind.extensions {
+        let used = root.entry("extensionsUsed").or_insert_with(|| json!([]));
         let used = used.as_array_mut().filter(|u| !u.contains(&json!(name)));
         used.into_iter().for_each(|used| used.push(json!(name)));
     }

@@ -53,6 +53,10 @@ impl Geometry {
             "the layout of {name} has every triangle"
         );
         let mut attributes = object(primitive, "attributes")?.clone();
+        if mesh.tangents.is_empty() {
+            // Those that the file has are none, and viewers make their own.
+            attributes.shift_remove("TANGENT");
+        }
         let vertices = mesh.positions.len();
         let whole = mesh.source_vertices.is_empty();
         let stays = laid_out

@@ -168,7 +168,20 @@ fn roots(input: &mut Input, document: &GltfDocument) -> Result<Vec<usize>, Error
             Ok((0..nodes.len()).filter(|n| !children.contains(n)).collect())
         }
     };
-    found.map_err(|problem| input.invalid("JSON", problem))
+    let found: Vec<usize> = found.map_err(|problem| input.invalid("JSON", problem))?;
+    let others = scenes.iter().enumerate().filter(|(number, other)| {
+        let nodes = other.get("nodes").and_then(Value::as_array);
+        let mut nodes = nodes.into_iter().flatten().filter_map(index);
+        *number != scene && nodes.any(|node| !found.contains(&node))
+    });
+    let others = others.count() as u64;
+    input.warn(
+        WarningKind::OtherScenes,
+        format!("scene {scene}"),
+        others,
+        "it is the one that is baked; what stands in others alone is left out, and files of their own bring it in",
+    );
+    Ok(found)
 }
 
 /// The numbers under a key, each below `count`.

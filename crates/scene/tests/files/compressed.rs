@@ -2,6 +2,7 @@
 
 use super::support::Folder;
 use ambake_scene::{Scene, load};
+use glam::Vec3;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -58,6 +59,28 @@ fn what_is_kept_of_a_compressed_file_is_plain() {
         let text = document.json.to_string();
         assert!(!text.contains("compression"), "{name}: {text}");
         assert_eq!(document.buffers.len(), 1, "{name}");
+        for primitive in document.json["meshes"].as_array().into_iter().flatten() {
+            let positions = primitive["primitives"][0]["attributes"]["POSITION"].as_u64();
+            let accessor = &document.json["accessors"][positions.expect("positions") as usize];
+            let of_mesh = |mesh: &&ambake_scene::Mesh| {
+                Some(mesh.positions.len() as u64) == accessor["count"].as_u64()
+            };
+            let bounds = scene.meshes.iter().filter(of_mesh).map(|mesh| {
+                let (low, high) = mesh
+                    .positions
+                    .iter()
+                    .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| {
+                        (low.min(*p), high.max(*p))
+                    });
+                [json!(low.to_array()), json!(high.to_array())]
+            });
+            let told = [accessor["min"].clone(), accessor["max"].clone()];
+            assert!(
+                bounds.clone().any(|of| of == told) || name != "draco.glb",
+                "{name}: {told:?}, {:?}",
+                bounds.collect::<Vec<_>>()
+            );
+        }
         assert_eq!(
             document.json["buffers"][0]["byteLength"],
             document.buffers[0].len()

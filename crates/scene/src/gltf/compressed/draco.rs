@@ -153,22 +153,39 @@ fn fill(
         let attribute = id.as_u64().and_then(|id| u32::try_from(id).ok());
         let attribute = attribute.and_then(|id| mesh.attribute_by_unique_id(id));
         let attribute = attribute.ok_or_else(|| format!("{} is not in its stream", short(name)))?;
-        let (rows, stride) = rows(document, accessor, attribute, points)?;
-        total += rows.len() as u64;
-        let shape = json!({ "count": points });
-        let accessor = place(document, accessor, &rows, Some(stride), shape, filled, view)?;
+        let rows = rows(document, accessor, attribute, points)?;
+        total += rows.bytes.len() as u64;
+        let mut shape = json!({ "count": points });
+        let json = &list(&document.json, "accessors")[accessor];
+        for (key, values) in ["min", "max"].into_iter().zip(rows.bounds) {
+            // Those of the file are of what was compressed, and decoded numbers are others.
+            if json.get(key).is_some() {
+                shape[key] = values.into();
+            }
+        }
+        let (bytes, stride) = (&rows.bytes, Some(rows.stride));
+        let accessor = place(document, accessor, bytes, stride, shape, filled, view)?;
         places.push((name.clone(), accessor));
     }
     Ok((total, places))
 }
 
-/// One row of a multiple of four bytes for each point, in the accessor's type, and that multiple.
+/// The decoded numbers of an attribute, in the type of its accessor.
+struct Rows {
+    bytes: Vec<u8>,
+    /// Bytes of the row of a point, a multiple of four.
+    stride: usize,
+    /// The least and the largest number of each component.
+    bounds: [Vec<Value>; 2],
+}
+
+/// The numbers of all points.
 fn rows(
     document: &GltfDocument,
     accessor: usize,
     attribute: &PointAttribute,
     points: usize,
-) -> Result<(Vec<u8>, usize), String> {
+) -> Result<Rows, String> {
     let none = || format!("accessor {accessor} is of no known type");
     let json = list(&document.json, "accessors")
         .get(accessor)
@@ -188,17 +205,28 @@ fn rows(
     let step = usize::try_from(attribute.byte_stride()).map_err(|_| none())?;
     let stored = attribute.buffer().data();
     let mut rows = Vec::with_capacity(points * stride);
+    let mut bounds = vec![[f64::INFINITY, f64::NEG_INFINITY]; lanes];
     for point in 0..points {
         let value = attribute.mapped_index(PointIndex(point as u32)).0 as usize;
         let from = value.checked_mul(step);
         let bytes = from.and_then(|from| stored.get(from..)?.get(..lanes * width));
         let bytes = bytes.ok_or_else(|| format!("accessor {accessor} lacks point {point}"))?;
-        for lane in bytes.chunks_exact(width) {
-            write(component, read(attribute.data_type(), lane), &mut rows);
+        for (lane, bounds) in bytes.chunks_exact(width).zip(&mut bounds) {
+            let number = write(component, read(attribute.data_type(), lane), &mut rows);
+            *bounds = [bounds[0].min(number), bounds[1].max(number)];
         }
         rows.resize((point + 1) * stride, 0);
     }
-    Ok((rows, stride))
+    let bound = |number: f64| match component {
+        ComponentType::F32 => json!(number),
+        _ => json!(number as i64),
+    };
+    let bounds = [0, 1].map(|k| bounds.iter().map(|of| bound(of[k])).collect());
+    Ok(Rows {
+        bytes: rows,
+        stride,
+        bounds,
+    })
 }
 
 /// Gives an accessor its bytes, once, or a copy of it where another stream has filled it; returns which.
@@ -268,14 +296,21 @@ fn read(kind: DataType, bytes: &[u8]) -> f64 {
     }
 }
 
-/// Writes a number in the type of an accessor; what is out of its range ends at it.
-fn write(kind: ComponentType, number: f64, out: &mut Vec<u8>) {
+/// Writes a number in the type of an accessor, and returns what stands there: what is out of its range ends at it.
+fn write(kind: ComponentType, number: f64, out: &mut Vec<u8>) -> f64 {
+    macro_rules! write_as {
+        ($kind:ty) => {{
+            let number = number as $kind;
+            out.extend(number.to_le_bytes());
+            f64::from(number)
+        }};
+    }
     match kind {
-        ComponentType::I8 => out.extend((number as i8).to_le_bytes()),
-        ComponentType::U8 => out.extend((number as u8).to_le_bytes()),
-        ComponentType::I16 => out.extend((number as i16).to_le_bytes()),
-        ComponentType::U16 => out.extend((number as u16).to_le_bytes()),
-        ComponentType::U32 => out.extend((number as u32).to_le_bytes()),
-        ComponentType::F32 => out.extend((number as f32).to_le_bytes()),
+        ComponentType::I8 => write_as!(i8),
+        ComponentType::U8 => write_as!(u8),
+        ComponentType::I16 => write_as!(i16),
+        ComponentType::U16 => write_as!(u16),
+        ComponentType::U32 => write_as!(u32),
+        ComponentType::F32 => write_as!(f32),
     }
 }
