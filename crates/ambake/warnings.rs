@@ -127,7 +127,7 @@ impl Job {
         })
     }
 
-    /// Closed surfaces with texels whose backs are lit.
+    /// Surfaces with texels whose backs are lit.
     fn turned_over(&self) -> Option<WarningReport> {
         let (instances, placements) = (&self.scene().instances, &self.atlas().placements);
         let turned = (0..)
@@ -138,8 +138,8 @@ impl Job {
             kind: "turned-over".into(),
             place: format!("object `{}`", names.first()?),
             count: names.len() as u64,
-            message: "faces of a closed surface look inward, where nothing is, and are drawn from both sides; their outside is \
-                      baked"
+            message: "faces that are drawn from both sides look inward where nothing is, or at what is close before all of them; their \
+                      other side is baked"
                 .into(),
         })
     }

@@ -197,8 +197,8 @@ impl World {
         self.solids.get_or_init(|| Solids::of(&self.scene))
     }
 
-    /// Lights closed bodies that look inward from behind where nobody is within ([`Solids::backs`]): normals point
-    /// outward, and nothing else changes.
+    /// Lights closed bodies that look inward from behind where nobody is within, and sheets that look at something
+    /// close ([`Solids::backs`]): normals point to the other side, and nothing else changes.
     ///
     /// * `places`: where lights and eyes are, in the coordinates of the file.
     pub fn turn_over(&mut self, places: impl Iterator<Item = DVec3>) {

@@ -33,22 +33,27 @@ impl Solids {
 
     /// Triangles of each mesh whose back is what one sees, ascending: those of surfaces that are drawn from both sides
     /// and look inward wherever they are placed, though nothing is in them, none of these places and no lamp of their
-    /// own. From within nobody looks at them, and nothing would be seen there. None where a scene has no other
-    /// surfaces: then they are all that there is to be seen, and empty rooms.
+    /// own, or whose front is blind there (`blind.rs`). From within nobody looks at them, and nothing would be seen
+    /// there. Of those that look inward none where a scene has no other surfaces: then they are all that there is to
+    /// be seen, and empty rooms.
     pub fn backs(&self, places: &[DVec3]) -> Vec<(u32, Vec<u32>)> {
-        let turned = self.turned_surfaces();
+        let mut turned = self.turned_surfaces();
         let whole = |key: &&Key| {
             let wound = self.wound(self.shape_of(**key), key.1);
             wound.is_empty() || wound.len() == self.surface_of(**key).faces.len()
         };
-        if turned.is_empty() || self.count_surfaces() == turned.iter().filter(whole).count() {
+        if self.count_surfaces() == turned.iter().filter(whole).count() {
+            turned.clear();
+        }
+        let blind = self.blind_sheets(places);
+        if turned.is_empty() && blind.is_empty() {
             return Vec::new();
         }
         let mut is_back: HashMap<Key, bool> = HashMap::new();
         let casts = |key: &Key| self.scene.instances[self.firsts[key.0 as usize] as usize].casts;
         for key in self.placed_keys().filter(casts) {
-            let is_turned =
-                turned.contains(&key) && !places.iter().any(|&at| self.is_in_turned(key, at));
+            let is_lit = || places.iter().any(|&at| self.is_in_turned(key, at));
+            let is_turned = blind.contains(&key) || turned.contains(&key) && !is_lit();
             *is_back.entry((self.shape_of(key), key.1)).or_insert(true) &= is_turned;
         }
         is_back.retain(|&(shape, surface), is_back| {

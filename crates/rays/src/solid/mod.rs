@@ -23,6 +23,7 @@
 //! A point is buried where it lies in more solids than cavities. Distances do not matter: a limit on the distance of
 //! occluders limits what darkens a place, not where the place is.
 
+mod blind;
 mod covers;
 mod ground;
 mod inward;

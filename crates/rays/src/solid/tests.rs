@@ -1,3 +1,4 @@
+mod blinds;
 mod cliffs;
 mod grounds;
 mod wounds;

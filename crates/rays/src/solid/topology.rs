@@ -49,6 +49,8 @@ pub(super) struct Surface {
     /// The triangles that fill each hole of an opaque surface that does not look to one side, flat or not. None where
     /// it has many edges at holes, or looks outward for the most part.
     pub caps: Vec<Vec<[[f32; 3]; 3]>>,
+    /// Some of it is cut out or lets light through.
+    pub masked: bool,
     /// More than two faces meet at some edge of a closed, opaque surface: it may be several bodies that touch.
     pub branches: bool,
 }
@@ -142,6 +144,7 @@ pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
             let branches = false;
             return Surface {
                 veil,
+                masked: true,
                 branches,
                 ..surface
             };
@@ -268,6 +271,7 @@ impl Surface {
             hollow: 0.0,
             openings: Vec::new(),
             caps: Vec::new(),
+            masked: false,
             branches: false,
         }
     }

@@ -33,7 +33,7 @@ const STANDS: f64 = 1.0 / 1024.0;
 /// Faces that are asked first.
 const FIRST: usize = 1024;
 /// Faces that are asked whether a surface lies for the most part in another.
-const LOOKS: usize = 64;
+pub(super) const LOOKS: usize = 64;
 
 /// A triangle's area, and how often its surface winds around points just in front of it and behind.
 struct Sides {
