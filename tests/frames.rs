@@ -6,12 +6,17 @@ use std::path::Path;
 
 /// A map of one colour, or of what a function gives for each texel.
 fn write_map(path: &Path, width: usize, of: impl Fn(usize) -> [f32; 3]) {
-    let image = maps::Image {
+    let image = environment::Image {
         width,
         height: width / 2,
         pixels: (0..width * width / 2).map(of).collect(),
     };
-    let bytes = maps::encode(&image, maps::Format::Exr, &maps::Labels::new()).expect("a picture");
+    let bytes = environment::encode(
+        &image,
+        environment::Format::Exr,
+        &environment::Labels::new(),
+    )
+    .expect("a picture");
     fs::write(path, bytes).expect("a file");
 }
 
@@ -39,7 +44,12 @@ fn globe(path: &Path, more: &[&str]) -> Vec<[f32; 3]> {
         .collect();
     run_well(arguments);
     match fs::metadata(&path) {
-        Ok(_) => maps::read(Path::new(&path)).expect("an EXR").image.pixels,
+        Ok(_) => {
+            environment::read(Path::new(&path))
+                .expect("an EXR")
+                .image
+                .pixels
+        }
         Err(_) => Vec::new(),
     }
 }
@@ -106,7 +116,10 @@ fn a_sequence_has_numbered_frames_that_do_not_depend_on_threads() {
         .concat(),
     );
     let still = globe(&at("still.exr"), &common);
-    let first = maps::read(&at("p.0000.exr")).expect("a frame").image.pixels;
+    let first = environment::read(&at("p.0000.exr"))
+        .expect("a frame")
+        .image
+        .pixels;
     assert_eq!(first, still);
     assert!(at("p.0001.exr").exists() && !at("p.0002.exr").exists());
 }
@@ -176,7 +189,7 @@ fn objects_have_shaders_of_their_own_and_traced_mirrors_show_what_stands_before_
         let output = render(more);
         let errors = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{more:?}: {errors}");
-        let image = maps::read(&at("x.exr")).expect("an EXR").image;
+        let image = environment::read(&at("x.exr")).expect("an EXR").image;
         (0..40).map(|y| image.at(4, y)[0]).collect::<Vec<f32>>()
     };
     let near = |a: f32, b: f32| (a - b).abs() < 1e-5;
@@ -252,7 +265,7 @@ fn the_figure_of_six_materials_has_their_values_under_a_uniform_environment() {
     arguments.extend(view.split(' '));
     run_well(arguments);
     assert_eq!(files(Path::new(&figure)), ["balls.exr", "balls.png"]);
-    let sheet = maps::read(&Path::new(&figure).join("balls.exr")).expect("a sheet");
+    let sheet = environment::read(&Path::new(&figure).join("balls.exr")).expect("a sheet");
     let middle = |k: usize| sheet.image.at(20 * (k % 3) + 10, 20 * (k / 3) + 10);
     // Mirror, glossy, diffuse of 1/2, varnished (red), retro-reflective of 1/2, refracting.
     for (k, exact) in [1.0f32, 1.0, 0.5, 1.0, 0.5, 1.0].into_iter().enumerate() {
@@ -317,7 +330,10 @@ fn a_measured_surface_shows_its_reflectance_by_incidence_colour_and_exponent() {
             "1",
         ];
         run_well([&words[..], &tables, &view].concat());
-        let middle = maps::read(Path::new(&out)).expect("an EXR").image.pixels[4];
+        let middle = environment::read(Path::new(&out))
+            .expect("an EXR")
+            .image
+            .pixels[4];
         for c in 0..3 {
             let found = f64::from(middle[c]);
             assert!(
@@ -446,8 +462,11 @@ fn a_picture_of_codes_is_relit_as_its_scene_is_shaded() {
             let [relit, shaded] = ["relit.exr", "shaded.exr"].map(text);
             shot(&[&codes, "--relight", &lit, "-o", &relit, "--quiet"]);
             shot(&[&ball, &lit, "--normals", code, "-o", &shaded, view, colors]);
-            let [relit, shaded] =
-                [relit, shaded].map(|path| maps::read(Path::new(&path)).expect("a picture").image);
+            let [relit, shaded] = [relit, shaded].map(|path| {
+                environment::read(Path::new(&path))
+                    .expect("a picture")
+                    .image
+            });
             assert_eq!(relit.pixels.len(), 1600);
             for (a, b) in relit.pixels.iter().zip(&shaded.pixels) {
                 // Views are rounded once more or less.
@@ -468,7 +487,7 @@ fn a_picture_of_codes_is_relit_as_its_scene_is_shaded() {
         &dark,
         black,
     ]);
-    let pixels = maps::read(Path::new(&dark))
+    let pixels = environment::read(Path::new(&dark))
         .expect("a picture")
         .image
         .pixels;

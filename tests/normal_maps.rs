@@ -262,7 +262,10 @@ fn pictures_show_relief_by_integration_and_from_tables() {
         let words = ["render", &scene, "-o", &out, "-q"];
         let words: Vec<&str> = words.into_iter().chain(view.split(' ')).collect();
         run_well([&words[..], more].concat());
-        maps::read(Path::new(&out)).expect("a picture").image.pixels
+        environment::read(Path::new(&out))
+            .expect("a picture")
+            .image
+            .pixels
     };
     let normal = bent(1.0, Vec3::X, -Vec3::Z, Vec3::Y);
     let sun = Vec3::new(1.0, 2.0, 0.5).normalize();
@@ -286,12 +289,17 @@ fn pictures_show_relief_by_integration_and_from_tables() {
         ];
         toward.map(|v| 0.5 + 0.5 * v)
     };
-    let image = maps::Image {
+    let image = environment::Image {
         width,
         height,
         pixels: (0..width * height).map(texel).collect(),
     };
-    let bytes = maps::encode(&image, maps::Format::Exr, &maps::Labels::new()).expect("a map");
+    let bytes = environment::encode(
+        &image,
+        environment::Format::Exr,
+        &environment::Labels::new(),
+    )
+    .expect("a map");
     std::fs::write(at("D.exr"), bytes).expect("a file");
     let tables = [at("D.exr"), at("D.exr")].join(",");
     for pixel in shot(&["--maps", &tables, "--normal-maps"]) {

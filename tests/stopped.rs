@@ -67,8 +67,13 @@ fn a_stopped_picture_figure_or_capture_leaves_nothing_behind() {
 #[test]
 fn a_stopped_sequence_leaves_whole_frames() {
     let folder = tempfile::tempdir().expect("a folder");
-    let image = maps::Image::filled(64, 32, [0.5; 3]);
-    let bytes = maps::encode(&image, maps::Format::Exr, &maps::Labels::new()).expect("a picture");
+    let image = environment::Image::filled(64, 32, [0.5; 3]);
+    let bytes = environment::encode(
+        &image,
+        environment::Format::Exr,
+        &environment::Labels::new(),
+    )
+    .expect("a picture");
     std::fs::write(folder.path().join("I.exr"), bytes).expect("a file");
     let ball = scene("ball.obj").display().to_string();
     let words =
@@ -85,6 +90,6 @@ fn a_stopped_sequence_leaves_whole_frames() {
         .collect();
     for (number, name) in frames.iter().enumerate() {
         assert_eq!(*name, format!("x.{number:04}.exr"));
-        maps::read(&folder.path().join(name)).expect("a whole frame");
+        environment::read(&folder.path().join(name)).expect("a whole frame");
     }
 }

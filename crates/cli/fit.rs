@@ -13,8 +13,8 @@ use ambient::Estimate;
 use ambient::convention::lobe_scale;
 use anyhow::{Context, bail};
 use clap::Args as ClapArgs;
+use environment::Sky;
 use glam::DVec3;
-use maps::Sky;
 use rays::Surfaces;
 use render::{Direct, Error, Fit, Framing, Lamps, Model, Shot, fit};
 use serde_json::{Value, json};
@@ -78,7 +78,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let pictures = args
         .images
         .iter()
-        .map(|path| maps::read(path).map(|file| file.image))
+        .map(|path| environment::read(path).map(|file| file.image))
         .collect::<Result<Vec<_>, _>>()?;
     let scene = scene::load_with(&args.scene, args.common.files())?;
     let (world, backend) = build(scene, args.backend, threads)?;

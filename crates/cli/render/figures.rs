@@ -126,7 +126,7 @@ fn balls(
         "lookup": lookup.name(),
     });
     let labels = file::labels(&about.to_string());
-    let exr = maps::encode(&sheet, maps::Format::Exr, &labels)?;
+    let exr = environment::encode(&sheet, environment::Format::Exr, &labels)?;
     let png = report::picture_png(sheet.width, &sheet.pixels);
     Ok(vec![("balls.exr".into(), exr), ("balls.png".into(), png)])
 }

@@ -11,7 +11,7 @@ use crate::stop::Stop;
 use ::render::Error;
 use ::render::tables::{Encoded, NormalCode, TableSet, backdrop, frame};
 use anyhow::bail;
-use maps::Format;
+use environment::Format;
 use rays::{RayBackend, Surfaces, World};
 use report::Output;
 use serde_json::json;
@@ -50,7 +50,7 @@ pub fn encode(
     let mut output = Output::for_file(path)?;
     output.protect(file::inputs(args, world, None));
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    output.stage_bytes(&name, &maps::encode(&image, Format::Exr, &labels)?)?;
+    output.stage_bytes(&name, &environment::encode(&image, Format::Exr, &labels)?)?;
     output.publish()?;
     done(args, path)
 }

@@ -19,7 +19,11 @@ pub enum Error {
     Scene(#[from] scene::Error),
     /// A map cannot be used.
     #[error(transparent)]
-    Map(#[from] maps::Error),
+    Map(#[from] environment::Error),
+    /// A map cannot be blurred.
+    #[cfg(feature = "pictures")]
+    #[error(transparent)]
+    Blur(#[from] maps::Error),
     /// The camera of a frame has no direction or no upright.
     #[error("frame {frame}: {source}")]
     Frame {

@@ -16,9 +16,9 @@ use crate::picture::Sample;
 use crate::progress::{Part, each};
 use crate::{Camera, Direct, Error, Model};
 use ambient::Estimate;
+use environment::Image;
 use glam::DVec3;
 use layers::Progress;
-use maps::Image;
 use rays::Overrides;
 
 /// Most pixels that are compared: those of a regular grid over all pictures.

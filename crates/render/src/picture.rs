@@ -2,9 +2,9 @@
 
 use crate::progress::each;
 use crate::{Camera, Error};
+use environment::Image;
 use glam::DVec3;
 use layers::Progress;
-use maps::Image;
 
 /// A ray through a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,9 +2,10 @@
 
 use super::{GBuffer, Index, Lookup, Shader, Surfel, Table, Turn, View, Weight, backdrop};
 use crate::{Camera, Error, Part};
+use environment::{IlluminationMap, Image, Projection};
 use glam::DVec3;
 use layers::Progress;
-use maps::{IlluminationMap, Image, Lobe, Normalise, Projection, Request};
+use maps::{Lobe, Normalise, Request};
 
 /// The tables that the six materials need.
 #[derive(Debug)]
@@ -34,7 +35,7 @@ impl Balls {
     /// Tables of an environment, which is a polar map.
     ///
     /// # Errors
-    /// [`maps::Error::Shape`] for another projection.
+    /// [`environment::Error::Shape`] for another projection.
     pub fn of(environment: &IlluminationMap) -> Result<Balls, Error> {
         let table = Table::new(environment)?;
         let request = |lobe, size| Request {

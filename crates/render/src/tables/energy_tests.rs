@@ -4,8 +4,8 @@
 use super::tests::{shader, view};
 use super::*;
 use crate::Camera;
+use environment::{IlluminationMap, Image, Projection};
 use glam::DVec3;
-use maps::{IlluminationMap, Image, Projection};
 
 /// The nearest hit of a ray on the unit sphere at the origin, which mirrors all.
 fn globe(eye: DVec3, direction: DVec3) -> Option<Surfel> {

@@ -3,8 +3,8 @@
 use super::tests::{LOOKUPS, shader, view};
 use super::*;
 use crate::Camera;
+use environment::{IlluminationMap, Image, Projection};
 use glam::DVec3;
-use maps::{IlluminationMap, Image, Projection};
 
 /// A table whose texels all differ.
 fn uneven(scale: f32) -> Table {

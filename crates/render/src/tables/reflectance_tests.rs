@@ -2,7 +2,8 @@
 
 use super::tests::{LOOKUPS, buffer, polar, shader};
 use super::*;
-use maps::{Image, Normalise, Projection, Reflectance};
+use environment::{Image, Projection};
+use maps::{Normalise, Reflectance};
 
 /// Fresnel's share of unpolarised light that a surface of refractive index n + ik mirrors at a cosine (M. Born, E.
 /// Wolf, "Principles of Optics", sections 1.5.2 and 14.2).

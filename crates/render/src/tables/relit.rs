@@ -7,9 +7,9 @@ use super::encoded::NormalCode;
 use super::gbuffer::{GBuffer, Pixel, Turn, View};
 use super::surfel::Surfel;
 use crate::{Camera, Error};
+use environment::{Image, Labels};
 use glam::DVec3;
 use layers::Progress;
-use maps::{Image, Labels};
 use rays::{Overrides, PhongMaterial};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -118,7 +118,7 @@ impl Encoded {
     /// # Errors
     /// The file cannot be read, or is no such picture.
     pub fn read(path: &Path) -> Result<Encoded, Error> {
-        let file = maps::read(path)?;
+        let file = environment::read(path)?;
         let fail = |problem: &str| {
             let path = path.display();
             Error::Tables(format!(

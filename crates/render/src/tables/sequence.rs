@@ -9,9 +9,9 @@ use super::shader::Shader;
 use super::surfel::Surfel;
 use super::table::Table;
 use crate::{Camera, Error, Framing, Part};
+use environment::Image;
 use glam::DVec3;
 use layers::Progress;
-use maps::Image;
 use std::time::Instant;
 
 /// Where the camera is in each frame.
@@ -146,7 +146,7 @@ impl Sequence<'_> {
 mod tests {
     use super::*;
     use crate::tables::tests::shader;
-    use maps::{IlluminationMap, Projection};
+    use environment::{IlluminationMap, Projection};
     use std::sync::Mutex;
 
     /// A globe at the origin that mirrors all.

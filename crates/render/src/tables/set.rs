@@ -5,7 +5,8 @@ use super::shader::Shader;
 use super::table::Table;
 use super::weight::Weight;
 use crate::Error;
-use maps::{Lobe, Normalise, PolarFile, Projection, Request};
+use environment::Projection;
+use maps::{Lobe, Normalise, PolarFile, Request};
 use std::path::{Path, PathBuf};
 
 /// What a surface does with the tables D, S and I.

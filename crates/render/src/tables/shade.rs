@@ -6,7 +6,7 @@ use super::row::Row;
 use super::shader::Shader;
 use super::table::Table;
 use crate::Camera;
-use maps::Image;
+use environment::Image;
 use pulp::Arch;
 use rayon::prelude::*;
 

@@ -5,7 +5,7 @@
 //! asks for "enough precision to accurately store the highest value times the number of pixels"; a sun of 10⁶ in 2²¹
 //! texels takes 45 bits with a sky of 1, which leaves 17 for the sky.
 
-use maps::Projection;
+use environment::Projection;
 
 /// A summed-area table of a polar map.
 #[derive(Debug)]

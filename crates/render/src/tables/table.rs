@@ -2,12 +2,12 @@
 //!
 //! The margin repeats the other side of the longitude seam, and beyond a pole the row next to it turned by half.
 //! Directions go to places by a polynomial arctangent in f32 that compilers vectorise; there is no resampled copy, so
-//! bilinear look-up differs from [`maps::IlluminationMap::bilinear`] by rounding alone: places err by at most 1.3e-7 of
+//! bilinear look-up differs from [`environment::IlluminationMap::bilinear`] by rounding alone: places err by at most 1.3e-7 of
 //! the map's width or height for each radian (tested), values by that times the slope of the map.
 
 use super::summed::Summed;
 use ambient::lanes::atan2;
-use maps::{Error, IlluminationMap, Projection};
+use environment::{Error, IlluminationMap, Projection};
 use std::f32::consts::FRAC_1_PI;
 use std::sync::OnceLock;
 

@@ -2,8 +2,9 @@
 
 use super::*;
 use crate::Camera;
+use environment::{IlluminationMap, Image, Projection};
 use glam::DVec3;
-use maps::{IlluminationMap, Image, Lobe, Normalise, Projection, Request};
+use maps::{Lobe, Normalise, Request};
 
 /// The nearest hit of a ray on the unit sphere at the origin.
 fn sphere(eye: DVec3, direction: DVec3) -> Option<Surfel> {

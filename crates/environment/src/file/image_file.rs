@@ -1,14 +1,16 @@
 //! What a picture file holds, and how large a picture may be.
 
 use crate::Image;
-use crate::error::Reason;
 use std::collections::BTreeMap;
 
 /// Longest side that is read, in pixels.
-pub(crate) const MAX_SIDE: usize = 1 << 16;
+pub(super) const MAX_SIDE: usize = 1 << 16;
 
 /// Most pixels that are read: 3 GiB as [`Image`].
 const MAX_PIXELS: usize = 1 << 28;
+
+/// A read error without its file; [`crate::read`] adds it.
+pub(super) type Reason = String;
 
 /// Text of a file's header by name: `ambakeProjection`, `ambakeAxes`, `ambakeNormalisation`, …
 pub type Labels = BTreeMap<String, String>;
@@ -23,7 +25,7 @@ pub struct ImageFile {
 }
 
 /// A side length pair that fits in memory.
-pub(crate) fn check_size(width: usize, height: usize) -> Result<(), Reason> {
+pub(super) fn check_size(width: usize, height: usize) -> Result<(), Reason> {
     if width == 0 || height == 0 {
         return Err(format!("it is {width} x {height} pixels"));
     }

@@ -1,8 +1,7 @@
 //! Writes RGBE, run-length coded.
 
 use crate::Image;
-use crate::error::Reason;
-use crate::image_file::Labels;
+use crate::file::image_file::{Labels, Reason};
 
 /// The bytes of a `.hdr` file with `labels` in its header.
 pub(crate) fn encode(image: &Image, labels: &Labels) -> Result<Vec<u8>, Reason> {

@@ -1,7 +1,8 @@
 //! The file of an illumination map as a sky.
 
-use crate::{Error, ImageFile};
-use crate::{IlluminationMap, Layout, Orientation, Projection, SkyMap, convert_image, file};
+use super::image_file::ImageFile;
+use super::picture::{bytes, decode};
+use crate::{Error, IlluminationMap, Layout, Orientation, Projection, SkyMap, convert_image};
 use std::path::Path;
 
 /// A sky with what identifies it.
@@ -20,7 +21,7 @@ pub struct SkyFile {
 /// file is read once.
 ///
 /// ```
-/// use ambake_maps::{Format, Image, Labels, encode, read_sky};
+/// use ambake_environment::{Format, Image, Labels, encode, read_sky};
 /// let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("dusk.hdr");
 /// let dusk = Image::filled(64, 32, [1.0, 0.5, 0.25]);
@@ -35,8 +36,8 @@ pub struct SkyFile {
 /// [`Error::Read`] and [`Error::Pixel`] as [`crate::read`], [`Error::Header`] and [`Error::Layout`] as
 /// [`ImageFile::layout`].
 pub fn read_sky(path: &Path) -> Result<SkyFile, Error> {
-    let bytes = file::bytes(path)?;
-    let file = file::decode(path, &bytes)?;
+    let bytes = bytes(path)?;
+    let file = decode(path, &bytes)?;
     file.image.check(path)?;
     let from = file.layout(path, None, None)?;
     let texels = from.projection.texels(from.size);

@@ -8,7 +8,7 @@ use crate::{Direction, Error, Image, Projection};
 /// Whose pictures.
 ///
 /// ```
-/// use ambake_maps::{Orientation, Projection};
+/// use ambake_environment::{Orientation, Projection};
 /// // Blender looks for glTF's +x in the middle of a polar picture, where ambake has +z.
 /// let found = Orientation::Blender.look_up(Projection::Polar, [1.0, 0.0, 0.0]);
 /// assert_eq!(found, [0.0, 0.0, 1.0]);

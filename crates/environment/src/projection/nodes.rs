@@ -10,43 +10,45 @@ use std::f64::consts::FRAC_PI_2;
 /// Least nodes on a line of a texel that is cut.
 const CUT: usize = 10;
 
-/// Directions in a texel with their solid angles up to a common factor. `rule` are nodes and weights on -1..1, `fine`
-/// those for a texel that is cut.
-pub(crate) fn nodes(
-    projection: Projection,
-    size: (usize, usize),
-    (i, j): (usize, usize),
-    rule: &[(f64, f64)],
-    fine: &[(f64, f64)],
-) -> Vec<(Direction, f64)> {
-    let corner = [i as f64, j as f64];
-    match projection {
-        Projection::Ortho | Projection::Ball | Projection::Angular => {
-            on_disc(projection, size, (i, j), rule, fine)
-        }
-        Projection::Octahedral if !projection.smooth(size, corner, [1.0; 2]) => {
-            let right = 2 * i >= size.0;
-            let low = 2 * j >= size.1;
-            folded(projection, size, corner, right == low, fine)
-        }
-        _ => {
-            let places = rule.iter().flat_map(|(y, wy)| {
-                let place = move |(x, wx): &(f64, f64)| (0.5 + 0.5 * x, 0.5 + 0.5 * y, wx * wy);
-                rule.iter().map(place)
-            });
-            let node = |(x, y, weight): (f64, f64, f64)| {
-                let (x, y) = (corner[0] + x, corner[1] + y);
-                let direction = projection.direction(size, x, y)?;
-                Some((direction, weight * projection.density(size, x, y)))
-            };
-            places.filter_map(node).collect()
+impl Projection {
+    /// Directions in a texel with their solid angles up to a common factor. `rule` are nodes and weights on -1..1,
+    /// `fine` those for a texel that is cut.
+    pub fn nodes(
+        self,
+        size: (usize, usize),
+        (i, j): (usize, usize),
+        rule: &[(f64, f64)],
+        fine: &[(f64, f64)],
+    ) -> Vec<(Direction, f64)> {
+        let corner = [i as f64, j as f64];
+        match self {
+            Projection::Ortho | Projection::Ball | Projection::Angular => {
+                on_disc(self, size, (i, j), rule, fine)
+            }
+            Projection::Octahedral if !self.smooth(size, corner, [1.0; 2]) => {
+                let right = 2 * i >= size.0;
+                let low = 2 * j >= size.1;
+                folded(self, size, corner, right == low, fine)
+            }
+            _ => {
+                let places = rule.iter().flat_map(|(y, wy)| {
+                    let place = move |(x, wx): &(f64, f64)| (0.5 + 0.5 * x, 0.5 + 0.5 * y, wx * wy);
+                    rule.iter().map(place)
+                });
+                let node = |(x, y, weight): (f64, f64, f64)| {
+                    let (x, y) = (corner[0] + x, corner[1] + y);
+                    let direction = self.direction(size, x, y)?;
+                    Some((direction, weight * self.density(size, x, y)))
+                };
+                places.filter_map(node).collect()
+            }
         }
     }
-}
 
-/// Nodes a line of a cut texel needs where others need `count`.
-pub(crate) fn fine(count: usize) -> usize {
-    count.max(CUT)
+    /// Nodes a line of a cut texel needs where others need `count`.
+    pub fn fine(count: usize) -> usize {
+        count.max(CUT)
+    }
 }
 
 /// Two triangles on both sides of a diagonal: a square of nodes squeezed to a corner each.

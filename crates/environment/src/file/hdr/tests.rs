@@ -1,8 +1,7 @@
 //! Codec tests on files written by hand and on real ones.
 
 use super::{decode, encode};
-use crate::Image;
-use crate::image_file::Labels;
+use crate::{Image, Labels};
 
 const HEAD: &str = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n";
 
@@ -243,7 +242,7 @@ fn a_file_as_photoshop_writes_it_gives_its_values_and_survives_a_round_trip() {
     assert_eq!(again.unwrap().image, read.image);
 }
 
-#[path = "../../../../tests/skip.rs"]
+#[path = "../../../../../tests/skip.rs"]
 mod skip;
 
 #[test]

@@ -1,8 +1,7 @@
 //! OpenEXR pictures: any flat RGB or luminance part in, one float32 ZIP part out.
 
+use super::image_file::{ImageFile, Labels, Reason, check_size};
 use crate::Image;
-use crate::error::Reason;
-use crate::image_file::{ImageFile, Labels, check_size};
 use exr::image::read::image::ReadLayers;
 use exr::image::read::layers::ReadChannels;
 use exr::image::read::read;
@@ -16,7 +15,7 @@ use std::io::Cursor;
 const MAX_RATIO: usize = 1032;
 
 /// The first part of an `.exr` file: its channels R, G and B, or Y.
-pub(crate) fn decode(bytes: &[u8]) -> Result<ImageFile, Reason> {
+pub(super) fn decode(bytes: &[u8]) -> Result<ImageFile, Reason> {
     let damaged = |e: exr::error::Error| format!("{e}; the file is damaged, export it again");
     let chunks = exr::block::read(Cursor::new(bytes), false).map_err(damaged)?;
     let Some(header) = chunks.headers().first() else {
@@ -85,7 +84,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<ImageFile, Reason> {
 }
 
 /// The bytes of an `.exr` file with `labels` as string attributes, and a channel of another name where it is given.
-pub(crate) fn encode(
+pub(super) fn encode(
     image: &Image,
     extra: Option<(&str, &[f32])>,
     labels: &Labels,

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 pub const FACES: [&str; 6] = ["px", "nx", "py", "ny", "pz", "nz"];
 
 /// What to do with one square face of a cube; empty where the name or the shape does not say that it is one.
-pub(crate) fn face_hint(path: &Path, (width, height): (usize, usize)) -> String {
+pub(super) fn face_hint(path: &Path, (width, height): (usize, usize)) -> String {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let cube = stem.rsplit_once('_').filter(|(_, end)| FACES.contains(end));
     match cube {
@@ -22,7 +22,7 @@ pub(crate) fn face_hint(path: &Path, (width, height): (usize, usize)) -> String 
 }
 
 /// What to do where nothing is at `path`; empty unless faces of a cube of that name are there.
-pub(crate) fn absent_hint(path: &Path) -> String {
+pub(super) fn absent_hint(path: &Path) -> String {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let mut faces = FACES
         .map(|face| renamed(path, &format!("{stem}_{face}")))

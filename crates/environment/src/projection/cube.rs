@@ -54,7 +54,7 @@ fn face_at(
 }
 
 /// The direction through a place on a face; beyond -1..1 on the face's plane.
-pub(crate) fn on_face(face: usize, s: f64, t: f64) -> Direction {
+pub fn on_face(face: usize, s: f64, t: f64) -> Direction {
     let [axis, right, down] = FACES[face];
     let p: Direction = std::array::from_fn(|c| axis[c] + s * right[c] + t * down[c]);
     let length = (1.0 + s * s + t * t).sqrt();
@@ -62,7 +62,7 @@ pub(crate) fn on_face(face: usize, s: f64, t: f64) -> Direction {
 }
 
 /// The face that a direction meets and where.
-pub(crate) fn meet(d: Direction) -> (usize, f64, f64) {
+pub fn meet(d: Direction) -> (usize, f64, f64) {
     let largest = (0..3).fold(
         0,
         |best, c| if d[c].abs() > d[best].abs() { c } else { best },
@@ -75,7 +75,7 @@ pub(crate) fn meet(d: Direction) -> (usize, f64, f64) {
 
 /// The place of a direction on the plane of a face, in -1..1 within the face; `None` for one that points away from the
 /// plane.
-pub(crate) fn on_plane(face: usize, d: Direction) -> Option<[f64; 2]> {
+pub fn on_plane(face: usize, d: Direction) -> Option<[f64; 2]> {
     let along = |a: Direction| (0..3).map(|c| a[c] * d[c]).sum::<f64>();
     let [depth, right, down] = FACES[face].map(along);
     (depth > 1e-6).then(|| [right / depth, down / depth])

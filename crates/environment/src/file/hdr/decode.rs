@@ -1,8 +1,7 @@
 //! Reads RGBE and XYZE, run-length coded (both ways) or flat, in all eight orders of scanlines.
 
 use crate::Image;
-use crate::error::Reason;
-use crate::image_file::{ImageFile, Labels, check_size};
+use crate::file::image_file::{ImageFile, Labels, Reason, check_size};
 
 /// The picture in the bytes of a `.hdr` file. EXPOSURE and COLORCORR are divided out; XYZE becomes RGB with Radiance's
 /// primaries, and what lies outside them is cut off at 0.

@@ -6,19 +6,30 @@
 //! the last fit is to the input, so that its energy is kept.
 
 use crate::map::{taps, texel};
-use crate::{Error, IlluminationMap, Image, Layout, Orientation, Projection};
+use crate::{Error, IlluminationMap, Image, Orientation, Projection};
+
+/// A layout of the sphere as one tool has it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Layout {
+    /// How directions are laid out.
+    pub projection: Projection,
+    /// Whose axes.
+    pub orientation: Orientation,
+    /// Width and height in texels.
+    pub size: (usize, usize),
+}
 
 /// The map in another projection and size. Its integral over the sphere is kept; texels that show nothing are 0.
 ///
 /// ```
-/// use ambake_maps::{IlluminationMap, Image, Projection, convert};
+/// use ambake_environment::{IlluminationMap, Image, Projection, convert};
 /// let mut image = Image::filled(64, 32, [1.0; 3]);
 /// image.pixels[64 * 10 + 7] = [5000.0; 3];
 /// let polar = IlluminationMap::new(image, Projection::Polar)?;
 /// let cube = convert(&polar, Projection::Cube, Projection::Cube.size(64))?;
 /// assert_eq!(cube.size(), (16, 96));
 /// assert!((cube.integral()[0] / polar.integral()[0] - 1.0).abs() < 1e-7);
-/// # Ok::<(), ambake_maps::Error>(())
+/// # Ok::<(), ambake_environment::Error>(())
 /// ```
 ///
 /// # Errors
@@ -41,13 +52,13 @@ pub fn convert(
 /// A tool's picture as another tool's: see [`convert`].
 ///
 /// ```
-/// use ambake_maps::{Image, Layout, Orientation, Projection, convert_image};
+/// use ambake_environment::{Image, Layout, Orientation, Projection, convert_image};
 /// // glTF viewers have +x in the middle of a polar picture, ambake has +z there.
 /// let from = Layout { projection: Projection::Polar, orientation: Orientation::Gltf, size: (8, 4) };
 /// let to = Layout { orientation: Orientation::Ambake, ..from };
 /// let picture = Image::filled(8, 4, [1.0, 2.0, 3.0]);
 /// assert_eq!(convert_image(&picture, from, to)?.at(3, 1), [1.0, 2.0, 3.0]);
-/// # Ok::<(), ambake_maps::Error>(())
+/// # Ok::<(), ambake_environment::Error>(())
 /// ```
 ///
 /// # Errors

@@ -48,7 +48,7 @@ impl SkyMap {
     /// The sky that a polar map shows.
     ///
     /// ```
-    /// use ambake_maps::{IlluminationMap, Image, Projection, SkyMap};
+    /// use ambake_environment::{IlluminationMap, Image, Projection, SkyMap};
     /// let mut image = Image::filled(64, 32, [0.25; 3]);
     /// image.pixels[64 * 8 + 20] = [1000.0; 3];
     /// let sky = SkyMap::new(&IlluminationMap::new(image, Projection::Polar)?)?;
@@ -57,7 +57,7 @@ impl SkyMap {
     /// let (directions, texels) = sky.sample16(&[0.3; 16], &[0.7; 16]);
     /// assert_eq!(texels, [64 * 8 + 20; 16]);
     /// assert_eq!(sky.texels16(&directions), texels);
-    /// # Ok::<(), ambake_maps::Error>(())
+    /// # Ok::<(), ambake_environment::Error>(())
     /// ```
     ///
     /// # Errors

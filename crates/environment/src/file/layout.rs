@@ -1,26 +1,16 @@
 //! How a picture's directions are laid out: as its user says, as its header says, or polar.
 
-use crate::faces::face_hint;
-use crate::{Error, ImageFile, Orientation, Projection};
+use super::faces::face_hint;
+use super::image_file::ImageFile;
+use crate::{Error, Layout, Orientation, Projection};
 use std::path::Path;
-
-/// A layout of the sphere as one tool has it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Layout {
-    /// How directions are laid out.
-    pub projection: Projection,
-    /// Whose axes.
-    pub orientation: Orientation,
-    /// Width and height in texels.
-    pub size: (usize, usize),
-}
 
 impl ImageFile {
     /// The layout of this picture: as `projection` and `orientation` say, else as the header's `ambakeProjection` and
     /// `ambakeOrientation` say, else polar in ambake's axes. `path` is where it was read from, for errors.
     ///
     /// ```
-    /// use ambake_maps::{Image, ImageFile, Labels, Projection};
+    /// use ambake_environment::{Image, ImageFile, Labels, Projection};
     /// let image = Image::filled(8, 6, [1.0; 3]);
     /// let file = ImageFile { image, labels: Labels::new() };
     /// let error = file.layout("room.exr".as_ref(), None, None).unwrap_err();

@@ -4,15 +4,14 @@
 //! in a picture is `(x, y)` in pixels from the top left corner: texel `(i, j)` has its centre at `(i + 0.5, j + 0.5)`.
 
 mod area;
-mod cube;
+pub mod cube;
 mod disc;
 mod nodes;
 mod octahedral;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use cube::{meet, on_face, on_plane, taps as cube_taps};
-pub(crate) use nodes::{fine, nodes};
+pub(crate) use cube::taps as cube_taps;
 
 use crate::Error;
 use std::f64::consts::{PI, TAU};
@@ -23,7 +22,7 @@ pub type Direction = [f64; 3];
 /// How directions are laid out in a picture.
 ///
 /// ```
-/// use ambake_maps::Projection;
+/// use ambake_environment::Projection;
 /// let size = Projection::Cube.size(64);
 /// assert_eq!((size, Projection::Cube.texels(size)), ((16, 96), 64));
 /// // The middle of the first face looks along +x, and back.
@@ -212,7 +211,7 @@ impl Projection {
     }
 
     /// Side of the squares from the top left on, in texels, whose borders may be seams.
-    pub(crate) fn piece(self, size: (usize, usize)) -> usize {
+    pub fn piece(self, size: (usize, usize)) -> usize {
         match self {
             Self::Cube | Self::Cross | Self::Strip => cube::side(self, size),
             Self::Ortho => size.1,
@@ -223,7 +222,7 @@ impl Projection {
 
     /// Whether directions are a smooth function over a rectangle within a piece: no rim or fold cuts it, or is nearer
     /// to it than its own size where their derivatives grow without bound.
-    pub(crate) fn smooth(self, size: (usize, usize), corner: [f64; 2], sides: [f64; 2]) -> bool {
+    pub fn smooth(self, size: (usize, usize), corner: [f64; 2], sides: [f64; 2]) -> bool {
         let h = size.1 as f64;
         let corners = (0..4).map(|k| {
             let (x, y) = ((k % 2) as f64, (k / 2) as f64);
@@ -246,7 +245,7 @@ impl Projection {
     }
 
     /// The texels around `(i, j)` that show something, over seams, poles and edges, without itself.
-    pub(crate) fn neighbours(self, size: (usize, usize), i: usize, j: usize) -> Vec<usize> {
+    pub fn neighbours(self, size: (usize, usize), i: usize, j: usize) -> Vec<usize> {
         let own = j * size.0 + i;
         let around = (0..9).filter(|k| *k != 4).filter_map(|k| {
             let (di, dj) = (k % 3 - 1, k / 3 - 1);

@@ -1,12 +1,11 @@
 //! Painted maps: 8- and 16-bit pictures, made linear.
 
-use crate::error::Reason;
-use crate::image_file::{ImageFile, Labels, MAX_SIDE, check_size};
+use super::image_file::{ImageFile, Labels, MAX_SIDE, Reason, check_size};
 use image::{ImageReader, Limits};
 use std::io::Cursor;
 
 /// The picture in a PNG or JPEG file. Its values are sRGB (IEC 61966-2-1); transparency is left out.
-pub(crate) fn decode(bytes: &[u8]) -> Result<ImageFile, Reason> {
+pub(super) fn decode(bytes: &[u8]) -> Result<ImageFile, Reason> {
     let (width, height, values) = decode_values(bytes)?;
     let pixels = values.into_iter().map(|p| p.map(linear)).collect();
     Ok(ImageFile {
@@ -20,7 +19,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<ImageFile, Reason> {
 }
 
 /// Width, height and recorded values of a PNG or JPEG file, 16 bits a channel; 8-bit values times 257.
-pub(crate) fn decode_values(bytes: &[u8]) -> Result<(usize, usize, Vec<[u16; 3]>), Reason> {
+pub(super) fn decode_values(bytes: &[u8]) -> Result<(usize, usize, Vec<[u16; 3]>), Reason> {
     let damaged = |e: &dyn std::fmt::Display| format!("{e}; the file is damaged, export it again");
     let mut reader = ImageReader::new(Cursor::new(bytes))
         .with_guessed_format()

@@ -1,8 +1,9 @@
 //! Picture files: which format, strict reading, encoding with labels.
 
-use crate::error::Reason;
-use crate::faces::absent_hint;
-use crate::{Error, Image, ImageFile, Labels, exr_file, hdr, painted};
+use super::faces::absent_hint;
+use super::image_file::{ImageFile, Labels, Reason};
+use super::{exr, hdr, painted};
+use crate::{Error, Image};
 use std::path::Path;
 
 /// A format that is written.
@@ -35,7 +36,7 @@ impl Format {
 /// are taken as sRGB and made linear (white is 1).
 ///
 /// ```
-/// let error = ambake_maps::read("absent.exr".as_ref()).unwrap_err();
+/// let error = ambake_environment::read("absent.exr".as_ref()).unwrap_err();
 /// assert!(error.to_string().starts_with("cannot read absent.exr"));
 /// ```
 ///
@@ -57,7 +58,7 @@ pub fn read_unchecked(path: &Path) -> Result<ImageFile, Error> {
 }
 
 /// The bytes of the picture at `path`, whose name says of which kind it is.
-pub(crate) fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
+pub(super) fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
     if !path.is_dir() {
         decoder(path)?;
     }
@@ -65,7 +66,10 @@ pub(crate) fn bytes(path: &Path) -> Result<Vec<u8>, Error> {
 }
 
 /// The bytes of the regular file at `path`.
-pub(crate) fn contents(path: &Path) -> Result<Vec<u8>, Error> {
+///
+/// # Errors
+/// [`Error::Read`].
+pub fn contents(path: &Path) -> Result<Vec<u8>, Error> {
     if path.is_dir() {
         return Err(fail(path, "it is a directory; name a picture".into()));
     }
@@ -83,11 +87,20 @@ pub(crate) fn contents(path: &Path) -> Result<Vec<u8>, Error> {
 }
 
 /// The picture in the bytes of the file at `path`; its pixels may hold any value.
-pub(crate) fn decode(path: &Path, bytes: &[u8]) -> Result<ImageFile, Error> {
+pub(super) fn decode(path: &Path, bytes: &[u8]) -> Result<ImageFile, Error> {
     if bytes.is_empty() {
         return Err(fail(path, "it is empty".into()));
     }
     decoder(path)?(bytes).map_err(|reason| fail(path, reason))
+}
+
+/// Width, height and recorded values of the PNG or JPEG photograph with these bytes, 16 bits a channel; 8-bit values times
+/// 257. `path` is named in errors.
+///
+/// # Errors
+/// [`Error::Read`].
+pub fn recorded(path: &Path, bytes: &[u8]) -> Result<(usize, usize, Vec<[u16; 3]>), Error> {
+    painted::decode_values(bytes).map_err(|reason| fail(path, reason))
 }
 
 /// Makes a picture of a file's bytes.
@@ -97,7 +110,7 @@ type Decoder = fn(&[u8]) -> Result<ImageFile, Reason>;
 fn decoder(path: &Path) -> Result<Decoder, Error> {
     match ending(path).as_str() {
         "hdr" | "pic" | "rgbe" | "xyze" => Ok(hdr::decode),
-        "exr" => Ok(exr_file::decode),
+        "exr" => Ok(exr::decode),
         "png" | "jpg" | "jpeg" => Ok(painted::decode),
         _ => Err(fail(
             path,
@@ -118,7 +131,7 @@ fn fail(path: &Path, reason: Reason) -> Error {
 /// A label's name is a word of letters and digits; its text is one line.
 ///
 /// ```
-/// use ambake_maps::{Format, Image, Labels, encode, read};
+/// use ambake_environment::{Format, Image, Labels, encode, read};
 /// let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("sky.exr");
 /// let image = Image::filled(8, 4, [0.1, 0.2, 0.3]);
@@ -164,7 +177,7 @@ pub fn encode_with(
     }
     match format {
         Format::Hdr => hdr::encode(image, labels),
-        Format::Exr => exr_file::encode(image, extra, labels),
+        Format::Exr => exr::encode(image, extra, labels),
     }
     .map_err(Error::Encode)
 }

@@ -6,7 +6,7 @@ use crate::{Error, Image};
 /// Radiance from every direction: the picture I of the 1984 text.
 ///
 /// ```
-/// use ambake_maps::{IlluminationMap, Image, Projection};
+/// use ambake_environment::{IlluminationMap, Image, Projection};
 /// let mut image = Image::filled(64, 32, [1.0; 3]);
 /// image.pixels[..64 * 16].fill([3.0; 3]);
 /// let map = IlluminationMap::new(image, Projection::Polar)?;
@@ -15,17 +15,13 @@ use crate::{Error, Image};
 /// assert!((map.bilinear([0.6, 0.0, 0.8])[0] - 2.0).abs() < 1e-6);
 /// // Radiance 3 over half of the sphere, 1 over the other.
 /// assert!((map.integral()[0] / std::f64::consts::TAU - 4.0).abs() < 1e-12);
-/// # Ok::<(), ambake_maps::Error>(())
+/// # Ok::<(), ambake_environment::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct IlluminationMap {
     image: Image,
     projection: Projection,
 }
-
-/// A convolved picture, indexed by the normal (D) or by the mirror direction (S). It looks up like the map it came
-/// from.
-pub type ReflectionMap = IlluminationMap;
 
 impl IlluminationMap {
     /// The picture as a map.
@@ -77,7 +73,7 @@ impl IlluminationMap {
     }
 
     /// Index of the texel that shows this direction.
-    pub(crate) fn texel(&self, direction: Direction) -> usize {
+    pub fn texel(&self, direction: Direction) -> usize {
         texel(self.projection, self.size(), direction)
     }
 
