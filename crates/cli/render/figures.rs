@@ -6,7 +6,7 @@ use crate::outcome::Outcome;
 use crate::progress::watch;
 use crate::stop::Stop;
 use ::bench::figures::{fig1, fig1_csv, fig1_svg, fig3};
-use ::render::tables::Balls;
+use ::frames::Balls;
 use ::render::{Error, Lamps, Model};
 use anyhow::{Context, bail};
 use rays::{RayBackend, Surfaces, World};

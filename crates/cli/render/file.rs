@@ -3,8 +3,8 @@
 use super::args::Args;
 use super::tables_args::WeightName;
 use crate::host;
+use ::frames::specular_files;
 use ::render::Lightmap;
-use ::render::tables::specular_files;
 use ambake::flags::sky::SkyArg;
 use anyhow::{Context, bail};
 use environment::{Format, Image, Labels};

@@ -8,8 +8,7 @@ use crate::host;
 use crate::outcome::{Outcome, say};
 use crate::progress::watch;
 use crate::stop::Stop;
-use ::render::Error;
-use ::render::tables::{Encoded, NormalCode, TableSet, backdrop, frame};
+use ::frames::{Encoded, Error, NormalCode, TableSet, backdrop, frame};
 use anyhow::bail;
 use environment::Format;
 use rays::{RayBackend, Surfaces, World};
@@ -42,7 +41,7 @@ pub fn encode(
         Encoded::take(&camera, code, progress, hit)
     });
     let encoded = match encoded {
-        Err(Error::Cancelled) => return Ok(stop.outcome()),
+        Err(Error::Render(::render::Error::Cancelled)) => return Ok(stop.outcome()),
         encoded => encoded?,
     };
     let (image, mut labels) = encoded.file();

@@ -1,7 +1,7 @@
 //! Illumination maps and reflection maps: G. Miller, R. Hoffman, "Illumination and Reflection Maps" (1984).
 //!
 //! Photographs become an [`IlluminationMap`], the radiance that arrives from every direction, and that is convolved into
-//! the maps D and S, which shading looks up. Frames are shaded from them in `crates/render/src/tables`; pictures of
+//! the maps D and S, which shading looks up. Frames are shaded from them in `crates/frames`; pictures of
 //! light, their files and projections are in `crates/environment`. The crate creates no files and prints nothing.
 //!
 //! ```
@@ -30,7 +30,7 @@
 //! # Where what is
 //!
 //! * Blurs: `convolve`, where `lobe.rs` has the kinds of surfaces. Measured surfaces: `lobe_table.rs` and
-//!   `reflectance.rs`; how frames read between their maps is in `crates/render/src/tables/shader.rs`.
+//!   `reflectance.rs`; how frames read between their maps is in `crates/frames/src/shader.rs`.
 //! * Photographs to maps: `ball`, `merge`, and `mosaic.rs` with `gains.rs`.
 #![forbid(unsafe_code)]
 

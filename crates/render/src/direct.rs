@@ -5,7 +5,7 @@
 //! about R = 2(N·E)N − E of every point.
 
 use crate::microfacets::Coat;
-use crate::tables::Weight;
+use crate::weight::Weight;
 use crate::{Lamps, Light, Lightmap, Sample, TexelPlace};
 use ambient::Frame;
 use ambient::closed_form::phong_open;

@@ -6,10 +6,7 @@ use crate::Error;
 ///
 /// # Errors
 /// [`Error::Line`] with the number of the first other line, and that `expected` belongs there.
-pub(crate) fn rows<const N: usize>(
-    text: &str,
-    expected: &'static str,
-) -> Result<Vec<[f64; N]>, Error> {
+pub fn rows<const N: usize>(text: &str, expected: &'static str) -> Result<Vec<[f64; N]>, Error> {
     let rows = rows_of(text, &[N], expected)?;
     let exact = |row: Vec<f64>| row.try_into().expect("rows have this length");
     Ok(rows.into_iter().map(exact).collect())

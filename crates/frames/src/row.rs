@@ -1,11 +1,11 @@
 //! Shading of one row of pixels, a block of [`LANES`] in step.
 
-use super::antialias::Lookup;
-use super::gbuffer::GBuffer;
-use super::index::{Index, combine};
-use super::shader::{COAT, Shader};
-use super::surfel::Mirrored;
-use super::table::{LANES, Lanes, Table};
+use crate::antialias::Lookup;
+use crate::gbuffer::GBuffer;
+use crate::index::{Index, combine};
+use crate::shader::{COAT, Shader};
+use crate::surfel::Mirrored;
+use crate::table::{LANES, Lanes, Table};
 use pulp::NullaryFnOnce;
 use std::ops::Range;
 

@@ -1,11 +1,11 @@
 //! What a mirroring globe shows of a sun of one texel, by each look-up: a far eye sees π/4 L of a sun of solid angle π,
 //! from everywhere.
 
-use super::tests::{shader, view};
 use super::*;
-use crate::Camera;
+use crate::tests::{shader, view};
 use environment::{IlluminationMap, Image, Projection};
 use glam::DVec3;
+use render::Camera;
 
 /// The nearest hit of a ray on the unit sphere at the origin, which mirrors all.
 fn globe(eye: DVec3, direction: DVec3) -> Option<Surfel> {

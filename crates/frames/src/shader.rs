@@ -1,8 +1,8 @@
 //! Line 9 of the 1984 algorithm: what a surface of one type looks up.
 
-use super::index::{Index, dot};
-use super::table::Table;
-use super::weight::Weight;
+use crate::index::{Index, dot};
+use crate::table::Table;
+use render::Weight;
 
 /// A surface type: which tables are looked up by which directions, and what each counts.
 ///

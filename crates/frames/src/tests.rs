@@ -1,10 +1,10 @@
 //! Exact answers of shading from tables: section 4 of the vectors, on spheres with exact normals.
 
 use super::*;
-use crate::Camera;
 use environment::{IlluminationMap, Image, Projection};
 use glam::DVec3;
 use maps::{Lobe, Normalise, Request};
+use render::{Camera, Weight};
 
 /// The nearest hit of a ray on the unit sphere at the origin.
 fn sphere(eye: DVec3, direction: DVec3) -> Option<Surfel> {

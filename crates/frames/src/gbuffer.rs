@@ -1,12 +1,11 @@
 //! What a camera sees of an object, in memory: everything that shading needs and no light.
 
-use super::encoded::NormalCode;
-use super::surfel::{Mirrored, Reflected, Surfel};
-use super::table::LANES;
-use crate::progress::each;
-use crate::{Camera, Error};
+use crate::encoded::NormalCode;
+use crate::surfel::{Mirrored, Reflected, Surfel};
+use crate::table::LANES;
 use glam::{DQuat, DVec3};
 use layers::Progress;
+use render::{Camera, Error, each};
 use std::collections::HashMap;
 
 /// How far the object is turned. The environment stays.

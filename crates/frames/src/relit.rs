@@ -3,14 +3,15 @@
 //! A pixel holds the two numbers of its normal's code and the number of its material, from 1; 0 is no surface. The
 //! camera and the materials stand in the file's header, so that the scene is no longer needed.
 
-use super::encoded::NormalCode;
-use super::gbuffer::{GBuffer, Pixel, Turn, View};
-use super::surfel::Surfel;
-use crate::{Camera, Error};
+use crate::Error;
+use crate::encoded::NormalCode;
+use crate::gbuffer::{GBuffer, Pixel, Turn, View};
+use crate::surfel::Surfel;
 use environment::{Image, Labels};
 use glam::DVec3;
 use layers::Progress;
 use rays::{Overrides, PhongMaterial};
+use render::Camera;
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -33,7 +34,7 @@ impl Encoded {
     /// What `hit` finds for a ray through the middle of each pixel, as in [`GBuffer::take`].
     ///
     /// # Errors
-    /// [`Error::Cancelled`]; [`Error::Tables`] for more than 1,024 materials, as where pictures colour them.
+    /// [`render::Error::Cancelled`]; [`Error::Tables`] for more than 1,024 materials, as where pictures colour them.
     pub fn take(
         camera: &Camera,
         code: NormalCode,

@@ -1,8 +1,8 @@
 //! Look-up methods: sections 7.1 and 8 of the 1984 text. The antialiased ones average a table over what a pixel
 //! reflects, the quad of the directions at its four corners.
 
-use super::slices;
-use super::table::Table;
+use crate::slices;
+use crate::table::Table;
 
 /// How a table is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

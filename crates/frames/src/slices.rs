@@ -6,7 +6,7 @@
 //! its two edges. No rectangle is narrower than a texel, which interpolates where texels are large; a slice that is
 //! narrower has two, side by side.
 
-use super::summed::Summed;
+use crate::summed::Summed;
 
 /// Slices of a quad, at most.
 const MOST: f32 = 64.0;

@@ -1,12 +1,12 @@
 //! The tables of a picture, read from their files, and what each type of surface looks up in them.
 
-use super::index::Index;
-use super::shader::Shader;
-use super::table::Table;
-use super::weight::Weight;
 use crate::Error;
+use crate::index::Index;
+use crate::shader::Shader;
+use crate::table::Table;
 use environment::Projection;
 use maps::{Lobe, Normalise, PolarFile, Request};
+use render::Weight;
 use std::path::{Path, PathBuf};
 
 /// What a surface does with the tables D, S and I.

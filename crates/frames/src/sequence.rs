@@ -1,17 +1,18 @@
 //! Frames: objects that turn before a camera that stands or moves.
 
-use super::antialias::Lookup;
-use super::encoded::NormalCode;
-use super::gbuffer::{GBuffer, Turn, View};
-use super::path::CameraPath;
-use super::shade::{backdrop, frame};
-use super::shader::Shader;
-use super::surfel::Surfel;
-use super::table::Table;
-use crate::{Camera, Error, Framing, Part};
+use crate::Error;
+use crate::antialias::Lookup;
+use crate::encoded::NormalCode;
+use crate::gbuffer::{GBuffer, Turn, View};
+use crate::path::CameraPath;
+use crate::shade::{backdrop, frame};
+use crate::shader::Shader;
+use crate::surfel::Surfel;
+use crate::table::Table;
 use environment::Image;
 use glam::DVec3;
 use layers::Progress;
+use render::{Camera, Framing, Part};
 use std::time::Instant;
 
 /// Where the camera is in each frame.
@@ -75,7 +76,7 @@ impl Motion {
                 let camera = framing.camera_at(path.at(number, frames));
                 camera.map_err(|source| Error::Frame {
                     frame: number,
-                    source: Box::new(source),
+                    source,
                 })
             }
         }
@@ -86,7 +87,7 @@ impl Sequence<'_> {
     /// The frames in order, each made when it is asked for. `hit` is that of [`GBuffer::take`]; `progress` hears of the
     /// pixels of all frames.
     ///
-    /// A frame is an error where [`Motion::camera`] is one, or [`Error::Cancelled`].
+    /// A frame is an error where [`Motion::camera`] is one, or [`render::Error::Cancelled`].
     pub fn frames(
         &self,
         progress: &dyn Progress,
@@ -145,7 +146,7 @@ impl Sequence<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tables::tests::shader;
+    use crate::tests::shader;
     use environment::{IlluminationMap, Projection};
     use std::sync::Mutex;
 
@@ -214,7 +215,10 @@ mod tests {
         // Half of the first frame.
         let heard = Heard(Mutex::new((0, 0)), 160);
         let first = still.frames(&heard, globe).next();
-        assert!(matches!(first, Some(Err(Error::Cancelled))), "{first:?}");
+        assert!(
+            matches!(first, Some(Err(Error::Render(render::Error::Cancelled)))),
+            "{first:?}"
+        );
     }
 
     #[test]

@@ -5,12 +5,23 @@
 //! follow.
 //!
 //! Intensity = Wd(E·N) kd D\[N] + Ws(E·N) ks S\[R] with R = 2(E·N)N − E. E points from the surface to the eye.
+//!
+//! # Where what is
+//!
+//! * What a camera sees: `gbuffer.rs`, of a scene by `surfel.rs`, kept as codes by `encoded.rs` and `relit.rs`.
+//! * Line 9 of the algorithm: `shader.rs` and `row.rs`. Look-ups: `table.rs`, `antialias.rs`, `summed.rs` with
+//!   `slices.rs`. Maps from files: `set.rs`.
+//! * Many frames: `sequence.rs`, along a `path.rs`. Six materials on a sheet: `balls.rs`.
+//! * Materials fitted to pictures: `fit.rs`.
+#![forbid(unsafe_code)]
 
 mod antialias;
 mod balls;
 mod encoded;
 #[cfg(test)]
 mod energy_tests;
+mod error;
+mod fit;
 mod gbuffer;
 mod index;
 #[cfg(test)]
@@ -30,11 +41,12 @@ mod surfel;
 mod table;
 #[cfg(test)]
 mod tests;
-mod weight;
 
 pub use antialias::Lookup;
 pub use balls::Balls;
 pub use encoded::NormalCode;
+pub use error::Error;
+pub use fit::{Fit, Shot, fit};
 pub use gbuffer::{GBuffer, Turn, View};
 pub use index::Index;
 pub use path::CameraPath;
@@ -46,4 +58,3 @@ pub use shader::Shader;
 pub use summed::Summed;
 pub use surfel::{Mirrored, Reflected, Shading, Subject, Surfel};
 pub use table::Table;
-pub use weight::Weight;

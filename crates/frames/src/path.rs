@@ -1,8 +1,7 @@
 //! Where the camera stands in each frame.
 
-use crate::Error;
-use crate::text::rows;
 use glam::DVec3;
+use render::{Error, rows};
 
 /// A camera path through key frames.
 #[derive(Debug, Clone, PartialEq)]

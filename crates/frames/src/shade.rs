@@ -1,14 +1,14 @@
 //! Pictures from tables: a buffer shaded row by row, and what stands behind it.
 
-use super::antialias::Lookup;
-use super::gbuffer::GBuffer;
-use super::row::Row;
-use super::shader::Shader;
-use super::table::Table;
-use crate::Camera;
+use crate::antialias::Lookup;
+use crate::gbuffer::GBuffer;
+use crate::row::Row;
+use crate::shader::Shader;
+use crate::table::Table;
 use environment::Image;
 use pulp::Arch;
 use rayon::prelude::*;
+use render::Camera;
 
 impl Shader<'_> {
     /// Shades the pixels of `buffer` over what `picture` holds behind them.

@@ -1,11 +1,12 @@
 //! One body in six materials in one environment: mirror, glossy, diffuse, varnished, retro-reflective, refracting.
 
-use super::{GBuffer, Index, Lookup, Shader, Surfel, Table, Turn, View, Weight, backdrop};
-use crate::{Camera, Error, Part};
+use crate::Error;
+use crate::{GBuffer, Index, Lookup, Shader, Surfel, Table, Turn, View, backdrop};
 use environment::{IlluminationMap, Image, Projection};
 use glam::DVec3;
 use layers::Progress;
 use maps::{Lobe, Normalise, Request};
+use render::{Camera, Part, Weight};
 
 /// The tables that the six materials need.
 #[derive(Debug)]
@@ -105,7 +106,7 @@ impl Balls {
     /// Three columns and two rows of pictures by `camera`, before the environment. `progress` hears of pixels.
     ///
     /// # Errors
-    /// [`Error::Cancelled`].
+    /// [`render::Error::Cancelled`].
     pub fn sheet(
         &self,
         camera: &Camera,
@@ -113,7 +114,7 @@ impl Balls {
         lookup: Lookup,
         progress: &dyn Progress,
         hit: impl Fn(DVec3, DVec3) -> Option<Surfel> + Sync,
-    ) -> Result<Image, Error> {
+    ) -> Result<Image, render::Error> {
         let [width, height] = camera.size.map(|n| n as usize);
         let behind = backdrop(camera, Some(&self.environment));
         let mut sheet = Image::filled(3 * width, 2 * height, [0.0; 3]);

@@ -12,14 +12,12 @@
 //! least squares; the exponent that leaves the least is looked for on a scale of ln(n + 1). Standard errors are those
 //! of the linearised problem of all seven numbers, with the variance that the pixels leave.
 
-use crate::picture::Sample;
-use crate::progress::{Part, each};
-use crate::{Camera, Direct, Error, Model};
 use ambient::Estimate;
 use environment::Image;
 use glam::DVec3;
 use layers::Progress;
 use rays::Overrides;
+use render::{Camera, Direct, Error, Model, Part, Sample, each};
 
 /// Most pixels that are compared: those of a regular grid over all pictures.
 const MOST_PIXELS: usize = 3000;

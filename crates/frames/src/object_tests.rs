@@ -1,10 +1,10 @@
 //! Shaders by object, and mirrors whose rays are traced.
 
-use super::tests::{LOOKUPS, shader, view};
 use super::*;
-use crate::Camera;
+use crate::tests::{LOOKUPS, shader, view};
 use environment::{IlluminationMap, Image, Projection};
 use glam::DVec3;
+use render::{Camera, Weight};
 
 /// A table whose texels all differ.
 fn uneven(scale: f32) -> Table {

@@ -1,9 +1,10 @@
 //! Reflectance by incidence and colour: the weights and the tables that section 9 of the 1984 text asks for.
 
-use super::tests::{LOOKUPS, buffer, polar, shader};
 use super::*;
+use crate::tests::{LOOKUPS, buffer, polar, shader};
 use environment::{Image, Projection};
 use maps::{Normalise, Reflectance};
+use render::Weight;
 
 /// Fresnel's share of unpolarised light that a surface of refractive index n + ik mirrors at a cosine (M. Born, E.
 /// Wolf, "Principles of Optics", sections 1.5.2 and 14.2).

@@ -5,7 +5,7 @@
 //! bilinear look-up differs from [`environment::IlluminationMap::bilinear`] by rounding alone: places err by at most 1.3e-7 of
 //! the map's width or height for each radian (tested), values by that times the slope of the map.
 
-use super::summed::Summed;
+use crate::summed::Summed;
 use ambient::lanes::atan2;
 use environment::{Error, IlluminationMap, Projection};
 use std::f32::consts::FRAC_1_PI;
