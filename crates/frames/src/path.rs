@@ -22,10 +22,10 @@ impl CameraPath {
     /// # Errors
     /// [`Error::Line`] with the first line that is none, [`Error::Text`] where there are no lines.
     pub fn parse(text: &str) -> Result<CameraPath, Error> {
-        let keys = rows::<6>(text, "eye X,Y,Z and looked-at X,Y,Z")?;
+        let keys = rows(text, &[6], "eye X,Y,Z and looked-at X,Y,Z")?;
         let keys = keys
             .into_iter()
-            .map(|[a, b, c, d, e, f]| [DVec3::new(a, b, c), DVec3::new(d, e, f)]);
+            .map(|key| [0, 3].map(|from| DVec3::from_slice(&key[from..])));
         CameraPath::new(keys.collect()).ok_or(Error::Text(
             "it has no lines; one a key frame belongs there",
         ))

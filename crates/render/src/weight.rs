@@ -1,7 +1,7 @@
 //! The weights Wd and Ws of the 1984 text: reflectance by the cosine of the angle of view, in one colour or three.
 
 use crate::Error;
-use crate::text::{heading, rows_of};
+use crate::text::{heading, rows};
 
 /// A weight as a function of E·N.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,7 +30,7 @@ impl Weight {
             [x, weight] => [*x, *weight, *weight, *weight],
             row => [0, 1, 2, 3].map(|k: usize| row[k]),
         };
-        let rows = rows_of(&text, &[2, 4], expected)?;
+        let rows = rows(&text, &[2, 4], expected)?;
         let mut lines: Vec<[f64; 4]> = rows.into_iter().map(grey).collect();
         if heading == Some("degrees") {
             if !lines.iter().all(|[x, ..]| (0.0..=90.0).contains(x)) {
