@@ -1,7 +1,6 @@
 //! Six photographs to one map, by the built program.
 
-use crate::support::{run, run_well};
-use std::fs;
+use crate::support::{run, run_well, save_image};
 
 #[test]
 fn six_photographs_of_unlike_exposure_become_the_map_that_they_were_taken_of() {
@@ -24,12 +23,7 @@ fn six_photographs_of_unlike_exposure_become_the_map_that_they_were_taken_of() {
             height: n,
             pixels: (0..n * n).map(|at| [value(at); 3]).collect(),
         };
-        let bytes = environment::encode(
-            &image,
-            environment::Format::Exr,
-            &environment::Labels::new(),
-        );
-        fs::write(at(&format!("p_{name}.exr")), bytes.expect("a picture")).expect("a file");
+        save_image(at(&format!("p_{name}.exr")), &image);
     }
     let (input, output) = (text("p.exr"), text("map.exr"));
     let told = run_well(["map", "mosaic", &input, "-o", &output, "--json"]);
