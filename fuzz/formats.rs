@@ -50,17 +50,17 @@ pub fn glb(bytes: &[u8]) {
 
 /// A Radiance picture.
 pub fn hdr(bytes: &[u8]) {
-    let _ = maps::read_unchecked(&file("a.hdr", bytes));
+    let _ = environment::read_unchecked(&file("a.hdr", bytes));
 }
 
 /// An OpenEXR picture.
 pub fn exr(bytes: &[u8]) {
-    let _ = maps::read_unchecked(&file("a.exr", bytes));
+    let _ = environment::read_unchecked(&file("a.exr", bytes));
 }
 
 /// A PNG, JPEG, BMP or TGA picture, as a map and as a texture.
 pub fn picture(bytes: &[u8]) {
-    let _ = maps::read_unchecked(&file("a.png", bytes));
+    let _ = environment::read_unchecked(&file("a.png", bytes));
     file("t.mtl", b"newmtl m\nmap_Kd a.png\nnorm a.png\n");
     let obj = "mtllib t.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n";
     load("t.obj", obj.as_bytes());

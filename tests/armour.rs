@@ -1,6 +1,8 @@
 //! Lost work and wrong answers that an attack found: each of these was a hole.
 
-use crate::support::{ambake, backends, bake, ended, files, report, run_well, scene, shell};
+use crate::support::{
+    ambake, backends, bake, ended, files, report, run_well, save_image, scene, shell,
+};
 use serde_json::{Value, json};
 use std::fs::TryLockError;
 use std::path::{Path, PathBuf};
@@ -463,10 +465,9 @@ fn light_that_would_overflow_is_refused_with_its_range_before_the_bake() {
     let shines = format!("mtllib lamp.mtl\nusemtl lamp\n{square}");
     std::fs::write(&lamp, shines).expect("a file");
     std::fs::write(lamp.with_extension("mtl"), "newmtl lamp\nKe 1 1e30 1\n").expect("a file");
-    let mut image = maps::Image::filled(64, 32, [0.5; 3]);
+    let mut image = environment::Image::filled(64, 32, [0.5; 3]);
     image.pixels[70] = [1.0, 1e20, 1.0];
-    let bytes = maps::encode(&image, maps::Format::Exr, &maps::Labels::new()).expect("a picture");
-    std::fs::write(&sky, bytes).expect("a file");
+    save_image(&sky, &image);
     let sky = format!("--sky={}", sky.display());
     let plane = scene("plane.obj");
     for (file, words, range) in [

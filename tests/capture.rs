@@ -1,6 +1,6 @@
 //! Illumination maps of scenes, by the built program.
 
-use crate::support::{backends, run, run_well, scene};
+use crate::support::{backends, load_image, run, run_well, scene};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -34,7 +34,7 @@ fn the_diffuse_map_of_a_captured_lamp_is_its_form_factor() {
             let request = "--to strip --size 6x1 --quiet";
             let words = ["map", "diffuse", &input, "-o", &output];
             run_well(words.into_iter().chain(request.split(' ')));
-            let d = maps::read(Path::new(&output)).expect("an EXR").image;
+            let d = load_image(&output);
             for (channel, radiance) in [2.0, 3.0, 5.0].into_iter().enumerate() {
                 // The face +y, its middle.
                 let ratio = f64::from(d.pixels[2][channel]) / radiance / factor;
@@ -116,7 +116,7 @@ fn a_wrong_capture_is_one_line_and_leaves_no_file() {
     let warned = run(words);
     assert_eq!(warned.status.code(), Some(0));
     assert!(String::from_utf8_lossy(&warned.stderr).contains("warning: nothing shines"));
-    let map = maps::read(Path::new(&output)).expect("an EXR").image;
+    let map = load_image(&output);
     assert!(map.pixels.iter().all(|pixel| *pixel == [0.0; 3]));
 }
 
@@ -139,6 +139,6 @@ fn a_lamp_of_an_obj_scene_still_shines_in_a_picture_from_its_bake() {
     let view = "--eye 0,0,0 --look 0,1,0 --up 0,0,1 --fov-deg 40 --size 4x4 --quiet";
     let words = ["render", &lamp, "--bake", &at("bake"), "-o", &at("x.exr")];
     run_well(words.into_iter().chain(view.split(' ')));
-    let picture = maps::read(Path::new(&at("x.exr"))).expect("an EXR").image;
+    let picture = load_image(at("x.exr"));
     assert!(picture.pixels.iter().all(|pixel| *pixel == [2.0, 3.0, 5.0]));
 }

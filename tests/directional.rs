@@ -1,7 +1,7 @@
 //! `--layers sh,bent`: whence the light of a texel comes, against closed forms.
 
-use crate::support::{Page, bake};
-use maps::{Format, Image, Labels};
+use crate::support::{Page, bake, save_image};
+use environment::Image;
 use std::f64::consts::{PI, TAU};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -116,8 +116,7 @@ fn light_of_a_map_is_its_integral_over_the_open_hemisphere() {
         height,
         pixels,
     };
-    let bytes = maps::encode(&image, Format::Exr, &Labels::new()).expect("finite pixels");
-    fs::write(&sky, bytes).expect("written");
+    save_image(&sky, &image);
     let sky = sky.to_str().expect("UTF-8").to_owned();
     let flags = ["--size=16", "--rays=256", "--layers=sh", "--sky", &sky];
     let (_bake, page) = bake(&floor(folder.path(), None), &flags);

@@ -18,7 +18,10 @@ fn fig3(scene: &Path, folder: &Path, name: &str, more: &str) -> std::path::PathB
 
 /// Pixels of a picture.
 fn pixels(path: &Path) -> Vec<[f32; 3]> {
-    maps::read_unchecked(path).expect("an EXR").image.pixels
+    environment::read_unchecked(path)
+        .expect("an EXR")
+        .image
+        .pixels
 }
 
 /// Mean of the green pixels that keep a rule, and its standard error.

@@ -1,18 +1,17 @@
 //! Frames shaded from reflection maps, by the built program.
 
-use crate::support::{files, run, run_well, scene};
+use crate::support::{files, load_image, run, run_well, save_image, scene};
 use std::fs;
 use std::path::Path;
 
 /// A map of one colour, or of what a function gives for each texel.
 fn write_map(path: &Path, width: usize, of: impl Fn(usize) -> [f32; 3]) {
-    let image = maps::Image {
+    let image = environment::Image {
         width,
         height: width / 2,
         pixels: (0..width * width / 2).map(of).collect(),
     };
-    let bytes = maps::encode(&image, maps::Format::Exr, &maps::Labels::new()).expect("a picture");
-    fs::write(path, bytes).expect("a file");
+    save_image(path, &image);
 }
 
 /// D and S of a map by the program, as the value of `--maps`.
@@ -39,7 +38,7 @@ fn globe(path: &Path, more: &[&str]) -> Vec<[f32; 3]> {
         .collect();
     run_well(arguments);
     match fs::metadata(&path) {
-        Ok(_) => maps::read(Path::new(&path)).expect("an EXR").image.pixels,
+        Ok(_) => load_image(&path).pixels,
         Err(_) => Vec::new(),
     }
 }
@@ -106,7 +105,7 @@ fn a_sequence_has_numbered_frames_that_do_not_depend_on_threads() {
         .concat(),
     );
     let still = globe(&at("still.exr"), &common);
-    let first = maps::read(&at("p.0000.exr")).expect("a frame").image.pixels;
+    let first = load_image(at("p.0000.exr")).pixels;
     assert_eq!(first, still);
     assert!(at("p.0001.exr").exists() && !at("p.0002.exr").exists());
 }
@@ -176,7 +175,7 @@ fn objects_have_shaders_of_their_own_and_traced_mirrors_show_what_stands_before_
         let output = render(more);
         let errors = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{more:?}: {errors}");
-        let image = maps::read(&at("x.exr")).expect("an EXR").image;
+        let image = load_image(at("x.exr"));
         (0..40).map(|y| image.at(4, y)[0]).collect::<Vec<f32>>()
     };
     let near = |a: f32, b: f32| (a - b).abs() < 1e-5;
@@ -252,8 +251,8 @@ fn the_figure_of_six_materials_has_their_values_under_a_uniform_environment() {
     arguments.extend(view.split(' '));
     run_well(arguments);
     assert_eq!(files(Path::new(&figure)), ["balls.exr", "balls.png"]);
-    let sheet = maps::read(&Path::new(&figure).join("balls.exr")).expect("a sheet");
-    let middle = |k: usize| sheet.image.at(20 * (k % 3) + 10, 20 * (k / 3) + 10);
+    let sheet = load_image(Path::new(&figure).join("balls.exr"));
+    let middle = |k: usize| sheet.at(20 * (k % 3) + 10, 20 * (k / 3) + 10);
     // Mirror, glossy, diffuse of 1/2, varnished (red), retro-reflective of 1/2, refracting.
     for (k, exact) in [1.0f32, 1.0, 0.5, 1.0, 0.5, 1.0].into_iter().enumerate() {
         assert!((middle(k)[0] - exact).abs() < 1e-6, "{k}: {:?}", middle(k));
@@ -317,7 +316,7 @@ fn a_measured_surface_shows_its_reflectance_by_incidence_colour_and_exponent() {
             "1",
         ];
         run_well([&words[..], &tables, &view].concat());
-        let middle = maps::read(Path::new(&out)).expect("an EXR").image.pixels[4];
+        let middle = load_image(&out).pixels[4];
         for c in 0..3 {
             let found = f64::from(middle[c]);
             assert!(
@@ -446,8 +445,7 @@ fn a_picture_of_codes_is_relit_as_its_scene_is_shaded() {
             let [relit, shaded] = ["relit.exr", "shaded.exr"].map(text);
             shot(&[&codes, "--relight", &lit, "-o", &relit, "--quiet"]);
             shot(&[&ball, &lit, "--normals", code, "-o", &shaded, view, colors]);
-            let [relit, shaded] =
-                [relit, shaded].map(|path| maps::read(Path::new(&path)).expect("a picture").image);
+            let [relit, shaded] = [relit, shaded].map(|path| load_image(&path));
             assert_eq!(relit.pixels.len(), 1600);
             for (a, b) in relit.pixels.iter().zip(&shaded.pixels) {
                 // Views are rounded once more or less.
@@ -468,10 +466,7 @@ fn a_picture_of_codes_is_relit_as_its_scene_is_shaded() {
         &dark,
         black,
     ]);
-    let pixels = maps::read(Path::new(&dark))
-        .expect("a picture")
-        .image
-        .pixels;
+    let pixels = load_image(&dark).pixels;
     assert!(pixels.iter().all(|pixel| *pixel == [0.0; 3]));
     for (file, more, says) in [
         (text("I.exr"), &[][..], "--encode"),

@@ -1,7 +1,7 @@
 //! `ambake map`: exact answers, labels, chains and bad input, by the built program.
 
 use crate::support::{model, run, run_well, scene};
-use maps::{Format, Image, Labels};
+use environment::{Format, Image, Labels};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -12,12 +12,12 @@ fn picture(path: &Path, size: (usize, usize), pixel: impl Fn(usize, usize) -> [f
         *value = pixel(at % size.0, at / size.0);
     }
     let format = Format::of(path).expect("a picture's ending");
-    let bytes = maps::encode(&image, format, &Labels::new()).expect("it can be encoded");
+    let bytes = environment::encode(&image, format, &Labels::new()).expect("it can be encoded");
     fs::write(path, bytes).expect("it is written");
 }
 
-fn read(path: &Path) -> maps::ImageFile {
-    maps::read(path).expect("a picture")
+fn read(path: &Path) -> environment::ImageFile {
+    environment::read(path).expect("a picture")
 }
 
 /// Runs `map` with words in which `IN` and `OUT` stand for files in the folder.
@@ -184,7 +184,7 @@ fn bad_input_gets_one_line_and_leaves_nothing_behind() {
     }
     picture(&at("square.exr"), (32, 32), |_, _| [1.0; 3]);
     let odd = Labels::from([("ambakeProjection".into(), "mercator".into())]);
-    let odd = maps::encode(&Image::filled(8, 4, [1.0; 3]), Format::Exr, &odd);
+    let odd = environment::encode(&Image::filled(8, 4, [1.0; 3]), Format::Exr, &odd);
     fs::write(at("odd.exr"), odd.expect("it is finite")).expect("it is written");
     for face in ["px", "nx", "py", "ny", "pz", "nz"] {
         let side = if face == "nz" { 16 } else { 8 };
@@ -350,7 +350,7 @@ fn environments_keep_their_energy_through_d_and_s() {
         ));
         let integral = |name: &str| {
             let file = read(&folder.path().join(name));
-            let map = maps::IlluminationMap::new(file.image, maps::Projection::Polar);
+            let map = environment::IlluminationMap::new(file.image, environment::Projection::Polar);
             map.expect("a polar map").integral()
         };
         let before = integral("in.hdr");

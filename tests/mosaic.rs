@@ -1,7 +1,6 @@
 //! Six photographs to one map, by the built program.
 
-use crate::support::{run, run_well};
-use std::fs;
+use crate::support::{run, run_well, save_image};
 
 #[test]
 fn six_photographs_of_unlike_exposure_become_the_map_that_they_were_taken_of() {
@@ -11,21 +10,20 @@ fn six_photographs_of_unlike_exposure_become_the_map_that_they_were_taken_of() {
     let sky = |[x, y, z]: [f64; 3]| 1.0 + 0.4 * y + 0.2 * (3.0 * x + z).sin();
     // Faces of a cube as `map convert` has them, each exposed differently.
     let (n, gains) = (48, [0.8, 1.0, 1.25, 1.1, 0.9, 1.05]);
-    let cube = maps::Projection::Cube;
-    for (face, name) in maps::FACES.into_iter().enumerate() {
+    let cube = environment::Projection::Cube;
+    for (face, name) in environment::FACES.into_iter().enumerate() {
         let value = |at: usize| {
             let place = (at % n, face * n + at / n);
             let (x, y) = (place.0 as f64 + 0.5, place.1 as f64 + 0.5);
             let direction = cube.direction((n, 6 * n), x, y).expect("on the cube");
             (sky(direction) * gains[face]) as f32
         };
-        let image = maps::Image {
+        let image = environment::Image {
             width: n,
             height: n,
             pixels: (0..n * n).map(|at| [value(at); 3]).collect(),
         };
-        let bytes = maps::encode(&image, maps::Format::Exr, &maps::Labels::new());
-        fs::write(at(&format!("p_{name}.exr")), bytes.expect("a picture")).expect("a file");
+        save_image(at(&format!("p_{name}.exr")), &image);
     }
     let (input, output) = (text("p.exr"), text("map.exr"));
     let told = run_well(["map", "mosaic", &input, "-o", &output, "--json"]);

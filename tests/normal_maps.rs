@@ -1,7 +1,7 @@
 //! Normal maps bend the shading normal: a constant map on a lone level square, whose terms are known on paper.
 
 use crate::quads::{self, Quad};
-use crate::support::{run, run_well};
+use crate::support::{load_image, run, run_well, save_image};
 use ambake::{Bake, Layer, Scene, Shading, Uv};
 use glam::Vec3;
 use serde_json::{Value, json};
@@ -262,7 +262,7 @@ fn pictures_show_relief_by_integration_and_from_tables() {
         let words = ["render", &scene, "-o", &out, "-q"];
         let words: Vec<&str> = words.into_iter().chain(view.split(' ')).collect();
         run_well([&words[..], more].concat());
-        maps::read(Path::new(&out)).expect("a picture").image.pixels
+        load_image(&out).pixels
     };
     let normal = bent(1.0, Vec3::X, -Vec3::Z, Vec3::Y);
     let sun = Vec3::new(1.0, 2.0, 0.5).normalize();
@@ -286,13 +286,12 @@ fn pictures_show_relief_by_integration_and_from_tables() {
         ];
         toward.map(|v| 0.5 + 0.5 * v)
     };
-    let image = maps::Image {
+    let image = environment::Image {
         width,
         height,
         pixels: (0..width * height).map(texel).collect(),
     };
-    let bytes = maps::encode(&image, maps::Format::Exr, &maps::Labels::new()).expect("a map");
-    std::fs::write(at("D.exr"), bytes).expect("a file");
+    save_image(at("D.exr"), &image);
     let tables = [at("D.exr"), at("D.exr")].join(",");
     for pixel in shot(&["--maps", &tables, "--normal-maps"]) {
         // Bilinear between texels of 1.4 degrees: 0.5 (half a step)^2 / 2.

@@ -1,8 +1,8 @@
 //! Photographs to maps, by the built program: mirrored balls and exposure brackets.
 
-use crate::support::{exr_layer, files, run, run_well, scene};
+use crate::support::{exr_layer, files, load_image, run, run_well, save_image, scene};
+use environment::{FACES, Image, Projection};
 use image::{ImageBuffer, Rgb};
-use maps::{Format, Image, Labels, Projection};
 use serde_json::Value;
 use std::f64::consts::PI;
 use std::fs;
@@ -86,8 +86,7 @@ fn mean(projection: Projection, size: (usize, usize), texel: usize) -> [f64; 3] 
 }
 
 fn save(path: &Path, image: &Image) {
-    let bytes = maps::encode(image, Format::Exr, &Labels::new()).expect("it is finite");
-    fs::write(path, bytes).expect("it is written");
+    save_image(path, image);
 }
 
 /// The channel `confidence` of a file.
@@ -140,7 +139,7 @@ fn a_ball_comes_back_as_its_surroundings_but_for_the_blind_cone() {
         }
         let angle = ball["blind_half_angle_deg"].as_f64().expect("a number");
         assert!((angle - blind).abs() < 1e-3, "{angle}");
-        let image = maps::read(&out).expect("a map").image;
+        let image = load_image(&out);
         let confidence = confidence(&out);
         let (mut worst, mut masked) = (0.0f64, 0);
         for (index, pixel) in image.pixels.iter().enumerate() {
@@ -213,7 +212,7 @@ fn two_balls_a_quarter_turn_apart_leave_no_direction_unseen() {
     for (face, name) in ["px", "nx", "py", "ny", "pz", "nz"].into_iter().enumerate() {
         let path = at(&format!("cube_{name}.exr"));
         assert!(confidence(path.as_ref()).iter().all(|c| *c > 0.0));
-        let image = maps::read(path.as_ref()).expect("a face").image;
+        let image = load_image(&path);
         for (index, pixel) in image.pixels.iter().enumerate() {
             let truth = mean(Projection::Cube, (64, 384), face * 64 * 64 + index);
             let error = |c: usize| (f64::from(pixel[c]) / truth[c] - 1.0).abs();
@@ -297,7 +296,7 @@ fn jpegs_merge_by_the_times_in_their_exif_blocks() {
     assert_eq!(summary["times"], serde_json::json!([2.0, 0.5, 0.125]));
     // The brightest level of the last is 1024 / 8 = 128.
     assert_eq!(summary["saturated_pixels"], 0);
-    let image = maps::read(at("out.exr").as_ref()).expect("a picture").image;
+    let image = load_image(at("out.exr"));
     for k in 0..8 {
         let truth = f64::from(8 << k) / 255.0;
         let error = f64::from(image.at(16 * k + 8, 8)[1]) / truth - 1.0;
@@ -323,7 +322,7 @@ fn a_series_may_be_bracketed_by_time_f_stop_and_iso() {
         json(&text)["times"],
         serde_json::json!([0.5, 0.125, 0.03125])
     );
-    let image = maps::read(out.as_ref()).expect("a picture").image;
+    let image = load_image(&out);
     // Radiance by the exposure of the first: 4 times what its EXIF time alone would say.
     for k in 0..8 {
         let truth = 4.0 * f64::from(8 << k) / 255.0;
@@ -387,7 +386,7 @@ fn sixteen_bits_merge_with_shifts_and_saturated_pixels_are_counted() {
     let summary = json(&merge(&["--align", "--json"]));
     assert_eq!(summary["shifts"], serde_json::json!(shifts));
     assert_eq!(summary["saturated_pixels"], 100);
-    let image = maps::read(at("out.exr").as_ref()).expect("a picture").image;
+    let image = load_image(at("out.exr"));
     let confidence = confidence(at("out.exr").as_ref());
     for (index, pixel) in image.pixels.iter().enumerate() {
         let (x, y) = ((index % 160) as i64, (index / 160) as i64);
@@ -431,14 +430,14 @@ fn a_curve_found_from_a_series_develops_single_photographs() {
     let series = ["map", "merge", &a, &b, &c, "--times=4,1,0.25", "-o", &out];
     let text = run_well([&series[..], &["--save-response", &film]].concat());
     assert!(text.contains("film.txt"), "{text}");
-    let found = maps::read(out.as_ref()).expect("a picture").image;
+    let found = load_image(&out);
     run_well([&series[..], &["--response", &film]].concat());
-    let again = maps::read(out.as_ref()).expect("a picture").image;
+    let again = load_image(&out);
     for (a, b) in found.pixels.iter().zip(&again.pixels) {
         assert!((a[1] / b[1] - 1.0).abs() < 1e-3, "{a:?} {b:?}");
     }
     // Six single photographs of one exposure.
-    for face in maps::FACES {
+    for face in FACES {
         shoot(&format!("six_{face}.png"), 1.0);
     }
     let six = [
@@ -453,7 +452,7 @@ fn a_curve_found_from_a_series_develops_single_photographs() {
     .map(str::to_owned);
     let spread = |words: &[String]| {
         run_well(words);
-        let image = maps::read(at("sky_pz.exr").as_ref()).expect("a face").image;
+        let image = load_image(at("sky_pz.exr"));
         let ratios: Vec<f64> = (0..4096_u32)
             .filter(|k| (8..56).contains(&(k % 64)))
             .map(|k| f64::from(image.pixels[k as usize][0]) / radiance(k % 64, k / 64))

@@ -1,6 +1,6 @@
 //! Pictures through a camera, by the built program.
 
-use crate::support::{run, run_well, scene};
+use crate::support::{load_image, run, run_well, save_image, scene};
 use exr::image::read::image::ReadLayers;
 use exr::image::read::layers::ReadChannels;
 use std::fs;
@@ -23,7 +23,7 @@ fn courtyard(folder: &Path, name: &str, more: &[&str]) -> Vec<u8> {
 
 /// Pixels of a picture.
 fn pixels(path: &Path) -> Vec<[f32; 3]> {
-    maps::read(path).expect("an EXR").image.pixels
+    load_image(path).pixels
 }
 
 #[test]
@@ -197,13 +197,12 @@ fn a_scene_is_laid_over_a_plate_as_its_alpha_says() {
     assert!(alpha.contains(&1.0) && alpha.contains(&0.0));
     assert!(alpha.iter().any(|a| *a > 0.1 && *a < 0.9), "an edge");
     // A plate with a value of its own in each pixel.
-    let plate = maps::Image {
+    let plate = environment::Image {
         width: 31,
         height: 21,
         pixels: (0..31 * 21).map(|k| [k as f32 / 651.0, 0.5, 2.0]).collect(),
     };
-    let bytes = maps::encode(&plate, maps::Format::Exr, &maps::Labels::new()).expect("bytes");
-    fs::write(at("plate.exr"), bytes).expect("it is written");
+    save_image(at("plate.exr"), &plate);
     let laid = shot("laid.exr", &format!("--backdrop {}", at("plate.exr")));
     for (k, found) in laid.iter().enumerate() {
         for c in 0..3 {
@@ -212,9 +211,8 @@ fn a_scene_is_laid_over_a_plate_as_its_alpha_says() {
         }
     }
     // The same by tables: D of a sky of 1, before the plate and with its alpha as a PNG.
-    let sky = maps::Image::filled(8, 4, [1.0; 3]);
-    let bytes = maps::encode(&sky, maps::Format::Exr, &maps::Labels::new()).expect("bytes");
-    fs::write(at("sky.exr"), bytes).expect("it is written");
+    let sky = environment::Image::filled(8, 4, [1.0; 3]);
+    save_image(at("sky.exr"), &sky);
     let tables = format!(
         "--maps {0},{0} --specular 0,0,0 --environment {0} --quiet --size 31x21 --samples 4 --albedo 0.25,0.5,0.75 --eye 0,0,4 --look 0,0,0",
         at("sky.exr")

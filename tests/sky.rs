@@ -1,8 +1,8 @@
 //! `bake --sky FILE`: an illumination map in place of the uniform sky, against closed forms and against the maps
 //! convolved from it.
 
-use crate::support::{Page, backends, bake, run, run_well, scene};
-use maps::{Format, IlluminationMap, Image, Labels, Projection};
+use crate::support::{Page, backends, bake, load_image, run, run_well, save_image, scene};
+use environment::{IlluminationMap, Image, Projection};
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -25,8 +25,7 @@ fn sky(folder: &Path, width: usize, radiance: impl Fn([f64; 3]) -> [f32; 3]) -> 
         pixels: pixels.collect(),
     };
     let path = folder.join("sky.exr");
-    let bytes = maps::encode(&image, Format::Exr, &Labels::new()).expect("finite pixels");
-    std::fs::write(&path, bytes).expect("a file");
+    save_image(&path, &image);
     path
 }
 
@@ -147,7 +146,7 @@ fn a_picture_under_a_map_is_that_of_its_light_with_either_seed() {
             "-q",
         ];
         run_well([&common[..], more].concat());
-        maps::read(Path::new(path)).expect("a picture").image.pixels
+        load_image(path).pixels
     };
     let even = even.to_str().expect("UTF-8");
     let map = shot("a.exr", &["--rays", "8", "--sky", even]);
@@ -191,7 +190,7 @@ fn a_picture_under_a_map_is_that_of_its_light_with_either_seed() {
 fn on_an_unoccluded_sphere_the_bake_and_both_reflection_maps_agree() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = sky(folder.path(), 256, day);
-    let image = maps::read(&path).expect("the sky").image;
+    let image = load_image(&path);
     let map = IlluminationMap::new(image, Projection::Polar).expect("polar");
     // Bilinear look-up errs by n h^2 / 8 of the peak: 4e-5 and 5e-5.
     let diffuse = maps::diffuse(&map, (360, 180)).expect("D");
@@ -266,7 +265,7 @@ fn on_an_unoccluded_sphere_the_bake_and_both_reflection_maps_agree() {
 #[test]
 fn the_generated_sky_lights_an_open_plane_as_its_upper_half_says() {
     let path = scene("sky.hdr");
-    let image = maps::read(&path).expect("the sky").image;
+    let image = load_image(&path);
     let (width, height) = (image.width as f64, image.height as f64);
     // (1/pi) times the integral of cos over the texels above the horizon, y up.
     let mut exact = [0.0; 3];

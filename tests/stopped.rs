@@ -1,6 +1,6 @@
 //! Pictures, frames, figures and captures that are stopped: exit status, and nothing half-written.
 
-use crate::support::{ambake, files, scene};
+use crate::support::{ambake, files, load_image, save_image, scene};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -67,9 +67,8 @@ fn a_stopped_picture_figure_or_capture_leaves_nothing_behind() {
 #[test]
 fn a_stopped_sequence_leaves_whole_frames() {
     let folder = tempfile::tempdir().expect("a folder");
-    let image = maps::Image::filled(64, 32, [0.5; 3]);
-    let bytes = maps::encode(&image, maps::Format::Exr, &maps::Labels::new()).expect("a picture");
-    std::fs::write(folder.path().join("I.exr"), bytes).expect("a file");
+    let image = environment::Image::filled(64, 32, [0.5; 3]);
+    save_image(folder.path().join("I.exr"), &image);
     let ball = scene("ball.obj").display().to_string();
     let words =
         "--shader mirror --environment I.exr --frames 100000 --size 200x200 --quiet -o x.exr";
@@ -85,6 +84,6 @@ fn a_stopped_sequence_leaves_whole_frames() {
         .collect();
     for (number, name) in frames.iter().enumerate() {
         assert_eq!(*name, format!("x.{number:04}.exr"));
-        maps::read(&folder.path().join(name)).expect("a whole frame");
+        load_image(folder.path().join(name));
     }
 }

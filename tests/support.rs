@@ -1,5 +1,6 @@
 //! What every integration test needs: running the program, and reading what it wrote.
 
+use environment::{Format, Image, Labels};
 use exr::prelude::{AnyChannels, FlatSamples, Layer, ReadChannels, ReadLayers, read};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -112,6 +113,17 @@ pub fn backends() -> Vec<&'static str> {
     } else {
         vec!["obvhs"]
     }
+}
+
+/// The picture in a file.
+pub fn load_image(path: impl AsRef<Path>) -> Image {
+    environment::read(path.as_ref()).expect("a picture").image
+}
+
+/// Writes a picture to an .exr file.
+pub fn save_image(path: impl AsRef<Path>, image: &Image) {
+    let bytes = environment::encode(image, Format::Exr, &Labels::new()).expect("finite pixels");
+    std::fs::write(path, bytes).expect("a file");
 }
 
 /// The first layer of an EXR file, with all of its channels.

@@ -13,7 +13,7 @@ pub enum Error {
     /// The scene cannot be loaded or built.
     Scene(scene::Error),
     /// The sky's picture cannot be read.
-    Sky(maps::Error),
+    Sky(environment::Error),
     /// An option has a value that it cannot have, or two options exclude each other.
     Option {
         /// The option by its own name, or by its flag.
@@ -106,7 +106,7 @@ macro_rules! from {
 
 from! {
     Scene(scene::Error),
-    Sky(maps::Error),
+    Sky(environment::Error),
     Rays(rays::Error),
     Threads(rayon::ThreadPoolBuildError),
     Output(report::Error),

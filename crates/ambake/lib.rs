@@ -171,7 +171,7 @@ pub use report::{BakeReport, Engine, PageReport};
 pub use scene::{AlphaMode, Material, Mesh, MetallicRoughness, Placement, Scene, Texture, Warning};
 pub use sky::Sky;
 pub use vertices::Vertices;
-pub use {atlas, glam, maps, rayon, render, report, serde_json};
+pub use {atlas, environment, glam, rayon, render, report, serde_json};
 #[cfg(feature = "write")]
 pub use {
     export::{Exported, export},

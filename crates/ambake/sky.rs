@@ -1,7 +1,7 @@
 //! The light that arrives where nothing blocks it.
 
 use crate::error::Error;
-use maps::{IlluminationMap, Image, Projection, SkyMap};
+use environment::{IlluminationMap, Image, Projection, SkyMap};
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 #[cfg(feature = "sky")]
@@ -16,7 +16,7 @@ pub(crate) const MAX_RADIANCE: f32 = 1e12;
 /// The sky of a bake: uniform, or an illumination map from a file, from pixels or from a function.
 #[derive(Debug, Clone)]
 pub struct Sky {
-    pub(crate) light: maps::Sky,
+    pub(crate) light: environment::Sky,
     /// What outputs say of it: everything that decides its values.
     described: Value,
     /// The picture it was read from.
@@ -27,7 +27,7 @@ impl Sky {
     /// The same radiance from every direction, linear RGB; each channel is finite and at least 0.
     pub fn uniform(radiance: [f32; 3]) -> Self {
         Self {
-            light: maps::Sky::Uniform(radiance),
+            light: environment::Sky::Uniform(radiance),
             described: json!(radiance),
             file: None,
         }
@@ -40,7 +40,7 @@ impl Sky {
     #[cfg(feature = "sky")]
     pub fn load(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
-        let sky = maps::read_sky(path)?;
+        let sky = environment::read_sky(path)?;
         let (width, height) = sky.map.size();
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         Ok(Self {
@@ -50,13 +50,13 @@ impl Sky {
                 "size": [width, height],
                 "mean": sky.map.mean(),
             }),
-            light: maps::Sky::Map(Arc::new(sky.map)),
+            light: environment::Sky::Map(Arc::new(sky.map)),
             file: Some(path.to_owned()),
         })
     }
 
     /// The illumination map of these pixels, linear RGB, row by row from the top, in the polar projection
-    /// ([`Projection::Polar`](maps::Projection::Polar)): twice as wide as high, row 0 looks up (+y), the middle column
+    /// ([`Projection::Polar`](environment::Projection::Polar)): twice as wide as high, row 0 looks up (+y), the middle column
     /// toward +z, and +x lies to its right.
     ///
     /// ```
@@ -75,7 +75,7 @@ impl Sky {
         if width.checked_mul(height) != Some(pixels.len()) {
             let there = pixels.len();
             let problem = format!("a sky of {width} x {height} pixels was given {there} of them");
-            return Err(maps::Error::Shape(problem).into());
+            return Err(environment::Error::Shape(problem).into());
         }
         let mut hasher = blake3::Hasher::new();
         for pixel in &pixels {
@@ -95,7 +95,7 @@ impl Sky {
                 "size": [width, height],
                 "mean": map.mean(),
             }),
-            light: maps::Sky::Map(Arc::new(map)),
+            light: environment::Sky::Map(Arc::new(map)),
             file: None,
         })
     }
@@ -116,7 +116,7 @@ impl Sky {
     ) -> Result<Self, Error> {
         if height > 1 << 15 {
             let problem = format!("a sky of {height} rows; at most 32768 are drawn from");
-            return Err(maps::Error::Shape(problem).into());
+            return Err(environment::Error::Shape(problem).into());
         }
         let size = (2 * height, height);
         let places = (0..height).flat_map(|j| (0..2 * height).map(move |i| (i, j)));
@@ -128,7 +128,7 @@ impl Sky {
     }
 
     /// The light itself, for what takes it elsewhere.
-    pub fn light(&self) -> &maps::Sky {
+    pub fn light(&self) -> &environment::Sky {
         &self.light
     }
 
@@ -140,8 +140,8 @@ impl Sky {
     /// The largest radiance, channel by channel.
     pub(crate) fn largest(&self) -> [f32; 3] {
         match &self.light {
-            maps::Sky::Uniform(radiance) => *radiance,
-            maps::Sky::Map(map) => {
+            environment::Sky::Uniform(radiance) => *radiance,
+            environment::Sky::Map(map) => {
                 let (width, height) = map.size();
                 let excess = (0..(width * height) as u32).map(|texel| map.excess(texel));
                 let most = |a: [f32; 3], b: [f32; 3]| [0, 1, 2].map(|c| a[c].max(b[c]));
@@ -153,7 +153,7 @@ impl Sky {
 
     /// True where the sky is an illumination map.
     pub fn is_map(&self) -> bool {
-        matches!(self.light, maps::Sky::Map(_))
+        matches!(self.light, environment::Sky::Map(_))
     }
 }
 

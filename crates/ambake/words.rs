@@ -24,7 +24,7 @@ macro_rules! words {
         }
     )*};
 }
-#[cfg(feature = "flags")]
+#[cfg(feature = "cli")]
 pub(crate) use words;
 
 words! {

@@ -356,7 +356,7 @@ pub(crate) fn page_light<'a>(job: &Job, page: &'a BakedPage) -> Result<PageLight
         _ => None,
     };
     let source = match options.sky.light {
-        maps::Sky::Uniform(sky) if !options.light_varies() => LightSource::Uniform(sky),
+        environment::Sky::Uniform(sky) if !options.light_varies() => LightSource::Uniform(sky),
         _ => LightSource::Irradiance,
     };
     let diffuse = layer(Layer::Diffuse)?;

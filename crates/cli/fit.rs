@@ -13,10 +13,11 @@ use ambient::Estimate;
 use ambient::convention::lobe_scale;
 use anyhow::{Context, bail};
 use clap::Args as ClapArgs;
+use environment::Sky;
+use frames::{Fit, Shot, fit};
 use glam::DVec3;
-use maps::Sky;
 use rays::Surfaces;
-use render::{Direct, Error, Fit, Framing, Lamps, Model, Shot, fit};
+use render::{Direct, Error, Framing, Lamps, Model};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 use std::path::PathBuf;
@@ -78,7 +79,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let pictures = args
         .images
         .iter()
-        .map(|path| maps::read(path).map(|file| file.image))
+        .map(|path| environment::read(path).map(|file| file.image))
         .collect::<Result<Vec<_>, _>>()?;
     let scene = scene::load_with(&args.scene, args.common.files())?;
     let (world, backend) = build(scene, args.backend, threads)?;

@@ -11,6 +11,7 @@ pub mod parse;
 pub mod probes;
 pub mod sky;
 pub mod values;
+#[cfg(feature = "cli")]
 mod words;
 
 use crate::error::Error;

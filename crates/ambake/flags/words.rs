@@ -1,8 +1,8 @@
 //! The words of flags of other verbs than `bake` and `probes`.
 
 use crate::words::{Words, words};
+use frames::{Lookup, NormalCode};
 use maps::Normalise;
-use render::tables::{Lookup, NormalCode};
 use render::{Model as Shown, PointForm};
 
 words! {

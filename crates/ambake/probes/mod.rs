@@ -243,7 +243,6 @@ impl From<::probes::Error> for Error {
     fn from(error: ::probes::Error) -> Self {
         match error {
             ::probes::Error::Cancelled => Self::Cancelled,
-            ::probes::Error::Map(error) => Self::Sky(error),
         }
     }
 }

@@ -10,9 +10,9 @@ use crate::options::check_lamps;
 use crate::{Bounces, Scene, VERSION};
 use ::probes::{DISTANCE_EDGE, Gather, Grid, Placed, Reflection, State, fill, tried};
 use ambient::harmonics::window;
+use environment::Image;
 use glam::DVec3;
 use layers::Progress;
-use maps::Image;
 use rays::{Lamps, Light, Surfaces, World, WorldOptions};
 use render::Lightmap;
 use report::{InterpolationReport, PROBES_SCHEMA, ProbeGrid, ProbeReport, ProbeSet};
@@ -252,7 +252,7 @@ impl<'a> Task<'a> {
     /// The whole, of which all places are there; faces that are not are gathered.
     ///
     /// # Errors
-    /// A file cannot be written, a map cannot be filtered, or [`Error::Cancelled`].
+    /// A file cannot be written, or [`Error::Cancelled`].
     pub fn finish(&self, mut kept: Kept<'_>, progress: &Span<'_>) -> Result<Probes, Error> {
         let mut reflections = Vec::new();
         let mut before = 0;
@@ -270,7 +270,7 @@ impl<'a> Task<'a> {
                 before += u64::from(is_new);
             }
             let place = DVec3::from(*at) - self.origin;
-            reflections.push(self.gatherer.reflection(place, halves)?);
+            reflections.push(self.gatherer.reflection(place, halves));
         }
         let mut placed = kept.placed;
         let found = placed.split_off(self.probes);

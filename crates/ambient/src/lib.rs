@@ -28,7 +28,7 @@
 //!   Moon's dust: `lunar.rs`.
 //! * Points without anything above them: `closed_form`. Microfacets: `ggx`.
 //! * How directions are drawn: `sampling`, with the hemisphere, the lobe, the point sets, and in `guide.rs` the warp
-//!   for dark surfaces. Those that a sky draws are in `crates/maps/src/sky_map.rs`.
+//!   for dark surfaces. Those that a sky draws are in `crates/environment/src/sky_map.rs`.
 //! * Layers for any view: `any_view`, and in its `order.rs` how many numbers they take. Harmonics of probes:
 //!   `harmonics.rs`.
 

@@ -4,9 +4,9 @@ use crate::choice::Choice;
 use ambient::any_view::Lobe;
 use ambient::ggx::alpha_of;
 pub use ambient::sampling::PointSet;
+pub use environment::Sky;
 use glam::DVec3;
 use layers::{Layer, Term};
-pub use maps::Sky;
 use rays::{Light, Overrides};
 
 /// Options of one bake. The command line's words are turned into this once; nothing below reads flags.

@@ -6,9 +6,8 @@
 
 use crate::clock::time;
 use crate::summary::{median, rounded};
-use maps::{
-    Direction, Error, IlluminationMap, Image, Lobe, Normalise, Projection, ReflectionMap, Request,
-};
+use environment::{Direction, IlluminationMap, Image, Projection};
+use maps::{Error, Lobe, Normalise, ReflectionMap, Request};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::f64::consts::{FRAC_1_PI, TAU};
@@ -276,7 +275,10 @@ impl Areas {
 }
 
 /// A sky above a ground with some grain, and a sun of radiance 10,000, half a degree wide.
-fn environment(projection: Projection, size: (usize, usize)) -> Result<IlluminationMap, Error> {
+fn environment(
+    projection: Projection,
+    size: (usize, usize),
+) -> Result<IlluminationMap, environment::Error> {
     sunlit(projection, size, 1e4)
 }
 
@@ -285,7 +287,7 @@ pub(crate) fn sunlit(
     projection: Projection,
     size: (usize, usize),
     radiance: f64,
-) -> Result<IlluminationMap, Error> {
+) -> Result<IlluminationMap, environment::Error> {
     let sun: Direction = [0.48, 0.64, 0.6];
     let pixel = |at: usize| {
         let (x, y) = ((at % size.0) as f64 + 0.5, (at / size.0) as f64 + 0.5);

@@ -8,10 +8,10 @@ use crate::clock::time;
 use crate::maps::sunlit;
 use crate::summary::median;
 use crate::tables_truth::{body, truth, turned};
+use environment::{Image, Projection};
+use frames::{GBuffer, Index, Lookup, Shader, Surfel, Table, View};
 use glam::DVec3;
-use maps::{Image, Projection};
-use render::Camera;
-use render::tables::{GBuffer, Index, Lookup, Shader, Surfel, Table, View, Weight};
+use render::{Camera, Weight};
 use serde::Serialize;
 
 /// Error and flicker of a look-up in one case.
@@ -75,7 +75,7 @@ fn shader<'a>(diffuse: Option<&'a Table>, specular: &'a Table) -> Shader<'a> {
 ///
 /// # Errors
 /// None is expected: the maps are sound.
-pub fn quality() -> Result<Vec<Row>, render::Error> {
+pub fn quality() -> Result<Vec<Row>, frames::Error> {
     let sky = sunlit(Projection::Polar, (1024, 512), SUN)?;
     let mirror = Table::new(&sky)?;
     let glossy = Table::new(&maps::specular(&sky, 100.0, (512, 256))?)?;
@@ -103,7 +103,7 @@ fn measure(
     wrinkles: f64,
     size: u32,
     shader: &Shader,
-) -> Result<Vec<Row>, render::Error> {
+) -> Result<Vec<Row>, frames::Error> {
     let eye = DVec3::new(0.5, 0.6, 3.0);
     let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, 0.7, [size, size])?;
     let hit = |eye, direction| body(wrinkles, eye, direction);
@@ -162,7 +162,7 @@ fn square(v: [f64; 3]) -> f64 {
 ///
 /// # Errors
 /// None is expected: the maps are sound.
-pub fn speed(repeats: usize) -> Result<Vec<Speed>, render::Error> {
+pub fn speed(repeats: usize) -> Result<Vec<Speed>, frames::Error> {
     let sky = sunlit(Projection::Polar, (1024, 512), SUN)?;
     let diffuse = Table::new(&maps::diffuse(&sky, (72, 36))?)?;
     let specular = Table::new(&maps::specular(&sky, 100.0, (512, 256))?)?;

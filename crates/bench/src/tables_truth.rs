@@ -1,9 +1,9 @@
 //! A turning body without symmetry, and its exact pictures by many samples a pixel.
 
+use frames::{Shader, Surfel, Turn};
 use glam::DVec3;
 use rayon::prelude::*;
 use render::Camera;
-use render::tables::{Shader, Surfel, Turn};
 
 /// Half axes of the body.
 const AXES: DVec3 = DVec3::new(1.0, 0.7, 0.85);

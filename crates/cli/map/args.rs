@@ -5,9 +5,10 @@ use ambake::flags::parse::{field_of_view, light, number, size, triple};
 use ambake::flags::sky::{SkyArg, sky};
 use ambake::flags::values::{named, word};
 use clap::{Args as ClapArgs, Subcommand, ValueEnum};
+use environment::{Orientation, Projection};
+use maps::Normalise;
 use maps::ball::Circle;
 use maps::merge::Model;
-use maps::{Normalise, Orientation, Projection};
 use render::PointForm;
 use std::path::PathBuf;
 

@@ -5,8 +5,9 @@ use super::file;
 use crate::host;
 use crate::outcome::{say, say_json};
 use anyhow::{Context, bail};
+use environment::{Image, Layout, Orientation};
+use maps::Gains;
 use maps::ball::{self, Circle, Found, Optics, Photo};
-use maps::{Gains, Image, Layout, Orientation};
 use serde_json::json;
 use std::path::Path;
 

@@ -4,7 +4,7 @@ use super::args::Convert;
 use super::file::{Source, Target, picture_size, summary, write};
 use crate::host;
 use anyhow::Context;
-use maps::Layout;
+use environment::Layout;
 
 /// Runs the sub-verb.
 pub fn run(args: &Convert) -> anyhow::Result<()> {
@@ -19,7 +19,7 @@ pub fn run(args: &Convert) -> anyhow::Result<()> {
         orientation: args.orientation,
         size,
     };
-    let image = maps::convert_image(&source.image, source.layout, to)
+    let image = environment::convert_image(&source.image, source.layout, to)
         .with_context(|| args.input.input.display().to_string())?;
     let normalisation = source.normalisation.as_deref().unwrap_or("radiance");
     let target = Target {

@@ -3,7 +3,7 @@
 use super::args::{Common, Input};
 use crate::outcome::{say, say_json};
 use anyhow::{Context, bail};
-use maps::{FACES, Format, Image, ImageFile, Labels, Layout, Orientation, Projection};
+use environment::{FACES, Format, Image, ImageFile, Labels, Layout, Orientation, Projection};
 use report::Output;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -21,17 +21,17 @@ pub struct Source {
 impl Source {
     /// Reads a map strictly.
     pub fn read(input: &Input) -> anyhow::Result<Source> {
-        Self::with(input, maps::read)
+        Self::with(input, environment::read)
     }
 
     /// Reads a map whose pixels may hold any value.
     pub fn read_unchecked(input: &Input) -> anyhow::Result<Source> {
-        Self::with(input, maps::read_unchecked)
+        Self::with(input, environment::read_unchecked)
     }
 
     fn with(
         input: &Input,
-        read: impl Fn(&Path) -> Result<ImageFile, maps::Error>,
+        read: impl Fn(&Path) -> Result<ImageFile, environment::Error>,
     ) -> anyhow::Result<Source> {
         let path = &input.input;
         let (file, inputs) = match input.from {
@@ -77,10 +77,10 @@ pub fn face_paths(path: &Path) -> anyhow::Result<[PathBuf; 6]> {
 /// Reads photographs: as maps are read or, with a file of curves, by these.
 pub fn photographs(
     response: Option<&Path>,
-) -> anyhow::Result<impl Fn(&Path) -> Result<Image, maps::Error>> {
+) -> anyhow::Result<impl Fn(&Path) -> Result<Image, environment::Error>> {
     let curves = response.map(maps::merge::read_curves).transpose()?;
     Ok(move |path: &Path| match &curves {
-        None => maps::read(path).map(|file| file.image),
+        None => environment::read(path).map(|file| file.image),
         Some(curves) => maps::merge::develop(path, curves),
     })
 }
@@ -88,7 +88,7 @@ pub fn photographs(
 /// The six faces of a cube below each other.
 fn faces(
     path: &Path,
-    read: impl Fn(&Path) -> Result<ImageFile, maps::Error>,
+    read: impl Fn(&Path) -> Result<ImageFile, environment::Error>,
 ) -> anyhow::Result<(ImageFile, Vec<PathBuf>)> {
     let paths = face_paths(path)?;
     let mut cube: Option<ImageFile> = None;
@@ -181,7 +181,7 @@ fn write_planes(
     output.protect(target.inputs.iter().cloned());
     let mut stage =
         |path: &Path, image: &Image, confidence: Option<&[f32]>| -> anyhow::Result<()> {
-            let bytes = maps::encode_with(
+            let bytes = environment::encode_with(
                 image,
                 confidence.map(|values| ("confidence", values)),
                 format,

@@ -4,8 +4,8 @@ use super::args::{Merge, Response};
 use crate::host;
 use crate::outcome::{say, say_json};
 use anyhow::{Context, bail};
+use environment::{Format, Labels};
 use maps::merge;
-use maps::{Format, Labels};
 use report::Output;
 use serde_json::json;
 
@@ -44,7 +44,7 @@ pub fn run(args: &Merge) -> anyhow::Result<()> {
     ]
     .map(|(name, text)| (name.to_owned(), text.to_owned()))
     .into();
-    let bytes = maps::encode_with(
+    let bytes = environment::encode_with(
         &merged.image,
         Some(("confidence", &confidence)),
         format,

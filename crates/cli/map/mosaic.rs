@@ -4,7 +4,7 @@ use super::args::{GainsName, Mosaic};
 use super::file::{self, Target, picture_size};
 use crate::host;
 use crate::outcome::{say, say_json};
-use maps::{Layout, Orientation, Projection};
+use environment::{Layout, Orientation, Projection};
 use serde_json::json;
 
 /// Runs the sub-verb.
@@ -31,7 +31,7 @@ pub fn run(args: &Mosaic) -> anyhow::Result<()> {
     };
     let image = match layout == cube {
         true => found.image,
-        false => maps::convert_image(&found.image, cube, layout)?,
+        false => environment::convert_image(&found.image, cube, layout)?,
     };
     let target = Target {
         path: &args.output,

@@ -6,10 +6,8 @@ use crate::common::parsed;
 use crate::host;
 use ambake::flags::values::Words;
 use anyhow::{Context, bail};
-use maps::{
-    IlluminationMap, Layout, Lobe, Normalise, Orientation, Projection, Reflectance, ReflectionMap,
-    Request,
-};
+use environment::{IlluminationMap, Layout, Orientation, Projection};
+use maps::{Lobe, Normalise, Reflectance, ReflectionMap, Request};
 use std::path::Path;
 
 /// Runs `map diffuse`.
@@ -140,7 +138,8 @@ fn reflect(
         orientation: Orientation::Ambake,
         ..source.layout
     };
-    let image = maps::convert_image(&source.image, source.layout, own).with_context(named)?;
+    let image =
+        environment::convert_image(&source.image, source.layout, own).with_context(named)?;
     let map = IlluminationMap::new(image, own.projection).with_context(named)?;
     let results = blur
         .of(&map, normalise, (projection, size))

@@ -5,7 +5,7 @@ use super::file::Source;
 use crate::host;
 use crate::outcome::{say, say_json};
 use anyhow::Context;
-use maps::MapStats;
+use environment::MapStats;
 use serde_json::json;
 
 /// Runs the sub-verb.

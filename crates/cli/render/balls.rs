@@ -5,8 +5,8 @@ use super::ball_args::Place;
 use ::render::{Ball, Shows};
 use ambake::Backend;
 use ambake::{Bounces, Places, ProbeOptions, ProbeVolume, Probes};
+use environment::{IlluminationMap, Layout, Orientation, convert_image};
 use glam::DVec3;
-use maps::{IlluminationMap, Layout, Orientation, convert_image};
 use rays::World;
 use std::path::Path;
 
@@ -57,7 +57,7 @@ fn lights(args: &Args, world: &World) -> anyhow::Result<Vec<Vec<DVec3>>> {
 
 /// A map of surroundings in the axes of the scene.
 fn reflection(path: &Path) -> anyhow::Result<IlluminationMap> {
-    let file = maps::read(path)?;
+    let file = environment::read(path)?;
     let from = file.layout(path, None, None)?;
     let to = Layout {
         orientation: Orientation::Ambake,

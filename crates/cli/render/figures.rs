@@ -6,7 +6,7 @@ use crate::outcome::Outcome;
 use crate::progress::watch;
 use crate::stop::Stop;
 use ::bench::figures::{fig1, fig1_csv, fig1_svg, fig3};
-use ::render::tables::Balls;
+use ::frames::Balls;
 use ::render::{Error, Lamps, Model};
 use anyhow::{Context, bail};
 use rays::{RayBackend, Surfaces, World};
@@ -126,7 +126,7 @@ fn balls(
         "lookup": lookup.name(),
     });
     let labels = file::labels(&about.to_string());
-    let exr = maps::encode(&sheet, maps::Format::Exr, &labels)?;
+    let exr = environment::encode(&sheet, environment::Format::Exr, &labels)?;
     let png = report::picture_png(sheet.width, &sheet.pixels);
     Ok(vec![("balls.exr".into(), exr), ("balls.png".into(), png)])
 }

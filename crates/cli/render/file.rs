@@ -3,12 +3,12 @@
 use super::args::Args;
 use super::tables_args::WeightName;
 use crate::host;
+use ::frames::specular_files;
 use ::render::Lightmap;
-use ::render::tables::specular_files;
 use ambake::flags::sky::SkyArg;
 use anyhow::{Context, bail};
+use environment::{Format, Image, Labels};
 use maps::merge::Response;
-use maps::{Format, Image, Labels};
 use rays::World;
 use report::Output;
 use std::ffi::OsStr;
@@ -75,7 +75,7 @@ pub fn write(
     output.protect(inputs.iter().cloned());
     if ending(path)? == "exr" {
         let alpha = alpha.map(|values| ("A", values));
-        let bytes = maps::encode_with(picture, alpha, Format::Exr, &labels(about))?;
+        let bytes = environment::encode_with(picture, alpha, Format::Exr, &labels(about))?;
         output.stage_bytes(name, &bytes)?;
     } else {
         let picture = film.recorded(picture.clone());
@@ -100,13 +100,13 @@ impl Film {
     }
 
     /// A photograph's radiance; pictures that are linear already stay as they are.
-    fn developed(&self, path: &Path) -> Result<Image, maps::Error> {
+    fn developed(&self, path: &Path) -> Result<Image, environment::Error> {
         let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
         match &self.0 {
             Some(curves) if !["exr", "hdr"].map(OsStr::new).contains(&&*ending) => {
                 maps::merge::develop(path, curves)
             }
-            _ => maps::read(path).map(|file| file.image),
+            _ => environment::read(path).map(|file| file.image),
         }
     }
 

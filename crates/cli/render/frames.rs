@@ -7,8 +7,7 @@ use crate::common::parsed;
 use crate::outcome::{Outcome, say, say_json};
 use crate::progress::watch;
 use crate::stop::Stop;
-use ::render::Error;
-use ::render::tables::{CameraPath, Frame, Motion, Sequence, SurfaceType, TableSet};
+use ::frames::{CameraPath, Error, Frame, Motion, Sequence, SurfaceType, TableSet};
 use anyhow::Context;
 use rays::{RayBackend, Surfaces, World};
 use serde_json::{Value, json};
@@ -66,7 +65,7 @@ pub fn draw(
     });
     if let Err(error) = ended {
         return match error.downcast_ref() {
-            Some(Error::Cancelled) => Ok(stop.outcome()),
+            Some(Error::Render(::render::Error::Cancelled)) => Ok(stop.outcome()),
             _ => Err(error),
         };
     }

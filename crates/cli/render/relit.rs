@@ -8,10 +8,9 @@ use crate::host;
 use crate::outcome::{Outcome, say};
 use crate::progress::watch;
 use crate::stop::Stop;
-use ::render::Error;
-use ::render::tables::{Encoded, NormalCode, TableSet, backdrop, frame};
+use ::frames::{Encoded, Error, NormalCode, TableSet, backdrop, frame};
 use anyhow::bail;
-use maps::Format;
+use environment::Format;
 use rays::{RayBackend, Surfaces, World};
 use report::Output;
 use serde_json::json;
@@ -42,7 +41,7 @@ pub fn encode(
         Encoded::take(&camera, code, progress, hit)
     });
     let encoded = match encoded {
-        Err(Error::Cancelled) => return Ok(stop.outcome()),
+        Err(Error::Render(::render::Error::Cancelled)) => return Ok(stop.outcome()),
         encoded => encoded?,
     };
     let (image, mut labels) = encoded.file();
@@ -50,7 +49,7 @@ pub fn encode(
     let mut output = Output::for_file(path)?;
     output.protect(file::inputs(args, world, None));
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    output.stage_bytes(&name, &maps::encode(&image, Format::Exr, &labels)?)?;
+    output.stage_bytes(&name, &environment::encode(&image, Format::Exr, &labels)?)?;
     output.publish()?;
     done(args, path)
 }

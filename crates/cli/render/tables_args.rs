@@ -1,6 +1,7 @@
 //! What was typed after `ambake render --maps`. `options.rs` says what it means.
 
-use ::render::tables::{Lookup, NormalCode, Weight};
+use ::frames::{Lookup, NormalCode};
+use ::render::Weight;
 use ambake::flags::parse::{exponent, number, positive};
 use ambake::flags::values::word;
 use clap::{ArgGroup, Args as ClapArgs, ValueEnum};

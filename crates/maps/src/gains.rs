@@ -6,8 +6,8 @@
 //! such directions is not moved by lights, things that moved, and noise; gains of all photographs follow from the
 //! medians of all pairs by least squares, and so do their errors.
 
-use crate::Error;
 use ambient::solve::cholesky;
+use environment::Error;
 
 /// One direction that two photographs show.
 #[derive(Debug, Clone, Copy)]

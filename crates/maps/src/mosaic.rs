@@ -4,14 +4,14 @@
 //! by two or three photographs, which tells their gains, and there they fade into each other.
 
 use crate::gains::{Both, Gains};
-use crate::projection::{meet, on_face, on_plane};
-use crate::{Direction, Error, Image};
+use environment::cube::{meet, on_face, on_plane};
+use environment::{Direction, Error, Image};
 use rayon::prelude::*;
 
 /// The cube, and what was corrected.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mosaic {
-    /// The faces below each other, as [`crate::Projection::Cube`] has them.
+    /// The faces below each other, as [`environment::Projection::Cube`] has them.
     pub image: Image,
     /// What the photographs were multiplied by.
     pub gains: Gains,
@@ -190,7 +190,7 @@ impl Views<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Projection;
+    use environment::Projection;
 
     /// A sky with clouds and a bright patch, in three colours.
     fn sky([x, y, z]: Direction) -> [f64; 3] {

@@ -1,6 +1,6 @@
 //! Map files that shading looks up: polar, in ambake's own axes.
 
-use crate::{Error, IlluminationMap, Orientation, Projection, read};
+use environment::{Error, IlluminationMap, Orientation, Projection, read};
 use std::path::Path;
 
 /// A polar map with what its header says.
@@ -37,7 +37,7 @@ pub fn read_polar(path: &Path) -> Result<PolarFile, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Format, Image, Labels, encode};
+    use environment::{Format, Image, Labels, encode};
 
     #[test]
     fn only_a_polar_map_in_own_axes_is_read() {

@@ -8,9 +8,8 @@
 //! Prefiltered Environment Maps", Graphics Interface 2000).
 
 use crate::columns::columns;
-use crate::{
-    Error, IlluminationMap, Lobe, Normalise, Projection, ReflectionMap, Request, convolve,
-};
+use crate::{Error, Lobe, Normalise, ReflectionMap, Request, convolve};
+use environment::{IlluminationMap, Image, Projection};
 
 /// A reflectance table.
 #[derive(Debug, Clone, PartialEq)]
@@ -135,7 +134,7 @@ impl Reflectance {
         }
         let maps = convolve(map, &requests)?;
         let maps = numbers.chunks(3).map(|colors| {
-            let mut image = crate::Image::filled(size.0, size.1, [0.0; 3]);
+            let mut image = Image::filled(size.0, size.1, [0.0; 3]);
             for (c, number) in colors.iter().enumerate() {
                 let Some(number) = number else { continue };
                 let from = &maps[*number].image().pixels;
@@ -143,7 +142,7 @@ impl Reflectance {
                     pixel[c] = from[c];
                 }
             }
-            ReflectionMap::new(image, projection)
+            Ok(ReflectionMap::new(image, projection)?)
         });
         maps.collect()
     }
@@ -152,7 +151,6 @@ impl Reflectance {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Image;
     use std::f64::consts::PI;
 
     const SIZE: (usize, usize) = (32, 16);

@@ -6,7 +6,4 @@ pub enum Error {
     /// The listener asked the job to stop.
     #[error("the probes were cancelled")]
     Cancelled,
-    /// A captured map cannot be filtered.
-    #[error(transparent)]
-    Map(#[from] maps::Error),
 }

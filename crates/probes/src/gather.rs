@@ -5,8 +5,8 @@ use crate::estimate::{PARTS, REPLICATES, Replicate, add, coefficients};
 use crate::sky::EVEN;
 use ambient::harmonics::{self, MOST, basis, matt_rms};
 use ambient::sampling::Stream;
+use environment::Projection;
 use glam::DVec3;
-use maps::Projection;
 use rays::{Lamps, Light, RayBackend, SurfaceHit, Surfaces};
 use std::f64::consts::TAU;
 

@@ -3,9 +3,10 @@
 use crate::Error;
 use crate::gather::{Gather, PAGE};
 use ambient::sampling::Stream;
+use environment::{IlluminationMap, Image, Projection, convert};
 use glam::DVec3;
 use layers::Progress;
-use maps::{IlluminationMap, Image, Lobe, Normalise, Projection, Request, convert, convolve};
+use maps::{Lobe, Normalise, Request, convolve};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -47,16 +48,11 @@ impl Gather<'_> {
     /// The reflection maps of a place from its [`capture`](Self::capture) by both halves of the rays. Each makes maps
     /// of its own. Their mean is kept, and what they differ by tells its error.
     ///
-    /// # Errors
-    /// A map that cannot be filtered.
-    ///
     /// # Panics
     /// For images that are no such cubes.
-    pub fn reflection(&self, place: DVec3, halves: [Image; 2]) -> Result<Reflection, Error> {
+    pub fn reflection(&self, place: DVec3, halves: [Image; 2]) -> Reflection {
         let edge = halves[0].width;
         assert!(edge.is_power_of_two() && edge >= LEAST_EDGE, "edge {edge}");
-        let halves = halves.map(|half| IlluminationMap::new(half, Projection::Cube));
-        let [first, second] = halves;
         let count = (edge / LEAST_EDGE).ilog2() as usize + 1;
         let roughness = |level: usize| level as f64 / (count - 1).max(1) as f64;
         // Lobes are integrated on polar maps, along whose rows that is quick, with twice the texels of the cube.
@@ -68,17 +64,18 @@ impl Gather<'_> {
         };
         let rough = (1..count).map(|level| polar(Lobe::Ggx(roughness(level)), edge >> level));
         let requests: Vec<Request> = rough.chain([polar(Lobe::Lambert, DIFFUSE_EDGE)]).collect();
-        let filtered = |half: IlluminationMap| -> Result<Vec<Image>, Error> {
+        let filtered = |half: Image| -> Result<Vec<Image>, maps::Error> {
+            let half = IlluminationMap::new(half, Projection::Cube)?;
             let polar = convert(&half, Projection::Polar, Projection::Polar.size(4 * edge))?;
             let blurred = convolve(&polar, &requests)?;
             let edges = requests.iter().map(|request| request.size.0 / 8);
             let cubes = blurred.iter().zip(edges).map(|(map, edge)| cube(map, edge));
             Ok(std::iter::once(half.into_image()).chain(cubes).collect())
         };
-        let maps = [filtered(first?)?, filtered(second?)?];
+        let maps = halves.map(|half| filtered(half).expect("sizes and lobes are sound"));
         let level = |k: usize| joined(&maps[0][k], &maps[1][k], roughness(k));
         let toward = [DVec3::X, DVec3::Y, DVec3::Z];
-        Ok(Reflection {
+        Reflection {
             place,
             levels: (0..count).map(level).collect(),
             diffuse: Level {
@@ -92,7 +89,7 @@ impl Gather<'_> {
                     .closest(&self.ray(place.as_vec3().to_array(), axis));
                 hit.map_or(f64::INFINITY, |hit| hit.t.into())
             }),
-        })
+        }
     }
 
     /// The light that arrives, texel by texel of a face of a cube, by half of the rays. Lights that no ray meets have no

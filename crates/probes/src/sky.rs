@@ -2,12 +2,12 @@
 
 use ambient::convention::SPHERE;
 use ambient::sampling::power_over_density;
+use environment::SkyMap;
 use glam::{DVec3, Vec3};
-use maps::SkyMap;
 
 /// Radiance from every direction that meets no surface, linear RGB.
 #[derive(Debug, Clone, Copy)]
-pub struct Sky<'a>(pub &'a maps::Sky);
+pub struct Sky<'a>(pub &'a environment::Sky);
 
 impl<'a> Sky<'a> {
     /// What is the same from every direction.

@@ -6,8 +6,8 @@ use crate::fixture::{Sheets, block, placed, room, world};
 use crate::{Gather, LEAST_RAYS, Placed, Probe, Sky, State};
 use ambient::harmonics::{basis, count, matt};
 use ambient::quadrature::gauss_legendre;
+use environment::{IlluminationMap, Image, Projection, SkyMap};
 use glam::DVec3;
-use maps::{IlluminationMap, Image, Projection, SkyMap};
 use rays::{Lamps, Light, Surfaces};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
@@ -51,7 +51,7 @@ fn speck() -> Sheets {
     sheets(block(low, low + 1e-3), 0.0, 0.0)
 }
 
-const UNIFORM: Sky<'static> = Sky(&maps::Sky::Uniform([1.0, 0.5, 0.25]));
+const UNIFORM: Sky<'static> = Sky(&environment::Sky::Uniform([1.0, 0.5, 0.25]));
 
 /// Coefficients of a radiance that is `light` over the sphere: Gauss in z between the heights where it jumps,
 /// longitudes between those.
@@ -137,7 +137,7 @@ fn a_mapped_sky_is_its_sum_over_texels() {
             }
         }
     }
-    let sky = maps::Sky::Map(Arc::new(SkyMap::new(&map).unwrap()));
+    let sky = environment::Sky::Map(Arc::new(SkyMap::new(&map).unwrap()));
     gathering(&[speck()], Sky(&sky), |mut gather| {
         gather.rays = 16_384;
         gather.order = 3;
@@ -326,7 +326,7 @@ fn baked_light_is_taken_where_it_is_and_lights_are_seen_where_nothing_hides_them
         DVec3::Z * 100.0,
         DVec3::Y * 100.0,
     ];
-    let black = Sky(&maps::Sky::BLACK);
+    let black = Sky(&environment::Sky::BLACK);
     gathering(&[sheets(vec![wall], 0.5, 0.0)], black, |gather| {
         let baked = |_: &rays::SurfaceHit| Some(DVec3::new(0.0, 0.5, 1.0));
         let lights = [
@@ -438,7 +438,7 @@ fn a_target_is_met_by_as_many_rays_as_it_takes_and_biases_nothing() {
 fn reflections_of_a_half_are_those_on_paper() {
     // A white wall on one side of a black sky: the lobes see the share of them that the wall takes.
     let wall = [DVec3::new(1.0, -1e5, -1e5), DVec3::Z * 2e5, DVec3::Y * 2e5];
-    let black = Sky(&maps::Sky::BLACK);
+    let black = Sky(&environment::Sky::BLACK);
     gathering(&[sheets(vec![wall], 0.0, 2.0)], black, |gather| {
         let place = DVec3::new(0.5, 0.0, 0.0);
         let halves = [0, 1].map(|half| {
@@ -449,7 +449,7 @@ fn reflections_of_a_half_are_those_on_paper() {
                 pixels: (0..6).flat_map(face).collect(),
             }
         });
-        let found = gather.reflection(place, halves).unwrap();
+        let found = gather.reflection(place, halves);
         let sizes: Vec<usize> = found.levels.iter().map(|level| level.image.width).collect();
         assert_eq!(sizes, [32, 16, 8]);
         let roughness: Vec<f64> = found.levels.iter().map(|level| level.roughness).collect();

@@ -2,8 +2,8 @@
 
 use crate::{Direct, Sample};
 use ambient::harmonics::matt;
+use environment::IlluminationMap;
 use glam::DVec3;
-use maps::IlluminationMap;
 
 /// A ball. It hides what is behind it, casts no shadow and is in no mirror.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,8 +92,8 @@ impl Direct<'_> {
 mod tests {
     use super::*;
     use crate::fixture::{white, world};
+    use environment::{Image, Projection};
     use glam::Vec3;
-    use maps::{Image, Projection};
     use rays::{Lamps, Surfaces};
 
     #[test]

@@ -7,9 +7,9 @@
 
 use crate::progress::each;
 use crate::{Direct, Error, Light, Sample};
+use environment::{IlluminationMap, Image, Projection};
 use glam::DVec3;
 use layers::Progress;
-use maps::{IlluminationMap, Image, Projection};
 use rays::Ray;
 
 /// How a point light enters a map.
@@ -30,7 +30,7 @@ pub enum PointForm {
 /// hears of texels.
 ///
 /// # Errors
-/// [`maps::Error::Shape`] for a size that does not fit the projection; [`Error::Cancelled`].
+/// [`environment::Error::Shape`] for a size that does not fit the projection; [`Error::Cancelled`].
 ///
 /// # Panics
 /// Where `grid` is 0.
@@ -85,7 +85,7 @@ pub fn capture(
 /// hardly depends on the size of the map.
 ///
 /// # Errors
-/// [`maps::Error::Shape`] for a light at `at` itself, or too near for a finite value.
+/// [`environment::Error::Shape`] for a light at `at` itself, or too near for a finite value.
 pub fn add_points(
     map: IlluminationMap,
     direct: &Direct<'_>,
@@ -100,7 +100,7 @@ pub fn add_points(
     let mut added = Vec::new();
     for (position, arrival) in points {
         let fail = |problem: &str| {
-            maps::Error::Shape(format!(
+            environment::Error::Shape(format!(
                 "the point light at {position} {problem}; move it or --at"
             ))
         };

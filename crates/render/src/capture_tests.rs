@@ -2,8 +2,9 @@
 
 use crate::fixture::{Sheet, white, world};
 use crate::{Direct, Lamps, Light, PointForm, add_points, capture};
+use environment::{IlluminationMap, Image, Projection, Sky};
 use glam::{DVec3, Vec3};
-use maps::{IlluminationMap, Image, Lobe, Normalise, Projection, Request, Sky, convolve};
+use maps::{Lobe, Normalise, Request, convolve};
 use rays::{RayBackend, Surfaces};
 use std::f64::consts::PI;
 

@@ -5,7 +5,7 @@
 //! about R = 2(N·E)N − E of every point.
 
 use crate::microfacets::Coat;
-use crate::tables::Weight;
+use crate::weight::Weight;
 use crate::{Lamps, Light, Lightmap, Sample, TexelPlace};
 use ambient::Frame;
 use ambient::closed_form::phong_open;
@@ -13,8 +13,8 @@ use ambient::lanes::{LANES, Wide};
 use ambient::lunar::lommel_seeliger;
 use ambient::models;
 use ambient::sampling::{Lobe, Mixture, Stream, power_over_density};
+use environment::Sky;
 use glam::DVec3;
-use maps::Sky;
 use rays::{
     Arrival, Coherence, Overrides, Ray, RayBackend, RayPacket, SurfaceHit, SurfacePoint, Surfaces,
 };

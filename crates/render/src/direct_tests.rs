@@ -1,12 +1,11 @@
 //! Direct pictures against answers known on paper.
 
 use crate::fixture::{Sheet, ground, white, world};
-use crate::tables::Weight;
-use crate::{Camera, Direct, Lamps, Light, Model, Sample, picture};
+use crate::{Camera, Direct, Lamps, Light, Model, Sample, Weight, picture};
 use ambient::closed_form::phong_open;
 use ambient::ggx::Ggx;
+use environment::{IlluminationMap, Image, Projection, Sky, SkyMap};
 use glam::{DVec3, Vec3};
-use maps::{IlluminationMap, Image, Projection, Sky, SkyMap};
 use rays::{RayBackend, Surfaces};
 use std::f64::consts::PI;
 use std::sync::Arc;

@@ -19,15 +19,7 @@ pub enum Error {
     Scene(#[from] scene::Error),
     /// A map cannot be used.
     #[error(transparent)]
-    Map(#[from] maps::Error),
-    /// The camera of a frame has no direction or no upright.
-    #[error("frame {frame}: {source}")]
-    Frame {
-        /// Number of the frame, from 0.
-        frame: u32,
-        /// What is wrong with the camera.
-        source: Box<Error>,
-    },
+    Map(#[from] environment::Error),
     /// A line of a text table is not what it should be.
     #[error("line {line}: {expected} belong there")]
     Line {
@@ -39,9 +31,6 @@ pub enum Error {
     /// A text table cannot be used as a whole.
     #[error("{0}")]
     Text(&'static str),
-    /// Reflection maps that do not belong together.
-    #[error("{0}")]
-    Tables(String),
     /// The listener asked to stop.
     #[error("cancelled")]
     Cancelled,

@@ -1,7 +1,7 @@
 //! How a picture of unknown brightness is shown so that it can be seen.
 
+use environment::Image;
 use glam::{DVec3, Vec3};
-use maps::Image;
 
 /// Keys that are shown as they are. A key is the mean of the logarithm of what surfaces send out.
 const SEEN: std::ops::RangeInclusive<f64> = 0.18..=1.2;

@@ -20,11 +20,8 @@
 //! * The camera: `camera.rs`. Where a scene is seen from when nobody says: `viewpoint.rs`; how bright it is shown:
 //!   `exposure.rs`.
 //! * Alpha, and scenes over a backdrop: `matte.rs`. How a place in a scene is captured: `capture.rs`.
-//! * Frames from tables: `tables`, with the summed-area look-up in `slices.rs`.
-//! * Materials fitted to pictures: `fit.rs`. White balls and mirrors at places: `ball.rs`.
+//! * White balls and mirrors at places: `ball.rs`. Frames from tables are in `crates/frames`.
 #![forbid(unsafe_code)]
-// Without its pictures some helpers have no caller.
-#![cfg_attr(not(feature = "pictures"), allow(dead_code))]
 
 #[cfg(feature = "pictures")]
 mod ball;
@@ -39,8 +36,6 @@ mod direct;
 mod direct_tests;
 mod error;
 mod exposure;
-#[cfg(feature = "pictures")]
-mod fit;
 #[cfg(test)]
 mod fixture;
 mod framing;
@@ -54,10 +49,10 @@ mod microfacets;
 mod picture;
 mod progress;
 #[cfg(feature = "pictures")]
-pub mod tables;
-#[cfg(feature = "pictures")]
 mod text;
 mod viewpoint;
+#[cfg(feature = "pictures")]
+mod weight;
 
 pub use camera::Camera;
 pub use error::Error;
@@ -65,7 +60,7 @@ pub use exposure::{Exposure, backdrop};
 pub use framing::Framing;
 pub use matte::{alpha, over};
 pub use picture::{Sample, picture};
-pub use progress::Part;
+pub use progress::{Part, each};
 pub use rays::{Lamps, Light};
 pub use viewpoint::places_within;
 #[cfg(feature = "pictures")]
@@ -73,7 +68,8 @@ pub use {
     ball::{Ball, Shows},
     capture::{PointForm, add_points, capture},
     direct::{Direct, Model},
-    fit::{Fit, Shot, fit},
     lightmap::{Lightmap, TexelPlace, baked_scene},
     lit::Lit,
+    text::rows,
+    weight::Weight,
 };

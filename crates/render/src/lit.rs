@@ -3,9 +3,9 @@
 
 use crate::progress::each;
 use crate::{Camera, Direct, Error, Sample, TexelPlace};
+use environment::Image;
 use glam::{DVec3, Vec2, Vec3};
 use layers::Progress;
-use maps::Image;
 use rays::SurfaceHit;
 
 /// Samples across a pixel in which surfaces end, for few would be pepper along joints, and across one in which

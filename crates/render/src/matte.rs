@@ -6,8 +6,8 @@
 
 use crate::progress::each;
 use crate::{Camera, Error, Sample};
+use environment::Image;
 use layers::Progress;
-use maps::Image;
 
 /// The share of each pixel's samples that meet the scene, 0..=1, by the samples of [`crate::picture()`].
 ///

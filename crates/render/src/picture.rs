@@ -2,9 +2,9 @@
 
 use crate::progress::each;
 use crate::{Camera, Error};
+use environment::Image;
 use glam::DVec3;
 use layers::Progress;
-use maps::Image;
 
 /// A ray through a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,7 +21,7 @@ pub struct Sample {
 
 impl Sample {
     /// A sample of a pixel's regular `grid` by `grid`.
-    pub(crate) fn of(camera: &Camera, grid: u32, pixel: u32, number: u32) -> Sample {
+    pub fn of(camera: &Camera, grid: u32, pixel: u32, number: u32) -> Sample {
         let width = camera.size[0];
         let place = |at: u32, step: u32| f64::from(at) + (f64::from(step) + 0.5) / f64::from(grid);
         let x = place(pixel % width, number % grid);

@@ -38,7 +38,7 @@ impl Progress for Part<'_> {
 ///
 /// # Errors
 /// [`Error::Cancelled`].
-pub(crate) fn each<T: Send>(
+pub fn each<T: Send>(
     count: usize,
     units: usize,
     progress: &dyn Progress,

@@ -2,25 +2,12 @@
 
 use crate::Error;
 
-/// Lines of `N` finite numbers apart by commas or blanks; `#` begins a comment, empty lines are left out.
+/// Lines of finite numbers apart by commas or blanks, all as many as in the first, whose number is one of `lengths`; `#`
+/// begins a comment, empty lines are left out.
 ///
 /// # Errors
 /// [`Error::Line`] with the number of the first other line, and that `expected` belongs there.
-pub(crate) fn rows<const N: usize>(
-    text: &str,
-    expected: &'static str,
-) -> Result<Vec<[f64; N]>, Error> {
-    let rows = rows_of(text, &[N], expected)?;
-    let exact = |row: Vec<f64>| row.try_into().expect("rows have this length");
-    Ok(rows.into_iter().map(exact).collect())
-}
-
-/// As [`rows`], with rows that are all as long as the first, whose length is one of `lengths`.
-pub(crate) fn rows_of(
-    text: &str,
-    lengths: &[usize],
-    expected: &'static str,
-) -> Result<Vec<Vec<f64>>, Error> {
+pub fn rows(text: &str, lengths: &[usize], expected: &'static str) -> Result<Vec<Vec<f64>>, Error> {
     let mut rows: Vec<Vec<f64>> = Vec::new();
     for (at, line) in text.lines().enumerate() {
         let words = words(line);
@@ -70,7 +57,7 @@ mod tests {
     #[test]
     fn rows_are_read_through_comments_and_any_separator() {
         let text = "# a heading\n1,2\r\n\n 3\t4 # a key\n-5e1 , 0.5\n";
-        let found = rows::<2>(text, "two numbers").unwrap();
+        let found = rows(text, &[2], "two numbers").unwrap();
         assert_eq!(found, [[1.0, 2.0], [3.0, 4.0], [-50.0, 0.5]]);
     }
 
@@ -82,7 +69,7 @@ mod tests {
             ("\n1 x\n", 2),
             ("inf 1", 1),
         ] {
-            let error = rows::<2>(text, "two numbers").unwrap_err().to_string();
+            let error = rows(text, &[2], "two numbers").unwrap_err().to_string();
             assert_eq!(error, format!("line {wrong}: two numbers belong there"));
         }
     }

@@ -20,8 +20,8 @@ use super::task::Task;
 use super::terms::{Halves, Terms, uniform_light};
 use crate::survey::Texel;
 use ambient::Estimate;
+use environment::SkyMap;
 use glam::DVec3;
-use maps::SkyMap;
 
 /// Texels this far away along an axis pool their variances.
 const POOL_RADIUS: usize = 2;

@@ -1,9 +1,9 @@
 //! Fig. 3 of X. Zhang, Y. Gao, ICIP 2009: one scene in ambient light only, by its three ambient models; beside them the
 //! closed form of their section 4 times occlusion, and the microfacets that they name as future work.
 
+use environment::{Format, Image, Labels};
 use glam::DVec3;
 use layers::Progress;
-use maps::{Format, Image, Labels};
 use render::{Camera, Direct, Error, Model, Part, Sample, picture};
 use std::fmt::Write;
 
@@ -83,11 +83,11 @@ impl Fig3 {
     /// differences as PNG in colours about white with a scale, and the table of [`Fig3::csv`].
     ///
     /// # Errors
-    /// [`maps::Error::Encode`] where a value is not finite, which would be a fault of ours.
-    pub fn files(&self, labels: &Labels) -> Result<Vec<(String, Vec<u8>)>, maps::Error> {
+    /// [`environment::Error::Encode`] where a value is not finite, which would be a fault of ours.
+    pub fn files(&self, labels: &Labels) -> Result<Vec<(String, Vec<u8>)>, environment::Error> {
         let mut files = vec![("fig3.csv".to_owned(), self.csv().into_bytes())];
         for (number, (name, image)) in self.pictures().enumerate() {
-            let exr = maps::encode(image, Format::Exr, labels)?;
+            let exr = environment::encode(image, Format::Exr, labels)?;
             files.push((format!("fig3_{name}.exr"), exr));
             let png = match number < self.models.len() {
                 true => report::picture_png(image.width, &image.pixels),

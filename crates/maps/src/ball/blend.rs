@@ -1,8 +1,8 @@
 //! What photographs show in one direction, and which of them counts.
 
 use super::photo::{Photo, frame};
-use crate::Direction;
 use crate::gains::Both;
+use environment::Direction;
 
 /// Photographs that resolve a direction at least this well, relative to the best of them, count beside it.
 ///

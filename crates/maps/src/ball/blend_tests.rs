@@ -4,7 +4,7 @@ use super::blend::ENOUGH;
 use super::photo::frame;
 use super::tests::reflect;
 use super::*;
-use crate::Direction;
+use environment::Direction;
 
 /// Surroundings of radiance 1 with a bright disc.
 #[derive(Clone, Copy)]

@@ -6,7 +6,7 @@
 
 use super::gray::Gray;
 use super::photo::Circle;
-use crate::{Error, Image};
+use environment::{Error, Image};
 use std::f64::consts::TAU;
 
 /// An outline that was found.
@@ -35,7 +35,8 @@ const ENOUGH: f64 = 0.5;
 /// The outline of the ball in `image`, which lies inside the picture.
 ///
 /// ```
-/// use ambake_maps::{Image, ball};
+/// use environment::Image;
+/// use ambake_maps::ball;
 /// let mut image = Image::filled(120, 100, [0.1; 3]);
 /// for (at, pixel) in image.pixels.iter_mut().enumerate() {
 ///     let (x, y) = ((at % 120) as f64 + 0.5, (at / 120) as f64 + 0.5);
@@ -45,7 +46,7 @@ const ENOUGH: f64 = 0.5;
 /// }
 /// let circle = ball::find(&image)?.circle;
 /// assert!((circle.x - 63.0).abs() < 0.5 && (circle.radius - 35.0).abs() < 0.5, "{circle:?}");
-/// # Ok::<(), ambake_maps::Error>(())
+/// # Ok::<(), environment::Error>(())
 /// ```
 ///
 /// # Errors

@@ -1,6 +1,6 @@
 //! The picture in which a ball is looked for.
 
-use crate::Image;
+use environment::Image;
 
 /// Logarithmic luminance, so that a lamp is no stronger than an outline.
 pub(super) struct Gray {

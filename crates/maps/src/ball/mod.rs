@@ -19,8 +19,8 @@ pub use optics::Optics;
 pub use photo::{Circle, Photo};
 
 use crate::gains::Gains;
-use crate::{Error, Image, Projection};
 use blend::Views;
+use environment::{Error, Image, Projection};
 use rayon::prelude::*;
 
 /// The surroundings as a map.
@@ -54,8 +54,8 @@ pub fn gains(photos: &[Photo]) -> Result<Gains, Error> {
 /// samples as the photograph has pixels there.
 ///
 /// ```
+/// use environment::{Image, Projection};
 /// use ambake_maps::ball::{Circle, Optics, Photo, unwrap};
-/// use ambake_maps::{Image, Projection};
 /// // A ball of reflectance 1/2 in a white room.
 /// let image = Image::filled(64, 64, [0.5; 3]);
 /// let circle = Circle { x: 32.0, y: 32.0, radius: 30.0 };
@@ -64,7 +64,7 @@ pub fn gains(photos: &[Photo]) -> Result<Gains, Error> {
 /// assert!(room.image.pixels.iter().all(|p| (p[0] - 1.0).abs() < 1e-6));
 /// // The cone behind the ball is not seen: half angle asin(1/4), 1.6 % of the sphere.
 /// assert!(room.confidence.contains(&0.0) && room.seen < 4.0 * std::f64::consts::PI);
-/// # Ok::<(), ambake_maps::Error>(())
+/// # Ok::<(), environment::Error>(())
 /// ```
 ///
 /// # Errors

@@ -1,7 +1,7 @@
 //! A photograph of a mirrored ball, and where it shows a direction.
 
 use super::optics::Optics;
-use crate::{Direction, Error, Image};
+use environment::{Direction, Error, Image};
 
 /// The outline of a ball, in pixels from the top left corner of the photograph.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,7 +2,7 @@
 
 use super::photo::frame;
 use super::*;
-use crate::Direction;
+use environment::Direction;
 use std::f64::consts::PI;
 
 /// The mirror direction of the ray through a point of the picture, by vectors: camera at (0, 0, d), ball of radius 1.

@@ -2,7 +2,7 @@
 
 use super::grid::Grid;
 use super::rings::{Rings, Series, analyse_rings, nodes};
-use crate::{IlluminationMap, Projection};
+use environment::{IlluminationMap, Projection};
 use std::f64::consts::PI;
 
 /// The coefficients of a map up to `order`.

@@ -6,8 +6,8 @@
 //! constant time, ends inside a texel included: the cost is rows times results, whatever the width.
 
 use super::Request;
-use crate::{IlluminationMap, Image};
 use ambient::quadrature::gauss_legendre;
+use environment::{IlluminationMap, Image};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 

@@ -5,7 +5,7 @@
 
 use super::rings::Rings;
 use super::tiles;
-use crate::{IlluminationMap, Image, Projection};
+use environment::{IlluminationMap, Image, Projection};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 

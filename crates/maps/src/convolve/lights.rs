@@ -5,7 +5,7 @@
 //! texel's flux. So the result depends on the flux, not on the size of the texel, and no series has to follow a peak.
 
 use super::{Request, picture};
-use crate::{Direction, IlluminationMap, Image};
+use environment::{Direction, IlluminationMap, Image};
 use rayon::prelude::*;
 
 /// A texel that outshines each neighbour by this factor is a light.

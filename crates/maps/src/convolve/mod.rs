@@ -18,8 +18,9 @@ mod synthesis;
 mod tests;
 mod tiles;
 
-use crate::{Error, IlluminationMap, Image, Projection, ReflectionMap, convert};
+use crate::{Error, ReflectionMap};
 use ambient::convention::VARNISH_1984;
+use environment::{IlluminationMap, Image, Projection, convert};
 use lights::Lights;
 pub use lobe::{Lobe, Normalise};
 use rayon::prelude::*;
@@ -41,7 +42,8 @@ pub struct Request {
 /// nothing they are 0. The result does not depend on the number of threads.
 ///
 /// ```
-/// use ambake_maps::{IlluminationMap, Image, Lobe, Normalise, Projection, Request, convolve};
+/// use environment::{IlluminationMap, Image, Projection};
+/// use ambake_maps::{Lobe, Normalise, Request, convolve};
 /// let sky = IlluminationMap::new(Image::filled(64, 32, [1.0; 3]), Projection::Polar)?;
 /// let (lobe, normalise) = (Lobe::Phong(50.0), Normalise::Radiance);
 /// let request = Request { lobe, normalise, projection: Projection::Polar, size: (64, 32) };
@@ -51,7 +53,7 @@ pub struct Request {
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] for a size that does not fit its projection, [`Error::Lobe`] for a lobe that is none.
+/// [`Error::Environment`] for a size that does not fit its projection, [`Error::Lobe`] for a lobe that is none.
 pub fn convolve(map: &IlluminationMap, requests: &[Request]) -> Result<Vec<ReflectionMap>, Error> {
     let mut plans = Vec::new();
     for request in requests {
@@ -66,7 +68,10 @@ pub fn convolve(map: &IlluminationMap, requests: &[Request]) -> Result<Vec<Refle
         let scale = request.lobe.scale(request.normalise);
         let mut image = match (plan, &series) {
             (Plan::Identity, _) => {
-                return ReflectionMap::new(mirror(map, request)?, request.projection);
+                return Ok(ReflectionMap::new(
+                    mirror(map, request)?,
+                    request.projection,
+                )?);
             }
             (Plan::Cosine(power), _) => cosine::integrate(areas, request, *power, scale),
             (Plan::Points(power), _) => points::integrate(areas, request, *power, scale),
@@ -87,7 +92,7 @@ pub fn convolve(map: &IlluminationMap, requests: &[Request]) -> Result<Vec<Refle
                 *sum = std::array::from_fn(|c| sum[c] + VARNISH_1984 as f32 * coat[c]);
             }
         }
-        ReflectionMap::new(image, request.projection)
+        Ok(ReflectionMap::new(image, request.projection)?)
     });
     results.collect()
 }
@@ -95,7 +100,8 @@ pub fn convolve(map: &IlluminationMap, requests: &[Request]) -> Result<Vec<Refle
 /// The diffuse map D for the cosine lobe in radiance normalisation: 1 under a constant map of 1.
 ///
 /// ```
-/// use ambake_maps::{IlluminationMap, Image, Projection, diffuse};
+/// use environment::{IlluminationMap, Image, Projection};
+/// use ambake_maps::diffuse;
 /// // The upper half of the sky shines: 1 for a normal up, 1/2 for a level one, nearly 0 for one down.
 /// let mut image = Image::filled(64, 32, [0.0; 3]);
 /// image.pixels[..64 * 16].fill([1.0; 3]);
@@ -116,7 +122,8 @@ pub fn diffuse(map: &IlluminationMap, size: (usize, usize)) -> Result<Reflection
 /// The specular map S for the lobe xⁿ in radiance normalisation: 1 under a constant map of 1.
 ///
 /// ```
-/// use ambake_maps::{IlluminationMap, Image, Projection, specular};
+/// use environment::{IlluminationMap, Image, Projection};
+/// use ambake_maps::specular;
 /// let sky = IlluminationMap::new(Image::filled(64, 32, [0.5; 3]), Projection::Polar)?;
 /// let s = specular(&sky, 50.0, (128, 64))?;
 /// // Looked up by the mirror direction.

@@ -1,8 +1,8 @@
 //! A map as small areas at their middles, and direct sums over them.
 
 use super::{Request, picture};
-use crate::{Direction, IlluminationMap, Image, projection};
 use ambient::quadrature::gauss_legendre;
+use environment::{Direction, IlluminationMap, Image, Projection};
 use rayon::prelude::*;
 
 /// Areas with their flux, I dω.
@@ -48,7 +48,7 @@ impl Points {
     ) {
         let rules = [
             gauss_legendre(count),
-            gauss_legendre(projection::fine(count)),
+            gauss_legendre(Projection::fine(count)),
         ];
         texels.for_each(|(i, j)| self.add(map, &rules, i, j));
     }
@@ -61,7 +61,7 @@ impl Points {
         if pixel == [0.0; 3] || omega == 0.0 {
             return;
         }
-        let mut nodes = projection::nodes(projection, size, (i, j), &rules[0], &rules[1]);
+        let mut nodes = projection.nodes(size, (i, j), &rules[0], &rules[1]);
         if nodes.is_empty() {
             // A sliver: the place on the rim next to its middle.
             let (x, y) = (i as f64 + 0.5, j as f64 + 0.5);

@@ -3,7 +3,7 @@
 use super::grid::Grid;
 use super::legendre::{Legendre, diagonal};
 use super::rings::Series;
-use crate::{Image, Projection};
+use environment::{Image, Projection};
 use fourier::Complex;
 use rayon::prelude::*;
 use std::f64::consts::PI;

@@ -7,8 +7,8 @@
 
 use super::points::Points;
 use super::rings::nodes;
-use crate::{IlluminationMap, Projection};
 use ambient::quadrature::gauss_legendre;
+use environment::{IlluminationMap, Projection};
 use rayon::prelude::*;
 
 /// Longest side of a tile, in texels.

@@ -5,7 +5,7 @@
 //! begins a comment. Between levels a curve is linear, so that photographs of 8 bits get the very curve that was found.
 
 use super::Response;
-use crate::{Error, Image, file, painted};
+use environment::{Error, Image, contents, recorded};
 use std::path::Path;
 
 /// Levels of a text.
@@ -33,11 +33,11 @@ pub fn curves_text(curves: &[Response; 3]) -> String {
 /// The curves of red, green and blue in a text.
 ///
 /// # Errors
-/// [`Error::Line`] with the first line that is none, or with the one after the last where levels are missing.
-pub fn parse_curves(text: &str) -> Result<[Response; 3], Error> {
+/// [`crate::Error::Line`] with the first line that is none, or with the one after the last where levels are missing.
+fn parse_curves(text: &str) -> Result<[Response; 3], crate::Error> {
     let mut levels: [Vec<f64>; 3] = Default::default();
     let fail = |line: usize| {
-        Err(Error::Line {
+        Err(crate::Error::Line {
             line,
             expected: LINE,
         })
@@ -91,12 +91,7 @@ pub fn read_curves(path: &Path) -> Result<[Response; 3], Error> {
 /// # Errors
 /// [`Error::Read`] for a file that is absent, damaged or of another kind.
 pub fn develop(path: &Path, curves: &[Response; 3]) -> Result<Image, Error> {
-    let fail = |reason: String| Error::Read {
-        path: path.to_owned(),
-        reason: reason.replace('\n', " "),
-    };
-    let bytes = file::contents(path)?;
-    let (width, height, values) = painted::decode_values(&bytes).map_err(fail)?;
+    let (width, height, values) = recorded(path, &contents(path)?)?;
     let exposure = |rgb: [u16; 3]| {
         std::array::from_fn(|c| curves[c].exposure(rgb[c]).min(f64::from(f32::MAX)) as f32)
     };

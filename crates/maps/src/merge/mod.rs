@@ -13,11 +13,11 @@ mod response;
 mod tests;
 
 pub use align::align;
-pub use curves::{curves_text, develop, parse_curves, read_curves};
+pub use curves::{curves_text, develop, read_curves};
 pub use read::read_brackets;
 pub use response::Response;
 
-use crate::{Error, Image};
+use environment::{Error, Image};
 use rayon::prelude::*;
 
 /// Recorded levels of one channel that count as saturated, on the scale 0..=255.
@@ -97,7 +97,7 @@ pub struct Merged {
 /// let merged = merge(&[bracket(1.0, 10_000), bracket(4.0, 40_000)], Model::Linear)?;
 /// let radiance = f64::from(merged.image.pixels[0][0]);
 /// assert!((radiance / (10_000.0 / 65_535.0) - 1.0).abs() < 1e-6, "{radiance}");
-/// # Ok::<(), ambake_maps::Error>(())
+/// # Ok::<(), environment::Error>(())
 /// ```
 ///
 /// # Errors

@@ -1,7 +1,7 @@
 //! Reads the photographs of a series with their exposures.
 
 use super::Bracket;
-use crate::{Error, file, painted};
+use environment::{Error, contents, recorded};
 use exif::{Exif, In, Reader, Tag, Value};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -32,9 +32,8 @@ pub fn read_brackets(paths: &[PathBuf], times: &[f64]) -> Result<Vec<Bracket>, E
     let mut brackets = vec![];
     let mut shots = vec![];
     for (index, path) in paths.iter().enumerate() {
-        let bytes = file::contents(path)?;
-        let (width, height, values) =
-            painted::decode_values(&bytes).map_err(|reason| fail(path, &reason))?;
+        let bytes = contents(path)?;
+        let (width, height, values) = recorded(path, &bytes)?;
         let shot = match times.get(index) {
             Some(time) => Shot {
                 time: Some(*time),

@@ -17,8 +17,8 @@
 //! linear and eliminated pixel by pixel.
 
 use super::{Bracket, Model, trust, views};
-use crate::Error;
 use ambient::solve::cholesky;
+use environment::Error;
 use rayon::prelude::*;
 
 /// Recorded values.

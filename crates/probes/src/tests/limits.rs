@@ -14,7 +14,7 @@ fn what_stands_behind_a_light_hides_none_of_it() {
         DVec3::Y * 18.0,
         DVec3::X * 18.0,
     ];
-    let black = Sky(&maps::Sky::BLACK);
+    let black = Sky(&environment::Sky::BLACK);
     gathering(&[sheets(vec![wall], 0.0, 0.0)], black, |gather| {
         let lights = [Light::point([0.0, 0.0, 2.0], [4.0; 3])];
         let gather = Gather {

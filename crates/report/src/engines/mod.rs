@@ -30,8 +30,8 @@ pub use scene_glb::{ScenePictures, scene_files};
 pub(crate) use crate::engine_table::BEVY_WHITE;
 use crate::engine_table::Kind;
 use crate::{Engine, Error, LightmapReport, Output};
+use environment::{Format, Image, Labels};
 use ktx2::Texels;
-use maps::{Format, Image, Labels};
 use std::path::Path;
 
 /// Stages the files that `engines` get of one page, and returns what `bake.json` says of them. The bytes are a function
@@ -113,6 +113,6 @@ fn hdr(level: &LightLevel, name: &str) -> Result<Vec<u8>, Error> {
         height: level.size as usize,
         pixels: level.pixels.clone(),
     };
-    maps::encode(&image, Format::Hdr, &Labels::new())
+    environment::encode(&image, Format::Hdr, &Labels::new())
         .map_err(|error| Error::write(Path::new(name), std::io::Error::other(error.to_string())))
 }

@@ -4,7 +4,7 @@ use super::engines::ProbeFile;
 use super::{ProbeSet, image_based};
 use crate::engines::{BEVY_WHITE, Shape, encode_as};
 use crate::{Engine, Error, Output};
-use maps::{
+use environment::{
     Format, IlluminationMap, Image, Labels, Layout, Orientation, Projection, convert_image, encode,
 };
 use serde::{Deserialize, Serialize};

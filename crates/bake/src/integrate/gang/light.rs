@@ -10,7 +10,7 @@ use super::gloss::LaneGloss;
 use super::step::{Drawn, Step};
 use crate::integrate::task::Task;
 use ambient::lanes::{LANES, Wide};
-use maps::SkyMap;
+use environment::SkyMap;
 
 /// The lobes of the lanes: 1 / (n + 1) of Phong or those of GGX, their rays for each ray of the others, and the lanes
 /// that need theirs.

@@ -6,7 +6,9 @@ use super::*;
 fn sun(projection: Projection, texels: usize) -> (IlluminationMap, Direction, f64) {
     let size = projection.size(texels);
     let mut image = Image::filled(size.0, size.1, [1.0; 3]);
-    let at = crate::map::texel(projection, size, AXIS);
+    let at = IlluminationMap::new(image.clone(), projection)
+        .unwrap()
+        .texel(AXIS);
     let (i, j) = (at % size.0, at / size.0);
     let flux = 1e6 * 4.0 * PI / 2048.0;
     let radiance = flux / projection.solid_angle(size, i, j);

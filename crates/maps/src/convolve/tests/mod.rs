@@ -6,8 +6,8 @@ mod pictures;
 mod threads;
 
 use super::*;
-use crate::{Direction, Image};
 use ambient::quadrature::gauss_legendre;
+use environment::{Direction, Image};
 use std::f64::consts::PI;
 
 /// A direction that no projection favours.
