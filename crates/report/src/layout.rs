@@ -125,7 +125,7 @@ impl LayoutReport {
     }
 
     /// The warning that names what stands out of a layout in which nobody asked for densities: the object whose density
-    /// is farthest from the usual one, and how many are [`UNEVEN`] times apart from that. Objects at the least number of
+    /// is farthest from the usual one, and how many are three times apart from that. Objects at the least number of
     /// texels do not count.
     pub fn uneven_density(&self) -> Option<WarningReport> {
         let usual = self.texels_per_unit.median;
