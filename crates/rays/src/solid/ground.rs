@@ -10,8 +10,9 @@
 //! * or it is a sheet that looks as the ground does, as land and sea do, and stands out as little as it likes: who sees
 //!   the front of one sees that of the other. But where the ground ends over it, as a bridge does over its valley, one
 //!   looks in between, and where a large sheet beside them looks elsewhere one may look from there;
-//! * and nothing comes near its part behind that does not cross the ground too or stand on it. So no column is buried
-//!   by the floor of the next storey.
+//! * and, but for such sheets, nothing comes near its part behind that does not cross the ground too or stand on it and
+//!   is not small beside that part. So no column is buried by the floor of the next storey, and a fish lays no shore
+//!   open.
 //!
 //! The part behind is buried, for this surface alone. But a ground that has something else behind it which does not
 //! cross it, and is not small beside it, is none: people stand under an awning, and see what it is fastened to.
@@ -329,18 +330,24 @@ impl Solids {
                 true => (stand.touches(), CLOSED_OUT),
                 false => (stand.crosses(), OPEN_OUT),
             };
+            // Who sees the front of both sees nothing that is behind either.
+            if meets && self.covers_alike(ground, (sheets, all), other) {
+                return true;
+            }
             let stands_out = stand.front >= out * stand.behind
                 && !members().any(|sheet| ground.is_within(&placed[sheet.place], other));
-            if !meets || !stands_out && !self.covers_alike(ground, (sheets, all), other) {
+            if !meets || !stands_out {
                 return false;
             }
-            let slack = NEAR * (stand.high - stand.low).max_element();
-            let (low, high) = (stand.low - slack, stand.high + slack);
-            let lays_open = |near: &Placed| {
-                let is_other = near.key != other.key && !own.contains(&near.key);
-                is_other && !crossing.contains(&near.key) && !before.contains(&near.key)
+            let size = (stand.high - stand.low).max_element();
+            let (low, high) = (stand.low - NEAR * size, stand.high + NEAR * size);
+            let lays_open = |place: usize| {
+                let near = &placed[place].key;
+                let is_other = *near != other.key && !own.contains(near);
+                let is_behind = !crossing.contains(near) && !before.contains(near);
+                is_other && is_behind && sizes[place] >= SMALL * size
             };
-            !all.any(low, high, lays_open)
+            !all.any_place(low, high, lays_open)
         };
         let rooted: BTreeSet<usize> = (stands.iter())
             .filter(|(other, stand)| is_rooted(&placed[**other], stand))

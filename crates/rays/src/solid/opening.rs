@@ -57,6 +57,13 @@ impl Opening {
         self.low.cmple(high).all() && self.high.cmpge(low).all()
     }
 
+    /// True for a point beyond its plane, from the side of the panes' front, and false for one before it; `None` where
+    /// it lies in the plane.
+    pub fn is_beyond(&self, point: DVec3) -> Option<bool> {
+        let beyond = (self.middle - point).dot(self.front);
+        (beyond.abs() > self.slack).then_some(beyond > 0.0)
+    }
+
     /// True where one may look through it at a point, from the side of the panes' front: beyond its plane, and not all
     /// but along it.
     pub fn shows(&self, point: DVec3) -> bool {

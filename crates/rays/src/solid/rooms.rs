@@ -9,12 +9,16 @@
 //! A room buries nothing where something may look at it from outside, or was made to be looked at there:
 //!
 //! * a surface at least half as large as the room, by the largest sides of their boxes, lies for the most part outside
-//!   of all rooms: a street, a facade, another building;
+//!   of all rooms: a street, a facade, another building. It does not look at a part outside that lies wholly behind it,
+//!   such as the hill over a cave, nor at one from which it is parted by the plane of an opening, as the ground before
+//!   the mouth of a cave: from there one looks into the room;
 //! * what does not cross its surface, and is not in a room, comes near the part outside.
 //!
 //! A dome around a scene is a room, and all of the scene is within it.
 
+use super::opening::Opening;
 use super::placed::{Among, CROSSES, NEAR, Placed, SMALL};
+use super::rims::box_corners;
 use super::topology::{Surface, corners};
 use super::{Inside, NUDGE, Solids};
 use glam::DVec3;
@@ -144,21 +148,24 @@ impl Solids {
         if rooms.placed.is_empty() {
             return Default::default();
         }
-        // What is large and outside: how large.
+        // What is large and outside.
         let least = rooms.placed.iter().map(|room| room.side());
         let least = SMALL * least.fold(f64::INFINITY, f64::min);
-        let around = (rest.placed.par_iter())
+        let around: Vec<&Placed> = (rest.placed.par_iter())
             .filter(|placed| placed.side() >= least)
             .filter(|placed| 2 * placed.count(&self.scene, LOOKS, outside) > LOOKS)
-            .map(|placed| placed.side())
-            .reduce(|| 0.0, f64::max);
-        let buries = |room: &&&Placed| around < SMALL * room.side();
-        let may_bury = Among::of(rooms.placed.iter().filter(buries).copied().collect());
-        let buries: HashSet<Key> = may_bury.placed.iter().map(|room| room.key).collect();
+            .copied()
+            .collect();
+        let views: Vec<Vec<View>> = (rooms.placed.par_iter())
+            .map(|room| self.views(room, &around))
+            .collect();
+        let buries = |views: &[View]| views.iter().all(View::may_be_parted);
+        let may_bury = (0..rooms.placed.len()).filter(|&room| buries(&views[room]));
+        let may_bury = Among::of(may_bury.map(|room| rooms.placed[room]).collect());
         // How each surface that comes near stands to the rooms.
         let stands: BTreeMap<Key, Stand> = (rest.placed.par_iter())
             .filter(|placed| may_bury.any(placed.low, placed.high, |_| true))
-            .map(|placed| (placed.key, self.stand(placed, &rooms, &buries)))
+            .map(|placed| (placed.key, self.stand(placed, &rooms, &views)))
             .collect();
         let mut found: BTreeMap<Key, Vec<Key>> = BTreeMap::new();
         for (key, stand) in &stands {
@@ -169,7 +176,8 @@ impl Solids {
             let (low, high) = (stand.low - slack, stand.high + slack);
             let lays_open = |other: &Placed| {
                 let lies_out = |stand: &Stand| stand.is_out && !stand.is_in;
-                other.key != *key && stands.get(&other.key).is_none_or(lies_out)
+                let is_asked = || views[room].iter().any(|view| view.around.key == other.key);
+                other.key != *key && stands.get(&other.key).is_none_or(lies_out) && !is_asked()
             };
             if !rest.any(low, high, lays_open) {
                 let of = found.entry(rooms.placed[room].key);
@@ -214,7 +222,38 @@ impl Solids {
         tree.winding(&self.scene, panes, room.inverse.transform_point3(point))
     }
 
-    fn stand(&self, placed: &Placed, rooms: &Among, buries: &HashSet<Key>) -> Stand {
+    /// What of some surfaces is large beside a room.
+    fn views<'a>(&self, room: &Placed<'a>, around: &[&'a Placed<'a>]) -> Vec<View<'a>> {
+        let is_large = |of: &&&Placed| of.side() >= SMALL * room.side();
+        let large = around.iter().filter(is_large).map(|&around| {
+            let is_beyond = |opening: &&Opening| {
+                let mut corners = around.corners(&self.scene);
+                let at = |corner| room.inverse.transform_point3(corner);
+                corners.all(|corner| opening.is_beyond(at(corner)) != Some(false))
+            };
+            let beyond = room.surface.openings.iter().filter(is_beyond).collect();
+            View { around, beyond }
+        });
+        large.collect()
+    }
+
+    /// True where a surface may look at one of some points outside of a room.
+    fn looks_at(&self, view: &View, room: &Placed, points: &[DVec3]) -> bool {
+        let is_within = |opening: &&Opening| {
+            let at = |point: &DVec3| room.inverse.transform_point3(*point);
+            (points.iter()).all(|point| opening.is_beyond(at(point)) != Some(true))
+        };
+        let of = view.around;
+        let is_behind = |front: DVec3| {
+            let tree = self.tree_of(of.shape, of.key.1);
+            let at = |point: &DVec3| of.inverse.transform_point3(*point);
+            let height = |point| tree.height_over(&self.scene, at(point), front, true);
+            (points.iter()).all(|point| height(point).is_some_and(|height| height < 0.0))
+        };
+        !view.beyond.iter().any(is_within) && !of.surface.front.is_some_and(is_behind)
+    }
+
+    fn stand(&self, placed: &Placed, rooms: &Among, views: &[Vec<View>]) -> Stand {
         let reach = placed.low.abs().max(placed.high.abs()).max_element();
         let least = (CROSSES * placed.size()).max(2.0 * NUDGE * reach);
         let near = rooms.meeting(placed.low, placed.high);
@@ -237,7 +276,7 @@ impl Solids {
             low: DVec3::INFINITY,
             high: DVec3::NEG_INFINITY,
         };
-        let mut within = Vec::new();
+        let (mut within, mut out) = (Vec::new(), Vec::new());
         let mut hides = false;
         let is_closed = placed.surface.volume != 0.0;
         let mut touches = false;
@@ -262,6 +301,7 @@ impl Solids {
                 let is_clear = || about(point).all(|point| room_at(point).is_none());
                 hides = hides || is_clear();
                 (stand.low, stand.high) = (stand.low.min(point), stand.high.max(point));
+                out.push(point);
             }
         };
         let mut ways = Vec::new();
@@ -297,8 +337,28 @@ impl Solids {
             _ => None,
         };
         // A body that only stands on a floor has a side there that nobody sees.
-        stand.room = room.filter(|&room| (hides || touches) && buries.contains(&rooms[room].key));
+        if !hides {
+            out.extend(box_corners(placed.low, placed.high));
+        }
+        stand.room = room.filter(|&room| {
+            let looks_at = |view: &View| self.looks_at(view, rooms[room], &out);
+            (hides || touches) && !views[room].iter().any(looks_at)
+        });
         stand
+    }
+}
+
+/// A large surface outside of a room.
+struct View<'a> {
+    around: &'a Placed<'a>,
+    /// The openings of the room that all of it lies beyond.
+    beyond: Vec<&'a Opening>,
+}
+
+impl View<'_> {
+    /// True where something outside of the room may be hidden from it.
+    fn may_be_parted(&self) -> bool {
+        !self.beyond.is_empty() || self.around.surface.front.is_some()
     }
 }
 

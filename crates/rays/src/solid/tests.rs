@@ -445,3 +445,56 @@ fn a_room_buries_the_same_whether_a_file_draws_its_back_or_not() {
         assert_eq!(buried_at(&solids, [-0.1; 3]), [1; 3]);
     }
 }
+
+#[test]
+fn what_cannot_look_at_the_outside_of_a_room_does_not_show_it() {
+    let rug = || level(0.01, 0.2);
+    let moved = |mut mesh: Mesh, by: Vec3| {
+        mesh.positions.iter_mut().for_each(|p| *p += by);
+        mesh
+    };
+    let wall = block(Vec3::new(9.0, 0.0, 0.0), Vec3::new(0.1, 9.0, 9.0), false);
+    for (name, high, outside, expected) in [
+        // The room is open at x = 4.
+        (
+            "ground before it",
+            3.5,
+            moved(level(-1.0, 9.0), Vec3::X * 13.0),
+            [1, 0, 1],
+        ),
+        ("wall before it", 3.5, wall, [1, 0, 1]),
+        (
+            "ground beside it",
+            3.5,
+            moved(level(-1.0, 9.0), Vec3::X * 12.9),
+            [0, 0, 0],
+        ),
+        ("hill over it", 3.5, level(3.6, 9.0), [1, 0, 1]),
+        (
+            "hill that it reaches out of",
+            3.5,
+            level(3.4, 9.0),
+            [0, 0, 0],
+        ),
+        (
+            "hill that ends over it",
+            3.5,
+            moved(level(3.6, 9.0), Vec3::X * 9.0),
+            [0, 0, 0],
+        ),
+        ("ground below it", 1.0, level(-4.0, 9.0), [0, 0, 0]),
+    ] {
+        let turned = DQuat::from_rotation_x(0.6) * DQuat::from_rotation_z(0.5);
+        for place in [DAffine3::IDENTITY, DAffine3::from_quat(turned)] {
+            let meshes = vec![room(true), tube(-0.3, high), rug(), outside.clone()];
+            let placed = [0, 1, 2, 3].map(|mesh| (mesh, place));
+            let solids = Solids::of(world(placed_scene(meshes, &placed)).scene());
+            let points = [-0.1, 0.5, 3.2].map(|y| place.transform_point3(DVec3::new(0.5, y, 0.1)));
+            assert_eq!(
+                points.map(|point| buried(&solids, point)),
+                expected,
+                "{name}"
+            );
+        }
+    }
+}

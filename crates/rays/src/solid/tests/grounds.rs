@@ -239,6 +239,52 @@ fn a_sea_of_which_no_corner_is_near_an_island_is_buried_in_it() {
 }
 
 #[test]
+fn what_is_drowned_lays_neither_shore_nor_rock_open() {
+    let stone = |top: f32| {
+        let middle = Vec3::new(-2.5, top - 0.2, 0.5);
+        block(middle, Vec3::new(0.1, 0.2, 0.1), false)
+    };
+    let fish = block(Vec3::new(-3.0, -0.3, 0.6), Vec3::splat(0.1), false);
+    let weed = [(-3.0, -0.8), (-2.8, -0.8), (-2.8, -0.4), (-3.0, -0.4)];
+    let weed = weed.map(|(x, y)| Vec3::new(x, y, 0.1)).to_vec();
+    let weed = mesh(weed, vec![[0, 1, 2], [0, 2, 3]]);
+    let deep = [(-9.0, -2.0), (-4.0, -2.0), (-4.0, 2.0), (-9.0, 2.0)];
+    let deep = deep.map(|(x, z)| Vec3::new(x, -1.6, z)).to_vec();
+    let deep = mesh(deep, vec![[0, 2, 1], [0, 3, 2]]);
+    for (name, drowned) in [
+        ("stone, 1 cm under water", stone(-0.01)),
+        ("stone, 1 cm above water", stone(0.01)),
+        ("stone, deep", stone(-0.5)),
+        ("fish", fish),
+        ("weed", weed),
+        ("bed beside the shore", deep),
+    ] {
+        let land = slope(0.4, 0.0);
+        // A rock of the bed that reaches out of the water.
+        let rock = block(Vec3::new(-3.0, -0.1, 0.2), Vec3::new(0.5, 1.2, 0.5), false);
+        for (own, points) in [
+            (
+                land.clone(),
+                [-3.5, -0.1, 0.1, 3.5].map(|x| DVec3::new(x, 0.4 * x, 0.9)),
+            ),
+            (
+                rock,
+                [-0.9, -0.01, 0.01, 0.9].map(|y| DVec3::new(-2.5, y, 0.2)),
+            ),
+        ] {
+            let meshes = vec![level(0.0, 9.0), own, drowned.clone(), land.clone()];
+            let solids = solids(meshes);
+            let found = points.map(|point| {
+                let own = solids.own(1, 0);
+                let near = solids.about(point, point);
+                near.iter().any(|&body| solids.depth(body, point, own) > 0)
+            });
+            assert_eq!(found, [true, true, false, false], "{name}");
+        }
+    }
+}
+
+#[test]
 fn one_looks_under_a_bridge_and_between_cards_on_a_floor() {
     let mut valley = mesh(
         vec![
@@ -425,7 +471,10 @@ fn what_stands_on_a_ground_lays_nothing_open_behind_it() {
         let at = |(x, y)| Vec3::new(x, y, -2.0);
         mesh(corners.map(at).to_vec(), vec![[0, 1, 2], [0, 2, 3]])
     };
-    let crate_at = |y: f32| block(Vec3::new(1.0, y + 0.5, -1.5), Vec3::splat(0.5), false);
+    let crate_at = |y: f32, half: f32| {
+        let at = Vec3::new(1.0, y + half, half - 2.0);
+        block(at, Vec3::splat(half), false)
+    };
     let below = DVec3::new(0.3, -0.005, -2.0);
     let buried = |meshes: Vec<Mesh>| {
         let solids = solids(meshes);
@@ -436,9 +485,10 @@ fn what_stands_on_a_ground_lays_nothing_open_behind_it() {
             .sum::<i32>()
     };
     let ground = || level(0.0, 9.0);
-    assert_eq!(buried(vec![wall(-0.01), ground(), crate_at(0.0)]), 1);
-    // One that hangs under it may show what is there.
-    assert_eq!(buried(vec![wall(-0.01), ground(), crate_at(-1.0)]), 0);
+    let found = |y, half| buried(vec![wall(-0.01), ground(), crate_at(y, half)]);
+    assert_eq!(found(0.0, 0.5), 1);
+    // One that hangs under it may show what is there, if it is at least half as large.
+    assert_eq!([found(-2.02, 1.01), found(-1.98, 0.99)], [0, 1]);
 }
 
 #[test]
