@@ -87,6 +87,6 @@ pub use mix::Mix;
 pub use obvhs_backend::ObvhsBackend;
 pub use part::Part;
 pub use point::{SurfacePoint, Surfaces};
-pub use solid::{Covers, NUDGE, Near, Rim, Solids};
+pub use solid::{Cover, Covers, NUDGE, Near, Rim, Solids};
 pub use surface::{Patch, PlaneErrors};
 pub use world::{World, WorldOptions};

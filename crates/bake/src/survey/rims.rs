@@ -3,11 +3,12 @@
 //!
 //! Such a rim cannot be shown beside the rest, and may see the other side of the wall. So it does not matter whether
 //! somebody sees it. What the layer covers is dark, and a texel that its edge crosses cannot show that beside what is
-//! not covered. With its rays above the layer it has the light of the surface without the layer.
+//! not covered. With its rays above the layer it has the light of the surface without the layer. What a closed layer
+//! covers is buried, as it would be if that stood on it: footprints end there too.
 
 use atlas::Piece;
 use glam::DVec3;
-use rays::{Covers, NUDGE, Patch, Rim};
+use rays::{Cover, Covers, NUDGE, Patch, Rim};
 
 /// The cosine of the angle between a surface and the wall that ends it, at most.
 const UPRIGHT: f64 = 0.5;
@@ -73,14 +74,14 @@ impl Ends<'_> {
     }
 }
 
-/// Hands over the parts of a piece of so much area in texels that no rim takes, with their areas and with how far above
-/// the surface their rays begin.
+/// Hands over the parts of a piece of so much area in texels that no rim takes and no closed layer buries, with their
+/// areas and with how far above the surface their rays begin. What comes back is the area that is buried.
 pub(super) fn without(
     (patch, ends): (&Patch, Ends),
     piece: &Piece,
     area: f64,
     mut take: impl FnMut(&Piece, f64, f64),
-) {
+) -> f64 {
     let [a, b, c] = piece.corners;
     let d = b + c - a;
     let whole = if piece.square {
@@ -106,6 +107,7 @@ pub(super) fn without(
             left = cut(&left, |w| rim.height(at(w)) - margin);
         }
     }
+    let mut buried = if left.len() > 2 { world(&left) } else { 0.0 };
     let mut parts = vec![Part {
         corners: left,
         lift: 0.0,
@@ -115,15 +117,17 @@ pub(super) fn without(
         let under = ends.under.unwrap_or(Rim::THIN * texel);
         parts = lifted(&covers, patch, parts, under);
     }
-    if parts.len() == 1 && parts[0].corners == whole {
+    if parts.len() == 1 && parts[0].corners == whole && parts[0].share == 1.0 {
         take(piece, area, parts[0].lift);
-        return;
+        return 0.0;
     }
     for part in &parts {
         let corners = &part.corners;
         for pair in corners.get(1..).unwrap_or_default().windows(2) {
             let corners = [corners[0], pair[0], pair[1]];
-            let share = part.share * world(&corners) / before;
+            let kept = part.share * world(&corners);
+            buried -= kept;
+            let share = kept / before;
             if share > LEAST {
                 let piece = Piece {
                     square: false,
@@ -134,18 +138,19 @@ pub(super) fn without(
             }
         }
     }
+    let share = buried / before;
+    if share > LEAST { area * share } else { 0.0 }
 }
 
 /// Parts of a triangle cut at the borders of the layers over it. Rays begin above those that are at most `under` away.
 /// Of twice that and more nothing is lifted, and between the two a share that falls evenly, so that no value jumps
-/// where a layer is a little higher.
+/// where a layer is a little higher. What closed layers would lift is left out.
 fn lifted(covers: &Covers, patch: &Patch, mut parts: Vec<Part>, under: f64) -> Vec<Part> {
     let at = |w: DVec3| patch.corners[0] * w.x + patch.corners[1] * w.y + patch.corners[2] * w.z;
     let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     let corners = parts.iter().flat_map(|part| &part.corners).map(|&w| at(w));
     let around = corners.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
     let reach = around.0.abs().max(around.1.abs()).max_element();
-    let least = Covers::least(reach);
     let over: Vec<_> = covers
         .over(around, (patch.corners[0], patch.geometric), 2.0 * under)
         .collect();
@@ -153,7 +158,12 @@ fn lifted(covers: &Covers, patch: &Patch, mut parts: Vec<Part>, under: f64) -> V
     if is_crowded {
         parts = parts.iter().flat_map(Part::split).collect();
     }
-    for [a, b, c] in over {
+    for Cover {
+        corners: [a, b, c],
+        least,
+        buries,
+    } in over
+    {
         let front = (b - a).cross(c - a);
         let steep = front.dot(patch.geometric);
         let height = |w: DVec3| (a - at(w)).dot(front) / steep;
@@ -199,7 +209,9 @@ fn lifted(covers: &Covers, patch: &Patch, mut parts: Vec<Part>, under: f64) -> V
                 share: (1.0 - share) * part.share,
                 ..part
             };
-            next.extend([above, below].into_iter().filter(|part| part.share > 0.0));
+            let above = Some(above).filter(|_| !buries);
+            let both = above.into_iter().chain([below]);
+            next.extend(both.filter(|part| part.share > 0.0));
         }
         parts = next;
     }
@@ -283,8 +295,8 @@ mod tests {
     }
 
     /// A world of the unit square's lower half over z = 0, which goes on beyond, and a mark of x and y above 0.25, so far
-    /// above it.
-    fn marked(above: f32) -> rays::World {
+    /// above it; a closed one where it is so thick.
+    fn marked(above: f32, thick: Option<f32>) -> rays::World {
         let mesh = |positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>| {
             let mut mesh = scene::authored::Mesh::default();
             (mesh.positions, mesh.triangles) = (positions, triangles);
@@ -295,26 +307,86 @@ mod tests {
             vec![[0, 1, 2], [1, 3, 2]],
         );
         let (a, b) = (0.25, 4.0);
-        let corners = [[a, a, above], [b, a, above], [b, b, above], [a, b, above]];
-        let mark = mesh(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]);
+        let corners = |z: f32| [[a, a, z], [b, a, z], [b, b, z], [a, b, z]];
+        let top = [[0, 1, 2], [0, 2, 3]];
+        let mark = match thick {
+            None => mesh(corners(above).to_vec(), top.to_vec()),
+            Some(thick) => {
+                let sides = (0..4u32).flat_map(|k| {
+                    let next = (k + 1) % 4;
+                    [[k, k + 4, next + 4], [k, next + 4, next]]
+                });
+                let bottom = top.map(|[a, b, c]| [a + 4, c + 4, b + 4]);
+                let faces = top.into_iter().chain(sides).chain(bottom);
+                let positions = [corners(above + thick), corners(above)].concat();
+                mesh(positions, faces.collect())
+            }
+        };
         let scene = scene::Scene::from_meshes(vec![ground, mark], vec![]).unwrap();
         rays::World::new(std::sync::Arc::new(scene), rays::WorldOptions::default()).unwrap()
     }
 
+    /// A texel of half a unit at the origin, of one piece.
+    const TEXEL: Piece = Piece {
+        instance: 0,
+        triangle: 0,
+        number: 0,
+        square: true,
+        corners: [
+            DVec3::X,
+            DVec3::new(0.5, 0.5, 0.0),
+            DVec3::new(0.5, 0.0, 0.5),
+        ],
+        cumulative: 0.0,
+    };
+
+    #[test]
+    fn a_footprint_ends_where_a_closed_layer_is_near_however_thick_that_is() {
+        for thick in [1e-3, 0.1] {
+            // An eighth of the texel is 0.0625.
+            for (above, under, share) in [
+                (0.06, None, 1.0),
+                (1e-5, None, 1.0),
+                (0.09375, None, 0.5),
+                (0.126, None, 0.0),
+                (0.06, Some(0.048), 0.75),
+            ] {
+                let world = marked(above, Some(thick));
+                let patch = Patch::of(&world, &rays::PlaneErrors::of(&world), 0, 0);
+                let covers = world.solids().covers(0, 0, || f64::INFINITY);
+                let ends = Ends {
+                    rims: &[],
+                    covers,
+                    under,
+                };
+                let (mut left, mut moment) = (0.0, DVec3::ZERO);
+                let buried = without((&patch, ends), &TEXEL, 1.0, |piece, area, lift| {
+                    let [a, b, c] = piece.corners;
+                    let of = if piece.square {
+                        0.5 * (b + c)
+                    } else {
+                        (a + b + c) / 3.0
+                    };
+                    assert_eq!(lift, 0.0, "{above} {thick}");
+                    left += area;
+                    moment += area * DVec3::new(of.y, of.z, 0.0);
+                });
+                // The mark lies over a quarter of it, about (0.375, 0.375).
+                let off = 0.25 * share;
+                assert!((buried - off).abs() < 1e-5, "{above} {thick}: {buried}");
+                assert!((left - 1.0 + off).abs() < 1e-5, "{above} {thick}: {left}");
+                let middle = (0.25 - 0.375 * off) / (1.0 - off);
+                let found = moment / left;
+                assert!(
+                    (found - DVec3::new(middle, middle, 0.0)).length() < 1e-5,
+                    "{found}"
+                );
+            }
+        }
+    }
+
     #[test]
     fn rays_begin_above_a_mark_that_lies_over_a_footprint() {
-        let piece = Piece {
-            instance: 0,
-            triangle: 0,
-            number: 0,
-            square: true,
-            corners: [
-                DVec3::X,
-                DVec3::new(0.5, 0.5, 0.0),
-                DVec3::new(0.5, 0.0, 0.5),
-            ],
-            cumulative: 0.0,
-        };
         // A texel is 0.5 wide, of which an eighth is 0.0625. The mark takes a quarter of it, and all that is less than
         // it lies away is lifted; of what lies between once and twice as far, a share that falls evenly.
         for (above, under, share) in [
@@ -327,7 +399,7 @@ mod tests {
             (0.06, Some(0.04), 0.5),
             (0.06, Some(0.03), 0.0),
         ] {
-            let world = marked(above);
+            let world = marked(above, None);
             let patch = Patch::of(&world, &rays::PlaneErrors::of(&world), 0, 0);
             let covers = world.solids().covers(0, 0, || f64::INFINITY);
             let ends = Ends {
@@ -336,7 +408,7 @@ mod tests {
                 under,
             };
             let (mut whole, mut lifted, mut moment) = (0.0, 0.0, DVec3::ZERO);
-            without((&patch, ends), &piece, 1.0, |piece, area, lift| {
+            without((&patch, ends), &TEXEL, 1.0, |piece, area, lift| {
                 let [a, b, c] = piece.corners;
                 let middle = if piece.square {
                     0.5 * (b + c)

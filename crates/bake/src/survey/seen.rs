@@ -291,6 +291,14 @@ impl Seen {
         }
     }
 
+    /// The same where only so much of the footprint is left.
+    pub fn left(self, left: f32) -> Self {
+        Self {
+            share: self.share * left,
+            ..self
+        }
+    }
+
     /// True where samples are drawn from a part only.
     pub fn is_part(&self) -> bool {
         !self.strata.is_empty()

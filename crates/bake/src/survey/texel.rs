@@ -61,7 +61,7 @@ impl Texel {
 
     /// Takes what can be seen, and the means over it.
     fn see(&mut self, seen: Seen) {
-        self.seen = seen;
+        self.seen = seen.left(self.seen.share);
         if !self.seen.is_part() {
             return;
         }
@@ -154,23 +154,23 @@ impl<'a> Surveyor<'a> {
         (ground.wholes).extend(held.map(|&number| known[number as usize].cell));
         let mut cut = |footprint: &Footprint| {
             if footprint.is_whole {
-                return (footprint.parts.clone(), true);
+                return (footprint.parts.clone(), 1.0);
             }
             let start = ground.cells.len() as u32;
-            let is_left = self.cut(
+            let left = self.cut(
                 tile.pieces_of(footprint),
                 (&known, &cuts),
                 &mut ground.cells,
             );
-            (start..ground.cells.len() as u32, is_left)
+            (start..ground.cells.len() as u32, left)
         };
         let found: Vec<_> = tile.footprints.iter().map(&mut cut).collect();
         let ground = Arc::new(ground);
-        let texel = |(footprint, (own, is_left)): (&Footprint, (Range<u32>, bool))| {
+        let texel = |(footprint, (own, left)): (&Footprint, (Range<u32>, f64))| {
             let corner = [footprint.x - tile.x0, footprint.y - tile.y0].map(|at| at as f32);
             let whole = footprint.is_whole.then_some(corner);
             let cells = Cells::new(Arc::clone(&ground), own, whole);
-            let seen = if is_left { Seen::ALL } else { Seen::NONE };
+            let seen = Seen::ALL.left(left as f32);
             self.texel((tile, footprint), &known, (cells, seen), &stream)
         };
         let mut texels: Vec<Texel> = tile.footprints.iter().zip(found).map(texel).collect();
@@ -224,17 +224,17 @@ impl<'a> Surveyor<'a> {
         (!varies).then(|| material_at(scene, instance, 0, [1.0, 0.0, 0.0]))
     }
 
-    /// Adds the cells of a footprint to others: of what rims leave of it, or of all where they leave nothing and
-    /// `false` is returned.
+    /// Adds the cells of a footprint to others: of what rims and layers leave of it, or of all where they leave nothing.
+    /// What comes back is the share that layers leave of what rims do.
     fn cut(
         &self,
         pieces: &[Piece],
         (known, cuts): (&[Known], &[Cut]),
         cells: &mut Vec<Cell>,
-    ) -> bool {
+    ) -> f64 {
         let start = cells.len();
         for all in [false, true] {
-            let mut before = 0.0;
+            let (mut before, mut buried) = (0.0, 0.0);
             for piece in pieces {
                 let Cut { patch, body, ends } = &cuts[known[piece.number as usize].cut as usize];
                 let (triangle, corners) = (piece.triangle, piece.corners);
@@ -254,12 +254,13 @@ impl<'a> Surveyor<'a> {
                 before = piece.cumulative;
                 match all || ends.are_none() {
                     true => push(piece, area, 0.0),
-                    false => rims::without((patch, *ends), piece, area, push),
+                    false => buried += rims::without((patch, *ends), piece, area, push),
                 }
             }
             if cells.len() > start {
                 Cell::share(&mut cells[start..]);
-                return !all;
+                let kept: f64 = cells[start..].iter().map(|cell| cell.area).sum();
+                return if all { 0.0 } else { kept / (kept + buried) };
             }
         }
         unreachable!("a footprint is never empty")

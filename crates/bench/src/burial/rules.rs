@@ -57,8 +57,8 @@ fn ambake(scene: &Scene, point: &Point) -> bool {
     let covered = || {
         let covers = solids.covers(instance, point.triangle, || f64::INFINITY)?;
         let mut over = covers.over((at, at), (at, point.normal), TEXEL / 8.0);
-        let least = rays::Covers::least(at.abs().max_element());
-        let holds = |[a, b, c]: [DVec3; 3]| {
+        let holds = |cover: rays::Cover| {
+            let ([a, b, c], least) = (cover.corners, cover.least);
             let front = (b - a).cross(c - a);
             let height = (a - at).dot(front) / point.normal.dot(front);
             let sides = [(a, b), (b, c), (c, a)];

@@ -5,8 +5,9 @@
 //! still hold some of the dark, as a line around every mark of a street. So who bakes may let rays of what is covered
 //! begin above the layer.
 //!
-//! A layer is an open surface that looks to one side, bent or flat, or a closed one that is thin for its size. It
-//! covers what its faces lie straight above and look along, and no more: a wall covers no floor, for they look
+//! A layer is an open surface that looks to one side, bent or flat, or a closed one that is thin for its size. Of that
+//! the side that looks at the surface tells how near it is. What it is near to counts as what it stands on: it is
+//! buried. It covers what its faces lie straight above and look along, and no more: a wall covers no floor, for they look
 //! elsewhere, and a sheet that looks at the surface hides nothing from who looks at it from its other side. What lies
 //! in the surface itself covers nothing either, for it takes no light from it.
 
@@ -29,6 +30,17 @@ const ALONG: f64 = 0.95;
 /// Faces of a layer that are asked what lies behind them; of more, so many, evenly.
 const ASKED: usize = 256;
 
+/// A triangle of a layer that lies over a surface.
+#[derive(Debug, Clone, Copy)]
+pub struct Cover {
+    /// In the order in which they are seen from above the surface.
+    pub corners: [DVec3; 3],
+    /// How far above the surface it covers at least.
+    pub least: f64,
+    /// True for a closed layer, which buries what is under it.
+    pub buries: bool,
+}
+
 /// A layer where it is placed.
 #[derive(Debug, Clone)]
 struct Layer {
@@ -36,8 +48,47 @@ struct Layer {
     surface: u32,
     transform: DAffine3,
     inverse: DAffine3,
+    side: Side,
     low: DVec3,
     high: DVec3,
+}
+
+/// Which side of a layer tells how near it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Side {
+    /// The front of a sheet, which looks as the surface does.
+    Front,
+    /// What looks at the surface: the fronts of a closed layer that looks outward, the backs of one that looks inward.
+    Outer { inward: bool },
+}
+
+impl Side {
+    fn of(surface: &Surface) -> Self {
+        match surface.front.or(surface.veil) {
+            Some(_) => Self::Front,
+            None => Self::Outer {
+                inward: surface.content() < 0.0,
+            },
+        }
+    }
+
+    /// The corners of a triangle, given as they are seen from its front, as they are seen from above the surface if
+    /// it is of that side.
+    fn seen(self, [a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
+        match self {
+            Self::Outer { inward: false } => [a, c, b],
+            _ => [a, b, c],
+        }
+    }
+
+    /// How far above a surface with coordinates up to `reach` it lies at least: nearer, a sheet lies in the surface, and
+    /// on what a closed layer holds the surface is buried.
+    fn least(self, reach: f64) -> f64 {
+        match self {
+            Self::Front => Covers::least(reach),
+            Self::Outer { .. } => NUDGE * reach,
+        }
+    }
 }
 
 /// What may cover a surface.
@@ -59,43 +110,56 @@ pub struct Covers<'a> {
 impl Covers<'_> {
     /// The triangles that may cover something in a box.
     pub fn about(&self, low: DVec3, high: DVec3) -> impl Iterator<Item = [DVec3; 3]> {
-        self.within(low, high, self.layers.above)
+        let all = self.within(low, high, self.layers.above);
+        all.map(|(_, corners)| corners)
     }
 
-    fn within(&self, low: DVec3, high: DVec3, above: f64) -> impl Iterator<Item = [DVec3; 3]> {
+    fn within(
+        &self,
+        low: DVec3,
+        high: DVec3,
+        above: f64,
+    ) -> impl Iterator<Item = (Side, [DVec3; 3])> {
         let (low, high) = (low - above, high + above);
         let numbers = self.layers.boxes.meeting(low, high).into_iter();
         numbers.flat_map(move |number| {
             let layer = &self.layers.layers[number as usize];
-            self.solids.faces_about(
+            let faces = self.solids.faces_about(
                 (layer.shape, layer.surface),
                 &layer.transform,
                 &layer.inverse,
                 (low, high),
-            )
+            );
+            let seen = |face| (layer.side, layer.side.seen(face));
+            faces.into_iter().map(seen)
         })
     }
 
     /// The triangles about a box of which some may lie no higher than `above` over a plane, of which a point and the
-    /// unit normal are given; those that look along it alone.
+    /// unit normal are given; those of the sides that tell how near layers are alone.
     pub fn over(
         &self,
         (low, high): (DVec3, DVec3),
         (place, normal): (DVec3, DVec3),
         above: f64,
-    ) -> impl Iterator<Item = [DVec3; 3]> {
-        let least = Self::least(low.abs().max(high.abs()).max_element());
+    ) -> impl Iterator<Item = Cover> {
+        let reach = low.abs().max(high.abs()).max_element();
         let all = self.within(low, high, above);
-        all.filter(move |face| {
+        let is_over = move |&(side, face): &(Side, [DVec3; 3])| {
             let heights = face.map(|corner| (corner - place).dot(normal));
-            let is_near =
-                heights.iter().any(|h| *h >= least) && heights.iter().any(|h| *h <= above);
-            is_near && front(face).dot(normal) > ALONG
+            let is_near = heights.iter().any(|h| *h >= side.least(reach))
+                && heights.iter().any(|h| *h <= above);
+            is_near && front(&face).dot(normal) > ALONG
+        };
+        all.filter(is_over).map(move |(side, corners)| Cover {
+            corners,
+            least: side.least(reach),
+            buries: side != Side::Front,
         })
     }
 
-    /// How far above a surface with coordinates up to `reach` something lies at least: nearer, it lies in it.
-    pub fn least(reach: f64) -> f64 {
+    /// How far above a surface with coordinates up to `reach` a sheet lies at least: nearer, it lies in it.
+    fn least(reach: f64) -> f64 {
         2.0 * NUDGE * reach
     }
 }
@@ -152,6 +216,7 @@ impl Solids {
                 surface: sheet.key.1,
                 transform: sheet.transform,
                 inverse: sheet.inverse,
+                side: Side::of(sheet.surface),
                 low: sheet.low,
                 high: sheet.high,
             });
@@ -171,11 +236,12 @@ impl Solids {
             let key = (of.shape, of.key.1);
             self.faces_about(key, &of.transform, &of.inverse, (low - slack, high + slack))
         };
+        let side = Side::of(layer.surface);
         let near = faces(layer, other.low, other.high);
         let step = near.len().div_ceil(ASKED).max(1);
-        near.iter().step_by(step).any(|face| {
-            let (normal, (low, high)) = (front(face), box_of(*face));
-            let least = Covers::least(low.abs().max(high.abs()).max_element());
+        near.iter().step_by(step).any(|&face| {
+            let (normal, (low, high)) = (front(&side.seen(face)), box_of(face));
+            let least = side.least(low.abs().max(high.abs()).max_element());
             let is_behind =
                 |corner: DVec3| (least..=slack).contains(&(face[0] - corner).dot(normal));
             faces(other, low, high).into_iter().any(|behind| {
@@ -272,8 +338,7 @@ mod tests {
             let at = place.transform_point3(DVec3::new(0.01, 0.0, 0.02));
             let up = place.transform_vector3(DVec3::Y);
             let covers = world.solids().covers(0, triangle, || f64::INFINITY);
-            let is_over =
-                |[a, ..]: &[DVec3; 3]| (Covers::least(8.0)..=above).contains(&(*a - at).dot(up));
+            let is_over = |of: &Cover| (of.least..=above).contains(&(of.corners[0] - at).dot(up));
             let over = |covers: Covers| {
                 covers
                     .over((at, at), (at, up), above)
@@ -323,14 +388,15 @@ mod tests {
         let world = world(placed_scene(meshes, &placed));
         let is_covered = |&(at, normal): &(Vec3, Vec3)| {
             let (at, up) = (at.as_dvec3(), normal.as_dvec3().normalize());
-            let is_over = |[a, b, c]: [DVec3; 3]| {
+            let is_over = |of: Cover| {
+                let [a, b, c] = of.corners;
                 let front = (b - a).cross(c - a);
                 let height = (a - at).dot(front) / up.dot(front);
                 let top = at + height * up;
                 let sides = [(a, b), (b, c), (c, a)];
                 let is_in =
                     |(from, to): (DVec3, DVec3)| front.cross(to - from).dot(top - from) >= 0.0;
-                (Covers::least(8.0)..=above).contains(&height) && sides.into_iter().all(is_in)
+                (of.least..=above).contains(&height) && sides.into_iter().all(is_in)
             };
             (0..triangles).any(|triangle| {
                 let covers = world.solids().covers(0, triangle, || f64::INFINITY);
@@ -374,17 +440,22 @@ mod tests {
     }
 
     #[test]
-    fn a_thin_closed_body_covers_what_it_lies_over_and_a_thick_one_nothing() {
+    fn a_thin_closed_body_covers_what_it_is_near_to_and_a_thick_one_nothing() {
         let floor = || level(0.0, 4.0, true);
-        let body = |thick: f32| {
+        let body = |thick: f32, inward| {
             let middle = Vec3::Y * (0.001 + 0.5 * thick);
-            block(middle, Vec3::new(0.4, 0.5 * thick, 0.4), false)
+            block(middle, Vec3::new(0.4, 0.5 * thick, 0.4), inward)
         };
         let points = [0.0, 0.39, 0.41, 1.0].map(|x| (Vec3::new(x, 0.0, 0.1), Vec3::Y));
-        let rug = |above| covered(vec![floor(), body(0.006)], &points, above);
-        assert_eq!(rug(0.008), [true, true, false, false]);
-        assert_eq!(rug(0.006), [false; 4]);
-        assert_eq!(covered(vec![floor(), body(0.4)], &points, 0.5), [false; 4]);
+        for inward in [false, true] {
+            let rug = |above| covered(vec![floor(), body(0.006, inward)], &points, above);
+            for above in [0.008, 0.0011] {
+                assert_eq!(rug(above), [true, true, false, false], "{above} {inward}");
+            }
+            assert_eq!(rug(0.0009), [false; 4], "{inward}");
+            let block = || body(0.4, inward);
+            assert_eq!(covered(vec![floor(), block()], &points, 0.5), [false; 4]);
+        }
     }
 
     #[test]
@@ -412,17 +483,15 @@ mod tests {
         for (name, other, labels) in [
             ("wall", wall, [false; 3]),
             ("board", board, [false; 3]),
-            ("step", step, [false, true, false]),
+            ("step", step, [false; 3]),
         ] {
             let found = covered(vec![floor(), other], &floor_points, 0.02);
             assert_eq!(found, labels, "{name}");
         }
-        // The walls of a slot look at each other.
+        // The walls of a slot look at each other, and are as good as touching where it is narrow.
         let side = |x: f32| block(Vec3::new(x, 0.5, 0.0), Vec3::new(0.01, 0.5, 1.0), false);
         let within = points(&[[0.01, 0.5, 0.0]], Vec3::X);
-        assert_eq!(
-            covered(vec![side(0.0), side(0.025)], &within, 0.02),
-            [false]
-        );
+        let slot = |above| covered(vec![side(0.0), side(0.025)], &within, above);
+        assert_eq!([slot(0.004), slot(0.006)], [[false], [true]]);
     }
 }

@@ -39,8 +39,8 @@ mod tree;
 mod wound;
 
 use crate::boxes::Boxes;
-pub use covers::Covers;
 use covers::Layers;
+pub use covers::{Cover, Covers};
 use glam::{DAffine3, DVec3, Vec3};
 pub use near::Near;
 use opening::Opening;
