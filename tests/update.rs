@@ -153,11 +153,11 @@ fn a_moved_object_costs_what_it_reaches_and_nothing_else() {
 fn what_is_no_longer_rooted_in_the_floor_is_baked_again() {
     let mut before = row();
     before[0].at[1] = -0.3;
-    // In the first box, and below the floor: no ray comes there, but the floor no longer buries the foot of the box. It
+    // Under the first box, and half as large: no ray comes there, but the floor no longer buries the foot of the box. It
     // is no ground any more, so all that it reached is baked again.
-    let mut inside = prop("inside", 1.3, 1.3);
-    (inside.at[1], inside.size) = (-0.25, 0.1);
-    let after = [&before[..], &[inside]].concat();
+    let mut below = prop("below", 1.2, 1.2);
+    (below.at[1], below.size) = (-0.85, 0.6);
+    let after = [&before[..], &[below]].concat();
     let said = compare((0.5, &before), (0.5, &after), SMALL);
     assert!(said["baked"].as_u64() > Some(1000), "{said}");
     let same = compare((0.5, &before), (0.5, &before), SMALL);

@@ -49,6 +49,7 @@ fn level(half: f64, y: f64, up: bool) -> [[f64; 3]; 4] {
 
 const LEFT: [f64; 4] = [0.0, 0.0, 0.5, 0.5];
 const RIGHT: [f64; 4] = [0.5625, 0.0, 1.0, 0.5];
+const BELOW: [f64; 4] = [0.0, 0.5625, 0.4375, 1.0];
 
 /// Values of the texels of [`LEFT`].
 fn left<'a>(page: &'a Page, term: &'a str) -> impl Iterator<Item = f32> + 'a {
@@ -105,6 +106,8 @@ fn thin_gap_is_dark() {
             let mut text = String::new();
             quad(&mut text, "floor", level(0.5, 0.0, true), LEFT, turned);
             quad(&mut text, "plate", level(1.0, gap, false), RIGHT, turned);
+            // Without it one would see the floor from below, and that side would be baked.
+            quad(&mut text, "base", level(1.0, -gap, true), BELOW, turned);
             for backend in backends() {
                 let page = bake_text(&text, backend);
                 let brightest = left(&page, "diffuse").fold(0.0, f32::max);

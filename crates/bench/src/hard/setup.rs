@@ -204,7 +204,8 @@ fn scene(meshes: Vec<Mesh>) -> Scene {
             transmission: None,
             alpha: Alpha::Opaque,
             normal_map: None,
-            double_sided: true,
+            // What is baked is the side that a formula is of, also where nobody could look at it.
+            double_sided: false,
         }],
         images: Vec::new(),
         packed_images: Vec::new(),
