@@ -159,7 +159,7 @@ impl Covers<'_> {
     }
 
     /// How far above a surface with coordinates up to `reach` a sheet lies at least: nearer, it lies in it.
-    fn least(reach: f64) -> f64 {
+    pub(super) fn least(reach: f64) -> f64 {
         2.0 * NUDGE * reach
     }
 }
