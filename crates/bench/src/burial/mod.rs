@@ -85,13 +85,6 @@ pub fn run() -> Result<Vec<Row>, Error> {
             scores,
         })
     };
-    if std::env::var("DBG").is_ok() {
-        return scenes::ALL
-            .iter()
-            .filter(|s| s.0.contains("tunnel") || s.0.contains("legs and shelves"))
-            .map(row)
-            .collect();
-    }
     scenes::ALL.par_iter().map(row).collect()
 }
 
