@@ -9,9 +9,9 @@ use crate::maps::sunlit;
 use crate::summary::median;
 use crate::tables_truth::{body, truth, turned};
 use environment::{Image, Projection};
-use frames::{GBuffer, Index, Lookup, Shader, Surfel, Table, View};
+use frames::{GBuffer, Lookup, Shader, Surfel, Table, View};
 use glam::DVec3;
-use render::{Camera, Weight};
+use render::Camera;
 use serde::Serialize;
 
 /// Error and flicker of a look-up in one case.
@@ -57,20 +57,6 @@ const STEP: f64 = 0.02;
 /// Radiance of the sun, half a degree wide, beside a sky of 1.
 const SUN: f64 = 1e3;
 
-fn shader<'a>(diffuse: Option<&'a Table>, specular: &'a Table) -> Shader<'a> {
-    Shader {
-        diffuse,
-        translucency: 0.0,
-        specular: Some(specular),
-        glosses: vec![],
-        incidences: vec![],
-        index: Index::Mirror,
-        coat: None,
-        diffuse_weight: Weight::Constant,
-        specular_weight: Weight::Constant,
-    }
-}
-
 /// Error and flicker of all look-ups in all cases, in the current pool of threads.
 ///
 /// # Errors
@@ -92,7 +78,12 @@ pub fn quality() -> Result<Vec<Row>, frames::Error> {
             ("mirror", &mirror),
         ] {
             let case = format!("{name}, {of}");
-            rows.extend(measure(&case, wrinkles, size, &shader(None, table))?);
+            rows.extend(measure(
+                &case,
+                wrinkles,
+                size,
+                &Shader::of(None, Some(table)),
+            )?);
         }
     }
     Ok(rows)
@@ -175,7 +166,7 @@ pub fn speed(repeats: usize) -> Result<Vec<Speed>, frames::Error> {
         corners: true,
     };
     let buffer = GBuffer::take(&view, &(), globe)?;
-    let shader = shader(Some(&diffuse), &specular);
+    let shader = Shader::of(Some(&diffuse), Some(&specular));
     let mut picture = Image::filled(1920, 1080, [0.0; 3]);
     let rows = LOOKUPS.map(|lookup| {
         let mut milliseconds = Vec::new();

@@ -6,7 +6,7 @@ use environment::{IlluminationMap, Image, Projection};
 use glam::DVec3;
 use layers::Progress;
 use maps::{Lobe, Normalise, Request};
-use render::{Camera, Part, Weight};
+use render::{Camera, Part};
 
 /// The tables that the six materials need.
 #[derive(Debug)]
@@ -59,17 +59,6 @@ impl Balls {
 
     /// Shader and reflectances kd and ks of each material.
     fn materials(&self) -> [(Shader<'_>, DVec3, DVec3); 6] {
-        let shader = |diffuse, specular| Shader {
-            diffuse,
-            translucency: 0.0,
-            specular,
-            glosses: vec![],
-            incidences: vec![],
-            index: Index::Mirror,
-            coat: None,
-            diffuse_weight: Weight::Constant,
-            specular_weight: Weight::Constant,
-        };
         let (d, s, i) = (
             Some(&self.diffuse),
             Some(&self.specular),
@@ -77,17 +66,17 @@ impl Balls {
         );
         let indexed = |index, specular| Shader {
             index,
-            ..shader(None, specular)
+            ..Shader::of(None, specular)
         };
         let varnished = Shader {
             coat: i,
-            ..shader(d, None)
+            ..Shader::of(d, None)
         };
         let grey = DVec3::splat;
         [
-            (shader(None, i), grey(0.0), grey(1.0)),
-            (shader(None, s), grey(0.0), grey(1.0)),
-            (shader(d, None), grey(0.5), grey(0.0)),
+            (Shader::of(None, i), grey(0.0), grey(1.0)),
+            (Shader::of(None, s), grey(0.0), grey(1.0)),
+            (Shader::of(d, None), grey(0.5), grey(0.0)),
             (varnished, DVec3::new(0.5, 0.12, 0.04), grey(0.0)),
             (indexed(Index::Retro, s), grey(0.0), grey(0.5)),
             (

@@ -2,7 +2,7 @@
 //! from everywhere.
 
 use super::*;
-use crate::tests::{shader, view};
+use crate::tests::view;
 use environment::{IlluminationMap, Image, Projection};
 use glam::DVec3;
 use render::Camera;
@@ -31,7 +31,7 @@ fn energy(lookup: Lookup, width: usize, sun: [usize; 2], size: u32, count: usize
     let toward = DVec3::from(toward.expect("a direction"));
     let table = Table::new(&IlluminationMap::new(sky, Projection::Polar).expect("a map"));
     let table = table.expect("polar");
-    let shader = shader(None, Some(&table));
+    let shader = Shader::of(None, Some(&table));
     let far = 1000.0;
     let half = 1.05;
     let mut ratios = vec![];

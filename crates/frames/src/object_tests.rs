@@ -1,7 +1,7 @@
 //! Shaders by object, and mirrors whose rays are traced.
 
 use super::*;
-use crate::tests::{LOOKUPS, shader, view};
+use crate::tests::{LOOKUPS, view};
 use environment::{IlluminationMap, Image, Projection};
 use glam::DVec3;
 use render::{Camera, Weight};
@@ -36,17 +36,17 @@ fn strips(direction: DVec3, shader: impl Fn(u32) -> u32) -> Surfel {
 fn each_object_is_shaded_as_if_all_were_of_its_kind() {
     let (d, s) = (uneven(1.0), uneven(0.1));
     let shaders = [
-        shader(Some(&d), Some(&s)),
+        Shader::of(Some(&d), Some(&s)),
         Shader {
             coat: Some(&s),
-            ..shader(Some(&d), None)
+            ..Shader::of(Some(&d), None)
         },
         Shader {
             glosses: vec![(4.0, vec![&s, &d]), (16.0, vec![&d, &s])],
             incidences: vec![0.5, 1.0],
             index: Index::Retro,
             specular_weight: Weight::Schlick(0.2),
-            ..shader(None, None)
+            ..Shader::of(None, None)
         },
     ];
     let camera = camera();
@@ -74,10 +74,10 @@ fn each_object_is_shaded_as_if_all_were_of_its_kind() {
 #[test]
 fn a_traced_mirror_shows_what_its_rays_meet_turned_with_its_object() {
     let (d, i) = (uneven(1.0), uneven(0.1));
-    let wall = shader(Some(&d), None);
+    let wall = Shader::of(Some(&d), None);
     let mirror = Shader {
         index: Index::Traced,
-        ..shader(None, Some(&i))
+        ..Shader::of(None, Some(&i))
     };
     let shaders = [wall, mirror];
     let angle = 0.7;

@@ -1,7 +1,7 @@
 //! Reflectance by incidence and colour: the weights and the tables that section 9 of the 1984 text asks for.
 
 use super::*;
-use crate::tests::{LOOKUPS, buffer, polar, shader};
+use crate::tests::{LOOKUPS, buffer, polar};
 use environment::{Image, Projection};
 use maps::{Normalise, Reflectance};
 use render::Weight;
@@ -47,7 +47,7 @@ fn a_mirror_of_glass_and_one_of_gold_show_fresnels_share() {
         }
         let mirror = Shader {
             specular_weight: Weight::parse(&text).unwrap(),
-            ..shader(None, Some(&sky))
+            ..Shader::of(None, Some(&sky))
         };
         // What is linear between two lines is off by at most an eighth of what three neighbours are bent by.
         let bend = |[n, k]: [f64; 2], cosine: f64| {
@@ -73,7 +73,7 @@ fn a_mirror_of_glass_and_one_of_gold_show_fresnels_share() {
 fn a_weight_of_one_and_equal_tables_change_nothing() {
     let map = polar(64, |[x, y, z]| [1.0 + x as f32, 1.0 + (y * z) as f32, 2.0]);
     let (d, s) = (Table::new(&map).unwrap(), Table::new(&map).unwrap());
-    let plain = shader(Some(&d), Some(&s));
+    let plain = Shader::of(Some(&d), Some(&s));
     let one = Weight::parse("degrees red green blue\n0 1 1 1\n50 1 1 1\n90 1 1 1\n").unwrap();
     let weighted = Shader {
         diffuse_weight: one.clone(),
@@ -129,7 +129,7 @@ fn a_pixel_shows_the_reflectance_of_its_incidence_and_colour() {
     let shader = Shader {
         glosses: vec![(0.0, tables.iter().collect())],
         incidences: cosines.iter().rev().map(|c| *c as f32).collect(),
-        ..shader(None, None)
+        ..Shader::of(None, None)
     };
     let exact = |cosine: f64, c: usize| {
         let at = cosines[1..].partition_point(|own| *own > cosine);

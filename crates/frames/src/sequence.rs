@@ -146,7 +146,6 @@ impl Sequence<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tests::shader;
     use environment::{IlluminationMap, Projection};
     use std::sync::Mutex;
 
@@ -198,7 +197,7 @@ mod tests {
             about: [DVec3::ZERO, DVec3::Y],
             samples: 2,
             normals: None,
-            shaders: vec![shader(None, Some(&table))],
+            shaders: vec![Shader::of(None, Some(&table))],
             lookup: Lookup::Bilinear,
             environment: Some(&table),
         };

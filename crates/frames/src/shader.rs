@@ -36,7 +36,22 @@ pub struct Shader<'a> {
 /// Share that a coat of varnish mirrors.
 pub(super) const COAT: f32 = 0.5;
 
-impl Shader<'_> {
+impl<'a> Shader<'a> {
+    /// An opaque surface that these tables light, S by the mirror direction, each with a weight of 1.
+    pub fn of(diffuse: Option<&'a Table>, specular: Option<&'a Table>) -> Self {
+        Self {
+            diffuse,
+            translucency: 0.0,
+            specular,
+            glosses: Vec::new(),
+            incidences: Vec::new(),
+            index: Index::Mirror,
+            coat: None,
+            diffuse_weight: Weight::Constant,
+            specular_weight: Weight::Constant,
+        }
+    }
+
     /// How much of each of `glosses` a material of this exponent shows: linear in ln(n + 1) between two, the nearest
     /// beyond the ends.
     pub(super) fn shares(&self, exponent: f64) -> Vec<f32> {

@@ -57,20 +57,6 @@ pub(super) fn polar(width: usize, of: impl Fn([f64; 3]) -> [f32; 3]) -> Illumina
     IlluminationMap::new(image, Projection::Polar).unwrap()
 }
 
-pub(super) fn shader<'a>(diffuse: Option<&'a Table>, specular: Option<&'a Table>) -> Shader<'a> {
-    Shader {
-        diffuse,
-        translucency: 0.0,
-        specular,
-        glosses: vec![],
-        incidences: vec![],
-        index: Index::Mirror,
-        coat: None,
-        diffuse_weight: Weight::Constant,
-        specular_weight: Weight::Constant,
-    }
-}
-
 /// A map without symmetry.
 fn uneven(width: usize) -> IlluminationMap {
     polar(width, |[x, y, z]| {
@@ -95,7 +81,7 @@ fn a_uniform_environment_of_one_gives_kd_plus_ks_everywhere_by_every_look_up() {
     let (_, buffer) = buffer(40, 2);
     for lookup in LOOKUPS {
         let mut picture = Image::filled(40, 40, [0.75; 3]);
-        shader(Some(&d), Some(&s)).frame(&buffer, lookup, &mut picture);
+        Shader::of(Some(&d), Some(&s)).frame(&buffer, lookup, &mut picture);
         for (k, place) in buffer.places().enumerate() {
             // The environment is as bright as the sphere, so a pixel that it covers in part shows the same.
             let share = buffer.coverage[k];
@@ -123,7 +109,7 @@ fn a_seed_table_of_a_uniform_environment_holds_a_quarter_and_one_over_2n_plus_2(
     let lobes = [request(Lobe::Lambert), request(Lobe::Phong(10.0))];
     let maps = maps::convolve(&sky, &lobes).unwrap();
     let tables = [&maps[0], &maps[1]].map(|map| Table::new(map).unwrap());
-    let shader = shader(Some(&tables[0]), Some(&tables[1]));
+    let shader = Shader::of(Some(&tables[0]), Some(&tables[1]));
     let [r, ..] = shader.point([0.0, 0.6, 0.8], [0.0, 0.0, 1.0], [[1.0; 3], [1.0; 3]]);
     assert!((r - (0.25 + 1.0 / 22.0)).abs() < 1e-7, "{r}");
 }
@@ -136,7 +122,7 @@ fn a_half_space_lights_a_sphere_by_its_closed_form_within_the_interpolation_erro
     let table = Table::new(&map).unwrap();
     let (_, buffer) = buffer(120, 1);
     let mut picture = Image::filled(120, 120, [0.0; 3]);
-    shader(Some(&table), None).frame(&buffer, Lookup::Bilinear, &mut picture);
+    Shader::of(Some(&table), None).frame(&buffer, Lookup::Bilinear, &mut picture);
     let h = 5f64.to_radians();
     let mut worst = 0.0f64;
     for (k, place) in buffer.places().enumerate() {
@@ -299,7 +285,7 @@ fn retro_reflection_at_normal_view_is_the_mirrored_one() {
     let n = [0.0, 0.0, 1.0];
     assert_eq!(Index::Retro.direction(n, n), Index::Mirror.direction(n, n));
     let table = Table::new(&uneven(64)).unwrap();
-    let mirror = shader(None, Some(&table));
+    let mirror = Shader::of(None, Some(&table));
     let retro = Shader {
         index: Index::Retro,
         ..mirror.clone()
@@ -318,7 +304,7 @@ fn each_pixel_reads_s_of_its_own_exponent() {
             .into_iter()
             .zip(tables.iter().map(|table| vec![table]))
             .collect(),
-        ..shader(None, None)
+        ..Shader::of(None, None)
     };
     let exponents = [2.0, 4.0, 8.0, 63.0, 1000.0];
     let camera = Camera::new(DVec3::Z * 5.0, DVec3::ZERO, DVec3::Y, 0.1, [90, 3]).unwrap();
@@ -367,7 +353,7 @@ fn leaves_show_the_light_behind_them() {
     let d = Table::new(&d).unwrap();
     let leaf = |translucency| Shader {
         translucency,
-        ..shader(Some(&d), None)
+        ..Shader::of(Some(&d), None)
     };
     let material = [[1.0; 3], [0.0; 3]];
     for normal in [[0.0, 1.0, 0.0], [0.0, -0.6, 0.8], [0.48, 0.6, 0.64]] {
@@ -394,7 +380,7 @@ fn varnish_adds_half_of_the_mirrored_environment() {
     let (sky, d) = (Table::new(&sky).unwrap(), Table::new(&d).unwrap());
     let varnished = Shader {
         coat: Some(&sky),
-        ..shader(Some(&d), None)
+        ..Shader::of(Some(&d), None)
     };
     let value = varnished.point([0.0, 0.0, 1.0], [0.0, 0.6, 0.8], [[0.25; 3], [0.0; 3]]);
     assert_eq!(value, [1.75; 3]);
@@ -420,7 +406,7 @@ fn blocks_of_pixels_give_what_single_points_give() {
             index,
             coat: Some(&s),
             diffuse_weight: Weight::Schlick(0.3),
-            ..shader(Some(&d), Some(&s))
+            ..Shader::of(Some(&d), Some(&s))
         };
         let (_, buffer) = buffer(90, 1);
         let mut picture = Image::filled(90, 90, [0.0; 3]);
@@ -454,7 +440,7 @@ fn a_turned_sphere_is_the_same_and_a_turned_camera_sees_the_environment_turned()
         };
         let mut picture = backdrop(&camera, Some(&table));
         let buffer = GBuffer::take(&view, &(), sphere).unwrap();
-        shader(None, Some(&table)).frame(&buffer, Lookup::Bilinear, &mut picture);
+        Shader::of(None, Some(&table)).frame(&buffer, Lookup::Bilinear, &mut picture);
         picture
     };
     let (still, turned) = (taken(0.0), taken(1.0));
@@ -495,7 +481,7 @@ fn a_pixel_on_the_edge_of_an_object_reflects_nothing_between_the_objects() {
     .unwrap();
     for lookup in LOOKUPS {
         let mut picture = Image::filled(9, 9, [1.0; 3]);
-        shader(None, Some(&table)).frame(&buffer, lookup, &mut picture);
+        Shader::of(None, Some(&table)).frame(&buffer, lookup, &mut picture);
         assert_eq!(picture.pixels, [[0.0; 3]; 81], "{lookup:?}");
     }
 }
