@@ -3,8 +3,8 @@
 
 use super::support::{Document, F32, Folder, U8, png, push};
 use ambake_scene::WarningKind::{
-    self, BrokenParts, IgnoredExtensions, MissingNormalMaps, MissingTextures, MorphTargets, Skins,
-    TexturesWithoutUvs, UnreadTextures, UvSetsAfterAGap,
+    self, BrokenParts, IgnoredExtensions, MissingNormalMaps, MissingTextures, MorphTargets,
+    OtherScenes, Skins, TexturesWithoutUvs, UnreadTextures, UvSetsAfterAGap,
 };
 use ambake_scene::{Scene, Surface};
 use glam::Vec3;
@@ -162,7 +162,7 @@ const CASES: &[Case] = &[
         |j| {
             push(&mut j["scenes"], json!({ "nodes": [77] }));
         },
-        &[],
+        &[OtherScenes],
         Base::Whole,
     ),
     (
