@@ -105,6 +105,24 @@ fn white_surfaces_return_all_that_they_receive_at_every_roughness_and_view() {
     }
 }
 
+#[test]
+fn gutters_are_no_brighter_than_what_their_page_shows() {
+    let words = ["--size", "256", "--rays", "16", "--model", "ggx"];
+    let more = ["--specular", "0.5,0.5,0.5", "--layers", "reflection"];
+    let (_folder, page) = bake(&scene("courtyard.obj"), &[&words[..], &more].concat());
+    let largest = |is_gutter: bool| {
+        let values = page
+            .plane("reflection.G")
+            .iter()
+            .zip(page.plane("coverage"));
+        let values = values.filter(|(_, coverage)| (**coverage == 0.0) == is_gutter);
+        values.fold(0.0f32, |most, (value, _)| most.max(*value))
+    };
+    // Seams give way to each other by a tenth at most.
+    let [gutters, texels] = [true, false].map(largest);
+    assert!(gutters <= texels + 0.1, "{gutters} beside {texels}");
+}
+
 /// J of the half space x > 0 by a midpoint rule over directions: D, G2 and F as the books print them.
 fn half_space(f0: f64, roughness: f64, cos: f64) -> f64 {
     let alpha2 = roughness.powi(4);

@@ -79,12 +79,8 @@ impl Baked {
     ///
     /// ```
     /// # fn main() -> Result<(), ambake::Error> {
-    /// # let scene = ambake::Scene::from_meshes(vec![ambake::Mesh {
-    /// #     positions: vec![[-1.0, 0.0, -1.0], [-1.0, 0.0, 1.0], [1.0, 0.0, 1.0]],
-    /// #     triangles: vec![[0, 1, 2]],
-    /// #     ..Default::default()
-    /// # }], vec![])?;
-    /// let baked = ambake::Bake::new(&scene).size(64).mips(2).run(&())?;
+    /// # let scene = ambake::load(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/wall_long.obj"))?;
+    /// let baked = ambake::Bake::new(&scene).size(64).rays(16).mips(2).run(&())?;
     /// for level in baked.light(0)? {
     ///     let texels: Vec<[u16; 4]> = level.half_floats();    // RGBA16F, row 0 on top
     ///     assert_eq!(texels.len(), (level.size * level.size) as usize);

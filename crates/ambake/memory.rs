@@ -8,8 +8,6 @@ use std::path::{Path, PathBuf};
 
 /// Bytes of finished tiles that wait for the disk at most.
 pub(crate) const WAITING: u64 = 128 << 20;
-/// What of them may still wait when a page is finished.
-pub(crate) const SPARED: u64 = 16 << 20;
 /// Bytes a page texel of pictures, masks and compressed lines while a page is composed and written.
 const WRITING: u64 = 12;
 /// Bytes a texel of charts that the denoiser takes beside the planes: the charts themselves and what becomes of a term,
@@ -142,9 +140,9 @@ impl Memory {
         let solving = threads.min(self.denoised.div_ceil(4));
         let seams = known.map_or(0, |(_, points)| points * (SEAM + solving * SOLVING));
         let finishes = texels * 4 * (self.working - places) + denoise + seams;
-        let finishes = groups.max(finishes) + waiting.min(SPARED);
+        let finishes = groups.max(finishes) + waiting.min(WAITING);
         let planes = 4 * (self.working - self.dropped + self.composed);
-        let composes = texels * (planes + WRITING) + waiting.min(SPARED);
+        let composes = texels * (planes + WRITING) + waiting.min(WAITING);
         // The pilot of a target has its denoiser; the page beside it is still empty, and so not in memory.
         let seeks = match self.seeks {
             true => texels * 4 * self.working + denoise,

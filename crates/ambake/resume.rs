@@ -7,7 +7,7 @@
 use crate::differ::difference;
 use crate::error::Error;
 use crate::job::Job;
-use crate::memory::{SPARED, WAITING};
+use crate::memory::WAITING;
 use ::bake::{BakedTile, Baker, KeepGathers, PageStats};
 use layers::Layer;
 use report::Journal;
@@ -132,10 +132,14 @@ impl Filled {
             texels: tile.texels.len(),
             stats: tile.stats,
         });
-        let texels = tile.texels.iter().flat_map(|texel| texel.to_le_bytes());
-        self.bytes.extend(texels);
-        let values = tile.values.iter().flat_map(|value| value.to_le_bytes());
-        self.bytes.extend(values);
+        let texels = tile.texels.iter().map(|texel| texel.to_le_bytes());
+        let values = tile.values.iter().map(|value| value.to_le_bytes());
+        let start = self.bytes.len();
+        let count = tile.texels.len() + tile.values.len();
+        self.bytes.resize(start + 4 * count, 0);
+        let room = self.bytes[start..].as_chunks_mut().0.iter_mut();
+        room.zip(texels.chain(values))
+            .for_each(|(to, own)| *to = own);
     }
 
     fn encode(self) -> Vec<u8> {
@@ -300,17 +304,6 @@ impl Saved {
             self.flush()?;
         }
         Ok(())
-    }
-
-    /// Makes room for the last steps of a page.
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    pub fn spare(&mut self) -> Result<(), Error> {
-        match self.bytes as u64 > SPARED {
-            true => self.flush(),
-            false => Ok(()),
-        }
     }
 
     /// What the bake goes on from, or why it does not, in a line.

@@ -126,7 +126,6 @@ impl Job {
                 saved.flush()?;
                 return Err(Error::Cancelled);
             }
-            saved.spare().map_err(self.unsaved(&saved))?;
             self.within(|| tracker.verify(&page, &tiles))?;
             if let Err(error) = self.within(|| writer.tiles(&page, tracker.key(), &tiles)) {
                 return Err(self.unwritten(error, saved.flush().is_ok()));

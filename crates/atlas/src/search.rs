@@ -131,9 +131,14 @@ pub(crate) fn search<T: Send>(
         let mut free = (objects.iter().zip(densities)).filter(|(o, _)| o.asked.is_none());
         !options.even
             && free.any(|(o, &d)| {
-                let is_small = o.area * d * d < LEAST;
+                // What nobody sees has no area, and needs none.
+                let is_small = o.area > 0.0 && o.area * d * d < LEAST;
                 d > 0.0 && is_small && o.extent * d < LEAST_ACROSS * f64::from(size)
             })
+    };
+    let more = |pages: u32| match pages < most {
+        true => (pages + 1 + pages / 4).min(most),
+        false => pages + 1,
     };
     let mut before = 0.0;
     let mut promised = 0.0;
@@ -153,7 +158,7 @@ pub(crate) fn search<T: Send>(
             let is_empty = inside < LEAST_INSIDE && inside > promised && limit.is_infinite();
             if coarse(&best) || is_empty {
                 promised = if pages == 1 { 0.0 } else { inside };
-                pages += 1 + pages / 4;
+                pages = more(pages);
                 continue;
             }
         }
@@ -168,9 +173,9 @@ pub(crate) fn search<T: Send>(
                     return Ok(found);
                 }
                 before = inside;
-                pages += 1 + pages / 4;
+                pages = more(pages);
             }
-            _ => pages += 1 + pages / 4,
+            _ => pages = more(pages),
         }
     }
     Err(match options.pages {

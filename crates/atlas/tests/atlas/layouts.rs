@@ -556,6 +556,21 @@ fn charts_that_nobody_sees_leave_their_texels_to_the_others() {
 }
 
 #[test]
+fn an_object_that_nobody_sees_asks_for_no_pages() {
+    // A speck in something closed, on a page where it has a quarter of a texel across.
+    let ground = scaled(100.0, 100.0, 100.0);
+    let scene = scene(
+        vec![cube(), cube()],
+        &[(0, 0, ground), (1, 1, scaled(0.1, 0.1, 0.1))],
+    );
+    let options = options(UvMode::Unwrap, 256, None);
+    let seen = |points: &[SurfacePoint]| points[0].instance == 0;
+    let atlas = layout_seen(&scene, &options, Some(&seen), &|| false).unwrap();
+    assert_clean(&atlas);
+    assert_eq!(atlas.page_count, 1);
+}
+
+#[test]
 fn page_use_counts_charts_with_their_gutters() {
     let mut square = mesh(
         "square",

@@ -131,6 +131,9 @@ impl Mends {
 impl Surface<'_> {
     /// The sum that a texel becomes; `None` where its neighbours do not say.
     fn terms(&self, texel: usize) -> Option<Vec<(usize, f64)>> {
+        if !self.is_near_seen(texel) {
+            return None;
+        }
         let neighbours = self.neighbours(texel);
         if let Some(terms) = self.at_contact(texel, &neighbours) {
             return Some(terms);
@@ -252,6 +255,16 @@ impl Surface<'_> {
             found.push((index(dx, dy), DVec2::new(f64::from(dx), f64::from(dy))));
         }
         found
+    }
+
+    /// True where some texel within reach can be seen, on whatever surface.
+    fn is_near_seen(&self, texel: usize) -> bool {
+        let near =
+            |at: usize| at.saturating_sub(REACH as usize)..(at + REACH as usize + 1).min(self.size);
+        let columns = near(texel % self.size);
+        let rows = near(texel / self.size);
+        rows.flat_map(|y| &self.validity[y * self.size..][columns.clone()])
+            .any(|share| *share > 0.0)
     }
 
     /// True where the position is the middle of the whole footprint.

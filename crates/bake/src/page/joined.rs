@@ -43,15 +43,15 @@ pub(super) fn solve_seams(
                 false => 1.0,
             };
             let plane = |layer, channel| page.channel(layer, channel).unwrap_or_default();
+            let values = plane(term, channel);
             let known = Known {
                 tied: joined.across.found(joined.light, term, channel, tied),
-                values: plane(term, channel),
+                values,
                 std_errs: plane(std_err, 0),
                 unit,
-                most: if is_light(term) || directional::holds(term) {
-                    f64::INFINITY
-                } else {
-                    1.0
+                most: match is_light(term) || directional::holds(term) {
+                    true => brightest(values, coverage),
+                    false => 1.0,
                 },
             };
             // In the dark every texel holds 0, and both sides agree.
@@ -91,6 +91,13 @@ pub(super) fn solve_seams(
         gutters.push((term, channel, gutter));
     }
     gutters
+}
+
+/// The largest value of a texel that is covered: light has no other end, and gutters must not outshine all that they
+/// surround.
+fn brightest(values: &[f32], coverage: &[f32]) -> f64 {
+    let covered = values.iter().zip(coverage).filter(|(_, c)| **c > 0.0);
+    covered.fold(0.0, |most, (value, _)| f64::max(most, f64::from(*value)))
 }
 
 /// The planes that must agree across seams: layer, the layer of its standard error, channel.

@@ -80,7 +80,7 @@ pub(crate) struct Known<'a> {
     pub std_errs: &'a [f32],
     /// What an open texel has, about.
     pub unit: f64,
-    /// The largest value that the plane can have; infinite where there is none.
+    /// The largest value that the plane can have.
     pub most: f64,
 }
 
