@@ -49,6 +49,8 @@ pub struct World {
     normal_maps: Option<NormalMaps>,
     /// By mesh, the triangles whose back is lit; see [`World::turn_over`].
     backs: HashMap<u32, HashSet<u32>>,
+    /// By mesh, the triangles whose normals point into their body; see [`World::turn_over`].
+    averse: HashMap<u32, HashSet<u32>>,
     /// See [`World::solids`].
     solids: OnceLock<Solids>,
 }
@@ -105,6 +107,7 @@ impl World {
             origin: DVec3::ZERO,
             normal_maps: None,
             backs: HashMap::new(),
+            averse: HashMap::new(),
             solids: OnceLock::new(),
         })
     }
@@ -198,11 +201,16 @@ impl World {
     }
 
     /// Lights closed bodies that look inward from behind where nobody is within, and sheets that look at something
-    /// close ([`Solids::backs`]): normals point to the other side, and nothing else changes.
+    /// close ([`Solids::backs`]): normals point to the other side, and nothing else changes. So do those that point into
+    /// a body which looks outward ([`Solids::averse`]).
     ///
     /// * `places`: where lights and eyes are, in the coordinates of the file.
     pub fn turn_over(&mut self, places: impl Iterator<Item = DVec3>) {
         self.backs = self.backs_by(places);
+        let averse = self.solids().averse().into_iter();
+        self.averse = averse
+            .map(|(mesh, of)| (mesh, of.into_iter().collect()))
+            .collect();
     }
 
     /// True where [`World::turn_over`] with these places would change nothing.
@@ -227,9 +235,12 @@ impl World {
         }
     }
 
-    /// True where some of an instance is lit from behind.
+    /// True where some of an instance is lit from behind, by its faces or by its normals.
     pub fn has_turned_over(&self, instance: u32) -> bool {
-        self.backs.contains_key(&self.part(instance).1.mesh)
+        let mesh = self.part(instance).1.mesh;
+        [&self.backs, &self.averse]
+            .iter()
+            .any(|of| of.contains_key(&mesh))
     }
 
     /// The part and the geometry of an instance.
@@ -303,15 +314,26 @@ impl World {
     }
 
     /// True where the normals of a triangle that is lit from behind, the file's or those of its winding, point away
-    /// from there.
+    /// from there, and where the file's point into its body.
     #[inline]
     fn reverses(&self, instance: u32, triangle: u32) -> bool {
         let is_away = |[a, b, c]: [DVec3; 3]| {
             let face = self.face(instance, triangle);
             (a + b + c).dot(face) < 0.0
         };
-        self.is_turned_over(instance, triangle)
-            && (self.normals_by_file(instance, triangle)).is_none_or(is_away)
+        let normals = || self.normals_by_file(instance, triangle);
+        match self.is_turned_over(instance, triangle) {
+            true => normals().is_none_or(is_away),
+            false => self.is_averse(instance, triangle) && normals().is_some_and(is_away),
+        }
+    }
+
+    #[inline]
+    fn is_averse(&self, instance: u32, triangle: u32) -> bool {
+        !self.averse.is_empty() && {
+            let mesh = self.part(instance).1.mesh;
+            (self.averse.get(&mesh)).is_some_and(|of| of.contains(&triangle))
+        }
     }
 
     /// True where both sides of an instance's surface are drawn, so that it has no back.

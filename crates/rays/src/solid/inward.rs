@@ -2,7 +2,7 @@
 //! bodies are told by the sign of their volume, others face by face (`wound.rs`).
 
 use super::placed::{Among, Placed};
-use super::topology::{Face, Surface};
+use super::topology::{Face, Surface, corners};
 use super::{Body, Inside, Solids};
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
@@ -69,6 +69,53 @@ impl Solids {
             };
             turned.extend(faces.iter().map(|&face| (shape, face)));
         }
+        self.by_mesh(&turned)
+    }
+
+    /// Triangles of each mesh, ascending, whose normals point into what they enclose, where these have most of the area
+    /// of a closed body that looks outward and is no room, wherever it is placed.
+    pub fn averse(&self) -> Vec<(u32, Vec<u32>)> {
+        let mut is_outward: HashMap<Key, bool> = HashMap::new();
+        for key in self.placed_keys() {
+            let body = self.placements.get(&key);
+            let body = body.map(|&body| &self.bodies[body as usize]);
+            let looks_out =
+                |body: &Body| body.inside == Inside::Solid && self.surface(body).volume > 0.0;
+            *is_outward
+                .entry((self.shape_of(key), key.1))
+                .or_insert(true) &= body.is_some_and(looks_out);
+        }
+        let outward = is_outward.into_iter().filter(|(_, is_outward)| *is_outward);
+        let mut found = HashSet::new();
+        for ((shape, surface), _) in outward {
+            let faces = &self.shapes[shape as usize].surfaces[surface as usize].faces;
+            let (mut inward, mut area) = (0.0, 0.0);
+            let mut own = Vec::new();
+            for &face in faces {
+                let mesh = &self.scene.meshes[face.mesh as usize];
+                let [a, b, c] = corners(&self.scene, face);
+                let across = (b - a).cross(c - a);
+                let normal = |vertex: u32| mesh.normals.get(vertex as usize);
+                let normals = mesh.triangles[face.triangle as usize].map(normal);
+                let side: f32 = normals.into_iter().flatten().map(|n| n.dot(across)).sum();
+                area += f64::from(across.length());
+                if side < 0.0 {
+                    inward += f64::from(across.length());
+                    own.push((shape, face));
+                }
+            }
+            if inward > 0.5 * area {
+                found.extend(own);
+            }
+        }
+        self.by_mesh(&found)
+    }
+
+    /// Faces of shapes by their meshes: those that are among them wherever their mesh stands.
+    fn by_mesh(&self, faces: &HashSet<(u32, Face)>) -> Vec<(u32, Vec<u32>)> {
+        if faces.is_empty() {
+            return Vec::new();
+        }
         let mut found: HashMap<u32, Vec<bool>> = HashMap::new();
         for (instance, &(shape, number, _)) in self.scene.instances.iter().zip(&self.instances) {
             let mesh = self.shapes[shape as usize].meshes[number as usize];
@@ -77,7 +124,7 @@ impl Solids {
                 .entry(instance.mesh)
                 .or_insert_with(|| vec![true; count]);
             for (triangle, back) in (0..).zip(backs) {
-                *back &= turned.contains(&(shape, Face { mesh, triangle }));
+                *back &= faces.contains(&(shape, Face { mesh, triangle }));
             }
         }
         let listed = |(mesh, backs): (u32, Vec<bool>)| {

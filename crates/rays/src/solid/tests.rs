@@ -83,6 +83,31 @@ fn a_box_that_looks_inward_is_lit_from_behind_where_nothing_is_in_it() {
 }
 
 #[test]
+fn normals_that_point_into_a_box_are_told_from_those_of_a_corner_or_of_a_room() {
+    let with_normals = |inward: bool, sign: f32| {
+        let mut block = unit(inward);
+        let middle = INSIDE.as_vec3();
+        block.normals = (block.positions.iter())
+            .map(|p| sign * (*p - middle).normalize())
+            .collect();
+        block
+    };
+    let averse = |mesh: Mesh| {
+        let scene = scene(vec![mesh, sheet()]);
+        let found = Solids::of(world(scene).scene()).averse();
+        found.iter().map(|(_, of)| of.len()).sum::<usize>()
+    };
+    assert_eq!(averse(with_normals(false, -1.0)), 12);
+    assert_eq!(averse(with_normals(false, 1.0)), 0);
+    // Faces that look inward are told by their winding.
+    assert_eq!(averse(with_normals(true, -1.0)), 0);
+    assert_eq!(averse(with_normals(true, 1.0)), 0);
+    let mut bent = with_normals(false, 1.0);
+    bent.normals[0] *= -4.0;
+    assert_eq!(averse(bent), 0);
+}
+
+#[test]
 fn a_mirrored_and_a_squeezed_placement_keep_their_inside() {
     let turn = DQuat::from_rotation_y(0.3);
     let at = DVec3::new(20.0, 1.0, -3.0);
