@@ -700,3 +700,49 @@ fn planks_that_look_at_their_wall_bake_as_the_same_planks_turned_over() {
     let darkest = last.map(|&k| blind.plane("diffuse")[k]).fold(1.0, f32::min);
     assert!(darkest > 0.9 && darkest < 1.0, "{darkest}");
 }
+
+#[test]
+fn tops_of_boxes_that_are_level_but_for_rounding_take_no_light_from_each_other() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("slabs.obj");
+    let top = 29.6f32;
+    for below in [0, 1, 2] {
+        let slab = |low: [f32; 3], high: [f32; 3]| {
+            let corner = |k: usize| [0, 1, 2].map(|axis| [low, high][k >> axis & 1][axis]);
+            let line = |[x, y, z]: [f32; 3]| format!("v {x:.9} {y:.9} {z:.9}\n");
+            (0..8).map(corner).map(line).collect::<String>()
+        };
+        let faces = |first: usize| {
+            let sides = [
+                [0, 4, 6, 2],
+                [1, 3, 7, 5],
+                [0, 1, 5, 4],
+                [2, 6, 7, 3],
+                [0, 2, 3, 1],
+                [4, 5, 7, 6],
+            ];
+            let line = |side: [usize; 4]| side.map(|k| (first + k).to_string()).join(" ");
+            sides.map(|side| format!("f {}\n", line(side))).concat()
+        };
+        let lower = f32::from_bits(top.to_bits() - below);
+        let (a, b) = (
+            slab([0.0, 29.0, 0.0], [4.0, top, 4.0]),
+            slab([2.0, 28.9, 1.0], [6.0, lower, 5.0]),
+        );
+        let text = format!("o a\n{a}{}o b\n{b}{}", faces(1), faces(9));
+        std::fs::write(&file, text).expect("a file");
+        for backend in backends() {
+            let layers = "--layers=validity,object,geometric";
+            let options = ["--size=64", "--rays=64", layers, "--backend", backend];
+            let (_baked, page) = bake(&file, &options);
+            let tops = (0..page.plane("object").len())
+                .filter(|&k| page.plane("coverage")[k] > 0.0 && page.plane("geometric.Y")[k] > 0.9);
+            let least = |layer: &str| {
+                let values = tops.clone().map(|k| page.plane(layer)[k]);
+                values.fold(f32::INFINITY, f32::min)
+            };
+            let found = [least("validity"), least("diffuse")];
+            assert_eq!(found, [1.0; 2], "{backend}, {below} ulps");
+        }
+    }
+}

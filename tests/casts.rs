@@ -178,33 +178,38 @@ fn a_sea_over_the_half_of_a_beach_is_no_dome() {
     );
 }
 
-/// Half a dome, its front outward, over a house on a ground that reaches farther than the dome.
-#[test]
-fn a_dome_is_named_though_its_outside_and_the_ground_beyond_are_lit() {
-    let (around, rings) = (24, 8);
-    let mut text =
-        "v -50 0 -50\nv 50 0 -50\nv 50 0 50\nv -50 0 50\no ground\nf 4 3 2 1\n".to_owned();
+/// Half a dome of radius 30, its front outward, over a house that stands on a square ground of `reach` to each side. The dome
+/// has these rings of 8, from the ground up, and so many of 24 sectors.
+fn under_a_dome(reach: u32, rings: std::ops::Range<u32>, sectors: u32) -> String {
+    let around = 24;
+    let mut text = format!(
+        "v -{reach} 0 -{reach}\nv {reach} 0 -{reach}\nv {reach} 0 {reach}\nv -{reach} 0 {reach}\no ground\nf 4 3 2 1\n"
+    );
     for [x, y, z] in [[-1, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1]] {
         text += &format!("v {x} {y} {z}\nv {x} 2 {z}\n");
     }
-    text += "o house\nf 6 8 10 12\nf 5 6 8 7\nf 7 8 10 9\nf 9 10 12 11\nf 11 12 6 5\n";
-    for ring in 0..=rings {
-        let (sin, cos) =
-            (f64::from(ring) / f64::from(rings) * std::f64::consts::FRAC_PI_2).sin_cos();
+    text += "o house\nf 6 12 10 8\nf 5 7 9 11\nf 5 6 8 7\nf 7 8 10 9\nf 9 10 12 11\nf 11 12 6 5\n";
+    for ring in 0..=8 {
+        let (sin, cos) = (f64::from(ring) / 8.0 * std::f64::consts::FRAC_PI_2).sin_cos();
         for k in 0..around {
             let (s, c) = (f64::from(k) / f64::from(around) * std::f64::consts::TAU).sin_cos();
             text += &format!("v {} {} {}\n", 30.0 * cos * c, 30.0 * sin, 30.0 * cos * s);
         }
     }
     text += "o sky\n";
-    for ring in 0..rings {
-        for k in 0..around {
+    for ring in rings {
+        for k in 0..sectors {
             let [a, b] = [k, (k + 1) % around].map(|k| 13 + ring * around + k);
             text += &format!("f {a} {} {} {b}\n", a + around, b + around);
         }
     }
+    text
+}
+
+#[test]
+fn a_dome_is_named_though_its_outside_and_the_ground_beyond_are_lit() {
     let folder = tempfile::tempdir().expect("a folder");
-    let path = obj(folder.path(), "", &text);
+    let path = obj(folder.path(), "", &under_a_dome(50, 0..8, 24));
     let small = ["--size", "64", "--rays", "4", "--only", "diffuse"];
     let warned = |more: &[&str]| {
         let (baked, _) = bake(&path, &[&small[..], more].concat());
@@ -233,4 +238,25 @@ fn a_dome_is_named_though_its_outside_and_the_ground_beyond_are_lit() {
         .map(|x| x.as_f64().expect("a number").powi(2))
         .sum::<f64>();
     assert!(away.sqrt() < 30.0, "{said}");
+}
+
+/// The bottom of the house lies in the ground, and looks at a sky below it. That is no light that gets in.
+#[test]
+fn a_dome_that_ends_in_the_plane_of_the_ground_is_named_and_a_tent_and_a_hangar_are_not() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, reach, rings, sectors, expected) in [
+        ("a dome", 50, 0..8, 24, 1),
+        ("a dome that ends beyond the ground", 20, 0..8, 24, 1),
+        ("a tent on poles", 50, 1..8, 24, 0),
+        ("a tent on poles, beyond the ground", 20, 1..8, 24, 0),
+        ("a hangar, open by a quarter", 50, 0..8, 18, 0),
+        ("a roof", 50, 4..8, 24, 0),
+    ] {
+        let path = obj(folder.path(), "", &under_a_dome(reach, rings, sectors));
+        let (baked, _) = bake(&path, &["--size", "64", "--rays", "4", "--only", "diffuse"]);
+        let report = report(baked.path());
+        let warnings = report["warnings"].as_array().expect("a list").iter();
+        let named = warnings.filter(|w| w["kind"] == "enclosed").count();
+        assert_eq!(named, expected, "{name}: {}", report["warnings"]);
+    }
 }

@@ -130,7 +130,8 @@ fn is_sheet_around<'a>(
     met > 0 && left <= cast / LEAVING && met >= cast / MEETING && beyond <= met / MEETING
 }
 
-/// What becomes of rays from the middle of a face.
+/// What becomes of rays from the middle of a face; nothing of one that is buried, as the bottom of what stands on a ground,
+/// which looks out below it.
 fn from_face(
     (world, backend): (&World, &dyn RayBackend),
     sheet: &ObjectName,
@@ -144,10 +145,15 @@ fn from_face(
         t_min: 0.0,
         t_max: f32::INFINITY,
     };
-    let normal = world.upward(instance, triangle);
+    let mut counts = Counts::default();
+    let Some(normal) = world.upward(instance, triangle).try_normalize() else {
+        return counts;
+    };
+    if world.is_buried(instance, triangle, [1.0 / 3.0; 3]) {
+        return counts;
+    }
     let middle = world.corners(instance, triangle).iter().sum::<DVec3>() / 3.0;
     let origin = middle + normal * off;
-    let mut counts = Counts::default();
     for direction in over(normal) {
         counts.cast += 1;
         match backend.closest(&ray(origin, direction)) {

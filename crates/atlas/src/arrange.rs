@@ -54,10 +54,11 @@ pub(crate) fn unwrap(
     if let Some(seen) = seen {
         hide(&mut sheets, seen, options.cut_hidden);
         for sheet in &sheets {
-            let hidden = sheet.hidden_area();
+            let (hidden, texels) = (sheet.hidden_area(), sheet.hidden_texels());
             for (&i, scale) in sheet.instances.iter().zip(&sheet.scales) {
-                let area = &mut objects[object_of[i as usize]].area;
-                *area = (*area - hidden * scale * scale).max(0.0);
+                let object = &mut objects[object_of[i as usize]];
+                object.area = (object.area - hidden * scale * scale).max(0.0);
+                object.hidden += texels;
             }
         }
     }

@@ -80,6 +80,13 @@ impl Sheet {
         hidden.map(|chart| self.area(chart)).sum()
     }
 
+    /// Area of all hidden charts on the pages, in texels.
+    pub fn hidden_texels(&self) -> f64 {
+        let hidden = (0..self.charts.len()).filter(|&c| self.hidden[c]);
+        let texels = |chart| self.area(chart) * self.scale(chart, f64::INFINITY).powi(2);
+        hidden.map(texels).sum()
+    }
+
     /// Makes a hidden chart of some triangles of another.
     fn cut_off(&mut self, chart: usize, triangles: Vec<u32>) {
         let mut numbers = HashMap::new();

@@ -63,6 +63,8 @@ pub(crate) struct Object {
     pub instances: Vec<u32>,
     /// Surface in the world, in square scene units.
     pub area: f64,
+    /// Texels of its charts that nobody sees, whose surface the area is without.
+    pub hidden: f64,
     /// Longest edge of the box around it in the world, in scene units.
     pub extent: f64,
     /// Texels per scene unit that were asked for this object.
@@ -116,6 +118,7 @@ pub(crate) fn objects(scene: &Scene, options: &Options) -> Result<Vec<Object>, E
         objects.push(Object {
             instances,
             area,
+            hidden: 0.0,
             extent,
             asked: asked[i],
             included: !excluded[i]

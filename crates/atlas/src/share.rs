@@ -7,8 +7,8 @@
 //!    [`USEFUL`] of a page's edge across its extent, or as many texels as the largest object has across its own, if
 //!    that is less: a lamp in a room needs no more than a wall. Where this would take more than the share [`GIVEN`]
 //!    of the texels of the others, all such objects get so many times less.
-//! 3. **Floor.** Every object has at least [`FLOOR`] texels. Where all floors take more than [`FLOORS`] of the
-//!    texels, they shrink by one factor until they take that much.
+//! 3. **Floor.** Every object has at least [`FLOOR`] texels, those of its charts that nobody sees among them. Where all
+//!    floors take more than [`FLOORS`] of the texels, they shrink by one factor until they take that much.
 //!
 //! So no object has more texels than its area allows: its share is at most 16 times what it would be at equal
 //! density, and a surface that has what it needs gets no more than another. Only specks of fewer than 16 texels have
@@ -83,7 +83,7 @@ fn shares(objects: &[&Object], budget: f64, edge: f64) -> Vec<f64> {
         .map(|o| Wish {
             area: o.area,
             wanted: useful / o.extent.max(f64::MIN_POSITIVE),
-            floor: (shrink * FLOOR / o.area).sqrt(),
+            floor: ((shrink * FLOOR - o.hidden).max(0.0) / o.area).sqrt(),
         })
         .collect();
     let fits = |common: f64, times: f64| {
@@ -150,6 +150,7 @@ mod tests {
         Object {
             instances: Vec::new(),
             area,
+            hidden: 0.0,
             extent,
             asked: None,
             included: true,
@@ -283,6 +284,17 @@ mod tests {
             "{densities:?}"
         );
         assert!(shares_of(&scene, &densities)[0] > 0.999);
+    }
+
+    #[test]
+    fn texels_of_what_nobody_sees_count_towards_the_least_that_an_object_has() {
+        let mut scene = vec![object(5e7, 1e4), object(6e-4, 0.01), object(6e-4, 0.01)];
+        (scene[1].hidden, scene[2].hidden) = (3.75, 20.0);
+        let densities = densities(&scene, BUDGET, 1024, false);
+        let seen = densities[1].powi(2) * 6e-4;
+        assert!((seen - (FLOOR - 3.75)).abs() < 1e-6, "{seen}");
+        // With 16 texels or more it has no more than four times the density of others.
+        assert!((densities[2] / densities[0] - MOST).abs() < 1e-9);
     }
 
     #[test]

@@ -162,6 +162,13 @@ impl Cell {
         }
     }
 
+    /// Lets rays begin at least so far off the surface.
+    pub fn lift_to(&mut self, least: f64) {
+        if least > self.lift.dot(self.geometric) {
+            self.lift = least * self.geometric;
+        }
+    }
+
     /// Takes `normal`, of unit length, as the one shading normal. It stays on the side of the surface that it shades:
     /// where a map leans it further than [`LOWEST`] allows, it leans so far.
     pub fn bend(&mut self, normal: DVec3) {

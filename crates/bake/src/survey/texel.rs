@@ -95,6 +95,8 @@ struct Cut<'a> {
     patch: Patch,
     /// The closed surface that it is part of.
     body: Option<u32>,
+    /// How far off it rays begin at least.
+    level: f64,
     /// What walls cut off from its surface, and sheets cover of it.
     ends: Ends<'a>,
 }
@@ -141,13 +143,22 @@ impl<'a> Surveyor<'a> {
             });
             let patch = Patch::of(self.world, self.errors, instance, triangle);
             let body = self.solids.and_then(|of| of.own(instance, triangle));
+            let level = self.solids.filter(|_| !self.world.keeps_buried(instance));
+            let level = level.map_or(0.0, |of| of.level(patch.corners, patch.upward(), body));
             if is_held[number] {
                 let weights = |at| tile.weights[number].at(at);
-                (ground.cells).push(Cell::whole((&patch, body), weights));
+                let mut cell = Cell::whole((&patch, body), weights);
+                cell.lift_to(level);
+                ground.cells.push(cell);
             }
             if is_cut[number] {
                 let ends = self.ends(instance, triangle);
-                cuts.push(Cut { patch, body, ends });
+                cuts.push(Cut {
+                    patch,
+                    body,
+                    level,
+                    ends,
+                });
             }
         }
         let held = tile.held.iter();
@@ -236,7 +247,12 @@ impl<'a> Surveyor<'a> {
         for all in [false, true] {
             let (mut before, mut buried) = (0.0, 0.0);
             for piece in pieces {
-                let Cut { patch, body, ends } = &cuts[known[piece.number as usize].cut as usize];
+                let Cut {
+                    patch,
+                    body,
+                    level,
+                    ends,
+                } = &cuts[known[piece.number as usize].cut as usize];
                 let (triangle, corners) = (piece.triangle, piece.corners);
                 let bent =
                     (self.world).bent_normal(piece.instance, triangle, corners, piece.square);
@@ -244,6 +260,7 @@ impl<'a> Surveyor<'a> {
                     let first = cells.len();
                     Cell::push(cells, (patch, *body), part, area);
                     for cell in &mut cells[first..] {
+                        cell.lift_to(*level);
                         cell.lift += lift * cell.geometric;
                     }
                     if let Some(normal) = bent {

@@ -27,6 +27,7 @@ mod blind;
 mod covers;
 mod ground;
 mod inward;
+mod level;
 mod near;
 mod opening;
 mod placed;
