@@ -499,8 +499,23 @@ fn vertex_glb(job: &Job, fit: Fit<'_>) -> Result<Vec<u8>, Error> {
     )?)
 }
 
+/// The mean of the irradiance over covered texels and channels, as a radiance; `None` where it is not baked.
+fn irradiance_mean(page: &BakedPage) -> Option<f64> {
+    let covered = page.channel(Layer::Coverage, 0)?;
+    let (mut sum, mut count) = (0.0, 0u64);
+    for channel in 0..3 {
+        let light = page.channel(Layer::Irradiance, channel)?;
+        for (light, _) in light.iter().zip(covered).filter(|(_, share)| **share > 0.0) {
+            sum += f64::from(*light);
+            count += 1;
+        }
+    }
+    Some(sum / count.max(1) as f64)
+}
+
 fn page_report(job: &Job, page: &BakedPage) -> PageReport {
     let stats = &page.stats;
+    let varies = job.options().light_varies();
     PageReport {
         page: page.page,
         texels: stats.texels,
@@ -515,10 +530,8 @@ fn page_report(job: &Job, page: &BakedPage) -> PageReport {
         worst_relative: stats.errors.relative,
         rmse: stats.rmse(),
         rmse_bound: stats.rmse_bound(),
-        irradiance_rmse: job
-            .options()
-            .light_varies()
-            .then(|| stats.irradiance_rmse()),
+        irradiance_rmse: varies.then(|| stats.irradiance_rmse()),
+        irradiance_mean: varies.then(|| irradiance_mean(page)).flatten(),
         rays: stats.rays,
         seconds: stats.seconds,
         rays_per_second: stats.rays as f64 / stats.seconds.max(1e-9),

@@ -135,8 +135,8 @@ pub(crate) fn objects(scene: &Scene, options: &Options) -> Result<Vec<Object>, E
     }
 }
 
-/// The instances of the objects that `pattern` fits: their names with or without the number of a repeat, `*` for any
-/// characters and `?` for one.
+/// The instances of the objects that `pattern` names, with or without the number of a repeat; where none has that very
+/// name, of those that it fits, `*` for any characters and `?` for one.
 ///
 /// # Errors
 ///
@@ -152,27 +152,39 @@ pub fn instances_named(
     Ok(found)
 }
 
-/// Calls `chosen` with each object that `pattern` fits, by its name with or without the number of its repeat.
+/// Calls `chosen` with each object that `pattern` names, with or without the number of its repeat; where none has that
+/// very name, with each that it fits. So a name with a star in it is that of one object, and a long name may be given
+/// whole.
 fn mark(
     names: &[ObjectName],
     pattern: &str,
     flag: &'static str,
     mut chosen: impl FnMut(usize),
 ) -> Result<(), Error> {
-    let plain = |name: &str| match name.rsplit_once('#') {
-        Some((plain, k)) if k.parse::<u32>().is_ok() => fits(pattern, plain),
-        _ => false,
-    };
-    let mut any = false;
-    for (i, object) in names.iter().enumerate() {
-        if fits(pattern, &object.name) || plain(&object.name) {
-            chosen(i);
-            any = true;
-        }
+    fn unnumbered(name: &str) -> Option<(&str, &str)> {
+        let parts = name.rsplit_once('#');
+        parts.filter(|(_, k)| k.parse::<u32>().is_ok())
     }
-    match any {
-        true => Ok(()),
-        false => Err(Error::NoSuchObject {
+    let kept = match unnumbered(pattern) {
+        Some((plain, k)) => format!("{}#{k}", scene::kept_name(plain)),
+        None => scene::kept_name(pattern).into_owned(),
+    };
+    let any = |is: &dyn Fn(&str) -> bool| -> Vec<usize> {
+        let plain = |name: &str| unnumbered(name).is_some_and(|(plain, _)| is(plain));
+        let all = names.iter().enumerate();
+        let found = all.filter(|(_, object)| is(&object.name) || plain(&object.name));
+        found.map(|(i, _)| i).collect()
+    };
+    let mut found = any(&|name| name == pattern || name == kept);
+    if found.is_empty() {
+        found = any(&|name| fits(pattern, name));
+    }
+    match found.is_empty() {
+        false => {
+            found.into_iter().for_each(&mut chosen);
+            Ok(())
+        }
+        true => Err(Error::NoSuchObject {
             flag,
             pattern: pattern.into(),
             names: names.iter().take(4).map(|o| o.name.clone()).collect(),
@@ -194,4 +206,44 @@ pub(crate) fn extent(scene: &Scene, instances: &[u32]) -> f64 {
         }
     }
     (high - low).max_element().max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The numbers of the objects that a pattern names.
+    fn named(names: &[&str], pattern: &str) -> Vec<usize> {
+        let object = |name: &&str| ObjectName {
+            name: (*name).into(),
+            instances: vec![0],
+        };
+        let names: Vec<ObjectName> = names.iter().map(object).collect();
+        let mut found = Vec::new();
+        let _ = mark(&names, pattern, "--no-cast", |i| found.push(i));
+        found
+    }
+
+    #[test]
+    fn a_name_with_a_star_names_itself_before_it_stands_for_others() {
+        let names = ["a*b", "axb", "a*b#2", "c"];
+        assert_eq!(named(&names, "a*b"), [0, 2]);
+        assert_eq!(named(&names, "a*b#2"), [2]);
+        assert_eq!(named(&names, "a?b"), [0, 1, 2]);
+        assert_eq!(named(&["axb", "c"], "a*b"), [0]);
+        assert!(named(&names, "d*").is_empty());
+    }
+
+    #[test]
+    fn a_long_name_is_found_as_the_file_has_it_and_as_it_is_told() {
+        let [one, other] = ["1", "2"].map(|end| "wall".repeat(60) + end);
+        let kept = [&one, &other].map(|name| scene::kept_name(name).into_owned());
+        assert!(kept.iter().all(|name| name.len() <= 200), "{kept:?}");
+        let second = format!("{}#2", kept[1]);
+        let names = [&*kept[0], &*kept[1], &*second];
+        assert_eq!(named(&names, &one), [0]);
+        assert_eq!(named(&names, &other), [1, 2]);
+        assert_eq!(named(&names, &(other + "#2")), [2]);
+        assert_eq!(named(&names, &kept[0]), [0]);
+    }
 }

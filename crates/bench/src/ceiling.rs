@@ -76,6 +76,10 @@ impl RayBackend for Recorder<'_> {
         self.inner.closest(ray)
     }
 
+    fn closest_that(&self, ray: &Ray, stops: rays::Stops) -> Option<SurfaceHit> {
+        self.inner.closest_that(ray, stops)
+    }
+
     fn name(&self) -> &'static str {
         self.inner.name()
     }

@@ -187,6 +187,10 @@ impl RayBackend for Single<'_> {
         self.0.closest(ray)
     }
 
+    fn closest_that(&self, ray: &Ray, stops: rays::Stops) -> Option<SurfaceHit> {
+        self.0.closest_that(ray, stops)
+    }
+
     fn name(&self) -> &'static str {
         self.0.name()
     }

@@ -27,8 +27,8 @@ pub fn summary(report: &BakeReport, verbose: bool, dir: &Path) -> String {
     text += &format!(
         "{}: {}, {}, {} on {} of {}, UVs {}\n",
         report.scene.path,
-        count(report.scene.triangles, "triangle"),
-        count(report.scene.instances, "object"),
+        count(report.scene.instanced_triangles, "triangle"),
+        count(report.layout.objects.len() as u64, "object"),
         count(report.atlas.charts, "chart"),
         count(report.atlas.pages, "page"),
         square(report.atlas.page_size),
@@ -59,7 +59,11 @@ pub fn summary(report: &BakeReport, verbose: bool, dir: &Path) -> String {
         .any(|page| page.irradiance_rmse.is_some())
     {
         let rmse = mean_square(|p| p.irradiance_rmse.unwrap_or(0.0));
-        text += &format!("error of irradiance: RMSE {rmse:.5}, as a radiance\n");
+        let means = report.pages.iter().map(|page| page.irradiance_mean);
+        let sum: Option<f64> = std::iter::zip(means, &report.pages)
+            .map(|(mean, page)| Some(mean? * page.texels as f64))
+            .sum();
+        text += &irradiance(rmse, sum.map(|sum| sum / texels.max(1) as f64));
     }
     if let Some(seams) = &report.seams {
         text += &format!(
@@ -123,6 +127,20 @@ fn grade(rmse: f64) -> &'static str {
         ..2.0 => "fair, a step of 8 bits or so; four times the --rays halve it",
         _ => "grainy; four times the --rays halve it, and --target-error 0.004 is a step of 8 bits",
     }
+}
+
+/// The line of the error of the irradiance, as a radiance, beside the mean of it where that is known.
+fn irradiance(rmse: f64, mean: Option<f64>) -> String {
+    let Some(mean) = mean.filter(|mean| *mean > 0.0) else {
+        return format!("error of irradiance: RMSE {rmse:.5}, as a radiance\n");
+    };
+    let grade = match rmse / mean / EDGE {
+        ..0.5 => "good, under half of what an eye tells apart",
+        ..2.0 => "fair, about what an eye tells apart; four times the --rays halve it",
+        _ => "grainy; four times the --rays halve it",
+    };
+    let percent = 100.0 * rmse / mean;
+    format!("error of irradiance: RMSE {rmse:.5}, {percent:.1} % of its mean {mean:.5}: {grade}\n")
 }
 
 /// Places of one warning that are named; the others are counted.
@@ -203,6 +221,23 @@ mod tests {
         }
         assert!(steps(0.02, 0.005).contains("--size"));
         assert!(steps(0.02, 0.01).contains("--rays"));
+    }
+
+    #[test]
+    fn an_error_of_irradiance_is_held_against_its_mean() {
+        assert_eq!(
+            irradiance(12.6, Some(840.0)),
+            "error of irradiance: RMSE 12.60000, 1.5 % of its mean 840.00000: fair, about what an eye tells apart; \
+             four times the --rays halve it\n"
+        );
+        assert!(irradiance(0.0099, Some(1.0)).contains("1.0 % of its mean 1.00000: good"));
+        assert!(irradiance(0.0401, Some(1.0)).contains("grainy"));
+        for mean in [None, Some(0.0)] {
+            assert_eq!(
+                irradiance(0.5, mean),
+                "error of irradiance: RMSE 0.50000, as a radiance\n"
+            );
+        }
     }
 
     #[test]

@@ -144,6 +144,11 @@ impl Scene {
         match self.0 {}
     }
 
+    /// See [`Scene::closest`].
+    pub fn closest_told(&self, _: &Ray, _: u32) -> Option<Hit> {
+        match self.0 {}
+    }
+
     /// Lower and upper corner of everything.
     pub fn bounds(&self) -> Option<[[f32; 3]; 2]> {
         match self.0 {}

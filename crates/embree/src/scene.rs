@@ -203,6 +203,12 @@ impl Scene {
 
     /// The closest thing in the ray's interval.
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        self.closest_told(ray, if self.0.tested { ray.id() } else { 0 })
+    }
+
+    /// The closest thing in the ray's interval, for hit tests that are told this number in the place of
+    /// [`Ray::id`].
+    pub fn closest_told(&self, ray: &Ray, id: u32) -> Option<Hit> {
         let mut hit = MaybeUninit::<sys::ambake_hit>::uninit();
         // SAFETY: as for `occluded`; the shim fills `hit` where it returns 1.
         let found = unsafe {
@@ -211,6 +217,7 @@ impl Scene {
                 ptr::from_ref(ray).cast(),
                 self.0.query,
                 self.0.reach,
+                id,
                 hit.as_mut_ptr(),
             )
         };

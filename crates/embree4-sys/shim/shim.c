@@ -295,7 +295,7 @@ EVERY_WIDTH uint64_t ambake_bare16(RTCScene scene, const struct ambake_packet16 
     return blocked;
 }
 
-int ambake_closest(RTCScene scene, const struct ambake_ray *ray, uint32_t query, float reach,
+int ambake_closest(RTCScene scene, const struct ambake_ray *ray, uint32_t query, float reach, uint32_t id,
                    struct ambake_hit *hit)
 {
     if (!is_traceable(ray, reach))
@@ -308,7 +308,8 @@ int ambake_closest(RTCScene scene, const struct ambake_ray *ray, uint32_t query,
         unsigned char room[sizeof(struct RTCRayHit) + 128];
     } query_state;
     struct RTCRayHit *r = &query_state.ray_hit;
-    fill_ray(&r->ray, ray, query);
+    fill_ray(&r->ray, ray, query & ~(uint32_t)AMBAKE_QUERY_TELL_RAYS);
+    r->ray.id = id;
     r->hit.geomID = RTC_INVALID_GEOMETRY_ID;
     r->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     TRACE1(rtcIntersect1, scene, r);

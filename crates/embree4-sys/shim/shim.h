@@ -93,7 +93,8 @@ void ambake_occluded16(RTCScene scene, const struct ambake_packet16 *packets, co
 uint64_t ambake_bare16(RTCScene scene, const struct ambake_packet16 *packets, const uint32_t *active, size_t count,
                        uint32_t query);
 
-/* 1 and *hit filled where something lies in the ray's interval, else 0. */
-int ambake_closest(RTCScene scene, const struct ambake_ray *ray, uint32_t query, float reach, struct ambake_hit *hit);
+/* 1 and *hit filled where something lies in the ray's interval, else 0. Filters are told id, whatever query says. */
+int ambake_closest(RTCScene scene, const struct ambake_ray *ray, uint32_t query, float reach, uint32_t id,
+                   struct ambake_hit *hit);
 
 #endif

@@ -9,6 +9,7 @@
 //! ray is stopped where alpha is above it. Both ray libraries get the same rays, so they agree. Instances of one mesh
 //! in a row are told apart by where on the triangle the ray meets them.
 
+use crate::backend::Stops;
 use crate::material::transmitted;
 use glam::Vec2;
 use rayon::prelude::*;
@@ -49,8 +50,19 @@ impl AlphaTest {
     /// True where the surface stops a ray at the point with the weights `barycentric` of the triangle's second and
     /// third corners.
     ///
-    /// * `ray`: [`crate::Ray::id`] of the ray as it was cast.
+    /// * `ray`: [`crate::Ray::id`] of the ray as it was cast, or the number of a [`Stops`].
     pub fn keep(&self, primitive: u32, barycentric: [f32; 2], ray: u32) -> bool {
+        let stopped = self.stopped(primitive, barycentric);
+        match ray {
+            _ if stopped >= 1.0 => true,
+            _ if ray == Stops::All.id() => false,
+            _ if ray == Stops::Any.id() => stopped > 0.0,
+            _ => stopped > threshold([ray, self.mesh, primitive], barycentric),
+        }
+    }
+
+    /// The share of the light that the surface stops at a point, 0..=1.
+    pub(crate) fn stopped(&self, primitive: u32, barycentric: [f32; 2]) -> f32 {
         let mesh = &self.scene.meshes[self.mesh as usize];
         let alpha = |factor, cutoff| self.alpha(mesh, factor, cutoff, primitive, barycentric);
         let material = &self.scene.materials[mesh.material as usize];
@@ -61,16 +73,14 @@ impl AlphaTest {
             }
             Alpha::Blend { factor, .. } => alpha(factor, None),
         };
-        let stopped = match material.transmission {
+        match material.transmission {
             Some(_) if stopped > 0.0 => {
                 let [b, c] = barycentric.map(f64::from);
                 let weights = [1.0 - b - c, b, c];
                 stopped * (1.0 - transmitted(&self.scene, mesh, primitive, weights))
             }
             _ => stopped,
-        };
-        // A threshold is below 1.
-        stopped >= 1.0 || stopped > threshold([ray, self.mesh, primitive], barycentric)
+        }
     }
 
     /// Alpha at a point: factor times vertex colour times texture, 0..=1; or where there is a cutoff, some value on the
@@ -185,6 +195,18 @@ mod tests {
             let stopped = (0..1000).filter(|&ray| test.keep(1, [0.25, 0.5], ray));
             let stopped = stopped.count();
             assert!(share.contains(&stopped), "{factor}: {stopped}");
+        }
+    }
+
+    #[test]
+    fn a_surface_that_stops_a_share_stops_rays_that_ask_for_any_and_none_that_ask_for_all() {
+        for (factor, kept) in [(0.0, [false; 2]), (0.25, [true, false]), (1.0, [true; 2])] {
+            let mut scene = fixture::scene(vec![fixture::square(0.0)]);
+            scene.materials[0].alpha = Alpha::Blend { factor, map: None };
+            let test = test(scene);
+            let asked = [Stops::Any, Stops::All].map(|stops| test.keep(1, [0.25, 0.5], stops.id()));
+            assert_eq!(asked, kept, "{factor}");
+            assert_eq!(test.stopped(1, [0.25, 0.5]), factor);
         }
     }
 

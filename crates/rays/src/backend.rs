@@ -18,6 +18,13 @@ pub trait RayBackend: Send + Sync {
     /// scene whose front faces the ray, else the first.
     fn closest(&self, ray: &Ray) -> Option<SurfaceHit>;
 
+    /// The same with see-through surfaces that stop as much, in the place of those that stop this very ray: what a
+    /// picture asks. A backend that knows no alpha test has no other answer than [`RayBackend::closest`].
+    fn closest_that(&self, ray: &Ray, stops: Stops) -> Option<SurfaceHit> {
+        let _ = stops;
+        self.closest(ray)
+    }
+
     /// The word for it on the command line.
     fn name(&self) -> &'static str;
 
@@ -26,6 +33,26 @@ pub trait RayBackend: Send + Sync {
 
     /// Bytes that the structure holds beside the world.
     fn memory_bytes(&self) -> u64;
+}
+
+/// How much of the light a surface stops at a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stops {
+    /// Some of it.
+    Any,
+    /// All of it.
+    All,
+}
+
+impl Stops {
+    /// What an alpha test is told in the place of [`Ray::id`]. A ray whose hash is one of the two numbers, one of two
+    /// thousand million, is taken so as well.
+    pub(crate) fn id(self) -> u32 {
+        match self {
+            Stops::Any => 0,
+            Stops::All => u32::MAX,
+        }
+    }
 }
 
 /// A point where a ray meets a surface.

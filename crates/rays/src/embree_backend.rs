@@ -1,6 +1,6 @@
 //! Rays through Embree, built robust: watertight along shared edges.
 
-use crate::backend::{Coherence, Ray, RayBackend, RayPacket, SurfaceHit};
+use crate::backend::{Coherence, Ray, RayBackend, RayPacket, Stops, SurfaceHit};
 use crate::coincident::Coincident;
 use crate::error::Error;
 use crate::geometry::Geometry;
@@ -75,6 +75,17 @@ impl EmbreeBackend {
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
+
+    fn resolved(&self, hit: embree::Hit) -> SurfaceHit {
+        let traced = &self.traced[hit.instance.unwrap_or(hit.geometry) as usize];
+        self.coincident.resolved(SurfaceHit {
+            t: hit.t,
+            instance: traced.instance,
+            triangle: hit.primitive,
+            barycentric: hit.barycentric,
+            front: hit.front != traced.reversed,
+        })
+    }
 }
 
 fn add(builder: &mut SceneBuilder, geometry: &Geometry) -> Result<u32, embree::Error> {
@@ -104,15 +115,11 @@ impl RayBackend for EmbreeBackend {
     }
 
     fn closest(&self, ray: &Ray) -> Option<SurfaceHit> {
-        let hit = self.scene.closest(ray)?;
-        let traced = &self.traced[hit.instance.unwrap_or(hit.geometry) as usize];
-        Some(self.coincident.resolved(SurfaceHit {
-            t: hit.t,
-            instance: traced.instance,
-            triangle: hit.primitive,
-            barycentric: hit.barycentric,
-            front: hit.front != traced.reversed,
-        }))
+        Some(self.resolved(self.scene.closest(ray)?))
+    }
+
+    fn closest_that(&self, ray: &Ray, stops: Stops) -> Option<SurfaceHit> {
+        Some(self.resolved(self.scene.closest_told(ray, stops.id())?))
     }
 
     fn name(&self) -> &'static str {

@@ -72,7 +72,9 @@ mod triangle;
 mod world;
 
 pub use alpha_test::AlphaTest;
-pub use backend::{Coherence, Lanes, Layout, PacketWidth, Ray, RayBackend, RayPacket, SurfaceHit};
+pub use backend::{
+    Coherence, Lanes, Layout, PacketWidth, Ray, RayBackend, RayPacket, Stops, SurfaceHit,
+};
 pub use boxes::Boxes;
 pub use build::{BackendKind, build, has_embree};
 pub use buried::Burial;

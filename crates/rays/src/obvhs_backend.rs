@@ -5,7 +5,7 @@
 //! normalised, so t is the same in both spaces.
 
 use crate::alpha_test::AlphaTest;
-use crate::backend::{Coherence, Layout, Ray, RayBackend, RayPacket, SurfaceHit};
+use crate::backend::{Coherence, Layout, Ray, RayBackend, RayPacket, Stops, SurfaceHit};
 use crate::coincident::Coincident;
 use crate::tree::Tree;
 use crate::triangle::ShearedRay;
@@ -237,6 +237,14 @@ impl RayBackend for ObvhsBackend {
     fn closest(&self, ray: &Ray) -> Option<SurfaceHit> {
         let hit = self.first(&Query::of(ray))?;
         Some(self.coincident.resolved(hit))
+    }
+
+    fn closest_that(&self, ray: &Ray, stops: Stops) -> Option<SurfaceHit> {
+        let query = Query {
+            id: stops.id(),
+            ..Query::of(ray)
+        };
+        Some(self.coincident.resolved(self.first(&query)?))
     }
 
     fn name(&self) -> &'static str {

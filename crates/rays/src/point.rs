@@ -95,6 +95,12 @@ impl<'a> Surfaces<'a> {
         matches!(material.alpha, Alpha::Blend { .. }) || material.transmission.is_some()
     }
 
+    /// The share of the light that the surface stops at a hit, 0..=1.
+    pub fn stopped(&self, hit: &SurfaceHit) -> f32 {
+        let alpha = self.world.part(hit.instance).1.alpha.as_ref();
+        alpha.map_or(1.0, |alpha| alpha.stopped(hit.triangle, hit.barycentric))
+    }
+
     /// Radiance that the surface at a hit sends out by itself toward the side from which it was met, linear RGB.
     pub fn emission(&self, hit: &SurfaceHit) -> DVec3 {
         emission_at(self.world.scene(), hit)

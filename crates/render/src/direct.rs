@@ -16,7 +16,8 @@ use ambient::sampling::{Lobe, Mixture, Stream, power_over_density};
 use environment::Sky;
 use glam::DVec3;
 use rays::{
-    Arrival, Coherence, Overrides, Ray, RayBackend, RayPacket, SurfaceHit, SurfacePoint, Surfaces,
+    Arrival, Coherence, Overrides, Ray, RayBackend, RayPacket, Stops, SurfaceHit, SurfacePoint,
+    Surfaces,
 };
 
 /// Which ambient model shades a picture.
@@ -90,6 +91,9 @@ const SHADOWS: u32 = 3;
 
 /// Shadow rays of a sample to each light with extent.
 const SHADOW_RAYS: u32 = 16;
+
+/// Of what is no more of a sample than this, what lies behind it is not looked for.
+const FAINTEST: f32 = 1.0 / 1024.0;
 
 /// Points of a coat where no rays are asked for.
 const LEAST_POINTS: u32 = 64;
@@ -186,12 +190,31 @@ impl Direct<'_> {
     }
 
     pub(crate) fn hit(&self, sample: &Sample) -> Option<SurfaceHit> {
-        self.backend.closest(&Ray {
-            origin: sample.eye.as_vec3().to_array(),
-            direction: sample.direction.as_vec3().to_array(),
-            t_min: 0.0,
-            t_max: f32::INFINITY,
-        })
+        self.backend.closest(&camera_ray(sample))
+    }
+
+    /// The surfaces that a sample shows, front to back, and the share of it that each makes up: what the ones before it
+    /// leave times what it stops. Nothing is left to chance. T. Porter, T. Duff, "Compositing Digital Images" (1984).
+    pub(crate) fn layers(&self, sample: &Sample) -> Vec<(SurfaceHit, f32)> {
+        let mut ray = camera_ray(sample);
+        let last = self.backend.closest_that(&ray, Stops::All);
+        let end = last.map_or(f32::INFINITY, |hit| hit.t);
+        let (mut layers, mut left) = (Vec::new(), 1.0);
+        while left > FAINTEST {
+            let next = self.backend.closest_that(&ray, Stops::Any);
+            let Some(hit) = next.filter(|hit| hit.t < end) else {
+                layers.extend(last.map(|last| (last, left)));
+                return layers;
+            };
+            let share = left * self.surfaces.stopped(&hit);
+            layers.push((hit, share));
+            left -= share;
+            ray.t_min = hit.t;
+        }
+        if let Some((_, share)) = layers.last_mut() {
+            *share += left;
+        }
+        layers
     }
 
     fn point(&self, sample: &Sample, hit: &SurfaceHit) -> SurfacePoint {
@@ -474,6 +497,16 @@ impl Direct<'_> {
             true => DVec3::ZERO,
             false => reflected,
         }
+    }
+}
+
+/// The ray of a camera sample.
+fn camera_ray(sample: &Sample) -> Ray {
+    Ray {
+        origin: sample.eye.as_vec3().to_array(),
+        direction: sample.direction.as_vec3().to_array(),
+        t_min: 0.0,
+        t_max: f32::INFINITY,
     }
 }
 

@@ -41,9 +41,10 @@ pub(crate) fn world(sheets: &[Sheet]) -> (World, Box<dyn RayBackend>) {
     world_of(sheets, Alpha::Opaque)
 }
 
-/// A world of a white sheet that stops this share of the rays.
-pub(crate) fn see_through(place: [Vec3; 3], factor: f32) -> (World, Box<dyn RayBackend>) {
-    world_of(&[white(place)], Alpha::Blend { factor, map: None })
+/// A world of white sheets that stop this share of the rays.
+pub(crate) fn see_through(places: &[[Vec3; 3]], factor: f32) -> (World, Box<dyn RayBackend>) {
+    let sheets: Vec<Sheet> = places.iter().map(|place| white(*place)).collect();
+    world_of(&sheets, Alpha::Blend { factor, map: None })
 }
 
 fn world_of(sheets: &[Sheet], alpha: Alpha) -> (World, Box<dyn RayBackend>) {

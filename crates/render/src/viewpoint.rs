@@ -5,6 +5,7 @@ use crate::framing::{drawn, extent};
 use crate::{Camera, Error, Framing};
 use glam::{DQuat, DVec3};
 use rays::{Bounds, Ray, RayBackend, SurfaceHit, World};
+use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
 /// Vertical field of view inside of a room, in radians: 65 degrees.
@@ -15,9 +16,6 @@ const AROUND: u32 = 64;
 /// skylight.
 const CLOSED: u32 = 58;
 const HALF_OPEN: u32 = 36;
-/// The view from inside has to tell so many times as much: a doll's house without a roof is looked at from above, a
-/// hall below a skylight is not.
-const MORE: f64 = 1.8;
 /// Points on surfaces by which views from outside are compared.
 const POINTS: usize = 1024;
 /// A place is inside of a solid where so many meet backs.
@@ -28,6 +26,11 @@ const BETTER: f64 = 1.25;
 const STEEPER: f64 = 25.0 * PI / 180.0;
 /// Rays across a picture by which one from inside and one from outside are compared.
 const ACROSS: u32 = 40;
+/// Cells of a grid along the longest side of a scene, in each of which a piece of surface is of one body.
+const CELLS: f64 = 16.0;
+/// Flat regions are told apart by so much of a normal, and by so much of the scene's extent along it.
+const TURN: f64 = 1.0 / 8.0;
+const STEP: f64 = 1.0 / 1024.0;
 /// A ray goes on so much of its way past what it does not meet.
 const PAST: f32 = 1e-5;
 /// So much of the way to what is around the scene an eye may take.
@@ -43,8 +46,8 @@ const SMALL: f64 = 0.2;
 impl Framing {
     /// The camera that shows a scene best: the one of [`Framing::camera`], from another side or steeper where that
     /// shows more of it, and inside where most of the free space in the scene's box is closed, or where a place within
-    /// that is half open tells nearly twice as much. Inside, the field of view is at least 65 degrees unless
-    /// `keep_fov`.
+    /// tells more than the view from outside, counted by how much of what is above it is closed. Inside, the field of
+    /// view is at least 65 degrees unless `keep_fov`.
     ///
     /// * `around`: instances that only stand around the scene, as a sky dome does. They are not what is looked at, and
     ///   the eye is before them.
@@ -63,6 +66,7 @@ impl Framing {
         }
         let focus = focus(world, around);
         let room = Room {
+            world,
             backend,
             around,
             up: self.up.normalize_or(DVec3::Y),
@@ -101,14 +105,21 @@ impl Framing {
             return Ok(outside);
         };
         let inside = inside(view)?;
-        let [more, fewer] = [&inside, &outside].map(|camera| room.told(room.through(camera)));
-        Ok(if more > MORE * fewer { inside } else { outside })
+        // A place counts by how much of it is roofed: a doll's house without a roof is looked at from above, a cave or a
+        // hall below a skylight is not.
+        let roofed = room.roofed(inside.eye);
+        let [within, without] = [&inside, &outside].map(|camera| room.told(room.through(camera)));
+        Ok(match roofed * within > without {
+            true => inside,
+            false => outside,
+        })
     }
 }
 
 /// Places in a scene from which people look, where most of the free space in its box is closed; none elsewhere.
 pub fn places_within(world: &World, backend: &dyn RayBackend) -> Vec<DVec3> {
     let room = Room {
+        world,
         backend,
         around: &[],
         up: DVec3::Y,
@@ -134,6 +145,7 @@ type Place = (DVec3, u32);
 
 /// The scene as a place to look around in.
 struct Room<'a> {
+    world: &'a World,
     backend: &'a dyn RayBackend,
     /// What no ray meets here.
     around: &'a [u32],
@@ -201,14 +213,24 @@ impl Room<'_> {
         best.1
     }
 
-    /// What rays from places in directions tell of what they meet, in bits: the entropy of the triangles whose fronts
-    /// they meet. Backs tell nothing. P.-P. Vázquez, M. Feixas, M. Sbert, W. Heidrich, "Viewpoint Selection using
-    /// Viewpoint Entropy" (2001), without what lies behind the scene.
+    /// What rays from places in directions tell of what they meet, in bits: the entropy of the pieces of surface whose
+    /// fronts they meet. Backs tell nothing. A piece is what lies in one cell of a grid over the scene and faces one of
+    /// six ways, so that a fine mesh tells no more than a coarse one. P.-P. Vázquez, M. Feixas, M. Sbert, W. Heidrich,
+    /// "Viewpoint Selection using Viewpoint Entropy" (2001), whose pieces are the triangles, without what lies behind
+    /// the scene.
     fn told(&self, rays: impl Iterator<Item = [DVec3; 2]>) -> f64 {
-        let hits = rays.filter_map(|[eye, toward]| self.first(eye, toward));
-        let hits: Vec<SurfaceHit> = hits.collect();
-        let fronts = hits.iter().filter(|hit| hit.front);
-        let mut fronts: Vec<_> = fronts.map(|hit| (hit.instance, hit.triangle)).collect();
+        let cell = (self.focus.max - self.focus.min).max_element() / CELLS;
+        let hits = rays.filter_map(|[eye, toward]| {
+            let hit = self.first(eye, toward)?;
+            let at = eye + f64::from(hit.t) * toward - self.focus.min;
+            let normal = normal(&self.world.corners(hit.instance, hit.triangle));
+            let axis = normal.abs().max_position();
+            let place = (at / cell).floor().as_i64vec3().to_array();
+            Some((hit.front, (place, axis, normal[axis] > 0.0)))
+        });
+        let hits: Vec<_> = hits.collect();
+        let fronts = hits.iter().filter(|hit| hit.0);
+        let mut fronts: Vec<_> = fronts.map(|hit| hit.1).collect();
         fronts.sort_unstable();
         let share = |same: &[_]| same.len() as f64 / hits.len() as f64;
         let shares = fronts.chunk_by(|a, b| a == b).map(share);
@@ -250,7 +272,18 @@ impl Room<'_> {
         is_closed(places).then(|| self.best(places, CLOSED))?
     }
 
-    /// Eye and look-at point that show most, at a place where so many directions meet fronts.
+    /// The share of the directions above the horizon of a place that meet fronts.
+    fn roofed(&self, eye: DVec3) -> f64 {
+        let above = || {
+            (0..AROUND)
+                .map(spiral)
+                .filter(|toward| toward.dot(self.up) > 0.0)
+        };
+        let is_met = |toward: &DVec3| self.first(eye, *toward).is_some_and(|hit| hit.front);
+        above().filter(is_met).count() as f64 / above().count().max(1) as f64
+    }
+
+    /// Eye and look-at point that show most, at a place where so many directions or more meet fronts.
     fn best(&self, places: &[Place], fronts: u32) -> Option<[DVec3; 2]> {
         let mut best: Option<(f64, [DVec3; 2])> = None;
         for &(eye, _) in places.iter().filter(|place| place.1 >= fronts) {
@@ -315,20 +348,47 @@ struct Point {
     triangle: (u32, u32),
 }
 
-/// Points on the surfaces of a scene, by the roots of the areas of their triangles: what is fine counts for more than
-/// its area, and what is large for more than its number.
+/// A triangle's normal, of the length of twice its area.
+fn normal([a, b, c]: &[DVec3; 3]) -> DVec3 {
+    (*b - *a).cross(*c - *a)
+}
+
+/// Points on the surfaces of a scene, by the roots of the areas of the flat regions of its objects: what is detailed
+/// counts for more than its area, and what is large for more than its number. Into how many triangles a region is cut
+/// does not count.
 fn points(world: &World, around: &[u32]) -> Vec<Point> {
     let triangles = drawn(world, around).flat_map(|instance| {
         let count = world.part(instance).1.triangles().len() as u32;
         (0..count).map(move |triangle| ((instance, triangle), world.corners(instance, triangle)))
     });
-    let weight = |[a, b, c]: &[DVec3; 3]| (*b - *a).cross(*c - *a).length().sqrt();
-    let total: f64 = triangles.clone().map(|(_, corners)| weight(&corners)).sum();
+    let bounds = extent(world, around);
+    let [middle, size] = [bounds.center(), bounds.max - bounds.min];
+    let apart = (size.length() * STEP).max(f64::MIN_POSITIVE);
+    let region = |instance: u32, corners: &[DVec3; 3]| {
+        let normal = normal(corners).normalize_or_zero();
+        let along = normal.dot(corners.iter().sum::<DVec3>() / 3.0 - middle);
+        let turned = (normal / TURN).round().as_ivec3().to_array();
+        (instance, turned, (along / apart).round() as i64)
+    };
+    let area = |corners: &[DVec3; 3]| normal(corners).length();
+    let mut regions: HashMap<_, f64> = HashMap::new();
+    for ((instance, _), corners) in triangles.clone() {
+        *regions.entry(region(instance, &corners)).or_default() += area(&corners);
+    }
+    let weight = |instance: u32, corners: &[DVec3; 3]| {
+        let all = regions.get(&region(instance, corners));
+        let all = all.copied().filter(|all| *all > 0.0);
+        all.map_or(0.0, |all| area(corners) / all.sqrt())
+    };
+    let weights = triangles
+        .clone()
+        .map(|((i, _), corners)| weight(i, &corners));
+    let total: f64 = weights.sum();
     let step = total / POINTS as f64;
     let (mut points, mut before) = (Vec::with_capacity(POINTS), 0.0);
     for (triangle, corners) in triangles {
         let [a, b, c] = corners;
-        before += weight(&corners);
+        before += weight(triangle.0, &corners);
         while points.len() < POINTS && (points.len() as f64 + 0.5) * step < before {
             // Of a triangle's points each has its own place in it.
             let k = points.len() as f64;
@@ -447,6 +507,47 @@ mod tests {
             .fitted(&world, backend.as_ref(), &[], false)
             .unwrap();
         assert!(camera.eye.z < 0.0, "{camera:?}");
+    }
+
+    /// The six sides of a box, fronts outward, each of so many tiles across.
+    fn block(low: Vec3, edge: Vec3, tiles: usize) -> Vec<crate::fixture::Sheet> {
+        let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|way| way * edge);
+        let sides = [
+            [low, x, z],
+            [low, z, y],
+            [low, y, x],
+            [low + x, y, z],
+            [low + y, z, x],
+            [low + z, x, y],
+        ];
+        let tile = |[at, a, b]: [Vec3; 3], k: usize| {
+            let [i, j] = [k % tiles, k / tiles].map(|k| k as f32);
+            let [a, b] = [a, b].map(|way| way / tiles as f32);
+            white([at + a * i + b * j, a, b])
+        };
+        let tiled = sides.map(|side| (0..tiles * tiles).map(move |k| tile(side, k)));
+        tiled.into_iter().flatten().collect()
+    }
+
+    #[test]
+    fn a_finely_meshed_table_is_looked_at_as_a_coarse_one_is() {
+        let camera = |tiles: usize| {
+            let floor = [Vec3::new(-5.0, 0.0, -5.0), Vec3::Z * 10.0, Vec3::X * 10.0];
+            let mut sheets = vec![white(floor)];
+            let [low, edge] = [Vec3::new(-1.5, 1.0, -1.5), Vec3::new(3.0, 0.2, 3.0)];
+            sheets.extend(block(low, edge, tiles));
+            for [x, z] in [[-1.4, -1.4], [-1.4, 1.2], [1.2, -1.4], [1.2, 1.2]] {
+                let leg = [Vec3::new(x, 0.0, z), Vec3::new(0.2, 1.0, 0.2)];
+                sheets.extend(block(leg[0], leg[1], 1));
+            }
+            let (world, backend) = world(&sheets);
+            FRAMING
+                .fitted(&world, backend.as_ref(), &[], false)
+                .unwrap()
+        };
+        let coarse = camera(1);
+        assert!(coarse.eye.y > 1.2, "{coarse:?}");
+        assert_eq!(camera(40), coarse);
     }
 
     #[test]

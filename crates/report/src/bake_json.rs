@@ -239,6 +239,9 @@ pub struct PageReport {
     /// radiance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub irradiance_rmse: Option<f64>,
+    /// What that is held against, where the layer `irradiance` is baked: its mean over covered texels and channels.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub irradiance_mean: Option<f64>,
     /// Rays cast for the page.
     pub rays: u64,
     /// Seconds spent integrating the page.

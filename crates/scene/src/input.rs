@@ -3,6 +3,7 @@
 #[cfg(feature = "files")]
 use crate::source::Bounds;
 use crate::{Error, Warning, WarningKind};
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// The state of one load: which file, the hash of what was read, and the warnings so far.
@@ -56,6 +57,19 @@ impl Input {
             });
         }
     }
+}
+
+/// The longest name that is kept whole.
+const LONGEST_NAME: usize = 200;
+
+/// What a scene from an OBJ file calls something of this name: of a very long one the start and a hash are kept, so that
+/// it stays a name of its own and memory is bounded.
+pub fn kept_name(name: &str) -> Cow<'_, str> {
+    if name.len() <= LONGEST_NAME {
+        return Cow::Borrowed(name);
+    }
+    let hash = blake3::hash(name.as_bytes()).to_hex();
+    format!("{}{}", short(name), &hash[..16]).into()
 }
 
 /// The start of a text without control characters, for a message on one line.

@@ -71,6 +71,10 @@ impl RayBackend for BothBackends<'_> {
         self.a.closest(ray)
     }
 
+    fn closest_that(&self, ray: &Ray, stops: rays::Stops) -> Option<SurfaceHit> {
+        self.a.closest_that(ray, stops)
+    }
+
     fn name(&self) -> &'static str {
         "both"
     }

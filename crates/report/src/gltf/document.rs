@@ -1,18 +1,22 @@
 //! A glTF document in memory: JSON values, the bytes behind them, and the GLB container.
 
 use super::Reason;
+use super::prune::pruned;
 use base64::Engine;
 use scene::{Elements, GltfDocument};
 use serde_json::{Map, Value, json};
 use std::io;
 
-/// A document whose buffer 0 grows: all new data stands behind what the file holds, which is never copied or changed.
+/// A document whose buffer 0 grows: new data stands behind what the file holds, until [`Document::prune`] takes out what
+/// nothing names.
 pub struct Document<'a> {
     pub json: Value,
     /// The file's; `None` where there is none.
     source: Option<&'a GltfDocument>,
     /// What is appended to buffer 0.
     added: Vec<u8>,
+    /// The appended bytes are all that the document has: no buffer of the file has content.
+    is_whole: bool,
 }
 
 /// What a buffer view is for, as its `target`.
@@ -49,6 +53,7 @@ impl<'a> Document<'a> {
             json,
             source,
             added: Vec::new(),
+            is_whole: false,
         };
         if document.buffers().is_empty() {
             document.list("buffers")?.push(json!({ "byteLength": 0 }));
@@ -58,7 +63,23 @@ impl<'a> Document<'a> {
 
     /// The file's buffers.
     fn buffers(&self) -> &'a [Vec<u8>] {
-        self.source.map_or(&[], |source| &source.buffers)
+        match self.is_whole {
+            true => &[],
+            false => self.source.map_or(&[], |source| &source.buffers),
+        }
+    }
+
+    /// Takes out what nothing names any more, where all that names something is known. Accessors of the file are not
+    /// to be opened any more.
+    pub fn prune(&mut self) {
+        self.align();
+        let start = self.buffers().first().map_or(&[][..], Vec::as_slice);
+        let first = [start, &self.added].concat();
+        let further = self.buffers().iter().skip(1).map(Vec::as_slice);
+        let buffers: Vec<&[u8]> = std::iter::once(&first[..]).chain(further).collect();
+        if let Some((json, bytes)) = pruned(&self.json, &buffers) {
+            (self.json, self.added, self.is_whole) = (json, bytes, true);
+        }
     }
 
     /// An accessor of the file, opened. One that was appended here is not read back.

@@ -11,6 +11,7 @@ mod from_obj;
 mod geometry;
 mod material;
 mod node;
+mod prune;
 
 use crate::{Error, check_regular};
 use atlas::Atlas;
@@ -90,6 +91,7 @@ pub fn write_gltf(
         }
     };
     patch(&mut document, scene, atlas, (occlusion, shades), &origins).map_err(read)?;
+    document.prune();
     document
         .into_glb()
         .map_err(|e| Error::write(Path::new(""), e))

@@ -158,7 +158,8 @@ fn roots(input: &mut Input, document: &GltfDocument) -> Result<Vec<usize>, Error
         Some(found) => numbered(found, "nodes", "node", nodes.len())
             .map_err(|problem| format!("scene {scene}: {problem}")),
         None if named.is_some() => Err(format!(
-            "scene {scene} does not exist; export the file again"
+            "scene {scene} does not exist, of {}; take the line `\"scene\": {scene}` out of the file, and the first one is baked",
+            scenes.len()
         )),
         None => {
             let children = nodes
@@ -267,7 +268,9 @@ fn numbers<const N: usize>(node: &Value, key: &str) -> Result<Option<[f64; N]>, 
 /// Translation times rotation times scale. Writers round quaternions, so it is brought to unit length.
 fn placed(translation: DVec3, rotation: [f64; 4], scale: DVec3) -> Result<DAffine3, String> {
     let unit = DVec4::from_array(rotation).try_normalize();
-    let unit = unit.ok_or("its rotation is a quaternion without length; export the file again")?;
+    let unit = unit.ok_or(
+        "its rotation is a quaternion without length; write 0, 0, 0, 1 in its place, or turn it anew in your editor",
+    )?;
     Ok(DAffine3::from_scale_rotation_translation(
         scale,
         DQuat::from_vec4(unit),

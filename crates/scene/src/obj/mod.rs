@@ -13,7 +13,7 @@ mod mtl;
 mod options;
 mod polygon;
 
-use crate::input::{Input, short};
+use crate::input::{Input, kept_name};
 use crate::material::untinted;
 use crate::validate::{self, Parts};
 use crate::{Error, Instance, Mesh, MeshOrigin, WarningKind, far};
@@ -88,19 +88,9 @@ fn number(word: &str) -> Option<f64> {
     word.parse().ok().or_else(none)
 }
 
-/// The longest name that is kept whole.
-const LONGEST_NAME: usize = 200;
-
-/// A name of an object, a group or a material; OBJ files come in every encoding. Of a very long one the start and a
-/// hash are kept, so that it stays a name of its own and memory is bounded.
+/// A name of an object, a group or a material; OBJ files come in every encoding.
 fn name(bytes: &[u8]) -> String {
-    let text = String::from_utf8_lossy(bytes.trim_ascii());
-    if text.len() > LONGEST_NAME {
-        let hash = blake3::hash(text.as_bytes()).to_hex();
-        format!("{}{}", short(&text), &hash[..16])
-    } else {
-        text.into_owned()
-    }
+    kept_name(&String::from_utf8_lossy(bytes.trim_ascii())).into_owned()
 }
 
 fn add(input: &mut Input, parts: &mut Parts, mut mesh: Mesh, home: DVec3) -> Result<(), Error> {

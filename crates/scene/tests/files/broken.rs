@@ -161,7 +161,10 @@ fn nodes_and_values() {
     edited("names the child 3 of 1", |d| {
         d.json["nodes"][0]["children"] = json!([3])
     });
-    edited("without length", |d| {
+    edited("scene 3 does not exist, of 1; take the line", |d| {
+        d.json["scene"] = json!(3)
+    });
+    edited("without length; write 0, 0, 0, 1", |d| {
         d.json["nodes"][0]["rotation"] = json!([0, 0, 0, 0])
     });
     edited("puts the mesh beyond", |d| {
