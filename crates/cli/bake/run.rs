@@ -6,7 +6,7 @@ use super::shard;
 use super::summary::summary;
 use crate::args::{Verb, words};
 use crate::outcome::{Outcome, one_line, printable, say, say_json_text, tell};
-use crate::progress::{Show, watch};
+use crate::progress::{Show, square, watch};
 use crate::stop::Stop;
 use crate::{allocate, project, view};
 use ambake::Written;
@@ -112,6 +112,11 @@ fn one(args: &Args, scene: &Path, output: &Path, stop: &Stop) -> anyhow::Result<
     let job = prepare_in(&target, scene, &args.job, &args.common)?;
     if let Some(part) = args.shard {
         return shard::run(args, output, &job, part, stop);
+    }
+    let pages = job.atlas().page_count;
+    if pages > 1 && !args.common.quiet {
+        let size = square(job.atlas().page_size);
+        tell(&format!("the layout takes {pages} pages of {size}"));
     }
     let show = Show {
         unit: "texels",

@@ -5,7 +5,7 @@ use super::placed::{Among, Placed};
 use super::topology::{Face, Surface, corners};
 use super::{Body, Inside, Solids};
 use glam::DVec3;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// A surface of a placement, or of a shape: their numbers.
 type Key = (u32, u32);
@@ -69,7 +69,13 @@ impl Solids {
             };
             turned.extend(faces.iter().map(|&face| (shape, face)));
         }
-        self.by_mesh(&turned)
+        let instances = self.scene.instances.iter().zip(&self.instances);
+        by_mesh(instances.map(|(instance, &(shape, number, _))| {
+            let mesh = self.shapes[shape as usize].meshes[number as usize];
+            let count = self.scene.meshes[mesh as usize].triangles.len() as u32;
+            let is_turned = |triangle| turned.contains(&(shape, Face { mesh, triangle }));
+            (instance.mesh, (0..count).map(is_turned).collect())
+        }))
     }
 
     /// Triangles of each mesh, ascending, whose normals point into what they enclose, where these have most of the area
@@ -85,56 +91,40 @@ impl Solids {
                 .entry((self.shape_of(key), key.1))
                 .or_insert(true) &= body.is_some_and(looks_out);
         }
-        let outward = is_outward.into_iter().filter(|(_, is_outward)| *is_outward);
-        let mut found = HashSet::new();
-        for ((shape, surface), _) in outward {
-            let faces = &self.shapes[shape as usize].surfaces[surface as usize].faces;
-            let (mut inward, mut area) = (0.0, 0.0);
-            let mut own = Vec::new();
-            for &face in faces {
-                let mesh = &self.scene.meshes[face.mesh as usize];
-                let [a, b, c] = corners(&self.scene, face);
-                let across = (b - a).cross(c - a);
-                let normal = |vertex: u32| mesh.normals.get(vertex as usize);
-                let normals = mesh.triangles[face.triangle as usize].map(normal);
-                let side: f32 = normals.into_iter().flatten().map(|n| n.dot(across)).sum();
-                area += f64::from(across.length());
-                if side < 0.0 {
-                    inward += f64::from(across.length());
-                    own.push((shape, face));
+        let mut seen = HashSet::new();
+        let instances = self.scene.instances.iter().zip(&self.instances);
+        let meshes =
+            instances.map(|(instance, &(shape, number, _))| (instance.mesh, shape, number));
+        let averse = meshes
+            .filter(|&key| seen.insert(key))
+            .map(|(mesh, shape, number)| {
+                // Copies of one shape have normals of their own.
+                let surfaces = &self.shapes[shape as usize].surface_of[number as usize];
+                let leans = self.leans(mesh);
+                let mut sums: HashMap<u32, f64> = HashMap::new();
+                for (surface, lean) in surfaces.iter().zip(&leans) {
+                    *sums.entry(*surface).or_default() += lean;
                 }
-            }
-            if inward > 0.5 * area {
-                found.extend(own);
-            }
-        }
-        self.by_mesh(&found)
+                let is_averse = |(surface, lean): (&u32, &f64)| {
+                    *lean < 0.0 && sums[surface] < 0.0 && is_outward[&(shape, *surface)]
+                };
+                (mesh, surfaces.iter().zip(&leans).map(is_averse).collect())
+            });
+        by_mesh(averse)
     }
 
-    /// Faces of shapes by their meshes: those that are among them wherever their mesh stands.
-    fn by_mesh(&self, faces: &HashSet<(u32, Face)>) -> Vec<(u32, Vec<u32>)> {
-        if faces.is_empty() {
-            return Vec::new();
-        }
-        let mut found: HashMap<u32, Vec<bool>> = HashMap::new();
-        for (instance, &(shape, number, _)) in self.scene.instances.iter().zip(&self.instances) {
-            let mesh = self.shapes[shape as usize].meshes[number as usize];
-            let count = self.scene.meshes[mesh as usize].triangles.len();
-            let backs = found
-                .entry(instance.mesh)
-                .or_insert_with(|| vec![true; count]);
-            for (triangle, back) in (0..).zip(backs) {
-                *back &= faces.contains(&(shape, Face { mesh, triangle }));
-            }
-        }
-        let listed = |(mesh, backs): (u32, Vec<bool>)| {
-            let backs = (0..).zip(backs).filter(|(_, back)| *back);
-            (mesh, backs.map(|(triangle, _)| triangle).collect())
+    /// By triangle of a mesh its area, below 0 where its normals lean to the other side than its winding.
+    fn leans(&self, mesh: u32) -> Vec<f64> {
+        let of = &self.scene.meshes[mesh as usize];
+        let lean = |triangle: u32| {
+            let [a, b, c] = corners(&self.scene, Face { mesh, triangle });
+            let across = (b - a).cross(c - a);
+            let vertices = of.triangles[triangle as usize];
+            let normals = vertices.map(|vertex| of.normals.get(vertex as usize));
+            let side: f32 = normals.into_iter().flatten().map(|n| n.dot(across)).sum();
+            f64::from(across.length().copysign(side))
         };
-        let mut found: Vec<(u32, Vec<u32>)> = found.into_iter().map(listed).collect();
-        found.retain(|(_, triangles)| !triangles.is_empty());
-        found.sort_unstable();
-        found
+        (0..of.triangles.len() as u32).map(lean).collect()
     }
 
     /// Placed surfaces whose faces, or some of them, look inward though they are no rooms.
@@ -204,4 +194,24 @@ impl Solids {
     fn is_inside_out(&self, body: &Body) -> bool {
         body.inside == Inside::Solid && self.surface(body).volume < 0.0
     }
+}
+
+/// By mesh the triangles that are marked wherever it stands, both ascending.
+fn by_mesh(marked: impl Iterator<Item = (u32, Vec<bool>)>) -> Vec<(u32, Vec<u32>)> {
+    let mut found: BTreeMap<u32, Vec<bool>> = BTreeMap::new();
+    for (mesh, marks) in marked {
+        let known = found.entry(mesh).or_insert_with(|| vec![true; marks.len()]);
+        known
+            .iter_mut()
+            .zip(marks)
+            .for_each(|(all, own)| *all &= own);
+    }
+    let listed = |(mesh, marks): (u32, Vec<bool>)| {
+        let marked = (0..).zip(marks).filter(|(_, is_marked)| *is_marked);
+        (mesh, marked.map(|(triangle, _)| triangle).collect())
+    };
+    let listed = found.into_iter().map(listed);
+    listed
+        .filter(|(_, of): &(u32, Vec<u32>)| !of.is_empty())
+        .collect()
 }

@@ -99,6 +99,13 @@ fn normals_that_point_into_a_box_are_told_from_those_of_a_corner_or_of_a_room() 
     };
     assert_eq!(averse(with_normals(false, -1.0)), 12);
     assert_eq!(averse(with_normals(false, 1.0)), 0);
+    // Two of one shape, one with normals of its own, and a mirrored place of that.
+    let meshes = vec![with_normals(false, 1.0), with_normals(false, -1.0)];
+    let mirrored = DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
+    let [near, far] = [5.0, 9.0].map(|x| DAffine3::from_translation(x * DVec3::X));
+    let placed = [(0, near), (1, far), (1, mirrored)];
+    let found = Solids::of(world(placed_scene(meshes, &placed)).scene()).averse();
+    assert_eq!(found, [(1, (0..12).collect())]);
     // Faces that look inward are told by their winding.
     assert_eq!(averse(with_normals(true, -1.0)), 0);
     assert_eq!(averse(with_normals(true, 1.0)), 0);
