@@ -93,8 +93,8 @@ pub struct Job {
     #[arg(help_heading = "Texels", hide_short_help = true)]
     #[arg(long, value_name = "auto|X,Y,Z[:X,Y,Z][;..]", allow_hyphen_values = true, value_delimiter = ';', value_parser = eyes)]
     pub seen_from: Vec<Eyes>,
-    /// Pages of --size: auto takes one, and more where a density needs them or the charts do not fit; a number is the
-    /// most
+    /// Pages of --size: auto takes one, and more where a density needs them, where the charts do not fit, or where an
+    /// object would have fewer texels across than a 256th of the page's edge; a number is the most
     #[arg(help_heading = "Texels")]
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = pages)]
     pub pages: Pages,
