@@ -153,6 +153,7 @@ pub use ::bake::{
     AmbientCoefficient, BakedPage, BounceStats, Bounces, Buried, Choice, Decision, Denoise,
     Footprint, Method, Model, PageStats, Pilot, PointSet, SeamStats, Seams, Shading, View,
 };
+pub use ::environment::Up;
 pub use ::scene as loaded;
 pub use baked::{Baked, Page};
 pub use dome::surrounding;

@@ -114,6 +114,7 @@ fn look(job: &Job) -> Option<Lit> {
     let (size, grid) = size(job);
     let framing = Framing {
         size,
+        up: options.up.direction().into(),
         ..Framing::default()
     };
     let around = surrounding(world, job.backend());

@@ -10,6 +10,7 @@ use ::bake::{
     Shading, View,
 };
 use ::scene::{Format, Instance, Surface};
+use environment::Up;
 use glam::DVec3;
 use layers::Layer;
 use rays::{Cone, Light, Overrides};
@@ -83,6 +84,8 @@ options! {
     seed: u64 = 0;
     /// The light that arrives where nothing blocks it.
     sky: Sky = Sky::default();
+    /// The axis of the scene that points upward, for a sky that is a map and for the first picture.
+    up: Up = Up::Y;
     /// Where the eye of the specular term stands.
     view: View = View::Normal;
     /// What smooth shading sees below the plane of a facet.
@@ -353,6 +356,7 @@ impl Options {
         if self.file_lights == Some(true) {
             self.lights.extend(scene.lights.iter().map(Light::from));
         }
+        self.sky = self.sky.with_up(self.up);
         let model = self.model_for(scene);
         self.model = Some(model);
         if model == Model::Ggx {
@@ -475,6 +479,7 @@ impl Options {
             seams,
             seed,
             sky,
+            up,
             view: _,
             shading,
             buried,
@@ -541,6 +546,7 @@ impl Options {
             "seams": seams.word(),
             "seed": seed,
             "sky": sky,
+            "up": up.word(),
             "view": self.view_rule(),
             "shading": shading.word(),
             "buried": buried.word(),

@@ -1,7 +1,7 @@
 //! The light that arrives where nothing blocks it.
 
 use crate::error::Error;
-use environment::{IlluminationMap, Image, Projection, SkyMap};
+use environment::{IlluminationMap, Image, Projection, SkyMap, Up};
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 #[cfg(feature = "sky")]
@@ -127,6 +127,17 @@ impl Sky {
         Self::from_pixels(size.0, size.1, pixels.collect())
     }
 
+    /// The same sky over a scene in which that axis points upward.
+    pub(crate) fn with_up(mut self, up: Up) -> Self {
+        if let environment::Sky::Map(map) = &mut self.light
+            && map.up() != up
+        {
+            let turned = SkyMap::clone(map).with_up(up);
+            *map = Arc::new(turned);
+        }
+        self
+    }
+
     /// The light itself, for what takes it elsewhere.
     pub fn light(&self) -> &environment::Sky {
         &self.light
@@ -210,6 +221,34 @@ mod tests {
             // Rows of 2.8 degrees tell y to 1e-4 on average; 1024 rays in many texels leave less.
             let mean = sum / texels.len() as f64;
             assert!((mean - exact).abs() < 2e-3, "{channel}: {mean} for {exact}");
+        }
+    }
+
+    #[test]
+    fn a_floor_whose_z_points_upward_receives_what_stands_above_it() {
+        let mut floor = Mesh::default();
+        floor.positions = vec![
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [1.0, 1.0, 0.0],
+            [0.0, 1.0, 0.0],
+        ];
+        floor.triangles = vec![[0, 1, 2], [0, 2, 3]];
+        let scene = Scene::from_meshes(vec![floor], vec![]).unwrap();
+        let sky = Sky::from_fn(64, brighter_above).unwrap();
+        let red = |up: Up| {
+            let bake = Bake::new(&scene).size(16).rays(1024).sky(sky.clone());
+            let baked = bake.up(up).layers([Layer::Irradiance]).run(&()).unwrap();
+            let page = baked.page(0);
+            let coverage = page.layer(Layer::Coverage);
+            let inside = |&texel: &usize| coverage[texel] == 1.0;
+            let light = page.channel(Layer::Irradiance, 0);
+            let all: Vec<f64> = (0..256).filter(inside).map(|i| light[i].into()).collect();
+            all.iter().sum::<f64>() / all.len() as f64
+        };
+        // From the side as much comes from the brighter half as from the darker one.
+        for (up, exact) in [(Up::Z, 4.0 / 3.0), (Up::Y, 1.0)] {
+            assert!((red(up) - exact).abs() < 2e-3, "{up:?}: {}", red(up));
         }
     }
 

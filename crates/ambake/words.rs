@@ -2,6 +2,7 @@
 
 use crate::choices::{Backend, Uv};
 use ::bake::{Buried, Denoise, Footprint, Model, Seams, Shading};
+use environment::Up;
 
 /// Values that have words.
 pub trait Words: Copy + PartialEq + Send + Sync + 'static {
@@ -58,6 +59,10 @@ words! {
     Shading {
         "production" = Production "What its mirror image in the facet's plane sees: convex bodies do not darken themselves",
         "exact" = Exact "Nothing: the facet hides it",
+    }
+    Up {
+        "y" = Y,
+        "z" = Z,
     }
     Uv {
         "auto" = Auto,

@@ -16,6 +16,7 @@ use ::bake::{
     AmbientCoefficient, Bounces, Buried, Choice, Denoise, Footprint, Model, Seams, Shading, View,
 };
 use clap::{ArgAction, Args};
+use environment::Up;
 use glam::DVec3;
 use layers::Layer;
 use report::Engine;
@@ -67,6 +68,11 @@ pub struct Job {
     #[arg(help_heading = "Texels", hide_short_help = true)]
     #[arg(long, value_name = "NAME=D", value_parser = density_of)]
     pub density_of: Vec<(String, f64)>,
+    /// Axis of the scene that points upward: glTF has y there, and OBJ files may have z. The sky of a file and the first
+    /// picture stand upright on it; coordinates that are typed stay those of the scene
+    #[arg(help_heading = "Input", hide_short_help = true)]
+    #[arg(long, default_value = "y", value_parser = word::<Up>())]
+    pub up: Up,
     /// Only objects with this name take texels, the others still occlude; * and ? are wildcards, and the flag may be
     /// repeated
     #[arg(help_heading = "Input")]
@@ -87,8 +93,8 @@ pub struct Job {
     #[arg(help_heading = "Texels", hide_short_help = true)]
     #[arg(long, value_name = "auto|X,Y,Z[:X,Y,Z][;..]", allow_hyphen_values = true, value_delimiter = ';', value_parser = eyes)]
     pub seen_from: Vec<Eyes>,
-    /// Pages of --size: auto takes one, and more where a density needs them or the charts do not fit; a number is the
-    /// most
+    /// Pages of --size: auto takes one, and more where a density needs them, where the charts do not fit, or where an
+    /// object would have fewer texels across than a 256th of the page's edge; a number is the most
     #[arg(help_heading = "Texels")]
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = pages)]
     pub pages: Pages,
@@ -289,6 +295,7 @@ impl Job {
             seams: job.seams,
             seed: common.seed,
             sky: job.sky.load()?,
+            up: job.up,
             view: job.view,
             shading: job.shading,
             buried: job.buried,

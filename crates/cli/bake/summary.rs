@@ -124,7 +124,8 @@ fn steps(rms: f64, rmse: f64) -> &'static str {
 fn grade(rmse: f64) -> &'static str {
     match rmse / STEP {
         ..0.5 => "good, under half a step of 8 bits",
-        ..2.0 => "fair, a step of 8 bits or so; four times the --rays halve it",
+        ..1.0 => "fair, under a step of 8 bits; four times the --rays halve it",
+        ..2.0 => "fair, one to two steps of 8 bits; four times the --rays halve it",
         _ => "grainy; four times the --rays halve it, and --target-error 0.004 is a step of 8 bits",
     }
 }
@@ -262,8 +263,18 @@ mod tests {
     }
     #[test]
     fn an_error_is_graded_by_steps_of_8_bits() {
-        let words =
-            [0.0, 0.0019, 0.002, 0.0078, 0.008, 1.0].map(|rmse| grade(rmse)[..4].to_owned());
-        assert_eq!(words, ["good", "good", "fair", "fair", "grai", "grai"]);
+        // Half a step is 0.00196, one 0.00392, two 0.00784.
+        for (rmse, words) in [
+            (0.0, "good, under half a step"),
+            (0.0019, "good, under half a step"),
+            (0.002, "fair, under a step"),
+            (0.0039, "fair, under a step"),
+            (0.004, "fair, one to two steps"),
+            (0.0078, "fair, one to two steps"),
+            (0.008, "grainy;"),
+            (1.0, "grainy;"),
+        ] {
+            assert!(grade(rmse).starts_with(words), "{rmse}: {}", grade(rmse));
+        }
     }
 }

@@ -37,6 +37,7 @@ mod projection;
 mod sky;
 mod sky_map;
 mod stats;
+mod up;
 
 pub use convert::{Layout, convert, convert_image};
 pub use error::Error;
@@ -52,3 +53,4 @@ pub use projection::{Direction, Projection, cube};
 pub use sky::Sky;
 pub use sky_map::SkyMap;
 pub use stats::MapStats;
+pub use up::Up;

@@ -5,10 +5,11 @@
     reason = "a lane is one index into many arrays"
 )]
 
-use crate::{Error, IlluminationMap, Projection};
+use crate::{Error, IlluminationMap, Projection, Up};
 use ambient::convention::SPHERE;
 use ambient::lanes::{LANES, Wide, atan2, turn_sin_cos};
 use std::f64::consts::{PI, TAU};
+use std::ops::Neg;
 use std::path::Path;
 
 /// Radiance from every direction, constant over each texel of a polar map: a uniform floor and what stands out of it.
@@ -19,6 +20,7 @@ use std::path::Path;
 /// [`SkyMap::sample16`] draws directions of the texel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SkyMap {
+    up: Up,
     width: usize,
     floor: [f64; 3],
     scale: f64,
@@ -138,6 +140,7 @@ impl SkyMap {
         }
         let excess = |pixel: &[f32; 3]| above(pixel).map(|v| (v * inverse) as f32);
         Ok(SkyMap {
+            up: Up::Y,
             width,
             floor,
             scale,
@@ -149,6 +152,16 @@ impl SkyMap {
             row_ends,
             ends,
         })
+    }
+
+    /// The same map over a scene in which that axis points upward: directions are the scene's from here on.
+    pub fn with_up(self, up: Up) -> SkyMap {
+        SkyMap { up, ..self }
+    }
+
+    /// The axis that points upward.
+    pub fn up(&self) -> Up {
+        self.up
     }
 
     /// Width and height in texels.
@@ -186,7 +199,8 @@ impl SkyMap {
 
     /// Radiance in a unit direction, linear between the middles of texels. Above the highest and below the lowest row
     /// it is theirs.
-    pub fn seen(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    pub fn seen(&self, direction: [f64; 3]) -> [f64; 3] {
+        let [x, y, z] = self.up.to_map(direction);
         let (width, height) = (self.width, self.rows.len());
         let polar = x.hypot(z).atan2(y) / PI * height as f64 - 0.5;
         let turns = (x.atan2(z) / TAU + 0.5) * width as f64 - 0.5;
@@ -210,6 +224,15 @@ impl SkyMap {
     pub fn texels16(&self, directions: &[Wide; 3]) -> [u32; LANES] {
         let (width, height) = (self.width as f32, self.rows.len() as f32);
         let mut out = [0; LANES];
+        let turned: [Wide; 3];
+        let directions = match self.up {
+            Up::Y => directions,
+            Up::Z => {
+                let [x, y, z] = *directions;
+                turned = [x, z, y.map(f32::neg)];
+                &turned
+            }
+        };
         for l in 0..LANES {
             let [x, y, z] = [directions[0][l], directions[1][l], directions[2][l]];
             let polar = atan2((x * x + z * z).sqrt(), y) * (height / std::f32::consts::PI);
@@ -263,6 +286,10 @@ impl SkyMap {
             let radius = directions[0][l];
             directions[0][l] = -radius * sin;
             directions[2][l] = -radius * cos;
+        }
+        if self.up == Up::Z {
+            let [x, y, z] = directions;
+            directions = [x, z.map(f32::neg), y];
         }
         (directions, texels)
     }

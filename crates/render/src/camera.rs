@@ -1,7 +1,7 @@
 //! A pinhole camera.
 
 use crate::Error;
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 /// Where a picture is taken from. The frame is orthonormal.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,6 +60,11 @@ impl Camera {
         0.408_248_290_463_863,
         0.816_496_580_927_726,
     );
+
+    /// [`Camera::FRONT`] where the unit direction `up` stands in place of y.
+    pub fn front(up: DVec3) -> DVec3 {
+        DQuat::from_rotation_arc(DVec3::Y, up) * Camera::FRONT
+    }
 
     /// The nearest eye in the unit direction `toward` from which all `points` fit into the picture with a margin of a
     /// twentieth, `middle` looked at. The other arguments are those of [`Camera::new`].

@@ -38,9 +38,10 @@ impl Framing {
     /// # Errors
     /// [`Error::Camera`], see [`Camera::new`].
     pub fn camera(&self, world: &World) -> Result<Camera, Error> {
+        let front = Camera::front(self.up.normalize_or(DVec3::Y));
         let eye = self
             .eye
-            .unwrap_or_else(|| self.eye_outside(world, &[], Camera::FRONT));
+            .unwrap_or_else(|| self.eye_outside(world, &[], front));
         let middle = extent(world, &[]).center();
         self.camera_at([eye, self.look.unwrap_or(middle)])
     }
@@ -88,6 +89,24 @@ mod tests {
     use super::*;
     use crate::fixture::{white, world};
     use glam::Vec3;
+
+    #[test]
+    fn a_scene_whose_z_points_upward_is_seen_as_its_twin_with_y_upward() {
+        let turn = |v: Vec3| Vec3::new(v.x, -v.z, v.y);
+        let card = [Vec3::ZERO, Vec3::X * 2.0, Vec3::Y];
+        let [upright, turned] = [card, card.map(turn)].map(|card| world(&[white(card)]).0);
+        let twin = Framing::default().camera(&upright).unwrap();
+        let framing = Framing {
+            up: DVec3::Z,
+            ..Framing::default()
+        };
+        let camera = framing.camera(&turned).unwrap();
+        let eye = DVec3::new(twin.eye.x, -twin.eye.z, twin.eye.y);
+        assert!(
+            (camera.eye - eye).length() < 1e-6,
+            "{camera:?} for {twin:?}"
+        );
+    }
 
     #[test]
     fn what_no_ray_meets_is_not_looked_at() {

@@ -188,10 +188,11 @@ impl Room<'_> {
     }
 
     /// The direction from which most of some points are seen, of eight around the scene and eight steeper ones: that of
-    /// [`Camera::FRONT`] unless many more are from another around, and a steeper one where many more are from there.
+    /// [`Camera::front`] unless many more are from another around, and a steeper one where many more are from there.
     fn outside(&self, points: &[Point]) -> DVec3 {
-        let axis = self.up.cross(Camera::FRONT).normalize_or(DVec3::X);
-        let rings = [0.0, STEEPER].map(|rise| DQuat::from_axis_angle(axis, -rise) * Camera::FRONT);
+        let front = Camera::front(self.up);
+        let axis = self.up.cross(front).normalize_or(DVec3::X);
+        let rings = [0.0, STEEPER].map(|rise| DQuat::from_axis_angle(axis, -rise) * front);
         let far = 2.0 * (self.focus.max - self.focus.min).length();
         let seen = |toward: DVec3| {
             let is_seen = |point: &&Point| {

@@ -90,7 +90,7 @@ impl LayoutReport {
         let taking: Vec<_> = self.objects.iter().filter(|o| o.texels > 0.0).collect();
         let large = taking
             .iter()
-            .find(|o| o.share > LARGE_SHARE && o.across >= FEW);
+            .find(|o| o.share > LARGE_SHARE && o.across >= FEW && !self.is_coarser(o));
         let few = taking.iter().filter(|o| o.across < FEW).count();
         if let Some(large) = large.filter(|_| few > 0) {
             let name = &large.name;
@@ -124,13 +124,19 @@ impl LayoutReport {
         warnings
     }
 
+    /// True where an object has so few texels per unit that it can spare none for others.
+    fn is_coarser(&self, object: &ObjectLayout) -> bool {
+        UNEVEN * object.density < self.texels_per_unit.median
+    }
+
     /// The warning that names what stands out of a layout in which nobody asked for densities: the object whose density
     /// is farthest from the usual one, and how many are three times apart from that. Objects at the least number of
-    /// texels do not count.
+    /// texels do not count, and not those that another warning says have too few.
     pub fn uneven_density(&self) -> Option<WarningReport> {
         let usual = self.texels_per_unit.median;
         let apart = |object: &ObjectLayout| (object.density / usual).max(usual / object.density);
-        let known = self.objects.iter().filter(|object| object.texels > FLOOR);
+        let known = self.objects.iter();
+        let known = known.filter(|object| object.texels > FLOOR && object.across >= COARSE);
         let uneven: Vec<&ObjectLayout> = known.filter(|object| apart(object) > UNEVEN).collect();
         let first = uneven.iter().max_by(|a, b| apart(a).total_cmp(&apart(b)))?;
         let how = if first.density > usual {
@@ -138,16 +144,26 @@ impl LayoutReport {
         } else {
             "fewer"
         };
+        // What has most of the page can only get more from a larger one.
+        let (though, cure) = match self.is_coarser(first) && first.share > LARGE_SHARE {
+            true => (
+                format!(", though {:.0} % of all are its", 100.0 * first.share),
+                "a larger `--size` gives it more".to_owned(),
+            ),
+            false => {
+                let own = format!("`--density-of {}=D` gives it its own", first.name);
+                (String::new(), own)
+            }
+        };
         Some(WarningReport {
             kind: "uneven-density".into(),
             place: format!("object `{}`", first.name),
             count: uneven.len() as u64,
             message: format!(
-                "it has {how} texels per unit than others, {} where the median is {}; `--density-of {}=D` gives it its \
-                 own, `--density even` all the same",
+                "it has {how} texels per unit than others, {} where the median is {}{though}; {cure}, `--density even` \
+                 all the same",
                 short(first.density),
                 short(usual),
-                first.name,
             ),
         })
     }
@@ -277,6 +293,57 @@ mod tests {
         // The only object has everything, and that is as it should be.
         layout.objects = vec![object("ground", 100.0, 90.0)];
         assert!(layout.warnings().is_empty());
+    }
+
+    #[test]
+    fn an_object_is_not_asked_for_texels_of_which_it_has_fewer_than_others() {
+        // A room of which the page is full, and what stands in it, as fine as the least number of texels makes it.
+        let room = |density: f64| LayoutReport {
+            texels_per_unit: Spread {
+                min: density,
+                median: 37.0,
+                max: 119.0,
+            },
+            objects: vec![
+                ObjectLayout {
+                    density,
+                    ..object("room", 80.0, 253.0)
+                },
+                ObjectLayout {
+                    density: 37.0,
+                    ..object("shelf", 20.0, 31.0)
+                },
+                ObjectLayout {
+                    density: 120.0,
+                    ..object("screw", 17.0, 3.0)
+                },
+            ],
+            ..LayoutReport::default()
+        };
+        let kinds = |layout: &LayoutReport| {
+            let warnings = layout.warnings().into_iter();
+            let all = warnings.chain(layout.uneven_density());
+            all.map(|warning| (warning.kind, warning.place))
+                .collect::<Vec<_>>()
+        };
+        let of = |kind: &str, object: &str| (kind.to_owned(), format!("object `{object}`"));
+        let coarse = of("coarse-objects", "screw");
+        let scarce = room(9.26);
+        assert_eq!(
+            kinds(&scarce),
+            [coarse.clone(), of("uneven-density", "room")]
+        );
+        let line = scarce.uneven_density().expect("a warning").message;
+        assert!(
+            line.contains("fewer texels per unit than others, 9.26 where the median is 37.0"),
+            "{line}"
+        );
+        assert!(
+            line.contains("80 % of all") && line.contains("larger `--size`"),
+            "{line}"
+        );
+        assert!(!line.contains("--density-of"), "{line}");
+        assert_eq!(kinds(&room(20.0)), [of("large-share", "room"), coarse]);
     }
 
     #[test]

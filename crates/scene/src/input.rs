@@ -14,6 +14,8 @@ pub(crate) struct Input {
     pub bounds: Bounds,
     pub hasher: blake3::Hasher,
     pub warnings: Vec<Warning>,
+    /// The least factor by which the reflectances of a material were scaled down, and of how many materials.
+    pub scaled: (f64, u64),
     /// Every file that was read, the main one first.
     pub files: Vec<PathBuf>,
 }
@@ -26,6 +28,7 @@ impl Input {
             bounds: Bounds::default(),
             hasher: blake3::Hasher::new(),
             warnings: Vec::new(),
+            scaled: (1.0, 0),
             files: Vec::new(),
         }
     }

@@ -104,11 +104,26 @@ pub(crate) fn conserving(
         return [albedo, specular];
     }
     let factor = 1.0 / (albedo.as_dvec3() + specular.as_dvec3()).max_element();
-    let message = format!(
-        "diffuse and specular reflectance add up to more than 1; both are multiplied by {factor:.4}"
-    );
-    input.warn(WarningKind::ReflectanceScaled, place, 1, message);
+    // What it says is known once all are.
+    input.warn(WarningKind::ReflectanceScaled, place, 1, "");
+    input.scaled = (input.scaled.0.min(factor), input.scaled.1 + 1);
     [albedo, specular].map(|color| (color.as_dvec3() * factor).as_vec3())
+}
+
+/// Lets all warnings of scaled reflectances say the same, so that they are one line: the least factor.
+pub(crate) fn tell_scaled(input: &mut Input) {
+    let (least, materials) = input.scaled;
+    let factor = match materials {
+        1 => format!("{least:.4}"),
+        _ => format!("what makes the sum 1, by {least:.4} where it is largest"),
+    };
+    let message = format!(
+        "diffuse and specular reflectance add up to more than 1; both are multiplied by {factor}"
+    );
+    let mut all = input.warnings.iter_mut();
+    while let Some(warning) = all.find(|warning| warning.kind == WarningKind::ReflectanceScaled) {
+        warning.message.clone_from(&message);
+    }
 }
 
 /// The material of a mesh that has none: a white Lambertian surface, so that the baked terms carry no tint.

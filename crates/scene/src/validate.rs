@@ -19,6 +19,7 @@
 //! | normal that is not of unit length | made so, silently |
 
 use crate::input::{Input, short};
+use crate::material::tell_scaled;
 use crate::{
     Alpha, Error, Format, GltfDocument, Image, Instance, Light, Material, Mesh, PackedImage, Scene,
     Surface, TextureRef, WarningKind, far,
@@ -70,6 +71,7 @@ pub(crate) fn scene(mut input: Input, format: Format, mut parts: Parts) -> Resul
     far::warn(&mut input, format, &parts);
     invisible_materials(&mut input, &parts);
     textures_without_uvs(&mut input, &mut parts);
+    tell_scaled(&mut input);
     let Parts {
         mut meshes,
         mut instances,

@@ -238,7 +238,7 @@ def test_options_of_every_kind_are_taken():
         size=32, density=4.0, density_of={"m*": 4.0}, include="mesh", exclude=["other"], no_cast="mesh", seen_from=[(0, 3, 0)], pages=2,
         one_page_per_mesh=True, uv="unwrap", gutter=1, mips=1, align=2, target_error=0.3, target_relative=0.3, max_rays=16,
         footprint="centre", denoise="regression", seams="object", sky=(1, 0.5, 0.2), max_memory="8G", view=(0, 5, 0),
-        buried="keep", buried_of={"m*": "drop"}, under=0.01, shading="exact", max_distance=2.0, model="ggx", bounces=1, lights="none",
+        up="z", buried="keep", buried_of={"m*": "drop"}, under=0.01, shading="exact", max_distance=2.0, model="ggx", bounces=1, lights="none",
         sun=[(0, 1, 0, 2), (0, 1, 0, 2, 1, 0)], point=[(0, 3, 0, 1)],
         sphere=[(1, 2, 0, 0.5, 1)], rect=[(0, 3, 0, 1, 0, 0, 0, 0, 1, 2)], only="diffuse,lambert", to="vertices", for_=["three"], compress=True, normal_maps=True, exponent=8,
         ambient_coefficient=(0.2, 0.3, 0.4), albedo=(0.5, 0.5, 0.5), specular=(0.1, 0.1, 0.1), seed=7, backend="obvhs", threads=1,

@@ -39,6 +39,33 @@ fn a_constant_map_is_a_floor_alone() {
 }
 
 #[test]
+fn a_map_stands_upright_over_a_scene_whose_z_points_upward() {
+    let (upright, _) = map(24);
+    let turned = upright.clone().with_up(Up::Z);
+    let zenith = [0.0, 0.0, 1.0].map(|v| [v; LANES]);
+    let row = |texels: [u32; LANES]| texels[0] as usize / turned.size().0;
+    assert_eq!(
+        (
+            row(turned.texels16(&zenith)),
+            row(upright.texels16(&zenith))
+        ),
+        (0, 12)
+    );
+    let stream = Stream::new(5, 0, 0, 0, 0);
+    for first in (0..256).step_by(LANES) {
+        let ([x, y, z], texels) = draw(&turned, &stream, first);
+        let ([a, b, c], same) = draw(&upright, &stream, first);
+        // The scene's (x, y, z) is the map's (x, z, -y).
+        assert_eq!([x, z, y.map(f32::neg)], [a, b, c]);
+        assert_eq!(texels, same);
+        assert_eq!(turned.texels16(&[x, y, z]), upright.texels16(&[a, b, c]));
+        let one = |wide: [Wide; 3]| wide.map(|v| f64::from(v[3]));
+        assert_eq!(turned.seen(one([x, y, z])), upright.seen(one([a, b, c])));
+    }
+    assert_eq!(turned.mean(), upright.mean());
+}
+
+#[test]
 fn a_map_that_is_no_sky_is_refused_with_a_reason() {
     let ball = Image::filled(8, 8, [1.0; 3]);
     let ball = IlluminationMap::new(ball, Projection::Ball).unwrap();

@@ -151,6 +151,27 @@ fn damaged_compression_of_what_no_node_places_refuses_nothing() {
 }
 
 #[test]
+fn a_missing_buffer_is_named_whether_it_is_compressed_or_not() {
+    let folder = Folder::new();
+    let missing = |json: &mut Value| json["buffers"][0]["uri"] = json!("house.bin");
+    for name in ["pack", "draco"] {
+        let line = |file: &str| {
+            let loaded = folder.load("a.glb", edited(file, missing)).map(drop);
+            loaded.expect_err(file).to_string()
+        };
+        // The accessor that wants it first is another one in each.
+        for file in [format!("{name}.plain.glb"), format!("{name}.glb")] {
+            let line = line(&file);
+            assert!(
+                line.contains("buffer 0: cannot read") && line.contains("house.bin: "),
+                "{file}: {line}"
+            );
+            assert!(!line.contains("export it again"), "{file}: {line}");
+        }
+    }
+}
+
+#[test]
 fn damaged_compression_is_refused_in_one_line() {
     let folder = Folder::new();
     let with = |name: &str, message: &str, edit: &dyn Fn(&mut Value)| {

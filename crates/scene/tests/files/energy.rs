@@ -189,16 +189,21 @@ fn both_reflectances_are_scaled_by_one_factor() {
     };
     assert_eq!(first, (Vec3::new(0.5, 0.25, 0.125), Vec3::splat(0.5)));
     assert_eq!(second.0, Vec3::splat(0.625));
-    let warning = &scene.warnings[0];
-    assert_eq!(
-        (warning.kind.name(), warning.place.as_str(), warning.count),
-        ("reflectance-scaled", "material `m0`", 1)
-    );
-    assert!(
-        warning.message.ends_with("multiplied by 0.5000"),
-        "{}",
-        warning.message
-    );
+    // All say the same, so that they are printed as one line.
+    let whole = "multiplied by what makes the sum 1, by 0.5000 where it is largest";
+    for (warning, place) in scene
+        .warnings
+        .iter()
+        .zip(["material `m0`", "material `m1`"])
+    {
+        let told = (warning.kind.name(), warning.place.as_str(), warning.count);
+        assert_eq!(told, ("reflectance-scaled", place, 1));
+        assert!(warning.message.ends_with(whole), "{}", warning.message);
+    }
+    assert_eq!(scene.warnings.len(), 2);
+    let alone = &obj(&[([1.0, 0.5, 0.25], [1.0; 3])]).warnings[0];
+    let message = &alone.message;
+    assert!(message.ends_with("multiplied by 0.5000"), "{message}");
 }
 
 /// The GLB of a bake has the coat off and its highlight in `extras`; who switches the coat on has changed the material.

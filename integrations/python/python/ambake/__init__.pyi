@@ -18,6 +18,7 @@ class Options(TypedDict, total=False):
     size: int
     density: Union[float, Literal["even"]]
     density_of: Mapping[str, float]
+    up: Literal["y", "z"]
     include: Union[str, Sequence[str]]
     exclude: Union[str, Sequence[str]]
     no_cast: Union[str, Sequence[str]]

@@ -43,8 +43,12 @@ pub(super) fn decode(document: &mut GltfDocument) {
                 continue;
             }
             let decoded = fill(document, &primitive, stream, &mut filled, left);
-            let (bytes, places) =
-                decoded.unwrap_or_else(|problem| (0, lose(document, &primitive, &problem)));
+            let (bytes, places) = decoded.unwrap_or_else(|problem| {
+                let view = number(stream, "bufferView").unwrap_or(usize::MAX);
+                let view = list(&document.json, "bufferViews").get(view);
+                let reason = document.loss(view, &problem);
+                (0, lose(document, &primitive, reason))
+            });
             left -= bytes.min(left);
             let primitive = &mut document.json["meshes"][m]["primitives"][p];
             take_extension(primitive, NAME);
@@ -66,8 +70,8 @@ pub(super) fn decode(document: &mut GltfDocument) {
 }
 
 /// Accessors whose content is absent in place of those of a primitive, which others may share.
-fn lose(document: &mut GltfDocument, primitive: &Value, problem: &str) -> Vec<(String, usize)> {
-    let buffer = document.append_absent(problem);
+fn lose(document: &mut GltfDocument, primitive: &Value, reason: String) -> Vec<(String, usize)> {
+    let buffer = document.append_absent(reason);
     let view = list(&document.json, "bufferViews").len();
     if let Some(views) = document.json["bufferViews"].as_array_mut() {
         views.push(json!({ "buffer": buffer, "byteLength": 1 }));

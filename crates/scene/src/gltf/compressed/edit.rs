@@ -33,12 +33,21 @@ impl GltfDocument {
         start
     }
 
-    /// Adds a buffer of which the content cannot be had: only what reads it fails.
-    pub(super) fn append_absent(&mut self, problem: &str) -> usize {
+    /// Why what an object with `buffer` names cannot be decoded: its buffer is not there, or else a `problem` of what
+    /// the buffer holds.
+    pub(super) fn loss(&self, json: Option<&Value>, problem: &str) -> String {
+        let buffer = json.and_then(|json| number(json, "buffer"));
+        match buffer.and_then(|buffer| self.absent.get(buffer)) {
+            Some(Some(reason)) => reason.clone(),
+            _ => format!("{problem}; the file is corrupt, export it again"),
+        }
+    }
+
+    /// Adds a buffer of which the content cannot be had, for a reason: only what reads it fails.
+    pub(super) fn append_absent(&mut self, reason: String) -> usize {
         // What is decoded lies behind the first.
         self.append(&[]);
         self.absent.resize(self.buffers.len(), None);
-        let reason = format!("{problem}; the file is corrupt, export it again");
         self.absent.push(Some(reason));
         self.buffers.push(Vec::new());
         if let Some(buffers) = self.json["buffers"].as_array_mut() {

@@ -39,8 +39,8 @@ pub(super) fn decode(document: &mut GltfDocument) {
         let (buffer, start, length) = match bytes {
             Ok(bytes) => (0, document.append(&bytes), bytes.len()),
             Err(problem) => {
-                let problem = format!("buffer view {i}: {problem}");
-                (document.append_absent(&problem), 0, 1)
+                let reason = document.loss(packed.as_ref(), &format!("buffer view {i}: {problem}"));
+                (document.append_absent(reason), 0, 1)
             }
         };
         let view = &mut document.json["bufferViews"][i];
