@@ -60,8 +60,8 @@ pub use document::{EncodedImage, GltfDocument};
 pub use error::Error;
 #[cfg(feature = "gltf")]
 pub use gltf::{Elements, conformance};
-#[cfg(feature = "files")]
 pub use input::kept_name;
+#[cfg(feature = "files")]
 pub use load::{load, load_with};
 pub use material::{MAX_EXPONENT, phong_from_metallic_roughness, phong_from_specular_glossiness};
 pub use normal_map::{NormalMap, Packed, PackedImage};
