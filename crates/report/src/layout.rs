@@ -51,6 +51,9 @@ const LARGE_SHARE: f64 = 0.5;
 const FEW: f64 = 32.0;
 /// With fewer texels across its extent an object is named in a warning.
 const COARSE: f64 = 3.5;
+/// Nothing that somebody sees has less than a quarter of the usual density unless it was asked for; what has less than
+/// this share of it is a texel a chart, for nobody sees any of it.
+const UNSEEN: f64 = 1.0 / 6.0;
 /// With less of the texels in use inside charts, the page is named in a warning.
 const LEAST_INSIDE: f64 = 0.25;
 
@@ -70,12 +73,14 @@ impl LayoutReport {
         let mut densities: Vec<f64> = taking.map(|o| o.density).collect();
         densities.sort_by(f64::total_cmp);
         let at = |k: usize| densities.get(k).copied().unwrap_or(0.0);
+        let median = at(densities.len() / 2);
+        let unseen = densities.partition_point(|density| *density < UNSEEN * median);
         LayoutReport {
             page_use: facts.page_use,
             covered: facts.covered,
             texels_per_unit: Spread {
-                min: at(0),
-                median: at(densities.len() / 2),
+                min: at(unseen),
+                median,
                 max: at(densities.len().saturating_sub(1)),
             },
             charts: atlas.chart_count,
@@ -107,7 +112,11 @@ impl LayoutReport {
                 ),
             });
         }
-        let coarse: Vec<_> = taking.iter().filter(|o| o.across < COARSE).collect();
+        let is_seen = |o: &ObjectLayout| o.density >= UNSEEN * self.texels_per_unit.median;
+        let coarse: Vec<_> = taking
+            .iter()
+            .filter(|o| o.across < COARSE && is_seen(o))
+            .collect();
         if let Some(first) = coarse.first() {
             warnings.push(WarningReport {
                 kind: "coarse-objects".into(),
@@ -279,7 +288,16 @@ mod tests {
                 object("cup#2", 1.0, 2.5),
                 object("house", 39.0, 40.0),
                 object("excluded", 0.0, 0.0),
+                // In something closed.
+                ObjectLayout {
+                    density: 0.2,
+                    ..object("hinge", 0.3, 0.1)
+                },
             ],
+            texels_per_unit: Spread {
+                median: 2.0,
+                ..Spread::default()
+            },
             ..LayoutReport::default()
         };
         let warnings = layout.warnings();

@@ -122,7 +122,8 @@ impl Solids {
             let vertices = of.triangles[triangle as usize];
             let normals = vertices.map(|vertex| of.normals.get(vertex as usize));
             let side: f32 = normals.into_iter().flatten().map(|n| n.dot(across)).sum();
-            f64::from(across.length().copysign(side))
+            let area = f64::from(across.length());
+            if side < 0.0 { -area } else { area }
         };
         (0..of.triangles.len() as u32).map(lean).collect()
     }

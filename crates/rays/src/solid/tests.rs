@@ -109,6 +109,7 @@ fn normals_that_point_into_a_box_are_told_from_those_of_a_corner_or_of_a_room() 
     // Faces that look inward are told by their winding.
     assert_eq!(averse(with_normals(true, -1.0)), 0);
     assert_eq!(averse(with_normals(true, 1.0)), 0);
+    assert_eq!(averse(unit(false)), 0);
     let mut bent = with_normals(false, 1.0);
     bent.normals[0] *= -4.0;
     assert_eq!(averse(bent), 0);
