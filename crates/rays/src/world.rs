@@ -206,24 +206,25 @@ impl World {
     ///
     /// * `places`: where lights and eyes are, in the coordinates of the file.
     pub fn turn_over(&mut self, places: impl Iterator<Item = DVec3>) {
-        self.backs = self.backs_by(places);
-        let averse = self.solids().averse().into_iter();
-        self.averse = averse
-            .map(|(mesh, of)| (mesh, of.into_iter().collect()))
-            .collect();
+        [self.backs, self.averse] = self.backs_by(places);
     }
 
     /// True where [`World::turn_over`] with these places would change nothing.
     pub fn is_turned_by(&self, places: impl Iterator<Item = DVec3>) -> bool {
-        self.backs_by(places) == self.backs
+        let [backs, averse] = self.backs_by(places);
+        backs == self.backs && averse == self.averse
     }
 
-    fn backs_by(&self, places: impl Iterator<Item = DVec3>) -> HashMap<u32, HashSet<u32>> {
+    /// By mesh, the triangles whose backs are lit, and those whose normals alone turn round.
+    fn backs_by(&self, places: impl Iterator<Item = DVec3>) -> [HashMap<u32, HashSet<u32>>; 2] {
         let places: Vec<DVec3> = places.map(|place| place - self.origin).collect();
-        let backs = self.solids().backs(&places).into_iter();
-        backs
-            .map(|(mesh, of)| (mesh, of.into_iter().collect()))
-            .collect()
+        let solids = self.solids();
+        [solids.backs(&places), solids.averse(&places)].map(|found| {
+            let found = found.into_iter();
+            found
+                .map(|(mesh, of)| (mesh, of.into_iter().collect()))
+                .collect()
+        })
     }
 
     /// True where a triangle is lit from behind.

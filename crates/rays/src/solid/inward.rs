@@ -79,37 +79,46 @@ impl Solids {
     }
 
     /// Triangles of each mesh, ascending, whose normals point into what they enclose, where these have most of the area
-    /// of a closed body that looks outward and is no room, wherever it is placed.
-    pub fn averse(&self) -> Vec<(u32, Vec<u32>)> {
-        let mut is_outward: HashMap<Key, bool> = HashMap::new();
-        for key in self.placed_keys() {
-            let body = self.placements.get(&key);
-            let body = body.map(|&body| &self.bodies[body as usize]);
-            let looks_out =
-                |body: &Body| body.inside == Inside::Solid && self.surface(body).volume > 0.0;
-            *is_outward
-                .entry((self.shape_of(key), key.1))
-                .or_insert(true) &= body.is_some_and(looks_out);
+    /// of a body that looks outward and is no room, nor has any of these places in it, wherever it is placed.
+    pub fn averse(&self, places: &[DVec3]) -> Vec<(u32, Vec<u32>)> {
+        let mut leans: HashMap<u32, Vec<f64>> = HashMap::new();
+        for instance in &self.scene.instances {
+            let mesh = instance.mesh;
+            leans.entry(mesh).or_insert_with(|| self.leans(mesh));
         }
-        let mut seen = HashSet::new();
+        leans.retain(|_, leans| leans.iter().any(|lean| *lean < 0.0));
+        if leans.is_empty() {
+            return Vec::new();
+        }
+        let placed = self.placed_surfaces();
+        let all = Among::of(placed.iter().collect());
+        let is_body = |of: &Placed| {
+            let body = self.placements.get(&of.key);
+            let inside = body.map(|&body| &self.bodies[body as usize].inside);
+            of.surface.content() > 0.0
+                && matches!(inside, None | Some(Inside::Solid | Inside::Nothing))
+                && !places.iter().any(|&at| self.winding_about(of, at) > 0)
+                && !self.is_lived_in(of, 1, &all)
+        };
+        let mut is_known: HashMap<Key, bool> = HashMap::new();
+        let of_keys: HashMap<Key, &Placed> = placed.iter().map(|of| (of.key, of)).collect();
         let instances = self.scene.instances.iter().zip(&self.instances);
-        let meshes =
-            instances.map(|(instance, &(shape, number, _))| (instance.mesh, shape, number));
-        let averse = meshes
-            .filter(|&key| seen.insert(key))
-            .map(|(mesh, shape, number)| {
-                // Copies of one shape have normals of their own.
-                let surfaces = &self.shapes[shape as usize].surface_of[number as usize];
-                let leans = self.leans(mesh);
-                let mut sums: HashMap<u32, f64> = HashMap::new();
-                for (surface, lean) in surfaces.iter().zip(&leans) {
-                    *sums.entry(*surface).or_default() += lean;
-                }
-                let is_averse = |(surface, lean): (&u32, &f64)| {
-                    *lean < 0.0 && sums[surface] < 0.0 && is_outward[&(shape, *surface)]
-                };
-                (mesh, surfaces.iter().zip(&leans).map(is_averse).collect())
-            });
+        let averse = instances.filter_map(|(instance, &(shape, number, placement))| {
+            // Copies of one shape have normals of their own.
+            let leans = leans.get(&instance.mesh)?;
+            let surfaces = &self.shapes[shape as usize].surface_of[number as usize];
+            let mut sums: HashMap<u32, f64> = HashMap::new();
+            for (surface, lean) in surfaces.iter().zip(leans) {
+                *sums.entry(*surface).or_default() += lean;
+            }
+            let is_averse = |(surface, lean): (&u32, &f64)| {
+                let key = (placement, *surface);
+                let is_body = || of_keys.get(&key).is_some_and(|of| is_body(of));
+                *lean < 0.0 && sums[surface] < 0.0 && *is_known.entry(key).or_insert_with(is_body)
+            };
+            let marks = surfaces.iter().zip(leans).map(is_averse).collect();
+            Some((instance.mesh, marks))
+        });
         by_mesh(averse)
     }
 
@@ -154,7 +163,7 @@ impl Solids {
             of.surface.is_mixed()
                 && may
                 && !self.wound(of.shape, of.key.1).is_empty()
-                && !self.is_lived_in(of, &all)
+                && !self.is_lived_in(of, -1, &all)
         };
         found.extend(placed.iter().filter(is_wound).map(|of| of.key));
         found

@@ -94,7 +94,7 @@ fn normals_that_point_into_a_box_are_told_from_those_of_a_corner_or_of_a_room() 
     };
     let averse = |mesh: Mesh| {
         let scene = scene(vec![mesh, sheet()]);
-        let found = Solids::of(world(scene).scene()).averse();
+        let found = Solids::of(world(scene).scene()).averse(&[]);
         found.iter().map(|(_, of)| of.len()).sum::<usize>()
     };
     assert_eq!(averse(with_normals(false, -1.0)), 12);
@@ -104,12 +104,23 @@ fn normals_that_point_into_a_box_are_told_from_those_of_a_corner_or_of_a_room() 
     let mirrored = DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
     let [near, far] = [5.0, 9.0].map(|x| DAffine3::from_translation(x * DVec3::X));
     let placed = [(0, near), (1, far), (1, mirrored)];
-    let found = Solids::of(world(placed_scene(meshes, &placed)).scene()).averse();
+    let found = Solids::of(world(placed_scene(meshes, &placed)).scene()).averse(&[]);
     assert_eq!(found, [(1, (0..12).collect())]);
     // Faces that look inward are told by their winding.
     assert_eq!(averse(with_normals(true, -1.0)), 0);
     assert_eq!(averse(with_normals(true, 1.0)), 0);
     assert_eq!(averse(unit(false)), 0);
+    // A room whose faces are wound the wrong way: something stands in it, or a light.
+    let room = || with_normals(false, -1.0);
+    let chair = block(Vec3::new(0.5, -0.8, 0.5), Vec3::splat(0.2), false);
+    let furnished = Solids::of(world(scene(vec![room(), chair])).scene()).averse(&[]);
+    assert_eq!(furnished, []);
+    let lit = Solids::of(world(scene(vec![room(), sheet()])).scene()).averse(&[INSIDE]);
+    assert_eq!(lit, []);
+    // An open box too is a body.
+    let mut open = room();
+    open.triangles.truncate(10);
+    assert_eq!(averse(open), 10);
     let mut bent = with_normals(false, 1.0);
     bent.normals[0] *= -4.0;
     assert_eq!(averse(bent), 0);
