@@ -178,8 +178,8 @@ fn a_sea_over_the_half_of_a_beach_is_no_dome() {
     );
 }
 
-/// Half a dome of radius 30, its front outward, over a house that stands on a square ground of `reach` to each side. The dome
-/// has these rings of 8, from the ground up, and so many of 24 sectors.
+/// Half a dome of radius 30, its front outward, over a house that stands on a square ground of `reach` to each side.
+/// The dome has these rings of 8, from the ground up, and so many of 24 sectors.
 fn under_a_dome(reach: u32, rings: std::ops::Range<u32>, sectors: u32) -> String {
     let around = 24;
     let mut text = format!(

@@ -153,8 +153,8 @@ fn a_moved_object_costs_what_it_reaches_and_nothing_else() {
 fn what_is_no_longer_rooted_in_the_floor_is_baked_again() {
     let mut before = row();
     before[0].at[1] = -0.3;
-    // Under the first box, and half as large: no ray comes there, but the floor no longer buries the foot of the box. It
-    // is no ground any more, so all that it reached is baked again.
+    // Under the first box, and half as large: no ray comes there, but the floor no longer buries the foot of the box.
+    // It is no ground any more, so all that it reached is baked again.
     let mut below = prop("below", 1.2, 1.2);
     (below.at[1], below.size) = (-0.85, 0.6);
     let after = [&before[..], &[below]].concat();

@@ -147,8 +147,8 @@ impl Bake {
         /// Occluders farther than this many scene units do not count; by default there is no limit.
         max_distance(distance: f32) Some;
 
-        /// The axis of the scene that points upward, y by default: a sky that is a map stands upright on it, and so does
-        /// the first picture. Coordinates and directions stay the scene's.
+        /// The axis of the scene that points upward, y by default: a sky that is a map stands upright on it, and so
+        /// does the first picture. Coordinates and directions stay the scene's.
         up(up: Up);
 
         /// What the highlight is: the paper's Phong lobe, or GGX, whose layer then stands in place of [`Layer::Phong`]. By

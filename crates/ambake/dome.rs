@@ -130,8 +130,8 @@ fn is_sheet_around<'a>(
     met > 0 && left <= cast / LEAVING && met >= cast / MEETING && beyond <= met / MEETING
 }
 
-/// What becomes of rays from the middle of a face; nothing of one that is buried, as the bottom of what stands on a ground,
-/// which looks out below it.
+/// What becomes of rays from the middle of a face; nothing of one that is buried, as the bottom of what stands on a
+/// ground, which looks out below it.
 fn from_face(
     (world, backend): (&World, &dyn RayBackend),
     sheet: &ObjectName,

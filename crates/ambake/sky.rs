@@ -56,8 +56,8 @@ impl Sky {
     }
 
     /// The illumination map of these pixels, linear RGB, row by row from the top, in the polar projection
-    /// ([`Projection::Polar`](environment::Projection::Polar)): twice as wide as high, row 0 looks up (+y), the middle column
-    /// toward +z, and +x lies to its right.
+    /// ([`Projection::Polar`](environment::Projection::Polar)): twice as wide as high, row 0 looks up (+y), the middle
+    /// column toward +z, and +x lies to its right.
     ///
     /// ```
     /// // Bright above the horizon, dark below it.

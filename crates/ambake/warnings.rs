@@ -138,8 +138,8 @@ impl Job {
             kind: "turned-over".into(),
             place: format!("object `{}`", names.first()?),
             count: names.len() as u64,
-            message: "faces that are drawn from both sides look inward where nothing is, or at what is close before all of them, or \
-                      normals point into a closed body; the other side is baked"
+            message: "faces that are drawn from both sides look inward where nothing is, or at what is close \
+                      before all of them, or normals point into a closed body; the other side is baked"
                 .into(),
         })
     }

@@ -68,8 +68,8 @@ pub struct Job {
     #[arg(help_heading = "Texels", hide_short_help = true)]
     #[arg(long, value_name = "NAME=D", value_parser = density_of)]
     pub density_of: Vec<(String, f64)>,
-    /// Axis of the scene that points upward: glTF has y there, and OBJ files may have z. The sky of a file and the first
-    /// picture stand upright on it; coordinates that are typed stay those of the scene
+    /// Axis of the scene that points upward: glTF has y there, and OBJ files may have z. The sky of a file and the
+    /// first picture stand upright on it; coordinates that are typed stay those of the scene
     #[arg(help_heading = "Input", hide_short_help = true)]
     #[arg(long, default_value = "y", value_parser = word::<Up>())]
     pub up: Up,

@@ -74,7 +74,8 @@ pub fn layout_seen(
                             // By less than a texel, but they have no shape that could be packed.
                             Err(Error::Audit { mesh, .. }) => {
                                 notes.push(format!(
-                                    "charts of TEXCOORD_{set} stand side by side without a gutter, and cannot be packed apart, for triangles of `{mesh}` overlap"
+                                    "charts of TEXCOORD_{set} stand side by side without a gutter, and cannot \
+                                        be packed apart, for triangles of `{mesh}` overlap"
                                 ));
                                 continue;
                             }

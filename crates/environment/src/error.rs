@@ -14,7 +14,8 @@ pub enum Error {
         reason: String,
     },
     /// A pixel is no radiance: NaN, infinite or negative.
-    #[error("{}: {channel} of pixel ({x}, {y}) is {value}; radiance is finite and at least 0, repair the picture", path.display())]
+    #[error("{}: {channel} of pixel ({x}, {y}) is {value}; radiance is finite and at least 0, repair the \
+        picture", path.display())]
     Pixel {
         /// The file.
         path: PathBuf,
@@ -28,7 +29,8 @@ pub enum Error {
         value: f32,
     },
     /// A header says a word for its projection or its axes that is none.
-    #[error("{}: {label} in its header is {word:?}, none of {known}; give the right one by {flag} of `ambake map`", path.display())]
+    #[error("{}: {label} in its header is {word:?}, none of {known}; give the right one by {flag} of `ambake \
+        map`", path.display())]
     Header {
         /// The file.
         path: PathBuf,

@@ -1,8 +1,8 @@
 //! Environments: the light that arrives from all around, as pictures of it and as a sky to draw directions from.
 //!
 //! An [`Image`] becomes, with a [`Projection`], the radiance that arrives from every direction: an [`IlluminationMap`],
-//! to be looked up, converted, or drawn from as a sky ([`SkyMap`]). With the feature `files` the crate opens image files
-//! and encodes them into memory; it creates no files and prints nothing.
+//! to be looked up, converted, or drawn from as a sky ([`SkyMap`]). With the feature `files` the crate opens image
+//! files and encodes them into memory; it creates no files and prints nothing.
 //!
 //! ```
 //! use ambake_environment::{IlluminationMap, Image, Projection, SkyMap, convert};

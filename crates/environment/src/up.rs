@@ -2,8 +2,8 @@
 
 use std::ops::Neg;
 
-/// The axis of a scene that points upward. Maps have y there, as glTF does. What they show stands upright in a scene with
-/// z upward too, where its (x, y, z) is the map's (x, z, -y): by that, programs export such scenes as glTF.
+/// The axis of a scene that points upward. Maps have y there, as glTF does. What they show stands upright in a scene
+/// with z upward too, where its (x, y, z) is the map's (x, z, -y): by that, programs export such scenes as glTF.
 ///
 /// ```
 /// use ambake_environment::Up;

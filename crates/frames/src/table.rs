@@ -2,8 +2,8 @@
 //!
 //! The margin repeats the other side of the longitude seam, and beyond a pole the row next to it turned by half.
 //! Directions go to places by a polynomial arctangent in f32 that compilers vectorise; there is no resampled copy, so
-//! bilinear look-up differs from [`environment::IlluminationMap::bilinear`] by rounding alone: places err by at most 1.3e-7 of
-//! the map's width or height for each radian (tested), values by that times the slope of the map.
+//! bilinear look-up differs from [`environment::IlluminationMap::bilinear`] by rounding alone: places err by at most
+//! 1.3e-7 of the map's width or height for each radian (tested), values by that times the slope of the map.
 
 use crate::summed::Summed;
 use ambient::lanes::atan2;

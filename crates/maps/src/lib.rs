@@ -1,7 +1,7 @@
 //! Illumination maps and reflection maps: G. Miller, R. Hoffman, "Illumination and Reflection Maps" (1984).
 //!
-//! Photographs become an [`IlluminationMap`], the radiance that arrives from every direction, and that is convolved into
-//! the maps D and S, which shading looks up. Frames are shaded from them in `crates/frames`; pictures of
+//! Photographs become an [`IlluminationMap`], the radiance that arrives from every direction, and that is convolved
+//! into the maps D and S, which shading looks up. Frames are shaded from them in `crates/frames`; pictures of
 //! light, their files and projections are in `crates/environment`. The crate creates no files and prints nothing.
 //!
 //! ```

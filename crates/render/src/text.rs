@@ -2,8 +2,8 @@
 
 use crate::Error;
 
-/// Lines of finite numbers apart by commas or blanks, all as many as in the first, whose number is one of `lengths`; `#`
-/// begins a comment, empty lines are left out.
+/// Lines of finite numbers apart by commas or blanks, all as many as in the first, whose number is one of `lengths`;
+/// `#` begins a comment, empty lines are left out.
 ///
 /// # Errors
 /// [`Error::Line`] with the number of the first other line, and that `expected` belongs there.

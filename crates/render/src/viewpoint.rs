@@ -105,8 +105,8 @@ impl Framing {
             return Ok(outside);
         };
         let inside = inside(view)?;
-        // A place counts by how much of it is roofed: a doll's house without a roof is looked at from above, a cave or a
-        // hall below a skylight is not.
+        // A place counts by how much of it is roofed: a doll's house without a roof is looked at from above, a cave or
+        // a hall below a skylight is not.
         let roofed = room.roofed(inside.eye);
         let [within, without] = [&inside, &outside].map(|camera| room.told(room.through(camera)));
         Ok(match roofed * within > without {

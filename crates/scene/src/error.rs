@@ -79,7 +79,8 @@ pub enum Error {
     },
     /// Nothing is left to bake.
     #[error(
-        "{} has no triangle with an area in its scene; check that meshes were exported, stand in the default scene and are not hidden{hint}", path.display()
+        "{} has no triangle with an area in its scene; check that meshes were exported, stand in the default \
+            scene and are not hidden{hint}", path.display()
     )]
     NoTriangles {
         /// The file.

@@ -65,8 +65,8 @@ impl Input {
 /// The longest name that is kept whole.
 const LONGEST_NAME: usize = 200;
 
-/// What a scene from an OBJ file calls something of this name: of a very long one the start and a hash are kept, so that
-/// it stays a name of its own and memory is bounded.
+/// What a scene from an OBJ file calls something of this name: of a very long one the start and a hash are kept, so
+/// that it stays a name of its own and memory is bounded.
 pub fn kept_name(name: &str) -> Cow<'_, str> {
     if name.len() <= LONGEST_NAME {
         return Cow::Borrowed(name);

@@ -1,5 +1,5 @@
-//! What stands on a seam: a wall on the joint of two panels of a floor, or a ramp. Light may end there, and nobody sees both sides
-//! at once.
+//! What stands on a seam: a wall on the joint of two panels of a floor, or a ramp. Light may end there, and nobody sees
+//! both sides at once.
 //!
 //! It is found from the triangles alone, in 64 bits. Rays would do, but where two surfaces tie for the closest, ray
 //! libraries name different ones, and a seam that goes or stays moves all texels along it.

@@ -235,8 +235,8 @@ impl<'a> Surveyor<'a> {
         (!varies).then(|| material_at(scene, instance, 0, [1.0, 0.0, 0.0]))
     }
 
-    /// Adds the cells of a footprint to others: of what rims and layers leave of it, or of all where they leave nothing.
-    /// What comes back is the share that layers leave of what rims do.
+    /// Adds the cells of a footprint to others: of what rims and layers leave of it, or of all where they leave
+    /// nothing. What comes back is the share that layers leave of what rims do.
     fn cut(
         &self,
         pieces: &[Piece],

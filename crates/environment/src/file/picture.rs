@@ -94,8 +94,8 @@ pub(super) fn decode(path: &Path, bytes: &[u8]) -> Result<ImageFile, Error> {
     decoder(path)?(bytes).map_err(|reason| fail(path, reason))
 }
 
-/// Width, height and recorded values of the PNG or JPEG photograph with these bytes, 16 bits a channel; 8-bit values times
-/// 257. `path` is named in errors.
+/// Width, height and recorded values of the PNG or JPEG photograph with these bytes, 16 bits a channel; 8-bit values
+/// times 257. `path` is named in errors.
 ///
 /// # Errors
 /// [`Error::Read`].

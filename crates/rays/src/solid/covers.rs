@@ -7,9 +7,9 @@
 //!
 //! A layer is an open surface that looks to one side, bent or flat, or a closed one that is thin for its size. Of that
 //! the side that looks at the surface tells how near it is. What it is near to counts as what it stands on: it is
-//! buried. It covers what its faces lie straight above and look along, and no more: a wall covers no floor, for they look
-//! elsewhere, and a sheet that looks at the surface hides nothing from who looks at it from its other side. What lies
-//! in the surface itself covers nothing either, for it takes no light from it.
+//! buried. It covers what its faces lie straight above and look along, and no more: a wall covers no floor, for they
+//! look elsewhere, and a sheet that looks at the surface hides nothing from who looks at it from its other side. What
+//! lies in the surface itself covers nothing either, for it takes no light from it.
 
 use super::Solids;
 use super::placed::{ABOUT, Placed, Sheet};
@@ -81,8 +81,8 @@ impl Side {
         }
     }
 
-    /// How far above a surface with coordinates up to `reach` it lies at least: nearer, a sheet lies in the surface, and
-    /// on what a closed layer holds the surface is buried.
+    /// How far above a surface with coordinates up to `reach` it lies at least: nearer, a sheet lies in the surface,
+    /// and on what a closed layer holds the surface is buried.
     fn least(self, reach: f64) -> f64 {
         match self {
             Self::Front => Covers::least(reach),

@@ -161,8 +161,8 @@ impl Solids {
         tree.winding(&self.scene, caps, placed.inverse.transform_point3(point))
     }
 
-    /// True where a surface that looks inward, or is to do so, is a room or a cavity: something lies for the most part in
-    /// its air, or it lies in a solid. `winding`: the sign of its winding number in its air.
+    /// True where a surface that looks inward, or is to do so, is a room or a cavity: something lies for the most part
+    /// in its air, or it lies in a solid. `winding`: the sign of its winding number in its air.
     pub(super) fn is_lived_in(&self, of: &Placed, winding: i32, all: &Among) -> bool {
         let holds = |at| winding * self.winding_about(of, at) > 0;
         let mut standing = 0.0;

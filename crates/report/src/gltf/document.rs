@@ -7,8 +7,8 @@ use scene::{Elements, GltfDocument};
 use serde_json::{Map, Value, json};
 use std::io;
 
-/// A document whose buffer 0 grows: new data stands behind what the file holds, until [`Document::prune`] takes out what
-/// nothing names.
+/// A document whose buffer 0 grows: new data stands behind what the file holds, until [`Document::prune`] takes out
+/// what nothing names.
 pub struct Document<'a> {
     pub json: Value,
     /// The file's; `None` where there is none.

@@ -11,6 +11,7 @@ mod from_obj;
 mod geometry;
 mod material;
 mod node;
+pub(crate) mod places;
 mod prune;
 
 use crate::{Error, check_regular};

@@ -158,7 +158,8 @@ fn roots(input: &mut Input, document: &GltfDocument) -> Result<Vec<usize>, Error
         Some(found) => numbered(found, "nodes", "node", nodes.len())
             .map_err(|problem| format!("scene {scene}: {problem}")),
         None if named.is_some() => Err(format!(
-            "scene {scene} does not exist, of {}; take the line `\"scene\": {scene}` out of the file, and the first one is baked",
+            "scene {scene} does not exist, of {}; take the line `\"scene\": {scene}` out of the file, and the \
+                first one is baked",
             scenes.len()
         )),
         None => {

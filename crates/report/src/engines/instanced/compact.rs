@@ -1,5 +1,6 @@
 //! Takes nodes out of a document, and the meshes, accessors and bytes that only they used.
 
+use crate::gltf::places::{Each, each_accessor, each_view, items};
 use serde_json::Value;
 use std::collections::HashSet;
 
@@ -35,8 +36,6 @@ pub fn without(
     Some(left)
 }
 
-type Each = fn(&mut Value, &mut dyn FnMut(&mut Value));
-
 fn named(json: &mut Value, each: Each) -> HashSet<usize> {
     let mut found = HashSet::new();
     each(json, &mut |index| {
@@ -70,18 +69,6 @@ fn drop(json: &mut Value, key: &str, gone: &HashSet<usize>, each: Each) -> Optio
     Some(())
 }
 
-/// The items of a list.
-fn items<'a>(json: &'a mut Value, key: &str) -> impl Iterator<Item = &'a mut Value> {
-    let list = json.get_mut(key).and_then(Value::as_array_mut);
-    list.into_iter().flatten()
-}
-
-/// The values of an object.
-fn values(json: Option<&mut Value>) -> impl Iterator<Item = &mut Value> {
-    let map = json.and_then(Value::as_object_mut);
-    map.into_iter().flat_map(|map| map.values_mut())
-}
-
 fn each_node(json: &mut Value, at: &mut dyn FnMut(&mut Value)) {
     items(json, "scenes").for_each(|scene| items(scene, "nodes").for_each(&mut *at));
     items(json, "nodes").for_each(|node| items(node, "children").for_each(&mut *at));
@@ -100,45 +87,5 @@ fn each_node(json: &mut Value, at: &mut dyn FnMut(&mut Value)) {
 fn each_mesh(json: &mut Value, at: &mut dyn FnMut(&mut Value)) {
     items(json, "nodes")
         .filter_map(|node| node.get_mut("mesh"))
-        .for_each(at);
-}
-
-fn each_accessor(json: &mut Value, at: &mut dyn FnMut(&mut Value)) {
-    for mesh in items(json, "meshes") {
-        for primitive in items(mesh, "primitives") {
-            values(primitive.get_mut("attributes")).for_each(&mut *at);
-            primitive.get_mut("indices").into_iter().for_each(&mut *at);
-            items(primitive, "targets").for_each(|target| values(Some(target)).for_each(&mut *at));
-        }
-    }
-    for node in items(json, "nodes") {
-        values(node.pointer_mut("/extensions/EXT_mesh_gpu_instancing/attributes"))
-            .for_each(&mut *at);
-    }
-    for skin in items(json, "skins") {
-        skin.get_mut("inverseBindMatrices")
-            .into_iter()
-            .for_each(&mut *at);
-    }
-    for animation in items(json, "animations") {
-        for sampler in items(animation, "samplers") {
-            sampler.get_mut("input").into_iter().for_each(&mut *at);
-            sampler.get_mut("output").into_iter().for_each(&mut *at);
-        }
-    }
-}
-
-fn each_view(json: &mut Value, at: &mut dyn FnMut(&mut Value)) {
-    for accessor in items(json, "accessors") {
-        for place in [
-            "/bufferView",
-            "/sparse/indices/bufferView",
-            "/sparse/values/bufferView",
-        ] {
-            accessor.pointer_mut(place).into_iter().for_each(&mut *at);
-        }
-    }
-    items(json, "images")
-        .filter_map(|image| image.get_mut("bufferView"))
         .for_each(at);
 }
