@@ -181,12 +181,8 @@ impl Solids {
             layers,
         };
         let of = &self.scene.instances[instance as usize];
-        let face = Face {
-            mesh: of.mesh,
-            triangle,
-        };
-        let corners =
-            corners(&self.scene, face).map(|p| of.transform.transform_point3(p.as_dvec3()));
+        let corners = corners(&self.scene, Face::of(of.mesh, triangle))
+            .map(|p| of.transform.transform_point3(p.as_dvec3()));
         let (low, high) = box_of(corners);
         let mut near = covers.within(low, high, within().min(layers.above));
         near.next().is_some().then_some(covers)

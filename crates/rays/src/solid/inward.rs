@@ -13,11 +13,13 @@ type Key = (u32, u32);
 impl Solids {
     /// An instance and a triangle of each surface whose faces look inward though it is no room.
     pub fn inside_out(&self) -> Vec<(u32, u32)> {
+        let turned = self.turned_surfaces();
         let first = |key: Key| {
             let shape = &self.shapes[self.shape_of(key) as usize];
-            let surface = &shape.surfaces[key.1 as usize];
-            let wound = self.wound(self.shape_of(key), key.1);
-            let face = *wound.first().unwrap_or(&surface.faces[0]);
+            let mut faces = shape.surfaces[key.1 as usize].faces.iter();
+            let wound = self.wound(self.shape_of(key), key.1).first();
+            let is_turned = turned.contains(&key);
+            let face = wound.or_else(|| faces.find(|face| face.turned != is_turned))?;
             let start = self.firsts[key.0 as usize];
             let mut instances = (start..).zip(&self.instances[start as usize..]);
             instances.find_map(|(instance, of)| {
@@ -25,7 +27,9 @@ impl Solids {
                 is_it.then_some((instance, face.triangle))
             })
         };
-        let found = self.turned_surfaces().into_iter();
+        let uneven = (self.placed_keys())
+            .filter(|key| !turned.contains(key) && self.surface_of(*key).is_uneven());
+        let found = turned.iter().copied().chain(uneven);
         let mut found: Vec<(u32, u32)> = found.filter_map(first).collect();
         found.sort_unstable();
         found
@@ -33,20 +37,22 @@ impl Solids {
 
     /// Triangles of each mesh whose back is what one sees, ascending: those of surfaces that are drawn from both sides
     /// and look inward wherever they are placed, though nothing is in them, none of these places and no lamp of their
-    /// own, or whose front is blind there (`blind.rs`). From within nobody looks at them, and nothing would be seen
-    /// there. Of those that look inward none where a scene has no other surfaces: then they are all that there is to
-    /// be seen, and empty rooms.
+    /// own, or whose front is blind there (`blind.rs`); and those that look the other way than most of their surface
+    /// does, if that is right. From within nobody looks at them, and nothing would be seen
+    /// there. Of those that look inward none where a scene has no other surfaces, but for those whose faces look both
+    /// ways: then they are all that there is to be seen, and empty rooms.
     pub fn backs(&self, places: &[DVec3]) -> Vec<(u32, Vec<u32>)> {
         let mut turned = self.turned_surfaces();
         let whole = |key: &&Key| {
             let wound = self.wound(self.shape_of(**key), key.1);
             wound.is_empty() || wound.len() == self.surface_of(**key).faces.len()
         };
+        let is_uneven = |key: Key| self.surface_of(key).is_uneven();
         if self.count_surfaces() == turned.iter().filter(whole).count() {
-            turned.clear();
+            turned.retain(|&key| is_uneven(key));
         }
         let blind = self.blind_sheets(places);
-        if turned.is_empty() && blind.is_empty() {
+        if turned.is_empty() && blind.is_empty() && !self.placed_keys().any(is_uneven) {
             return Vec::new();
         }
         let mut is_back: HashMap<Key, bool> = HashMap::new();
@@ -58,22 +64,27 @@ impl Solids {
         }
         is_back.retain(|&(shape, surface), is_back| {
             let surface = &self.shapes[shape as usize].surfaces[surface as usize];
-            *is_back && self.is_drawn_from_both_sides(surface)
+            (*is_back || surface.is_uneven()) && self.is_drawn_from_both_sides(surface)
         });
-        let mut turned: HashSet<(u32, Face)> = HashSet::new();
-        for &(shape, surface) in is_back.keys() {
+        let mut turned: HashSet<(u32, u32, u32)> = HashSet::new();
+        for (&(shape, surface), &is_back) in &is_back {
             let of = &self.shapes[shape as usize].surfaces[surface as usize];
-            let faces = match of.is_mixed() {
-                true => self.wound(shape, surface),
-                false => &of.faces,
+            let wound: HashSet<&Face> = match is_back && of.is_mixed() {
+                true => self.wound(shape, surface).iter().collect(),
+                false => HashSet::new(),
             };
-            turned.extend(faces.iter().map(|&face| (shape, face)));
+            let is_inward = |face: &Face| is_back && (!of.is_mixed() || wound.contains(face));
+            let found = of
+                .faces
+                .iter()
+                .filter(|face| is_inward(face) != face.turned);
+            turned.extend(found.map(|face| (shape, face.mesh, face.triangle)));
         }
         let instances = self.scene.instances.iter().zip(&self.instances);
         by_mesh(instances.map(|(instance, &(shape, number, _))| {
             let mesh = self.shapes[shape as usize].meshes[number as usize];
             let count = self.scene.meshes[mesh as usize].triangles.len() as u32;
-            let is_turned = |triangle| turned.contains(&(shape, Face { mesh, triangle }));
+            let is_turned = |triangle| turned.contains(&(shape, mesh, triangle));
             (instance.mesh, (0..count).map(is_turned).collect())
         }))
     }
@@ -126,7 +137,7 @@ impl Solids {
     fn leans(&self, mesh: u32) -> Vec<f64> {
         let of = &self.scene.meshes[mesh as usize];
         let lean = |triangle: u32| {
-            let [a, b, c] = corners(&self.scene, Face { mesh, triangle });
+            let [a, b, c] = corners(&self.scene, Face::of(mesh, triangle));
             let across = (b - a).cross(c - a);
             let vertices = of.triangles[triangle as usize];
             let normals = vertices.map(|vertex| of.normals.get(vertex as usize));

@@ -14,7 +14,8 @@
 //!   the mouth of a cave: from there one looks into the room;
 //! * what does not cross its surface, and is not in a room, comes near the part outside.
 //!
-//! A dome around a scene is a room, and all of the scene is within it.
+//! A dome around a scene is a room, and all of the scene is within it. What looks inward and has more standing on it
+//! than in it is none.
 
 use super::opening::Opening;
 use super::placed::{Among, CROSSES, NEAR, Placed, SMALL};
@@ -82,6 +83,45 @@ impl Solids {
         for body in self.lived_in() {
             self.bodies[body as usize].inside = Inside::Room;
         }
+        for body in self.built_on() {
+            self.bodies[body as usize].inside = Inside::Solid;
+        }
+    }
+
+    /// Rooms that are drawn from both sides and have more standing on them, outside of all rooms, than in them: the ground
+    /// below a house with a cellar wall in it, a roof that hides the end of a beam. What is larger than they are, such as
+    /// the street before a room, does not stand on them.
+    fn built_on(&self) -> Vec<u32> {
+        let placed = self.placed_surfaces();
+        let is_closed_room = |of: &&Placed| {
+            let body = self.placements.get(&of.key);
+            body.is_some_and(|&body| self.bodies[body as usize].inside == Inside::Room)
+        };
+        let (rooms, others): (Vec<&Placed>, Vec<&Placed>) = placed.iter().partition(is_closed_room);
+        let [rooms, others] = [rooms, others].map(Among::of);
+        let is_built_on = |room: &&&Placed| {
+            let slack = NEAR * room.size();
+            let near = others
+                .meeting(room.low - slack, room.high + slack)
+                .into_iter();
+            let near = near.map(|place| others.placed[place]);
+            let (mut within, mut beside) = (0.0, 0.0);
+            for other in near.filter(|other| other.side() <= room.side()) {
+                let is_in = |at: DVec3| self.is_in(room, at);
+                let is_out = |at: DVec3| !rooms.any(at, at, |of| self.is_in(of, at));
+                if 2 * other.count(&self.scene, LOOKS, is_in) > LOOKS {
+                    within += other.side();
+                } else if 2 * other.count(&self.scene, LOOKS, is_out) > LOOKS {
+                    beside += other.side();
+                }
+            }
+            beside > within
+        };
+        let rooms = rooms.placed.par_iter();
+        let found = rooms
+            .filter(|room| self.is_drawn_from_both_sides(room.surface))
+            .filter(is_built_on);
+        found.map(|room| self.placements[&room.key]).collect()
     }
 
     /// Bodies that look inward, though nothing lies wholly in them, and are rooms all the same: some surface lies for

@@ -25,7 +25,9 @@ impl Shape {
     pub fn of(scene: &Scene, meshes: Vec<u32>) -> Self {
         let faces_of = |&mesh: &u32| -> Vec<Face> {
             let count = scene.meshes[mesh as usize].triangles.len() as u32;
-            (0..count).map(|triangle| Face { mesh, triangle }).collect()
+            (0..count)
+                .map(|triangle| Face::of(mesh, triangle))
+                .collect()
         };
         let each = meshes.iter().map(faces_of);
         let found = each.flat_map(|faces| topology::surfaces(scene, &faces));

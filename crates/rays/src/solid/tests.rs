@@ -1,6 +1,7 @@
 mod blinds;
 mod cliffs;
 mod grounds;
+mod uneven;
 mod wounds;
 
 use super::*;

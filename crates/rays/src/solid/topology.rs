@@ -2,7 +2,9 @@
 //!
 //! Corners are one where their positions are equal, so seams of normals or lightmap coordinates do not cut a surface.
 //! Triangles hang together over edges. A surface is closed where each edge is run through as often one way as the
-//! other: then it has no border, and around any point it winds a whole number of times.
+//! other: then it has no border, and around any point it winds a whole number of times. Where some
+//! triangles of a body run through their edges the wrong way, these are taken as turned, and the body as the one that
+//! was meant.
 
 use super::opening::{Opening, caps, openings};
 use glam::{DVec3, Vec3};
@@ -23,6 +25,26 @@ const MOST_RIMS: usize = 1 << 22;
 pub(super) struct Face {
     pub mesh: u32,
     pub triangle: u32,
+    /// Its corners run the other way round than the file has them, as those of most of its surface do.
+    pub turned: bool,
+}
+
+impl Face {
+    /// As the file has it.
+    pub fn of(mesh: u32, triangle: u32) -> Self {
+        Self {
+            mesh,
+            triangle,
+            turned: false,
+        }
+    }
+
+    fn order<T>(self, [a, b, c]: [T; 3]) -> [T; 3] {
+        match self.turned {
+            true => [a, c, b],
+            false => [a, b, c],
+        }
+    }
 }
 
 /// Triangles that hang together, in the space of their meshes.
@@ -58,7 +80,8 @@ pub(super) struct Surface {
 /// Corners of a face.
 pub(super) fn corners(scene: &Scene, face: Face) -> [Vec3; 3] {
     let mesh = &scene.meshes[face.mesh as usize];
-    mesh.triangles[face.triangle as usize].map(|vertex| mesh.positions[vertex as usize])
+    let vertices = face.order(mesh.triangles[face.triangle as usize]);
+    vertices.map(|vertex| mesh.positions[vertex as usize])
 }
 
 impl Surface {
@@ -68,11 +91,12 @@ impl Surface {
     }
 }
 
-/// The surfaces that faces make, in the order of their first faces.
-pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
-    let welded = weld(scene, faces);
-    // Directed edges: the lesser corner, the greater, whether it runs from the greater, and the face.
-    let mut edges: Vec<(u64, u32)> = Vec::with_capacity(3 * faces.len());
+/// The edge between two corners, the lesser first; the face, and whether it runs through it from the greater.
+type Edge = (u64, u32);
+
+/// All edges of faces whose corners have these numbers, sorted.
+fn edges_of(welded: &[[u32; 3]]) -> Vec<Edge> {
+    let mut edges: Vec<Edge> = Vec::with_capacity(3 * welded.len());
     for (index, [a, b, c]) in welded.iter().copied().enumerate() {
         if a == b || b == c || c == a {
             continue;
@@ -83,6 +107,98 @@ pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
         }
     }
     edges.sort_unstable();
+    edges
+}
+
+/// Which faces run the other way round than most of the area of their closed body; those of others do not. A body here
+/// is what hangs together over edges of two faces, where it runs through each of its edges as often either way once
+/// these are turned.
+fn against(scene: &Scene, faces: &[Face], edges: &[Edge]) -> Vec<bool> {
+    let runs = || edges.chunk_by(|a, b| a.0 == b.0);
+    let clashes = |run: &[Edge]| run.len() == 2 && (run[0].1 ^ run[1].1) & 1 == 0;
+    let mut against = vec![false; faces.len()];
+    if !runs().any(clashes) {
+        return against;
+    }
+    // Three at most of each face, and whether both run the same way.
+    let mut beside: Vec<[Option<(u32, bool)>; 3]> = vec![[None; 3]; faces.len()];
+    for run in runs().filter(|run| run.len() == 2) {
+        let [a, b] = [0, 1].map(|k| run[k].1 >> 1);
+        for (face, other) in [(a, b), (b, a)] {
+            let mut free = beside[face as usize].iter_mut();
+            let free = free.find(|of| of.is_none());
+            free.into_iter()
+                .for_each(|of| *of = Some((other, clashes(run))));
+        }
+    }
+    let mut body_of = vec![u32::MAX; faces.len()];
+    let mut bodies: Vec<(Vec<u32>, bool)> = Vec::new();
+    for first in 0..faces.len() as u32 {
+        if body_of[first as usize] != u32::MAX {
+            continue;
+        }
+        let number = bodies.len() as u32;
+        body_of[first as usize] = number;
+        let (mut body, mut next, mut is_closed) = (vec![first], 0, true);
+        while let Some(&face) = body.get(next) {
+            next += 1;
+            for &(other, clashes) in beside[face as usize].iter().flatten() {
+                let way = against[face as usize] != clashes;
+                if body_of[other as usize] == number {
+                    is_closed &= against[other as usize] == way;
+                } else {
+                    (body_of[other as usize], against[other as usize]) = (number, way);
+                    body.push(other);
+                }
+            }
+        }
+        bodies.push((body, is_closed));
+    }
+    for run in runs().filter(|run| run.len() != 2) {
+        for edge in run {
+            let body = body_of[(edge.1 >> 1) as usize];
+            let way = |edge: &Edge| (edge.1 & 1 == 1) != against[(edge.1 >> 1) as usize];
+            let of_body = run
+                .iter()
+                .filter(|of| body_of[(of.1 >> 1) as usize] == body);
+            let ways: i32 = of_body.map(|of| if way(of) { 1 } else { -1 }).sum();
+            bodies[body as usize].1 &= ways == 0;
+        }
+    }
+    let area = |face: u32| {
+        let [a, b, c] = corners(scene, faces[face as usize]);
+        f64::from((b - a).cross(c - a).length())
+    };
+    for (body, is_closed) in bodies {
+        let sum = |way: bool| -> f64 {
+            let of_way = body.iter().filter(|&&face| against[face as usize] == way);
+            of_way.map(|&face| area(face)).sum()
+        };
+        let is_first_less = is_closed && sum(true) > sum(false);
+        for face in body {
+            let is_against = &mut against[face as usize];
+            *is_against = is_closed && *is_against != is_first_less;
+        }
+    }
+    against
+}
+
+/// The surfaces that faces make, in the order of their first faces.
+pub(super) fn surfaces(scene: &Scene, faces: &[Face]) -> Vec<Surface> {
+    let mut faces = faces.to_vec();
+    let mut welded = weld(scene, &faces);
+    let mut edges = edges_of(&welded);
+    let against = against(scene, &faces, &edges);
+    if against.contains(&true) {
+        for ((face, corners), is_against) in faces.iter_mut().zip(&mut welded).zip(against) {
+            if is_against {
+                face.turned ^= true;
+                corners.swap(1, 2);
+            }
+        }
+        edges = edges_of(&welded);
+    }
+    let faces = &faces[..];
     let mut sets = Sets::new(faces.len());
     let mut borders = Vec::new();
     let mut branching = Vec::new();
@@ -217,18 +333,21 @@ fn weld(scene: &Scene, faces: &[Face]) -> Vec<[u32; 3]> {
             mesh = face.mesh;
             of_mesh = vec![u32::MAX; of.positions.len()];
         }
-        welded.push(of.triangles[face.triangle as usize].map(|vertex| {
-            let known = &mut of_mesh[vertex as usize];
-            if *known == u32::MAX {
-                // Adding 0 makes a negative zero positive.
-                let position = of.positions[vertex as usize] + 0.0;
-                let next = numbers.len() as u32;
-                *known = *numbers
-                    .entry(position.to_array().map(f32::to_bits))
-                    .or_insert(next);
-            }
-            *known
-        }));
+        welded.push(
+            face.order(of.triangles[face.triangle as usize])
+                .map(|vertex| {
+                    let known = &mut of_mesh[vertex as usize];
+                    if *known == u32::MAX {
+                        // Adding 0 makes a negative zero positive.
+                        let position = of.positions[vertex as usize] + 0.0;
+                        let next = numbers.len() as u32;
+                        *known = *numbers
+                            .entry(position.to_array().map(f32::to_bits))
+                            .or_insert(next);
+                    }
+                    *known
+                }),
+        );
     }
     welded
 }

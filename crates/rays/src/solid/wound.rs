@@ -57,6 +57,11 @@ impl Surface {
     pub fn is_mixed(&self) -> bool {
         self.branches || !self.caps.is_empty()
     }
+
+    /// True where some of its faces look the other way than most of them in the file.
+    pub fn is_uneven(&self) -> bool {
+        self.faces.iter().any(|face| face.turned)
+    }
 }
 
 impl Solids {
