@@ -73,3 +73,4 @@ mod to_vertices;
 mod together;
 mod under;
 mod update;
+mod walls;

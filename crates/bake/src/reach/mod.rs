@@ -146,7 +146,7 @@ impl<'a> Reach<'a> {
             let rims = self.baker.solids.map(|of| of.rims(instance, triangle));
             for rim in rims.into_iter().flatten() {
                 hasher.numbers(&rim.inward.to_array());
-                hasher.numbers(&[rim.at, rim.depth]);
+                hasher.numbers(&[rim.at, rim.depth, rim.most]);
             }
             let ground = self.ground(&part);
             let covers = self

@@ -1,8 +1,7 @@
-//! Footprints end where a thin wall cuts a rim off from their surface that is thinner than an eighth of a texel, and
-//! begin rays above a thin layer that lies just over them.
+//! Footprints end where a thin wall cuts a rim off from their surface that is thinner than an eighth of a texel, of a flat
+//! sheet a whole one, and begin rays above a thin layer that lies just over them.
 //!
-//! Such a rim cannot be shown beside the rest, and may see the other side of the wall. So it does not matter whether
-//! somebody sees it. What the layer covers is dark, and a texel that its edge crosses cannot show that beside what is
+//! Such a rim cannot be shown beside the rest, and may see the other side of the wall. So it does not matter whether somebody sees it. What the layer covers is dark, and a texel that its edge crosses cannot show that beside what is
 //! not covered. With its rays above the layer it has the light of the surface without the layer. What a closed layer
 //! covers is buried, as it would be if that stood on it: footprints end there too.
 
@@ -100,7 +99,7 @@ pub(super) fn without(
     let texel = (before / area).sqrt();
     let mut left = whole.clone();
     for rim in ends.rims {
-        let is_thin = rim.depth <= Rim::THIN * texel;
+        let is_thin = rim.depth <= rim.most * texel;
         if is_thin && patch.geometric.dot(rim.inward).abs() <= UPRIGHT {
             let reach = whole.iter().map(|&w| at(w).abs().max_element());
             let margin = AWAY * NUDGE * reach.fold(0.0, f64::max);
@@ -272,7 +271,12 @@ mod tests {
                 (parts, world)
             };
             let whole = if square { 0.25 } else { 0.125 };
-            let wall = |inward: DVec3, at: f64, depth: f64| Rim { inward, at, depth };
+            let wall = |inward: DVec3, at: f64, depth: f64| Rim {
+                inward,
+                at,
+                depth,
+                most: 1.0,
+            };
             let near = |found: (f64, f64), share: f64| {
                 assert!((found.0 - 8.0 * share).abs() < 1e-4, "{found:?} {share}");
                 assert!((found.1 - whole * share).abs() < 1e-4, "{found:?} {share}");
@@ -287,8 +291,10 @@ mod tests {
                 left(&[thin, wall(DVec3::Y, 0.25, 1e-3)]),
                 if square { 0.25 } else { 0.0 },
             );
-            // What is not thin, or not upright, cuts nothing off; nothing is left beyond all of it.
-            near(left(&[wall(DVec3::X, 0.25, 0.1)]), 1.0);
+            // What is wider than a texel, or not upright, cuts nothing off; nothing is left beyond all of it.
+            let texel: f64 = if square { 0.177 } else { 0.125 };
+            near(left(&[wall(DVec3::X, 0.25, texel - 0.001)]), beyond);
+            near(left(&[wall(DVec3::X, 0.25, texel + 0.001)]), 1.0);
             near(left(&[wall(DVec3::new(0.6, 0.0, 0.8), 0.15, 1e-3)]), 1.0);
             near(left(&[wall(DVec3::X, 0.75, 1e-3)]), 0.0);
         }

@@ -3,20 +3,28 @@
 //! A floor that reaches a little through a wall without thickness ends in a rim that sees the other side. On the page
 //! it may be a hundredth of a texel, and still light the texel that it shares with the floor, or be all that a texel
 //! holds. Whatever is thinner than a small part of a texel cannot be shown beside what is not. So who bakes may end the
-//! surface at the wall, whichever side of it is seen.
+//! surface at the wall, whichever side of it is seen. Of a flat sheet that ends behind a wall as long as its rim, such as
+//! a floor below the walls of a room, look-ups before the wall read a rim of up to a whole texel.
 
 use super::Solids;
 use super::covers::Layers;
-use super::placed::{Among, CROSSES, Placed, Sheet, sheets, sheets_of};
-use super::topology::corners;
+use super::placed::{Among, CROSSES, Placed, most_meetings, sheets_of};
+use super::topology::{Face, corners};
 use crate::solid::NUDGE;
 use glam::DVec3;
 use rayon::prelude::*;
 use scene::Scene;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
-/// Faces of a surface of which each corner is looked at; of a larger one the box.
+/// Faces of a surface of which each corner is looked at; of a larger one the box. And of one of which flat parts are.
 const FEW: usize = 1000;
+
+/// As long is this share of a rim.
+const LONG: f64 = 0.75;
+
+/// Normals and places of flat parts are rounded to these, in sizes of their surface.
+const ALIKE: f64 = 1e-3;
+const LEVEL: f64 = 1e-4;
 
 /// Placement and number of a surface.
 type Key = (u32, u32);
@@ -32,15 +40,46 @@ pub struct Rim {
     pub at: f64,
     /// How far the surface reaches beyond, at most.
     pub depth: f64,
+    /// The share of a texel that this may be where the surface ends at the sheet.
+    pub most: f64,
+}
+
+/// A flat sheet, or a flat part of another surface, where it is placed.
+struct Plate {
+    /// The place of its surface in a list.
+    place: usize,
+    /// It is all of that.
+    is_whole: bool,
+    normal: DVec3,
+    at: f64,
+    low: DVec3,
+    high: DVec3,
+}
+
+impl Plate {
+    fn size(&self) -> f64 {
+        (self.high - self.low).max_element()
+    }
+
+    fn meets(&self, low: DVec3, high: DVec3) -> bool {
+        self.low.cmple(high).all() && self.high.cmpge(low).all()
+    }
+
+    /// True where it is about as long as a box, or longer.
+    fn spans(&self, low: DVec3, high: DVec3) -> bool {
+        let along = (high - low).max_position();
+        let both = self.high[along].min(high[along]) - self.low[along].max(low[along]);
+        both >= LONG * (high - low)[along]
+    }
 }
 
 impl Rim {
     /// A rim is at most this share of what is on the other side of its sheet.
     pub const THIN: f64 = 0.125;
 
-    /// Of a surface beside a sheet's plane.
-    fn of(scene: &Scene, plane: (DVec3, f64), sheet: &Placed, other: &Placed) -> Option<Self> {
-        let (normal, at) = plane;
+    /// Of a surface beside a plate's plane.
+    fn of(scene: &Scene, plate: &Plate, other: &Placed) -> Option<Self> {
+        let (normal, at) = (plate.normal, plate.at);
         let corners: Vec<DVec3> = match other.surface.faces.len() <= FEW {
             true => other.corners(scene).collect(),
             false => box_corners(other.low, other.high).to_vec(),
@@ -55,18 +94,24 @@ impl Rim {
             return None;
         }
         let side = if high > -low { 1.0 } else { -1.0 };
-        let rim = Self {
+        let mut rim = Self {
             inward: side * normal,
             at: side * at,
             depth,
+            most: Self::THIN,
         };
-        // The sheet may end elsewhere.
+        // The plate may end elsewhere.
         let beyond = corners
             .into_iter()
             .filter(|&corner| rim.height(corner) < 0.0);
         let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let (low, high) = beyond.fold(limits, |(low, high), p| (low.min(p), high.max(p)));
-        sheet.meets(low - depth, high + depth).then_some(rim)
+        let is_flat = other.surface.front.is_some();
+        if is_flat && plate.spans(low, high) {
+            rim.most = 1.0;
+        }
+        let is_wall = plate.is_whole || rim.most == 1.0;
+        (is_wall && plate.meets(low - depth, high + depth)).then_some(rim)
     }
 
     /// How far before the sheet a point is; below 0 on the rim.
@@ -88,30 +133,87 @@ impl Solids {
     pub(super) fn rims_and_covers(&self) -> (Rims, HashMap<Key, Layers>) {
         let placed = self.placed_surfaces();
         let all = Among::of(placed.iter().collect());
-        let rims = self.find_rims(&placed, &sheets(&all));
+        let rims = self.find_rims(&all);
         let sheets = sheets_of(&all, |surface| surface.is_layer(&self.scene));
         (rims, self.find_covers(&placed, &sheets))
     }
 
-    fn find_rims(&self, placed: &[Placed], sheets: &[Sheet]) -> Rims {
-        let of = |sheet: &Sheet| {
-            let near = sheet.near.iter().map(|&other| &placed[other as usize]);
-            let sheet = &placed[sheet.place];
-            let mut cut = Vec::new();
-            if let Some(plane) = plane(&self.scene, sheet) {
-                for other in near.filter(|other| other.meets(sheet.low, sheet.high)) {
-                    let rim = Rim::of(&self.scene, plane, sheet, other);
-                    cut.extend(rim.map(|rim| (other.key, rim)));
+    fn find_rims(&self, all: &Among) -> Rims {
+        let mut left = most_meetings(all.placed.len());
+        let mut rims = Rims::new();
+        // From the largest down, as sheets are asked: see `sheets_of`.
+        for plate in self.plates(all) {
+            let near = all.meeting(plate.low, plate.high);
+            if near.len() > left {
+                break;
+            }
+            left -= near.len();
+            for other in near.into_iter().filter(|&other| other != plate.place) {
+                let other = all.placed[other];
+                if let Some(rim) = Rim::of(&self.scene, &plate, other) {
+                    rims.entry(other.key).or_default().push(rim);
                 }
             }
-            cut
-        };
-        let found: Vec<(Key, Rim)> = sheets.par_iter().flat_map_iter(of).collect();
-        let mut rims = Rims::new();
-        for (key, rim) in found {
-            rims.entry(key).or_default().push(rim);
         }
         rims
+    }
+
+    /// Flat opaque sheets and flat parts of other opaque surfaces, from the largest down.
+    fn plates(&self, all: &Among) -> Vec<Plate> {
+        let of = |(place, of): (usize, &&Placed)| -> Vec<Plate> {
+            if of.surface.masked {
+                return Vec::new();
+            }
+            if let Some((normal, at)) = plane(&self.scene, of) {
+                let (low, high) = (of.low, of.high);
+                return vec![Plate {
+                    place,
+                    is_whole: true,
+                    normal,
+                    at,
+                    low,
+                    high,
+                }];
+            }
+            match of.surface.faces.len() <= FEW {
+                true => self.flat_parts(place, of),
+                false => Vec::new(),
+            }
+        };
+        let found = all.placed.par_iter().enumerate();
+        let mut plates: Vec<Plate> = found.flat_map_iter(of).collect();
+        plates.sort_by(|a, b| b.size().total_cmp(&a.size()).then(a.place.cmp(&b.place)));
+        plates
+    }
+
+    fn flat_parts(&self, place: usize, of: &Placed) -> Vec<Plate> {
+        let mut parts: BTreeMap<[i64; 4], Plate> = BTreeMap::new();
+        let world = |face: &Face| {
+            corners(&self.scene, *face).map(|p| of.transform.transform_point3(p.as_dvec3()))
+        };
+        for [a, b, c] in of.surface.faces.iter().map(world) {
+            let Some(normal) = (b - a).cross(c - a).try_normalize() else {
+                continue;
+            };
+            // Either side is that of the plane.
+            let normal = normal * normal[normal.abs().max_position()].signum();
+            let at = a.dot(normal);
+            let place_of = (at - of.low.dot(normal)) / (LEVEL * of.size());
+            let [x, y, z] = (normal / ALIKE).round().as_i64vec3().to_array();
+            let part = parts.entry([x, y, z, place_of.round() as i64]);
+            let part = part.or_insert(Plate {
+                place,
+                is_whole: false,
+                normal,
+                at,
+                low: a,
+                high: a,
+            });
+            for corner in [a, b, c] {
+                (part.low, part.high) = (part.low.min(corner), part.high.max(corner));
+            }
+        }
+        parts.into_values().collect()
     }
 }
 
