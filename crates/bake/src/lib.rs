@@ -39,7 +39,8 @@
 //!   and where its rays are aimed in `spots.rs`.
 //! * Buried texels are filled in `mend`; those that look-ups beside a contact read, in its `contact.rs`.
 //! * The denoiser: `denoise`, with the fits in `fit.rs`, local sums in `plane.rs`, what a chart is fitted together with
-//!   in `beyond.rs`, what a texel takes of the fits in `choose.rs` and the error that it states in `stated.rs`.
+//!   in `beyond.rs`, what a texel takes of the fits in `choose.rs` and the error that it states in `stated.rs`. What is
+//!   taken out before: `strays.rs`, `lines.rs`.
 //! * Which charts are one surface, and how their seams are solved: `seams`; between pages `across.rs`, where a wall
 //!   ends them `walls.rs`.
 //! * Layers from facts: `page/compose.rs`. Tiles of a shard: `page/share.rs`. What an update may keep: `reach`.

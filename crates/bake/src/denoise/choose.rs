@@ -58,7 +58,7 @@ const VALUES: usize = 5;
 pub(super) struct Chosen(pub Sheet);
 
 impl Chosen {
-    /// Variance of the plain mean; 0 where no ray of the neighbourhood disagrees.
+    /// Variance of the plain mean; 0 where no ray of the neighbourhood disagrees, and off the surface.
     pub const PLAIN: usize = 0;
     /// What the fits predict of the variance.
     pub const VARIANCE: usize = 1;
@@ -66,7 +66,7 @@ impl Chosen {
     pub const NEAR_BIAS: usize = 2;
     /// Half the difference of the two halves.
     pub const HALF: usize = 3;
-    /// The number of the surface's texels about it.
+    /// The number of the surface's texels about it; 0 off the surface.
     pub const NEAR: usize = 4;
     /// From here on, the channels.
     pub const VALUES: usize = 5;
@@ -319,6 +319,11 @@ impl<'a> Choice<'a> {
                         variances[x] /= larger(counts[x], 1.0);
                         biases[x] = (biases[x] - inner[x]) / larger(counts[x] - texels[x], 1.0);
                         halves[x] = sums[x] / weights[x];
+                    }
+                    for (x, share) in mask.row(0, y).iter().enumerate() {
+                        if *share == 0.0 {
+                            (seen[x], counts[x]) = (0.0, 0.0);
+                        }
                     }
                     for (channel, values) in values.chunks_exact_mut(width).enumerate() {
                         let (sums, before) = (state.row(VALUES + channel, y), data.row(channel, y));

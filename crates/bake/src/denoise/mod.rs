@@ -13,6 +13,7 @@ mod features;
 mod field;
 mod fit;
 mod lanes;
+mod lines;
 pub(crate) mod oidn;
 mod plane;
 mod stated;
@@ -282,6 +283,7 @@ impl<'a> Denoiser<'a> {
         }
         if term.is_smooth {
             strays::share(&mask, &mut data);
+            lines::set_apart(&mut mask, &mut data, &errors);
         }
         Surface {
             mask,
@@ -320,8 +322,8 @@ impl Part {
         }
     }
 
-    /// Adds texels from a place on, of what was chosen and of how steep that is; those that are exact stay as they
-    /// are.
+    /// Adds texels from a place on, of what was chosen and of how steep that is; those that are exact or were set apart
+    /// stay as they are.
     fn push(
         &mut self,
         term: &Term<'_>,
@@ -333,15 +335,6 @@ impl Part {
         self.chosen.runs.push(*run);
         let line = |plane: usize| &chosen.row(plane, y)[x..];
         let steep = &steep.row(0, y)[x..];
-        for (channel, values) in self.chosen.values.iter_mut().enumerate() {
-            let chosen = line(Chosen::VALUES + channel).iter().zip(run.texels());
-            values.extend(
-                chosen.map(|(value, texel)| match term.std_err[texel] > 0.0 {
-                    true => value.clamp(0.0, term.largest),
-                    false => term.values[channel][texel],
-                }),
-            );
-        }
         let [plain, variance, near_bias, halves, near] = [
             Chosen::PLAIN,
             Chosen::VARIANCE,
@@ -350,6 +343,15 @@ impl Part {
             Chosen::NEAR,
         ]
         .map(line);
+        for (channel, values) in self.chosen.values.iter_mut().enumerate() {
+            let chosen = line(Chosen::VALUES + channel).iter().zip(plain);
+            values.extend(chosen.zip(run.texels()).map(
+                |((value, plain), texel)| match term.std_err[texel] > 0.0 && *plain > 0.0 {
+                    true => value.clamp(0.0, term.largest),
+                    false => term.values[channel][texel],
+                },
+            ));
+        }
         for (k, texel) in run.texels().enumerate() {
             let std_err = term.std_err[texel];
             if std_err <= 0.0 || plain[k] == 0.0 {

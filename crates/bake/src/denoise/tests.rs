@@ -259,6 +259,33 @@ fn bright_texels_that_others_are_like_stay() {
 }
 
 #[test]
+fn a_line_of_light_leaves_no_band_of_grain_and_keeps_its_light() {
+    // Two rows at the edge of a chart, and one across it.
+    let (noise, bright) = (0.002, 0.24);
+    let lies = |x: usize, y: usize| y < 2 || x == 30;
+    let of = |place: f64| (place * SIZE as f64).round() as usize;
+    let line = |x: f64, y: f64| f64::from(u8::from(lies(of(x), of(y))));
+    let made = made(
+        21,
+        |x, y| 0.01 + 0.005 * x * y + bright * line(x, y),
+        |x, y| noise * (1.0 + line(x, y)),
+        one_object,
+    );
+    let (values, std_errs) = made.denoised();
+    let on_line = |i: &usize| lies(i % SIZE, i / SIZE);
+    for i in made.covered().filter(on_line) {
+        assert_eq!((values[i], std_errs[i]), (made.mean[i], made.std_err[i]));
+    }
+    let beside = |i: &usize| !on_line(i) && ((i % SIZE).abs_diff(30) < 8 || i / SIZE < 10);
+    let beside: Vec<usize> = made.covered().filter(beside).collect();
+    let squares = beside
+        .iter()
+        .map(|&i| (f64::from(values[i]) - made.truth[i]).powi(2));
+    let rms = (squares.sum::<f64>() / beside.len() as f64).sqrt();
+    assert!(rms < 0.3 * noise, "{rms}");
+}
+
+#[test]
 fn what_no_fit_can_smooth_states_the_plain_error() {
     // A chequerboard that stands out of its noise two hundredfold: every fit but the plain value is refused, and
     // that has no bias.
