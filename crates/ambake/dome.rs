@@ -17,7 +17,7 @@ const CANDIDATES: usize = 4;
 const OBJECTS: usize = 64;
 const FACES: u32 = 32;
 /// Of the rays of faces that see it, or the sky, one in so many may leave it.
-const LEAVING: u32 = 50;
+const LEAVING: u32 = 200;
 /// One in so many meets it, and of these one in so many may meet something beyond it.
 const MEETING: u32 = 10;
 

@@ -30,11 +30,17 @@ impl Brightness {
     }
 
     /// The warning that names `--bounces` and `--max-distance`, where the median is dark and neither was given; bounces
-    /// help only where some light gets in. None where there are lamps.
-    pub fn interior(&self, options: &Options, has_lamps: bool) -> Option<WarningReport> {
+    /// help only where some light gets in. None where there are lamps. So many of the brightest texels are those of
+    /// `outsides` of rooms, which nobody within sees.
+    pub fn interior(
+        &self,
+        options: &Options,
+        has_lamps: bool,
+        outsides: u64,
+    ) -> Option<WarningReport> {
         let dark: u64 = self.0[..(DARK * BINS as f64) as usize].iter().sum();
-        let all: u64 = self.0.iter().sum();
-        let lit = all - self.0[0];
+        let all = self.0.iter().sum::<u64>().saturating_sub(outsides);
+        let lit = all.saturating_sub(self.0[0]);
         let is_closed = lit as f64 <= LEAKS * all as f64;
         let bounces = options.bounces != Bounces::Off && !is_closed;
         let helped = options.max_distance.is_some() || has_lamps || bounces;
@@ -73,18 +79,22 @@ mod tests {
             &[1.0, 0.3, 1.0, 0.0, 0.0, 0.0],
         );
         let warning = pages
-            .interior(&Options::default(), false)
+            .interior(&Options::default(), false, 0)
             .expect("two of three covered texels are dark");
         assert!(warning.message.contains("--max-distance"));
         assert!(warning.message.contains("--bounces"));
         let (mut limited, mut bounced) = (Options::default(), Options::default());
         (limited.max_distance, bounced.bounces) = (Some(1.0), Bounces::Auto);
-        assert!(pages.interior(&limited, false).is_none());
-        assert!(pages.interior(&bounced, false).is_none());
+        assert!(pages.interior(&limited, false, 0).is_none());
+        assert!(pages.interior(&bounced, false, 0).is_none());
         pages.add(&[0.9], &[1.0]);
         assert!(
-            pages.interior(&Options::default(), false).is_none(),
+            pages.interior(&Options::default(), false, 0).is_none(),
             "half is not most"
+        );
+        assert!(
+            pages.interior(&Options::default(), false, 2).is_some(),
+            "two of three, but for what lies outside"
         );
     }
 
@@ -93,7 +103,7 @@ mod tests {
         let mut pages = Brightness::default();
         pages.add(&[0.0004; 5000], &[1.0; 5000]);
         let closed = pages
-            .interior(&Options::default(), false)
+            .interior(&Options::default(), false, 0)
             .expect("all is dark");
         assert!(closed.message.contains("--max-distance") && !closed.message.contains("bounces"));
         let bounced = Options {
@@ -101,13 +111,16 @@ mod tests {
             ..Options::default()
         };
         let still = pages
-            .interior(&bounced, false)
+            .interior(&bounced, false, 0)
             .map(|warning| warning.message);
         assert_eq!(still, Some(closed.message), "there is nothing to send on");
-        assert!(pages.interior(&bounced, true).is_none(), "a lamp is in it");
+        assert!(
+            pages.interior(&bounced, true, 0).is_none(),
+            "a lamp is in it"
+        );
         pages.add(&[0.05; 50], &[1.0; 50]);
         let lit = pages
-            .interior(&Options::default(), false)
+            .interior(&Options::default(), false, 0)
             .expect("most is dark");
         assert!(lit.message.contains("--bounces"));
     }

@@ -249,9 +249,12 @@ impl<'a> Writer<'a> {
         report.bounces = bounces.map(bounce_report);
         report.any_view = any_view;
         report.lightmaps = self.lightmaps;
-        let interior = self
-            .brightness
-            .interior(self.job.options(), self.job.has_lamps());
+        let outsides = report.warnings.iter().find(|of| of.kind == "outsides");
+        let interior = self.brightness.interior(
+            self.job.options(),
+            self.job.has_lamps(),
+            outsides.map_or(0, |of| of.count),
+        );
         report.warnings.extend(enclosed(self.job));
         report.warnings.extend(interior);
         let missing = bounces.and_then(|stats| light_is_missing(self.job, &stats));

@@ -73,11 +73,11 @@ pub fn summary(report: &BakeReport, verbose: bool, dir: &Path) -> String {
             seams.rms_before,
             seams.max_before,
             seams.rms_moved,
-            steps(seams.rms_after, rmse),
             match seams.rms_moved > rmse {
-                true => "; that is more than the rays leave: a larger --size lowers it",
+                true => ", more than the rays leave",
                 false => "",
-            }
+            },
+            steps(seams.rms_after, seams.rms_moved, rmse),
         );
     }
     if let Some(update) = &report.update {
@@ -110,9 +110,11 @@ const STEP: f64 = 1.0 / 255.0;
 /// differ by a fiftieth (E. H. Weber's fraction of brightness). Their largest says little: one point is no edge.
 const EDGE: f64 = 0.02;
 
-/// What steps across seams look like beside the error of the rays, and what helps; nothing where they do not show.
-fn steps(rms: f64, rmse: f64) -> &'static str {
+/// What steps across seams look like beside the error of the rays, and what helps; of steps that do not show, what lowers
+/// what texels were moved by for them, where that is more than the rays leave.
+fn steps(rms: f64, moved: f64, rmse: f64) -> &'static str {
     match rms >= EDGE {
+        false if moved > rmse => ": a larger --size lowers it",
         false => "",
         // Both sides of a seam have that error.
         true if rms <= 2.0 * rmse => ": steps may show, four times the --rays halve them",
@@ -218,10 +220,11 @@ mod tests {
     fn steps_are_told_of_where_they_show_with_the_flag_that_lowers_them() {
         // The largest of a thousand points may be 0.5 at an RMS of 0.016.
         for (rms, rmse) in [(0.0, 0.0), (0.0199, 0.0), (0.0199, 0.05)] {
-            assert_eq!(steps(rms, rmse), "", "{rms} {rmse}");
+            assert_eq!(steps(rms, 0.0, rmse), "", "{rms} {rmse}");
         }
-        assert!(steps(0.02, 0.005).contains("--size"));
-        assert!(steps(0.02, 0.01).contains("--rays"));
+        assert!(steps(0.02, 0.001, 0.005).contains("--size"));
+        assert!(steps(0.02, 0.001, 0.01).contains("--rays"));
+        assert!(steps(0.01, 0.006, 0.005).contains("--size"));
     }
 
     #[test]

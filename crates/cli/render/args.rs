@@ -85,15 +85,15 @@ pub struct Args {
     pub max_distance: Option<f64>,
     /// Lobe exponent of every material, 0 to 1e6
     #[arg(help_heading = "Surfaces", hide_short_help = true)]
-    #[arg(long, value_name = "N", value_parser = exponent)]
+    #[arg(long, value_name = "N", conflicts_with = "bake", value_parser = exponent)]
     pub exponent: Option<f64>,
     /// Diffuse reflectance of every material, linear, as R,G,B
     #[arg(help_heading = "Surfaces", hide_short_help = true)]
-    #[arg(long, value_name = "R,G,B", value_parser = color)]
+    #[arg(long, value_name = "R,G,B", conflicts_with = "bake", value_parser = color)]
     pub albedo: Option<[f32; 3]>,
     /// Specular reflectance of every material, linear, as R,G,B
     #[arg(help_heading = "Surfaces", hide_short_help = true)]
-    #[arg(long, value_name = "R,G,B", value_parser = color)]
+    #[arg(long, value_name = "R,G,B", conflicts_with = "bake", value_parser = color)]
     pub specular: Option<[f32; 3]>,
     /// Ray library [default: embree where it is built in, else obvhs]
     #[arg(help_heading = "Machine", hide_short_help = true)]

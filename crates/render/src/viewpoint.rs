@@ -4,7 +4,7 @@
 use crate::framing::{drawn, extent};
 use crate::{Camera, Error, Framing};
 use glam::{DQuat, DVec3};
-use rays::{Bounds, Ray, RayBackend, SurfaceHit, World};
+use rays::{Bounds, Ray, RayBackend, Stops, SurfaceHit, World};
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
@@ -156,14 +156,23 @@ struct Room<'a> {
 
 impl Room<'_> {
     fn first(&self, eye: DVec3, toward: DVec3) -> Option<SurfaceHit> {
-        self.first_of(eye, toward, |instance| !self.around.contains(&instance))
+        self.first_of([eye, toward], Stops::Any, |instance| {
+            !self.around.contains(&instance)
+        })
     }
 
-    /// The first of what is wanted.
+    /// The same without what lets some of the light through: glass closes no room.
+    fn first_wall(&self, eye: DVec3, toward: DVec3) -> Option<SurfaceHit> {
+        self.first_of([eye, toward], Stops::All, |instance| {
+            !self.around.contains(&instance)
+        })
+    }
+
+    /// The first of what is wanted and stops as much.
     fn first_of(
         &self,
-        eye: DVec3,
-        toward: DVec3,
+        [eye, toward]: [DVec3; 2],
+        stops: Stops,
         wanted: impl Fn(u32) -> bool,
     ) -> Option<SurfaceHit> {
         let mut ray = Ray {
@@ -173,9 +182,12 @@ impl Room<'_> {
             t_max: f32::INFINITY,
         };
         loop {
-            let hit = self.backend.closest(&ray)?;
+            let hit = self.backend.closest_that(&ray, stops)?;
             if wanted(hit.instance) {
-                return Some(hit);
+                // What is baked as the front.
+                let is_turned = self.world.is_turned_over(hit.instance, hit.triangle);
+                let front = hit.front != is_turned;
+                return Some(SurfaceHit { front, ..hit });
             }
             ray.t_min = (hit.t * (1.0 + PAST)).max(ray.t_min.next_up());
         }
@@ -183,7 +195,9 @@ impl Room<'_> {
 
     /// As much of a way from a place as ends well before what is around.
     fn before_what_is_around(&self, place: DVec3, way: DVec3) -> DVec3 {
-        let end = self.first_of(place, way, |instance| self.around.contains(&instance));
+        let end = self.first_of([place, way], Stops::Any, |instance| {
+            self.around.contains(&instance)
+        });
         way * end.map_or(1.0, |hit| BEFORE * f64::from(hit.t)).min(1.0)
     }
 
@@ -257,7 +271,7 @@ impl Room<'_> {
             let eye = bounds.min + extent * DVec3::from_array(part);
             let (mut fronts, mut backs) = (0, 0);
             for k in 0..AROUND {
-                match self.first(eye, spiral(k)) {
+                match self.first_wall(eye, spiral(k)) {
                     Some(hit) if hit.front => fronts += 1,
                     Some(_) => backs += 1,
                     None => {}
@@ -413,7 +427,7 @@ fn spiral(k: u32) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fixture::{white, world};
+    use crate::fixture::{see_through, white, world};
     use glam::Vec3;
 
     const FRAMING: Framing = Framing {
@@ -450,6 +464,44 @@ mod tests {
             assert_eq!(within, inside, "{sides} sides: {camera:?}");
             assert_eq!(camera.slope > 0.6, inside, "{sides} sides: {camera:?}");
         }
+    }
+
+    #[test]
+    fn a_shell_that_lets_light_through_is_looked_at_from_outside() {
+        let places: Vec<_> = room(6).iter().map(|sheet| sheet.place).collect();
+        for (stops, inside) in [(1.0, true), (0.9, false)] {
+            let (world, backend) = see_through(&places, stops);
+            let places = places_within(&world, backend.as_ref());
+            assert_ne!(places.is_empty(), inside, "{stops}");
+        }
+    }
+
+    #[test]
+    fn a_body_that_is_baked_from_outside_has_no_places_within() {
+        // A mattress, whose faces look inward and are drawn from both sides.
+        let mut mesh = scene::authored::Mesh::default();
+        let corner = |k: u32| [k >> 2, k >> 1 & 1, k & 1].map(|side| side as f32);
+        mesh.positions = (0..8).map(corner).collect();
+        let sides = [
+            [2, 3, 1, 0],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [6, 7, 3, 2],
+            [4, 6, 2, 0],
+            [1, 3, 7, 5],
+        ];
+        let split = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
+        mesh.triangles = sides.into_iter().flat_map(split).collect();
+        let mut material = scene::authored::Material::default();
+        material.double_sided = true;
+        let scene = scene::Scene::from_meshes(vec![mesh], vec![material]).unwrap();
+        let mut world = World::new(std::sync::Arc::new(scene), Default::default()).unwrap();
+        let kind = rays::BackendKind::Obvhs(rays::Layout::Cwbvh);
+        let backend = rays::build(kind, &world, 1).unwrap();
+        let within = places_within(&world, backend.as_ref()).len();
+        world.turn_over(std::iter::empty());
+        assert!(world.has_turned_over(0) && within > 0, "{within}");
+        assert_eq!(places_within(&world, backend.as_ref()), []);
     }
 
     #[test]

@@ -169,8 +169,8 @@ impl LayoutReport {
             place: format!("object `{}`", first.name),
             count: uneven.len() as u64,
             message: format!(
-                "it has {how} texels per unit than others, {} where the median is {}{though}; {cure}, `--density even` \
-                 all the same",
+                "{how} texels per unit than others have, {} where the median is {}{though}; {cure}, `--density even` all \
+                 the same",
                 short(first.density),
                 short(usual),
             ),
@@ -353,7 +353,7 @@ mod tests {
         );
         let line = scarce.uneven_density().expect("a warning").message;
         assert!(
-            line.contains("fewer texels per unit than others, 9.26 where the median is 37.0"),
+            line.contains("fewer texels per unit than others have, 9.26 where the median is 37.0"),
             "{line}"
         );
         assert!(
