@@ -1,11 +1,10 @@
 //! The shaders for any view, run by a browser, against the same numbers evaluated here.
 
-use crate::support::{Page, bake, exr_layer, scene, skip};
+use crate::support::{Page, bake, exr_layer, node, scene, skip};
 use ambient::any_view::{Coefficients, Lobe, count};
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::path::Path;
-use std::process::Command;
 
 /// Columns of a case: the numbers, the normal, the vector to the eye, and the row of the kernels.
 const COLUMNS: usize = 45 + 3 + 3 + 1;
@@ -175,23 +174,8 @@ fn kernels(path: &Path) -> Vec<f32> {
 fn in_browser(folder: &Path, input: &Value) -> Option<Value> {
     let path = folder.join("input.json");
     std::fs::write(&path, input.to_string()).expect("written");
-    let tools = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/tools");
-    let mut node = Command::new("node");
-    node.arg(tools.join("any-view.mjs"))
-        .arg(&path)
-        .current_dir(&tools);
-    let Ok(output) = node.output() else {
-        skip("there is no Node.js to open a browser with");
-        return None;
-    };
-    let said = String::from_utf8_lossy(&output.stdout);
-    if output.status.code() == Some(77) {
-        skip(said.trim());
-        return None;
-    }
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}\n{errors}");
-    let found: Value = serde_json::from_str(&said).expect("JSON");
-    assert_eq!(found["complaints"], json!([]), "{said}");
+    let found = node("any-view.mjs", &[path.as_os_str()]);
+    let found = found.map_err(|reason| skip(&reason)).ok()?;
+    assert_eq!(found["complaints"], json!([]), "{found}");
     Some(found["out"].clone())
 }

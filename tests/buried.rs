@@ -1,6 +1,6 @@
 //! Texels under and inside other bodies: dropped, mended and counted.
 
-use crate::support::{Page, backends, bake, report, run_well, scene};
+use crate::support::{BOX_SIDES, Page, backends, bake, report, run_well, scene};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -340,14 +340,7 @@ fn charts_inside_of_another_body_leave_their_texels_to_the_rest() {
             let at = |axis: usize| centre[axis] + half * f64::from((corner >> axis & 1) * 2 - 1);
             writeln!(text, "v {} {} {}", at(0), at(1), at(2)).expect("a string");
         }
-        for face in [
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-        ] {
+        for face in BOX_SIDES {
             let [a, b, c, d] = face.map(|k| first + k);
             writeln!(text, "f {a} {b} {c} {d}").expect("a string");
         }
@@ -623,7 +616,7 @@ fn a_body_that_is_wound_the_wrong_way_is_baked_from_outside() {
 /// them; `blind` planks look at the wall.
 fn planked(folder: &Path, blind: bool) -> PathBuf {
     let mut text = String::new();
-    let mut block = |name: &str, low: [f64; 3], high: [f64; 3], faces: &[[usize; 4]]| {
+    let mut block = |name: &str, low: [f64; 3], high: [f64; 3], faces: &[[u32; 4]]| {
         writeln!(text, "o {name}").expect("a string");
         for k in 0..8 {
             let at = [0, 1, 2].map(|axis| if k >> axis & 1 == 0 { low } else { high }[axis]);
@@ -639,16 +632,8 @@ fn planked(folder: &Path, blind: bool) -> PathBuf {
             writeln!(text, "f {}", corners.join(" ")).expect("a string");
         }
     };
-    let all = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    block("wall", [-2.0, -1.0, -0.2], [2.0, 2.0, 0.0], &all);
-    block("post", [-0.35, -1.0, 0.1], [-0.3, 2.0, 0.3], &all);
+    block("wall", [-2.0, -1.0, -0.2], [2.0, 2.0, 0.0], &BOX_SIDES);
+    block("post", [-0.35, -1.0, 0.1], [-0.3, 2.0, 0.3], &BOX_SIDES);
     let side = if blind { [0, 2, 3, 1] } else { [0, 1, 3, 2] };
     for k in 0..4 {
         let x = 0.35 * f64::from(k) - 0.8;
@@ -712,17 +697,9 @@ fn tops_of_boxes_that_are_level_but_for_rounding_take_no_light_from_each_other()
             let line = |[x, y, z]: [f32; 3]| format!("v {x:.9} {y:.9} {z:.9}\n");
             (0..8).map(corner).map(line).collect::<String>()
         };
-        let faces = |first: usize| {
-            let sides = [
-                [0, 4, 6, 2],
-                [1, 3, 7, 5],
-                [0, 1, 5, 4],
-                [2, 6, 7, 3],
-                [0, 2, 3, 1],
-                [4, 5, 7, 6],
-            ];
-            let line = |side: [usize; 4]| side.map(|k| (first + k).to_string()).join(" ");
-            sides.map(|side| format!("f {}\n", line(side))).concat()
+        let faces = |first: u32| {
+            let line = |side: [u32; 4]| side.map(|k| (first + k).to_string()).join(" ");
+            BOX_SIDES.map(|side| format!("f {}\n", line(side))).concat()
         };
         let lower = f32::from_bits(top.to_bits() - below);
         let (a, b) = (

@@ -1,6 +1,6 @@
 //! Small files that could take much time or memory: what they take grows with them, and not with their squares.
 
-use crate::support::{report, run_well};
+use crate::support::{BOX_SIDES, report, run_well};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -33,15 +33,7 @@ fn cube(middle: [f32; 3], half: f32) -> Part {
     let corner = |k: usize| {
         std::array::from_fn(|axis| middle[axis] + if k >> axis & 1 == 1 { half } else { -half })
     };
-    let faces = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let halves = faces.map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    let halves = BOX_SIDES.map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
     ((0..8).map(corner).collect(), halves.concat())
 }
 

@@ -1,10 +1,9 @@
 //! `--for` and `export`: files that engines load, the same from both, and what `bake.json` says of them.
 
-use crate::support::{Page, bake, files, report, run, run_well, scene, skip};
+use crate::support::{Page, bake, files, node, report, run, run_well, scene, skip};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 const ALL: &str = "gltf,three,blender,bevy,godot,unity,unreal";
 
@@ -198,29 +197,19 @@ fn in_three(folder: &Path, scene: &Path, [eye, look, fov]: [&str; 3]) -> Option<
         "--background=0,0,0.5",
         "--quiet",
     ]);
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/tools/three.mjs");
     let stem = scene.file_stem().expect("a stem");
-    let node = Command::new("node")
-        .arg(script)
-        .arg(folder)
-        .arg(stem)
-        .arg(&picture)
-        .args([eye, look, fov])
-        .output();
-    let node = match node {
-        Ok(node) if node.status.code() == Some(77) => {
-            skip(String::from_utf8_lossy(&node.stdout).trim());
-            return None;
-        }
-        Ok(node) => node,
-        Err(_) => {
-            skip("node is not installed");
-            return None;
-        }
-    };
-    let errors = String::from_utf8_lossy(&node.stderr);
-    assert!(node.status.success(), "{errors}");
-    Some(serde_json::from_slice(&node.stdout).expect("a line of JSON"))
+    let (folder, picture) = (folder.as_os_str(), picture.as_os_str());
+    let args = [
+        folder,
+        stem,
+        picture,
+        eye.as_ref(),
+        look.as_ref(),
+        fov.as_ref(),
+    ];
+    node("three.mjs", &args)
+        .map_err(|reason| skip(&reason))
+        .ok()
 }
 
 /// three.js reads a mantissa of RGBE as a share of 255, not 256, so that its picture is 0.4 % brighter.

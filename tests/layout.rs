@@ -1,6 +1,6 @@
 //! Where the texels go: the default rule, names, pages.
 
-use crate::support::{run, run_well, scene};
+use crate::support::{BOX_SIDES, run, run_well, scene};
 use serde_json::Value;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -17,14 +17,7 @@ fn town(folder: &Path) -> PathBuf {
             let at = |bit: u32| if corner >> bit & 1 == 1 { edge } else { 0.0 };
             writeln!(obj, "v {} {} {}", x + at(0), at(1), z + at(2)).expect("memory");
         }
-        for face in [
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-        ] {
+        for face in BOX_SIDES {
             let [a, b, c, d] = face.map(|k| first + k);
             writeln!(obj, "f {a} {b} {c} {d}").expect("memory");
         }

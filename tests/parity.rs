@@ -78,10 +78,7 @@ fn check(name: &str, what: &str, report: &ParityReport, faults: &mut Vec<String>
 
 #[test]
 fn embree_and_obvhs_answer_alike_on_every_scene() {
-    let options = WorldOptions {
-        instancing: true,
-        alpha_test_all: false,
-    };
+    let options = WorldOptions::default();
     let mut faults = Vec::new();
     for file in scenes() {
         let name = file

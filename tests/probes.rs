@@ -1,6 +1,6 @@
 //! `ambake probes`: what its files hold, read back by other code than wrote them.
 
-use crate::support::{Page, ambake, bake, exr_layer, run, run_well, scene, skip};
+use crate::support::{Page, ambake, bake, exr_layer, node, run, run_well, scene, skip};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -771,24 +771,15 @@ fn three_js_moves_a_ball_through_a_volume_as_it_is_baked() {
     });
     let job = folder.path().join("job.json");
     fs::write(&job, serde_json::to_string(&balls).expect("JSON")).expect("written");
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/tools/probes.mjs");
-    let mut node = std::process::Command::new("node");
-    let node = node.arg(script).arg(made.path()).arg("courtyard").arg(&job);
-    let Ok(output) = node.output() else {
-        skip("node is not installed");
-        return;
+    let args = [
+        made.path().as_os_str(),
+        "courtyard".as_ref(),
+        job.as_os_str(),
+    ];
+    let found = match node("probes.mjs", &args) {
+        Ok(found) => found,
+        Err(reason) => return skip(&reason),
     };
-    let said = String::from_utf8_lossy(&output.stdout);
-    if output.status.code() == Some(77) {
-        skip(said.trim());
-        return;
-    }
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    let found: Value = serde_json::from_str(&said).expect("JSON");
     assert_eq!(found["errors"], serde_json::json!([]));
     for ball in found["balls"].as_array().expect("balls") {
         let mean = ball["mean"].as_f64().expect("a number");

@@ -1,10 +1,9 @@
 //! `STEM.lit.png`, `report.html` and what opens it: `ambake view` and `bake --report`.
 
-use crate::support::{bake, files, page_path, report, run, run_well, say, scene};
+use crate::support::{bake, files, node, page_path, report, run, run_well, say, scene};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 fn bytes(path: &Path) -> Vec<u8> {
     let image = image::open(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
@@ -109,24 +108,9 @@ fn a_report_is_one_file_that_a_rebake_takes_along() {
 
 /// What a browser finds in the report of a bake; `None` with a printed line where a tool is absent.
 fn in_browser(folder: &Path) -> Option<Value> {
-    let tools = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/tools");
-    let mut node = Command::new("node");
-    let script = node
-        .arg(tools.join("view-report.mjs"))
-        .arg(folder.join("report.html"))
-        .current_dir(&tools);
-    let Ok(output) = script.output() else {
-        say("there is no Node.js to open a report with");
-        return None;
-    };
-    let said = String::from_utf8_lossy(&output.stdout);
-    if output.status.code() == Some(77) {
-        say(said.trim());
-        return None;
-    }
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}\n{errors}");
-    Some(serde_json::from_str(&said).expect("JSON"))
+    let page = folder.join("report.html");
+    let found = node("view-report.mjs", &[page.as_os_str()]);
+    found.map_err(|reason| say(&reason)).ok()
 }
 
 #[test]
@@ -310,28 +294,18 @@ fn a_browser_turns_the_highlight_as_render_integrates_it() {
     });
     let list = out.path().join("views.json");
     fs::write(&list, Value::from(views.to_vec()).to_string()).expect("written");
-    let tools = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/tools");
-    let mut node = Command::new("node");
-    node.arg(tools.join("view-live.mjs"))
-        .arg(out.path().join("report.html"));
-    node.args([width.to_string(), height.to_string()])
-        .arg(&list)
-        .current_dir(&tools);
-    let Ok(output) = node.output() else {
-        say("there is no Node.js to open a report with");
-        return;
+    let page = out.path().join("report.html");
+    let size = [width, height].map(|edge| edge.to_string());
+    let args = [
+        page.as_os_str(),
+        size[0].as_ref(),
+        size[1].as_ref(),
+        list.as_os_str(),
+    ];
+    let found = match node("view-live.mjs", &args) {
+        Ok(found) => found,
+        Err(reason) => return say(&reason),
     };
-    let said = String::from_utf8_lossy(&output.stdout);
-    if output.status.code() == Some(77) {
-        say(said.trim());
-        return;
-    }
-    assert!(
-        output.status.success(),
-        "{said}\n{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    let found: Value = serde_json::from_str(&said).expect("JSON");
     assert_eq!(found["complaints"], serde_json::json!([]));
     let views = found["views"]
         .as_array()

@@ -4,6 +4,7 @@ use environment::{Format, Image, Labels};
 use exr::prelude::{AnyChannels, FlatSamples, Layer, ReadChannels, ReadLayers, read};
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -38,7 +39,7 @@ pub fn shell(line: &str) -> Command {
 }
 
 /// Runs the program to its end.
-pub fn run<A: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = A>) -> Output {
+pub fn run<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> Output {
     ambake()
         .args(arguments)
         .output()
@@ -46,7 +47,7 @@ pub fn run<A: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = A>) ->
 }
 
 /// Runs the program, which must succeed; returns its standard output.
-pub fn run_well<A: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = A>) -> String {
+pub fn run_well<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> String {
     let mut command = ambake();
     command.args(arguments);
     let output = command.output().expect("the program starts");
@@ -195,9 +196,9 @@ pub fn bake(scene: &Path, arguments: &[&str]) -> (tempfile::TempDir, Page) {
         "--quiet".as_ref(),
     ];
     if !arguments.contains(&"--denoise") {
-        all.extend(["--denoise", "off"].map(std::ffi::OsStr::new));
+        all.extend(["--denoise", "off"].map(OsStr::new));
     }
-    all.extend(arguments.iter().map(std::ffi::OsStr::new));
+    all.extend(arguments.iter().map(OsStr::new));
     run_well(all);
     let page = Page::read(&page_path(folder.path(), scene, 0));
     (folder, page)
@@ -240,6 +241,37 @@ pub fn files(folder: &Path) -> Vec<String> {
     names.sort();
     names
 }
+
+/// What a script of `tests/tools` prints under Node.js, as JSON.
+///
+/// # Errors
+/// Node.js, or what the script needs, is absent.
+pub fn node(script: &str, args: &[&OsStr]) -> Result<Value, String> {
+    let tools = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/tools");
+    let mut node = Command::new("node");
+    node.arg(tools.join(script)).args(args).current_dir(&tools);
+    let Ok(output) = node.output() else {
+        return Err("node is not installed".into());
+    };
+    let said = String::from_utf8_lossy(&output.stdout);
+    if output.status.code() == Some(77) {
+        return Err(said.trim().into());
+    }
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}\n{errors}");
+    Ok(serde_json::from_str(&said).expect("JSON"))
+}
+
+/// The sides of a box, counter-clockwise seen from outside, whose corner k has its low or its high x, y and z by the
+/// bits 1, 2 and 4 of k.
+pub const BOX_SIDES: [[u32; 4]; 6] = [
+    [0, 2, 3, 1],
+    [4, 5, 7, 6],
+    [0, 1, 5, 4],
+    [2, 6, 7, 3],
+    [0, 4, 6, 2],
+    [1, 3, 7, 5],
+];
 
 /// Holds a file against Khronos' validator, where that is installed.
 pub fn assert_valid_gltf(path: &Path) {

@@ -74,32 +74,6 @@ impl Baked {
         &self.pages[number]
     }
 
-    /// The light of a page as an engine uploads it, without a file: the page, then as many smaller levels as `mips` keeps
-    /// charts apart on. It is what engines' files hold, E / pi without albedo.
-    ///
-    /// ```
-    /// # fn main() -> Result<(), ambake::Error> {
-    /// # let scene = ambake::load(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/wall_long.obj"))?;
-    /// let baked = ambake::Bake::new(&scene).size(64).rays(16).mips(2).run(&())?;
-    /// for level in baked.light(0)? {
-    ///     let texels: Vec<[u16; 4]> = level.half_floats();    // RGBA16F, row 0 on top
-    ///     assert_eq!(texels.len(), (level.size * level.size) as usize);
-    /// }
-    /// # Ok(())
-    /// # }
-    /// ```
-    ///
-    /// # Errors
-    /// The bake has no layer `diffuse`, or no layer `irradiance` where light varies.
-    ///
-    /// # Panics
-    /// Where there is no such page.
-    #[cfg(feature = "write")]
-    pub fn light(&self, number: usize) -> Result<Vec<report::LightLevel>, crate::Error> {
-        let light = crate::write::page_light(&self.job, &self.page(number).0)?;
-        Ok(report::light_levels(&light))
-    }
-
     /// What the gathers of light that bounces added; `None` where they were not asked for.
     pub fn bounces(&self) -> Option<&BounceStats> {
         self.bounces.as_ref()

@@ -81,7 +81,8 @@
 //! * What a bake will take: `estimate.rs`, its memory `memory.rs`. Whether a scene is an interior: `interior.rs`,
 //!   and what stands around it: `dome.rs`.
 //! * Where objects lie on pages: `object.rs`. Values at vertices: `vertices.rs`.
-//! * What can be seen: `seen.rs` for points of a triangle, `shell.rs` for the outsides of rooms.
+//! * What can be seen: `seen.rs` for points of a triangle, `eyes.rs` for one point from places, `shell.rs` for the
+//!   outsides of rooms.
 //! * Saved states: `resume.rs`. Shards: `shard.rs`, `parts.rs` and `merge.rs`. Updates: `update.rs`, their files
 //!   `state.rs`. The atlas alone: `layout.rs`,
 //!   its files `layout_files.rs`.
@@ -106,6 +107,7 @@ mod error;
 mod estimate;
 #[cfg(feature = "write")]
 mod export;
+mod eyes;
 #[cfg(feature = "flags")]
 #[doc(hidden)]
 pub mod flags;
@@ -177,9 +179,10 @@ pub use {atlas, environment, glam, rayon, render, report, serde_json};
 pub use {
     export::{Exported, export},
     merge::Parts,
+    parts::Shard,
     probes::{Places, ProbeOptions, ProbePart, ProbeParts, ProbeVolume, Probes},
     report::{LightLevel, ProbeRecord, ProbeReport, ReflectionLevel, ReflectionReport},
     resume::Resume,
-    shard::{Part, Shard},
+    shard::Part,
     write::Written,
 };

@@ -3,10 +3,9 @@
 use crate::differ::difference;
 use crate::error::Error;
 use crate::job::Job;
-use crate::parts::{Kind, failed};
+use crate::parts::{Kind, Shard, failed};
 use crate::resume::{Block, END, Saved};
 use crate::run_into::WRITING;
-use crate::shard::Shard;
 use crate::update::Tracker;
 use crate::write::{Writer, Written};
 use layers::Progress;

@@ -2,13 +2,29 @@
 
 use crate::differ::difference;
 use crate::error::Error;
-use crate::shard::{Shard, is_complete};
+use crate::resume::END;
 use report::Journal;
+use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Shards that a message names at most.
 const NAMED: usize = 8;
+
+/// Which part of a bake: `index` of `of`, from 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Shard {
+    /// From 1.
+    pub index: u32,
+    /// How many there are, at least `index`.
+    pub of: u32,
+}
+
+impl std::fmt::Display for Shard {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}/{}", self.index, self.of)
+    }
+}
 
 /// A job that is done in parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -143,6 +159,23 @@ impl Kind {
         }
         Ok(parts)
     }
+}
+
+/// True where a complete part with this header is there.
+pub(crate) fn is_done(path: &Path, header: &Value) -> Result<bool, Error> {
+    let Ok(Some(mut done)) = Journal::open(path) else {
+        return Ok(false);
+    };
+    let is_same = (["key", "shard"].iter()).all(|of| done.header()[of] == header[of]);
+    Ok(is_same && is_complete(&mut done)?)
+}
+
+/// True where a part's last block says that nothing is missing.
+fn is_complete(journal: &mut Journal) -> Result<bool, Error> {
+    Ok(match journal.len() {
+        0 => false,
+        blocks => journal.tag(blocks - 1)? == Some(END),
+    })
 }
 
 /// What keeps the parts in a directory from being merged.

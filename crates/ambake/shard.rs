@@ -2,31 +2,16 @@
 
 use crate::error::Error;
 use crate::job::Job;
-use crate::parts::Kind;
+use crate::parts::{Kind, Shard, is_done};
 use crate::resume::{END, Saved};
 use crate::write::check_length;
 use ::bake::Deal;
 use layers::Progress;
-use report::{Journal, Output};
+use report::Output;
 use serde_json::{Value, json};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-/// Which part of a bake: `index` of `of`, from 1.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct Shard {
-    /// From 1.
-    pub index: u32,
-    /// How many there are, at least `index`.
-    pub of: u32,
-}
-
-impl std::fmt::Display for Shard {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}/{}", self.index, self.of)
-    }
-}
 
 /// What a shard left.
 #[derive(Debug)]
@@ -142,21 +127,4 @@ impl Job {
         saved.end(&last, &part.path)?;
         Ok(part)
     }
-}
-
-/// True where a complete part with this header is there.
-pub(crate) fn is_done(path: &Path, header: &Value) -> Result<bool, Error> {
-    let Ok(Some(mut done)) = Journal::open(path) else {
-        return Ok(false);
-    };
-    let is_same = (["key", "shard"].iter()).all(|of| done.header()[of] == header[of]);
-    Ok(is_same && is_complete(&mut done)?)
-}
-
-/// True where a part's last block says that nothing is missing.
-pub(crate) fn is_complete(journal: &mut Journal) -> Result<bool, Error> {
-    Ok(match journal.len() {
-        0 => false,
-        blocks => journal.tag(blocks - 1)? == Some(END),
-    })
 }

@@ -1,6 +1,6 @@
 //! The outsides of rooms, which nobody within sees.
 
-use crate::seen::is_seen;
+use crate::eyes::is_seen;
 use atlas::{Atlas, SurfacePoint};
 use glam::{DVec2, DVec3, Vec2};
 use rays::{Ray, RayBackend, World};

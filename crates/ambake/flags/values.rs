@@ -1,7 +1,7 @@
 //! The values of flags, as they are typed.
 
 use super::parse::{color, number, positive, triple};
-use crate::shard::Shard;
+use crate::parts::Shard;
 pub use crate::words::Words;
 use ::bake::{AmbientCoefficient, Bounces, Buried, Choice, View};
 use atlas::Pages;

@@ -90,16 +90,6 @@ pub enum Effort {
     },
 }
 
-impl Effort {
-    /// The most rays that one integral of a texel may take.
-    pub fn most_rays(self) -> u32 {
-        match self {
-            Effort::Rays(rays) => rays,
-            Effort::Target { max_rays, .. } => max_rays,
-        }
-    }
-}
-
 /// Where the samples of a texel lie.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Footprint {

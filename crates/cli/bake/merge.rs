@@ -3,18 +3,16 @@
 use super::args::Merge as Args;
 use super::prepare::{Target, prepare_in};
 use super::run::{report, tell_written};
-use crate::args::{Args as Line, Verb};
+use super::shard::{typed, verb};
+use crate::args::Verb;
 use crate::outcome::{Outcome, tell};
-use crate::probes::part;
+use crate::probes::merge;
 use crate::progress::{Show, watch};
 use crate::project;
 use crate::stop::Stop;
 use ambake::flags::common::Common;
 use ambake::{Parts, ProbeParts};
 use anyhow::{Context, bail};
-use clap::FromArgMatches;
-use serde_json::Value;
-use std::ffi::OsString;
 use std::path::Path;
 
 /// Runs the verb. Probes come after the bake, whose pages they may look up.
@@ -28,7 +26,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             return Ok(outcome);
         }
     }
-    part::merge(args, &dir, &stop)
+    merge::run(args, &dir, &stop)
 }
 
 /// Merges the parts of a bake.
@@ -41,11 +39,6 @@ fn bake(args: &Args, dir: &Path, stop: &Stop) -> anyhow::Result<Outcome> {
     let [scene] = bake.scene.as_slice() else {
         bail!("the parts were made of several scenes; bake them with this program");
     };
-    // The words may name files from the folder that they were given in. Where that is absent here, so are the files,
-    // and the scene's error says so.
-    if let Some(folder) = parts.given()["folder"].as_str() {
-        let _ = std::env::set_current_dir(folder);
-    }
     let completed = project::completed(scene, &typed)?;
     let bake = match &completed {
         Some(Verb::Bake(bake)) => bake,
@@ -87,20 +80,4 @@ fn bake(args: &Args, dir: &Path, stop: &Stop) -> anyhow::Result<Outcome> {
             tell_written(&written, &common, &args.dir)
         }
     }
-}
-
-/// The command line that parts were made by.
-pub fn typed(given: &Value) -> anyhow::Result<Vec<OsString>> {
-    let words: Vec<String> = serde_json::from_value(given["words"].clone())
-        .context("the parts do not say how they were made; make them with this program")?;
-    let words = std::iter::once("ambake".to_owned()).chain(words);
-    Ok(words.map(OsString::from).collect())
-}
-
-/// The verb of that command line.
-pub fn verb(typed: &[OsString]) -> anyhow::Result<Verb> {
-    let line = Line::grammar().try_get_matches_from(typed);
-    let line = line.and_then(|line| Line::from_arg_matches(&line));
-    let line = line.context("this program does not know the command line of the parts")?;
-    Ok(line.verb)
 }

@@ -1,14 +1,16 @@
 //! `ambake bake --shard I/N`: one part of a bake.
 
 use super::args::Bake as Args;
-use crate::args::words;
+use crate::args::{Args as Line, Verb, words};
 use crate::outcome::{Outcome, say, say_json, tell};
 use crate::progress::{Show, watch};
 use crate::stop::Stop;
 use ambake::flags::common::Common;
 use ambake::{Job, Shard};
 use anyhow::Context;
+use clap::FromArgMatches;
 use serde_json::{Value, json};
+use std::ffi::OsString;
 use std::path::Path;
 use std::time::Instant;
 
@@ -101,7 +103,7 @@ pub fn finish(
 /// The command line and the folder that it was given in, for the merge.
 pub fn given() -> anyhow::Result<Value> {
     let folder = std::env::current_dir().context("cannot tell the current folder")?;
-    let text = |text: std::ffi::OsString| {
+    let text = |text: OsString| {
         text.into_string().map_err(|text| {
             anyhow::anyhow!(
                 "{} is not in UTF-8, which --shard needs; rename it",
@@ -115,4 +117,24 @@ pub fn given() -> anyhow::Result<Value> {
         .map(text)
         .collect::<anyhow::Result<_>>()?;
     Ok(json!({"words": words, "folder": text(folder.into_os_string())?}))
+}
+
+/// The command line that parts were made by, in whose folder this process is from now on, for it may name files from
+/// there. Where that folder is absent here, so are the files, and the scene's error says so.
+pub fn typed(given: &Value) -> anyhow::Result<Vec<OsString>> {
+    let words: Vec<String> = serde_json::from_value(given["words"].clone())
+        .context("the parts do not say how they were made; make them with this program")?;
+    if let Some(folder) = given["folder"].as_str() {
+        let _ = std::env::set_current_dir(folder);
+    }
+    let words = std::iter::once("ambake".to_owned()).chain(words);
+    Ok(words.map(OsString::from).collect())
+}
+
+/// The verb of that command line.
+pub fn verb(typed: &[OsString]) -> anyhow::Result<Verb> {
+    let line = Line::grammar().try_get_matches_from(typed);
+    let line = line.and_then(|line| Line::from_arg_matches(&line));
+    let line = line.context("this program does not know the command line of the parts")?;
+    Ok(line.verb)
 }

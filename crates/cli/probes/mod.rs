@@ -1,5 +1,5 @@
 //! `ambake probes`: light for what moves.
 
 pub mod args;
-pub mod part;
+pub mod merge;
 pub mod run;

@@ -1,13 +1,13 @@
 //! What the flags of `ambake probes` mean, and what is printed.
 
 use super::args::Args;
-use super::part;
+use crate::bake::shard::{finish, given, unless_stopped};
 use crate::host;
 use crate::outcome::{Outcome, say, say_json, tell};
 use crate::progress::{Show, count, watch};
 use crate::stop::Stop;
 use ambake::flags::common::Common;
-use ambake::{Places, ProbeOptions, ProbeReport, Probes, Scene};
+use ambake::{Places, ProbeOptions, ProbeReport, Probes, Scene, Shard};
 use ambient::harmonics::{MOST, matt_rms};
 use glam::DVec3;
 use serde_json::json;
@@ -31,21 +31,33 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         );
     }
     if let Some(shard) = args.shard {
-        return part::run(args, &asked, shard, &stop);
+        return part(args, &asked, shard, &stop);
     }
     let resume = args.runs.resume();
     let gathered = watch(show(&args.common), &stop, |progress| {
         Probes::gather_into(scene, places, options, (&args.output, resume), progress)
     });
-    match gathered {
-        Err(ambake::Error::Cancelled) => {
-            if !args.common.quiet {
-                tell("stopped; the same command continues");
-            }
-            Ok(stop.outcome())
-        }
-        probes => write(args, &args.common, &args.output, probes?, started),
+    match unless_stopped(gathered, &args.common)? {
+        None => Ok(stop.outcome()),
+        Some(probes) => write(args, &args.common, &args.output, probes, started),
     }
+}
+
+/// Gathers the part.
+fn part(args: &Args, asked: &Asked, shard: Shard, stop: &Stop) -> anyhow::Result<Outcome> {
+    let started = Instant::now();
+    let given = given()?;
+    let place = (args.output.as_path(), shard, &given);
+    let gathered = watch(show(&args.common), stop, |progress| {
+        Probes::gather_shard(&asked.scene, &asked.places, &asked.options, place, progress)
+    });
+    let Some(part) = unless_stopped(gathered, &args.common)? else {
+        return Ok(stop.outcome());
+    };
+    let facts = json!({"places": part.places, "faces": part.faces});
+    let words = format!("{} places, {} faces", part.places, part.faces);
+    let of = (shard, part.path.as_path(), part.already);
+    finish(&args.common, of, (facts, &words), started)
 }
 
 /// What is to be gathered.

@@ -2,10 +2,7 @@
 
 use crate::mix::Mix;
 use glam::{DAffine3, Vec2, Vec3};
-use scene::{
-    Alpha, Format, Image, Instance, Material, Mesh, MeshOrigin, Scene, Surface, TextureRef, Wrap,
-};
-use std::path::PathBuf;
+use scene::{Alpha, Format, Image, Instance, Material, Mesh, Scene, TextureRef, Wrap};
 use std::sync::Arc;
 
 /// A mesh without normals or UV sets, of material 0.
@@ -13,19 +10,8 @@ pub(crate) fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
     Mesh {
         name: "mesh".into(),
         positions,
-        normals: Vec::new(),
-        tangents: Vec::new(),
-        colors: Vec::new(),
-        alphas: Vec::new(),
-        uv_sets: Vec::new(),
         triangles,
-        source_triangles: Vec::new(),
-        source_vertices: Vec::new(),
-        material: 0,
-        origin: MeshOrigin {
-            mesh: 0,
-            primitive: 0,
-        },
+        ..Mesh::default()
     }
 }
 
@@ -87,33 +73,12 @@ pub(crate) fn scene(meshes: Vec<Mesh>) -> Scene {
 pub(crate) fn placed_scene(meshes: Vec<Mesh>, placed: &[(u32, DAffine3)]) -> Scene {
     let instance = |&(mesh, transform)| Instance::new("object", mesh, transform);
     Scene {
-        path: PathBuf::from("fixture.obj"),
+        path: "fixture.obj".into(),
         format: Format::Obj,
         meshes,
         instances: placed.iter().map(instance).collect(),
-        materials: vec![Material {
-            name: "matt".into(),
-            surface: Surface::Phong {
-                albedo: Vec3::ONE,
-                albedo_map: None,
-                specular: Vec3::ZERO,
-                exponent: 0.0,
-            },
-            ambient: None,
-            emission: Vec3::ZERO,
-            emission_map: None,
-            transmission: None,
-            alpha: Alpha::Opaque,
-            normal_map: None,
-            double_sided: true,
-        }],
-        images: Vec::new(),
-        packed_images: Vec::new(),
-        lights: Vec::new(),
-        warnings: Vec::new(),
-        content_hash: String::new(),
-        source: None,
-        inputs: Vec::new(),
+        materials: vec![Material::untinted("matt")],
+        ..Scene::default()
     }
 }
 
@@ -126,11 +91,9 @@ pub(crate) fn mask_left_half(scene: &mut Scene) {
         pixels: vec![[255, 255, 255, 0], [255, 255, 255, 255]],
     }];
     let map = TextureRef {
-        image: 0,
-        uv_set: 0,
         wrap: [Wrap::Clamp; 2],
         linear: false,
-        transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        ..TextureRef::new(0)
     };
     scene.materials[0].alpha = Alpha::Mask {
         cutoff: 0.5,
@@ -195,9 +158,6 @@ impl Dice {
 
 /// A world of the scene with instancing and alpha tests.
 pub(crate) fn world(scene: Scene) -> crate::world::World {
-    let options = crate::world::WorldOptions {
-        instancing: true,
-        alpha_test_all: false,
-    };
+    let options = crate::world::WorldOptions::default();
     crate::world::World::new(Arc::new(scene), options).expect("fixtures fit single precision")
 }

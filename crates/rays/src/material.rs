@@ -259,11 +259,8 @@ mod tests {
             pixels: vec![pixel],
         });
         Some(TextureRef {
-            image: scene.images.len() as u32 - 1,
-            uv_set: 0,
             wrap: [Wrap::Clamp; 2],
-            linear: true,
-            transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            ..TextureRef::new(scene.images.len() as u32 - 1)
         })
     }
 

@@ -225,11 +225,8 @@ mod tests {
         };
         let map = NormalMap {
             texture: TextureRef {
-                image: 0,
-                uv_set: 0,
                 wrap: [Wrap::Clamp; 2],
-                linear: true,
-                transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+                ..TextureRef::new(0)
             },
             scale: 1.0,
             heights: false,

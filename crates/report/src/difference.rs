@@ -210,6 +210,7 @@ impl Picture {
 mod tests {
     use super::*;
     use crate::PageLayer;
+    use crate::preview::decoded;
 
     #[test]
     fn zero_is_white_and_both_sides_lie_within_srgb_to_lightness_half() {
@@ -254,12 +255,7 @@ mod tests {
         };
         let bytes = difference_png(&page, ("a", "b"), 0.5).unwrap();
         assert_eq!(bytes, difference_png(&page, ("a", "b"), 0.5).unwrap());
-        let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes))
-            .read_info()
-            .unwrap();
-        let (width, height) = (reader.info().width as usize, reader.info().height as usize);
-        let mut pixels = vec![0; width * height];
-        reader.next_frame(&mut pixels).unwrap();
+        let (width, pixels) = decoded(&bytes);
         let at = |x: usize, y: usize| pixels[(23 + y) * width + 8 + x];
         assert_eq!([at(0, 0), at(255, 255)], [2 * STEPS; 2]);
         assert_eq!([at(256, 0), at(0, 256), at(511, 511)], [ZERO, VOID, 0]);
@@ -271,12 +267,8 @@ mod tests {
         // Wider than its texels, so that these stand in the middle.
         let title = "a title that is wider than the texels of this picture ".repeat(4);
         let bytes = difference_picture([4, 2], &title, 2.0, |i| Some(i as f64 / 2.0));
-        let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes))
-            .read_info()
-            .unwrap();
-        let (width, height) = (reader.info().width as usize, reader.info().height as usize);
-        let mut pixels = vec![0; width * height];
-        reader.next_frame(&mut pixels).unwrap();
+        let (width, pixels) = decoded(&bytes);
+        let height = pixels.len() / width;
         let row = |y: usize| &pixels[y * width..][..width];
         let text = glyphs::HEIGHT;
         assert_eq!(width, glyphs::width(&title) + 16);

@@ -1,10 +1,6 @@
 //! Reads a page back, for `compare` and `render`: any single-part, flat, square EXR.
 
 use crate::{Channel, Error, Page, PageLayer};
-use exr::image::read::image::ReadLayers;
-use exr::image::read::layers::ReadChannels;
-use exr::image::read::read;
-use exr::meta::attribute::AttributeValue;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufReader;
@@ -83,39 +79,14 @@ pub fn read_page_exr(path: &Path) -> Result<PageFile, Error> {
     {
         return Err(fail("it has subsampled channels; a page has none".into()));
     }
-    let image = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .first_valid_layer()
-        .all_attributes()
-        .from_chunks(chunks)
-        .map_err(broken)?;
-    let mut attributes = BTreeMap::new();
-    for (name, value) in image
-        .layer_data
-        .attributes
-        .other
-        .iter()
-        .chain(&image.attributes.other)
-    {
-        if let AttributeValue::Text(text) = value {
-            let value = String::from_utf8_lossy(text.as_slice()).into_owned();
-            attributes.insert(name.to_string(), value);
-        }
-    }
+    let (planes, attributes) = environment::exr_planes(chunks).map_err(broken)?;
     let mut layers: BTreeMap<String, PageLayer> = BTreeMap::new();
-    for channel in image.layer_data.channel_data.list {
-        let full = channel.name.to_string();
+    for (full, values) in planes {
         let (name, suffix) = split(&full);
         let layer = layers.entry(name.into()).or_insert_with(|| PageLayer {
             name: name.into(),
             ..PageLayer::default()
         });
-        let values = match channel.sample_data {
-            exr::image::FlatSamples::F32(values) => values,
-            other => other.values_as_f32().collect(),
-        };
         layer.channels.push(Channel {
             suffix: suffix.into(),
             values,

@@ -8,13 +8,15 @@ use crate::Error;
 use exr::block::chunk::{Chunk, CompressedBlock, CompressedScanLineBlock};
 use exr::block::writer::ChunksWriter;
 use exr::compression::Compression;
+use exr::image::write::WritableImage;
+use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, Layer};
 use exr::meta::BlockDescription;
 use exr::meta::attribute::{AttributeValue, ChannelDescription, LineOrder, SampleType, Text};
 use exr::meta::header::{Header, LayerAttributes};
 use flate2::write::ZlibEncoder;
 use rayon::prelude::*;
 use std::fs::File;
-use std::io::{BufWriter, Read, Seek, SeekFrom, Write};
+use std::io::{BufWriter, Cursor, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::Path;
 
@@ -52,6 +54,30 @@ impl PageHeader {
             ("ambakePage", self.page.to_string()),
         ]
     }
+}
+
+/// The bytes of a picture of a few channels in the order of their names, ZIP. The header names its writer and no more,
+/// so that they depend on the values alone.
+pub(crate) fn plain_exr(
+    size: (usize, usize),
+    channels: impl IntoIterator<Item = AnyChannel<FlatSamples>>,
+) -> Vec<u8> {
+    let attributes = LayerAttributes {
+        software_name: Some(Text::from("ambake")),
+        ..LayerAttributes::default()
+    };
+    let encoding = Encoding {
+        compression: Compression::ZIP16,
+        blocks: Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
+    };
+    let channels = AnyChannels::sort(channels.into_iter().collect());
+    let mut bytes = Cursor::new(Vec::new());
+    Image::from_layer(Layer::new(size, attributes, encoding, channels))
+        .write()
+        .to_unbuffered(&mut bytes)
+        .expect("a picture of a few channels, in memory");
+    bytes.into_inner()
 }
 
 /// Writes a page to `file`, which is empty and open for reading and writing (as [`crate::Output::stage`] hands it out).

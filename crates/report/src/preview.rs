@@ -187,6 +187,16 @@ fn packed(
     bytes
 }
 
+/// Width and bytes of a PNG.
+#[cfg(test)]
+pub(crate) fn decoded(png: &[u8]) -> (usize, Vec<u8>) {
+    let decoder = png::Decoder::new(std::io::Cursor::new(png));
+    let mut reader = decoder.read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut pixels).unwrap();
+    (reader.info().width as usize, pixels)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -219,11 +229,8 @@ mod tests {
         let mut values: Vec<f32> = steps.chain(odd).collect();
         values.resize(32 * 32 * 3, 0.25);
         let bytes = preview_png(32, Layer::Phong, &values).unwrap();
-        let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes))
-            .read_info()
-            .unwrap();
-        let mut pixels = vec![0; values.len()];
-        reader.next_frame(&mut pixels).unwrap();
+        let (_, pixels) = decoded(&bytes);
+        assert_eq!(pixels.len(), values.len());
         for (at, &byte) in pixels.iter().enumerate() {
             let value = values[at % 3 * 1024 + at / 3];
             assert_eq!(byte, Encoding::Srgb.byte(value), "{value}");
@@ -246,17 +253,13 @@ mod tests {
         assert_eq!((info.color_type, info.srgb), (ColorType::Grayscale, None));
 
         let bytes = preview_png(2, Layer::Phong, &values.repeat(3)).unwrap();
-        let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes))
-            .read_info()
-            .unwrap();
+        let reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info();
         assert_eq!(
-            reader.info().srgb,
+            reader.unwrap().info().srgb,
             Some(SrgbRenderingIntent::RelativeColorimetric)
         );
-        let mut pixels = vec![0; 12];
-        reader.next_frame(&mut pixels).unwrap();
         assert_eq!(
-            pixels,
+            decoded(&bytes).1,
             [0, 0, 0, 137, 137, 137, 188, 188, 188, 255, 255, 255]
         );
         assert_eq!(Some(bytes), preview_png(2, Layer::Phong, &values.repeat(3)));

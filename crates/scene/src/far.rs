@@ -5,8 +5,7 @@
 //! most of the scene spans, so that 32-bit corners that were modelled far away keep their bits' worth.
 
 use crate::input::{Input, short};
-use crate::validate::Parts;
-use crate::{Format, Mesh, WarningKind};
+use crate::{Format, Instance, Mesh, WarningKind};
 use glam::{DAffine3, DVec3, Vec3};
 
 /// What lies farther from the origin than so many times its size is moved.
@@ -73,20 +72,15 @@ pub fn home_of<'a>(placed: impl Iterator<Item = (&'a Mesh, &'a DAffine3)>) -> DV
 
 /// Tells of meshes whose 32-bit coordinates lie so far from their origin that details are lost, and of objects
 /// that lie so far from the others that rays lose them.
-pub(crate) fn warn(input: &mut Input, format: Format, parts: &Parts) {
+pub(crate) fn warn(input: &mut Input, format: Format, meshes: &[Mesh], instances: &[Instance]) {
     let homes = home_of(
-        parts
-            .instances
+        instances
             .iter()
-            .map(|instance| (&parts.meshes[instance.mesh as usize], &instance.transform)),
+            .map(|instance| (&meshes[instance.mesh as usize], &instance.transform)),
     );
-    let fine: Vec<f64> = parts.meshes.iter().map(edge).collect();
+    let fine: Vec<f64> = meshes.iter().map(edge).collect();
     // The text of an OBJ file loses nothing: its coordinates are 32-bit numbers only after the distance is taken off.
-    let own = parts
-        .meshes
-        .iter()
-        .zip(&fine)
-        .filter(|_| format != Format::Obj);
+    let own = meshes.iter().zip(&fine).filter(|_| format != Format::Obj);
     let mut lost = own.filter_map(|(mesh, &edge)| {
         let reach = reach(mesh, DAffine3::IDENTITY);
         (spacing(reach) * STEPS > edge).then_some((mesh, reach, edge))
@@ -103,8 +97,8 @@ pub(crate) fn warn(input: &mut Input, format: Format, parts: &Parts) {
         );
         input.warn(WarningKind::LostDigits, place, count, message);
     }
-    let mut apart = parts.instances.iter().filter_map(|instance| {
-        let mesh = &parts.meshes[instance.mesh as usize];
+    let mut apart = instances.iter().filter_map(|instance| {
+        let mesh = &meshes[instance.mesh as usize];
         let mut near = instance.transform;
         near.translation -= homes;
         let m = near.matrix3;

@@ -1,10 +1,32 @@
 //! What one load has so far, whether of a file or of what a program hands over.
 
 #[cfg(feature = "files")]
-use crate::source::Bounds;
+use crate::image::Budget;
 use crate::{Error, Warning, WarningKind};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
+
+/// Where the files may lie that a scene file names: buffers, pictures, material libraries.
+#[cfg(feature = "files")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Files {
+    /// In the folder of the scene file or below it, links resolved. A scene from elsewhere cannot have other files
+    /// read.
+    #[default]
+    Inside,
+    /// Anywhere: for scenes that you trust.
+    Anywhere,
+}
+
+/// What one load may read.
+#[cfg(feature = "files")]
+#[derive(Default)]
+pub(crate) struct Bounds {
+    /// Where files may lie.
+    pub allowed: Files,
+    /// What the decoded pictures take.
+    pub pictures: Budget,
+}
 
 /// The state of one load: which file, the hash of what was read, and the warnings so far.
 pub(crate) struct Input {

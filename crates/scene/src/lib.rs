@@ -12,8 +12,8 @@
 //!   `lights.rs` has the lights. Scenes made in memory: `authored`, their materials
 //!   `authored/material.rs`.
 //! * What is repaired and what is refused: `validate.rs`.
-//! * What a load has so far: `input.rs`. Where the files of a scene may lie, and which are read: `source.rs`, for pictures of a glTF `gltf/document.rs`.
-//!   `SECURITY.md` says why.
+//! * What a load has so far, and what it may read: `input.rs`. Where the files of a scene may lie, and which are read:
+//!   `source.rs`, for pictures of a glTF `gltf/document.rs`. `SECURITY.md` says why.
 //! * From where coordinates count, and what is said of lost digits: `far.rs`. `crates/rays/src/origin.rs` moves worlds.
 //! * Numbers joined into sets, as charts and solids are found: `sets.rs`.
 //! * Materials as Phong parameters: `material.rs`. How normal maps are decoded: `normal_map.rs`. At a point of a
@@ -60,13 +60,13 @@ pub use document::{EncodedImage, GltfDocument};
 pub use error::Error;
 #[cfg(feature = "gltf")]
 pub use gltf::{Elements, conformance};
+#[cfg(feature = "files")]
+pub use input::Files;
 pub use input::kept_name;
 #[cfg(feature = "files")]
 pub use load::{load, load_with};
 pub use material::{MAX_EXPONENT, phong_from_metallic_roughness, phong_from_specular_glossiness};
 pub use normal_map::{NormalMap, Packed, PackedImage};
 pub use sets::Sets;
-#[cfg(feature = "files")]
-pub use source::Files;
 pub use types::*;
 pub use warning::{Warning, WarningKind};

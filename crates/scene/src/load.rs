@@ -1,8 +1,8 @@
 //! From a file to its scene.
 
 use crate::image::Budget;
-use crate::input::Input;
-use crate::source::{Bounds, format_of};
+use crate::input::{Bounds, Input};
+use crate::source::format_of;
 use crate::{Error, Files, Format, Scene, validate};
 use std::path::Path;
 

@@ -220,40 +220,27 @@ fn pair(t: f64, size: u32, wrap: Wrap) -> (u32, u32, f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Format, Scene};
+    use crate::Scene;
 
     /// Two by one texels: black with alpha 0 on the left, sRGB 188 with alpha 255 on the right.
     fn scene() -> Scene {
         let pixels = vec![[0, 0, 0, 0], [188, 188, 188, 255]];
         Scene {
-            path: "x".into(),
-            format: Format::Obj,
-            meshes: vec![],
-            instances: vec![],
-            materials: vec![],
             images: vec![Image {
                 name: "two".into(),
                 width: 2,
                 height: 1,
                 pixels,
             }],
-            packed_images: vec![],
-            lights: vec![],
-            warnings: vec![],
-            content_hash: String::new(),
-            source: None,
-            inputs: Vec::new(),
+            ..Scene::default()
         }
     }
 
     fn texture(wrap: Wrap, linear: bool) -> TextureRef {
-        let transform = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         TextureRef {
-            image: 0,
-            uv_set: 0,
             wrap: [wrap; 2],
             linear,
-            transform,
+            ..TextureRef::new(0)
         }
     }
 

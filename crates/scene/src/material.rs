@@ -38,8 +38,8 @@
 //! [`conserving`] scales both. To take the excess from one of them would turn many files black or matt: exporters leave
 //! a `Ks` of 0.5 or 1 beside any `Kd`.
 
+use crate::WarningKind;
 use crate::input::Input;
-use crate::{Alpha, Material, Surface, WarningKind};
 use glam::Vec3;
 
 /// Largest lobe exponent that a scene holds.
@@ -123,29 +123,6 @@ pub(crate) fn tell_scaled(input: &mut Input) {
     let mut all = input.warnings.iter_mut();
     while let Some(warning) = all.find(|warning| warning.kind == WarningKind::ReflectanceScaled) {
         warning.message.clone_from(&message);
-    }
-}
-
-/// The material of a mesh that has none: a white Lambertian surface, so that the baked terms carry no tint.
-///
-/// glTF's own default (white, metallic 1, roughness 1) would make every unassigned mesh a rough metal with a black
-/// albedo: of no use for a lightmap, whose geometry is what the file is about. OBJ defines no default.
-pub(crate) fn untinted(name: &str) -> Material {
-    Material {
-        name: name.into(),
-        surface: Surface::Phong {
-            albedo: Vec3::ONE,
-            albedo_map: None,
-            specular: Vec3::ZERO,
-            exponent: 0.0,
-        },
-        ambient: None,
-        emission: Vec3::ZERO,
-        emission_map: None,
-        alpha: Alpha::Opaque,
-        transmission: None,
-        normal_map: None,
-        double_sided: true,
     }
 }
 

@@ -1,7 +1,6 @@
 //! Reads the bytes of a scene: the main file and the files it names, all of them hashed in the order they are read.
 
-use crate::image::Budget;
-use crate::input::{Input, short};
+use crate::input::{Files, Input, short};
 use crate::{Error, Format, WarningKind};
 use base64::Engine;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
@@ -10,31 +9,11 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Where the files may lie that a scene file names: buffers, pictures, material libraries.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Files {
-    /// In the folder of the scene file or below it, links resolved. A scene from elsewhere cannot have other files
-    /// read.
-    #[default]
-    Inside,
-    /// Anywhere: for scenes that you trust.
-    Anywhere,
-}
-
 /// The most bytes that a file named by a scene may hold beyond what the scene says of it: 1 GiB.
 pub(crate) const MOST_BYTES: u64 = 1 << 30;
 
 /// What is done without the picture of a normal map.
 pub(crate) const NORMALS_STAND: &str = "the mesh's normals stand alone";
-
-/// What one load may read.
-#[derive(Default)]
-pub(crate) struct Bounds {
-    /// Where files may lie.
-    pub allowed: Files,
-    /// What the decoded pictures take.
-    pub pictures: Budget,
-}
 
 impl Input {
     /// All bytes of the main file, hashed.

@@ -10,8 +10,8 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// A whole scene, validated.
-#[derive(Debug, Clone)]
+/// A whole scene, validated. The default is empty, from no file.
+#[derive(Debug, Clone, Default)]
 pub struct Scene {
     /// The file that was loaded; `scene` for one built in memory, whose files take their stem from it.
     pub path: PathBuf,
@@ -41,7 +41,7 @@ pub struct Scene {
 }
 
 /// Where a scene comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Format {
     /// Wavefront OBJ with MTL.
@@ -51,12 +51,13 @@ pub enum Format {
     /// glTF 2.0 binary container.
     Glb,
     /// No file: [`Scene::from_meshes`].
+    #[default]
     Memory,
 }
 
 /// Triangles that share one vertex array and one material: a glTF primitive, an OBJ group's part with one material, or
-/// a mesh handed over in memory.
-#[derive(Debug, Clone)]
+/// a mesh handed over in memory. The default has no triangle.
+#[derive(Debug, Clone, Default)]
 pub struct Mesh {
     /// Name for messages: the file's, else `mesh 3 primitive 0`.
     pub name: String,
@@ -93,7 +94,7 @@ pub struct Mesh {
 
 /// The place of a mesh in its file. For OBJ `mesh` counts the loaded parts, for a built scene the meshes handed over,
 /// and `primitive` is 0.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct MeshOrigin {
     /// glTF mesh index.
     pub mesh: u32,
@@ -265,6 +266,29 @@ impl Surface {
 }
 
 impl Material {
+    /// A white, opaque Lambertian surface, so that the baked terms carry no tint: what a mesh without a material gets.
+    ///
+    /// glTF's own default (white, metallic 1, roughness 1) would make every unassigned mesh a rough metal with a black
+    /// albedo: of no use for a lightmap, whose geometry is what the file is about. OBJ defines no default.
+    pub fn untinted(name: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            surface: Surface::Phong {
+                albedo: Vec3::ONE,
+                albedo_map: None,
+                specular: Vec3::ZERO,
+                exponent: 0.0,
+            },
+            ambient: None,
+            emission: Vec3::ZERO,
+            emission_map: None,
+            alpha: Alpha::Opaque,
+            transmission: None,
+            normal_map: None,
+            double_sided: true,
+        }
+    }
+
     /// Blocks every ray.
     pub fn is_opaque(&self) -> bool {
         matches!(self.alpha, Alpha::Opaque) && self.transmission.is_none()
@@ -331,6 +355,22 @@ pub struct TextureRef {
     /// KHR_texture_transform as a matrix: `uv' = transform * (u, v, 1)`, rows first.
     pub transform: [[f32; 3]; 2],
 }
+
+impl TextureRef {
+    /// All of an image by the first UV set, repeated and bilinear.
+    pub fn new(image: u32) -> Self {
+        Self {
+            image,
+            uv_set: 0,
+            wrap: [Wrap::Repeat; 2],
+            linear: true,
+            transform: UNMOVED,
+        }
+    }
+}
+
+/// [`TextureRef::transform`] that leaves coordinates as they are.
+pub(crate) const UNMOVED: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 
 /// Texture wrap rule.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

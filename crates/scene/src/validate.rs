@@ -68,7 +68,7 @@ pub(crate) fn scene(mut input: Input, format: Format, mut parts: Parts) -> Resul
             hint,
         });
     }
-    far::warn(&mut input, format, &parts);
+    far::warn(&mut input, format, &parts.meshes, &parts.instances);
     invisible_materials(&mut input, &parts);
     textures_without_uvs(&mut input, &mut parts);
     tell_scaled(&mut input);

@@ -2,25 +2,14 @@
 
 use ambake_atlas::{Atlas, Audit, MeshLayout, Placement, UvSource};
 use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
-use scene::{Alpha, Format, Instance, Material, Mesh, MeshOrigin, Scene, Surface};
+use scene::{Format, Instance, Material, Mesh, Scene};
 
 pub fn mesh(name: &str, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
     Mesh {
         name: name.into(),
         positions,
-        normals: Vec::new(),
-        tangents: Vec::new(),
-        colors: Vec::new(),
-        alphas: Vec::new(),
-        uv_sets: Vec::new(),
         triangles,
-        source_triangles: Vec::new(),
-        source_vertices: Vec::new(),
-        material: 0,
-        origin: MeshOrigin {
-            mesh: 0,
-            primitive: 0,
-        },
+        ..Mesh::default()
     }
 }
 
@@ -35,29 +24,8 @@ pub fn scene(meshes: Vec<Mesh>, instances: &[(u32, u32, DAffine3)]) -> Scene {
         format: Format::Obj,
         meshes,
         instances: instances.iter().map(instance).collect(),
-        materials: vec![Material {
-            name: "grey".into(),
-            surface: Surface::Phong {
-                albedo: Vec3::splat(0.5),
-                albedo_map: None,
-                specular: Vec3::ZERO,
-                exponent: 0.0,
-            },
-            ambient: None,
-            emission: Vec3::ZERO,
-            emission_map: None,
-            transmission: None,
-            alpha: Alpha::Opaque,
-            normal_map: None,
-            double_sided: true,
-        }],
-        images: Vec::new(),
-        packed_images: Vec::new(),
-        lights: Vec::new(),
-        warnings: Vec::new(),
-        content_hash: String::new(),
-        source: None,
-        inputs: Vec::new(),
+        materials: vec![Material::untinted("grey")],
+        ..Scene::default()
     }
 }
 

@@ -4,7 +4,6 @@ use super::compose::BakedTexel;
 use super::directional;
 use super::finish::{Site, finish};
 use super::planes::{BakedPage, LayerPlanes};
-use super::spend::spend;
 use super::stats::PageStats;
 use super::terms::{finds_seals, working_layers};
 use super::tile::{BakedTile, Column, Columns};
@@ -47,7 +46,7 @@ pub struct Baker<'a> {
     across: Across,
     rasters: Rasters,
     /// Rays of the texels of each tile, by page.
-    spent: Vec<OnceLock<Vec<u32>>>,
+    pub(super) spent: Vec<OnceLock<Vec<u32>>>,
     /// Texels finished so far, over all pages.
     done: AtomicU64,
 }
@@ -106,12 +105,6 @@ impl<'a> Baker<'a> {
     /// The triangles of a page, by tile.
     pub(crate) fn raster(&self, page: u32) -> PageRaster<'a> {
         self.rasters.page(self.world.scene(), self.atlas, page)
-    }
-
-    /// The rays that each texel of a tile takes over the hemisphere, tile by tile. Where a target is set, they are
-    /// found by a few rays of every texel.
-    pub fn rays(&self, page: u32) -> &[u32] {
-        self.spent[page as usize].get_or_init(|| spend(self, page))
     }
 
     /// An empty page to start from.

@@ -46,8 +46,16 @@ struct Found {
     squares: f64,
 }
 
+impl Baker<'_> {
+    /// The rays that each texel of a tile takes over the hemisphere, tile by tile. Where a target is set, they are
+    /// found by a few rays of every texel.
+    pub fn rays(&self, page: u32) -> &[u32] {
+        self.spent[page as usize].get_or_init(|| spend(self, page))
+    }
+}
+
 /// The rays of the texels of each tile of a page, over the hemisphere.
-pub(super) fn spend(baker: &Baker<'_>, page: u32) -> Vec<u32> {
+fn spend(baker: &Baker<'_>, page: u32) -> Vec<u32> {
     let tiles = baker.raster(page).tiles().len();
     match baker.options.effort {
         Effort::Rays(rays) => vec![rays; tiles],

@@ -193,16 +193,15 @@ fn upright(at: [f64; 2], edges: &[[f64; 2]], [low, high]: [f64; 2]) -> scene::au
     polygons(&faces)
 }
 
+/// The corners of a square about the origin, the first one again at the end.
+fn ring(half: f64) -> [[f64; 2]; 5] {
+    let (a, b) = (-half, half);
+    [[a, a], [b, a], [b, b], [a, b], [a, a]]
+}
+
 fn four_walls(low: f64) -> Made {
     let mut made = on_ground(vec![]);
-    let edges = [
-        [-1.0, -1.0],
-        [1.0, -1.0],
-        [1.0, 1.0],
-        [-1.0, 1.0],
-        [-1.0, -1.0],
-    ];
-    made.open(upright([0.3, 0.2], &edges, [low, 1.1]));
+    made.open(upright([0.3, 0.2], &ring(1.0), [low, 1.1]));
     // The ground within may be looked at from above, or not.
     made.spare(0);
     made
@@ -583,14 +582,7 @@ fn bucket(s: f64) -> Made {
 
 fn shell(s: f64) -> Made {
     let mut made = on_ground(vec![]);
-    let edges = [
-        [-2.0, -2.0],
-        [2.0, -2.0],
-        [2.0, 2.0],
-        [-2.0, 2.0],
-        [-2.0, -2.0],
-    ];
-    made.open(upright([0.0, 0.0], &edges, [0.0, 2.5]));
+    made.open(upright([0.0, 0.0], &ring(2.0), [0.0, 2.5]));
     made.convex(block([-1.0, -1.0, 0.0], [0.5 + s, 0.5, 0.8]));
     made.convex(block([1.2, 1.2, 0.0], [1.9, 1.9, 1.8]));
     made
@@ -598,28 +590,14 @@ fn shell(s: f64) -> Made {
 
 fn sunk_shell(s: f64) -> Made {
     let mut made = on_ground(vec![]);
-    let edges = [
-        [-2.0, -2.0],
-        [2.0, -2.0],
-        [2.0, 2.0],
-        [-2.0, 2.0],
-        [-2.0, -2.0],
-    ];
-    made.open(upright([0.0, 0.0], &edges, [s - 0.3, 2.5]));
+    made.open(upright([0.0, 0.0], &ring(2.0), [s - 0.3, 2.5]));
     made.convex(block([-1.0, -1.0, 0.0], [0.5, 0.5, 0.8]));
     made
 }
 
 fn walls_apart(s: f64) -> Made {
     let mut made = on_ground(vec![]);
-    let edges = [
-        [-2.0, -2.0],
-        [2.0, -2.0],
-        [2.0, 2.0],
-        [-2.0, 2.0],
-        [-2.0, -2.0],
-    ];
-    for pair in edges.windows(2) {
+    for pair in ring(2.0).windows(2) {
         made.open(upright([0.0, 0.0], pair, [s - 0.3, 2.5]));
     }
     made

@@ -108,10 +108,7 @@ mod tests {
     fn points_by_rays_scatter_about_the_closed_form_by_their_errors() {
         let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/plane.obj");
         let scene = scene::load(file.as_ref()).expect("an authored scene");
-        let options = WorldOptions {
-            instancing: true,
-            alpha_test_all: false,
-        };
+        let options = WorldOptions::default();
         let world = World::new(Arc::new(scene), options).expect("the plane fits");
         let backend = build(BackendKind::Obvhs(Layout::Cwbvh), &world, 0).expect("no library");
         let (surfaces, lamps) = (Surfaces::new(&world), Lamps::NONE);

@@ -3,9 +3,8 @@
 use crate::exact::{Open, polygon_form_factor, polygon_solid_angle};
 use atlas::{Atlas, Audit, MeshLayout, Placement, UvSource};
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
-use scene::{Alpha, Format, Instance, Material, Mesh, MeshOrigin, Scene, Surface};
+use scene::{Format, Instance, Material, Mesh, Scene, Surface};
 use std::f64::consts::TAU;
-use std::path::PathBuf;
 
 /// Page edge in texels; the receiver fills the page.
 pub(super) const SIZE: u32 = 16;
@@ -166,19 +165,8 @@ fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
     Mesh {
         name: "mesh".into(),
         positions,
-        normals: Vec::new(),
-        tangents: Vec::new(),
-        colors: Vec::new(),
-        alphas: Vec::new(),
-        uv_sets: Vec::new(),
         triangles,
-        source_triangles: Vec::new(),
-        source_vertices: Vec::new(),
-        material: 0,
-        origin: MeshOrigin {
-            mesh: 0,
-            primitive: 0,
-        },
+        ..Mesh::default()
     }
 }
 
@@ -186,33 +174,21 @@ fn scene(meshes: Vec<Mesh>) -> Scene {
     let instances =
         (0..meshes.len() as u32).map(|mesh| Instance::new("object", mesh, DAffine3::IDENTITY));
     Scene {
-        path: PathBuf::from("hard.obj"),
+        path: "hard.obj".into(),
         format: Format::Obj,
         instances: instances.collect(),
         meshes,
         materials: vec![Material {
-            name: "matt".into(),
             surface: Surface::Phong {
                 albedo: Vec3::ONE,
                 albedo_map: None,
                 specular: Vec3::ONE,
                 exponent: 0.0,
             },
-            ambient: None,
-            emission: Vec3::ZERO,
-            emission_map: None,
-            transmission: None,
-            alpha: Alpha::Opaque,
-            normal_map: None,
             // What is baked is the side that a formula is of, also where nobody could look at it.
             double_sided: false,
+            ..Material::untinted("matt")
         }],
-        images: Vec::new(),
-        packed_images: Vec::new(),
-        lights: Vec::new(),
-        warnings: Vec::new(),
-        content_hash: String::new(),
-        source: None,
-        inputs: Vec::new(),
+        ..Scene::default()
     }
 }

@@ -209,63 +209,31 @@ mod tests {
     use super::*;
     use glam::{DAffine3, Vec2};
     use rays::WorldOptions;
-    use scene::{
-        Alpha, Image, Instance, Material, Mesh, MeshOrigin, Scene, Surface, TextureRef, Wrap,
-    };
+    use scene::{Alpha, Image, Instance, Material, Mesh, Scene, TextureRef, Wrap};
     use std::sync::Arc;
 
     /// The square -1..=1 in x and y at z = 0 with UVs 0..=1; where it is `masked` its left half is a hole.
     fn square(masked: bool) -> World {
         let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(Vec2::from);
-        let map = TextureRef {
-            image: 0,
-            uv_set: 0,
-            wrap: [Wrap::Clamp; 2],
-            linear: false,
-            transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-        };
-        let material = Material {
-            name: "matt".into(),
-            surface: Surface::Phong {
-                albedo: glam::Vec3::ONE,
-                albedo_map: None,
-                specular: glam::Vec3::ZERO,
-                exponent: 0.0,
-            },
-            ambient: None,
-            emission: glam::Vec3::ZERO,
-            emission_map: None,
-            transmission: None,
-            alpha: match masked {
-                false => Alpha::Opaque,
-                true => Alpha::Mask {
-                    cutoff: 0.5,
-                    factor: 1.0,
-                    map: Some(map),
-                },
-            },
-            normal_map: None,
-            double_sided: true,
-        };
+        let mut material = Material::untinted("matt");
+        if masked {
+            let map = TextureRef {
+                wrap: [Wrap::Clamp; 2],
+                linear: false,
+                ..TextureRef::new(0)
+            };
+            material.alpha = Alpha::Mask {
+                cutoff: 0.5,
+                factor: 1.0,
+                map: Some(map),
+            };
+        }
         let scene = Scene {
-            path: "square.obj".into(),
-            format: scene::Format::Obj,
             meshes: vec![Mesh {
-                name: "square".into(),
                 positions: corners.map(|c| c.extend(0.0)).to_vec(),
-                normals: Vec::new(),
-                tangents: Vec::new(),
-                colors: Vec::new(),
-                alphas: Vec::new(),
                 uv_sets: vec![corners.map(|c| (c + 1.0) * 0.5).to_vec()],
                 triangles: vec![[0, 1, 2], [0, 2, 3]],
-                source_triangles: Vec::new(),
-                source_vertices: Vec::new(),
-                material: 0,
-                origin: MeshOrigin {
-                    mesh: 0,
-                    primitive: 0,
-                },
+                ..Mesh::default()
             }],
             instances: vec![Instance::new("square", 0, DAffine3::IDENTITY)],
             materials: vec![material],
@@ -275,17 +243,9 @@ mod tests {
                 height: 1,
                 pixels: vec![[255, 255, 255, 0], [255; 4]],
             }],
-            packed_images: Vec::new(),
-            lights: Vec::new(),
-            warnings: Vec::new(),
-            content_hash: String::new(),
-            source: None,
-            inputs: Vec::new(),
+            ..Scene::default()
         };
-        let options = WorldOptions {
-            instancing: true,
-            alpha_test_all: false,
-        };
+        let options = WorldOptions::default();
         World::new(Arc::new(scene), options).expect("the square fits single precision")
     }
 

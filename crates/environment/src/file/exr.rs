@@ -2,6 +2,7 @@
 
 use super::image_file::{ImageFile, Labels, Reason, check_size};
 use crate::Image;
+use exr::block::reader::Reader;
 use exr::image::read::image::ReadLayers;
 use exr::image::read::layers::ReadChannels;
 use exr::image::read::read;
@@ -9,7 +10,7 @@ use exr::image::write::WritableImage;
 use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Layer};
 use exr::meta::attribute::{AttributeValue, LineOrder, Text};
 use exr::meta::header::LayerAttributes;
-use std::io::Cursor;
+use std::io::{Cursor, Read, Seek};
 
 /// Deflate cannot shrink data more than this; a header that promises more lies about its file.
 const MAX_RATIO: usize = 1032;
@@ -44,29 +45,10 @@ pub(super) fn decode(bytes: &[u8]) -> Result<ImageFile, Reason> {
             bytes.len()
         ));
     }
-    let file = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .first_valid_layer()
-        .all_attributes()
-        .from_chunks(chunks)
-        .map_err(damaged)?;
-    let mut labels = Labels::new();
-    let layer = file.layer_data;
-    for (name, value) in layer.attributes.other.iter().chain(&file.attributes.other) {
-        if let AttributeValue::Text(text) = value {
-            let text = String::from_utf8_lossy(text.as_slice()).into_owned();
-            labels.insert(name.to_string(), text);
-        }
-    }
-    let planes = layer.channel_data.list;
-    let plane = |name: &str| {
-        let found = planes.iter().find(|c| c.name.to_string() == name)?;
-        Some(match &found.sample_data {
-            FlatSamples::F32(values) => values.clone(),
-            other => other.values_as_f32().collect::<Vec<f32>>(),
-        })
+    let (mut planes, labels) = exr_planes(chunks).map_err(damaged)?;
+    let mut plane = |name: &str| {
+        let found = planes.iter_mut().find(|plane| plane.0 == name)?;
+        Some(std::mem::take(&mut found.1))
     };
     let pixels = match (plane("R"), plane("G"), plane("B"), plane("Y")) {
         (Some(r), Some(g), Some(b), _) => (0..r.len()).map(|i| [r[i], g[i], b[i]]).collect(),
@@ -81,6 +63,41 @@ pub(super) fn decode(bytes: &[u8]) -> Result<ImageFile, Reason> {
         },
         labels,
     })
+}
+
+/// Channels of an `.exr` file with their names, in the file's order.
+pub type Planes = Vec<(String, Vec<f32>)>;
+
+/// The channels of the first part of an `.exr` file as floats, and its text attributes.
+///
+/// # Errors
+/// The file is damaged.
+pub fn exr_planes<R: Read + Seek>(chunks: Reader<R>) -> exr::error::Result<(Planes, Labels)> {
+    let file = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .from_chunks(chunks)?;
+    let layer = file.layer_data;
+    let attributes = layer.attributes.other.iter().chain(&file.attributes.other);
+    let labels = attributes.filter_map(|(name, value)| match value {
+        AttributeValue::Text(text) => {
+            let text = String::from_utf8_lossy(text.as_slice()).into_owned();
+            Some((name.to_string(), text))
+        }
+        _ => None,
+    });
+    let labels = labels.collect();
+    let planes = layer.channel_data.list.into_iter().map(|channel| {
+        let values = match channel.sample_data {
+            FlatSamples::F32(values) => values,
+            other => other.values_as_f32().collect(),
+        };
+        (channel.name.to_string(), values)
+    });
+    Ok((planes.collect(), labels))
 }
 
 /// The bytes of an `.exr` file with `labels` as string attributes, and a channel of another name where it is given.

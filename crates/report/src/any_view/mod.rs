@@ -1,11 +1,8 @@
 //! The files beside pages of harmonics: the kernels as a picture, and functions for shaders.
 
+use crate::exr_write::plain_exr;
 use crate::{Error, Output};
-use exr::image::write::WritableImage;
-use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, Layer};
-use exr::meta::attribute::{LineOrder, Text};
-use exr::meta::header::LayerAttributes;
-use std::io::Cursor;
+use exr::image::{AnyChannel, FlatSamples};
 
 const GLSL: &str = include_str!("any-view.glsl");
 const WGSL: &str = include_str!("any-view.wgsl");
@@ -46,26 +43,10 @@ fn shader(text: &str, order: u32) -> String {
     text.replace("= 4; // 8 for any-view.8", &format!("= {order};"))
 }
 
-/// One channel, `Y`, 32-bit floats. The header names its writer and no more, so that the bytes depend on the values
-/// alone.
+/// One channel, `Y`, 32-bit floats.
 fn encode(columns: usize, values: Vec<f32>) -> Vec<u8> {
     let size = (columns, values.len() / columns);
-    let channels = AnyChannels::sort(vec![AnyChannel::new("Y", FlatSamples::F32(values))].into());
-    let attributes = LayerAttributes {
-        software_name: Some(Text::from("ambake")),
-        ..LayerAttributes::default()
-    };
-    let encoding = Encoding {
-        compression: exr::compression::Compression::ZIP16,
-        blocks: Blocks::ScanLines,
-        line_order: LineOrder::Increasing,
-    };
-    let mut bytes = Cursor::new(Vec::new());
-    Image::from_layer(Layer::new(size, attributes, encoding, channels))
-        .write()
-        .to_unbuffered(&mut bytes)
-        .expect("a picture of one channel, in memory");
-    bytes.into_inner()
+    plain_exr(size, [AnyChannel::new("Y", FlatSamples::F32(values))])
 }
 
 #[cfg(test)]

@@ -96,6 +96,7 @@ fn encode(size: u32, depth: BitDepth, bytes: &[u8]) -> Vec<u8> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::preview::decoded;
     use std::borrow::Cow;
 
     /// A page of one value.
@@ -114,29 +115,19 @@ pub(super) mod tests {
         }
     }
 
-    /// The bytes of a PNG.
-    pub fn pixels(file: &[u8]) -> Vec<u8> {
-        let mut reader = png::Decoder::new(std::io::Cursor::new(file))
-            .read_info()
-            .unwrap();
-        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-        reader.next_frame(&mut pixels).unwrap();
-        pixels
-    }
-
     #[test]
     fn sixteen_bits_are_rounded() {
-        assert_eq!(pixels(&deep(&page(0.25)))[..2], 16384u16.to_be_bytes());
-        assert_eq!(pixels(&deep(&page(2.0)))[..2], [255, 255]);
+        assert_eq!(decoded(&deep(&page(0.25))).1[..2], 16384u16.to_be_bytes());
+        assert_eq!(decoded(&deep(&page(2.0))).1[..2], [255, 255]);
     }
 
     #[test]
     fn dither_keeps_the_mean_spreads_evenly_and_leaves_what_fits() {
         for exact in [0u8, 51, 255] {
-            let flat = pixels(&dithered(&page(f32::from(exact) / 255.0)));
+            let (_, flat) = decoded(&dithered(&page(f32::from(exact) / 255.0)));
             assert!(flat.iter().all(|&v| v == exact), "{exact}");
         }
-        let bytes = pixels(&dithered(&page(100.25 / 255.0)));
+        let (_, bytes) = decoded(&dithered(&page(100.25 / 255.0)));
         assert!(bytes.iter().all(|&v| v == 100 || v == 101));
         // Each block of 8 x 8 has about its share of the brighter quarter: white noise would stray by 3.5.
         for block in 0..64 {

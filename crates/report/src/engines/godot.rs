@@ -5,7 +5,7 @@
 //! number of their page in their names, a `.import` file names the script of either version, and another keeps Godot
 //! from compressing the lightmap.
 
-use super::scene_kind::{Beside, Picture, SceneGlb};
+use super::scene_kind::{Picture, SceneGlb, TextFile};
 use super::{Engine, PageLight};
 use crate::preview::encode;
 use png::ColorType;
@@ -18,15 +18,15 @@ pub const GODOT: SceneGlb = SceneGlb {
     picture,
     shows,
     beside: &[
-        Beside {
+        TextFile {
             ending: "godot.glb.import",
             text: import,
         },
-        Beside {
+        TextFile {
             ending: "godot3.gd",
             text: |_| include_str!("godot3.gd").into(),
         },
-        Beside {
+        TextFile {
             ending: "godot4.gd",
             text: |_| include_str!("godot4.gd").into(),
         },

@@ -62,8 +62,9 @@ fn shows(map: &mut Map<String, Value>, _: usize, texture: u64, strength: f32) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::ao::tests::{page, pixels};
+    use super::super::ao::tests::page;
     use super::*;
+    use crate::preview::decoded;
     use std::borrow::Cow;
 
     #[test]
@@ -75,7 +76,7 @@ mod tests {
         }
         let picture = picture(&page).unwrap();
         assert_eq!(picture.strength, 1.0);
-        let bytes = pixels(&picture.png);
+        let (_, bytes) = decoded(&picture.png);
         let edge = page.size as usize;
         let raised = |c: usize, x: usize, y: usize| bytes[3 * (y * edge + x) + c] == 101;
         for c in 0..3 {

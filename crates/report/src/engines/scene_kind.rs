@@ -17,13 +17,13 @@ pub(super) struct SceneGlb {
     /// the texture and the strength of its picture.
     pub shows: fn(&mut Map<String, Value>, usize, u64, f32),
     /// What an engine wants to find beside it.
-    pub beside: &'static [Beside],
+    pub beside: &'static [TextFile],
     /// Unit and use, as `bake.json` says them.
     pub words: [&'static str; 2],
 }
 
-/// A text file beside such a GLB.
-pub(super) struct Beside {
+/// A text file that stands beside such a GLB.
+pub(super) struct TextFile {
     /// What stands behind `STEM.` in its name.
     pub ending: &'static str,
     /// Its content, for a stem.

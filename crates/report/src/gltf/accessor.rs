@@ -1,7 +1,8 @@
 //! Accessors of the file as raw elements in a new order, with their types and every other property untouched.
 
 use super::Reason;
-use super::document::{Document, Target, index};
+use super::document::{Document, Target};
+use super::places::index;
 use scene::Elements;
 use serde_json::{Value, json};
 

@@ -279,8 +279,3 @@ impl<'a> Document<'a> {
         Ok(file)
     }
 }
-
-/// An index stored under `key`.
-pub fn index(value: &Value, key: &str) -> Option<usize> {
-    usize::try_from(value.get(key)?.as_u64()?).ok()
-}

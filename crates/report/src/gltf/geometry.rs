@@ -2,8 +2,9 @@
 
 use super::Reason;
 use super::accessor::gather;
-use super::document::{Document, index};
+use super::document::Document;
 use super::material::{self, Uses};
+use super::places::index;
 use atlas::{MeshLayout, Placement};
 use glam::{Vec2, Vec3};
 use scene::Mesh;

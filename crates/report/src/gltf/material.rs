@@ -1,7 +1,8 @@
 //! Materials that show a page: `occlusionTexture` lives on the material, so each is cloned for each page it is on.
 
 use super::Reason;
-use super::document::{Document, Target, index};
+use super::document::{Document, Target};
+use super::places::index;
 use scene::Scene;
 use serde_json::{Map, Value, json};
 use std::collections::{HashMap, HashSet};

@@ -1,6 +1,7 @@
 //! One glTF mesh for each object: lightmap coordinates differ between the users of a mesh, so the mesh is cloned.
 
-use super::document::{Document, index};
+use super::document::Document;
+use super::places::index;
 use super::{Reason, User};
 use scene::Elements;
 use serde_json::{Value, json};

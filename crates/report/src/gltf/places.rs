@@ -79,3 +79,8 @@ pub(crate) fn each_place(json: &mut Value, at: &mut dyn FnMut(&mut Value)) {
         at(view);
     }
 }
+
+/// An index stored under `key`.
+pub(crate) fn index(value: &Value, key: &str) -> Option<usize> {
+    usize::try_from(value.get(key)?.as_u64()?).ok()
+}

@@ -4,8 +4,7 @@
 //! Numbers change, so every place that names an accessor, a view or a buffer has to be known. A document with an
 //! extension that may name one in a place of its own stays as it is.
 
-use super::document::index;
-use super::places::{Each, each_accessor, each_place, each_view};
+use super::places::{Each, each_accessor, each_place, each_view, index};
 use serde_json::Value;
 use std::collections::HashSet;
 use std::ops::Range;

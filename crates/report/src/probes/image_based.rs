@@ -4,7 +4,7 @@
 //! its default scene, whose authors wrote the specification: the x axis is turned over, rows of faces run upward, and
 //! harmonics have the sign (-1)^m. So its harmonics of x keep their sign, and those that are odd in y change it.
 
-use super::reflections::ReflectionMaps;
+use super::ReflectionMaps;
 use crate::engines::{parts, whole};
 use crate::preview::encode;
 use ambient::harmonics::{COSINE, basis, order_of};

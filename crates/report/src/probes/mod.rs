@@ -6,10 +6,11 @@ mod reflections;
 
 pub(crate) use engines::polynomial;
 pub use engines::{ProbeFile, probe_files};
-pub use reflections::{ReflectionLevel, ReflectionMaps, ReflectionReport};
+pub use reflections::{ReflectionLevel, ReflectionReport};
 
 use crate::{Engine, Error, Output, PageHeader, check_regular, write_page_exr};
 use ambient::harmonics::count;
+use environment::Image;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -141,6 +142,15 @@ pub struct ProbeSet {
     pub reflections: Vec<ReflectionMaps>,
     /// The scene for files that hold it with its light; without one they hold the light alone.
     pub glb: Option<Vec<u8>>,
+}
+
+/// The pictures of a place: six faces below each other, +x -x +y -y +z -z.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReflectionMaps {
+    /// By level.
+    pub levels: Vec<Image>,
+    /// Of matt surfaces.
+    pub diffuse: Image,
 }
 
 /// The name of the report.

@@ -39,15 +39,6 @@ pub struct ReflectionLevel {
     pub error: f64,
 }
 
-/// The pictures of a place: six faces below each other, +x -x +y -y +z -z.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ReflectionMaps {
-    /// By level.
-    pub levels: Vec<Image>,
-    /// Of matt surfaces.
-    pub diffuse: Image,
-}
-
 /// Stages the cubes, and the pictures for engines that filter by themselves.
 pub(super) fn stage(
     output: &mut Output,

@@ -1,8 +1,7 @@
 //! Turns what a program hands over into a scene, under the same rules as a file.
 
-use super::{Material, Mesh, Placement, hash, material};
-use crate::input::{Input, short};
-use crate::material::untinted;
+use super::{Material, Mesh, Placement, hash, material, named, place};
+use crate::input::Input;
 use crate::validate::{self, Parts};
 use crate::{Error, Format, Instance, MeshOrigin, Scene};
 use glam::{DAffine3, Vec2, Vec3, Vec4};
@@ -112,7 +111,7 @@ fn parts(
         parts.materials.push(material);
     }
     if parts.materials.is_empty() {
-        parts.materials.push(untinted("none"));
+        parts.materials.push(crate::Material::untinted("none"));
     }
     let once = |mesh| Placement {
         mesh,
@@ -204,13 +203,12 @@ fn mesh(
         alphas,
         uv_sets: uv_sets(given.uvs, given.lightmap_uvs, vertices),
         triangles: given.triangles,
-        source_triangles: Vec::new(),
-        source_vertices: Vec::new(),
         material,
         origin: MeshOrigin {
             mesh: number as u32,
             primitive: 0,
         },
+        ..crate::Mesh::default()
     };
     if !validate::mesh(input, &mut mesh, &place)? {
         return Ok(None);
@@ -244,22 +242,4 @@ fn affine(
 
 fn vectors(arrays: Vec<[f32; 3]>) -> Vec<Vec3> {
     arrays.into_iter().map(Vec3::from_array).collect()
-}
-
-/// A name, or the stand-in for an empty one.
-pub(super) fn named(name: &str, or: impl Fn() -> String) -> String {
-    if name.is_empty() {
-        or()
-    } else {
-        name.to_owned()
-    }
-}
-
-/// What messages call a mesh or a material.
-pub(super) fn place(what: &str, number: usize, name: &str) -> String {
-    if name.is_empty() {
-        format!("{what} {number}")
-    } else {
-        format!("{what} {number} `{}`", short(name))
-    }
 }

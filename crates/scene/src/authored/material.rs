@@ -1,12 +1,11 @@
 //! The materials that a program hands over, under the same rules as a file's.
 
-use super::build::{named, place};
-use super::{AlphaMode, Material, MetallicRoughness, Texture};
+use super::{AlphaMode, Material, MetallicRoughness, Texture, named, place};
 use crate::input::Input;
 use crate::material::{MAX_EXPONENT, conserving};
 use crate::validate::{Parts, clamped};
 use crate::{
-    Alpha, Error, Image, NormalMap, Packed, PackedImage, Surface, TextureRef, WarningKind, Wrap,
+    Alpha, Error, Image, NormalMap, Packed, PackedImage, Surface, TextureRef, WarningKind,
 };
 use glam::Vec3;
 
@@ -57,7 +56,7 @@ pub(super) fn built(
         let image = image.transpose().map_err(|p| input.invalid(&*place, p))?;
         Ok::<_, Error>(image.map(|image| {
             parts.images.push(image);
-            used(parts.images.len() - 1)
+            TextureRef::new(parts.images.len() as u32 - 1)
         }))
     };
     let map = texture("texture", given.albedo_texture)?;
@@ -96,7 +95,7 @@ pub(super) fn built(
                 file: input.path.clone(),
             });
             Some(NormalMap {
-                texture: used(parts.packed_images.len() - 1),
+                texture: TextureRef::new(parts.packed_images.len() as u32 - 1),
                 scale: match given.normal_scale.is_finite() {
                     true => given.normal_scale,
                     false => 1.0,
@@ -124,17 +123,6 @@ pub(super) fn built(
         normal_map,
         double_sided: given.double_sided,
     })
-}
-
-/// The use of a picture: the one way in which all are read.
-fn used(image: usize) -> TextureRef {
-    TextureRef {
-        image: image as u32,
-        uv_set: 0,
-        wrap: [Wrap::Repeat; 2],
-        linear: true,
-        transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-    }
 }
 
 fn image(texture: Texture, what: &str, name: &str) -> Result<Image, String> {

@@ -8,6 +8,8 @@ mod build;
 mod hash;
 mod material;
 
+use crate::input::short;
+
 /// Triangles with one material, placed in the world.
 ///
 /// Fields are assigned after `Mesh::default()`, which is empty, of material 0 and stands where its vertices say.
@@ -204,5 +206,23 @@ impl Texture {
             height,
             pixels,
         }
+    }
+}
+
+/// A name, or the stand-in for an empty one.
+fn named(name: &str, or: impl Fn() -> String) -> String {
+    if name.is_empty() {
+        or()
+    } else {
+        name.to_owned()
+    }
+}
+
+/// What messages call a mesh or a material.
+fn place(what: &str, number: usize, name: &str) -> String {
+    if name.is_empty() {
+        format!("{what} {number}")
+    } else {
+        format!("{what} {number} `{}`", short(name))
     }
 }

@@ -7,8 +7,9 @@ use super::reader::Reader;
 use crate::GltfDocument;
 use crate::image::{Failure, Pixels, TOO_LARGE, content, decode};
 use crate::input::{Input, short};
-use crate::material::{conserving, untinted};
+use crate::material::conserving;
 use crate::source::{NORMALS_STAND, Uri};
+use crate::types::UNMOVED;
 use crate::validate::{Parts, clamped, slots};
 use crate::{
     Alpha, Error, Image, Material, NormalMap, Packed, PackedImage, Surface, TextureRef,
@@ -36,7 +37,7 @@ pub(super) fn load(
         let name = name.map_or_else(|| format!("material {i}"), str::to_owned);
         parts.materials.push(match is_used {
             true => material(input, document, i, json, name),
-            false => untinted(&name),
+            false => Material::untinted(&name),
         });
     }
     images(input, document, parts, files)?;
@@ -317,7 +318,7 @@ fn texture(
         transform: if finite && moved.is_object() {
             transform
         } else {
-            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
+            UNMOVED
         },
     })
 }

@@ -26,10 +26,9 @@ mod said;
 pub use elements::Elements;
 
 use crate::input::Input;
-use crate::material::untinted;
 use crate::source::without_mark;
 use crate::validate::Parts;
-use crate::{Error, Format, GltfDocument};
+use crate::{Error, Format, GltfDocument, Material};
 use container::Chunks;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -77,7 +76,7 @@ pub(crate) fn load(input: &mut Input, format: Format) -> Result<Parts, Error> {
         .filter(|mesh| mesh.material == primitives::NO_MATERIAL)
         .peekable();
     if without.peek().is_some() || untinted_index == 0 {
-        parts.materials.push(untinted("none"));
+        parts.materials.push(Material::untinted("none"));
     }
     without.for_each(|mesh| mesh.material = untinted_index);
     document.take_images(input, image_files)?;

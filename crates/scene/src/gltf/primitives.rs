@@ -202,10 +202,10 @@ fn read(
             .map(|set| gather(set, &used, Vec2::from_array))
             .collect(),
         triangles,
-        source_triangles: Vec::new(),
         source_vertices: used.unwrap_or_default(),
         material: material.map_or(NO_MATERIAL, |material| material as u32),
         origin,
+        ..Mesh::default()
     };
     input.warn(
         WarningKind::UvSetsAfterAGap,

@@ -14,9 +14,8 @@ mod options;
 mod polygon;
 
 use crate::input::{Input, kept_name};
-use crate::material::untinted;
 use crate::validate::{self, Parts};
-use crate::{Error, Instance, Mesh, MeshOrigin, WarningKind, far};
+use crate::{Error, Instance, Material, Mesh, MeshOrigin, WarningKind, far};
 use corners::{Corners, NONE};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 use std::collections::HashMap;
@@ -57,7 +56,7 @@ pub(crate) fn load(input: &mut Input) -> Result<Parts, Error> {
             message,
         );
         *untinted_index.get_or_insert_with(|| {
-            parts.materials.push(untinted("none"));
+            parts.materials.push(Material::untinted("none"));
             parts.materials.len() as u32 - 1
         })
     };
@@ -74,7 +73,7 @@ pub(crate) fn load(input: &mut Input) -> Result<Parts, Error> {
         add(input, &mut parts, Mesh { material, ..mesh }, home)?;
     }
     if parts.materials.is_empty() {
-        parts.materials.push(untinted("none"));
+        parts.materials.push(Material::untinted("none"));
     }
     Ok(parts)
 }
@@ -117,20 +116,12 @@ fn meshes(input: &mut Input, file: &mut File, home: DVec3) -> Vec<Mesh> {
         kept.shrink_to_fit();
         meshes.push(Mesh {
             name: name.clone(),
-            positions: Vec::new(),
-            normals: Vec::new(),
-            tangents: Vec::new(),
-            colors: Vec::new(),
-            alphas: Vec::new(),
-            uv_sets: Vec::new(),
             triangles: kept,
-            source_triangles: Vec::new(),
-            source_vertices: Vec::new(),
-            material: 0,
             origin: MeshOrigin {
                 mesh: i as u32,
                 primitive: 0,
             },
+            ..Mesh::default()
         });
     }
     // A part has normals or UVs if one of its corners has; the others get a zero, which validation repairs or keeps.

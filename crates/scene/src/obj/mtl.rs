@@ -283,15 +283,12 @@ fn material(
         exponent,
     };
     Ok(Material {
-        name: raw.name.clone(),
         surface,
         ambient,
         emission,
-        emission_map: None,
         alpha,
-        transmission: None,
         normal_map,
-        double_sided: true,
+        ..Material::untinted(&raw.name)
     })
 }
 

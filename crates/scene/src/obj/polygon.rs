@@ -234,6 +234,12 @@ mod tests {
         (vectors.clone().sum(), vectors.map(|v| v.length()).sum())
     }
 
+    /// The triangles look up, cover an area of half of this, and none of it twice.
+    fn assert_covered(corners: &[Vec3], exact: f64, case: &str) {
+        let (sum, total) = areas(corners);
+        assert_eq!((sum.z, total), (exact, exact), "{case}");
+    }
+
     #[test]
     fn concave_polygons_are_covered_once_whatever_corner_comes_first() {
         let arrow = [[0., 0.], [4., 0.], [1., 1.], [0., 4.]];
@@ -298,12 +304,7 @@ mod tests {
             for turned in [0, 1, corners.len() / 2, corners.len() - 1] {
                 let mut corners = corners.clone();
                 corners.rotate_left(turned);
-                let (sum, total) = areas(&corners);
-                assert_eq!(
-                    (sum.z, total),
-                    (exact, exact),
-                    "{teeth} teeth, first {turned}"
-                );
+                assert_covered(&corners, exact, &format!("{teeth} teeth, first {turned}"));
             }
         }
     }
@@ -327,12 +328,7 @@ mod tests {
             for turned in 0..corners.len().min(40) {
                 let mut corners = corners.clone();
                 corners.rotate_left(turned);
-                let (sum, total) = areas(&corners);
-                assert_eq!(
-                    (sum.z, total),
-                    (exact, exact),
-                    "{holes} holes, first {turned}"
-                );
+                assert_covered(&corners, exact, &format!("{holes} holes, first {turned}"));
             }
         }
     }
@@ -352,12 +348,7 @@ mod tests {
                 };
                 let corners: Vec<Vec3> = (0..count).map(corner).collect();
                 let exact = twice_enclosed(&corners);
-                let (sum, total) = areas(&corners);
-                assert_eq!(
-                    (sum.z, total),
-                    (exact, exact),
-                    "{count} corners, seed {seed}"
-                );
+                assert_covered(&corners, exact, &format!("{count} corners, seed {seed}"));
             }
         }
     }
