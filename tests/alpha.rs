@@ -2,7 +2,7 @@
 
 use crate::quads::{self, Quad};
 use crate::support::has_embree;
-use ambake::{Backend, Bake, Layer, Uv};
+use ambake::{Backend, Bake, Bounces, Layer, Light, Uv};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
@@ -147,5 +147,53 @@ fn a_pane_passes_its_transmission_times_its_tint() {
         }] });
         let found = floor(&scene(&[1.0], |card| card, extra));
         assert_passes(&found, share, beside(1.0), 0.003);
+    }
+}
+
+#[test]
+fn light_of_suns_and_lamps_takes_the_tint_of_a_pane() {
+    let extra = json!({ "materials": [{}, {
+        "pbrMetallicRoughness": { "baseColorFactor": [1, 0.2, 0, 1], "metallicFactor": 0 },
+        "extensions": { "KHR_materials_transmission": { "transmissionFactor": 1 } },
+    }, {
+        "pbrMetallicRoughness": { "baseColorFactor": [0, 0, 0, 1], "metallicFactor": 0 },
+        "emissiveFactor": [0.5, 1, 1],
+        "doubleSided": true,
+    }] });
+    // A ceiling that shines lies on the pane.
+    let change = |mut card: Quad| {
+        card.material = if card.corner[1] > 1.0 { 2 } else { 1 };
+        card
+    };
+    let sun = Light::sun([0.0, 0.8, 0.6], [2.0, 1.0, 1.0]);
+    let by_sun = [2.0, 1.0, 1.0].map(|e| 0.8 * e / std::f64::consts::PI);
+    let by_ceiling = [0.5, 1.0, 1.0].map(|radiance| radiance * (1.0 - beside(1.0)[0]));
+    for (heights, sun, light, tolerance) in [
+        (&[1.0][..], Some(sun), by_sun, 1e-6),
+        (&[1.0, 1.01], None, by_ceiling, 0.01),
+    ] {
+        let folder = scene(heights, change, extra.clone());
+        let scene = ambake::load(folder.path().join("scene.gltf")).expect("the scene loads");
+        let mut backends = vec![Backend::Obvhs];
+        backends.extend(has_embree().then_some(Backend::Embree));
+        for backend in backends {
+            let bake = Bake::new(&scene).size(32).rays(1024).uv(Uv::Keep);
+            let bake = bake.layers([Layer::Irradiance]).sky([0.0; 3]);
+            let bake = match sun {
+                Some(sun) => bake.light(sun),
+                None => bake.bounces(Bounces::Most(1)),
+            };
+            let baked = bake.backend(backend).run(&()).expect("it bakes");
+            let values = baked.page(0).layer(Layer::Irradiance);
+            for (channel, tint) in [1.0, 0.2, 0.0].into_iter().enumerate() {
+                // A texel amid the floor.
+                let found = f64::from(values[channel * 32 * 32 + 6 * 32 + 6]);
+                let exact = light[channel] * tint;
+                assert!(
+                    (found - exact).abs() <= tolerance,
+                    "{backend:?}, channel {channel}: {found} for {exact}"
+                );
+            }
+        }
     }
 }

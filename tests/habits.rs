@@ -2,7 +2,7 @@
 
 use crate::support::{ambake, files, report, run, run_well, scene};
 use std::fs;
-use std::io::Write;
+use std::io::{Read, Write};
 use std::process::Stdio;
 
 const SMALL: [&str; 5] = ["--size", "32", "--rays", "1", "-q"];
@@ -64,6 +64,33 @@ fn a_scene_comes_from_standard_input() {
         );
         assert!(!errors.contains("/scene."), "no temporary name: {errors}");
     }
+}
+
+#[test]
+fn a_phase_that_takes_long_is_told_of_in_plain_lines() {
+    let start = |words: &[&str]| {
+        let mut command = ambake();
+        command.args(["plan", "-"]).args(words);
+        command.stdin(Stdio::piped()).stdout(Stdio::null());
+        command.stderr(Stdio::piped()).spawn().expect("it starts")
+    };
+    let mut children = [start(&[]), start(&["--quiet"])];
+    // It reads until its input ends.
+    std::thread::sleep(std::time::Duration::from_secs(12));
+    let text = fs::read(scene("wall_long.obj")).expect("the scene");
+    let [loud, quiet] = children.each_mut().map(|child| {
+        let mut pipe = child.stdin.take().expect("a pipe");
+        pipe.write_all(&text).expect("written");
+        drop(pipe);
+        let mut errors = String::new();
+        let mut pipe = child.stderr.take().expect("a pipe");
+        pipe.read_to_string(&mut errors).expect("text");
+        assert!(child.wait().expect("it ends").success(), "{errors}");
+        errors
+    });
+    let told = loud.lines().filter(|line| line.starts_with("reading, "));
+    assert_eq!(told.count(), 1, "{loud}");
+    assert!(!quiet.contains("reading"), "{quiet}");
 }
 
 #[test]

@@ -21,3 +21,12 @@ pub fn set_threads(threads: Option<u32>) -> anyhow::Result<usize> {
         .build_global()?;
     Ok(*INSTALLED.get_or_init(|| count))
 }
+
+/// True where the system limits the addresses of this process (`ulimit -v`), and says so.
+pub fn limits_addresses() -> bool {
+    let limits = std::fs::read_to_string("/proc/self/limits").unwrap_or_default();
+    let mut rows = limits
+        .lines()
+        .filter_map(|row| row.strip_prefix("Max address space"));
+    rows.any(|row| !row.trim_start().starts_with("unlimited"))
+}

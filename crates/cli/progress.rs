@@ -1,12 +1,14 @@
 //! Progress on standard error: a bar on a terminal, otherwise a plain line now and then.
 
+use crate::host::limits_addresses;
 use crate::outcome::{note, wants_ascii};
 use crate::stop::Stop;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use layers::Progress;
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// Between two looks at the counters.
@@ -57,26 +59,56 @@ pub fn watch<R>(show: Show, stop: &Stop, job: impl FnOnce(&dyn Progress) -> R) -
     })
 }
 
-/// Shows the phases of a job that a signal ends at once, with the program. No thread looks on: it would take addresses
-/// that the job may lack.
+/// Shows the phases of a job that a signal ends at once, with the program.
 pub struct Phases {
     bar: ProgressBar,
-    lines: Mutex<Lines>,
-    started: Instant,
-    /// Plain lines are printed.
-    plain: bool,
+    now: Arc<Now>,
+    /// Prints plain lines. Not where addresses are limited: a thread would take some that the job may lack.
+    teller: Option<JoinHandle<()>>,
     quiet: bool,
+}
+
+/// Where a job is.
+struct Now {
+    phase: Mutex<String>,
+    started: Instant,
+    over: AtomicBool,
 }
 
 impl Phases {
     /// Shows nothing where `quiet`.
     pub fn new(quiet: bool) -> Phases {
+        let now = Arc::new(Now {
+            phase: Mutex::default(),
+            started: Instant::now(),
+            over: AtomicBool::new(false),
+        });
+        let plain = !quiet && !std::io::stderr().is_terminal() && !limits_addresses();
+        let teller = plain.then(|| {
+            let now = Arc::clone(&now);
+            std::thread::Builder::new().spawn(move || now.tell())
+        });
         Phases {
             bar: bar(quiet),
-            lines: Mutex::new(Lines::every(LINE)),
-            started: Instant::now(),
-            plain: !quiet && !std::io::stderr().is_terminal(),
+            now,
+            teller: teller.and_then(Result::ok),
             quiet,
+        }
+    }
+}
+
+impl Now {
+    /// Prints the phase now and then, less and less often: a preparation may take hours.
+    fn tell(&self) {
+        let mut lines = Lines::every(LINE);
+        while !self.over.load(Ordering::Relaxed) {
+            std::thread::park_timeout(TICK);
+            let elapsed = self.started.elapsed();
+            if lines.due(elapsed) {
+                lines.slow(elapsed);
+                let phase = self.phase.lock().unwrap_or_else(PoisonError::into_inner);
+                note(&format!("{phase}, {} s", elapsed.as_secs()));
+            }
         }
     }
 }
@@ -84,6 +116,11 @@ impl Phases {
 impl Drop for Phases {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
+        self.now.over.store(true, Ordering::Relaxed);
+        if let Some(teller) = self.teller.take() {
+            teller.thread().unpark();
+            let _ = teller.join();
+        }
     }
 }
 
@@ -92,10 +129,12 @@ impl Progress for Phases {
 
     fn phase(&self, name: &str) {
         self.bar.set_message(name.to_owned());
-        let mut lines = self.lines.lock().unwrap_or_else(PoisonError::into_inner);
-        if self.plain && lines.due(self.started.elapsed()) {
-            note(name);
-        }
+        let mut phase = self
+            .now
+            .phase
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        name.clone_into(&mut phase);
     }
 
     fn note(&self, line: &str) {
@@ -234,6 +273,11 @@ impl Lines {
         }
         due
     }
+
+    /// Lets half as much time pass before the next line as has passed so far.
+    fn slow(&mut self, elapsed: Duration) {
+        self.next = elapsed + self.step.max(elapsed / 2);
+    }
 }
 
 /// A number of things in words: `1 page`, `2 pages`.
@@ -366,6 +410,15 @@ mod tests {
             .filter(|tenths| lines.due(TICK * *tenths as u32))
             .collect();
         assert_eq!(due, [100, 200, 300]);
+        let mut lines = Lines::every(LINE);
+        let mut due = Vec::new();
+        for elapsed in (0..6000).map(|tenths| TICK * tenths) {
+            if lines.due(elapsed) {
+                lines.slow(elapsed);
+                due.push(elapsed.as_secs());
+            }
+        }
+        assert_eq!(due, [10, 20, 30, 45, 67, 101, 151, 227, 341, 512]);
     }
 
     #[test]

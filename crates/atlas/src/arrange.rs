@@ -313,12 +313,14 @@ impl Sheet {
     fn layout(&self, spots: &[Spot], scale: f64, extent: DVec2) -> MeshLayout {
         let mut uvs = vec![Vec2::ZERO; self.points.len()];
         let mut pages = vec![0u16; self.triangles.len()];
+        let mut hidden = vec![false; self.triangles.len()];
         for (chart, spot) in spots.iter().enumerate() {
             let size = DVec2::from(self.size(chart, scale).map(f64::from));
             let corner = DVec2::new(f64::from(spot.x), f64::from(spot.y));
             let scale = self.scale(chart, scale);
             for &t in &self.charts[chart] {
                 pages[t as usize] = spot.page as u16;
+                hidden[t as usize] = self.hidden[chart];
                 for v in self.triangles[t as usize] {
                     let at = turn(self.points[v as usize] * scale, spot.turn, size) + corner;
                     uvs[v as usize] = (at / extent).clamp(DVec2::ZERO, DVec2::ONE).as_vec2();
@@ -333,6 +335,11 @@ impl Sheet {
                 Vec::new()
             } else {
                 pages
+            },
+            hidden: if self.hidden.contains(&true) {
+                hidden
+            } else {
+                Vec::new()
             },
         }
     }
@@ -388,7 +395,7 @@ mod tests {
                 source_vertices: vec![7, 8, 9, 4],
                 uvs: vec![Vec2::new(x, y), Vec2::ONE, Vec2::new(x, y), Vec2::ZERO],
                 triangles: vec![[0, 1, 2], [3, 0, 1]],
-                triangle_pages: Vec::new(),
+                ..MeshLayout::default()
             };
             let flat = 1 + u64::from(x == y);
             assert_eq!(add_specks(&mut layout), flat);

@@ -5,7 +5,7 @@ use crate::mask::Mask;
 use crate::measure::{sum, triangle_area};
 use crate::objects::{extent, object_names};
 use crate::uv::{corners, page, twice_area};
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use scene::Scene;
 
 /// Where the texels of a layout went.
@@ -29,16 +29,13 @@ pub struct ObjectFacts {
     /// Area on the pages in texels; 0 for an object that takes none.
     pub texels: f64,
     /// Texels per scene unit: the square root of its texels by its surface, without what of it nobody sees and what
-    /// therefore has next to none.
+    /// therefore has next to none. 0 where nobody sees any of it.
     pub density: f64,
     /// Its part of all objects' texels, 0..=1.
     pub share: f64,
     /// Texels across its longest extent.
     pub across: f64,
 }
-
-/// The largest part of a texel's square that a triangle in it has, and rounding.
-const HALF: f64 = 0.501;
 
 /// Measures a layout.
 pub fn facts(scene: &Scene, atlas: &Atlas) -> Facts {
@@ -48,29 +45,24 @@ pub fn facts(scene: &Scene, atlas: &Atlas) -> Facts {
     for object in object_names(scene) {
         let somewhere = |i: &u32| atlas.placements[*i as usize].is_somewhere();
         let instances: Vec<u32> = object.instances.iter().copied().filter(somewhere).collect();
-        // Texels and surface of a triangle, over all of them.
-        let over = |take: &(dyn Fn(DVec2) -> DVec3 + Sync)| -> DVec3 {
+        // Texels and surface, and how many triangles have less than one; of all or of those that somebody sees.
+        let over = |all: bool| -> DVec3 {
             let of = |i: u32| {
                 let (instance, placement) =
                     (&scene.instances[i as usize], &atlas.placements[i as usize]);
                 let layout = &atlas.meshes[instance.mesh as usize];
                 sum(layout.triangles.len(), |triangle| {
+                    if !all && layout.hidden.get(triangle) == Some(&true) {
+                        return DVec3::ZERO;
+                    }
                     let texels = 0.5 * twice_area(corners(layout, placement, triangle, size)).abs();
-                    take(DVec2::new(
-                        texels,
-                        triangle_area(scene, i as usize, triangle),
-                    ))
+                    let surface = triangle_area(scene, i as usize, triangle);
+                    DVec3::new(texels, surface, f64::from(u8::from(texels < 1.0)))
                 })
             };
             instances.iter().map(|&i| of(i)).sum()
         };
-        let [texels, surface, _] = over(&|of| of.extend(0.0)).to_array();
-        // A chart that nobody sees has one texel.
-        let is_unseen = |of: DVec2| of.x <= HALF && 2.0 * of.x * surface < of.y * texels;
-        let seen = over(&|of| match is_unseen(of) {
-            true => DVec3::ZERO,
-            false => of.extend(f64::from(u8::from(of.x < 1.0))),
-        });
+        let (texels, seen) = (over(true).x, over(false));
         small_triangles += seen.z as u64;
         let density = match seen.y > 0.0 {
             true => (seen.x / seen.y).sqrt(),

@@ -178,6 +178,7 @@ pub(crate) fn own_layout(mesh: &Mesh, set: u32) -> Result<MeshLayout, Error> {
         uvs: uvs.iter().map(clamped).collect(),
         triangles: mesh.triangles.clone(),
         triangle_pages: Vec::new(),
+        hidden: Vec::new(),
     })
 }
 

@@ -42,6 +42,8 @@ pub struct MeshLayout {
     pub triangles: Vec<[u32; 3]>,
     /// Page of each triangle relative to [`Placement::page`]; empty means 0 for all.
     pub triangle_pages: Vec<u16>,
+    /// Triangles of charts that nobody sees, which have next to no texels; empty where there are none.
+    pub hidden: Vec<bool>,
 }
 
 impl MeshLayout {
@@ -52,6 +54,7 @@ impl MeshLayout {
             uvs: vec![Vec2::ZERO; mesh.positions.len()],
             triangles: mesh.triangles.clone(),
             triangle_pages: Vec::new(),
+            hidden: Vec::new(),
         }
     }
 }

@@ -156,9 +156,10 @@ impl Gather<'_> {
         let (mut parts, std_err) = coefficients(&replicates, terms);
         for light in self.lights.iter().filter(|light| !light.has_extent()) {
             let arrival = light.at(place, [0.5; 2]);
-            if self.sees(origin, &arrival) {
+            let light = self.arriving(origin, &arrival);
+            if light != DVec3::ZERO {
                 let lights = &mut parts[Part::Lights as usize];
-                add(lights, &basis(arrival.toward)[..terms], arrival.irradiance);
+                add(lights, &basis(arrival.toward)[..terms], light);
             }
         }
         let whole = |k: usize| parts.iter().map(|part| part[k]).sum();
@@ -206,11 +207,12 @@ impl Gather<'_> {
             let direction = even(u0, u1);
             let basis = &basis(direction)[..terms];
             found.direction(basis);
-            match self.backend.closest(&self.ray(origin, direction)) {
+            let (hit, tint) = self.met(origin, direction);
+            match hit {
                 None => {
                     seen.light = true;
                     seen.meet(direction, None);
-                    let radiance = self.sky.shared(direction, EVEN);
+                    let radiance = tint * self.sky.shared(direction, EVEN);
                     found.light(Part::Sky as usize, basis, radiance);
                 }
                 Some(hit) => {
@@ -221,7 +223,7 @@ impl Gather<'_> {
                     let random = |term| stream(PATHS + term, ray).point(0);
                     let emitted = self.emitted(&hit, direction, EVEN);
                     seen.light |= emitted != DVec3::ZERO;
-                    let radiance = emitted + self.reflected(hit, direction, random);
+                    let radiance = tint * (emitted + self.reflected(hit, direction, random));
                     found.light(Part::Surfaces as usize, basis, radiance);
                 }
             }
@@ -231,9 +233,10 @@ impl Gather<'_> {
             for ray in 0..rays {
                 let [u0, u1, ..] = stream.point(ray);
                 let (toward, radiance) = Sky::draw(map, [u0, u1], |_| EVEN);
-                if !self.backend.occluded(&self.ray(origin, toward)) {
+                let passed = self.passed(&self.ray(origin, toward));
+                if passed != DVec3::ZERO {
                     let basis = &basis(toward)[..terms];
-                    found.aim(Part::Sky as usize, basis, radiance * share);
+                    found.aim(Part::Sky as usize, basis, radiance * passed * share);
                 }
             }
         }
@@ -254,9 +257,10 @@ impl Gather<'_> {
             for ray in 0..rays {
                 let [u0, u1, ..] = stream.point(label * rays + ray);
                 let arrival = light.at(place, [u0, u1]);
-                if self.sees(origin, &arrival) {
+                let light = self.arriving(origin, &arrival);
+                if light != DVec3::ZERO {
                     let basis = &basis(arrival.toward)[..terms];
-                    found.aim(Part::Lights as usize, basis, arrival.irradiance * share);
+                    found.aim(Part::Lights as usize, basis, light * share);
                 }
             }
         }

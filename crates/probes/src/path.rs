@@ -62,7 +62,9 @@ impl Gather<'_> {
                 return sum;
             }
             let density = cosine(&point, direction);
-            let Some(next) = self.backend.closest(&self.ray(point.origin, direction)) else {
+            let (next, tint) = self.met(point.origin, direction);
+            carried *= tint;
+            let Some(next) = next else {
                 return sum + carried * self.sky.shared(direction, density);
             };
             sum += carried * self.emitted(&next, direction, density);
@@ -82,16 +84,16 @@ impl Gather<'_> {
         let mut sum = DVec3::ZERO;
         for light in self.lights {
             let arrival = light.at(point.position, u);
-            if self.sees(point.origin, &arrival) && point.geometric.dot(arrival.toward) > 0.0 {
-                sum += arrival.irradiance * cosine(point, arrival.toward);
+            if point.geometric.dot(arrival.toward) > 0.0 {
+                sum += self.arriving(point.origin, &arrival) * cosine(point, arrival.toward);
             }
         }
         if let Some(map) = self.sky.drawn() {
             let (toward, radiance) = Sky::draw(map, u, |toward| cosine(point, toward));
             let weight = cosine(point, toward);
             let faces = weight > 0.0 && point.geometric.dot(toward) > 0.0;
-            if faces && !self.backend.occluded(&self.ray(point.origin, toward)) {
-                sum += radiance * weight;
+            if faces {
+                sum += radiance * weight * self.passed(&self.ray(point.origin, toward));
             }
         }
         if !self.lamps.is_empty() {
@@ -124,12 +126,14 @@ impl Gather<'_> {
         if other == 0.0 || toward == DVec3::ZERO {
             return None;
         }
-        let hit = self.backend.closest(&self.ray(origin, toward))?;
+        let (hit, tint) = self.met(origin, toward);
+        let hit = hit?;
         if (hit.instance, hit.triangle) != place {
             return None;
         }
         let aimed = self.lamps.pdf(world, &hit, toward);
-        Some((toward, self.surfaces.emission(&hit) / (other + aimed)))
+        let emission = self.surfaces.emission(&hit) * tint;
+        Some((toward, emission / (other + aimed)))
     }
 
     /// Radiance that a surface sends out by itself along a ray of this density, beside as many that are aimed at lamps.
@@ -145,13 +149,29 @@ impl Gather<'_> {
         emission * (density / (density + aimed))
     }
 
-    /// True where nothing stands before a light, which lights.
-    pub(crate) fn sees(&self, origin: [f32; 3], arrival: &Arrival) -> bool {
+    /// What of a light passes all that stands before it, 0 for one that does not light.
+    pub(crate) fn arriving(&self, origin: [f32; 3], arrival: &Arrival) -> DVec3 {
         let ray = Ray {
             t_max: (arrival.distance as f32).min(self.max_distance),
             ..self.ray(origin, arrival.toward)
         };
-        arrival.irradiance != DVec3::ZERO && !self.backend.occluded(&ray)
+        match arrival.irradiance == DVec3::ZERO {
+            true => DVec3::ZERO,
+            false => arrival.irradiance * self.passed(&ray),
+        }
+    }
+
+    /// The share of the light of each channel that passes along a ray.
+    pub(crate) fn passed(&self, ray: &Ray) -> DVec3 {
+        self.surfaces.world().passed(self.backend, ray)
+    }
+
+    /// The first surface on a ray, and what panes before it leave of the channels for their mean.
+    pub(crate) fn met(&self, origin: [f32; 3], direction: DVec3) -> (Option<SurfaceHit>, DVec3) {
+        let ray = self.ray(origin, direction);
+        let hit = self.backend.closest(&ray);
+        let end = hit.map_or(ray.t_max, |hit| hit.t);
+        (hit, self.surfaces.world().tint(self.backend, &ray, end))
     }
 
     /// A ray that ends where surfaces do not count any more.

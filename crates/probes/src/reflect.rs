@@ -154,7 +154,8 @@ impl Gather<'_> {
         direction: DVec3,
         random: impl Fn(u32) -> [f64; 4],
     ) -> DVec3 {
-        match self.backend.closest(&self.ray(origin, direction)) {
+        let (hit, tint) = self.met(origin, direction);
+        tint * match hit {
             None => self.sky.radiance(direction),
             Some(hit) => self.surfaces.emission(&hit) + self.reflected(hit, direction, random),
         }

@@ -11,7 +11,7 @@
 
 use crate::backend::Stops;
 use crate::material::transmitted;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use scene::{Alpha, AlphaBlocks, Image, Mesh, Scene, TextureRef};
 use std::sync::Arc;
@@ -61,26 +61,40 @@ impl AlphaTest {
         }
     }
 
-    /// The share of the light that the surface stops at a point, 0..=1.
+    /// The share of the light that the surface stops at a point, 0..=1: of the mean of the channels, for a ray passes
+    /// or is stopped with all of them.
     pub(crate) fn stopped(&self, primitive: u32, barycentric: [f32; 2]) -> f32 {
+        let (covered, transmitted) = self.covered(primitive, barycentric);
+        match transmitted {
+            Some((share, tint)) => covered * (1.0 - share * tint.element_sum() / 3.0),
+            None => covered,
+        }
+    }
+
+    /// The share of the light of each channel that the surface lets pass at a point, 0..=1.
+    pub(crate) fn passing(&self, primitive: u32, barycentric: [f32; 2]) -> Vec3 {
+        let (covered, transmitted) = self.covered(primitive, barycentric);
+        let (share, tint) = transmitted.unwrap_or_default();
+        1.0 - covered * (1.0 - share * tint)
+    }
+
+    /// The share of the light that alpha stops at a point, and what goes straight through of that where some does.
+    fn covered(&self, primitive: u32, barycentric: [f32; 2]) -> (f32, Option<(f32, Vec3)>) {
         let mesh = &self.scene.meshes[self.mesh as usize];
         let alpha = |factor, cutoff| self.alpha(mesh, factor, cutoff, primitive, barycentric);
         let material = &self.scene.materials[mesh.material as usize];
-        let stopped = match material.alpha {
+        let covered = match material.alpha {
             Alpha::Opaque => 1.0,
             Alpha::Mask { cutoff, factor, .. } => {
                 f32::from(u8::from(alpha(factor, Some(cutoff)) >= cutoff))
             }
             Alpha::Blend { factor, .. } => alpha(factor, None),
         };
-        match material.transmission {
-            Some(_) if stopped > 0.0 => {
-                let [b, c] = barycentric.map(f64::from);
-                let weights = [1.0 - b - c, b, c];
-                stopped * (1.0 - transmitted(&self.scene, mesh, primitive, weights))
-            }
-            _ => stopped,
-        }
+        let transmitted = (material.transmission.is_some() && covered > 0.0).then(|| {
+            let [b, c] = barycentric.map(f64::from);
+            transmitted(&self.scene, mesh, primitive, [1.0 - b - c, b, c])
+        });
+        (covered, transmitted)
     }
 
     /// Alpha at a point: factor times vertex colour times texture, 0..=1; or where there is a cutoff, some value on the

@@ -88,11 +88,30 @@ pub fn material_at(
     }
 }
 
-/// The share of the light that goes straight through a surface at a point where alpha stops it, 0..=1: the mean of what
-/// its tint leaves of the channels, for a ray passes or is stopped with all of them.
-pub(crate) fn transmitted(scene: &Scene, mesh: &Mesh, triangle: u32, weights: [f64; 3]) -> f32 {
+/// The share of the light that goes straight through a surface at a point where alpha stops it, 0..=1, and its tint.
+pub(crate) fn transmitted(
+    scene: &Scene,
+    mesh: &Mesh,
+    triangle: u32,
+    weights: [f64; 3],
+) -> (f32, Vec3) {
     let point = SurfaceAt::of(scene, mesh, triangle, weights);
-    point.transmission() * point.base.element_sum() / 3.0
+    (point.transmission(), point.base)
+}
+
+/// The base colour of a surface: its factor and its texture.
+pub(crate) fn base_of(surface: &Surface) -> (Vec3, &Option<TextureRef>) {
+    match surface {
+        Surface::Phong {
+            albedo, albedo_map, ..
+        } => (*albedo, albedo_map),
+        Surface::MetallicRoughness { base, base_map, .. } => (*base, base_map),
+        Surface::SpecularGlossiness {
+            diffuse,
+            diffuse_map,
+            ..
+        } => (*diffuse, diffuse_map),
+    }
 }
 
 /// A point of a mesh, and its base colour.
@@ -117,17 +136,7 @@ impl<'a> SurfaceAt<'a> {
             weights,
             base: Vec3::ONE,
         };
-        let (factor, map) = match &material.surface {
-            Surface::Phong {
-                albedo, albedo_map, ..
-            } => (*albedo, albedo_map),
-            Surface::MetallicRoughness { base, base_map, .. } => (*base, base_map),
-            Surface::SpecularGlossiness {
-                diffuse,
-                diffuse_map,
-                ..
-            } => (*diffuse, diffuse_map),
-        };
+        let (factor, map) = base_of(&material.surface);
         point.base = factor * point.color(map.as_ref()) * vertex_color(mesh, triangle, weights);
         point
     }
@@ -313,9 +322,9 @@ mod tests {
             let albedo = material_at(&scene, 0, 0, MIDDLE).albedo;
             let left = (1.0 - metallic) * (1.0 - through);
             assert_eq!(albedo, DVec3::new(1.0, 0.5, 0.0) * left, "{metallic}");
-            // The tint leaves 1, 1/2 and 0 of the channels: half of the light.
-            let share = transmitted(&scene, &scene.meshes[0], 0, MIDDLE);
-            assert_eq!(f64::from(share), through * 0.5, "{metallic}");
+            let (share, tint) = transmitted(&scene, &scene.meshes[0], 0, MIDDLE);
+            assert_eq!(f64::from(share), through, "{metallic}");
+            assert_eq!(tint, Vec3::new(1.0, 0.5, 0.0));
         }
     }
 

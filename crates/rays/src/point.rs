@@ -2,6 +2,7 @@
 
 use crate::backend::SurfaceHit;
 use crate::material::{PhongMaterial, emission_at, material_at};
+use crate::panes::relative;
 use crate::surface::{Patch, PlaneErrors};
 use crate::world::World;
 use glam::{DVec3, Vec3};
@@ -99,6 +100,14 @@ impl<'a> Surfaces<'a> {
     pub fn stopped(&self, hit: &SurfaceHit) -> f32 {
         let alpha = self.world.part(hit.instance).1.alpha.as_ref();
         alpha.map_or(1.0, |alpha| alpha.stopped(hit.triangle, hit.barycentric))
+    }
+
+    /// What the surface at a hit leaves of the channels of light that passes it, for their mean.
+    pub fn tint(&self, hit: &SurfaceHit) -> Vec3 {
+        match self.world.has_tints() {
+            true => relative(self.world.passing(hit)),
+            false => Vec3::ONE,
+        }
     }
 
     /// Radiance that the surface at a hit sends out by itself toward the side from which it was met, linear RGB.

@@ -9,6 +9,7 @@ use crate::geometry::{Bounds, Geometry};
 use crate::instancing::{room, served};
 use crate::normal_maps::NormalMaps;
 use crate::origin::brought_near;
+use crate::panes::has_tints;
 use crate::part::Part;
 use crate::solid::Solids;
 use glam::{DAffine3, DVec3};
@@ -53,6 +54,8 @@ pub struct World {
     averse: HashMap<u32, HashSet<u32>>,
     /// See [`World::solids`].
     solids: OnceLock<Solids>,
+    /// See [`World::has_tints`].
+    tinted: bool,
 }
 
 impl World {
@@ -99,6 +102,7 @@ impl World {
             parts.push(part);
         }
         let bounds = Bounds::of(&geometries, &parts);
+        let tinted = has_tints(&scene);
         Ok(Self {
             scene,
             geometries,
@@ -109,6 +113,7 @@ impl World {
             backs: HashMap::new(),
             averse: HashMap::new(),
             solids: OnceLock::new(),
+            tinted,
         })
     }
 
@@ -193,6 +198,11 @@ impl World {
     /// The scene this world was built from.
     pub fn scene(&self) -> &Arc<Scene> {
         &self.scene
+    }
+
+    /// True where light passes a surface with a tint: the channels of one ray then differ.
+    pub fn has_tints(&self) -> bool {
+        self.tinted
     }
 
     /// The solids of this world, found when first asked.

@@ -113,7 +113,8 @@ pub fn add_points(
             t_min: 0.0,
             t_max: arrival.distance as f32,
         };
-        if direct.backend.occluded(&ray) {
+        let passed = direct.surfaces.world().passed(direct.backend, &ray);
+        if passed == DVec3::ZERO {
             continue;
         }
         for (texel, weight) in map.taps(arrival.toward.to_array()) {
@@ -122,7 +123,7 @@ pub fn add_points(
                 PointForm::Raw => 1.0,
             };
             if weight > 0.0 {
-                let value = arrival.irradiance * (weight / omega);
+                let value = arrival.irradiance * (weight / omega) * passed;
                 if !value.as_vec3().is_finite() {
                     return Err(fail("is too near").into());
                 }

@@ -14,7 +14,7 @@ use ambient::lunar::lommel_seeliger;
 use ambient::models;
 use ambient::sampling::{Lobe, Mixture, Stream, power_over_density};
 use environment::Sky;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use rays::{
     Arrival, Coherence, Overrides, Ray, RayBackend, RayPacket, Stops, SurfaceHit, SurfacePoint,
     Surfaces,
@@ -125,27 +125,36 @@ impl<'a> Direct<'a> {
 impl Direct<'_> {
     /// The radiance that reaches the eye of a sample.
     pub fn radiance(&self, sample: &Sample) -> DVec3 {
-        let Some((_, point)) = self.surface(sample) else {
-            return self.behind(sample);
+        let hit = self.hit(sample);
+        let tint = self.tint(&camera_ray(sample), hit.as_ref());
+        let Some(point) = hit.map(|hit| self.point(sample, &hit)) else {
+            return tint * self.behind(sample);
         };
+        tint * self.leaving(sample, &point)
+    }
+
+    /// The radiance that a point sends back along a sample.
+    fn leaving(&self, sample: &Sample, point: &SurfacePoint) -> DVec3 {
         let stream = |term| Stream::new(self.seed, 0, sample.pixel, term, sample.number);
         let view = -sample.direction;
         if self.model == Model::FacingRatio {
             return point.emission + point.material.albedo * point.normal.dot(view).max(0.0);
         }
-        let coat = self.coat(&point, view, stream(LOBE));
-        let ambient = self.ambient(&point, view, coat.as_ref(), stream);
-        point.emission + ambient + self.direct(&point, view, coat.as_ref(), stream(SHADOWS))
+        let coat = self.coat(point, view, stream(LOBE));
+        let ambient = self.ambient(point, view, coat.as_ref(), stream);
+        point.emission + ambient + self.direct(point, view, coat.as_ref(), stream(SHADOWS))
     }
 
     /// The same with the ambient model taken from a bake; surfaces without texels are integrated.
     pub fn radiance_baked(&self, sample: &Sample, map: &Lightmap) -> DVec3 {
         let scene = self.surfaces.world().scene();
-        let Some(hit) = self.hit(sample) else {
-            return self.behind(sample);
+        let hit = self.hit(sample);
+        let tint = self.tint(&camera_ray(sample), hit.as_ref());
+        let Some(hit) = hit else {
+            return tint * self.behind(sample);
         };
         let (radiance, place) = self.beside_texels(sample, &hit, map.place(scene, &hit));
-        radiance + place.map_or(DVec3::ZERO, |place| map.at(place))
+        tint * (radiance + place.map_or(DVec3::ZERO, |place| map.at(place)))
     }
 
     /// The radiance of what a sample meets but for what a bake holds, and the place in the bake that holds the rest,
@@ -179,14 +188,13 @@ impl Direct<'_> {
 
     /// True where a sample shows a surface, not the background.
     pub fn meets(&self, sample: &Sample) -> bool {
-        self.surface(sample).is_some()
+        self.hit(sample).is_some()
     }
 
-    /// What a camera ray meets first.
-    fn surface(&self, sample: &Sample) -> Option<(SurfaceHit, SurfacePoint)> {
-        let hit = self.hit(sample)?;
-        let point = self.point(sample, &hit);
-        Some((hit, point))
+    /// What panes before the surface that a ray meets, if any, leave of the channels for their mean.
+    fn tint(&self, ray: &Ray, hit: Option<&SurfaceHit>) -> DVec3 {
+        let end = hit.map_or(ray.t_max, |hit| hit.t);
+        self.surfaces.world().tint(self.backend, ray, end)
     }
 
     pub(crate) fn hit(&self, sample: &Sample) -> Option<SurfaceHit> {
@@ -194,24 +202,26 @@ impl Direct<'_> {
     }
 
     /// The surfaces that a sample shows, front to back, and the share of it that each makes up: what the ones before it
-    /// leave times what it stops. Nothing is left to chance. T. Porter, T. Duff, "Compositing Digital Images" (1984).
-    pub(crate) fn layers(&self, sample: &Sample) -> Vec<(SurfaceHit, f32)> {
+    /// leave times what it stops; and what those leave of the channels for their mean. Nothing is left to chance. T.
+    /// Porter, T. Duff, "Compositing Digital Images" (1984).
+    pub(crate) fn layers(&self, sample: &Sample) -> Vec<(SurfaceHit, f32, Vec3)> {
         let mut ray = camera_ray(sample);
         let last = self.backend.closest_that(&ray, Stops::All);
         let end = last.map_or(f32::INFINITY, |hit| hit.t);
-        let (mut layers, mut left) = (Vec::new(), 1.0);
+        let (mut layers, mut left, mut tint) = (Vec::new(), 1.0, Vec3::ONE);
         while left > FAINTEST {
             let next = self.backend.closest_that(&ray, Stops::Any);
             let Some(hit) = next.filter(|hit| hit.t < end) else {
-                layers.extend(last.map(|last| (last, left)));
+                layers.extend(last.map(|last| (last, left, tint)));
                 return layers;
             };
             let share = left * self.surfaces.stopped(&hit);
-            layers.push((hit, share));
+            layers.push((hit, share, tint));
             left -= share;
+            tint *= self.surfaces.tint(&hit);
             ray.t_min = hit.t;
         }
-        if let Some((_, share)) = layers.last_mut() {
+        if let Some((_, share, _)) = layers.last_mut() {
             *share += left;
         }
         layers
@@ -327,6 +337,8 @@ impl Direct<'_> {
         weight: impl Fn(DVec3) -> DVec3,
     ) -> DVec3 {
         let floor = DVec3::from(sky.floor());
+        // Of the light beyond all surfaces.
+        let tint = |toward| self.tint(&self.ray(point, toward), None);
         let mut sum = DVec3::ZERO;
         for first in (0..self.rays).step_by(LANES) {
             let lanes = (self.rays - first).min(LANES as u32) as usize;
@@ -340,10 +352,12 @@ impl Direct<'_> {
                     let [_, _, u2, u3] = points[l];
                     sum += self.aimed(point, [u2, u3], &pdf, &weight);
                     if above(point, toward) {
-                        match self.backend.closest(&self.ray(point, toward)) {
+                        let ray = self.ray(point, toward);
+                        match self.backend.closest(&ray) {
                             None => open |= 1 << l,
                             Some(hit) => {
-                                sum += weight(toward) * self.shared(&hit, toward, pdf(toward));
+                                let light = self.shared(&hit, toward, pdf(toward));
+                                sum += weight(toward) * light * self.tint(&ray, Some(&hit));
                             }
                         }
                     }
@@ -351,14 +365,15 @@ impl Direct<'_> {
                 open
             };
             let of = |open: u32| (0..lanes).filter(move |l| open >> l & 1 == 1);
-            sum += floor * of(open).map(|l| weight(own[l])).sum::<DVec3>();
+            let tinted = |l: usize| weight(own[l]) * tint(own[l]);
+            sum += floor * of(open).map(tinted).sum::<DVec3>();
             let Some(map) = sky.map() else { continue };
             let texels = map.texels16(&wide(&own));
             for l in of(open) {
                 let (light, drawn) = map.above(texels[l]);
                 let density = pdf(own[l]);
                 let share = density * power_over_density(density, drawn);
-                sum += weight(own[l]) * DVec3::from(light) * share;
+                sum += tinted(l) * DVec3::from(light) * share;
             }
             let [u2, u3]: [Wide; 2] = [2, 3].map(|k| points.map(|point| point[k] as f32));
             let (axes, texels) = map.sample16(&u2, &u3);
@@ -369,7 +384,7 @@ impl Direct<'_> {
                 if density > 0.0 {
                     let (light, of_map) = map.above(texels[l]);
                     let share = density * power_over_density(of_map, density);
-                    sum += weight(drawn[l]) * DVec3::from(light) * share;
+                    sum += weight(drawn[l]) * DVec3::from(light) * share * tint(drawn[l]);
                 }
             }
         }
@@ -409,9 +424,10 @@ impl Direct<'_> {
         if density == 0.0 || !above(point, toward) {
             return DVec3::ZERO;
         }
-        match self.backend.closest(&self.ray(point, toward)) {
+        let ray = self.ray(point, toward);
+        match self.backend.closest(&ray) {
             Some(hit) if (hit.instance, hit.triangle) == place => {
-                weight(toward) * self.shared(&hit, toward, density)
+                weight(toward) * self.shared(&hit, toward, density) * self.tint(&ray, Some(&hit))
             }
             _ => DVec3::ZERO,
         }
@@ -493,10 +509,7 @@ impl Direct<'_> {
             t_min: 0.0,
             t_max: arrival.distance as f32,
         };
-        match self.backend.occluded(&ray) {
-            true => DVec3::ZERO,
-            false => reflected,
-        }
+        reflected * self.surfaces.world().passed(self.backend, &ray)
     }
 }
 

@@ -32,6 +32,8 @@ pub struct Lit {
 struct Seen {
     /// The share of the sample that it makes up.
     share: f32,
+    /// What the surfaces before it leave of the channels for their mean.
+    tint: Vec3,
     /// What is known of its radiance so far.
     radiance: Vec3,
     /// Where the rest stands; the page is [`Seen::KNOWN`] where nothing is missing.
@@ -105,14 +107,15 @@ impl Lit {
                 true => direct.layers(&sample),
                 false => direct
                     .hit(&sample)
-                    .map(|hit| (hit, 1.0))
+                    .map(|hit| (hit, 1.0, Vec3::ONE))
                     .into_iter()
                     .collect(),
             };
-            let seen = layers.into_iter().map(|(hit, share)| {
+            let seen = layers.into_iter().map(|(hit, share, tint)| {
                 let (radiance, place) = direct.beside_texels(&sample, &hit, place(&hit));
                 let seen = Seen {
                     share,
+                    tint,
                     radiance: radiance.as_vec3(),
                     page: place.map_or(Seen::KNOWN, |place| place.page),
                     uv: place.map_or(Vec2::ZERO, |place| place.uv),
@@ -185,7 +188,8 @@ impl Lit {
                 let seen = &self.seen[ends[0]..ends[1]];
                 let share: f32 = seen.iter().map(|seen| seen.share).sum();
                 if share > 0.0 {
-                    let sum: Vec3 = seen.iter().map(|seen| seen.share * seen.radiance).sum();
+                    let light = |seen: &Seen| seen.share * seen.radiance * seen.tint;
+                    let sum: Vec3 = seen.iter().map(light).sum();
                     radiance += f64::from(share) * shown(sum / share).as_dvec3();
                     met += f64::from(share);
                 }

@@ -10,7 +10,7 @@ pub struct LayoutReport {
     pub page_use: f64,
     /// Share of the pages' area inside charts, 0..=1.
     pub covered: f64,
-    /// Texels per scene unit, over objects that take texels.
+    /// Texels per scene unit, over objects that take texels and that somebody sees.
     pub texels_per_unit: Spread,
     /// Number of charts.
     pub charts: u32,
@@ -38,12 +38,19 @@ pub struct ObjectLayout {
     pub name: String,
     /// Area on the pages in texels; 0 for an excluded object.
     pub texels: f64,
-    /// Texels per scene unit.
+    /// Texels per scene unit; 0 for an excluded object and for one that nobody sees.
     pub density: f64,
     /// Its part of all objects' texels, 0..=1.
     pub share: f64,
-    /// Texels across its longest extent.
+    /// Texels across its longest extent; 0 as `density`.
     pub across: f64,
+}
+
+impl ObjectLayout {
+    /// True for an object that takes texels and that somebody sees.
+    fn is_seen(&self) -> bool {
+        self.texels > 0.0 && self.density > 0.0
+    }
 }
 
 /// From this part of all texels an object is named in a warning, if others have fewer than [`FEW`] across.
@@ -51,9 +58,6 @@ const LARGE_SHARE: f64 = 0.5;
 const FEW: f64 = 32.0;
 /// With fewer texels across its extent an object is named in a warning.
 const COARSE: f64 = 3.5;
-/// Nothing that somebody sees has less than a quarter of the usual density unless it was asked for; what has less than
-/// this share of it is a texel a chart, for nobody sees any of it.
-const UNSEEN: f64 = 1.0 / 6.0;
 /// With less of the texels in use inside charts, the page is named in a warning.
 const LEAST_INSIDE: f64 = 0.25;
 
@@ -69,18 +73,16 @@ impl LayoutReport {
             across: o.across,
         };
         let objects: Vec<ObjectLayout> = facts.objects.into_iter().map(object).collect();
-        let taking = objects.iter().filter(|o| o.texels > 0.0);
-        let mut densities: Vec<f64> = taking.map(|o| o.density).collect();
+        let seen = objects.iter().filter(|o| o.is_seen());
+        let mut densities: Vec<f64> = seen.map(|o| o.density).collect();
         densities.sort_by(f64::total_cmp);
         let at = |k: usize| densities.get(k).copied().unwrap_or(0.0);
-        let median = at(densities.len() / 2);
-        let unseen = densities.partition_point(|density| *density < UNSEEN * median);
         LayoutReport {
             page_use: facts.page_use,
             covered: facts.covered,
             texels_per_unit: Spread {
-                min: at(unseen),
-                median,
+                min: at(0),
+                median: at(densities.len() / 2),
                 max: at(densities.len().saturating_sub(1)),
             },
             charts: atlas.chart_count,
@@ -92,11 +94,11 @@ impl LayoutReport {
     /// What may be wrong with it, each with the flag that mends it.
     pub fn warnings(&self) -> Vec<WarningReport> {
         let mut warnings = Vec::new();
-        let taking: Vec<_> = self.objects.iter().filter(|o| o.texels > 0.0).collect();
-        let large = taking
+        let seen: Vec<_> = self.objects.iter().filter(|o| o.is_seen()).collect();
+        let large = seen
             .iter()
             .find(|o| o.share > LARGE_SHARE && o.across >= FEW && !self.is_coarser(o));
-        let few = taking.iter().filter(|o| o.across < FEW).count();
+        let few = seen.iter().filter(|o| o.across < FEW).count();
         if let Some(large) = large.filter(|_| few > 0) {
             let name = &large.name;
             warnings.push(WarningReport {
@@ -107,16 +109,12 @@ impl LayoutReport {
                     "one object has {:.0} % of the texels, while {few} of {} have fewer than {FEW} across; `--density-of {name}=D` \
                      below {} leaves more for them",
                     100.0 * large.share,
-                    taking.len(),
+                    seen.len(),
                     short(large.density),
                 ),
             });
         }
-        let is_seen = |o: &ObjectLayout| o.density >= UNSEEN * self.texels_per_unit.median;
-        let coarse: Vec<_> = taking
-            .iter()
-            .filter(|o| o.across < COARSE && is_seen(o))
-            .collect();
+        let coarse: Vec<_> = seen.iter().filter(|o| o.across < COARSE).collect();
         if let Some(first) = coarse.first() {
             warnings.push(WarningReport {
                 kind: "coarse-objects".into(),
@@ -239,7 +237,10 @@ impl LayoutReport {
             text += &format!(
                 "{:>8.1} %  {:>8}  {:>6.0}  {}\n",
                 100.0 * object.share,
-                short(object.density),
+                match object.is_seen() {
+                    true => short(object.density),
+                    false => "unseen".into(),
+                },
                 object.across,
                 object.name,
             );
@@ -290,14 +291,10 @@ mod tests {
                 object("excluded", 0.0, 0.0),
                 // In something closed.
                 ObjectLayout {
-                    density: 0.2,
-                    ..object("hinge", 0.3, 0.1)
+                    density: 0.0,
+                    ..object("hinge", 0.3, 0.0)
                 },
             ],
-            texels_per_unit: Spread {
-                median: 2.0,
-                ..Spread::default()
-            },
             ..LayoutReport::default()
         };
         let warnings = layout.warnings();

@@ -2,7 +2,8 @@
 //!
 //! It is a journal (see `checkpoint.rs`): the header names what decides the layout; the first block is JSON (sizes,
 //! placements, audit), then one block a mesh: for each layout vertex its source (u32) and its coordinates (2 f32), the
-//! corners of the triangles (3 u32), and the page of each triangle (u16) where they differ. Numbers are little-endian.
+//! corners of the triangles (3 u32), the page of each triangle (u16) where they differ, and whether nobody sees it (a
+//! byte, 1 or 0) where that is so of some. Numbers are little-endian.
 
 use crate::{Error, Journal};
 use atlas::{Atlas, MeshLayout};
@@ -182,6 +183,7 @@ fn mesh(layout: &MeshLayout) -> Vec<u8> {
     for page in &layout.triangle_pages {
         bytes.extend(page.to_le_bytes());
     }
+    bytes.extend(layout.hidden.iter().map(|&hidden| u8::from(hidden)));
     bytes
 }
 
@@ -198,7 +200,7 @@ fn mesh_of(bytes: &[u8], [vertices, triangles, pages]: [usize; 3]) -> Option<Mes
     let uvs = words(take(vertices, 8)?);
     let corners = words(take(triangles, 12)?);
     let numbers = take(pages, 2)?.as_chunks::<2>().0.to_vec();
-    rest.is_empty().then(|| MeshLayout {
+    [0, triangles].contains(&rest.len()).then(|| MeshLayout {
         source_vertices: sources.into_iter().map(u32::from_le_bytes).collect(),
         uvs: uvs
             .as_chunks()
@@ -213,5 +215,6 @@ fn mesh_of(bytes: &[u8], [vertices, triangles, pages]: [usize; 3]) -> Option<Mes
             .map(|corners: &[[u8; 4]; 3]| corners.map(u32::from_le_bytes))
             .collect(),
         triangle_pages: numbers.into_iter().map(u16::from_le_bytes).collect(),
+        hidden: rest.iter().map(|&hidden| hidden != 0).collect(),
     })
 }

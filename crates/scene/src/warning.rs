@@ -95,7 +95,8 @@ pub enum WarningKind {
     /// An instance of which no side is as long as 1e-12 units is left out: products of three such lengths vanish in the
     /// f32 of rays.
     TinyInstances,
-    /// glTF: a surface with a tint lets light pass by `KHR_materials_transmission`, and the light gets none of it.
+    /// glTF: a surface with a tint lets light pass by `KHR_materials_transmission`, and that of the sky gets none of it
+    /// in a bake.
     GreyTransmission,
     /// glTF: `extras.ambake` of a node or a mesh has a name that means nothing, such as a misspelt one.
     UnknownExtras,

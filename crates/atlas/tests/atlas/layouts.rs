@@ -568,6 +568,14 @@ fn an_object_that_nobody_sees_asks_for_no_pages() {
     let atlas = layout_seen(&scene, &options, Some(&seen), &|| false).unwrap();
     assert_clean(&atlas);
     assert_eq!(atlas.page_count, 1);
+    // The layout says so, however many texels it took.
+    let facts = ambake_atlas::facts(&scene, &atlas);
+    let [ground, speck] = &facts.objects[..] else {
+        panic!("{facts:?}")
+    };
+    assert!(ground.density > 0.0 && speck.texels > 0.0, "{facts:?}");
+    assert_eq!((speck.density, speck.across), (0.0, 0.0));
+    assert_eq!(facts.small_triangles, 0, "none that somebody sees");
 }
 
 #[test]

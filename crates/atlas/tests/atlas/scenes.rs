@@ -42,7 +42,7 @@ pub fn laid_out(texels: &[[f64; 2]], triangles: Vec<[u32; 3]>, page_size: u32) -
             source_vertices: (0..uvs.len() as u32).collect(),
             uvs,
             triangles: triangles.clone(),
-            triangle_pages: Vec::new(),
+            ..MeshLayout::default()
         }],
         placements: vec![Placement {
             page: 0,

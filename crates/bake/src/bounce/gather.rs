@@ -79,10 +79,14 @@ struct Shadow {
 }
 
 impl Shadow {
-    /// The seen share of what is exact: rays then tell no more than where shadows are.
-    fn light(&self) -> DVec3 {
+    /// The seen share of what is exact: rays then tell no more than where shadows are, and their colours where they are
+    /// `tinted`.
+    fn light(&self, tinted: bool) -> DVec3 {
         match self.open == DVec3::ZERO || self.drawn == DVec3::ZERO {
             true => self.seen,
+            false if tinted => {
+                self.open * self.seen / self.drawn.max(DVec3::splat(f64::MIN_POSITIVE))
+            }
             false => self.open * (self.seen.element_sum() / self.drawn.element_sum()),
         }
     }
@@ -116,14 +120,15 @@ impl Gather<'_> {
                             sum.open += open.unwrap_or_default();
                         }
                         let drawn = self.arriving(light, [u0, u1], &kernel, &surface, origin);
-                        if let Some((light, is_hidden)) = drawn {
+                        if let Some((light, passed)) = drawn {
                             rays += 1;
                             sum.drawn += light;
-                            sum.seen += if is_hidden { DVec3::ZERO } else { light };
+                            sum.seen += light * passed;
                         }
                     }
                 }
-                sums.iter().map(Shadow::light).sum::<DVec3>() / f64::from(each)
+                let tinted = self.radiosity.world.has_tints();
+                sums.iter().map(|sum| sum.light(tinted)).sum::<DVec3>() / f64::from(each)
             });
             return (received, rays);
         }
@@ -233,7 +238,8 @@ impl Gather<'_> {
         origin: [f32; 3],
         ray: DVec3,
     ) -> (DVec3, Option<DVec3>) {
-        let Some(hit) = self.backend.closest(&self.ray(origin, ray)) else {
+        let cast = self.ray(origin, ray);
+        let Some(hit) = self.backend.closest(&cast) else {
             return (DVec3::ZERO, None);
         };
         let met = DVec3::from(origin.map(f64::from)) + f64::from(hit.t) * ray;
@@ -248,7 +254,7 @@ impl Gather<'_> {
         if by_lamps > 0.0 {
             light += self.emission(&hit) * (own.x / (density + how.rays[1] * by_lamps));
         }
-        (light, Some(met))
+        (light * world.tint(self.backend, &cast, hit.t), Some(met))
     }
 
     /// Light along a ray that is aimed at a lamp; `None` where none needs to be cast.
@@ -268,13 +274,15 @@ impl Gather<'_> {
         if own.x == 0.0 {
             return None;
         }
-        let hit = self.backend.closest(&self.ray(origin, ray));
+        let cast = self.ray(origin, ray);
+        let hit = self.backend.closest(&cast);
         let light = hit.filter(|hit| (hit.instance, hit.triangle) == place);
         Some(light.map_or(DVec3::ZERO, |hit| {
             let density = how.rays[0] * own.y
                 + how.rays[1] * lamps.pdf(world, &hit, ray)
                 + how.rays[2] * how.aim.pdf(ray);
-            self.emission(&hit) * (own.x / density)
+            let tint = world.tint(self.backend, &cast, hit.t);
+            self.emission(&hit) * (own.x / density) * tint
         }))
     }
 
@@ -294,9 +302,9 @@ impl Gather<'_> {
         Coat::of(self.model, rays, &texel.material, texel.normal.dot(view)).share
     }
 
-    /// What a light brings by a direction that `u` draws, and whether something hides it, be it the facet itself;
-    /// `None` where it brings none. Light from below a facet comes through the mirror image of its direction, as that
-    /// of the sky does.
+    /// What a light brings by a direction that `u` draws, and what of it passes all that stands before it, be it the
+    /// facet itself; `None` where it brings none. Light from below a facet comes through the mirror image of its
+    /// direction, as that of the sky does.
     fn arriving(
         &self,
         light: &Light,
@@ -304,20 +312,21 @@ impl Gather<'_> {
         kernel: &Kernel,
         surface: &Sample,
         origin: [f32; 3],
-    ) -> Option<(DVec3, bool)> {
+    ) -> Option<(DVec3, DVec3)> {
         let arrival = light.at(surface.position, u);
         let light = arrival.irradiance * kernel.toward(surface, arrival.toward);
         if light == DVec3::ZERO {
             return None;
         }
-        let is_hidden = |direction| {
-            self.backend.occluded(&Ray {
+        let passed = |direction| {
+            let ray = Ray {
                 t_max: self.t_max.min(arrival.distance as f32),
                 ..self.ray(origin, direction)
-            })
+            };
+            self.radiosity.world.passed(self.backend, &ray)
         };
         let direction = surface.leaving(self.shading, arrival.toward);
-        Some((light, direction.is_none_or(is_hidden)))
+        Some((light, direction.map_or(DVec3::ZERO, passed)))
     }
 
     fn emission(&self, hit: &rays::SurfaceHit) -> DVec3 {

@@ -118,7 +118,7 @@ impl Setup {
             source_vertices: vec![0, 1, 2, 3],
             uvs,
             triangles: receiver.triangles.clone(),
-            triangle_pages: Vec::new(),
+            ..MeshLayout::default()
         }];
         let mut meshes = vec![receiver];
         if !self.blockers.is_empty() {
@@ -136,7 +136,7 @@ impl Setup {
                 source_vertices: (0..count).collect(),
                 uvs: vec![Vec2::ZERO; positions.len()],
                 triangles: triangles.clone(),
-                triangle_pages: Vec::new(),
+                ..MeshLayout::default()
             });
             meshes.push(mesh(positions, triangles));
         }

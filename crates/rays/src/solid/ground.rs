@@ -24,12 +24,15 @@ use super::{Inside, Solids};
 use glam::DVec3;
 use rayon::prelude::*;
 use scene::{Scene, Sets};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 /// Faces of a sheet from which one looks for what is behind it.
 const LOOKS: usize = 64;
 /// Where along an edge points are asked how they stand to a sheet.
 const ALONG_EDGES: [f64; 3] = [0.23, 0.5, 0.77];
+/// No line that looks for a sheet leans by more of its length, and no coordinate is rounded by more of its own.
+const LEANS: f64 = 1e-5;
+const ROUNDED: f64 = 1e-9;
 /// The cosine of the angle at which one sheet may go on where another ends.
 const ALONG: f64 = 0.999;
 
@@ -82,7 +85,7 @@ impl Stand {
         };
         // Edges of panels may run along one another, where corners are beside a sheet or over its border, and so may
         // middles be where panels join: so other points on the edges too.
-        for point in points(scene, other) {
+        for point in points(scene, other, &Column::of(sheet, front, other)) {
             let local = inverse.transform_point3(point);
             // A wall that only stands on a floor does not cross it: what ends at the sheet is beside it.
             let Some(height) = tree.height_over(scene, local, front, true) else {
@@ -105,9 +108,9 @@ impl Stand {
         };
         let local_front = other.inverse.transform_vector3(front);
         let scale = sheet.inverse.transform_vector3(front).length() / local_front.length();
-        for point in points(scene, sheet) {
+        let direction = local_front.normalize_or_zero();
+        for point in points(scene, sheet, &Column::of(other, direction, sheet)) {
             let local = other.inverse.transform_point3(point);
-            let direction = local_front.normalize_or_zero();
             let Some(height) = tree.height_over(scene, local, direction, true) else {
                 continue;
             };
@@ -148,13 +151,58 @@ impl Stand {
     }
 }
 
-/// Points of a surface: corners, middles and points on the edges of some of its faces.
-fn points<'a>(scene: &'a Scene, of: &'a Placed) -> impl Iterator<Item = DVec3> + 'a {
-    of.faces(scene).flat_map(|[a, b, c]| {
-        let edges = [(a, b), (b, c), (c, a)].into_iter();
-        let along = edges.flat_map(|(from, to)| ALONG_EDGES.map(|share| from.lerp(to, share)));
-        [a, b, c, (a + b + c) / 3.0].into_iter().chain(along)
-    })
+/// Points of a surface that may be over another, each once: corners, middles and points on the edges of some of its
+/// faces.
+fn points(scene: &Scene, of: &Placed, over: &Column) -> Vec<DVec3> {
+    let mut known = HashSet::new();
+    let mut points = Vec::new();
+    for [a, b, c] in of.faces(scene).filter(|face| !over.misses(face)) {
+        let along = [(a, b), (b, c), (c, a)].into_iter().flat_map(|(from, to)| {
+            // Both faces of an edge see it the same way.
+            let is_turned = from.to_array() > to.to_array();
+            let (from, to) = if is_turned { (to, from) } else { (from, to) };
+            ALONG_EDGES.map(|share| from.lerp(to, share))
+        });
+        let own = [a, b, c, (a + b + c) / 3.0].into_iter().chain(along);
+        points.extend(own.filter(|point| known.insert(point.to_array().map(f64::to_bits))));
+    }
+    points
+}
+
+/// The endless box about a surface along a direction: no line of [`SurfaceTree::height_over`] from beside it meets the
+/// surface.
+struct Column {
+    /// Across the direction, with the least and the greatest of the box along them.
+    axes: [(DVec3, f64, f64); 2],
+}
+
+impl Column {
+    /// The column along a direction in the surface's mesh space, for points of another.
+    fn of(surface: &Placed, front: DVec3, other: &Placed) -> Self {
+        let [low, high] =
+            [surface.surface.low, surface.surface.high].map(|corner| corner.as_dvec3());
+        let (middle, half) = ((low + high) * 0.5, (high - low) * 0.5);
+        let inverse = surface.inverse;
+        let from = inverse.transform_point3((other.low + other.high) * 0.5);
+        let reach = inverse.matrix3.abs() * (other.high - other.low);
+        let slack = LEANS * ((from - middle).length() + half.length() + reach.length())
+            + ROUNDED * (from.length() + middle.length());
+        let across = front.any_orthonormal_vector();
+        let axes = [across, front.cross(across)].map(|axis| {
+            let (at, wide) = (middle - inverse.translation, half.dot(axis.abs()) + slack);
+            let own = inverse.matrix3.transpose() * axis;
+            (own, at.dot(axis) - wide, at.dot(axis) + wide)
+        });
+        Self { axes }
+    }
+
+    /// True where all of a face is beside the column.
+    fn misses(&self, face: &[DVec3; 3]) -> bool {
+        self.axes.iter().any(|&(axis, least, most)| {
+            let [a, b, c] = face.map(|corner| corner.dot(axis));
+            a.max(b).max(c) < least || a.min(b).min(c) > most
+        })
+    }
 }
 
 /// Sheets that go on in one another.
@@ -305,6 +353,19 @@ impl Solids {
             }
             stand.meets.then_some((other, stand))
         };
+        // Sheets in a heap have others right behind them, and are no grounds whatever stands in them: that is sooner
+        // known than how all that is near stands.
+        let lays_bare = |pair: &(&Placed, usize)| {
+            let (sheet, other) = (pair.0, &placed[pair.1]);
+            let (low, high) = behind(sheet);
+            sizes[pair.1] >= SMALL * ground.size
+                && other.meets(low, high)
+                && self.is_behind(sheet, other)
+                && stand(pair).is_none_or(|(_, stand)| !stand.crosses())
+        };
+        if ground.sheets.len() == 1 && pairs.iter().any(lays_bare) {
+            return Vec::new();
+        }
         let mut stands: BTreeMap<usize, Stand> = BTreeMap::new();
         for some in pairs.chunks(AT_ONCE) {
             let found: Vec<(usize, Stand)> = some.par_iter().filter_map(stand).collect();
@@ -510,4 +571,42 @@ fn behind(sheet: &Placed) -> (DVec3, DVec3) {
         }
     }
     (low, high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture::{mesh, scene};
+    use glam::Vec3;
+    use std::sync::Arc;
+
+    /// A level grid of `n` by `n` unit squares at this height, with a corner at x and z of `from`.
+    fn grid(n: u32, height: f32, from: f32) -> scene::Mesh {
+        let along = |k: u32| from + k as f32;
+        let corner = |k: u32| Vec3::new(along(k % (n + 1)), height, along(k / (n + 1)));
+        let square = |k: u32| {
+            let a = k / n * (n + 1) + k % n;
+            [[a, a + n + 1, a + 1], [a + 1, a + n + 1, a + n + 2]]
+        };
+        let corners = (0..(n + 1) * (n + 1)).map(corner).collect();
+        mesh(corners, (0..n * n).flat_map(square).collect())
+    }
+
+    #[test]
+    fn points_over_a_sheet_are_asked_once_and_others_never() {
+        let count = |n: u32| {
+            let (corners, edges) = ((n + 1) * (n + 1), 2 * n * (n + 1) + n * n);
+            (corners + 3 * edges + 2 * n * n) as usize
+        };
+        // Below the small one are its four squares and those that touch it.
+        let meshes = vec![grid(6, 0.0, 0.0), grid(2, 1.0, 2.0), grid(9, 2.0, -1.5)];
+        let solids = Solids::of(&Arc::new(scene(meshes)));
+        let placed = solids.placed_surfaces();
+        let asked = |sheet: usize, other: usize| {
+            let (sheet, other) = (&placed[sheet], &placed[other]);
+            points(&solids.scene, other, &Column::of(sheet, DVec3::Y, other)).len()
+        };
+        assert_eq!([asked(2, 0), asked(0, 1)], [count(6), count(2)]);
+        assert_eq!(asked(1, 0), count(4));
+    }
 }

@@ -30,6 +30,7 @@ fn a_layout_is_read_as_it_was_written_where_key_and_scene_are_its_own() {
             assert_eq!(read.uvs, written.uvs);
             assert_eq!(read.triangles, written.triangles);
             assert_eq!(read.triangle_pages, written.triangle_pages);
+            assert_eq!(read.hidden, written.hidden);
         }
         let other = json!({ "scene": "instances", "size": 16 });
         assert!(read_layout(&path, &other, &scene).unwrap().is_none());
@@ -65,10 +66,17 @@ fn a_layout_that_does_not_fit_the_scene_is_an_error() {
     refused("a triangle too few", &|a| {
         a.meshes[0].triangles.pop();
         a.meshes[0].triangle_pages.pop();
+        a.meshes[0].hidden.pop();
     });
     refused("a page too few", &|a| {
         a.meshes[0].triangle_pages.pop();
     });
+    refused(
+        "a triangle of which is not told whether it is hidden",
+        &|a| {
+            a.meshes[0].hidden.pop();
+        },
+    );
     refused("no number", &|a| a.meshes[0].uvs[0].x = f32::NAN);
     refused("an object without a place", &|a| {
         a.placements.pop();

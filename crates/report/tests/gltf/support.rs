@@ -41,6 +41,10 @@ pub fn layout(scene: &Scene, split: bool, pages: u32) -> Atlas {
                     .map(|t| u16::from(t % 3 == 2))
                     .collect(),
             },
+            hidden: match split {
+                true => (0..mesh.triangles.len()).map(|t| t % 2 == 1).collect(),
+                false => Vec::new(),
+            },
         }
     };
     let cells = (scene.instances.len() as f32).sqrt().ceil();

@@ -137,7 +137,7 @@ pub const EXTENSIONS: &[Row] = &[
     row("KHR_materials_pbrSpecularGlossiness", Honoured, "in place of metallic and roughness"),
     amount("KHR_materials_sheen", "sheenColorFactor", "the surface is baked without its sheen"),
     told("KHR_materials_specular", Approximated, "factors are read, textures are not", WarningKind::UnreadTextures),
-    told("KHR_materials_transmission", Approximated, "light passes straight on, its share by the mean of the tint over the channels", WarningKind::GreyTransmission),
+    told("KHR_materials_transmission", Approximated, "light passes straight on; lamps and surfaces shine through it in its tint, channel by channel; of the sky a bake takes the mean of the tint", WarningKind::GreyTransmission),
     told("KHR_materials_unlit", Approximated, "viewers show the surface without light; it is baked as a lit one of its base colour", Ignored),
     row("KHR_materials_variants", Harmless, "the materials that primitives name are baked"),
     amount("KHR_materials_volume", "thicknessFactor", "light that passes keeps its direction, and its colour but for the surface's"),

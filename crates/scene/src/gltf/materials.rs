@@ -179,7 +179,7 @@ fn material(
         WarningKind::GreyTransmission,
         place.as_str(),
         u64::from(is_tinted && transmission.is_some()),
-        "light that passes it gets no tint: all channels pass by the mean of its colour",
+        "a bake gives light of the sky that passes it no tint, but the mean of its colour in all channels; lamps shine through it in colour",
     );
     // A factor of 0 keeps its texture dark.
     let emission_map = match emission == Vec3::ZERO {
