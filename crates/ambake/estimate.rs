@@ -13,6 +13,8 @@ const KEEPING: f64 = 1.7e-8;
 const JOINING: f64 = 7e-6;
 /// The same for the picture of the lit scene and for all that does not grow.
 const ONCE: f64 = 0.3;
+/// Bytes of code and of tables that are first used while a bake is written.
+const CODE: u64 = 8 << 20;
 /// Bytes of a compressed 32-bit number, as a share: of pages with their previews, and of what is kept for later
 /// updates.
 const WRITTEN: f64 = 0.75;
@@ -60,7 +62,7 @@ impl Job {
         let most = seams.iter().copied().max().unwrap_or(0);
         let known = Some((charts.as_slice(), most));
         let peak = self.within(|| memory.pages(pages, page, covered, known));
-        let used = resident().unwrap_or(0) + peak;
+        let used = resident().unwrap_or(0) + peak + CODE;
         let threads = threads as f64;
         let baking = pilot.cpu_seconds / share;
         let denoised = match self.options().denoises() {

@@ -418,7 +418,7 @@ mod tests {
                 due.push(elapsed.as_secs());
             }
         }
-        assert_eq!(due, [10, 20, 30, 45, 67, 101, 151, 227, 341, 512]);
+        assert_eq!(due, [10, 20, 30, 45, 67, 101, 152, 228, 342, 513]);
     }
 
     #[test]

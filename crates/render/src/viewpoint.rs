@@ -478,7 +478,7 @@ mod tests {
 
     #[test]
     fn a_body_that_is_baked_from_outside_has_no_places_within() {
-        // A mattress, whose faces look inward and are drawn from both sides.
+        // A mattress, whose faces look inward and are drawn from both sides, and something beside it.
         let mut mesh = scene::authored::Mesh::default();
         let corner = |k: u32| [k >> 2, k >> 1 & 1, k & 1].map(|side| side as f32);
         mesh.positions = (0..8).map(corner).collect();
@@ -494,7 +494,10 @@ mod tests {
         mesh.triangles = sides.into_iter().flat_map(split).collect();
         let mut material = scene::authored::Material::default();
         material.double_sided = true;
-        let scene = scene::Scene::from_meshes(vec![mesh], vec![material]).unwrap();
+        let mut beside = scene::authored::Mesh::default();
+        beside.positions = vec![[1.05, 0.0, 0.0], [1.05, 0.0, 0.1], [1.1, 0.0, 0.0]];
+        beside.triangles = vec![[0, 1, 2]];
+        let scene = scene::Scene::from_meshes(vec![mesh, beside], vec![material]).unwrap();
         let mut world = World::new(std::sync::Arc::new(scene), Default::default()).unwrap();
         let kind = rays::BackendKind::Obvhs(rays::Layout::Cwbvh);
         let backend = rays::build(kind, &world, 1).unwrap();

@@ -283,6 +283,9 @@ impl<'a> Denoiser<'a> {
         }
         if term.is_smooth {
             strays::share(&mask, &mut data);
+        }
+        // Fits of a bent chart follow what changes with its normals.
+        if term.is_smooth && features.is_none() {
             lines::set_apart(&mut mask, &mut data, &errors);
         }
         Surface {

@@ -4,6 +4,7 @@
 use super::PageLight;
 use super::mips::{fill, is_filled};
 use png::{BitDepth, ColorType, Encoder};
+use std::sync::LazyLock;
 
 /// Edge of the square of thresholds that 8 bits are dithered with.
 const TILE: usize = 64;
@@ -36,11 +37,12 @@ fn values(page: &PageLight<'_>) -> Vec<f32> {
 }
 
 /// Thresholds for 8 bits.
-pub(super) struct Dither(Vec<f32>);
+pub(super) struct Dither(&'static [f32]);
 
 impl Dither {
     pub fn new() -> Self {
-        Self(blue_noise())
+        static NOISE: LazyLock<Vec<f32>> = LazyLock::new(blue_noise);
+        Self(&NOISE)
     }
 
     /// The byte of a value 0..=1 in this column and row.
@@ -66,15 +68,20 @@ fn blue_noise() -> Vec<f32> {
     let mut energy = vec![0.0f32; count];
     let mut thresholds = vec![0.0; count];
     for rank in 0..count {
-        let lowest = |best: usize, i: usize| if energy[i] < energy[best] { i } else { best };
-        let place = (0..count).fold(0, lowest);
+        let numbered = energy.iter().enumerate();
+        let lowest = numbered.fold((0, f32::INFINITY), |best, (i, &energy)| {
+            if energy < best.1 { (i, energy) } else { best }
+        });
+        let place = lowest.0;
         thresholds[place] = (rank as f32 + 0.5) / count as f32 - 0.5;
-        for (i, energy) in energy.iter_mut().enumerate() {
-            let (dx, dy) = (
-                (i + TILE - place % TILE) % TILE,
-                (i / TILE + TILE - place / TILE) % TILE,
-            );
-            *energy += kernel[dy * TILE + dx];
+        let (column, row) = (place % TILE, place / TILE);
+        for (y, energy) in energy.chunks_exact_mut(TILE).enumerate() {
+            let kernel = &kernel[(y + TILE - row) % TILE * TILE..][..TILE];
+            let (before, after) = energy.split_at_mut(column);
+            let (first, last) = kernel.split_at(TILE - column);
+            let pairs = after.iter_mut().zip(first);
+            let pairs = pairs.chain(before.iter_mut().zip(last));
+            pairs.for_each(|(energy, more)| *energy += more);
         }
         energy[place] = f32::INFINITY;
     }
