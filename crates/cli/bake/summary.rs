@@ -110,8 +110,8 @@ const STEP: f64 = 1.0 / 255.0;
 /// differ by a fiftieth (E. H. Weber's fraction of brightness). Their largest says little: one point is no edge.
 const EDGE: f64 = 0.02;
 
-/// What steps across seams look like beside the error of the rays, and what helps; of steps that do not show, what lowers
-/// what texels were moved by for them, where that is more than the rays leave.
+/// What steps across seams look like beside the error of the rays, and what helps; of steps that do not show, what
+/// lowers what texels were moved by for them, where that is more than the rays leave.
 fn steps(rms: f64, moved: f64, rmse: f64) -> &'static str {
     match rms >= EDGE {
         false if moved > rmse => ": a larger --size lowers it",

@@ -31,7 +31,8 @@
 //!   `coincident.rs`.
 //! * The world and its precision: `world.rs`. Where its coordinates count from: `origin.rs`. Where rays start:
 //!   `surface.rs`.
-//! * What cut-out and see-through surfaces let through: `alpha_test.rs`, channel by channel `panes.rs`. Material at a point: `material.rs`.
+//! * What cut-out and see-through surfaces let through: `alpha_test.rs`, channel by channel
+//!   `panes.rs`. Material at a point: `material.rs`.
 //! * How normal maps bend normals: `normal_maps.rs`, with tangents from `tangents.rs` and their frames in `frames.rs`.
 //! * What counts as inside of something: `solid`, with closed bodies and cavities in `mod.rs`, grounds in `ground.rs`,
 //!   rooms in `rooms.rs`, bodies without a bottom in `shut.rs`, those that look inward in `inward.rs` and `wound.rs`,

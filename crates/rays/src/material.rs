@@ -2,7 +2,7 @@
 
 use crate::backend::SurfaceHit;
 use glam::{DVec2, DVec3, Vec2, Vec3};
-use scene::{Material, Mesh, Scene, Surface, TextureRef};
+use scene::{Instance, Material, Mesh, Scene, Surface, TextureRef};
 
 /// Parameters of the Phong model, of a point or averaged over an area.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -231,6 +231,26 @@ fn uv_at(mesh: &Mesh, triangle: u32, weights: [f64; 3], set: u32) -> Vec2 {
         sum += uvs[*corner as usize].as_dvec2() * weight;
     }
     sum.as_vec2()
+}
+
+/// True where a surface that blocks light lets some of it pass with a tint.
+pub(crate) fn has_tints(scene: &Scene) -> bool {
+    let is_grey = |color: &Vec3| color.x == color.y && color.y == color.z;
+    let is_tinted = |instance: &Instance| {
+        let mesh = &scene.meshes[instance.mesh as usize];
+        let material = &scene.materials[mesh.material as usize];
+        let (factor, map) = base_of(&material.surface);
+        let has_color = |image: u32| {
+            let mut pixels = scene.images[image as usize].pixels.iter();
+            pixels.any(|[r, g, b, _]| r != g || g != b)
+        };
+        instance.casts
+            && material.transmission.is_some()
+            && (!is_grey(&factor)
+                || !mesh.colors.iter().all(is_grey)
+                || map.as_ref().is_some_and(|map| has_color(map.image)))
+    };
+    scene.instances.iter().any(is_tinted)
 }
 
 #[cfg(test)]

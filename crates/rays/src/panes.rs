@@ -6,10 +6,8 @@
 //! light of a ray that was let pass by chance is more or less than its mean ([`World::tint`]).
 
 use crate::backend::{Ray, RayBackend, Stops, SurfaceHit};
-use crate::material::base_of;
 use crate::world::World;
 use glam::{DVec3, Vec3};
-use scene::{Instance, Scene};
 
 impl World {
     /// The share of the light of each channel that passes along a ray, 0..=1: what the surfaces on it let pass, one
@@ -62,26 +60,6 @@ pub(crate) fn relative(passing: Vec3) -> Vec3 {
         sum if sum > 0.0 => passing * (3.0 / sum),
         _ => Vec3::ONE,
     }
-}
-
-/// True where a surface that blocks light lets some of it pass with a tint.
-pub(crate) fn has_tints(scene: &Scene) -> bool {
-    let is_grey = |color: &Vec3| color.x == color.y && color.y == color.z;
-    let is_tinted = |instance: &Instance| {
-        let mesh = &scene.meshes[instance.mesh as usize];
-        let material = &scene.materials[mesh.material as usize];
-        let (factor, map) = base_of(&material.surface);
-        let has_color = |image: u32| {
-            let mut pixels = scene.images[image as usize].pixels.iter();
-            pixels.any(|[r, g, b, _]| r != g || g != b)
-        };
-        instance.casts
-            && material.transmission.is_some()
-            && (!is_grey(&factor)
-                || !mesh.colors.iter().all(is_grey)
-                || map.as_ref().is_some_and(|map| has_color(map.image)))
-    };
-    scene.instances.iter().any(is_tinted)
 }
 
 #[cfg(test)]

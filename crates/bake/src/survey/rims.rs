@@ -1,9 +1,10 @@
-//! Footprints end where a thin wall cuts a rim off from their surface that is thinner than an eighth of a texel, of a flat
-//! sheet a whole one, and begin rays above a thin layer that lies just over them.
+//! Footprints end where a thin wall cuts a rim off from their surface that is thinner than an eighth of a texel, of
+//! a flat sheet a whole one, and begin rays above a thin layer that lies just over them.
 //!
-//! Such a rim cannot be shown beside the rest, and may see the other side of the wall. So it does not matter whether somebody sees it. What the layer covers is dark, and a texel that its edge crosses cannot show that beside what is
-//! not covered. With its rays above the layer it has the light of the surface without the layer. What a closed layer
-//! covers is buried, as it would be if that stood on it: footprints end there too.
+//! Such a rim cannot be shown beside the rest, and may see the other side of the wall. So it does not matter
+//! whether somebody sees it. What the layer covers is dark, and a texel that its edge crosses cannot show that
+//! beside what is not covered. With its rays above the layer it has the light of the surface without the layer.
+//! What a closed layer covers is buried, as it would be if that stood on it: footprints end there too.
 
 use atlas::Piece;
 use glam::DVec3;

@@ -12,8 +12,7 @@
 //! lies in the surface itself covers nothing either, for it takes no light from it.
 
 use super::Solids;
-use super::placed::{ABOUT, Placed, Sheet};
-use super::rims::box_corners;
+use super::placed::{ABOUT, Placed, Sheet, box_corners};
 use super::topology::{Face, Surface, corners};
 use crate::boxes::Boxes;
 use crate::solid::NUDGE;

@@ -35,12 +35,12 @@ impl Solids {
         found
     }
 
-    /// Triangles of each mesh whose back is what one sees, ascending: those of surfaces that are drawn from both sides
-    /// and look inward wherever they are placed, though nothing is in them, none of these places and no lamp of their
-    /// own, or whose front is blind there (`blind.rs`); and those that look the other way than most of their surface
-    /// does, if that is right. From within nobody looks at them, and nothing would be seen
-    /// there. Of those that look inward none where a scene has no other surfaces, but for those whose faces look both
-    /// ways: then they are all that there is to be seen, and empty rooms.
+    /// Triangles of each mesh whose back is what one sees, ascending: those of surfaces that are drawn from both
+    /// sides and look inward wherever they are placed, though nothing is in them, none of these places and no lamp of
+    /// their own, or whose front is blind there (`blind.rs`); and those that look the other way than most of their
+    /// surface does, if that is right. From within nobody looks at them, and nothing would be seen there. Of those
+    /// that look inward none where a scene has no other surfaces, but for those whose faces look both ways: then they
+    /// are all that there is to be seen, and empty rooms.
     pub fn backs(&self, places: &[DVec3]) -> Vec<(u32, Vec<u32>)> {
         let mut turned = self.turned_surfaces();
         let whole = |key: &&Key| {

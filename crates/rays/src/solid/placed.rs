@@ -241,3 +241,11 @@ pub(super) fn placed_box(surface: &Surface, transform: &DAffine3) -> (DVec3, DVe
     let reach = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
     (middle - reach, middle + reach)
 }
+
+/// The corners of a box.
+pub(super) fn box_corners(low: DVec3, high: DVec3) -> [DVec3; 8] {
+    std::array::from_fn(|k| {
+        let side = |axis: usize| if k >> axis & 1 == 0 { low } else { high };
+        DVec3::new(side(0).x, side(1).y, side(2).z)
+    })
+}

@@ -3,12 +3,12 @@
 //! A floor that reaches a little through a wall without thickness ends in a rim that sees the other side. On the page
 //! it may be a hundredth of a texel, and still light the texel that it shares with the floor, or be all that a texel
 //! holds. Whatever is thinner than a small part of a texel cannot be shown beside what is not. So who bakes may end the
-//! surface at the wall, whichever side of it is seen. Of a flat sheet that ends behind a wall as long as its rim, such as
-//! a floor below the walls of a room, look-ups before the wall read a rim of up to a whole texel.
+//! surface at the wall, whichever side of it is seen. Of a flat sheet that ends behind a wall as long as its rim, such
+//! as a floor below the walls of a room, look-ups before the wall read a rim of up to a whole texel.
 
 use super::Solids;
 use super::covers::Layers;
-use super::placed::{Among, CROSSES, Placed, most_meetings, sheets_of};
+use super::placed::{Among, CROSSES, Placed, box_corners, most_meetings, sheets_of};
 use super::topology::{Face, corners};
 use crate::solid::NUDGE;
 use glam::DVec3;
@@ -226,13 +226,6 @@ pub(super) fn plane(scene: &Scene, sheet: &Placed) -> Option<(DVec3, f64)> {
     let slack = CROSSES * sheet.size();
     let is_flat = |corner: DVec3| (corner.dot(normal) - at).abs() <= slack;
     sheet.corners(scene).all(is_flat).then_some((normal, at))
-}
-
-pub(super) fn box_corners(low: DVec3, high: DVec3) -> [DVec3; 8] {
-    std::array::from_fn(|k| {
-        let side = |axis: usize| if k >> axis & 1 == 0 { low } else { high };
-        DVec3::new(side(0).x, side(1).y, side(2).z)
-    })
 }
 
 #[cfg(test)]

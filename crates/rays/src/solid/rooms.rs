@@ -18,8 +18,7 @@
 //! than in it is none.
 
 use super::opening::Opening;
-use super::placed::{Among, CROSSES, NEAR, Placed, SMALL};
-use super::rims::box_corners;
+use super::placed::{Among, CROSSES, NEAR, Placed, SMALL, box_corners};
 use super::topology::{Surface, corners};
 use super::{Inside, NUDGE, Solids};
 use glam::DVec3;
@@ -88,9 +87,9 @@ impl Solids {
         }
     }
 
-    /// Rooms that are drawn from both sides and have more standing on them, outside of all rooms, than in them: the ground
-    /// below a house with a cellar wall in it, a roof that hides the end of a beam. What is larger than they are, such as
-    /// the street before a room, does not stand on them.
+    /// Rooms that are drawn from both sides and have more standing on them, outside of all rooms, than in them: the
+    /// ground below a house with a cellar wall in it, a roof that hides the end of a beam. What is larger than they
+    /// are, such as the street before a room, does not stand on them.
     fn built_on(&self) -> Vec<u32> {
         let placed = self.placed_surfaces();
         let is_closed_room = |of: &&Placed| {
