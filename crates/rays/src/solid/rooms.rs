@@ -20,14 +20,12 @@
 use super::opening::Opening;
 use super::placed::{Among, CROSSES, NEAR, Placed, SMALL, box_corners};
 use super::topology::{Surface, corners};
+use super::wound::LOOKS;
 use super::{Inside, NUDGE, Solids};
 use glam::DVec3;
 use rayon::prelude::*;
 use scene::Scene;
 use std::collections::{BTreeMap, HashMap, HashSet};
-
-/// Faces that are asked whether a surface lies for the most part in rooms.
-const LOOKS: usize = 64;
 
 /// Placement and number of a surface.
 type Key = (u32, u32);
@@ -92,35 +90,45 @@ impl Solids {
     /// are, such as the street before a room, does not stand on them.
     fn built_on(&self) -> Vec<u32> {
         let placed = self.placed_surfaces();
-        let is_closed_room = |of: &&Placed| {
-            let body = self.placements.get(&of.key);
-            body.is_some_and(|&body| self.bodies[body as usize].inside == Inside::Room)
-        };
-        let (rooms, others): (Vec<&Placed>, Vec<&Placed>) = placed.iter().partition(is_closed_room);
-        let [rooms, others] = [rooms, others].map(Among::of);
-        let is_built_on = |room: &&&Placed| {
-            let slack = NEAR * room.size();
-            let near = others
-                .meeting(room.low - slack, room.high + slack)
-                .into_iter();
-            let near = near.map(|place| others.placed[place]);
-            let (mut within, mut beside) = (0.0, 0.0);
-            for other in near.filter(|other| other.side() <= room.side()) {
-                let is_in = |at: DVec3| self.is_in(room, at);
-                let is_out = |at: DVec3| !rooms.any(at, at, |of| self.is_in(of, at));
-                if 2 * other.count(&self.scene, LOOKS, is_in) > LOOKS {
-                    within += other.side();
-                } else if 2 * other.count(&self.scene, LOOKS, is_out) > LOOKS {
-                    beside += other.side();
-                }
-            }
+        let all = Among::of(placed.iter().collect());
+        let rooms = placed.par_iter().filter(|of| self.is_closed_room(of));
+        let is_built_on = |room: &&Placed| {
+            let is_in = |at: DVec3| self.is_in(room, at);
+            let [within, beside] = self.standing(room, &all, is_in);
             beside > within
         };
-        let rooms = rooms.placed.par_iter();
         let found = rooms
             .filter(|room| self.is_drawn_from_both_sides(room.surface))
             .filter(is_built_on);
         found.map(|room| self.placements[&room.key]).collect()
+    }
+
+    /// The sides of all others that lie for the most part in a surface, and of those near it that lie neither there nor
+    /// in a closed room. What is larger is left out, and what looks inward itself: it may be a room too.
+    pub(super) fn standing(
+        &self,
+        of: &Placed,
+        all: &Among,
+        is_in: impl Fn(DVec3) -> bool,
+    ) -> [f64; 2] {
+        let holds = |room: &Placed, at| self.is_closed_room(room) && self.is_in(room, at);
+        let is_out = |at: DVec3| !is_in(at) && !all.any(at, at, |room| holds(room, at));
+        let slack = NEAR * of.size();
+        let near = all.meeting(of.low - slack, of.high + slack).into_iter();
+        let near = near.map(|place| all.placed[place]);
+        let others = near.filter(|other| other.key != of.key && other.side() <= of.side());
+        let [mut within, mut beside] = [0.0, 0.0];
+        let looks_inward = |other: &Placed| {
+            self.is_closed_room(other) || !self.wound(other.shape, other.key.1).is_empty()
+        };
+        for other in others.filter(|other| !looks_inward(other)) {
+            if 2 * other.count(&self.scene, LOOKS, &is_in) > LOOKS {
+                within += other.side();
+            } else if 2 * other.count(&self.scene, LOOKS, is_out) > LOOKS {
+                beside += other.side();
+            }
+        }
+        [within, beside]
     }
 
     /// Bodies that look inward, though nothing lies wholly in them, and are rooms all the same: some surface lies for
@@ -229,9 +237,12 @@ impl Solids {
     }
 
     fn is_room(&self, placed: &Placed) -> bool {
+        placed.surface.hollow < 0.0 || self.is_closed_room(placed)
+    }
+
+    fn is_closed_room(&self, placed: &Placed) -> bool {
         let body = self.placements.get(&placed.key);
-        let inside = body.map(|&body| &self.bodies[body as usize].inside);
-        placed.surface.hollow < 0.0 || inside == Some(&Inside::Room)
+        body.is_some_and(|&body| self.bodies[body as usize].inside == Inside::Room)
     }
 
     /// True where a point of the world lies in a room.

@@ -167,21 +167,19 @@ impl Solids {
     }
 
     /// True where a surface that looks inward, or is to do so, is a room or a cavity: something lies for the most part
-    /// in its air, or it lies in a solid. `winding`: the sign of its winding number in its air.
+    /// in its air, and no more than that stands on it outside of all rooms, or it lies in a solid. `winding`: the sign
+    /// of its winding number in its air.
     pub(super) fn is_lived_in(&self, of: &Placed, winding: i32, all: &Among) -> bool {
-        let holds = |at| winding * self.winding_about(of, at) > 0;
-        let mut standing = 0.0;
-        all.meeting(of.low, of.high).into_iter().any(|other| {
-            let other = all.placed[other];
-            if other.key == of.key {
-                return false;
-            }
-            if 2 * other.count(&self.scene, LOOKS, holds) > LOOKS {
-                standing += other.side();
-            }
-            standing > STANDS * of.side()
-                || other.surface.volume > 0.0 && self.is_deep_within(other, of)
-        })
+        let is_cavity = |other: &Placed| {
+            let is_solid = other.key != of.key && other.surface.volume > 0.0;
+            is_solid && self.is_deep_within(other, of)
+        };
+        if all.any(of.low, of.high, is_cavity) {
+            return true;
+        }
+        let is_in = |at| winding * self.winding_about(of, at) > 0;
+        let [within, beside] = self.standing(of, all, is_in);
+        within > STANDS * of.side() && within >= beside
     }
 
     /// True where a closed body holds another surface, and not only some of it.

@@ -1,7 +1,7 @@
 //! Reads the lines of an OBJ file.
 
 use super::corners::NONE;
-use super::{File, name, number, polygon};
+use super::{File, name, number, polygon, text_of};
 use crate::input::{Input, short};
 use crate::lookup::linear;
 use crate::source::{open, without_mark};
@@ -190,8 +190,7 @@ impl State {
                 self.part = None;
             }
             b"mtllib" => {
-                let line = String::from_utf8_lossy(rest.trim_ascii());
-                self.file.libraries.push(line.into_owned());
+                self.file.libraries.push(text_of(rest));
             }
             _ if line.contains(&0) => {
                 return Err("binary data; this is not an OBJ file, export it again".into());
@@ -353,5 +352,5 @@ fn index(field: &[u8], count: usize, what: &str) -> Result<u32, String> {
 
 /// Words of a line as text, for messages.
 fn text(bytes: &[u8]) -> String {
-    short(&String::from_utf8_lossy(bytes.trim_ascii()))
+    short(&text_of(bytes))
 }

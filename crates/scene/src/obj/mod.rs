@@ -87,9 +87,17 @@ fn number(word: &str) -> Option<f64> {
     word.parse().ok().or_else(none)
 }
 
-/// A name of an object, a group or a material; OBJ files come in every encoding.
+/// A name of an object, a group or a material.
 fn name(bytes: &[u8]) -> String {
-    kept_name(&String::from_utf8_lossy(bytes.trim_ascii())).into_owned()
+    kept_name(&text_of(bytes)).into_owned()
+}
+
+/// What a line says. OBJ files come in every encoding: what is not UTF-8 is read byte by byte as Latin-1, which is
+/// wrong for some, and keeps apart what differs in all.
+fn text_of(bytes: &[u8]) -> String {
+    let bytes = bytes.trim_ascii();
+    let text = str::from_utf8(bytes).map(str::to_owned);
+    text.unwrap_or_else(|_| bytes.iter().map(|&byte| char::from(byte)).collect())
 }
 
 fn add(input: &mut Input, parts: &mut Parts, mut mesh: Mesh, home: DVec3) -> Result<(), Error> {

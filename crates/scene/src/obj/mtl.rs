@@ -6,7 +6,7 @@
 //! `map_Ks` is noted and left out. `illum` is not used either: which model is shown is chosen by layer.
 
 use super::options::Options;
-use super::{name, number};
+use super::{name, number, text_of};
 use crate::image::{Content, Failure, TOO_LARGE, content, decode};
 use crate::input::{Input, short};
 use crate::material::{MAX_EXPONENT, conserving};
@@ -113,12 +113,12 @@ fn single(word: &str) -> Option<f32> {
 /// The materials of a library. Lines without the number or the name that they need, or before the first material, are
 /// counted.
 fn parsed(input: &mut Input, path: &Path, bytes: &[u8]) -> Vec<Statements> {
-    let source = String::from_utf8_lossy(without_mark(bytes));
     let mut materials: Vec<Statements> = Vec::new();
     let mut ignored = 0;
-    for line in source.split(['\n', '\r']).map(str::trim) {
-        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-        let rest = rest.trim();
+    let lines = without_mark(bytes).split(|byte| b"\n\r".contains(byte));
+    for line in lines.map(text_of) {
+        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((&line, ""));
+        let rest = rest.trim_ascii();
         let numbers: Vec<f32> = rest.split_whitespace().map_while(single).collect();
         let color = match *numbers {
             [r, g, b, ..] => Some([r, g, b]),
@@ -185,14 +185,14 @@ fn material(
     images: &mut Known,
 ) -> Result<Material, Error> {
     let place = format!("material `{}`", raw.name);
-    let mut changed = 0;
-    let mut color = |c: Option<[f32; 3]>, or: f32| match c {
-        Some(c) => Vec3::from_array(c.map(|v| clamped(v, 0.0, 1.0, or, &mut changed))),
+    let color = |c: Option<[f32; 3]>, or: f32, changed: &mut u64| match c {
+        Some(c) => Vec3::from_array(c.map(|v| clamped(v, 0.0, 1.0, or, changed))),
         None => Vec3::splat(or),
     };
-    let ambient = raw.ka.map(|ka| color(Some(ka), 0.0));
-    let mut albedo = color(raw.kd, 1.0);
-    let specular = color(raw.ks, 0.0);
+    let [mut changed, mut ambient_changed] = [0; 2];
+    let ambient = raw.ka.map(|ka| color(Some(ka), 0.0, &mut ambient_changed));
+    let mut albedo = color(raw.kd, 1.0, &mut changed);
+    let specular = color(raw.ks, 0.0, &mut changed);
     let exponent = clamped(
         raw.ns.unwrap_or(0.0),
         0.0,
@@ -215,6 +215,12 @@ fn material(
         place.as_str(),
         changed,
         "factors out of range are clamped",
+    );
+    input.warn(
+        WarningKind::ClampedFactors,
+        place.as_str(),
+        ambient_changed,
+        "Ka out of 0 to 1 is clamped; only --ambient-coefficient file takes Ka",
     );
     // Exporters write black or white where nobody chose anything.
     let is_chosen = |ka: &Vec3| ![Vec3::ZERO, Vec3::ONE, albedo].contains(ka);

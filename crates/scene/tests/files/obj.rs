@@ -367,6 +367,41 @@ fn names_of_any_length_stay_names_of_their_own() {
 }
 
 #[test]
+fn names_that_are_not_utf_8_stay_names_of_their_own() {
+    let folder = Folder::new();
+    // In GBK: a window, a bed, and a name of a byte that Latin-1 takes for white space.
+    let names: [&[u8]; 3] = [b"\xb4\xb0", b"\xb4\xb2", b"\xb4\xa0"];
+    let colours: [&[u8]; 3] = [b"1 0 0", b"0 1 0", b"0 0 1"];
+    let line = |keyword: &[u8], rest: &[u8]| [keyword, b" ", rest, b"\n"].concat();
+    let library = names
+        .iter()
+        .zip(colours)
+        .map(|(name, colour)| [line(b"newmtl", name), line(b"Kd", colour)].concat());
+    folder.write("a.mtl", library.collect::<Vec<_>>().concat());
+    let parts = names.map(|name| {
+        [
+            line(b"o", name),
+            line(b"usemtl", name),
+            line(b"f", b"1 2 3"),
+        ]
+    });
+    let text = b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    let text = [&text[..], &parts.concat().concat()].concat();
+    let scene = folder.load("a.obj", text).unwrap_or_else(|e| panic!("{e}"));
+    let albedos: Vec<Vec3> = (scene.meshes.iter())
+        .map(
+            |mesh| match scene.materials[mesh.material as usize].surface {
+                Surface::Phong { albedo, .. } => albedo,
+                _ => panic!("a material of an OBJ"),
+            },
+        )
+        .collect();
+    assert_eq!(albedos, Vec3::AXES);
+    let names: Vec<&str> = scene.instances.iter().map(|of| &*of.name).collect();
+    assert_eq!(names, ["\u{b4}\u{b0}", "\u{b4}\u{b2}", "\u{b4}\u{a0}"]);
+}
+
+#[test]
 fn files_are_found_beside_the_scene_and_in_other_case_with_a_line() {
     let folder = Folder::new();
     let textures = folder.write("Wall.PNG", png(&[[255, 0, 0, 255]]));

@@ -78,13 +78,19 @@ fn a_body_that_looks_inward_is_no_room_where_more_stands_on_it_than_in_it() {
         ),
         (vec![hidden(), house(1.5)], false),
     ] {
-        let count = others.len();
-        let found = backs([vec![unit(true)], others].concat(), &[]);
-        assert_eq!(
-            found.len(),
-            if is_turned { 12 } else { 0 },
-            "{count} others"
-        );
+        // Closed, and without a triangle.
+        for triangles in [12, 11] {
+            let mut body = unit(true);
+            body.triangles.truncate(triangles);
+            let found = backs([vec![body], others.clone()].concat(), &[]).len();
+            let right = if is_turned { triangles } else { 0 };
+            assert_eq!(
+                found,
+                right,
+                "{triangles} triangles, {} others",
+                others.len()
+            );
+        }
     }
     let lit = backs(vec![unit(true), hidden(), house(0.6)], &[INSIDE]);
     assert!(lit.is_empty());
