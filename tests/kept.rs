@@ -113,7 +113,7 @@ fn squares(folder: &Path, normal: &str, step: f32) -> PathBuf {
 }
 
 #[test]
-fn surfaces_look_to_the_side_of_their_shading_normals_or_to_both() {
+fn surfaces_look_to_the_side_that_is_lit_alone() {
     let small = [
         "--size",
         "64",
@@ -124,12 +124,13 @@ fn surfaces_look_to_the_side_of_their_shading_normals_or_to_both() {
         "--under",
         "0",
     ];
-    for (case, normals) in [
-        // The normals of the corners in the order of the file.
-        ("against its winding", ["0 -1 0"; 4]),
+    for (case, normals, baked) in [
+        // The normals of the corners in the order of the file. The far one sees nothing of what moves.
+        ("against its winding", ["0 -1 0"; 4], 0.5..0.9),
         (
             "bent through its plane",
             ["0.8 0.6 0", "0.8 0.6 0", "0.8 -0.6 0", "0.8 -0.6 0"],
+            0.2..0.5,
         ),
     ] {
         let folder = tempfile::tempdir().expect("a folder");
@@ -138,8 +139,7 @@ fn surfaces_look_to_the_side_of_their_shading_normals_or_to_both() {
             .map(|(name, step)| squares(&folder.path().join(name), &lines, step));
         let said = compare_files(folder.path(), [&old, &new], &small);
         let share = said["share"].as_f64().expect("a share");
-        // The far one sees nothing of it.
-        assert!(share > 0.5 && share < 0.9, "{case}: {said}");
+        assert!(baked.contains(&share), "{case}: {said}");
     }
 }
 

@@ -146,7 +146,7 @@ fn from_face(
         t_max: f32::INFINITY,
     };
     let mut counts = Counts::default();
-    let Some(normal) = world.upward(instance, triangle).try_normalize() else {
+    let Some(normal) = world.face(instance, triangle).try_normalize() else {
         return counts;
     };
     if world.is_buried(instance, triangle, [1.0 / 3.0; 3]) {

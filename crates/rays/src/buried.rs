@@ -49,7 +49,7 @@ impl World {
         }
         let near = solids.about(position, position);
         let reach = self.reach(&near, position.abs().max_element());
-        let point = position + NUDGE * reach * self.upward(instance, triangle).normalize_or_zero();
+        let point = position + NUDGE * reach * self.face(instance, triangle).normalize_or_zero();
         solids.outweigh(&near, |body| solids.depth(body, point, own))
     }
 
@@ -74,7 +74,7 @@ impl World {
         }
         let mut near = solids.about(low, high);
         let reach = self.reach(&near, low.abs().max(high.abs()).max_element());
-        let above = NUDGE * reach * self.upward(instance, triangle).normalize_or_zero();
+        let above = NUDGE * reach * self.face(instance, triangle).normalize_or_zero();
         let corners = corners.map(|corner| corner + above);
         near.retain(|&body| !solids.spares(body, own));
         let is_close = |&body: &u32| own != Some(body) && solids.meets(body, corners.into_iter());

@@ -93,4 +93,4 @@ pub use part::Part;
 pub use point::{SurfacePoint, Surfaces};
 pub use solid::{Cover, Covers, NUDGE, Near, Rim, Solids};
 pub use surface::{Patch, PlaneErrors};
-pub use world::{World, WorldOptions};
+pub use world::{World, WorldOptions, above};

@@ -54,7 +54,7 @@ impl<'a> Surfaces<'a> {
         let [b, c] = hit.barycentric.map(f64::from);
         let weights = patch.kept_inside(DVec3::new(1.0 - b - c, b, c).max(DVec3::ZERO));
         let position = patch.position(weights);
-        let up = patch.upward();
+        let up = patch.geometric;
         let side = if up.dot(toward) < 0.0 { -1.0 } else { 1.0 };
         let geometric = up * side;
         let bent = self.world.bent_at(hit.instance, hit.triangle, weights);
@@ -78,7 +78,7 @@ impl<'a> Surfaces<'a> {
     /// are on.
     pub fn shows_front(&self, hit: &SurfaceHit, toward: DVec3) -> bool {
         let patch = Patch::of(self.world, &self.errors, hit.instance, hit.triangle);
-        patch.upward().dot(toward) > 0.0
+        patch.geometric.dot(toward) > 0.0
     }
 
     /// False where the surface at a hit sends out no light by itself.

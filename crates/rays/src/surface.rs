@@ -23,7 +23,7 @@
 //! keep [`AWAY`] times the bound away, where 0.04 % are left. That is some thousandths of a millimetre a metre from the
 //! origin.
 
-use crate::world::World;
+use crate::world::{Lit, World};
 use glam::DVec3;
 
 /// Unit roundoff of f32.
@@ -46,7 +46,7 @@ pub struct Patch {
     pub corners: [DVec3; 3],
     /// Corner shading normals; `None` shades flat.
     normals: Option<[DVec3; 3]>,
-    /// Unit geometric normal, right-hand rule of the winding.
+    /// Unit geometric normal on the side that is lit.
     pub geometric: DVec3,
     /// Twice its area, squared scene units.
     pub twice_area: f64,
@@ -107,14 +107,12 @@ impl Patch {
     /// The triangle as the rays see it.
     pub fn of(world: &World, errors: &PlaneErrors, instance: u32, triangle: u32) -> Self {
         let corners = world.corners(instance, triangle);
-        let normals = world.normals(instance, triangle);
         let (part, geometry) = world.part(instance);
         let indices = geometry.triangles()[triangle as usize];
         let bounds = &errors.0[part.geometry as usize];
         let [a, b, c] = indices.map(|v| bounds[v as usize]);
         let bound = f64::from(a.max(b).max(c));
-        let face = (corners[1] - corners[0]).cross(corners[2] - corners[0])
-            * world.sense(instance, triangle);
+        let Lit { face, normals, .. } = world.lit(instance, triangle, &corners);
         let fallback = || {
             let sum = normals.map(|[a, b, c]: [DVec3; 3]| (a + b + c).try_normalize());
             sum.flatten().unwrap_or(DVec3::Z)
@@ -149,18 +147,10 @@ impl Patch {
         }
     }
 
-    /// The unit geometric normal on the side of the shading normals.
-    pub fn upward(&self) -> DVec3 {
-        match self.normals {
-            Some(n) if (n[0] + n[1] + n[2]).dot(self.geometric) < 0.0 => -self.geometric,
-            _ => self.geometric,
-        }
-    }
-
-    /// True where the shading normal is the geometric normal, or its opposite, all over the triangle.
+    /// True where the shading normal is the geometric normal all over the triangle.
     pub fn is_flat(&self) -> bool {
         self.normals
-            .is_none_or(|[a, b, c]| a == b && a == c && a.dot(self.geometric).abs() >= 1.0 - 1e-12)
+            .is_none_or(|[a, b, c]| a == b && a == c && a.dot(self.geometric) >= 1.0 - 1e-12)
     }
 
     /// How far above its plane rounding can put a point of this triangle, in scene units.
@@ -422,14 +412,47 @@ mod tests {
             DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0)),
         );
         // Counter-clockwise before and clockwise after, the front of a mirrored mesh stays its front.
-        assert_eq!(of(&mesh, plain).upward(), DVec3::Z);
-        assert_eq!(of(&mesh, mirrored).upward(), DVec3::Z);
+        assert_eq!(of(&mesh, plain).geometric, DVec3::Z);
+        assert_eq!(of(&mesh, mirrored).geometric, DVec3::Z);
         mesh.normals = vec![Vec3::NEG_Z; 3];
-        let below = of(&mesh, plain);
-        assert_eq!((below.geometric, below.upward()), (DVec3::Z, DVec3::NEG_Z));
-        mesh.normals = vec![Vec3::X, Vec3::Y, Vec3::Z];
+        assert_eq!(of(&mesh, plain).geometric, DVec3::NEG_Z);
+        let [x, y, z] = [0.6, 0.64, 0.8].map(|z: f32| (1.0 - z * z).sqrt());
+        mesh.normals = vec![
+            Vec3::new(x, 0.0, 0.6),
+            Vec3::new(0.0, y, 0.64),
+            Vec3::new(-z, 0.0, 0.8),
+        ];
         let weights = DVec3::new(0.5, 0.25, 0.125);
-        assert_eq!(of(&mesh, plain).normal(weights), weights);
+        let mixed = mesh.normals.iter().zip(weights.to_array());
+        let mixed: DVec3 = mixed
+            .map(|(normal, weight)| normal.as_dvec3() * weight)
+            .sum();
+        assert!(of(&mesh, plain).normal(weights).abs_diff_eq(mixed, 1e-7));
+    }
+
+    #[test]
+    fn normals_that_lean_away_a_little_are_no_word_about_the_side() {
+        let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        let of = |normal: Vec3| {
+            let mut mesh = fixture::soup(&[corners]);
+            mesh.normals = vec![normal; 3];
+            let world = fixture::world(fixture::scene(vec![mesh]));
+            Patch::of(&world, &PlaneErrors::of(&world), 0, 0)
+        };
+        for (height, side) in [(1e-9f32, 1.0), (-1e-9, 1.0), (-0.4, 1.0), (-0.6, -1.0)] {
+            let normal = Vec3::new((1.0 - height * height).sqrt(), 0.0, height);
+            let patch = of(normal);
+            assert_eq!(patch.geometric, side * DVec3::Z, "{height}");
+            let lean = patch.normals()[0].dot(patch.geometric);
+            let right = f64::from(height.abs()).max(1f64.to_radians().sin());
+            let right = if side < 0.0 {
+                right
+            } else {
+                1f64.to_radians().sin()
+            };
+            assert!((lean - right).abs() < 1e-6, "{height}: {lean}");
+            assert!((patch.normals()[0].length() - 1.0).abs() < 1e-6);
+        }
     }
 
     #[test]

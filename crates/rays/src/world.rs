@@ -36,6 +36,33 @@ impl Default for WorldOptions {
     }
 }
 
+/// Mean cosine between shading normals and the winding's below which they clearly look to the other side.
+const CLEARLY: f64 = 0.5;
+
+/// Least cosine between a shading normal and the surface's: one degree above it.
+const LOWEST: f64 = 0.017_452_406_437_283_51;
+
+/// A unit shading normal, that leans no farther from the unit normal of its surface than it may.
+pub fn above(normal: DVec3, up: DVec3) -> DVec3 {
+    if normal.dot(up) >= LOWEST {
+        return normal;
+    }
+    let along = (normal - up * normal.dot(up)).try_normalize();
+    along.map_or(up, |along| {
+        up * LOWEST + along * (1.0 - LOWEST * LOWEST).sqrt()
+    })
+}
+
+/// A triangle as it is lit.
+pub(crate) struct Lit {
+    /// See [`World::face`].
+    pub face: DVec3,
+    /// See [`World::normals`].
+    pub normals: Option<[DVec3; 3]>,
+    /// The file's normals point away from the lit side, though it is known, or have none and it is not the winding's.
+    pub is_reversed: bool,
+}
+
 /// The placed scene.
 #[derive(Debug)]
 pub struct World {
@@ -50,7 +77,7 @@ pub struct World {
     normal_maps: Option<NormalMaps>,
     /// By mesh, the triangles whose back is lit; see [`World::turn_over`].
     backs: HashMap<u32, HashSet<u32>>,
-    /// By mesh, the triangles whose normals point into their body; see [`World::turn_over`].
+    /// By mesh, the triangles whose normals alone point to the other side; see [`World::turn_over`].
     averse: HashMap<u32, HashSet<u32>>,
     /// See [`World::solids`].
     solids: OnceLock<Solids>,
@@ -189,7 +216,8 @@ impl World {
 
     /// A direction by the normals of the file, reversed where these are reversed.
     pub(crate) fn on_lit_side(&self, by_file: DVec3, instance: u32, triangle: u32) -> DVec3 {
-        match self.reverses(instance, triangle) {
+        let corners = self.corners(instance, triangle);
+        match self.lit(instance, triangle, &corners).is_reversed {
             true => -by_file,
             false => by_file,
         }
@@ -212,7 +240,7 @@ impl World {
 
     /// Lights closed bodies that look inward from behind where nobody is within, and sheets that look at something
     /// close ([`Solids::backs`]): normals point to the other side, and nothing else changes. So do those that point
-    /// into a body which looks outward ([`Solids::averse`]).
+    /// into a body which looks outward, or away from where their surface looks ([`Solids::averse`]).
     ///
     /// * `places`: where lights and eyes are, in the coordinates of the file.
     pub fn turn_over(&mut self, places: impl Iterator<Item = DVec3>) {
@@ -246,12 +274,14 @@ impl World {
         }
     }
 
-    /// True where some of an instance is lit from behind, by its faces or by its normals.
+    /// True where some of an instance is lit from behind.
     pub fn has_turned_over(&self, instance: u32) -> bool {
-        let mesh = self.part(instance).1.mesh;
-        [&self.backs, &self.averse]
-            .iter()
-            .any(|of| of.contains_key(&mesh))
+        self.backs.contains_key(&self.part(instance).1.mesh)
+    }
+
+    /// True where some normals of an instance alone point to the other side than the one that is lit.
+    pub fn has_averse_normals(&self, instance: u32) -> bool {
+        self.averse.contains_key(&self.part(instance).1.mesh)
     }
 
     /// The part and the geometry of an instance.
@@ -279,37 +309,56 @@ impl World {
         })
     }
 
-    /// The normal of a triangle on its lit side by the winding, of twice its area's length. Mirroring objects and
-    /// [`World::turn_over`] turn it round.
+    /// The normal of a triangle on its lit side, to which texels send their rays, of twice its area's length.
     pub fn face(&self, instance: u32, triangle: u32) -> DVec3 {
-        let [a, b, c] = self.corners(instance, triangle);
-        (b - a).cross(c - a) * self.sense(instance, triangle)
+        self.lit(instance, triangle, &self.corners(instance, triangle))
+            .face
     }
 
-    /// -1 where the lit side of a triangle is not the one of its winding, else 1.
-    #[inline]
-    pub(crate) fn sense(&self, instance: u32, triangle: u32) -> f64 {
-        match self.part(instance).0.mirrors() != self.is_turned_over(instance, triangle) {
-            true => -1.0,
-            false => 1.0,
-        }
-    }
-
-    /// [`World::face`] on the side of the shading normals, from which texels send their rays.
-    pub fn upward(&self, instance: u32, triangle: u32) -> DVec3 {
-        let face = self.face(instance, triangle);
-        match self.normals(instance, triangle) {
-            Some([a, b, c]) if (a + b + c).dot(face) < 0.0 => -face,
-            _ => face,
-        }
-    }
-
-    /// Unit shading normals at a triangle's corners in world space; `None` where the mesh has none.
+    /// Unit shading normals at a triangle's corners in world space, on its lit side; `None` where the mesh has none.
     pub fn normals(&self, instance: u32, triangle: u32) -> Option<[DVec3; 3]> {
-        let normals = self.normals_by_file(instance, triangle)?;
-        match self.reverses(instance, triangle) {
-            true => Some(normals.map(|normal| -normal)),
-            false => Some(normals),
+        self.lit(instance, triangle, &self.corners(instance, triangle))
+            .normals
+    }
+
+    /// A triangle with these corners as it is lit. Its lit side is that of its winding, which mirroring objects and
+    /// [`World::turn_over`] turn round; or that of the file's normals, where they clearly look to the other side and
+    /// nothing is known of a body. Normals that then point away are reversed where the side is known, and none leans
+    /// farther than [`LOWEST`] allows.
+    #[inline]
+    pub(crate) fn lit(&self, instance: u32, triangle: u32, [a, b, c]: &[DVec3; 3]) -> Lit {
+        let is_turned_over = self.is_turned_over(instance, triangle);
+        let mut face = (*b - *a).cross(*c - *a);
+        if self.part(instance).0.mirrors() != is_turned_over {
+            face = -face;
+        }
+        let Some(mut normals) = self.normals_by_file(instance, triangle) else {
+            return Lit {
+                face,
+                normals: None,
+                is_reversed: is_turned_over,
+            };
+        };
+        let lean = (normals[0] + normals[1] + normals[2]).dot(face);
+        let mut is_reversed = false;
+        if lean < 0.0 {
+            if is_turned_over || self.is_averse(instance, triangle) {
+                is_reversed = true;
+                normals = normals.map(|normal| -normal);
+            } else if lean < -3.0 * CLEARLY * face.length() {
+                face = -face;
+            }
+        }
+        let leans_far = |normal: &DVec3| normal.dot(face) < LOWEST * face.length();
+        if normals.iter().any(leans_far)
+            && let Some(up) = face.try_normalize()
+        {
+            normals = normals.map(|normal| above(normal, up));
+        }
+        Lit {
+            face,
+            normals: Some(normals),
+            is_reversed,
         }
     }
 
@@ -322,21 +371,6 @@ impl World {
                 (part.carry_normal(mesh.normals[vertex as usize].as_dvec3())).normalize_or_zero()
             })
         })
-    }
-
-    /// True where the normals of a triangle that is lit from behind, the file's or those of its winding, point away
-    /// from there, and where the file's point into its body.
-    #[inline]
-    fn reverses(&self, instance: u32, triangle: u32) -> bool {
-        let is_away = |[a, b, c]: [DVec3; 3]| {
-            let face = self.face(instance, triangle);
-            (a + b + c).dot(face) < 0.0
-        };
-        let normals = || self.normals_by_file(instance, triangle);
-        match self.is_turned_over(instance, triangle) {
-            true => normals().is_none_or(is_away),
-            false => self.is_averse(instance, triangle) && normals().is_some_and(is_away),
-        }
     }
 
     #[inline]
@@ -457,17 +491,16 @@ mod tests {
             );
             for (instance, at) in [(0, near), (1, far)] {
                 for triangle in 0..12 {
-                    let [a, b, c] = world.corners(instance, triangle);
-                    let middle = (a + b + c) / 3.0 - at;
+                    let corners = world.corners(instance, triangle);
+                    let middle = corners.iter().sum::<DVec3>() / 3.0 - at;
                     assert!(world.face(instance, triangle).dot(middle) > 0.0);
-                    assert!(world.upward(instance, triangle).dot(middle) > 0.0);
                     let normals = world.normals(instance, triangle);
                     assert_eq!(normals.is_some(), side.is_some());
                     let is_outward = |[n, ..]: [DVec3; 3]| n.dot(middle) > 0.0;
                     assert!(normals.is_none_or(is_outward), "{mirror} {side:?}");
                     let away = side != Some(1.0);
                     assert_eq!(
-                        world.reverses(instance, triangle),
+                        world.lit(instance, triangle, &corners).is_reversed,
                         away,
                         "{mirror} {side:?}"
                     );

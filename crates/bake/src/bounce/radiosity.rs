@@ -37,7 +37,7 @@ pub(super) struct Radiosity<'a> {
 impl Radiosity<'_> {
     /// Radiance, linear RGB, that a surface sends back along the ray that met it.
     pub fn sent(&self, hit: &SurfaceHit, ray: DVec3) -> DVec3 {
-        if self.world.upward(hit.instance, hit.triangle).dot(ray) >= 0.0 {
+        if self.world.face(hit.instance, hit.triangle).dot(ray) >= 0.0 {
             return DVec3::ZERO;
         }
         let weights = {

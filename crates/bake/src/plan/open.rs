@@ -52,7 +52,7 @@ impl OpenTriangles {
                         || 0,
                         |witness, triangle| {
                             let patch = Patch::of(world, errors, instance, triangle);
-                            let normal = patch.upward();
+                            let normal = patch.geometric;
                             let height = patch
                                 .corners
                                 .iter()

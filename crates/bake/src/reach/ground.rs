@@ -14,7 +14,7 @@ pub(super) struct Ground {
     pub low: DVec3,
     pub high: DVec3,
     /// The unit normal on the side that rays leave to, and the least height along it of what they can meet; `None`
-    /// where they may leave to both sides.
+    /// where all counts.
     pub plane: Option<(DVec3, f64)>,
     /// The longest ray.
     pub distance: f64,

@@ -208,23 +208,14 @@ impl<'a> Reach<'a> {
             false => around(&mut part.hull.iter().map(at)),
         };
         let slack = self.slack + patch.rounding() + 4.0 * moved * (whole.1 - whole.0).length();
-        let normals = baker.world.normals(part.instance, part.triangle);
-        let sides = normals.map(|n| n.map(|n| n.dot(patch.geometric)));
-        let up = match sides {
-            None => Some(patch.geometric),
-            Some(sides) if sides.iter().all(|&side| side > 0.0) => Some(patch.geometric),
-            Some(sides) if sides.iter().all(|&side| side < 0.0) => Some(-patch.geometric),
-            Some(_) => None,
-        };
-        let least = |up: DVec3| {
-            let heights = corners.map(|corner| corner.dot(up));
-            heights.into_iter().fold(f64::INFINITY, f64::min) - slack
-        };
+        let up = patch.geometric;
+        let heights = corners.map(|corner| corner.dot(up));
+        let least = heights.into_iter().fold(f64::INFINITY, f64::min) - slack;
         let distance = baker.options.max_distance.map_or(f64::INFINITY, f64::from);
         Ground {
             low: low - slack,
             high: high + slack,
-            plane: up.map(|up| (up, least(up))),
+            plane: Some((up, least)),
             distance: distance * (1.0 + SLACK) + slack,
         }
     }

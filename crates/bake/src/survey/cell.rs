@@ -3,10 +3,7 @@
 use crate::options::Shading;
 use atlas::{Piece, TILE};
 use glam::{DVec2, DVec3};
-use rays::Patch;
-
-/// Least cosine between a bent normal and the surface: one degree above it.
-const LOWEST: f64 = 0.017_452_406_437_283_51;
+use rays::{Patch, above};
 
 /// Corner weights as functions of a place, in the unit square of a texel or in a tile: those of the second and third
 /// corner at (0, 0), and their change along either edge.
@@ -29,16 +26,16 @@ pub(crate) struct Cell {
     pub position: [DVec3; 3],
     /// Shading normal at (0, 0) and its change along s and t; of unit length where it does not change.
     pub normal: [DVec3; 3],
-    /// Unit geometric normal by the winding.
+    /// Unit geometric normal, on the lit side.
     pub geometric: DVec3,
-    /// How a ray's origin stands off where the shading normal is on the geometric normal's side; else its opposite.
+    /// How a ray's origin stands off.
     pub lift: DVec3,
     /// Of a whole triangle, the weights of its second and third corner over its tile, and the least corner weights of a
     /// sample.
     pub weights: Weights,
     pub least: [f32; 3],
     smooth: bool,
-    /// The shading normal is one vector, the geometric normal or its opposite, all over the cell.
+    /// The shading normal is the geometric normal all over the cell.
     pub is_flat: bool,
 }
 
@@ -48,7 +45,7 @@ pub(crate) struct Sample {
     pub position: DVec3,
     /// Unit shading normal.
     pub normal: DVec3,
-    /// Unit geometric normal, on the side of the shading normal.
+    /// Unit geometric normal, on the lit side.
     pub geometric: DVec3,
 }
 
@@ -169,21 +166,11 @@ impl Cell {
         }
     }
 
-    /// Takes `normal`, of unit length, as the one shading normal. It stays on the side of the surface that it shades:
-    /// where a map leans it further than [`LOWEST`] allows, it leans so far.
+    /// Takes `normal`, of unit length, as the one shading normal. It stays on the lit side of the surface.
     pub fn bend(&mut self, normal: DVec3) {
-        let centre = self.sample(self.centre());
-        let up = centre.geometric;
-        let along = normal - up * normal.dot(up);
-        let kept = match along.try_normalize() {
-            Some(along) if normal.dot(up) < LOWEST => {
-                up * LOWEST + along * (1.0 - LOWEST * LOWEST).sqrt()
-            }
-            Some(_) => normal,
-            None => up,
-        };
+        let kept = above(normal, self.geometric);
         self.normal = [kept, DVec3::ZERO, DVec3::ZERO];
-        (self.smooth, self.is_flat) = (false, is_along(kept, up));
+        (self.smooth, self.is_flat) = (false, is_along(kept, self.geometric));
     }
 
     /// Sets the shares of the cells of one footprint.
@@ -286,22 +273,17 @@ impl Cell {
             }
             false => self.normal[0],
         };
-        let side = if normal.dot(self.geometric) < 0.0 {
-            -1.0
-        } else {
-            1.0
-        };
         Sample {
             position,
             normal,
-            geometric: side * self.geometric,
+            geometric: self.geometric,
         }
     }
 }
 
-/// True where one of two unit vectors is the other or its opposite.
+/// True where one of two unit vectors is the other.
 fn is_along(a: DVec3, b: DVec3) -> bool {
-    a.dot(b).abs() >= 1.0 - 1e-12
+    a.dot(b) >= 1.0 - 1e-12
 }
 
 /// (s, t) in a cell with this placement: the square is stretched over the cell, so that stratified numbers stay

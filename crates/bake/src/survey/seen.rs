@@ -217,25 +217,16 @@ impl Seen {
         let (own, is_uniform) = (cells.cell(0).body, whole.own.is_some());
         let reach = whole.reach(solids, near);
         let tested = |position: DVec3, geometric: DVec3| position + NUDGE * reach * geometric;
-        let faces: Vec<DVec3> = cells
-            .iter()
-            .map(|cell| cell.sample(cell.centre()).geometric)
-            .collect();
         let corners: Vec<DVec3> = cells
             .corners()
-            .zip(&faces)
-            .flat_map(|(corners, &face)| corners.map(|corner| tested(corner, face)))
+            .zip(cells.iter())
+            .flat_map(|(corners, cell)| corners.map(|corner| tested(corner, cell.geometric)))
             .collect();
         let corners = || corners.iter().copied();
         let point_at = |u: [f64; 2]| {
             let (index, place) = cells.place(u.map(|u| u as f32));
             let cell = cells.cell(index);
-            // Where the shading normal does not change, neither does the side that it is on.
-            let geometric = match cell.is_smooth() {
-                true => cell.sample(place).geometric,
-                false => faces[index],
-            };
-            (tested(cell.at(place), geometric), cell.body)
+            (tested(cell.at(place), cell.geometric), cell.body)
         };
         // A body whose surface does not come near counts the same all over the texel.
         let is_far =

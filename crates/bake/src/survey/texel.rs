@@ -54,8 +54,7 @@ impl Texel {
         let (number, place) = self.cells.place(self.seen.place(u.map(|u| u as f32)));
         let cell = self.cells.cell(number);
         let sample = cell.sample(place);
-        let side = sample.geometric.dot(cell.geometric).signum();
-        let origin = sample.position + cell.lift * side;
+        let origin = sample.position + cell.lift;
         (sample, origin.as_vec3().to_array())
     }
 
@@ -144,7 +143,7 @@ impl<'a> Surveyor<'a> {
             let patch = Patch::of(self.world, self.errors, instance, triangle);
             let body = self.solids.and_then(|of| of.own(instance, triangle));
             let level = self.solids.filter(|_| !self.world.keeps_buried(instance));
-            let level = level.map_or(0.0, |of| of.level(patch.corners, patch.upward(), body));
+            let level = level.map_or(0.0, |of| of.level(patch.corners, patch.geometric, body));
             if is_held[number] {
                 let weights = |at| tile.weights[number].at(at);
                 let mut cell = Cell::whole((&patch, body), weights);
@@ -306,7 +305,7 @@ impl<'a> Surveyor<'a> {
         let tilted = !cells.iter().all(|cell| cell.is_flat);
         let upward = || {
             let [instance, triangle] = tile.triangles[first];
-            Patch::of(self.world, self.errors, instance, triangle).upward()
+            Patch::of(self.world, self.errors, instance, triangle).geometric
         };
         Texel {
             x: footprint.x,

@@ -89,8 +89,10 @@ impl Solids {
         }))
     }
 
-    /// Triangles of each mesh, ascending, whose normals point into what they enclose, where these have most of the area
-    /// of a body that looks outward and is no room, nor has any of these places in it, wherever it is placed.
+    /// Triangles of each mesh, ascending, whose normals point to the other side than the one that is lit, wherever they
+    /// are placed: into bodies that look outward and are no rooms, nor have any of these places in them, but for bodies
+    /// that are not simply closed and of which most normals point outward; and away from where all of an open surface
+    /// looks, by its winding and most of its normals.
     pub fn averse(&self, places: &[DVec3]) -> Vec<(u32, Vec<u32>)> {
         let mut leans: HashMap<u32, Vec<f64>> = HashMap::new();
         for instance in &self.scene.instances {
@@ -125,7 +127,11 @@ impl Solids {
             let is_averse = |(surface, lean): (&u32, &f64)| {
                 let key = (placement, *surface);
                 let is_body = || of_keys.get(&key).is_some_and(|of| is_body(of));
-                *lean < 0.0 && sums[surface] < 0.0 && *is_known.entry(key).or_insert_with(is_body)
+                let of = &self.shapes[shape as usize].surfaces[*surface as usize];
+                let is_told = sums[surface] < 0.0 || of.volume > 0.0 && !of.is_mixed();
+                let looks_here = of.front.is_some() && sums[surface] > 0.0;
+                let mut is_body = || is_told && *is_known.entry(key).or_insert_with(is_body);
+                *lean < 0.0 && (looks_here || is_body())
             };
             let marks = surfaces.iter().zip(leans).map(is_averse).collect();
             Some((instance.mesh, marks))

@@ -91,7 +91,7 @@ mod tests {
                 let world = world(scene);
                 for triangle in 0..12 {
                     let corners = world.corners(1, triangle);
-                    let normal = world.upward(1, triangle).normalize();
+                    let normal = world.face(1, triangle).normalize();
                     let own = world.solids().own(1, triangle);
                     let found = world.solids().level(corners, normal, own);
                     let is_top = normal.dot(place.transform_vector3(DVec3::Y)) > 0.9;

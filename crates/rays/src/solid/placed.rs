@@ -74,6 +74,11 @@ impl Placed<'_> {
         (x * y).max(y * z).max(z * x)
     }
 
+    /// What it encloses in the world, in cubic units; 0 where it is not closed.
+    pub fn volume(&self) -> f64 {
+        (self.surface.volume * self.transform.matrix3.determinant()).abs()
+    }
+
     pub fn size(&self) -> f64 {
         (self.high - self.low).max_element()
     }

@@ -15,7 +15,7 @@
 //! * what does not cross its surface, and is not in a room, comes near the part outside.
 //!
 //! A dome around a scene is a room, and all of the scene is within it. What looks inward and has more standing on it
-//! than in it is none.
+//! than in it is none, nor is what is full.
 
 use super::opening::Opening;
 use super::placed::{Among, CROSSES, NEAR, Placed, SMALL, box_corners};
@@ -26,6 +26,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 use scene::Scene;
 use std::collections::{BTreeMap, HashMap, HashSet};
+
+/// What encloses more than this of a room, by volume, leaves no room to be in.
+const FULL: f64 = 0.5;
 
 /// Placement and number of a surface.
 type Key = (u32, u32);
@@ -87,7 +90,8 @@ impl Solids {
 
     /// Rooms that are drawn from both sides and have more standing on them, outside of all rooms, than in them: the
     /// ground below a house with a cellar wall in it, a roof that hides the end of a beam. What is larger than they
-    /// are, such as the street before a room, does not stand on them.
+    /// are, such as the street before a room, does not stand on them. And those that are full, such as a collision body
+    /// around what it stands for: nobody is in them.
     fn built_on(&self) -> Vec<u32> {
         let placed = self.placed_surfaces();
         let all = Among::of(placed.iter().collect());
@@ -95,7 +99,13 @@ impl Solids {
         let is_built_on = |room: &&Placed| {
             let is_in = |at: DVec3| self.is_in(room, at);
             let [within, beside] = self.standing(room, &all, is_in);
-            beside > within
+            let others = all.meeting(room.low, room.high).into_iter();
+            let others = others.map(|place| all.placed[place]);
+            let fills = |of: &&Placed| {
+                of.key != room.key && 2 * of.count(&self.scene, LOOKS, is_in) > LOOKS
+            };
+            let filled: f64 = others.filter(fills).map(Placed::volume).sum();
+            beside > within || filled > FULL * room.volume()
         };
         let found = rooms
             .filter(|room| self.is_drawn_from_both_sides(room.surface))

@@ -84,6 +84,45 @@ fn a_box_that_looks_inward_is_lit_from_behind_where_nothing_is_in_it() {
 }
 
 #[test]
+fn normals_of_a_tile_that_point_away_from_where_its_ground_looks_are_told() {
+    // Three tiles in a row, level or in a slope; the normals of the last look the other way.
+    let tiles = |rise: f32| {
+        let mut ground = mesh(Vec::new(), Vec::new());
+        for k in 0..3u32 {
+            let mut tile = level(0.0, 1.0);
+            let start = k as f32;
+            tile.positions
+                .iter_mut()
+                .for_each(|p| p.y = rise * (start + 0.5 + 0.5 * p.x));
+            ground
+                .positions
+                .extend(tile.positions.iter().map(|p| *p + 2.0 * k as f32 * Vec3::X));
+            ground
+                .triangles
+                .extend(tile.triangles.iter().map(|of| of.map(|v| v + 4 * k)));
+            ground
+                .normals
+                .extend([if k == 2 { Vec3::NEG_Y } else { Vec3::Y }; 4]);
+        }
+        ground
+    };
+    let averse = |mesh: Mesh| Solids::of(world(scene(vec![mesh])).scene()).averse(&[]);
+    assert_eq!(averse(tiles(0.0)), [(0, vec![4, 5])]);
+    assert_eq!(averse(tiles(0.3)), [(0, vec![4, 5])]);
+    // Most look down: then who is to say which side is lit.
+    let mut most = tiles(0.0);
+    most.normals[..4].fill(Vec3::NEG_Y);
+    assert_eq!(averse(most), []);
+    // Nor where a surface looks to two sides.
+    let mut folded = tiles(0.0);
+    folded.positions.push(Vec3::new(2.0, -3.0, 0.0));
+    folded.normals.push(Vec3::Y);
+    folded.triangles.push([8, 12, 9]);
+    folded.triangles.push([9, 12, 8]);
+    assert_eq!(averse(folded), []);
+}
+
+#[test]
 fn normals_that_point_into_a_box_are_told_from_those_of_a_corner_or_of_a_room() {
     let with_normals = |inward: bool, sign: f32| {
         let mut block = unit(inward);
@@ -122,8 +161,16 @@ fn normals_that_point_into_a_box_are_told_from_those_of_a_corner_or_of_a_room() 
     let mut open = room();
     open.triangles.truncate(10);
     assert_eq!(averse(open), 10);
+    // One corner that leans to the other side so much that its faces do, in a closed box and in an open one.
     let mut bent = with_normals(false, 1.0);
     bent.normals[0] *= -4.0;
+    let leaning = averse(bent.clone());
+    assert!((3..=6).contains(&leaning), "{leaning}");
+    for _ in 0..2 {
+        let meets = |of: &[u32; 3]| of.contains(&0);
+        let first = bent.triangles.iter().position(meets).expect("a corner");
+        bent.triangles.remove(first);
+    }
     assert_eq!(averse(bent), 0);
 }
 

@@ -225,7 +225,7 @@ mod tests {
     /// the lobe alone do.
     #[test]
     fn weights_of_lobe_and_hemisphere_add_up_to_those_of_the_lobe_alone() {
-        let frames = Frames::about([[0.0; LANES], [0.0; LANES], [1.0; LANES]], [1.0; LANES]);
+        let frames = Frames::about([[0.0; LANES], [0.0; LANES], [1.0; LANES]]);
         let even = Mixture::BALANCED;
         for (alpha, lean, share) in [
             (0.25, 0.0, 1.0),

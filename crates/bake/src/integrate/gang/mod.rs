@@ -114,7 +114,7 @@ impl<'a> Gang<'a> {
             at: [[0; LANES]; 2],
             second: 0,
             surfaces: LaneSurfaces::none(),
-            frames: Frames::about([[0.0; LANES], [0.0; LANES], [1.0; LANES]], [1.0; LANES]),
+            frames: Frames::about([[0.0; LANES], [0.0; LANES], [1.0; LANES]]),
             stale: true,
             cell: [0; LANES],
             borders: Borders::none(),
@@ -385,12 +385,11 @@ impl<'a> Gang<'a> {
         at: &[Wide; 2],
     ) -> Step {
         if self.stale {
-            let (normal, side) = self.surfaces.normals(at);
-            self.frames = Frames::about(normal, side);
+            self.frames = Frames::about(self.surfaces.normals(at));
             self.stale = self.surfaces.smooth != 0;
         }
-        let Frames { normal, side, .. } = &self.frames;
-        self.surfaces.origins(at, side, &mut self.packet.origin);
+        let normal = &self.frames.normal;
+        self.surfaces.origins(at, &mut self.packet.origin);
         let (directions, weights, drawn) = match technique {
             Technique::Hemisphere => {
                 let (local, weights) = task.mixture.sample16(u0, u1);
@@ -421,16 +420,12 @@ impl<'a> Gang<'a> {
             let dot = |a: &[Wide; 3]| {
                 a[0][l] * directions[0][l] + a[1][l] * directions[1][l] + a[2][l] * directions[2][l]
             };
-            let (height, cosine) = (dot(geometric) * side[l], dot(normal));
+            let (height, cosine) = (dot(geometric), dot(normal));
             let is_folded = folds & (height < 0.0);
             above |= u32::from((is_folded | (height > 0.0)) & (cosine > 0.0)) << l;
             // What the direction counts and whence its light comes stays its own; only its ray leaves on the side of
             // its image.
-            let twice = if is_folded {
-                2.0 * height * side[l]
-            } else {
-                0.0
-            };
+            let twice = if is_folded { 2.0 * height } else { 0.0 };
             for a in 0..3 {
                 self.packet.direction[a][l] = directions[a][l] - twice * geometric[a][l];
             }
@@ -447,12 +442,11 @@ impl<'a> Gang<'a> {
     #[inline(always)]
     fn lobe(&self, task: &Task<'_>, [u0, u1]: [&Wide; 2]) -> ([Wide; 3], [Wide; 2], Drawn) {
         let local = sampling::Lobe::sample16(&self.lobe_scale, u0, u1);
-        let Frames { normal, side, .. } = &self.frames;
         let directions = match task.view {
             View::Normal => self.frames.to_world(&local),
             View::Eye(eye) => {
-                let axes = mirrored(normal, &self.packet.origin, eye);
-                Frames::about(axes, *side).to_world(&local)
+                let axes = mirrored(&self.frames.normal, &self.packet.origin, eye);
+                Frames::about(axes).to_world(&local)
             }
         };
         let mut kernel = Kernel::default();

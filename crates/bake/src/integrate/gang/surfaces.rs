@@ -39,8 +39,6 @@ pub(super) struct Frames {
     pub normal: [Wide; 3],
     tangent: [Wide; 3],
     bitangent: [Wide; 3],
-    /// The side of the geometric normal that the shading normal is on: 1 or -1.
-    pub side: Wide,
 }
 
 impl LaneSurfaces {
@@ -147,11 +145,10 @@ impl LaneSurfaces {
         at
     }
 
-    /// Unit shading normals, and the side of the geometric normals that they are on: 1 or -1.
+    /// Unit shading normals.
     #[inline(always)]
-    pub fn normals(&self, [s, t]: &[Wide; 2]) -> ([Wide; 3], Wide) {
+    pub fn normals(&self, [s, t]: &[Wide; 2]) -> [Wide; 3] {
         let mut unit = [[0.0; LANES]; 3];
-        let mut side = [0.0; LANES];
         let ([n0, ns, nt], g) = (&self.normal, &self.geometric);
         for l in 0..LANES {
             let n = axes(|a| n0[a][l] + ns[a][l] * s[l] + nt[a][l] * t[l]);
@@ -159,25 +156,22 @@ impl LaneSurfaces {
             // Corner normals that cancel: the geometric normal stands in.
             let has_length = square > 1e-20;
             let scale = 1.0 / (if has_length { square } else { 1.0 }).sqrt();
-            let n = axes(|a| if has_length { n[a] * scale } else { g[a][l] });
-            let cos = n[0] * g[0][l] + n[1] * g[1][l] + n[2] * g[2][l];
-            side[l] = if cos < 0.0 { -1.0 } else { 1.0 };
             for a in 0..3 {
-                unit[a][l] = n[a];
+                unit[a][l] = if has_length { n[a] * scale } else { g[a][l] };
             }
         }
-        (unit, side)
+        unit
     }
 
     /// Ray origins: positions in f64, lifted off the surface, rounded once.
     #[inline(always)]
-    pub fn origins(&self, [s, t]: &[Wide; 2], side: &Wide, out: &mut [Wide; 3]) {
+    pub fn origins(&self, [s, t]: &[Wide; 2], out: &mut [Wide; 3]) {
         for a in 0..3 {
             let [p0, ps, pt] = &self.position;
             for l in 0..LANES {
                 let (s, t) = (f64::from(s[l]), f64::from(t[l]));
                 let p = p0[a][l] + ps[a][l] * s + pt[a][l] * t;
-                out[a][l] = (p + self.lift[a][l] * f64::from(side[l])) as f32;
+                out[a][l] = (p + self.lift[a][l]) as f32;
             }
         }
     }
@@ -186,7 +180,7 @@ impl LaneSurfaces {
 impl Frames {
     /// Frames about unit axes. T. Duff and others, "Building an Orthonormal Basis, Revisited", JCGT 2017.
     #[inline(always)]
-    pub fn about(axis: [Wide; 3], side: Wide) -> Self {
+    pub fn about(axis: [Wide; 3]) -> Self {
         let (mut tangent, mut bitangent) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
         for l in 0..LANES {
             let [x, y, z] = [axis[0][l], axis[1][l], axis[2][l]];
@@ -204,7 +198,6 @@ impl Frames {
             normal: axis,
             tangent,
             bitangent,
-            side,
         }
     }
 

@@ -92,6 +92,14 @@ fn a_body_that_looks_inward_is_no_room_where_more_stands_on_it_than_in_it() {
             );
         }
     }
+    // What fills it leaves no room, however that is wound.
+    for (half, is_turned) in [(0.7, false), (0.9, true)] {
+        for inward in [false, true] {
+            let within = block(Vec3::ZERO, Vec3::splat(half), inward);
+            let found = backs(vec![unit(true), within, sheet()], &[]).len();
+            assert_eq!(found, if is_turned { 12 } else { 0 }, "{half} {inward}");
+        }
+    }
     let lit = backs(vec![unit(true), hidden(), house(0.6)], &[INSIDE]);
     assert!(lit.is_empty());
 }
