@@ -1,6 +1,6 @@
 //! From charts to an atlas: each chart at its object's density, packed by shape.
 
-use crate::audit::audit;
+use crate::audit::{Findings, audit};
 use crate::authored::authored_sheets;
 use crate::charts::{Sheet, sheets};
 use crate::hidden::hide;
@@ -23,6 +23,8 @@ const SPREAD: f64 = 16.0;
 /// Smallest texels that are tried, from those of the largest instance down, and the step from one to the next.
 const TRIES: i32 = 8;
 const STEP: f64 = std::f64::consts::FRAC_1_SQRT_2;
+/// How often triangles that lie over others of their charts are parted from them: a chart that is all but right has few.
+const ROUNDS: u32 = 8;
 
 /// Unwraps every mesh that takes texels and packs all charts together.
 ///
@@ -62,15 +64,66 @@ pub(crate) fn unwrap(
             }
         }
     }
+    let mut rounds = if authored.is_none() { ROUNDS } else { 0 };
+    loop {
+        let arranged = arrange(scene, (&objects, &object_of), &sheets, options, cancel)?;
+        let (atlas, findings) = arranged;
+        if findings.clean() {
+            return Ok(atlas);
+        }
+        if rounds == 0 || !part_what_lies_over(scene, &mut sheets, &findings.over) {
+            return Err(refused(scene, &findings));
+        }
+        rounds -= 1;
+    }
+}
+
+/// Makes charts of their own of triangles, each with an instance, that lie over others of their charts; false where
+/// there are none.
+fn part_what_lies_over(scene: &Scene, sheets: &mut [Sheet], over: &[[u32; 2]]) -> bool {
+    let mut parted = false;
+    for &[instance, triangle] in over {
+        let mesh = scene.instances[instance as usize].mesh as usize;
+        let of_mesh = sheets.iter_mut().filter(|sheet| sheet.mesh == mesh);
+        for sheet in of_mesh {
+            parted |= sheet.part(triangle);
+        }
+    }
+    parted
+}
+
+/// The error of a layout that is not clean.
+fn refused(scene: &Scene, findings: &Findings) -> Error {
+    let mesh = findings
+        .mesh()
+        .map(|mesh| &scene.meshes[mesh as usize].name);
+    Error::Audit {
+        mesh: mesh.cloned().unwrap_or_default(),
+        overlaps: findings.audit.overlaps,
+        missing: findings.audit.missing,
+        outside: findings.audit.outside,
+    }
+}
+
+/// Packs charts at the highest densities at which they fit, and audits that.
+///
+/// * `objects`: all, and the number of that of each instance.
+fn arrange(
+    scene: &Scene,
+    (objects, object_of): (&[Object], &[usize]),
+    sheets: &[Sheet],
+    options: &Options,
+    cancel: &(dyn Fn() -> bool + Sync),
+) -> Result<(Atlas, Findings), Error> {
     let cut = |densities: &[f64], draft: bool| {
         let of = |instance: u32| densities[object_of[instance as usize]];
-        Ok(cut(&sheets, options.gutter, of, draft))
+        Ok(cut(sheets, options.gutter, of, draft))
     };
     let Found {
         densities,
         packed,
         kept,
-    } = search(&objects, options, cancel, cut)?;
+    } = search(objects, options, cancel, cut)?;
     let mut atlas = Atlas {
         page_size: options.page_size,
         page_count: packed.pages.max(1),
@@ -80,9 +133,12 @@ pub(crate) fn unwrap(
             .iter()
             .map(MeshLayout::without_texels)
             .collect(),
-        placements: included
+        placements: object_of
             .iter()
-            .map(|&i| if i { AS_IT_STANDS } else { Placement::NOWHERE })
+            .map(|&o| match objects[o].included {
+                true => AS_IT_STANDS,
+                false => Placement::NOWHERE,
+            })
             .collect(),
         source: UvSource::Unwrapped,
         audit: Audit::default(),
@@ -91,25 +147,17 @@ pub(crate) fn unwrap(
         notes: Vec::new(),
     };
     let of = |instance: u32| densities[object_of[instance as usize]];
-    let specks = settle(&mut atlas, &sheets, &kept, &packed.spots, of);
+    let specks = settle(&mut atlas, sheets, &kept, &packed.spots, of);
     if cancel() {
         return Err(Error::Cancelled);
     }
     let findings = audit(scene, &atlas);
-    if let Some(mesh) = findings.mesh().filter(|_| !findings.clean()) {
-        return Err(Error::Audit {
-            mesh: scene.meshes[mesh as usize].name.clone(),
-            overlaps: findings.audit.overlaps,
-            missing: findings.audit.missing,
-            outside: findings.audit.outside,
-        });
-    }
     atlas.audit = Audit {
         specks,
         ..findings.audit
     };
     atlas.density = density(scene, &atlas.meshes, &atlas.placements, options.page_size);
-    Ok(atlas)
+    Ok((atlas, findings))
 }
 
 /// Writes the places of all sheets into an atlas, and counts the specks.

@@ -13,6 +13,8 @@ use scene::Scene;
 pub(crate) struct Findings {
     pub audit: Audit,
     pub overlapping: Option<u32>,
+    /// Instance and triangle of what lies over others.
+    pub over: Vec<[u32; 2]>,
     pub missing: Option<u32>,
     pub outside: Option<u32>,
 }
@@ -58,22 +60,23 @@ pub(crate) fn audit(scene: &Scene, atlas: &Atlas) -> Findings {
     }
     for page in 0..atlas.page_count {
         let raster = PageRaster::new(scene, atlas, page);
-        let tiles: Vec<(u64, Option<u32>, u64)> = (0..raster.tiles().len())
+        let tiles: Vec<(u64, Vec<[u32; 2]>, u64)> = (0..raster.tiles().len())
             .into_par_iter()
             .with_max_len(1)
             .map(|i| {
                 let samples = Samples::of(&raster, i, atlas.page_size);
                 let texels = raster.texels(i, |texel| samples.certain(texel));
-                (samples.twice, samples.first, texels)
+                (samples.twice, samples.over, texels)
             })
             .collect();
-        for (overlaps, instance, texels) in tiles {
+        for (overlaps, over, texels) in tiles {
             findings.audit.overlaps += overlaps;
             findings.audit.texels += texels;
-            if let Some(instance) = instance {
-                let mesh = scene.instances[instance as usize].mesh;
+            if let Some([instance, _]) = over.first() {
+                let mesh = scene.instances[*instance as usize].mesh;
                 findings.overlapping.get_or_insert(mesh);
             }
+            findings.over.extend(over);
         }
     }
     findings
@@ -81,9 +84,10 @@ pub(crate) fn audit(scene: &Scene, atlas: &Atlas) -> Findings {
 
 /// The sample points of a tile.
 struct Samples {
-    /// Those strictly inside more than one triangle, and an instance that has such a point.
+    /// Those strictly inside more than one triangle, and the triangles, each with its instance, that have such a point
+    /// after another.
     twice: u64,
-    first: Option<u32>,
+    over: Vec<[u32; 2]>,
     /// Those inside of triangles of which no texel about them can take a sliver only, row by row.
     inside: [u64; ROW as usize],
 }
@@ -97,18 +101,18 @@ impl Samples {
     fn of(raster: &PageRaster, tile: usize, size: u32) -> Self {
         let mut seen = [0u64; ROW as usize];
         let mut twice = [0u64; ROW as usize];
-        let (mut first, mut inside) = (None, [0u64; ROW as usize]);
+        let (mut over, mut inside) = (Vec::new(), [0u64; ROW as usize]);
         let origin = DVec2::from(raster.tile_origin(tile).map(f64::from));
         // Two units in the last place of a coordinate in 0.5..1.
         let inset = f64::from(size) * 0.5f64.powi(23);
-        for ([instance, _], corners) in raster.triangles(tile) {
+        for (triangle, corners) in raster.triangles(tile) {
             let small = twice_area(corners).abs() < 2.0 * SMALL * f64::from(size).powi(2);
             scan(corners.map(|p| p - origin), inset, |row, mask| {
                 let both = seen[row] & mask;
                 seen[row] |= mask;
                 twice[row] |= both;
-                if both != 0 {
-                    first.get_or_insert(instance);
+                if both != 0 && over.last() != Some(&triangle) {
+                    over.push(triangle);
                 }
                 if small {
                     inside[row] |= mask;
@@ -117,7 +121,7 @@ impl Samples {
         }
         Self {
             twice: twice.iter().map(|r| u64::from(r.count_ones())).sum(),
-            first,
+            over,
             inside,
         }
     }

@@ -57,6 +57,25 @@ impl Sheet {
         if scale > 0.0 { scale.min(texel) } else { texel }
     }
 
+    /// Makes a chart of a triangle of a chart of several; false where it is of none.
+    pub fn part(&mut self, triangle: u32) -> bool {
+        let has_it = |chart: &Vec<u32>| chart.len() > 1 && chart.contains(&triangle);
+        let Some(chart) = self.charts.iter().position(has_it) else {
+            return false;
+        };
+        self.charts[chart].retain(|&own| own != triangle);
+        self.charts.push(vec![triangle]);
+        self.hidden.push(self.hidden[chart]);
+        let own = self.triangles[triangle as usize];
+        self.triangles[triangle as usize] = own.map(|vertex| {
+            self.sources.push(self.sources[vertex as usize]);
+            self.points.push(self.points[vertex as usize]);
+            self.sources.len() as u32 - 1
+        });
+        self.move_to_origin(self.charts.len() - 1);
+        true
+    }
+
     /// Moves the points of a chart, which no other chart has, so that it begins at (0, 0).
     pub fn move_to_origin(&mut self, chart: usize) {
         let corners = self.charts[chart].iter();
@@ -471,5 +490,45 @@ impl Sheet {
         }
         self.charts.push(face.triangles.clone());
         self.move_to_origin(self.charts.len() - 1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_triangle_that_is_parted_leaves_the_others_where_they_are() {
+        let place = |x: f64, y: f64| DVec2::new(x, y);
+        let mut sheet = Sheet {
+            mesh: 0,
+            instances: vec![0],
+            scales: vec![1.0],
+            sources: vec![7, 8, 9, 4],
+            points: vec![
+                place(0.0, 0.0),
+                place(2.0, 0.0),
+                place(2.0, 2.0),
+                place(1.0, 1.0),
+            ],
+            triangles: vec![[0, 1, 2], [3, 1, 2]],
+            charts: vec![vec![0, 1]],
+            hidden: vec![true],
+        };
+        assert!(!sheet.part(2));
+        assert!(sheet.part(1));
+        assert_eq!(sheet.charts, [vec![0], vec![1]]);
+        assert_eq!(sheet.hidden, [true, true]);
+        let corners = |sheet: &Sheet, chart| sheet.corners(chart, 1.0).collect::<Vec<_>>();
+        let half = [place(0.0, 0.0), place(1.0, 0.0), place(1.0, 1.0)];
+        assert_eq!(corners(&sheet, 0), [half]);
+        sheet.hidden.fill(false);
+        let alone = [place(0.0, 1.0), place(1.0, 0.0), place(1.0, 2.0)];
+        assert_eq!(corners(&sheet, 1), [alone]);
+        assert_eq!(
+            sheet.triangles[1].map(|v| sheet.sources[v as usize]),
+            [4, 8, 9]
+        );
+        assert!(!sheet.part(0) && !sheet.part(1), "both are alone");
     }
 }
