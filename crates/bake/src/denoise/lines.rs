@@ -3,8 +3,11 @@
 //! They are a texel or two wide and far from what is beside them. A window that holds part of one misses it wherever
 //! else it is, so a line would keep all within eleven texels from being smoothed. It is set apart, as if the chart ended
 //! at it: its texels keep their plain values, and those about it are fitted without them.
+//!
+//! Single texels are no line, however far they are from all about them: `strays.rs` shares what came there by chance.
 
 use super::plane::Sheet;
+use std::collections::BTreeMap;
 
 /// Edge of the squares of texels that are held against a texel.
 const EDGE: usize = 5;
@@ -14,6 +17,9 @@ const TIMES: f32 = 2.0;
 
 /// Standard errors of plain values by which they differ, at least.
 const STANDS_OUT: f32 = 5.0;
+
+/// Texels that touch are a line where they reach at least so far along rows or columns.
+const LONG: usize = 5;
 
 /// Takes the texels of lines out of a surface.
 pub(super) fn set_apart(mask: &mut Sheet, data: &mut Sheet, errors: &Sheet) {
@@ -59,17 +65,72 @@ pub(super) fn set_apart(mask: &mut Sheet, data: &mut Sheet, errors: &Sheet) {
         let is_full = texels().all(|at| mask.at(0, at) > 0.0);
         is_full.then(|| texels().map(value).sum::<f32>() / (EDGE * EDGE) as f32)
     };
-    suspects.retain(|&[x, y]| {
+    let stands_out = |[x, y]: [usize; 2]| {
         let (own, error) = (value([x, y]), errors.at(0, [x, y]));
         let from = |at: usize, size: usize| at.saturating_sub(EDGE - 1)..=at.min(size - EDGE);
         let places = from(y, height).flat_map(|top| from(x, width).map(move |left| [left, top]));
         let mut squares = places.filter_map(square).peekable();
         let is_above = squares.peek().is_some_and(|square| own > *square);
-        squares.peek().is_some()
-            && squares.all(|square| (own > square) == is_above && is_far(own, square, error))
-    });
-    for [x, y] in suspects {
+        let stands_out = squares.peek().is_some()
+            && squares.all(|square| (own > square) == is_above && is_far(own, square, error));
+        stands_out.then_some(([x, y], is_above))
+    };
+    let standing = suspects.into_iter().filter_map(stands_out).collect();
+    for [x, y] in in_lines(standing) {
         mask.row_mut(0, y)[x] = 0.0;
         (0..=channels).for_each(|plane| data.row_mut(plane, y)[x] = 0.0);
+    }
+}
+
+/// Those of some texels, each brighter or darker than what is about it, that are parts of lines.
+fn in_lines(mut left: BTreeMap<[usize; 2], bool>) -> Vec<[usize; 2]> {
+    let mut found = Vec::new();
+    while let Some((first, is_above)) = left.pop_first() {
+        let start = found.len();
+        found.push(first);
+        let mut next = start;
+        while let Some(&[x, y]) = found.get(next) {
+            next += 1;
+            let rows = y.saturating_sub(1)..=y + 1;
+            for at in rows.flat_map(|y| (x.saturating_sub(1)..=x + 1).map(move |x| [x, y])) {
+                if left.get(&at) == Some(&is_above) {
+                    left.remove(&at);
+                    found.push(at);
+                }
+            }
+        }
+        let reach = |axis: usize| {
+            let places = || found[start..].iter().map(|at| at[axis]);
+            places()
+                .max()
+                .zip(places().min())
+                .map_or(0, |(high, low)| high - low + 1)
+        };
+        if reach(0).max(reach(1)) < LONG {
+            found.truncate(start);
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texels_that_touch_and_reach_far_are_lines_and_others_are_not() {
+        let row: Vec<[usize; 2]> = (3..8).map(|x| [x, 4]).collect();
+        let slope: Vec<[usize; 2]> = (0..6).map(|k| [20 + k, k]).collect();
+        let blot = [[30, 9], [31, 9], [30, 10], [32, 10], [31, 11]];
+        let short = [[40, 2], [40, 3], [40, 4], [40, 5]];
+        let all = [&row[..], &slope, &blot, &short].concat();
+        let lines = |is_above: &dyn Fn([usize; 2]) -> bool| {
+            let mut found = in_lines(all.iter().map(|&at| (at, is_above(at))).collect());
+            found.sort_unstable();
+            found
+        };
+        assert_eq!(lines(&|_| true), [&row[..], &slope].concat());
+        // A bright texel in a dark row parts it.
+        assert_eq!(lines(&|at| at == [5, 4]), slope);
     }
 }
