@@ -223,7 +223,7 @@ fn write(folder: &Path, name: &str, made: &Made) -> PathBuf {
 fn cost(folder: &Path, kind: &str, count: u32) -> [f64; 2] {
     let name = format!("{kind}{count}");
     let (scene, out) = (write(folder, &name, &made(kind, count)), folder.join(&name));
-    let fixed = "--size 256 --rays 1 --threads 1 --quiet --denoise off";
+    let fixed = "--size 256 --rays 1 --only diffuse --threads 1 --quiet --denoise off";
     let mut words = vec!["bake".to_owned(), scene.display().to_string()];
     words.extend(["-o".to_owned(), out.display().to_string()]);
     words.extend(fixed.split(' ').map(String::from));

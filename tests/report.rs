@@ -1,6 +1,6 @@
 //! `STEM.lit.png`, `report.html` and what opens it: `ambake view` and `bake --report`.
 
-use crate::support::{bake, files, node, page_path, report, run, run_well, say, scene};
+use crate::support::{BOX_SIDES, bake, files, node, page_path, report, run, run_well, say, scene};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -53,6 +53,52 @@ fn every_bake_ends_with_a_picture_that_render_makes_again() {
         (20.0..235.0).contains(&mean),
         "an interior that can be seen: {mean}"
     );
+}
+
+/// Writes a closed room with thick walls and a block in it as an OBJ file.
+fn thick_room(folder: &Path) -> std::path::PathBuf {
+    let mut text = String::new();
+    for (number, (half, inward)) in [(1.2, false), (1.0, true), (0.3, false)]
+        .into_iter()
+        .enumerate()
+    {
+        text += &format!("o box{number}\n");
+        for k in 0..8 {
+            let at = [0, 1, 2].map(|axis| if k >> axis & 1 == 1 { half } else { -half });
+            text += &format!("v {} {} {}\n", at[0], at[1], at[2]);
+        }
+        for side in BOX_SIDES {
+            let mut corners = side.map(|corner| (8 * number as u32 + corner + 1).to_string());
+            if inward {
+                corners.reverse();
+            }
+            text += &format!("f {}\n", corners.join(" "));
+        }
+    }
+    let path = folder.join("thick.obj");
+    fs::write(&path, text).expect("a file");
+    path
+}
+
+#[test]
+fn a_picture_that_would_be_black_from_within_is_taken_from_outside() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (out, _) = bake(
+        &thick_room(folder.path()),
+        &["--size", "128", "--rays", "16"],
+    );
+    let lit = bytes(&out.path().join("thick.lit.png"));
+    let bright = lit
+        .chunks(3)
+        .filter(|pixel| pixel.iter().all(|v| *v > 200))
+        .count();
+    // A white box before a pale blue sky, of which red is below 200.
+    assert!(30 * bright > lit.len() / 3, "{bright} of {}", lit.len() / 3);
+    let report = report(out.path());
+    let warnings = report["warnings"].as_array().expect("a list");
+    let told = warnings.iter().find(|of| of["kind"] == "interior");
+    let line = told.map_or("", |of| of["message"].as_str().expect("a text"));
+    assert!(line.contains("all is closed"), "{warnings:?}");
 }
 
 #[test]

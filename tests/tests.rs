@@ -29,6 +29,7 @@ mod directional;
 mod engines;
 mod estimate;
 mod exact;
+mod facing;
 mod figures;
 mod fit;
 mod frames;

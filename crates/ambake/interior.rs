@@ -10,6 +10,8 @@ const BINS: usize = 100;
 const DARK: f64 = 0.1;
 /// Where no more of the texels than this share see a hundredth of the sky, next to no light gets in.
 const LEAKS: f64 = 0.001;
+/// So many of the outsides of rooms may be texels that the share of the surface does not tell: borders of charts.
+const BORDERS: f64 = 1.0 / 64.0;
 
 /// How many texels have which diffuse term, over all pages.
 #[derive(Debug, Clone)]
@@ -41,7 +43,7 @@ impl Brightness {
         let dark: u64 = self.0[..(DARK * BINS as f64) as usize].iter().sum();
         let all = self.0.iter().sum::<u64>().saturating_sub(outsides);
         let lit = all.saturating_sub(self.0[0]);
-        let is_closed = lit as f64 <= LEAKS * all as f64;
+        let is_closed = lit as f64 <= LEAKS * all as f64 + BORDERS * outsides as f64;
         let bounces = options.bounces != Bounces::Off && !is_closed;
         let helped = options.max_distance.is_some() || has_lamps || bounces;
         let message = match is_closed {

@@ -4,6 +4,7 @@ use crate::dome::surrounding;
 use crate::job::Job;
 use crate::options::{Effort, Options};
 use ::bake::{BakedPage, LayerPlanes};
+use environment::Image;
 use glam::{DVec3, Vec2, Vec3};
 use rays::{Overrides, SurfaceHit, Surfaces};
 use render::{Direct, Exposure, Framing, Lamps, Lit, TexelPlace};
@@ -23,14 +24,19 @@ const LAYERS: [&str; 7] = [
 /// A share of the sky's light that comes through cracks alone.
 const FAINT: f64 = 1e-4;
 
+/// What is darker in a picture than 8 of 255 is black, and a picture is black where no more than this share of
+/// its surfaces is not.
+const BLACK: f32 = 0.0024;
+const SHOWN: f64 = 1.0 / 16.0;
+
 /// Rays by which surfaces without texels are lit.
 const RAYS: u32 = 16;
 
 /// The picture while pages come in.
 #[derive(Default)]
 pub(crate) struct LitScene {
-    /// Found with the first page.
-    lit: Option<Lit>,
+    /// Found with the first page: from the view that fits the scene, and where that is within it from outside.
+    lit: Vec<Lit>,
     backdrop: DVec3,
     /// How much a picture is brightened at most.
     most_stops: f64,
@@ -45,32 +51,38 @@ impl LitScene {
             .iter()
             .find_map(|name| page.planes.iter().find(|p| p.layer.name() == *name));
         if let Some(LayerPlanes { values, .. }) = layer {
-            if self.lit.is_none() {
+            if self.lit.is_empty() {
                 self.backdrop = render::backdrop(job.options().sky.mean().into());
                 self.most_stops = most_stops(job.options());
-                self.lit = job.within(|| look(job));
+                self.lit = job.within(|| look(job)).unwrap_or_default();
             }
             let mut planes = values.chunks_exact(page.texels());
             let red = planes.next().unwrap_or_default();
             let [green, blue] = [0, 1].map(|_| planes.next().unwrap_or(red));
-            if let Some(lit) = &mut self.lit {
+            for lit in &mut self.lit {
                 lit.add(page.page, page.size, [red, green, blue]);
             }
         }
         self.seconds += clock.elapsed().as_secs_f64();
     }
 
-    /// The picture as a PNG file; `None` where no layer can light it.
+    /// The picture as a PNG file: the first that is not black, or else the first; `None` where no layer can light it.
     pub fn picture(&mut self) -> Option<Vec<u8>> {
         let clock = Instant::now();
-        let lit = self.lit.as_ref()?;
-        let (picture, alpha) = lit.picture(|radiance| radiance);
-        let exposure = match Exposure::of(&picture, &alpha) {
-            // What leaks into a closed room is no picture of it.
-            bright if bright.stops > self.most_stops => Exposure::of_stops(0.0),
-            exposure => exposure,
+        let shows = |(picture, alpha): &(Image, Vec<f32>)| {
+            let surfaces = picture.pixels.iter().zip(alpha);
+            let surfaces = surfaces.filter(|(_, alpha)| **alpha > 0.5);
+            let bright = surfaces
+                .clone()
+                .filter(|(p, _)| Vec3::from(**p).max_element() > BLACK);
+            bright.count() as f64 > SHOWN * surfaces.count() as f64
         };
-        let (mut picture, _) = lit.picture(|radiance| exposure.tone(radiance));
+        let first = self.developed(self.lit.first()?);
+        let others = || self.lit[1..].iter().map(|lit| self.developed(lit));
+        let (mut picture, alpha) = match shows(&first) {
+            true => first,
+            false => others().find(shows).unwrap_or(first),
+        };
         let behind = self.backdrop.as_vec3();
         for (pixel, alpha) in picture.pixels.iter_mut().zip(alpha) {
             *pixel = (Vec3::from(*pixel) + (1.0 - alpha) * behind).to_array();
@@ -78,6 +90,17 @@ impl LitScene {
         let png = report::picture_png(picture.width, &picture.pixels);
         self.seconds += clock.elapsed().as_secs_f64();
         Some(png)
+    }
+
+    /// What is seen, exposed, before black, and the share of surfaces of each pixel.
+    fn developed(&self, lit: &Lit) -> (Image, Vec<f32>) {
+        let (picture, alpha) = lit.picture(|radiance| radiance);
+        let exposure = match Exposure::of(&picture, &alpha) {
+            // What leaks into a closed room is no picture of it.
+            bright if bright.stops > self.most_stops => Exposure::of_stops(0.0),
+            exposure => exposure,
+        };
+        lit.picture(|radiance| exposure.tone(radiance))
     }
 
     /// Seconds that it took so far.
@@ -95,8 +118,9 @@ fn most_stops(options: &Options) -> f64 {
     }
 }
 
-/// What the fitted camera sees; `None` where the scene has no extent to look at.
-fn look(job: &Job) -> Option<Lit> {
+/// What the fitted camera sees, and where it stands within the scene what one outside does; `None` where the scene has
+/// no extent to look at.
+fn look(job: &Job) -> Option<Vec<Lit>> {
     let (world, options) = (job.world(), job.options());
     let (surfaces, lamps) = (Surfaces::new(world), Lamps::of(world));
     let direct = Direct {
@@ -118,9 +142,15 @@ fn look(job: &Job) -> Option<Lit> {
         ..Framing::default()
     };
     let around = surrounding(world, job.backend());
-    let camera = framing.fitted(world, job.backend(), &around, false).ok()?;
+    let fitted = framing.fitted(world, job.backend(), &around, false).ok()?;
+    let outside = framing.outside(world, job.backend(), &around).ok()?;
     let edge = job.atlas().page_size;
-    Lit::look(&direct, &camera, grid, &(), edge, |hit| place(job, hit)).ok()
+    let look = |camera| Lit::look(&direct, camera, grid, &(), edge, |hit| place(job, hit)).ok();
+    let mut lit = vec![look(&fitted)?];
+    if outside != fitted {
+        lit.extend(look(&outside));
+    }
+    Some(lit)
 }
 
 /// Width, height and samples across a pixel: the picture's rays are a small part of the bake's.

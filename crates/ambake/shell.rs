@@ -4,6 +4,7 @@ use crate::eyes::is_seen;
 use atlas::{Atlas, SurfacePoint};
 use glam::{DVec2, DVec3, Vec2};
 use rays::{Ray, RayBackend, World};
+use scene::Scene;
 use std::f64::consts::{PI, TAU};
 
 /// Rays over the hemisphere of a point. It is outside where at least every fourth of them leaves the scene.
@@ -11,7 +12,7 @@ const RAYS: u32 = 32;
 const LEAVING: u32 = RAYS / 4;
 
 /// Points by which the texels of outsides are counted.
-const POINTS: u32 = 1024;
+pub(crate) const POINTS: u32 = 1024;
 
 /// [`RAYS`] directions over the hemisphere of a unit vector, even in solid angle.
 pub(crate) fn over(normal: DVec3) -> impl Iterator<Item = DVec3> {
@@ -70,36 +71,41 @@ impl<'a> Shell<'a> {
 
     /// The share of an atlas's texels that lie on outsides.
     pub fn share(&self, atlas: &Atlas) -> f64 {
-        let scene = self.world.scene();
-        let placed = scene.instances.iter().zip(&atlas.placements);
-        let triangles: Vec<(u32, u32, f64)> = (0..)
-            .zip(placed)
-            .filter(|(_, (_, placement))| placement.is_somewhere())
-            .flat_map(|(i, (instance, placement))| {
-                let layout = &atlas.meshes[instance.mesh as usize];
-                let scale = Vec2::from(placement.scale).as_dvec2();
-                (0..).zip(&layout.triangles).map(move |(t, corners)| {
-                    let at = |k: usize| layout.uvs[corners[k] as usize].as_dvec2() * scale;
-                    let [a, b, c]: [DVec2; 3] = [at(0), at(1), at(2)];
-                    (i, t, (b - a).perp_dot(c - a).abs())
-                })
-            })
-            .collect();
-        let whole: f64 = triangles.iter().map(|triangle| triangle.2).sum();
-        let step = whole / f64::from(POINTS);
-        let (mut along, mut next, mut hidden) = (0.0, 0.5 * step, 0);
-        for (instance, triangle, area) in triangles {
-            along += area;
-            while next < along {
-                let point = SurfacePoint {
-                    instance,
-                    triangle,
-                    weights: [1.0 / 3.0; 3],
-                };
-                hidden += u32::from(self.hides(&point));
-                next += step;
-            }
-        }
-        f64::from(hidden) / f64::from(POINTS)
+        let points = spread(self.world.scene(), atlas).into_iter();
+        let hidden = points.filter(|point| self.hides(point)).count();
+        hidden as f64 / f64::from(POINTS)
     }
+}
+
+/// [`POINTS`] points that are spread over the texels of an atlas.
+pub(crate) fn spread(scene: &Scene, atlas: &Atlas) -> Vec<SurfacePoint> {
+    let placed = scene.instances.iter().zip(&atlas.placements);
+    let triangles: Vec<(u32, u32, f64)> = (0..)
+        .zip(placed)
+        .filter(|(_, (_, placement))| placement.is_somewhere())
+        .flat_map(|(i, (instance, placement))| {
+            let layout = &atlas.meshes[instance.mesh as usize];
+            let scale = Vec2::from(placement.scale).as_dvec2();
+            (0..).zip(&layout.triangles).map(move |(t, corners)| {
+                let at = |k: usize| layout.uvs[corners[k] as usize].as_dvec2() * scale;
+                let [a, b, c]: [DVec2; 3] = [at(0), at(1), at(2)];
+                (i, t, (b - a).perp_dot(c - a).abs())
+            })
+        })
+        .collect();
+    let whole: f64 = triangles.iter().map(|triangle| triangle.2).sum();
+    let step = whole / f64::from(POINTS);
+    let (mut along, mut next, mut points) = (0.0, 0.5 * step, Vec::new());
+    for (instance, triangle, area) in triangles {
+        along += area;
+        while next < along {
+            points.push(SurfacePoint {
+                instance,
+                triangle,
+                weights: [1.0 / 3.0; 3],
+            });
+            next += step;
+        }
+    }
+    points
 }

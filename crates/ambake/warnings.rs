@@ -1,5 +1,6 @@
 //! What a bake warns of before a ray is cast.
 
+use crate::facing::faces_away;
 use crate::job::Job;
 use crate::shell::Shell;
 use ::bake::{AmbientCoefficient, Bounces, Model};
@@ -55,6 +56,8 @@ impl Job {
             .chain(self.outsides())
             .chain(self.inside_out())
             .chain(self.turned_over())
+            .chain(self.averse_normals())
+            .chain(self.within(|| faces_away(self)))
             .chain(self.too_bright())
             .chain(self.lights_left_out())
             .chain(self.lamps_left_out())
@@ -129,18 +132,38 @@ impl Job {
 
     /// Surfaces with texels whose backs are lit.
     fn turned_over(&self) -> Option<WarningReport> {
+        let message = "faces that are drawn from both sides look inward where nothing is, or at what is close before \
+                       all of them: the side that one sees is baked, and turning them over in the scene ends this line";
+        self.of_objects("turned-over", message, |instance| {
+            self.world().has_turned_over(instance)
+        })
+    }
+
+    /// Surfaces with texels of which some normals were turned round.
+    fn averse_normals(&self) -> Option<WarningReport> {
+        let message = "vertex normals point into their body, or away from where the rest of their surface looks: the \
+                       side of the winding is baked, and recalculating the normals ends this line";
+        self.of_objects("averse-normals", message, |instance| {
+            self.world().has_averse_normals(instance)
+        })
+    }
+
+    /// A warning about the objects with texels of which something holds.
+    fn of_objects(
+        &self,
+        kind: &str,
+        message: &str,
+        holds: impl Fn(u32) -> bool,
+    ) -> Option<WarningReport> {
         let (instances, placements) = (&self.scene().instances, &self.atlas().placements);
-        let turned = (0..)
-            .zip(instances.iter().zip(placements))
-            .filter(|(number, of)| of.1.is_somewhere() && self.world().has_turned_over(*number));
-        let names: Vec<&str> = turned.map(|(_, of)| of.0.name.as_str()).collect();
+        let found = (0..).zip(instances.iter().zip(placements));
+        let found = found.filter(|(number, of)| of.1.is_somewhere() && holds(*number));
+        let names: Vec<&str> = found.map(|(_, of)| of.0.name.as_str()).collect();
         Some(WarningReport {
-            kind: "turned-over".into(),
+            kind: kind.into(),
             place: format!("object `{}`", names.first()?),
             count: names.len() as u64,
-            message: "faces that are drawn from both sides look inward where nothing is, or at what is close \
-                      before all of them, or normals point into a closed body; the other side is baked"
-                .into(),
+            message: message.into(),
         })
     }
 

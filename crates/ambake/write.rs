@@ -71,7 +71,7 @@ impl<'a> Writer<'a> {
     /// A writer into an output directory.
     ///
     /// # Errors
-    /// A name that will be written stands for an input.
+    /// A name that will be written stands for an input, or for a scene that no earlier bake wrote.
     pub fn new(job: &'a Job, mut output: Output) -> Result<Self, Error> {
         let stem = job.scene().stem();
         output.protect(job.inputs());
@@ -86,6 +86,14 @@ impl<'a> Writer<'a> {
         for name in names {
             check_length(output.dir(), &name)?;
             output.check(&name)?;
+        }
+        let earlier = report::read_record(output.dir(), &stem);
+        for name in [glb_name(&stem), vertex_glb_name(&stem)] {
+            let path = output.dir().join(&name);
+            let is_own = earlier.as_ref().is_some_and(|of| of.files.contains(&name));
+            if path.is_file() && !is_own {
+                return Err(report::Error::ReplacesScene { path }.into());
+            }
         }
         Ok(Self {
             job,

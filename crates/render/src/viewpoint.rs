@@ -64,14 +64,7 @@ impl Framing {
         if self.eye.is_some() || self.look.is_some() {
             return self.camera(world);
         }
-        let focus = focus(world, around);
-        let room = Room {
-            world,
-            backend,
-            around,
-            up: self.up.normalize_or(DVec3::Y),
-            focus: focus.unwrap_or(extent(world, around)),
-        };
+        let room = Room::of(world, backend, around, self.up);
         let inside = |view| {
             let fov = match keep_fov {
                 true => self.fov,
@@ -83,24 +76,7 @@ impl Framing {
         if let Some(view) = room.closed(&places) {
             return inside(view);
         }
-        let toward = room.outside(&points(world, around));
-        let middle = room.focus.center();
-        let eye = match focus {
-            None => self.eye_outside(world, around, toward),
-            Some(focus) => {
-                let corner = |k: usize| [focus.min, focus.max][k];
-                let corners = (0..8).map(|k| {
-                    let [x, y, z] = [k & 1, k >> 1 & 1, k >> 2].map(corner);
-                    DVec3::new(x.x, y.y, z.z)
-                });
-                Camera::framing(corners, middle, toward, self.up, self.fov, self.size)
-            }
-        };
-        let eye = match around {
-            [] => eye,
-            _ => middle + room.before_what_is_around(middle, eye - middle),
-        };
-        let outside = self.camera_at([eye, middle])?;
+        let outside = self.around(&room)?;
         let Some(view) = room.best(&places, HALF_OPEN) else {
             return Ok(outside);
         };
@@ -114,17 +90,46 @@ impl Framing {
             false => outside,
         })
     }
+
+    /// The camera of [`Framing::fitted`] outside of a scene, whether or not it shows most there.
+    ///
+    /// # Errors
+    /// [`Error::Camera`], see [`Camera::new`].
+    pub fn outside(
+        &self,
+        world: &World,
+        backend: &dyn RayBackend,
+        around: &[u32],
+    ) -> Result<Camera, Error> {
+        self.around(&Room::of(world, backend, around, self.up))
+    }
+
+    fn around(&self, room: &Room) -> Result<Camera, Error> {
+        let toward = room.outside(&points(room.world, room.around));
+        let middle = room.focus.center();
+        let eye = match room.is_part {
+            false => self.eye_outside(room.world, room.around, toward),
+            true => {
+                let focus = room.focus;
+                let corner = |k: usize| [focus.min, focus.max][k];
+                let corners = (0..8).map(|k| {
+                    let [x, y, z] = [k & 1, k >> 1 & 1, k >> 2].map(corner);
+                    DVec3::new(x.x, y.y, z.z)
+                });
+                Camera::framing(corners, middle, toward, self.up, self.fov, self.size)
+            }
+        };
+        let eye = match room.around {
+            [] => eye,
+            _ => middle + room.before_what_is_around(middle, eye - middle),
+        };
+        self.camera_at([eye, middle])
+    }
 }
 
 /// Places in a scene from which people look, where most of the free space in its box is closed; none elsewhere.
 pub fn places_within(world: &World, backend: &dyn RayBackend) -> Vec<DVec3> {
-    let room = Room {
-        world,
-        backend,
-        around: &[],
-        up: DVec3::Y,
-        focus: focus(world, &[]).unwrap_or(extent(world, &[])),
-    };
+    let room = Room::of(world, backend, &[], DVec3::Y);
     let places = room.places();
     match is_closed(&places) {
         true => (places.iter().filter(|place| place.1 >= CLOSED))
@@ -150,11 +155,24 @@ struct Room<'a> {
     /// What no ray meets here.
     around: &'a [u32],
     up: DVec3,
-    /// The part of the scene that is looked at.
+    /// The part of the scene that is looked at, and whether that is not all.
     focus: Bounds,
+    is_part: bool,
 }
 
-impl Room<'_> {
+impl<'a> Room<'a> {
+    fn of(world: &'a World, backend: &'a dyn RayBackend, around: &'a [u32], up: DVec3) -> Self {
+        let focus = focus(world, around);
+        Self {
+            world,
+            backend,
+            around,
+            up: up.normalize_or(DVec3::Y),
+            focus: focus.unwrap_or(extent(world, around)),
+            is_part: focus.is_some(),
+        }
+    }
+
     fn first(&self, eye: DVec3, toward: DVec3) -> Option<SurfaceHit> {
         self.first_of([eye, toward], Stops::Any, |instance| {
             !self.around.contains(&instance)

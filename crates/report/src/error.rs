@@ -47,6 +47,15 @@ pub enum Error {
         /// The file.
         path: PathBuf,
     },
+    /// A result would replace a scene that is none of an earlier bake.
+    #[error(
+        "{} was not written by a bake into this directory and would be replaced; move it, or choose another place with -o",
+        path.display()
+    )]
+    ReplacesScene {
+        /// The file.
+        path: PathBuf,
+    },
     /// A file cannot be read, or is not what it should be.
     #[error("cannot read {}: {reason}", path.display())]
     Read {

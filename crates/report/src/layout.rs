@@ -58,6 +58,8 @@ const LARGE_SHARE: f64 = 0.5;
 const FEW: f64 = 32.0;
 /// With fewer texels across its extent an object is named in a warning.
 const COARSE: f64 = 3.5;
+/// So many do.
+const ENOUGH: f64 = 4.0;
 /// With less of the texels in use inside charts, the page is named in a warning.
 const LEAST_INSIDE: f64 = 0.25;
 
@@ -121,10 +123,10 @@ impl LayoutReport {
                 place: format!("object `{}`", first.name),
                 count: coarse.len() as u64,
                 message: format!(
-                    "objects have fewer than {COARSE} texels across; `--density-of {}=D` above {}, a larger `--size` or \
-                     more `--pages` gives them more",
+                    "objects have fewer than {COARSE} texels across; `--density-of {}={}`, a larger `--size` or more \
+                     `--pages` gives them more",
                     first.name,
-                    short(first.density),
+                    short(first.density * ENOUGH / first.across),
                 ),
             });
         }

@@ -125,6 +125,9 @@ impl Output {
         if dir.exists() && !dir.is_dir() {
             return Err(fail("a file of that name exists".into()));
         }
+        if dir.is_symlink() && !dir.exists() {
+            return Err(fail("it is a link to what is not there".into()));
+        }
         let mut folder = Folder::default();
         let mut tries = 0..TRIES;
         let staging = loop {

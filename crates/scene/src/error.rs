@@ -85,7 +85,7 @@ pub enum Error {
     NoTriangles {
         /// The file.
         path: PathBuf,
-        /// What was ignored on the way, as `; ignored: …`, or nothing.
+        /// What was noticed on the way, each after a semicolon, or nothing.
         hint: String,
     },
 }

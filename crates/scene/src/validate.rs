@@ -52,17 +52,17 @@ pub(crate) struct Parts {
 pub(crate) fn scene(mut input: Input, format: Format, mut parts: Parts) -> Result<Scene, Error> {
     instances(&mut input, &mut parts)?;
     if parts.instances.is_empty() {
-        let mut ignored: Vec<&str> = Vec::new();
-        for name in input.warnings.iter().map(|warning| warning.kind.name()) {
-            if !ignored.contains(&name) && ignored.len() < 5 {
-                ignored.push(name);
+        let mut told: Vec<&str> = Vec::new();
+        for message in input
+            .warnings
+            .iter()
+            .map(|warning| warning.message.as_str())
+        {
+            if !told.contains(&message) && told.len() < 2 {
+                told.push(message);
             }
         }
-        let hint = if ignored.is_empty() {
-            String::new()
-        } else {
-            format!("; ignored: {}", ignored.join(", "))
-        };
+        let hint: String = told.iter().map(|message| format!("; {message}")).collect();
         return Err(Error::NoTriangles {
             path: input.path,
             hint,

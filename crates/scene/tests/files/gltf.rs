@@ -47,7 +47,7 @@ fn strips_and_fans_keep_their_orientation() {
     document.primitive()["mode"] = json!(1);
     let error = document.load().unwrap_err().to_string();
     assert!(
-        error.contains("no triangle") && error.contains("points-and-lines"),
+        error.contains("no triangle") && error.contains("; a primitive without surface"),
         "{error}"
     );
 }

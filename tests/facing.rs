@@ -1,0 +1,68 @@
+//! Faces that look into their own object while their backs are in the open: they are dark, and a line says so.
+
+use crate::support::{BOX_SIDES, report, run_well};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+/// Writes boxes of glTF, drawn from one side, of which these sides look inward.
+fn boxes(folder: &Path, inward: &[usize]) -> PathBuf {
+    let corner = |k: usize| [0, 1, 2].map(|axis| if k >> axis & 1 == 1 { 1f32 } else { -1.0 });
+    let corners: Vec<u8> = (0..8).flat_map(corner).flat_map(f32::to_le_bytes).collect();
+    let sides = BOX_SIDES.iter().enumerate().flat_map(|(number, side)| {
+        let [a, b, c, d] = match inward.contains(&number) {
+            true => [side[3], side[2], side[1], side[0]],
+            false => *side,
+        };
+        [a, b, c, a, c, d]
+    });
+    let indices: Vec<u8> = sides.flat_map(u32::to_le_bytes).collect();
+    let text = json!({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "name": "box"}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
+        "materials": [{"pbrMetallicRoughness": {"metallicFactor": 0}}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3", "min": [-1, -1, -1], "max": [1, 1, 1]},
+            {"bufferView": 1, "componentType": 5125, "count": 36, "type": "SCALAR"},
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteLength": corners.len()},
+            {"buffer": 0, "byteOffset": corners.len(), "byteLength": indices.len()},
+        ],
+        "buffers": [{"uri": "box.bin", "byteLength": corners.len() + indices.len()}],
+    });
+    std::fs::write(folder.join("box.bin"), [corners, indices].concat()).expect("a file");
+    let path = folder.join("box.gltf");
+    std::fs::write(&path, text.to_string()).expect("a file");
+    path
+}
+
+#[test]
+fn a_side_of_a_box_that_looks_into_it_is_told_of() {
+    for (inward, expected) in [(&[][..], 0.0), (&[2], 1.0 / 6.0), (&[0, 5], 1.0 / 3.0)] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (scene, out) = (boxes(folder.path(), inward), folder.path().join("out"));
+        let words = [
+            "bake",
+            "-o",
+            "--size=64",
+            "--rays=4",
+            "--only=diffuse",
+            "--quiet",
+        ];
+        let mut words: Vec<&std::ffi::OsStr> = words.iter().map(|word| word.as_ref()).collect();
+        words.insert(2, out.as_os_str());
+        words.insert(1, scene.as_os_str());
+        run_well(words);
+        let report = report(&out);
+        let warnings = report["warnings"].as_array().expect("a list");
+        let told = warnings.iter().find(|of| of["kind"] == "faces-away");
+        assert_eq!(told.is_some(), expected > 0.0, "{inward:?}: {warnings:?}");
+        if let Some(told) = told {
+            assert_eq!(told["place"], "object `box`");
+            let texels = report["pages"][0]["texels"].as_f64().expect("a number");
+            let share = told["count"].as_f64().expect("a number") / texels;
+            assert!((share - expected).abs() < 0.04, "{inward:?}: {share}");
+        }
+    }
+}
