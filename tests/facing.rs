@@ -1,6 +1,6 @@
 //! Faces that look into their own object while their backs are in the open: they are dark, and a line says so.
 
-use crate::support::{BOX_SIDES, report, run_well};
+use crate::support::{BOX_SIDES, bake, report, run_well};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -64,5 +64,57 @@ fn a_side_of_a_box_that_looks_into_it_is_told_of() {
             let share = told["count"].as_f64().expect("a number") / texels;
             assert!((share - expected).abs() < 0.04, "{inward:?}: {share}");
         }
+    }
+}
+
+/// Writes a box as an OBJ file, with a normal for each side; those of these sides are turned round.
+fn shaded(folder: &Path, turned: &[usize], lean: f32) -> PathBuf {
+    let mut text = String::from("o box\n");
+    for k in 0..8 {
+        let at = [0, 1, 2].map(|axis| if k >> axis & 1 == 1 { 1 } else { -1 });
+        text += &format!("v {} {} {}\n", at[0], at[1], at[2]);
+    }
+    for (number, side) in BOX_SIDES.iter().enumerate() {
+        let out = side.map(|corner| [0, 1, 2].map(|axis| f32::from(corner >> axis & 1 == 1) - 0.5));
+        let sign = if turned.contains(&number) { -lean } else { 1.0 };
+        // The mean of the corners points out of the box; what is beside it leans along the side.
+        let mean = [0, 1, 2].map(|axis| out.iter().map(|corner| corner[axis]).sum::<f32>() / 2.0);
+        let along = (1.0 - sign * sign).max(0.0).sqrt();
+        let beside = [mean[1], mean[2], mean[0]];
+        let normal = [0, 1, 2].map(|axis| sign * mean[axis] + along * beside[axis]);
+        text += &format!("vn {} {} {}\n", normal[0], normal[1], normal[2]);
+        let corners = side.map(|corner| format!("{}//{}", corner + 1, number + 1));
+        text += &format!("f {}\n", corners.join(" "));
+    }
+    let path = folder.join("shaded.obj");
+    std::fs::write(&path, text).expect("a file");
+    path
+}
+
+#[test]
+fn a_box_in_the_open_is_light_whichever_way_normals_of_some_sides_point() {
+    // Turned round, or perpendicular but for a rounding.
+    for (turned, lean) in [
+        (&[][..], 1.0),
+        (&[1], 1.0),
+        (&[0, 3], 1.0),
+        (&[4], 1e-7),
+        (&[4], -1e-7),
+    ] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let scene = shaded(folder.path(), turned, lean);
+        let (out, page) = bake(&scene, &["--size=64", "--rays=16", "--only=diffuse"]);
+        let covered = page.plane("diffuse").iter().zip(page.plane("coverage"));
+        let covered = covered.filter(|(_, coverage)| **coverage > 0.0);
+        let least = covered.map(|(diffuse, _)| *diffuse).fold(1.0, f32::min);
+        assert!(least > 0.999, "{turned:?} {lean}: {least}");
+        let report = report(out.path());
+        let warnings = report["warnings"].as_array().expect("a list");
+        let told = warnings.iter().any(|of| of["kind"] == "averse-normals");
+        assert_eq!(
+            told,
+            !turned.is_empty() && lean > 0.0,
+            "{turned:?} {lean}: {warnings:?}"
+        );
     }
 }

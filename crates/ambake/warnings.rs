@@ -11,6 +11,10 @@ use report::WarningReport;
 /// Share of the texels from which outsides are told of.
 const LEAST_OUTSIDE: f64 = 0.1;
 
+/// Share of an object's surface from which it is told that normals were turned round: the smooth normals of a coarse
+/// mesh lean behind some slivers of it.
+const LEAST_AVERSE: f64 = 0.01;
+
 impl Job {
     /// Everything that was repaired, ignored or is doubtful before a ray was cast, and matters to this bake.
     pub fn warnings(&self) -> Vec<WarningReport> {
@@ -144,7 +148,7 @@ impl Job {
         let message = "vertex normals point into their body, or away from where the rest of their surface looks: the \
                        side of the winding is baked, and recalculating the normals ends this line";
         self.of_objects("averse-normals", message, |instance| {
-            self.world().has_averse_normals(instance)
+            self.world().averse_share(instance) >= LEAST_AVERSE
         })
     }
 

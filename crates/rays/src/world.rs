@@ -279,9 +279,25 @@ impl World {
         self.backs.contains_key(&self.part(instance).1.mesh)
     }
 
-    /// True where some normals of an instance alone point to the other side than the one that is lit.
-    pub fn has_averse_normals(&self, instance: u32) -> bool {
-        self.averse.contains_key(&self.part(instance).1.mesh)
+    /// The share of an instance's surface, 0..=1, of which the normals alone point to the other side than the one that
+    /// is lit.
+    pub fn averse_share(&self, instance: u32) -> f64 {
+        let geometry = self.part(instance).1;
+        let Some(averse) = self.averse.get(&geometry.mesh) else {
+            return 0.0;
+        };
+        let (mut all, mut own) = (0.0, 0.0);
+        for triangle in 0..geometry.triangles().len() as u32 {
+            let [a, b, c] = self.corners(instance, triangle);
+            let area = (b - a).cross(c - a).length();
+            all += area;
+            own += if averse.contains(&triangle) {
+                area
+            } else {
+                0.0
+            };
+        }
+        own / f64::max(all, f64::MIN_POSITIVE)
     }
 
     /// The part and the geometry of an instance.
