@@ -59,7 +59,7 @@ fn a_side_of_a_box_that_looks_into_it_is_told_of() {
         let told = warnings.iter().find(|of| of["kind"] == "faces-away");
         assert_eq!(told.is_some(), expected > 0.0, "{inward:?}: {warnings:?}");
         if let Some(told) = told {
-            assert_eq!(told["place"], "object `box`");
+            assert_eq!(told["place"], "object `box / mesh 0 primitive 0`");
             let texels = report["pages"][0]["texels"].as_f64().expect("a number");
             let share = told["count"].as_f64().expect("a number") / texels;
             assert!((share - expected).abs() < 0.04, "{inward:?}: {share}");
