@@ -1,7 +1,8 @@
 //! Faces that are dark for they look the wrong way: into their object, while their backs are in the open.
 //!
-//! Of bodies that are closed and drawn from both sides the right side is baked anyway (`turned-over`). Loose pieces, and
-//! what is drawn from one side alone, are baked as the file has them, and nobody but their author knows what was meant.
+//! Of bodies that are closed and drawn from both sides the right side is baked anyway (`turned-over`). Loose pieces,
+//! and what is drawn from one side alone, are baked as the file has them, and nobody but their author knows what was
+//! meant.
 
 use crate::job::Job;
 use crate::shell::{POINTS, over, spread};

@@ -81,8 +81,8 @@
 //! * What a bake will take: `estimate.rs`, its memory `memory.rs`. Whether a scene is an interior: `interior.rs`,
 //!   and what stands around it: `dome.rs`.
 //! * Where objects lie on pages: `object.rs`. Values at vertices: `vertices.rs`.
-//! * What can be seen: `seen.rs` for points of a triangle, `eyes.rs` for one point from places, `facing.rs` for faces that look the wrong way, `shell.rs` for the
-//!   outsides of rooms.
+//! * What can be seen: `seen.rs` for points of a triangle, `eyes.rs` for one point from places, `shell.rs` for the
+//!   outsides of rooms, `facing.rs` for faces that look the wrong way.
 //! * Saved states: `resume.rs`. Shards: `shard.rs`, `parts.rs` and `merge.rs`. Updates: `update.rs`, their files
 //!   `state.rs`. The atlas alone: `layout.rs`,
 //!   its files `layout_files.rs`.

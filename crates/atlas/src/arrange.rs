@@ -23,7 +23,8 @@ const SPREAD: f64 = 16.0;
 /// Smallest texels that are tried, from those of the largest instance down, and the step from one to the next.
 const TRIES: i32 = 8;
 const STEP: f64 = std::f64::consts::FRAC_1_SQRT_2;
-/// How often triangles that lie over others of their charts are parted from them: a chart that is all but right has few.
+/// How often triangles that lie over others of their charts are parted from them: a chart that is all but right has
+/// few.
 const ROUNDS: u32 = 8;
 
 /// Unwraps every mesh that takes texels and packs all charts together.
