@@ -5,10 +5,10 @@
 //! meant.
 
 use crate::job::Job;
-use crate::shell::{POINTS, over, spread};
+use crate::shell::{POINTS, Stand, over, spread};
 use atlas::SurfacePoint;
 use glam::DVec3;
-use rays::{Ray, RayBackend, World};
+use rays::{RayBackend, World};
 use report::WarningReport;
 use std::collections::BTreeMap;
 
@@ -19,8 +19,11 @@ const OPEN: usize = 50;
 /// The share of the points of an atlas from which they are told of.
 const LEAST: f64 = 0.01;
 
-/// The warning about them.
+/// The warning about them; `None` where a limit of distance lets light through what is closed.
 pub(crate) fn faces_away(job: &Job) -> Option<WarningReport> {
+    if job.options().max_distance.is_some() {
+        return None;
+    }
     let (world, backend, atlas) = (job.world(), job.backend(), job.atlas());
     let mut found: BTreeMap<u32, u32> = BTreeMap::new();
     for point in spread(world.scene(), atlas) {
@@ -44,27 +47,16 @@ pub(crate) fn faces_away(job: &Job) -> Option<WarningReport> {
     })
 }
 
-/// True where a face looks into what is closed and its back does not.
+/// True where a face looks into its own object and its back does not.
 fn looks_away(world: &World, backend: &dyn RayBackend, point: &SurfacePoint) -> bool {
     let (instance, triangle) = (point.instance, point.triangle);
-    let Some(normal) = world.face(instance, triangle).try_normalize() else {
+    let Some(stand) = Stand::at(world, point) else {
         return false;
     };
-    let corners = world.corners(instance, triangle);
-    let place: DVec3 = (corners.iter().zip(point.weights))
-        .map(|(&corner, weight)| corner * weight)
-        .sum();
-    // Far enough off the surface for rays in 32 bits.
-    let off = 1e-5 * world.bounds().diagonal();
-    let ray = |normal: DVec3, direction: DVec3| Ray {
-        origin: (place + off * normal).as_vec3().to_array(),
-        direction: direction.as_vec3().to_array(),
-        t_min: 0.0,
-        t_max: f32::INFINITY,
-    };
+    let normal = stand.normal;
     let (mut cast, mut backs) = (0, 0);
     for direction in over(normal) {
-        let Some(hit) = backend.closest(&ray(normal, direction)) else {
+        let Some(hit) = backend.closest(&stand.ray(normal, direction)) else {
             return false;
         };
         cast += 1;
@@ -74,6 +66,6 @@ fn looks_away(world: &World, backend: &dyn RayBackend, point: &SurfacePoint) -> 
     if 100 * backs < BACKS * cast || world.is_buried(instance, triangle, point.weights) {
         return false;
     }
-    let leaves = |direction: &DVec3| !backend.occluded(&ray(-normal, *direction));
+    let leaves = |direction: &DVec3| !backend.occluded(&stand.ray(-normal, *direction));
     100 * over(-normal).filter(leaves).count() >= OPEN * cast
 }

@@ -143,12 +143,14 @@ fn look(job: &Job) -> Option<Vec<Lit>> {
     };
     let around = surrounding(world, job.backend());
     let fitted = framing.fitted(world, job.backend(), &around, false).ok()?;
-    let outside = framing.outside(world, job.backend(), &around).ok()?;
     let edge = job.atlas().page_size;
     let look = |camera| Lit::look(&direct, camera, grid, &(), edge, |hit| place(job, hit)).ok();
     let mut lit = vec![look(&fitted)?];
-    if outside != fitted {
-        lit.extend(look(&outside));
+    let bounds = world.bounds();
+    if fitted.eye.clamp(bounds.min, bounds.max) == fitted.eye {
+        let outside = framing.outside(world, job.backend(), &around);
+        let outside = outside.ok().filter(|outside| *outside != fitted);
+        lit.extend(outside.as_ref().and_then(look));
     }
     Some(lit)
 }

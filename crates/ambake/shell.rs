@@ -25,6 +25,38 @@ pub(crate) fn over(normal: DVec3) -> impl Iterator<Item = DVec3> {
     })
 }
 
+/// A point of a surface as rays leave it.
+pub(crate) struct Stand {
+    place: DVec3,
+    /// The unit normal on the lit side.
+    pub normal: DVec3,
+    /// How far off the surface rays in 32 bits begin.
+    off: f64,
+}
+
+impl Stand {
+    /// `None` on a triangle without an area.
+    pub fn at(world: &World, point: &SurfacePoint) -> Option<Self> {
+        let corners = world.corners(point.instance, point.triangle);
+        let weighted = corners.iter().zip(point.weights);
+        Some(Self {
+            place: weighted.map(|(&corner, weight)| corner * weight).sum(),
+            normal: world.face(point.instance, point.triangle).try_normalize()?,
+            off: 1e-5 * world.bounds().diagonal(),
+        })
+    }
+
+    /// A ray without an end that leaves to a side of the surface, that of its normal or the other.
+    pub fn ray(&self, side: DVec3, direction: DVec3) -> Ray {
+        Ray {
+            origin: (self.place + self.off * side).as_vec3().to_array(),
+            direction: direction.as_vec3().to_array(),
+            t_min: 0.0,
+            t_max: f32::INFINITY,
+        }
+    }
+}
+
 /// The outsides of a scene of rooms.
 pub(crate) struct Shell<'a> {
     world: &'a World,
@@ -47,24 +79,11 @@ impl<'a> Shell<'a> {
 
     /// True where a point looks out of the scene and none of the places within sees it.
     pub fn hides(&self, point: &SurfacePoint) -> bool {
-        let corners = self.world.corners(point.instance, point.triangle);
-        let face = self.world.face(point.instance, point.triangle);
-        let normal = face.normalize_or_zero();
-        let bounds = self.world.bounds();
-        let place: DVec3 = (corners.iter().zip(point.weights))
-            .map(|(&p, w)| p * w)
-            .sum();
-        // Far enough off the surface for rays in 32 bits.
-        let origin = place + normal * (1e-5 * bounds.diagonal());
-        let leaves = |direction: &DVec3| {
-            let ray = Ray {
-                origin: origin.as_vec3().to_array(),
-                direction: direction.as_vec3().to_array(),
-                t_min: 0.0,
-                t_max: f32::INFINITY,
-            };
-            !self.backend.occluded(&ray)
+        let Some(stand) = Stand::at(self.world, point) else {
+            return false;
         };
+        let normal = stand.normal;
+        let leaves = |way: &DVec3| !self.backend.occluded(&stand.ray(normal, *way));
         let leaving = over(normal).filter(leaves).take(LEAVING as usize).count();
         leaving as u32 == LEAVING && !is_seen(&self.eyes, point, self.world, self.backend)
     }

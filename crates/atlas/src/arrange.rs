@@ -67,8 +67,7 @@ pub(crate) fn unwrap(
     }
     let mut rounds = if authored.is_none() { ROUNDS } else { 0 };
     loop {
-        let arranged = arrange(scene, (&objects, &object_of), &sheets, options, cancel)?;
-        let (atlas, findings) = arranged;
+        let (atlas, findings) = arrange(scene, (&objects, &object_of), &sheets, options, cancel)?;
         if findings.clean() {
             return Ok(atlas);
         }

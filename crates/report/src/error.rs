@@ -49,7 +49,8 @@ pub enum Error {
     },
     /// A result would replace a scene that is none of an earlier bake.
     #[error(
-        "{} was not written by a bake into this directory and would be replaced; move it, or choose another place with -o",
+        "{} was not written by a bake into this directory and would be replaced; move it, or choose another place with \
+         -o",
         path.display()
     )]
     ReplacesScene {
