@@ -9,9 +9,10 @@
 //! Rousselle, C. Knaus, M. Zwicker, "Adaptive Rendering with Non-Local Means Filtering", 2012, who tell noise from
 //! detail by two halves.
 
-use super::fit::{Fitter, Surface};
+use super::fit::Fitter;
 use super::lanes::{LANES, Lanes};
 use super::plane::{About, Room, Sheet, rows};
+use super::surface::Surface;
 
 /// Fits that compete, from fine to coarse: a stride, and whether its quadratic and its linear fits do.
 pub(super) type Fits = [(usize, [bool; 2])];

@@ -9,8 +9,8 @@
 
 use super::charts::{Band, Chart, Charts};
 use super::field::Field;
-use super::fit::FEATURES;
 use super::plane::{About, Room, Sheet, TASK, rows};
+use super::surface::FEATURES;
 use super::{FEWEST, at_least};
 use glam::Vec3;
 use rayon::prelude::*;

@@ -19,6 +19,7 @@ mod plane;
 mod stated;
 mod steep;
 mod strays;
+mod surface;
 
 use crate::seams::SeamPoint;
 use beyond::{Beyond, Borders};
@@ -26,12 +27,12 @@ use charts::{Area, Band, Charts, Run, charts};
 use choose::{Chosen, FITS, Fits, choose};
 use features::Features;
 pub(crate) use field::Field;
-use fit::{FEATURES, Surface};
 use plane::{Sheet, TASK};
 use rayon::prelude::*;
 use stated::{Predicted, Seen, Squares, Stated};
 use std::ops::Range;
 use steep::steepness;
+use surface::{FEATURES, Surface};
 
 /// Charts of fewer texels keep their plain values: too few to tell noise from detail.
 const FEWEST: usize = 4;
