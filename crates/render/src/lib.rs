@@ -17,7 +17,7 @@
 //!
 //! # Where what is
 //!
-//! * The camera: `camera.rs`. Where a scene is seen from when nobody says: `viewpoint.rs`; how bright it is shown:
+//! * The camera: `camera.rs`. Where a scene is seen from when nobody says: `viewpoint`; how bright it is shown:
 //!   `exposure.rs`.
 //! * Alpha, and scenes over a backdrop: `matte.rs`. How a place in a scene is captured: `capture.rs`.
 //! * White balls and mirrors at places: `ball.rs`. Frames from tables are in `crates/frames`.

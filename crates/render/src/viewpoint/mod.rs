@@ -1,0 +1,113 @@
+//! Where a scene is best looked at from when nobody says: around it, three quarters from above; inside it, where it is
+//! closed.
+
+mod room;
+mod subject;
+#[cfg(test)]
+mod tests;
+
+use crate::{Camera, Error, Framing};
+use glam::DVec3;
+use rays::{RayBackend, World};
+use room::{CLOSED, HALF_OPEN, Room, is_closed};
+use std::f64::consts::PI;
+use subject::points;
+
+/// Vertical field of view inside of a room, in radians: 65 degrees.
+const WIDE: f64 = 65.0 * PI / 180.0;
+
+impl Framing {
+    /// The camera that shows a scene best: the one of [`Framing::camera`], from another side or steeper where that
+    /// shows more of it, and inside where most of the free space in the scene's box is closed, or where a place within
+    /// tells more than the view from outside, counted by how much of what is above it is closed. Inside, the field of
+    /// view is at least 65 degrees unless `keep_fov`.
+    ///
+    /// * `around`: instances that only stand around the scene, as a sky dome does. They are not what is looked at, and
+    ///   the eye is before them.
+    ///
+    /// # Errors
+    /// [`Error::Camera`], see [`Camera::new`].
+    pub fn fitted(
+        &self,
+        world: &World,
+        backend: &dyn RayBackend,
+        around: &[u32],
+        keep_fov: bool,
+    ) -> Result<Camera, Error> {
+        if self.eye.is_some() || self.look.is_some() {
+            return self.camera(world);
+        }
+        let room = Room::of(world, backend, around, self.up);
+        let inside = |view| {
+            let fov = match keep_fov {
+                true => self.fov,
+                false => self.fov.max(WIDE),
+            };
+            Framing { fov, ..*self }.camera_at(view)
+        };
+        let places = room.places();
+        if let Some(view) = room.closed(&places) {
+            return inside(view);
+        }
+        let outside = self.around(&room)?;
+        let Some(view) = room.best(&places, HALF_OPEN) else {
+            return Ok(outside);
+        };
+        let inside = inside(view)?;
+        // A place counts by how much of it is roofed: a doll's house without a roof is looked at from above, a cave or
+        // a hall below a skylight is not.
+        let roofed = room.roofed(inside.eye);
+        let [within, without] = [&inside, &outside].map(|camera| room.told(room.through(camera)));
+        Ok(match roofed * within > without {
+            true => inside,
+            false => outside,
+        })
+    }
+
+    /// The camera of [`Framing::fitted`] outside of a scene, whether or not it shows most there.
+    ///
+    /// # Errors
+    /// [`Error::Camera`], see [`Camera::new`].
+    pub fn outside(
+        &self,
+        world: &World,
+        backend: &dyn RayBackend,
+        around: &[u32],
+    ) -> Result<Camera, Error> {
+        self.around(&Room::of(world, backend, around, self.up))
+    }
+
+    fn around(&self, room: &Room) -> Result<Camera, Error> {
+        let toward = room.outside(&points(room.world, room.around));
+        let middle = room.focus.center();
+        let eye = match room.is_part {
+            false => self.eye_outside(room.world, room.around, toward),
+            true => {
+                let focus = room.focus;
+                let corner = |k: usize| [focus.min, focus.max][k];
+                let corners = (0..8).map(|k| {
+                    let [x, y, z] = [k & 1, k >> 1 & 1, k >> 2].map(corner);
+                    DVec3::new(x.x, y.y, z.z)
+                });
+                Camera::framing(corners, middle, toward, self.up, self.fov, self.size)
+            }
+        };
+        let eye = match room.around {
+            [] => eye,
+            _ => middle + room.before_what_is_around(middle, eye - middle),
+        };
+        self.camera_at([eye, middle])
+    }
+}
+
+/// Places in a scene from which people look, where most of the free space in its box is closed; none elsewhere.
+pub fn places_within(world: &World, backend: &dyn RayBackend) -> Vec<DVec3> {
+    let room = Room::of(world, backend, &[], DVec3::Y);
+    let places = room.places();
+    match is_closed(&places) {
+        true => (places.iter().filter(|place| place.1 >= CLOSED))
+            .map(|place| place.0)
+            .collect(),
+        false => Vec::new(),
+    }
+}

@@ -1,0 +1,249 @@
+//! The scene as a place to look around in: what rays from a place meet, how closed it is there, and which view shows
+//! most.
+
+use super::subject::{Point, focus, normal};
+use crate::Camera;
+use crate::framing::extent;
+use glam::{DQuat, DVec3};
+use rays::{Bounds, Ray, RayBackend, Stops, SurfaceHit, World};
+use std::f64::consts::{PI, TAU};
+
+/// Directions in which a place looks around.
+const AROUND: u32 = 64;
+/// A place is closed where so many of them meet fronts of surfaces, and half open where fewer do: a hall below a
+/// skylight.
+pub(super) const CLOSED: u32 = 58;
+pub(super) const HALF_OPEN: u32 = 36;
+/// A place is inside of a solid where so many meet backs.
+const SOLID: u32 = 12;
+/// A view from another side is taken where it shows so many times as many of them.
+const BETTER: f64 = 1.25;
+/// By how much the steeper views rise above the others, in radians: 25 degrees.
+const STEEPER: f64 = 25.0 * PI / 180.0;
+/// Rays across a picture by which one from inside and one from outside are compared.
+const ACROSS: u32 = 40;
+/// Cells of a grid along the longest side of a scene, in each of which a piece of surface is of one body.
+const CELLS: f64 = 16.0;
+/// A ray goes on so much of its way past what it does not meet.
+const PAST: f32 = 1e-5;
+/// So much of the way to what is around the scene an eye may take.
+const BEFORE: f64 = 0.9;
+
+/// True where most of the free space is closed.
+pub(super) fn is_closed(places: &[Place]) -> bool {
+    let closed = places.iter().filter(|place| place.1 >= CLOSED).count();
+    closed >= 2 && 5 * closed >= 3 * places.len()
+}
+
+/// A place where there is room, and how many directions meet fronts there.
+type Place = (DVec3, u32);
+
+/// The scene as a place to look around in.
+pub(super) struct Room<'a> {
+    pub world: &'a World,
+    backend: &'a dyn RayBackend,
+    /// What no ray meets here.
+    pub around: &'a [u32],
+    up: DVec3,
+    /// The part of the scene that is looked at, and whether that is not all.
+    pub focus: Bounds,
+    pub is_part: bool,
+}
+
+impl<'a> Room<'a> {
+    pub fn of(world: &'a World, backend: &'a dyn RayBackend, around: &'a [u32], up: DVec3) -> Self {
+        let focus = focus(world, around);
+        Self {
+            world,
+            backend,
+            around,
+            up: up.normalize_or(DVec3::Y),
+            focus: focus.unwrap_or(extent(world, around)),
+            is_part: focus.is_some(),
+        }
+    }
+
+    fn first(&self, eye: DVec3, toward: DVec3) -> Option<SurfaceHit> {
+        self.first_of([eye, toward], Stops::Any, |instance| {
+            !self.around.contains(&instance)
+        })
+    }
+
+    /// The same without what lets some of the light through: glass closes no room.
+    fn first_wall(&self, eye: DVec3, toward: DVec3) -> Option<SurfaceHit> {
+        self.first_of([eye, toward], Stops::All, |instance| {
+            !self.around.contains(&instance)
+        })
+    }
+
+    /// The first of what is wanted and stops as much.
+    fn first_of(
+        &self,
+        [eye, toward]: [DVec3; 2],
+        stops: Stops,
+        wanted: impl Fn(u32) -> bool,
+    ) -> Option<SurfaceHit> {
+        let mut ray = Ray {
+            origin: eye.as_vec3().to_array(),
+            direction: toward.as_vec3().to_array(),
+            t_min: 0.0,
+            t_max: f32::INFINITY,
+        };
+        loop {
+            let hit = self.backend.closest_that(&ray, stops)?;
+            if wanted(hit.instance) {
+                // What is baked as the front.
+                let is_turned = self.world.is_turned_over(hit.instance, hit.triangle);
+                let front = hit.front != is_turned;
+                return Some(SurfaceHit { front, ..hit });
+            }
+            ray.t_min = (hit.t * (1.0 + PAST)).max(ray.t_min.next_up());
+        }
+    }
+
+    /// As much of a way from a place as ends well before what is around.
+    pub fn before_what_is_around(&self, place: DVec3, way: DVec3) -> DVec3 {
+        let end = self.first_of([place, way], Stops::Any, |instance| {
+            self.around.contains(&instance)
+        });
+        way * end.map_or(1.0, |hit| BEFORE * f64::from(hit.t)).min(1.0)
+    }
+
+    /// The direction from which most of some points are seen, of eight around the scene and eight steeper ones: that of
+    /// [`Camera::front`] unless many more are from another around, and a steeper one where many more are from there.
+    pub fn outside(&self, points: &[Point]) -> DVec3 {
+        let front = Camera::front(self.up);
+        let axis = self.up.cross(front).normalize_or(DVec3::X);
+        let rings = [0.0, STEEPER].map(|rise| DQuat::from_axis_angle(axis, -rise) * front);
+        let far = 2.0 * (self.focus.max - self.focus.min).length();
+        let seen = |toward: DVec3| {
+            let is_seen = |point: &&Point| {
+                let hit = self.first(point.at + far * toward, -toward);
+                hit.is_some_and(|hit| hit.front && (hit.instance, hit.triangle) == point.triangle)
+            };
+            points.iter().filter(is_seen).count()
+        };
+        let mut best = (seen(rings[0]), rings[0]);
+        for ring in rings {
+            let turned = (0..8)
+                .map(|step| DQuat::from_axis_angle(self.up, TAU * f64::from(step) / 8.0) * ring);
+            let most = turned.map(|toward| (seen(toward), toward));
+            let most = most.reduce(|a, b| if b.0 > a.0 { b } else { a });
+            best = most
+                .filter(|most| most.0 as f64 > BETTER * best.0 as f64)
+                .unwrap_or(best);
+        }
+        best.1
+    }
+
+    /// What rays from places in directions tell of what they meet, in bits: the entropy of the pieces of surface whose
+    /// fronts they meet. Backs tell nothing. A piece is what lies in one cell of a grid over the scene and faces one of
+    /// six ways, so that a fine mesh tells no more than a coarse one. P.-P. Vázquez, M. Feixas, M. Sbert, W. Heidrich,
+    /// "Viewpoint Selection using Viewpoint Entropy" (2001), whose pieces are the triangles, without what lies behind
+    /// the scene.
+    pub fn told(&self, rays: impl Iterator<Item = [DVec3; 2]>) -> f64 {
+        let cell = (self.focus.max - self.focus.min).max_element() / CELLS;
+        let hits = rays.filter_map(|[eye, toward]| {
+            let hit = self.first(eye, toward)?;
+            let at = eye + f64::from(hit.t) * toward - self.focus.min;
+            let normal = normal(&self.world.corners(hit.instance, hit.triangle));
+            let axis = normal.abs().max_position();
+            let place = (at / cell).floor().as_i64vec3().to_array();
+            Some((hit.front, (place, axis, normal[axis] > 0.0)))
+        });
+        let hits: Vec<_> = hits.collect();
+        let fronts = hits.iter().filter(|hit| hit.0);
+        let mut fronts: Vec<_> = fronts.map(|hit| hit.1).collect();
+        fronts.sort_unstable();
+        let share = |same: &[_]| same.len() as f64 / hits.len() as f64;
+        let shares = fronts.chunk_by(|a, b| a == b).map(share);
+        shares.map(|share| -share * share.log2()).sum()
+    }
+
+    /// Rays through the picture of a camera.
+    pub fn through(&self, camera: &Camera) -> impl Iterator<Item = [DVec3; 2]> {
+        let [width, height] = camera.size.map(f64::from);
+        (0..ACROSS * ACROSS).map(move |index| {
+            let part = |k: u32| (f64::from(k) + 0.5) / f64::from(ACROSS);
+            let [x, y] = [width * part(index % ACROSS), height * part(index / ACROSS)];
+            [camera.eye, camera.direction(x, y)]
+        })
+    }
+
+    /// Places in the scene's box that are in no solid.
+    pub fn places(&self) -> Vec<Place> {
+        let bounds = self.focus;
+        let extent = bounds.max - bounds.min;
+        let place = |index: u32| {
+            let part = [index % 5, index / 5 % 5, index / 25].map(|k| (f64::from(k) + 0.5) / 5.0);
+            let eye = bounds.min + extent * DVec3::from_array(part);
+            let (mut fronts, mut backs) = (0, 0);
+            for k in 0..AROUND {
+                match self.first_wall(eye, spiral(k)) {
+                    Some(hit) if hit.front => fronts += 1,
+                    Some(_) => backs += 1,
+                    None => {}
+                }
+            }
+            (backs < SOLID).then_some((eye, fronts))
+        };
+        (0..5 * 5 * 5).filter_map(place).collect()
+    }
+
+    /// Eye and look-at point inside, where most of the free space is closed.
+    pub fn closed(&self, places: &[Place]) -> Option<[DVec3; 2]> {
+        is_closed(places).then(|| self.best(places, CLOSED))?
+    }
+
+    /// The share of the directions above the horizon of a place that meet fronts.
+    pub fn roofed(&self, eye: DVec3) -> f64 {
+        let above = || {
+            (0..AROUND)
+                .map(spiral)
+                .filter(|toward| toward.dot(self.up) > 0.0)
+        };
+        let is_met = |toward: &DVec3| self.first(eye, *toward).is_some_and(|hit| hit.front);
+        above().filter(is_met).count() as f64 / above().count().max(1) as f64
+    }
+
+    /// Eye and look-at point that show most, at a place where so many directions or more meet fronts.
+    pub fn best(&self, places: &[Place], fronts: u32) -> Option<[DVec3; 2]> {
+        let mut best: Option<(f64, [DVec3; 2])> = None;
+        for &(eye, _) in places.iter().filter(|place| place.1 >= fronts) {
+            for step in 0..12 {
+                let (score, far) = self.depth(eye, TAU * f64::from(step) / 12.0);
+                if best.is_none_or(|(most, _)| score > most) {
+                    best = Some((score, [eye, far]));
+                }
+            }
+        }
+        best.map(|(_, view)| view)
+    }
+
+    /// How much is to be seen in a horizontal direction, and a point to look at there: the mean logarithm of the
+    /// distance of what is met; things close to the eye and backs count nothing.
+    fn depth(&self, eye: DVec3, azimuth: f64) -> (f64, DVec3) {
+        let bounds = self.focus;
+        let near = 0.03 * (bounds.max - bounds.min).length();
+        let ahead = self.up.any_orthonormal_vector();
+        let forward = DQuat::from_axis_angle(self.up, azimuth) * ahead - 0.15 * self.up;
+        let right = forward.cross(self.up).normalize_or(DVec3::X);
+        let mut sum = 0.0;
+        for index in 0..9 * 5 {
+            let [x, y] = [index % 9 - 4, index / 9 - 2].map(f64::from);
+            let toward = forward + right * (0.2 * x) + self.up * (0.2 * y);
+            if let Some(hit) = self.first(eye, toward).filter(|hit| hit.front) {
+                sum += (f64::from(hit.t) * toward.length() / near).max(1.0).ln();
+            }
+        }
+        (sum, eye + forward)
+    }
+}
+
+/// The k-th of [`AROUND`] directions on a spiral over the sphere.
+fn spiral(k: u32) -> DVec3 {
+    let z = 1.0 - 2.0 * (f64::from(k) + 0.5) / f64::from(AROUND);
+    let (sin, cos) = (f64::from(k) * PI * (3.0 - 5.0f64.sqrt())).sin_cos();
+    let r = (1.0 - z * z).sqrt();
+    DVec3::new(r * cos, r * sin, z)
+}

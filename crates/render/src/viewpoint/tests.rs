@@ -1,0 +1,274 @@
+//! Which side of a scene is shown, and when it is shown from within.
+
+use super::*;
+use crate::fixture::{see_through, white, world};
+use glam::Vec3;
+
+const FRAMING: Framing = Framing {
+    eye: None,
+    look: None,
+    up: DVec3::Y,
+    fov: 0.7,
+    size: [160, 90],
+};
+
+/// The six sides of a box from 0 to (8, 3, 6), fronts inward; only some of them.
+fn room(sides: usize) -> Vec<crate::fixture::Sheet> {
+    let [x, y, z] = [Vec3::X * 8.0, Vec3::Y * 3.0, Vec3::Z * 6.0];
+    let sides_of = [
+        [Vec3::ZERO, z, x],
+        [Vec3::ZERO, y, z],
+        [Vec3::ZERO, x, y],
+        [x, z, y],
+        [z, y, x],
+        [y, x, z],
+    ];
+    sides_of.into_iter().take(sides).map(white).collect()
+}
+
+#[test]
+fn a_closed_room_is_looked_at_from_inside_and_an_open_one_from_outside() {
+    for (sides, inside) in [(6, true), (5, false), (3, false)] {
+        let (world, backend) = world(&room(sides));
+        let camera = FRAMING
+            .fitted(&world, backend.as_ref(), &[], false)
+            .unwrap();
+        let bounds = world.bounds();
+        let within = camera.eye.cmpgt(bounds.min).all() && camera.eye.cmplt(bounds.max).all();
+        assert_eq!(within, inside, "{sides} sides: {camera:?}");
+        assert_eq!(camera.slope > 0.6, inside, "{sides} sides: {camera:?}");
+    }
+}
+
+#[test]
+fn a_shell_that_lets_light_through_is_looked_at_from_outside() {
+    let places: Vec<_> = room(6).iter().map(|sheet| sheet.place).collect();
+    for (stops, inside) in [(1.0, true), (0.9, false)] {
+        let (world, backend) = see_through(&places, stops);
+        let places = places_within(&world, backend.as_ref());
+        assert_ne!(places.is_empty(), inside, "{stops}");
+    }
+}
+
+#[test]
+fn a_body_that_is_baked_from_outside_has_no_places_within() {
+    // A mattress, whose faces look inward and are drawn from both sides, and something beside it.
+    let mut mesh = scene::authored::Mesh::default();
+    let corner = |k: u32| [k >> 2, k >> 1 & 1, k & 1].map(|side| side as f32);
+    mesh.positions = (0..8).map(corner).collect();
+    let sides = [
+        [2, 3, 1, 0],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [6, 7, 3, 2],
+        [4, 6, 2, 0],
+        [1, 3, 7, 5],
+    ];
+    let split = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
+    mesh.triangles = sides.into_iter().flat_map(split).collect();
+    let mut material = scene::authored::Material::default();
+    material.double_sided = true;
+    let mut beside = scene::authored::Mesh::default();
+    beside.positions = vec![[1.05, 0.0, 0.0], [1.05, 0.0, 0.1], [1.1, 0.0, 0.0]];
+    beside.triangles = vec![[0, 1, 2]];
+    let scene = scene::Scene::from_meshes(vec![mesh, beside], vec![material]).unwrap();
+    let mut world = World::new(std::sync::Arc::new(scene), Default::default()).unwrap();
+    let kind = rays::BackendKind::Obvhs(rays::Layout::Cwbvh);
+    let backend = rays::build(kind, &world, 1).unwrap();
+    let within = places_within(&world, backend.as_ref()).len();
+    world.turn_over(std::iter::empty());
+    assert!(world.has_turned_over(0) && within > 0, "{within}");
+    assert_eq!(places_within(&world, backend.as_ref()), []);
+}
+
+#[test]
+fn a_hall_below_a_skylight_is_looked_at_from_inside() {
+    // Three eighths of its ceiling are open.
+    let [x, y, z] = [Vec3::X * 2.5, Vec3::Y * 3.0, Vec3::Z * 6.0];
+    let mut sheets = room(5);
+    sheets.extend([Vec3::ZERO, Vec3::X * 5.5].map(|at| white([at + y, x, z])));
+    let (world, backend) = world(&sheets);
+    let camera = FRAMING
+        .fitted(&world, backend.as_ref(), &[], false)
+        .unwrap();
+    let bounds = world.bounds();
+    let within = camera.eye.cmpgt(bounds.min).all() && camera.eye.cmplt(bounds.max).all();
+    assert!(within, "{camera:?}");
+}
+
+#[test]
+fn a_wall_that_shows_its_back_is_looked_at_from_the_other_side() {
+    let wall = |front: bool| {
+        let [a, b] = [Vec3::X * 4.0, Vec3::Y * 4.0];
+        world(&[white(if front {
+            [Vec3::ZERO, a, b]
+        } else {
+            [Vec3::ZERO, b, a]
+        })])
+    };
+    for (front, side) in [(true, 1.0), (false, -1.0)] {
+        let (world, backend) = wall(front);
+        let camera = FRAMING
+            .fitted(&world, backend.as_ref(), &[], false)
+            .unwrap();
+        assert!(camera.eye.z * side > 0.0, "{front}: {camera:?}");
+    }
+}
+
+#[test]
+fn a_row_of_houses_is_looked_at_from_its_fronts() {
+    // A plain wall toward the view that is taken otherwise, windows on the other side.
+    let [x, y, z] = [Vec3::X * 8.0, Vec3::Y * 3.0, Vec3::Z];
+    let mut sheets: Vec<_> = [
+        [Vec3::ZERO, y, x],
+        [z, x, y],
+        [y, z, x],
+        [Vec3::ZERO, z, y],
+        [x, y, z],
+    ]
+    .map(white)
+    .into();
+    sheets.extend((0..24).map(|k| {
+        let at = Vec3::new((k % 8) as f32 + 0.2, (k / 8) as f32 + 0.2, -0.01);
+        white([at, Vec3::Y * 0.6, Vec3::X * 0.6])
+    }));
+    let (world, backend) = world(&sheets);
+    let camera = FRAMING
+        .fitted(&world, backend.as_ref(), &[], false)
+        .unwrap();
+    assert!(camera.eye.z < 0.0, "{camera:?}");
+}
+
+/// The six sides of a box, fronts outward, each of so many tiles across.
+fn block(low: Vec3, edge: Vec3, tiles: usize) -> Vec<crate::fixture::Sheet> {
+    let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|way| way * edge);
+    let sides = [
+        [low, x, z],
+        [low, z, y],
+        [low, y, x],
+        [low + x, y, z],
+        [low + y, z, x],
+        [low + z, x, y],
+    ];
+    let tile = |[at, a, b]: [Vec3; 3], k: usize| {
+        let [i, j] = [k % tiles, k / tiles].map(|k| k as f32);
+        let [a, b] = [a, b].map(|way| way / tiles as f32);
+        white([at + a * i + b * j, a, b])
+    };
+    let tiled = sides.map(|side| (0..tiles * tiles).map(move |k| tile(side, k)));
+    tiled.into_iter().flatten().collect()
+}
+
+#[test]
+fn a_finely_meshed_table_is_looked_at_as_a_coarse_one_is() {
+    let camera = |tiles: usize| {
+        let floor = [Vec3::new(-5.0, 0.0, -5.0), Vec3::Z * 10.0, Vec3::X * 10.0];
+        let mut sheets = vec![white(floor)];
+        let [low, edge] = [Vec3::new(-1.5, 1.0, -1.5), Vec3::new(3.0, 0.2, 3.0)];
+        sheets.extend(block(low, edge, tiles));
+        for [x, z] in [[-1.4, -1.4], [-1.4, 1.2], [1.2, -1.4], [1.2, 1.2]] {
+            let leg = [Vec3::new(x, 0.0, z), Vec3::new(0.2, 1.0, 0.2)];
+            sheets.extend(block(leg[0], leg[1], 1));
+        }
+        let (world, backend) = world(&sheets);
+        FRAMING
+            .fitted(&world, backend.as_ref(), &[], false)
+            .unwrap()
+    };
+    let coarse = camera(1);
+    assert!(coarse.eye.y > 1.2, "{coarse:?}");
+    assert_eq!(camera(40), coarse);
+}
+
+#[test]
+fn a_cave_with_land_before_it_is_looked_at_from_inside() {
+    // A room whose ceiling, walls and floor are of many faces, and of which one end is open.
+    let tile = |k: u32, [at, a, b]: [Vec3; 3]| {
+        let [i, j] = [k % 10, k / 10].map(|k| k as f32);
+        white([at + a * i + b * j, a, b])
+    };
+    let [x, y, z] = [Vec3::X * 0.8, Vec3::Y * 0.3, Vec3::Z * 0.6];
+    let [right, top, end] = [x, y, z].map(|edge| edge * 10.0);
+    let sides = [
+        [Vec3::ZERO, z, x],
+        [Vec3::ZERO, y, z],
+        [top, x, z],
+        [end, y, x],
+        [right, z, y],
+    ];
+    let mut sheets: Vec<_> = (0..500)
+        .map(|k| tile(k % 100, sides[k as usize / 100]))
+        .collect();
+    sheets.push(white([-0.5 * end, 0.5 * end, right]));
+    let (world, backend) = world(&sheets);
+    let camera = FRAMING
+        .fitted(&world, backend.as_ref(), &[], false)
+        .unwrap();
+    let is_in = camera.eye.cmpgt(DVec3::ZERO).all() && camera.eye.z < f64::from(end.z);
+    assert!(is_in, "{camera:?}");
+}
+
+#[test]
+fn a_plane_far_wider_than_the_scene_is_not_what_is_looked_at() {
+    let card = |k: i32| {
+        let place = Vec3::new((k % 10) as f32, (k / 10) as f32, 0.0);
+        white([place, Vec3::X, Vec3::Y])
+    };
+    let mut sheets: Vec<_> = (0..100).map(card).collect();
+    sheets.push(crate::fixture::ground());
+    let (world, backend) = world(&sheets);
+    let camera = FRAMING
+        .fitted(&world, backend.as_ref(), &[], false)
+        .unwrap();
+    assert!(camera.eye.length() < 100.0, "{camera:?}");
+}
+
+#[test]
+fn what_stands_around_a_scene_is_not_what_is_looked_at() {
+    // A room without a ceiling and two of its walls, in a far and in a near box.
+    let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z];
+    let around = |far: f32| {
+        let [low, edge] = [Vec3::new(4.0, 1.5, 3.0) - far, Vec3::splat(2.0 * far)];
+        let [x, y, z] = [x, y, z].map(|way| way * edge);
+        let sides = [
+            [low, z, x],
+            [low, y, z],
+            [low, x, y],
+            [low + x, z, y],
+            [low + y, x, z],
+            [low + z, y, x],
+        ];
+        sides.map(white)
+    };
+    let alone = world(&room(3));
+    let camera = FRAMING.fitted(&alone.0, alone.1.as_ref(), &[], false);
+    let camera = camera.unwrap();
+    for (far, is_same) in [(100.0, true), (8.0, false)] {
+        let mut sheets = room(3);
+        sheets.extend(around(far));
+        let (world, backend) = world(&sheets);
+        let dome: Vec<u32> = (3..9).collect();
+        let within = FRAMING.fitted(&world, backend.as_ref(), &dome, false);
+        let within = within.unwrap();
+        assert_eq!(within == camera, is_same, "{within:?} for {camera:?}");
+        assert!(
+            within.forward.distance(camera.forward) < 1e-9,
+            "{within:?} for {camera:?}"
+        );
+        let off = (within.eye - DVec3::new(4.0, 1.5, 3.0)).abs();
+        assert!(off.max_element() < f64::from(far), "{within:?}");
+    }
+}
+
+#[test]
+fn what_is_given_stands() {
+    let (world, backend) = world(&room(6));
+    let framing = Framing {
+        look: Some(DVec3::ONE),
+        ..FRAMING
+    };
+    let camera = framing
+        .fitted(&world, backend.as_ref(), &[], false)
+        .unwrap();
+    assert_eq!(camera, framing.camera(&world).unwrap());
+}
