@@ -5,7 +5,8 @@ use crate::error::Error;
 use crate::job::{Given, Job, Made};
 use crate::layout::Layout;
 use crate::memory::Limit;
-use crate::options::{Backend, Effort, Options, Pages, Uv, check_lamps};
+use crate::options::check::check_lamps;
+use crate::options::{Backend, Effort, Options, Pages, Uv};
 use crate::scene::Scene;
 use crate::sky::Sky;
 use ::bake::{

@@ -2,7 +2,7 @@
 
 use super::ProbeOptions;
 use crate::error::Error;
-use crate::options::{check_lights, check_sky};
+use crate::options::check::{check_lights, check_sky};
 use crate::{Scene, Sky};
 use glam::DVec3;
 use rays::{Cone, Light};
@@ -129,7 +129,10 @@ mod tests {
             Light::sphere([1.0, 2.0, 3.0], 0.5, [2.0; 3]),
             Light::rect([0.0; 3], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], [3.0; 3]),
         ] {
-            assert_eq!(light_of(&crate::options::described(&light)), Some(light));
+            assert_eq!(
+                light_of(&crate::options::describe::described(&light)),
+                Some(light)
+            );
         }
     }
 }

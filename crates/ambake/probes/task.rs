@@ -6,7 +6,7 @@ use super::lit::Lit;
 use super::told::{describe, file_name, pictures, record, reflection};
 use super::{CONVENTION, MOST_BOUNCES, MOST_PROBES, Places, ProbeOptions, Probes, REACH, mean};
 use crate::error::Error;
-use crate::options::check_lamps;
+use crate::options::check::check_lamps;
 use crate::{Bounces, Scene, VERSION};
 use ::probes::{DISTANCE_EDGE, Gather, Grid, Placed, Reflection, State, fill, tried};
 use ambient::harmonics::window;

@@ -84,7 +84,11 @@ pub(super) fn file_name(path: &Path) -> String {
 }
 
 pub(super) fn describe(places: &Places, options: &ProbeOptions, light: &Lit) -> Value {
-    let lights: Vec<Value> = light.lights.iter().map(crate::options::described).collect();
+    let lights: Vec<Value> = light
+        .lights
+        .iter()
+        .map(crate::options::describe::described)
+        .collect();
     json!({
         "spacing": match places { Places::Spacing(spacing) => Some(spacing), _ => None },
         "grid": match places { Places::Grid(counts) => Some(counts), _ => None },
