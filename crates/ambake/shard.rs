@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::job::Job;
 use crate::parts::{Kind, Shard, is_done};
 use crate::resume::{END, Saved};
-use crate::write::check_length;
+use crate::write::names::check_length;
 use ::bake::Deal;
 use layers::Progress;
 use report::Output;

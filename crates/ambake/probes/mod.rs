@@ -12,7 +12,7 @@ pub use volume::ProbeVolume;
 
 use crate::error::Error;
 use crate::parts::Kind;
-use crate::write::check_length;
+use crate::write::names::check_length;
 use crate::{Backend, Bounces, Engine, Resume, Scene, Sky};
 use ::probes::{LEAST_EDGE, LEAST_RAYS};
 use glam::DVec3;

@@ -6,7 +6,7 @@ use crate::Scene;
 use crate::differ::difference;
 use crate::error::Error;
 use crate::parts::{Kind, Shard, failed, is_done};
-use crate::write::check_length;
+use crate::write::names::check_length;
 use layers::Progress;
 use report::{Journal, Output};
 use serde_json::{Value, json};

@@ -1,10 +1,14 @@
 //! What a finished bake writes: EXR pages, PNG previews, a GLB and `bake.json`.
 
+mod made;
+pub(crate) mod names;
+mod record;
+
 use crate::any_view;
 use crate::baked::Baked;
 use crate::dome::enclosed;
 use crate::error::Error;
-use crate::host::{REVISION, VERSION, peak_memory};
+use crate::host::VERSION;
 use crate::interior::Brightness;
 use crate::job::Job;
 use crate::lit::LitScene;
@@ -13,24 +17,25 @@ use crate::resume::Saved;
 use crate::state::{self, Head};
 use crate::update::Tracker;
 use crate::vertices::Fit;
-use ::bake::{BakedPage, BounceStats, Bounces, Fingerprint, LayerPlanes, SeamStats};
+use ::bake::{BakedPage, BounceStats, Fingerprint, LayerPlanes, SeamStats};
 use layers::Layer;
-use rayon::prelude::*;
-use report::{
-    BakeReport, Engine, LightSource, LightmapReport, Output, PageHeader, PageLight, PageReport,
-    PhaseReport, ScenePictures, SeamReport, Shades, UpdateReport,
+use made::{glb, page_light, vertex_glb};
+use names::{
+    check_length, glb_name, leftovers, lit_name, names_of_bake, names_of_page, page_name,
+    preview_name, vertex_glb_name,
 };
-use serde_json::{Value, json};
-use std::borrow::Cow;
-use std::collections::BTreeMap;
-use std::io::ErrorKind;
+use rayon::prelude::*;
+use record::{
+    CONVENTION, bounce_report, edited, light_is_missing, page_report, report_of, scene_file,
+    seam_report,
+};
+use report::{
+    BakeReport, LightmapReport, Output, PageHeader, PageReport, PhaseReport, ScenePictures,
+    UpdateReport,
+};
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-/// The sentence about normalisation that every output carries.
-const CONVENTION: &str = "terms are normalised so that an unoccluded texel is 1 under the uniform sky at normal \
-     view: visibility = open solid angle / 2 pi; diffuse = (1/pi) integral of V cos; \
-     specular = ((n+1)/2 pi) integral of V (R.V)^n; linear values; row 0 is v = 0";
 
 /// What a bake into a directory left there.
 #[derive(Debug)]
@@ -353,313 +358,5 @@ impl Job {
     pub(crate) fn unsaved(&self, saved: &Saved) -> impl Fn(Error) -> Error {
         let kept = saved.is_begun();
         move |error| self.unwritten(error, kept)
-    }
-}
-
-/// Checks that the file system takes a file of that name.
-pub(crate) fn check_length(dir: &Path, name: &str) -> Result<(), Error> {
-    let path = dir.join(name);
-    match std::fs::symlink_metadata(&path) {
-        Err(error) if error.kind() == ErrorKind::InvalidFilename => Err(Error::LongName {
-            path: path.display().to_string(),
-        }),
-        _ => Ok(()),
-    }
-}
-
-/// Says that the scene's files are no longer what was baked.
-fn edited(job: &Job) -> Option<report::WarningReport> {
-    job.scene().was_edited().then(|| report::WarningReport {
-        kind: "edited-scene".into(),
-        place: job.scene().path.display().to_string(),
-        count: 1,
-        message: "the scene's files were edited or removed during the bake; the results are those of the scene as it was read".into(),
-    })
-}
-
-/// What engine files are made of: the same numbers that an export reads from the page's file.
-pub(crate) fn page_light<'a>(job: &Job, page: &'a BakedPage) -> Result<PageLight<'a>, Error> {
-    let options = job.options();
-    let plane = |layer: Layer, channel| page.channel(layer, channel).map(Cow::Borrowed);
-    let layer = |layer: Layer| {
-        let missing = || report::Error::MissingLayer {
-            layer: layer.name().into(),
-        };
-        plane(layer, 0).ok_or_else(missing)
-    };
-    let light = match [0, 1, 2].map(|c| plane(Layer::Irradiance, c)) {
-        [Some(r), Some(g), Some(b)] => Some([r, g, b]),
-        _ => None,
-    };
-    let source = match options.sky.light {
-        environment::Sky::Uniform(sky) if !options.light_varies() => LightSource::Uniform(sky),
-        _ => LightSource::Irradiance,
-    };
-    let diffuse = layer(Layer::Diffuse)?;
-    Ok(PageLight {
-        page: page.page,
-        size: page.size,
-        rings: job.baker_options().rings,
-        mips: options.mips,
-        coverage: layer(Layer::Coverage)?,
-        light: source.light(light, &diffuse)?,
-        lit: match [0, 1, 2].map(|c| plane(Layer::Lambert, c)) {
-            [Some(r), Some(g), Some(b)] => Some([r, g, b]),
-            _ => None,
-        },
-        sh: page.layer(Layer::Sh).map(|values| {
-            let planes = values.chunks(page.texels());
-            planes.map(Cow::Borrowed).collect()
-        }),
-        diffuse,
-    })
-}
-
-/// The scene's file as seen from `dir`; `None` where it has none.
-fn scene_file(job: &Job, dir: &Path) -> Option<String> {
-    let scene = job.scene();
-    let has_file = !scene.inputs.is_empty();
-    has_file.then(|| report::scene_file(dir, &scene.path))?
-}
-
-/// What an earlier bake of the same scene file listed in `dir` and may have left: names that no bake of a scene of this
-/// stem makes are nobody's to remove, whoever listed them.
-fn leftovers(dir: &Path, stem: &str, now: &BakeReport) -> Vec<(String, String)> {
-    let earlier = report::read_record(dir, stem);
-    let same = earlier.filter(|of| of.scene.file.is_some() && of.scene.file == now.scene.file);
-    let hashes = same.map(|earlier| earlier.hashes).unwrap_or_default();
-    hashes
-        .into_iter()
-        .filter(|(name, _)| is_made(stem, name))
-        .collect()
-}
-
-/// True for the name of a file that some bake of a scene of this stem makes.
-fn is_made(stem: &str, name: &str) -> bool {
-    let number = || {
-        let (number, _) = name
-            .strip_prefix(stem)?
-            .strip_prefix('.')?
-            .split_once('.')?;
-        number.parse().ok()
-    };
-    let (engines, layers): (Vec<_>, Vec<_>) = (Engine::all().collect(), Layer::all().collect());
-    let of_bake = names_of_bake(stem, &engines, true);
-    let of_page = |compress| {
-        let of_page = number().map(|page| names_of_page(stem, page, &engines, &layers, compress));
-        of_page.unwrap_or_default()
-    };
-    let of_pages = [of_page(false), of_page(true)].concat();
-    of_bake.into_iter().chain(of_pages).any(|made| made == name)
-}
-
-/// The names of files that a bake makes once.
-fn names_of_bake(stem: &str, engines: &[Engine], any_view: bool) -> Vec<String> {
-    let mut names = vec![
-        report::REPORT_FILE.into(),
-        report::record_name(stem),
-        report::REPORT_NAME.into(),
-        glb_name(stem),
-        vertex_glb_name(stem),
-        lit_name(stem),
-        state::head_name(stem),
-    ];
-    if any_view {
-        names.extend(report::any_view_files(stem));
-    }
-    names.extend(report::scene_files(stem, engines));
-    names
-}
-
-/// The names of files that a bake makes for each page.
-fn names_of_page(
-    stem: &str,
-    page: u32,
-    engines: &[Engine],
-    layers: &[Layer],
-    compress: bool,
-) -> Vec<String> {
-    let directional = layers.contains(&Layer::Sh);
-    let mut names = vec![page_name(stem, page), state::tiles_name(stem, page)];
-    names.extend(report::engine_files(
-        stem,
-        page,
-        engines,
-        directional,
-        compress,
-    ));
-    names.extend(layers.iter().map(|&layer| preview_name(stem, page, layer)));
-    names
-}
-
-fn glb_name(stem: &str) -> String {
-    format!("{stem}.glb")
-}
-
-fn vertex_glb_name(stem: &str) -> String {
-    format!("{stem}.vertices.glb")
-}
-
-fn page_name(stem: &str, page: u32) -> String {
-    format!("{stem}.{page}.exr")
-}
-
-fn preview_name(stem: &str, page: u32, layer: Layer) -> String {
-    format!("{stem}.{page}.{}.png", layer.name())
-}
-
-fn lit_name(stem: &str) -> String {
-    format!("{stem}.lit.png")
-}
-
-/// The scene with its lightmap coordinates and, where there are pictures of it, the diffuse term.
-pub(crate) fn glb(job: &Job, pictures: Option<&[Vec<u8>]>) -> Result<Vec<u8>, Error> {
-    let none = Shades::new();
-    Ok(report::write_gltf(
-        job.scene(),
-        job.atlas(),
-        pictures,
-        &none,
-    )?)
-}
-
-/// The scene with a layer of one channel as vertex colours.
-fn vertex_glb(job: &Job, fit: Fit<'_>) -> Result<Vec<u8>, Error> {
-    let shades = fit.solved().into_iter();
-    let shades = shades.map(|(instance, channels)| (instance, channels.concat()));
-    Ok(report::write_gltf(
-        job.scene(),
-        job.atlas(),
-        None,
-        &shades.collect(),
-    )?)
-}
-
-/// The mean of the irradiance over covered texels and channels, as a radiance; `None` where it is not baked.
-fn irradiance_mean(page: &BakedPage) -> Option<f64> {
-    let covered = page.channel(Layer::Coverage, 0)?;
-    let (mut sum, mut count) = (0.0, 0u64);
-    for channel in 0..3 {
-        let light = page.channel(Layer::Irradiance, channel)?;
-        for (light, _) in light.iter().zip(covered).filter(|(_, share)| **share > 0.0) {
-            sum += f64::from(*light);
-            count += 1;
-        }
-    }
-    Some(sum / count.max(1) as f64)
-}
-
-fn page_report(job: &Job, page: &BakedPage) -> PageReport {
-    let stats = &page.stats;
-    let varies = job.options().light_varies();
-    PageReport {
-        page: page.page,
-        texels: stats.texels,
-        coverage_used: stats.coverage / f64::from(page.size).powi(2),
-        buried: report::BuriedReport {
-            texels: stats.buried,
-            share: stats.buried_area / stats.coverage.max(f64::MIN_POSITIVE),
-        },
-        mean_error: stats.errors.sum / stats.seen().max(1) as f64,
-        max_error: stats.errors.max,
-        worst_texel: stats.errors.worst,
-        worst_relative: stats.errors.relative,
-        rmse: stats.rmse(),
-        rmse_bound: stats.rmse_bound(),
-        irradiance_rmse: varies.then(|| stats.irradiance_rmse()),
-        irradiance_mean: varies.then(|| irradiance_mean(page)).flatten(),
-        rays: stats.rays,
-        seconds: stats.seconds,
-        rays_per_second: stats.rays as f64 / stats.seconds.max(1e-9),
-    }
-}
-
-/// A warning where gathers that should have gone on until nothing is missing were stopped before.
-fn light_is_missing(job: &Job, stats: &BounceStats) -> Option<report::WarningReport> {
-    let percent = 100.0 * stats.missing;
-    let is_much = job.options().bounces == Bounces::Auto && percent > 1.0;
-    is_much.then(|| report::WarningReport {
-        kind: "light-missing".into(),
-        place: job.scene().path.display().to_string(),
-        count: 1,
-        message: format!(
-            "after {} gathers {percent:.0} % of the light is still missing: nearly white surfaces send it on and on; give them less albedo with \
-             --albedo, or a number of gathers with --bounces",
-            stats.gathers
-        ),
-    })
-}
-
-fn bounce_report(stats: BounceStats) -> report::BounceReport {
-    report::BounceReport {
-        gathers: stats.gathers,
-        change: stats.change,
-        missing: stats.missing,
-        rays: stats.rays,
-    }
-}
-
-fn seam_report(seams: &SeamStats, texels: u64) -> Option<SeamReport> {
-    let mean = |squares: f64| (squares / seams.points as f64).sqrt();
-    (seams.points > 0).then(|| SeamReport {
-        points: seams.points,
-        rms_before: mean(seams.squares_before),
-        rms_after: mean(seams.squares_after),
-        max_before: seams.max_before,
-        max_after: seams.max_after,
-        rms_moved: (seams.squares_moved / texels.max(1) as f64).sqrt(),
-    })
-}
-
-fn report_of(
-    job: &Job,
-    described: &Value,
-    pages: Vec<PageReport>,
-    phases: Vec<PhaseReport>,
-) -> BakeReport {
-    let (scene, options) = (job.scene(), job.options());
-    let mut described = described.as_object().cloned().unwrap_or_default();
-    // They change no value, so that no page's header and no saved state has them.
-    let engines: Vec<&str> = options.engines.iter().map(|engine| engine.name()).collect();
-    described.insert("for".into(), json!(engines));
-    described.insert("compress".into(), json!(options.compress));
-    let to = if options.vertices {
-        "vertices"
-    } else {
-        "pages"
-    };
-    described.insert("to".into(), json!(to));
-    BakeReport {
-        schema_version: report::BAKE_SCHEMA_VERSION,
-        versions: report::Versions {
-            ambake: VERSION.into(),
-            git_revision: Some(REVISION.into()).filter(|r: &String| !r.is_empty()),
-            backend: job.backend().name().into(),
-            backend_version: job.backend().describe(),
-        },
-        scene: report::SceneReport::of(scene),
-        options: described,
-        seed: options.seed,
-        view: options.view_rule(),
-        convention: CONVENTION.into(),
-        plan: job.decisions(),
-        atlas: report::AtlasReport::of(job.atlas()),
-        layout: job.layout_report().clone(),
-        rays: pages.iter().map(|page| page.rays).sum(),
-        buried: report::BuriedReport::of(&pages),
-        pages,
-        seams: None,
-        bounces: None,
-        update: None,
-        any_view: None,
-        objects: report::object_reports(scene, job.atlas()),
-        seconds: phases.iter().map(|phase| phase.seconds).sum(),
-        timings: phases,
-        peak_memory_bytes: peak_memory(),
-        warnings: job.warnings(),
-        notes: job.atlas().notes.clone(),
-        lightmaps: Vec::new(),
-        files: Vec::new(),
-        hashes: BTreeMap::new(),
     }
 }
