@@ -20,7 +20,7 @@
 //! # Where what is
 //!
 //! * How many texels an object gets: `share.rs` is the rule, `search.rs` finds the densities that fit.
-//! * How charts are made: `charts.rs`; flat faces, which are not cut, in `flat.rs`; what is handed to the unwrapper in
+//! * How charts are made: `charts.rs`; flat faces, which are not cut, in `flat`; what is handed to the unwrapper in
 //!   `parts.rs`; how large curved pieces are cut and laid flat in `flatten`.
 //! * Coordinates of the file: `keep.rs`, and `authored.rs` where their charts are packed apart.
 //! * Packing: `pack.rs` for a page, `pages.rs` for several. How wide gutters are: `gutter.rs`. How they are filled:
