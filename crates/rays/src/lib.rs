@@ -29,8 +29,8 @@
 //!
 //! * Backends: `backend.rs` is the trait, `build.rs` the choice. Which of coinciding triangles a ray meets:
 //!   `coincident.rs`.
-//! * The world and its precision: `world.rs`. Where its coordinates count from: `origin.rs`. Where rays start:
-//!   `surface.rs`.
+//! * The world and its precision: `world`, with the lit sides of triangles in `lit.rs`. Where its coordinates count from:
+//!   `origin.rs`. Where rays start: `surface.rs`.
 //! * What cut-out and see-through surfaces let through: `alpha_test.rs`, channel by channel
 //!   `panes.rs`. Material at a point: `material.rs`.
 //! * How normal maps bend normals: `normal_maps.rs`, with tangents from `tangents.rs` and their frames in `frames.rs`.
@@ -93,4 +93,5 @@ pub use part::Part;
 pub use point::{SurfacePoint, Surfaces};
 pub use solid::{Cover, Covers, NUDGE, Near, Rim, Solids};
 pub use surface::{Patch, PlaneErrors};
-pub use world::{World, WorldOptions, above};
+pub use world::lit::above;
+pub use world::{World, WorldOptions};

@@ -23,7 +23,8 @@
 //! keep [`AWAY`] times the bound away, where 0.04 % are left. That is some thousandths of a millimetre a metre from the
 //! origin.
 
-use crate::world::{Lit, World};
+use crate::world::World;
+use crate::world::lit::Lit;
 use glam::DVec3;
 
 /// Unit roundoff of f32.
