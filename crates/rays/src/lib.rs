@@ -34,10 +34,10 @@
 //! * What cut-out and see-through surfaces let through: `alpha_test.rs`, channel by channel
 //!   `panes.rs`. Material at a point: `material.rs`.
 //! * How normal maps bend normals: `normal_maps.rs`, with tangents from `tangents.rs` and their frames in `frames.rs`.
-//! * What counts as inside of something: `solid`, with closed bodies and cavities in `mod.rs`, grounds in `ground.rs`,
-//!   rooms in `rooms.rs`, bodies without a bottom in `shut.rs`, those that look inward in `inward.rs` and `wound.rs`,
-//!   ends of surfaces that nobody sees in `rims.rs` and what
-//!   thin layers cover in `covers.rs`. Whether a point of a triangle lies in it: `buried.rs`.
+//! * What counts as inside of something: `solid`, with closed bodies and cavities in `mod.rs`, how deep a point lies in
+//!   them in `depth.rs`, grounds in `ground`, rooms in `rooms.rs`, bodies without a bottom in `shut.rs`, those that look
+//!   inward in `inward.rs` and `wound.rs`, ends of surfaces that nobody sees in `rims.rs` and what thin layers cover in
+//!   `covers.rs`. Whether a point of a triangle lies in it: `buried.rs`.
 //! * Suns, point lights, spots, balls and panels: `light.rs`. Surfaces that shine: `lamps.rs`.
 #![forbid(unsafe_code)]
 

@@ -17,14 +17,16 @@
 //!
 //! An open surface whose openings all lie on what it stands on is closed by that, and a solid too: `shut.rs` says when.
 //!
-//! What is rooted in an open ground or in a room has a part that nobody is to see: `ground.rs` and `rooms.rs` say
-//! which.
+//! What is rooted in an open ground or in a room has a part that nobody is to see: `ground` and `rooms.rs` say which.
 //!
 //! A point is buried where it lies in more solids than cavities. Distances do not matter: a limit on the distance of
-//! occluders limits what darkens a place, not where the place is.
+//! occluders limits what darkens a place, not where the place is. `depth.rs` counts,
+//! for the bodies that `about.rs` finds.
 
+mod about;
 mod blind;
 mod covers;
+mod depth;
 mod ground;
 mod inward;
 mod level;
@@ -44,7 +46,6 @@ use covers::Layers;
 pub use covers::{Cover, Covers};
 use glam::{DAffine3, DVec3, Vec3};
 pub use near::Near;
-use opening::Opening;
 use placed::{box_corners, placed_box};
 use rayon::prelude::*;
 pub use rims::Rim;
@@ -90,9 +91,6 @@ struct Body {
     high: DVec3,
     inside: Inside,
 }
-
-/// So few boxes are sooner looked at than found in a tree.
-const FEW: usize = 16;
 
 /// How far off its surface a point is tested, per unit of the coordinates: clear of their rounding in the world and in
 /// a mesh's space. Faces that coincide are so told apart by the side that they face.
@@ -264,43 +262,6 @@ impl Solids {
         (placement, surface_of[triangle as usize])
     }
 
-    /// The bodies that bury or lay open, whose boxes meet this one or touch it but for rounding, ascending.
-    pub fn about(&self, low: DVec3, high: DVec3) -> Vec<u32> {
-        let (low, high) = grown(low, high);
-        self.counting.meeting(low, high)
-    }
-
-    /// True where those are more than a few.
-    pub fn is_crowded(&self, low: DVec3, high: DVec3) -> bool {
-        let (low, high) = grown(low, high);
-        let mut found = 0;
-        self.counting.any(low, high, |_| {
-            found += 1;
-            found > FEW
-        })
-    }
-
-    /// Those of the bodies about a box that are about a smaller one in it.
-    pub fn narrowed(&self, about: &[u32], low: DVec3, high: DVec3) -> Vec<u32> {
-        if about.len() > FEW {
-            return self.about(low, high);
-        }
-        let (low, high) = grown(low, high);
-        let reaches = |body: &u32| self.reaches(*body, low, high);
-        about.iter().copied().filter(reaches).collect()
-    }
-
-    /// True where a body counts the same at all points of triangles of `own`: a solid does not bury itself, and a
-    /// ground or a room buries what is rooted in it alone.
-    pub fn spares(&self, body: u32, own: Option<u32>) -> bool {
-        match &self.bodies[body as usize].inside {
-            Inside::Solid => own == Some(body),
-            Inside::Cavity => false,
-            Inside::Room | Inside::Nothing => true,
-            Inside::Behind(rooted) | Inside::Around(rooted) => !is_among(rooted, own),
-        }
-    }
-
     /// True for a ground. What lies behind it may end far from its surface, beside it.
     pub fn is_ground(&self, body: u32) -> bool {
         matches!(self.bodies[body as usize].inside, Inside::Behind(_))
@@ -330,113 +291,6 @@ impl Solids {
     pub fn extent(&self, body: u32) -> f64 {
         let body = &self.bodies[body as usize];
         (body.high - body.low).max_element()
-    }
-
-    /// True where this box meets that of a closed surface.
-    fn reaches(&self, body: u32, low: DVec3, high: DVec3) -> bool {
-        let body = &self.bodies[body as usize];
-        body.low.cmple(high).all() && body.high.cmpge(low).all()
-    }
-
-    /// True where what a body counts may change between these points; false is certain.
-    pub fn meets(&self, body: u32, points: impl Iterator<Item = DVec3> + Clone) -> bool {
-        let of = &self.bodies[body as usize];
-        let is_near = |body: &Body| {
-            let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-            let local = points.clone().map(|at| body.inverse.transform_point3(at));
-            let (low, high) = local.fold(limits, |(low, high), at| (low.min(at), high.max(at)));
-            let is_solid = body.inside == Inside::Solid;
-            let mut openings = self.surface(body).openings.iter();
-            self.tree(body).meets(&self.scene, low, high)
-                || (is_solid && openings.any(|opening| opening.meets(low, high)))
-        };
-        if !matches!(of.inside, Inside::Around(_)) {
-            return is_near(of);
-        }
-        let passes = |opening: &Opening| {
-            let shown = |at| opening.shows(of.inverse.transform_point3(at));
-            let mut shown = points.clone().map(shown);
-            let first = shown.next();
-            shown.any(|shown| Some(shown) != first)
-        };
-        let other_is_near = || {
-            let limits = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-            let around = |(low, high): (DVec3, DVec3), at| (low.min(at), high.max(at));
-            let (low, high) = points.clone().fold(limits, around);
-            let is_near = |other| other != body && is_near(&self.bodies[other as usize]);
-            self.room_boxes.any(low, high, is_near)
-        };
-        is_near(of) || self.surface(of).openings.iter().any(passes) || other_is_near()
-    }
-
-    /// What a body counts at a point of a triangle of the body `own`: 1 in a solid, behind a ground and outside of a
-    /// room, -1 in a cavity, 0 elsewhere. On its own triangles the side of the surface decides and not the point: a
-    /// solid does not bury itself, and a cavity is open to its own walls. A ground and a room count for what is rooted
-    /// in them alone.
-    pub fn depth(&self, body: u32, point: DVec3, own: Option<u32>) -> i32 {
-        self.depth_by(body, point, own, |of| self.holds(of, point))
-    }
-
-    /// True where what bodies count is above 0 together; as few as tell are asked.
-    pub fn outweigh(&self, bodies: &[u32], mut depth: impl FnMut(u32) -> i32) -> bool {
-        let is_cavity = |body: &&u32| self.is_cavity(**body);
-        // All others only add to what cavities take.
-        let cavities = bodies.iter().filter(is_cavity);
-        let mut sum: i32 = cavities.map(|&body| depth(body)).sum();
-        let mut others = bodies.iter().filter(|body| !is_cavity(body));
-        others.any(|&body| {
-            sum += depth(body);
-            sum > 0
-        })
-    }
-
-    /// True where one solid other than `own` holds all of a box, clear of its surface, where no cavity is: nothing lays
-    /// that open. It spares who asks the other bodies about the box, which may be all of the scene.
-    pub fn swallow(&self, low: DVec3, high: DVec3, own: Option<u32>) -> bool {
-        let reach = self.longest.max(low.abs().max(high.abs()).max_element());
-        let (low, high) = (low - 2.0 * NUDGE * reach, high + 2.0 * NUDGE * reach);
-        let corners = box_corners(low, high).into_iter();
-        let is_about = |body: u32| {
-            let of = &self.bodies[body as usize];
-            let is_other = own != Some(body) && of.inside == Inside::Solid;
-            is_other && self.holds(of, low) && !self.meets(body, corners.clone())
-        };
-        !self.cavities.any(low, high, |_| true) && self.counting.any(low, high, is_about)
-    }
-
-    fn is_cavity(&self, body: u32) -> bool {
-        self.bodies[body as usize].inside == Inside::Cavity
-    }
-
-    fn depth_by(
-        &self,
-        body: u32,
-        point: DVec3,
-        own: Option<u32>,
-        holds: impl FnOnce(&Body) -> bool,
-    ) -> i32 {
-        let of = &self.bodies[body as usize];
-        let is_own = own == Some(body);
-        match &of.inside {
-            Inside::Room | Inside::Nothing => 0,
-            Inside::Solid => i32::from(!is_own && holds(of)),
-            Inside::Cavity => -i32::from(is_own || holds(of)),
-            Inside::Behind(rooted) => i32::from(is_among(rooted, own) && holds(of)),
-            Inside::Around(rooted) => {
-                let holds_too =
-                    |other| other != body && self.holds(&self.bodies[other as usize], point);
-                let is_in_other = || self.room_boxes.any(point, point, holds_too);
-                let is_out = || !self.is_seen_through(of, point) && !is_in_other();
-                i32::from(is_among(rooted, own) && !holds(of) && is_out())
-            }
-        }
-    }
-
-    /// True where one may look from within a room through an opening at a point outside.
-    fn is_seen_through(&self, room: &Body, point: DVec3) -> bool {
-        let local = room.inverse.transform_point3(point);
-        let mut openings = self.surface(room).openings.iter();
-        openings.any(|opening| opening.shows(local))
     }
 
     /// How many bodies there are, whether they bury or not.
@@ -497,39 +351,6 @@ impl Solids {
         }
     }
 
-    fn holds(&self, body: &Body, point: DVec3) -> bool {
-        let winding = |local| self.winding(body, local);
-        self.holds_by(body, point, winding)
-    }
-
-    /// True where the body holds a point, with what winds around it in the body's space.
-    fn holds_by(&self, body: &Body, point: DVec3, winding: impl FnOnce(DVec3) -> i32) -> bool {
-        let apart = point.cmplt(body.low) | point.cmpgt(body.high);
-        if apart.any() {
-            return false;
-        }
-        let (surface, local) = (self.surface(body), body.inverse.transform_point3(point));
-        match surface.front {
-            Some(front) => {
-                let height = self.tree(body).height(&self.scene, local, front);
-                height.is_some_and(|height| height < 0.0)
-            }
-            None => f64::from(winding(local)) * surface.content() > 0.0,
-        }
-    }
-
-    /// How often a body's surface winds around a point of its own space, openings filled.
-    fn winding(&self, body: &Body, local: DVec3) -> i32 {
-        let panes = self.panes(body);
-        self.tree(body).winding(&self.scene, panes, local)
-    }
-
-    /// What fills the openings of a body.
-    fn panes(&self, body: &Body) -> impl Iterator<Item = &[[f32; 3]; 3]> {
-        let openings = self.surface(body).openings.iter();
-        openings.flat_map(|opening| &opening.panes)
-    }
-
     fn surface(&self, body: &Body) -> &Surface {
         &self.shapes[body.shape as usize].surfaces[body.surface as usize]
     }
@@ -543,12 +364,6 @@ impl Solids {
         let faces = &shape.surfaces[surface].faces;
         shape.trees[surface].get_or_init(|| SurfaceTree::build(&self.scene, faces))
     }
-}
-
-/// A box with room for points that are tested [`NUDGE`] off their surface.
-fn grown(low: DVec3, high: DVec3) -> (DVec3, DVec3) {
-    let slack = NUDGE * low.abs().max(high.abs()).max_element();
-    (low - slack, high + slack)
 }
 
 /// For each mesh the first one with the same triangles at the same corners, of the same material.
@@ -572,10 +387,6 @@ fn twins(scene: &Scene) -> Vec<u32> {
         if is_same { twin } else { index }
     };
     (0..).zip(&hashes).map(of).collect()
-}
-
-fn is_among(rooted: &[u32], own: Option<u32>) -> bool {
-    own.is_some_and(|own| rooted.binary_search(&own).is_ok())
 }
 
 #[cfg(test)]
