@@ -2,13 +2,14 @@
 
 use crate::audit::{Findings, audit};
 use crate::authored::authored_sheets;
-use crate::charts::{Sheet, sheets};
+use crate::charts::sheets;
 use crate::hidden::hide;
 use crate::mask::Mask;
 use crate::measure::{AS_IT_STANDS, density};
 use crate::objects::Object;
 use crate::pack::{Frame, Shape, Spot, pack};
 use crate::search::{Cut, Found, search};
+use crate::sheet::Sheet;
 use crate::uv::twice_area;
 use crate::{Atlas, Audit, Error, MeshLayout, Options, Placement, Seen, UvSource};
 use glam::{DVec2, Vec2};

@@ -4,8 +4,9 @@
 //! factor. So what the author gave to one chart more than to another, it keeps.
 
 use crate::MeshLayout;
-use crate::charts::{Sheet, users};
+use crate::charts::users;
 use crate::measure::{mesh_area, uv_area, world_area};
+use crate::sheet::Sheet;
 use crate::touching::TURN;
 use scene::{Mesh, Scene, Sets};
 use std::collections::HashMap;

@@ -1,6 +1,6 @@
 //! Charts that nobody sees.
 
-use crate::charts::Sheet;
+use crate::sheet::Sheet;
 use crate::{Seen, SurfacePoint};
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
