@@ -1,7 +1,7 @@
 //! `STEM.state` and `STEM.P.state`: the finished tiles of a bake as they were before whole pages were worked on, for
 //! `--update`.
 //!
-//! Both are journals (see `report`'s `checkpoint.rs`). The head's header has the bake's key; its first block is JSON
+//! Both are journals (see `report`'s `checkpoint`). The head's header has the bake's key; its first block is JSON
 //! (claims on the layout and the content of objects), the others are the layout. A block of a page is a line of JSON
 //! (tiles, their fingerprints and sums) and packed bytes: for each texel its place in its tile (u8), then the values,
 //! channel by channel, first the low bytes of all (f32, little-endian). A tile says by its fingerprint what it was made

@@ -1,6 +1,6 @@
 //! `STEM.layout`: an atlas as a file, so that the shards of a bake need not each make it anew.
 //!
-//! It is a journal (see `checkpoint.rs`): the header names what decides the layout; the first block is JSON (sizes,
+//! It is a journal (see `checkpoint`): the header names what decides the layout; the first block is JSON (sizes,
 //! placements, audit), then one block a mesh: for each layout vertex its source (u32) and its coordinates (2 f32), the
 //! corners of the triangles (3 u32), the page of each triangle (u16) where they differ, and whether nobody sees it (a
 //! byte, 1 or 0) where that is so of some. Numbers are little-endian.

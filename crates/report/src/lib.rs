@@ -5,7 +5,7 @@
 //!
 //! # Where what is
 //!
-//! * EXR pages: `exr_write.rs`. Previews: `preview.rs`. The GLB: `gltf`. `bake.json`: `bake_json.rs`, and whose report
+//! * EXR pages: `exr_write.rs`. Previews: `preview.rs`. The GLB: `gltf`. `bake.json`: `bake_json`, and whose report
 //!   it is: `record.rs` and `stage_record.rs`.
 //! * What an engine gets: `engines`, with its table in `engine_table.rs`, the pictures in the files beside it, GLB files with
 //!   light in them in `scene_glb.rs`, occlusion beside roughness in `orm_glb.rs`, copies as instances in `instanced`
@@ -14,8 +14,8 @@
 //!   CSS and JavaScript beside them.
 //! * `compare`: `compare.rs`, with pictures by `difference.rs`. Files of probes: `probes`. Layouts: `layout.rs` has
 //!   words and warnings, `layout_file.rs` the file.
-//! * Saved tiles and parts: `checkpoint.rs` is the format; `crates/ambake/resume.rs` says what is in it and when.
-//! * Temporary names, and which files of an earlier bake go: `output.rs`. The lock on a folder: `lock.rs`. What may be
+//! * Saved tiles and parts: `checkpoint` is the format; `crates/ambake/resume.rs` says what is in it and when.
+//! * Temporary names, and which files of an earlier bake go: `output`. The lock on a folder: `lock.rs`. What may be
 //!   opened in it: `regular.rs`.
 #![forbid(unsafe_code)]
 // Without all of its writers some helpers have no caller.

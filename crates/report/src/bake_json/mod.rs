@@ -1,5 +1,9 @@
 //! `bake.json`: what was asked, what was modelled and why, what came out and what it cost.
 
+mod facts;
+#[cfg(test)]
+pub(crate) mod tests;
+
 use crate::{Error, check_regular};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -317,61 +321,6 @@ pub struct WarningReport {
     pub message: String,
 }
 
-impl SceneReport {
-    /// The facts of a loaded scene.
-    pub fn of(scene: &scene::Scene) -> SceneReport {
-        let triangles = |mesh: &scene::Mesh| mesh.triangles.len() as u64;
-        SceneReport {
-            path: scene.path.display().to_string(),
-            file: None,
-            format: match scene.format {
-                scene::Format::Obj => "obj",
-                scene::Format::Gltf => "gltf",
-                scene::Format::Glb => "glb",
-                scene::Format::Memory => "memory",
-            }
-            .into(),
-            content_hash: scene.content_hash.clone(),
-            meshes: scene.meshes.len() as u64,
-            instances: scene.instances.len() as u64,
-            triangles: scene.meshes.iter().map(triangles).sum(),
-            instanced_triangles: scene
-                .instances
-                .iter()
-                .map(|i| triangles(&scene.meshes[i.mesh as usize]))
-                .sum(),
-            materials: scene.materials.len() as u64,
-            images: scene.images.len() as u64,
-        }
-    }
-}
-
-impl AtlasReport {
-    /// The facts of a layout.
-    pub fn of(atlas: &atlas::Atlas) -> AtlasReport {
-        let (source, kept_set) = match atlas.source {
-            atlas::UvSource::Kept { set } => ("kept", Some(set)),
-            atlas::UvSource::Repacked { set } | atlas::UvSource::Apart { set } => {
-                ("repacked", Some(set))
-            }
-            atlas::UvSource::Unwrapped => ("unwrapped", None),
-        };
-        AtlasReport {
-            source: source.into(),
-            kept_set,
-            page_size: atlas.page_size,
-            pages: atlas.page_count,
-            charts: atlas.chart_count,
-            density: atlas.density,
-            overlaps: atlas.audit.overlaps,
-            missing: atlas.audit.missing,
-            outside: atlas.audit.outside,
-            texels: atlas.audit.texels,
-            hash: crate::layout_hash(atlas),
-        }
-    }
-}
-
 /// The objects of a scene in the order of the `object` layer.
 pub fn object_reports(scene: &scene::Scene, atlas: &atlas::Atlas) -> Vec<ObjectReport> {
     let objects = scene.instances.iter().zip(&atlas.placements);
@@ -385,32 +334,6 @@ pub fn object_reports(scene: &scene::Scene, atlas: &atlas::Atlas) -> Vec<ObjectR
         },
     };
     objects.map(report).collect()
-}
-
-impl From<&scene::Warning> for WarningReport {
-    fn from(warning: &scene::Warning) -> WarningReport {
-        WarningReport {
-            kind: warning.kind.name().into(),
-            place: warning.place.clone(),
-            count: warning.count,
-            message: warning.message.clone(),
-        }
-    }
-}
-
-impl BuriedReport {
-    /// What lies inside of solids on all pages.
-    pub fn of(pages: &[PageReport]) -> Self {
-        let area: f64 = pages.iter().map(|page| page.coverage_used).sum();
-        let buried = |page: &PageReport| page.buried.share * page.coverage_used;
-        Self {
-            texels: pages.iter().map(|page| page.buried.texels).sum(),
-            share: match area > 0.0 {
-                true => pages.iter().map(buried).sum::<f64>() / area,
-                false => 0.0,
-            },
-        }
-    }
 }
 
 impl BakeReport {
@@ -445,99 +368,4 @@ pub fn read_bake_report(path: &Path) -> Result<BakeReport, Error> {
         return Err(Error::read(path, reason));
     }
     serde_json::from_str(&text).map_err(broken)
-}
-
-#[cfg(test)]
-pub(crate) mod tests {
-    use super::*;
-    use serde_json::json;
-
-    pub(crate) fn report() -> BakeReport {
-        BakeReport {
-            schema_version: BAKE_SCHEMA_VERSION,
-            versions: Versions {
-                backend: "obvhs".into(),
-                ..Versions::default()
-            },
-            scene: SceneReport {
-                path: "räume/\"a\".glb".into(),
-                ..SceneReport::default()
-            },
-            options: json!({ "size": 64, "sky": [1.0, 0.1, 1e-7], "density": null })
-                .as_object()
-                .cloned()
-                .unwrap(),
-            seed: u64::MAX,
-            view: "eye 1,2,3".into(),
-            convention: "linear".into(),
-            plan: vec![DecisionReport {
-                decision: "specular".into(),
-                modelled: false,
-                reason: "no material reflects specularly".into(),
-                method: Some("off".into()),
-            }],
-            atlas: AtlasReport {
-                kept_set: Some(1),
-                density: 0.1 + 0.2,
-                ..AtlasReport::default()
-            },
-            layout: crate::LayoutReport::default(),
-            pages: vec![PageReport {
-                mean_error: 1.0 / 3.0,
-                ..PageReport::default()
-            }],
-            seams: Some(SeamReport::default()),
-            bounces: Some(BounceReport::default()),
-            update: Some(UpdateReport::default()),
-            any_view: Some(AnyViewReport::default()),
-            objects: vec![ObjectReport::default()],
-            timings: vec![PhaseReport::default()],
-            seconds: 1e-9,
-            rays: u64::MAX - 1,
-            buried: BuriedReport::default(),
-            peak_memory_bytes: None,
-            warnings: vec![WarningReport::default()],
-            notes: vec!["TEXCOORD_0 overlaps itself".into()],
-            lightmaps: Vec::new(),
-            files: vec!["a.0.exr".into()],
-            hashes: [("a.0.exr".into(), "00".into())].into(),
-        }
-    }
-
-    #[test]
-    fn bake_json_comes_back_whole_and_begins_with_its_version() {
-        let dir = tempfile::tempdir().unwrap();
-        let path = dir.path().join("bake.json");
-        let text = report().to_json();
-        assert!(text.starts_with("{\n  \"schema_version\": 1,\n"), "{text}");
-        std::fs::write(&path, &text).unwrap();
-        assert_eq!(read_bake_report(&path).unwrap(), report());
-    }
-
-    #[test]
-    fn other_versions_and_damage_are_told_apart() {
-        let dir = tempfile::tempdir().unwrap();
-        let path = dir.path().join("bake.json");
-        let text = report().to_json();
-        let newer = text.replacen("1,", "7,", 1);
-        for (text, word) in [
-            (newer.as_str(), "schema version 7"),
-            (&text[..text.len() / 2], "damaged"),
-            ("{}", "schema_version"),
-            ("", "damaged"),
-        ] {
-            std::fs::write(&path, text).unwrap();
-            let error = read_bake_report(&path).unwrap_err().to_string();
-            assert!(
-                error.contains(word) && error.contains("bake.json"),
-                "{error}"
-            );
-        }
-        std::fs::remove_file(&path).unwrap();
-        let error = read_bake_report(&path).unwrap_err().to_string();
-        assert!(
-            error.contains("name the directory of a finished bake"),
-            "{error}"
-        );
-    }
 }
